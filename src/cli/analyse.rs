@@ -95,8 +95,7 @@ impl Question {
     }
 
     fn request(&self) -> Result<AnalysisRequest, CliError> {
-        let Self { file, preset, word, parameters, nodes, grid, matrices, scan, steps, valences, format: _, output: _ } =
-            self;
+        let Self { file, preset, word, parameters, nodes, grid, matrices, scan, steps, valences, .. } = self;
         let of = |points| MatricesRequest::Of(SmallPolygon { points: Some(points), powers: None });
         let matrices = matrices.map(of);
         let scan = scan.as_deref().map(|text| scanned(text, *steps)).transpose()?;

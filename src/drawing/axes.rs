@@ -47,7 +47,7 @@ impl Axis {
 impl Axes {
     /// Room that ticks and labels want outside of the frame at a size of the font: left, top, right, bottom, pixels.
     pub fn margins(x: &Axis, y: &Axis, size_px: f32) -> [f32; 4] {
-        let line = 1.5 * size_px;
+        let line = 1.8 * size_px;
         let labelled = |axis: &Axis| if axis.label.is_some() { line } else { 0.0 };
         let widest = ticks(y.low, y.high, MOST).iter().map(|tick| tick.label.width(size_px)).fold(0.0, f32::max);
         [widest + size_px + labelled(y), 0.7 * size_px, 1.2 * size_px, 2.0 * size_px + labelled(x)]

@@ -5,7 +5,7 @@ use std::sync::{Arc, LazyLock};
 use super::canary::Canary;
 use super::connections::Connections;
 use super::memo::Memo;
-use super::request_counts::RequestCounts;
+use super::request_counts::Requests;
 use super::short::Short;
 use crate::config::Settings;
 use crate::service::desk::Desk;
@@ -24,7 +24,7 @@ pub struct App {
     /// What was answered lately, and can be answered again without the router.
     pub short: Short,
     /// What was answered, counted.
-    pub(super) requests: RequestCounts,
+    pub(super) requests: Requests,
     /// The connections that are open.
     pub connections: Arc<Connections>,
     /// The OpenAPI document, written when it is first asked for.

@@ -8,7 +8,7 @@ use axum::middleware::Next;
 use axum::response::{IntoResponse, Response};
 
 use super::app::{App, Shared};
-use super::request_counts::RequestCounts;
+use super::request_counts::Requests;
 use crate::service::peer::Kind;
 use crate::service::pool::Lane;
 use crate::service::tally::BOUNDS_MS;
@@ -76,13 +76,13 @@ fn text(app: &App) -> String {
     page.0
 }
 
-fn requests(page: &mut Page, requests: &RequestCounts) {
+fn requests(page: &mut Page, requests: &Requests) {
     page.family("planish_requests_total", "counter", "Answers by method, route and status.");
-    for ((method, route, status), n) in &*requests.table() {
+    requests.each(|method, route, status, n| {
         let status = status.to_string();
-        let labels = [("method", *method), ("route", route), ("status", &status)];
+        let labels = [("method", method), ("route", route), ("status", &status)];
         page.value("planish_requests_total", &labels, n);
-    }
+    });
 }
 
 fn work(page: &mut Page, app: &App) {

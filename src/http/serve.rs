@@ -20,8 +20,8 @@ use super::connections::{Connections, Open};
 use super::memo::Memo;
 use super::pace::Pace;
 use super::problem;
-use super::request_counts::RequestCounts;
-use super::requests::Requests;
+use super::request_counts::Requests;
+use super::requests::Requests as Answering;
 use super::router::{document_text, router};
 use super::short::Short;
 use super::stream::Watched;
@@ -147,7 +147,7 @@ pub async fn bind_at(mut settings: Settings, clock: Arc<dyn Clock>) -> Result<(T
     let openapi = LazyLock::new(document_text as fn() -> String);
     Ok((
         listener,
-        Arc::new(App { desk, settings, canary, memo, short, requests: RequestCounts::default(), connections, openapi }),
+        Arc::new(App { desk, settings, canary, memo, short, requests: Requests::default(), connections, openapi }),
     ))
 }
 
@@ -239,7 +239,7 @@ fn attend(stream: TcpStream, open: Open, app: &Arc<App>, router: Router, gracefu
         .timer(TokioTimer::new())
         .header_read_timeout(Duration::from_secs(settings.header_timeout_s))
         .max_buf_size(64 << 10)
-        .serve_connection(TokioIo::new(stream), Requests::new(app.clone(), router, connection.clone()));
+        .serve_connection(TokioIo::new(stream), Answering::new(app.clone(), router, connection.clone()));
     let served = graceful.watch(served);
     tokio::spawn(async move {
         let _open = open;

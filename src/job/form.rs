@@ -1,5 +1,8 @@
 //! The forms in which an analysis is answered.
 
+use super::codec::Item;
+use super::key::{Key, hashed};
+
 /// How an analysis is answered.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Form {
@@ -46,5 +49,14 @@ impl Form {
     /// Whether it shows functions, whose values it needs.
     pub const fn is_figure(self) -> bool {
         matches!(self, Self::Svg | Self::Png)
+    }
+
+    /// The key of an analysis in the form: that of what it finds for the usual one.
+    pub(super) fn key(self, found: Key) -> Key {
+        if self == Self::default() {
+            return found;
+        }
+        let items = [Item::text(self.name()), Item::text(&found.to_string())];
+        hashed(&Item::List(items.into()))
     }
 }

@@ -2,7 +2,7 @@
 
 use super::analysis::Analysis;
 use super::form::Form;
-use super::key::{self, Key};
+use super::key::Key;
 use super::surface_analysis::SurfaceAnalysis;
 use super::tube_analysis::TubeAnalysis;
 use crate::math::parameter::Literal;
@@ -39,7 +39,7 @@ impl Inquiry {
             Self::Surface(analysis) => analysis.key(),
             Self::Tube(analysis) => analysis.key(),
         };
-        key::in_form(key, form)
+        form.key(key)
     }
 
     /// Bytes of memory that it takes at most.

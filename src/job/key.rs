@@ -4,11 +4,9 @@
 use std::fmt;
 
 use super::codec::Item;
-use super::form::Form;
 use super::input::Input;
 use super::output::Output;
 use super::shape_items::{connectivity, input, lines, mesh};
-use super::tube_analysis::TubeInput;
 use crate::analysis::smoothness::Symbol;
 use crate::analysis::{Level, Study};
 use crate::math::expression::{Expression, Instruction};
@@ -27,7 +25,7 @@ use crate::shape::frame::Frame;
 use crate::shape::tile::Tile;
 
 /// Version of the results: raised whenever any artifact's bytes change.
-pub const RESULTS_VERSION: u32 = 9;
+pub const RESULTS_VERSION: u32 = 10;
 
 /// Identity of an artifact, a job or a content: a BLAKE3 hash, written as 64 lowercase hexadecimal digits.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
@@ -231,34 +229,6 @@ pub(super) fn surface_analysis(
     hashed(&Item::List(items))
 }
 
-/// Key of a question about a tube: over the results version, the plan without what its operators do not use, and what
-/// was asked for.
-pub(super) fn tube_analysis(asked: &Plan, tube: &TubeInput, nodes: u64) -> Key {
-    let TubeInput { vertices, turns, control_radius, limit_radius } = tube;
-    let radius = |radius: &Option<f64>| Item::List(radius.iter().map(|radius| Item::Number(*radius)).collect());
-    // alpha is that of the ring
-    let asked = Plan { alpha: 0.0, compensation_alpha: None, ..asked.clone() };
-    let items = vec![
-        Item::text("planish tube analysis"),
-        Item::Integer(u64::from(RESULTS_VERSION)),
-        plan_of(&asked, 1, true, [true, false], Vec::new()),
-        Item::List([vertices, turns].map(|n| Item::Integer(*n)).into()),
-        radius(control_radius),
-        radius(limit_radius),
-        Item::Integer(nodes),
-    ];
-    hashed(&Item::List(items))
-}
-
-/// The key of an analysis in a form: that of what it finds for the usual one.
-pub(super) fn in_form(key: Key, form: Form) -> Key {
-    if form == Form::default() {
-        return key;
-    }
-    let items = [Item::text(form.name()), Item::text(&key.to_string())];
-    hashed(&Item::List(items.into()))
-}
-
 /// Whether an output shows the limit, which is that of the plan even where none of its levels was applied.
 fn shows_limit(output: &Output) -> bool {
     let of_limit = |(name, value): (&str, &Value)| name == TANGENTS.name || *value == Value::Choice(LIMIT);
@@ -273,7 +243,7 @@ fn plan(input: &Input, refined: &Plan, levels: u32, shows_limit: bool) -> Item<'
 }
 
 /// The same for a shape that is a mesh or not, open or not, on which the scheme has these rules.
-fn plan_of(
+pub(super) fn plan_of(
     refined: &Plan,
     levels: u32,
     shows_limit: bool,

@@ -12,9 +12,9 @@ use crate::shape::mesh::Mesh;
 use crate::watch::{Stopped, Watch};
 
 /// Most levels of which bounds are told.
-/// Each comes four times as close as the one before, so that six tell how it goes on. Half of it tells less; twice of it
-/// takes sixteen times as long or more.
-const MAX_LEVEL: u32 = 6;
+/// Each comes four times as close as the one before, so that three tell how it goes on. Half of it tells less; twice of it
+/// takes sixty times as long.
+const MAX_LEVEL: u32 = 3;
 /// Most faces of a mesh of which bounds are told.
 /// A level of them is looked at within a second. Half of it refuses common control meshes; twice of it takes twice as
 /// long.

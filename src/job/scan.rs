@@ -27,7 +27,8 @@ pub struct ScanWish {
     pub steps: u32,
 }
 
-/// The scan of a parameter with so many products of matrices at each value, and at most so many in all; `study` says what a plan comes to.
+/// The scan of a parameter with so many products of matrices at each value, and at most so many in all; `study` says
+/// what a plan comes to.
 ///
 /// # Errors
 /// Every fault found, with pointers into the request.

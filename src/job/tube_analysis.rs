@@ -1,7 +1,8 @@
 //! What a plan makes of a straight tube whose rings are tagged as latitude lines: the limit radius, and its inverse.
 
 use super::analysis::{DEFAULT_NODES, MAX_NODES};
-use super::key::{self, Key};
+use super::codec::Item;
+use super::key::{Key, RESULTS_VERSION, hashed, plan_of};
 use crate::analysis::circles::StraightTube;
 use crate::analysis::smoothness::{Report, Symbol};
 use crate::analysis::surface::latitude_curves;
@@ -92,7 +93,7 @@ impl TubeAnalysis {
         if let Some(detail) = asked.without_delta(&tube) {
             return Err(vec![Fault::new("/tube/limit_radius", detail)]);
         }
-        let key = key::tube_analysis(&plan, &asked, nodes);
+        let key = key(&plan, &asked, nodes);
         Ok(Self { asked, tube, curves, nodes, key })
     }
 
@@ -172,4 +173,23 @@ impl TubeInput {
             )
         })
     }
+}
+
+/// Key of a question about a tube: over the results version, the plan without what its operators do not use, and what
+/// was asked for.
+fn key(asked: &Plan, tube: &TubeInput, nodes: u64) -> Key {
+    let TubeInput { vertices, turns, control_radius, limit_radius } = tube;
+    let radius = |radius: &Option<f64>| Item::List(radius.iter().map(|radius| Item::Number(*radius)).collect());
+    // alpha is that of the ring
+    let asked = Plan { alpha: 0.0, compensation_alpha: None, ..asked.clone() };
+    let items = vec![
+        Item::text("planish tube analysis"),
+        Item::Integer(u64::from(RESULTS_VERSION)),
+        plan_of(&asked, 1, true, [true, false], Vec::new()),
+        Item::List([vertices, turns].map(|n| Item::Integer(*n)).into()),
+        radius(control_radius),
+        radius(limit_radius),
+        Item::Integer(nodes),
+    ];
+    hashed(&Item::List(items))
 }

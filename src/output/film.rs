@@ -59,7 +59,8 @@ pub(super) const TURNTABLE: Parameter = Parameter {
     ]),
     unit: "",
     default: Default::Absent,
-    doc: "The camera goes around the up axis, in place of its azimuth. Left out, once around unless there is a `sweep`.",
+    doc: "The camera goes around the up axis, in place of its azimuth. Left out, once around unless there is a \
+          `sweep`.",
 };
 
 /// The parameter that changes from frame to frame.

@@ -37,6 +37,9 @@ const PIXEL_BYTES: u128 = 32;
 /// drawn, with its two ends, its bounds and its place among the tiles (measured: 52).
 const WIRE_BYTES: u128 = 36;
 
+/// Bytes of a vertex over the ground: its place.
+const GROUND_BYTES: u128 = 12;
+
 /// The format "png".
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Png;
@@ -171,7 +174,8 @@ impl Format for Png {
         };
         let pixels = options::size(options).map(u128::from).iter().product::<u128>() * PIXEL_BYTES;
         let numbers = look::memory(options, vertices, pixels / PIXEL_BYTES, counts);
-        [isolines, wires, numbers, pixels, hard_edges::memory(counts, options)]
+        let ground = vertices.saturating_mul(GROUND_BYTES);
+        [isolines, wires, numbers, pixels, ground, hard_edges::memory(counts, options)]
             .iter()
             .fold(colors, |sum: u128, bytes| sum.saturating_add(*bytes))
     }

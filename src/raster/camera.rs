@@ -264,8 +264,8 @@ impl Camera {
         [self.focal_px * dot(r, self.right), -self.focal_px * dot(r, self.up), w, z]
     }
 
-    /// Where a point falls in the picture, pixels, and its nearness: a number that is linear over the picture and larger
-    /// for what is nearer. `None` where the point is not before the camera.
+    /// Where a point falls in the picture, pixels, and its nearness: a number that is linear over the picture and
+    /// larger for what is nearer. `None` where the point is not before the camera.
     pub fn seen(&self, point: [f64; 3]) -> Option<[f64; 3]> {
         let seen = self.view(point);
         let nearness = match self.projection {

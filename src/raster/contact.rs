@@ -13,10 +13,21 @@ use rayon::prelude::*;
 
 use super::camera::{Camera, Projection, unit};
 use super::model::{Model, Surface};
-use super::tiles::Ground;
 use crate::math::functions::{cos, sin};
 use crate::math::vector::{Vector, cross, dot, minus, plus, times};
 use crate::watch::{Stopped, Watch};
+
+/// When there is a shadow on the ground.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Ground {
+    /// Never.
+    None,
+    /// Where the model stands on the ground: the centre of its surface is over the hull of what is near the ground, and
+    /// it is no flat sheet.
+    Stood,
+    /// Always.
+    Always,
+}
 
 /// Cells along the side of the map.
 /// Half of it blurs the feet, twice of it takes four times as long.

@@ -9,7 +9,7 @@ use super::fine::{FINE, FINE_PLACES, Fine, Marks};
 use super::forecast;
 use super::line::Layer;
 use super::shade::{Lamps, Spots};
-use super::triangle::{Done, NOBODY, PLACES, SAMPLES, Samples};
+use super::triangle::{NOBODY, PLACES, SAMPLES, Samples};
 use super::veil::Veil;
 use crate::watch::{Stopped, Watch};
 
@@ -17,9 +17,6 @@ use crate::watch::{Stopped, Watch};
 const SIDE: u32 = TILE as u32;
 /// Pixels of a tile.
 const N: usize = TILE * TILE;
-/// Pixels looked at with four samples in the time of one that is looked at with sixteen.
-/// It only says what a closer look counts: half and twice of it halve and double its share of the progress.
-const FINE_PX: u64 = 4;
 
 /// Scratch memory of one thread.
 pub(super) struct Desk {
@@ -128,7 +125,6 @@ impl Desk {
         watch: &Watch,
     ) -> Result<(), Stopped> {
         self.fine.begin(&self.lighter.marks);
-        let mut triangles = 0;
         for is_back in [false, true] {
             let is_solid = |id: &u32| self.glass.is_none() || alpha(model, *id) >= 1.0;
             for (n, id) in model.tile(tile, is_back, 0.0).filter(is_solid).enumerate() {
@@ -136,10 +132,8 @@ impl Desk {
                     watch.check()?;
                 }
                 self.fine.draw(model.corners(id), id, origin);
-                triangles += 1;
             }
         }
-        watch.advance(forecast::rows(Done { pixels: FINE_PX * self.fine.looked_at(), triangles }));
         for (pixel, owners) in self.fine.pixels() {
             self.lighter.light[pixel as usize] = [0.0; 4];
             self.lighter.add(model, lamps, (pixel, owners), origin, fine_centre);
@@ -315,7 +309,14 @@ const CENTRES: [[f32; 3]; 1 << SAMPLES] = {
 
 /// Light as whole numbers.
 fn packed(light: &[[f32; 4]]) -> Vec<[u16; 4]> {
-    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "the cast saturates")]
-    let number = |x: f32| (x * 65535.0 + 0.5) as u16;
+    // the first 16 digits after the point of a number from 1 to 2, which are those of its bits: no cast, so vector code
+    let number = |x: f32| {
+        let x = if x > 0.0 { x } else { 0.0 };
+        let x = if x < 1.0 { x } else { 1.0 };
+        let two = 1.0 + (x * (65535.0 / 65536.0) + 0.5 / 65536.0);
+        #[expect(clippy::cast_possible_truncation, reason = "16 bits are left")]
+        let digits = (two.to_bits() >> 7 & 0xffff) as u16;
+        digits
+    };
     light.iter().map(|light| light.map(number)).collect()
 }

@@ -71,7 +71,6 @@ pub(super) struct Fine {
     starts: [u32; TILE],
     depth: Vec<[f32; FINE]>,
     owner: Vec<[u32; FINE]>,
-    looked_at: u64,
 }
 
 /// A triangle in a tile; edge functions are not negative inside.
@@ -118,11 +117,6 @@ impl Fine {
         self.pixels.iter().enumerate().flat_map(row).zip(&self.owner)
     }
 
-    /// Pixels that were looked at since this was last asked for.
-    pub(super) fn looked_at(&mut self) -> u64 {
-        std::mem::take(&mut self.looked_at)
-    }
-
     /// Draws one triangle, of which no part is seen twice; see [`super::triangle::Samples::draw`].
     pub(super) fn draw(&mut self, corners: [Vertex; 3], id: u32, origin: [i32; 2]) {
         let last = SIDE - 1;
@@ -152,7 +146,6 @@ impl Fine {
     }
 
     fn cover(&mut self, place: usize, setup: &Setup, [x, y]: [i32; 2], id: u32) {
-        self.looked_at += 1;
         let (depth, owner) = (&mut self.depth[place], &mut self.owner[place]);
         if depth.iter().all(|depth| *depth > setup.range[1]) {
             return;

@@ -38,6 +38,7 @@ mod triangle;
 mod veil;
 
 pub use camera::{Camera, Projection, View};
+pub use contact::Ground;
 pub use finish::{Finish, Pattern, Stripes};
 pub use forecast::Forecast;
 pub use model::{Crowding, Model, Normals, Strokes, Surface};
@@ -45,4 +46,4 @@ pub use paint::{Paint, Swatch};
 pub use pixmap::Pixmap;
 pub use sight::{Seen, Sight};
 pub use texels::{Beyond, Cover, Texels};
-pub use tiles::{Ground, Look, MAX_SIDE_PX, render};
+pub use tiles::{Look, MAX_SIDE_PX, render};

@@ -31,7 +31,7 @@ const REACH: f32 = 0.3;
 const REACH_CELLS: [f32; 2] = [1.5, 64.0];
 /// Places asked around each cell.
 /// Half of it leaves grain, twice of it takes twice as long.
-const TAPS: usize = 14;
+const TAPS: usize = 8;
 /// Kinds of circles on which the places stand, one for each cell of a square of four, over which is smoothed.
 const TURNS: usize = 16;
 /// Sines below this do not count, so that faces of round surfaces do not hide each other.
@@ -235,20 +235,24 @@ impl Occlusion {
         if self.cell_px == 1 {
             return self.open[y * columns + x];
         }
-        let distance = self.lens.distance(depth);
         let place = |pixel: usize| (pixel as f32 + 0.5) / self.cell_px as f32 - 0.5;
         let (u, v) = (place(x).max(0.0), place(y).max(0.0));
         let (left, above) = (u as usize, v as usize);
         let (u, v) = (u - left as f32, v - above as f32);
         let (right, below) = ((left + 1).min(columns - 1), (above + 1).min(rows - 1));
-        let corners =
-            [(left, above, (1.0 - u) * (1.0 - v)), (right, above, u * (1.0 - v)), (left, below, (1.0 - u) * v)];
+        let (upper, lower) = (above * columns, below * columns);
+        let cells = [upper + left, upper + right, lower + left, lower + right];
+        let open = cells.map(|cell| self.open[cell]);
+        if open.iter().all(|open| *open >= 1.0) {
+            return 1.0;
+        }
+        let distance = self.lens.distance(depth);
+        let shares = [(1.0 - u) * (1.0 - v), u * (1.0 - v), (1.0 - u) * v, u * v];
         let (mut sum, mut weights) = (0.0, 0.0);
-        for (x, y, share) in corners.into_iter().chain([(right, below, u * v)]) {
-            let cell = y * columns + x;
-            let near = 1.0 - (self.distance[cell] - distance).abs() * (4.0 / REACH);
-            let weight = if near > 0.0 { share * near + 1e-6 } else { 1e-6 };
-            sum += weight * self.open[cell];
+        for k in 0..4 {
+            let near = 1.0 - (self.distance[cells[k]] - distance).abs() * (4.0 / REACH);
+            let weight = if near > 0.0 { shares[k] * near + 1e-6 } else { 1e-6 };
+            sum += weight * open[k];
             weights += weight;
         }
         sum / weights

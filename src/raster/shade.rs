@@ -87,10 +87,17 @@ impl Lamps {
 
     /// Linear light that reaches the viewer from the pixel coordinates `place`. The normal need not have length one; it
     /// points to the outside of the surface, whose colour is `outside` in linear light; `back` is 1 where the inside is
-    /// seen and otherwise 0, and `metal` says from 0 to 1 whether it mirrors its surroundings in its colour.
+    /// seen and otherwise 0, and `metal` says from 0 to 1 whether it mirrors its surroundings in its colour, which
+    /// counts where there is `METAL` at all.
     #[expect(clippy::inline_always, reason = "only code inside of `lit` uses its wider vectors")]
     #[inline(always)]
-    fn light(&self, normal: Vec3f, outside: Vec3f, place: [f32; 2], [back, metal]: [f32; 2]) -> Vec3f {
+    fn light<const METAL: bool>(
+        &self,
+        normal: Vec3f,
+        outside: Vec3f,
+        place: [f32; 2],
+        [back, metal]: [f32; 2],
+    ) -> Vec3f {
         let grey = 0.2126 * outside[0] + 0.7152 * outside[1] + 0.0722 * outside[2];
         let inside = outside.map(|c| 0.45 * c + 0.3 * grey);
         let (x, y) = (place[0] - self.centre_px[0], place[1] - self.centre_px[1]);
@@ -115,6 +122,9 @@ impl Lamps {
             let colour = outside[k] + (inside[k] - outside[k]) * back;
             let matt = shoulder(colour * diffuse);
             let plain = matt + gleam * (1.0 - matt);
+            if !METAL {
+                return plain;
+            }
             let around = GROUND_LIGHT[k] + (SKY_LIGHT[k] - GROUND_LIGHT[k]) * above;
             let bare = shoulder(colour * (BRIGHT * around + KEY_LIGHT[k] * lamp * lamp));
             let bare = bare + colour * gleam * (1.0 - bare);
@@ -127,12 +137,19 @@ impl Lamps {
 /// give the same bits.
 #[multiversion(targets("x86_64+avx2", "x86_64+avx"))]
 fn lit(lamps: &Lamps, spots: &Spots) -> [[f32; LANES]; 3] {
+    let is_metal = spots.metal.iter().any(|metal| *metal > 0.0);
+    if is_metal { lanes::<true>(lamps, spots) } else { lanes::<false>(lamps, spots) }
+}
+
+#[expect(clippy::inline_always, reason = "only code inside of `lit` uses its wider vectors")]
+#[inline(always)]
+fn lanes<const METAL: bool>(lamps: &Lamps, spots: &Spots) -> [[f32; LANES]; 3] {
     let [mut red, mut green, mut blue] = [[0.0; LANES]; 3];
     for i in 0..LANES {
         let normal = [spots.normal[0][i], spots.normal[1][i], spots.normal[2][i]];
         let color = [spots.color[0][i], spots.color[1][i], spots.color[2][i]];
         let place = [spots.place[0][i], spots.place[1][i]];
-        [red[i], green[i], blue[i]] = lamps.light(normal, color, place, [spots.back[i], spots.metal[i]]);
+        [red[i], green[i], blue[i]] = lamps.light::<METAL>(normal, color, place, [spots.back[i], spots.metal[i]]);
     }
     [red, green, blue]
 }

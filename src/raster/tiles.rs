@@ -5,7 +5,7 @@ use rayon::prelude::*;
 use super::binned_model::BinnedModel;
 use super::bins::{Grid, TILE};
 use super::camera::Camera;
-use super::contact::{Shadow, ShadowRow};
+use super::contact::{Ground, Shadow, ShadowRow};
 use super::desk::{Desk, Drawn};
 use super::model::Model;
 use super::occlusion::Occlusion;
@@ -27,18 +27,6 @@ pub struct Look {
     pub is_occluded: bool,
     /// When the model has a shadow on the ground, the level plane through its lowest point.
     pub shadow: Ground,
-}
-
-/// When there is a shadow on the ground.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Ground {
-    /// Never.
-    None,
-    /// Where the model stands on the ground: the centre of its surface is over the hull of what is near the ground, and
-    /// it is no flat sheet.
-    Stood,
-    /// Always.
-    Always,
 }
 
 /// Draws the model into a picture of `width x height` pixels (1 to [`MAX_SIDE_PX`] each; the camera must have been

@@ -19,8 +19,8 @@ use crate::scheme::plan::PlanInput;
 use crate::shape::frame::Frame;
 use crate::watch::Watch;
 
-/// A job: what is refined, how, how often, and what is answered; or, with a `figure` in place of an `input`, pictures of
-/// jobs in a grid.
+/// A job: what is refined, how, how often, and what is answered; or, with a `figure` in place of an `input`, pictures
+/// of jobs in a grid.
 #[derive(Debug, Clone, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
 pub struct JobRequest {

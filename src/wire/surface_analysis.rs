@@ -220,7 +220,7 @@ pub struct CriterionAnswer {
     pub status: &'static str,
 }
 
-const WEIGHTS: &str = "weights are those of the scheme as it is written up to 1e-13 of their size";
+const WEIGHTS: &str = "weights are those of the scheme as it is written up to 2e-14 of their size";
 const ALPHA: &str = "the plan follows alpha; what is said holds for the scheme at alpha = 0, to which its levels come \
                      close";
 const GENERIC: &str = "C1 is meant for almost all nets: those whose tangents are not parallel";

@@ -1,5 +1,8 @@
 //! One drawing, three back ends: what is painted, what is written, and what a text can do to them.
 
+mod curves;
+mod hidden_lines;
+
 use planish::drawing::{
     Anchor, Axes, Axis, Cap, Discs, Drawing, Entry, Group, Item, Key, Label, Legend, Lettering, Level, Mark, Picture,
     Stroke, Text, Weight, color_bar, pdf, pixels, svg,

@@ -8,7 +8,9 @@ use crate::support::{parsed, render};
 
 fn cube() -> Value {
     json!({ "mesh": {
-        "positions": [[-1, -1, -1], [1, -1, -1], [1, 1, -1], [-1, 1, -1], [-1, -1, 1], [1, -1, 1], [1, 1, 1], [-1, 1, 1]],
+        "positions": [
+            [-1, -1, -1], [1, -1, -1], [1, 1, -1], [-1, 1, -1], [-1, -1, 1], [1, -1, 1], [1, 1, 1], [-1, 1, 1],
+        ],
         "faces": [[0, 3, 2, 1], [4, 5, 6, 7], [0, 1, 5, 4], [1, 2, 6, 5], [2, 3, 7, 6], [3, 0, 4, 7]],
     } })
 }
@@ -31,7 +33,8 @@ fn panels(jobs: &[Value]) -> Value {
 }
 
 fn figure(columns: u32, jobs: &[Value], width: u32) -> Value {
-    json!({ "figure": { "columns": columns, "panels": panels(jobs) }, "outputs": [{ "format": "png", "width": width }] })
+    let outputs = json!([{ "format": "png", "width": width }]);
+    json!({ "figure": { "columns": columns, "panels": panels(jobs) }, "outputs": outputs })
 }
 
 fn picture(job: &Value) -> RgbaImage {
@@ -159,7 +162,8 @@ fn a_figure_refuses_what_it_does_not_take() {
     assert_eq!(with(&format!("{panel}/span"), json!([3, 1])), ["/figure/panels/0/span"]);
     assert_eq!(with(&format!("{panel}/job/figure"), json!({ "panels": [] })), ["/figure/panels/0/job/figure"]);
     assert_eq!(with(&format!("{panel}/job/levels"), json!({ "tolerance": 0.01 })), ["/figure/panels/0/job/levels"]);
-    assert_eq!(with(&format!("{panel}/job/outputs/0/format"), json!("obj")), ["/figure/panels/0/job/outputs/0/format"]);
+    let obj = json!([{ "format": "obj" }]);
+    assert_eq!(with(&format!("{panel}/job/outputs"), obj), ["/figure/panels/0/job/outputs/0/format"]);
     let two = json!([{ "format": "png" }, { "format": "png", "name": "other" }]);
     assert_eq!(with(&format!("{panel}/job/outputs"), two), ["/figure/panels/0/job/outputs"]);
 }
@@ -190,10 +194,10 @@ fn what_is_too_large_of_a_panel_is_told_at_the_panel_and_all_are_booked_together
     assert_eq!(faults[0].pointer, "/figure/panels/1/job/levels");
     assert!(detail.contains("panel 1") && detail.contains("at most 2 levels"), "{detail}");
     let bytes = |jobs: &[Value]| Limits::default().estimate(&job(jobs)).expect("an estimate").memory_bytes;
-    let one = bytes(&[solid(5, [90, 60])]);
-    assert!(bytes(&vec![solid(5, [90, 60]); 8]) > 7 * one, "the sum of eight panels is booked");
+    let one = bytes(&[solid(7, [90, 60])]);
+    assert!(bytes(&vec![solid(7, [90, 60]); 8]) > 7 * one, "the sum of eight panels is booked");
     let limits = Limits { max_job_bytes: u64::try_from(3 * one).expect("a number of bytes"), ..Limits::default() };
-    let Err(Refusal::TooLarge { faults, .. }) = limits.admit(job(&vec![solid(5, [90, 60]); 8])) else {
+    let Err(Refusal::TooLarge { faults, .. }) = limits.admit(job(&vec![solid(7, [90, 60]); 8])) else {
         panic!("eight panels are too large")
     };
     assert_eq!(faults[0].pointer, "/figure/panels");

@@ -54,6 +54,27 @@ fn pictures_are_what_their_jobs_render() {
     }
 }
 
+#[test]
+fn drawings_are_what_their_jobs_draw() {
+    let page = fs::read_to_string(path("docs/drawings.md")).expect("the page is there");
+    let names: Vec<&str> =
+        page.split("src=\"drawings/").skip(1).filter_map(|rest| rest.split(".svg\"").next()).collect();
+    assert!(names.len() > 4, "{names:?}");
+    for name in names {
+        let text = fs::read_to_string(path(&format!("api/examples/jobs/drawing-{name}-svg.json"))).expect("a job");
+        let job = serde_json::from_str(&text).expect("a job is JSON");
+        let (bytes, _) = render(&job).unwrap_or_else(|faults| panic!("{name}: {faults:?}"));
+        let file = path(&format!("docs/drawings/{name}.svg"));
+        if blessing() {
+            fs::write(&file, &bytes).expect("the drawing can be written");
+        }
+        assert!(
+            fs::read(&file).is_ok_and(|known| known == bytes),
+            "docs/drawings/{name}.svg is not what its job draws"
+        );
+    }
+}
+
 /// The results of the example jobs are known by their hashes.
 #[test]
 fn pictures_of_surfaces_are_the_results_of_their_jobs() {

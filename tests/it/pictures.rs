@@ -8,7 +8,6 @@ use crate::support::{faults, nets, parsed, render};
 fn cube(levels: &Value, options: &Value) -> Value {
     let mut mesh = nets::cube().to_json();
     mesh["creases"] = json!([{ "edge": [0, 1], "sharpness": 10 }]);
-    mesh["latitude"] = json!([[0, 1]]);
     let mut output = options.clone();
     for (name, value) in [("format", json!("png")), ("width", json!(200)), ("height", json!(150))] {
         if output[name].is_null() {
@@ -17,6 +16,14 @@ fn cube(levels: &Value, options: &Value) -> Value {
     }
     let plan = json!({ "preset": "catmull-clark" });
     json!({ "input": { "mesh": mesh }, "plan": plan, "levels": levels, "outputs": [output] })
+}
+
+/// The cube as it is, with latitude lines.
+fn tagged(lines: &Value, options: &Value) -> Value {
+    let mut job = cube(&json!(0), options);
+    job.as_object_mut().expect("an object").remove("plan");
+    job["input"]["mesh"]["latitude"] = lines.clone();
+    job
 }
 
 fn png(options: &Value) -> Vec<u8> {
@@ -65,11 +72,16 @@ fn about(options: &Value, [r, g, b]: [u8; 3]) -> usize {
 fn tags_are_shown_as_lines_and_dots_of_their_colours() {
     let (red, green, yellow) = ([190, 18, 60], [4, 120, 87], [250, 204, 21]);
     let view = json!({ "azimuth_deg": 180, "elevation_deg": -30 });
-    for (item, color) in [("creases", red), ("latitude", green), ("extraordinary", yellow)] {
+    for (item, color) in [("creases", red), ("extraordinary", yellow)] {
         let shown = json!({ "show": ["surface", item], "camera": view, "line_width": 3 });
         assert!(about(&shown, color) > 10, "{item}");
         assert_eq!(about(&json!({ "camera": view }), color), 0, "{item}");
     }
+    let lines = json!({ "show": ["surface", "latitude"], "camera": view, "line_width": 3 });
+    let job = tagged(&json!([[0, 1]]), &lines);
+    let shown = render(&job).unwrap_or_else(|faults| panic!("{faults:?}")).0;
+    let is_green = |pixel: &&[u8; 3]| pixel.iter().zip(green).all(|(a, b)| a.abs_diff(b) < 40);
+    assert!(pixels(&shown).iter().filter(is_green).count() > 10, "latitude");
     // nothing is tagged so
     let plain = png(&json!({ "camera": view }));
     assert_eq!(png(&json!({ "show": ["surface", "longitude"], "camera": view })), plain);
@@ -94,8 +106,7 @@ fn seams_are_where_texture_coordinates_are_cut() {
 #[test]
 fn pictures_of_other_latitude_lines_have_other_keys() {
     let key = |lines: Value, show: &str| {
-        let mut job = cube(&json!(2), &json!({ "show": ["surface", show] }));
-        job["input"]["mesh"]["latitude"] = lines;
+        let job = tagged(&lines, &json!({ "show": ["surface", show] }));
         parsed(job.to_string().as_bytes()).expect("a job").keys()[0]
     };
     assert_ne!(key(json!([[0, 1]]), "latitude"), key(json!([]), "latitude"));

@@ -51,7 +51,7 @@ impl Reduction {
 
 /// The greatest common divisor of all sub-symbols, unless it is a constant.
 fn common_divisor(mask: &[Exact], d: usize) -> Option<Vec<Exact>> {
-    let part = |r: usize| trimmed(mask.iter().skip(r).step_by(d).cloned().collect());
+    let part = |r: usize| trimmed(&mask.iter().skip(r).step_by(d).cloned().collect::<Vec<_>>());
     let found = (1..d).fold(part(0), |common, r| divisor(common, part(r)));
     (found.len() > 1).then_some(found)
 }
@@ -138,7 +138,7 @@ fn high_trimmed(mut p: Vec<Exact>) -> Vec<Exact> {
 }
 
 /// A polynomial without zeros at both ends of its coefficients, which only shift it.
-fn trimmed(p: Vec<Exact>) -> Vec<Exact> {
+fn trimmed(p: &[Exact]) -> Vec<Exact> {
     let from = p.iter().position(|c| !c.is_zero()).unwrap_or(p.len());
     high_trimmed(p[from..].to_vec())
 }

@@ -21,14 +21,16 @@ use crate::watch::{Stopped, Watch};
 /// Most cells of one valence that are looked at.
 /// Splines need some hundred. Half of it leaves schemes open whose derivatives have large bounds; twice of it takes
 /// twice as long to leave others open.
-const MAX_CELLS: usize = 40_000;
+const MAX_CELLS: usize = 8_000;
 /// Most refinements of a ring.
 /// Discs shrink by half or so at each, to 1/1000 after ten. Half of it leaves schemes open, twice of it would find
 /// rounding only.
 const MAX_LEVELS: u32 = 10;
-/// What may be missing of a net whose largest coordinate is 1: rounding, and the error of the eigenvector.
-/// It is a million times what both come to. Half and twice of it only matter to determinants that nearly vanish.
-pub(super) const SLACK: f64 = 1e-9;
+/// What determinants have to exceed, over the product of the lengths of both derivatives: more than the roundings and
+/// the error of the eigenvector can change.
+/// Determinants of schemes in use are a hundredth of that product at least. Half and twice of it only matter to those
+/// that nearly vanish.
+pub(super) const SLACK: f64 = 1e-4;
 
 /// The net of an eigenvector around a middle with n sectors.
 #[derive(Debug, Clone)]

@@ -14,10 +14,10 @@ use crate::math::functions::real;
 /// Most steps of a difference scheme whose norm is looked at.
 /// Butterfly needs two, Kobbelt's scheme three. Half of it proves less near the ends of ranges; twice of it takes
 /// masks of a million entries.
-const MAX_STEPS: u32 = 5;
-/// Most entries of an iterated mask: what five steps of a mask with 13 x 13 entries have.
+const MAX_STEPS: u32 = 4;
+/// Most entries of an iterated mask: what four steps of a mask with 9 x 9 entries have.
 /// Half of it proves less of wide masks; twice of it takes twice as long.
-const MAX_ENTRIES: usize = 1 << 18;
+const MAX_ENTRIES: usize = 1 << 14;
 /// Largest k that is looked for.
 /// Schemes that are no products and no splines are C^2 at best. Half of it would miss that, twice of it only takes
 /// time.

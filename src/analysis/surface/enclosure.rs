@@ -9,9 +9,9 @@
 use crate::math::dense::Dense;
 
 /// By what part of their size weights may differ from those of the scheme as it is written: their roundings.
-/// A weight is made in some ten operations with errors of 1e-16 each, and multiplied through some ten actions. Half and
-/// twice of it change bounds by 1e-12.
-const WEIGHTS: f64 = 1e-13;
+/// A weight is made in some ten operations with errors of 1e-16 each, and multiplied through some ten actions. Half of
+/// it leaves no room for longer words; twice of it changes bounds by as much.
+const WEIGHTS: f64 = 2e-14;
 
 /// A simple real eigenvalue that is larger than all others, within a radius, and its eigenvector.
 #[derive(Debug, Clone)]

@@ -134,7 +134,8 @@ impl Spectrum {
                 let value = |sector: usize| {
                     let angle = std::f64::consts::TAU * (real(sector) + self.kind.turn(point)) / real(self.n);
                     let (c, s) = (cos(angle), sin(angle));
-                    (if which == 0 { re * c + im * s } else { re * s - im * c }) / real(self.n)
+                    // twice, as a coordinate is half of a point and its conjugate
+                    2.0 * (if which == 0 { re * c + im * s } else { re * s - im * c }) / real(self.n)
                 };
                 Weight { point: Some(point), values: (0..self.n).map(value).collect() }
             };

@@ -78,7 +78,8 @@ impl Extent {
     }
 }
 
-/// The options of a picture that is framed by a box in place of what it shows, where these do not name a box themselves.
+/// The options of a picture that is framed by a box in place of what it shows, where these do not name a box
+/// themselves.
 pub fn framed(values: &Values, extent: &Extent) -> Values {
     let mut values = values.clone();
     let camera = values.group(CAMERA.name).cloned().unwrap_or_default();

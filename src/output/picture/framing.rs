@@ -1,6 +1,7 @@
 //! What the camera of a picture frames.
 
-use super::options::{BOX, BOX_FIELDS, CAMERA, CAMERA_FIELDS, Options};
+use super::options::{CAMERA, CAMERA_FIELDS, Options};
+use super::view_box::{BOX, BOX_FIELDS};
 use crate::math::parameter::{Value, Values};
 use crate::math::vector::{Vector, minus, times};
 use crate::raster::{Camera, Projection, View};

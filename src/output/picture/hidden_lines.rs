@@ -13,7 +13,7 @@ use crate::output::error::FormatError;
 use crate::output::positions::Positions;
 use crate::output::scene::{MeshSource, Scene};
 use crate::output::size::Size;
-use crate::raster::{Camera, Seen, Sight};
+use crate::raster::{Seen, Sight};
 use crate::watch::Watch;
 
 use chain::{Piece, chains};
@@ -24,8 +24,8 @@ pub(crate) const MESH_ITEMS: &[&str] = &["silhouettes", "boundary", "creases", "
 /// What is shown when the request does not say.
 const DEFAULT_SHOW: &[&str] = &["silhouettes", "boundary", "creases", "isolines"];
 
-/// Most triangles of a mesh. Twice of it takes four times as long where triangles lie behind each other, and 100 MB more;
-/// half of it refuses what is still drawn in seconds.
+/// Most triangles of a mesh. Twice of it takes four times as long where triangles lie behind each other, and 100 MB
+/// more; half of it refuses what is still drawn in seconds.
 const MAX_TRIANGLES: u128 = 1 << 18;
 /// Most pairs of a line and a triangle that are looked at, 5 ns each: ten seconds of one core. Meshes of
 /// [`MAX_TRIANGLES`] that are no heap of sheets need a hundredth of it.
@@ -77,8 +77,8 @@ pub(crate) fn size(counts: &Counts) -> Size {
 /// The hidden parts of a line, or the seen ones.
 type Parts = Vec<[f64; 2]>;
 
-/// Draws the lines of a mesh that can be seen: its outline (edges between a triangle that shows its outside and one that
-/// shows its inside), its boundary, its creases, the edges of the input and of its faces, each line once and under the
+/// Draws the lines of a mesh that can be seen: its outline (edges between a triangle that shows its outside and one
+/// that shows its inside), its boundary, its creases, the edges of the input and of its faces, each line once and under the
 /// first of these names. `hidden` adds dashes where outline, boundary or creases cannot be seen.
 pub(crate) fn drawing(
     scene: &Scene<'_>,
@@ -88,7 +88,7 @@ pub(crate) fn drawing(
 ) -> Result<Drawing, FormatError> {
     let shows = |item: &str| options.shows(item, DEFAULT_SHOW);
     let positions = Positions::of_mesh(mesh).held(watch)?;
-    let camera = Camera::framing(&options.view(), &[positions.rows()], options.size[0], options.size[1]);
+    let camera = options.camera(&[positions.rows()], options.size);
     let seen: Option<Vec<Seen>> = positions.rows().par_iter().map(|point| camera.seen(*point)).collect();
     let seen = seen.ok_or_else(|| {
         FormatError::Unfit("parts of the mesh are not before the camera; move its eye away, or ask for \"png\"".into())

@@ -21,3 +21,4 @@ pub(super) mod shading;
 mod skin;
 pub(super) mod styles;
 pub(super) mod vector;
+mod view_box;

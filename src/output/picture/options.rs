@@ -1,5 +1,6 @@
 //! What pictures have in common: their options, and what the options say.
 
+use super::view_box::BOX;
 use crate::fault::Fault;
 use crate::math::parameter::{Default, Kind, Parameter, Value, Values};
 use crate::output::colors::linear;
@@ -212,33 +213,6 @@ pub(super) const CAMERA_FIELDS: &[Parameter] = &[
         doc: "The direction that points up in the picture; left out, that of the input's `up`: +y, or +z.",
     },
     BOX,
-];
-
-/// What is framed in place of what is shown.
-pub(super) const BOX: Parameter = Parameter {
-    name: "box",
-    kind: Kind::Group(BOX_FIELDS),
-    unit: "",
-    default: Default::Absent,
-    doc: "A box that is framed in place of what is shown, so that pictures of several shapes have one scale. Values of \
-          functions stand as y.",
-};
-
-pub(super) const BOX_FIELDS: &[Parameter] = &[
-    Parameter {
-        name: "min",
-        kind: Kind::Vector,
-        unit: "model units",
-        default: Default::Required,
-        doc: "The corner with the least coordinates.",
-    },
-    Parameter {
-        name: "max",
-        kind: Kind::Vector,
-        unit: "model units",
-        default: Default::Required,
-        doc: "The corner opposite to it.",
-    },
 ];
 
 /// Refuses shapes whose extent leaves no room for the arithmetic of a camera.

@@ -246,8 +246,8 @@ fn easel(shown: &[&Curve], options: &Options<'_>, [left, top, width, height]: Pa
     Easel::within(shown, View { zoom, ..view }, (size, options.corners()), [left, top].map(f64::from))
 }
 
-/// Of functions: how many steps of the control polygon the picture shows, 1 where polygons differ in that; none of curves
-/// in the plane.
+/// Of functions: how many steps of the control polygon the picture shows, 1 where polygons differ in that; none of
+/// curves in the plane.
 fn steps(shown: &[&Curve], control: &[Curve]) -> Option<f64> {
     let graph = shown.iter().any(|curve| curve.dimension == 1);
     let count = |curve: &Curve| if curve.closed { curve.len() } else { curve.len().saturating_sub(1) };

@@ -13,8 +13,8 @@ pub(crate) const STYLES: Parameter = Parameter {
     kind: Kind::Groups { fields: FIELDS, most: MAX_STYLES },
     unit: "",
     default: Default::Absent,
-    doc: "Looks of the polygons' curves, one each in their order and from the first again where there are more polygons. \
-          Curves only.",
+    doc: "Looks of the polygons' curves, one each in their order and from the first again where there are more \
+          polygons. Curves only.",
 };
 
 const FIELDS: &[Parameter] = &[

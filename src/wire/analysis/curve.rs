@@ -272,7 +272,7 @@ impl LevelMaskAnswer {
 
 impl SchemeAnswer {
     /// The answer about a scheme.
-    pub(super) fn new(findings: &SchemeFindings<'_>) -> Self {
+    pub(in crate::wire) fn new(findings: &SchemeFindings<'_>) -> Self {
         let SchemeFindings { report, values, derivatives, matrices, .. } = findings;
         let symbol = &report.symbol;
         Self {

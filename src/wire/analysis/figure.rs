@@ -7,6 +7,7 @@ use super::markdown::number;
 use super::{AnalysisAnswer, ScanAnswer, SchemeAnswer, SmoothnessAnswer, ValuesAnswer};
 use crate::drawing::{Anchor, Drawing, Item, Label, Level, Mark, Text, Weight};
 use crate::wire::surface_analysis::{NetAnswer, SurfaceAnswer};
+use crate::wire::tube_analysis::TubeAnswer;
 use plot::{BLUE, GREEN, INK, Plot, RED, band, circle, dots, line, stems};
 
 /// Width of the page, pixels.
@@ -33,11 +34,7 @@ pub(super) fn figure(answer: &AnalysisAnswer) -> Drawing {
         }
         AnalysisAnswer::Scan(scan) => of_scan(scan),
         AnalysisAnswer::Surface(surface) => of_surface(surface),
-        AnalysisAnswer::Tube(tube) => {
-            let factor = number(tube.factor);
-            let title = format!("Scheme along latitude lines of {} vertices; limit radius {factor}", tube.vertices);
-            of_scheme(&tube.along, &title)
-        }
+        AnalysisAnswer::Tube(tube) => of_tube(tube),
     }
 }
 
@@ -125,7 +122,7 @@ fn eigenvalues(scheme: &SchemeAnswer) -> Plot {
     let mut marks: Vec<_> = [1.0, 1.0 / d, 1.0 / (d * d)].into_iter().map(circle).collect();
     marks.push(dots(points, BLUE));
     Plot::within(
-        "Eigenvalues of the local matrix; circles of 1, 1/arity, 1/arity^2",
+        "Local eigenvalues; circles of 1, 1/d, 1/d^2",
         ["real", "imaginary"],
         [[-2.0, 2.0], [-1.1, 1.1]],
         marks,
@@ -151,7 +148,7 @@ fn smoothness(smoothness: &SmoothnessAnswer, order: usize) -> Plot {
         marks.push(line(vec![[from, 0.75], [from, 0.95]], BLUE));
         marks.push(line(vec![[to, 0.75], [to, 0.95]], BLUE));
     }
-    let title = "C^k proved (green), disproved (red); Hoelder exponent (blue)";
+    let title = "Proved (green), disproved (red), exponent (blue)";
     Plot::within(title, ["k", ""], [[-0.5, most], [0.0, 1.0]], marks)
 }
 
@@ -211,6 +208,17 @@ fn of_surface(surface: &SurfaceAnswer) -> Drawing {
     let lines =
         [format!("regular regions of {}: {smooth}", regular.faces), format!("C1 by valence: {}", facts.join(", "))];
     page("Scheme for surfaces", &lines, plots, 2)
+}
+
+fn of_tube(tube: &TubeAnswer) -> Drawing {
+    let TubeAnswer { vertices, delta, factor, along, across, .. } = tube;
+    let facts = format!("delta {}, limit radius over control radius {}", number(*delta), number(*factor));
+    let plots = [("along", along), ("across", across)].map(|(name, scheme)| {
+        let mut plot = mask(scheme);
+        plot.title = format!("{} {name} latitude lines", plot.title);
+        plot
+    });
+    page(&format!("Straight tube with {vertices} vertices around"), &[facts], plots.into(), 2)
 }
 
 fn characteristic(valence: usize, net: &NetAnswer) -> Plot {

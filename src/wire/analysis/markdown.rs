@@ -65,23 +65,6 @@ fn of_scheme(text: &mut String, scheme: &SchemeAnswer) -> Written {
     Ok(())
 }
 
-fn of_tube(text: &mut String, tube: &TubeAnswer) -> Written {
-    let TubeAnswer { vertices, alpha, delta, factor, control_radius, limit_radius, along, across, .. } = tube;
-    write!(text, "# A tube with rings of {vertices} vertices\n\n| Quantity | Value |\n|---|---|\n")?;
-    writeln!(text, "| alpha | {} |\n| delta | {} |", number(*alpha), number(*delta))?;
-    writeln!(text, "| limit radius over control radius | {} |", number(*factor))?;
-    for (name, radius) in [("control radius", control_radius), ("limit radius", limit_radius)] {
-        if let Some(radius) = radius {
-            writeln!(text, "| {name} | {} |", number(*radius))?;
-        }
-    }
-    for (name, scheme) in [("along", along), ("across", across)] {
-        write!(text, "\n# The scheme {name} latitude lines, at alpha 0\n\n")?;
-        of_scheme(text, scheme)?;
-    }
-    Ok(())
-}
-
 fn verdict(proved_c: i64, disproved_c: Option<i64>) -> String {
     let proved = match proved_c {
         -1 => "not proved to converge".to_owned(),
@@ -153,7 +136,8 @@ fn of_surface(text: &mut String, surface: &SurfaceAnswer) -> Written {
     write!(text, "# A scheme for surfaces of {}, edges divided by {arity}\n\n", regular.faces)?;
     let limits = verdict(regular.smoothness.proved_c, regular.smoothness.disproved_c);
     writeln!(text, "Where nothing is extraordinary limits are {limits}, by {}.", regular.smoothness.by)?;
-    text.push_str("\n## Valences\n\n| Valence | C1 | Evidence | Subdominant eigenvalue | Next over it | Least sine of the characteristic net |\n|---|---|---|---|---|---|\n");
+    text.push_str("\n## Valences\n\n| Valence | C1 | Evidence | Subdominant eigenvalue | Next over it |");
+    text.push_str(" Least sine of the characteristic net |\n|---|---|---|---|---|---|\n");
     for of in valences {
         let or_none = |x: Option<f64>| x.map_or_else(|| "-".to_owned(), number);
         let subdominant = of.eigenvalues.iter().find(|found| found.fourier == 1).map(|found| found.value);
@@ -166,6 +150,19 @@ fn of_surface(text: &mut String, surface: &SurfaceAnswer) -> Written {
         writeln!(text, "- valence {}: {}", of.valence, weights.join(", "))?;
     }
     assumptions.iter().try_for_each(|assumption| writeln!(text, "- assumption: {assumption}"))
+}
+
+fn of_tube(text: &mut String, tube: &TubeAnswer) -> Written {
+    let TubeAnswer { vertices, alpha, delta, factor, control_radius, limit_radius, along, across, .. } = tube;
+    write!(text, "# A straight tube with {vertices} vertices around\n\n| Quantity | Value |\n|---|---|\n")?;
+    let or_none = |x: &Option<f64>| x.map_or_else(|| "-".to_owned(), number);
+    writeln!(text, "| alpha | {} |\n| delta | {} |", number(*alpha), number(*delta))?;
+    writeln!(text, "| limit radius over control radius | {} |", number(*factor))?;
+    writeln!(text, "| control radius | {} |\n| limit radius | {} |", or_none(control_radius), or_none(limit_radius))?;
+    text.push_str("\n## Along latitude lines\n\n");
+    of_scheme(text, along)?;
+    text.push_str("\n## Across latitude lines\n\n");
+    of_scheme(text, across)
 }
 
 fn of_scan(text: &mut String, scan: &ScanAnswer) -> Written {

@@ -24,23 +24,23 @@ fn every_answer_on_the_page_about_the_papers_is_what_the_analysis_says() {
 
 /// The page with the answers to its questions, and how many there are.
 fn answered(page: &str) -> (String, usize) {
-    let (mut made, mut answer, mut questions, mut in_table) = (String::new(), Value::Null, 0, false);
+    let (mut made, mut answer, mut questions, mut in_table) = (Vec::new(), Value::Null, 0, false);
     let mut lines = page.lines();
     while let Some(line) = lines.next() {
         in_table = line == HEAD || in_table && line.starts_with('|');
         let pointer = line.strip_prefix("| `").and_then(|rest| rest.split_once('`')).filter(|_| in_table);
-        match pointer {
-            Some((pointer, _)) => made += &format!("| `{pointer}` | {} |\n", said(&answer, pointer)),
-            None => made += &format!("{line}\n"),
-        }
+        made.push(match pointer {
+            Some((pointer, _)) => format!("| `{pointer}` | {} |", said(&answer, pointer)),
+            None => line.to_owned(),
+        });
         if line == "```json" {
             let question = lines.next().unwrap();
-            made += &format!("{question}\n");
+            made.push(question.to_owned());
             answer = asked(&serde_json::from_str(question).unwrap());
             questions += 1;
         }
     }
-    (made, questions)
+    (made.join("\n") + "\n", questions)
 }
 
 /// What an answer has at a place, as short JSON.

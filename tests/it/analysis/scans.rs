@@ -86,7 +86,8 @@ fn scans_that_cannot_be_are_refused_with_a_reason() {
         (scan("eta", json!("a"), "1/60", 10), "/scan/from", "write a number"),
         (scan("theta", json!(0), "1/60", 10), "/scan/parameter", "unknown parameter"),
         (
-            json!({ "plan": { "preset": "b-spline" }, "scan": { "parameter": "degree", "from": 1, "to": 2, "steps": 2 } }),
+            json!({ "plan": { "preset": "b-spline" },
+                "scan": { "parameter": "degree", "from": 1, "to": 2, "steps": 2 } }),
             "/scan/parameter",
             "at 3/2",
         ),

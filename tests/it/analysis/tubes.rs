@@ -83,7 +83,8 @@ fn along_and_across_the_lines_stand_the_schemes_that_the_operators_apply() {
     };
     let weissman = along("difference", 1.0);
     let values: Vec<f64> = super::numbers(&weissman["along"]["mask"]["values"]).iter().map(|a| a * 128.0).collect();
-    assert_eq!(values, [1.0, 0.0, -11.0, 0.0, 74.0, 128.0, 74.0, 0.0, -11.0, 0.0, 1.0]);
+    let wanted = [1.0, 0.0, -11.0, 0.0, 74.0, 128.0, 74.0, 0.0, -11.0, 0.0, 1.0];
+    assert!(values.len() == 11 && values.iter().zip(wanted).all(|(a, b)| (a - b).abs() < 1e-12), "{values:?}");
     assert!(smoothness(&weissman["along"]).0 >= 2);
     assert_eq!(super::numbers(&weissman["across"]["mask"]["values"]).len(), 7, "the four-point scheme");
     assert_eq!(smoothness(&along("position", 1.0)["along"]), (1, Some(2)));

@@ -78,7 +78,7 @@ fn a_boundary_has_the_curvature_of_what_is_beside_it() {
     let curvature = &found["curvature"];
     near(&curvature["gaussian"]["min"], 0.0, 1e-6, "a trough is flat along itself");
     near(&curvature["gaussian"]["max"], 0.0, 1e-6, "a trough is flat along itself");
-    near(&curvature["mean"]["max"], 0.5, 1e-3, "in the middle");
+    near(&curvature["mean"]["max"], 0.5, 2e-3, "in the middle");
     near(&curvature["mean"]["min"], 2.0_f64.sqrt() / 8.0, 0.04, "at the sides");
 }
 
