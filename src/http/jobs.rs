@@ -43,7 +43,7 @@ pub(super) async fn job(State(app): State<Shared>, Segment(id): Segment) -> Resp
             example = 20),
         ("cursor" = Option<String>, Query, description = "`next` of the page before"),
     ),
-    responses((status = 200, description = "A page of them", body = JobsAnswer))
+    responses((status = 200, description = "A page of them", body = JobsAnswer, example = json!({ "jobs": [] })))
 )]
 pub(super) async fn list(State(app): State<Shared>, RawQuery(query): RawQuery) -> Response {
     let page = match page(query.as_deref().unwrap_or_default()) {
