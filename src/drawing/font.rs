@@ -1,4 +1,4 @@
-//! The bundled font: DejaVu Sans, which has Latin, Greek, Cyrillic and mathematical signs.
+//! The bundled font: `DejaVu` Sans, which has Latin, Greek, Cyrillic and mathematical signs.
 //!
 //! It is free to use, to embed and to pass on (licences of Bitstream Vera and Arev). The font of the machine is never
 //! looked at, so that a drawing is the same everywhere.

@@ -153,6 +153,9 @@ impl Label {
 
 /// Words broken into lines no wider than `width_px` at a size of the font, but where one word is wider; each line is
 /// markup of its own, so markup that holds a space stays on one line.
+///
+/// # Errors
+/// A sentence that names what cannot be set or read, and what could be written instead.
 pub fn wrapped(text: &str, weight: Weight, size_px: f32, width_px: f32) -> Result<Vec<Label>, String> {
     let mut lines: Vec<Label> = Vec::new();
     let mut line = String::new();
@@ -329,6 +332,7 @@ mod tests {
     }
 
     #[test]
+    #[expect(clippy::float_cmp, reason = "at this size advances are whole numbers")]
     fn widths_are_sums_of_advances() {
         let width = |text: &str| Label::parse(text, Weight::Regular).expect("it can be set").width(2048.0);
         assert_eq!(width("M"), 1767.0);

@@ -145,6 +145,7 @@ impl Canvas<'_> {
         let [sx, sy] = [picture.extent[0] / columns as f32, picture.extent[1] / rows as f32];
         let transform = view.transform.pre_concat(Transform::from_row(sx, 0.0, 0.0, sy, picture.at[0], picture.at[1]));
         // pixels that fall on pixels stay as they are
+        #[expect(clippy::float_cmp, reason = "any other scale does need a filter")]
         let exact = transform.sx == 1.0 && transform.sy == 1.0;
         let quality = if exact { FilterQuality::Nearest } else { FilterQuality::Bilinear };
         let paint = PixmapPaint { quality, ..PixmapPaint::default() };

@@ -24,8 +24,10 @@ use page::Page;
 pub fn svg(drawing: &Drawing, lettering: Lettering, out: &mut dyn Write, watch: &Watch) -> Result<(), DrawError> {
     let mut page = Page::new(out);
     let [width, height] = drawing.size;
-    page.text += "<svg xmlns=\"http://www.w3.org/2000/svg\"";
-    page.text += &format!(" width=\"{width}\" height=\"{height}\" viewBox=\"0 0 {width} {height}\">\n");
+    page.text = format!(
+        "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{width}\" height=\"{height}\" \
+         viewBox=\"0 0 {width} {height}\">\n"
+    );
     page.title(&drawing.title);
     if drawing.background[3] > 0 {
         page.text += "<rect width=\"100%\" height=\"100%\"";
@@ -154,6 +156,7 @@ impl Writer<'_, '_> {
 
     /// Each piece starts where the bundled font has it start. A label of one piece also keeps its anchor, so that it
     /// stays in the middle with another font.
+    #[expect(clippy::float_cmp, reason = "pieces that are not smaller have the very size of the text")]
     fn letters(&mut self, text: &Text) {
         let page = &mut *self.page;
         page.text += "<text font-family=\"";
@@ -235,7 +238,9 @@ impl Writer<'_, '_> {
         page.number(" transform=\"translate(", group.shift[0]);
         page.number(" ", group.shift[1]);
         page.text += ")";
-        if group.scale != 1.0 {
+        #[expect(clippy::float_cmp, reason = "any other scale is written")]
+        let scaled = group.scale != 1.0;
+        if scaled {
             page.precise(" scale(", group.scale);
             page.text += ")";
         }
@@ -243,7 +248,9 @@ impl Writer<'_, '_> {
         if let Some([x, y, width, height]) = group.clip {
             let name = format!("clip{}", self.n_clips);
             self.n_clips += 1;
-            page.text += &format!(" clip-path=\"url(#{name})\"><clipPath id=\"{name}\"");
+            for part in [" clip-path=\"url(#", &name, ")\"><clipPath id=\"", &name, "\""] {
+                page.text += part;
+            }
             page.number("><rect x=\"", x);
             page.number("\" y=\"", y);
             page.number("\" width=\"", width);

@@ -64,7 +64,10 @@ fn area_within(mut polygon: Vec<[f64; 2]>, [x, y]: [f64; 2]) -> f64 {
 /// The least height of a triangle.
 fn height(polygon: &[[f64; 2]]) -> f64 {
     let [a, b, c] = [polygon[0], polygon[1], polygon[2]];
-    let side = |p: [f64; 2], q: [f64; 2]| ((q[0] - p[0]).powi(2) + (q[1] - p[1]).powi(2)).sqrt();
+    let side = |p: [f64; 2], q: [f64; 2]| {
+        let [x, y] = [q[0] - p[0], q[1] - p[1]];
+        (x * x + y * y).sqrt()
+    };
     let twice = (b[0] - a[0]) * (c[1] - a[1]) - (c[0] - a[0]) * (b[1] - a[1]);
     twice.abs() / side(a, b).max(side(b, c)).max(side(c, a))
 }
@@ -107,8 +110,9 @@ proptest! {
     ) {
         let at = |i: u32, j: u32| {
             let (dx, dy, z, _) = moves[(j * (n + 1) + i) as usize];
-            let (x, y) = (if i % n == 0 { 0.0 } else { dx }, if j % n == 0 { 0.0 } else { dy });
-            let height = if i % n == 0 || j % n == 0 { 0.0 } else { z };
+            let [left_right, above_below] = [i, j].map(|k| k.is_multiple_of(n));
+            let (x, y) = (if left_right { 0.0 } else { dx }, if above_below { 0.0 } else { dy });
+            let height = if left_right || above_below { 0.0 } else { z };
             [(f64::from(i) + x) / f64::from(n), (f64::from(j) + y) / f64::from(n), height]
         };
         let positions: Vec<[f64; 3]> = (0..=n).flat_map(|j| (0..=n).map(move |i| [i, j])).map(|[i, j]| at(i, j)).collect();

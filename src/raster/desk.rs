@@ -314,9 +314,7 @@ fn packed(light: &[[f32; 4]]) -> Vec<[u16; 4]> {
         let x = if x > 0.0 { x } else { 0.0 };
         let x = if x < 1.0 { x } else { 1.0 };
         let two = 1.0 + (x * (65535.0 / 65536.0) + 0.5 / 65536.0);
-        #[expect(clippy::cast_possible_truncation, reason = "16 bits are left")]
-        let digits = (two.to_bits() >> 7 & 0xffff) as u16;
-        digits
+        (two.to_bits() >> 7 & 0xffff) as u16
     };
     light.iter().map(|light| light.map(number)).collect()
 }

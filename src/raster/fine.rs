@@ -1,6 +1,7 @@
 //! Closer looks: sixteen samples in those pixels of a tile where four would leave edges with steps.
 
 #![expect(clippy::cast_possible_truncation, reason = "edge functions are clamped and a tile is some dozen pixels wide")]
+#![expect(clippy::cast_possible_wrap, reason = "a tile is some dozen pixels wide")]
 #![expect(clippy::cast_sign_loss, reason = "pixels are clamped to the tile")]
 #![expect(clippy::cast_precision_loss, reason = "places within a tile are small")]
 
@@ -138,7 +139,7 @@ impl Fine {
             let before = (row & ((1 << left) - 1)).count_ones();
             let mut place = (self.starts[y as usize] + before) as usize;
             while rest != 0 {
-                self.cover(place, setup, [rest.trailing_zeros() as i32, y], id);
+                self.cover(place, setup, [rest.trailing_zeros().cast_signed(), y], id);
                 rest &= rest - 1;
                 place += 1;
             }

@@ -2,7 +2,7 @@
 //!
 //! On a coarser grid of at most 256 cells a side, so that the time is bounded, each cell asks some cells around it how
 //! high they stand over its tangent plane: the mean of the sines of those angles is what is hidden of the sky. It is
-//! smoothed over cells of like distance. Source: M. McGuire et al., High Performance Graphics 2011, 25-32.
+//! smoothed over cells of like distance. Source: M. `McGuire` et al., High Performance Graphics 2011, 25-32.
 
 #![expect(clippy::cast_precision_loss, reason = "pixel numbers are small")]
 #![expect(clippy::cast_possible_truncation, reason = "light needs no more than the precision of f32")]

@@ -114,7 +114,8 @@ impl Cover {
             return copy.at(index(0, x.floor()), index(1, y.floor()));
         }
         let ([left, above], [x, y]) = ([(x - 0.5).floor(), (y - 0.5).floor()], [x - 0.5, y - 0.5]);
-        // places beyond the numbers have no share: what is no number is 0 here, where `clamp` would keep it
+        // places beyond the numbers have no share
+        #[expect(clippy::manual_clamp, reason = "what is no number becomes 0 here, which clamp would keep")]
         let (x, y) = ((x - left).max(0.0).min(1.0), (y - above).max(0.0).min(1.0));
         let columns = [index(0, left), index(0, left + 1.0)];
         let rows = [index(1, above), index(1, above + 1.0)];

@@ -96,14 +96,14 @@ impl Finish {
         }
         let first = y % TILE * TILE;
         for (x, pixel) in pixels.iter_mut().enumerate() {
-            let mut light = tile.and_then(|tile| tile.surface.get(first + x)).map_or([0.0; 4], unpacked);
+            let mut light = tile.and_then(|tile| tile.surface.get(first + x)).copied().map_or([0.0; 4], unpacked);
             if light[3] > 0.0
                 && let (Some(occlusion), Some(tile)) = (&self.occlusion, tile)
             {
                 let open = occlusion.open([left + x, y], tile.depth[first + x]);
                 light = [light[0] * open, light[1] * open, light[2] * open, light[3]];
             }
-            let line = tile.and_then(|tile| tile.over.get(first + x)).map_or([0.0; 4], unpacked);
+            let line = tile.and_then(|tile| tile.over.get(first + x)).copied().map_or([0.0; 4], unpacked);
             if light[3] < 1.0 {
                 let dark = shadow.map_or(0.0, |shadow| shadow.at(left + x));
                 if [light[3], line[3], dark].iter().all(|share| *share <= 0.0) {
@@ -117,7 +117,7 @@ impl Finish {
     }
 }
 
-fn unpacked(light: &[u16; 4]) -> [f32; 4] {
+fn unpacked(light: [u16; 4]) -> [f32; 4] {
     light.map(|x| f32::from(x) * (1.0 / 65535.0))
 }
 

@@ -159,8 +159,8 @@ fn mistakes_are_named_with_their_place_and_end_with_the_code_of_their_kind() {
     index["input"]["mesh"]["faces"][2][0] = json!(80);
     fails(REFUSED, &render(&index), &["/input/mesh/faces/2/0", "80"]);
     fails(LIMIT, &render(&mesh(40)), &["at most"]);
-    let drawing = folder.path().join("out.svg");
-    let output = run(&["render", &saved(&folder, &mesh(1)), "-o", drawing.to_str().unwrap()]);
+    let drawing = folder.path().join("out.stl");
+    let output = run(&["render", &saved(&folder, &polygon(1)), "-o", drawing.to_str().unwrap()]);
     fails(REFUSED, &output, &["job.json: --output: "]);
     assert!(!target.exists() && !drawing.exists(), "a job that fails leaves no file");
     let mut far = mesh(1);

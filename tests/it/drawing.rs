@@ -7,6 +7,7 @@ use planish::drawing::{
     Anchor, Axes, Axis, Cap, Discs, Drawing, Entry, Group, Item, Key, Label, Legend, Lettering, Level, Mark, Picture,
     Stroke, Text, Weight, color_bar, pdf, pixels, svg,
 };
+use planish::math::functions::sin;
 use planish::watch::Watch;
 
 fn label(text: &str) -> Label {
@@ -18,8 +19,7 @@ fn everything() -> Drawing {
     let x = Axis { low: -1.0, high: 3.0, label: Some(label(r"parameter \alpha_0")) };
     let y = Axis { low: 0.0, high: 0.5, label: Some(label("max |d^{k}| in \u{211d}^2")) };
     let axes = Axes { frame: [80.0, 30.0, 300.0, 200.0], x, y, grid: true, size_px: 12.0 };
-    let line =
-        |phase: f64| (0..=60).map(|i| f64::from(i) / 15.0 - 1.0).map(move |x| [x, 0.25 + 0.2 * (x - phase).sin()]);
+    let line = |phase: f64| (0..=60).map(|i| f64::from(i) / 15.0 - 1.0).map(move |x| [x, 0.25 + 0.2 * sin(x - phase)]);
     let run = |phase| line(phase).map(|p| axes.place(p)).collect::<Vec<_>>();
     let dashed = Stroke { dash: vec![6.0, 4.0], cap: Cap::Butt, ..Stroke::solid(2.0, [220, 38, 38, 255]) };
     let solid = Stroke::solid(2.0, [37, 99, 235, 255]);
@@ -47,13 +47,10 @@ fn everything() -> Drawing {
         [byte, 80, 255 - byte, 255]
     };
     items.extend(color_bar([420.0, 50.0, 16.0, 180.0], [-2e-6, 2e-6], gray, Some(label("H")), 12.0));
-    for (i, (anchor, level)) in
-        [(Anchor::Start, Level::Baseline), (Anchor::Middle, Level::Middle), (Anchor::End, Level::Top)]
-            .into_iter()
-            .enumerate()
-    {
+    let ways = [(Anchor::Start, Level::Baseline), (Anchor::Middle, Level::Middle), (Anchor::End, Level::Top)];
+    for (i, (anchor, level)) in (0_u8..).zip(ways) {
         let label = Label::plain("Ägypten (γ)", Weight::Bold).expect("it can be set");
-        let at = [540.0, 60.0 + 50.0 * i as f32];
+        let at = [540.0, 60.0 + 50.0 * f32::from(i)];
         let text = Text { label, at, size_px: 16.0, anchor, level, turn_deg: 30.0, color: [0, 0, 0, 255] };
         items.push(Item::new("label", Mark::Text(text)));
     }

@@ -53,7 +53,7 @@ impl Drop for Service {
 fn job(number: u64) -> Value {
     let mut job = if number.is_multiple_of(3) { polygon(6) } else { mesh(2 + u32::try_from(number % 3).unwrap()) };
     let places = if number.is_multiple_of(3) { "/input/polygon/points/0/0" } else { "/input/mesh/positions/0/0" };
-    *job.pointer_mut(places).unwrap() = json!(0.001 * number as f64);
+    *job.pointer_mut(places).unwrap() = json!(0.001 * f64::from(u32::try_from(number).unwrap()));
     job["outputs"] = json!([{ "format": "json" }, { "format": "stats" }]);
     job
 }

@@ -38,7 +38,7 @@ pub struct SurfaceStudy {
 }
 
 /// Points in the plane, and faces by the numbers of their points.
-pub type PlaneNet = (Vec<[f64; 2]>, Vec<Vec<usize>>);
+pub(super) type PlaneNet = (Vec<[f64; 2]>, Vec<Vec<usize>>);
 
 /// What is known of one valence.
 #[derive(Debug, Clone)]

@@ -87,7 +87,7 @@ fn figures_are_the_same_bytes_each_time_and_of_one_page() {
 fn figures_have_derivatives_as_far_as_they_are_continuous() {
     let drawn = text(&json!({ "plan": { "preset": "cubic-b-spline" } }), Form::Svg);
     for part in
-        ["Mask", "Basic limit function", "First derivative", "Second derivative", "Eigenvalues", "limits are C2"]
+        ["Mask", "Basic limit function", "First derivative", "Second derivative", "Local eigenvalues", "limits are C2"]
     {
         assert!(drawn.contains(part), "{part} is not in the figure");
     }

@@ -53,6 +53,7 @@ fn without_a_push_back_the_factor_is_a_product_of_sines_over_angles() {
 }
 
 #[test]
+#[expect(clippy::float_cmp, reason = "equal radii have the delta 1 exactly")]
 fn a_wanted_pipe_has_its_control_radius_or_its_delta() {
     let parameters = json!({ "delta": 0.25 });
     let forth = asked(&question("UCP", &parameters, &json!({ "vertices": 4, "control_radius": 3 })));

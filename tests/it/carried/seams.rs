@@ -37,6 +37,7 @@ fn a_channel_without_seams_is_the_same_written_for_corners_and_for_vertices() {
 }
 
 #[test]
+#[expect(clippy::float_cmp, reason = "means of equal numbers are exact")]
 fn each_seam_is_refined_for_itself_and_parts_vertices_where_files_need_it() {
     let net = nets::cube();
     // texture coordinates without seams, colours that differ from side to side, a number with two regions

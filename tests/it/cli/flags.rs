@@ -34,7 +34,8 @@ fn every_option_of_every_format_and_every_simple_field_of_a_job_is_a_flag() {
         let text = field.to_string();
         let is_simple =
             !["MeshRequest", "TextRequest", "Polygon", "array", "object"].iter().any(|part| text.contains(part));
-        assert_eq!(has(&format!("--{}", name.replace('_', "-"))), is_simple, "{name}");
+        let is_option = FORMATS.iter().flat_map(|format| format.facts().parameters).any(|option| option.name == name);
+        assert_eq!(has(&format!("--{}", name.replace('_', "-"))), is_simple || is_option, "{name}");
     }
     assert!(["--preset", "--word", "--boundary", "--ends", "--seed"].into_iter().all(has));
     for name in ["--levels", "--tolerance", "--parameter", "--frame", "--input-format", "--quiet"] {
@@ -150,7 +151,11 @@ fn messages_speak_of_flags_where_flags_were_given_and_of_pointers_where_a_job_wa
         fails(USAGE, &render(input, &["--preset", "butterfly", "-p", "v=1"]), &["--parameter v: ", "known here: w"]);
         fails(USAGE, &render(input, &["--word", "UX"]), &["--word: "]);
         fails(USAGE, &render(input, &["--orient", "repiar"]), &["--orient: ", "did you mean \"repair\"?"]);
-        fails(USAGE, &render(input, &["--levels", "two"]), &["--levels: \"two\", expected a whole number"]);
+        fails(
+            USAGE,
+            &render(input, &["--levels", "two"]),
+            &["--levels: invalid value: string \"two\", expected a whole number"],
+        );
         fails(USAGE, &render(input, &["--levels", "2", "--tolerance", "1"]), &["--levels", "--tolerance"]);
         fails(USAGE, &render(input, &["-p", "w"]), &["NAME=VALUE, for example w=0.05"]);
         let unfit = render(input, &["--preset", "loop", "--levels", "1"]);

@@ -1,5 +1,6 @@
 //! Figures of curves: what is drawn, and what is refused at which place.
 
+use planish::math::functions::{cos, real, sin, sqrt};
 use serde_json::{Value, json};
 
 use crate::support::render;
@@ -7,8 +8,8 @@ use crate::support::render;
 fn polygons(n: usize, dimension: usize) -> Value {
     let polygon = |i: usize| {
         let point = |j: usize| -> Vec<f64> {
-            let (i, j) = (f64::from(u8::try_from(i).unwrap()), f64::from(u8::try_from(j).unwrap()));
-            [(1.5 * j).cos() + 2.0 * i, (1.5 * j).sin(), 0.2 * j][..dimension].to_vec()
+            let (i, j) = (real(i), real(j));
+            [cos(1.5 * j) + 2.0 * i, sin(1.5 * j), 0.2 * j][..dimension].to_vec()
         };
         json!({ "points": (0..5).map(point).collect::<Vec<_>>(), "closed": true })
     };
@@ -52,15 +53,15 @@ fn axes_of_functions_count_control_points() {
 /// The comb of a circle has one length: its teeth end on a circle.
 #[test]
 fn the_comb_of_a_circle_is_a_circle() {
-    let points: Vec<[f64; 2]> =
-        (0..72).map(|i| (5.0 * f64::from(i)).to_radians()).map(|t| [t.cos(), t.sin()]).collect();
+    let points: Vec<[f64; 2]> = (0..72).map(|i| (5.0 * f64::from(i)).to_radians()).map(|t| [cos(t), sin(t)]).collect();
     let input = json!({ "polygon": { "points": points, "closed": true } });
     let output = json!({ "format": "svg", "width": 500, "height": 500, "show": ["comb"] });
     let (bytes, _) = render(&json!({ "input": input, "outputs": [output] })).expect("it is drawn");
     let text = String::from_utf8(bytes).expect("SVG is text");
     let last = text.rsplit("d=\"M").next().expect("a line").split('"').next().expect("its places");
     let numbers: Vec<f64> = last.replace('L', " ").split(' ').map(|x| x.parse().expect("a number")).collect();
-    let radii: Vec<f64> = numbers.chunks(2).map(|p| ((p[0] - 250.0).powi(2) + (p[1] - 250.0).powi(2)).sqrt()).collect();
+    let places = numbers.chunks(2).map(|p| [p[0] - 250.0, p[1] - 250.0]);
+    let radii: Vec<f64> = places.map(|[x, y]| sqrt(x * x + y * y)).collect();
     let [low, high] = [f64::min, f64::max].map(|f| radii.iter().copied().fold(radii[0], f));
     assert!(radii.len() > 70 && high - low < 0.05 && low > 200.0, "{low} to {high}");
 }

@@ -94,8 +94,8 @@ impl Document {
         for (name, schema) in fields.chain(schema["items"].is_object().then(|| ("0", &schema["items"]))) {
             let at = format!("{at}/{name}");
             found.push(at.clone());
-            // whatever a word takes stands among its parameters
-            if at != "/plan/parameters" {
+            // whatever a word takes stands among its parameters, and figures hold jobs
+            if at != "/plan/parameters" && at != "/figure" {
                 self.possible(schema, &at, found);
             }
         }

@@ -19,11 +19,14 @@ fn rgb([r, g, b, _]: [u8; 4]) -> [u8; 3] {
     [r, g, b]
 }
 
+/// A shading with the curvature of a torus that it shows, told by the cosine of the place on the tube.
+type ClosedForm = (&'static str, fn(f64) -> f64);
+
 #[test]
 fn the_colours_of_a_torus_are_those_of_its_curvature() {
     // from above, with the y axis through the middle of the picture: 0.88 of its height are 6 units
     let above = json!({ "projection": "orthographic", "azimuth_deg": 0, "elevation_deg": 90 });
-    let closed_forms: [(&str, fn(f64) -> f64); 2] =
+    let closed_forms: [ClosedForm; 2] =
         [("gaussian-curvature", |c| c / (2.0 + c)), ("mean-curvature", |c| (1.0 + c) / (2.0 + c))];
     for (shading, curvature) in closed_forms {
         let options = json!({ "shading": shading, "camera": above, "color_map": "viridis", "range": [-1, 1],
