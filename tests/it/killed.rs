@@ -14,6 +14,8 @@ use crate::http::server::{Folder, PATIENCE};
 
 /// How often the service is killed where nothing else is said.
 const KILLS: u64 = 10;
+/// The variable that says how often: 200 and more by hand.
+const NUMBER: &str = "PLANISH_TEST_KILLS";
 /// Of so many moments each round has one, in steps of a few milliseconds.
 const MOMENTS: u64 = 60;
 
@@ -28,6 +30,8 @@ impl Service {
         let mut child = Command::new(env!("CARGO_BIN_EXE_planish"))
             .args(["serve", "--listen", "127.0.0.1:0", "--threads", "2", "--log", "error", "--data-dir"])
             .arg(data)
+            // a variable that is no setting would be refused
+            .env_remove(NUMBER)
             .stdout(Stdio::null())
             .stderr(Stdio::piped())
             .spawn()
@@ -110,7 +114,7 @@ async fn settled(client: &reqwest::Client, place: &str) -> Value {
 
 #[test]
 fn whatever_moment_it_is_killed_no_accepted_job_is_lost_and_no_byte_is_wrong() {
-    let kills = std::env::var("PLANISH_TEST_KILLS").map_or(KILLS, |kills| kills.parse().unwrap());
+    let kills = std::env::var(NUMBER).map_or(KILLS, |kills| kills.parse().unwrap());
     let folder = Folder::new();
     let data = folder.path().join("data");
     let runtime = tokio::runtime::Builder::new_multi_thread().worker_threads(2).enable_all().build().unwrap();

@@ -28,7 +28,7 @@ fn the_shares_of_the_account_come_to_no_more_than_the_whole() {
     for (total, cache) in [(256 << 20, 512 << 20), (2 << 30, 512 << 20), (12 << 30, 512 << 20), (1 << 50, 0)] {
         let account = Account::new(total, cache);
         let shares: u64 = account.shares().iter().map(|share| share.capacity).sum();
-        let kept = account.cache_bytes + account.work_bytes + kept_buffers(total);
+        let kept = account.cache_bytes + account.uploads_bytes + account.work_bytes + kept_buffers(total);
         assert_eq!(shares + kept, total, "nothing is given twice, and nothing is lost");
         assert!(account.cache_bytes <= total / 4 && account.long.capacity > total * 2 / 5);
     }
