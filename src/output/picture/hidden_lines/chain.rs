@@ -31,9 +31,9 @@ pub(super) fn chains(pieces: &[Piece]) -> Vec<Run> {
             continue;
         }
         let mut run: Run = pieces[first].places.to_vec();
-        extend(&mut run, pieces[first].vertices[1], (&pieces, &around), &mut used);
+        extend(&mut run, pieces[first].vertices[1], (pieces, &around), &mut used);
         run.reverse();
-        extend(&mut run, pieces[first].vertices[0], (&pieces, &around), &mut used);
+        extend(&mut run, pieces[first].vertices[0], (pieces, &around), &mut used);
         runs.push(run);
     }
     runs
