@@ -2,8 +2,8 @@
 //! it as pixels or write it as SVG or PDF.
 //!
 //! A drawing knows nothing of formats, options or shapes: whoever has something to draw makes items, and hands the
-//! [`Drawing`] to [`pixels`], [`svg`] or [`pdf`]. All lengths are pixels, y downwards; 96 pixels are an inch, as in
-//! CSS. The bytes of all three are the same on every machine: nothing in them tells of a time, a font of the system,
+//! [`Drawing`] to [`pixels()`], [`svg()`] or [`pdf()`]. All lengths are pixels, y downwards; 96 pixels are an inch, as
+//! in CSS. The bytes of all three are the same on every machine: nothing in them tells of a time, a font of the system,
 //! or chance.
 
 mod axes;

@@ -1,5 +1,5 @@
-//! What is asked of a mesh beside the scheme that refines it: how close levels come to the limit, what is extraordinary,
-//! and what is to be known of the plan's parameters.
+//! What is asked of a mesh beside the scheme that refines it: how close levels come to the limit, what is
+//! extraordinary, and what is to be known of the plan's parameters.
 
 use std::collections::BTreeMap;
 
@@ -12,8 +12,8 @@ use crate::shape::mesh::Mesh;
 use crate::watch::{Stopped, Watch};
 
 /// Most levels of which bounds are told.
-/// Each comes four times as close as the one before, so that three tell how it goes on. Half of it tells less; twice of it
-/// takes sixty times as long.
+/// Each comes four times as close as the one before, so that three tell how it goes on. Half of it tells less; twice of
+/// it takes sixty times as long.
 const MAX_LEVEL: u32 = 3;
 /// Most faces of a mesh of which bounds are told.
 /// A level of them is looked at within a second. Half of it refuses common control meshes; twice of it takes twice as

@@ -28,8 +28,8 @@ const MS_AN_EDGE: u64 = 4;
 /// they wait longer.
 const MS_OF_BOUNDS: u64 = 3000;
 /// Bytes of memory that an analysis takes at most: the largest star, its operators' rows and the blocks.
-/// It is reckoned from 2^18 points with some 200 bytes each. Half of it is enough for all presets; twice of it lets half
-/// as many analyses run at once.
+/// It is reckoned from 2^18 points with some 200 bytes each. Half of it is enough for all presets; twice of it lets
+/// half as many analyses run at once.
 const BYTES: u64 = 64 << 20;
 
 /// What is asked about a plan on meshes.

@@ -123,8 +123,8 @@ fn fitted_normals(mesh: &dyn MeshSource, positions: &[[f64; 3]], watch: &Watch) 
 
 /// The vertices around which faces do not close.
 ///
-/// Around a closed vertex each neighbour follows it in one face and comes before it in another, so that the sum of those
-/// that follow less those that come before is 0.
+/// Around a closed vertex each neighbour follows it in one face and comes before it in another, so that the sum of
+/// those that follow less those that come before is 0.
 fn ends(mesh: &dyn MeshSource, watch: &Watch) -> Result<Vec<bool>, Stopped> {
     let mut balance = vec![0_u32; mesh.n_vertices()];
     each_face(mesh, watch, |face| {

@@ -34,8 +34,8 @@ use crate::watch::Watch;
 ///
 /// Meshes: `area`, signed `volume` (null unless closed), of the faces cut into triangles as for glTF; numbers of
 /// vertices, edges, faces, boundary edges and loops, components; vertices by valence, faces by size; with normals
-/// `normals_hash`, the hash of those that `json` gives, and on request what [`fairness::add`] says of curvature. Curves: `length`,
-/// and `area`, the signed area of plane polygons when all are closed.
+/// `normals_hash`, the hash of those that `json` gives, and on request what [`fairness::add`] says of curvature.
+/// Curves: `length`, and `area`, the signed area of plane polygons when all are closed.
 ///
 /// Numbers beyond f64 are null. All sums run in an order that depends on the result only.
 #[derive(Debug)]

@@ -233,8 +233,8 @@ impl<'a> Frame<'a> {
         triangle.map(|v| self.places[v as usize])
     }
 
-    /// The centre of the surface on the ground: the mean of the centres of its triangles, weighted by their areas, added
-    /// up in parts whose borders depend on the number of triangles only.
+    /// The centre of the surface on the ground: the mean of the centres of its triangles, weighted by their areas,
+    /// added up in parts whose borders depend on the number of triangles only.
     fn centre(&self) -> [f64; 2] {
         let of = |list: &[[u32; 3]]| {
             list.iter().fold([0.0; 3], |sum: Vector, &triangle| {
@@ -334,7 +334,8 @@ fn parts(corners: &[[f32; 3]; 3]) -> usize {
     (longest.ceil() as usize).max(1)
 }
 
-/// Lowers the cells below a triangle to its height there. What is smaller than a cell is one place: others stand beside.
+/// Lowers the cells below a triangle to its height there. What is smaller than a cell is one place: others stand
+/// beside.
 fn lay(corners: &[[f32; 3]; 3], heights: &mut [f32], cells: usize) {
     let mut low = |[x, y, height]: [f32; 3]| {
         let [x, y] = [x, y].map(|u| (u.max(0.0) as usize).min(cells - 1));

@@ -115,15 +115,18 @@ proptest! {
             let height = if left_right || above_below { 0.0 } else { z };
             [(f64::from(i) + x) / f64::from(n), (f64::from(j) + y) / f64::from(n), height]
         };
-        let positions: Vec<[f64; 3]> = (0..=n).flat_map(|j| (0..=n).map(move |i| [i, j])).map(|[i, j]| at(i, j)).collect();
+        let places = (0..=n).flat_map(|j| (0..=n).map(move |i| [i, j]));
+        let positions: Vec<[f64; 3]> = places.map(|[i, j]| at(i, j)).collect();
         let cut = |i: u32, j: u32| {
             let a = j * (n + 1) + i;
             let [a, b, c, d] = [a, a + 1, a + n + 2, a + n + 1];
             if moves[a as usize].3 { [[a, b, c], [a, c, d]] } else { [[a, b, d], [b, c, d]] }
         };
-        let triangles: Vec<[u32; 3]> = (0..n).flat_map(|j| (0..n).map(move |i| [i, j])).flat_map(|[i, j]| cut(i, j)).collect();
+        let squares = (0..n).flat_map(|j| (0..n).map(move |i| [i, j]));
+        let triangles: Vec<[u32; 3]> = squares.flat_map(|[i, j]| cut(i, j)).collect();
         let camera = if projected {
-            let view = View { eye: Some([0.5, 0.5, 1.4]), target: Some([0.5, 0.5, 0.0]), fov_rad: 0.5, ..View::default() };
+            let (eye, target) = (Some([0.5, 0.5, 1.4]), Some([0.5, 0.5, 0.0]));
+            let view = View { eye, target, fov_rad: 0.5, ..View::default() };
             Camera::framing(&view, &[&positions], SIDE, SIDE)
         } else {
             above(SIDE)

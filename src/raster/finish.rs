@@ -37,7 +37,8 @@ pub struct Stripes {
     pub width_px: f32,
 }
 
-/// What stripes follow: the unit normal `n`, the unit direction of sight `d` and its mirror image `r = d - 2 (n . d) n`.
+/// What stripes follow: the unit normal `n`, the unit direction of sight `d` and its mirror image `r = d - 2 (n . d)
+/// n`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Pattern {
     /// `count` dark bands between the axis `a` and its opposite, equally high in `r . a`: dark where

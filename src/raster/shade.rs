@@ -169,8 +169,8 @@ fn positive(x: f32) -> f32 {
     if x > 0.0 { x } else { 0.0 }
 }
 
-/// How much is mirrored, 1 where `x` is 1: the lobe of B. Walter et al., EGSR 2007, 195-206, which falls so slowly beside
-/// its middle that no rim is seen around a highlight.
+/// How much is mirrored, 1 where `x` is 1: the lobe of B. Walter et al., EGSR 2007, 195-206, which falls so slowly
+/// beside its middle that no rim is seen around a highlight.
 #[inline]
 fn polished(x: f32) -> f32 {
     // the square of the roughness: half of it makes highlights smaller by a third and shows a rim, twice of it veils

@@ -15,8 +15,8 @@ use super::bins::TILE;
 use super::project::{STEPS, Vertex};
 
 /// Samples a pixel.
-/// Where they see an edge, the pixel is looked at more closely, see `fine`. Two would miss thin things, eight take twice
-/// the time and memory of a tile.
+/// Where they see an edge, the pixel is looked at more closely, see `fine`. Two would miss thin things, eight take
+/// twice the time and memory of a tile.
 pub(super) const SAMPLES: usize = 4;
 
 /// Places of the samples in eighths of a pixel, right and down: no two in one row, column or diagonal.

@@ -102,8 +102,8 @@ impl Desk {
         lined_up
     }
 
-    /// Makes a job of a computation that is under way already, so that it goes on without its request, which has what may
-    /// be at fault at `entries`.
+    /// Makes a job of a computation that is under way already, so that it goes on without its request, which has what
+    /// may be at fault at `entries`.
     ///
     /// # Errors
     /// [`NotAccepted`]; then the interest is dropped.

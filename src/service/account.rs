@@ -40,8 +40,8 @@ pub struct Account {
 impl Account {
     /// Divides `total` bytes: the cache gets `cache` bytes, but at most a quarter; a sixteenth each goes to reading,
     /// answers, and the short lane; a thirty-second each to bodies and to inputs; a sixty-fourth to
-    /// [buffers that are kept](kept_buffers), and half as much each to records and to uploads; a ninety-sixth to kept work; the long lane gets the rest, which is more
-    /// than two fifths.
+    /// [buffers that are kept](kept_buffers), and half as much each to records and to uploads; a ninety-sixth to kept
+    /// work; the long lane gets the rest, which is more than two fifths.
     ///
     /// The parts are chosen so that the default of 12 GiB holds a job of 8 GiB, and reads a body of the default length,
     /// whose parsing may take 36 times its bytes.

@@ -71,7 +71,8 @@ impl Desk {
             _ = ended.wait_for(|ended| *ended) => {}
             () = self.clock.sleep(longest.unwrap_or_default()), if longest.is_some() => {
                 let seconds = longest.unwrap_or_default().as_secs();
-                self.jobs.settle(run, State::Failed(format!("it ran for {seconds} s, the most that `run_timeout_s` allows")));
+                let reason = format!("it ran for {seconds} s, the most that `run_timeout_s` allows");
+                self.jobs.settle(run, State::Failed(reason));
             }
         }
     }

@@ -52,8 +52,8 @@ pub struct MeshRequest {
     #[schema(schema_with = schema::edges)]
     pub longitude: Vec<[u64; 2]>,
     /// Numbers that vertices carry, by name: `n` numbers, or `n` lists of 1 to 4 numbers; refined like positions. With
-    /// `values` and `faces`, as `uvs` have them, corners of faces carry them, and seams stay seams. `color` (red, green,
-    /// blue and perhaps alpha, sRGB from 0 to 1) is the colour of the vertices.
+    /// `values` and `faces`, as `uvs` have them, corners of faces carry them, and seams stay seams. `color` (red,
+    /// green, blue and perhaps alpha, sRGB from 0 to 1) is the colour of the vertices.
     #[serde(default)]
     #[schema(schema_with = channels::described)]
     pub channels: ChannelsRequest,

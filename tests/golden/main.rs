@@ -1,4 +1,5 @@
-//! Every job of `api/examples/jobs` and of `api/examples/figures` gives the result whose hash stands in `hashes.txt`, for any number of threads.
+//! Every job of `api/examples/jobs` and of `api/examples/figures` gives the result whose hash stands in `hashes.txt`,
+//! for any number of threads.
 //!
 //! This is a binary of its own because it is also run optimised, which the other tests would take minutes to compile
 //! for. `BLESS=1 cargo test --test hashes` writes the table anew.

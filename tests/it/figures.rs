@@ -1,7 +1,8 @@
 //! The pictures of `docs/curves` are what planish renders from their jobs, and `docs/presets.md` has a section for each
 //! preset of curves with what the catalogue says of it.
 //!
-//! The pictures of `docs/creases.md`, `docs/data.md` and `docs/pictures.md` are the results of the example jobs of their names.
+//! The pictures of `docs/creases.md`, `docs/data.md` and `docs/pictures.md` are the results of the example jobs of
+//! their names.
 //!
 //! `BLESS=1 cargo test --test it figures::` writes both anew.
 

@@ -2,7 +2,9 @@
 
 use serde_json::{Value, json};
 
-use crate::support::{faults, nets, parsed, render};
+use planish::fault::Fault;
+
+use crate::support::{nets, parsed, render};
 
 /// A cube under Catmull-Clark as a picture of 200 x 150 pixels with these options.
 fn cube(levels: &Value, options: &Value) -> Value {
@@ -24,6 +26,11 @@ fn tagged(lines: &Value, options: &Value) -> Value {
     job.as_object_mut().expect("an object").remove("plan");
     job["input"]["mesh"]["latitude"] = lines.clone();
     job
+}
+
+/// Why a job is refused.
+fn faults(job: &Value) -> Vec<Fault> {
+    render(job).expect_err("it is refused")
 }
 
 fn png(options: &Value) -> Vec<u8> {
@@ -73,7 +80,9 @@ fn tags_are_shown_as_lines_and_dots_of_their_colours() {
     let (red, green, yellow) = ([190, 18, 60], [4, 120, 87], [250, 204, 21]);
     let view = json!({ "azimuth_deg": 180, "elevation_deg": -30 });
     for (item, color) in [("creases", red), ("extraordinary", yellow)] {
-        let shown = json!({ "show": ["surface", item], "camera": view, "line_width": 3 });
+        let size = [800, 600];
+        let shown = json!({ "show": ["surface", item], "camera": view, "line_width": 3, "width": size[0],
+            "height": size[1] });
         assert!(about(&shown, color) > 10, "{item}");
         assert_eq!(about(&json!({ "camera": view }), color), 0, "{item}");
     }
@@ -95,7 +104,8 @@ fn seams_are_where_texture_coordinates_are_cut() {
     // as the vertices are numbered, so that nothing is cut
     job["input"]["mesh"]["uvs"] = json!({ "values": (0..8).map(|i| [i, i * i]).collect::<Vec<_>>(), "faces": faces });
     let whole = render(&job).expect("a picture").0;
-    job["input"]["mesh"]["uvs"] = json!({ "values": (0..24).map(|i| [i, i * i]).collect::<Vec<_>>(), "faces": (0..6).map(|f| [4 * f, 4 * f + 1, 4 * f + 2, 4 * f + 3]).collect::<Vec<_>>() });
+    let faces: Vec<_> = (0..6).map(|f| [4 * f, 4 * f + 1, 4 * f + 2, 4 * f + 3]).collect();
+    job["input"]["mesh"]["uvs"] = json!({ "values": (0..24).map(|i| [i, i * i]).collect::<Vec<_>>(), "faces": faces });
     let cut = render(&job).expect("a picture").0;
     let orange = |png: &[u8]| pixels(png).iter().filter(|[r, g, b]| *r > 180 && *g < 160 && *b < 60).count();
     assert_eq!(orange(&whole), 0);
@@ -118,7 +128,7 @@ fn tags_are_refused_where_edges_of_the_input_do_not_stay() {
     let mut job = cube(&json!(2), &json!({ "show": ["surface", "extraordinary"] }));
     job["plan"]["preset"] = json!("doo-sabin");
     job["input"]["mesh"].as_object_mut().expect("an object").retain(|name, _| name == "positions" || name == "faces");
-    assert!(faults(job).iter().any(|fault| fault.detail.contains("extraordinary")));
+    assert!(faults(&job).iter().any(|fault| fault.detail.contains("extraordinary")));
 }
 
 #[test]
@@ -127,25 +137,26 @@ fn lines_take_their_width_and_colours_from_options() {
     let shown = |width: f64| {
         about(&json!({ "show": ["surface", "control"], "control_color": "#00ff00", "line_width": width }), lime)
     };
-    assert!(shown(3.0) > 2 * shown(1.0) && shown(1.0) > 20, "{} and {}", shown(1.0), shown(3.0));
-    assert!(about(&json!({ "show": ["wireframe"], "wire_color": "#00ff00" }), lime) > 20);
-    assert!(about(&json!({ "show": ["points"], "point_color": "#00ff00" }), lime) > 20);
+    assert!(2 * shown(6.0) > 3 * shown(3.0) && shown(3.0) > 20, "{} and {}", shown(3.0), shown(6.0));
+    assert!(about(&json!({ "show": ["wireframe"], "wire_color": "#00ff00", "line_width": 3 }), lime) > 20);
+    assert!(about(&json!({ "show": ["points"], "point_color": "#00ff00", "width": 800, "height": 600 }), lime) > 20);
 }
 
 #[test]
 fn automatic_levels_make_faces_of_about_a_pixel_and_enter_the_key_as_a_number() {
     let auto = |options: &Value| parsed(cube(&json!("auto"), options).to_string().as_bytes()).expect("a job");
-    // edges of the cube are about 60 pixels long
+    // edges of the cube are between 64 and 128 pixels long
     let job = auto(&json!({}));
-    assert_eq!((job.levels, job.reached.map(|reached| (reached.level, reached.bound))), (5, Some((5, None))));
-    let same = parsed(cube(&json!(5), &json!({})).to_string().as_bytes()).expect("a job");
+    assert_eq!((job.levels, job.reached.map(|reached| (reached.level, reached.bound))), (6, Some((6, None))));
+    let same = parsed(cube(&json!(6), &json!({})).to_string().as_bytes()).expect("a job");
     assert_eq!(job.keys(), same.keys());
-    assert_eq!(auto(&json!({ "width": 400, "height": 300 })).levels, 6);
-    assert_eq!(auto(&json!({ "camera": { "zoom": 0.25 } })).levels, 3);
+    assert_eq!(auto(&json!({ "width": 400, "height": 300 })).levels, 7);
+    assert_eq!(auto(&json!({ "camera": { "zoom": 0.25 } })).levels, 4);
     // six faces become 6 x 4^9 = 1,572,864, and not more than 2^21
     assert_eq!(auto(&json!({ "width": 8192, "height": 8192 })).levels, 9);
     let curve = json!({ "input": { "polygon": { "points": [[0, 0], [1, 0], [1, 1], [0, 1]], "closed": true } },
-        "plan": { "preset": "chaikin" }, "levels": "auto", "outputs": [{ "format": "png", "width": 150, "height": 150 }] });
+        "plan": { "preset": "chaikin" }, "levels": "auto",
+        "outputs": [{ "format": "png", "width": 150, "height": 150 }] });
     assert_eq!(parsed(curve.to_string().as_bytes()).expect("a job").levels, 7, "sides of 132 pixels");
 }
 
@@ -153,11 +164,11 @@ fn automatic_levels_make_faces_of_about_a_pixel_and_enter_the_key_as_a_number() 
 fn automatic_levels_are_refused_without_pixels_and_without_smaller_faces() {
     let mut job = cube(&json!("auto"), &json!({}));
     job["outputs"] = json!([{ "format": "png" }, { "format": "obj", "name": "mesh" }]);
-    let found = faults(job);
+    let found = faults(&job);
     assert!(found.iter().any(|fault| fault.pointer == "/levels" && fault.detail.contains("obj")), "{found:?}");
     let mut job = cube(&json!("auto"), &json!({}));
     job["plan"] = json!({ "word": "C" });
-    assert!(faults(job).iter().any(|fault| fault.detail.contains("no smaller faces")));
+    assert!(faults(&job).iter().any(|fault| fault.detail.contains("no smaller faces")));
     let job = cube(&json!("automatic"), &json!({}));
-    assert!(faults(job).iter().any(|fault| fault.pointer == "/levels" && fault.detail.contains("\"auto\"")));
+    assert!(faults(&job).iter().any(|fault| fault.pointer == "/levels" && fault.detail.contains("\"auto\"")));
 }

@@ -1,7 +1,7 @@
 //! The blocks into which rotations and the reflection about a ray part the local subdivision matrix.
 //!
-//! Values `v(s, p) = exp(2 pi i k (s + t_p) / n) u_p`, with the angle `t_p` of the point p as a fraction of a sector, are
-//! mapped to such values with the same index k. The reflection puts `conj(u)` of the mirrored point in the place of
+//! Values `v(s, p) = exp(2 pi i k (s + t_p) / n) u_p`, with the angle `t_p` of the point p as a fraction of a sector,
+//! are mapped to such values with the same index k. The reflection puts `conj(u)` of the mirrored point in the place of
 //! `u_p`, so that `u_p = c_p` on the axis and `u_p = c + i d`, `u_q = c - i d` for two mirror images have a real
 //! matrix.
 //!

@@ -6,8 +6,8 @@ use super::sectors::Kind;
 use crate::shape::topology::{Topology, index};
 
 /// Most vertices, and faces, of one valence that are named.
-/// They are for a look at a few; all are counted. Half of it names fewer; twice of it makes answers about fine meshes of
-/// triangles under schemes for quads twice as long.
+/// They are for a look at a few; all are counted. Half of it names fewer; twice of it makes answers about fine meshes
+/// of triangles under schemes for quads twice as long.
 const MAX_NAMED: usize = 64;
 
 /// Vertices and faces of a mesh that become extraordinary points of one valence.

@@ -78,8 +78,8 @@ pub(crate) fn size(counts: &Counts) -> Size {
 type Parts = Vec<[f64; 2]>;
 
 /// Draws the lines of a mesh that can be seen: its outline (edges between a triangle that shows its outside and one
-/// that shows its inside), its boundary, its creases, the edges of the input and of its faces, each line once and under the
-/// first of these names. `hidden` adds dashes where outline, boundary or creases cannot be seen.
+/// that shows its inside), its boundary, its creases, the edges of the input and of its faces, each line once and under
+/// the first of these names. `hidden` adds dashes where outline, boundary or creases cannot be seen.
 pub(crate) fn drawing(
     scene: &Scene<'_>,
     mesh: &dyn MeshSource,

@@ -20,8 +20,9 @@ pub(super) const BYTES: [u128; 2] = [mesh_curvature::VERTEX_BYTES, 12 + 24 / 3];
 pub(super) const LENGTH: u128 = 1_024;
 
 /// Adds the entries to a report: `curvature`, where `gaussian` and `mean` have the least and the greatest value among
-/// the vertices with their places and the mean over the surface (a vertex counts as the area of its faces), and `normal_jump`, the largest angle between the normals of two faces at an edge, the ends of that edge and
-/// its middle; null where no edge has two faces.
+/// the vertices with their places and the mean over the surface (a vertex counts as the area of its faces), and
+/// `normal_jump`, the largest angle between the normals of two faces at an edge, the ends of that edge and its middle;
+/// null where no edge has two faces.
 pub(super) fn add(found: &mut Value, mesh: &dyn MeshSource, watch: &Watch) -> Result<(), FormatError> {
     let split = SplitVertices::of(Shape::Mesh(mesh), &HardEdges::default(), watch)?;
     let sides = split.as_ref().map_or(mesh, |split| split);

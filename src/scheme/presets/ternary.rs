@@ -121,7 +121,10 @@ pub(super) const C4: Preset = Preset {
 
 /// The ternary B-spline of some degree: entries over `3^degree`, from the middle outwards.
 macro_rules! b_spline {
-    ($constant:ident, $name:literal, $degree:literal, [$smoothness:literal, $support:literal], $over:literal, [$middle:literal $(, $entry:literal)*]) => {
+    (
+        $constant:ident, $name:literal, $degree:literal, [$smoothness:literal, $support:literal],
+        $over:literal, [$middle:literal $(, $entry:literal)*]
+    ) => {
         pub(super) const $constant: Preset = Preset {
             name: $name,
             doc: concat!("The uniform B-spline of degree ", $degree, " by ternary refinement; symbol ",

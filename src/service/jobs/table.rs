@@ -230,11 +230,10 @@ impl Jobs {
         let Some(journal) = &self.journal else { return Ok(Vec::new()) };
         let mut kept = Vec::new();
         journal.each(&mut |record| {
-            if let Some(record) = decode(record) {
-                kept.push(record);
-            } else {
-                tracing::warn!("a record of a job cannot be read; it is left as it is");
-            }
+            let Some(record) = decode(record) else {
+                return tracing::warn!("a record of a job cannot be read; it is left as it is");
+            };
+            kept.push(record);
         })?;
         kept.sort_by_key(|kept| kept.number);
         let (now, wall) = (self.clock.now(), self.clock.wall());
@@ -242,7 +241,7 @@ impl Jobs {
         let mut runs = Vec::new();
         for kept in kept {
             let Ok(memory) = memory(cost(&kept.summary)) else {
-                tracing::warn!(job = %kept.job.id, "there is no room for the record of a job; it waits for a next start");
+                tracing::warn!(job = %kept.job.id, "no room for the record of a job; it waits for a next start");
                 continue;
             };
             table.next = table.next.max(kept.number + 1);

@@ -208,7 +208,7 @@ pub struct SmoothnessAnswer {
 pub struct ReductionAnswer {
     /// The mask of the scheme with stable shifts.
     pub mask: MaskAnswer,
-    /// The weights q of its shifts: the basic limit function at x is the sum of q[j] times the other one at x - j.
+    /// The weights q of its shifts: the basic limit function at x is the sum of `q[j]` times the other one at x - j.
     pub combination: MaskAnswer,
 }
 

@@ -94,7 +94,7 @@ fn what_cannot_be_drawn_in_lines_is_told() {
     assert!(detail.contains("786432 triangles") && detail.contains("262144"), "{detail}");
     let (place, _) = refused(json!({ "format": "pdf", "show": ["comb"] }), 1);
     assert_eq!(place, "/outputs/0/show");
-    let (_, detail) = refused(json!({ "format": "svg", "camera": { "eye": [0.1, 0.1, 0.1] } }), 1);
+    let (_, detail) = refused(json!({ "format": "svg", "camera": { "eye": [0.5, 0.4, 0.5] } }), 1);
     assert!(detail.contains("before the camera"), "{detail}");
 }
 

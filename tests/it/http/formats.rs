@@ -57,7 +57,7 @@ fn check(format: &str, is_mesh: bool, answer: &Answer) {
             assert_eq!(answer.body.len(), 84 + 50 * 48);
             assert_eq!(answer.body[80..84], 48_u32.to_le_bytes());
         }
-        "png" => {
+        "png" | "apng" => {
             let picture = image::load_from_memory_with_format(&answer.body, image::ImageFormat::Png).unwrap();
             let picture = picture.to_rgba8();
             let first = picture.get_pixel(0, 0);

@@ -89,8 +89,8 @@ fn what_is_wrong_with_an_address_is_told() {
         assert_eq!(problem["errors"][0]["pointer"], "/outputs");
         server.get(&format!("/kroki/graphviz/{data}")).await.problem(404, "not-found");
         server.get("/kroki/svg/%ff").await.problem(404, "not-found");
-        let mesh = URL_SAFE_NO_PAD.encode(zlib(mesh(1).to_string().as_bytes()));
-        server.get(&format!("/kroki/svg/{mesh}")).await.problem(422, "invalid-job");
+        let polygon = URL_SAFE_NO_PAD.encode(zlib(polygon(1).to_string().as_bytes()));
+        server.get(&format!("/kroki/stl/{polygon}")).await.problem(422, "invalid-job");
     });
 }
 

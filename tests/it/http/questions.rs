@@ -69,7 +69,7 @@ fn an_estimate_takes_many_outputs_and_refuses_what_cannot_be() {
         let estimate = server.post("/v1/estimate", &job).await.ok().json();
         assert_eq!(estimate["outputs"][1]["name"], "figure");
         server.post("/v1/estimate", &mesh(40)).await.problem(422, "too-large");
-        server.post("/v1/estimate", &with(polygon(1), "glb")).await.problem(422, "invalid-job");
+        server.post("/v1/estimate", &with(polygon(1), "stl")).await.problem(422, "invalid-job");
     });
 }
 

@@ -148,7 +148,8 @@ fn distances_are_those_from_the_control_net() {
     let net = nets::cube();
     let far = |range: [f64; 2]| {
         let job = json!({ "input": net.input(), "plan": { "preset": "catmull-clark" }, "levels": 3, "outputs": [
-            { "format": "png", "width": 64, "height": 48, "shading": "distance", "range": range, "color_map": "greys" }] });
+            { "format": "png", "width": 64, "height": 48, "shading": "distance", "range": range,
+                "color_map": "greys" }] });
         render(&job).expect("a picture").0
     };
     // the farthest point of a Catmull-Clark cube is less than half a side away from it: beyond, nothing changes but
