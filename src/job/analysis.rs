@@ -23,8 +23,8 @@ pub const MAX_NODES: u64 = 10_000_000;
 /// It is four for each pixel of a wide figure. Half of it makes curves of long masks rougher; twice of it makes answers
 /// twice as long.
 pub const MAX_VALUES: u64 = 1 << 14;
-/// Products that take as long as a millisecond of one core, with matrices of the usual size: measured on the 16-point
-/// scheme by `cargo bench --bench bench -- analysis`, 100,000 products in 250 ms.
+/// Products that take as long as a millisecond of one core, with matrices of the usual size: the 16-point scheme
+/// takes some 250 ms for 100,000 products.
 /// Half of it books twice the time that they take, twice of it half of it; smaller matrices are quicker.
 const NODES_A_MS: u64 = 400;
 /// Cubes of the residual's length that take as long as a millisecond: whether shifts are stable is decided by as many

@@ -117,7 +117,7 @@ pub(crate) fn are_numbers(carried: &Attachments, options: &Values) -> bool {
 /// Work that the numbers, and a finish, take: rows of 100 ns.
 pub(crate) fn work(options: &Values, counts: &Counts, pixels: u128) -> u128 {
     /// A search of the tree, a corner of a face in three sums, and a pixel of stripes, of which twelve quotients and
-    /// roots are found. Measured on the animal of the examples at level 5: 2 us, 100 ns and 300 ns.
+    /// roots are found: 2 us, 100 ns and 300 ns, estimates from pictures of the animal of the examples at level 5.
     const ROWS: [u128; 3] = [20, 1, 3];
     let numbers = match shading::measure(options) {
         Some(Measure::Distance) => counts.vertices.saturating_mul(ROWS[0]),
