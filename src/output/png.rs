@@ -6,7 +6,7 @@ use png::{BitDepth, ColorType, Compression, Encoder, Filter, PixelDimensions, Un
 
 use crate::drawing;
 use crate::fault::Fault;
-use crate::math::parameter::{Default, Kind, Parameter, Values};
+use crate::math::parameter::{Default, Kind, Parameter, Value, Values};
 use crate::output::color_maps::COLOR_MAP;
 use crate::output::counts::{Counts, ShapeKind};
 use crate::output::error::FormatError;
@@ -30,9 +30,11 @@ use crate::shape::attachments::Attachments;
 use crate::shape::mesh::Mesh;
 use crate::watch::{Stage, Watch};
 
-/// Bytes of a pixel while a picture is made: the light and depth of the surface (12), the light of lines (8), and its
-/// colour; of a cell of the map of hollows, of which there are at most two in three pixels, 8.
-const PIXEL_BYTES: u128 = 32;
+/// Bytes of a pixel while a surface is drawn: its light and depth (12), its colour (4), and 6 for cells of the map of
+/// hollows, of which there are at most two in three pixels.
+const PIXEL_BYTES: u128 = 22;
+/// Bytes of a pixel while lines are drawn: their light (8), and a colour.
+const LINE_PIXEL_BYTES: u128 = 12;
 /// Bytes a corner of a mesh whose edges are drawn: the sides before they are sorted (8), and half of an edge as it is
 /// drawn, with its two ends, its bounds and its place among the tiles (measured: 52).
 const WIRE_BYTES: u128 = 36;
@@ -172,8 +174,13 @@ impl Format for Png {
         } else {
             0
         };
-        let pixels = options::size(options).map(u128::from).iter().product::<u128>() * PIXEL_BYTES;
-        let numbers = look::memory(options, vertices, pixels / PIXEL_BYTES, counts);
+        let n_pixels = options::size(options).map(u128::from).iter().product::<u128>();
+        let shown = *options.get("show") != Value::Absent;
+        let has_surface = counts.kind == ShapeKind::Mesh && (!shown || options.has("show", "surface"));
+        let surface = if has_surface { PIXEL_BYTES } else { 0 };
+        let lines = if shown || !has_surface { LINE_PIXEL_BYTES } else { 0 };
+        let pixels = n_pixels * (surface + lines);
+        let numbers = look::memory(options, vertices, n_pixels, counts);
         let ground = vertices.saturating_mul(GROUND_BYTES);
         [isolines, wires, numbers, pixels, ground, hard_edges::memory(counts, options)]
             .iter()

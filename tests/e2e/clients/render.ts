@@ -19,8 +19,8 @@ export const refused: Job[] = [
   { input, outputs: [{ format: "obj", width: 100 }] },
   // @ts-expect-error: a choice that an option does not have
   { input, outputs: [{ format: "png", shading: "matte" }] },
-  // @ts-expect-error: no input
-  { levels: 1 },
+  // @ts-expect-error: levels that are no number
+  { input, levels: "two" },
 ];
 
 const first: Record<string, (bytes: Uint8Array) => boolean> = {
