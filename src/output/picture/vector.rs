@@ -141,24 +141,26 @@ pub(crate) fn work(counts: &Counts, options: &Values) -> u128 {
 /// A point costs at most 51 bytes in the curve (when each segment is a path of its own), 51 in the control polygon,
 /// 20 in a filled area, twice 51 in a comb, and 49 as a disc (230 in PDF, which is packed afterwards); where dashes
 /// and letters of no more than 70 labels stand, a font of at most a megabyte and some kilobytes stand beside them. A
-/// curve with a look of its own costs 200 bytes more. Each triangle gives a segment of a section at most, two points.
+/// curve with a look of its own costs 200 bytes more. Each triangle gives a segment of a section at most, two
+/// points, of which nothing but lines is drawn: 160 bytes are three times as much as one takes.
 pub(crate) fn size(counts: &Counts, options: &Values) -> Size {
     if is_lines(counts, options) {
         return hidden_lines::size(counts);
     }
-    let (points, curves) = match counts.kind {
+    let (points, point, curves) = match counts.kind {
         ShapeKind::Mesh => {
             let planes = options.groups(SECTIONS.name).len() as u128;
-            (planes.saturating_mul(counts.triangles().saturating_mul(2).saturating_add(1)), planes)
+            (planes.saturating_mul(counts.triangles().saturating_mul(2).saturating_add(1)), 160, planes)
         }
         ShapeKind::Curves { .. } => {
-            (counts.vertices.saturating_add(counts.control).saturating_add(counts.polygons), counts.polygons)
+            let points = counts.vertices.saturating_add(counts.control).saturating_add(counts.polygons);
+            (points, 560, counts.polygons)
         }
     };
     let plain =
         ["vertices", "comb", "tangents", "axes", "grid", "legend"].iter().all(|item| !options.has("show", item));
     let around = if plain && options.name(TITLE.name).is_none() { 4096 } else { 2 << 20 };
-    Size::AtMost(points.saturating_mul(560).saturating_add(curves.saturating_mul(512)).saturating_add(around))
+    Size::AtMost(points.saturating_mul(point).saturating_add(curves.saturating_mul(512)).saturating_add(around))
 }
 
 /// Draws a scene.
