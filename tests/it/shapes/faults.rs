@@ -217,7 +217,7 @@ fn one_of_several_polygons_is_named_by_its_place() {
 
 #[test]
 fn an_input_is_one_thing() {
-    let detail = "give exactly one of \"mesh\", \"text\", \"polygon\" and \"polygons\"";
+    let detail = "give exactly one of \"mesh\", \"text\", \"blob\", \"polygon\" and \"polygons\"";
     check_input(&json!({}), &[("/input", detail)]);
     let polygon = json!({ "points": [[0], [1]] });
     check_input(&json!({ "polygon": polygon, "polygons": [polygon] }), &[("/input", detail)]);
