@@ -62,7 +62,11 @@ pub(super) async fn upload(State(app): State<Shared>, client: Client, headers: H
     params(("id" = String, Path, description = "Id of the upload: `b3-` and 64 hexadecimal digits",
         example = "b3-7fd9512d51873010739dc6b61ab050e2fa8041f4f0258865739ad5cfefd188f2")),
     responses(
-        (status = 200, description = "The file", body = String, content_type = "application/octet-stream"),
+        (status = 200, description = "The file, of the type that it was sent as", content(
+            (String = "application/octet-stream"), (String = "model/obj"), (String = "model/ply"),
+            (String = "model/stl"), (String = "model/off"), (String = "model/gltf+json"),
+            (String = "model/gltf-binary"), (String = "application/json"),
+        )),
         (status = 304, description = "The client has it already (`If-None-Match`)"),
     )
 )]

@@ -147,7 +147,7 @@ fn complete(path: &str, operation: &mut Operation) {
         "/v1/analyses" => {
             headers(operation, "200", RESULT);
             headers(operation, "304", &["ETag", "Content-Location", "Vary"]);
-            refuse(operation, &[problem::TIMED_OUT]);
+            refuse(operation, &[problem::TIMED_OUT, problem::NOT_ACCEPTABLE]);
             refuse(operation, COMPUTED);
         }
         path if path.starts_with("/v1/artifacts/") => {

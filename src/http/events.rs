@@ -46,7 +46,7 @@ const STREAM_BYTES: u64 = 64 << 10;
     ),
     responses(
         (status = 200, description = "The events; the data of `state` and `done` is a `JobAnswer`, that of `progress` \
-            a `ProgressAnswer`", body = ProgressAnswer, content_type = "text/event-stream",
+            state, progress and level", body = Object, content_type = "text/event-stream",
             example = "id: 4294968297\nevent: progress\ndata: {\"state\":\"running\",\"progress\":0.0}\n\n"),
         (status = 204, description = "The client has seen the end"),
     )
