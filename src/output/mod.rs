@@ -39,7 +39,6 @@ mod nearest;
 mod numbers;
 mod obj;
 mod options;
-mod pdf;
 mod picture;
 mod ply;
 mod png;
@@ -50,8 +49,8 @@ mod split_vertices;
 mod stats;
 mod stl;
 mod stream;
-mod svg;
 mod text;
+mod vector;
 mod vertex_sides;
 mod vertex_sums;
 
@@ -75,8 +74,8 @@ pub const FORMATS: &[&dyn Format] = &[
     &stl::Stl,
     &png::Png,
     &apng::Apng,
-    &svg::Svg,
-    &pdf::Pdf,
+    &vector::SVG,
+    &vector::PDF,
 ];
 
 /// The format of a name.

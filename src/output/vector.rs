@@ -1,8 +1,8 @@
-//! SVG: a drawing of curves, of a mesh or of its sections, as paths.
+//! SVG and PDF: one drawing of curves, of a mesh or of its sections, as paths or as a page.
 
 use std::io::Write;
 
-use crate::drawing::svg;
+use crate::drawing::{pdf, svg};
 use crate::fault::Fault;
 use crate::math::parameter::Values;
 use crate::output::counts::{Counts, ShapeKind};
@@ -17,11 +17,19 @@ use crate::shape::attachments::Attachments;
 use crate::shape::mesh::Mesh;
 use crate::watch::Watch;
 
-/// The format "svg".
+/// A format of drawings, which differ in how they are written alone.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Svg;
+pub(super) struct Vector {
+    facts: &'static FormatFacts,
+    paper: Paper,
+}
 
-const FACTS: &FormatFacts = &FormatFacts {
+/// The format "svg".
+pub(super) const SVG: Vector = Vector { facts: SVG_FACTS, paper: Paper::Svg };
+/// The format "pdf".
+pub(super) const PDF: Vector = Vector { facts: PDF_FACTS, paper: Paper::Pdf };
+
+const SVG_FACTS: &FormatFacts = &FormatFacts {
     name: "svg",
     extension: "svg",
     media_type: "image/svg+xml",
@@ -33,9 +41,20 @@ const FACTS: &FormatFacts = &FormatFacts {
     holds: vector::holds,
 };
 
-impl Format for Svg {
+const PDF_FACTS: &FormatFacts = &FormatFacts {
+    name: "pdf",
+    extension: "pdf",
+    media_type: "application/pdf",
+    content: Content::Packed,
+    doc: "The drawing of \"svg\" as a page, as LaTeX wants it.",
+    parameters: vector::PARAMETERS,
+    holds_frames: false,
+    holds: vector::holds,
+};
+
+impl Format for Vector {
     fn facts(&self) -> &'static FormatFacts {
-        FACTS
+        self.facts
     }
 
     fn suits(&self, kind: ShapeKind, _: &Attachments, options: &Values) -> Result<(), Fault> {
@@ -51,7 +70,7 @@ impl Format for Svg {
     }
 
     fn paper(&self) -> Option<Paper> {
-        Some(Paper::Svg)
+        Some(self.paper)
     }
 
     fn refers(&self, options: &Values) -> Option<&'static str> {
@@ -71,7 +90,12 @@ impl Format for Svg {
     }
 
     fn write(&self, scene: &Scene<'_>, values: &Values, out: &mut dyn Write, watch: &Watch) -> Result<(), FormatError> {
-        svg(&vector::draw(scene, values, watch)?, vector::lettering(values), out, watch)?;
+        let (drawing, lettering) = (vector::draw(scene, values, watch)?, vector::lettering(values));
+        if self.paper == Paper::Pdf {
+            pdf(&drawing, lettering, out, watch)?;
+        } else {
+            svg(&drawing, lettering, out, watch)?;
+        }
         Ok(())
     }
 }
