@@ -121,6 +121,12 @@ impl Folder {
         })
     }
 
+    /// Gives an artifact that is there another manifest, written and synced.
+    pub(super) fn describe(&self, key: &Key, manifest: &Tmp) -> io::Result<()> {
+        manifest.rename(&self.manifest(key))?;
+        self.sync_folder(&self.shard(key))
+    }
+
     /// Whether something that is no file has the name of an artifact or of its manifest: neither can be written then.
     pub(super) fn is_occupied(&self, key: &Key) -> bool {
         self.bytes(key).is_dir() || self.manifest(key).is_dir()

@@ -160,7 +160,7 @@ fn what_is_pinned_stays_and_a_store_full_of_it_refuses() {
     let put = |number: u8| {
         let mut spool = store.spool(Key::from_bytes([number; 32])).unwrap();
         spool.write_all(&[number; 3000]).unwrap();
-        let description = Description { media_type: "model/obj".to_owned(), warnings: Vec::new() };
+        let description = Description { media_type: "model/obj".to_owned(), warnings: Vec::new(), owners: Owners::default() };
         spool.commit_by_content(description).map(|manifest| manifest.key)
     };
     let first = put(1).unwrap();
