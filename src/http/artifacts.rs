@@ -107,7 +107,7 @@ async fn tell(
 
 /// An artifact that is not kept: made again where its job is known.
 async fn again(app: &Arc<App>, client: &Client, key: &Key) -> Result<Artifact, Problem> {
-    let Some(record) = app.desk.jobs.of_artifact(client.peer().tenant(), key) else {
+    let Some(record) = app.desk.jobs.of_artifact(client.tenant(), key) else {
         let detail = "this artifact is not kept here; send its job to /v1/render, and it will have this address";
         return Err(Problem::new(problem::NOT_FOUND, detail));
     };

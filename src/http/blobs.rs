@@ -78,7 +78,7 @@ pub(super) async fn blob(
     headers: HeaderMap,
 ) -> Response {
     let unknown = || Problem::new(problem::NOT_FOUND, "there is no upload of this id; send the file to /v1/blobs");
-    let Some(manifest) = parse(&id).and_then(|id| app.desk.uploads.find(&id, client.peer().tenant())) else {
+    let Some(manifest) = parse(&id).and_then(|id| app.desk.uploads.find(&id, client.tenant())) else {
         return unknown().into_response();
     };
     let mut head = HeaderMap::new();

@@ -51,7 +51,7 @@ pub(super) async fn list(State(app): State<Shared>, client: Client, RawQuery(que
         Ok(page) => page,
         Err(fault) => return Problem::invalid(vec![fault]).into_response(),
     };
-    let (records, is_more) = app.desk.jobs.page(client.peer().tenant(), page.0, page.1);
+    let (records, is_more) = app.desk.jobs.page(client.tenant(), page.0, page.1);
     let next = records.last().filter(|_| is_more).map(|record| record.number.to_string());
     let jobs = records.into_iter().map(|record| answer(&app.desk.standing_of(record))).collect();
     let mut response = axum::Json(JobsAnswer { jobs, next }).into_response();
@@ -94,7 +94,7 @@ pub(super) async fn forget(State(app): State<Shared>, client: Client, Segment(id
 
 /// The job of the client's tenant that an address names.
 pub(super) fn parse(client: &Client, id: &str) -> Option<JobKey> {
-    Key::parse(id).map(|id| JobKey { tenant: client.peer().tenant(), id })
+    Key::parse(id).map(|id| JobKey { tenant: client.tenant(), id })
 }
 
 /// The answer about a job that nobody knows.

@@ -62,7 +62,7 @@ pub(super) async fn post(
         let sent = body::collect(&app, &client, &headers, Takes::Jobs, body).await?;
         let terms = terms(query.as_deref().unwrap_or_default()).map_err(Problem::invalid)?;
         let asked = working::asked(&app, client.peer(), &headers, sent).await?;
-        let job = JobKey { tenant: client.peer().tenant(), id: asked.id() };
+        let job = JobKey { tenant: client.tenant(), id: asked.id() };
         let known = app.desk.jobs.get(&job).filter(|known| known.is_active() || known.state == JobState::Done);
         if known.is_none() {
             let Work { summary, tasks: _ } = asked.work(&app, client.peer()).await?;

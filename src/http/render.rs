@@ -188,7 +188,7 @@ async fn made(
     known: Known,
 ) -> Result<Response, Problem> {
     let job = admitted.job();
-    let id = JobKey { tenant: client.peer().tenant(), id: job.id() };
+    let id = JobKey { tenant: client.tenant(), id: job.id() };
     let entries = job.entries(&job.outputs[0]);
     let summary = |sent: &Sent| working::summary(&admitted, sent);
     // the others are made from the record

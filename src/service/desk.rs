@@ -325,6 +325,11 @@ impl Desk {
         }
     }
 
+    /// The clock of the service.
+    pub fn clock(&self) -> Arc<dyn Clock> {
+        self.clock.clone()
+    }
+
     /// The time by the clock of the service.
     pub fn now(&self) -> Duration {
         self.clock.now()

@@ -60,6 +60,8 @@ pub enum Kind {
     Detached,
     /// Computations of such jobs.
     Accepted,
+    /// Requests for work that are being answered.
+    InFlight,
     /// Streams of events.
     Listening,
     /// Bytes of bodies.
