@@ -22,6 +22,7 @@ use written::{Written, shown};
 pub use error::ConfigError;
 pub use levels::LogLevels;
 pub use origins::CorsOrigins;
+pub use written::seconds;
 
 /// Most bytes that a setting may name, 1 PiB: beyond the memory and the disks of one machine, and so small that sums
 /// of a thousand of them fit into 63 bits, which is what integers of TOML have.

@@ -40,6 +40,7 @@ mod routes;
 mod segment;
 pub mod serve;
 mod short;
+mod signed;
 mod stream;
 mod streaming;
 pub(crate) mod validate;
