@@ -25,7 +25,11 @@ pub(super) fn settings(
     let mut found = Vec::new();
     for (name, value) in variables {
         let name = name.to_string_lossy();
-        if !name.starts_with(PREFIX) || name == FILE || name == KEY || OF_OTHERS.iter().any(|other| name.starts_with(other)) {
+        if !name.starts_with(PREFIX)
+            || name == FILE
+            || name == KEY
+            || OF_OTHERS.iter().any(|other| name.starts_with(other))
+        {
             continue;
         }
         let Some(at) = known.iter().position(|known| name == *known) else {

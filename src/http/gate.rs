@@ -20,8 +20,7 @@ const READ_AGAIN: Duration = Duration::from_secs(1);
 
 /// What is open to everybody, whether there are keys or not: how the service is, and what it knows.
 const OPEN: [&str; 4] = ["/", "/livez", "/readyz", "/openapi.json"];
-const OPEN_BELOW: [&str; 6] =
-    ["/docs", "/play", "/v1/presets", "/v1/operators", "/v1/formats", "/v1/readers"];
+const OPEN_BELOW: [&str; 6] = ["/docs", "/play", "/v1/presets", "/v1/operators", "/v1/formats", "/v1/readers"];
 /// Where a GET has a job done.
 const WORKS_BELOW: [&str; 2] = ["/v1/render", "/kroki/"];
 

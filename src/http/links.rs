@@ -112,12 +112,7 @@ pub(super) async fn kroki(
 }
 
 /// What an address asks for whose job is written like this, at this place.
-fn wanted_by(
-    (client, headers): (&Client, &HeaderMap),
-    address: &Uri,
-    job: &str,
-    at: &str,
-) -> Result<Wanted, Problem> {
+fn wanted_by((client, headers): (&Client, &HeaderMap), address: &Uri, job: &str, at: &str) -> Result<Wanted, Problem> {
     check_length(address)?;
     let sent = Sent::job(decoded(job, at)?);
     let identity = memo::link_identity(client.tenant(), headers, &address.to_string());
@@ -145,16 +140,11 @@ fn decoded(job: &str, at: &str) -> Result<Bytes, Problem> {
     if is_json(&bytes) {
         return Ok(bytes.into());
     }
-    inflated(ZlibDecoder::new(&bytes[..]), |error| {
-        wrong(format!("it is neither JSON nor compressed by zlib: {error}"))
-    })
+    inflated(ZlibDecoder::new(&bytes[..]), |error| wrong(format!("it is neither JSON nor compressed by zlib: {error}")))
 }
 
 /// The inflated JSON of a job in an address, bounded.
-pub(super) fn inflated(
-    inflating: impl Read,
-    wrong: impl FnOnce(std::io::Error) -> Problem,
-) -> Result<Bytes, Problem> {
+pub(super) fn inflated(inflating: impl Read, wrong: impl FnOnce(std::io::Error) -> Problem) -> Result<Bytes, Problem> {
     let mut json = Vec::new();
     inflating.take(MOST_JOB_BYTES as u64 + 1).read_to_end(&mut json).map_err(wrong)?;
     if json.len() > MOST_JOB_BYTES {

@@ -1,12 +1,12 @@
 //! Errors: every refusal as problem+json (RFC 9457), with what to do.
 
 use std::any::Any;
-use std::sync::atomic::{AtomicU64, Ordering};
-use std::time::{Duration, SystemTime};
+use std::time::Duration;
 
 use axum::http::{HeaderMap, HeaderValue, Method, StatusCode, Uri, header};
 use axum::response::{IntoResponse, Response};
 
+use super::trace::current_id;
 use crate::fault::shortened;
 use crate::fault::{Fault, cut};
 use crate::job::JobFault;
@@ -165,7 +165,7 @@ impl Problem {
             status: self.kind.status.as_u16(),
             detail,
             errors,
-            trace_id: trace_id(),
+            trace_id: current_id(),
         };
         tracing::info!(trace_id = answer.trace_id, status = answer.status, detail = answer.detail, "refused");
         answer
@@ -284,17 +284,6 @@ impl Problem {
             }
         }
     }
-}
-
-/// An id to find an answer in the log: distinct within and, by the start time, across processes.
-fn trace_id() -> String {
-    static COUNTER: AtomicU64 = AtomicU64::new(0);
-    let count = COUNTER.fetch_add(1, Ordering::Relaxed);
-    let since = SystemTime::now().duration_since(SystemTime::UNIX_EPOCH).unwrap_or_default();
-    let mut seed = since.as_nanos().to_le_bytes().to_vec();
-    seed.extend(count.to_le_bytes());
-    seed.extend(std::process::id().to_le_bytes());
-    crate::job::key::content(&seed).to_string()[..16].to_owned()
 }
 
 impl IntoResponse for Problem {

@@ -17,6 +17,7 @@ use http_body_util::Full;
 use hyper::body::Incoming;
 use hyper::service::Service;
 use tower::ServiceExt;
+use tracing::Instrument;
 
 use super::address::RENDER;
 use super::app::App;
@@ -26,6 +27,7 @@ use super::early::Early;
 use super::guard;
 use super::quota::Counted;
 use super::short::Asked;
+use super::trace::Trace;
 use crate::service::peer::Ticket;
 
 /// Answers requests or hands them on, and keeps the state of their connection.
@@ -103,14 +105,19 @@ impl Service<Request<Incoming>> for Requests {
         }
         let (parts, body) = request.into_parts();
         let caller = self.app.gate.who(&parts, connection.peer);
+        let trace = Trace::of(&parts.headers);
         let is_plain = caller.refused.is_none() && guard::hosts(&parts, &self.app.settings).is_ok();
         let asked = Asked::get(&parts, caller.peer.tenant()).filter(|_| is_plain);
-        if let Some(response) = self.again(asked, &parts) {
+        if let Some(mut response) = self.again(asked, &parts) {
+            trace.told(response.headers_mut());
             return Either::Left(ready(Ok(response.map(|content| Ending { content, connection, _in_flight: None }))));
         }
         let answer = self.clone().answer(parts, body, (caller, asked));
         Either::Right(Box::pin(async move {
-            let (response, in_flight) = answer.await;
+            // every line of the log that the answer leaves has its id
+            let span = tracing::error_span!("request", trace_id = trace.id());
+            let (mut response, in_flight) = trace.clone().within(answer).instrument(span).await;
+            trace.told(response.headers_mut());
             connection.enter(Phase::Working);
             Ok(response.map(|content| Ending { content, connection, _in_flight: in_flight }))
         }))

@@ -41,6 +41,7 @@ pub(super) fn all() -> OpenApiRouter<Shared> {
         .routes(routes!(health::readyz))
         .routes(routes!(metrics::metrics))
         .routes(routes!(pages::openapi))
+        .routes(routes!(pages::docs))
         .routes(routes!(pages::problem))
         .routes(routes!(pages::index))
         .layer(CompressionLayer::new());

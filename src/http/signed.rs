@@ -63,8 +63,9 @@ pub(super) async fn signed(
     let mut response = response.unwrap_or_else(IntoResponse::into_response);
     if let (Shown::Link(expires, ..), true) = (client.caller.shown, response.status().as_u16() < 400) {
         let age = expires.saturating_sub(app.desk.clock().wall().as_secs()).min(MOST_AGE_S);
-        let kept = HeaderValue::try_from(format!("public, max-age={age}"));
-        response.headers_mut().extend(kept.map(|kept| (header::CACHE_CONTROL, kept)));
+        if let Ok(kept) = HeaderValue::try_from(format!("public, max-age={age}")) {
+            response.headers_mut().insert(header::CACHE_CONTROL, kept);
+        }
     }
     response
 }
@@ -87,12 +88,7 @@ pub(super) async fn signed(
         (status = 204, description = "The client has seen the end"),
     )
 )]
-pub(super) async fn signed_events(
-    app: State<Shared>,
-    client: Client,
-    path: Named,
-    headers: HeaderMap,
-) -> Response {
+pub(super) async fn signed_events(app: State<Shared>, client: Client, path: Named, headers: HeaderMap) -> Response {
     match path {
         Ok(Path((_, _, id))) => events::events(app, client, Segment(id), headers).await,
         Err(_) => no_text().into_response(),
@@ -144,7 +140,9 @@ fn wanted_by(client: &Client, headers: &mut HeaderMap, named: &str) -> Result<Wa
         let detail = format!("\"{}\" is no extension of a format; /v1/formats lists them", shortened(extension));
         return Err(Problem::new(problem::NOT_FOUND, detail));
     }
-    headers.extend(HeaderValue::try_from(media_types.join(",")).map(|accepted| (header::ACCEPT, accepted)));
+    if let Ok(accepted) = HeaderValue::try_from(media_types.join(",")) {
+        headers.insert(header::ACCEPT, accepted);
+    }
     let bytes = URL_SAFE_NO_PAD.decode(job).map_err(|error| wrong(format!("the job is no base64url: {error}")))?;
     let not_deflated = |error| wrong(format!("the job is not compressed by raw deflate: {error}"));
     let sent = Sent::job(inflated(DeflateDecoder::new(&bytes[..]), not_deflated)?);

@@ -112,7 +112,11 @@ mod tests {
         assert_eq!(left, [2, 1, 0]);
         let over = rates.take(peer(1), 3).expect_err("the minute is used up");
         assert_eq!(over.retry_after, Duration::from_secs(20));
-        assert_eq!(rates.take(peer(2), 3).map(|quota| quota.remaining), Ok(2), "another client has a bucket of its own");
+        assert_eq!(
+            rates.take(peer(2), 3).map(|quota| quota.remaining),
+            Ok(2),
+            "another client has a bucket of its own"
+        );
         clock.advance(Duration::from_secs(20));
         assert_eq!(rates.take(peer(1), 3).map(|quota| quota.remaining), Ok(0));
         assert!(rates.take(peer(1), 3).is_err());

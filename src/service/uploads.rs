@@ -9,8 +9,8 @@ use std::time::Duration;
 use bytes::Bytes;
 
 use super::disk_counts::DiskCounts;
-use super::reads::Reads;
 use super::job_key::Tenant;
+use super::reads::Reads;
 use super::store::{Description, Manifest, Owners, Pin, Spool, Store, StoreError, Usage};
 use crate::job::key::{Key, content};
 

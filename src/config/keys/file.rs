@@ -150,8 +150,7 @@ fn text_of(keys: &[KeyEntry]) -> String {
              created = {created}\n",
             role.name()
         );
-        let numbers =
-            [("expires", expires), ("requests_per_minute", requests_per_minute), ("in_flight", in_flight)];
+        let numbers = [("expires", expires), ("requests_per_minute", requests_per_minute), ("in_flight", in_flight)];
         for (name, number) in numbers {
             if let Some(number) = number {
                 let _ = writeln!(text, "{name} = {number}");

@@ -36,8 +36,7 @@ pub enum LinkFault {
 }
 
 fn mac(link_secret: &str, expires: u64, rest: &str) -> Hmac<Sha256> {
-    let mut mac =
-        Hmac::<Sha256>::new_from_slice(link_secret.as_bytes()).expect("HMAC takes secrets of any length");
+    let mut mac = Hmac::<Sha256>::new_from_slice(link_secret.as_bytes()).expect("HMAC takes secrets of any length");
     mac.update(format!("GET\n{expires}\n{rest}").as_bytes());
     mac
 }
