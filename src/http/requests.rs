@@ -81,7 +81,7 @@ impl Requests {
         if let Some(asked) = asked {
             self.app.short.remember(asked, origin, &mut response);
         }
-        let in_flight = counted.told(response.headers_mut());
+        let in_flight = counted.told(&self.app, response.headers_mut());
         (response.map(Content::Routed), in_flight)
     }
 }
