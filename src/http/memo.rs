@@ -44,8 +44,8 @@ impl Known {
     }
 }
 
-/// The identity of a request: its tenant, its body, the query where that says a part of the job, and the header that can
-/// change their meaning.
+/// The identity of a request: its tenant, its body, the query where that says a part of the job, and the header that
+/// can change their meaning.
 pub(super) fn identity(tenant: Tenant, headers: &HeaderMap, notation: &Notation, body: &[u8]) -> Option<Key> {
     if body.len() > MAX_BYTES {
         return None;

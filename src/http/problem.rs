@@ -88,8 +88,8 @@ kinds! {
         "A server that listens on a loopback address answers only to localhost and loopback addresses, so that pages \
          from elsewhere cannot reach it under a name of their own.";
     UNAUTHORIZED: "unauthorized", UNAUTHORIZED, "A key is needed",
-        "This server answers those who show a key, as `Authorization: Bearer planish_...`. Its operator makes keys with \
-         `planish key add`.";
+        "This server answers those who show a key, as `Authorization: Bearer planish_...`. Its operator makes keys \
+         with `planish key add`.";
     FORBIDDEN: "forbidden", FORBIDDEN, "The key does not allow this",
         "Keys have roles: `read` reads results and jobs, `render` also has work done, `admin` also reads the metrics.";
     BAD_LINK: "bad-link", FORBIDDEN, "The signed address opens nothing",

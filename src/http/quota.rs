@@ -68,8 +68,8 @@ impl Counted {
         }
     }
 
-    /// Says in the headers of an answer what the client may still send, but where the answer was there and cost nothing;
-    /// the place among those that are answered at once is held by what is given back.
+    /// Says in the headers of an answer what the client may still send, but where the answer was there and cost
+    /// nothing; the place among those that are answered at once is held by what is given back.
     pub(super) fn told(mut self, app: &App, headers: &mut HeaderMap) -> Option<Ticket> {
         if headers.get("cache-status").is_some_and(|status| status == "planish; hit") {
             let in_flight = self.in_flight.take();

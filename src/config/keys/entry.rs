@@ -8,8 +8,8 @@ use crate::fault::shortened;
 
 /// The name of the tenant whose keys share results, jobs and uploads with everybody who has such a key.
 pub const SHARED: &str = "shared";
-/// Longest name of a tenant, characters. Twice of it fits into no column of a list; half of it is too short for names of
-/// hosts.
+/// Longest name of a tenant, characters. Twice of it fits into no column of a list; half of it is too short for the
+/// names of hosts.
 const MOST_NAME: usize = 32;
 
 /// What a key allows; each role also allows what those before it do.

@@ -22,7 +22,8 @@ prop_compose! {
         owners in prop::collection::vec(any::<u64>().prop_map(Tenant), 0..4),
     ) -> Manifest {
         let length = (parts.len() * PART_BYTES) as u64 - short;
-        Manifest { key, media_type, length, content, parts, warnings, build, results_version, owners: owners.into_iter().collect() }
+        let owners = owners.into_iter().collect();
+        Manifest { key, media_type, length, content, parts, warnings, build, results_version, owners }
     }
 }
 
