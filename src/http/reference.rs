@@ -69,6 +69,7 @@ fn describe(page: &mut String, operation: &Value) {
         "Answers",
         entries(&operation["responses"]).map(|(status, answer)| {
             let contents: Vec<String> = entries(&answer["content"])
+                .filter(|(media_type, _)| *media_type != "application/problem+json")
                 .map(|(media_type, content)| format!("{} {}", code(media_type), kind(&content["schema"])))
                 .collect();
             let what = paragraphs(answer["description"].as_str().unwrap_or_default());
@@ -133,17 +134,21 @@ fn entries(object: &Value) -> impl Iterator<Item = (&String, &Value)> {
     object.as_object().into_iter().flatten()
 }
 
+/// All operations but HEAD, which answers as GET does, without the bytes.
 fn operations(document: &Value) -> impl Iterator<Item = (&String, &String, &Value)> {
-    entries(&document["paths"]).flat_map(|(path, verbs)| entries(verbs).map(move |(verb, of)| (path, verb, of)))
+    let all = entries(&document["paths"]);
+    let all = all.flat_map(|(path, verbs)| entries(verbs).map(move |(verb, of)| (path, verb, of)));
+    all.filter(|(_, verb, _)| *verb != "head")
 }
 
 fn tag_of(operation: &Value) -> String {
     operation["tags"][0].as_str().unwrap_or("other").to_owned()
 }
 
-/// The tags in the order in which operations first have them.
+/// The tags in the order of the document, then others in the order in which operations first have them.
 fn tags(document: &Value) -> Vec<String> {
-    let mut tags = Vec::new();
+    let named = document["tags"].as_array().into_iter().flatten();
+    let mut tags: Vec<String> = named.filter_map(|tag| tag["name"].as_str().map(str::to_owned)).collect();
     for tag in operations(document).map(|(.., operation)| tag_of(operation)) {
         if !tags.contains(&tag) {
             tags.push(tag);

@@ -40,7 +40,7 @@ fn the_reference_shows_every_operation_and_schema_and_loads_nothing() {
         let text = page.text();
         let document = server.get("/openapi.json").await.ok().json();
         for (path, verbs) in document["paths"].as_object().unwrap() {
-            for verb in verbs.as_object().unwrap().keys() {
+            for verb in verbs.as_object().unwrap().keys().filter(|verb| *verb != "head") {
                 let heading = format!("<span class=\"verb\">{}</span>{path}</h3>", verb.to_uppercase());
                 assert!(text.contains(&heading), "{heading}");
             }
