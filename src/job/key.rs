@@ -211,16 +211,18 @@ pub(super) fn analysis(study: &Study, nodes: u64, grid: Option<u32>, matrices: O
 pub(super) fn surface_analysis(
     settled: &Plan,
     follows_alpha: bool,
-    valences: &[usize],
+    [valences, boundaries]: [&[usize]; 2],
     nodes: u64,
     on: Option<(&Input, &Plan)>,
 ) -> Key {
+    let numbers = |of: &[usize]| Item::List(of.iter().map(|&n| Item::Integer(n as u64)).collect());
     let mut items = vec![
         Item::text("planish surface analysis"),
         Item::Integer(u64::from(RESULTS_VERSION)),
         plan_of(settled, 1, true, [true, false], Vec::new()),
         Item::Integer(u64::from(follows_alpha)),
-        Item::List(valences.iter().map(|&valence| Item::Integer(valence as u64)).collect()),
+        numbers(valences),
+        numbers(boundaries),
         Item::Integer(nodes),
     ];
     if let Some((shape, refined)) = on {

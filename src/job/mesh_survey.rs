@@ -42,6 +42,8 @@ pub struct Survey {
     pub bounds: Result<Vec<(u32, f64)>, String>,
     /// Extraordinary vertices and faces, by valence.
     pub extraordinary: BTreeMap<usize, Extraordinary>,
+    /// Boundary vertices, by their number of faces.
+    pub on_boundary: BTreeMap<usize, Extraordinary>,
     /// What is to be known, in sentences.
     pub warnings: Vec<String>,
 }
@@ -67,8 +69,8 @@ impl Surveyed {
         } else if smoothness.proved_c < 0 {
             warnings.push("the scheme is not known to converge in regular nets".into());
         }
-        let extraordinary = study.survey(&mesh.topology);
-        Ok(Some(Survey { bounds: self.bounds(mesh, watch)?, extraordinary, warnings }))
+        let (extraordinary, on_boundary) = (study.survey(&mesh.topology), study.on_boundary(&mesh.topology));
+        Ok(Some(Survey { bounds: self.bounds(mesh, watch)?, extraordinary, on_boundary, warnings }))
     }
 
     /// Bounds of the distance of levels from the limit, each within a tolerance that the one before does not meet.

@@ -58,6 +58,6 @@ pub use report::Report;
 pub use run::{run, run_keeping};
 pub use scan::{MAX_STEPS, ScanWish};
 pub use search::{Search, SearchCost, SearchError};
-pub use surface_analysis::{MAX_VALENCE, SurfaceAnalysis, SurfaceFindings};
+pub use surface_analysis::{Around, MAX_FACES, MAX_VALENCE, SurfaceAnalysis, SurfaceFindings};
 pub use tube_analysis::{TubeAnalysis, TubeFindings, TubeInput};
 pub use work::{KeepNothing, KeepWork, Refined, Work};

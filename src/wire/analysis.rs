@@ -26,7 +26,7 @@ use super::{object, whole};
 use crate::fault::{Fault, under};
 use crate::input::ReadLimits;
 use crate::job::{
-    Analysis, Findings, Form, Inquiry, SchemeFindings, SurfaceAnalysis, TubeAnalysis, Wishes, is_for_meshes,
+    Analysis, Around, Findings, Form, Inquiry, SchemeFindings, SurfaceAnalysis, TubeAnalysis, Wishes, is_for_meshes,
 };
 use crate::watch::{Stopped, Watch};
 
@@ -58,6 +58,10 @@ pub struct AnalysisRequest {
     /// 12 when it is left out.
     #[schema(max_items = 64)]
     pub valences: Option<Vec<u64>>,
+    /// Asks about boundary vertices with these numbers of faces, from 1 to 24, of a scheme for surfaces; 1 to 6, or those
+    /// that the mesh has, when it is left out.
+    #[schema(max_items = 64)]
+    pub boundaries: Option<Vec<u64>>,
     /// Asks what becomes of a straight tube whose rings are tagged as latitude lines.
     #[serde(default, deserialize_with = "object::optional")]
     pub tube: Option<TubeRequest>,
@@ -82,12 +86,13 @@ impl AnalysisRequest {
     }
 
     fn inquiry(self, form: Form, watch: &Watch) -> Result<Inquiry, Vec<Fault>> {
-        let Self { plan, nodes, grid, valences, matrices, scan, tube, input, spec: _ } = self;
+        let Self { plan, nodes, grid, valences, boundaries, matrices, scan, tube, input, spec: _ } = self;
         let plan = plan.resolve();
         if let Some(tube) = tube {
             let others = [
                 ("/grid", grid.is_some()),
                 ("/valences", valences.is_some()),
+                ("/boundaries", boundaries.is_some()),
                 ("/input", input.is_some()),
                 ("/matrices", matrices.is_some()),
                 ("/scan", scan.is_some()),
@@ -106,7 +111,7 @@ impl AnalysisRequest {
             let detail = "analyses look at meshes; of polygons /v1/estimate tells what a tolerance takes";
             return Err(vec![Fault::new("/input", detail)]);
         }
-        if valences.is_none() && input.is_none() && !is_for_meshes(&plan) {
+        if valences.is_none() && boundaries.is_none() && input.is_none() && !is_for_meshes(&plan) {
             let wishes = Wishes {
                 nodes,
                 grid,
@@ -125,7 +130,8 @@ impl AnalysisRequest {
             let detail = format!("{why}; leave it out, or the valences, and ask about a scheme for curves");
             return Err(vec![Fault::new(format!("/{name}"), detail)]);
         }
-        let surface = SurfaceAnalysis::new(&plan, valences.as_deref(), nodes, input, watch);
+        let around = Around { valences: valences.as_deref(), boundaries: boundaries.as_deref() };
+        let surface = SurfaceAnalysis::new(&plan, around, nodes, input, watch);
         surface.map(|surface| Inquiry::Surface(Box::new(surface)))
     }
 }

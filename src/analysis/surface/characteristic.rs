@@ -86,13 +86,17 @@ impl CharacteristicNet {
             let Some(corners) = corners.into_iter().collect::<Option<Vec<_>>>() else { continue };
             let n = corners.len();
             for i in 0..n {
-                let [a, b, c] = [corners[(i + n - 1) % n], corners[i], corners[(i + 1) % n]];
-                let (u, v) = (minus(c, b), minus(a, b));
-                least = least.min(cross(u, v) / (length(u) * length(v)));
+                least = least.min(sine([corners[(i + n - 1) % n], corners[i], corners[(i + 1) % n]]));
             }
         }
         least
     }
+}
+
+/// The sine of the angle of a corner, of the point before it, it and the point after it.
+pub(super) fn sine([a, b, c]: [[f64; 2]; 3]) -> f64 {
+    let (u, v) = (minus(c, b), minus(a, b));
+    cross(u, v) / (length(u) * length(v))
 }
 
 fn minus(a: [f64; 2], b: [f64; 2]) -> [f64; 2] {
@@ -173,6 +177,11 @@ fn influences(mask: &Polynomial, d: i32, kind: Kind, cell: Cell) -> Vec<Point> {
     let [[a, b], [c, e], [f, g]] = bounds;
     let all = (a..=b).flat_map(|x| (c..=e).map(move |y| [x, y]));
     all.filter(|[x, y]| (f..=g).contains(&(x + y))).collect()
+}
+
+/// The points that have a say on the square between (0, 0) and (1, 1).
+pub(super) fn around_square(mask: &Polynomial, d: i32) -> Vec<Point> {
+    influences(mask, d, Kind::Quads, Cell { at: [0, 0], upper: false })
 }
 
 fn ceil(a: i32, b: i32) -> i32 {
