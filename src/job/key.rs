@@ -180,8 +180,15 @@ pub(super) fn search(shape: &Input, refined: &Plan, tolerance: f64, places: &[&s
     hashed(&Item::List(items))
 }
 
-/// Key of an analysis: over the results version, the masks, exactly where they are known so, and what was asked for.
-pub(super) fn analysis(study: &Study, nodes: u64, grid: Option<u32>, matrices: Option<Item<'_>>) -> Key {
+/// Key of an analysis: over the results version, the masks, exactly where they are known so, what was asked for, and
+/// polygons with their own plan, if there are any.
+pub(super) fn analysis(
+    study: &Study,
+    nodes: u64,
+    grid: Option<u32>,
+    matrices: Option<Item<'_>>,
+    on: Option<(&Input, &Plan)>,
+) -> Key {
     let Study { settled, levels } = study;
     // order and residual follow from the mask
     let Symbol { arity, first, mask, is_exact, order: _, residual: _ } = settled;
@@ -203,6 +210,9 @@ pub(super) fn analysis(study: &Study, nodes: u64, grid: Option<u32>, matrices: O
         Item::List(grid.iter().map(|grid| Item::Integer(u64::from(*grid))).collect()),
     ];
     items.extend(matrices);
+    if let Some((shape, refined)) = on {
+        items.extend([input(shape, refined), plan(shape, refined, 1, true)]);
+    }
     hashed(&Item::List(items))
 }
 

@@ -1,5 +1,6 @@
 //! Analyses: the question, and the answer with every number named.
 
+mod bounds;
 mod curve;
 mod figure;
 mod markdown;
@@ -7,6 +8,7 @@ mod matrices;
 mod scan;
 mod written;
 
+pub use bounds::{LevelBoundAnswer, PolygonSurveyAnswer};
 pub use curve::{
     CertificateAnswer, ChangingAnswer, ConclusionAnswer, LevelMaskAnswer, MaskAnswer, NumberAnswer, ReductionAnswer,
     SchemeAnswer, SmoothnessAnswer, ValuesAnswer,
@@ -65,7 +67,8 @@ pub struct AnalysisRequest {
     /// Asks what becomes of a straight tube whose rings are tagged as latitude lines.
     #[serde(default, deserialize_with = "object::optional")]
     pub tube: Option<TubeRequest>,
-    /// A mesh, as in a job: tells how close levels come to its limit, and what is known of its extraordinary vertices.
+    /// A mesh or polygons, as in a job: tells how close levels come to the limit, and what is known of extraordinary
+    /// vertices.
     #[serde(default, deserialize_with = "object::optional")]
     #[schema(value_type = Option<InputSchema>)]
     pub input: Option<InputRequest>,
@@ -107,14 +110,17 @@ impl AnalysisRequest {
             Ok(resolved) => resolved.map(|resolved| resolved.input),
             Err(found) => return Err(under("/input", found)),
         };
-        if input.as_ref().is_some_and(|input| input.mesh().is_none()) {
-            let detail = "analyses look at meshes; of polygons /v1/estimate tells what a tolerance takes";
+        let is_of_polygons = input.as_ref().is_some_and(|input| input.mesh().is_none());
+        if is_of_polygons && (valences.is_some() || boundaries.is_some()) {
+            let detail = "valences and boundaries are those of meshes; give a mesh, or leave them out";
             return Err(vec![Fault::new("/input", detail)]);
         }
-        if valences.is_none() && boundaries.is_none() && input.is_none() && !is_for_meshes(&plan) {
+        let is_of_curves = input.is_none() && valences.is_none() && boundaries.is_none() && !is_for_meshes(&plan);
+        if is_of_polygons || is_of_curves {
             let wishes = Wishes {
                 nodes,
                 grid,
+                input,
                 matrices: matrices.and_then(MatricesRequest::resolve),
                 scan: scan.map(ScanRequest::resolve),
                 is_plotted: form.is_figure(),

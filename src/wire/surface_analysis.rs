@@ -11,7 +11,7 @@ use std::collections::BTreeMap;
 use serde::Serialize;
 use utoipa::ToSchema;
 
-use super::analysis::{CertificateAnswer, MaskAnswer};
+use super::analysis::{CertificateAnswer, LevelBoundAnswer, MaskAnswer};
 use crate::analysis::surface::{
     BoundaryReport, Extraordinary, Kind, LatticeCertificate, Proof, Quotient, RegularMask, RegularSmoothness, Status, ValenceReport, Weight, evidence,
     verdict,
@@ -65,15 +65,6 @@ pub struct InputSurveyAnswer {
     pub warnings: Vec<String>,
 }
 
-/// How close a level comes.
-#[derive(Debug, Clone, Serialize, ToSchema)]
-pub struct LevelBoundAnswer {
-    /// The level.
-    pub level: u32,
-    /// The distance, model units.
-    pub bound: f64,
-}
-
 /// The extraordinary points of one valence.
 #[derive(Debug, Clone, Serialize, ToSchema)]
 pub struct ExtraordinaryAnswer {
@@ -108,7 +99,6 @@ pub struct BoundaryVerticesAnswer {
 
 impl InputSurveyAnswer {
     fn new(survey: &Survey, valences: &[ValenceAnswer], boundaries: &[BoundaryAnswer]) -> Self {
-        let bound = |&(level, bound): &(u32, f64)| LevelBoundAnswer { level, bound };
         let of_valence = |(&valence, found): (&usize, &Extraordinary)| ExtraordinaryAnswer {
             valence,
             c1: valences.iter().find(|row| row.valence == valence).map(|row| row.c1),
@@ -128,7 +118,7 @@ impl InputSurveyAnswer {
             }
         };
         Self {
-            bounds: survey.bounds.iter().flatten().map(bound).collect(),
+            bounds: LevelBoundAnswer::all(&survey.bounds),
             bounds_refused: survey.bounds.as_ref().err().cloned(),
             extraordinary: survey.extraordinary.iter().map(of_valence).collect(),
             boundary: survey.on_boundary.iter().map(of_faces).collect(),
