@@ -99,7 +99,7 @@ impl Question {
 
     fn request(&self) -> Result<AnalysisRequest, CliError> {
         let Self { file, preset, word, parameters, nodes, grid, matrices, scan, steps, .. } = self;
-        let of = |points| MatricesRequest::Of(SmallPolygon { points: Some(points), powers: None });
+        let of = |points| MatricesRequest::Of(SmallPolygon { points: Some(points), closed: None, powers: None });
         let matrices = matrices.map(of);
         let scan = scan.as_deref().map(|text| scanned(text, *steps)).transpose()?;
         let given = |numbers: &Vec<u64>| (!numbers.is_empty()).then(|| numbers.clone());

@@ -210,7 +210,8 @@ fn checked(asked: &[u64], name: &str, range: &RangeInclusive<usize>) -> Result<V
             Ok(number) if range.contains(&number) => found.push(number),
             _ => {
                 let [from, to] = [range.start(), range.end()];
-                let detail = format!("{number} is none of the {name} that are analysed; give numbers from {from} to {to}");
+                let detail =
+                    format!("{number} is none of the {name} that are analysed; give numbers from {from} to {to}");
                 faults.push(Fault::new(format!("/{name}/{i}"), detail));
             }
         }

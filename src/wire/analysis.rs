@@ -52,7 +52,7 @@ pub struct AnalysisRequest {
     /// Asks for values of the basic limit function at the multiples of `arity^-grid`.
     #[schema(minimum = 0, maximum = 14)]
     pub grid: Option<u32>,
-    /// Asks for the matrices of one step on a small closed polygon: `true`, or the number of its points.
+    /// Asks for the matrices of one step on a small polygon: `true` for a closed one of five points, or what it is like.
     pub matrices: Option<MatricesRequest>,
     /// Asks what is proved at each of many values of a parameter instead.
     pub scan: Option<ScanRequest>,

@@ -13,8 +13,8 @@ use utoipa::ToSchema;
 
 use super::analysis::{CertificateAnswer, LevelBoundAnswer, MaskAnswer};
 use crate::analysis::surface::{
-    BoundaryReport, Extraordinary, Kind, LatticeCertificate, Proof, Quotient, RegularMask, RegularSmoothness, Status, ValenceReport, Weight, evidence,
-    verdict,
+    BoundaryReport, Extraordinary, Kind, LatticeCertificate, Proof, Quotient, RegularMask, RegularSmoothness, Status,
+    ValenceReport, Weight, evidence, verdict,
 };
 use parts::{coordinates, is_there, name};
 

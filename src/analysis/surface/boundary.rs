@@ -177,9 +177,8 @@ impl Applied {
         let next = odd.leading(0).zip(even.leading(1)).filter(|(a, b)| a.min(*b) > rest);
         let directions = next.map(|(a, b)| [Direction::of(&odd, a), Direction::of(&even, b)]);
         let place = |both: &[Direction; 2], place| Some([both[0].at(&rows, place)?, both[1].at(&rows, place)?]);
-        let points: Option<BTreeMap<FanPlace, [f64; 2]>> = directions.as_ref().and_then(|both| {
-            rows.rows.keys().map(|&at| Some((at, place(both, at)?))).collect()
-        });
+        let points: Option<BTreeMap<FanPlace, [f64; 2]>> =
+            directions.as_ref().and_then(|both| rows.rows.keys().map(|&at| Some((at, place(both, at)?))).collect());
         let least_sine = points.as_ref().map(|points| least_sine(kind, m, points));
         let first = |x: Option<&Eigenvalue>| x.is_some_and(|x| (x.re - 1.0).abs() < 1e-9 && x.im == 0.0);
         let one = first(even.values.first()) && even.size(1).max(odd.size(0)) < 1.0 - 1e-9;

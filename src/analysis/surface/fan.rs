@@ -103,8 +103,7 @@ impl Fan {
         let topology = net.mesh.base.clone();
         let on_ray = |ray: usize, v: u32| places[v as usize].is_none_or(|(s, [_, j])| s == ray && j == 0);
         let is_sharp = |e: &usize| [0, m].iter().any(|&ray| topology.ends(*e).iter().all(|&v| on_ray(ray, v)));
-        let edges: Vec<_> =
-            (0..topology.n_edges()).filter(is_sharp).map(|e| (index(e), INFINITE_SHARPNESS)).collect();
+        let edges: Vec<_> = (0..topology.n_edges()).filter(is_sharp).map(|e| (index(e), INFINITE_SHARPNESS)).collect();
         let net = net.with_sharpness(Sharpness::of(&edges, &Vec::new()), applied.plan.rules);
         Self { net, places }
     }

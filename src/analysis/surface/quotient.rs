@@ -67,9 +67,8 @@ impl Quotient {
         let Some((corners, others)) = parted(&points, order).filter(|(_, others)| others.len() <= MAX_SIZE) else {
             return Ok(None);
         };
-        let matrices: Vec<ExactMatrix> = (0..d * d)
-            .map(|e| left_over(&mask, d, [e % d, e / d], &corners, &others))
-            .collect();
+        let matrices: Vec<ExactMatrix> =
+            (0..d * d).map(|e| left_over(&mask, d, [e % d, e / d], &corners, &others)).collect();
         let threshold = |k: i32| Exact::whole(d.into()).pow(-k);
         let thresholds: Vec<Exact> = (0..order).map(threshold).collect();
         let radius = radius_bounds(&matrices, &thresholds, nodes, watch)?;
@@ -92,7 +91,11 @@ fn fractions(regular: &RegularMask) -> Option<ExactMask> {
     let exactly = |a: f64| {
         let near = exact::simple(a)?;
         // dyadic weights are what they are
-        Some(if rounded(&near).to_bits() == a.to_bits() || (rounded(&near) - a).abs() <= 1e-14 { near } else { binary(a) })
+        Some(if rounded(&near).to_bits() == a.to_bits() || (rounded(&near) - a).abs() <= 1e-14 {
+            near
+        } else {
+            binary(a)
+        })
     };
     regular.mask.iter().map(|(&k, &a)| Some((k, exactly(a)?))).collect()
 }
@@ -136,7 +139,9 @@ fn left_over(mask: &ExactMask, d: i32, e: Point, corners: &[Point], others: &[Po
     let at = |f: Point, c: Point| mask.get(&[0, 1].map(|axis| e[axis] + f[axis] - d * c[axis])).cloned();
     let cell = |f: Point, c: Point| {
         let own = at(f, c).unwrap_or_else(Exact::zero);
-        let through = corners.iter().filter_map(|&p| Some(lagrange(order, [p[0] - x, p[1] - y], [f[0] - x, f[1] - y]) * at(p, c)?));
+        let through = corners
+            .iter()
+            .filter_map(|&p| Some(lagrange(order, [p[0] - x, p[1] - y], [f[0] - x, f[1] - y]) * at(p, c)?));
         own - through.sum::<Exact>()
     };
     others.iter().map(|&f| others.iter().map(|&c| cell(f, c)).collect()).collect()

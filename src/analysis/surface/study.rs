@@ -2,8 +2,8 @@
 
 use std::collections::BTreeMap;
 
-use super::boundary::BoundaryReport;
 use super::blocks::{Block, components, row};
+use super::boundary::BoundaryReport;
 use super::characteristic::{CharacteristicNet, RingProof, ring};
 use super::local::{Applied, Local};
 use super::regular::RegularMask;

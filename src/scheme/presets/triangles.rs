@@ -17,7 +17,12 @@ pub(super) const BUTTERFLY: Preset = Preset {
     refines: Refines::Meshes,
     claims: &[
         Claim::on_meshes("w = 1/16", &[&[("w", "1/16")]], ["1", "6", "3"], Some([3, 12])),
-        Claim::on_meshes("0 < w < 1/12, w not 1/16", &[&[("w", "1/20")], &[("w", "3/40")]], ["1", "6", "1"], Some([3, 12])),
+        Claim::on_meshes(
+            "0 < w < 1/12, w not 1/16",
+            &[&[("w", "1/20")], &[("w", "3/40")]],
+            ["1", "6", "1"],
+            Some([3, 12]),
+        ),
     ],
     spell: |values| {
         let w = Value::Number(values.number("w").unwrap_or(1.0 / 16.0));

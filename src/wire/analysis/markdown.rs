@@ -222,7 +222,8 @@ fn of_scan(text: &mut String, scan: &ScanAnswer) -> Written {
 }
 
 fn of_matrices(text: &mut String, matrices: &MatricesAnswer) -> Written {
-    write!(text, "\n## One step on a closed polygon of {} points\n", matrices.points)?;
+    let ends = if matrices.closed { "a closed" } else { "an open" };
+    write!(text, "\n## One step on {ends} polygon of {} points\n", matrices.points)?;
     for step in &matrices.steps {
         matrix(text, &format!("{} ({})", step.name, step.role), &step.matrix)?;
         if let Some(coarse) = &step.coarse {
