@@ -12,10 +12,10 @@ use super::regular::{Polynomial, RegularMask, divided};
 use super::sectors::Point;
 
 /// Most steps of a difference scheme whose norm is looked at.
-/// Butterfly needs two, Kobbelt's scheme three; with five bounds of basic limit functions are sharp enough to follow
+/// Butterfly needs two, Kobbelt's scheme three; with six bounds of basic limit functions are sharp enough to follow
 /// their characteristic maps. Half of it proves less near the ends of ranges; twice of it takes masks of a million
 /// entries.
-const MAX_STEPS: usize = 5;
+const MAX_STEPS: usize = 6;
 /// Largest k that is looked for.
 /// Schemes that are no products and no splines are C^2 at best. Half of it would miss that, twice of it only takes
 /// time.

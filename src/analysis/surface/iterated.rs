@@ -4,13 +4,14 @@ use super::regular::Polynomial;
 use super::sectors::Point;
 use crate::math::functions::real;
 
-/// Most entries of an iterated mask: what five steps of a mask with 6 x 6 entries have.
-/// Half of it proves less of wide masks; twice of it takes twice as long.
-const MAX_ENTRIES: usize = 1 << 15;
+/// Most entries of an iterated mask: what six steps of a mask with 7 x 7 entries have.
+/// Bounds of basic limit functions get sharper with each step. Half of it leaves characteristic maps of interpolating
+/// schemes open; twice of it takes twice as long for wide masks.
+const MAX_ENTRIES: usize = 1 << 18;
 /// Most entries of a mask times those of an iterated one.
 /// It is what [`MAX_ENTRIES`] takes of usual masks. Half of it has one step less of wide ones; twice of it takes twice
 /// as long.
-const MAX_PRODUCTS: usize = 32 * MAX_ENTRIES;
+const MAX_PRODUCTS: usize = 1 << 22;
 
 /// The norms of one step, two steps, ... of a scheme, as long as their masks are small enough.
 pub(super) struct Iterated<'a> {

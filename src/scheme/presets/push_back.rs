@@ -41,9 +41,9 @@ pub(super) const PUSH_BACK: Preset = Preset {
         Claim::new("polygons, delta = -1/2", &[&[("delta", "-1/2")]], ["4", "6", "1"]),
         Claim::on_meshes("meshes, delta = 1", &[&[("delta", "1")]], ["1", "6", "3"], Some([3, 12])),
         Claim::on_meshes(
-            "meshes, 0 < delta < 1",
-            &[&[("delta", "1/10")], &[("delta", "9/10")]],
-            ["1", "6", "1"],
+            "meshes, 0 < delta <= 1/4",
+            &[&[("delta", "1/10")], &[("delta", "1/4")]],
+            ["2", "6", "1"],
             Some([3, 12]),
         ),
         Claim::on_meshes("meshes, delta = 0", &[&[("delta", "0")]], ["2", "4", "1"], Some([3, 12])),

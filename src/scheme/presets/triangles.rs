@@ -39,6 +39,6 @@ pub(super) const SQRT_3: Preset = Preset {
     source: "Kobbelt, SIGGRAPH 2000, 103-112",
     parameters: &[],
     refines: Refines::Meshes,
-    claims: &[Claim::on_meshes("", &[&[]], ["2", "4", "1"], Some([3, 50]))],
+    claims: &[Claim::on_meshes("", &[&[]], ["2", "5", "1"], Some([3, 50]))],
     spell: |_| Ok(Spelling::of(vec![Letter::plain(&RootThree)])),
 };

@@ -43,6 +43,8 @@ fn holds(name: &str, claim: &Claim, values: &[(&'static str, &'static str)]) {
     let parameters: Map<String, Value> = values.iter().map(|(name, text)| ((*name).into(), literal(text))).collect();
     let mut question = json!({ "plan": { "preset": name, "parameters": parameters }, "nodes": 20_000 });
     if claim.is_of_meshes {
+        // matrices of surfaces are larger, and take as many as are looked at when nothing is said
+        question["nodes"] = json!(100_000);
         question["valences"] = json!(claim.valences.map_or(vec![3, 5], valences));
         question["boundaries"] = json!([]);
     }
