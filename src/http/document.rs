@@ -18,6 +18,7 @@ use crate::input::READERS;
 use crate::output::{self, FORMATS};
 use crate::wire::answer::ProblemAnswer;
 use crate::wire::catalogue::presets;
+use crate::wire::query_parameters;
 
 /// The document but for its paths.
 #[derive(OpenApi)]
@@ -136,6 +137,10 @@ fn complete(path: &str, operation: &mut Operation) {
         }
         "/v1/render" => {
             files(operation);
+            operation
+                .parameters
+                .get_or_insert_default()
+                .extend(query_parameters::described().into_iter().map(RefOr::T));
             bytes(operation, "200", &[RESULT, &["Accept-Ranges"]].concat());
             headers(operation, "202", &["Location", "Retry-After", "Preference-Applied"]);
             headers(operation, "304", &["ETag", "Content-Location", "Cache-Status", "Vary"]);
