@@ -237,11 +237,11 @@ fn analysis_examples() -> BTreeMap<String, RefOr<Example>> {
     questions.into_iter().map(example).collect()
 }
 
-/// Adds the mesh files that a body may be.
+/// Adds the mesh files that a body may be: those that say what they are, and those that show it.
 fn files(operation: &mut Operation) {
     let Some(RefOr::T(body)) = &mut operation.request_body else { return };
-    for reader in READERS {
-        body.content.insert(reader.media_type.to_owned(), RefOr::T(content(output::Content::Binary)));
+    for media_type in READERS.iter().map(|reader| reader.media_type).chain(["application/octet-stream"]) {
+        body.content.insert(media_type.to_owned(), RefOr::T(content(output::Content::Binary)));
     }
 }
 
