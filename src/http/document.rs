@@ -22,6 +22,7 @@ use crate::input::READERS;
 use crate::output::{self, FORMATS};
 use crate::wire::answer::ProblemAnswer;
 use crate::wire::catalogue::presets;
+use crate::wire::query_parameters;
 
 /// The document but for its paths.
 #[derive(OpenApi)]
@@ -168,6 +169,10 @@ fn complete(path: &str, operation: &mut Operation) {
         }
         "/v1/render" => {
             files(operation);
+            operation
+                .parameters
+                .get_or_insert_default()
+                .extend(query_parameters::described().into_iter().map(RefOr::T));
             bytes(operation, "200", &[RESULT, &["Accept-Ranges"]].concat());
             headers(operation, "202", &["Location", "Retry-After", "Preference-Applied"]);
             headers(operation, "304", &["ETag", "Content-Location", "Cache-Status", "Vary"]);
@@ -264,11 +269,11 @@ fn analysis_examples() -> BTreeMap<String, RefOr<Example>> {
     questions.into_iter().map(example).collect()
 }
 
-/// Adds the mesh files that a body may be.
+/// Adds the mesh files that a body may be: those that say what they are, and those that show it.
 fn files(operation: &mut Operation) {
     let Some(RefOr::T(body)) = &mut operation.request_body else { return };
-    for reader in READERS {
-        body.content.insert(reader.media_type.to_owned(), RefOr::T(content(output::Content::Binary)));
+    for media_type in READERS.iter().map(|reader| reader.media_type).chain(["application/octet-stream"]) {
+        body.content.insert(media_type.to_owned(), RefOr::T(content(output::Content::Binary)));
     }
 }
 

@@ -22,6 +22,7 @@ use super::render::{Wanted, rendered};
 use super::{memo, streaming};
 use crate::fault::{Fault, shortened};
 use crate::output::{self, FORMATS};
+use crate::wire::query::says_nothing;
 
 /// Most bytes of a job in an address, inflated.
 /// It is a promise of the interface. Half of it refuses meshes that still fit into an address; twice of it lets an
@@ -70,7 +71,10 @@ pub(super) async fn link(
         let detail = "the address says no job; give its JSON in base64url, as it is or compressed by zlib, or POST it";
         Problem::invalid(vec![Fault::new(at, detail)])
     });
-    let wanted = wanted.and_then(|job| wanted_by((&client, &headers), &uri, &job, at));
+    let wanted = wanted.and_then(|job| {
+        says_nothing(&query).map_err(Problem::invalid)?;
+        wanted_by((&client, &headers), &uri, &job, at)
+    });
     let wanted = wanted.and_then(|wanted| Ok(Wanted { keep: streaming::asks_to_keep(Some(&query))?, ..wanted }));
     answered(&app, &client, &headers, wanted).await.unwrap_or_else(IntoResponse::into_response)
 }

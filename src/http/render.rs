@@ -32,10 +32,10 @@ use crate::wire::query::name_of;
 
 /// Renders a job with one output and answers with its bytes.
 ///
-/// The body is a job, or a mesh file of a type that /v1/readers lists; then the query says the rest of the job:
-/// `preset`, `word`, `levels`, `format`, `boundary`, `ends`, `seed`, and by names with dots everything else, such as
-/// `parameters.w=1/16`, `output.width=800`, `input.weld=0`, `levels.tolerance=0.01`. The body may be compressed by gzip
-/// or zstd (`Content-Encoding`).
+/// The body is a job, or a mesh file of a type that /v1/readers lists; then, and only then, the query says the rest of
+/// the job: `preset`, `word`, `levels`, `format`, `boundary`, `ends`, `seed`, and by names with dots everything else,
+/// such as `parameters.w=1/16`, `output.width=800`, `input.weld=0`, `levels.tolerance=0.01`. Lists are one text with
+/// commas, or JSON. The body may be compressed by gzip or zstd (`Content-Encoding`).
 ///
 /// Without `outputs`, `Accept` chooses the format; with them it has to allow theirs, or the answer is 406.
 /// `Prefer: wait=N` (default 30 s, at most 300 s) bounds the wait; after it the answer is 202 with the address of the

@@ -141,7 +141,9 @@ fn service() -> SocketAddr {
         let (told, heard) = std::sync::mpsc::channel();
         std::thread::spawn(move || {
             let listen = SocketAddr::from(([127, 0, 0, 1], 0));
-            let settings = Settings { listen, data_dir: PathBuf::new(), threads: 1, ..Settings::default() };
+            let Limits { max_faces, max_vertices, .. } = LIMITS;
+            let known = Settings { data_dir: PathBuf::new(), threads: 1, ..Settings::default() };
+            let settings = Settings { listen, max_faces, max_vertices, ..known };
             let runtime = tokio::runtime::Runtime::new().expect("a runtime can be made");
             runtime.block_on(async {
                 let clock = std::sync::Arc::new(Monotonic::default());
