@@ -7,10 +7,12 @@ use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};
 use clap_complete::Shell;
 
 use super::analyse::Question;
+use super::compare::CompareOptions;
 use super::error::{CODES, CliError};
 use super::estimate::EstimateOptions;
 use super::figures::FigureOptions;
 use super::render::RenderOptions;
+use super::reproduce::ReproduceOptions;
 use super::validate::ValidateOptions;
 use super::{catalogue, health, serve, shell};
 use crate::config::{Given, Setting, Settings};
@@ -51,6 +53,20 @@ enum Command {
     /// with 1 where a picture is not what it was, and writes a report with before, after and difference.
     #[command(after_help = CODES)]
     Figures(Box<FigureOptions>),
+    /// Render files again that say of which job they are, and tell whether the bytes are the same; ends with 0 where
+    /// they are, and with 1 where they are not.
+    ///
+    /// Files say so that were rendered with the option `describe` (`--describe`): png, apng, svg, obj, ply, glb, gltf.
+    #[command(after_help = CODES)]
+    Reproduce(Box<ReproduceOptions>),
+    /// Compare two pictures, or two shapes, and tell what differs as JSON; ends with 0 where they are the same within
+    /// what is allowed, and with 1 where they are not.
+    ///
+    /// Pictures are compared pixel by pixel: files as they are seen, without pixels that smooth an edge (as pixelmatch
+    /// does), those that jobs make by equality. Shapes are compared by the Hausdorff distance both ways, and by what
+    /// changes of box, area, volume and shape hash.
+    #[command(after_help = CODES)]
+    Compare(Box<CompareOptions>),
     /// Tell what a job, or a mesh file, would come to, without running it.
     #[command(after_help = CODES)]
     Estimate(Box<EstimateOptions>),
@@ -120,6 +136,8 @@ pub fn run(cli: Cli) -> ExitCode {
         Command::Serve { config, given } => serve::serve(*given, config.as_deref()),
         Command::Render(options) => options.render(),
         Command::Figures(options) => options.run(),
+        Command::Reproduce(options) => options.reproduce(),
+        Command::Compare(options) => options.compare(),
         Command::Estimate(options) => options.estimate(),
         Command::Validate(options) => options.validate(),
         Command::Analyse(question) => question.analyse(),

@@ -23,7 +23,8 @@ pub(crate) enum Kind {
 pub(super) const CODES: &str = "\
 Exit codes:
     0  all is done
-    1  several inputs failed, in different ways; or what no other code names
+    1  several inputs failed, in different ways; or what no other code names. `compare`, `figures --check` and
+       `reproduce`: they differ
     2  the command line, a setting or a variable is wrong; nothing was begun
     3  an input was refused: it is no job and no mesh, or what is asked of it cannot be done
     4  a limit is exceeded

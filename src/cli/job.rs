@@ -2,6 +2,7 @@
 
 use std::sync::Arc;
 
+use base64::prelude::{BASE64_STANDARD, Engine};
 use serde_json::{Value, json};
 
 use super::error::{CliError, Kind};
@@ -111,7 +112,11 @@ impl JobOptions {
 
     /// The job of an input.
     pub(super) fn load(&self, source: &Source) -> Result<Loaded, CliError> {
-        let bytes = source.read()?;
+        self.read(source, source.read()?)
+    }
+
+    /// The job of an input of which these are the bytes.
+    pub(super) fn read(&self, source: &Source, bytes: Vec<u8>) -> Result<Loaded, CliError> {
         let by_name = || source.extension().and_then(input::of_extension).map(|reader| reader.name);
         let kind = match &self.input_format {
             Some(kind) => kind.as_str(),
@@ -125,18 +130,41 @@ impl JobOptions {
                 Source::Standard => Arc::new(Alone),
             };
             let mut request = self.flagged(json!({ "input": {} }), &teller)?;
+            request.source = if self.describes() { self.told(kind, &bytes) } else { None };
             request.input.file = Some(MeshFile { format: kind.to_owned(), bytes, beside });
             request
         } else {
-            let request = read(&bytes).map_err(|error| teller.unread(error))?;
-            if self.flags.fields.is_empty() {
-                request
-            } else {
-                let job = serde_json::from_slice(&bytes).map_err(CliError::refused)?;
-                self.flagged(job, &teller)?
+            let mut request: JobRequest = read(&bytes).map_err(|error| teller.unread(error))?;
+            let mut text = bytes;
+            if !self.flags.fields.is_empty() {
+                let mut job = serde_json::from_slice(&text).map_err(CliError::refused)?;
+                self.flags.onto(&mut job);
+                text = job.to_string().into_bytes();
+                request = read(&text).map_err(|error| teller.unread(error))?;
             }
+            if self.describes() || request.describes() {
+                request.source = String::from_utf8(text).ok().map(Arc::from);
+            }
+            request
         };
         Ok(Loaded { request, is_file, format: None })
+    }
+
+    /// Whether the flags ask for bytes that say of which job they are.
+    fn describes(&self) -> bool {
+        self.flags.options.iter().any(|(name, value)| *name == "describe" && *value == true)
+    }
+
+    /// The job of a mesh file as text, where nothing beside the file may count; for outputs that describe it.
+    fn told(&self, kind: &str, bytes: &[u8]) -> Option<Arc<str>> {
+        let names_others: &[u8] = if kind == "obj" { b"\nmtllib " } else { b"\"uri\"" };
+        if bytes.windows(names_others.len()).any(|part| part == names_others) {
+            return None;
+        }
+        let data = BASE64_STANDARD.encode(bytes);
+        let mut job = json!({ "input": { "text": { "format": kind, "data": data, "encoding": "base64" } } });
+        self.flags.onto(&mut job);
+        Some(job.to_string().into())
     }
 
     /// A job with what the flags say.

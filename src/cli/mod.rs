@@ -3,6 +3,7 @@
 mod analyse;
 mod catalogue;
 mod command;
+mod compare;
 mod error;
 mod estimate;
 mod figures;
@@ -16,6 +17,7 @@ mod library;
 mod log;
 mod progress;
 mod render;
+mod reproduce;
 mod say;
 mod serve;
 mod shell;

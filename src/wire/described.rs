@@ -1,0 +1,93 @@
+//! Descriptions: the job as text that an artifact holds, so that it can be made again.
+
+use std::sync::Arc;
+
+use serde::Deserialize;
+use serde_json::{Map, Number, Value, json};
+
+use super::output::OutputRequest;
+use crate::fault::Fault;
+use crate::job::key::RESULTS_VERSION;
+use crate::math::amounts::in_bytes;
+use crate::math::parameter::Literal;
+
+/// Most bytes of a description. Programs that show a picture read it as a whole: half of it refuses meshes of some five
+/// thousand vertices, twice of it lets pictures be mostly text.
+const MOST_BYTES: usize = 1 << 20;
+/// Most bytes of the request that is described, blanks and other outputs included.
+/// Half and twice of it read half and twice as much for what is then refused.
+const MOST_SOURCE: usize = 4 * MOST_BYTES;
+
+/// What an artifact says of its job.
+#[derive(Debug, Clone, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Description {
+    /// The version of the results by which it was made: others may make other bytes.
+    pub results_version: u32,
+    /// The job, with one output.
+    pub job: Value,
+}
+
+/// What the bytes of an output say of the job with this text: its fields by their names in the order of the alphabet,
+/// without what does not count (`spec`, the name of the output), and with no output but this one.
+///
+/// # Errors
+/// A fault at the output, where the job is too long or not known as text.
+pub(super) fn description(source: Option<&str>, output: &OutputRequest) -> Result<Arc<str>, Fault> {
+    let fault = |detail: String| Fault::new("/describe", detail);
+    let source = source.ok_or_else(|| {
+        fault("the job has files beside its own that would have to be told as well; leave it out".to_owned())
+    })?;
+    if source.len() > MOST_SOURCE {
+        return Err(too_long(source.len(), MOST_SOURCE));
+    }
+    let mut job: Map<String, Value> = serde_json::from_str(source).map_err(|error| fault(error.to_string()))?;
+    job.remove("spec");
+    let fields = output.fields().iter().filter(|(name, _)| name != "name");
+    let fields: Map<String, Value> = fields.map(|(name, value)| (name.clone(), written(value))).collect();
+    job.insert("outputs".to_owned(), json!([fields]));
+    let mut said = json!({ "results_version": RESULTS_VERSION, "job": job });
+    said.sort_all_objects();
+    let text = ascii(&said.to_string());
+    if text.len() > MOST_BYTES { Err(too_long(text.len(), MOST_BYTES)) } else { Ok(text.into()) }
+}
+
+fn too_long(length: usize, most: usize) -> Fault {
+    let [length, most] = [length as u128, most as u128].map(in_bytes);
+    Fault::new("/describe", format!("the job has {length}, a description at most {most}; leave it out"))
+}
+
+/// A value as JSON.
+fn written(value: &Literal) -> Value {
+    match value {
+        Literal::Null => Value::Null,
+        Literal::Flag(flag) => (*flag).into(),
+        Literal::Number(x) => whole(*x).map_or_else(|| Number::from_f64(*x).into(), Value::from),
+        Literal::Text(text) => text.as_str().into(),
+        Literal::List(items) => items.iter().map(written).collect(),
+        Literal::Map(fields) => fields.iter().map(|(name, value)| (name.clone(), written(value))).collect(),
+    }
+}
+
+/// The whole number that a number is, if it is one.
+fn whole(x: f64) -> Option<i64> {
+    #[expect(clippy::cast_possible_truncation, reason = "checked by its value")]
+    let n = x as i64;
+    #[expect(clippy::cast_precision_loss, reason = "checked by its value")]
+    let is_same = n as f64 == x && n.abs() < 1 << 53;
+    is_same.then_some(n)
+}
+
+/// JSON of printable ASCII characters alone.
+fn ascii(json: &str) -> String {
+    let mut text = String::with_capacity(json.len());
+    for c in json.chars() {
+        if c.is_ascii() && c != '\u{7f}' {
+            text.push(c);
+        } else {
+            let mut units = [0; 2];
+            c.encode_utf16(&mut units).iter().for_each(|unit| text += &format!("\\u{unit:04x}"));
+        }
+    }
+    text
+}
