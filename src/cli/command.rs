@@ -11,6 +11,7 @@ use super::compare::CompareOptions;
 use super::error::{CODES, CliError};
 use super::estimate::EstimateOptions;
 use super::figures::FigureOptions;
+use super::mcp::McpOptions;
 use super::render::RenderOptions;
 use super::reproduce::ReproduceOptions;
 use super::validate::ValidateOptions;
@@ -92,6 +93,9 @@ enum Command {
         /// Name of a format.
         name: Option<String>,
     },
+    /// Serve a language model's client, by the Model Context Protocol over standard input and output: the tools render,
+    /// views, validate, estimate and presets.
+    Mcp(McpOptions),
     /// Ask a running service whether it is ready; for health checks.
     Health {
         /// Address of the service.
@@ -144,6 +148,7 @@ pub fn run(cli: Cli) -> ExitCode {
         Command::Presets { name } => catalogue::list_presets(name.as_deref()),
         Command::Operators { letter } => catalogue::list_operators(letter.as_deref()),
         Command::Formats { name } => catalogue::list_formats(name.as_deref()),
+        Command::Mcp(options) => options.serve(),
         Command::Health { url } => health::health(&url),
         Command::Completions { shell } => shell::completions(shell, whole()),
         Command::Man { command } => shell::man(command.as_deref(), whole()),

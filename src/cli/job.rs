@@ -43,6 +43,9 @@ pub(super) struct Loaded {
     pub(super) format: Option<&'static str>,
 }
 
+/// The bytes of a mesh file, and their media type.
+pub(super) type MediaFile = (Vec<u8>, &'static str);
+
 /// The format of an output.
 #[derive(Debug, Clone, Copy)]
 pub(super) enum Wanted {
@@ -115,13 +118,36 @@ impl JobOptions {
         self.read(source, source.read()?)
     }
 
+    /// The kind of an input of which these are the bytes.
+    fn kind(&self, source: &Source, bytes: &[u8]) -> Result<&str, CliError> {
+        let by_name = || source.extension().and_then(input::of_extension).map(|reader| reader.name);
+        match &self.input_format {
+            Some(kind) => Ok(kind),
+            None => by_name().map_or_else(|| sniffed(bytes).map_err(CliError::refused), Ok),
+        }
+    }
+
+    /// The job of an input as JSON with its one output, and the mesh file that it is of with its media type: then the
+    /// job has no input yet.
+    pub(super) fn told(&self, source: &Source, wanted: Wanted) -> Result<(Value, Option<MediaFile>), CliError> {
+        let bytes = source.read()?;
+        let kind = self.kind(source, &bytes)?.to_owned();
+        let is_file = kind != "job";
+        let mut job = if is_file { json!({ "input": {} }) } else { Value::Null };
+        let mut loaded = self.read(source, bytes.clone())?;
+        loaded.choose(wanted, self)?;
+        if !is_file {
+            job = serde_json::from_slice(&bytes).map_err(CliError::refused)?;
+        }
+        self.flags.onto(&mut job);
+        job["outputs"] = json!([loaded.request.outputs[0].told()]);
+        let media_type = input::named(&kind).map_or("application/json", |reader| reader.media_type);
+        Ok((job, is_file.then_some((bytes, media_type))))
+    }
+
     /// The job of an input of which these are the bytes.
     pub(super) fn read(&self, source: &Source, bytes: Vec<u8>) -> Result<Loaded, CliError> {
-        let by_name = || source.extension().and_then(input::of_extension).map(|reader| reader.name);
-        let kind = match &self.input_format {
-            Some(kind) => kind.as_str(),
-            None => by_name().map_or_else(|| sniffed(&bytes).map_err(CliError::refused), Ok)?,
-        };
+        let kind = self.kind(source, &bytes)?;
         let is_file = kind != "job";
         let teller = Teller { flags: &self.flags, is_file, format: None };
         let request = if is_file {
@@ -130,7 +156,7 @@ impl JobOptions {
                 Source::Standard => Arc::new(Alone),
             };
             let mut request = self.flagged(json!({ "input": {} }), &teller)?;
-            request.source = if self.describes() { self.told(kind, &bytes) } else { None };
+            request.source = if self.describes() { self.text_of_file(kind, &bytes) } else { None };
             request.input.file = Some(MeshFile { format: kind.to_owned(), bytes, beside });
             request
         } else {
@@ -156,7 +182,7 @@ impl JobOptions {
     }
 
     /// The job of a mesh file as text, where nothing beside the file may count; for outputs that describe it.
-    fn told(&self, kind: &str, bytes: &[u8]) -> Option<Arc<str>> {
+    fn text_of_file(&self, kind: &str, bytes: &[u8]) -> Option<Arc<str>> {
         let names_others: &[u8] = if kind == "obj" { b"\nmtllib " } else { b"\"uri\"" };
         if bytes.windows(names_others.len()).any(|part| part == names_others) {
             return None;

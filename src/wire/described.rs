@@ -43,13 +43,20 @@ pub(super) fn description(source: Option<&str>, output: &OutputRequest) -> Resul
     }
     let mut job: Map<String, Value> = serde_json::from_str(source).map_err(|error| fault(error.to_string()))?;
     job.remove("spec");
-    let fields = output.fields().iter().filter(|(name, _)| name != "name");
-    let fields: Map<String, Value> = fields.map(|(name, value)| (name.clone(), written(value))).collect();
+    let mut fields = output.told();
+    fields.remove("name");
     job.insert("outputs".to_owned(), json!([fields]));
     let mut said = json!({ "results_version": RESULTS_VERSION, "job": job });
     said.sort_all_objects();
     let text = ascii(&said.to_string());
     if text.len() > MOST_BYTES { Err(too_long(text.len(), MOST_BYTES)) } else { Ok(text.into()) }
+}
+
+impl OutputRequest {
+    /// The output as JSON.
+    pub(crate) fn told(&self) -> Map<String, Value> {
+        self.fields().iter().map(|(name, value)| (name.clone(), written(value))).collect()
+    }
 }
 
 fn too_long(length: usize, most: usize) -> Fault {

@@ -5,7 +5,9 @@ mod batch;
 mod compare;
 mod figures;
 mod flags;
+mod mcp;
 mod reproduce;
+mod server;
 
 use std::io::{BufRead, BufReader, Read, Write};
 use std::path::Path;
