@@ -14,15 +14,18 @@ use serde_json::{Map, Value};
 
 use super::error::CliError;
 use super::tools::{Answered, TOOLS, ToolFacts};
+use crate::scheme::preset::Refines;
+use crate::scheme::presets::PRESETS;
 use crate::watch::Watch;
 
-/// What the client is told of all tools together.
+/// What the client is told of all tools together; `SCHEME` stands for the name of one.
 const INSTRUCTIONS: &str = "\
 planish refines control polygons and control meshes by subdivision schemes. A job is a JSON object with input, plan, \
-levels and outputs, as in {\"input\": {\"mesh\": {\"positions\": [[x,y,z], ...], \"faces\": [[0,1,2,3], ...]}}, \"plan\": \
-{\"preset\": \"catmull-clark\"}, \"levels\": 3, \"outputs\": [{\"format\": \"png\", \"width\": 600}]}; curves have \
-{\"polygon\": {\"points\": [[x,y], ...], \"closed\": true}} as their input. Ask `presets` for the schemes, `validate` for \
-what is wrong with a job, `estimate` for what it comes to, `render` for a result and `views` for a look from four sides.";
+levels and outputs, as in {\"input\": {\"mesh\": {\"positions\": [[x,y,z], ...], \"faces\": [[0,1,2,3], ...]}}, \
+\"plan\": {\"preset\": \"SCHEME\"}, \"levels\": 3, \"outputs\": [{\"format\": \"png\", \"width\": 600}]}; curves \
+have {\"polygon\": {\"points\": [[x,y], ...], \"closed\": true}} as their input. Ask `presets` for the schemes, \
+`validate` for what is wrong with a job, `estimate` for what it comes to, `render` for a result and `views` for a look \
+from four sides.";
 
 /// Where results go that are no pictures and no short texts.
 #[derive(Debug, Clone, clap::Args)]
@@ -62,7 +65,9 @@ impl ServerHandler for Toolbox {
         let capabilities = ServerCapabilities::builder().enable_tools().build();
         let mut config = ServerConfig::new(capabilities);
         config.server_info = Implementation::new("planish", env!("CARGO_PKG_VERSION"));
-        config.instructions = Some(INSTRUCTIONS.to_owned());
+        let of_meshes = PRESETS.iter().find(|preset| preset.refines == Refines::Meshes);
+        let scheme = of_meshes.map_or("", |preset| preset.name);
+        config.instructions = Some(INSTRUCTIONS.replace("SCHEME", scheme));
         config
     }
 

@@ -35,8 +35,8 @@ const PICTURE_BYTES: [u128; 2] = [4, 64 << 10];
 ///
 /// Each is an artifact, an upload (a mesh file, or a PNG) or a job. Pictures that this service drew are compared pixel
 /// by pixel by equality, others, and all where a `threshold` is given, as they are seen: by the distance of colours in
-/// YIQ, without pixels that smooth an edge, as pixelmatch does. Shapes are compared by the Hausdorff distance both ways,
-/// and by what changes of box, area, volume and shape hash; meshes are taken as their faces cut into triangles.
+/// YIQ, without pixels that smooth an edge, as pixelmatch does. Shapes are compared by the Hausdorff distance both
+/// ways, and by what changes of box, area, volume and shape hash; meshes are taken as their faces cut into triangles.
 ///
 /// The same comparison asked again is not made again.
 #[utoipa::path(

@@ -20,11 +20,11 @@ use crate::raster::{Difference, Measure, Pixels, difference};
 use crate::watch::Watch;
 
 /// Most pixels of a picture that is compared.
-/// Two of them with what is drawn of them take 700 MiB. Half of it refuses scans of a page at 600 dots an inch; twice of
-/// it takes twice the memory.
+/// Two of them with what is drawn of them take 700 MiB. Half of it refuses scans of a page at 600 dots an inch; twice
+/// of it takes twice the memory.
 const MOST_PIXELS: u64 = 1 << 26;
-/// Bytes a pixel of both pictures while they are compared: two colours of four channels, in which sixteen bits a channel
-/// may come, and the picture of their difference, which is then compressed.
+/// Bytes a pixel of both pictures while they are compared: two colours of four channels, in which sixteen bits a
+/// channel may come, and the picture of their difference, which is then compressed.
 const PIXEL_BYTES: u64 = 2 * 4 + 8 + 3 + 3;
 /// Pixels that are compared in a millisecond of one core, smoothed edges included (measured: 9,000 to 60,000).
 /// Half and twice of it book twice and half the time.

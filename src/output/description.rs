@@ -7,6 +7,7 @@
 use std::io::{self, Write};
 
 use flate2::Crc;
+use serde_json::Value;
 
 use super::numbers::total;
 use super::size::Size;
@@ -14,12 +15,12 @@ use super::size::Size;
 /// What stands before a description, or names it.
 const NAME: &str = "planish-job";
 /// Characters of a description in one line of comments.
-/// Some programs read lines of headers into rooms of 4,096 bytes. Half of it makes twice as many lines; four times of it
-/// would be cut there.
+/// Some programs read lines of headers into rooms of 4,096 bytes. Half of it makes twice as many lines; four times of
+/// it would be cut there.
 const LINE: usize = 1024;
 /// Most bytes from the start of a file to the place of its description, and to its end.
-/// Half of it is still more than glTF documents have before their `asset`; twice of it reads further into files that are
-/// none of ours.
+/// Half of it is still more than glTF documents have before their `asset`; twice of it reads further into files that
+/// are none of ours.
 const MOST_BEFORE: usize = 64 << 20;
 
 /// Where a format has its description.
@@ -226,14 +227,6 @@ fn of_png(mut chunks: &[u8]) -> Option<&[u8]> {
 }
 
 fn of_gltf(document: &[u8]) -> Option<String> {
-    #[derive(serde::Deserialize)]
-    struct Document {
-        asset: Asset,
-    }
-    #[derive(serde::Deserialize)]
-    struct Asset {
-        extras: std::collections::BTreeMap<String, Box<serde_json::value::RawValue>>,
-    }
-    let document: Document = serde_json::from_slice(document).ok()?;
-    document.asset.extras.get(NAME).map(|found| found.get().to_owned())
+    let document: Value = serde_json::from_slice(document).ok()?;
+    Some(document.get("asset")?.get("extras")?.get(NAME)?.to_string())
 }

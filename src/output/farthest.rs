@@ -6,9 +6,9 @@
 //!
 //! `max over corners of d <= max over T of d <= min over t of (max over corners x of T of |x - t|)`,
 //!
-//! and the few `t` that are nearest to the corners and to the centre of `T` are enough on the right. Triangles whose two
-//! sides are far apart are cut in four, until they are close or there is no more work to be spent. Source: M. Tang, M.
-//! Lee, Y. Kim, ACM Transactions on Graphics 28 (2009), article 74; the convex bound is the one of their section 4.
+//! and the few `t` that are nearest to the corners and to the centre of `T` are enough on the right. Triangles whose
+//! two sides are far apart are cut in four, until they are close or there is no more work to be spent. Source: M. Tang,
+//! M. Lee, Y. Kim, ACM Transactions on Graphics 28 (2009), article 74; the convex bound is the one of their section 4.
 
 use rayon::prelude::*;
 

@@ -3,13 +3,11 @@
 use std::sync::Arc;
 
 use serde::Deserialize;
-use serde_json::{Map, Number, Value, json};
+use serde_json::{Map, Value, json};
 
-use super::output::OutputRequest;
 use crate::fault::Fault;
 use crate::job::key::RESULTS_VERSION;
 use crate::math::amounts::in_bytes;
-use crate::math::parameter::Literal;
 
 /// Most bytes of a description. Programs that show a picture read it as a whole: half of it refuses meshes of some five
 /// thousand vertices, twice of it lets pictures be mostly text.
@@ -33,7 +31,7 @@ pub struct Description {
 ///
 /// # Errors
 /// A fault at the output, where the job is too long or not known as text.
-pub(super) fn description(source: Option<&str>, output: &OutputRequest) -> Result<Arc<str>, Fault> {
+pub(super) fn description(source: Option<&str>, mut output: Map<String, Value>) -> Result<Arc<str>, Fault> {
     let fault = |detail: String| Fault::new("/describe", detail);
     let source = source.ok_or_else(|| {
         fault("the job has files beside its own that would have to be told as well; leave it out".to_owned())
@@ -43,46 +41,17 @@ pub(super) fn description(source: Option<&str>, output: &OutputRequest) -> Resul
     }
     let mut job: Map<String, Value> = serde_json::from_str(source).map_err(|error| fault(error.to_string()))?;
     job.remove("spec");
-    let mut fields = output.told();
-    fields.remove("name");
-    job.insert("outputs".to_owned(), json!([fields]));
+    output.remove("name");
+    job.insert("outputs".to_owned(), json!([output]));
     let mut said = json!({ "results_version": RESULTS_VERSION, "job": job });
     said.sort_all_objects();
     let text = ascii(&said.to_string());
     if text.len() > MOST_BYTES { Err(too_long(text.len(), MOST_BYTES)) } else { Ok(text.into()) }
 }
 
-impl OutputRequest {
-    /// The output as JSON.
-    pub(crate) fn told(&self) -> Map<String, Value> {
-        self.fields().iter().map(|(name, value)| (name.clone(), written(value))).collect()
-    }
-}
-
 fn too_long(length: usize, most: usize) -> Fault {
     let [length, most] = [length as u128, most as u128].map(in_bytes);
     Fault::new("/describe", format!("the job has {length}, a description at most {most}; leave it out"))
-}
-
-/// A value as JSON.
-fn written(value: &Literal) -> Value {
-    match value {
-        Literal::Null => Value::Null,
-        Literal::Flag(flag) => (*flag).into(),
-        Literal::Number(x) => whole(*x).map_or_else(|| Number::from_f64(*x).into(), Value::from),
-        Literal::Text(text) => text.as_str().into(),
-        Literal::List(items) => items.iter().map(written).collect(),
-        Literal::Map(fields) => fields.iter().map(|(name, value)| (name.clone(), written(value))).collect(),
-    }
-}
-
-/// The whole number that a number is, if it is one.
-fn whole(x: f64) -> Option<i64> {
-    #[expect(clippy::cast_possible_truncation, reason = "checked by its value")]
-    let n = x as i64;
-    #[expect(clippy::cast_precision_loss, reason = "checked by its value")]
-    let is_same = n as f64 == x && n.abs() < 1 << 53;
-    is_same.then_some(n)
 }
 
 /// JSON of printable ASCII characters alone.

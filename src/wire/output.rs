@@ -1,9 +1,10 @@
 //! What a job asks for, as clients write it.
 
 use serde::Deserialize;
+use serde_json::{Map, Value};
 
 use super::described::description as description_of;
-use super::literal::{WireFields, WireLiteral};
+use super::literal::{WireFields, WireLiteral, written};
 use crate::fault::{Fault, did_you_mean, shortened, under};
 use crate::job::Output;
 use crate::math::parameter::{Default, Kind, Literal, Parameter, Values};
@@ -44,9 +45,9 @@ impl OutputRequest {
         Ok(shape)
     }
 
-    /// Its fields, as they were written.
-    pub(super) fn fields(&self) -> &[(String, Literal)] {
-        &self.fields.0
+    /// The output as JSON.
+    pub(crate) fn told(&self) -> Map<String, Value> {
+        self.fields.0.iter().map(|(name, value)| (name.clone(), written(value))).collect()
     }
 
     /// Whether the bytes are to say of which job they are.
@@ -110,7 +111,7 @@ fn described(output: Output, request: &OutputRequest, source: Option<&str>) -> R
     if !request.describes() {
         return Ok(output);
     }
-    let text = description_of(source, request).map_err(|fault| vec![fault])?;
+    let text = description_of(source, request.told()).map_err(|fault| vec![fault])?;
     Ok(Output { description: Some(text), ..output })
 }
 

@@ -30,7 +30,7 @@ impl Client {
             "clientInfo": { "name": "test", "version": "1" } });
         let said = client.ask("initialize", &hello);
         assert_eq!(said["result"]["serverInfo"]["name"], "planish", "{said}");
-        assert!(said["result"]["instructions"].as_str().unwrap().contains("catmull-clark"));
+        assert!(said["result"]["instructions"].as_str().unwrap().contains("\"preset\": \"catmull-clark\""));
         client.send(&json!({ "jsonrpc": "2.0", "method": "notifications/initialized" }));
         client
     }
