@@ -35,7 +35,8 @@ fn jobs() -> impl Iterator<Item = (&'static str, Value)> {
         let mut job = if format == "svg" { polygon(2) } else { mesh(1) };
         job = with(job, format);
         if format == "apng" {
-            job["outputs"][0]["turntable"] = json!({ "frames": 3 });
+            job["outputs"][0]["frames"] = 3.into();
+            job["outputs"][0]["turntable"] = json!({});
         }
         if format.ends_with("png") {
             job["outputs"][0]["width"] = 64.into();

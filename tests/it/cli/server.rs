@@ -29,7 +29,7 @@ fn jobs_and_mesh_files_have_the_bytes_that_they_have_here() {
     let inputs = [path("cube.json"), path("square.json"), path("tetra.obj")];
     let mut arguments: Vec<&str> = vec!["render"];
     arguments.extend(inputs.iter().map(String::as_str));
-    arguments.extend(["--format", "obj", "--levels", "1"]);
+    arguments.extend(["--format", "obj"]);
     let (there, here) = (path("there/{stem}.obj"), path("here/{stem}.obj"));
     story(settings(), async |server| {
         let made = beside(server, &[&arguments[..], &["-o", &there]].concat()).await;
