@@ -236,7 +236,8 @@ impl Comparison {
             }
             Sides::Shapes(shapes, _) => {
                 let of = |shape: &Arc<Admitted>| {
-                    let queries = (triangles(shape) + Measured::MOST_PIECES).saturating_mul(Measured::QUERIES);
+                    // what is cut in many pieces takes longer, and is moved to where long work is done
+                    let queries = triangles(shape).saturating_mul(Measured::QUERIES);
                     shape.estimate().time_ms.saturating_add(queries / QUERIES_A_MS)
                 };
                 shapes.iter().map(of).fold(0, u128::saturating_add)

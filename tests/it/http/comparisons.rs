@@ -169,6 +169,44 @@ fn what_cannot_be_compared_is_refused_with_its_place() {
 }
 
 #[test]
+fn pictures_that_lie_about_their_size_are_refused() {
+    story(settings(), async |server| {
+        let own = server.render(&picture(30.0)).await.ok().body.to_vec();
+        let mut huge = own.clone();
+        huge[16..24].copy_from_slice(&[0, 1, 0, 0, 0, 1, 0, 0]);
+        let mut crc = flate2::Crc::new();
+        crc.update(&huge[12..29]);
+        huge[29..33].copy_from_slice(&crc.sum().to_be_bytes());
+        let short = own[..own.len() / 2].to_vec();
+        for (file, told) in
+            [(huge, "65536 x 65536 pixels"), (short, "cannot be decoded"), (own[..20].to_vec(), "no PNG")]
+        {
+            let sent = server.ask(Method::POST, "/v1/blobs", &[("content-type", "image/png")], file).await;
+            let asked = json!({ "a": picture(30.0), "b": sent.json()["id"] });
+            let refused = server.post("/v1/compare", &asked).await.problem(422, "invalid-job");
+            assert_eq!(refused["errors"][0]["pointer"], "/b");
+            assert!(refused["detail"].as_str().unwrap().contains(told), "{refused}");
+        }
+    });
+}
+
+#[test]
+fn a_mesh_file_is_described_as_the_job_that_it_is() {
+    story(settings(), async |server| {
+        let file = b"v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 3 1 4\n".to_vec();
+        let path = "/v1/render?preset=loop&levels=1&format=ply&output.describe=true";
+        let made = server.ask(Method::POST, path, &[("content-type", "model/obj")], file).await.ok();
+        let said = planish::output::description::description(&made.body).unwrap();
+        let said: Value = serde_json::from_str(&said).unwrap();
+        let again = server.render(&said["job"]).await.ok();
+        assert_eq!(again.header("cache-status"), "planish; hit", "its key is that of the job that it tells");
+        assert_eq!(again.body, made.body);
+        let posted = server.post_with("/v1/jobs", &said["job"], &[("prefer", "wait=60")]).await.ok().json();
+        assert_eq!(posted["outputs"][0]["key"], made.header("etag").trim_matches('"'));
+    });
+}
+
+#[test]
 fn a_comparison_whose_client_has_gone_stops() {
     story(settings(), async |server| {
         let asked = json!({ "a": endless(), "b": endless() });
