@@ -112,7 +112,7 @@ pub(super) async fn rendered(
     if let Some(tag) = negotiate::has_already(headers, &known.key) {
         return Ok(not_modified(&known, tag));
     }
-    if let Some(manifest) = app.desk.find(known.key).await {
+    if let Some(manifest) = app.desk.find(known.key, client.peer()).await {
         if let Some(tag) = negotiate::has_kept(headers, &known.key) {
             return Ok(not_modified(&known, tag));
         }
@@ -171,7 +171,7 @@ fn remember(app: &Arc<App>, request: Option<Key>, known: &Known) {
 /// The answer to a request that came before and whose result is at hand.
 async fn again(app: &Arc<App>, client: &Client, headers: &HeaderMap, request: Option<Key>) -> Option<Response> {
     let known = app.memo.get(&request?)?;
-    let manifest = app.desk.tiers.at_hand(&known.key)?;
+    let manifest = app.desk.at_hand(&known.key, client.peer())?;
     if let Some(tag) = negotiate::has_kept(headers, &known.key) {
         return Some(not_modified(&known, tag));
     }
@@ -188,13 +188,13 @@ async fn made(
     known: Known,
 ) -> Result<Response, Problem> {
     let job = admitted.job();
-    let id = JobKey::of_anyone(job.id());
+    let id = JobKey { tenant: client.tenant(), id: job.id() };
     let entries = job.entries(&job.outputs[0]);
     let summary = |sent: &Sent| working::summary(&admitted, sent);
     // the others are made from the record
     let refers = job.detail_keys().next().is_some();
     // somebody else may have had it made while it was forecast
-    if let Some(manifest) = app.desk.tiers.at_hand(&known.key)
+    if let Some(manifest) = app.desk.at_hand(&known.key, client.peer())
         && let Ok(response) = whole(app, headers, Artifact::kept(manifest.clone(), client.peer()), &known).await
     {
         if refers {
