@@ -294,7 +294,7 @@ fn comparison_examples() -> BTreeMap<String, RefOr<Example>> {
 fn files(operation: &mut Operation) {
     let Some(RefOr::T(body)) = &mut operation.request_body else { return };
     for media_type in READERS.iter().map(|reader| reader.media_type).chain(["application/octet-stream"]) {
-        body.content.insert(media_type.to_owned(), RefOr::T(content(output::Content::Binary)));
+        body.content.entry(media_type.to_owned()).or_insert_with(|| RefOr::T(content(output::Content::Binary)));
     }
 }
 
