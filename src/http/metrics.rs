@@ -87,6 +87,7 @@ fn requests(page: &mut Page, requests: &Requests) {
         let labels = [("method", method), ("route", route), ("status", &status)];
         page.value("planish_requests_total", &labels, n);
     });
+    page.one(("planish_sent_bytes_total", "counter", "Bytes of answers, without their heads."), requests.sent_bytes());
 }
 
 fn work(page: &mut Page, app: &App) {

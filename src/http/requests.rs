@@ -110,16 +110,18 @@ impl Service<Request<Incoming>> for Requests {
         let asked = Asked::get(&parts, caller.peer.tenant()).filter(|_| is_plain);
         if let Some(mut response) = self.again(asked, &parts) {
             trace.told(response.headers_mut());
-            return Either::Left(ready(Ok(response.map(|content| Ending { content, connection, _in_flight: None }))));
+            let app = self.app.clone();
+            let ending = |content| Ending { content, app, connection, _in_flight: None };
+            return Either::Left(ready(Ok(response.map(ending))));
         }
-        let answer = self.clone().answer(parts, body, (caller, asked));
+        let (app, answer) = (self.app.clone(), self.clone().answer(parts, body, (caller, asked)));
         Either::Right(Box::pin(async move {
             // every line of the log that the answer leaves has its id
             let span = tracing::error_span!("request", trace_id = trace.id());
             let (mut response, in_flight) = trace.clone().within(answer).instrument(span).await;
             trace.told(response.headers_mut());
             connection.enter(Phase::Working);
-            Ok(response.map(|content| Ending { content, connection, _in_flight: in_flight }))
+            Ok(response.map(|content| Ending { content, app, connection, _in_flight: in_flight }))
         }))
     }
 }
@@ -137,6 +139,7 @@ enum Content {
 #[derive(Debug)]
 pub(super) struct Ending {
     content: Content,
+    app: Arc<App>,
     connection: Arc<Connection>,
     _in_flight: Option<Ticket>,
 }
@@ -146,10 +149,14 @@ impl http_body::Body for Ending {
     type Error = axum::Error;
 
     fn poll_frame(mut self: Pin<&mut Self>, cx: &mut Context<'_>) -> Poll<Option<Result<Frame<Bytes>, axum::Error>>> {
-        match &mut self.content {
+        let frame = match &mut self.content {
             Content::Whole(bytes) => Pin::new(bytes).poll_frame(cx).map_err(|never| match never {}),
             Content::Routed(body) => Pin::new(body).poll_frame(cx),
+        };
+        if let Poll::Ready(Some(Ok(frame))) = &frame {
+            self.app.requests.sent(frame.data_ref().map_or(0, Bytes::len));
         }
+        frame
     }
 
     fn is_end_stream(&self) -> bool {
