@@ -19,8 +19,8 @@ const DEFAULT_VALENCES: RangeInclusive<usize> = 3..=12;
 /// Numbers of faces at boundary vertices that are looked at when nothing is said.
 const DEFAULT_FACES: RangeInclusive<usize> = 1..=6;
 /// Most faces at a boundary vertex.
-/// Matrices grow with them, as there are no rotations to part them. Half of it would refuse fans that meshes have; twice
-/// of it takes eight times as long.
+/// Matrices grow with them, as there are no rotations to part them. Half of it would refuse fans that meshes have;
+/// twice of it takes eight times as long.
 pub const MAX_FACES: usize = 24;
 /// The largest valence.
 /// Matrices have some dozens of rows for each Fourier index. Half of it would refuse poles of fine spheres; twice of it
