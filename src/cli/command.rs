@@ -10,7 +10,9 @@ use super::analyse::Question;
 use super::error::{CODES, CliError};
 use super::estimate::EstimateOptions;
 use super::figures::FigureOptions;
+use super::key::KeyOptions;
 use super::render::RenderOptions;
+use super::sign::SignOptions;
 use super::validate::ValidateOptions;
 use super::{catalogue, health, serve, shell};
 use crate::config::{Given, Setting, Settings};
@@ -76,6 +78,10 @@ enum Command {
         /// Name of a format.
         name: Option<String>,
     },
+    /// Add, list and revoke the keys that a service lets in; a running service takes changes up within a second or two.
+    Key(Box<KeyOptions>),
+    /// Sign an address that opens a render, a result or the events of a job without a key, until its time is over.
+    Sign(Box<SignOptions>),
     /// Ask a running service whether it is ready; for health checks.
     Health {
         /// Address of the service.
@@ -126,6 +132,8 @@ pub fn run(cli: Cli) -> ExitCode {
         Command::Presets { name } => catalogue::list_presets(name.as_deref()),
         Command::Operators { letter } => catalogue::list_operators(letter.as_deref()),
         Command::Formats { name } => catalogue::list_formats(name.as_deref()),
+        Command::Key(options) => options.run(),
+        Command::Sign(options) => options.sign(),
         Command::Health { url } => health::health(&url),
         Command::Completions { shell } => shell::completions(shell, whole()),
         Command::Man { command } => shell::man(command.as_deref(), whole()),

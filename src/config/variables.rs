@@ -11,6 +11,8 @@ const PREFIX: &str = "PLANISH_";
 const OF_OTHERS: [&str; 2] = ["PLANISH_SERVICE_", "PLANISH_PORT"];
 /// The variable that names the settings file.
 const FILE: &str = "PLANISH_CONFIG";
+/// The variable in which clients on this machine may have their key.
+const KEY: &str = "PLANISH_KEY";
 
 /// The variables among these that are settings, each with the place of its setting in the list of `known` ones.
 ///
@@ -23,7 +25,11 @@ pub(super) fn settings(
     let mut found = Vec::new();
     for (name, value) in variables {
         let name = name.to_string_lossy();
-        if !name.starts_with(PREFIX) || name == FILE || OF_OTHERS.iter().any(|other| name.starts_with(other)) {
+        if !name.starts_with(PREFIX)
+            || name == FILE
+            || name == KEY
+            || OF_OTHERS.iter().any(|other| name.starts_with(other))
+        {
             continue;
         }
         let Some(at) = known.iter().position(|known| name == *known) else {

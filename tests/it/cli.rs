@@ -4,6 +4,7 @@
 mod batch;
 mod figures;
 mod flags;
+mod keys;
 
 use std::io::{BufRead, BufReader, Read, Write};
 use std::path::Path;
