@@ -33,6 +33,9 @@ const MOST_BODY_BYTES: u64 = 1 << 30;
 /// Most jobs or connections that can be allowed: each connection has a file descriptor and its buffers, each job its
 /// request, and 65,536 of them are more than two lanes or one address can serve.
 const MOST_WAITING: u64 = 1 << 16;
+/// Most jobs of a batch that can be allowed: how each of them stands is told with the batch, 10,000 of them in some
+/// megabytes.
+const MOST_BATCH_ITEMS: u64 = 10_000;
 /// Most compute threads of a lane: more than machines have cores, and two lanes of them still fit under the usual
 /// limit on the threads of a process.
 const MOST_THREADS: u64 = 1024;
@@ -181,6 +184,8 @@ settings! {
     /// Most jobs of one peer address that wait at once, joined ones included, and most that go on without their
     /// request; more are answered 503.
     max_queue_per_peer: usize = 64, in 1..=MOST_WAITING, "PLANISH_MAX_QUEUE_PER_PEER", "jobs";
+    /// Most jobs of one batch.
+    max_batch_items: u64 = 1000, in 1..=MOST_BATCH_ITEMS, "PLANISH_MAX_BATCH_ITEMS", "jobs";
     /// Most connections open at once; a further one takes the place of the one that has been idle or slow for longest.
     max_connections: usize = 1024, in 1..=MOST_WAITING, "PLANISH_MAX_CONNECTIONS", "connections";
     /// Most connections of one peer address open at once; the same holds for a further one.

@@ -165,16 +165,16 @@ impl JobAnswer {
             actual: ActualAnswer::new(standing),
             outputs: outputs.collect(),
             error,
-            warnings: warnings(&record.made),
+            warnings: warnings(record.made.iter().flatten()),
             reached: record.summary.reached.map(ReachedAnswer::from),
         }
     }
 }
 
 /// All warnings, each once.
-fn warnings(made: &[Option<Made>]) -> Vec<String> {
+pub(super) fn warnings<'a>(made: impl IntoIterator<Item = &'a Made>) -> Vec<String> {
     let mut all: Vec<String> = Vec::new();
-    for made in made.iter().flatten() {
+    for made in made {
         let Made::Done { warnings, .. } = made else { continue };
         let new: Vec<_> = warnings.iter().filter(|warning| !all.contains(warning)).cloned().collect();
         all.extend(new);
@@ -182,16 +182,21 @@ fn warnings(made: &[Option<Made>]) -> Vec<String> {
     all
 }
 
+/// The name of where something stands.
+pub(super) fn state(phase: &Phase) -> &'static str {
+    match phase {
+        Phase::Queued => "queued",
+        Phase::Running => "running",
+        Phase::Done => "done",
+        Phase::Failed(_) => "failed",
+        Phase::Cancelled => "cancelled",
+    }
+}
+
 impl ProgressAnswer {
     /// How far a job is.
     pub fn new(standing: &Standing) -> Self {
-        let state = match &standing.phase {
-            Phase::Queued => "queued",
-            Phase::Running => "running",
-            Phase::Done => "done",
-            Phase::Failed(_) => "failed",
-            Phase::Cancelled => "cancelled",
-        };
+        let state = state(&standing.phase);
         let stage = standing.stage.map(|stage| match stage {
             Stage::Refine => "refine",
             Stage::Sweep => "sweep",
@@ -204,7 +209,8 @@ impl ProgressAnswer {
 }
 
 impl OutputAnswer {
-    fn new(product: &Product, made: Option<&Made>, href: String) -> Self {
+    /// What became of an output that has this address.
+    pub(super) fn new(product: &Product, made: Option<&Made>, href: String) -> Self {
         let (state, bytes, error) = match made {
             None => ("pending", None, None),
             Some(Made::Done { bytes, .. }) => ("done", Some(*bytes), None),
