@@ -9,7 +9,7 @@ use axum::response::{IntoResponse, Response};
 use futures_util::stream;
 
 use super::app::{App, Shared};
-use super::body::{Arriving, Sent, announced, drain};
+use super::body::{Arriving, Attached, Sent, announced, drain};
 use super::client::Client;
 use super::content::{self, Coding, Kind, Notation, Takes};
 use super::inflate::too_long;
@@ -25,7 +25,7 @@ use crate::service::read_lane::Unread;
 use crate::service::store::{Manifest, PART_BYTES, StoreError};
 use crate::service::uploads::Upload;
 use crate::wire::answer::BlobAnswer;
-use crate::wire::posted::upload_of;
+use crate::wire::posted::uploads_of;
 use crate::wire::text::MeshFile;
 
 /// Bytes that are written at once. Half of it goes to the disk twice as often; twice of it takes twice the memory of
@@ -219,21 +219,41 @@ fn parse(id: &str) -> Option<Key> {
     Key::parse(id.strip_prefix("b3-")?)
 }
 
-/// A request together with the upload that it names, read into memory.
+/// A request together with the uploads that it names, each read into memory once.
 ///
 /// # Errors
 /// An upload that is not here; 503 when there is no memory for it.
 pub(super) async fn attached(app: &Arc<App>, peer: Peer, sent: Sent) -> Result<Sent, Problem> {
-    if sent.upload.is_some() || !matches!(sent.notation, Notation::Job | Notation::JobAs(_)) {
+    if !sent.uploads.is_empty() || !matches!(sent.notation, Notation::Job | Notation::JobAs(_)) {
         return Ok(sent);
     }
     let bytes: Bytes = sent.bytes.clone();
-    let named = app.desk.read(peer, bytes.len() as u64, move |_| upload_of(&bytes)).await?;
-    let Some(named) = named else { return Ok(sent) };
-    let fault = |detail: String| Problem::invalid(vec![Fault::new("/input/blob", detail)]);
-    let id = parse(&named).ok_or_else(|| {
-        fault(format!("\"{}\" is no id of an upload, which is b3- and 64 hexadecimal digits", shortened(&named)))
-    })?;
+    let named = app.desk.read(peer, bytes.len() as u64, move |_| uploads_of(&bytes)).await?;
+    let limit = app.settings.max_body_bytes;
+    let (mut all, mut length): (Vec<(Option<usize>, Arc<Attached>)>, _) = (Vec::new(), 0);
+    for named in named {
+        let fault = |detail: String| Problem::invalid(vec![Fault::new(named.pointer(), detail)]);
+        let id = parse(&named.id).ok_or_else(|| {
+            let named = shortened(&named.id);
+            fault(format!("\"{named}\" is no id of an upload, which is b3- and 64 hexadecimal digits"))
+        })?;
+        let known = all.iter().find(|(_, upload)| upload.id == id).map(|(_, upload)| upload.clone());
+        let upload = match known {
+            Some(known) => known,
+            None => Arc::new(read(app, peer, id, fault).await?),
+        };
+        // every panel reads its file by itself
+        length += upload.file.bytes.len() as u64;
+        if length > limit {
+            return Err(too_long(length, limit));
+        }
+        all.push((named.panel, upload));
+    }
+    Ok(sent.with_uploads(all))
+}
+
+/// An upload, read into memory.
+async fn read(app: &Arc<App>, peer: Peer, id: Key, fault: impl Fn(String) -> Problem) -> Result<Attached, Problem> {
     let missing = || fault(format!("there is no upload {}; send the file to /v1/blobs (again)", written_id(&id)));
     let _pin = app.desk.uploads.pin(&id).ok_or_else(missing)?;
     let manifest = app.desk.uploads.find(&id).ok_or_else(missing)?;
@@ -246,5 +266,5 @@ pub(super) async fn attached(app: &Arc<App>, peer: Peer, sent: Sent) -> Result<S
     let bytes = desk.uploads.whole(&manifest).await.ok_or_else(missing)?;
     let format = format_of(&manifest.media_type).to_owned();
     let file = MeshFile { format, bytes, beside: Arc::new(Alone) };
-    Ok(sent.with_upload(id, file, paid))
+    Ok(Attached { id, file, _paid: paid })
 }

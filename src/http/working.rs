@@ -101,7 +101,7 @@ pub(super) fn summary(admitted: &Admitted, sent: &Sent) -> JobSummary {
         cost: admitted.estimate().into(),
         reached: job.reached,
         details: job.detail_keys().collect(),
-        blobs: sent.uploads(),
+        blobs: sent.upload_ids(),
         request: sent.text(),
     }
 }

@@ -13,21 +13,9 @@ use crate::watch::Stage;
 pub struct JobAnswer {
     /// Id of the job.
     pub id: String,
-    /// Where it stands.
-    #[schema(pattern = "^(queued|running|done|failed|cancelled)$")]
-    pub state: &'static str,
-    /// Share of the work done, from 0 to 1.
-    pub progress: f64,
-    /// What the computation under way does.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    #[schema(pattern = "^(refine|sweep|render|encode)$")]
-    pub stage: Option<&'static str>,
-    /// The level that is being made, where levels are made one after the other.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub level: Option<u32>,
-    /// How many jobs come before it, where it waits in line.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub queue_position: Option<u64>,
+    /// Where it stands, and how far it is.
+    #[serde(flatten)]
+    pub progress: ProgressAnswer,
     /// How often it was queued.
     pub attempts: u32,
     /// Which jobs it stands behind.
@@ -57,7 +45,7 @@ pub struct JobAnswer {
 #[derive(Debug, Clone, Serialize, ToSchema)]
 pub struct ProgressAnswer {
     /// Where it stands.
-    #[schema(pattern = "^(queued|running)$")]
+    #[schema(pattern = "^(queued|running|done|failed|cancelled)$")]
     pub state: &'static str,
     /// Share of the work done, from 0 to 1.
     pub progress: f64,
@@ -143,7 +131,6 @@ pub struct OutputAnswer {
 impl JobAnswer {
     /// How a job stands whose outputs have these addresses.
     pub fn new(standing: &Standing, href: impl Fn(&Product) -> String) -> Self {
-        let ProgressAnswer { state, progress, stage, level, queue_position } = ProgressAnswer::new(standing);
         let record = &standing.record;
         let outputs = record.summary.products.iter().zip(&record.made);
         let outputs = outputs.map(|(product, made)| OutputAnswer::new(product, made.as_ref(), href(product)));
@@ -153,11 +140,7 @@ impl JobAnswer {
         };
         Self {
             id: record.job.id.to_string(),
-            state,
-            progress,
-            stage,
-            level,
-            queue_position,
+            progress: ProgressAnswer::new(standing),
             attempts: record.attempts,
             priority: record.terms.priority.name(),
             timings_ms: Some(TimingsAnswer::from(standing.timings)),

@@ -177,6 +177,24 @@ fn a_fault_points_to_the_job_or_to_the_axis_and_nothing_is_begun() {
     });
 }
 
+#[test]
+fn a_grid_is_counted_before_any_of_its_jobs_is_made() {
+    story(Settings { max_body_bytes: 64 << 10, ..settings() }, async |server| {
+        let values: Vec<u32> = (0..1000).collect();
+        let axes: Vec<_> = (0..8).map(|at| json!({ "pointer": format!("/input/{at}"), "values": values })).collect();
+        let bomb = json!({ "template": { "input": {} }, "grid": axes });
+        let problem = server.post("/v1/batches", &bomb).await.problem(422, "invalid-job");
+        assert_eq!(problem["errors"][0]["pointer"], "/grid");
+        assert!(problem["detail"].as_str().unwrap().contains("at most 1,000"), "{problem}");
+        // twenty copies of 40 KiB, where eight bodies of 64 KiB are allowed
+        let long = json!({ "template": { "input": "x".repeat(40 << 10) },
+            "grid": [{ "pointer": "/levels", "values": (0..20).collect::<Vec<u32>>() }] });
+        let problem = server.post("/v1/batches", &long).await.problem(422, "invalid-job");
+        assert_eq!(problem["errors"][0]["pointer"], "/grid");
+        assert!(problem["detail"].as_str().unwrap().contains("input.blob"), "{problem}");
+    });
+}
+
 /// Three jobs, the second of which cannot be written: its numbers are beyond f32.
 fn one_fails() -> Value {
     let mut job = mesh(1);
