@@ -56,8 +56,8 @@ impl Desk {
         self.account.records.capacity / 4
     }
 
-    /// Accepts a batch: it is known and its jobs will be done, after a restart, too, where jobs outlast the process. One
-    /// that is known already is the same batch; of one that failed or was cancelled, what is missing is done.
+    /// Accepts a batch: it is known and its jobs will be done, after a restart, too, where jobs outlast the process.
+    /// One that is known already is the same batch; of one that failed or was cancelled, what is missing is done.
     ///
     /// # Errors
     /// [`NotAccepted`].
@@ -141,8 +141,8 @@ impl Desk {
         }
     }
 
-    /// How many jobs of a batch are in line or being done at once: enough to keep every place busy, and no more of those
-    /// that its peer may have than half.
+    /// How many jobs of a batch are in line or being done at once: enough to keep every place busy, and at most half of
+    /// those that its peer may have.
     fn window(&self) -> usize {
         let places = 2 * self.pool.places(Lane::Short) + 2;
         places.min(usize::try_from(self.terms.most_a_peer / 2).unwrap_or(usize::MAX)).max(1)

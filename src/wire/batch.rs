@@ -44,7 +44,7 @@ pub struct AxisRequest {
     #[schema(example = "/plan/parameters/delta")]
     pub pointer: String,
     /// The values, of any kind that the place may have.
-    #[schema(value_type = Vec<Object>, min_items = 1)]
+    #[schema(value_type = Vec<serde_json::Value>, min_items = 1)]
     pub values: Vec<IgnoredAny>,
 }
 
@@ -213,8 +213,8 @@ mod tests {
     fn texts(batch: &str) -> Result<Vec<String>, ReadError> {
         let batch = Bytes::copy_from_slice(batch.as_bytes());
         let layout = layout(&batch)?;
-        let n = usize::try_from(layout.n()).unwrap();
-        Ok((0..n).map(|at| String::from_utf8(layout.text(&batch, at)).unwrap()).collect())
+        let n = usize::try_from(layout.n()).expect("few");
+        Ok((0..n).map(|at| String::from_utf8(layout.text(&batch, at)).expect("text")).collect())
     }
 
     #[test]
@@ -225,7 +225,7 @@ mod tests {
                          {"pointer": "/e/f~1g", "values": [[0], 1.50]}]}"#,
         );
         assert_eq!(
-            jobs.unwrap(),
+            jobs.expect("a batch"),
             [
                 r#"{"a": [1, {"b": 7}], "c": {"new":null,"d": 2}, "e": {"f/g":[0]}}"#,
                 r#"{"a": [1, {"b": 7}], "c": {"new":null,"d": 2}, "e": {"f/g":1.50}}"#,
@@ -233,7 +233,7 @@ mod tests {
                 r#"{"a": [1, {"b": "y"}], "c": {"new":null,"d": 2}, "e": {"f/g":1.50}}"#,
             ]
         );
-        assert_eq!(texts(r#"{"jobs": [ {"a" : 1} ,{}]}"#).unwrap(), [r#"{"a" : 1}"#, "{}"]);
+        assert_eq!(texts(r#"{"jobs": [ {"a" : 1} ,{}]}"#).expect("a batch"), [r#"{"a" : 1}"#, "{}"]);
     }
 
     #[test]
@@ -243,8 +243,8 @@ mod tests {
                 r#"{{"template": {template},
                     "grid": [{{"pointer": "/a", "values": [1, 2]}}, {{"pointer": "/b", "values": [3]}}]}}"#
             ));
-            for (at, job) in jobs.unwrap().iter().enumerate() {
-                let job: serde_json::Value = serde_json::from_str(job).unwrap();
+            for (at, job) in jobs.expect("a batch").iter().enumerate() {
+                let job: serde_json::Value = serde_json::from_str(job).expect("JSON");
                 assert_eq!((&job["a"], &job["b"]), (&(at + 1).into(), &3.into()), "{template}");
             }
         }

@@ -102,7 +102,7 @@ mod tests {
         let axis = |values: &[Range<usize>]| Axis { pointer: String::new(), values: values.to_vec() };
         let template = vec![Piece::Value(0), Piece::Written("-".to_owned()), Piece::Value(1), Piece::Text(5..6)];
         let layout = Layout::Grid { template, axes: vec![axis(&[0..1, 1..2]), axis(&[2..3, 3..4, 3..5])] };
-        let texts: Vec<_> = (0..6).map(|at| String::from_utf8(layout.text(b"abxyz!", at)).unwrap()).collect();
+        let texts: Vec<_> = (0..6).map(|at| String::from_utf8(layout.text(b"abxyz!", at)).expect("text")).collect();
         assert_eq!(texts, ["a-x!", "a-y!", "a-yz!", "b-x!", "b-y!", "b-yz!"]);
         assert_eq!((layout.n(), layout.bytes()), (6, texts.concat().len() as u128));
         assert_eq!(layout.coordinates(4), [1, 1]);
