@@ -72,6 +72,20 @@ pub struct Figure {
 }
 
 impl Figure {
+    /// For each panel by which box it is framed, as the first panel that has the same one: all by one where they have
+    /// one scale, else those that lie on each other, and those that are alone by none but what they show themselves.
+    pub(super) fn framed_alike(&self) -> Vec<Option<usize>> {
+        if self.one_scale {
+            return vec![Some(0); self.panels.len()];
+        }
+        let mut alike = Vec::with_capacity(self.panels.len());
+        for cell in &self.grid.cells {
+            let lowest = alike.len();
+            alike.extend(vec![(cell.layers > 1).then_some(lowest); cell.layers]);
+        }
+        alike
+    }
+
     /// How an output lays it out.
     ///
     /// # Errors

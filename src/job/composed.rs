@@ -57,7 +57,7 @@ pub(super) fn estimate(job: &Job, figure: &Figure, panels: &[Estimate]) -> Estim
         outputs,
         memory_bytes: of_panels(|panel| panel.memory_bytes).saturating_add(held_bytes),
         on_demand: false,
-        // a panel is looked at twice where all have one scale
+        // a panel is looked at twice where it is framed like others
         time_ms: of_panels(|panel| panel.time_ms).saturating_add(time::milliseconds(0, &sizes)),
     }
 }
@@ -79,11 +79,11 @@ pub(super) fn run(
     let Some(paper) = output.format.paper() else { return Ok(Report::default()) };
     let kept = Lasting { kept, own: Mutex::default() };
     let mut warnings: Vec<String> = Vec::new();
-    let mut each = |show_it: &mut dyn FnMut(&Scene<'_>, &Output) -> Result<(), FormatError>| {
+    let mut each = |show_it: &mut dyn FnMut(usize, &Scene<'_>, &Output) -> Result<(), FormatError>| {
         for (n, panel) in figure.panels.iter().enumerate() {
             watch.check().map_err(RunError::Stopped)?;
             let shown = &panel.outputs[of];
-            let report = show((panel, false), shown, &kept, watch, &mut |scene| show_it(scene, shown));
+            let report = show((panel, false), shown, &kept, watch, &mut |scene| show_it(n, scene, shown));
             let report = report.map_err(|error| match error {
                 RunError::Impossible(fault) => impossible(panel.entries(shown).fault(fault).under(&panel_place(n))),
                 other => other,
@@ -97,13 +97,14 @@ pub(super) fn run(
         }
         Ok::<_, RunError>(())
     };
-    let mut extent = Extent::default();
-    if figure.one_scale {
-        each(&mut |scene, shown| extent.add(scene, &shown.options, watch))?;
+    let alike = figure.framed_alike();
+    let mut extents = vec![Extent::default(); figure.panels.len()];
+    if alike.iter().any(Option::is_some) {
+        each(&mut |n, scene, shown| alike[n].map_or(Ok(()), |of| extents[of].add(scene, &shown.options, watch)))?;
     }
     let mut pictures = Vec::with_capacity(figure.panels.len());
-    each(&mut |scene, shown| {
-        let options = framed(&shown.options, &extent);
+    each(&mut |n, scene, shown| {
+        let options = alike[n].map_or_else(|| shown.options.clone(), |of| framed(&shown.options, &extents[of]));
         let drawn = shown.format.paper().unwrap_or(paper);
         pictures.push(figure::picture((paper, drawn), scene, &options, watch)?);
         Ok(())

@@ -113,14 +113,17 @@ pub(super) fn figure(panels: impl Iterator<Item = Key>, (grid, one_scale): (&Gri
     let Output { name: _, format, options, frame: _, index: _ } = output;
     let Grid { columns, title, letters, cells } = grid;
     let text = |text: &Option<String>| Item::List(text.iter().map(|text| Item::text(text)).collect());
-    let cell = |(key, Cell { span, proportion: _, caption }): (Key, &Cell)| {
-        // the proportion is that of the size, which is in the key of the panel
-        Item::List(vec![Item::text(&key.to_string()), Item::Indices(span.to_vec().into()), text(caption)])
+    let mut panels = panels;
+    let cell = |Cell { span, proportion: _, caption, layers }: &Cell| {
+        // the proportion is that of the size, which is in the keys of the panels
+        let mut items: Vec<Item<'_>> = panels.by_ref().take(*layers).map(|key| Item::text(&key.to_string())).collect();
+        items.extend([Item::Indices(span.to_vec().into()), text(caption)]);
+        Item::List(items)
     };
     hashed(&Item::List(vec![
         Item::text("planish figure"),
         Item::Integer(u64::from(RESULTS_VERSION)),
-        Item::List(panels.zip(cells).map(cell).collect()),
+        Item::List(cells.iter().map(cell).collect()),
         Item::Integer(u64::from(*columns)),
         text(title),
         Item::Integer(u64::from(*letters)),

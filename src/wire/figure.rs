@@ -15,6 +15,8 @@ pub(super) struct Panel {
     pub(super) span: Option<[u64; 2]>,
     /// What stands below it.
     pub(super) caption: Option<String>,
+    /// Whether it lies on the one before it.
+    pub(super) overlay: bool,
     /// The outputs of its job.
     pub(super) outputs: Vec<OutputRequest>,
 }
@@ -58,7 +60,10 @@ impl Outline {
         for (i, panel) in panels.iter().enumerate() {
             match cell(i, panel, columns) {
                 Ok((cell, mut shown)) => {
-                    outline.grid.cells.push(cell);
+                    match outline.grid.cells.last_mut().filter(|_| panel.overlay) {
+                        Some(below) => below.layers += 1,
+                        None => outline.grid.cells.push(cell),
+                    }
                     camera.into_iter().for_each(|camera| shown.set("camera", camera.clone()));
                     outline.shown.push(shown);
                 }
@@ -100,9 +105,24 @@ fn shared_fault(camera: &WireLiteral) -> Option<Vec<Fault>> {
     request.check().err().map(|found| under("/figure/shared", found))
 }
 
+/// What is wrong with a panel that lies on the one before it.
+fn overlay_faults(i: usize, panel: &Panel) -> Vec<Fault> {
+    let mut faults = Vec::new();
+    if panel.overlay && i == 0 {
+        faults.push(Fault::new("/figure/panels/0/overlay", "the first panel has none below it; leave \"overlay\" out"));
+    }
+    for (name, is_given) in [("span", panel.span.is_some()), ("caption", panel.caption.is_some())] {
+        if panel.overlay && is_given {
+            let detail = format!("the panel that it lies on says the {name} of both; leave \"{name}\" out");
+            faults.push(Fault::new(format!("/figure/panels/{i}/{name}"), detail));
+        }
+    }
+    faults
+}
+
 /// The cell of a panel, and what it shows.
 fn cell(i: usize, panel: &Panel, columns: u32) -> Result<(Cell, OutputRequest), Vec<Fault>> {
-    let mut faults = Vec::new();
+    let mut faults = overlay_faults(i, panel);
     let [across, down] = panel.span.unwrap_or([1, 1]);
     if !(1..=u64::from(columns)).contains(&across) || !(1..=u64::from(MAX_COLUMNS)).contains(&down) {
         let detail = format!("a panel spans 1 to {columns} columns here, and 1 to {MAX_COLUMNS} rows");
@@ -111,7 +131,7 @@ fn cell(i: usize, panel: &Panel, columns: u32) -> Result<(Cell, OutputRequest), 
     let place = panel_place(i);
     let caption = format!("/figure/panels/{i}/caption");
     faults.extend(text_fault(&caption, panel.caption.as_deref(), Weight::Regular));
-    let shown = match panel.outputs.as_slice() {
+    let mut shown = match panel.outputs.as_slice() {
         [] => OutputRequest::of_format("png"),
         [one] => one.clone(),
         several => {
@@ -119,6 +139,9 @@ fn cell(i: usize, panel: &Panel, columns: u32) -> Result<(Cell, OutputRequest), 
             return Err(faults.into_iter().chain([Fault::new(format!("{place}/outputs"), detail)]).collect());
         }
     };
+    if panel.overlay {
+        shown.set_default("background", Literal::Text("transparent".into()));
+    }
     let found = output(&shown, 0).map_err(|found| under(&format!("{place}/outputs/0"), found));
     let found = found.and_then(|found| {
         if found.format.paper().is_some() {
@@ -131,7 +154,8 @@ fn cell(i: usize, panel: &Panel, columns: u32) -> Result<(Cell, OutputRequest), 
         Ok(found) if faults.is_empty() => {
             let side = |name: &str| found.options.integer(name).and_then(|side| u32::try_from(side).ok()).unwrap_or(1);
             let span = [across, down].map(|n| u32::try_from(n).unwrap_or(1));
-            Ok((Cell { span, proportion: ["width", "height"].map(side), caption: panel.caption.clone() }, shown))
+            let caption = panel.caption.clone();
+            Ok((Cell { span, proportion: ["width", "height"].map(side), caption, layers: 1 }, shown))
         }
         Ok(_) => Err(faults),
         Err(found) => Err(faults.into_iter().chain(found).collect()),

@@ -88,6 +88,10 @@ pub struct PanelRequest {
     /// Columns and rows that it spans, `[1, 1]` when left out.
     #[schema(schema_with = super::schema::span)]
     pub span: Option<[u64; 2]>,
+    /// Whether it lies on the panel before it, without a background of its own unless it names one: several levels, or
+    /// several schemes, in one picture. Panels that lie on each other are framed by the box around all that they show.
+    #[serde(default)]
+    pub overlay: bool,
 }
 
 /// What all panels of a figure have in common.
@@ -198,6 +202,7 @@ impl JobRequest {
         let about = |panel: &PanelRequest| Panel {
             span: panel.span,
             caption: panel.caption.clone(),
+            overlay: panel.overlay,
             outputs: panel.job.outputs.clone(),
         };
         let about: Vec<Panel> = panels.iter().map(about).collect();

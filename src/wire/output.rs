@@ -37,6 +37,13 @@ impl OutputRequest {
         }
     }
 
+    /// Sets a field that the request says nothing of.
+    pub(super) fn set_default(&mut self, name: &str, value: Literal) {
+        if self.fields.0.iter().all(|(known, _)| known != name) {
+            self.set(name, WireLiteral(value));
+        }
+    }
+
     /// Checks it by itself.
     ///
     /// # Errors

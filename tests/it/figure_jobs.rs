@@ -76,16 +76,56 @@ fn what_changes_a_figure_changes_its_key() {
     scaled["figure"]["shared"] = json!({ "scale": true });
     let mut spanned = plain.clone();
     spanned["figure"]["panels"][1]["span"] = json!([1, 2]);
+    let mut stacked = plain.clone();
+    stacked["figure"]["panels"][1]["overlay"] = json!(true);
     let mut grey = plain.clone();
     grey["outputs"][0]["background"] = json!("#cccccc");
     let turned = figure(2, &[jobs[1].clone(), jobs[0].clone()], 400);
-    let others = [figure(1, &jobs, 400), figure(2, &jobs, 401), scaled, spanned, grey, turned];
+    let others = [figure(1, &jobs, 400), figure(2, &jobs, 401), scaled, spanned, stacked, grey, turned];
     for other in &others {
         assert_ne!(key(&plain), key(other), "{other}");
     }
     let mut named = plain.clone();
     named["outputs"][0]["name"] = json!("other");
     assert_eq!(key(&plain), key(&named));
+}
+
+#[test]
+fn panels_that_lie_on_each_other_are_framed_alike_and_all_seen() {
+    let (small, large) = (curve(1.0, [120, 120]), curve(2.0, [120, 120]));
+    let mut both = figure(1, &[large.clone(), small.clone()], 120);
+    both["figure"]["panels"][1]["overlay"] = json!(true);
+    let boxed = |job: &Value, background: &str| {
+        let mut job = job.clone();
+        job["outputs"][0]["camera"] = json!({ "box": { "min": [0, 0, 0], "max": [2, 2, 0] } });
+        job["outputs"][0]["background"] = json!(background);
+        picture(&job)
+    };
+    let (below, above) = (boxed(&large, "#ffffff"), boxed(&small, "transparent"));
+    let seen = picture(&both);
+    for (x, y, pixel) in seen.enumerate_pixels() {
+        match above.get_pixel(x, y).0[3] {
+            0 => assert_eq!(pixel, below.get_pixel(x, y), "at {x}, {y} nothing lies above"),
+            255 => assert_eq!(pixel, above.get_pixel(x, y), "at {x}, {y} nothing shows through"),
+            _ => {}
+        }
+    }
+    assert_ne!(seen, below);
+    // the second panel takes no place, so that a third stands beside the first
+    let mut three = figure(2, &[large.clone(), small.clone(), large], 242);
+    three["figure"]["panels"][1]["overlay"] = json!(true);
+    assert_eq!(picture(&three).height(), 120);
+}
+
+#[test]
+fn a_panel_that_lies_on_another_has_no_place_of_its_own() {
+    let jobs = [curve(1.0, [120, 120]), curve(2.0, [120, 120])];
+    let mut wrong = figure(2, &jobs, 242);
+    wrong["figure"]["panels"][0]["overlay"] = json!(true);
+    assert_eq!(places(&wrong), ["/figure/panels/0/overlay"]);
+    let mut wrong = figure(2, &jobs, 242);
+    wrong["figure"]["panels"][1] = json!({ "job": jobs[1], "overlay": true, "span": [1, 1], "caption": "b" });
+    assert_eq!(places(&wrong), ["/figure/panels/1/span", "/figure/panels/1/caption"]);
 }
 
 #[test]

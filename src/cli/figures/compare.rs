@@ -105,7 +105,7 @@ pub(super) fn side_by_side(before: &Path, after: &Path, output: usize) -> Result
     let of_output = |mut request: JobRequest| {
         let asked = request.outputs.get(output).or(request.outputs.first()).cloned();
         request.outputs = asked.into_iter().collect();
-        PanelRequest { job: request, caption: None, span: None }
+        PanelRequest { job: request, caption: None, span: None, overlay: false }
     };
     let panels = vec![of_output(before), of_output(after)];
     let figure = FigureRequest {

@@ -17,7 +17,7 @@ const LEAST_SIDE: u32 = 16;
 /// Colour of what is written.
 const INK: Color = [30, 41, 59, 255];
 
-/// A panel before it has a place.
+/// A place for a panel and those that lie on it, before it is known where.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Cell {
     /// Columns and rows that it spans.
@@ -26,6 +26,8 @@ pub struct Cell {
     pub proportion: [u32; 2],
     /// What stands below it.
     pub caption: Option<String>,
+    /// Pictures that lie on each other in it, at least 1.
+    pub layers: usize,
 }
 
 /// The panels of a figure, in their order.
@@ -55,7 +57,7 @@ pub struct Place {
 pub struct Sheet {
     /// Width and height, pixels.
     pub size: [u32; 2],
-    /// The pictures of the panels.
+    /// The pictures of the panels, of those that lie on each other from the lowest up.
     pub pictures: Vec<Place>,
     /// What is written.
     pub texts: Vec<Item>,
@@ -111,7 +113,7 @@ impl Grid {
             let room = tops[last].saturating_add(rows[last].picture) - tops[first];
             let height = if n == 1 { natural[i] } else { room };
             let at = [left(*column), tops[first] + (room - height) / 2];
-            pictures.push(Place { at, size: [widths[i], height] });
+            pictures.extend(vec![Place { at, size: [widths[i], height] }; self.cells[i].layers]);
             let below = tops[first].saturating_add(room);
             texts.extend(font.items("caption", &captions[i], [at[0] + widths[i] / 2, below]));
         }

@@ -78,11 +78,22 @@ async function openPage(browser, address) {
   client.on("Network.requestWillBeSent", ({ requestId, request }) => urls.set(requestId, request.url));
   client.on("Network.responseReceivedExtraInfo", ({ requestId, statusCode, headers }) => {
     const small = Object.entries(headers).map(([name, value]) => [name.toLowerCase(), value]);
-    wire.push({ url: urls.get(requestId), status: statusCode, headers: Object.fromEntries(small) });
+    // what is told of a request and what of its answer come in any order
+    const entry = { get url() { return urls.get(requestId); } };
+    wire.push(Object.assign(entry, { status: statusCode, headers: Object.fromEntries(small) }));
   });
   await page.goto(address);
   await page.waitForFunction(() => window.ready);
   return { page, wire };
+}
+
+// What came over the wire for an address, once so many answers are known: a page may have them before we do.
+async function came(wire, url, n) {
+  const found = () => wire.filter((entry) => entry.url === url);
+  for (const last = Date.now() + 10_000; found().length < n && Date.now() < last; ) {
+    await new Promise((resolve) => setTimeout(resolve, 20));
+  }
+  return found();
 }
 
 function isOrange(mean) {
@@ -99,7 +110,7 @@ async function checkModels({ page, wire }, origin) {
     await page.screenshot({ path: join(screenshots, `model-${name}.png`) });
     assert(shown.share > 0.1 && shown.share < 0.7, `${name}: ${shown.share} of the pixels`);
     isOrange(shown.mean);
-    const answer = wire.find((entry) => entry.url === url);
+    const [answer] = await came(wire, url, 1);
     const coding = answer.headers["content-encoding"] ?? "as it is";
     sizes.push(`${name} ${answer.headers["content-length"]} bytes (${coding})`);
     if (name === "plain") assert.match(answer.headers["content-encoding"] ?? "", /^(zstd|br|gzip)$/);
@@ -114,9 +125,9 @@ async function checkLevels({ page, wire }, origin) {
   // buffers stand beside the document where its Content-Location is
   const { headers } = await page.evaluate((url) => window.ask(url), link);
   const url = origin + headers["content-location"];
-  const came = wire.length;
+  const start = wire.length;
   const bytes = () => {
-    const answers = wire.slice(came).filter((entry) => entry.status === 200);
+    const answers = wire.slice(start).filter((entry) => entry.status === 200);
     return answers.reduce((sum, entry) => sum + Number(entry.headers["content-length"]), 0);
   };
   const first = await page.evaluate((url) => window.showModel(url), url);
@@ -152,7 +163,7 @@ async function checkCache({ page, wire }, origin) {
   const url = `${origin}/v1/render?job=${base64url({ ...model({}), levels: 3 })}`;
   const ask = (cache) => page.evaluate(([url, cache]) => window.ask(url, { cache }), [url, cache]);
   const [first, kept, again] = [await ask("default"), await ask("default"), await ask("no-cache")];
-  const sent = wire.filter((entry) => entry.url === url).map((entry) => entry.status);
+  const sent = (await came(wire, url, 2)).map((entry) => entry.status);
   assert.deepEqual(sent, [200, 304], "once from the service, once from the cache, once asked again");
   for (const answer of [first, kept, again]) {
     assert.equal(answer.status, 200);
