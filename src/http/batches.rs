@@ -65,12 +65,11 @@ pub(super) async fn post_batch(
         let (id, layout) = batch_checks::read(&app, client.peer(), &sent).await?;
         let batch = JobKey::of_anyone(id);
         let known = app.desk.batches.get(&batch).filter(|known| known.is_active() || known.state == JobState::Done);
-        match known {
-            Some(_) => app.desk.batches.written(batch).await.map_err(NotAccepted::from)?,
-            None => {
-                let request = batch_checks::checked(&app, &client, &sent, layout).await?;
-                app.desk.accept_batch(batch, request, terms, client.peer()).await?;
-            }
+        if known.is_some() {
+            app.desk.batches.written(batch).await.map_err(NotAccepted::from)?;
+        } else {
+            let request = batch_checks::checked(&app, &client, &sent, layout).await?;
+            app.desk.accept_batch(batch, request, terms, client.peer()).await?;
         }
         let (patience, said) = negotiate::patience(&headers);
         if said && !patience.is_zero() {

@@ -101,7 +101,7 @@ pub(super) fn completed(mut document: Api) -> Api {
             complete(path, operation);
         }
         let is_bytes = ["/v1/artifacts/", "/v1/blobs/", "/kroki/"].iter().any(|start| path.starts_with(start));
-        if is_bytes || path == "/v1/render" || path.ends_with(".zip") {
+        if is_bytes || path == "/v1/render" || path.ends_with("/archive.zip") {
             item.head = item.get.as_ref().map(head);
         }
     }
@@ -169,7 +169,7 @@ fn complete(path: &str, operation: &mut Operation) {
             refuse(operation, &[problem::NOT_ACCEPTABLE, problem::UNWRITTEN]);
         }
         "/v1/jobs" | "/v1/batches" => refuse(operation, &[problem::INVALID]),
-        path if path.ends_with(".zip") => {
+        path if path.ends_with("/archive.zip") => {
             headers(operation, "200", &["ETag", "Cache-Control"]);
             headers(operation, "304", &["ETag", "Cache-Control"]);
             refuse(operation, &[problem::UNFINISHED]);
@@ -184,7 +184,7 @@ fn complete(path: &str, operation: &mut Operation) {
             headers(operation, "304", &["ETag", "Cache-Control"]);
         }
         path if path.starts_with("/v1/jobs/") || path.starts_with("/v1/batches/") => {
-            headers(operation, "200", &["Cache-Control", "Retry-After"])
+            headers(operation, "200", &["Cache-Control", "Retry-After"]);
         }
         "/readyz" => refuse(operation, &[problem::NOT_READY]),
         _ => {}

@@ -244,18 +244,16 @@ impl Desk {
                 _ = over.wait_for(|ended| *ended) => return,
             }
         }
-        let ending = match self.jobs.get(&job).filter(|record| !record.is_active()) {
-            Some(record) => {
-                let outputs = record.summary.products.iter().cloned().zip(record.made.iter().cloned());
-                Ending { state: record.state.clone(), outputs: outputs.collect() }
-            }
+        let settled = self.jobs.get(&job).filter(|record| !record.is_active());
+        let ending = if let Some(record) = settled {
+            let outputs = record.summary.products.iter().cloned().zip(record.made.iter().cloned());
+            Ending { state: record.state.clone(), outputs: outputs.collect() }
+        } else {
             // somebody has forgotten it, or it made room for others after its end
-            None => {
-                let made = self.all_kept(summary).await;
-                let state = if made.is_empty() { State::Cancelled } else { State::Done };
-                let products = summary.products.iter().cloned();
-                Ending { state, outputs: products.zip(made.into_iter().map(Some)).collect() }
-            }
+            let made = self.all_kept(summary).await;
+            let state = if made.is_empty() { State::Cancelled } else { State::Done };
+            let products = summary.products.iter().cloned();
+            Ending { state, outputs: products.zip(made.into_iter().map(Some)).collect() }
         };
         self.batches.settle_item(run, at, ending);
     }

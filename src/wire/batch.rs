@@ -159,7 +159,7 @@ fn edit(text: &[u8], template: &RawValue, (axis, pointer): (usize, &str)) -> Res
     let tokens: Vec<String> = tokens.split('/').map(|token| token.replace("~1", "/").replace("~0", "~")).collect();
     let mut at = template;
     for (depth, name) in tokens.iter().enumerate() {
-        let place = || tokens[..depth].iter().map(|name| format!("/{}", token(name))).collect::<String>();
+        let place = || tokens[..depth].iter().fold(String::new(), |place, name| place + "/" + &token(name));
         if let Ok(fields) = serde_json::from_str::<HashMap<String, &RawValue>>(at.get()) {
             match (fields.get(name), depth + 1 == tokens.len()) {
                 (Some(value), _) => at = value,

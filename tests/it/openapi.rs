@@ -57,7 +57,8 @@ fn every_route_of_the_service_is_described() {
     let lists = list.split("routes!(").skip(1).map(|rest| rest.split(')').next().unwrap());
     let handlers = lists.flat_map(|handlers| handlers.split(',')).map(|name| name.rsplit("::").next().unwrap().trim());
     // HEAD is answered by the handler of GET
-    let routes: BTreeSet<&str> = handlers.chain(["artifact_head", "blob_head", "kroki_head", "link_head"]).collect();
+    let routes: BTreeSet<&str> =
+        handlers.chain(["archive_head", "artifact_head", "blob_head", "kroki_head", "link_head"]).collect();
     assert_eq!(described, routes);
 }
 

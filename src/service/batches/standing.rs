@@ -66,7 +66,7 @@ impl BatchStanding {
             State::Cancelled => Phase::Cancelled,
         };
         let progress = progress(&batch, &under_way);
-        Self { phase, under_way, counts, progress, batch }
+        Self { batch, phase, under_way, counts, progress }
     }
 
     /// Whether nothing more will happen.
