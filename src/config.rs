@@ -38,6 +38,9 @@ const MOST_BODY_BYTES: u64 = 1 << 30;
 const MOST_WAITING: u64 = 1 << 16;
 /// Most requests a minute that can be allowed: 16,666 a second are more than one machine answers.
 const MOST_REQUESTS: u64 = 1_000_000;
+/// Most jobs of a batch that can be allowed: how each of them stands is told with the batch, 10,000 of them in some
+/// megabytes.
+const MOST_BATCH_ITEMS: u64 = 10_000;
 /// Most compute threads of a lane: more than machines have cores, and two lanes of them still fit under the usual
 /// limit on the threads of a process.
 const MOST_THREADS: u64 = 1024;
@@ -194,6 +197,8 @@ settings! {
     /// Most requests for work of one key, or one address where there are no keys, that are answered at once; more are
     /// answered 429. 0 sets no bound.
     requests_in_flight: u64 = 0, in 0..=MOST_WAITING, "PLANISH_REQUESTS_IN_FLIGHT", "requests";
+    /// Most jobs of one batch.
+    max_batch_items: u64 = 1000, in 1..=MOST_BATCH_ITEMS, "PLANISH_MAX_BATCH_ITEMS", "jobs";
     /// Most connections open at once; a further one takes the place of the one that has been idle or slow for longest.
     max_connections: usize = 1024, in 1..=MOST_WAITING, "PLANISH_MAX_CONNECTIONS", "connections";
     /// Most connections of one peer address open at once; the same holds for a further one.

@@ -16,7 +16,7 @@ use crate::output::description::description;
 use crate::watch::Watch;
 use crate::wire::JobRequest;
 use crate::wire::described::Description;
-use crate::wire::posted::upload_of;
+use crate::wire::posted::uploads_of;
 use crate::wire::read::{ReadError, read};
 use crate::wire::text::MeshFile;
 
@@ -70,8 +70,8 @@ impl ReproduceOptions {
         let version = said.results_version;
         let text = said.job.to_string();
         let mut request: JobRequest = read(text.as_bytes()).map_err(unread)?;
-        if let Some(upload) = upload_of(text.as_bytes()) {
-            request.input.file = Some(self.upload(&upload)?);
+        for upload in uploads_of(text.as_bytes()) {
+            request.attach(upload.panel, &self.upload(&upload.id)?);
         }
         request.source = Some(text.into());
         let admitted =

@@ -44,6 +44,7 @@ pub(super) fn serve(given: Given, file: Option<&Path>) -> Result<(), CliError> {
         let left = patience.saturating_sub(asked.get().map_or(Duration::ZERO, Instant::elapsed));
         app.desk.tiers.close(left);
         app.desk.jobs.close(left);
+        app.desk.batches.close(left);
         app.desk.uploads.close();
     }
     runtime.shutdown_background();

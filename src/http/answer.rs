@@ -320,7 +320,10 @@ impl PartReader {
     }
 
     /// A part: from memory when that is paid for, else from disk, one part after the other.
-    async fn part(&self, index: usize) -> Result<Bytes, Lost> {
+    ///
+    /// # Errors
+    /// [`Lost`].
+    pub(super) async fn part(&self, index: usize) -> Result<Bytes, Lost> {
         let tiers = &self.app.desk.tiers;
         if let Source::Memory(paid) = &self.from {
             let part = tiers.part(&self.manifest, index).await.ok_or(Lost::Gone)?;

@@ -2,6 +2,7 @@
 
 use std::sync::Arc;
 
+use axum::body::Bytes;
 use axum::extract::State;
 use axum::http::{HeaderMap, HeaderValue, Method, StatusCode, header};
 use axum::response::{IntoResponse, Response};
@@ -17,8 +18,10 @@ use super::variants::coded;
 use super::working::{self, Asked};
 use crate::job::Form;
 use crate::job::key::Key;
-use crate::output::FORMATS;
+use crate::output::{FORMATS, Format};
 use crate::service::computation::Phase;
+use crate::service::job_key::Tenant;
+use crate::service::peer::Peer;
 
 /// The bytes of an artifact: immutable, with a strong `ETag` and byte ranges.
 #[utoipa::path(
@@ -67,7 +70,7 @@ async fn answered(app: &Arc<App>, client: &Client, file: &str, headers: &HeaderM
             answered => return Ok(answered?),
         }
     }
-    let found = again(app, client, &key).await?;
+    let found = made_again(app, client.peer(), &key).await?;
     Ok(tell(app, &key, extension, headers, found).await??)
 }
 
@@ -105,29 +108,42 @@ async fn tell(
     Ok(answer::bytes(app, found, head, range).await)
 }
 
-/// An artifact that is not kept: made again where its job is known.
-async fn again(app: &Arc<App>, client: &Client, key: &Key) -> Result<Artifact, Problem> {
-    let Some(record) = app.desk.jobs.of_artifact(client.tenant(), key) else {
+/// An artifact that is not kept: made again where its job, or a batch with it, is known.
+///
+/// # Errors
+/// An artifact that nobody knows, and whatever is wrong with its job now.
+pub(super) async fn made_again(app: &Arc<App>, peer: Peer, key: &Key) -> Result<Artifact, Problem> {
+    let Some((request, format)) = request_of(app, peer.tenant(), key) else {
         let detail = "this artifact is not kept here; send its job to /v1/render, and it will have this address";
         return Err(Problem::new(problem::NOT_FOUND, detail));
     };
-    let mut asked = working::asked_again(app, client.peer(), &record).await?;
-    drop(record); // an interest in a computation would stay with it
+    let mut asked = working::asked_again(app, peer, request, format).await?;
     if let Asked::Render(read) = &mut asked
         && let Some(detail) = read.job.detail(key)
     {
         // it is one to which a result of that job refers
         read.job = detail;
     }
-    let work = asked.work(app, client.peer()).await?;
+    let work = asked.work(app, peer).await?;
     let gone = || Problem::new(problem::GONE, "the job of this artifact has become another one; send it again");
     let task = work.tasks.into_iter().find(|task| task.key() == *key).ok_or_else(gone)?;
-    let interest = app.desk.compute(task.clone(), client.peer())?;
+    let interest = app.desk.compute(task.clone(), peer)?;
     match interest.computation.finished().await {
-        Phase::Done(outcome) => Ok(Artifact::made(&outcome, interest.provenance, client.peer())),
+        Phase::Done(outcome) => Ok(Artifact::made(&outcome, interest.provenance, peer)),
         Phase::Failed(failure) => Err(Problem::of_failure(failure, |fault| task.fault(fault))),
         Phase::Queued | Phase::Running => {
             Err(Problem::new(problem::GONE, "the artifact left the cache; send its job again"))
         }
     }
+}
+
+/// The request of a job with an artifact of this key, and the format of its first output.
+fn request_of(app: &App, tenant: Tenant, key: &Key) -> Option<(Bytes, &'static dyn Format)> {
+    if let Some(record) = app.desk.jobs.of_artifact(tenant, key) {
+        return Some((record.summary.request.clone(), record.summary.products.first()?.format));
+    }
+    let (batch, at) = app.desk.batches.of_artifact(tenant, key)?;
+    let ending = batch.items.get(at)?.ending.clone()?;
+    let text = batch.request.layout.text(&batch.request.text, at);
+    Some((text.into(), ending.outputs.first()?.0.format))
 }

@@ -9,7 +9,7 @@ use axum::response::{IntoResponse, Response};
 use futures_util::stream;
 
 use super::app::{App, Shared};
-use super::body::{Arriving, Sent, announced, drain};
+use super::body::{Arriving, Attached, Sent, announced, drain};
 use super::client::Client;
 use super::content::{self, Coding, Kind, Notation, Takes};
 use super::inflate::too_long;
@@ -25,7 +25,7 @@ use crate::service::read_lane::Unread;
 use crate::service::store::{Manifest, PART_BYTES, StoreError};
 use crate::service::uploads::Upload;
 use crate::wire::answer::BlobAnswer;
-use crate::wire::posted::upload_of;
+use crate::wire::posted::uploads_of;
 use crate::wire::text::MeshFile;
 
 /// Bytes that are written at once. Half of it goes to the disk twice as often; twice of it takes twice the memory of
@@ -231,25 +231,44 @@ fn parse(id: &str) -> Option<Key> {
     Key::parse(id.strip_prefix("b3-")?)
 }
 
-/// A request together with the upload that it names, read into memory.
+/// A request together with the uploads that it names, each read into memory once.
 ///
 /// # Errors
 /// An upload that is not here; 503 when there is no memory for it.
 pub(super) async fn attached(app: &Arc<App>, peer: Peer, sent: Sent) -> Result<Sent, Problem> {
-    if sent.upload.is_some() || !matches!(sent.notation, Notation::Job | Notation::JobAs(_)) {
+    if !sent.uploads.is_empty() || !matches!(sent.notation, Notation::Job | Notation::JobAs(_)) {
         return Ok(sent);
     }
     let bytes: Bytes = sent.bytes.clone();
-    let named = app.desk.read(peer, bytes.len() as u64, move |_| upload_of(&bytes)).await?;
-    let Some(named) = named else { return Ok(sent) };
-    let (id, manifest, bytes, paid) = loaded(app, peer, &named, "/input/blob").await?;
+    let named = app.desk.read(peer, bytes.len() as u64, move |_| uploads_of(&bytes)).await?;
+    let limit = app.settings.max_body_bytes;
+    let (mut all, mut length): (Vec<(Option<usize>, Arc<Attached>)>, _) = (Vec::new(), 0);
+    for named in named {
+        let known = all.iter().find(|(_, upload)| written_id(&upload.id) == named.id);
+        let upload = match known.map(|(_, upload)| upload.clone()) {
+            Some(known) => known,
+            None => Arc::new(mesh_file(app, peer, &named.id, &named.pointer()).await?),
+        };
+        // every panel reads its file by itself
+        length += upload.file.bytes.len() as u64;
+        if length > limit {
+            return Err(too_long(length, limit));
+        }
+        all.push((named.panel, upload));
+    }
+    Ok(sent.with_uploads(all))
+}
+
+/// The mesh file that is named at a place of a request.
+async fn mesh_file(app: &Arc<App>, peer: Peer, named: &str, place: &str) -> Result<Attached, Problem> {
+    let (id, manifest, bytes, paid) = loaded(app, peer, named, place).await?;
     if manifest.media_type == PICTURE {
         let detail = format!("the upload {} is a picture; only /v1/compare takes it", written_id(&id));
-        return Err(Problem::invalid(vec![Fault::new("/input/blob", detail)]));
+        return Err(Problem::invalid(vec![Fault::new(place, detail)]));
     }
     let format = format_of(&manifest.media_type).to_owned();
     let file = MeshFile { format, bytes, beside: Arc::new(Alone) };
-    Ok(sent.with_upload(id, file, paid))
+    Ok(Attached { id, file, _paid: paid })
 }
 
 /// An upload that is named at a place of a request, with its bytes and the memory that they take.

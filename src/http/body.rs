@@ -39,23 +39,23 @@ pub(super) struct Sent {
     pub(super) bytes: Bytes,
     /// How the request says what is asked for.
     pub(super) notation: Notation,
-    /// The upload that it names.
-    pub(super) upload: Option<Arc<Attached>>,
+    /// The uploads that it names, and by which panel of a figure; none where the job itself names one.
+    pub(super) uploads: Vec<(Option<usize>, Arc<Attached>)>,
     _charge: Option<Arc<Charge>>,
 }
 
 /// An upload in memory, with what pays for it.
 #[derive(Debug)]
 pub(super) struct Attached {
-    id: Key,
-    file: MeshFile,
-    _paid: Paid,
+    pub(super) id: Key,
+    pub(super) file: MeshFile,
+    pub(super) _paid: Paid,
 }
 
 impl Sent {
     /// A job that was sent before, or stands in an address; whoever kept it has its memory.
     pub(super) fn job(bytes: Bytes) -> Self {
-        Self { bytes, notation: Notation::Job, upload: None, _charge: None }
+        Self { bytes, notation: Notation::Job, uploads: Vec::new(), _charge: None }
     }
 
     /// The same job, with an output of this format.
@@ -76,23 +76,26 @@ impl Sent {
         if request.describes() {
             request.source = String::from_utf8(self.text().into()).ok().map(Arc::from);
         }
-        request.input.file = request.input.file.or_else(|| self.upload.as_ref().map(|upload| upload.file.clone()));
+        for (panel, upload) in &self.uploads {
+            request.attach(*panel, &upload.file);
+        }
         Ok(request)
     }
 
-    /// The same job with the upload that it names, and what pays for the memory of that.
-    pub(super) fn with_upload(self, id: Key, file: MeshFile, paid: Paid) -> Self {
-        Self { upload: Some(Arc::new(Attached { id, file, _paid: paid })), ..self }
+    /// The same job with the uploads that it names.
+    pub(super) fn with_uploads(self, uploads: Vec<(Option<usize>, Arc<Attached>)>) -> Self {
+        Self { uploads, ..self }
     }
 
-    /// Bytes of all that is to be read.
+    /// Bytes of all that is to be read; a file counts as often as it is named.
     pub(super) fn length(&self) -> u64 {
-        self.bytes.len() as u64 + self.upload.as_ref().map_or(0, |upload| upload.file.bytes.len() as u64)
+        let files: u64 = self.uploads.iter().map(|(_, upload)| upload.file.bytes.len() as u64).sum();
+        self.bytes.len() as u64 + files
     }
 
     /// The uploads that it names.
-    pub(super) fn uploads(&self) -> Vec<Key> {
-        self.upload.iter().map(|upload| upload.id).collect()
+    pub(super) fn upload_ids(&self) -> Vec<Key> {
+        self.uploads.iter().map(|(_, upload)| upload.id).collect()
     }
 
     /// The text of the job, in a place of its own: a short request does not keep the buffer that it arrived in.
@@ -130,7 +133,7 @@ where
     let Collected { bytes, charge, kind, coding } = collected?;
     let (bytes, charge) = inflated(app, client, coding, bytes, charge).await?;
     let notation = kind.notation(headers, takes, &bytes)?;
-    Ok(Sent { bytes: bytes.into(), notation, upload: None, _charge: Some(Arc::new(charge)) })
+    Ok(Sent { bytes: bytes.into(), notation, uploads: Vec::new(), _charge: Some(Arc::new(charge)) })
 }
 
 /// A body as it arrived.

@@ -8,7 +8,7 @@ use serde_json::Value;
 
 use super::app::App;
 use super::blobs;
-use super::body::Sent;
+use super::body::{Attached, Sent};
 use super::inflate::too_long;
 use super::problem::{self, Problem};
 use super::reading::{self, ReadJob};
@@ -138,7 +138,8 @@ async fn of_file(
     (bytes, paid): (Vec<u8>, Paid),
 ) -> Result<FoundSide, Problem> {
     let file = MeshFile { format: format.to_owned(), bytes, beside: Arc::new(Alone) };
-    let sent = Sent::job(Bytes::from_static(FILE)).with_upload(key, file, paid);
+    let sent = Sent::job(Bytes::from_static(FILE))
+        .with_uploads(vec![(None, Arc::new(Attached { id: key, file, _paid: paid }))]);
     shape(app, peer, sent).await.map_err(|problem| problem.at(|_| place.to_owned()))
 }
 

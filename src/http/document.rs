@@ -116,7 +116,7 @@ pub(super) fn completed(mut document: Api) -> Api {
         let is_bytes =
             ["/v1/artifacts/", "/v1/blobs/", "/kroki/", "/v1/r/"].iter().any(|start| path.starts_with(start));
         let is_bytes = is_bytes && !path.ends_with("/events");
-        if is_bytes || path == "/v1/render" {
+        if is_bytes || path == "/v1/render" || path.ends_with("/archive.zip") {
             item.head = item.get.as_ref().map(head);
         }
     }
@@ -148,6 +148,7 @@ fn complete(path: &str, operation: &mut Operation) {
             if let RefOr::T(content) = content {
                 content.examples = match path {
                     "/v1/analyses" => analysis_examples(),
+                    "/v1/batches" => batch_examples(),
                     "/v1/compare" => comparison_examples(),
                     _ => job_examples(),
                 };
@@ -204,13 +205,18 @@ fn complete(path: &str, operation: &mut Operation) {
             refuse(operation, COMPUTED);
             refuse(operation, &[problem::RANGE]);
         }
-        "/v1/jobs" if operation.request_body.is_some() => {
+        "/v1/jobs" | "/v1/batches" if operation.request_body.is_some() => {
             headers(operation, "200", &["Location", "Preference-Applied"]);
             headers(operation, "202", &["Location", "Retry-After", "Preference-Applied"]);
             refuse(operation, FORECAST);
             refuse(operation, &[problem::NOT_ACCEPTABLE, problem::UNWRITTEN]);
         }
-        "/v1/jobs" => refuse(operation, &[problem::INVALID]),
+        "/v1/jobs" | "/v1/batches" => refuse(operation, &[problem::INVALID]),
+        path if path.ends_with("/archive.zip") => {
+            headers(operation, "200", &["ETag", "Cache-Control"]);
+            headers(operation, "304", &["ETag", "Cache-Control"]);
+            refuse(operation, &[problem::UNFINISHED]);
+        }
         "/v1/blobs" => {
             files(operation);
             headers(operation, "201", &["Location"]);
@@ -220,7 +226,9 @@ fn complete(path: &str, operation: &mut Operation) {
             headers(operation, "200", &["ETag", "Cache-Control"]);
             headers(operation, "304", &["ETag", "Cache-Control"]);
         }
-        path if path.starts_with("/v1/jobs/") => headers(operation, "200", &["Cache-Control", "Retry-After"]),
+        path if path.starts_with("/v1/jobs/") || path.starts_with("/v1/batches/") => {
+            headers(operation, "200", &["Cache-Control", "Retry-After"]);
+        }
         "/readyz" => refuse(operation, &[problem::NOT_READY]),
         _ => {}
     }
@@ -257,6 +265,25 @@ fn job_examples() -> BTreeMap<String, RefOr<Example>> {
         (name.to_owned(), ExampleBuilder::new().summary(summary).value(Some(job)).build().into())
     };
     jobs.into_iter().map(example).collect()
+}
+
+/// Batches of both kinds, by name.
+fn batch_examples() -> BTreeMap<String, RefOr<Example>> {
+    let square = json!({ "polygon": { "points": [[0, 0], [1, 0], [1, 1], [0, 1]], "closed": true } });
+    let job = |levels| {
+        json!({ "input": square, "plan": { "preset": "four-point" }, "levels": levels,
+            "outputs": [{ "format": "svg" }] })
+    };
+    let grid = json!([{ "pointer": "/levels", "values": [2, 4] },
+        { "pointer": "/plan/parameters", "values": [{ "w": "1/16" }, { "w": "1/32" }] }]);
+    let batches = [
+        ("list", "Two jobs", json!({ "jobs": [job(1), job(2)] })),
+        ("grid", "Four jobs of a template and a grid", json!({ "template": job(1), "grid": grid })),
+    ];
+    let example = |(name, summary, batch): (&str, &str, Value)| {
+        (name.to_owned(), ExampleBuilder::new().summary(summary).value(Some(batch)).build().into())
+    };
+    batches.into_iter().map(example).collect()
 }
 
 /// Questions about a scheme, by name.

@@ -121,21 +121,22 @@ fn told(status: StatusCode, standing: &Standing) -> Response {
 /// How a job stands that was posted, with where it does; 202 as long as it goes on.
 pub(super) fn accepted(app: &Arc<App>, job: &JobKey, waited: Option<u64>) -> Response {
     let Some(standing) = app.desk.standing(job) else { return unknown().into_response() };
-    located(&standing, job, if standing.is_settled() { StatusCode::OK } else { StatusCode::ACCEPTED }, waited)
+    let status = if standing.is_settled() { StatusCode::OK } else { StatusCode::ACCEPTED };
+    located(told(status, &standing), &format!("/v1/jobs/{}", job.id), waited)
 }
 
 /// 202: the job goes on, and here is where.
 pub(super) fn later(app: &Arc<App>, job: &JobKey, waited: Option<u64>) -> Response {
     let Some(standing) = app.desk.standing(job) else { return unknown().into_response() };
-    let mut response = located(&standing, job, StatusCode::ACCEPTED, waited);
+    let mut response = located(told(StatusCode::ACCEPTED, &standing), &format!("/v1/jobs/{}", job.id), waited);
     response.headers_mut().insert(header::RETRY_AFTER, HeaderValue::from_static("1"));
     response
 }
 
-fn located(standing: &Standing, job: &JobKey, status: StatusCode, waited: Option<u64>) -> Response {
-    let mut response = told(status, standing);
+/// The answer with where something stands that was posted, and with the wait that was granted.
+pub(super) fn located(mut response: Response, place: &str, waited: Option<u64>) -> Response {
     let headers = response.headers_mut();
-    if let Ok(location) = HeaderValue::try_from(format!("/v1/jobs/{}", job.id)) {
+    if let Ok(location) = HeaderValue::try_from(place) {
         headers.insert(header::LOCATION, location);
     }
     if let Some(Ok(waited)) = waited.map(|seconds| HeaderValue::try_from(format!("wait={seconds}"))) {
@@ -145,7 +146,7 @@ fn located(standing: &Standing, job: &JobKey, status: StatusCode, waited: Option
 }
 
 /// The page that a query asks for: before which number, and how many jobs.
-fn page(query: &str) -> Result<(u64, usize), Fault> {
+pub(super) fn page(query: &str) -> Result<(u64, usize), Fault> {
     let (mut before, mut limit) = (u64::MAX, PAGE);
     for (name, value) in form_urlencoded::parse(query.as_bytes()) {
         let wrong = |detail: String| Fault::new(format!("?{}", shortened(&name)), detail);

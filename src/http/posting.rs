@@ -1,24 +1,23 @@
 //! POST /v1/jobs: jobs with one or more outputs, done in their turn.
 
-use std::sync::Arc;
 use std::time::Duration;
 
 use axum::body::Body;
 use axum::extract::{RawQuery, State};
 use axum::http::HeaderMap;
 use axum::response::{IntoResponse, Response};
+use tokio::sync::watch;
 
-use super::app::{App, Shared};
+use super::app::Shared;
 use super::client::Client;
 use super::content::Takes;
 use super::problem::Problem;
 use super::working::{self, Work};
 use super::{body, jobs, negotiate};
 use crate::fault::{Fault, did_you_mean, shortened};
-use crate::service::driving::found;
+use crate::service::accepting::NotAccepted;
 use crate::service::job_key::{JobKey, JobTerms, Priority};
-use crate::service::jobs::{JobSummary, Made, State as JobState};
-use crate::service::peer::Peer;
+use crate::service::jobs::{Holder, State as JobState};
 use crate::wire::posted::PostedJob;
 use crate::wire::standing::JobAnswer;
 
@@ -60,45 +59,40 @@ pub(super) async fn post(
 ) -> Response {
     let answer = async {
         let sent = body::collect(&app, &client, &headers, Takes::Jobs, body).await?;
-        let terms = terms(query.as_deref().unwrap_or_default()).map_err(Problem::invalid)?;
+        let terms = terms(query.as_deref().unwrap_or_default(), Priority::Interactive).map_err(Problem::invalid)?;
         let asked = working::asked(&app, client.peer(), &headers, sent).await?;
         let job = JobKey { tenant: client.tenant(), id: asked.id() };
-        let known = app.desk.jobs.get(&job).filter(|known| known.is_active() || known.state == JobState::Done);
-        if known.is_none() {
-            let Work { summary, tasks: _ } = asked.work(&app, client.peer()).await?;
-            let made = kept(&app, client.peer(), &summary).await;
-            app.desk.accept(job, summary, terms, client.peer(), made).await?;
+        match app.desk.jobs.join(&job, Holder::Client) {
+            Some(JobState::Active) => app.desk.jobs.written(job).await.map_err(NotAccepted::from)?,
+            Some(_) => {}
+            None => {
+                let Work { summary, tasks: _ } = asked.work(&app, client.peer()).await?;
+                let made = app.desk.all_kept(&summary, client.peer()).await;
+                app.desk.accept(job, summary, terms, (client.peer(), Holder::Client), made).await?;
+            }
         }
         let (patience, said) = negotiate::patience(&headers);
         if said && !patience.is_zero() {
-            wait(&app, &job, patience).await;
+            // the record itself would keep an interest in the computation
+            wait(app.desk.jobs.get(&job).map(|record| record.ended.subscribe()), patience).await;
         }
         Ok::<_, Problem>(jobs::accepted(&app, &job, said.then_some(patience.as_secs())))
     };
     answer.await.into_response()
 }
 
-/// What is known of all outputs of a job, where all are kept.
-async fn kept(app: &Arc<App>, peer: Peer, summary: &JobSummary) -> Vec<Made> {
-    let mut made = Vec::with_capacity(summary.products.len());
-    for product in &summary.products {
-        let Some(manifest) = app.desk.find(product.key, peer).await else { return Vec::new() };
-        made.push(found(&manifest));
-    }
-    made
-}
-
-/// Waits for the end of a job, at most so long.
-async fn wait(app: &Arc<App>, job: &JobKey, patience: Duration) {
-    let Some(record) = app.desk.jobs.get(job) else { return };
-    let mut ended = record.ended.subscribe();
-    drop(record); // an interest in the computation would stay with it
+/// Waits for the end of something, at most so long.
+pub(super) async fn wait(ended: Option<watch::Receiver<bool>>, patience: Duration) {
+    let Some(mut ended) = ended else { return };
     let _ = tokio::time::timeout(patience, ended.wait_for(|ended| *ended)).await;
 }
 
-/// What the query says of the turn of a job.
-fn terms(query: &str) -> Result<JobTerms, Vec<Fault>> {
-    let (mut terms, mut faults) = (JobTerms::default(), Vec::new());
+/// What the query says of the turn of a job; its priority is the usual one where it says none.
+///
+/// # Errors
+/// What it says wrongly.
+pub(super) fn terms(query: &str, usual: Priority) -> Result<JobTerms, Vec<Fault>> {
+    let (mut terms, mut faults) = (JobTerms { priority: usual, ..JobTerms::default() }, Vec::new());
     for (name, value) in form_urlencoded::parse(query.as_bytes()) {
         let place = format!("?{name}");
         match &*name {

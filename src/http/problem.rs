@@ -191,6 +191,23 @@ impl Problem {
     }
 }
 
+impl Problem {
+    /// The same refusal of one job of a batch, with its faults at their places there.
+    pub(super) fn placed(self, job: usize, place: impl Fn(Fault) -> Fault) -> Self {
+        let is_told = self.kind.slug == INVALID.slug || self.errors.is_empty() && self.retry_after.is_some();
+        let detail = if is_told { self.detail } else { format!("job {job}: {}", self.detail) };
+        Self { detail, errors: self.errors.into_iter().map(place).collect(), ..self }
+    }
+
+    /// The faults of a job that cannot be.
+    ///
+    /// # Errors
+    /// Any other refusal, as it is.
+    pub(super) fn faults(self) -> Result<Vec<Fault>, Self> {
+        if self.is(INVALID) && !self.errors.is_empty() { Ok(self.errors) } else { Err(self) }
+    }
+}
+
 impl From<ReadError> for Problem {
     fn from(error: ReadError) -> Self {
         match error {

@@ -49,7 +49,7 @@ pub(super) struct ReadJob {
 }
 
 /// A request that is read as far as that goes without a search.
-enum Step {
+pub(super) enum Step {
     Complete(Box<ReadJob>),
     Search(Arc<Search>, Arc<Paid>, Sent),
 }
@@ -65,6 +65,30 @@ pub(super) async fn job(
     most_outputs: usize,
     prepare: impl FnOnce(&mut JobRequest) -> Result<(), Problem> + Send + 'static,
 ) -> Result<ReadJob, Problem> {
+    match draft(app, peer, sent, most_outputs, prepare).await? {
+        Step::Complete(asked) => Ok(*asked),
+        Step::Search(search, input, sent) => {
+            let reached = reached(app, peer, &search, &input).await?;
+            let completing = app.desk.read(peer, COMPLETING * search.bytes(), move |_| {
+                let job = Arc::unwrap_or_clone(search).complete(reached).map_err(Problem::invalid)?;
+                Ok(ReadJob { job, input, sent })
+            });
+            completing.await?
+        }
+    }
+}
+
+/// As [`job`], as far as that goes without a search.
+///
+/// # Errors
+/// As [`job`].
+pub(super) async fn draft(
+    app: &Arc<App>,
+    peer: Peer,
+    sent: Sent,
+    most_outputs: usize,
+    prepare: impl FnOnce(&mut JobRequest) -> Result<(), Problem> + Send + 'static,
+) -> Result<Step, Problem> {
     let (desk, limits) = (app.desk.clone(), app.desk.limits.reading());
     let sent = attached(app, peer, sent).await?;
     let bytes = weight(sent.length());
@@ -90,17 +114,7 @@ pub(super) async fn job(
             Draft::Search(search) => Step::Search(Arc::from(search), input, sent),
         })
     });
-    match step.await?? {
-        Step::Complete(asked) => Ok(*asked),
-        Step::Search(search, input, sent) => {
-            let reached = reached(app, peer, &search, &input).await?;
-            let completing = app.desk.read(peer, COMPLETING * search.bytes(), move |_| {
-                let job = Arc::unwrap_or_clone(search).complete(reached).map_err(Problem::invalid)?;
-                Ok(ReadJob { job, input, sent })
-            });
-            completing.await?
-        }
-    }
+    step.await?
 }
 
 /// The refusal of something that takes more memory than there ever is for it.

@@ -6,8 +6,8 @@ use utoipa_axum::routes;
 
 use super::app::Shared;
 use super::{
-    analyses, artifacts, blobs, catalogue, comparison, estimate, events, health, jobs, links, metrics, pages, posting,
-    render, signed, validate,
+    analyses, archive, artifacts, batches, blobs, catalogue, comparison, estimate, events, health, jobs, links,
+    metrics, pages, posting, render, signed, validate,
 };
 
 /// All routes and their descriptions.
@@ -21,12 +21,17 @@ pub(super) fn all() -> OpenApiRouter<Shared> {
         .routes(routes!(signed::signed_events))
         .routes(routes!(signed::signed_artifact))
         .routes(routes!(events::events))
+        .routes(routes!(batches::batch_events))
+        .routes(routes!(archive::archive))
         .routes(routes!(blobs::blob))
         .routes(routes!(analyses::analyse));
     let texts = OpenApiRouter::new()
         .routes(routes!(posting::post, jobs::list))
         .routes(routes!(jobs::job, jobs::forget))
         .routes(routes!(jobs::cancel))
+        .routes(routes!(batches::post_batch, batches::list_batches))
+        .routes(routes!(batches::batch, batches::forget_batch))
+        .routes(routes!(batches::cancel_batch))
         .routes(routes!(blobs::upload))
         .routes(routes!(estimate::estimate))
         .routes(routes!(validate::validate))

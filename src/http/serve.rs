@@ -32,6 +32,7 @@ use crate::config::keys::KeyFileError;
 use crate::fault::shortened;
 use crate::job::limits::Limits;
 use crate::service::account::Account;
+use crate::service::batches::Batches;
 use crate::service::clock::{Clock, Monotonic};
 use crate::service::desk::{Desk, JobKeeping, Terms};
 use crate::service::jobs::Jobs;
@@ -42,6 +43,7 @@ use crate::service::rate::Rates;
 use crate::service::store::{Memory, STORES, StoreKind};
 use crate::service::tiers::Tiers;
 use crate::service::uploads::Uploads;
+use crate::wire::batch::layout;
 use crate::wire::read::weight;
 
 /// Why the service did not start.
@@ -157,13 +159,15 @@ pub async fn bind_at(mut settings: Settings, clock: Arc<dyn Clock>) -> Result<(T
     let limits = settings.limits();
     // no job is taken on that finds no memory even when it is alone
     let limits = Limits { max_job_bytes: limits.max_job_bytes.min(account.long.capacity), ..limits };
+    let batches = Batches::new(records.clone(), clock.clone(), |text| layout(text).ok());
     let (jobs, queue) = (Jobs::new(records, clock.clone()), Arc::new(queue::Local::default()));
-    let keeping = JobKeeping { jobs, queue, uploads };
+    let keeping = JobKeeping { jobs, batches, queue, uploads };
     let desk = Arc::new(Desk::new(limits, tiers, pool, account, keeping, (terms, clock)));
     let path = || settings.data_dir.display().to_string();
     let taken_up = desk.recover().await.map_err(|error| StartError::Store { path: path(), error })?;
-    if taken_up > 0 {
-        tracing::info!(jobs = taken_up, "jobs of an earlier process are taken up");
+    let batches = desk.recover_batches().map_err(|error| StartError::Store { path: path(), error })?;
+    if taken_up > 0 || batches > 0 {
+        tracing::info!(jobs = taken_up, batches, "jobs of an earlier process are taken up");
     }
     let (canary, memo, short) = (Arc::<Canary>::default(), Memo::default(), Short::default());
     let (gate, rates) = (Arc::new(gate), Rates::new(desk.clock()));
@@ -248,6 +252,7 @@ fn work(app: &Arc<App>) -> JoinSet<()> {
             working.spawn(app.desk.clone().do_jobs(lane, Arc::new(Reader(app.clone()))));
         }
     }
+    working.spawn(app.desk.clone().do_batches(Arc::new(Reader(app.clone()))));
     let desk = app.desk.clone();
     working.spawn(async move { desk.keep_tidy().await });
     let gate = app.gate.clone();

@@ -6,6 +6,7 @@ use axum::http::HeaderMap;
 use axum::response::{IntoResponse, Response};
 
 use super::app::Shared;
+use super::blobs::attached;
 use super::client::Client;
 use super::content::Takes;
 use super::problem::Problem;
@@ -16,7 +17,7 @@ use crate::wire::JobRequest;
 use crate::wire::answer::{FaultAnswer, MeshReport, ValidateAnswer};
 use crate::wire::job::Examined;
 use crate::wire::query::says_nothing;
-use crate::wire::read::{read, weight};
+use crate::wire::read::weight;
 
 /// What is wrong with a job, and what its mesh is like: boundary loops, valences, degenerate faces, latitude lines.
 ///
@@ -40,9 +41,15 @@ pub(super) async fn validate(
     let answer = async {
         let sent = body::collect(&app, &client, &headers, Takes::Jobs, body).await?;
         says_nothing(query.as_deref().unwrap_or_default()).map_err(Problem::invalid)?;
-        let (limits, bytes) = (app.desk.limits.reading(), weight(sent.bytes.len() as u64));
+        let sent = match attached(&app, client.peer(), sent).await.map_err(Problem::faults) {
+            Ok(sent) => sent,
+            // an upload that is not here is a fault of the job like others
+            Err(Ok(faults)) => return Ok(axum::Json(report(Examined { faults, input: None, plan: None }))),
+            Err(Err(problem)) => return Err(problem),
+        };
+        let (limits, bytes) = (app.desk.limits.reading(), weight(sent.length()));
         let report = app.desk.read(client.peer(), bytes, move |_| {
-            let mut request: JobRequest = read(&sent.bytes)?;
+            let mut request = sent.request()?;
             let purpose = request.asked();
             negotiate::settle(&HeaderMap::new(), &mut request)?;
             Ok::<_, Problem>(axum::Json(report(request.examine(purpose, &limits))))

@@ -4,6 +4,7 @@ use std::future::Future;
 use std::pin::Pin;
 use std::sync::Arc;
 
+use axum::body::Bytes;
 use axum::http::{HeaderMap, HeaderValue, header};
 
 use super::analyses::AnalysisTask;
@@ -17,11 +18,16 @@ use crate::job::Form;
 use crate::job::Inquiry;
 use crate::job::key::{Key, job};
 use crate::job::limits::Admitted;
-use crate::output::named;
+use crate::output::{FORMATS, Format, named};
+use crate::service::batches::Batch;
+use crate::service::batching::{ReadItems, Reading};
 use crate::service::driving::{ReadJobs, Tasks, Unreadable};
+use crate::service::job_key::JobKey;
 use crate::service::jobs::{JobSummary, Predicted, Product, Record};
-use crate::service::peer::Peer;
+use crate::service::peer::{Kind, Peer};
+use crate::service::pool::Lane;
 use crate::service::task::{Render, Task};
+use crate::wire::JobRequest;
 use crate::wire::posted::{AnalysisJob, asks_for_analysis};
 use crate::wire::read::{read, weight};
 
@@ -95,16 +101,13 @@ pub(super) fn summary(admitted: &Admitted, sent: &Sent) -> JobSummary {
         cost: admitted.estimate().into(),
         reached: job.reached,
         details: job.detail_keys().collect(),
-        blobs: sent.uploads(),
+        blobs: sent.upload_ids(),
         request: sent.text(),
     }
 }
 
-/// Reads a job that a client sent.
-///
-/// # Errors
-/// Whatever is wrong with it; 503 when too much is being read already.
-pub(super) async fn asked(app: &Arc<App>, peer: Peer, headers: &HeaderMap, sent: Sent) -> Result<Asked, Problem> {
+/// Reads an analysis; what is none is given back.
+async fn analysis(app: &Arc<App>, peer: Peer, sent: Sent) -> Result<Result<Asked, Sent>, Problem> {
     let bytes = weight(sent.bytes.len() as u64);
     let of_lane = sent.clone();
     let analysis = app.desk.read(peer, bytes, move |watch| {
@@ -115,23 +118,57 @@ pub(super) async fn asked(app: &Arc<App>, peer: Peer, headers: &HeaderMap, sent:
         let resolved: Result<Inquiry, _> = request.analysis.resolve(Form::Json, watch);
         resolved.map(Some).map_err(|faults| Problem::invalid(under("/analysis", faults)))
     });
-    if let Some(analysis) = analysis.await?? {
-        return Ok(Asked::Analysis(Arc::new(AnalysisTask(analysis, Form::Json)), sent));
-    }
+    Ok(match analysis.await?? {
+        Some(analysis) => Ok(Asked::Analysis(Arc::new(AnalysisTask(analysis, Form::Json)), sent)),
+        None => Err(sent),
+    })
+}
+
+/// Reads a job that a client sent.
+///
+/// # Errors
+/// Whatever is wrong with it; 503 when too much is being read already.
+pub(super) async fn asked(app: &Arc<App>, peer: Peer, headers: &HeaderMap, sent: Sent) -> Result<Asked, Problem> {
+    let sent = match analysis(app, peer, sent).await? {
+        Ok(analysis) => return Ok(analysis),
+        Err(sent) => sent,
+    };
     let headers = headers.clone();
     let read = reading::job(app, peer, sent, usize::MAX, move |request| negotiate::settle(&headers, request));
     Ok(Asked::Render(Box::new(read.await?)))
 }
 
-/// Reads a job that was accepted before.
+/// Reads a job that was accepted before, whose first output had this format.
 ///
 /// # Errors
 /// Whatever is wrong with it now; 503 when too much is being read already.
-pub(super) async fn asked_again(app: &Arc<App>, peer: Peer, record: &Record) -> Result<Asked, Problem> {
+pub(super) async fn asked_again(
+    app: &Arc<App>,
+    peer: Peer,
+    request: Bytes,
+    format: &'static dyn Format,
+) -> Result<Asked, Problem> {
     // the format is that of the artifact, whatever the request left to be negotiated
-    let media_type = record.summary.products.first().map_or("*/*", |product| product.format.media_type());
-    let headers = HeaderMap::from_iter([(header::ACCEPT, HeaderValue::from_static(media_type))]);
-    asked(app, peer, &headers, Sent::job(record.summary.request.clone())).await
+    let headers = HeaderMap::from_iter([(header::ACCEPT, HeaderValue::from_static(format.media_type()))]);
+    asked(app, peer, &headers, Sent::job(request)).await
+}
+
+/// Checks a job, as far as that goes without searching for the level of a tolerance; tells how many outputs it has.
+///
+/// # Errors
+/// Whatever is wrong with it, or too much; 503 when too much is being read already.
+pub(super) async fn check(app: &Arc<App>, peer: Peer, sent: Sent) -> Result<usize, Problem> {
+    let Err(sent) = analysis(app, peer, sent).await? else { return Ok(1) };
+    let settle = |request: &mut JobRequest| negotiate::settle(&HeaderMap::new(), request);
+    match reading::draft(app, peer, sent, usize::MAX, settle).await? {
+        reading::Step::Complete(read) => {
+            let n = read.job.outputs.len();
+            let admitted = reading::admit(app, peer, read.job).await?;
+            streaming::check_kept(app, &admitted)?;
+            Ok(n)
+        }
+        reading::Step::Search(search, ..) => Ok(search.n_outputs()),
+    }
 }
 
 /// Reads jobs for those who do them.
@@ -142,10 +179,30 @@ impl ReadJobs for Reader {
     fn tasks<'a>(&'a self, record: &'a Record) -> Pin<Box<dyn Future<Output = Result<Tasks, Unreadable>> + Send + 'a>> {
         Box::pin(async move {
             let tasks = async {
-                let asked = asked_again(&self.0, record.peer, record).await?;
+                let format = record.summary.products.first().map_or(FORMATS[0], |product| product.format);
+                let asked = asked_again(&self.0, record.peer, record.summary.request.clone(), format).await?;
                 Ok::<_, Problem>(asked.work(&self.0, record.peer).await?.tasks)
             };
             tasks.await.map_err(Problem::unreadable)
+        })
+    }
+}
+
+impl ReadItems for Reader {
+    fn item(self: Arc<Self>, batch: Batch, at: usize) -> Reading {
+        Box::pin(async move {
+            let (app, peer, tenant) = (&self.0, batch.peer, batch.batch.tenant);
+            let (desk, text) = (&app.desk, &batch.request.text);
+            // what is written of it has its memory from its record, later
+            let booked = desk.peers.charge_self(&desk.account.bodies, Kind::BodyBytes, text.len() as u64);
+            let _paid = booked.map_err(|_| Unreadable::Later(desk.pool.busy(Lane::Reading).retry_after))?;
+            let text = batch.request.layout.text(text, at).into();
+            let item = async {
+                let asked = asked(app, peer, &HeaderMap::new(), Sent::job(text)).await?;
+                let id = asked.id();
+                Ok::<_, Problem>((JobKey { tenant, id }, asked.work(app, peer).await?.summary))
+            };
+            item.await.map_err(Problem::unreadable)
         })
     }
 }

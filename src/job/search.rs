@@ -58,6 +58,11 @@ impl Search {
         self.checked.input.bytes().saturating_add(size::of_most_steps(&self.checked.plan))
     }
 
+    /// How many outputs the job has.
+    pub fn n_outputs(&self) -> usize {
+        self.checked.outputs.len()
+    }
+
     /// The key of the search, for whoever remembers answers and refusals.
     pub fn key(&self) -> Key {
         let Checked { input, plan, outputs, .. } = &self.checked;

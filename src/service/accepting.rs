@@ -6,7 +6,7 @@ use std::time::Duration;
 use super::account::Full;
 use super::desk::Desk;
 use super::job_key::{JobKey, JobTerms};
-use super::jobs::{JobSummary, Made, New, Placed, Record, Run, Standing, State};
+use super::jobs::{Holder, JobSummary, Made, New, Placed, Record, Run, Standing, State};
 use super::peer::{Kind, Paid, Peer};
 use super::pool::{Busy, Lane};
 use super::queue::Item;
@@ -62,11 +62,13 @@ impl Desk {
         job: JobKey,
         summary: JobSummary,
         terms: JobTerms,
-        peer: Peer,
+        (peer, holder): (Peer, Holder),
         made: Vec<Made>,
     ) -> Result<(), NotAccepted> {
-        if let Some(known) = self.jobs.get(&job).filter(|known| known.is_active() || known.state == State::Done) {
-            return if known.is_active() { Ok(self.jobs.written(job).await?) } else { Ok(()) };
+        match self.jobs.join(&job, holder) {
+            Some(State::Active) => return Ok(self.jobs.written(job).await?),
+            Some(_) => return Ok(()),
+            None => {}
         }
         let lane = self.pool.lane_of(summary.cost.time_ms.into(), summary.cost.memory_bytes.into());
         let waiting = self.queue.waiting(lane);
@@ -77,7 +79,7 @@ impl Desk {
             false => None,
         };
         let pins = if made.is_empty() { self.pins(&summary) } else { Vec::new() };
-        let new = New { job, summary, terms, peer, ticket, made, pins };
+        let new = New { job, summary, terms, peer, holder, ticket, made, pins };
         let placed = self.jobs.accept(self.record_memory(peer), new, false).map_err(|_| busy())?;
         let Placed::New(run) = placed else { return Ok(self.jobs.written(job).await?) };
         // goes on when its client leaves here
@@ -115,6 +117,7 @@ impl Desk {
         (peer, entries): (Peer, JobEntries),
     ) -> Result<(), NotAccepted> {
         let lane = self.pool.lane_of(summary.cost.time_ms.into(), summary.cost.memory_bytes.into());
+        self.jobs.join(&job, Holder::Client);
         let run = match self.jobs.run(&job) {
             Some((run, _)) => run,
             None => self.detached(job, summary, &interest, (peer, entries)).map_err(|Full| self.pool.busy(lane))?,
@@ -138,7 +141,8 @@ impl Desk {
     ) -> Result<Run, Full> {
         let ticket = Some(self.ticket(peer, Kind::Detached).ok_or(Full)?);
         let (terms, made, pins) = (JobTerms::default(), Vec::new(), self.pins(&summary));
-        let new = New { job, summary, terms, peer, ticket, made, pins };
+        let holder = Holder::Client;
+        let new = New { job, summary, terms, peer, holder, ticket, made, pins };
         let run = match self.jobs.accept(self.record_memory(peer), new, true)? {
             Placed::New(run) => run,
             // somebody else has just accepted it
@@ -146,7 +150,7 @@ impl Desk {
         };
         let (desk, watched, computation) = (self.clone(), run.clone(), interest.computation.clone());
         tokio::spawn(async move {
-            desk.jobs.begin(&watched);
+            desk.jobs.begin(&watched).await;
             desk.see_single(watched, &computation, |fault| entries.fault(fault).to_string()).await;
         });
         Ok(run)
@@ -158,7 +162,7 @@ impl Desk {
     /// [`Busy`] when there is no room for the record.
     pub fn record(&self, job: JobKey, summary: JobSummary, made: Vec<Made>, peer: Peer) -> Result<(), Busy> {
         let (terms, pins) = (JobTerms::default(), Vec::new());
-        let new = New { job, summary, terms, peer, ticket: None, made, pins };
+        let new = New { job, summary, terms, peer, holder: Holder::Client, ticket: None, made, pins };
         let put = self.jobs.accept(self.record_memory(peer), new, false);
         put.map(drop).map_err(|_| self.pool.busy(Lane::Long))
     }
@@ -213,6 +217,9 @@ impl Desk {
         }
         for job in &old {
             self.jobs.remove(job);
+        }
+        for batch in &self.batches.overdue(self.terms.job_ttl) {
+            self.forget_batch(batch);
         }
     }
 

@@ -6,6 +6,7 @@ use std::sync::Arc;
 use std::time::Duration;
 
 use super::account::{Account, Full};
+use super::batches::{Batches, Begun};
 use super::clock::Clock;
 use super::computation::{Computation, Failure, Outcome, Phase};
 use super::jobs::Jobs;
@@ -45,7 +46,11 @@ pub struct Desk {
     pub work: KeptWork,
     /// Jobs that outlast their request.
     pub jobs: Jobs,
-    /// Those of them that wait for their turn.
+    /// Lists of jobs that are done one after the other.
+    pub batches: Batches,
+    /// Those of them that somebody has to do.
+    pub(super) begun: Begun,
+    /// The jobs that wait for their turn.
     pub queue: Arc<dyn Queue>,
     /// The files that clients sent.
     pub uploads: Uploads,
@@ -64,6 +69,8 @@ pub struct Desk {
 pub struct JobKeeping {
     /// What is known of them.
     pub jobs: Jobs,
+    /// What is known of lists of them.
+    pub batches: Batches,
     /// Their line.
     pub queue: Arc<dyn Queue>,
     /// The files that they may name.
@@ -94,7 +101,7 @@ impl Desk {
         tiers: Tiers,
         pool: Pool,
         account: Account,
-        JobKeeping { jobs, queue, uploads }: JobKeeping,
+        JobKeeping { jobs, batches, queue, uploads }: JobKeeping,
         (terms, clock): (Terms, Arc<dyn Clock>),
     ) -> Self {
         let (peers, under_way, ending) = (Arc::default(), Arc::default(), watch::channel(false).0);
@@ -109,6 +116,8 @@ impl Desk {
             peers,
             work,
             jobs,
+            batches,
+            begun: Begun::default(),
             queue,
             uploads,
             tally,

@@ -62,7 +62,7 @@ impl Desk {
 
     /// Does a job: all its outputs, as far as they can be made.
     async fn do_job(self: &Arc<Self>, run: &Run, record: Record, reader: &dyn ReadJobs) {
-        self.jobs.begin(run);
+        self.jobs.begin(run).await;
         let longest = record.terms.run_timeout_s.map(Duration::from_secs);
         let mut ended = run.ended.clone();
         tokio::select! {

@@ -2,6 +2,8 @@
 
 pub mod accepting;
 pub mod account;
+pub mod batches;
+pub mod batching;
 pub mod clock;
 pub mod computation;
 pub mod desk;
@@ -10,6 +12,7 @@ pub mod driving;
 mod fields;
 pub mod job_key;
 pub mod jobs;
+mod journal;
 pub mod kept_work;
 pub mod lent;
 mod line;

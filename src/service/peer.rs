@@ -70,8 +70,12 @@ pub enum Kind {
     InputBytes,
     /// Bytes of answers that are on their way.
     AnswerBytes,
-    /// Bytes of records.
+    /// Bytes of records of jobs.
     RecordBytes,
+    /// Batches under way.
+    Batch,
+    /// Bytes of records of batches.
+    BatchBytes,
 }
 
 /// What all peers hold.
@@ -123,7 +127,7 @@ impl Peers {
     /// # Errors
     /// [`Full`].
     pub fn charge(self: &Arc<Self>, share: &Arc<Share>, kind: Kind, peer: Peer, bytes: u64) -> Result<Paid, Full> {
-        self.charge_within(share, kind, peer, (bytes, share.capacity / 2))
+        self.charge_under(share, kind, peer, bytes, (share.capacity / 2, u64::MAX))
     }
 
     /// As [`Peers::charge`], for the service itself, which gets all of it: what was accepted before comes first.
@@ -131,17 +135,22 @@ impl Peers {
     /// # Errors
     /// [`Full`].
     pub fn charge_self(self: &Arc<Self>, share: &Arc<Share>, kind: Kind, bytes: u64) -> Result<Paid, Full> {
-        self.charge_within(share, kind, Peer::SELF, (bytes, u64::MAX))
+        self.charge_under(share, kind, Peer::SELF, bytes, (u64::MAX, u64::MAX))
     }
 
-    fn charge_within(
+    /// As [`Peers::charge`], for a peer that gets so much at most, and all peers together so much.
+    ///
+    /// # Errors
+    /// [`Full`].
+    pub fn charge_under(
         self: &Arc<Self>,
         share: &Arc<Share>,
         kind: Kind,
         peer: Peer,
-        (bytes, most): (u64, u64),
+        bytes: u64,
+        (most, most_of_all): (u64, u64),
     ) -> Result<Paid, Full> {
-        let ticket = self.take(peer, kind, bytes, most, u64::MAX).ok_or(Full)?;
+        let ticket = self.take(peer, kind, bytes, most, most_of_all).ok_or(Full)?;
         Ok(Paid { _held: share.try_take(bytes)?, _ticket: ticket })
     }
 

@@ -11,6 +11,7 @@ use super::levels::LevelsRequest;
 use super::literal::WireLiteral;
 use super::output::{OutputRequest, outputs};
 use super::plan::PlanRequest;
+use super::text::MeshFile;
 use super::variants::{InputSchema, PlanSchema};
 use super::{object, whole};
 use crate::fault::{Fault, under};
@@ -129,6 +130,17 @@ impl JobRequest {
     /// Whether an output is to say of which job it is.
     pub fn describes(&self) -> bool {
         self.outputs.iter().any(OutputRequest::describes)
+    }
+
+    /// Gives the file that an upload is to the input that names it, of the job itself or of a panel.
+    pub(crate) fn attach(&mut self, panel: Option<usize>, file: &MeshFile) {
+        let job = match panel {
+            None => Some(self),
+            Some(at) => self.figure.as_mut().and_then(|figure| Some(&mut figure.panels.get_mut(at)?.job)),
+        };
+        if let Some(job) = job.filter(|job| job.input.file.is_none()) {
+            job.input.file = Some(file.clone());
+        }
     }
 
     /// What kind of result it has, as far as that can be told before it is checked.

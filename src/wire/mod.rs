@@ -2,6 +2,9 @@
 
 pub mod analysis;
 pub mod answer;
+pub mod archive;
+pub mod batch;
+pub mod batch_standing;
 pub mod catalogue;
 mod channels;
 mod choice;

@@ -13,21 +13,9 @@ use crate::watch::Stage;
 pub struct JobAnswer {
     /// Id of the job.
     pub id: String,
-    /// Where it stands.
-    #[schema(pattern = "^(queued|running|done|failed|cancelled)$")]
-    pub state: &'static str,
-    /// Share of the work done, from 0 to 1.
-    pub progress: f64,
-    /// What the computation under way does.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    #[schema(pattern = "^(refine|sweep|render|encode)$")]
-    pub stage: Option<&'static str>,
-    /// The level that is being made, where levels are made one after the other.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub level: Option<u32>,
-    /// How many jobs come before it, where it waits in line.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub queue_position: Option<u64>,
+    /// Where it stands, and how far it is.
+    #[serde(flatten)]
+    pub progress: ProgressAnswer,
     /// How often it was queued.
     pub attempts: u32,
     /// Which jobs it stands behind.
@@ -57,7 +45,7 @@ pub struct JobAnswer {
 #[derive(Debug, Clone, Serialize, ToSchema)]
 pub struct ProgressAnswer {
     /// Where it stands.
-    #[schema(pattern = "^(queued|running)$")]
+    #[schema(pattern = "^(queued|running|done|failed|cancelled)$")]
     pub state: &'static str,
     /// Share of the work done, from 0 to 1.
     pub progress: f64,
@@ -143,7 +131,6 @@ pub struct OutputAnswer {
 impl JobAnswer {
     /// How a job stands whose outputs have these addresses.
     pub fn new(standing: &Standing, href: impl Fn(&Product) -> String) -> Self {
-        let ProgressAnswer { state, progress, stage, level, queue_position } = ProgressAnswer::new(standing);
         let record = &standing.record;
         let outputs = record.summary.products.iter().zip(&record.made);
         let outputs = outputs.map(|(product, made)| OutputAnswer::new(product, made.as_ref(), href(product)));
@@ -153,11 +140,7 @@ impl JobAnswer {
         };
         Self {
             id: record.job.id.to_string(),
-            state,
-            progress,
-            stage,
-            level,
-            queue_position,
+            progress: ProgressAnswer::new(standing),
             attempts: record.attempts,
             priority: record.terms.priority.name(),
             timings_ms: Some(TimingsAnswer::from(standing.timings)),
@@ -165,16 +148,16 @@ impl JobAnswer {
             actual: ActualAnswer::new(standing),
             outputs: outputs.collect(),
             error,
-            warnings: warnings(&record.made),
+            warnings: warnings(record.made.iter().flatten()),
             reached: record.summary.reached.map(ReachedAnswer::from),
         }
     }
 }
 
 /// All warnings, each once.
-fn warnings(made: &[Option<Made>]) -> Vec<String> {
+pub(super) fn warnings<'a>(made: impl IntoIterator<Item = &'a Made>) -> Vec<String> {
     let mut all: Vec<String> = Vec::new();
-    for made in made.iter().flatten() {
+    for made in made {
         let Made::Done { warnings, .. } = made else { continue };
         let new: Vec<_> = warnings.iter().filter(|warning| !all.contains(warning)).cloned().collect();
         all.extend(new);
@@ -182,16 +165,21 @@ fn warnings(made: &[Option<Made>]) -> Vec<String> {
     all
 }
 
+/// The name of where something stands.
+pub(super) fn state(phase: &Phase) -> &'static str {
+    match phase {
+        Phase::Queued => "queued",
+        Phase::Running => "running",
+        Phase::Done => "done",
+        Phase::Failed(_) => "failed",
+        Phase::Cancelled => "cancelled",
+    }
+}
+
 impl ProgressAnswer {
     /// How far a job is.
     pub fn new(standing: &Standing) -> Self {
-        let state = match &standing.phase {
-            Phase::Queued => "queued",
-            Phase::Running => "running",
-            Phase::Done => "done",
-            Phase::Failed(_) => "failed",
-            Phase::Cancelled => "cancelled",
-        };
+        let state = state(&standing.phase);
         let stage = standing.stage.map(|stage| match stage {
             Stage::Refine => "refine",
             Stage::Sweep => "sweep",
@@ -204,7 +192,8 @@ impl ProgressAnswer {
 }
 
 impl OutputAnswer {
-    fn new(product: &Product, made: Option<&Made>, href: String) -> Self {
+    /// What became of an output that has this address.
+    pub(super) fn new(product: &Product, made: Option<&Made>, href: String) -> Self {
         let (state, bytes, error) = match made {
             None => ("pending", None, None),
             Some(Made::Done { bytes, .. }) => ("done", Some(*bytes), None),

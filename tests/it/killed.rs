@@ -127,7 +127,8 @@ fn whatever_moment_it_is_killed_no_accepted_job_is_lost_and_no_byte_is_wrong() {
         service.child.kill().unwrap();
         service.child.wait().unwrap();
         accepted.extend(runtime.block_on(posting).unwrap());
-        if round % 5 == 4 || round + 1 == kills {
+        // a job that is begun five times without an end is given up
+        if round % 4 == 3 || round + 1 == kills {
             let service = Service::start(&data);
             runtime.block_on(check(&client, &service.url, &accepted));
             n_checked += accepted.len();
@@ -138,6 +139,45 @@ fn whatever_moment_it_is_killed_no_accepted_job_is_lost_and_no_byte_is_wrong() {
     drop(Service::start(&data));
     let left: Vec<_> = std::fs::read_dir(data.join("tmp")).unwrap().collect();
     assert!(left.is_empty(), "{left:?}");
+}
+
+#[test]
+fn a_job_with_which_the_process_ends_five_times_is_given_up() {
+    let folder = Folder::new();
+    let data = folder.path().join("data");
+    let runtime = tokio::runtime::Builder::new_multi_thread().worker_threads(2).enable_all().build().unwrap();
+    let client = reqwest::Client::builder().no_proxy().build().unwrap();
+    let mut poison = crate::http::jobs::endless();
+    poison["outputs"] = json!([{ "format": "stats" }]);
+    let batch = json!({ "jobs": [job(1), poison] });
+    let mut place = String::new();
+    for _ in 0..5 {
+        let mut service = Service::start(&data);
+        runtime.block_on(async {
+            let posted = client.post(format!("{}/v1/batches", service.url)).json(&batch).send().await.unwrap();
+            place = posted.headers()["location"].to_str().unwrap().to_owned();
+            let start = Instant::now();
+            loop {
+                let status: Value =
+                    client.get(format!("{}{place}", service.url)).send().await.unwrap().json().await.unwrap();
+                if status["items"][1]["state"] == "running" {
+                    return;
+                }
+                assert!(start.elapsed() < PATIENCE, "waited in vain: {status}");
+                tokio::time::sleep(Duration::from_millis(5)).await;
+            }
+        });
+        // what was begun is written down by now, or soon
+        std::thread::sleep(Duration::from_millis(300));
+        service.child.kill().unwrap();
+        service.child.wait().unwrap();
+    }
+    let service = Service::start(&data);
+    let status = runtime.block_on(settled(&client, &format!("{}{place}", service.url)));
+    assert_eq!((&status["state"], &status["attempts"]), (&"failed".into(), &6.into()), "{status}");
+    let [done, poison] = [&status["items"][0], &status["items"][1]];
+    assert_eq!((&done["state"], &poison["state"]), (&"done".into(), &"failed".into()), "{status}");
+    assert!(poison["error"].as_str().unwrap().contains("begun 5 times"), "{poison}");
 }
 
 /// Every accepted job is known, comes to its end, and has the bytes that it has here.

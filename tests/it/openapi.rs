@@ -58,7 +58,15 @@ fn every_route_of_the_service_is_described() {
     let handlers = lists.flat_map(|handlers| handlers.split(',')).map(|name| name.rsplit("::").next().unwrap().trim());
     // HEAD is answered by the handler of GET
     let routes: BTreeSet<&str> = handlers
-        .chain(["artifact_head", "blob_head", "kroki_head", "link_head", "signed_head", "signed_artifact_head"])
+        .chain([
+            "archive_head",
+            "artifact_head",
+            "blob_head",
+            "kroki_head",
+            "link_head",
+            "signed_head",
+            "signed_artifact_head",
+        ])
         .collect();
     assert_eq!(described, routes);
 }

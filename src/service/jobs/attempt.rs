@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use tokio::sync::watch;
 
-use super::record::{JobSummary, Made, Record};
+use super::record::{Holder, JobSummary, Made, Record};
 use crate::service::job_key::{JobKey, JobTerms};
 use crate::service::peer::{Peer, Ticket};
 use crate::service::store::Pin;
@@ -20,6 +20,8 @@ pub struct New {
     pub terms: JobTerms,
     /// Whose turn it takes.
     pub peer: Peer,
+    /// Who wants it.
+    pub holder: Holder,
     /// Counts it as one of the jobs that its peer may have under way; none for jobs that are done already.
     pub ticket: Option<Ticket>,
     /// What its outputs came to; empty for jobs that are still to be done.

@@ -1,5 +1,6 @@
 //! What is known of a job that was accepted.
 
+use std::collections::BTreeSet;
 use std::sync::Arc;
 use std::time::Duration;
 
@@ -16,6 +17,17 @@ use crate::service::peer::{Paid, Peer, Ticket};
 use crate::service::pool::Lane;
 use crate::service::store::Pin;
 use crate::service::under_way::Interest;
+
+/// Charged for a record besides its request: its counts a level, its places in the maps.
+/// Half of it is less than a job of many levels takes; twice of it holds half as many records in their share.
+const RECORD_BYTES: u64 = 8 << 10;
+/// Charged for each output beside the first: its name, its key, how it was made, with a warning.
+/// Half of it is less than an output with a long name takes; twice of it refuses jobs of many outputs sooner.
+const OUTPUT_BYTES: u64 = 1 << 10;
+
+/// How often a job is begun that never comes to an end because the process ends before.
+/// Half of it gives up jobs that two crashes of others have met; twice of it lets one job end the process ten times.
+pub(super) const MOST_STARTS: u32 = 5;
 
 /// One output of a job.
 #[derive(Debug, Clone)]
@@ -72,6 +84,11 @@ pub struct JobSummary {
 }
 
 impl JobSummary {
+    /// What a record of it takes.
+    pub(super) fn record_bytes(&self) -> u64 {
+        RECORD_BYTES + OUTPUT_BYTES * self.products.len().saturating_sub(1) as u64 + self.request.len() as u64
+    }
+
     /// The keys of its outputs and of all that they refer to.
     pub(super) fn artifacts(&self) -> impl Iterator<Item = Key> + '_ {
         self.products.iter().map(|product| product.key).chain(self.details.iter().copied())
@@ -107,6 +124,59 @@ pub enum State {
     Cancelled,
 }
 
+impl State {
+    /// That of a job which seems to end the process whenever it is begun.
+    pub(super) fn poisoned(starts: u32) -> Self {
+        Self::Failed(format!(
+            "it was begun {starts} times, and each time the process ended before it; look at the log and the memory of \
+             the server, and send it again"
+        ))
+    }
+}
+
+/// Who wants a job of a tenant.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Holder {
+    /// A client that has posted it.
+    Client,
+    /// A batch of the tenant.
+    Batch(Key),
+}
+
+/// All who want a job of a tenant: a batch that is cancelled leaves the jobs that somebody has posted by themselves.
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
+pub struct Wanted {
+    /// Whether a client has posted it.
+    pub is_posted: bool,
+    /// The batches.
+    pub batches: BTreeSet<Key>,
+}
+
+impl Wanted {
+    /// A job that one wants.
+    pub(super) fn by(holder: Holder) -> Self {
+        let mut wanted = Self::default();
+        wanted.add(holder);
+        wanted
+    }
+
+    /// One more wants it.
+    pub(super) fn add(&mut self, holder: Holder) {
+        match holder {
+            Holder::Client => self.is_posted = true,
+            Holder::Batch(batch) => {
+                self.batches.insert(batch);
+            }
+        }
+    }
+
+    /// A batch wants it no more; true when nobody does now.
+    pub(super) fn remove(&mut self, batch: &Key) -> bool {
+        self.batches.remove(batch);
+        self.batches.is_empty() && !self.is_posted
+    }
+}
+
 /// One tenant's interest in the outputs of a job.
 #[derive(Debug, Clone)]
 pub struct Record {
@@ -118,6 +188,10 @@ pub struct Record {
     pub summary: Arc<JobSummary>,
     /// How often it was queued.
     pub attempts: u32,
+    /// How often it was begun in processes that ended before it.
+    pub starts: u32,
+    /// Who wants it.
+    pub wanted: Wanted,
     /// What was said of its turn.
     pub terms: JobTerms,
     /// Whose turn it takes.

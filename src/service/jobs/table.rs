@@ -1,34 +1,27 @@
 //! The table of records.
 
-use std::collections::{BTreeMap, BTreeSet, HashMap};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
 
 use tokio::sync::watch;
 
 use super::attempt::{New, Placed, Run};
-use super::journal::Journal;
-use super::record::{JobSummary, Made, Record, State};
-use super::written::{Kept, decode, encode};
+use super::record::{Holder, JobSummary, MOST_STARTS, Made, Record, State, Wanted};
+use super::rows::Table;
+use super::written::{Kept, decode, encode, is_job};
 use crate::job::key::Key;
 use crate::service::account::Full;
 use crate::service::clock::Clock;
 use crate::service::job_key::{JobKey, Tenant};
+use crate::service::journal::{Journal, Row};
 use crate::service::peer::{Paid, Peer};
 use crate::service::store::{Pin, Records, StoreError};
 use crate::service::tally::Tally;
 use crate::service::under_way::Interest;
 
 /// Most records held.
-/// With [`RECORD_BYTES`] each they take 80 MiB. Half of it forgets jobs sooner; twice of it may take twice that.
+/// With 8 KiB each they take 80 MiB. Half of it forgets jobs sooner; twice of it may take twice that.
 const MAX_RECORDS: usize = 10_000;
-/// Charged for a record besides its request: its counts a level, its places in the maps.
-/// Half of it is less than a job of many levels takes; twice of it holds half as many records in their share.
-const RECORD_BYTES: u64 = 8 << 10;
-/// Charged for each output beside the first: its name, its key, how it was made, with a warning.
-/// Half of it is less than an output with a long name takes; twice of it refuses jobs of many outputs sooner.
-const OUTPUT_BYTES: u64 = 1 << 10;
-
 /// All records.
 #[derive(Debug)]
 pub struct Jobs {
@@ -36,51 +29,13 @@ pub struct Jobs {
     clock: Arc<dyn Clock>,
     tally: Arc<Tally>,
     /// Writes records where they outlast the process.
-    journal: Option<Journal>,
+    journal: Option<Journal<JobKey>>,
 }
 
-#[derive(Debug, Default)]
-struct Table {
-    records: HashMap<JobKey, Record>,
-    by_number: BTreeMap<u64, JobKey>,
-    /// Keys of artifacts with the ids of the jobs that have them.
-    by_artifact: BTreeSet<(Tenant, Key, Key)>,
-    next: u64,
-}
-
-impl Table {
-    fn forget(&mut self, job: &JobKey) -> Option<Record> {
-        let record = self.records.remove(job)?;
-        self.by_number.remove(&record.number);
-        for key in record.summary.artifacts() {
-            self.by_artifact.remove(&(job.tenant, key, job.id));
-        }
-        record.ended.send_replace(true);
-        Some(record)
+impl Row for JobKey {
+    fn key(&self) -> Vec<u8> {
+        self.to_bytes().to_vec()
     }
-
-    fn insert(&mut self, record: Record) {
-        let job = record.job;
-        self.by_number.insert(record.number, job);
-        self.by_artifact.extend(record.summary.artifacts().map(|key| (job.tenant, key, job.id)));
-        self.records.insert(job, record);
-    }
-
-    /// The record of an attempt that goes on.
-    fn running(&mut self, run: &Run) -> Option<&mut Record> {
-        self.records.get_mut(&run.job).filter(|record| record.number == run.number && record.is_active())
-    }
-
-    /// Forgets the oldest settled job.
-    fn forget_oldest(&mut self) -> Option<Record> {
-        let oldest = self.by_number.values().find(|job| !self.records[*job].is_active()).copied()?;
-        self.forget(&oldest)
-    }
-}
-
-/// What a record takes.
-fn cost(summary: &JobSummary) -> u64 {
-    RECORD_BYTES + OUTPUT_BYTES * summary.products.len().saturating_sub(1) as u64 + summary.request.len() as u64
 }
 
 impl Jobs {
@@ -159,10 +114,11 @@ impl Jobs {
     /// # Errors
     /// [`Full`] when there is no room beside the jobs that go on; then all is as it was, but for those.
     pub fn accept(&self, memory: impl Fn(u64) -> Result<Paid, Full>, new: New, again: bool) -> Result<Placed, Full> {
-        let bytes = cost(&new.summary);
+        let bytes = new.summary.record_bytes();
         let mut table = self.table();
-        let known = table.records.get(&new.job);
+        let known = table.records.get_mut(&new.job);
         if let Some(known) = known.filter(|known| known.is_active() || known.state == State::Done && !again) {
+            known.wanted.add(new.holder);
             return Ok(Placed::Known(Box::new(known.clone())));
         }
         let memory = loop {
@@ -194,15 +150,17 @@ impl Jobs {
     }
 
     fn record(&self, new: New, number: u64, attempts: u32, memory: Paid) -> Record {
-        let New { job, summary, terms, peer, ticket, made, pins } = new;
+        let New { job, summary, terms, peer, holder, ticket, made, pins } = new;
         let now = self.clock.now();
         let is_done = !made.is_empty();
         Record {
             job,
             number,
             attempts,
+            starts: 0,
             terms,
             peer,
+            wanted: Wanted::by(holder),
             state: if is_done { State::Done } else { State::Active },
             made: if is_done { made.into_iter().map(Some).collect() } else { vec![None; summary.products.len()] },
             summary: Arc::new(summary),
@@ -230,6 +188,9 @@ impl Jobs {
         let Some(journal) = &self.journal else { return Ok(Vec::new()) };
         let mut kept = Vec::new();
         journal.each(&mut |record| {
+            if !is_job(record) {
+                return;
+            }
             let Some(record) = decode(record) else {
                 return tracing::warn!("a record of a job cannot be read; it is left as it is");
             };
@@ -240,7 +201,7 @@ impl Jobs {
         let mut table = self.table();
         let mut runs = Vec::new();
         for kept in kept {
-            let Ok(memory) = memory(cost(&kept.summary)) else {
+            let Ok(memory) = memory(kept.summary.record_bytes()) else {
                 tracing::warn!(job = %kept.job.id, "no room for the record of a job; it waits for a next start");
                 continue;
             };
@@ -262,12 +223,40 @@ impl Jobs {
         Some((run, record))
     }
 
-    /// Says that the turn of a job has come.
-    pub fn begin(&self, run: &Run) {
+    /// Says that the turn of a job has come. That it has is written down, so that a job which ends the process again
+    /// and again is known by it; where it was begun before without an end, that is waited for.
+    pub async fn begin(&self, run: &Run) {
         let now = self.clock.now();
-        if let Some(record) = self.table().running(run) {
+        let was_begun = {
+            let mut table = self.table();
+            let Some(record) = table.running(run) else { return };
             record.begun.get_or_insert(now);
+            record.starts += 1;
+            record.starts > 1
+        };
+        if !was_begun {
+            self.note(run.job);
+        } else if let Err(error) = self.written(run.job).await {
+            tracing::warn!(%error, job = %run.job.id, "that a job was begun could not be written down");
         }
+    }
+
+    /// A job that goes on or is done is wanted by one more; tells its state. None where there is no such job.
+    pub fn join(&self, job: &JobKey, holder: Holder) -> Option<State> {
+        let mut table = self.table();
+        let record = table.records.get_mut(job)?;
+        let is_joined = record.is_active() || record.state == State::Done;
+        is_joined.then(|| {
+            record.wanted.add(holder);
+            record.state.clone()
+        })
+    }
+
+    /// A batch wants a job no more; true when the job goes on and nobody else wants it.
+    pub fn leave(&self, job: &JobKey, batch: &Key) -> bool {
+        let mut table = self.table();
+        let left = table.records.get_mut(job).filter(|record| record.is_active());
+        left.is_some_and(|record| record.wanted.remove(batch))
     }
 
     /// Makes a job's interest in the computation of one of its outputs last as long as the job; false when it is over.
@@ -362,9 +351,14 @@ impl Jobs {
         self.table().records.values().find(|record| record.is_active()).cloned()
     }
 
-    /// Writes what is not written yet, and nothing afterwards. Blocks, but no longer than that.
+    /// Writes what is not written yet, and nothing afterwards. Blocks, but no longer than that. Jobs that run were not
+    /// what ended the process.
     pub fn close(&self, patience: Duration) {
         if let Some(journal) = &self.journal {
+            for record in self.table().records.values_mut().filter(|record| record.is_active() && record.starts > 0) {
+                record.starts -= 1;
+                journal.note(record.job);
+            }
             journal.close(patience);
         }
     }
@@ -376,22 +370,26 @@ fn locked(table: &Mutex<Table>) -> MutexGuard<'_, Table> {
 
 /// A record of an earlier process; its attempt, if it was not settled, is a further one.
 fn revived(kept: Kept, memory: Paid, now: Duration, wall: Duration) -> Record {
-    let Kept { job, number, attempts, terms, state, made, settled_s, summary } = kept;
+    let Kept { job, number, attempts, starts, is_posted, terms, state, made, settled_s, summary } = kept;
+    let is_poison = state == State::Active && starts >= MOST_STARTS;
+    let state = if is_poison { State::poisoned(starts) } else { state };
     let is_active = state == State::Active;
     let age = settled_s.map(|at| wall.saturating_sub(Duration::from_secs(at)));
     Record {
         job,
         number,
         attempts: attempts + u32::from(is_active),
+        starts,
         terms,
         peer: Peer::service(job.tenant),
+        wanted: Wanted { is_posted, ..Wanted::default() },
         state,
         made: if is_active { vec![None; made.len()] } else { made },
         summary: Arc::new(summary),
         computing: None,
         queued: now,
         begun: None,
-        settled: age.map(|age| now.saturating_sub(age)),
+        settled: age.map(|age| now.saturating_sub(age)).or(is_poison.then_some(now)),
         ended: Arc::new(watch::channel(!is_active).0),
         _memory: Arc::new(memory),
         pins: Vec::new(),

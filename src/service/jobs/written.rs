@@ -42,6 +42,8 @@ pub(super) struct Kept {
     pub(super) job: JobKey,
     pub(super) number: u64,
     pub(super) attempts: u32,
+    pub(super) starts: u32,
+    pub(super) is_posted: bool,
     pub(super) terms: JobTerms,
     pub(super) state: State,
     pub(super) made: Vec<Option<Made>>,
@@ -62,7 +64,8 @@ pub(super) fn encode(record: &Record, settled: Option<Duration>) -> Vec<u8> {
         State::Cancelled => (3, ""),
     };
     let settled = settled.map_or(NONE, |at| at.as_secs());
-    out.numbers(tag::STANDING, &[record.number, record.attempts.into(), state, settled]);
+    let (starts, is_posted) = (record.starts.into(), record.wanted.is_posted.into());
+    out.numbers(tag::STANDING, &[record.number, record.attempts.into(), state, settled, starts, is_posted]);
     let JobTerms { priority, queue_timeout_s, run_timeout_s } = record.terms;
     let is_batch = u64::from(priority == Priority::Batch);
     out.numbers(tag::TERMS, &[is_batch, queue_timeout_s.unwrap_or(NONE), run_timeout_s.unwrap_or(NONE)]);
@@ -83,7 +86,8 @@ pub(super) fn encode(record: &Record, settled: Option<Duration>) -> Vec<u8> {
     out.closed()
 }
 
-fn output(out: &mut Writing, product: &Product, made: Option<&Made>) {
+/// Writes an output, and what became of it.
+pub(in crate::service) fn output(out: &mut Writing, product: &Product, made: Option<&Made>) {
     out.field(tag::NAME, product.name.as_bytes());
     out.field(tag::FORMAT, product.format.name().as_bytes());
     out.field(tag::KEY, product.key.as_bytes());
@@ -99,11 +103,21 @@ fn output(out: &mut Writing, product: &Product, made: Option<&Made>) {
     }
 }
 
+/// Whether a record of a store is that of a job.
+pub(super) fn is_job(record: &[u8]) -> bool {
+    record.starts_with(&MAGIC)
+}
+
 /// Reads the binary form back; `None` when it is damaged or of another version, or names a format that is unknown.
 pub(super) fn decode(bytes: &[u8]) -> Option<Kept> {
     let mut fields = Fields::of(bytes, MAGIC, VERSION)?;
     let job = JobKey::from_bytes(fields.take(tag::JOB)?)?;
-    let [number, attempts, state, settled] = fields.numbers(tag::STANDING)?.try_into().ok()?;
+    let [number, attempts, state, settled, starts, is_posted] = match *fields.numbers(tag::STANDING)?.as_slice() {
+        // as it was written before starts were counted and there were batches
+        [number, attempts, state, settled] => [number, attempts, state, settled, 0, 1],
+        [number, attempts, state, settled, starts, is_posted] => [number, attempts, state, settled, starts, is_posted],
+        _ => return None,
+    };
     let [is_batch, queue, run] = fields.numbers(tag::TERMS)?.try_into().ok()?;
     let given = |number: u64| Some(number).filter(|number| *number != NONE);
     let priority = if is_batch == 1 { Priority::Batch } else { Priority::Interactive };
@@ -129,15 +143,22 @@ pub(super) fn decode(bytes: &[u8]) -> Option<Kept> {
         _ => return None,
     };
     let (details, blobs) = (fields.hashes(tag::DETAILS)?, fields.hashes(tag::BLOBS)?);
+    let (products, made) = outputs(&mut fields)?;
+    let summary = JobSummary { products, cost, reached, details, blobs, request };
+    let (attempts, starts) = (u32::try_from(attempts).ok()?, u32::try_from(starts).ok()?);
+    let (settled_s, is_posted) = (given(settled), is_posted == 1);
+    Some(Kept { job, number, attempts, starts, is_posted, terms, state, made, settled_s, summary })
+}
+
+/// Reads all outputs that are left.
+pub(in crate::service) fn outputs(fields: &mut Fields<'_>) -> Option<(Vec<Product>, Vec<Option<Made>>)> {
     let (mut products, mut made) = (Vec::new(), Vec::new());
     while !fields.is_empty() {
         let (name, format) = (fields.text(tag::NAME)?, named(&fields.text(tag::FORMAT)?)?);
         products.push(Product { name, format, key: fields.hash(tag::KEY)? });
-        made.push(result(&mut fields)?);
+        made.push(result(fields)?);
     }
-    let summary = JobSummary { products, cost, reached, details, blobs, request };
-    let attempts = u32::try_from(attempts).ok()?;
-    Some(Kept { job, number, attempts, terms, state, made, settled_s: given(settled), summary })
+    Some((products, made))
 }
 
 #[expect(clippy::option_option, reason = "the outer one says whether the record can be read")]

@@ -132,6 +132,9 @@ level bomb: A few letters that ask for more vertices than there is memory on ear
 - forecasts_of_absurd_counts_saturate
 - a_result_that_would_be_too_large_names_the_level_that_is_not
 - levels_are_whole_and_bounded
+grid bomb: A small batch that asks for more jobs than anybody can do, or copies a large mesh into each of them.
+- a_grid_is_counted_before_any_of_its_jobs_is_made
+- a_fault_points_to_the_job_or_to_the_axis_and_nothing_is_begun
 NaN and infinity: Numbers that are not finite, or grow beyond all bounds while they are refined.
 - numbers_that_are_not_finite_are_refused
 - numbers_beyond_f64_are_faults_of_their_place
@@ -174,6 +177,8 @@ expression bombs: Expressions that are long, deep, unknown, or have no finite va
 path tricks: Addresses that climb, hold a zero byte, or differ in their notation alone.
 - no_trick_with_an_address_leads_anywhere
 - addresses_that_climb_are_not_resolved
+names in archives: Outputs whose names climb, are devices, or differ in large and small letters alone.
+- names_of_files_are_safe_and_unique
 cache poisoning: Bytes that change on disk, or come from a version with other results.
 - a_flipped_bit_is_never_served
 - a_flipped_bit_is_recomputed_and_never_served
@@ -198,16 +203,22 @@ kill -9: The end of the process at any moment of a write.
 - whatever_moment_it_is_killed_a_named_artifact_stays_and_none_is_wrong
 - the_sweep_removes_left_overs_and_nothing_else
 - an_index_that_is_gone_or_garbage_is_made_anew
+- whatever_moment_it_is_killed_no_accepted_job_is_lost_and_no_byte_is_wrong
+- an_accepted_batch_is_finished_by_the_next_process_and_what_is_done_is_not_done_again
+poison: A job that ends the process whenever it is begun.
+- a_job_with_which_the_process_ends_five_times_is_given_up
 overload: More work than there is room for.
 - a_full_queue_is_answered_503_while_cached_answers_and_health_go_on
 - health_is_answered_while_nothing_is_computed
 - short_work_does_not_wait_behind_long_work
 - a_job_that_is_too_large_is_refused_before_it_takes_a_place
 - readiness_names_the_share_that_is_full
+- one_client_has_so_many_batches_and_is_told_when_to_come_back
 client gone: Clients that leave while their jobs wait or run.
 - the_job_of_a_client_that_leaves_is_stopped
 - a_client_that_leaves_gives_its_place_in_line_back
 - a_job_goes_on_as_long_as_one_client_stays
+- an_archive_is_the_same_to_the_byte_and_what_left_the_cache_is_made_again
 - long_work_ends_with_the_last_interest
 panic: A computation or the reading of a request fails in a way that nobody foresaw.
 - a_computation_that_panics_fails_alone_and_gives_back_what_it_held

@@ -178,3 +178,32 @@ fn what_is_pinned_stays_and_a_store_full_of_it_refuses() {
     put(5).unwrap();
     assert!(store.manifest(&first).unwrap().is_none());
 }
+
+#[test]
+fn panels_of_a_figure_may_name_uploads_and_validate_looks_at_them() {
+    story(settings(), async |server| {
+        let id = send(server, "", OBJ.as_bytes()).await.json()["id"].as_str().unwrap().to_owned();
+        let figure = |input: &Value| {
+            let panel = |levels: u32| {
+                let output = json!([{ "format": "png", "width": 32, "height": 32 }]);
+                json!({ "job": { "input": input, "plan": { "preset": "loop" }, "levels": levels, "outputs": output } })
+            };
+            json!({ "figure": { "panels": [panel(0), panel(1)] }, "outputs": [{ "format": "png", "width": 80 }] })
+        };
+        let inline = figure(&json!({ "text": { "format": "obj", "data": OBJ } }));
+        let inline = server.render(&inline).await.ok();
+        let named = server.render(&figure(&json!({ "blob": id }))).await.ok();
+        assert_eq!((named.header("cache-status"), &named.body), ("planish; hit", &inline.body));
+        let mut missing = figure(&json!({ "blob": id }));
+        missing["figure"]["panels"][1]["job"]["input"]["blob"] = format!("b3-{}", "1".repeat(64)).into();
+        let problem = server.render(&missing).await.problem(422, "invalid-job");
+        assert_eq!(problem["errors"][0]["pointer"], "/figure/panels/1/job/input/blob", "{problem}");
+
+        let good = server.post("/v1/validate", &job(&id)).await.ok().json();
+        assert_eq!((&good["valid"], &good["report"]["closed"]), (&true.into(), &true.into()), "{good}");
+        let mut bad = job(&id);
+        bad["input"]["blob"] = format!("b3-{}", "1".repeat(64)).into();
+        let told = server.post("/v1/validate", &bad).await.ok().json();
+        assert_eq!((&told["valid"], &told["errors"][0]["pointer"]), (&false.into(), &"/input/blob".into()), "{told}");
+    });
+}

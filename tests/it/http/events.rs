@@ -13,20 +13,20 @@ use super::server::{Server, settings, story, story_at, until};
 
 /// One event as it came.
 #[derive(Debug, Clone)]
-struct Event {
-    id: u64,
-    name: String,
-    data: Value,
+pub(super) struct Event {
+    pub(super) id: u64,
+    pub(super) name: String,
+    pub(super) data: Value,
 }
 
 /// A client that listens.
-struct Listening {
+pub(super) struct Listening {
     response: reqwest::Response,
     text: String,
 }
 
 impl Listening {
-    async fn to(server: &Server, location: &str, seen: Option<u64>) -> Self {
+    pub(super) async fn to(server: &Server, location: &str, seen: Option<u64>) -> Self {
         let request = server.client.get(server.url(&format!("{location}/events")));
         let request = seen.into_iter().fold(request, |request, seen| request.header("last-event-id", seen));
         let response = request.send().await.unwrap();
@@ -49,7 +49,7 @@ impl Listening {
     }
 
     /// The next event; none at the end.
-    async fn event(&mut self) -> Option<Event> {
+    pub(super) async fn event(&mut self) -> Option<Event> {
         loop {
             let block = self.block().await?;
             if block.starts_with(':') {
@@ -61,7 +61,7 @@ impl Listening {
         }
     }
 
-    async fn rest(&mut self) -> Vec<Event> {
+    pub(super) async fn rest(&mut self) -> Vec<Event> {
         let mut all = Vec::new();
         while let Some(event) = self.event().await {
             all.push(event);

@@ -93,6 +93,7 @@ async fn results(server: &Server) -> Vec<(&'static str, String)> {
     server.settled(&location).await;
     told.push(("job-done", exchange(server, Asked::get(location)).await));
     told.extend(jobs(server).await);
+    told.extend(batches(server).await);
     told
 }
 
@@ -125,6 +126,29 @@ async fn jobs(server: &Server) -> Vec<(&'static str, String)> {
     told.push(("blob-head", exchange(server, Asked { method: "HEAD", ..Asked::get(format!("/v1/blobs/{id}")) }).await));
     let job = serde_json::json!({ "input": { "blob": id }, "plan": { "preset": "loop" }, "levels": 1 });
     told.push(("render-blob", exchange(server, Asked::post("/v1/render", &with(job, "stats"))).await));
+    told
+}
+
+/// Batches: a grid, a list, and what becomes of them.
+async fn batches(server: &Server) -> Vec<(&'static str, String)> {
+    let grid = serde_json::json!({ "template": with(polygon(1), "svg"), "grid": [
+        { "pointer": "/levels", "values": [1, 2] },
+        { "pointer": "/plan/preset", "values": ["chaikin", "four-point"] },
+    ] });
+    let mut wrong = grid.clone();
+    wrong["grid"][1]["values"][1] = "five-point".into();
+    let wait = Asked::post("/v1/batches", &grid).with("prefer", "wait=60");
+    let mut told = vec![("batches-wait", exchange(server, wait).await)];
+    let location = server.post("/v1/batches", &grid).await.header("location").to_owned();
+    told.push(("batches-list", exchange(server, Asked::get("/v1/batches?limit=1")).await));
+    told.push(("batch-events", exchange(server, Asked::get(format!("{location}/events"))).await));
+    let archive = Asked { method: "HEAD", ..Asked::get(format!("{location}/archive.zip")) };
+    told.push(("batch-archive-head", exchange(server, archive).await));
+    let cancel = Asked { method: "POST", ..Asked::get(format!("{location}/cancel")) };
+    told.push(("batch-cancel", exchange(server, cancel).await));
+    let forget = Asked { method: "DELETE", ..Asked::get(location) };
+    told.push(("batch-forget", exchange(server, forget).await));
+    told.push(("refused-422-batch", exchange(server, Asked::post("/v1/batches", &wrong)).await));
     told
 }
 

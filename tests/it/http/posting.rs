@@ -8,7 +8,7 @@ use planish::config::Settings;
 use planish::job::key::content;
 use planish::output::named;
 use planish::service::job_key::{JobKey, JobTerms, Tenant};
-use planish::service::jobs::{JobSummary, Phase, Predicted, Product};
+use planish::service::jobs::{Holder, JobSummary, Phase, Predicted, Product};
 use planish::service::peer::Peer;
 use serde_json::{Value, json};
 
@@ -235,7 +235,7 @@ fn two_tenants_have_two_jobs_in_one_computation() {
         let own = desk.jobs.get(&JobKey::of_anyone(id)).unwrap();
         let other = JobKey { tenant: Tenant(7), id };
         let summary = (*own.summary).clone();
-        desk.accept(other, summary, JobTerms::default(), Peer::SELF, Vec::new()).await.unwrap();
+        desk.accept(other, summary, JobTerms::default(), (Peer::SELF, Holder::Client), Vec::new()).await.unwrap();
         until("both wait", || desk.n_interests() == 2).await;
         assert_eq!(desk.n_under_way(), 1, "computations have no tenant");
         assert_eq!(delete(server, &location).await, 204);
@@ -391,7 +391,8 @@ fn a_job_with_more_than_its_account_holds_is_refused() {
             request,
         };
         let job = JobKey::of_anyone(key);
-        let refused = server.app.desk.accept(job, summary, JobTerms::default(), Peer::SELF, Vec::new()).await;
+        let refused =
+            server.app.desk.accept(job, summary, JobTerms::default(), (Peer::SELF, Holder::Client), Vec::new()).await;
         assert!(refused.is_err() && server.app.desk.jobs.is_empty());
     });
 }

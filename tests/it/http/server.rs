@@ -87,6 +87,7 @@ pub(crate) fn story_at<T>(settings: Settings, clock: Arc<dyn Clock>, tell: impl 
         // a computation that was stopped may hold the desk for a while
         desk.tiers.close(PATIENCE);
         desk.jobs.close(PATIENCE);
+        desk.batches.close(PATIENCE);
         desk.uploads.close();
         told
     })

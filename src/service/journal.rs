@@ -1,5 +1,5 @@
 //! The writer of records: one thread that writes all that has changed at once, so that jobs which come together share
-//! what a durable write takes.
+//! what a durable write takes. Tables of one store have a writer each.
 
 use std::collections::BTreeMap;
 use std::fmt;
@@ -10,8 +10,7 @@ use std::time::Duration;
 
 use tokio::sync::oneshot;
 
-use crate::service::job_key::JobKey;
-use crate::service::store::{Records, StoreError};
+use super::store::{Records, StoreError};
 
 /// How long the writer waits after a failure before it tries what is left again.
 /// Half of it asks a disk that is full twice as often; twice of it loses the state of more jobs in a crash, which are
@@ -22,43 +21,49 @@ const PAUSE: Duration = Duration::from_secs(1);
 /// Twice of it leaves nothing of that time for the rest; half of it loses the state of more jobs.
 const LAST_WAIT: Duration = Duration::from_secs(10);
 
-/// What is to be written of a job; nothing when it is to be removed.
-type Encoded = dyn Fn(&JobKey) -> Option<Vec<u8>> + Send + Sync;
-
-/// The writer of one table.
-pub(super) struct Journal {
-    shared: Arc<Shared>,
+/// What names a record of a table.
+pub(super) trait Row: Copy + Ord + Send + 'static {
+    /// The key under which it is written; no two tables have one in common.
+    fn key(&self) -> Vec<u8>;
 }
 
-struct Shared {
+/// What is to be written of a row; nothing when it is to be removed.
+type Encoded<R> = dyn Fn(&R) -> Option<Vec<u8>> + Send + Sync;
+
+/// The writer of one table.
+pub(super) struct Journal<R: Row> {
+    shared: Arc<Shared<R>>,
+}
+
+struct Shared<R> {
     /// Let go of at the end.
     records: Mutex<Option<Arc<dyn Records>>>,
-    encoded: Box<Encoded>,
-    pending: Mutex<Pending>,
+    encoded: Box<Encoded<R>>,
+    pending: Mutex<Pending<R>>,
     changed: Condvar,
 }
 
-#[derive(Default)]
-struct Pending {
-    /// The jobs that have changed, each with those who wait until it is written.
-    jobs: BTreeMap<JobKey, Vec<oneshot::Sender<Result<(), String>>>>,
+struct Pending<R> {
+    /// The rows that have changed, each with those who wait until it is written.
+    rows: BTreeMap<R, Vec<oneshot::Sender<Result<(), String>>>>,
     closed: bool,
     ended: bool,
 }
 
-impl fmt::Debug for Journal {
+impl<R: Row> fmt::Debug for Journal<R> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "{:?}", self.shared.records())
     }
 }
 
-impl Journal {
-    /// A writer; `encoded` tells what is to be written of a job.
+impl<R: Row> Journal<R> {
+    /// A writer; `encoded` tells what is to be written of a row.
     pub(super) fn new(
         records: Arc<dyn Records>,
-        encoded: impl Fn(&JobKey) -> Option<Vec<u8>> + Send + Sync + 'static,
+        encoded: impl Fn(&R) -> Option<Vec<u8>> + Send + Sync + 'static,
     ) -> Self {
-        let (pending, changed) = (Mutex::default(), Condvar::new());
+        let pending = Pending { rows: BTreeMap::new(), closed: false, ended: false };
+        let (pending, changed) = (Mutex::new(pending), Condvar::new());
         let shared =
             Arc::new(Shared { records: Mutex::new(Some(records)), encoded: Box::new(encoded), pending, changed });
         let of_thread = shared.clone();
@@ -71,19 +76,19 @@ impl Journal {
         Self { shared }
     }
 
-    /// Notes that a job has changed.
-    pub(super) fn note(&self, job: JobKey) {
-        self.shared.pending().jobs.entry(job).or_default();
+    /// Notes that a row has changed.
+    pub(super) fn note(&self, row: R) {
+        self.shared.pending().rows.entry(row).or_default();
         self.shared.changed.notify_all();
     }
 
-    /// Waits until what is known of a job now is written for good.
-    pub(super) async fn written(&self, job: JobKey) -> Result<(), StoreError> {
+    /// Waits until what is known of a row now is written for good.
+    pub(super) async fn written(&self, row: R) -> Result<(), StoreError> {
         let (told, written) = oneshot::channel();
         {
             let mut pending = self.shared.pending();
             if !pending.ended {
-                pending.jobs.entry(job).or_default().push(told);
+                pending.rows.entry(row).or_default().push(told);
             }
         }
         self.shared.changed.notify_all();
@@ -92,7 +97,7 @@ impl Journal {
         written.map_err(|error| StoreError::Io(io::Error::other(error)))
     }
 
-    /// Tells every record that is written.
+    /// Tells every record that is written, those of other tables, too.
     pub(super) fn each(&self, tell: &mut dyn FnMut(&[u8])) -> Result<(), StoreError> {
         match self.shared.records() {
             Some(records) => records.each(&mut |_, record| tell(record)),
@@ -110,15 +115,15 @@ impl Journal {
     }
 }
 
-impl Drop for Journal {
+impl<R: Row> Drop for Journal<R> {
     fn drop(&mut self) {
         self.close(LAST_WAIT);
     }
 }
 
-impl Shared {
+impl<R: Row> Shared<R> {
     /// Every change under this lock is complete before anything can panic.
-    fn pending(&self) -> MutexGuard<'_, Pending> {
+    fn pending(&self) -> MutexGuard<'_, Pending<R>> {
         self.pending.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
@@ -130,17 +135,17 @@ impl Shared {
     /// Writes what comes until the journal is closed.
     fn work(&self) {
         loop {
-            let idle = |pending: &mut Pending| pending.jobs.is_empty() && !pending.closed;
+            let idle = |pending: &mut Pending<R>| pending.rows.is_empty() && !pending.closed;
             let waited = self.changed.wait_while(self.pending(), idle);
             let mut pending = waited.unwrap_or_else(PoisonError::into_inner);
-            let jobs = std::mem::take(&mut pending.jobs);
+            let rows = std::mem::take(&mut pending.rows);
             let is_last = pending.closed;
             drop(pending);
-            let changes: Vec<_> = jobs.keys().map(|job| (job.to_bytes().to_vec(), (self.encoded)(job))).collect();
+            let changes: Vec<_> = rows.keys().map(|row| (row.key(), (self.encoded)(row))).collect();
             let records = self.records().filter(|_| !changes.is_empty());
             let written = records.map_or(Ok(()), |records| records.write(&changes)).map_err(|error| error.to_string());
             if let Err(error) = &written {
-                tracing::warn!(error, jobs = jobs.len(), "records of jobs could not be written");
+                tracing::warn!(error, records = rows.len(), "records of jobs could not be written");
             }
             if is_last {
                 drop(self.records.lock().unwrap_or_else(PoisonError::into_inner).take());
@@ -151,12 +156,12 @@ impl Shared {
                 self.changed.notify_all();
             } else if written.is_err() {
                 // who waits is told; what is known is written when the disk takes it
-                for job in jobs.keys() {
-                    pending.jobs.entry(*job).or_default();
+                for row in rows.keys() {
+                    pending.rows.entry(*row).or_default();
                 }
             }
             drop(pending);
-            jobs.into_values().flatten().for_each(|told| drop(told.send(written.clone())));
+            rows.into_values().flatten().for_each(|told| drop(told.send(written.clone())));
             if is_last {
                 return;
             }

@@ -1,0 +1,202 @@
+//! GET and HEAD /v1/batches/{id}/archive.zip: all results of a batch in one file, written while it is read.
+
+use std::io;
+use std::sync::Arc;
+
+use axum::body::{Body, Bytes};
+use axum::extract::State;
+use axum::http::{HeaderMap, HeaderValue, StatusCode, header};
+use axum::response::{IntoResponse, Response};
+use flate2::Crc;
+use futures_util::stream;
+
+use super::answer::PartReader;
+use super::app::{App, Shared};
+use super::artifacts::made_again;
+use super::batches::{parse, unknown};
+use super::client::Client;
+use super::negotiate;
+use super::problem::Problem;
+use super::segment::Segment;
+use super::zip::Zip;
+use crate::job::key::{Key, content};
+use crate::service::peer::{Kind, Paid, Peer};
+use crate::service::pool::Lane;
+use crate::service::store::Manifest;
+use crate::wire::archive::{Contents, contents};
+
+/// Booked for each file of an archive: its name, its place, and its entry in the list at the end.
+/// Half of it is less than a long name takes; twice of it lets half as many archives be read at once.
+const FILE_BYTES: u64 = 512;
+
+/// All results of a batch that has come to its end, as a ZIP archive.
+///
+/// It begins with `manifest.json`, which tells for each job its state, its outputs with keys and lengths, and why it
+/// failed; each result that was made is `0007/name.ext`, by the number of its job and the name of its output. The same
+/// results are the same bytes. What has left the cache is made again when it is its turn.
+#[utoipa::path(
+    get, path = "/v1/batches/{id}/archive.zip", tag = "jobs",
+    params(
+        ("id" = String, Path, description = "Id of the batch, 64 hexadecimal digits",
+            example = "7fd9512d51873010739dc6b61ab050e2fa8041f4f0258865739ad5cfefd188f2"),
+        ("If-None-Match" = Option<String>, Header, description = "ETags of archives that the client has"),
+    ),
+    responses(
+        (status = 200, description = "The archive", content_type = "application/zip", body = String),
+        (status = 304, description = "The client has it already (`If-None-Match`)"),
+    )
+)]
+pub(super) async fn archive(
+    State(app): State<Shared>,
+    client: Client,
+    Segment(id): Segment,
+    headers: HeaderMap,
+) -> Response {
+    answered(&app, &client, &id, &headers).unwrap_or_else(IntoResponse::into_response)
+}
+
+fn answered(app: &Arc<App>, client: &Client, id: &str, headers: &HeaderMap) -> Result<Response, Problem> {
+    let peer = client.peer();
+    let standing = parse(client, id).and_then(|batch| app.desk.batch_standing(&batch)).ok_or_else(unknown)?;
+    if !standing.is_settled() {
+        return Err(Problem::unfinished());
+    }
+    let (desk, request) = (&app.desk, &standing.batch.request);
+    let bytes = request.text.len() as u64 + FILE_BYTES * (request.n() as u64 + 2 * request.n_outputs);
+    let busy = |_| desk.pool.busy(Lane::Reading);
+    let paid = desk.peers.charge(&desk.account.answers, Kind::AnswerBytes, peer, bytes).map_err(busy)?;
+    let Contents { manifest, files } = contents(&standing.batch);
+    let key = content(&manifest);
+    let mut head = HeaderMap::new();
+    for (name, value) in [
+        (header::CONTENT_TYPE, "application/zip"),
+        (header::CACHE_CONTROL, "no-cache"),
+        (header::CONTENT_DISPOSITION, &format!("attachment; filename=\"batch-{}.zip\"", &id[..12])),
+        (header::CONTENT_SECURITY_POLICY, "default-src 'none'; sandbox"),
+        (header::ETAG, &format!("\"{key}\"")),
+    ] {
+        head.extend(HeaderValue::try_from(value).map(|value| (name, value)));
+    }
+    if negotiate::has_kept(headers, &key).is_some() {
+        head.remove(header::CONTENT_TYPE);
+        return Ok((StatusCode::NOT_MODIFIED, head).into_response());
+    }
+    let names = files.iter().map(|file| (file.name.clone(), file.bytes));
+    let zip = Zip::new(std::iter::once(("manifest.json".to_owned(), manifest.len() as u64)).chain(names));
+    head.insert(header::CONTENT_LENGTH, zip.length().into());
+    let files = files.into_iter().map(|file| (file.key, file.bytes)).collect();
+    let writing = Writing {
+        app: app.clone(),
+        peer,
+        zip,
+        manifest: Some(Bytes::from(manifest)),
+        files,
+        crcs: Vec::new(),
+        open: None,
+        has_ended: false,
+        _paid: paid,
+    };
+    let parts = stream::unfold(writing, |mut writing| async move {
+        // an error ends the connection: a broken answer, but never a wrong byte
+        let part = writing.next().await.transpose()?;
+        Some((part, writing))
+    });
+    Ok((head, Body::from_stream(parts)).into_response())
+}
+
+/// An archive that is being written, as far as its client reads it: nothing is looked for or made before its turn.
+struct Writing {
+    app: Arc<App>,
+    peer: Peer,
+    zip: Zip,
+    /// The first file, until it is written.
+    manifest: Option<Bytes>,
+    /// The keys of the other files, and their lengths.
+    files: Vec<(Key, u64)>,
+    /// The checksums of the files that were begun.
+    crcs: Vec<u32>,
+    open: Option<Open>,
+    has_ended: bool,
+    _paid: Paid,
+}
+
+/// A file of which some parts are still to be sent.
+enum Open {
+    /// The bytes that are left, where no store has them.
+    Loose(Bytes),
+    /// A result that is kept, and its next part.
+    Kept(PartReader, usize, usize),
+}
+
+impl Writing {
+    /// The next bytes; none at the end.
+    async fn next(&mut self) -> io::Result<Option<Bytes>> {
+        match self.open.take() {
+            Some(Open::Loose(bytes)) => return Ok(Some(bytes)),
+            Some(Open::Kept(parts, at, n)) if at < n => {
+                let part = parts.part(at).await.map_err(|_| broken("a part of it was lost"))?;
+                self.open = Some(Open::Kept(parts, at + 1, n));
+                return Ok(Some(part));
+            }
+            Some(Open::Kept(..)) | None => {}
+        }
+        if let Some(manifest) = self.manifest.take() {
+            let crc = checksum([&manifest]);
+            self.crcs.push(crc);
+            let head = self.zip.head(0, crc);
+            self.open = Some(Open::Loose(manifest));
+            return Ok(Some(head.into()));
+        }
+        let at = self.crcs.len() - 1;
+        if let Some((key, length)) = self.files.get(at).copied() {
+            let (open, crc) = self.opened(key, length).await?;
+            self.crcs.push(crc);
+            self.open = Some(open);
+            return Ok(Some(self.zip.head(at + 1, crc).into()));
+        }
+        let is_end = !std::mem::replace(&mut self.has_ended, true);
+        Ok(is_end.then(|| self.zip.list(&self.crcs).into()))
+    }
+
+    /// Opens a result and reads it once for its checksum, which stands before it.
+    async fn opened(&self, key: Key, length: u64) -> io::Result<(Open, u32)> {
+        if let Some(manifest) = self.app.desk.find(key, self.peer).await
+            && let Some(open) = self.kept(&manifest, length).await?
+        {
+            return Ok(open);
+        }
+        let made = made_again(&self.app, self.peer, &key).await;
+        let made = made.map_err(|_| broken("a result of it has left the cache and cannot be made again"))?;
+        if let Some(bytes) = made.loose.filter(|bytes| bytes.len() as u64 == length) {
+            let crc = checksum([&bytes]);
+            return Ok((Open::Loose(bytes), crc));
+        }
+        self.kept(&made.manifest, length).await?.ok_or_else(|| broken("a result of it was lost"))
+    }
+
+    /// A result that is kept; none where its bytes turn out to be gone.
+    async fn kept(&self, manifest: &Arc<Manifest>, length: u64) -> io::Result<Option<(Open, u32)>> {
+        if manifest.length != length {
+            return Err(broken("a result of it has become another one"));
+        }
+        let parts = PartReader::of(&self.app, self.peer, manifest.clone());
+        let parts = parts.map_err(|_| broken("there is no memory for it"))?;
+        let mut crc = Crc::new();
+        for at in 0..manifest.parts.len() {
+            let Ok(part) = parts.part(at).await else { return Ok(None) };
+            crc.update(&part);
+        }
+        Ok(Some((Open::Kept(parts, 0, manifest.parts.len()), crc.sum())))
+    }
+}
+
+fn checksum<'a>(parts: impl IntoIterator<Item = &'a Bytes>) -> u32 {
+    let mut crc = Crc::new();
+    parts.into_iter().for_each(|part| crc.update(part));
+    crc.sum()
+}
+
+fn broken(why: &'static str) -> io::Error {
+    tracing::warn!(why, "an archive was cut");
+    io::Error::new(io::ErrorKind::InvalidData, why)
+}

@@ -1,0 +1,128 @@
+//! Whether a batch that was sent can be done: its bounds, and each of its jobs.
+
+use std::collections::BTreeSet;
+use std::sync::Arc;
+
+use axum::body::Bytes;
+
+use super::app::App;
+use super::body::Sent;
+use super::charge::Charge;
+use super::client::Client;
+use super::problem::{self, Problem};
+use super::working;
+use crate::fault::Fault;
+use crate::job::key::{Key, content};
+use crate::math::amounts::{in_bytes, thousands};
+use crate::service::batches::{BatchRequest, Layout};
+use crate::service::peer::Peer;
+use crate::wire::batch::{layout, placed};
+use crate::wire::read::weight;
+
+/// The texts of all jobs of a batch have so many times the bytes that a body may have at most: by default 256 MiB, read
+/// in some seconds. Half of it refuses grids of templates that hold a large mesh sooner; twice of it checks for twice
+/// as long before the answer.
+const MOST_BODIES: u64 = 8;
+/// Most outputs of all jobs of a batch: how it stands is 2 MiB of JSON then. Half of it refuses batches of 1,000 jobs
+/// with three outputs; twice of it tells 4 MiB to each listener.
+const MOST_OUTPUTS: u64 = 4096;
+/// Faults after which no further job is looked at: more than one mends at once.
+/// Half and twice of it halve and double the time that a wrong batch takes.
+const MOST_FAULTS: usize = 50;
+
+/// Finds the jobs of a batch in its text, and its id: the hash of the texts of its jobs in their order.
+///
+/// # Errors
+/// What is no batch, or too large; 503 when too much is being read already.
+pub(super) async fn read(app: &Arc<App>, peer: Peer, sent: &Sent) -> Result<(Key, Layout), Problem> {
+    let (text, most, bodies) = (sent.bytes.clone(), app.settings.max_batch_items, app.settings.max_body_bytes);
+    let read = app.desk.read(peer, weight(sent.length()), move |_| {
+        let layout = layout(&text)?;
+        bounded(&layout, most, MOST_BODIES * bodies).map_err(|fault| Problem::invalid(vec![fault]))?;
+        let mut hashes = b"planish batch 1".to_vec();
+        let n = usize::try_from(layout.n()).unwrap_or(usize::MAX);
+        for at in 0..n {
+            hashes.extend_from_slice(content(&layout.text(&text, at)).as_bytes());
+        }
+        Ok::<_, Problem>((content(&hashes), layout))
+    });
+    read.await?
+}
+
+/// Refuses what is too much before any of its jobs is made.
+fn bounded(layout: &Layout, most: u64, most_bytes: u64) -> Result<(), Fault> {
+    let (n, bytes) = (layout.n(), layout.bytes());
+    let (place, factors) = match layout {
+        Layout::List(_) => ("/jobs", String::new()),
+        Layout::Grid { axes, .. } => {
+            let lengths: Vec<String> = axes.iter().map(|axis| axis.values.len().to_string()).collect();
+            ("/grid", format!("{} = ", lengths.join(" x ")))
+        }
+    };
+    if n > u128::from(most) {
+        let (n, most) = (thousands(n), thousands(most.into()));
+        let detail = format!("{factors}{n} jobs; a batch has at most {most} here; send several batches");
+        return Err(Fault::new(place, detail));
+    }
+    if bytes > u128::from(most_bytes) {
+        let (bytes, most) = (in_bytes(bytes), in_bytes(most_bytes.into()));
+        let remedy = "send large meshes to /v1/blobs once, and name them by input.blob";
+        return Err(Fault::new(place, format!("its jobs have {bytes} together, at most {most} here; {remedy}")));
+    }
+    Ok(())
+}
+
+/// Checks every job of a batch, as it would be at its turn.
+///
+/// # Errors
+/// All faults of its jobs, each at its place in the batch, and what is too large; 503 when too much is being read.
+pub(super) async fn checked(
+    app: &Arc<App>,
+    client: &Client,
+    sent: &Sent,
+    layout: Layout,
+) -> Result<BatchRequest, Problem> {
+    let n = usize::try_from(layout.n()).unwrap_or(usize::MAX);
+    let (mut faults, mut told, mut n_outputs) = (Vec::new(), BTreeSet::new(), 0);
+    let (mut charge, most) = (Charge::default(), app.desk.most_item_bytes());
+    for at in 0..n {
+        let text = Bytes::from(layout.text(&sent.bytes, at));
+        charge.cover(app, client, text.len())?;
+        if text.len() as u64 > most {
+            let fault = Fault::new("", too_long("the job has", text.len() as u64, most));
+            return Err(Problem::invalid(vec![placed(&layout, at, fault)]));
+        }
+        match working::check(app, client.peer(), Sent::job(text)).await {
+            Ok(n) => n_outputs += n as u64,
+            Err(problem) => {
+                let of_job = problem.placed(at, |fault| placed(&layout, at, fault)).faults()?;
+                faults.extend(
+                    of_job.into_iter().filter(|fault| told.insert((fault.pointer.clone(), fault.detail.clone()))),
+                );
+            }
+        }
+        if faults.len() >= MOST_FAULTS {
+            break;
+        }
+    }
+    if !faults.is_empty() {
+        return Err(Problem::invalid(faults));
+    }
+    if n_outputs > MOST_OUTPUTS {
+        let (n, most) = (thousands(n_outputs.into()), thousands(MOST_OUTPUTS.into()));
+        let detail = format!("its jobs have {n} outputs together, at most {most}; send several batches");
+        return Err(Problem::new(problem::TOO_LARGE, detail));
+    }
+    let request = BatchRequest { text: sent.text(), layout, n_outputs };
+    let (bytes, most) = (request.bytes(), app.desk.most_batch_bytes());
+    if bytes > most {
+        return Err(Problem::new(problem::TOO_LARGE, too_long("the batch takes", bytes, most)));
+    }
+    Ok(request)
+}
+
+fn too_long(what: &str, bytes: u64, most: u64) -> String {
+    let (bytes, most) = (in_bytes(bytes.into()), in_bytes(most.into()));
+    let remedy = "send large meshes to /v1/blobs and name them by input.blob, or raise --max-memory-bytes";
+    format!("{what} {bytes}; this server keeps at most {most} of it; {remedy}")
+}

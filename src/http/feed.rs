@@ -1,0 +1,191 @@
+//! Events: what happens to a job or a batch, for those who listen.
+
+use std::convert::Infallible;
+use std::sync::Arc;
+use std::time::Duration;
+
+use axum::body::Body;
+use axum::http::{HeaderMap, HeaderName, HeaderValue, StatusCode, header};
+use axum::response::{IntoResponse, Response};
+use futures_util::stream;
+use serde_json::{Value, json};
+use tokio::sync::watch;
+
+use super::app::App;
+use super::client::Client;
+use super::problem::Problem;
+use crate::service::jobs::Phase;
+use crate::service::peer::{Kind, Paid, Ticket};
+use crate::service::pool::Lane;
+
+/// How long a stream is silent at most: half of what proxies usually allow. Half of it wakes idle connections twice as
+/// often; twice of it is cut by some proxies.
+const HEARTBEAT: Duration = Duration::from_secs(15);
+/// How often a job is looked at for progress. Half of it tells more than eyes follow; twice of it makes bars jump.
+const LOOK: Duration = Duration::from_millis(200);
+/// Booked for a stream at least: an event with 64 outputs, and the one before it that is still being sent.
+/// Half of it is less than that; twice of it lets half as many listen.
+const STREAM_BYTES: u64 = 64 << 10;
+
+/// How something stands that is followed.
+pub(super) trait Followed {
+    /// A number that grows with everything that happens to it.
+    fn sequence(&self) -> u64;
+    /// Where it stands.
+    fn phase(&self) -> &Phase;
+    /// The whole of it.
+    fn whole(&self) -> Value;
+    /// How far it is.
+    fn progress(&self) -> Value;
+}
+
+/// Tells how something stands now, as long as it is known.
+pub(super) type Look = Box<dyn Fn(&App) -> Option<Box<dyn Followed>> + Send + Sync>;
+
+/// The stream of events of something that stands so; `ended` comes true when nothing more will happen to it, and `look`
+/// tells how it stands at any time.
+pub(super) fn stream(
+    app: &Arc<App>,
+    (client, headers): (&Client, &HeaderMap),
+    now: Box<dyn Followed>,
+    ended: watch::Receiver<bool>,
+    look: Look,
+) -> Response {
+    let seen = headers.get("last-event-id").and_then(|id| id.to_str().ok()).and_then(|id| id.trim().parse().ok());
+    let feed = Feed::new(seen, app.desk.now());
+    if feed.has_seen_the_end(&*now) {
+        return StatusCode::NO_CONTENT.into_response();
+    }
+    let bytes = STREAM_BYTES.max(2 * now.whole().to_string().len() as u64);
+    drop(now); // an interest in a computation would stay with it
+    match Listener::new(app, client, bytes, (look, feed, ended)) {
+        Some(listener) => {
+            let body = Body::from_stream(stream::unfold(listener, Listener::next));
+            let kind = [(header::CONTENT_TYPE, HeaderValue::from_static("text/event-stream"))];
+            let kept = [(header::CACHE_CONTROL, HeaderValue::from_static("no-store"))];
+            // proxies that hold answers back would hold events back
+            let unbuffered = [(HeaderName::from_static("x-accel-buffering"), HeaderValue::from_static("no"))];
+            (kind, kept, unbuffered, body).into_response()
+        }
+        None => Problem::from(app.desk.pool.busy(Lane::Long)).into_response(),
+    }
+}
+
+/// One client that listens.
+struct Listener {
+    app: Arc<App>,
+    look: Look,
+    feed: Feed,
+    ended: watch::Receiver<bool>,
+    _held: (Ticket, Paid),
+}
+
+impl Listener {
+    /// A listener, where there is room for it: all of them have a quarter of the connections, one peer half of that.
+    fn new(
+        app: &Arc<App>,
+        client: &Client,
+        bytes: u64,
+        (look, feed, ended): (Look, Feed, watch::Receiver<bool>),
+    ) -> Option<Self> {
+        let (desk, peer) = (&app.desk, client.peer());
+        let most = (app.settings.max_connections as u64 / 4).max(2);
+        let ticket = desk.peers.take(peer, Kind::Listening, 1, most / 2, most)?;
+        let paid = desk.peers.charge(&desk.account.answers, Kind::AnswerBytes, peer, bytes).ok()?;
+        Some(Self { app: app.clone(), look, feed, ended, _held: (ticket, paid) })
+    }
+
+    /// The next event, when there is one.
+    async fn next(mut self) -> Option<(Result<String, Infallible>, Self)> {
+        loop {
+            if self.feed.is_done || self.app.desk.is_ending() {
+                return None;
+            }
+            // an interest in a computation would stay with what is looked at
+            let event = self.feed.next((self.look)(&self.app).as_deref(), self.app.desk.now());
+            if let Some(event) = event {
+                return Some((Ok(event), self));
+            }
+            let has_ended = *self.ended.borrow();
+            tokio::select! {
+                () = tokio::time::sleep(LOOK) => {}
+                () = self.app.desk.ended() => {}
+                _ = self.ended.wait_for(|ended| *ended), if !has_ended => {}
+            }
+        }
+    }
+}
+
+/// What a client has been told.
+#[derive(Debug)]
+struct Feed {
+    /// The number of the last event that it saw.
+    seen: Option<u64>,
+    /// The last whole that it was told, and where that stood.
+    told: Option<(Value, Phase)>,
+    last_sent: Duration,
+    is_done: bool,
+}
+
+fn is_settled(standing: &dyn Followed) -> bool {
+    !matches!(standing.phase(), Phase::Queued | Phase::Running)
+}
+
+impl Feed {
+    fn new(seen: Option<u64>, now: Duration) -> Self {
+        Self { seen, told: None, last_sent: now, is_done: false }
+    }
+
+    fn has_seen_the_end(&self, standing: &dyn Followed) -> bool {
+        is_settled(standing) && self.seen.is_some_and(|seen| seen > standing.sequence())
+    }
+
+    /// What is to be told at this time, of something that stands so, or is forgotten.
+    fn next(&mut self, standing: Option<&dyn Followed>, now: Duration) -> Option<String> {
+        let event = match standing {
+            Some(standing) => self.changed(standing),
+            None => Some(self.forgotten()),
+        };
+        let event = event.or_else(|| {
+            let is_silent = now.saturating_sub(self.last_sent) >= HEARTBEAT;
+            is_silent.then(|| ": the job goes on\n\n".to_owned())
+        })?;
+        self.last_sent = now;
+        Some(event)
+    }
+
+    fn changed(&mut self, standing: &dyn Followed) -> Option<String> {
+        let number = standing.sequence();
+        let is_new = self.seen.is_none_or(|seen| number > seen);
+        let is_known = self.told.as_ref().is_some_and(|(_, phase)| phase == standing.phase());
+        if !is_new && !is_settled(standing) {
+            return None;
+        }
+        if is_known && is_settled(standing) {
+            self.is_done = true;
+            return Some(event(number + 1, "done", &standing.whole()));
+        }
+        self.seen = Some(number);
+        if is_known {
+            return Some(event(number, "progress", &standing.progress()));
+        }
+        let whole = standing.whole();
+        let told = event(number, "state", &whole);
+        self.told = Some((whole, standing.phase().clone()));
+        Some(told)
+    }
+
+    /// The end of something that somebody has forgotten.
+    fn forgotten(&mut self) -> String {
+        self.is_done = true;
+        let number = self.seen.map_or(0, |seen| seen + 1);
+        let mut whole = self.told.take().map_or_else(|| json!({}), |(whole, _)| whole);
+        whole["state"] = "cancelled".into();
+        event(number, "done", &whole)
+    }
+}
+
+/// An event as it is sent; JSON has no line breaks.
+fn event(number: u64, name: &str, data: &Value) -> String {
+    format!("id: {number}\nevent: {name}\ndata: {data}\n\n")
+}

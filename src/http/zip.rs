@@ -1,0 +1,168 @@
+//! ZIP archives of files as they are: written from front to back, the same bytes for the same files.
+//!
+//! Every file is stored, with its length and its CRC-32 before it, at the time 1980-01-01 00:00. Whatever passes 4 GiB
+//! is written as ZIP64 (APPNOTE.TXT 6.3.10, 4.3 and 4.5.3).
+
+/// A number that stands elsewhere, in a field of ZIP64.
+const ELSEWHERE: u32 = u32::MAX;
+/// 1980-01-01, the first day that there is.
+const DAY: u16 = 1 << 5 | 1;
+/// Names are in UTF-8.
+const FLAGS: u16 = 1 << 11;
+/// The version that is needed to read it, as tenths.
+const PLAIN: u16 = 20;
+const LARGE: u16 = 45;
+
+/// An archive of files whose names and lengths are known.
+#[derive(Debug)]
+pub(super) struct Zip {
+    files: Vec<File>,
+    /// Where the list of files begins.
+    end: u64,
+}
+
+#[derive(Debug)]
+struct File {
+    name: String,
+    length: u64,
+    offset: u64,
+}
+
+impl File {
+    /// The field of ZIP64 with those of these numbers that need one.
+    fn extra(numbers: &[u64]) -> Vec<u8> {
+        let large: Vec<u8> = numbers.iter().filter(|n| is_large(**n)).flat_map(|n| n.to_le_bytes()).collect();
+        if large.is_empty() { large } else { [&[1, 0], &short(large.len()).to_le_bytes()[..], &large].concat() }
+    }
+
+    /// What stands before the bytes of the file.
+    fn head(&self, crc: u32) -> Vec<u8> {
+        let extra = Self::extra(&[self.length, self.length]);
+        let mut out = b"PK\x03\x04".to_vec();
+        out.extend(self.facts(crc, &extra));
+        out.extend(self.name.as_bytes());
+        out.extend(extra);
+        out
+    }
+
+    /// What both the head of a file and its entry in the list say.
+    fn facts(&self, crc: u32, extra: &[u8]) -> Vec<u8> {
+        let version = if extra.is_empty() { PLAIN } else { LARGE };
+        let (stored, midnight, name) = (0_u16, 0_u16, short(self.name.len()));
+        let mut out = Vec::with_capacity(26);
+        for number in [version, FLAGS, stored, midnight, DAY] {
+            out.extend(number.to_le_bytes());
+        }
+        for number in [crc, narrow(self.length), narrow(self.length)] {
+            out.extend(number.to_le_bytes());
+        }
+        for number in [name, short(extra.len())] {
+            out.extend(number.to_le_bytes());
+        }
+        out
+    }
+
+    /// What the list says of the file.
+    fn entry(&self, crc: u32) -> Vec<u8> {
+        let extra = Self::extra(&[self.length, self.length, self.offset]);
+        let mut out = b"PK\x01\x02".to_vec();
+        out.extend(LARGE.to_le_bytes());
+        out.extend(self.facts(crc, &extra));
+        // no comment, on the first disk, of no kind, without attributes
+        out.extend([0; 10]);
+        out.extend(narrow(self.offset).to_le_bytes());
+        out.extend(self.name.as_bytes());
+        out.extend(extra);
+        out
+    }
+}
+
+impl Zip {
+    /// The archive of these files: names, which are short, and lengths.
+    pub(super) fn new(files: impl IntoIterator<Item = (String, u64)>) -> Self {
+        let (mut all, mut offset) = (Vec::new(), 0);
+        for (name, length) in files {
+            let file = File { name, length, offset };
+            offset += file.head(0).len() as u64 + length;
+            all.push(file);
+        }
+        Self { files: all, end: offset }
+    }
+
+    /// Bytes of the whole.
+    pub(super) fn length(&self) -> u64 {
+        self.end + self.list(&vec![0; self.files.len()]).len() as u64
+    }
+
+    /// What stands before the bytes of a file with this checksum.
+    pub(super) fn head(&self, file: usize, crc: u32) -> Vec<u8> {
+        self.files.get(file).map(|file| file.head(crc)).unwrap_or_default()
+    }
+
+    /// What stands behind all files, with these checksums.
+    pub(super) fn list(&self, crcs: &[u32]) -> Vec<u8> {
+        let mut out: Vec<u8> = self.files.iter().zip(crcs).flat_map(|(file, crc)| file.entry(*crc)).collect();
+        let (n, length) = (self.files.len() as u64, out.len() as u64);
+        if is_large(self.end) || is_large(length) || n >= u64::from(u16::MAX) {
+            let at = self.end + length;
+            out.extend(b"PK\x06\x06");
+            out.extend(44_u64.to_le_bytes());
+            out.extend([LARGE.to_le_bytes(), LARGE.to_le_bytes()].concat());
+            out.extend([0; 8]);
+            for number in [n, n, length, self.end] {
+                out.extend(number.to_le_bytes());
+            }
+            out.extend(b"PK\x06\x07");
+            out.extend(0_u32.to_le_bytes());
+            out.extend(at.to_le_bytes());
+            out.extend(1_u32.to_le_bytes());
+        }
+        out.extend(b"PK\x05\x06");
+        out.extend([0; 4]);
+        let n = short(self.files.len());
+        out.extend([n.to_le_bytes(), n.to_le_bytes()].concat());
+        out.extend(narrow(length).to_le_bytes());
+        out.extend(narrow(self.end).to_le_bytes());
+        out.extend([0; 2]);
+        out
+    }
+}
+
+fn is_large(number: u64) -> bool {
+    number >= u64::from(ELSEWHERE)
+}
+
+/// A number in 32 bits, or that it stands elsewhere.
+fn narrow(number: u64) -> u32 {
+    u32::try_from(number).unwrap_or(ELSEWHERE)
+}
+
+/// A number in 16 bits, or that it stands elsewhere.
+fn short(number: usize) -> u16 {
+    u16::try_from(number).unwrap_or(u16::MAX)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_passes_four_gibibytes_is_written_as_zip64() {
+        let zip = Zip::new([("a".to_owned(), 5 << 30), ("b".to_owned(), 3)]);
+        let (head, list) = (zip.head(0, 7), zip.list(&[7, 8]));
+        assert_eq!(head.len(), 30 + 1 + 20, "the length stands in a field of its own, twice");
+        assert_eq!(head[18..26], [0xff; 8]);
+        assert_eq!(
+            head[31..],
+            [&[1, 0, 16, 0], &(5_u64 << 30).to_le_bytes()[..], &(5_u64 << 30).to_le_bytes()].concat()
+        );
+        // the second file is small, but stands far behind
+        let second = 46 + 1 + 20;
+        assert_eq!(list[second + 20..second + 28], [3, 0, 0, 0, 3, 0, 0, 0]);
+        assert_eq!(list[second + 42..second + 46], [0xff; 4]);
+        let offset = head.len() as u64 + (5 << 30);
+        assert_eq!(list[second + 47..second + 59], [&[1, 0, 8, 0], &offset.to_le_bytes()[..]].concat());
+        assert_eq!(list[second + 59..second + 63], *b"PK\x06\x06");
+        assert_eq!(zip.length(), offset + zip.head(1, 8).len() as u64 + 3 + list.len() as u64);
+    }
+}

@@ -1,0 +1,110 @@
+//! Where in the text of a batch the texts of its jobs stand.
+
+use std::ops::Range;
+
+/// The jobs of a batch as parts of its text.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum Layout {
+    /// One after the other.
+    List(Vec<Range<usize>>),
+    /// A template with a value of each axis in it: row by row, the last axis fastest.
+    Grid {
+        /// The template, in pieces.
+        template: Vec<Piece>,
+        /// The axes in their order.
+        axes: Vec<Axis>,
+    },
+}
+
+/// A piece of a template.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum Piece {
+    /// Text of the batch.
+    Text(Range<usize>),
+    /// Text that stands nowhere in the batch.
+    Written(String),
+    /// The value of an axis.
+    Value(usize),
+}
+
+/// An axis of a grid.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Axis {
+    /// The place in the template that it fills.
+    pub pointer: String,
+    /// Where the text of each of its values stands.
+    pub values: Vec<Range<usize>>,
+}
+
+impl Layout {
+    /// How many jobs there are; saturates.
+    pub fn n(&self) -> u128 {
+        match self {
+            Self::List(jobs) => jobs.len() as u128,
+            Self::Grid { axes, .. } => axes.iter().fold(1, |n, axis| n.saturating_mul(axis.values.len() as u128)),
+        }
+    }
+
+    /// Bytes of the texts of all jobs together; saturates.
+    pub fn bytes(&self) -> u128 {
+        let (n, length) = (self.n(), |range: &Range<usize>| range.len() as u128);
+        match self {
+            Self::List(jobs) => jobs.iter().map(length).sum(),
+            Self::Grid { template, axes } => {
+                let of_piece = |piece: &Piece| match piece {
+                    Piece::Text(range) => n.saturating_mul(length(range)),
+                    Piece::Written(text) => n.saturating_mul(text.len() as u128),
+                    Piece::Value(at) => axes.get(*at).map_or(0, |axis| {
+                        let all: u128 = axis.values.iter().map(length).sum();
+                        (n / axis.values.len().max(1) as u128).saturating_mul(all)
+                    }),
+                };
+                template.iter().map(of_piece).fold(0, u128::saturating_add)
+            }
+        }
+    }
+
+    /// Which value of each axis a job has; nothing for a list.
+    pub fn coordinates(&self, job: usize) -> Vec<usize> {
+        let Self::Grid { axes, .. } = self else { return Vec::new() };
+        let (mut left, mut found) = (job, vec![0; axes.len()]);
+        for (place, axis) in found.iter_mut().zip(axes).rev() {
+            let n = axis.values.len().max(1);
+            (*place, left) = (left % n, left / n);
+        }
+        found
+    }
+
+    /// The text of a job.
+    pub fn text(&self, batch: &[u8], job: usize) -> Vec<u8> {
+        let of = |range: &Range<usize>| batch.get(range.clone()).unwrap_or_default();
+        match self {
+            Self::List(jobs) => jobs.get(job).map(of).unwrap_or_default().to_vec(),
+            Self::Grid { template, axes } => {
+                let coordinates = self.coordinates(job);
+                let parts = template.iter().map(|piece| match piece {
+                    Piece::Text(range) => of(range),
+                    Piece::Written(text) => text.as_bytes(),
+                    Piece::Value(axis) => of(&axes[*axis].values[coordinates[*axis]]),
+                });
+                parts.collect::<Vec<_>>().concat()
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_last_axis_of_a_grid_is_the_fastest() {
+        let axis = |values: &[Range<usize>]| Axis { pointer: String::new(), values: values.to_vec() };
+        let template = vec![Piece::Value(0), Piece::Written("-".to_owned()), Piece::Value(1), Piece::Text(5..6)];
+        let layout = Layout::Grid { template, axes: vec![axis(&[0..1, 1..2]), axis(&[2..3, 3..4, 3..5])] };
+        let texts: Vec<_> = (0..6).map(|at| String::from_utf8(layout.text(b"abxyz!", at)).expect("text")).collect();
+        assert_eq!(texts, ["a-x!", "a-y!", "a-yz!", "b-x!", "b-y!", "b-yz!"]);
+        assert_eq!((layout.n(), layout.bytes()), (6, texts.concat().len() as u128));
+        assert_eq!(layout.coordinates(4), [1, 1]);
+    }
+}

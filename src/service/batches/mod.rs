@@ -1,0 +1,14 @@
+//! Batches: lists of jobs that are done one after the other, each known by its item; settled ones leave first.
+
+mod begun;
+mod layout;
+mod record;
+mod standing;
+mod table;
+mod written;
+
+pub use begun::Begun;
+pub use layout::{Axis, Layout, Piece};
+pub use record::{Batch, BatchRequest, BatchRun, Ending, Item, NewBatch};
+pub use standing::{BatchStanding, Counts};
+pub use table::{Batches, ReadLayout};

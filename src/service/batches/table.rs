@@ -1,0 +1,356 @@
+//! The table of batches.
+
+use std::collections::{BTreeMap, BTreeSet, HashMap};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::time::Duration;
+
+use bytes::Bytes;
+use tokio::sync::watch;
+
+use super::layout::Layout;
+use super::record::{Batch, BatchRequest, BatchRun, Ending, Item, NewBatch};
+use super::written::{Kept, KeptBatch, Written, decode, encode, encode_item, is_of_batch};
+use crate::job::key::Key;
+use crate::service::account::Full;
+use crate::service::clock::Clock;
+use crate::service::job_key::{JobKey, Tenant};
+use crate::service::jobs::State;
+use crate::service::journal::Journal;
+use crate::service::peer::{Paid, Peer};
+use crate::service::store::{Records, StoreError};
+
+/// Most batches known.
+/// Half of it forgets batches sooner; twice of it may take twice their share of the memory of records.
+const MAX_BATCHES: usize = 1000;
+
+/// Finds the jobs in the text of a batch that was accepted; none where they cannot be told any more.
+pub type ReadLayout = fn(&Bytes) -> Option<Layout>;
+
+/// All batches.
+#[derive(Debug)]
+pub struct Batches {
+    table: Arc<Mutex<Table>>,
+    clock: Arc<dyn Clock>,
+    layout: ReadLayout,
+    /// Writes batches where they outlast the process.
+    journal: Option<Journal<Written>>,
+}
+
+#[derive(Debug, Default)]
+struct Table {
+    batches: HashMap<JobKey, Batch>,
+    by_number: BTreeMap<u64, JobKey>,
+    /// Keys of artifacts with the batches and the items that have them.
+    by_artifact: BTreeSet<(Tenant, Key, Key, usize)>,
+    next: u64,
+}
+
+impl Table {
+    fn insert(&mut self, batch: Batch) {
+        self.by_number.insert(batch.number, batch.batch);
+        let endings = batch.items.iter().enumerate().filter_map(|(at, item)| Some((at, item.ending.clone()?)));
+        for (at, ending) in endings {
+            self.find_by(batch.batch, at, &ending);
+        }
+        self.batches.insert(batch.batch, batch);
+    }
+
+    fn find_by(&mut self, batch: JobKey, at: usize, ending: &Ending) {
+        let places = ending.outputs.iter().map(|(product, _)| (batch.tenant, product.key, batch.id, at));
+        self.by_artifact.extend(places);
+    }
+
+    fn forget(&mut self, batch: &JobKey) -> Option<Batch> {
+        let known = self.batches.remove(batch)?;
+        self.by_number.remove(&known.number);
+        for (at, item) in known.items.iter().enumerate() {
+            for (product, _) in item.ending.iter().flat_map(|ending| &ending.outputs) {
+                self.by_artifact.remove(&(batch.tenant, product.key, batch.id, at));
+            }
+        }
+        known.ended.send_replace(true);
+        Some(known)
+    }
+
+    /// The batch of an attempt that goes on.
+    fn running(&mut self, run: &BatchRun) -> Option<&mut Batch> {
+        self.batches.get_mut(&run.batch).filter(|batch| batch.number == run.number && batch.is_active())
+    }
+}
+
+impl Batches {
+    /// A table whose batches outlast the process where there is a store for them.
+    pub fn new(records: Option<Arc<dyn Records>>, clock: Arc<dyn Clock>, layout: ReadLayout) -> Self {
+        let table = Arc::new(Mutex::new(Table::default()));
+        let journal = records.map(|records| {
+            let (table, clock) = (table.clone(), clock.clone());
+            Journal::new(records, move |row| {
+                let table = locked(&table);
+                match row {
+                    Written::Batch(batch) => {
+                        let batch = table.batches.get(batch)?;
+                        let since = batch.settled.map(|at| clock.now().saturating_sub(at));
+                        Some(encode(batch, since.map(|since| clock.wall().saturating_sub(since))))
+                    }
+                    Written::Item(batch, at) => {
+                        let item = table.batches.get(batch)?.items.get(*at as usize)?;
+                        Some(encode_item(batch, *at, item))
+                    }
+                }
+            })
+        });
+        Self { table, clock, layout, journal }
+    }
+
+    fn table(&self) -> MutexGuard<'_, Table> {
+        locked(&self.table)
+    }
+
+    fn note(&self, batch: JobKey) {
+        self.journal.iter().for_each(|journal| journal.note(Written::Batch(batch)));
+    }
+
+    fn note_items(&self, batch: JobKey, items: impl IntoIterator<Item = usize>) {
+        let Some(journal) = &self.journal else { return };
+        for at in items {
+            journal.note(Written::Item(batch, u32::try_from(at).unwrap_or(u32::MAX)));
+        }
+    }
+
+    /// Waits until a batch is written for good; at once where nothing outlasts the process.
+    ///
+    /// # Errors
+    /// When it cannot be written.
+    pub async fn written(&self, batch: JobKey) -> Result<(), StoreError> {
+        match &self.journal {
+            Some(journal) => journal.written(Written::Batch(batch)).await,
+            None => Ok(()),
+        }
+    }
+
+    /// A batch, if it is known.
+    pub fn get(&self, batch: &JobKey) -> Option<Batch> {
+        self.table().batches.get(batch).cloned()
+    }
+
+    /// A batch of a tenant with an artifact of this key, and which of its jobs has it.
+    pub fn of_artifact(&self, tenant: Tenant, artifact: &Key) -> Option<(Batch, usize)> {
+        let table = self.table();
+        let (owner, key, id, at) = *table.by_artifact.range((tenant, *artifact, Key::LEAST, 0)..).next()?;
+        let found = owner == tenant && key == *artifact;
+        found.then(|| table.batches.get(&JobKey { tenant, id }).cloned().map(|batch| (batch, at))).flatten()
+    }
+
+    /// So many batches of a tenant, the newest first, of those before a number; and whether there are more.
+    pub fn page(&self, tenant: Tenant, before: u64, n: usize) -> (Vec<Batch>, bool) {
+        let table = self.table();
+        let own = table.by_number.range(..before).rev().filter(|(_, batch)| batch.tenant == tenant);
+        let mut own = own.map(|(_, batch)| &table.batches[batch]);
+        let page = own.by_ref().take(n).cloned().collect();
+        let is_more = own.next().is_some();
+        (page, is_more)
+    }
+
+    /// Accepts a batch, unless it goes on or is done: none then. One that failed or was cancelled is begun again, with
+    /// those of its jobs that were not done. `memory` takes bytes for it; where it finds none, the oldest batches that
+    /// are settled are forgotten.
+    ///
+    /// # Errors
+    /// [`Full`] when there is no room beside the batches that go on.
+    pub fn accept(&self, memory: impl Fn(u64) -> Result<Paid, Full>, new: NewBatch) -> Result<Option<BatchRun>, Full> {
+        let mut table = self.table();
+        let known = table.batches.get(&new.batch);
+        if known.is_some_and(|known| known.is_active() || known.state == State::Done) {
+            return Ok(None);
+        }
+        let before = table.forget(&new.batch);
+        let (attempts, items) = before.map_or((0, Vec::new()), |before| (before.attempts, before.items));
+        let mut forgotten = Vec::new();
+        let memory = loop {
+            let is_room = table.batches.len() < MAX_BATCHES;
+            if let Some(memory) = is_room.then(|| memory(new.request.bytes()).ok()).flatten() {
+                break Ok(memory);
+            }
+            let oldest = table.by_number.values().find(|batch| !table.batches[*batch].is_active()).copied();
+            match oldest.and_then(|oldest| table.forget(&oldest)) {
+                Some(oldest) => forgotten.push(oldest),
+                None => break Err(Full),
+            }
+        };
+        let number = table.next;
+        table.next += 1;
+        let begun = memory.map(|memory| {
+            let batch = self.begun(new, number, (attempts + 1, items), memory);
+            let run = BatchRun { batch: batch.batch, number, ended: batch.ended.subscribe() };
+            table.insert(batch);
+            run
+        });
+        drop(table);
+        for batch in forgotten {
+            self.note(batch.batch);
+            self.note_items(batch.batch, 0..batch.items.len());
+        }
+        let run = begun?;
+        self.note(run.batch);
+        Ok(Some(run))
+    }
+
+    fn begun(&self, new: NewBatch, number: u64, (attempts, before): (u32, Vec<Item>), memory: Paid) -> Batch {
+        let NewBatch { batch, request, terms, peer, ticket } = new;
+        let is_done = |item: &Item| item.ending.as_ref().is_some_and(|ending| ending.state == State::Done);
+        let mut items: Vec<Item> =
+            before.into_iter().map(|item| if is_done(&item) { item } else { Item::default() }).collect();
+        items.resize(request.n(), Item::default());
+        Batch {
+            batch,
+            number,
+            request,
+            attempts,
+            terms,
+            peer,
+            state: State::Active,
+            items,
+            queued: self.clock.now(),
+            settled: None,
+            ended: Arc::new(watch::channel(false).0),
+            _memory: Arc::new(memory),
+            ticket: Some(Arc::new(ticket)),
+        }
+    }
+
+    /// Takes the batches of an earlier process up, and tells those that are not settled, the oldest first. Those for
+    /// which there is no room stay where they are written.
+    ///
+    /// # Errors
+    /// When they cannot be read.
+    pub fn recover(&self, memory: impl Fn(u64) -> Result<Paid, Full>) -> Result<Vec<BatchRun>, StoreError> {
+        let Some(journal) = &self.journal else { return Ok(Vec::new()) };
+        let (mut kept, mut items) = (Vec::new(), HashMap::<JobKey, Vec<(usize, Item)>>::new());
+        journal.each(&mut |record| match is_of_batch(record).then(|| decode(record)) {
+            Some(Some(Kept::Batch(batch))) => kept.push(*batch),
+            Some(Some(Kept::Item { batch, at, item })) => items.entry(batch).or_default().push((at, item)),
+            Some(None) => tracing::warn!("a record of a batch cannot be read; it is left as it is"),
+            None => {}
+        })?;
+        kept.sort_by_key(|kept| kept.number);
+        let (mut table, mut runs) = (self.table(), Vec::new());
+        for kept in kept {
+            let (key, number) = (kept.batch, kept.number);
+            let Some(layout) = (self.layout)(&kept.text) else {
+                tracing::warn!(batch = %key.id, "the jobs of a batch cannot be told any more; it is left as it is");
+                continue;
+            };
+            let request = BatchRequest { text: kept.text.clone(), layout, n_outputs: kept.n_outputs };
+            let Ok(memory) = memory(request.bytes()) else {
+                tracing::warn!(batch = %key.id, "no room for the record of a batch; it waits for a next start");
+                continue;
+            };
+            table.next = table.next.max(number + 1);
+            let batch = self.revived(kept, request, items.remove(&key).unwrap_or_default(), memory);
+            if batch.is_active() {
+                runs.push(BatchRun { batch: key, number, ended: batch.ended.subscribe() });
+            }
+            table.insert(batch);
+        }
+        Ok(runs)
+    }
+
+    /// A batch of an earlier process; its attempt, if it was not settled, is a further one.
+    fn revived(&self, kept: KeptBatch, request: BatchRequest, known: Vec<(usize, Item)>, memory: Paid) -> Batch {
+        let KeptBatch { batch, number, attempts, terms, state, settled_s, n_outputs: _, text: _ } = kept;
+        let (now, wall) = (self.clock.now(), self.clock.wall());
+        let mut items = vec![Item::default(); request.n()];
+        for (at, item) in known {
+            if let Some(place) = items.get_mut(at) {
+                *place = item;
+            }
+        }
+        let is_active = state == State::Active;
+        let age = settled_s.map(|at| wall.saturating_sub(Duration::from_secs(at)));
+        Batch {
+            batch,
+            number,
+            request: Arc::new(request),
+            attempts: attempts + u32::from(is_active),
+            terms,
+            peer: Peer::service(batch.tenant),
+            state,
+            items,
+            queued: now,
+            settled: age.map(|age| now.saturating_sub(age)),
+            ended: Arc::new(watch::channel(!is_active).0),
+            _memory: Arc::new(memory),
+            ticket: None,
+        }
+    }
+
+    /// An item was read, and is this job; `is_hit` says whether all its results were there. What was said of it before,
+    /// in this process or an earlier one, stays. False when the attempt is over.
+    pub fn read(&self, run: &BatchRun, at: usize, job: Key, is_hit: bool) -> bool {
+        let mut table = self.table();
+        let Some(item) = table.running(run).and_then(|batch| batch.items.get_mut(at)) else { return false };
+        if item.job != Some(job) {
+            *item = Item { job: Some(job), is_hit, ending: None };
+        }
+        drop(table);
+        self.note_items(run.batch, [at]);
+        true
+    }
+
+    /// An item came to its end.
+    pub fn settle_item(&self, run: &BatchRun, at: usize, ending: Ending) {
+        let ending = Arc::new(ending);
+        let mut table = self.table();
+        let Some(item) = table.running(run).and_then(|batch| batch.items.get_mut(at)) else { return };
+        item.ending = Some(ending.clone());
+        table.find_by(run.batch, at, &ending);
+        drop(table);
+        self.note_items(run.batch, [at]);
+    }
+
+    /// Ends a batch that goes on and, where an attempt is named, goes on with it: its jobs that have not come to their
+    /// end count as cancelled. Tells those of them that were read; none where nothing goes on.
+    pub fn end(&self, batch: &JobKey, attempt: Option<&BatchRun>, state: State) -> Option<Vec<JobKey>> {
+        let now = self.clock.now();
+        let mut table = self.table();
+        let is_meant = |known: &&mut Batch| attempt.is_none_or(|run| run.number == known.number);
+        let known = table.batches.get_mut(batch).filter(|known| known.is_active()).filter(is_meant)?;
+        let left = known.under_way();
+        let cancelled = Arc::new(Ending { state: State::Cancelled, outputs: Vec::new() });
+        let open: Vec<usize> = (0..known.items.len()).filter(|at| known.items[*at].ending.is_none()).collect();
+        for at in &open {
+            known.items[*at].ending = Some(cancelled.clone());
+        }
+        (known.state, known.settled, known.ticket) = (state, Some(now), None);
+        let ended = known.ended.clone();
+        drop(table);
+        self.note_items(*batch, open);
+        self.note(*batch);
+        ended.send_replace(true);
+        Some(left)
+    }
+
+    /// Forgets a batch; tells its jobs that were read and have not come to their end. None where it is not known.
+    pub fn remove(&self, batch: &JobKey) -> Option<Vec<JobKey>> {
+        let forgotten = self.table().forget(batch)?;
+        self.note_items(*batch, 0..forgotten.items.len());
+        self.note(*batch);
+        Some(if forgotten.is_active() { forgotten.under_way() } else { Vec::new() })
+    }
+
+    /// The batches that were settled longer ago than that.
+    pub fn overdue(&self, time_to_live: Duration) -> Vec<JobKey> {
+        let now = self.clock.now();
+        let is_old = |batch: &&Batch| batch.settled.is_some_and(|at| now.saturating_sub(at) >= time_to_live);
+        self.table().batches.values().filter(is_old).map(|batch| batch.batch).collect()
+    }
+
+    /// Writes what is not written yet, and nothing afterwards. Blocks, but no longer than that.
+    pub fn close(&self, patience: Duration) {
+        self.journal.iter().for_each(|journal| journal.close(patience));
+    }
+}
+
+fn locked(table: &Mutex<Table>) -> MutexGuard<'_, Table> {
+    table.lock().unwrap_or_else(PoisonError::into_inner)
+}

@@ -1,0 +1,153 @@
+//! The binary form of batches and of their items: what outlasts the process.
+
+use std::sync::Arc;
+use std::time::Duration;
+
+use bytes::Bytes;
+
+use super::record::{Batch, Ending, Item};
+use crate::service::fields::{Fields, Writing};
+use crate::service::job_key::{JOB_KEY_BYTES, JobKey, JobTerms, Priority};
+use crate::service::jobs::{State, output, outputs};
+use crate::service::journal::Row;
+
+const BATCH: [u8; 8] = *b"plnshbat";
+const ITEM: [u8; 8] = *b"plnshitm";
+const VERSION: u32 = 1;
+/// Written where a number is left out.
+const NONE: u64 = u64::MAX;
+
+/// The fields in their order; those of outputs follow those of an item.
+mod tag {
+    pub(super) const BATCH: u8 = 1;
+    pub(super) const STANDING: u8 = 2;
+    pub(super) const TERMS: u8 = 3;
+    pub(super) const REASON: u8 = 4;
+    pub(super) const TEXT: u8 = 5;
+    pub(super) const JOB: u8 = 6;
+}
+
+/// What is written by itself: a batch, or what is known of one of its items.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub(super) enum Written {
+    Batch(JobKey),
+    Item(JobKey, u32),
+}
+
+impl Row for Written {
+    fn key(&self) -> Vec<u8> {
+        match self {
+            Self::Batch(batch) => batch.to_bytes().to_vec(),
+            Self::Item(batch, item) => [batch.to_bytes().as_slice(), &item.to_be_bytes()].concat(),
+        }
+    }
+}
+
+/// A row as it is read back.
+#[derive(Debug)]
+pub(super) enum Kept {
+    Batch(Box<KeptBatch>),
+    Item { batch: JobKey, at: usize, item: Item },
+}
+
+/// A batch as it is read back.
+#[derive(Debug)]
+pub(super) struct KeptBatch {
+    pub(super) batch: JobKey,
+    pub(super) number: u64,
+    pub(super) attempts: u32,
+    pub(super) terms: JobTerms,
+    pub(super) state: State,
+    /// When it was settled, seconds since 1970.
+    pub(super) settled_s: Option<u64>,
+    pub(super) n_outputs: u64,
+    pub(super) text: Bytes,
+}
+
+fn named(state: &State) -> (u64, &str) {
+    match state {
+        State::Active => (0, ""),
+        State::Done => (1, ""),
+        State::Failed(reason) => (2, reason),
+        State::Cancelled => (3, ""),
+    }
+}
+
+fn state(number: u64, reason: String) -> Option<State> {
+    Some(match number {
+        0 => State::Active,
+        1 => State::Done,
+        2 => State::Failed(reason),
+        3 => State::Cancelled,
+        _ => return None,
+    })
+}
+
+/// The binary form of a batch that was settled at this time since 1970, if it was; its items have forms of their own.
+pub(super) fn encode(batch: &Batch, settled: Option<Duration>) -> Vec<u8> {
+    let mut out = Writing::new(BATCH, VERSION, 256 + batch.request.text.len());
+    out.field(tag::BATCH, &batch.batch.to_bytes());
+    let (number, reason) = named(&batch.state);
+    let settled = settled.map_or(NONE, |at| at.as_secs());
+    let standing = [batch.number, batch.attempts.into(), number, settled, batch.request.n_outputs];
+    out.numbers(tag::STANDING, &standing);
+    let JobTerms { priority, queue_timeout_s, run_timeout_s } = batch.terms;
+    let is_batch = u64::from(priority == Priority::Batch);
+    out.numbers(tag::TERMS, &[is_batch, queue_timeout_s.unwrap_or(NONE), run_timeout_s.unwrap_or(NONE)]);
+    out.field(tag::REASON, reason.as_bytes());
+    out.field(tag::TEXT, &batch.request.text);
+    out.closed()
+}
+
+/// The binary form of an item.
+pub(super) fn encode_item(batch: &JobKey, at: u32, item: &Item) -> Vec<u8> {
+    let mut out = Writing::new(ITEM, VERSION, 256);
+    out.field(tag::BATCH, &batch.to_bytes());
+    let (number, reason) = item.ending.as_ref().map_or((0, ""), |ending| named(&ending.state));
+    out.numbers(tag::STANDING, &[at.into(), number, item.is_hit.into()]);
+    out.field(tag::REASON, reason.as_bytes());
+    out.hashes(tag::JOB, &item.job);
+    for (product, made) in item.ending.iter().flat_map(|ending| &ending.outputs) {
+        output(&mut out, product, made.as_ref());
+    }
+    out.closed()
+}
+
+/// Whether a record of a store is that of a batch or of an item.
+pub(super) fn is_of_batch(record: &[u8]) -> bool {
+    record.starts_with(&BATCH) || record.starts_with(&ITEM)
+}
+
+/// Reads a binary form back; `None` when it is damaged or of another version.
+pub(super) fn decode(bytes: &[u8]) -> Option<Kept> {
+    if bytes.starts_with(&ITEM) {
+        return decode_item(bytes);
+    }
+    let mut fields = Fields::of(bytes, BATCH, VERSION)?;
+    let batch = key(&mut fields)?;
+    let [number, attempts, standing, settled, n_outputs] = fields.numbers(tag::STANDING)?.try_into().ok()?;
+    let [is_batch, queue, run] = fields.numbers(tag::TERMS)?.try_into().ok()?;
+    let given = |number: u64| Some(number).filter(|number| *number != NONE);
+    let priority = if is_batch == 1 { Priority::Batch } else { Priority::Interactive };
+    let terms = JobTerms { priority, queue_timeout_s: given(queue), run_timeout_s: given(run) };
+    let state = state(standing, fields.text(tag::REASON)?)?;
+    let text = Bytes::copy_from_slice(fields.take(tag::TEXT)?);
+    let (attempts, settled_s) = (u32::try_from(attempts).ok()?, given(settled));
+    Some(Kept::Batch(Box::new(KeptBatch { batch, number, attempts, terms, state, settled_s, n_outputs, text })))
+}
+
+fn key(fields: &mut Fields<'_>) -> Option<JobKey> {
+    JobKey::from_bytes(&fields.fixed::<JOB_KEY_BYTES>(tag::BATCH)?)
+}
+
+fn decode_item(bytes: &[u8]) -> Option<Kept> {
+    let mut fields = Fields::of(bytes, ITEM, VERSION)?;
+    let batch = key(&mut fields)?;
+    let [at, number, is_hit] = fields.numbers(tag::STANDING)?.try_into().ok()?;
+    let state = state(number, fields.text(tag::REASON)?)?;
+    let job = fields.hashes(tag::JOB)?.first().copied();
+    let (products, made) = outputs(&mut fields)?;
+    let outputs = products.into_iter().zip(made).collect();
+    let ending = (state != State::Active).then(|| Arc::new(Ending { state, outputs }));
+    Some(Kept::Item { batch, at: usize::try_from(at).ok()?, item: Item { job, is_hit: is_hit == 1, ending } })
+}

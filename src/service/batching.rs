@@ -1,0 +1,270 @@
+//! Doing batches: their jobs are put in line a few at a time, and what becomes of each is kept.
+
+use std::future::Future;
+use std::pin::Pin;
+use std::sync::Arc;
+use std::time::Duration;
+
+use tokio::task::JoinSet;
+
+use super::accepting::NotAccepted;
+use super::account::Full;
+use super::batches::{Batch, BatchRequest, BatchRun, BatchStanding, Ending, NewBatch};
+use super::desk::Desk;
+use super::driving::{Unreadable, found};
+use super::job_key::{JobKey, JobTerms};
+use super::jobs::{Holder, JobSummary, Made, State};
+use super::peer::{Kind, Paid, Peer};
+use super::pool::Lane;
+use super::store::StoreError;
+
+/// How long is waited before a job is put in line again where that failed at the disk.
+/// Half of it asks a full disk twice as often; twice of it lets a batch stand for longer when the disk has room again.
+const DISK_PAUSE: Duration = Duration::from_secs(5);
+/// How long is waited at least before something full is tried again.
+/// Half of it tries twice as often; twice of it leaves places empty for longer.
+const LEAST_PAUSE: Duration = Duration::from_millis(100);
+
+/// Reads the jobs of batches that were accepted.
+pub trait ReadItems: Send + Sync {
+    /// The id of a job of a batch, and what it is.
+    fn item(self: Arc<Self>, batch: Batch, at: usize) -> Reading;
+}
+
+/// A job of a batch that is being read.
+pub type Reading = Pin<Box<dyn Future<Output = Result<(JobKey, JobSummary), Unreadable>> + Send>>;
+
+impl Desk {
+    /// Batches take half of the memory of records at most, one peer half of that: jobs always have the other half.
+    fn batch_memory(&self, peer: Peer) -> impl Fn(u64) -> Result<Paid, Full> + '_ {
+        let capacity = self.account.records.capacity;
+        let of_peer = if peer == Peer::SELF { capacity } else { capacity / 4 };
+        move |bytes| {
+            let most = (of_peer, capacity / 2);
+            self.peers.charge_under(&self.account.records, Kind::BatchBytes, peer, bytes, most)
+        }
+    }
+
+    /// Most bytes that the text of one job of a batch may have: an eighth of the memory of records, so that there is
+    /// room for it beside the batches, whatever else is kept.
+    pub fn most_item_bytes(&self) -> u64 {
+        self.account.records.capacity / 8
+    }
+
+    /// Most bytes that a batch may have, with what is kept of its jobs.
+    pub fn most_batch_bytes(&self) -> u64 {
+        self.account.records.capacity / 4
+    }
+
+    /// Accepts a batch: it is known and its jobs will be done, after a restart, too, where jobs outlast the process.
+    /// One that is known already is the same batch; of one that failed or was cancelled, what is missing is done.
+    ///
+    /// # Errors
+    /// [`NotAccepted`].
+    pub async fn accept_batch(
+        self: &Arc<Self>,
+        batch: JobKey,
+        request: BatchRequest,
+        terms: JobTerms,
+        peer: Peer,
+    ) -> Result<(), NotAccepted> {
+        let busy = || self.pool.busy_behind(Lane::Long, self.queue.waiting(Lane::Long));
+        let most = (self.terms.most_a_peer / 4).max(1);
+        let ticket = self.peers.take(peer, Kind::Batch, 1, most, self.terms.most_jobs as u64).ok_or_else(busy)?;
+        let new = NewBatch { batch, request: Arc::new(request), terms, peer, ticket };
+        let begun = self.batches.accept(self.batch_memory(peer), new).map_err(|Full| busy())?;
+        // goes on when its client leaves here
+        let desk = self.clone();
+        let written = tokio::spawn(async move {
+            let written = desk.batches.written(batch).await;
+            match (begun, &written) {
+                (Some(run), Ok(())) => desk.begun.put(run),
+                (Some(_), Err(_)) => drop(desk.batches.remove(&batch)),
+                (None, _) => {}
+            }
+            written
+        });
+        Ok(written.await.map_err(|error| NotAccepted::Unwritten(error.to_string()))??)
+    }
+
+    /// How a batch stands, if it is known.
+    pub fn batch_standing(&self, batch: &JobKey) -> Option<BatchStanding> {
+        self.batches.get(batch).map(|batch| self.standing_of_batch(batch))
+    }
+
+    /// How a batch stands that is known.
+    pub fn standing_of_batch(&self, batch: Batch) -> BatchStanding {
+        let ids: Vec<_> = batch.items.iter().map(|item| item.job).collect();
+        let tenant = batch.batch.tenant;
+        BatchStanding::of(batch, |at| self.standing(&JobKey { tenant, id: ids[at]? }))
+    }
+
+    /// Cancels a batch that goes on, and those of its jobs that nobody else wants. False where nothing goes on.
+    pub fn cancel_batch(&self, batch: &JobKey) -> bool {
+        let left = self.batches.end(batch, None, State::Cancelled);
+        left.map(|left| self.leave_all(batch, &left)).is_some()
+    }
+
+    /// Cancels and forgets a batch. False where it is not known.
+    pub fn forget_batch(&self, batch: &JobKey) -> bool {
+        let left = self.batches.remove(batch);
+        left.map(|left| self.leave_all(batch, &left)).is_some()
+    }
+
+    fn leave_all(&self, batch: &JobKey, jobs: &[JobKey]) {
+        for job in jobs.iter().filter(|job| self.jobs.leave(job, &batch.id)) {
+            self.cancel(job);
+        }
+    }
+
+    /// Takes up the batches of an earlier process.
+    ///
+    /// # Errors
+    /// When they cannot be read.
+    pub fn recover_batches(&self) -> Result<usize, StoreError> {
+        let runs = self.batches.recover(self.batch_memory(Peer::SELF))?;
+        let n = runs.len();
+        runs.into_iter().for_each(|run| self.begun.put(run));
+        Ok(n)
+    }
+
+    /// Does batches, all at once, until the service ends.
+    pub async fn do_batches(self: Arc<Self>, reader: Arc<dyn ReadItems>) {
+        let mut under_way = JoinSet::new();
+        loop {
+            tokio::select! {
+                biased;
+                () = self.ended() => return,
+                run = self.begun.next() => drop(under_way.spawn(self.clone().do_batch(run, reader.clone()))),
+                Some(_) = under_way.join_next() => {}
+            }
+        }
+    }
+
+    /// How many jobs of a batch are in line or being done at once: enough to keep every place busy, and at most half of
+    /// those that its peer may have.
+    fn window(&self) -> usize {
+        let places = 2 * self.pool.places(Lane::Short) + 2;
+        places.min(usize::try_from(self.terms.most_a_peer / 2).unwrap_or(usize::MAX)).max(1)
+    }
+
+    async fn do_batch(self: Arc<Self>, run: BatchRun, reader: Arc<dyn ReadItems>) {
+        let Some(batch) = self.batches.get(&run.batch) else { return };
+        let open: Vec<usize> = (0..batch.items.len()).filter(|at| batch.items[*at].ending.is_none()).collect();
+        drop(batch);
+        let (mut open, mut under_way) = (open.into_iter(), JoinSet::new());
+        loop {
+            while under_way.len() < self.window()
+                && let Some(at) = open.next()
+            {
+                under_way.spawn(self.clone().do_item(run.clone(), at, reader.clone()));
+            }
+            if under_way.join_next().await.is_none() {
+                break;
+            }
+        }
+        self.close_batch(&run);
+    }
+
+    /// Settles an attempt whose jobs have all come to their end.
+    fn close_batch(&self, run: &BatchRun) {
+        let Some(batch) = self.batches.get(&run.batch).filter(Batch::is_active) else { return };
+        let endings = batch.items.iter().filter_map(|item| item.ending.as_ref());
+        let n_done = endings.filter(|ending| ending.state == State::Done).count();
+        let (n, left) = (batch.items.len(), batch.items.len() - n_done);
+        let state = if left == 0 { State::Done } else { State::Failed(format!("{left} of {n} jobs were not done")) };
+        self.batches.end(&run.batch, Some(run), state);
+    }
+
+    /// Has a job of a batch done, and keeps what becomes of it.
+    async fn do_item(self: Arc<Self>, run: BatchRun, at: usize, reader: Arc<dyn ReadItems>) {
+        let mut ended = run.ended.clone();
+        loop {
+            if *ended.borrow() {
+                return;
+            }
+            let pause = match self.try_item(&run, at, &reader).await {
+                Ok(()) => return,
+                Err(pause) => pause.max(LEAST_PAUSE),
+            };
+            tokio::select! {
+                () = self.clock.sleep(pause) => {}
+                // the record keeps its sender
+                _ = ended.wait_for(|ended| *ended) => return,
+            }
+        }
+    }
+
+    /// As [`Desk::do_item`], unless there is no room for it now.
+    async fn try_item(
+        self: &Arc<Self>,
+        run: &BatchRun,
+        at: usize,
+        reader: &Arc<dyn ReadItems>,
+    ) -> Result<(), Duration> {
+        let Some(batch) = self.batches.get(&run.batch) else { return Ok(()) };
+        let (terms, peer, read_before) = (batch.terms, batch.peer, batch.items[at].job);
+        let (job, summary) = match reader.clone().item(batch, at).await {
+            Ok(read) => read,
+            Err(Unreadable::Later(pause)) => return Err(pause),
+            Err(Unreadable::Never(reason)) => {
+                let ending = Ending { state: State::Failed(reason), outputs: Vec::new() };
+                self.batches.settle_item(run, at, ending);
+                return Ok(());
+            }
+        };
+        if read_before == Some(job.id) && self.jobs.get(&job).is_some_and(|known| !known.is_active()) {
+            // it came to its end as a job of this batch, in this process or an earlier one
+            self.see_item(run, at, job, &summary).await;
+            return Ok(());
+        }
+        let made = self.all_kept(&summary, peer).await;
+        let is_done = self.jobs.get(&job).is_some_and(|known| known.state == State::Done);
+        let (is_hit, holder, of) = (is_done || !made.is_empty(), Holder::Batch(run.batch.id), summary.clone());
+        match self.accept(job, of, terms, (peer, holder), made).await {
+            Ok(()) => {}
+            Err(NotAccepted::Busy(busy)) => return Err(busy.retry_after),
+            Err(NotAccepted::Unwritten(_)) => return Err(DISK_PAUSE),
+        }
+        if self.batches.read(run, at, job.id, is_hit) {
+            self.see_item(run, at, job, &summary).await;
+        } else {
+            self.leave_all(&run.batch, &[job]);
+        }
+        Ok(())
+    }
+
+    /// Waits for the end of a job of a batch.
+    async fn see_item(self: &Arc<Self>, run: &BatchRun, at: usize, job: JobKey, summary: &JobSummary) {
+        let mut over = run.ended.clone();
+        let ended = self.jobs.get(&job).map(|record| record.ended.subscribe());
+        if let Some(mut ended) = ended {
+            tokio::select! {
+                _ = ended.wait_for(|ended| *ended) => {}
+                _ = over.wait_for(|ended| *ended) => return,
+            }
+        }
+        let settled = self.jobs.get(&job).filter(|record| !record.is_active());
+        let ending = if let Some(record) = settled {
+            let outputs = record.summary.products.iter().cloned().zip(record.made.iter().cloned());
+            Ending { state: record.state.clone(), outputs: outputs.collect() }
+        } else {
+            // somebody has forgotten it, or it made room for others after its end
+            let made = self.all_kept(summary, Peer::service(job.tenant)).await;
+            let state = if made.is_empty() { State::Cancelled } else { State::Done };
+            let products = summary.products.iter().cloned();
+            Ending { state, outputs: products.zip(made.into_iter().map(Some)).collect() }
+        };
+        self.batches.settle_item(run, at, ending);
+    }
+
+    /// What is known of all outputs of a job, where all are kept for the tenant of this peer; else nothing.
+    pub async fn all_kept(self: &Arc<Self>, summary: &JobSummary, peer: Peer) -> Vec<Made> {
+        let mut made = Vec::with_capacity(summary.products.len());
+        for product in &summary.products {
+            let Some(manifest) = self.find(product.key, peer).await else { return Vec::new() };
+            made.push(found(&manifest));
+        }
+        made
+    }
+}
