@@ -3,6 +3,7 @@
 pub mod authority;
 mod error;
 mod file;
+pub mod keys;
 mod levels;
 pub mod memory;
 mod origins;
@@ -22,6 +23,7 @@ use written::{Written, shown};
 pub use error::ConfigError;
 pub use levels::LogLevels;
 pub use origins::CorsOrigins;
+pub use written::seconds;
 
 /// Most bytes that a setting may name, 1 PiB: beyond the memory and the disks of one machine, and so small that sums
 /// of a thousand of them fit into 63 bits, which is what integers of TOML have.
@@ -34,6 +36,8 @@ const MOST_BODY_BYTES: u64 = 1 << 30;
 /// Most jobs or connections that can be allowed: each connection has a file descriptor and its buffers, each job its
 /// request, and 65,536 of them are more than two lanes or one address can serve.
 const MOST_WAITING: u64 = 1 << 16;
+/// Most requests a minute that can be allowed: 16,666 a second are more than one machine answers.
+const MOST_REQUESTS: u64 = 1_000_000;
 /// Most compute threads of a lane: more than machines have cores, and two lanes of them still fit under the usual
 /// limit on the threads of a process.
 const MOST_THREADS: u64 = 1024;
@@ -160,6 +164,8 @@ settings! {
     listen: SocketAddr = SocketAddr::from(([127, 0, 0, 1], 8080)), "PLANISH_LISTEN", "";
     /// Web pages that may ask, by their origins: `none`, `loopback`, `*`, or a list like `https://example.org`.
     cors_origins: CorsOrigins = CorsOrigins::Usual, "PLANISH_CORS_ORIGINS", "";
+    /// Answer everybody on an address that is not loopback, though there are no keys.
+    without_keys: bool = false, "PLANISH_WITHOUT_KEYS", "";
     /// Folder for the cache; by the platform's convention when left out.
     data_dir: PathBuf = default_data_dir(), "PLANISH_DATA_DIR", "";
     /// Compute threads a lane; 0 means one a core.
@@ -182,6 +188,12 @@ settings! {
     /// Most jobs of one peer address that wait at once, joined ones included, and most that go on without their
     /// request; more are answered 503.
     max_queue_per_peer: usize = 64, in 1..=MOST_WAITING, "PLANISH_MAX_QUEUE_PER_PEER", "jobs";
+    /// Most requests for work that one key, or one address where there are no keys, may send in a minute; as many may
+    /// come at once. More are answered 429. 0 sets no bound.
+    requests_per_minute: u64 = 0, in 0..=MOST_REQUESTS, "PLANISH_REQUESTS_PER_MINUTE", "requests";
+    /// Most requests for work of one key, or one address where there are no keys, that are answered at once; more are
+    /// answered 429. 0 sets no bound.
+    requests_in_flight: u64 = 0, in 0..=MOST_WAITING, "PLANISH_REQUESTS_IN_FLIGHT", "requests";
     /// Most connections open at once; a further one takes the place of the one that has been idle or slow for longest.
     max_connections: usize = 1024, in 1..=MOST_WAITING, "PLANISH_MAX_CONNECTIONS", "connections";
     /// Most connections of one peer address open at once; the same holds for a further one.

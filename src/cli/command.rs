@@ -11,9 +11,11 @@ use super::compare::CompareOptions;
 use super::error::{CODES, CliError};
 use super::estimate::EstimateOptions;
 use super::figures::FigureOptions;
+use super::key::KeyOptions;
 use super::mcp::McpOptions;
 use super::render::RenderOptions;
 use super::reproduce::ReproduceOptions;
+use super::sign::SignOptions;
 use super::validate::ValidateOptions;
 use super::{catalogue, health, serve, shell};
 use crate::config::{Given, Setting, Settings};
@@ -96,6 +98,10 @@ enum Command {
     /// Serve a language model's client, by the Model Context Protocol over standard input and output: the tools render,
     /// views, validate, estimate and presets.
     Mcp(McpOptions),
+    /// Add, list and revoke the keys that a service lets in; a running service takes changes up within a second or two.
+    Key(Box<KeyOptions>),
+    /// Sign an address that opens a render, a result or the events of a job without a key, until its time is over.
+    Sign(Box<SignOptions>),
     /// Ask a running service whether it is ready; for health checks.
     Health {
         /// Address of the service.
@@ -149,6 +155,8 @@ pub fn run(cli: Cli) -> ExitCode {
         Command::Operators { letter } => catalogue::list_operators(letter.as_deref()),
         Command::Formats { name } => catalogue::list_formats(name.as_deref()),
         Command::Mcp(options) => options.serve(),
+        Command::Key(options) => options.run(),
+        Command::Sign(options) => options.sign(),
         Command::Health { url } => health::health(&url),
         Command::Completions { shell } => shell::completions(shell, whole()),
         Command::Man { command } => shell::man(command.as_deref(), whole()),

@@ -21,7 +21,7 @@ pub(super) struct ServerOptions {
     #[arg(long, value_name = "URL", help_heading = "Service")]
     server: Option<String>,
     /// The key that the service asks for.
-    #[arg(long, value_name = "KEY", env = "PLANISH_API_KEY", hide_env_values = true, help_heading = "Service")]
+    #[arg(long, value_name = "KEY", env = "PLANISH_KEY", hide_env_values = true, help_heading = "Service")]
     api_key: Option<String>,
     /// Seconds after which an input is given up that the service does not finish.
     #[arg(long, value_name = "SECONDS", default_value_t = 600, help_heading = "Service",

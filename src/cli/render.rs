@@ -40,7 +40,7 @@ pub(crate) struct RenderOptions {
     #[arg(long)]
     format: Option<String>,
     /// Most faces of a mesh at any level.
-    #[arg(long, value_name = "FACES", conflicts_with = "server")]
+    #[arg(long, value_name = "FACES", value_parser = faces, conflicts_with = "server")]
     max_faces: Option<u64>,
     /// Say nothing but what fails: no bar, no notes, no summary.
     #[arg(short, long)]
@@ -92,6 +92,11 @@ impl RenderOptions {
             ..default
         }
     }
+}
+
+/// A number of faces.
+fn faces(text: &str) -> Result<u64, &'static str> {
+    text.parse().map_err(|_| "it is no whole number; write it like 20000000")
 }
 
 /// The format of a name.

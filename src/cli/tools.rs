@@ -198,10 +198,11 @@ fn views(job: &Value, watch: &Watch) -> Said {
 
 fn validate(job: &Value) -> Said {
     let mut request = request(job)?;
+    let purpose = request.asked();
     if request.outputs.is_empty() {
         request.outputs = vec![OutputRequest::of_format(request.usual_format())];
     }
-    told(&report(request.examine(&Limits::default().reading())))
+    told(&report(request.examine(purpose, &Limits::default().reading())))
 }
 
 fn estimate(job: &Value, watch: &Watch) -> Said {

@@ -10,7 +10,7 @@ const PREFIX: &str = "PLANISH_";
 /// What Kubernetes and Docker set by themselves where a service is called planish.
 const OF_OTHERS: [&str; 2] = ["PLANISH_SERVICE_", "PLANISH_PORT"];
 /// The variables that name the settings file, and the key that commands show to a service.
-const BESIDE: [&str; 2] = ["PLANISH_CONFIG", "PLANISH_API_KEY"];
+const BESIDE: [&str; 2] = ["PLANISH_CONFIG", "PLANISH_KEY"];
 
 /// The variables among these that are settings, each with the place of its setting in the list of `known` ones.
 ///

@@ -55,7 +55,7 @@ pub(super) async fn analyse(State(app): State<Shared>, client: Client, headers: 
 }
 
 async fn answered(app: &Arc<App>, client: &Client, headers: &HeaderMap, body: Body) -> Result<Response, Problem> {
-    let sent = body::collect(app, client, headers, Takes::Jobs, body).await?;
+    let sent = body::collect(app, client, headers, Takes::Jobs(""), body).await?;
     let bytes = weight(sent.bytes.len() as u64);
     let form = negotiate::form(headers)?;
     let analysis = app.desk.read(client.peer(), bytes, move |watch| {
@@ -67,7 +67,7 @@ async fn answered(app: &Arc<App>, client: &Client, headers: &HeaderMap, body: Bo
     if let Some(tag) = negotiate::has_already(headers, &key) {
         return Ok(not_modified(&key, form, tag));
     }
-    if let Some(manifest) = app.desk.find(key).await {
+    if let Some(manifest) = app.desk.find(key, client.peer()).await {
         // what turns out to be damaged has been dropped, and is made again
         match whole(app, headers, Artifact::kept(manifest, client.peer()), (&key, form)).await {
             Err(Lost::Gone) => {}

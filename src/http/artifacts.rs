@@ -19,7 +19,6 @@ use crate::job::Form;
 use crate::job::key::Key;
 use crate::output::FORMATS;
 use crate::service::computation::Phase;
-use crate::service::job_key::Tenant;
 
 /// The bytes of an artifact: immutable, with a strong `ETag` and byte ranges.
 #[utoipa::path(
@@ -61,7 +60,7 @@ async fn answered(app: &Arc<App>, client: &Client, file: &str, headers: &HeaderM
     };
     let (id, extension) = file.split_once('.').ok_or_else(unknown)?;
     let key = Key::parse(id).ok_or_else(unknown)?;
-    if let Some(manifest) = app.desk.find(key).await {
+    if let Some(manifest) = app.desk.find(key, client.peer()).await {
         // what turns out to be damaged has been dropped, and is made again where its job is known
         match tell(app, &key, extension, headers, Artifact::kept(manifest, client.peer())).await? {
             Err(Lost::Gone) => {}
@@ -108,7 +107,7 @@ async fn tell(
 
 /// An artifact that is not kept: made again where its job is known.
 async fn again(app: &Arc<App>, client: &Client, key: &Key) -> Result<Artifact, Problem> {
-    let Some(record) = app.desk.jobs.of_artifact(Tenant::ANYONE, key) else {
+    let Some(record) = app.desk.jobs.of_artifact(client.tenant(), key) else {
         let detail = "this artifact is not kept here; send its job to /v1/render, and it will have this address";
         return Err(Problem::new(problem::NOT_FOUND, detail));
     };

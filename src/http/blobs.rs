@@ -81,7 +81,7 @@ pub(super) async fn blob(
     headers: HeaderMap,
 ) -> Response {
     let unknown = || Problem::new(problem::NOT_FOUND, "there is no upload of this id; send the file to /v1/blobs");
-    let Some(manifest) = parse(&id).and_then(|id| app.desk.uploads.find(&id)) else {
+    let Some(manifest) = parse(&id).and_then(|id| app.desk.uploads.find(&id, client.tenant())) else {
         return unknown().into_response();
     };
     let mut head = HeaderMap::new();
@@ -167,7 +167,7 @@ async fn kept(app: &Arc<App>, client: &Client, headers: &HeaderMap, body: &mut B
         }
     }
     let (Some(upload), Some(media_type)) = (upload, media_type) else { return Err(internal()) };
-    let finished = tokio::task::spawn_blocking(move || upload.finish(media_type)).await;
+    let finished = tokio::task::spawn_blocking(move || upload.finish(media_type, peer.tenant())).await;
     let manifest = finished.map_err(|_| internal())?.map_err(not_kept)?;
     Ok(told(&manifest))
 }
@@ -268,7 +268,7 @@ pub(super) async fn loaded(
     })?;
     let missing = || fault(format!("there is no upload {}; send the file to /v1/blobs (again)", written_id(&id)));
     let _pin = app.desk.uploads.pin(&id).ok_or_else(missing)?;
-    let manifest = app.desk.uploads.find(&id).ok_or_else(missing)?;
+    let manifest = app.desk.uploads.find(&id, peer.tenant()).ok_or_else(missing)?;
     let limit = app.settings.max_body_bytes;
     if manifest.length > limit {
         return Err(too_long(manifest.length, limit));

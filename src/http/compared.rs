@@ -56,7 +56,7 @@ pub(super) async fn side(app: &Arc<App>, peer: Peer, place: &str, named: &Value)
                 ))
             })?;
             let missing = || fault(format!("there is no artifact {key} here; give the job that makes it"));
-            let manifest = app.desk.find(key).await.ok_or_else(missing)?;
+            let manifest = app.desk.find(key, peer).await.ok_or_else(missing)?;
             let file = match format_of(&manifest.media_type) {
                 None => {
                     let detail = format!("{} is neither a PNG nor a mesh file that is read", manifest.media_type);
@@ -162,7 +162,7 @@ async fn of_job(app: &Arc<App>, peer: Peer, job: &Value) -> Result<FoundSide, Pr
     let ReadJob { job, input, .. } = reading::job(app, peer, sent, 1, prepare).await?;
     let is_picture = job.outputs[0].format.media_type() == PICTURE;
     let (key, entries) = (job.keys()[0], job.entries(&job.outputs[0]));
-    if is_picture && let Some(manifest) = app.desk.find(key).await {
+    if is_picture && let Some(manifest) = app.desk.find(key, peer).await {
         let (bytes, paid) = whole(app, peer, &manifest).await?;
         return picture(bytes, paid, true).map_err(|detail| Problem::invalid(vec![Fault::new("", detail)]));
     }

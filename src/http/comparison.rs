@@ -50,7 +50,7 @@ pub(super) async fn compare(State(app): State<Shared>, client: Client, headers: 
 }
 
 async fn answered(app: &Arc<App>, client: &Client, headers: &HeaderMap, body: Body) -> Result<Response, Problem> {
-    let sent = body::collect(app, client, headers, Takes::Jobs, body).await?;
+    let sent = body::collect(app, client, headers, Takes::Jobs(""), body).await?;
     let (bytes, peer) = (weight(sent.bytes.len() as u64), client.peer());
     let (request, tolerances) = app
         .desk
@@ -89,7 +89,7 @@ async fn answered(app: &Arc<App>, client: &Client, headers: &HeaderMap, body: Bo
 
 /// The first part of what a task makes, and whether it was there before.
 async fn made(app: &Arc<App>, peer: Peer, task: ComparisonTask) -> Result<(axum::body::Bytes, bool), Problem> {
-    if let Some(manifest) = app.desk.find(task.key()).await
+    if let Some(manifest) = app.desk.find(task.key(), peer).await
         && let Some(bytes) = app.desk.tiers.part(&manifest, 0).await
     {
         return Ok((bytes, true));

@@ -2,7 +2,7 @@
 //! the level of a tolerance.
 
 use axum::body::Body;
-use axum::extract::State;
+use axum::extract::{RawQuery, State};
 use axum::http::HeaderMap;
 use axum::response::{IntoResponse, Response};
 
@@ -24,9 +24,16 @@ use crate::wire::answer::EstimateAnswer;
         (status = 200, description = "What it would come to", body = EstimateAnswer),
     )
 )]
-pub(super) async fn estimate(State(app): State<Shared>, client: Client, headers: HeaderMap, body: Body) -> Response {
+pub(super) async fn estimate(
+    State(app): State<Shared>,
+    client: Client,
+    headers: HeaderMap,
+    RawQuery(query): RawQuery,
+    body: Body,
+) -> Response {
     let answer = async {
-        let sent = body::collect(&app, &client, &headers, Takes::Jobs, body).await?;
+        let takes = Takes::Jobs(query.as_deref().unwrap_or_default());
+        let sent = body::collect(&app, &client, &headers, takes, body).await?;
         let read = reading::job(&app, client.peer(), sent, usize::MAX, |request| {
             negotiate::settle(&HeaderMap::new(), request)
         });

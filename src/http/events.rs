@@ -57,7 +57,7 @@ pub(super) async fn events(
     Segment(id): Segment,
     headers: HeaderMap,
 ) -> Response {
-    let found = jobs::parse(&id).and_then(|job| Some((job, app.desk.standing(&job)?)));
+    let found = jobs::parse(&client, &id).and_then(|job| Some((job, app.desk.standing(&job)?)));
     let Some((job, standing)) = found else { return jobs::unknown().into_response() };
     let seen = headers.get("last-event-id").and_then(|id| id.to_str().ok()).and_then(|id| id.trim().parse().ok());
     let feed = Feed::new(seen, app.desk.now());

@@ -17,7 +17,8 @@ use super::{body, jobs, negotiate};
 use crate::fault::{Fault, did_you_mean, shortened};
 use crate::service::driving::found;
 use crate::service::job_key::{JobKey, JobTerms, Priority};
-use crate::service::jobs::{Made, State as JobState};
+use crate::service::jobs::{JobSummary, Made, State as JobState};
+use crate::service::peer::Peer;
 use crate::wire::posted::PostedJob;
 use crate::wire::standing::JobAnswer;
 
@@ -58,14 +59,14 @@ pub(super) async fn post(
     body: Body,
 ) -> Response {
     let answer = async {
-        let sent = body::collect(&app, &client, &headers, Takes::Jobs, body).await?;
+        let sent = body::collect(&app, &client, &headers, Takes::Jobs(""), body).await?;
         let terms = terms(query.as_deref().unwrap_or_default()).map_err(Problem::invalid)?;
         let asked = working::asked(&app, client.peer(), &headers, sent).await?;
-        let job = JobKey::of_anyone(asked.id());
+        let job = JobKey { tenant: client.tenant(), id: asked.id() };
         let known = app.desk.jobs.get(&job).filter(|known| known.is_active() || known.state == JobState::Done);
         if known.is_none() {
             let Work { summary, tasks: _ } = asked.work(&app, client.peer()).await?;
-            let made = kept(&app, &summary).await;
+            let made = kept(&app, client.peer(), &summary).await;
             app.desk.accept(job, summary, terms, client.peer(), made).await?;
         }
         let (patience, said) = negotiate::patience(&headers);
@@ -78,10 +79,10 @@ pub(super) async fn post(
 }
 
 /// What is known of all outputs of a job, where all are kept.
-async fn kept(app: &Arc<App>, summary: &crate::service::jobs::JobSummary) -> Vec<Made> {
+async fn kept(app: &Arc<App>, peer: Peer, summary: &JobSummary) -> Vec<Made> {
     let mut made = Vec::with_capacity(summary.products.len());
     for product in &summary.products {
-        let Some(manifest) = app.desk.find(product.key).await else { return Vec::new() };
+        let Some(manifest) = app.desk.find(product.key, peer).await else { return Vec::new() };
         made.push(found(&manifest));
     }
     made

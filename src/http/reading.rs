@@ -121,7 +121,7 @@ pub(super) async fn admit(app: &Arc<App>, peer: Peer, job: Job) -> Result<Arc<Ad
 /// The level that a tolerance leads to: kept from an earlier search, or searched for as other computations are made.
 async fn reached(app: &Arc<App>, peer: Peer, search: &Arc<Search>, input: &Arc<Paid>) -> Result<Reached, Problem> {
     let task = Arc::new(SearchTask { search: search.clone(), _input: input.clone() });
-    if let Some(manifest) = app.desk.find(task.key()).await
+    if let Some(manifest) = app.desk.find(task.key(), peer).await
         && let Some(bytes) = app.desk.tiers.part(&manifest, 0).await
     {
         return answered(&bytes);

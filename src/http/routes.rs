@@ -7,7 +7,7 @@ use utoipa_axum::routes;
 use super::app::Shared;
 use super::{
     analyses, artifacts, blobs, catalogue, comparison, estimate, events, health, jobs, links, metrics, pages, posting,
-    render, validate,
+    render, signed, validate,
 };
 
 /// All routes and their descriptions.
@@ -17,6 +17,9 @@ pub(super) fn all() -> OpenApiRouter<Shared> {
         .routes(routes!(render::render, links::link))
         .routes(routes!(links::kroki))
         .routes(routes!(artifacts::artifact))
+        .routes(routes!(signed::signed))
+        .routes(routes!(signed::signed_events))
+        .routes(routes!(signed::signed_artifact))
         .routes(routes!(events::events))
         .routes(routes!(blobs::blob))
         .routes(routes!(analyses::analyse));
@@ -39,6 +42,7 @@ pub(super) fn all() -> OpenApiRouter<Shared> {
         .routes(routes!(health::readyz))
         .routes(routes!(metrics::metrics))
         .routes(routes!(pages::openapi))
+        .routes(routes!(pages::docs))
         .routes(routes!(pages::problem))
         .routes(routes!(pages::index))
         .layer(CompressionLayer::new());

@@ -1,7 +1,7 @@
 //! POST /v1/validate: what can be said of a job before anything is refined.
 
 use axum::body::Body;
-use axum::extract::State;
+use axum::extract::{RawQuery, State};
 use axum::http::HeaderMap;
 use axum::response::{IntoResponse, Response};
 
@@ -19,8 +19,9 @@ use crate::wire::read::{read, weight};
 
 /// What is wrong with a job, and what its mesh is like: boundary loops, valences, degenerate faces, latitude lines.
 ///
-/// The whole job is looked at, as `/v1/render` would, and all its faults are told together. Nothing is refined, no
-/// level is searched for, and no limit on sizes is asked; `/v1/estimate` does that.
+/// The whole job is looked at, as `/v1/render` would, and all its faults are told together; an input alone is looked at
+/// as one that is to be refined. Nothing is refined, no level is searched for, and no limit on sizes is asked;
+/// `/v1/estimate` does that.
 #[utoipa::path(
     post, path = "/v1/validate", tag = "questions", request_body = JobRequest,
     responses(
@@ -28,14 +29,22 @@ use crate::wire::read::{read, weight};
             body = ValidateAnswer),
     )
 )]
-pub(super) async fn validate(State(app): State<Shared>, client: Client, headers: HeaderMap, body: Body) -> Response {
+pub(super) async fn validate(
+    State(app): State<Shared>,
+    client: Client,
+    headers: HeaderMap,
+    RawQuery(query): RawQuery,
+    body: Body,
+) -> Response {
     let answer = async {
-        let sent = body::collect(&app, &client, &headers, Takes::Jobs, body).await?;
+        let takes = Takes::Jobs(query.as_deref().unwrap_or_default());
+        let sent = body::collect(&app, &client, &headers, takes, body).await?;
         let (limits, bytes) = (app.desk.limits.reading(), weight(sent.bytes.len() as u64));
         let report = app.desk.read(client.peer(), bytes, move |_| {
             let mut request: JobRequest = read(&sent.bytes)?;
+            let purpose = request.asked();
             negotiate::settle(&HeaderMap::new(), &mut request)?;
-            Ok::<_, Problem>(axum::Json(report(request.examine(&limits))))
+            Ok::<_, Problem>(axum::Json(report(request.examine(purpose, &limits))))
         });
         report.await?
     };

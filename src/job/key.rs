@@ -191,8 +191,15 @@ pub(super) fn search(shape: &Input, refined: &Plan, tolerance: f64, places: &[&s
     hashed(&Item::List(items))
 }
 
-/// Key of an analysis: over the results version, the masks, exactly where they are known so, and what was asked for.
-pub(super) fn analysis(study: &Study, nodes: u64, grid: Option<u32>, matrices: Option<Item<'_>>) -> Key {
+/// Key of an analysis: over the results version, the masks, exactly where they are known so, what was asked for, and
+/// polygons with their own plan, if there are any.
+pub(super) fn analysis(
+    study: &Study,
+    nodes: u64,
+    grid: Option<u32>,
+    matrices: Option<Item<'_>>,
+    on: Option<(&Input, &Plan)>,
+) -> Key {
     let Study { settled, levels } = study;
     // order and residual follow from the mask
     let Symbol { arity, first, mask, is_exact, order: _, residual: _ } = settled;
@@ -214,6 +221,9 @@ pub(super) fn analysis(study: &Study, nodes: u64, grid: Option<u32>, matrices: O
         Item::List(grid.iter().map(|grid| Item::Integer(u64::from(*grid))).collect()),
     ];
     items.extend(matrices);
+    if let Some((shape, refined)) = on {
+        items.extend([input(shape, refined), plan(shape, refined, 1, true)]);
+    }
     hashed(&Item::List(items))
 }
 
@@ -222,16 +232,18 @@ pub(super) fn analysis(study: &Study, nodes: u64, grid: Option<u32>, matrices: O
 pub(super) fn surface_analysis(
     settled: &Plan,
     follows_alpha: bool,
-    valences: &[usize],
+    [valences, boundaries]: [&[usize]; 2],
     nodes: u64,
     on: Option<(&Input, &Plan)>,
 ) -> Key {
+    let numbers = |of: &[usize]| Item::List(of.iter().map(|&n| Item::Integer(n as u64)).collect());
     let mut items = vec![
         Item::text("planish surface analysis"),
         Item::Integer(u64::from(RESULTS_VERSION)),
         plan_of(settled, 1, true, [true, false], Vec::new()),
         Item::Integer(u64::from(follows_alpha)),
-        Item::List(valences.iter().map(|&valence| Item::Integer(valence as u64)).collect()),
+        numbers(valences),
+        numbers(boundaries),
         Item::Integer(nodes),
     ];
     if let Some((shape, refined)) = on {

@@ -189,13 +189,12 @@ impl JobRequest {
         }
     }
 
-    /// Checks the request as [`JobRequest::draft_within`], and tells what its parts are as far as these are right. An
-    /// input alone is looked at as one that is to be refined.
-    pub fn examine(self, limits: &ReadLimits) -> Examined {
+    /// Checks the request as [`JobRequest::draft_within`], and tells what its parts are as far as these are right. The
+    /// input is looked at for what it is said to be for.
+    pub fn examine(self, purpose: Purpose, limits: &ReadLimits) -> Examined {
         if self.figure.is_some() {
             return Examined { faults: self.drawn_together(limits).err().unwrap_or_default(), input: None, plan: None };
         }
-        let purpose = if self.outputs.is_empty() { Purpose::Refine } else { self.purpose() };
         let parts = self.parts(purpose, limits);
         let input = parts.input.as_ref().map(|resolved| resolved.input.clone());
         let plan = parts.plan.clone();
@@ -266,6 +265,12 @@ impl JobRequest {
         };
         let unknown = self.spec.filter(|spec| *spec != 1).map(unknown_spec);
         said.into_iter().filter(|(_, is_said)| *is_said).map(|(name, _)| fault(name)).chain(unknown).collect()
+    }
+
+    /// What is asked about the input before the outputs are settled: an input alone is looked at as one that is to be
+    /// refined.
+    pub fn asked(&self) -> Purpose {
+        if self.outputs.is_empty() { Purpose::Refine } else { self.purpose() }
     }
 
     /// What becomes of the input.

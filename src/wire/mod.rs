@@ -24,6 +24,7 @@ pub mod plan;
 pub mod polygon;
 pub mod posted;
 pub mod query;
+pub mod query_parameters;
 pub mod read;
 mod report;
 mod schema;

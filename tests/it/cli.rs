@@ -5,6 +5,7 @@ mod batch;
 mod compare;
 mod figures;
 mod flags;
+mod keys;
 mod mcp;
 mod reproduce;
 mod server;

@@ -384,7 +384,7 @@ fn revived(kept: Kept, memory: Paid, now: Duration, wall: Duration) -> Record {
         number,
         attempts: attempts + u32::from(is_active),
         terms,
-        peer: Peer::SELF,
+        peer: Peer::service(job.tenant),
         state,
         made: if is_active { vec![None; made.len()] } else { made },
         summary: Arc::new(summary),

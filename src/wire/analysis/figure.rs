@@ -187,7 +187,7 @@ fn of_scan(scan: &ScanAnswer) -> Drawing {
 const MOST_NETS: usize = 6;
 
 fn of_surface(surface: &SurfaceAnswer) -> Drawing {
-    let SurfaceAnswer { regular, valences, .. } = surface;
+    let SurfaceAnswer { regular, valences, boundaries, .. } = surface;
     #[expect(clippy::cast_precision_loss, reason = "valences are small")]
     let by_valence = |value: fn(&crate::wire::surface_analysis::ValenceAnswer) -> Option<f64>| -> Vec<[f64; 2]> {
         valences.iter().filter_map(|of| Some([of.valence as f64, value(of)?])).collect()
@@ -199,14 +199,23 @@ fn of_surface(surface: &SurfaceAnswer) -> Drawing {
         Plot::around("The next eigenvalue over it", "valence", "ratio", vec![stems(ratio, BLUE)]),
     ];
     let nets = valences.iter().filter_map(|of| Some((of.valence, of.characteristic_net.as_ref()?)));
-    plots.extend(nets.take(MOST_NETS).map(|(valence, net)| characteristic(valence, net)));
+    plots.extend(nets.take(MOST_NETS).map(|(valence, net)| characteristic(&format!("valence {valence}"), net)));
     let facts: Vec<String> = valences.iter().map(|of| format!("{}: {}", of.valence, of.c1)).collect();
     let smooth = match regular.smoothness.proved_c {
         -1 => "not proved to converge".to_owned(),
         k => format!("C{k}"),
     };
-    let lines =
-        [format!("regular regions of {}: {smooth}", regular.faces), format!("C1 by valence: {}", facts.join(", "))];
+    let mut lines =
+        vec![format!("regular regions of {}: {smooth}", regular.faces), format!("C1 by valence: {}", facts.join(", "))];
+    let known = boundaries.iter().filter(|of| of.refused.is_none());
+    let edges: Vec<String> = known.map(|of| format!("{}: {}", of.faces, of.evidence)).collect();
+    if !edges.is_empty() {
+        lines.push(format!("C1 by faces on the boundary: {}", edges.join(", ")));
+    }
+    let nets = boundaries.iter().filter_map(|of| Some((of.faces, of.characteristic_net.as_ref()?)));
+    plots.extend(
+        nets.skip(1).take(2).map(|(faces, net)| characteristic(&format!("{faces} faces on the boundary"), net)),
+    );
     page("Scheme for surfaces", &lines, plots, 2)
 }
 
@@ -221,9 +230,9 @@ fn of_tube(tube: &TubeAnswer) -> Drawing {
     page(&format!("Straight tube with {vertices} vertices around"), &[facts], plots.into(), 2)
 }
 
-fn characteristic(valence: usize, net: &NetAnswer) -> Plot {
+fn characteristic(of: &str, net: &NetAnswer) -> Plot {
     let NetAnswer { points, faces } = net;
     let closed = |face: &Vec<usize>| face.iter().chain(face.first()).filter_map(|i| points.get(*i)).copied().collect();
     let marks = faces.iter().map(|face| line(closed(face), BLUE)).collect();
-    Plot::around(&format!("Characteristic net of valence {valence}"), "", "", marks)
+    Plot::around(&format!("Characteristic net of {of}"), "", "", marks)
 }

@@ -167,6 +167,7 @@ async fn questions(server: &Server) -> Vec<(&'static str, String)> {
         ("metrics", Asked::get("/metrics")),
         ("openapi", Asked::get("/openapi.json")),
         ("index", Asked::get("/")),
+        ("docs", Asked::get("/docs")),
         ("problem-page", Asked::get("/docs/problems/too-large")),
     ] {
         told.push((name, exchange(server, asked).await));
