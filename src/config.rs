@@ -5,6 +5,7 @@ mod error;
 mod file;
 pub mod keys;
 mod levels;
+pub mod memory;
 mod origins;
 mod variables;
 mod written;
@@ -178,7 +179,7 @@ settings! {
     /// Most memory one job may need.
     max_job_bytes: u64 = Limits::default().max_job_bytes, in 1..=MOST_BYTES, "PLANISH_MAX_JOB_BYTES", "bytes";
     /// Memory of everything that is held for requests: bodies, computations, answers, caches. Who finds none left waits
-    /// or is answered 503.
+    /// or is answered 503. Where it is not given, less is taken where the machine or its control group has less.
     max_memory_bytes: u64 = 12 << 30, in LEAST_MEMORY_BYTES..=MOST_BYTES, "PLANISH_MAX_MEMORY_BYTES", "bytes";
     /// Most bytes of a request body, as it comes and inflated.
     max_body_bytes: u64 = 32 << 20, in 1..=MOST_BODY_BYTES, "PLANISH_MAX_BODY_BYTES", "bytes";
@@ -277,8 +278,19 @@ impl Settings {
     /// # Errors
     /// [`ConfigError`].
     pub fn read(given: Given, file: Option<&Path>) -> Result<Self, ConfigError> {
+        Self::read_within(given, file, None)
+    }
+
+    /// As [`Settings::read`], for a process that may use so much memory, which bounds the budget where none is given.
+    ///
+    /// # Errors
+    /// [`ConfigError`].
+    pub fn read_within(given: Given, file: Option<&Path>, available: Option<u64>) -> Result<Self, ConfigError> {
         let from_file = file.map(Given::of_file).transpose()?.unwrap_or_default();
-        Self::of(given.or(from_file)).checked()
+        let mut given = given.or(from_file);
+        let usual = Self::default().max_memory_bytes;
+        given.max_memory_bytes.get_or_insert_with(|| memory::budget(usual, LEAST_MEMORY_BYTES, available));
+        Self::of(given).checked()
     }
 
     /// The bounds on one job.

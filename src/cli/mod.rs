@@ -3,6 +3,8 @@
 mod analyse;
 mod catalogue;
 mod command;
+mod compare;
+mod elsewhere;
 mod error;
 mod estimate;
 mod figures;
@@ -15,8 +17,11 @@ mod job;
 mod key;
 mod library;
 mod log;
+mod mcp;
 mod progress;
+mod remote;
 mod render;
+mod reproduce;
 mod say;
 mod serve;
 mod shell;
@@ -25,6 +30,7 @@ mod signals;
 mod sniff;
 mod targets;
 mod told;
+mod tools;
 mod validate;
 
 pub use command::{Cli, run};

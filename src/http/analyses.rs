@@ -55,7 +55,7 @@ pub(super) async fn analyse(State(app): State<Shared>, client: Client, headers: 
 }
 
 async fn answered(app: &Arc<App>, client: &Client, headers: &HeaderMap, body: Body) -> Result<Response, Problem> {
-    let sent = body::collect(app, client, headers, Takes::Jobs(""), body).await?;
+    let sent = body::collect(app, client, headers, Takes::Jobs, body).await?;
     let bytes = weight(sent.bytes.len() as u64);
     let form = negotiate::form(headers)?;
     let analysis = app.desk.read(client.peer(), bytes, move |watch| {

@@ -73,6 +73,9 @@ impl Sent {
             Notation::JobAs(format) => read_as(format.name(), &self.bytes),
             Notation::File(reader, query) => job_of_file(query, file(reader.name, &self.bytes)),
         }?;
+        if request.describes() {
+            request.source = String::from_utf8(self.text().into()).ok().map(Arc::from);
+        }
         request.input.file = request.input.file.or_else(|| self.upload.as_ref().map(|upload| upload.file.clone()));
         Ok(request)
     }

@@ -50,17 +50,16 @@ pub(super) enum Kind {
 /// What a page reads.
 #[derive(Debug, Clone, Copy)]
 pub(super) enum Takes<'a> {
-    /// Jobs alone, which say all themselves; the query of the address has nothing to say of them.
-    Jobs(&'a str),
+    /// Jobs alone.
+    Jobs,
     /// Jobs and mesh files; the query of the address says the rest of the job.
     Files(&'a str),
 }
 
 impl<'a> Takes<'a> {
-    /// The query of the address.
+    /// What the query of the address says of the job.
     fn query(self) -> &'a str {
-        let (Self::Jobs(query) | Self::Files(query)) = self;
-        query
+        if let Self::Files(query) = self { query } else { "" }
     }
 }
 

@@ -146,7 +146,11 @@ fn complete(path: &str, operation: &mut Operation) {
         let jobs = body.content.iter_mut().filter(|(media_type, _)| *media_type == "application/json");
         for (_, content) in jobs {
             if let RefOr::T(content) = content {
-                content.examples = if path == "/v1/analyses" { analysis_examples() } else { job_examples() };
+                content.examples = match path {
+                    "/v1/analyses" => analysis_examples(),
+                    "/v1/compare" => comparison_examples(),
+                    _ => job_examples(),
+                };
             }
         }
         refuse(operation, BODY);
@@ -181,6 +185,11 @@ fn complete(path: &str, operation: &mut Operation) {
             refuse(operation, &[problem::NOT_ACCEPTABLE, problem::UNWRITTEN]);
         }
         "/v1/estimate" => refuse(operation, FORECAST),
+        "/v1/compare" => {
+            headers(operation, "200", &["Cache-Status"]);
+            refuse(operation, FORECAST);
+            refuse(operation, COMPUTED);
+        }
         "/v1/analyses" => {
             headers(operation, "200", RESULT);
             headers(operation, "304", &["ETag", "Content-Location", "Vary"]);
@@ -269,11 +278,23 @@ fn analysis_examples() -> BTreeMap<String, RefOr<Example>> {
     questions.into_iter().map(example).collect()
 }
 
+/// Two levels of one curve.
+fn comparison_examples() -> BTreeMap<String, RefOr<Example>> {
+    let square = json!({ "points": [[0, 0], [1, 0], [1, 1], [0, 1]], "closed": true });
+    let job = |levels: u32| {
+        json!({ "input": { "polygon": square }, "plan": { "preset": presets()[0].name },
+            "levels": levels })
+    };
+    let asked = json!({ "a": job(2), "b": job(6), "tolerance": 0.05 });
+    let example = ExampleBuilder::new().summary("Two levels of a curve").value(Some(asked)).build();
+    [("levels".to_owned(), example.into())].into()
+}
+
 /// Adds the mesh files that a body may be: those that say what they are, and those that show it.
 fn files(operation: &mut Operation) {
     let Some(RefOr::T(body)) = &mut operation.request_body else { return };
     for media_type in READERS.iter().map(|reader| reader.media_type).chain(["application/octet-stream"]) {
-        body.content.insert(media_type.to_owned(), RefOr::T(content(output::Content::Binary)));
+        body.content.entry(media_type.to_owned()).or_insert_with(|| RefOr::T(content(output::Content::Binary)));
     }
 }
 

@@ -13,6 +13,7 @@ use super::problem::Problem;
 use super::{body, negotiate, reading};
 use crate::wire::JobRequest;
 use crate::wire::answer::EstimateAnswer;
+use crate::wire::query::says_nothing;
 
 /// What a job would come to: exact counts a level, bytes and key of each output, predicted time and memory.
 ///
@@ -32,8 +33,8 @@ pub(super) async fn estimate(
     body: Body,
 ) -> Response {
     let answer = async {
-        let takes = Takes::Jobs(query.as_deref().unwrap_or_default());
-        let sent = body::collect(&app, &client, &headers, takes, body).await?;
+        let sent = body::collect(&app, &client, &headers, Takes::Jobs, body).await?;
+        says_nothing(query.as_deref().unwrap_or_default()).map_err(Problem::invalid)?;
         let read = reading::job(&app, client.peer(), sent, usize::MAX, |request| {
             negotiate::settle(&HeaderMap::new(), request)
         });

@@ -11,6 +11,8 @@ mod canary;
 mod catalogue;
 mod charge;
 mod client;
+mod compared;
+mod comparison;
 mod connections;
 mod content;
 mod document;

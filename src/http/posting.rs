@@ -59,7 +59,7 @@ pub(super) async fn post(
     body: Body,
 ) -> Response {
     let answer = async {
-        let sent = body::collect(&app, &client, &headers, Takes::Jobs(""), body).await?;
+        let sent = body::collect(&app, &client, &headers, Takes::Jobs, body).await?;
         let terms = terms(query.as_deref().unwrap_or_default()).map_err(Problem::invalid)?;
         let asked = working::asked(&app, client.peer(), &headers, sent).await?;
         let job = JobKey { tenant: client.tenant(), id: asked.id() };

@@ -104,7 +104,7 @@ pub(super) async fn job(
 }
 
 /// The refusal of something that takes more memory than there ever is for it.
-fn too_large(what: &str, needs: u64, has: u64) -> Problem {
+pub(super) fn too_large(what: &str, needs: u64, has: u64) -> Problem {
     let (needs, has) = (in_bytes(needs.into()), in_bytes(has.into()));
     let remedy = "send a smaller one, or raise --max-memory-bytes";
     Problem::new(problem::TOO_LARGE, format!("{what} {needs} of memory; this server has {has} for that: {remedy}"))

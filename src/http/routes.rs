@@ -6,8 +6,8 @@ use utoipa_axum::routes;
 
 use super::app::Shared;
 use super::{
-    analyses, artifacts, blobs, catalogue, estimate, events, health, jobs, links, metrics, pages, posting, render,
-    signed, validate,
+    analyses, artifacts, blobs, catalogue, comparison, estimate, events, health, jobs, links, metrics, pages, posting,
+    render, signed, validate,
 };
 
 /// All routes and their descriptions.
@@ -30,6 +30,7 @@ pub(super) fn all() -> OpenApiRouter<Shared> {
         .routes(routes!(blobs::upload))
         .routes(routes!(estimate::estimate))
         .routes(routes!(validate::validate))
+        .routes(routes!(comparison::compare))
         .routes(routes!(catalogue::presets))
         .routes(routes!(catalogue::preset))
         .routes(routes!(catalogue::operators))

@@ -15,6 +15,7 @@ use crate::scheme::plan::{Plan, PlanInput};
 use crate::wire::JobRequest;
 use crate::wire::answer::{FaultAnswer, MeshReport, ValidateAnswer};
 use crate::wire::job::Examined;
+use crate::wire::query::says_nothing;
 use crate::wire::read::{read, weight};
 
 /// What is wrong with a job, and what its mesh is like: boundary loops, valences, degenerate faces, latitude lines.
@@ -37,8 +38,8 @@ pub(super) async fn validate(
     body: Body,
 ) -> Response {
     let answer = async {
-        let takes = Takes::Jobs(query.as_deref().unwrap_or_default());
-        let sent = body::collect(&app, &client, &headers, takes, body).await?;
+        let sent = body::collect(&app, &client, &headers, Takes::Jobs, body).await?;
+        says_nothing(query.as_deref().unwrap_or_default()).map_err(Problem::invalid)?;
         let (limits, bytes) = (app.desk.limits.reading(), weight(sent.bytes.len() as u64));
         let report = app.desk.read(client.peer(), bytes, move |_| {
             let mut request: JobRequest = read(&sent.bytes)?;

@@ -84,7 +84,7 @@ pub(super) fn artifacts(
     let whole = hashed(&input(shape, refined));
     let artifact = |output: &Output| {
         // the name is the client's affair, and so is the place among the outputs
-        let Output { name: _, format, options, frame: shown, index: _ } = output;
+        let Output { name: _, format, options, frame: shown, description, index: _ } = output;
         let shape_key = match (shape.mesh(), shown) {
             // as that of a mesh with these positions alone
             (Some(alone), Some(_)) if !alone.frames.is_empty() => hashed(&mesh(&alone.at_frame(*shown), refined)),
@@ -101,6 +101,7 @@ pub(super) fn artifacts(
         if !frame.is_default() {
             items.push(Item::List(vec![Item::text(unit.name()), Item::text(up.name())]));
         }
+        items.extend(described(description.as_deref()));
         let mut shown = head("planish refined shape");
         shown.extend(surface::limit(options).map(u64::from).map(Item::Integer));
         (hashed(&Item::List(items)), hashed(&Item::List(shown)))
@@ -110,7 +111,7 @@ pub(super) fn artifacts(
 
 /// Key of a figure: over the keys of its panels at the sizes that they have in it, the layout, and the output.
 pub(super) fn figure(panels: impl Iterator<Item = Key>, (grid, one_scale): (&Grid, bool), output: &Output) -> Key {
-    let Output { name: _, format, options, frame: _, index: _ } = output;
+    let Output { name: _, format, options, frame: _, description, index: _ } = output;
     let Grid { columns, title, letters, cells } = grid;
     let text = |text: &Option<String>| Item::List(text.iter().map(|text| Item::text(text)).collect());
     let mut panels = panels;
@@ -120,7 +121,7 @@ pub(super) fn figure(panels: impl Iterator<Item = Key>, (grid, one_scale): (&Gri
         items.extend([Item::Indices(span.to_vec().into()), text(caption)]);
         Item::List(items)
     };
-    hashed(&Item::List(vec![
+    let mut items = vec![
         Item::text("planish figure"),
         Item::Integer(u64::from(RESULTS_VERSION)),
         Item::List(cells.iter().map(cell).collect()),
@@ -130,7 +131,14 @@ pub(super) fn figure(panels: impl Iterator<Item = Key>, (grid, one_scale): (&Gri
         Item::Integer(u64::from(one_scale)),
         Item::text(format.name()),
         values(options),
-    ]))
+    ];
+    items.extend(described(description.as_deref()));
+    hashed(&Item::List(items))
+}
+
+/// What the bytes say of their job, where they do.
+fn described(description: Option<&str>) -> Option<Item<'static>> {
+    description.map(|text| Item::List(vec![Item::text("description"), Item::text(text)]))
 }
 
 /// Key of a moving picture: over the keys that its frames have as jobs of their own.

@@ -12,8 +12,8 @@ const CLOSER: f64 = 2.0;
 pub(super) type LevelBounds = Result<Vec<(u32, f64)>, String>;
 
 /// Bounds of the distance of levels from the limit, each within a tolerance that the one before does not meet, up to a
-/// level. `reach` finds the first level within a tolerance, and its bound; the first tolerance is four times the greatest
-/// of some coordinates, as any net is within its extent of its limit.
+/// level. `reach` finds the first level within a tolerance, and its bound; the first tolerance is four times the
+/// greatest of some coordinates, as any net is within its extent of its limit.
 pub(super) fn level_bounds<'a>(
     coordinates: impl Iterator<Item = &'a f64>,
     last: u32,

@@ -2,6 +2,7 @@
 
 mod analysis;
 pub mod codec;
+mod comparison;
 mod complete;
 mod composed;
 mod curves;
@@ -44,6 +45,7 @@ mod work;
 pub use analysis::{
     Analysis, DEFAULT_NODES, DEFAULT_SCAN_NODES, Findings, MAX_NODES, MAX_VALUES, SchemeFindings, Wishes,
 };
+pub use comparison::{Compared, Comparison, PngFile, Side, Tolerances, USUAL_THRESHOLD};
 pub use complete::{Figure, Job};
 pub use draft::Draft;
 pub use entry::{InputEntry, JobEntries, JobFault, JobPart};

@@ -32,9 +32,9 @@ impl Eigenvalue {
 /// The eigenvalues of an n x n matrix, row by row, the largest first: those of one modulus in the order of their real,
 /// then of their imaginary parts. `None` when the steps do not converge.
 ///
-/// Where the entries that are not 0 leave rows that do not come of each other in turn, the matrix is one of blocks along
-/// a diagonal and entries on one side of it, whose eigenvalues are those of the blocks: each is looked at by itself, so
-/// that equal eigenvalues of two blocks are not blurred.
+/// Where the entries that are not 0 leave rows that do not come of each other in turn, the matrix is one of blocks
+/// along a diagonal and entries on one side of it, whose eigenvalues are those of the blocks: each is looked at by
+/// itself, so that equal eigenvalues of two blocks are not blurred.
 pub fn eigenvalues(matrix: &[f64], n: usize) -> Option<Vec<Eigenvalue>> {
     let mut found = Vec::with_capacity(n);
     for block in blocks(matrix, n) {

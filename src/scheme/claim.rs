@@ -16,8 +16,8 @@ pub struct Claim {
     /// The largest degree of polynomials that are limits of their own samples.
     pub reproduction_degree: &'static str,
     /// For schemes on meshes, of which all of the above is said where nothing is extraordinary: the least and the
-    /// greatest valence of vertices, or of faces where these take their place, at which limits are C^1. `None` where the
-    /// claim is one of curves, or of a scheme that is not C^1 anywhere.
+    /// greatest valence of vertices, or of faces where these take their place, at which limits are C^1. `None` where
+    /// the claim is one of curves, or of a scheme that is not C^1 anywhere.
     pub valences: Option<[u32; 2]>,
     /// Whether it is one of meshes.
     pub is_of_meshes: bool,

@@ -52,7 +52,8 @@ pub struct AnalysisRequest {
     /// Asks for values of the basic limit function at the multiples of `arity^-grid`.
     #[schema(minimum = 0, maximum = 14)]
     pub grid: Option<u32>,
-    /// Asks for the matrices of one step on a small polygon: `true` for a closed one of five points, or what it is like.
+    /// Asks for the matrices of one step on a small polygon: `true` for a closed one of five points, or what it is
+    /// like.
     pub matrices: Option<MatricesRequest>,
     /// Asks what is proved at each of many values of a parameter instead.
     pub scan: Option<ScanRequest>,
@@ -60,8 +61,8 @@ pub struct AnalysisRequest {
     /// 12 when it is left out.
     #[schema(max_items = 64)]
     pub valences: Option<Vec<u64>>,
-    /// Asks about boundary vertices with these numbers of faces, from 1 to 24, of a scheme for surfaces; 1 to 6, or those
-    /// that the mesh has, when it is left out.
+    /// Asks about boundary vertices with these numbers of faces, from 1 to 24, of a scheme for surfaces; 1 to 6, or
+    /// those that the mesh has, when it is left out.
     #[schema(max_items = 64)]
     pub boundaries: Option<Vec<u64>>,
     /// Asks what becomes of a straight tube whose rings are tagged as latitude lines.

@@ -98,8 +98,8 @@ pub struct ClaimEntry {
     pub support: &'static str,
     /// The largest degree of polynomials that are limits of their own samples.
     pub reproduction_degree: &'static str,
-    /// Of which shapes it is said: `polygons` or `meshes`, of which smoothness, support and reproduction are those where
-    /// nothing is extraordinary.
+    /// Of which shapes it is said: `polygons` or `meshes`, of which smoothness, support and reproduction are those
+    /// where nothing is extraordinary.
     pub of: &'static str,
     /// On meshes the least and the greatest valence of vertices, or of faces where these take their place, at which
     /// limits are C1; absent on polygons, and where they are C1 nowhere.

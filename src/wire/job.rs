@@ -1,5 +1,7 @@
 //! The job as clients write it.
 
+use std::sync::Arc;
+
 use serde::Deserialize;
 use utoipa::ToSchema;
 
@@ -49,6 +51,9 @@ pub struct JobRequest {
     /// How many outputs were left out before these.
     #[serde(skip)]
     pub left_out: usize,
+    /// The job as text, where outputs describe it.
+    #[serde(skip)]
+    pub source: Option<Arc<str>>,
 }
 
 /// Pictures of jobs in a grid.
@@ -117,7 +122,13 @@ impl JobRequest {
             figure: Some(Box::new(figure)),
             outputs: vec![output],
             left_out: 0,
+            source: None,
         }
+    }
+
+    /// Whether an output is to say of which job it is.
+    pub fn describes(&self) -> bool {
+        self.outputs.iter().any(OutputRequest::describes)
     }
 
     /// What kind of result it has, as far as that can be told before it is checked.
@@ -193,7 +204,8 @@ impl JobRequest {
     /// Checks a figure: its layout, then its panels at their sizes.
     fn drawn_together(self, limits: &ReadLimits) -> Result<Draft, Vec<Fault>> {
         let mut faults = self.beside_figure();
-        let outputs = keep(outputs(&self.outputs, self.left_out), &mut faults).unwrap_or_default();
+        let outputs =
+            keep(outputs(&self.outputs, self.left_out, self.source.as_deref()), &mut faults).unwrap_or_default();
         let Some(FigureRequest { columns, panels, title, letters, shared }) = self.figure.map(|figure| *figure) else {
             return Err(faults);
         };
@@ -268,7 +280,7 @@ impl JobRequest {
 
     /// Checks each part by itself.
     fn parts(self, purpose: Purpose, limits: &ReadLimits) -> Parts {
-        let outputs = outputs(&self.outputs, self.left_out);
+        let outputs = outputs(&self.outputs, self.left_out, self.source.as_deref());
         self.parts_for(outputs, purpose, limits)
     }
 

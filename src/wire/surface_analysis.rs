@@ -188,8 +188,8 @@ pub struct RegularSmoothnessAnswer {
     /// Bounds of the joint spectral radius rho; the lower one is null where no eigenvalue is proved.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub joint_spectral_radius: Option<[Option<f64>; 2]>,
-    /// Bounds of the Hoelder exponent, `-log(rho)/log(arity)` up to the sum rules; the upper one is null where shifts are
-    /// not known to be stable.
+    /// Bounds of the Hoelder exponent, `-log(rho)/log(arity)` up to the sum rules; the upper one is null where shifts
+    /// are not known to be stable.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub holder: Option<[Option<f64>; 2]>,
 }

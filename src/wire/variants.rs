@@ -8,7 +8,7 @@ use utoipa::{PartialSchema, ToSchema};
 
 use super::declared::{object, with_all};
 use super::input::InputRequest;
-use super::output::{FRAME, OutputRequest};
+use super::output::{OutputRequest, common};
 use super::plan::PlanRequest;
 use super::schema::of;
 use crate::math::parameter::Parameter;
@@ -156,7 +156,8 @@ impl ToSchema for OutputRequest {
             let facts = format.facts();
             let doc = "Name among the outputs of the job; the format's when left out.";
             let name = of(Type::String).pattern(Some("^[A-Za-z0-9._-]{1,64}$")).description(Some(doc));
-            let output = object(FRAME).property("format", chosen(facts.name)).required("format").property("name", name);
+            let output = object(&common(facts.name)).property("format", chosen(facts.name));
+            let output = output.required("format").property("name", name);
             let output = with_all(output, facts.parameters).description(Some(facts.doc));
             (variant(facts.name, "Output"), output.into())
         }));

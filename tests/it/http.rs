@@ -6,6 +6,7 @@ mod blobs;
 mod browsers;
 mod caching;
 mod catalogue;
+mod comparisons;
 mod durable;
 mod errors;
 mod events;

@@ -19,8 +19,8 @@ use crate::math::functions::{cos, real, sin, sqrt};
 use crate::watch::{Stopped, Watch};
 
 /// Most cells of one valence that are looked at.
-/// Splines need some hundred, interpolating schemes some thousand. Half of it leaves schemes open whose derivatives have
-/// large bounds; twice of it takes twice as long to leave others open.
+/// Splines need some hundred, interpolating schemes some thousand. Half of it leaves schemes open whose derivatives
+/// have large bounds; twice of it takes twice as long to leave others open.
 const MAX_CELLS: usize = 16_000;
 /// Most refinements of a ring.
 /// Discs shrink by half or so at each, to 1/1000 after ten. Half of it leaves schemes open, twice of it would find

@@ -8,7 +8,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
 use super::local::{Applied, MARGINS, MAX_POINTS};
-use super::sectors::{Kind, Point};
+use super::sectors::{Kind, Point, SAME};
 use super::star::{Place, Star};
 use crate::analysis::limit::{Centre, Record, Unlimited, Weights, child};
 use crate::scheme::mesh_net::MeshNet;
@@ -124,7 +124,7 @@ impl Applied {
         let close = |(a, b): (&BTreeMap<FanPlace, f64>, &BTreeMap<FanPlace, f64>)| {
             let all: BTreeSet<&FanPlace> = a.keys().chain(b.keys()).collect();
             let at = |row: &BTreeMap<FanPlace, f64>, place| row.get(place).copied().unwrap_or(0.0);
-            all.into_iter().all(|place| (at(a, place) - at(b, place)).abs() <= super::study::SAME)
+            all.into_iter().all(|place| (at(a, place) - at(b, place)).abs() <= SAME)
         };
         Ok(creased.rows.len() == of.rows.len() && creased.rows.values().zip(of.rows.values()).all(close))
     }

@@ -1,8 +1,8 @@
 //! Which polynomials a regular scheme keeps: those that are limits of their own samples.
 //!
 //! With old points c at the places c + s and new points f at (f + s)/d, linear polynomials say that
-//! `s = (sum of a[k] k over one residue class)/(d - 1)`. A degree is reproduced when the sums over each residue class r of
-//! `a[k] ((r - k)/d + s)^m` are `((r + s)/d)^m` for all powers m of that degree, and so are all lower ones.
+//! `s = (sum of a[k] k over one residue class)/(d - 1)`. A degree is reproduced when the sums over each residue class r
+//! of `a[k] ((r - k)/d + s)^m` are `((r + s)/d)^m` for all powers m of that degree, and so are all lower ones.
 //!
 //! Source: Conti and Hormann, Journal of Approximation Theory 163 (2011), 413-437, here for two variables.
 

@@ -32,7 +32,7 @@ pub(super) const REPEATED_AVERAGING: Preset = Preset {
     )],
     refines: Refines::Meshes,
     claims: &[Claim::on_meshes(
-        "",
+        "degree up to 7",
         &[&[("degree", "2")], &[("degree", "3")], &[("degree", "4")], &[("degree", "7")]],
         ["degree - 1", "degree + 1", "1"],
         Some([3, 12]),

@@ -17,8 +17,8 @@ pub struct LevelBoundAnswer {
 /// What is known of polygons under the plan.
 #[derive(Debug, Clone, Serialize, ToSchema)]
 pub struct PolygonSurveyAnswer {
-    /// Levels and how far they are from the limit curves at most, as a tolerance of a job measures it; each level that is
-    /// told comes at least twice as close as the one before.
+    /// Levels and how far they are from the limit curves at most, as a tolerance of a job measures it; each level that
+    /// is told comes at least twice as close as the one before.
     pub bounds: Vec<LevelBoundAnswer>,
     /// Why nothing is told of levels, where that is so.
     #[serde(skip_serializing_if = "Option::is_none")]

@@ -22,8 +22,9 @@ pub struct BoundaryAnswer {
     pub crease: bool,
     /// The largest eigenvalues of the local subdivision matrix.
     pub eigenvalues: Vec<SidedEigenvalueAnswer>,
-    /// The weights of the limit position: of `center`, and by sector coordinates `i,j`, i steps along one ray and j along
-    /// the next, a number for each sector counter-clockwise; of points `i,0` a number for each ray, which are one more.
+    /// The weights of the limit position: of `center`, and by sector coordinates `i,j`, i steps along one ray and j
+    /// along the next, a number for each sector counter-clockwise; of points `i,0` a number for each ray, which are one
+    /// more.
     pub limit_mask: BTreeMap<String, Vec<f64>>,
     /// The weights of the tangent along the boundary, and of one across it, in the same way.
     #[serde(skip_serializing_if = "Option::is_none")]

@@ -1,5 +1,6 @@
 //! What is said of polygons that are given beside a plan.
 
+use planish::math::functions::sqrt;
 use serde_json::{Value, json};
 
 use super::{asked, key, refused};
@@ -20,20 +21,21 @@ fn polygons_are_told_how_close_levels_come() {
             let [a, b] = [0, 1].map(|k| pair[k]["bound"].as_f64().unwrap());
             assert!(2.0 * b <= a && pair[0]["level"].as_u64() < pair[1]["level"].as_u64(), "{pair:?}");
         }
-        // the corner of the square moves by a third of its second difference, which is 4 sqrt(2)
+        // a corner of the square moves by a sixth of its second difference, which is 4 sqrt(2)
         let first = bounds[0]["bound"].as_f64().unwrap();
-        let true_distance = if closed { 4.0 * 2.0_f64.sqrt() / 6.0 } else { 0.0 };
-        assert!(first >= true_distance && first < 10.0, "{first}");
+        let true_distance = if closed { 4.0 * sqrt(2.0) / 6.0 } else { 0.0 };
+        assert!(first >= true_distance * (1.0 - 1e-12) && first < 10.0, "{first}");
         assert_eq!(answer["input"]["warnings"], json!([]));
         assert_eq!(answer["smoothness"]["proved_c"], 2, "the scheme is analysed as it is without them");
     }
 }
 
 #[test]
-fn polygons_are_warned_of_parameters_that_have_no_value_and_of_schemes_that_diverge() {
+fn parameters_that_have_no_value_are_refused_and_schemes_that_diverge_warned_of() {
     let warnings = |plan: &Value| -> String { asked(&question(plan, true))["input"]["warnings"].to_string() };
     let pole = json!({ "compensation": "1/(alpha - 1)", "alpha": 4, "delta": 1 });
-    assert!(warnings(&json!({ "word": "UCP", "parameters": pole })).contains("level 3"));
+    let without_value = &refused(&question(&json!({ "word": "UCP", "parameters": pole }), true))[0];
+    assert!(without_value.pointer == "/plan/word" && without_value.detail.contains("level 3"), "{without_value:?}");
     let wild = json!({ "preset": "four-point", "parameters": { "w": 1 } });
     assert!(warnings(&wild).contains("converge"), "{}", warnings(&wild));
 }

@@ -155,8 +155,7 @@ fn subdominant(plan: &Value, last: usize, formula: impl Fn(f64) -> f64) {
         let off = first["value"].as_f64().unwrap() - formula(real(*valence));
         assert!(off.abs() < 1e-12 && first["fourier"] == 1, "{valence}: {first}");
         assert_eq!(row["eigenvalues"][2]["fourier"], json!(valence - 1));
-        // nothing but a proof of the characteristic map of Loop at valence 3 may be missing
-        assert!(row["c1"] == "proved" || *valence == 3 && row["evidence"] == "supported", "{}", row["criteria"]);
+        assert_eq!(row["c1"], "proved", "{valence}: {}", row["criteria"]);
     }
 }
 
