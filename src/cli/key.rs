@@ -1,5 +1,6 @@
 //! `planish key`: the keys that a service lets in.
 
+use std::fmt::Write;
 use std::path::PathBuf;
 use std::time::SystemTime;
 
@@ -15,7 +16,7 @@ use crate::config::{Given, Settings, seconds};
 pub(crate) struct KeyOptions {
     #[command(subcommand)]
     command: KeyCommand,
-    /// The data directory of the service; that of PLANISH_DATA_DIR, or by the platform's convention, when left out.
+    /// The data directory of the service; as for `planish serve` when left out.
     #[arg(long, global = true)]
     data_dir: Option<PathBuf>,
 }
@@ -130,7 +131,8 @@ fn list(file: &KeyFile) -> Result<(), CliError> {
             Some(_) if key.has_expired(now_s) => "has ended".to_owned(),
             Some(end) => format!("in {}", days(end - now_s)),
         };
-        text += &format!("{:<14}{:<34}{:<8}{age:<14}{ends}\n", key.id, key.tenant, key.role.name());
+        // writing to a text does not fail
+        let _ = writeln!(text, "{:<14}{:<34}{:<8}{age:<14}{ends}", key.id, key.tenant, key.role.name());
     }
     answer(text.as_bytes())
 }

@@ -42,7 +42,7 @@ pub(crate) struct SignOptions {
     /// How long the address opens it, like 30min or 7d.
     #[arg(long, value_name = "TIME", default_value = "1h", value_parser = seconds)]
     expires_in: u64,
-    /// The service, where the address should be a whole one, like https://planish.example.org.
+    /// The service, where the address should be a whole one, like `https://planish.example.org`.
     #[arg(long, default_value = "")]
     url: String,
     /// The key that signs, of the role render for jobs.

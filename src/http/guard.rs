@@ -64,10 +64,10 @@ pub(super) async fn check_key(State(app): State<Shared>, client: Client, request
     let is_private = client.is_private();
     let mut response = next.run(request).await;
     let cached = response.headers().get(header::CACHE_CONTROL).and_then(|value| value.to_str().ok());
-    if let Some(rest) = cached.and_then(|value| value.strip_prefix("public")).filter(|_| is_private) {
-        if let Ok(private) = HeaderValue::try_from(format!("private{rest}")) {
-            response.headers_mut().insert(header::CACHE_CONTROL, private);
-        }
+    if let Some(rest) = cached.and_then(|value| value.strip_prefix("public")).filter(|_| is_private)
+        && let Ok(private) = HeaderValue::try_from(format!("private{rest}"))
+    {
+        response.headers_mut().insert(header::CACHE_CONTROL, private);
     }
     response
 }

@@ -102,7 +102,8 @@ fn describe_schema(page: &mut String, schema: &Value) {
 }
 
 fn table(page: &mut String, title: &str, rows: impl Iterator<Item = (String, String)>) {
-    let rows: String = rows.map(|(name, what)| format!("<tr><td>{name}</td><td>{what}</td></tr>")).collect();
+    let rows: Vec<String> = rows.map(|(name, what)| format!("<tr><td>{name}</td><td>{what}</td></tr>")).collect();
+    let rows = rows.concat();
     if !rows.is_empty() {
         let _ = write!(page, "<h4>{title}</h4><table>{rows}</table>");
     }

@@ -8,7 +8,7 @@ use super::clock::Clock;
 use super::peer::Peer;
 
 /// The time in which a client may send as many requests as it is allowed; so many may also come at once.
-const WINDOW: Duration = Duration::from_secs(60);
+const WINDOW: Duration = Duration::from_mins(1);
 /// Most clients that are counted; one more takes the place of the one that has sent least lately, which then begins
 /// anew. Twice of it takes twice the memory, half a megabyte; half of it forgets clients sooner where there are many.
 const MOST_CLIENTS: usize = 4096;
@@ -60,8 +60,9 @@ impl Rates {
             Quota { limit: per_minute, remaining: u64::try_from(left).unwrap_or(u64::MAX).min(per_minute), reset }
         };
         let after = before + each;
-        if after - now > WINDOW {
-            return Err(Exceeded { retry_after: after - now - WINDOW, quota: quota(before) });
+        let beyond = after.saturating_sub(now).saturating_sub(WINDOW);
+        if !beyond.is_zero() {
+            return Err(Exceeded { retry_after: beyond, quota: quota(before) });
         }
         if buckets.len() >= MOST_CLIENTS && !buckets.contains_key(&peer) {
             let fullest = buckets.iter().min_by_key(|(_, full_at)| **full_at).map(|(peer, _)| *peer);
