@@ -3,7 +3,9 @@
 pub mod authority;
 mod error;
 mod file;
+pub mod keys;
 mod levels;
+pub mod memory;
 mod origins;
 mod variables;
 mod written;
@@ -21,6 +23,7 @@ use written::{Written, shown};
 pub use error::ConfigError;
 pub use levels::LogLevels;
 pub use origins::CorsOrigins;
+pub use written::seconds;
 
 /// Most bytes that a setting may name, 1 PiB: beyond the memory and the disks of one machine, and so small that sums
 /// of a thousand of them fit into 63 bits, which is what integers of TOML have.
@@ -36,6 +39,8 @@ const MOST_WAITING: u64 = 1 << 16;
 /// Most jobs of a batch that can be allowed: how each of them stands is told with the batch, 10,000 of them in some
 /// megabytes.
 const MOST_BATCH_ITEMS: u64 = 10_000;
+/// Most requests a minute that can be allowed: 16,666 a second are more than one machine answers.
+const MOST_REQUESTS: u64 = 1_000_000;
 /// Most compute threads of a lane: more than machines have cores, and two lanes of them still fit under the usual
 /// limit on the threads of a process.
 const MOST_THREADS: u64 = 1024;
@@ -162,6 +167,8 @@ settings! {
     listen: SocketAddr = SocketAddr::from(([127, 0, 0, 1], 8080)), "PLANISH_LISTEN", "";
     /// Web pages that may ask, by their origins: `none`, `loopback`, `*`, or a list like `https://example.org`.
     cors_origins: CorsOrigins = CorsOrigins::Usual, "PLANISH_CORS_ORIGINS", "";
+    /// Answer everybody on an address that is not loopback, though there are no keys.
+    without_keys: bool = false, "PLANISH_WITHOUT_KEYS", "";
     /// Folder for the cache; by the platform's convention when left out.
     data_dir: PathBuf = default_data_dir(), "PLANISH_DATA_DIR", "";
     /// Compute threads a lane; 0 means one a core.
@@ -175,7 +182,7 @@ settings! {
     /// Most memory one job may need.
     max_job_bytes: u64 = Limits::default().max_job_bytes, in 1..=MOST_BYTES, "PLANISH_MAX_JOB_BYTES", "bytes";
     /// Memory of everything that is held for requests: bodies, computations, answers, caches. Who finds none left waits
-    /// or is answered 503.
+    /// or is answered 503. Where it is not given, less is taken where the machine or its control group has less.
     max_memory_bytes: u64 = 12 << 30, in LEAST_MEMORY_BYTES..=MOST_BYTES, "PLANISH_MAX_MEMORY_BYTES", "bytes";
     /// Most bytes of a request body, as it comes and inflated.
     max_body_bytes: u64 = 32 << 20, in 1..=MOST_BODY_BYTES, "PLANISH_MAX_BODY_BYTES", "bytes";
@@ -186,6 +193,12 @@ settings! {
     max_queue_per_peer: usize = 64, in 1..=MOST_WAITING, "PLANISH_MAX_QUEUE_PER_PEER", "jobs";
     /// Most jobs of one batch.
     max_batch_items: u64 = 1000, in 1..=MOST_BATCH_ITEMS, "PLANISH_MAX_BATCH_ITEMS", "jobs";
+    /// Most requests for work that one key, or one address where there are no keys, may send in a minute; as many may
+    /// come at once. More are answered 429. 0 sets no bound.
+    requests_per_minute: u64 = 0, in 0..=MOST_REQUESTS, "PLANISH_REQUESTS_PER_MINUTE", "requests";
+    /// Most requests for work of one key, or one address where there are no keys, that are answered at once; more are
+    /// answered 429. 0 sets no bound.
+    requests_in_flight: u64 = 0, in 0..=MOST_WAITING, "PLANISH_REQUESTS_IN_FLIGHT", "requests";
     /// Most connections open at once; a further one takes the place of the one that has been idle or slow for longest.
     max_connections: usize = 1024, in 1..=MOST_WAITING, "PLANISH_MAX_CONNECTIONS", "connections";
     /// Most connections of one peer address open at once; the same holds for a further one.
@@ -270,8 +283,19 @@ impl Settings {
     /// # Errors
     /// [`ConfigError`].
     pub fn read(given: Given, file: Option<&Path>) -> Result<Self, ConfigError> {
+        Self::read_within(given, file, None)
+    }
+
+    /// As [`Settings::read`], for a process that may use so much memory, which bounds the budget where none is given.
+    ///
+    /// # Errors
+    /// [`ConfigError`].
+    pub fn read_within(given: Given, file: Option<&Path>, available: Option<u64>) -> Result<Self, ConfigError> {
         let from_file = file.map(Given::of_file).transpose()?.unwrap_or_default();
-        Self::of(given.or(from_file)).checked()
+        let mut given = given.or(from_file);
+        let usual = Self::default().max_memory_bytes;
+        given.max_memory_bytes.get_or_insert_with(|| memory::budget(usual, LEAST_MEMORY_BYTES, available));
+        Self::of(given).checked()
     }
 
     /// The bounds on one job.

@@ -1,9 +1,8 @@
-//! One step of a plan on a small closed polygon as matrices: one for each operator, and their product.
+//! One step of a plan on a small polygon as matrices: one for each operator, and their product.
 
 use super::curve::{ExactStep, exact_steps};
 use crate::math::exact::{Exact, rounded};
 use crate::math::rows::Rows;
-use crate::scheme::extent::Ends;
 use crate::scheme::operator::Role;
 use crate::scheme::plan::{Plan, Scheduled};
 use crate::scheme::polygon_net::PolygonNet;
@@ -39,7 +38,7 @@ pub struct StepMatrix {
     pub coarse: Option<Matrix>,
 }
 
-/// The first level of a plan on a closed polygon.
+/// The first level of a plan on a polygon.
 #[derive(Debug, Clone, PartialEq)]
 pub struct StepMatrices {
     /// The operators in their order.
@@ -60,14 +59,14 @@ pub enum NoMatrices {
 }
 
 impl StepMatrices {
-    /// The matrices of the first level on a closed polygon of `n` points. They are exact where all weights are
-    /// fractions and `is_static`, as those are the weights of the static limit.
+    /// The matrices of the first level on a polygon of `n` points, closed or with the ends of the plan. Those of closed
+    /// ones are exact where all weights are fractions and `is_static`, as those are the weights of the static limit.
     ///
     /// # Errors
     /// [`NoMatrices`].
-    pub fn of(plan: &Plan, n: usize, is_static: bool) -> Result<Self, NoMatrices> {
+    pub fn of(plan: &Plan, n: usize, closed: bool, is_static: bool) -> Result<Self, NoMatrices> {
         let scheduled = plan.schedule(1).map_err(|_| NoMatrices::NoMatrix)?;
-        let mut net = PolygonNet::new(n, true, Ends::Clamped, &[]);
+        let mut net = PolygonNet::new(n, closed, plan.ends, &[]);
         let (mut coarse, mut left) = (n, MAX_ENTRIES);
         let mut steps = Vec::new();
         for step in scheduled.iter().filter(|step| step.level == 1) {
@@ -81,7 +80,7 @@ impl StepMatrices {
             }
             net = next.net;
         }
-        if let Some(exact) = is_static.then(|| exact_steps(plan, n)).flatten() {
+        if let Some(exact) = (closed && is_static).then(|| exact_steps(plan, n)).flatten() {
             for (step, ExactStep { points, coarse }) in steps.iter_mut().zip(exact) {
                 step.points = Matrix::exact(points);
                 step.coarse = coarse.map(Matrix::exact);

@@ -47,6 +47,9 @@ pub(crate) struct Question {
     /// Asks about the scheme for surfaces, at vertices of these valences, separated by commas.
     #[arg(long, value_delimiter = ',')]
     valences: Vec<u64>,
+    /// Asks about boundary vertices with these numbers of faces, separated by commas.
+    #[arg(long, value_delimiter = ',')]
+    boundaries: Vec<u64>,
     /// How it is answered: as json with every number by its name, as markdown to read, or as a figure (svg, png). Left
     /// out, the extension of the output tells; standard output gets json.
     #[arg(long, value_parser = clap::builder::PossibleValuesParser::new(Form::ALL.map(Form::name)))]
@@ -95,11 +98,12 @@ impl Question {
     }
 
     fn request(&self) -> Result<AnalysisRequest, CliError> {
-        let Self { file, preset, word, parameters, nodes, grid, matrices, scan, steps, valences, .. } = self;
-        let of = |points| MatricesRequest::Of(SmallPolygon { points: Some(points), powers: None });
+        let Self { file, preset, word, parameters, nodes, grid, matrices, scan, steps, .. } = self;
+        let of = |points| MatricesRequest::Of(SmallPolygon { points: Some(points), closed: None, powers: None });
         let matrices = matrices.map(of);
         let scan = scan.as_deref().map(|text| scanned(text, *steps)).transpose()?;
-        let valences = (!valences.is_empty()).then(|| valences.clone());
+        let given = |numbers: &Vec<u64>| (!numbers.is_empty()).then(|| numbers.clone());
+        let (valences, boundaries) = (given(&self.valences), given(&self.boundaries));
         if let Some(path) = file {
             let source = Source::of(path);
             let bytes = source.read().map_err(|error| error.about(&source))?;
@@ -112,6 +116,7 @@ impl Question {
             request.matrices = matrices.or(request.matrices);
             request.scan = scan.or(request.scan);
             request.valences = valences.or(request.valences);
+            request.boundaries = boundaries.or(request.boundaries);
             return Ok(request);
         }
         let parameters = parameters.iter().map(|text| parameter(text)).collect::<Result<Vec<_>, _>>()?;
@@ -121,8 +126,9 @@ impl Question {
             parameters: WireFields(parameters),
             ..PlanRequest::default()
         };
-        let (tube, input) = (None, None);
-        Ok(AnalysisRequest { spec: None, plan, nodes: *nodes, grid: *grid, matrices, scan, valences, tube, input })
+        let (spec, tube, input) = (None, None, None);
+        let (nodes, grid) = (*nodes, *grid);
+        Ok(AnalysisRequest { spec, plan, nodes, grid, matrices, scan, valences, boundaries, tube, input })
     }
 }
 

@@ -21,11 +21,13 @@ pub(super) fn list_presets(name: Option<&str>) -> Result<(), CliError> {
 }
 
 /// A line about what a preset claims.
-fn claim(ClaimEntry { range, at: _, smoothness, support, reproduction_degree }: &ClaimEntry) -> String {
+fn claim(claim: &ClaimEntry) -> String {
+    let ClaimEntry { range, at: _, smoothness, support, reproduction_degree, of: _, c1_valences } = claim;
     let range = if range.is_empty() { "Claims" } else { range };
+    let around = c1_valences.map(|[from, to]| format!(", C1 at valences {from} to {to}")).unwrap_or_default();
     format!(
         "\n{range}: limits C^k with k = {smoothness}, support of width {support}, reproduction of degree \
-         {reproduction_degree}"
+         {reproduction_degree}{around}"
     )
 }
 

@@ -7,10 +7,15 @@ use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};
 use clap_complete::Shell;
 
 use super::analyse::Question;
+use super::compare::CompareOptions;
 use super::error::{CODES, CliError};
 use super::estimate::EstimateOptions;
 use super::figures::FigureOptions;
+use super::key::KeyOptions;
+use super::mcp::McpOptions;
 use super::render::RenderOptions;
+use super::reproduce::ReproduceOptions;
+use super::sign::SignOptions;
 use super::validate::ValidateOptions;
 use super::{catalogue, health, serve, shell};
 use crate::config::{Given, Setting, Settings};
@@ -51,6 +56,20 @@ enum Command {
     /// with 1 where a picture is not what it was, and writes a report with before, after and difference.
     #[command(after_help = CODES)]
     Figures(Box<FigureOptions>),
+    /// Render files again that say of which job they are, and tell whether the bytes are the same; ends with 0 where
+    /// they are, and with 1 where they are not.
+    ///
+    /// Files say so that were rendered with the option `describe` (`--describe`): png, apng, svg, obj, ply, glb, gltf.
+    #[command(after_help = CODES)]
+    Reproduce(Box<ReproduceOptions>),
+    /// Compare two pictures, or two shapes, and tell what differs as JSON; ends with 0 where they are the same within
+    /// what is allowed, and with 1 where they are not.
+    ///
+    /// Pictures are compared pixel by pixel: files as they are seen, without pixels that smooth an edge (as pixelmatch
+    /// does), those that jobs make by equality. Shapes are compared by the Hausdorff distance both ways, and by what
+    /// changes of box, area, volume and shape hash.
+    #[command(after_help = CODES)]
+    Compare(Box<CompareOptions>),
     /// Tell what a job, or a mesh file, would come to, without running it.
     #[command(after_help = CODES)]
     Estimate(Box<EstimateOptions>),
@@ -76,6 +95,13 @@ enum Command {
         /// Name of a format.
         name: Option<String>,
     },
+    /// Add, list and revoke the keys that a service lets in; a running service takes changes up within a second or two.
+    Key(Box<KeyOptions>),
+    /// Sign an address that opens a render, a result or the events of a job without a key, until its time is over.
+    Sign(Box<SignOptions>),
+    /// Serve a language model's client, by the Model Context Protocol over standard input and output: the tools render,
+    /// views, validate, estimate and presets.
+    Mcp(McpOptions),
     /// Ask a running service whether it is ready; for health checks.
     Health {
         /// Address of the service.
@@ -120,12 +146,17 @@ pub fn run(cli: Cli) -> ExitCode {
         Command::Serve { config, given } => serve::serve(*given, config.as_deref()),
         Command::Render(options) => options.render(),
         Command::Figures(options) => options.run(),
+        Command::Reproduce(options) => options.reproduce(),
+        Command::Compare(options) => options.compare(),
         Command::Estimate(options) => options.estimate(),
         Command::Validate(options) => options.validate(),
         Command::Analyse(question) => question.analyse(),
         Command::Presets { name } => catalogue::list_presets(name.as_deref()),
         Command::Operators { letter } => catalogue::list_operators(letter.as_deref()),
         Command::Formats { name } => catalogue::list_formats(name.as_deref()),
+        Command::Key(options) => options.run(),
+        Command::Sign(options) => options.sign(),
+        Command::Mcp(options) => options.serve(),
         Command::Health { url } => health::health(&url),
         Command::Completions { shell } => shell::completions(shell, whole()),
         Command::Man { command } => shell::man(command.as_deref(), whole()),

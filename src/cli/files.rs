@@ -2,14 +2,32 @@
 //! when all of its output is there, so that neither a failure nor a signal leaves a broken file.
 
 use std::fs::{self, File};
-use std::io;
+use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, OnceLock, PoisonError};
 use std::thread;
 
 use tokio::runtime::Builder;
 
+use super::error::CliError;
 use super::signals::Signals;
+
+/// Writes a file that is put in its place when it is whole.
+///
+/// # Errors
+/// Those of `write`, and where the file cannot be written.
+pub(super) fn to_new_file(
+    target: &Path,
+    write: impl FnOnce(&mut dyn Write) -> Result<(), CliError>,
+) -> Result<(), CliError> {
+    let cannot = |error: io::Error| CliError::files(format!("cannot write {}: {error}", target.display()));
+    let mut files = Files::default();
+    let mut out = BufWriter::new(files.create(target).map_err(cannot)?);
+    write(&mut out)?;
+    out.flush().map_err(cannot)?;
+    drop(out);
+    files.finish().map_err(cannot)
+}
 
 /// Files that are written and not yet in place. Whoever holds the lock may be sure that none is made or put in place.
 static UNFINISHED: Mutex<Vec<PathBuf>> = Mutex::new(Vec::new());

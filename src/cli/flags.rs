@@ -209,6 +209,15 @@ fn way(parameter: &Parameter) -> String {
     format!("{expects}{blank}{}{default}", entry.unit)
 }
 
+/// How the option of an output at a place in a job is written, where it is an object or a list of objects.
+pub(super) fn way_of_option(pointer: &str) -> Option<String> {
+    let name = pointer.strip_prefix("/outputs/0/")?.split('/').next()?;
+    match output_fields().iter().find(|field| field.name == name)?.kind() {
+        Kind::Group(fields) | Kind::Groups { fields, .. } => Some(objects(fields)),
+        _ => None,
+    }
+}
+
 fn objects(fields: &[Parameter]) -> String {
     let names: Vec<&str> = fields.iter().map(|field| field.name).collect();
     format!("as name=value,name=value with the names {}", names.join(", "))

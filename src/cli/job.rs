@@ -2,6 +2,7 @@
 
 use std::sync::Arc;
 
+use base64::prelude::{BASE64_STANDARD, Engine};
 use serde_json::{Value, json};
 
 use super::error::{CliError, Kind};
@@ -41,6 +42,9 @@ pub(super) struct Loaded {
     /// What tells the format, where a flag does.
     pub(super) format: Option<&'static str>,
 }
+
+/// The bytes of a mesh file, and their media type.
+pub(super) type MediaFile = (Vec<u8>, &'static str);
 
 /// The format of an output.
 #[derive(Debug, Clone, Copy)]
@@ -111,12 +115,39 @@ impl JobOptions {
 
     /// The job of an input.
     pub(super) fn load(&self, source: &Source) -> Result<Loaded, CliError> {
-        let bytes = source.read()?;
+        self.read(source, source.read()?)
+    }
+
+    /// The kind of an input of which these are the bytes.
+    fn kind(&self, source: &Source, bytes: &[u8]) -> Result<&str, CliError> {
         let by_name = || source.extension().and_then(input::of_extension).map(|reader| reader.name);
-        let kind = match &self.input_format {
-            Some(kind) => kind.as_str(),
-            None => by_name().map_or_else(|| sniffed(&bytes).map_err(CliError::refused), Ok)?,
-        };
+        match &self.input_format {
+            Some(kind) => Ok(kind),
+            None => by_name().map_or_else(|| sniffed(bytes).map_err(CliError::refused), Ok),
+        }
+    }
+
+    /// The job of an input as JSON with its one output, and the mesh file that it is of with its media type: then the
+    /// job has no input yet.
+    pub(super) fn told(&self, source: &Source, wanted: Wanted) -> Result<(Value, Option<MediaFile>), CliError> {
+        let bytes = source.read()?;
+        let kind = self.kind(source, &bytes)?.to_owned();
+        let is_file = kind != "job";
+        let mut job = if is_file { json!({ "input": {} }) } else { Value::Null };
+        let mut loaded = self.read(source, bytes.clone())?;
+        loaded.choose(wanted, self)?;
+        if !is_file {
+            job = serde_json::from_slice(&bytes).map_err(CliError::refused)?;
+        }
+        self.flags.onto(&mut job);
+        job["outputs"] = json!([loaded.request.outputs[0].told()]);
+        let media_type = input::named(&kind).map_or("application/json", |reader| reader.media_type);
+        Ok((job, is_file.then_some((bytes, media_type))))
+    }
+
+    /// The job of an input of which these are the bytes.
+    pub(super) fn read(&self, source: &Source, bytes: Vec<u8>) -> Result<Loaded, CliError> {
+        let kind = self.kind(source, &bytes)?;
         let is_file = kind != "job";
         let teller = Teller { flags: &self.flags, is_file, format: None };
         let request = if is_file {
@@ -125,18 +156,41 @@ impl JobOptions {
                 Source::Standard => Arc::new(Alone),
             };
             let mut request = self.flagged(json!({ "input": {} }), &teller)?;
+            request.source = if self.describes() { self.text_of_file(kind, &bytes) } else { None };
             request.input.file = Some(MeshFile { format: kind.to_owned(), bytes, beside });
             request
         } else {
-            let request = read(&bytes).map_err(|error| teller.unread(error))?;
-            if self.flags.fields.is_empty() {
-                request
-            } else {
-                let job = serde_json::from_slice(&bytes).map_err(CliError::refused)?;
-                self.flagged(job, &teller)?
+            let mut request: JobRequest = read(&bytes).map_err(|error| teller.unread(error))?;
+            let mut text = bytes;
+            if !self.flags.fields.is_empty() {
+                let mut job = serde_json::from_slice(&text).map_err(CliError::refused)?;
+                self.flags.onto(&mut job);
+                text = job.to_string().into_bytes();
+                request = read(&text).map_err(|error| teller.unread(error))?;
             }
+            if self.describes() || request.describes() {
+                request.source = String::from_utf8(text).ok().map(Arc::from);
+            }
+            request
         };
         Ok(Loaded { request, is_file, format: None })
+    }
+
+    /// Whether the flags ask for bytes that say of which job they are.
+    fn describes(&self) -> bool {
+        self.flags.options.iter().any(|(name, value)| *name == "describe" && *value == true)
+    }
+
+    /// The job of a mesh file as text, where nothing beside the file may count; for outputs that describe it.
+    fn text_of_file(&self, kind: &str, bytes: &[u8]) -> Option<Arc<str>> {
+        let names_others: &[u8] = if kind == "obj" { b"\nmtllib " } else { b"\"uri\"" };
+        if bytes.windows(names_others.len()).any(|part| part == names_others) {
+            return None;
+        }
+        let data = BASE64_STANDARD.encode(bytes);
+        let mut job = json!({ "input": { "text": { "format": kind, "data": data, "encoding": "base64" } } });
+        self.flags.onto(&mut job);
+        Some(job.to_string().into())
     }
 
     /// A job with what the flags say.

@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 
 use rayon::ThreadPoolBuilder;
 
+use super::elsewhere::{Order, ServerOptions};
 use super::error::CliError;
 use super::files::Files;
 use super::inputs::{Source, inputs};
@@ -39,11 +40,13 @@ pub(crate) struct RenderOptions {
     #[arg(long)]
     format: Option<String>,
     /// Most faces of a mesh at any level.
-    #[arg(long, value_name = "FACES")]
+    #[arg(long, value_name = "FACES", value_parser = faces, conflicts_with = "server")]
     max_faces: Option<u64>,
     /// Say nothing but what fails: no bar, no notes, no summary.
     #[arg(short, long)]
     quiet: bool,
+    #[command(flatten)]
+    server: ServerOptions,
     #[command(flatten)]
     options: JobOptions,
 }
@@ -59,8 +62,14 @@ impl RenderOptions {
         let wanted = wanted(&place, format)?;
         self.options.check_for(wanted)?;
         let targets = place.of_all(&sources)?;
-        let limits = self.limits();
         let mut progress = Progress::new(sources.len(), self.quiet);
+        if let Some(remote) = self.server.remote()? {
+            let (sources, targets, makes_folders, options) =
+                (&*sources, &*targets, place.makes_folders(), &self.options);
+            let order = Order { sources, targets, makes_folders, wanted, options };
+            return self.server.render(&remote, &order, progress);
+        }
+        let limits = self.limits();
         for (source, target) in sources.iter().zip(&targets) {
             let rendered = self.options.load(source).and_then(|mut loaded| {
                 loaded.choose(wanted, &self.options)?;
@@ -83,6 +92,11 @@ impl RenderOptions {
             ..default
         }
     }
+}
+
+/// A number of faces.
+fn faces(text: &str) -> Result<u64, &'static str> {
+    text.parse().map_err(|_| "it is no whole number; write it like 20000000")
 }
 
 /// The format of a name.

@@ -7,7 +7,7 @@ use std::time::{Duration, Instant};
 use super::error::CliError;
 use super::log::Log;
 use super::signals::Signals;
-use crate::config::{Given, Settings};
+use crate::config::{Given, Settings, memory};
 use crate::http::serve::{bind, serve as serve_http};
 use crate::kept::keep_at_most;
 use crate::service::account::kept_buffers;
@@ -16,9 +16,13 @@ use crate::service::account::kept_buffers;
 /// threads still wait for a disk that hangs.
 pub(super) fn serve(given: Given, file: Option<&Path>) -> Result<(), CliError> {
     let given = given.or(Given::of_variables(std::env::vars_os()).map_err(CliError::usage)?);
-    let settings = Settings::read(given, file).map_err(CliError::usage)?;
+    let available = memory::available();
+    let settings = Settings::read_within(given, file, available).map_err(CliError::usage)?;
     keep_at_most(usize::try_from(kept_buffers(settings.max_memory_bytes)).unwrap_or(usize::MAX));
     let log = Log::start(&settings.log, settings.log_json).map_err(CliError::other)?;
+    if let Some(available) = available.filter(|available| *available < settings.max_memory_bytes) {
+        tracing::warn!(available, budget = settings.max_memory_bytes, "max-memory-bytes is more than there is");
+    }
     let patience = Duration::from_secs(settings.shutdown_timeout_s);
     let runtime = tokio::runtime::Builder::new_multi_thread().enable_all().build().map_err(CliError::other)?;
     let asked = OnceLock::new();

@@ -10,6 +10,9 @@ pub(super) fn sniffed(bytes: &[u8]) -> Result<&'static str, String> {
     if bytes.trim_ascii_start().starts_with(b"{") {
         return Ok(of_json(bytes));
     }
+    if bytes.trim_ascii().is_empty() {
+        return Err("it is empty; give a job (JSON) or a mesh file".to_owned());
+    }
     let reader = input::of_bytes(bytes).map(|reader| reader.name);
     reader.ok_or_else(|| {
         let text = input::is_text(bytes).then_some("plain text");

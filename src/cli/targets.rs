@@ -96,9 +96,7 @@ impl Target {
                 return Err(CliError::usage(detail));
             }
         }
-        if inputs.len() > 1 {
-            keeps_inputs(&targets, inputs)?;
-        }
+        keeps_inputs(&targets, inputs)?;
         Ok(targets)
     }
 
@@ -155,7 +153,7 @@ fn keeps_inputs(targets: &[Option<PathBuf>], inputs: &[Source]) -> Result<(), Cl
     let hit = targets.iter().flatten().find_map(|target| Some((target, read.get(&real(target)?)?)));
     hit.map_or(Ok(()), |(target, input)| {
         let detail = format!(
-            "the output {} would take the place of the input {input}; name another folder; nothing was rendered",
+            "the output {} would take the place of the input {input}; give it another place; nothing was rendered",
             target.display()
         );
         Err(CliError::usage(detail))

@@ -1,7 +1,7 @@
 //! Faults in the words of the command line: where a request has a pointer, it has a flag.
 
 use super::error::{CliError, Kind};
-use super::flags::{JobFlags, dashed};
+use super::flags::{JobFlags, dashed, way_of_option};
 use crate::fault::Fault;
 use crate::job::limits::Refusal;
 use crate::wire::read::ReadError;
@@ -52,6 +52,11 @@ impl Teller<'_> {
             if let Some(flag) = self.flag(&detail[at..end]) {
                 detail.replace_range(at..end, &flag);
             }
+        }
+        if detail.starts_with("expected an object, got")
+            && let Some(way) = way_of_option(&pointer)
+        {
+            detail = format!("write it {way}");
         }
         match self.flag(&pointer) {
             Some(flag) => Fault::new(flag, in_flags(&detail)),
@@ -107,10 +112,14 @@ impl Teller<'_> {
 
 /// A sentence about a flag, which has no type of JSON.
 fn in_flags(detail: &str) -> String {
-    let detail = detail.strip_prefix("invalid type: string ").unwrap_or(detail);
+    let kinds = ["invalid type: string ", "invalid value: string ", "invalid type: number "];
+    let detail = kinds.iter().find_map(|kind| detail.strip_prefix(kind)).unwrap_or(detail);
     flagged(detail)
         .replace("{\"tolerance\": t}", "a --tolerance")
         .replace("an object with a \"tolerance\"", "a --tolerance in place of it")
+        .replace("a whole number of levels,", "a whole number of levels such as 3,")
+        .replace("give a \"plan\"", "name a --preset or a --word")
+        .replace("expected three numbers", "expected three numbers like 0,0,1")
 }
 
 /// What sentences say of the input, in flags.

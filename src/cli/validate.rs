@@ -56,9 +56,10 @@ impl ValidateOptions {
     /// What is found of an input, as JSON.
     fn examined(&self, source: &Source) -> Result<Value, CliError> {
         let mut loaded = self.options.load(source)?;
+        let purpose = loaded.request.asked();
         loaded.settle(&self.options)?;
         let teller = Teller { flags: &self.options.flags, is_file: loaded.is_file, format: loaded.format };
-        let Examined { faults, input, plan } = loaded.request.examine(&Limits::default().reading());
+        let Examined { faults, input, plan } = loaded.request.examine(purpose, &Limits::default().reading());
         let faults: Vec<Fault> = faults.into_iter().map(|fault| teller.told(fault)).collect();
         serde_json::to_value(report(Examined { faults, input, plan })).map_err(CliError::other)
     }

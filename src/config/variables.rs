@@ -9,8 +9,8 @@ use crate::fault::{nearest, shortened};
 const PREFIX: &str = "PLANISH_";
 /// What Kubernetes and Docker set by themselves where a service is called planish.
 const OF_OTHERS: [&str; 2] = ["PLANISH_SERVICE_", "PLANISH_PORT"];
-/// The variable that names the settings file.
-const FILE: &str = "PLANISH_CONFIG";
+/// The variables that name the settings file, and the key that commands show to a service.
+const BESIDE: [&str; 2] = ["PLANISH_CONFIG", "PLANISH_KEY"];
 
 /// The variables among these that are settings, each with the place of its setting in the list of `known` ones.
 ///
@@ -23,11 +23,14 @@ pub(super) fn settings(
     let mut found = Vec::new();
     for (name, value) in variables {
         let name = name.to_string_lossy();
-        if !name.starts_with(PREFIX) || name == FILE || OF_OTHERS.iter().any(|other| name.starts_with(other)) {
+        if !name.starts_with(PREFIX)
+            || BESIDE.contains(&&*name)
+            || OF_OTHERS.iter().any(|other| name.starts_with(other))
+        {
             continue;
         }
         let Some(at) = known.iter().position(|known| name == *known) else {
-            let near = nearest(&name, known.iter().copied().chain([FILE])).map(str::to_owned);
+            let near = nearest(&name, known.iter().copied().chain(BESIDE)).map(str::to_owned);
             return Err(ConfigError::Unknown { place: format!("the variable {}", shortened(&name)), near });
         };
         found.push((at, value.to_string_lossy().into_owned()));

@@ -91,6 +91,14 @@ impl Written for LogLevels {
     }
 }
 
+/// A time as people write it, in seconds.
+///
+/// # Errors
+/// What is wrong with it.
+pub fn seconds(text: &str) -> Result<u64, String> {
+    u64::read(text, "seconds")
+}
+
 fn wrong(text: &str, remedy: &str) -> String {
     format!("\"{}\" {remedy}", shortened(text))
 }

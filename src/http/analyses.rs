@@ -67,7 +67,7 @@ async fn answered(app: &Arc<App>, client: &Client, headers: &HeaderMap, body: Bo
     if let Some(tag) = negotiate::has_already(headers, &key) {
         return Ok(not_modified(&key, form, tag));
     }
-    if let Some(manifest) = app.desk.find(key).await {
+    if let Some(manifest) = app.desk.find(key, client.peer()).await {
         // what turns out to be damaged has been dropped, and is made again
         match whole(app, headers, Artifact::kept(manifest, client.peer()), (&key, form)).await {
             Err(Lost::Gone) => {}

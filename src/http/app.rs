@@ -4,11 +4,13 @@ use std::sync::{Arc, LazyLock};
 
 use super::canary::Canary;
 use super::connections::Connections;
+use super::gate::Gate;
 use super::memo::Memo;
 use super::request_counts::Requests;
 use super::short::Short;
 use crate::config::Settings;
 use crate::service::desk::Desk;
+use crate::service::rate::Rates;
 
 /// What every handler knows.
 #[derive(Debug)]
@@ -17,6 +19,10 @@ pub struct App {
     pub desk: Arc<Desk>,
     /// The settings of this service.
     pub settings: Settings,
+    /// Who is let in.
+    pub gate: Arc<Gate>,
+    /// How much each client has asked for lately.
+    pub rates: Rates,
     /// The job that shows whether the service works.
     pub canary: Arc<Canary>,
     /// What was asked lately.

@@ -53,11 +53,12 @@ pub(super) async fn archive(
     Segment(id): Segment,
     headers: HeaderMap,
 ) -> Response {
-    answered(&app, client.peer(), &id, &headers).unwrap_or_else(IntoResponse::into_response)
+    answered(&app, &client, &id, &headers).unwrap_or_else(IntoResponse::into_response)
 }
 
-fn answered(app: &Arc<App>, peer: Peer, id: &str, headers: &HeaderMap) -> Result<Response, Problem> {
-    let standing = parse(id).and_then(|batch| app.desk.batch_standing(&batch)).ok_or_else(unknown)?;
+fn answered(app: &Arc<App>, client: &Client, id: &str, headers: &HeaderMap) -> Result<Response, Problem> {
+    let peer = client.peer();
+    let standing = parse(client, id).and_then(|batch| app.desk.batch_standing(&batch)).ok_or_else(unknown)?;
     if !standing.is_settled() {
         return Err(Problem::unfinished());
     }
@@ -163,7 +164,7 @@ impl Writing {
 
     /// Opens a result and reads it once for its checksum, which stands before it.
     async fn opened(&self, key: Key, length: u64) -> io::Result<(Open, u32)> {
-        if let Some(manifest) = self.app.desk.find(key).await
+        if let Some(manifest) = self.app.desk.find(key, self.peer).await
             && let Some(open) = self.kept(&manifest, length).await?
         {
             return Ok(open);

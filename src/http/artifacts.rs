@@ -63,14 +63,14 @@ async fn answered(app: &Arc<App>, client: &Client, file: &str, headers: &HeaderM
     };
     let (id, extension) = file.split_once('.').ok_or_else(unknown)?;
     let key = Key::parse(id).ok_or_else(unknown)?;
-    if let Some(manifest) = app.desk.find(key).await {
+    if let Some(manifest) = app.desk.find(key, client.peer()).await {
         // what turns out to be damaged has been dropped, and is made again where its job is known
         match tell(app, &key, extension, headers, Artifact::kept(manifest, client.peer())).await? {
             Err(Lost::Gone) => {}
             answered => return Ok(answered?),
         }
     }
-    let found = made_again(app, client.peer(), Tenant::ANYONE, &key).await?;
+    let found = made_again(app, client.peer(), client.tenant(), &key).await?;
     Ok(tell(app, &key, extension, headers, found).await??)
 }
 

@@ -19,7 +19,7 @@ use super::{batch_checks, body, jobs, negotiate, posting};
 use crate::job::key::Key;
 use crate::service::accepting::NotAccepted;
 use crate::service::batches::BatchStanding;
-use crate::service::job_key::{JobKey, Priority, Tenant};
+use crate::service::job_key::{JobKey, Priority};
 use crate::service::jobs::{Phase, State as JobState};
 use crate::service::lent::Lent;
 use crate::service::peer::{Kind, Peer};
@@ -63,7 +63,7 @@ pub(super) async fn post_batch(
         let sent = body::collect(&app, &client, &headers, Takes::Jobs, body).await?;
         let terms = posting::terms(query.as_deref().unwrap_or_default(), Priority::Batch).map_err(Problem::invalid)?;
         let (id, layout) = batch_checks::read(&app, client.peer(), &sent).await?;
-        let batch = JobKey::of_anyone(id);
+        let batch = JobKey { tenant: client.tenant(), id };
         let known = app.desk.batches.get(&batch).filter(|known| known.is_active() || known.state == JobState::Done);
         if known.is_some() {
             app.desk.batches.written(batch).await.map_err(NotAccepted::from)?;
@@ -94,7 +94,7 @@ pub(super) async fn post_batch(
     )
 )]
 pub(super) async fn batch(State(app): State<Shared>, client: Client, Segment(id): Segment) -> Response {
-    let standing = parse(&id).and_then(|batch| app.desk.batch_standing(&batch)).ok_or_else(unknown);
+    let standing = parse(&client, &id).and_then(|batch| app.desk.batch_standing(&batch)).ok_or_else(unknown);
     standing.and_then(|standing| told(&app, client.peer(), StatusCode::OK, &standing)).into_response()
 }
 
@@ -110,12 +110,12 @@ pub(super) async fn batch(State(app): State<Shared>, client: Client, Segment(id)
         (status = 200, description = "A page of them", body = BatchesAnswer, example = json!({ "batches": [] })),
     )
 )]
-pub(super) async fn list_batches(State(app): State<Shared>, RawQuery(query): RawQuery) -> Response {
+pub(super) async fn list_batches(State(app): State<Shared>, client: Client, RawQuery(query): RawQuery) -> Response {
     let page = match jobs::page(query.as_deref().unwrap_or_default()) {
         Ok(page) => page,
         Err(fault) => return Problem::invalid(vec![fault]).into_response(),
     };
-    let (batches, is_more) = app.desk.batches.page(Tenant::ANYONE, page.0, page.1);
+    let (batches, is_more) = app.desk.batches.page(client.tenant(), page.0, page.1);
     let next = batches.last().filter(|_| is_more).map(|batch| batch.number.to_string());
     let brief = |batch| BatchAnswer::brief(&app.desk.standing_of_batch(batch));
     let batches = batches.into_iter().map(brief).collect();
@@ -136,7 +136,7 @@ pub(super) async fn list_batches(State(app): State<Shared>, RawQuery(query): Raw
     )
 )]
 pub(super) async fn cancel_batch(State(app): State<Shared>, client: Client, Segment(id): Segment) -> Response {
-    let Some(batch) = parse(&id) else { return unknown().into_response() };
+    let Some(batch) = parse(&client, &id) else { return unknown().into_response() };
     let status = if app.desk.cancel_batch(&batch) { StatusCode::ACCEPTED } else { StatusCode::OK };
     let standing = app.desk.batch_standing(&batch).ok_or_else(unknown);
     standing.and_then(|standing| told(&app, client.peer(), status, &standing)).into_response()
@@ -151,8 +151,8 @@ pub(super) async fn cancel_batch(State(app): State<Shared>, client: Client, Segm
         (status = 204, description = "It is forgotten"),
     )
 )]
-pub(super) async fn forget_batch(State(app): State<Shared>, Segment(id): Segment) -> Response {
-    if parse(&id).is_some_and(|batch| app.desk.forget_batch(&batch)) {
+pub(super) async fn forget_batch(State(app): State<Shared>, client: Client, Segment(id): Segment) -> Response {
+    if parse(&client, &id).is_some_and(|batch| app.desk.forget_batch(&batch)) {
         return StatusCode::NO_CONTENT.into_response();
     }
     unknown().into_response()
@@ -180,7 +180,7 @@ pub(super) async fn batch_events(
     Segment(id): Segment,
     headers: HeaderMap,
 ) -> Response {
-    let found = parse(&id).and_then(|batch| Some((batch, app.desk.batch_standing(&batch)?)));
+    let found = parse(&client, &id).and_then(|batch| Some((batch, app.desk.batch_standing(&batch)?)));
     let Some((batch, standing)) = found else { return unknown().into_response() };
     let ended = standing.batch.ended.subscribe();
     let look: feed::Look = Box::new(move |app| Some(Box::new(app.desk.batch_standing(&batch)?)));
@@ -205,9 +205,9 @@ impl Followed for BatchStanding {
     }
 }
 
-/// The batch that an address names.
-pub(super) fn parse(id: &str) -> Option<JobKey> {
-    Key::parse(id).map(JobKey::of_anyone)
+/// The batch of a client that an address names.
+pub(super) fn parse(client: &Client, id: &str) -> Option<JobKey> {
+    Key::parse(id).map(|id| JobKey { tenant: client.tenant(), id })
 }
 
 /// The answer about a batch that nobody knows.

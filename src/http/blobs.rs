@@ -25,19 +25,22 @@ use crate::service::read_lane::Unread;
 use crate::service::store::{Manifest, PART_BYTES, StoreError};
 use crate::service::uploads::Upload;
 use crate::wire::answer::BlobAnswer;
-use crate::wire::posted::uploads_of;
+use crate::wire::posted::{NamedUpload, uploads_of};
 use crate::wire::text::MeshFile;
 
 /// Bytes that are written at once. Half of it goes to the disk twice as often; twice of it takes twice the memory of
 /// each upload.
 const PIECE_BYTES: usize = 1 << 20;
 const JSON: &str = "application/json";
+const PICTURE: &str = "image/png";
+/// The first bytes of a PNG.
+const PICTURE_STARTS: &[u8] = b"\x89PNG\r\n\x1a\n";
 
 /// Keeps a mesh file, under the hash of its bytes; jobs name it as `input.blob`.
 ///
-/// The body is the file, of a type that /v1/readers lists, or a mesh as JSON; a type that is not said is told by the
-/// first bytes. The same file sent again is the same upload. Uploads that no job needs may leave for others: a job that
-/// names one that is gone is refused, and the file can be sent again.
+/// The body is the file, of a type that /v1/readers lists, a mesh as JSON, or a PNG for /v1/compare; a type that is not
+/// said is told by the first bytes. The same file sent again is the same upload. Uploads that no job needs may leave
+/// for others: a job that names one that is gone is refused, and the file can be sent again.
 #[utoipa::path(
     post, path = "/v1/blobs", tag = "jobs",
     request_body(content = String, content_type = "application/octet-stream", description = "The file",
@@ -65,7 +68,7 @@ pub(super) async fn upload(State(app): State<Shared>, client: Client, headers: H
         (status = 200, description = "The file, of the type that it was sent as", content(
             (String = "application/octet-stream"), (String = "model/obj"), (String = "model/ply"),
             (String = "model/stl"), (String = "model/off"), (String = "model/gltf+json"),
-            (String = "model/gltf-binary"), (String = "application/json"),
+            (String = "model/gltf-binary"), (String = "application/json"), (Vec<u8> = "image/png"),
         )),
         (status = 304, description = "The client has it already (`If-None-Match`)"),
     )
@@ -78,7 +81,7 @@ pub(super) async fn blob(
     headers: HeaderMap,
 ) -> Response {
     let unknown = || Problem::new(problem::NOT_FOUND, "there is no upload of this id; send the file to /v1/blobs");
-    let Some(manifest) = parse(&id).and_then(|id| app.desk.uploads.find(&id)) else {
+    let Some(manifest) = parse(&id).and_then(|id| app.desk.uploads.find(&id, client.tenant())) else {
         return unknown().into_response();
     };
     let mut head = HeaderMap::new();
@@ -127,12 +130,17 @@ fn parts(app: &Arc<App>, peer: Peer, manifest: Arc<Manifest>) -> Option<Body> {
 
 /// Keeps the file that a body holds.
 async fn kept(app: &Arc<App>, client: &Client, headers: &HeaderMap, body: &mut Body) -> Result<Response, Problem> {
-    let (kind, coding) = content::of(headers, Takes::Files(""))?;
+    let mut headers = headers.clone();
+    if headers.get(header::CONTENT_TYPE).is_some_and(|named| named == PICTURE) {
+        // its first bytes tell
+        headers.remove(header::CONTENT_TYPE);
+    }
+    let (kind, coding) = content::of(&headers, Takes::Files(""))?;
     if coding != Coding::Identity {
         return Err(Problem::new(problem::MEDIA_TYPE, "files are kept as they are; send it without Content-Encoding"));
     }
     let limit = app.settings.max_body_bytes;
-    if let Some(length) = announced(headers).filter(|length| *length > limit) {
+    if let Some(length) = announced(&headers).filter(|length| *length > limit) {
         return Err(too_long(length, limit));
     }
     let (desk, peer) = (&app.desk, client.peer());
@@ -146,7 +154,7 @@ async fn kept(app: &Arc<App>, client: &Client, headers: &HeaderMap, body: &mut B
         piece.extend_from_slice(data.as_deref().unwrap_or_default());
         if piece.len() >= PIECE_BYTES || data.is_none() {
             if media_type.is_none() {
-                media_type = Some(media_type_of(kind, headers, &piece)?);
+                media_type = Some(media_type_of(kind, &headers, &piece)?);
             }
             let before = match upload.take() {
                 Some(upload) => upload,
@@ -159,7 +167,7 @@ async fn kept(app: &Arc<App>, client: &Client, headers: &HeaderMap, body: &mut B
         }
     }
     let (Some(upload), Some(media_type)) = (upload, media_type) else { return Err(internal()) };
-    let finished = tokio::task::spawn_blocking(move || upload.finish(media_type)).await;
+    let finished = tokio::task::spawn_blocking(move || upload.finish(media_type, peer.tenant())).await;
     let manifest = finished.map_err(|_| internal())?.map_err(not_kept)?;
     Ok(told(&manifest))
 }
@@ -188,6 +196,9 @@ fn not_kept(error: StoreError) -> Problem {
 
 /// The media type under which a file is kept: what its sender says, or its first bytes.
 fn media_type_of(kind: Kind, headers: &HeaderMap, first: &[u8]) -> Result<&'static str, Problem> {
+    if matches!(kind, Kind::Untold) && first.starts_with(PICTURE_STARTS) {
+        return Ok(PICTURE);
+    }
     match kind.notation(headers, Takes::Files(""), first)? {
         Notation::Job | Notation::JobAs(_) => Ok(JSON),
         Notation::File(reader, _) => Ok(reader.media_type),
@@ -202,7 +213,8 @@ fn format_of(media_type: &str) -> &'static str {
 fn told(manifest: &Manifest) -> Response {
     let id = written_id(&manifest.key);
     let href = format!("/v1/blobs/{id}");
-    let format = format_of(&manifest.media_type).to_owned();
+    let is_picture = manifest.media_type == PICTURE;
+    let format = if is_picture { "png" } else { format_of(&manifest.media_type) }.to_owned();
     let answer = BlobAnswer { id, bytes: manifest.length, format, href: href.clone() };
     let mut response = (StatusCode::CREATED, axum::Json(answer)).into_response();
     response.headers_mut().extend(HeaderValue::try_from(href).map(|href| (header::LOCATION, href)));
@@ -232,15 +244,10 @@ pub(super) async fn attached(app: &Arc<App>, peer: Peer, sent: Sent) -> Result<S
     let limit = app.settings.max_body_bytes;
     let (mut all, mut length): (Vec<(Option<usize>, Arc<Attached>)>, _) = (Vec::new(), 0);
     for named in named {
-        let fault = |detail: String| Problem::invalid(vec![Fault::new(named.pointer(), detail)]);
-        let id = parse(&named.id).ok_or_else(|| {
-            let named = shortened(&named.id);
-            fault(format!("\"{named}\" is no id of an upload, which is b3- and 64 hexadecimal digits"))
-        })?;
-        let known = all.iter().find(|(_, upload)| upload.id == id).map(|(_, upload)| upload.clone());
+        let known = all.iter().find(|(_, upload)| written_id(&upload.id) == named.id).map(|(_, upload)| upload.clone());
         let upload = match known {
             Some(known) => known,
-            None => Arc::new(read(app, peer, id, fault).await?),
+            None => Arc::new(read(app, peer, &named).await?),
         };
         // every panel reads its file by itself
         length += upload.file.bytes.len() as u64;
@@ -252,11 +259,35 @@ pub(super) async fn attached(app: &Arc<App>, peer: Peer, sent: Sent) -> Result<S
     Ok(sent.with_uploads(all))
 }
 
-/// An upload, read into memory.
-async fn read(app: &Arc<App>, peer: Peer, id: Key, fault: impl Fn(String) -> Problem) -> Result<Attached, Problem> {
+/// A mesh file that a job names, read into memory.
+async fn read(app: &Arc<App>, peer: Peer, named: &NamedUpload) -> Result<Attached, Problem> {
+    let (id, manifest, bytes, paid) = loaded(app, peer, &named.id, &named.pointer()).await?;
+    if manifest.media_type == PICTURE {
+        let detail = format!("the upload {} is a picture; only /v1/compare takes it", written_id(&id));
+        return Err(Problem::invalid(vec![Fault::new(named.pointer(), detail)]));
+    }
+    let format = format_of(&manifest.media_type).to_owned();
+    let file = MeshFile { format, bytes, beside: Arc::new(Alone) };
+    Ok(Attached::new(id, file, paid))
+}
+
+/// An upload that is named at a place of a request, with its bytes and the memory that they take.
+///
+/// # Errors
+/// An upload that is not here; 503 when there is no memory for it.
+pub(super) async fn loaded(
+    app: &Arc<App>,
+    peer: Peer,
+    named: &str,
+    place: &str,
+) -> Result<(Key, Arc<Manifest>, Vec<u8>, Paid), Problem> {
+    let fault = |detail: String| Problem::invalid(vec![Fault::new(place, detail)]);
+    let id = parse(named).ok_or_else(|| {
+        fault(format!("\"{}\" is no id of an upload, which is b3- and 64 hexadecimal digits", shortened(named)))
+    })?;
     let missing = || fault(format!("there is no upload {}; send the file to /v1/blobs (again)", written_id(&id)));
     let _pin = app.desk.uploads.pin(&id).ok_or_else(missing)?;
-    let manifest = app.desk.uploads.find(&id).ok_or_else(missing)?;
+    let manifest = app.desk.uploads.find(&id, peer.tenant()).ok_or_else(missing)?;
     let limit = app.settings.max_body_bytes;
     if manifest.length > limit {
         return Err(too_long(manifest.length, limit));
@@ -264,7 +295,5 @@ async fn read(app: &Arc<App>, peer: Peer, id: Key, fault: impl Fn(String) -> Pro
     let (desk, busy) = (&app.desk, |_| app.desk.pool.busy(Lane::Reading));
     let paid = desk.peers.charge(&desk.account.bodies, Held::BodyBytes, peer, manifest.length).map_err(busy)?;
     let bytes = desk.uploads.whole(&manifest).await.ok_or_else(missing)?;
-    let format = format_of(&manifest.media_type).to_owned();
-    let file = MeshFile { format, bytes, beside: Arc::new(Alone) };
-    Ok(Attached { id, file, _paid: paid })
+    Ok((id, manifest, bytes, paid))
 }

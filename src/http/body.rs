@@ -49,7 +49,14 @@ pub(super) struct Sent {
 pub(super) struct Attached {
     pub(super) id: Key,
     pub(super) file: MeshFile,
-    pub(super) _paid: Paid,
+    _paid: Paid,
+}
+
+impl Attached {
+    /// A file under its id, with what pays for its memory.
+    pub(super) fn new(id: Key, file: MeshFile, paid: Paid) -> Self {
+        Self { id, file, _paid: paid }
+    }
 }
 
 impl Sent {
@@ -73,18 +80,11 @@ impl Sent {
             Notation::JobAs(format) => read_as(format.name(), &self.bytes),
             Notation::File(reader, query) => job_of_file(query, file(reader.name, &self.bytes)),
         }?;
+        if request.describes() {
+            request.source = String::from_utf8(self.text().into()).ok().map(Arc::from);
+        }
         for (panel, upload) in &self.uploads {
-            let input = match panel {
-                None => Some(&mut request.input),
-                Some(at) => request
-                    .figure
-                    .as_mut()
-                    .and_then(|figure| figure.panels.get_mut(*at))
-                    .map(|panel| &mut panel.job.input),
-            };
-            if let Some(input) = input.filter(|input| input.file.is_none()) {
-                input.file = Some(upload.file.clone());
-            }
+            request.attach(*panel, upload.file.clone());
         }
         Ok(request)
     }

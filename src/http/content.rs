@@ -8,6 +8,7 @@ use super::problem::{self, Problem};
 use crate::fault::shortened;
 use crate::input::{self, READERS, Reader};
 use crate::output::Format;
+use crate::wire::query::says_nothing;
 
 /// Types that programs send when nobody told them one: `curl --data-binary`, and pages that send a file of a kind that
 /// the browser does not know.
@@ -55,6 +56,13 @@ pub(super) enum Takes<'a> {
     Files(&'a str),
 }
 
+impl<'a> Takes<'a> {
+    /// What the query of the address says of the job.
+    fn query(self) -> &'a str {
+        if let Self::Files(query) = self { query } else { "" }
+    }
+}
+
 /// What the headers say.
 ///
 /// # Errors
@@ -71,12 +79,14 @@ impl Kind {
     /// Bytes that do not show what they are.
     pub(super) fn notation(self, headers: &HeaderMap, takes: Takes<'_>, body: &[u8]) -> Result<Notation, Problem> {
         let reader = match self {
-            Self::Job => return Ok(Notation::Job),
+            Self::Job => {
+                says_nothing(takes.query()).map_err(Problem::invalid)?;
+                return Ok(Notation::Job);
+            }
             Self::File(reader) => reader,
             Self::Untold => input::of_bytes(body).ok_or_else(|| unknown(headers, true, body))?,
         };
-        let query = if let Takes::Files(query) = takes { query } else { "" };
-        Ok(Notation::File(reader, query.into()))
+        Ok(Notation::File(reader, takes.query().into()))
     }
 }
 
@@ -134,11 +144,10 @@ fn unknown(headers: &HeaderMap, takes_files: bool, body: &[u8]) -> Problem {
     let mut detail = format!("{said}{shown}; send the job as Content-Type: application/json");
     if takes_files {
         let types: Vec<&str> = READERS.iter().map(|reader| reader.media_type).collect();
-        detail = format!(
-            "{detail}, or a mesh file as {}; curl says so with -H 'Content-Type: {}'",
-            types.join(", "),
-            types.first().unwrap_or(&"model/obj")
-        );
+        let is_job = body.windows(7).any(|word| word == b"\"input\"");
+        let meant = if is_job { "application/json" } else { types.first().unwrap_or(&"model/obj") };
+        detail =
+            format!("{detail}, or a mesh file as {}; curl says so with -H 'Content-Type: {meant}'", types.join(", "));
     }
     Problem::new(problem::MEDIA_TYPE, detail)
 }

@@ -2,22 +2,27 @@
 
 use std::collections::BTreeMap;
 
+use axum::http::Method;
 use serde_json::{Value, json};
 use utoipa::OpenApi;
 use utoipa::openapi::example::{Example, ExampleBuilder};
 use utoipa::openapi::path::Operation;
 use utoipa::openapi::schema::SchemaType;
+use utoipa::openapi::security::{HttpAuthScheme, HttpBuilder, SecurityRequirement, SecurityScheme};
 use utoipa::openapi::server::ServerBuilder;
 use utoipa::openapi::{
     Content, ContentBuilder, Header, HeaderBuilder, KnownFormat, ObjectBuilder, OpenApi as Api, Ref, RefOr, Required,
     Response, ResponseBuilder, SchemaFormat, Type,
 };
 
+use super::gate::{Need, needed};
 use super::problem::{self, Kind};
+use crate::config::keys::Role;
 use crate::input::READERS;
 use crate::output::{self, FORMATS};
 use crate::wire::answer::ProblemAnswer;
 use crate::wire::catalogue::presets;
+use crate::wire::query_parameters;
 
 /// The document but for its paths.
 #[derive(OpenApi)]
@@ -94,18 +99,44 @@ const COMPUTED: &[Kind] = &[problem::INVALID, problem::GONE, problem::CANCELLED]
 /// Adds to every operation what the handlers need not repeat.
 pub(super) fn completed(mut document: Api) -> Api {
     document.servers = Some(vec![ServerBuilder::new().url("/").description(Some("This server")).build()]);
-    // nobody has to say who he is
-    document.security = Some(Vec::new());
+    // a key is shown where the server has keys
+    let key =
+        SecurityScheme::Http(HttpBuilder::new().scheme(HttpAuthScheme::Bearer).bearer_format("planish_...").build());
+    document.components.get_or_insert_default().add_security_scheme("key", key);
+    document.security =
+        Some(vec![SecurityRequirement::default(), SecurityRequirement::new("key", Vec::<String>::new())]);
     for (path, item) in &mut document.paths.paths {
-        for operation in [&mut item.get, &mut item.post, &mut item.delete].into_iter().flatten() {
+        let methods =
+            [(Method::GET, &mut item.get), (Method::POST, &mut item.post), (Method::DELETE, &mut item.delete)];
+        for (method, operation) in methods {
+            let Some(operation) = operation else { continue };
             complete(path, operation);
+            let_in(&method, path, operation);
         }
-        let is_bytes = ["/v1/artifacts/", "/v1/blobs/", "/kroki/"].iter().any(|start| path.starts_with(start));
+        let is_bytes =
+            ["/v1/artifacts/", "/v1/blobs/", "/kroki/", "/v1/r/"].iter().any(|start| path.starts_with(start));
+        let is_bytes = is_bytes && !path.ends_with("/events");
         if is_bytes || path == "/v1/render" || path.ends_with("/archive.zip") {
             item.head = item.get.as_ref().map(head);
         }
     }
     document
+}
+
+/// Adds what becomes of requests that show no key, or ask for too much.
+fn let_in(method: &Method, path: &str, operation: &mut Operation) {
+    match needed(method, path) {
+        Need::Nothing => operation.security = Some(Vec::new()),
+        Need::Role(Role::Render) => refuse(operation, &[problem::UNAUTHORIZED, problem::FORBIDDEN, problem::QUOTA]),
+        Need::Role(_) => refuse(operation, &[problem::UNAUTHORIZED, problem::FORBIDDEN]),
+        Need::Signature { works } => {
+            operation.security = Some(Vec::new());
+            refuse(operation, &[problem::BAD_LINK]);
+            if works {
+                refuse(operation, &[problem::QUOTA]);
+            }
+        }
+    }
 }
 
 fn complete(path: &str, operation: &mut Operation) {
@@ -117,6 +148,7 @@ fn complete(path: &str, operation: &mut Operation) {
             if let RefOr::T(content) = content {
                 content.examples = match path {
                     "/v1/analyses" => analysis_examples(),
+                    "/v1/compare" => comparison_examples(),
                     "/v1/batches" => batch_examples(),
                     _ => job_examples(),
                 };
@@ -128,7 +160,9 @@ fn complete(path: &str, operation: &mut Operation) {
         refuse(operation, &[problem::NOT_FOUND]);
     }
     match path {
-        "/v1/render" | "/kroki/{format}/{data}" if operation.request_body.is_none() => {
+        "/v1/render" | "/kroki/{format}/{data}" | "/v1/r/{signature}/{expiry}/{job}"
+            if operation.request_body.is_none() =>
+        {
             bytes(operation, "200", &[RESULT, KEPT].concat());
             headers(operation, "304", &["ETag", "Content-Location", "Cache-Status", "Cache-Control", "Vary"]);
             refuse(
@@ -140,6 +174,10 @@ fn complete(path: &str, operation: &mut Operation) {
         }
         "/v1/render" => {
             files(operation);
+            operation
+                .parameters
+                .get_or_insert_default()
+                .extend(query_parameters::described().into_iter().map(RefOr::T));
             bytes(operation, "200", &[RESULT, &["Accept-Ranges"]].concat());
             headers(operation, "202", &["Location", "Retry-After", "Preference-Applied"]);
             headers(operation, "304", &["ETag", "Content-Location", "Cache-Status", "Vary"]);
@@ -148,13 +186,18 @@ fn complete(path: &str, operation: &mut Operation) {
             refuse(operation, &[problem::NOT_ACCEPTABLE, problem::UNWRITTEN]);
         }
         "/v1/estimate" => refuse(operation, FORECAST),
+        "/v1/compare" => {
+            headers(operation, "200", &["Cache-Status"]);
+            refuse(operation, FORECAST);
+            refuse(operation, COMPUTED);
+        }
         "/v1/analyses" => {
             headers(operation, "200", RESULT);
             headers(operation, "304", &["ETag", "Content-Location", "Vary"]);
             refuse(operation, &[problem::TIMED_OUT, problem::NOT_ACCEPTABLE]);
             refuse(operation, COMPUTED);
         }
-        path if path.starts_with("/v1/artifacts/") => {
+        path if path.contains("/artifacts/") => {
             bytes(operation, "200", &[RESULT, KEPT].concat());
             bytes(operation, "206", &[RESULT, KEPT, &["Content-Range"]].concat());
             headers(operation, "304", &[RESULT, KEPT].concat());
@@ -262,11 +305,23 @@ fn analysis_examples() -> BTreeMap<String, RefOr<Example>> {
     questions.into_iter().map(example).collect()
 }
 
-/// Adds the mesh files that a body may be.
+/// Two levels of one curve.
+fn comparison_examples() -> BTreeMap<String, RefOr<Example>> {
+    let square = json!({ "points": [[0, 0], [1, 0], [1, 1], [0, 1]], "closed": true });
+    let job = |levels: u32| {
+        json!({ "input": { "polygon": square }, "plan": { "preset": presets()[0].name },
+            "levels": levels })
+    };
+    let asked = json!({ "a": job(2), "b": job(6), "tolerance": 0.05 });
+    let example = ExampleBuilder::new().summary("Two levels of a curve").value(Some(asked)).build();
+    [("levels".to_owned(), example.into())].into()
+}
+
+/// Adds the mesh files that a body may be: those that say what they are, and those that show it.
 fn files(operation: &mut Operation) {
     let Some(RefOr::T(body)) = &mut operation.request_body else { return };
-    for reader in READERS {
-        body.content.insert(reader.media_type.to_owned(), RefOr::T(content(output::Content::Binary)));
+    for media_type in READERS.iter().map(|reader| reader.media_type).chain(["application/octet-stream"]) {
+        body.content.entry(media_type.to_owned()).or_insert_with(|| RefOr::T(content(output::Content::Binary)));
     }
 }
 
@@ -344,7 +399,7 @@ fn refuse(operation: &mut Operation, kinds: &[Kind]) {
         let description = before.map_or(text.clone(), |before| format!("{before}; {text}"));
         let mut response =
             ResponseBuilder::new().description(description).content("application/problem+json", refused());
-        if kind.slug == problem::BUSY.slug {
+        if [problem::BUSY.slug, problem::QUOTA.slug].contains(&kind.slug) {
             response = response.header("Retry-After", header("Seconds after which to ask again"));
         }
         operation.responses.responses.insert(status, RefOr::T(response.build()));

@@ -30,8 +30,10 @@ impl Early {
     {
         let takes = Takes::Files(request.uri.query().unwrap_or_default());
         let sent = body::collect(app, client, &request.headers, takes, body).await;
-        let identity =
-            sent.as_ref().ok().and_then(|sent| memo::identity(&request.headers, &sent.notation, &sent.bytes));
+        let identity = sent
+            .as_ref()
+            .ok()
+            .and_then(|sent| memo::identity(client.tenant(), &request.headers, &sent.notation, &sent.bytes));
         Self { sent, identity }
     }
 }

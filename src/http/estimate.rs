@@ -2,7 +2,7 @@
 //! the level of a tolerance.
 
 use axum::body::Body;
-use axum::extract::State;
+use axum::extract::{RawQuery, State};
 use axum::http::HeaderMap;
 use axum::response::{IntoResponse, Response};
 
@@ -13,6 +13,7 @@ use super::problem::Problem;
 use super::{body, negotiate, reading};
 use crate::wire::JobRequest;
 use crate::wire::answer::EstimateAnswer;
+use crate::wire::query::says_nothing;
 
 /// What a job would come to: exact counts a level, bytes and key of each output, predicted time and memory.
 ///
@@ -24,9 +25,16 @@ use crate::wire::answer::EstimateAnswer;
         (status = 200, description = "What it would come to", body = EstimateAnswer),
     )
 )]
-pub(super) async fn estimate(State(app): State<Shared>, client: Client, headers: HeaderMap, body: Body) -> Response {
+pub(super) async fn estimate(
+    State(app): State<Shared>,
+    client: Client,
+    headers: HeaderMap,
+    RawQuery(query): RawQuery,
+    body: Body,
+) -> Response {
     let answer = async {
         let sent = body::collect(&app, &client, &headers, Takes::Jobs, body).await?;
+        says_nothing(query.as_deref().unwrap_or_default()).map_err(Problem::invalid)?;
         let read = reading::job(&app, client.peer(), sent, usize::MAX, |request| {
             negotiate::settle(&HeaderMap::new(), request)
         });

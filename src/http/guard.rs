@@ -1,4 +1,6 @@
-//! What every request passes: the check of its host, and headers that keep browsers from guessing.
+//! What every request passes: the checks of its host and of its key, and headers that keep browsers from guessing.
+
+use std::time::Duration;
 
 use axum::extract::{Request, State};
 use axum::http::{HeaderValue, Version, header, request};
@@ -6,6 +8,9 @@ use axum::middleware::Next;
 use axum::response::{IntoResponse, Response};
 
 use super::app::Shared;
+use super::body::drain;
+use super::client::Client;
+use super::connections::Phase;
 use super::problem::{self, Problem};
 use crate::config::Settings;
 use crate::config::authority::Authority;
@@ -45,6 +50,26 @@ pub(super) fn hosts(request: &request::Parts, settings: &Settings) -> Result<(),
         }
     }
     Ok(())
+}
+
+/// Refuses those whom the gate does not let in; what private clients get, nobody keeps for others.
+pub(super) async fn check_key(State(app): State<Shared>, client: Client, request: Request, next: Next) -> Response {
+    if let Some(problem) = client.caller.refused {
+        if !request.headers().contains_key(header::EXPECT) {
+            drain(request.into_body(), Duration::from_secs(app.settings.body_timeout_s)).await;
+        }
+        client.connection.enter(Phase::Working);
+        return problem.into_response();
+    }
+    let is_private = client.is_private();
+    let mut response = next.run(request).await;
+    let cached = response.headers().get(header::CACHE_CONTROL).and_then(|value| value.to_str().ok());
+    if let Some(rest) = cached.and_then(|value| value.strip_prefix("public")).filter(|_| is_private) {
+        if let Ok(private) = HeaderValue::try_from(format!("private{rest}")) {
+            response.headers_mut().insert(header::CACHE_CONTROL, private);
+        }
+    }
+    response
 }
 
 /// Headers of every answer.

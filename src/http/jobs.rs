@@ -8,11 +8,12 @@ use axum::response::{IntoResponse, Response};
 
 use super::address::address;
 use super::app::{App, Shared};
+use super::client::Client;
 use super::problem::{self, Problem};
 use super::segment::Segment;
 use crate::fault::{Fault, shortened};
 use crate::job::key::Key;
-use crate::service::job_key::{JobKey, Tenant};
+use crate::service::job_key::JobKey;
 use crate::service::jobs::Standing;
 use crate::wire::standing::{JobAnswer, JobsAnswer};
 
@@ -30,8 +31,8 @@ const LARGEST_PAGE: usize = 100;
         (status = 200, description = "How it stands", body = JobAnswer),
     )
 )]
-pub(super) async fn job(State(app): State<Shared>, Segment(id): Segment) -> Response {
-    let standing = parse(&id).and_then(|job| app.desk.standing(&job));
+pub(super) async fn job(State(app): State<Shared>, client: Client, Segment(id): Segment) -> Response {
+    let standing = parse(&client, &id).and_then(|job| app.desk.standing(&job));
     standing.map_or_else(|| unknown().into_response(), |standing| told(StatusCode::OK, &standing))
 }
 
@@ -45,12 +46,12 @@ pub(super) async fn job(State(app): State<Shared>, Segment(id): Segment) -> Resp
     ),
     responses((status = 200, description = "A page of them", body = JobsAnswer, example = json!({ "jobs": [] })))
 )]
-pub(super) async fn list(State(app): State<Shared>, RawQuery(query): RawQuery) -> Response {
+pub(super) async fn list(State(app): State<Shared>, client: Client, RawQuery(query): RawQuery) -> Response {
     let page = match page(query.as_deref().unwrap_or_default()) {
         Ok(page) => page,
         Err(fault) => return Problem::invalid(vec![fault]).into_response(),
     };
-    let (records, is_more) = app.desk.jobs.page(Tenant::ANYONE, page.0, page.1);
+    let (records, is_more) = app.desk.jobs.page(client.tenant(), page.0, page.1);
     let next = records.last().filter(|_| is_more).map(|record| record.number.to_string());
     let jobs = records.into_iter().map(|record| answer(&app.desk.standing_of(record))).collect();
     let mut response = axum::Json(JobsAnswer { jobs, next }).into_response();
@@ -69,8 +70,8 @@ pub(super) async fn list(State(app): State<Shared>, RawQuery(query): RawQuery) -
         (status = 202, description = "It is cancelled", body = JobAnswer),
     )
 )]
-pub(super) async fn cancel(State(app): State<Shared>, Segment(id): Segment) -> Response {
-    let Some(job) = parse(&id) else { return unknown().into_response() };
+pub(super) async fn cancel(State(app): State<Shared>, client: Client, Segment(id): Segment) -> Response {
+    let Some(job) = parse(&client, &id) else { return unknown().into_response() };
     let status = if app.desk.cancel(&job) { StatusCode::ACCEPTED } else { StatusCode::OK };
     app.desk.standing(&job).map_or_else(|| unknown().into_response(), |standing| told(status, &standing))
 }
@@ -84,16 +85,16 @@ pub(super) async fn cancel(State(app): State<Shared>, Segment(id): Segment) -> R
         (status = 204, description = "It is forgotten"),
     )
 )]
-pub(super) async fn forget(State(app): State<Shared>, Segment(id): Segment) -> Response {
-    if parse(&id).is_some_and(|job| app.desk.forget(&job)) {
+pub(super) async fn forget(State(app): State<Shared>, client: Client, Segment(id): Segment) -> Response {
+    if parse(&client, &id).is_some_and(|job| app.desk.forget(&job)) {
         return StatusCode::NO_CONTENT.into_response();
     }
     Problem::new(problem::NOT_FOUND, "there is no job of this id, or it is forgotten already").into_response()
 }
 
-/// The job that an address names.
-pub(super) fn parse(id: &str) -> Option<JobKey> {
-    Key::parse(id).map(JobKey::of_anyone)
+/// The job of the client's tenant that an address names.
+pub(super) fn parse(client: &Client, id: &str) -> Option<JobKey> {
+    Key::parse(id).map(|id| JobKey { tenant: client.tenant(), id })
 }
 
 /// The answer about a job that nobody knows.

@@ -2,6 +2,7 @@
 //! of models, which cannot post.
 
 use std::io::Read;
+use std::sync::Arc;
 
 use axum::body::Bytes;
 use axum::extract::{Path, RawQuery, State};
@@ -21,6 +22,7 @@ use super::render::{Wanted, rendered};
 use super::{memo, streaming};
 use crate::fault::{Fault, shortened};
 use crate::output::{self, FORMATS};
+use crate::wire::query::says_nothing;
 
 /// Most bytes of a job in an address, inflated.
 /// It is a promise of the interface. Half of it refuses meshes that still fit into an address; twice of it lets an
@@ -69,7 +71,10 @@ pub(super) async fn link(
         let detail = "the address says no job; give its JSON in base64url, as it is or compressed by zlib, or POST it";
         Problem::invalid(vec![Fault::new(at, detail)])
     });
-    let wanted = wanted.and_then(|job| wanted_by(&headers, &uri, &job, at));
+    let wanted = wanted.and_then(|job| {
+        says_nothing(&query).map_err(Problem::invalid)?;
+        wanted_by((&client, &headers), &uri, &job, at)
+    });
     let wanted = wanted.and_then(|wanted| Ok(Wanted { keep: streaming::asks_to_keep(Some(&query))?, ..wanted }));
     answered(&app, &client, &headers, wanted).await.unwrap_or_else(IntoResponse::into_response)
 }
@@ -104,21 +109,28 @@ pub(super) async fn kroki(
             let known: Vec<&str> = FORMATS.iter().map(|format| format.name()).collect();
             unknown(format!("there is no format \"{}\"; known are {}", shortened(&name), known.join(", ")))
         })?;
-        let wanted = wanted_by(&headers, &uri, &data, "")?;
+        let wanted = wanted_by((&client, &headers), &uri, &data, "")?;
         Ok(Wanted { sent: wanted.sent.drawn(format), ..wanted })
     };
     answered(&app, &client, &headers, wanted()).await.unwrap_or_else(IntoResponse::into_response)
 }
 
 /// What an address asks for whose job is written like this, at this place.
-fn wanted_by(headers: &HeaderMap, address: &Uri, job: &str, at: &str) -> Result<Wanted, Problem> {
+fn wanted_by((client, headers): (&Client, &HeaderMap), address: &Uri, job: &str, at: &str) -> Result<Wanted, Problem> {
+    check_length(address)?;
+    let sent = Sent::job(decoded(job, at)?);
+    let identity = memo::link_identity(client.tenant(), headers, &address.to_string());
+    Ok(Wanted { sent, identity: Some(identity), keep: false })
+}
+
+/// Refuses an address that is longer than what lets addresses through.
+pub(super) fn check_length(address: &Uri) -> Result<(), Problem> {
     let length = address.path_and_query().map_or(0, |both| both.as_str().len());
     if length > MOST_LINK_BYTES {
         let detail = format!("the address has {length} bytes, at most {MOST_LINK_BYTES} are read; POST the job");
         return Err(Problem::new(problem::URI_TOO_LONG, detail));
     }
-    let sent = Sent::job(decoded(job, at)?);
-    Ok(Wanted { sent, identity: Some(memo::link_identity(headers, address)), keep: false })
+    Ok(())
 }
 
 /// The JSON of a job in an address.
@@ -132,9 +144,13 @@ fn decoded(job: &str, at: &str) -> Result<Bytes, Problem> {
     if is_json(&bytes) {
         return Ok(bytes.into());
     }
+    inflated(ZlibDecoder::new(&bytes[..]), |error| wrong(format!("it is neither JSON nor compressed by zlib: {error}")))
+}
+
+/// The inflated JSON of a job in an address, bounded.
+pub(super) fn inflated(inflating: impl Read, wrong: impl FnOnce(std::io::Error) -> Problem) -> Result<Bytes, Problem> {
     let mut json = Vec::new();
-    let inflating = ZlibDecoder::new(&bytes[..]).take(MOST_JOB_BYTES as u64 + 1).read_to_end(&mut json);
-    inflating.map_err(|error| wrong(format!("it is neither JSON nor compressed by zlib: {error}")))?;
+    inflating.take(MOST_JOB_BYTES as u64 + 1).read_to_end(&mut json).map_err(wrong)?;
     if json.len() > MOST_JOB_BYTES {
         let detail = format!("the job in the address has more than {MOST_JOB_BYTES} bytes; POST it");
         return Err(Problem::new(problem::BODY_TOO_LONG, detail));
@@ -143,8 +159,8 @@ fn decoded(job: &str, at: &str) -> Result<Bytes, Problem> {
 }
 
 /// The answer to a request by an address: the result or a refusal, and nothing that could be taken for the result.
-async fn answered(
-    app: &std::sync::Arc<App>,
+pub(super) async fn answered(
+    app: &Arc<App>,
     client: &Client,
     headers: &HeaderMap,
     wanted: Result<Wanted, Problem>,

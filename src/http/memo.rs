@@ -4,13 +4,14 @@
 use std::collections::HashMap;
 use std::sync::{Arc, Mutex, PoisonError};
 
-use axum::http::{HeaderMap, Uri, header};
+use axum::http::{HeaderMap, header};
 
 use super::address::address;
 use super::content::Notation;
 use crate::job::Job;
 use crate::job::Resolved;
 use crate::job::key::{Key, content};
+use crate::service::job_key::Tenant;
 
 /// Longest request that is remembered, bytes.
 /// Twice of it compares and hashes longer requests for answers that take longer anyway; half of it reads more of the
@@ -43,9 +44,9 @@ impl Known {
     }
 }
 
-/// The identity of a request: its body, the query where that says a part of the job, and the header that can change
-/// their meaning.
-pub(super) fn identity(headers: &HeaderMap, notation: &Notation, body: &[u8]) -> Option<Key> {
+/// The identity of a request: its tenant, its body, the query where that says a part of the job, and the header that
+/// can change their meaning.
+pub(super) fn identity(tenant: Tenant, headers: &HeaderMap, notation: &Notation, body: &[u8]) -> Option<Key> {
     if body.len() > MAX_BYTES {
         return None;
     }
@@ -54,17 +55,18 @@ pub(super) fn identity(headers: &HeaderMap, notation: &Notation, body: &[u8]) ->
     if let Notation::File(reader, query) = notation {
         bytes.extend_from_slice(format!("\n{}\n{query}\n", reader.name).as_bytes());
     }
-    Some(accepting(headers, bytes))
+    Some(accepting(tenant, headers, bytes))
 }
 
 /// The identity of a request whose address says the job.
-pub(super) fn link_identity(headers: &HeaderMap, address: &Uri) -> Key {
+pub(super) fn link_identity(tenant: Tenant, headers: &HeaderMap, address: &str) -> Key {
     // no body is as long as these letters say where its length would stand
-    accepting(headers, format!("address\n{address}\n").into_bytes())
+    accepting(tenant, headers, format!("address\n{address}\n").into_bytes())
 }
 
-/// The identity of what these bytes ask for, and `Accept`.
-fn accepting(headers: &HeaderMap, mut bytes: Vec<u8>) -> Key {
+/// The identity of what these bytes ask for, `Accept`, and the tenant: what others have asked for is not known.
+fn accepting(tenant: Tenant, headers: &HeaderMap, mut bytes: Vec<u8>) -> Key {
+    bytes.extend_from_slice(&tenant.0.to_le_bytes());
     for value in headers.get_all(header::ACCEPT) {
         bytes.extend_from_slice(value.as_bytes());
         bytes.push(b',');

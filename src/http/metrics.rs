@@ -17,7 +17,11 @@ use crate::service::tally::BOUNDS_MS;
 pub(super) async fn counted(State(app): State<Shared>, request: Request, next: Next) -> Response {
     let method = request.method().clone();
     let route = request.extensions().get::<MatchedPath>().map_or("none", MatchedPath::as_str).to_owned();
+    let begun = app.desk.now();
     let response = next.run(request).await;
+    let (status, took) = (response.status().as_u16(), app.desk.now().saturating_sub(begun));
+    // the route, not the address: signatures and jobs do not belong into logs
+    tracing::info!(%method, route, status, took_ms = took.as_secs_f64() * 1000.0, "answered");
     app.requests.count(&method, &route, response.status().as_u16());
     response
 }
@@ -83,6 +87,7 @@ fn requests(page: &mut Page, requests: &Requests) {
         let labels = [("method", method), ("route", route), ("status", &status)];
         page.value("planish_requests_total", &labels, n);
     });
+    page.one(("planish_sent_bytes_total", "counter", "Bytes of answers, without their heads."), requests.sent_bytes());
 }
 
 fn work(page: &mut Page, app: &App) {
@@ -115,6 +120,11 @@ fn work(page: &mut Page, app: &App) {
     ];
     page.by(("planish_queue_waiting", gauge, "Jobs and computations that wait, by line."), "line", waiting);
     page.one(("planish_computations_under_way", gauge, "Computations that wait or run."), desk.n_under_way());
+    page.one(("planish_keys", gauge, "Keys that are let in; 0 where there are none."), app.gate.n_keys());
+    page.one(
+        ("planish_requests_in_flight", gauge, "Requests for work under a bound."),
+        desk.peers.held(Kind::InFlight),
+    );
     page.one(("planish_listeners", gauge, "Clients that listen to events."), desk.peers.held(Kind::Listening));
     let [made_room, refused] = app.connections.crowding();
     let crowding = [("made_room", made_room), ("refused", refused)];

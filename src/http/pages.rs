@@ -1,4 +1,6 @@
-//! Pages for people and their tools: the OpenAPI document, the kinds of problems, a start page.
+//! Pages for people and their tools: the OpenAPI document, the reference, the kinds of problems, a start page.
+
+use std::sync::OnceLock;
 
 use axum::extract::State;
 use axum::http::header;
@@ -6,6 +8,7 @@ use axum::response::{Html, IntoResponse, Response};
 
 use super::app::Shared;
 use super::problem::{self, KINDS, Problem};
+use super::reference;
 use super::segment::Segment;
 use crate::fault::shortened;
 
@@ -17,6 +20,20 @@ use crate::fault::shortened;
 )]
 pub(super) async fn openapi(State(app): State<Shared>) -> Response {
     ([(header::CONTENT_TYPE, "application/json")], app.openapi.clone()).into_response()
+}
+
+/// The reference: this document for people to read. The page needs nothing from elsewhere and runs no scripts.
+#[utoipa::path(
+    get, path = "/docs", tag = "operations",
+    responses((status = 200, description = "A page", body = String, content_type = "text/html",
+        example = "<!doctype html>"))
+)]
+pub(super) async fn docs(State(app): State<Shared>) -> Response {
+    // the document is the same for as long as the process lives
+    static PAGE: OnceLock<String> = OnceLock::new();
+    let written = || reference::page(&serde_json::from_str(&app.openapi).unwrap_or_default());
+    let policy = [(header::CONTENT_SECURITY_POLICY, reference::policy())];
+    (policy, Html(PAGE.get_or_init(written).clone())).into_response()
 }
 
 /// What a kind of problem means.
@@ -42,6 +59,7 @@ pub(super) async fn problem(Segment(kind): Segment) -> Response {
 )]
 pub(super) async fn index() -> Response {
     let links = [
+        "/docs",
         "/openapi.json",
         "/v1/presets",
         "/v1/operators",

@@ -61,13 +61,13 @@ pub(super) async fn post(
         let sent = body::collect(&app, &client, &headers, Takes::Jobs, body).await?;
         let terms = terms(query.as_deref().unwrap_or_default(), Priority::Interactive).map_err(Problem::invalid)?;
         let asked = working::asked(&app, client.peer(), &headers, sent).await?;
-        let job = JobKey::of_anyone(asked.id());
+        let job = JobKey { tenant: client.tenant(), id: asked.id() };
         match app.desk.jobs.join(&job, Holder::Client) {
             Some(JobState::Active) => app.desk.jobs.written(job).await.map_err(NotAccepted::from)?,
             Some(_) => {}
             None => {
                 let Work { summary, tasks: _ } = asked.work(&app, client.peer()).await?;
-                let made = app.desk.all_kept(&summary).await;
+                let made = app.desk.all_kept(&summary, client.peer()).await;
                 app.desk.accept(job, summary, terms, (client.peer(), Holder::Client), made).await?;
             }
         }

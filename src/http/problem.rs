@@ -1,12 +1,12 @@
 //! Errors: every refusal as problem+json (RFC 9457), with what to do.
 
 use std::any::Any;
-use std::sync::atomic::{AtomicU64, Ordering};
-use std::time::{Duration, SystemTime};
+use std::time::Duration;
 
 use axum::http::{HeaderMap, HeaderValue, Method, StatusCode, Uri, header};
 use axum::response::{IntoResponse, Response};
 
+use super::trace::current_id;
 use crate::fault::shortened;
 use crate::fault::{Fault, cut};
 use crate::job::JobFault;
@@ -87,6 +87,17 @@ kinds! {
     HOST: "wrong-host", FORBIDDEN, "The server is not known by this name",
         "A server that listens on a loopback address answers only to localhost and loopback addresses, so that pages \
          from elsewhere cannot reach it under a name of their own.";
+    UNAUTHORIZED: "unauthorized", UNAUTHORIZED, "A key is needed",
+        "This server answers those who show a key, as `Authorization: Bearer planish_...`. Its operator makes keys \
+         with `planish key add`.";
+    FORBIDDEN: "forbidden", FORBIDDEN, "The key does not allow this",
+        "Keys have roles: `read` reads results and jobs, `render` also has work done, `admin` also reads the metrics.";
+    BAD_LINK: "bad-link", FORBIDDEN, "The signed address opens nothing",
+        "A signed address opens one thing until its time is over. One that was altered, has come to its end, or was \
+         signed by a key that was revoked is signed again, with `planish sign`.";
+    QUOTA: "quota", TOO_MANY_REQUESTS, "You ask for too much at once",
+        "One client may send so many requests for work in a minute, and have so many answered at once: \
+         `RateLimit-Policy` and `RateLimit` say how many. Come back after the seconds in `Retry-After`.";
     BUSY: "busy", SERVICE_UNAVAILABLE, "Too much is waiting already",
         "The queue is full. Come back after the seconds in `Retry-After`.";
     UNFINISHED: "not-finished", SERVICE_UNAVAILABLE, "The result is not finished",
@@ -154,7 +165,7 @@ impl Problem {
             status: self.kind.status.as_u16(),
             detail,
             errors,
-            trace_id: trace_id(),
+            trace_id: current_id(),
         };
         tracing::info!(trace_id = answer.trace_id, status = answer.status, detail = answer.detail, "refused");
         answer
@@ -261,6 +272,11 @@ impl Problem {
         Self { retry_after: Some(Duration::from_secs(1)), ..Self::new(UNFINISHED, detail) }
     }
 
+    /// The refusal of a client that has sent more than it may.
+    pub(super) fn quota(detail: String, retry_after: Duration) -> Self {
+        Self { retry_after: Some(retry_after), ..Self::new(QUOTA, detail) }
+    }
+
     pub(super) fn cancelled() -> Self {
         Self::new(CANCELLED, "the job was cancelled; send it again to have it queued again")
     }
@@ -287,26 +303,19 @@ impl Problem {
     }
 }
 
-/// An id to find an answer in the log: distinct within and, by the start time, across processes.
-fn trace_id() -> String {
-    static COUNTER: AtomicU64 = AtomicU64::new(0);
-    let count = COUNTER.fetch_add(1, Ordering::Relaxed);
-    let since = SystemTime::now().duration_since(SystemTime::UNIX_EPOCH).unwrap_or_default();
-    let mut seed = since.as_nanos().to_le_bytes().to_vec();
-    seed.extend(count.to_le_bytes());
-    seed.extend(std::process::id().to_le_bytes());
-    crate::job::key::content(&seed).to_string()[..16].to_owned()
-}
-
 impl IntoResponse for Problem {
     fn into_response(self) -> Response {
         let (status, retry_after, is_coding) = (self.kind.status, self.retry_after, self.is(CODING));
+        let is_unknown = self.is(UNAUTHORIZED);
         let body = serde_json::to_vec(&self.answer()).expect("a problem is plain text and numbers");
         let mut headers = HeaderMap::new();
         headers.insert(header::CONTENT_TYPE, HeaderValue::from_static("application/problem+json"));
         headers.insert(header::CACHE_CONTROL, HeaderValue::from_static("no-store"));
         if let Some(retry_after) = retry_after {
             headers.insert(header::RETRY_AFTER, retry_after.as_secs().max(1).into());
+        }
+        if is_unknown {
+            headers.insert(header::WWW_AUTHENTICATE, HeaderValue::from_static("Bearer realm=\"planish\""));
         }
         if is_coding {
             // tells a client that it is the coding, not the type (RFC 9110, 12.5.3)

@@ -118,7 +118,7 @@ pub(super) async fn draft(
 }
 
 /// The refusal of something that takes more memory than there ever is for it.
-fn too_large(what: &str, needs: u64, has: u64) -> Problem {
+pub(super) fn too_large(what: &str, needs: u64, has: u64) -> Problem {
     let (needs, has) = (in_bytes(needs.into()), in_bytes(has.into()));
     let remedy = "send a smaller one, or raise --max-memory-bytes";
     Problem::new(problem::TOO_LARGE, format!("{what} {needs} of memory; this server has {has} for that: {remedy}"))
@@ -135,7 +135,7 @@ pub(super) async fn admit(app: &Arc<App>, peer: Peer, job: Job) -> Result<Arc<Ad
 /// The level that a tolerance leads to: kept from an earlier search, or searched for as other computations are made.
 async fn reached(app: &Arc<App>, peer: Peer, search: &Arc<Search>, input: &Arc<Paid>) -> Result<Reached, Problem> {
     let task = Arc::new(SearchTask { search: search.clone(), _input: input.clone() });
-    if let Some(manifest) = app.desk.find(task.key()).await
+    if let Some(manifest) = app.desk.find(task.key(), peer).await
         && let Some(bytes) = app.desk.tiers.part(&manifest, 0).await
     {
         return answered(&bytes);

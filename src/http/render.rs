@@ -32,10 +32,10 @@ use crate::wire::query::name_of;
 
 /// Renders a job with one output and answers with its bytes.
 ///
-/// The body is a job, or a mesh file of a type that /v1/readers lists; then the query says the rest of the job:
-/// `preset`, `word`, `levels`, `format`, `boundary`, `ends`, `seed`, and by names with dots everything else, such as
-/// `parameters.w=1/16`, `output.width=800`, `input.weld=0`, `levels.tolerance=0.01`. The body may be compressed by gzip
-/// or zstd (`Content-Encoding`).
+/// The body is a job, or a mesh file of a type that /v1/readers lists; then, and only then, the query says the rest of
+/// the job: `preset`, `word`, `levels`, `format`, `boundary`, `ends`, `seed`, and by names with dots everything else,
+/// such as `parameters.w=1/16`, `output.width=800`, `input.weld=0`, `levels.tolerance=0.01`. Lists are one text with
+/// commas, or JSON. The body may be compressed by gzip or zstd (`Content-Encoding`).
 ///
 /// Without `outputs`, `Accept` chooses the format; with them it has to allow theirs, or the answer is 406.
 /// `Prefer: wait=N` (default 30 s, at most 300 s) bounds the wait; after it the answer is 202 with the address of the
@@ -112,7 +112,7 @@ pub(super) async fn rendered(
     if let Some(tag) = negotiate::has_already(headers, &known.key) {
         return Ok(not_modified(&known, tag));
     }
-    if let Some(manifest) = app.desk.find(known.key).await {
+    if let Some(manifest) = app.desk.find(known.key, client.peer()).await {
         if let Some(tag) = negotiate::has_kept(headers, &known.key) {
             return Ok(not_modified(&known, tag));
         }
@@ -171,7 +171,7 @@ fn remember(app: &Arc<App>, request: Option<Key>, known: &Known) {
 /// The answer to a request that came before and whose result is at hand.
 async fn again(app: &Arc<App>, client: &Client, headers: &HeaderMap, request: Option<Key>) -> Option<Response> {
     let known = app.memo.get(&request?)?;
-    let manifest = app.desk.tiers.at_hand(&known.key)?;
+    let manifest = app.desk.at_hand(&known.key, client.peer())?;
     if let Some(tag) = negotiate::has_kept(headers, &known.key) {
         return Some(not_modified(&known, tag));
     }
@@ -188,13 +188,13 @@ async fn made(
     known: Known,
 ) -> Result<Response, Problem> {
     let job = admitted.job();
-    let id = JobKey::of_anyone(job.id());
+    let id = JobKey { tenant: client.tenant(), id: job.id() };
     let entries = job.entries(&job.outputs[0]);
     let summary = |sent: &Sent| working::summary(&admitted, sent);
     // the others are made from the record
     let refers = job.detail_keys().next().is_some();
     // somebody else may have had it made while it was forecast
-    if let Some(manifest) = app.desk.tiers.at_hand(&known.key)
+    if let Some(manifest) = app.desk.at_hand(&known.key, client.peer())
         && let Ok(response) = whole(app, headers, Artifact::kept(manifest.clone(), client.peer()), &known).await
     {
         if refers {

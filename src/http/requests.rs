@@ -17,14 +17,18 @@ use http_body_util::Full;
 use hyper::body::Incoming;
 use hyper::service::Service;
 use tower::ServiceExt;
+use tracing::Instrument;
 
 use super::address::RENDER;
 use super::app::App;
-use super::client::Client;
+use super::client::{Caller, Client};
 use super::connections::{Connection, Phase};
 use super::early::Early;
 use super::guard;
+use super::quota::Counted;
 use super::short::Asked;
+use super::trace::Trace;
+use crate::service::peer::Ticket;
 
 /// Answers requests or hands them on, and keeps the state of their connection.
 #[derive(Debug, Clone)]
@@ -48,14 +52,22 @@ impl Requests {
     }
 
     /// The answer to a request whose body is not read yet.
-    async fn answer(self, mut parts: request::Parts, body: Incoming, by_address: Option<Asked>) -> Response<Content> {
-        let (client, mut asked) = (Client(self.connection.clone()), by_address);
+    async fn answer(
+        self,
+        mut parts: request::Parts,
+        body: Incoming,
+        (mut caller, by_address): (Caller, Option<Asked>),
+    ) -> (Response<Content>, Option<Ticket>) {
+        let counted = Counted::new(&self.app, &mut caller, &parts);
+        let is_let_in = caller.refused.is_none();
+        let (client, mut asked) = (Client { connection: self.connection.clone(), caller }, by_address);
         let is_job = parts.method == Method::POST && parts.uri.path() == RENDER;
-        let body = if is_job && guard::hosts(&parts, &self.app.settings).is_ok() {
+        let body = if is_job && is_let_in && guard::hosts(&parts, &self.app.settings).is_ok() {
             let early = Early::read(&self.app, &client, &parts, body).await;
             asked = Asked::render(&parts, early.identity);
             if let Some(answer) = self.again(asked, &parts) {
-                return answer;
+                counted.give_back(&self.app);
+                return (answer, None);
             }
             parts.extensions.insert(early);
             Body::empty()
@@ -69,7 +81,8 @@ impl Requests {
         if let Some(asked) = asked {
             self.app.short.remember(asked, origin, &mut response);
         }
-        response.map(Content::Routed)
+        let in_flight = counted.told(&self.app, response.headers_mut());
+        (response.map(Content::Routed), in_flight)
     }
 }
 
@@ -91,15 +104,24 @@ impl Service<Request<Incoming>> for Requests {
             connection.enter(Phase::Working);
         }
         let (parts, body) = request.into_parts();
-        let asked = Asked::get(&parts).filter(|_| guard::hosts(&parts, &self.app.settings).is_ok());
-        if let Some(response) = self.again(asked, &parts) {
-            return Either::Left(ready(Ok(response.map(|content| Ending { content, connection }))));
+        let caller = self.app.gate.who(&parts, connection.peer);
+        let trace = Trace::of(&parts.headers);
+        let is_plain = caller.refused.is_none() && guard::hosts(&parts, &self.app.settings).is_ok();
+        let asked = Asked::get(&parts, caller.peer.tenant()).filter(|_| is_plain);
+        if let Some(mut response) = self.again(asked, &parts) {
+            trace.told(response.headers_mut());
+            let app = self.app.clone();
+            let ending = |content| Ending { content, app, connection, _in_flight: None };
+            return Either::Left(ready(Ok(response.map(ending))));
         }
-        let answer = self.clone().answer(parts, body, asked);
+        let (app, answer) = (self.app.clone(), self.clone().answer(parts, body, (caller, asked)));
         Either::Right(Box::pin(async move {
-            let response = answer.await;
+            // every line of the log that the answer leaves has its id
+            let span = tracing::error_span!("request", trace_id = trace.id());
+            let (mut response, in_flight) = trace.clone().within(answer).instrument(span).await;
+            trace.told(response.headers_mut());
             connection.enter(Phase::Working);
-            Ok(response.map(|content| Ending { content, connection }))
+            Ok(response.map(|content| Ending { content, app, connection, _in_flight: in_flight }))
         }))
     }
 }
@@ -117,7 +139,9 @@ enum Content {
 #[derive(Debug)]
 pub(super) struct Ending {
     content: Content,
+    app: Arc<App>,
     connection: Arc<Connection>,
+    _in_flight: Option<Ticket>,
 }
 
 impl http_body::Body for Ending {
@@ -125,10 +149,14 @@ impl http_body::Body for Ending {
     type Error = axum::Error;
 
     fn poll_frame(mut self: Pin<&mut Self>, cx: &mut Context<'_>) -> Poll<Option<Result<Frame<Bytes>, axum::Error>>> {
-        match &mut self.content {
+        let frame = match &mut self.content {
             Content::Whole(bytes) => Pin::new(bytes).poll_frame(cx).map_err(|never| match never {}),
             Content::Routed(body) => Pin::new(body).poll_frame(cx),
+        };
+        if let Poll::Ready(Some(Ok(frame))) = &frame {
+            self.app.requests.sent(frame.data_ref().map_or(0, Bytes::len));
         }
+        frame
     }
 
     fn is_end_stream(&self) -> bool {

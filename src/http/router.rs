@@ -40,6 +40,7 @@ pub fn router(app: Arc<App>) -> Router {
         .fallback(problem::no_such_page)
         .method_not_allowed_fallback(problem::method_not_allowed)
         .layer(DefaultBodyLimit::disable())
+        .layer(middleware::from_fn_with_state(app.clone(), guard::check_key))
         .layer(middleware::from_fn_with_state(app.clone(), metrics::counted))
         .layer(CatchPanicLayer::custom(problem::panicked))
         .layer(middleware::from_fn_with_state(app.clone(), guard::check_host))
@@ -65,6 +66,9 @@ fn cors(settings: &Settings) -> CorsLayer {
         "preference-applied",
         "accept-ranges",
         "content-range",
+        "ratelimit",
+        "ratelimit-policy",
+        "traceparent",
     ]);
     CorsLayer::new()
         .allow_origin(origin)
@@ -73,10 +77,12 @@ fn cors(settings: &Settings) -> CorsLayer {
             header::CONTENT_TYPE,
             header::CONTENT_ENCODING,
             header::ACCEPT,
+            header::AUTHORIZATION,
             header::IF_NONE_MATCH,
             header::RANGE,
             header::IF_RANGE,
             HeaderName::from_static("prefer"),
+            HeaderName::from_static("traceparent"),
         ])
         .expose_headers(exposed.map(HeaderName::from_static).collect::<Vec<_>>())
         .max_age(Duration::from_hours(24))

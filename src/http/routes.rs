@@ -6,8 +6,8 @@ use utoipa_axum::routes;
 
 use super::app::Shared;
 use super::{
-    analyses, archive, artifacts, batches, blobs, catalogue, estimate, events, health, jobs, links, metrics, pages,
-    posting, render, validate,
+    analyses, archive, artifacts, batches, blobs, catalogue, comparison, estimate, events, health, jobs, links,
+    metrics, pages, posting, render, signed, validate,
 };
 
 /// All routes and their descriptions.
@@ -17,6 +17,9 @@ pub(super) fn all() -> OpenApiRouter<Shared> {
         .routes(routes!(render::render, links::link))
         .routes(routes!(links::kroki))
         .routes(routes!(artifacts::artifact))
+        .routes(routes!(signed::signed))
+        .routes(routes!(signed::signed_events))
+        .routes(routes!(signed::signed_artifact))
         .routes(routes!(events::events))
         .routes(routes!(batches::batch_events))
         .routes(routes!(archive::archive))
@@ -32,6 +35,7 @@ pub(super) fn all() -> OpenApiRouter<Shared> {
         .routes(routes!(blobs::upload))
         .routes(routes!(estimate::estimate))
         .routes(routes!(validate::validate))
+        .routes(routes!(comparison::compare))
         .routes(routes!(catalogue::presets))
         .routes(routes!(catalogue::preset))
         .routes(routes!(catalogue::operators))
@@ -43,6 +47,7 @@ pub(super) fn all() -> OpenApiRouter<Shared> {
         .routes(routes!(health::readyz))
         .routes(routes!(metrics::metrics))
         .routes(routes!(pages::openapi))
+        .routes(routes!(pages::docs))
         .routes(routes!(pages::problem))
         .routes(routes!(pages::index))
         .layer(CompressionLayer::new());

@@ -17,6 +17,7 @@ use tokio::task::JoinSet;
 use super::app::App;
 use super::canary::{self, Canary};
 use super::connections::{Connections, Open};
+use super::gate::Gate;
 use super::memo::Memo;
 use super::pace::Pace;
 use super::problem;
@@ -27,6 +28,7 @@ use super::short::Short;
 use super::stream::Watched;
 use super::working::Reader;
 use crate::config::Settings;
+use crate::config::keys::KeyFileError;
 use crate::fault::shortened;
 use crate::job::limits::Limits;
 use crate::service::account::Account;
@@ -37,6 +39,7 @@ use crate::service::jobs::Jobs;
 use crate::service::peer::Peer;
 use crate::service::pool::{Bounds, Lane, Pool};
 use crate::service::queue;
+use crate::service::rate::Rates;
 use crate::service::store::{Memory, STORES, StoreKind};
 use crate::service::tiers::Tiers;
 use crate::service::uploads::Uploads;
@@ -64,6 +67,20 @@ pub enum StartError {
         path: String,
         /// Why.
         error: crate::service::store::StoreError,
+    },
+    /// The keys cannot be read.
+    #[error(transparent)]
+    Keys(#[from] KeyFileError),
+    /// Everybody in the network could have work done.
+    #[error(
+        "there are no keys, and {address} is no loopback address, so that everybody who reaches it could have work \
+         done; make a key with `planish key add --data-dir {data_dir}`, or let everybody in with --without-keys true"
+    )]
+    NoKeys {
+        /// The address.
+        address: std::net::SocketAddr,
+        /// Where the keys would be.
+        data_dir: String,
     },
     /// No store has this name.
     #[error(
@@ -103,6 +120,11 @@ pub async fn bind(settings: Settings) -> Result<(TcpListener, Arc<App>), StartEr
 /// # Errors
 /// [`StartError`].
 pub async fn bind_at(mut settings: Settings, clock: Arc<dyn Clock>) -> Result<(TcpListener, Arc<App>), StartError> {
+    let gate = Gate::open(&settings.data_dir, clock.clone())?;
+    if !gate.is_shut() && !settings.listen.ip().is_loopback() && !settings.without_keys {
+        let data_dir = settings.data_dir.display().to_string();
+        return Err(StartError::NoKeys { address: settings.listen, data_dir });
+    }
     let listener = listen(settings.listen).map_err(|error| StartError::Listen { address: settings.listen, error })?;
     let account = Account::new(settings.max_memory_bytes, settings.memory_cache_bytes);
     let (disk, records, uploads) = if settings.data_dir == Path::new("") || settings.cache_bytes == 0 {
@@ -148,10 +170,22 @@ pub async fn bind_at(mut settings: Settings, clock: Arc<dyn Clock>) -> Result<(T
         tracing::info!(jobs = taken_up, batches, "jobs of an earlier process are taken up");
     }
     let (canary, memo, short) = (Arc::<Canary>::default(), Memo::default(), Short::default());
+    let (gate, rates) = (Arc::new(gate), Rates::new(desk.clock()));
     let openapi = LazyLock::new(document_text as fn() -> String);
     Ok((
         listener,
-        Arc::new(App { desk, settings, canary, memo, short, requests: Requests::default(), connections, openapi }),
+        Arc::new(App {
+            desk,
+            settings,
+            gate,
+            rates,
+            canary,
+            memo,
+            short,
+            requests: Requests::default(),
+            connections,
+            openapi,
+        }),
     ))
 }
 
@@ -221,6 +255,8 @@ fn work(app: &Arc<App>) -> JoinSet<()> {
     working.spawn(app.desk.clone().do_batches(Arc::new(Reader(app.clone()))));
     let desk = app.desk.clone();
     working.spawn(async move { desk.keep_tidy().await });
+    let gate = app.gate.clone();
+    working.spawn(async move { gate.keep_current().await });
     working
 }
 

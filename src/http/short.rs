@@ -10,6 +10,7 @@ use axum::http::{HeaderMap, HeaderValue, Method, Response, StatusCode, header, r
 use super::address::{RENDER, is_link};
 use super::{memo, negotiate};
 use crate::job::key::Key;
+use crate::service::job_key::Tenant;
 use crate::service::store::Manifest;
 use crate::service::tiers::Tiers;
 use crate::service::variant::Coding;
@@ -27,8 +28,8 @@ const KEY_DIGITS: usize = 64;
 /// What a plain request asks for.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub(super) enum Asked {
-    /// The artifact of a key, by its address, in the coding that is liked best.
-    Artifact(Key, Option<Coding>),
+    /// The artifact of a key for a tenant, by its address, in the coding that is liked best.
+    Artifact(Tenant, Key, Option<Coding>),
     /// The result of a request of this [identity](super::memo::identity), in the coding that is liked best.
     Render(Key, Option<Coding>),
 }
@@ -58,16 +59,17 @@ impl Asked {
         }
     }
 
-    /// What a request asks for by its address alone: an artifact, or the result of a job that stands in it.
-    pub(super) fn get(request: &request::Parts) -> Option<Self> {
+    /// What a request of a tenant asks for by its address alone: an artifact, or the result of a job that stands in it.
+    pub(super) fn get(request: &request::Parts, tenant: Tenant) -> Option<Self> {
         let (address, headers) = (&request.uri, &request.headers);
         if request.method != Method::GET || !is_plain(headers) {
             return None;
         }
         if let Some(key) = address.path().strip_prefix(ARTIFACTS).and_then(|file| file.get(..KEY_DIGITS)) {
-            return Some(Self::Artifact(Key::parse(key)?, negotiate::coding(headers)));
+            return Some(Self::Artifact(tenant, Key::parse(key)?, negotiate::coding(headers)));
         }
-        is_link(address).then(|| Self::Render(memo::link_identity(headers, address), negotiate::coding(headers)))
+        let identity = || memo::link_identity(tenant, headers, &address.to_string());
+        is_link(address).then(|| Self::Render(identity(), negotiate::coding(headers)))
     }
 
     /// The result that a request asks for whose body and `Accept` have this identity.

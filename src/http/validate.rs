@@ -1,7 +1,7 @@
 //! POST /v1/validate: what can be said of a job before anything is refined.
 
 use axum::body::Body;
-use axum::extract::State;
+use axum::extract::{RawQuery, State};
 use axum::http::HeaderMap;
 use axum::response::{IntoResponse, Response};
 
@@ -16,12 +16,14 @@ use crate::scheme::plan::{Plan, PlanInput};
 use crate::wire::JobRequest;
 use crate::wire::answer::{FaultAnswer, MeshReport, ValidateAnswer};
 use crate::wire::job::Examined;
+use crate::wire::query::says_nothing;
 use crate::wire::read::weight;
 
 /// What is wrong with a job, and what its mesh is like: boundary loops, valences, degenerate faces, latitude lines.
 ///
-/// The whole job is looked at, as `/v1/render` would, and all its faults are told together. Nothing is refined, no
-/// level is searched for, and no limit on sizes is asked; `/v1/estimate` does that.
+/// The whole job is looked at, as `/v1/render` would, and all its faults are told together; an input alone is looked at
+/// as one that is to be refined. Nothing is refined, no level is searched for, and no limit on sizes is asked;
+/// `/v1/estimate` does that.
 #[utoipa::path(
     post, path = "/v1/validate", tag = "questions", request_body = JobRequest,
     responses(
@@ -29,9 +31,16 @@ use crate::wire::read::weight;
             body = ValidateAnswer),
     )
 )]
-pub(super) async fn validate(State(app): State<Shared>, client: Client, headers: HeaderMap, body: Body) -> Response {
+pub(super) async fn validate(
+    State(app): State<Shared>,
+    client: Client,
+    headers: HeaderMap,
+    RawQuery(query): RawQuery,
+    body: Body,
+) -> Response {
     let answer = async {
         let sent = body::collect(&app, &client, &headers, Takes::Jobs, body).await?;
+        says_nothing(query.as_deref().unwrap_or_default()).map_err(Problem::invalid)?;
         let sent = match attached(&app, client.peer(), sent).await.map_err(Problem::faults) {
             Ok(sent) => sent,
             // an upload that is not here is a fault of the job like others
@@ -41,8 +50,9 @@ pub(super) async fn validate(State(app): State<Shared>, client: Client, headers:
         let (limits, bytes) = (app.desk.limits.reading(), weight(sent.length()));
         let report = app.desk.read(client.peer(), bytes, move |_| {
             let mut request = sent.request()?;
+            let purpose = request.asked();
             negotiate::settle(&HeaderMap::new(), &mut request)?;
-            Ok::<_, Problem>(axum::Json(report(request.examine(&limits))))
+            Ok::<_, Problem>(axum::Json(report(request.examine(purpose, &limits))))
         });
         report.await?
     };

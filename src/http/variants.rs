@@ -30,7 +30,7 @@ const PATIENCE: Duration = Duration::from_secs(1);
 /// An artifact in the coding that its client likes best; as it is where that does not pay, or cannot be had now.
 pub(super) async fn coded(app: &Arc<App>, headers: &HeaderMap, found: Artifact) -> Artifact {
     let Some(coding) = negotiate::coding(headers).filter(|_| has_variants(&found)) else { return found };
-    let kept = match app.desk.find(coding.key(&found.manifest.key)).await {
+    let kept = match app.desk.find(coding.key(&found.manifest.key), found.peer).await {
         Some(variant) => Some(variant),
         None => made(app, &found, coding).await,
     };

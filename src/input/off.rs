@@ -1,23 +1,29 @@
-//! OFF: polygons as plain text.
+//! OFF: polygons as plain text, or as binary numbers.
 //!
 //! Source: The Geometry Center, Geomview Manual 1.9 (2014), section 4.2.5.
 
+mod numbers;
+
+use self::numbers::Numbers;
 use super::collect::{Collected, vertex_index};
 use super::reader::{ReadLimits, ReadMesh, Reader, Uvs, Vertices};
 use super::text::{Words, at_line, count, number, quoted, text};
 use crate::shape::attachments::ChannelInput;
 
 /// Least bytes of a vertex ("0 0 0" and a line break) and of a face ("3 0 1 2").
-const VERTEX_BYTES: u64 = 6;
-const FACE_BYTES: u64 = 8;
+const TEXT_BYTES: [u64; 2] = [6, 8];
+/// The same of binary numbers: three, and five with the number of components of a colour.
+const BINARY_BYTES: [u64; 2] = [12, 20];
+/// Bytes in which the first line of a binary file ends: the longest name, `BINARY`, and blanks.
+const MOST_HEAD: usize = 64;
 
 /// OFF with its prefixes `ST` (texture coordinates), `C` (colours), `N` (normals), each vertex and face on a line of
-/// its own, `#` before comments. Normals are ignored; colours of faces are left out with a note. `4`, `n` and `BINARY`
-/// are refused.
+/// its own, `#` before comments; or with `BINARY` behind the name numbers of 32 bits, the most significant byte first.
+/// Normals are ignored; colours of faces are left out with a note. `4` and `n` are refused.
 pub(super) const OFF: Reader = Reader {
     name: "off",
     media_type: "model/off",
-    doc: "Geomview OFF, COFF, NOFF, STOFF: polygons as text",
+    doc: "Geomview OFF, COFF, NOFF, STOFF: polygons as text or binary",
     vertices: Vertices::Shared,
     read: |file, limits| read(file.bytes, limits).map_err(|detail| vec![detail]),
 };
@@ -46,6 +52,10 @@ impl Kind {
 }
 
 fn read(bytes: &[u8], limits: &ReadLimits) -> Result<ReadMesh, String> {
+    if let Some((name, start)) = binary(bytes) {
+        let kind = Kind::read(name).map_err(|detail| at_line(1, detail))?;
+        return read_binary(kind, Numbers::new(bytes, start), bytes.len() as u64, limits);
+    }
     let text = text(bytes);
     let mut words = Words::new(&text, 1, Some('#'));
     let mut line = words.expect_line("\"OFF\"")?;
@@ -54,10 +64,7 @@ fn read(bytes: &[u8], limits: &ReadLimits) -> Result<ReadMesh, String> {
     if counts.is_empty() {
         counts = words.expect_line("the numbers of vertices, faces and edges")?.collect();
     }
-    if counts.first().is_some_and(|word| word.eq_ignore_ascii_case("binary")) {
-        return Err(at_line(words.line, "binary OFF is not read; save it as text"));
-    }
-    let mut off = Reading { mesh: Collected::new(limits), kind, colors: Vec::new(), uvs: Vec::new(), face_colors: 0 };
+    let mut off = Reading::new(kind, limits);
     let [n_vertices, n_faces] =
         off.counts(&counts, bytes.len() as u64).map_err(|detail| at_line(words.line, detail))?;
     for i in 0..n_vertices {
@@ -74,6 +81,47 @@ fn read(bytes: &[u8], limits: &ReadLimits) -> Result<ReadMesh, String> {
     Ok(off.finish())
 }
 
+/// The name in the first line of a binary file, and the byte at which its numbers begin.
+fn binary(bytes: &[u8]) -> Option<(&str, usize)> {
+    let line = bytes.iter().take(MOST_HEAD).position(|byte| *byte == b'\n')?;
+    let words: Vec<&str> = std::str::from_utf8(&bytes[..line]).ok()?.split_ascii_whitespace().collect();
+    let [name, word] = words.as_slice() else { return None };
+    word.eq_ignore_ascii_case("binary").then_some((name, line + 1))
+}
+
+fn read_binary(kind: Kind, mut file: Numbers<'_>, bytes: u64, limits: &ReadLimits) -> Result<ReadMesh, String> {
+    let mut off = Reading::new(kind, limits);
+    let mut counts = [0; 3];
+    for count in &mut counts {
+        *count = file.count("the numbers of vertices, faces and edges")?;
+    }
+    let [n_vertices, n_faces, _] = counts;
+    off.expect(n_vertices, n_faces, BINARY_BYTES, bytes).map_err(|detail| file.said(detail))?;
+    let width = 3 + if kind.normals { 3 } else { 0 } + if kind.colors { 4 } else { 0 } + if kind.uvs { 2 } else { 0 };
+    for i in 0..n_vertices {
+        let what = format!("vertex {i} of {n_vertices}");
+        let found = (0..width).map(|_| file.number(&what)).collect::<Result<Vec<f64>, _>>()?;
+        off.keep(&found, 1.0).map_err(|detail| file.said(format!("vertex {i}: {detail}")))?;
+    }
+    for i in 0..n_faces {
+        let what = format!("face {i} of {n_faces}");
+        let mut face = Vec::new();
+        for _ in 0..file.count(&what)? {
+            let vertex = vertex_index(file.count(&what)?, off.mesh.mesh.positions.len());
+            face.push(vertex.map_err(|detail| file.said(format!("face {i}: {detail}")))?);
+        }
+        off.mesh.face(&face).map_err(|detail| file.said(format!("face {i}: {detail}")))?;
+        let components = file.count(&what)?;
+        (0..components).try_for_each(|_| file.number(&what).map(drop))?;
+        off.face_colors += usize::from(components > 0);
+    }
+    if file.is_at_end() {
+        Ok(off.finish())
+    } else {
+        Err(file.said(format!("more follows the last of {n_faces} faces")))
+    }
+}
+
 struct Reading {
     mesh: Collected,
     kind: Kind,
@@ -84,6 +132,10 @@ struct Reading {
 }
 
 impl Reading {
+    fn new(kind: Kind, limits: &ReadLimits) -> Self {
+        Self { mesh: Collected::new(limits), kind, colors: Vec::new(), uvs: Vec::new(), face_colors: 0 }
+    }
+
     /// Numbers of vertices and faces, as far as the bytes can hold them.
     fn counts(&self, words: &[&str], bytes: u64) -> Result<[u64; 2], String> {
         let &([vertices, faces] | [vertices, faces, _]) = words else {
@@ -91,15 +143,22 @@ impl Reading {
         };
         let [vertices, faces] = [count(vertices)?, count(faces)?];
         words.get(2).map_or(Ok(0), |edges| count(edges))?;
+        self.expect(vertices, faces, TEXT_BYTES, bytes)?;
+        Ok([vertices, faces])
+    }
+
+    /// Refuses more vertices and faces than are allowed, or than the bytes can hold.
+    fn expect(&self, vertices: u64, faces: u64, least_of: [u64; 2], bytes: u64) -> Result<(), String> {
         self.mesh.expect_vertices(vertices)?;
         self.mesh.expect_faces(faces)?;
-        let least = vertices.saturating_mul(VERTEX_BYTES).saturating_add(faces.saturating_mul(FACE_BYTES));
-        if least > bytes + VERTEX_BYTES {
-            return Err(format!(
-                "{vertices} vertices and {faces} faces take {least} bytes at least, the file has {bytes}; send it whole"
-            ));
+        let least = vertices.saturating_mul(least_of[0]).saturating_add(faces.saturating_mul(least_of[1]));
+        // the last line may lack its break
+        if least <= bytes + least_of[0] {
+            return Ok(());
         }
-        Ok([vertices, faces])
+        Err(format!(
+            "{vertices} vertices and {faces} faces take {least} bytes at least, the file has {bytes}; send it whole"
+        ))
     }
 
     fn vertex<'a>(&mut self, line: &mut (impl Iterator<Item = &'a str> + Clone)) -> Result<(), String> {
@@ -112,14 +171,19 @@ impl Reading {
             return Err(format!("{} numbers; it needs {wanted}", words.len()));
         }
         let found = words.iter().map(|word| number(word)).collect::<Result<Vec<f64>, _>>()?;
-        self.mesh.vertex([found[0], found[1], found[2]])?;
         let start = if normals { 6 } else { 3 };
+        // whole numbers count to 255
+        let is_whole = words[start..start + color].iter().all(|word| word.bytes().all(|byte| byte.is_ascii_digit()));
+        self.keep(&found, if is_whole { 255.0 } else { 1.0 })
+    }
+
+    /// Takes a vertex with as many numbers as its kind has; those of its colour reach from 0 to `scale`.
+    fn keep(&mut self, found: &[f64], scale: f64) -> Result<(), String> {
+        let Kind { uvs, colors, normals } = self.kind;
+        self.mesh.vertex([found[0], found[1], found[2]])?;
         if colors {
-            let given = &found[start..start + color];
-            // whole numbers count to 255
-            let is_whole =
-                words[start..start + color].iter().all(|word| word.bytes().all(|byte| byte.is_ascii_digit()));
-            let scale = if is_whole { 255.0 } else { 1.0 };
+            let start = if normals { 6 } else { 3 };
+            let given = &found[start..found.len() - if uvs { 2 } else { 0 }];
             let alpha = given.get(3).map_or(1.0, |alpha| alpha / scale);
             self.colors.extend(given[..3].iter().map(|x| x / scale).chain([alpha]));
         }

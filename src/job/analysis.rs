@@ -1,9 +1,11 @@
 //! The analysis of a plan: a computation like a job, of which only the scheme matters.
 
+use super::input::Input;
 use super::key::{self, Key};
 use super::matrices::{AskedMatrices, FoundMatrices, MatricesWish};
+use super::polygon_survey::{MAX_POINTS, PolygonSurvey, SurveyedPolygons};
 use super::scan::{self, ScanWish};
-use crate::analysis::curve::NoMask;
+use crate::analysis::curve::{self, NoMask};
 use crate::analysis::scan::{MOST_BETWEEN, Scan, Scanned};
 use crate::analysis::smoothness::{BasicFunction, Report};
 use crate::analysis::theorems::{Decay, Theorem, theorems};
@@ -23,8 +25,8 @@ pub const MAX_NODES: u64 = 10_000_000;
 /// It is four for each pixel of a wide figure. Half of it makes curves of long masks rougher; twice of it makes answers
 /// twice as long.
 pub const MAX_VALUES: u64 = 1 << 14;
-/// Products that take as long as a millisecond of one core, with matrices of the usual size: the 16-point scheme
-/// takes some 250 ms for 100,000 products.
+/// Products that take as long as a millisecond of one core. Measured: 11,000 and more with matrices of presets of few
+/// points, 746 with those of the 16-point scheme, 457 with those of the 32-point scheme.
 /// Half of it books twice the time that they take, twice of it half of it; smaller matrices are quicker.
 const NODES_A_MS: u64 = 400;
 /// Cubes of the residual's length that take as long as a millisecond: whether shifts are stable is decided by as many
@@ -45,6 +47,10 @@ pub const DEFAULT_SCAN_NODES: u64 = 10_000;
 const PLOTTED: u64 = 1 << 10;
 /// Finest grid that is looked at for a plot: binary schemes have no finer one of so many values.
 const MAX_GRID: u32 = 10;
+/// Points of polygons whose levels are looked at in a millisecond, all searches together.
+/// It is what the bounds of tolerances take, of eight levels: some 60 ms for 16,000 points. Half of it books twice of
+/// what they take, twice of it half of it.
+const POINTS_A_MS: u64 = 250;
 /// Milliseconds of an analysis without its products: those that look for an eigenvalue, and choose a norm.
 /// Measured on masks of some ten entries: 5 to 10 ms. Half of it books scans of longer masks too short; twice of it
 /// lets fewer scans run at once.
@@ -60,7 +66,7 @@ pub struct Analysis {
 
 #[derive(Debug, Clone)]
 enum Asked {
-    Scheme { study: Box<Study>, grid: Option<u32>, matrices: Option<AskedMatrices> },
+    Scheme { study: Box<Study>, grid: Option<u32>, matrices: Option<AskedMatrices>, on: Option<Box<SurveyedPolygons>> },
     Scan(Box<Scan>),
 }
 
@@ -75,6 +81,8 @@ pub struct Wishes {
     pub matrices: Option<MatricesWish>,
     /// The parameter that is scanned.
     pub scan: Option<ScanWish>,
+    /// Polygons that are refined.
+    pub input: Option<Input>,
     /// Whether functions are plotted: then the grid is as fine as a plot shows, where none is named.
     pub is_plotted: bool,
 }
@@ -109,6 +117,8 @@ pub struct SchemeFindings<'a> {
     pub theorems: Vec<Theorem>,
     /// How quickly levels come close to the settled scheme.
     pub decay: Option<Decay>,
+    /// What is found of the polygons, where some were given.
+    pub survey: Option<PolygonSurvey>,
 }
 
 impl Analysis {
@@ -127,6 +137,7 @@ impl Analysis {
         let asked = match &wishes.scan {
             None => scheme(plan, wishes, watch),
             Some(_) if wishes.grid.is_some() => Err(useless_beside_scan("grid")),
+            Some(_) if wishes.input.is_some() => Err(useless_beside_scan("input")),
             Some(_) if wishes.matrices.is_some() => Err(useless_beside_scan("matrices")),
             Some(wish) => scan::scan(plan, wish, [nodes, MAX_NODES], |input| study(input, watch))
                 .map(|scan| Asked::Scan(Box::new(scan))),
@@ -134,8 +145,9 @@ impl Analysis {
         match asked {
             Ok(asked) if faults.is_empty() => {
                 let key = match &asked {
-                    Asked::Scheme { study, grid, matrices } => {
-                        key::analysis(study, nodes, *grid, matrices.as_ref().map(AskedMatrices::item))
+                    Asked::Scheme { study, grid, matrices, on } => {
+                        let on = on.as_ref().map(|on| (&on.input, &on.plan));
+                        key::analysis(study, nodes, *grid, matrices.as_ref().map(AskedMatrices::item), on)
                     }
                     Asked::Scan(scan) => scan::key(scan, nodes),
                 };
@@ -160,6 +172,11 @@ impl Analysis {
 
     /// Units of work, at most.
     pub fn work(&self) -> u64 {
+        self.products() + self.surveyed().map_or(0, |_| curve::MAX_WORK)
+    }
+
+    /// Products of matrices, at most.
+    fn products(&self) -> u64 {
         self.nodes * self.schemes()
     }
 
@@ -169,12 +186,19 @@ impl Analysis {
             Asked::Scheme { study, .. } => study.settled.residual.len() as u64,
             Asked::Scan(_) => 0,
         };
-        self.work() / NODES_A_MS + BASE_MS * self.schemes() + residual.pow(3) / CUBES_A_MS
+        let search = self.surveyed().map_or(0, |on| on.input.n_points().min(MAX_POINTS) as u64 / POINTS_A_MS + BASE_MS);
+        self.products() / NODES_A_MS + BASE_MS * self.schemes() + residual.pow(3) / CUBES_A_MS + search
     }
 
     /// Bytes of memory that it takes at most.
     pub fn bytes(&self) -> u64 {
-        BYTES
+        let input = self.surveyed().map_or(0, |on| on.input.bytes() + curve::search_bytes(on.input.n_points()));
+        input.saturating_add(BYTES)
+    }
+
+    /// The polygons that are asked about.
+    fn surveyed(&self) -> Option<&SurveyedPolygons> {
+        if let Asked::Scheme { on, .. } = &self.asked { on.as_deref() } else { None }
     }
 
     /// What can be said of the plan.
@@ -183,7 +207,8 @@ impl Analysis {
     /// [`Stopped`].
     pub fn run(&self, watch: &Watch) -> Result<Findings<'_>, Stopped> {
         match &self.asked {
-            Asked::Scheme { study, grid, matrices } => {
+            Asked::Scheme { study, grid, matrices, on } => {
+                let survey = on.as_ref().map(|on| on.survey(watch)).transpose()?;
                 let report = Report::of(study.settled.clone(), self.nodes, watch)?;
                 let (values, derivatives) = match grid {
                     Some(grid) => (report.basic_function(*grid, watch)?, report.derivatives(*grid, watch)?),
@@ -195,8 +220,18 @@ impl Analysis {
                 let converges = report.smoothness.proved_c >= 0;
                 let theorems = if levels.is_empty() { Vec::new() } else { theorems(study, converges) };
                 let decay = Decay::of(study);
-                let found =
-                    SchemeFindings { report, levels, rate, proved_c, values, derivatives, matrices, theorems, decay };
+                let found = SchemeFindings {
+                    report,
+                    levels,
+                    rate,
+                    proved_c,
+                    values,
+                    derivatives,
+                    matrices,
+                    theorems,
+                    decay,
+                    survey,
+                };
                 Ok(Findings::Scheme(Box::new(found)))
             }
             Asked::Scan(scan) => {
@@ -208,6 +243,11 @@ impl Analysis {
 
 fn scheme(input: &PlanInput, wishes: &Wishes, watch: &Watch) -> Result<Asked, Vec<Fault>> {
     let study = study(input, watch).map_err(|found| under("/plan", found))?;
+    let on = wishes.input.as_ref().map(|shape| {
+        let plan = shape.plan(input).map_err(|found| under("/plan", found))?;
+        Ok::<_, Vec<Fault>>(Box::new(SurveyedPolygons { input: shape.clone(), plan }))
+    });
+    let on = on.transpose()?;
     let count = |grid: u32| BasicFunction::count(&study.settled, grid);
     let plotted = || (1..=MAX_GRID).take_while(|grid| count(*grid).is_some_and(|n| n <= PLOTTED)).last().unwrap_or(1);
     let grid = wishes.grid.or_else(|| wishes.is_plotted.then(plotted));
@@ -219,7 +259,7 @@ fn scheme(input: &PlanInput, wishes: &Wishes, watch: &Watch) -> Result<Asked, Ve
     }
     let of_plan = |wish: MatricesWish| AskedMatrices::of(&Plan::resolve(input, Subject::default())?, &study, wish);
     let matrices = wishes.matrices.map(of_plan).transpose()?;
-    Ok(Asked::Scheme { study: Box::new(study), grid, matrices })
+    Ok(Asked::Scheme { study: Box::new(study), grid, matrices, on })
 }
 
 fn useless_beside_scan(name: &str) -> Vec<Fault> {

@@ -301,7 +301,7 @@ fn details(checked: &Checked, levels: u32) -> Result<Vec<DetailOutput>, Vec<Faul
         }
         for &levels in &details.levels {
             let options = output.options.without(details.option);
-            let output = Output { format: details.format, options, ..output.clone() };
+            let output = Output { format: details.format, options, description: None, ..output.clone() };
             let detail = DetailOutput { of, levels, output, key: Key::LEAST };
             let job = job_of(&detail, checked).map_err(|faults| {
                 let said: Vec<String> = faults.into_iter().map(|fault| fault.detail).collect();

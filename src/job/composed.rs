@@ -48,6 +48,7 @@ pub(super) fn estimate(job: &Job, figure: &Figure, panels: &[Estimate]) -> Estim
             (Ok(sheet), Some(paper)) => figure::size(paper, &sheet, bytes, points),
             _ => (Size::Exact(0), 0),
         };
+        let size = output.described(size);
         outputs.push((*key, size));
         held_bytes = held.saturating_add(size.bytes()).max(held_bytes);
     }

@@ -2,6 +2,7 @@
 
 use super::entry::{JobFault, JobPart};
 use crate::analysis::limit::LimitError;
+use crate::fault::Fault;
 use crate::output::FormatError;
 use crate::refine::RefineError;
 use crate::scheme::step_error::{About, StepError};
@@ -23,6 +24,11 @@ pub enum RunError {
 }
 
 impl RunError {
+    /// The error of a fault with its place in the request.
+    pub(super) fn of_request(fault: Fault) -> Self {
+        Self::Impossible(JobFault { part: JobPart::Request, fault })
+    }
+
     /// The refusal of a job that was admitted as one that is refined while it is written, and cannot be.
     pub(super) fn too_large() -> Self {
         let detail = "the faces around some vertex cannot be refined on their own, so that this level is too large; \

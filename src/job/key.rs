@@ -84,7 +84,7 @@ pub(super) fn artifacts(
     let whole = hashed(&input(shape, refined));
     let artifact = |output: &Output| {
         // the name is the client's affair, and so is the place among the outputs
-        let Output { name: _, format, options, frame: shown, index: _ } = output;
+        let Output { name: _, format, options, frame: shown, description, index: _ } = output;
         let shape_key = match (shape.mesh(), shown) {
             // as that of a mesh with these positions alone
             (Some(alone), Some(_)) if !alone.frames.is_empty() => hashed(&mesh(&alone.at_frame(*shown), refined)),
@@ -101,6 +101,7 @@ pub(super) fn artifacts(
         if !frame.is_default() {
             items.push(Item::List(vec![Item::text(unit.name()), Item::text(up.name())]));
         }
+        items.extend(described(description.as_deref()));
         let mut shown = head("planish refined shape");
         shown.extend(surface::limit(options).map(u64::from).map(Item::Integer));
         (hashed(&Item::List(items)), hashed(&Item::List(shown)))
@@ -110,7 +111,7 @@ pub(super) fn artifacts(
 
 /// Key of a figure: over the keys of its panels at the sizes that they have in it, the layout, and the output.
 pub(super) fn figure(panels: impl Iterator<Item = Key>, (grid, one_scale): (&Grid, bool), output: &Output) -> Key {
-    let Output { name: _, format, options, frame: _, index: _ } = output;
+    let Output { name: _, format, options, frame: _, description, index: _ } = output;
     let Grid { columns, title, letters, cells } = grid;
     let text = |text: &Option<String>| Item::List(text.iter().map(|text| Item::text(text)).collect());
     let mut panels = panels;
@@ -120,7 +121,7 @@ pub(super) fn figure(panels: impl Iterator<Item = Key>, (grid, one_scale): (&Gri
         items.extend([Item::Indices(span.to_vec().into()), text(caption)]);
         Item::List(items)
     };
-    hashed(&Item::List(vec![
+    let mut items = vec![
         Item::text("planish figure"),
         Item::Integer(u64::from(RESULTS_VERSION)),
         Item::List(cells.iter().map(cell).collect()),
@@ -130,7 +131,14 @@ pub(super) fn figure(panels: impl Iterator<Item = Key>, (grid, one_scale): (&Gri
         Item::Integer(u64::from(one_scale)),
         Item::text(format.name()),
         values(options),
-    ]))
+    ];
+    items.extend(described(description.as_deref()));
+    hashed(&Item::List(items))
+}
+
+/// What the bytes say of their job, where they do.
+fn described(description: Option<&str>) -> Option<Item<'static>> {
+    description.map(|text| Item::List(vec![Item::text("description"), Item::text(text)]))
 }
 
 /// Key of a moving picture: over the keys that its frames have as jobs of their own.
@@ -183,8 +191,15 @@ pub(super) fn search(shape: &Input, refined: &Plan, tolerance: f64, places: &[&s
     hashed(&Item::List(items))
 }
 
-/// Key of an analysis: over the results version, the masks, exactly where they are known so, and what was asked for.
-pub(super) fn analysis(study: &Study, nodes: u64, grid: Option<u32>, matrices: Option<Item<'_>>) -> Key {
+/// Key of an analysis: over the results version, the masks, exactly where they are known so, what was asked for, and
+/// polygons with their own plan, if there are any.
+pub(super) fn analysis(
+    study: &Study,
+    nodes: u64,
+    grid: Option<u32>,
+    matrices: Option<Item<'_>>,
+    on: Option<(&Input, &Plan)>,
+) -> Key {
     let Study { settled, levels } = study;
     // order and residual follow from the mask
     let Symbol { arity, first, mask, is_exact, order: _, residual: _ } = settled;
@@ -206,6 +221,9 @@ pub(super) fn analysis(study: &Study, nodes: u64, grid: Option<u32>, matrices: O
         Item::List(grid.iter().map(|grid| Item::Integer(u64::from(*grid))).collect()),
     ];
     items.extend(matrices);
+    if let Some((shape, refined)) = on {
+        items.extend([input(shape, refined), plan(shape, refined, 1, true)]);
+    }
     hashed(&Item::List(items))
 }
 
@@ -214,16 +232,18 @@ pub(super) fn analysis(study: &Study, nodes: u64, grid: Option<u32>, matrices: O
 pub(super) fn surface_analysis(
     settled: &Plan,
     follows_alpha: bool,
-    valences: &[usize],
+    [valences, boundaries]: [&[usize]; 2],
     nodes: u64,
     on: Option<(&Input, &Plan)>,
 ) -> Key {
+    let numbers = |of: &[usize]| Item::List(of.iter().map(|&n| Item::Integer(n as u64)).collect());
     let mut items = vec![
         Item::text("planish surface analysis"),
         Item::Integer(u64::from(RESULTS_VERSION)),
         plan_of(settled, 1, true, [true, false], Vec::new()),
         Item::Integer(u64::from(follows_alpha)),
-        Item::List(valences.iter().map(|&valence| Item::Integer(valence as u64)).collect()),
+        numbers(valences),
+        numbers(boundaries),
         Item::Integer(nodes),
     ];
     if let Some((shape, refined)) = on {

@@ -4,7 +4,8 @@
 use std::collections::BTreeMap;
 
 use super::input::Input;
-use crate::analysis::NoLevel;
+use super::level_bounds::{LevelBounds, level_bounds};
+use super::polygon_survey::LEVELS;
 use crate::analysis::surface::{Extraordinary, RegularSmoothness, SurfaceStudy};
 use crate::analysis::tolerance::{self, Placed};
 use crate::scheme::plan::Plan;
@@ -19,15 +20,6 @@ const MAX_LEVEL: u32 = 3;
 /// A level of them is looked at within a second. Half of it refuses common control meshes; twice of it takes twice as
 /// long.
 const MAX_FACES: usize = 8192;
-/// By what bounds are divided for the tolerance that asks for the next level.
-/// Most schemes divide by 4 a level, and bounds are up to 10 times what is true. Half of it asks for some levels twice;
-/// twice of it leaves out levels.
-const CLOSER: f64 = 2.0;
-/// Levels whose parameters are looked at.
-/// An alpha of 1e6 is below 1e-3 after as many. Half of it misses poles of functions behind larger ones; twice of it
-/// finds no more.
-const LEVELS: u32 = 32;
-
 /// A mesh, and its plan as it is.
 #[derive(Debug)]
 pub(super) struct Surveyed {
@@ -39,9 +31,11 @@ pub(super) struct Surveyed {
 #[derive(Debug)]
 pub struct Survey {
     /// Levels, and how far they are from the limit at most, model units; or why that is not known.
-    pub bounds: Result<Vec<(u32, f64)>, String>,
+    pub bounds: LevelBounds,
     /// Extraordinary vertices and faces, by valence.
     pub extraordinary: BTreeMap<usize, Extraordinary>,
+    /// Boundary vertices, by their number of faces.
+    pub on_boundary: BTreeMap<usize, Extraordinary>,
     /// What is to be known, in sentences.
     pub warnings: Vec<String>,
 }
@@ -67,34 +61,19 @@ impl Surveyed {
         } else if smoothness.proved_c < 0 {
             warnings.push("the scheme is not known to converge in regular nets".into());
         }
-        let extraordinary = study.survey(&mesh.topology);
-        Ok(Some(Survey { bounds: self.bounds(mesh, watch)?, extraordinary, warnings }))
+        let (extraordinary, on_boundary) = (study.survey(&mesh.topology), study.on_boundary(&mesh.topology));
+        Ok(Some(Survey { bounds: self.bounds(mesh, watch)?, extraordinary, on_boundary, warnings }))
     }
 
     /// Bounds of the distance of levels from the limit, each within a tolerance that the one before does not meet.
-    fn bounds(&self, mesh: &Mesh, watch: &Watch) -> Result<Result<Vec<(u32, f64)>, String>, Stopped> {
+    fn bounds(&self, mesh: &Mesh, watch: &Watch) -> Result<LevelBounds, Stopped> {
         if mesh.topology.n_faces() > MAX_FACES {
             let n = mesh.topology.n_faces();
             return Ok(Err(format!("the mesh has {n} faces; bounds are told of those with up to {MAX_FACES}")));
         }
-        let mut found: Vec<(u32, f64)> = Vec::new();
-        // any net is within its extent of its limit
-        let mut tolerance = mesh.positions.iter().fold(1e-6, |most: f64, x| most.max(4.0 * x.abs()));
-        while found.last().is_none_or(|last| last.0 < MAX_LEVEL && last.1 > 0.0) {
-            match tolerance::reach(mesh, &self.plan, &[Placed::Refined], tolerance, watch) {
-                Ok(reached) => {
-                    if found.last().is_some_and(|last| last.0 == reached.level) {
-                        // a tolerance within the bound of a level may sharpen it
-                        found.pop();
-                    }
-                    found.push((reached.level, reached.bound));
-                    tolerance = reached.bound / CLOSER;
-                }
-                Err(NoLevel::Stopped(stopped)) => return Err(stopped),
-                Err(NoLevel::Refused(reason)) if found.is_empty() => return Ok(Err(reason)),
-                Err(NoLevel::Refused(_)) => break,
-            }
-        }
-        Ok(Ok(found))
+        level_bounds(mesh.positions.iter(), MAX_LEVEL, |tolerance| {
+            let reached = tolerance::reach(mesh, &self.plan, &[Placed::Refined], tolerance, watch)?;
+            Ok((reached.level, reached.bound))
+        })
     }
 }

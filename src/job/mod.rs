@@ -2,6 +2,7 @@
 
 mod analysis;
 pub mod codec;
+mod comparison;
 mod complete;
 mod composed;
 mod curves;
@@ -18,6 +19,7 @@ mod input;
 mod inquiry;
 mod kernels;
 pub mod key;
+mod level_bounds;
 mod levels;
 mod limit_cost;
 pub mod limits;
@@ -26,6 +28,7 @@ mod memory;
 mod mesh_survey;
 mod output;
 mod places;
+mod polygon_survey;
 mod report;
 mod run;
 mod scan;
@@ -42,6 +45,7 @@ mod work;
 pub use analysis::{
     Analysis, DEFAULT_NODES, DEFAULT_SCAN_NODES, Findings, MAX_NODES, MAX_VALUES, SchemeFindings, Wishes,
 };
+pub use comparison::{Compared, Comparison, PngFile, Side, Tolerances, USUAL_THRESHOLD};
 pub use complete::{Figure, Job};
 pub use draft::Draft;
 pub use entry::{InputEntry, JobEntries, JobFault, JobPart};
@@ -54,10 +58,11 @@ pub use levels::{Levels, Resolved};
 pub use matrices::{FoundMatrices, MatricesWish};
 pub use mesh_survey::Survey;
 pub use output::Output;
+pub use polygon_survey::PolygonSurvey;
 pub use report::Report;
 pub use run::{run, run_keeping};
 pub use scan::{MAX_STEPS, ScanWish};
 pub use search::{Search, SearchCost, SearchError};
-pub use surface_analysis::{MAX_VALENCE, SurfaceAnalysis, SurfaceFindings};
+pub use surface_analysis::{Around, MAX_FACES, MAX_VALENCE, SurfaceAnalysis, SurfaceFindings};
 pub use tube_analysis::{TubeAnalysis, TubeFindings, TubeInput};
 pub use work::{KeepNothing, KeepWork, Refined, Work};

@@ -1,11 +1,12 @@
 //! The outputs of a job.
 
 use std::borrow::Cow;
+use std::sync::Arc;
 
 use super::entry::output_fault;
 use crate::fault::Fault;
 use crate::math::parameter::Values;
-use crate::output::{Counts, Format, Size};
+use crate::output::{Counts, Format, Size, description};
 
 /// One result that is asked for.
 #[derive(Debug, Clone)]
@@ -18,6 +19,8 @@ pub struct Output {
     pub options: Values,
     /// The frame of the mesh that it shows; all of them, or the only one, where none is named.
     pub frame: Option<usize>,
+    /// What the bytes say of their job, where they are to say it: printable ASCII characters.
+    pub description: Option<Arc<str>>,
     /// The index of the output in the request; `None` where the request names no outputs.
     pub index: Option<usize>,
 }
@@ -33,7 +36,15 @@ impl Output {
 
     /// Bytes that it takes, of these counts.
     pub(super) fn size(&self, counts: &Counts) -> Size {
-        self.format.size(&self.shown(counts), &self.options)
+        self.described(self.format.size(&self.shown(counts), &self.options))
+    }
+
+    /// The size of bytes that take so much without their description.
+    pub(super) fn described(&self, bare: Size) -> Size {
+        match &self.description {
+            Some(text) => description::size(self.format.name(), text, bare),
+            None => bare,
+        }
     }
 
     /// A fault of this output, with a pointer below the request.

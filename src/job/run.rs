@@ -9,6 +9,7 @@ use super::output::Output;
 use super::report::Report;
 use super::shown::show;
 use super::work::{KeepNothing, KeepWork};
+use crate::output::description::Describing;
 use crate::output::scene::Scene;
 use crate::watch::Watch;
 
@@ -26,6 +27,21 @@ pub fn run(admitted: &Admitted, output: &Output, out: &mut dyn Write, watch: &Wa
 /// # Errors
 /// [`RunError`].
 pub fn run_keeping(
+    admitted: &Admitted,
+    output: &Output,
+    kept: &dyn KeepWork,
+    out: &mut dyn Write,
+    watch: &Watch,
+) -> Result<Report, RunError> {
+    let Some(text) = &output.description else { return made(admitted, output, kept, out, watch) };
+    let mut out = Describing::new(output.format.name(), text, out);
+    let report = made(admitted, output, kept, &mut out, watch)?;
+    out.finish().map_err(RunError::Io)?;
+    Ok(report)
+}
+
+/// Computes an output without its description.
+fn made(
     admitted: &Admitted,
     output: &Output,
     kept: &dyn KeepWork,

@@ -31,13 +31,16 @@ impl Eigenvalue {
 
 /// The eigenvalues of an n x n matrix, row by row, the largest first: those of one modulus in the order of their real,
 /// then of their imaginary parts. `None` when the steps do not converge.
+///
+/// Where the entries that are not 0 leave rows that do not come of each other in turn, the matrix is one of blocks
+/// along a diagonal and entries on one side of it, whose eigenvalues are those of the blocks: each is looked at by
+/// itself, so that equal eigenvalues of two blocks are not blurred.
 pub fn eigenvalues(matrix: &[f64], n: usize) -> Option<Vec<Eigenvalue>> {
-    let mut h = Hessenberg { a: matrix.to_vec(), n, negligible: 0.0 };
-    h.reduce();
-    // where eigenvalues next to 0 keep the steps going, what is rounding of the largest entries is left out
-    let negligible = f64::EPSILON * matrix.iter().fold(0.0, |most: f64, x| most.max(x.abs()));
-    let second = Hessenberg { a: h.a.clone(), n, negligible };
-    let mut found = h.decompose().or_else(|| { second }.decompose())?;
+    let mut found = Vec::with_capacity(n);
+    for block in blocks(matrix, n) {
+        let entries: Vec<f64> = block.iter().flat_map(|i| block.iter().map(move |j| matrix[i * n + j])).collect();
+        found.extend(of_block(&entries, block.len())?);
+    }
     // moduli that differ by rounding count as one, so that the order is that of the parts then
     found.sort_by(|x, y| {
         let (a, b) = (x.modulus(), y.modulus());
@@ -46,6 +49,44 @@ pub fn eigenvalues(matrix: &[f64], n: usize) -> Option<Vec<Eigenvalue>> {
         if close { by_parts() } else { b.partial_cmp(&a).unwrap_or(Ordering::Equal) }
     });
     Some(found)
+}
+
+/// The indices of rows that come of each other in turn, each list ascending, by the first of each.
+fn blocks(matrix: &[f64], n: usize) -> Vec<Vec<usize>> {
+    let reached = |from: usize, entry: &dyn Fn(usize, usize) -> f64| {
+        let (mut seen, mut open) = (vec![false; n], vec![from]);
+        seen[from] = true;
+        while let Some(i) = open.pop() {
+            for j in (0..n).filter(|&j| entry(i, j) != 0.0) {
+                if !std::mem::replace(&mut seen[j], true) {
+                    open.push(j);
+                }
+            }
+        }
+        seen
+    };
+    let (mut known, mut found) = (vec![false; n], Vec::new());
+    for first in 0..n {
+        if known[first] {
+            continue;
+        }
+        let forth = reached(first, &|i, j| matrix[i * n + j]);
+        let back = reached(first, &|i, j| matrix[j * n + i]);
+        let block: Vec<usize> = (first..n).filter(|&i| forth[i] && back[i]).collect();
+        block.iter().for_each(|&i| known[i] = true);
+        found.push(block);
+    }
+    found
+}
+
+/// The eigenvalues of one block, in any order.
+fn of_block(matrix: &[f64], n: usize) -> Option<Vec<Eigenvalue>> {
+    let mut h = Hessenberg { a: matrix.to_vec(), n, negligible: 0.0 };
+    h.reduce();
+    // where eigenvalues next to 0 keep the steps going, what is rounding of the largest entries is left out
+    let negligible = f64::EPSILON * matrix.iter().fold(0.0, |most: f64, x| most.max(x.abs()));
+    let second = Hessenberg { a: h.a.clone(), n, negligible };
+    h.decompose().or_else(|| { second }.decompose())
 }
 
 struct Hessenberg {

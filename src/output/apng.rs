@@ -90,10 +90,6 @@ impl Format for Apng {
         Png.suits(kind, carried, values)
     }
 
-    fn leaves_out(&self, carried: &Attachments, values: &Values) -> Option<String> {
-        Png.leaves_out(carried, values)
-    }
-
     fn size(&self, counts: &Counts, values: &Values) -> Size {
         let n = film::frames(values) as u128;
         Size::AtMost(n * (Png.size(counts, values).bytes() + FRAME_BYTES))

@@ -1,5 +1,6 @@
 //! Formats: each writes a scene; the registry is the only place that lists them.
 
+pub mod description;
 pub mod figure;
 pub mod film;
 pub mod hard_edges;
@@ -16,6 +17,7 @@ mod colors;
 mod counts;
 mod curvature;
 mod error;
+mod farthest;
 mod format;
 mod glb;
 mod gltf;
@@ -56,6 +58,7 @@ mod vertex_sums;
 
 pub use counts::{Counts, ShapeKind};
 pub use error::FormatError;
+pub use farthest::{Farthest, Measured};
 pub use format::{Content, Details, Format, FormatFacts, Paper, Sweep};
 pub use options::{DIRECTIONS, LIMIT, POSITIONS, TANGENTS};
 pub use picture::outline::Outline;

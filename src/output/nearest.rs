@@ -2,9 +2,9 @@
 
 use rayon::prelude::*;
 
-use super::scene::{CHUNK, FaceChunk, MeshSource, in_chunks, triangles};
+use super::scene::{CHUNK, Curve, FaceChunk, MeshSource, in_chunks, triangles};
 use crate::math::functions::sqrt;
-use crate::math::vector::{Vector, square_from_triangle};
+use crate::math::vector::{Vector, length, minus, square_from_triangle};
 use crate::watch::{Stopped, Watch};
 
 /// Most triangles of a leaf.
@@ -49,6 +49,27 @@ impl Triangles {
             corners.extend(chunk.iter().flat_map(triangles).map(|face| face.map(|v| positions[v as usize])));
             Ok(())
         })?;
+        Self::new(corners, watch)
+    }
+
+    /// The segments of curves of at most three coordinates a point, each as a triangle with two corners in one place.
+    ///
+    /// # Errors
+    /// [`Stopped`] when the watch says so.
+    pub(super) fn of_curves(curves: &[Curve], watch: &Watch) -> Result<Self, Stopped> {
+        let mut corners = Vec::new();
+        for curve in curves {
+            let point = |i: usize| {
+                let row = &curve.points[(i % curve.len()) * curve.dimension..][..curve.dimension];
+                std::array::from_fn(|k| row.get(k).copied().unwrap_or(0.0))
+            };
+            let n = if curve.closed { curve.len() } else { curve.len().saturating_sub(1) };
+            corners.extend((0..n).map(|i| [point(i), point(i + 1), point(i + 1)]));
+        }
+        Self::new(corners, watch)
+    }
+
+    fn new(mut corners: Vec<[Vector; 3]>, watch: &Watch) -> Result<Self, Stopped> {
         let mut nodes = Vec::new();
         if !corners.is_empty() {
             grow(&mut nodes, &mut corners, 0, watch)?;
@@ -56,28 +77,20 @@ impl Triangles {
         Ok(Self { corners, nodes })
     }
 
-    /// The distance of each point, model units; infinite where the mesh has no triangles.
-    ///
-    /// # Errors
-    /// [`Stopped`] when the watch says so.
-    pub(super) fn distances(&self, points: &[Vector], watch: &Watch) -> Result<Vec<f64>, Stopped> {
-        let mut distances = vec![f64::INFINITY; points.len()];
-        let part = CHUNK / 16;
-        distances.par_chunks_mut(part).zip(points.par_chunks(part)).try_for_each(|(distances, points)| {
-            watch.check()?;
-            let (mut near, mut waiting) = (0, Vec::new());
-            for (distance, &point) in distances.iter_mut().zip(points) {
-                *distance = self.distance(point, &mut near, &mut waiting);
-            }
-            Ok(())
-        })?;
-        Ok(distances)
+    /// The corners of all triangles, in the order of the tree.
+    pub(super) fn corners(&self) -> &[[Vector; 3]] {
+        &self.corners
     }
 
-    /// The distance of a point, beginning with triangle `near`, which the nearest one replaces.
-    fn distance(&self, point: Vector, near: &mut usize, waiting: &mut Vec<(f64, u32)>) -> f64 {
-        let Some(first) = self.corners.get(*near) else { return f64::INFINITY };
-        let mut best = square_from_triangle(point, *first);
+    /// The length of the diagonal of the box around all, model units; 0 where there is nothing.
+    pub(super) fn diagonal(&self) -> f64 {
+        self.nodes.first().map_or(0.0, |all| length(minus(all.high, all.low)))
+    }
+
+    /// The squared distance of a point and the number of the triangle that is nearest, by way of triangle `near`, which
+    /// it replaces. There has to be a triangle.
+    pub(super) fn nearest(&self, point: Vector, near: &mut usize, waiting: &mut Vec<(f64, u32)>) -> f64 {
+        let mut best = square_from_triangle(point, self.corners[*near]);
         waiting.clear();
         waiting.push((0.0, 0));
         while let Some((square, number)) = waiting.pop() {
@@ -101,7 +114,30 @@ impl Triangles {
             // the nearer half is asked first
             waiting.extend(halves);
         }
-        sqrt(best)
+        best
+    }
+
+    /// The distance of each point, model units; infinite where the mesh has no triangles.
+    ///
+    /// # Errors
+    /// [`Stopped`] when the watch says so.
+    pub(super) fn distances(&self, points: &[Vector], watch: &Watch) -> Result<Vec<f64>, Stopped> {
+        let mut distances = vec![f64::INFINITY; points.len()];
+        let part = CHUNK / 16;
+        distances.par_chunks_mut(part).zip(points.par_chunks(part)).try_for_each(|(distances, points)| {
+            watch.check()?;
+            let (mut near, mut waiting) = (0, Vec::new());
+            for (distance, &point) in distances.iter_mut().zip(points) {
+                *distance = self.distance(point, &mut near, &mut waiting);
+            }
+            Ok(())
+        })?;
+        Ok(distances)
+    }
+
+    /// The distance of a point, beginning with triangle `near`, which the nearest one replaces.
+    fn distance(&self, point: Vector, near: &mut usize, waiting: &mut Vec<(f64, u32)>) -> f64 {
+        if self.corners.is_empty() { f64::INFINITY } else { sqrt(self.nearest(point, near, waiting)) }
     }
 }
 

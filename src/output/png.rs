@@ -148,10 +148,6 @@ impl Format for Png {
         options::shows_only(fitting, kind, options)
     }
 
-    fn leaves_out(&self, carried: &Attachments, options: &Values) -> Option<String> {
-        coat::left_out(carried, options)
-    }
-
     fn size(&self, _: &Counts, options: &Values) -> Size {
         bytes(options::size(options))
     }

@@ -8,6 +8,7 @@ use super::facets::Facets;
 use super::fine::{FINE, FINE_PLACES, Fine, Marks};
 use super::forecast;
 use super::line::Layer;
+use super::paint::Hiding;
 use super::shade::{Lamps, Spots};
 use super::triangle::{NOBODY, PLACES, SAMPLES, Samples};
 use super::veil::Veil;
@@ -80,15 +81,22 @@ impl Desk {
             return Ok(None);
         }
         self.samples.clear();
-        let is_solid = |id: &u32| self.glass.is_none() || alpha(model, *id) >= 1.0;
+        let has_clear = self.glass.is_some();
         // outsides mostly hide the insides behind them
         for is_back in [false, true] {
-            for (n, id) in model.tile(tile, is_back, self.samples.farthest()).filter(is_solid).enumerate() {
+            for (n, id) in model.tile(tile, is_back, self.samples.farthest()).enumerate() {
                 if n % 4096 == 4095 {
                     watch.check()?;
                     watch.advance(forecast::rows(self.samples.done()));
                 }
-                self.samples.draw(model.corners(id), id, origin);
+                match hiding(model, id, has_clear) {
+                    Hiding::Wholly => self.samples.draw(model.corners(id), id, origin, |_| true),
+                    Hiding::InPlaces => {
+                        let alpha = alphas(model, id, origin);
+                        self.samples.draw(model.corners(id), id, origin, |place| alpha(place) >= OPAQUE);
+                    }
+                    Hiding::Partly | Hiding::Never => {}
+                }
             }
         }
         watch.advance(forecast::rows(self.samples.done()));
@@ -96,7 +104,7 @@ impl Desk {
         if let Some(lamps) = model.lamps.as_ref().filter(|_| surface) {
             self.lighter.begin();
             for (pixel, owners) in (0..).zip(&self.samples.owner) {
-                self.lighter.add(model, lamps, (pixel, owners), origin, |held| CENTRES[held as usize]);
+                self.lighter.add::<_, false>(model, lamps, (pixel, owners), origin, |held| CENTRES[held as usize]);
             }
             self.lighter.finish(model, lamps);
             if is_fine && !self.lighter.marks.is_empty() {
@@ -126,17 +134,23 @@ impl Desk {
     ) -> Result<(), Stopped> {
         self.fine.begin(&self.lighter.marks);
         for is_back in [false, true] {
-            let is_solid = |id: &u32| self.glass.is_none() || alpha(model, *id) >= 1.0;
-            for (n, id) in model.tile(tile, is_back, 0.0).filter(is_solid).enumerate() {
+            for (n, id) in model.tile(tile, is_back, 0.0).enumerate() {
                 if n % 4096 == 4095 {
                     watch.check()?;
                 }
-                self.fine.draw(model.corners(id), id, origin);
+                match hiding(model, id, self.glass.is_some()) {
+                    Hiding::Wholly => self.fine.draw(model.corners(id), id, origin, |_| true),
+                    Hiding::InPlaces => {
+                        let alpha = alphas(model, id, origin);
+                        self.fine.draw(model.corners(id), id, origin, |place| alpha(place) >= OPAQUE);
+                    }
+                    Hiding::Partly | Hiding::Never => {}
+                }
             }
         }
         for (pixel, owners) in self.fine.pixels() {
             self.lighter.light[pixel as usize] = [0.0; 4];
-            self.lighter.add(model, lamps, (pixel, owners), origin, fine_centre);
+            self.lighter.add::<_, false>(model, lamps, (pixel, owners), origin, fine_centre);
         }
         self.lighter.finish(model, lamps);
         Ok(())
@@ -153,17 +167,24 @@ impl Desk {
         let Some(Glass { samples, lighter }) = &mut self.glass else { return Ok(()) };
         for is_back in [true, false] {
             samples.begin_before(&self.samples);
-            let is_clear = |id: &u32| (f32::MIN_POSITIVE..1.0).contains(&alpha(model, *id));
-            for (n, id) in model.tile(tile, is_back, self.samples.farthest()).filter(is_clear).enumerate() {
+            for (n, id) in model.tile(tile, is_back, self.samples.farthest()).enumerate() {
                 if n % 4096 == 4095 {
                     watch.check()?;
                 }
-                samples.draw(model.corners(id), id, origin);
+                match hiding(model, id, true) {
+                    Hiding::Partly => samples.draw(model.corners(id), id, origin, |_| true),
+                    Hiding::InPlaces => {
+                        let alpha = alphas(model, id, origin);
+                        let is_clear = |place| (1.0 - OPAQUE..OPAQUE).contains(&alpha(place));
+                        samples.draw(model.corners(id), id, origin, is_clear);
+                    }
+                    Hiding::Wholly | Hiding::Never => {}
+                }
             }
             watch.advance(forecast::rows(samples.done()));
             lighter.begin();
             for (pixel, owners) in (0..).zip(&samples.owner) {
-                lighter.add(model, lamps, (pixel, owners), origin, |held| CENTRES[held as usize]);
+                lighter.add::<_, true>(model, lamps, (pixel, owners), origin, |held| CENTRES[held as usize]);
             }
             lighter.finish(model, lamps);
             for (under, over) in self.lighter.light.iter_mut().zip(&lighter.light) {
@@ -215,8 +236,9 @@ impl Lighter {
         self.light.fill([0.0; 4]);
     }
 
-    /// Lights what is seen of the surface in a pixel, once for each triangle, at the centre of its samples there.
-    fn add<const SAMPLES: usize>(
+    /// Lights what is seen of the surface in a pixel, once for each triangle, at the centre of its samples there; where
+    /// it `IS_CLEAR` its alpha counts.
+    fn add<const SAMPLES: usize, const IS_CLEAR: bool>(
         &mut self,
         model: &BinnedModel<'_>,
         lamps: &Lamps,
@@ -247,8 +269,12 @@ impl Lighter {
                 self.spots.color(color);
             }
             let global = [origin[0] as f32 + place[0], origin[1] as f32 + place[1]];
-            let share = share * alpha(model, owner);
-            self.spots.metal(model.paint.map_or(0.0, |paint| paint.metal(model.whole(owner))));
+            let alpha = model.paint.as_ref().zip(tint).filter(|_| IS_CLEAR);
+            let alpha = alpha.map_or(1.0, |(paint, tint)| paint.alpha(model.whole(owner), tint, place));
+            let share = share * alpha;
+            if let Some(paint) = &model.paint {
+                self.spots.finish(paint.finish(model.whole(owner)));
+            }
             self.spots.push((pixel, share), facet.normal(place), global, facet.back);
             if self.spots.full() {
                 self.finish(model, lamps);
@@ -266,9 +292,21 @@ impl Lighter {
     }
 }
 
-/// How much a triangle hides of what lies behind it.
-fn alpha(model: &BinnedModel<'_>, id: u32) -> f32 {
-    model.paint.map_or(1.0, |paint| paint.alpha(model.whole(id)))
+/// Alpha from which on a picture hides all that lies behind it, and is drawn with what is opaque; what has less than
+/// the rest to 1 is not there. It is half a step of a byte from 1: twice of it takes pixels of 254 for opaque, half of
+/// it is closer to what blending four pixels rounds.
+const OPAQUE: f32 = 1.0 - 0.5 / 255.0;
+
+/// How a triangle hides what lies behind it; without any that is clear, all hide it wholly.
+fn hiding(model: &BinnedModel<'_>, id: u32, has_clear: bool) -> Hiding {
+    model.paint.filter(|_| has_clear).map_or(Hiding::Wholly, |paint| paint.hiding(model.whole(id)))
+}
+
+/// How much a triangle hides of what lies behind it, by the place in the tile.
+fn alphas<'a>(model: &'a BinnedModel<'_>, id: u32, origin: [i32; 2]) -> impl Fn([f32; 2]) -> f32 + 'a {
+    let (_, tint) = model.facet(id, origin);
+    let paint = model.paint.as_ref().zip(tint);
+    move |place| paint.as_ref().map_or(1.0, |(paint, tint)| paint.alpha(model.whole(id), tint, place))
 }
 
 /// The samples that `owner` has, as bits.

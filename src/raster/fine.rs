@@ -119,7 +119,13 @@ impl Fine {
     }
 
     /// Draws one triangle, of which no part is seen twice; see [`super::triangle::Samples::draw`].
-    pub(super) fn draw(&mut self, corners: [Vertex; 3], id: u32, origin: [i32; 2]) {
+    pub(super) fn draw(
+        &mut self,
+        corners: [Vertex; 3],
+        id: u32,
+        origin: [i32; 2],
+        is_there: impl Fn([f32; 2]) -> bool,
+    ) {
         let last = SIDE - 1;
         let [left, top, right, bottom] = touched(&corners);
         let (left, right) = ((left - origin[0]).max(0), (right - origin[0]).min(last));
@@ -139,14 +145,14 @@ impl Fine {
             let before = (row & ((1 << left) - 1)).count_ones();
             let mut place = (self.starts[y as usize] + before) as usize;
             while rest != 0 {
-                self.cover(place, setup, [rest.trailing_zeros().cast_signed(), y], id);
+                self.cover(place, setup, [rest.trailing_zeros().cast_signed(), y], id, &is_there);
                 rest &= rest - 1;
                 place += 1;
             }
         }
     }
 
-    fn cover(&mut self, place: usize, setup: &Setup, [x, y]: [i32; 2], id: u32) {
+    fn cover(&mut self, place: usize, setup: &Setup, [x, y]: [i32; 2], id: u32, is_there: impl Fn([f32; 2]) -> bool) {
         let (depth, owner) = (&mut self.depth[place], &mut self.owner[place]);
         if depth.iter().all(|depth| *depth > setup.range[1]) {
             return;
@@ -157,6 +163,9 @@ impl Fine {
         });
         let at = |k: usize, s: usize| edges[k] + setup.samples[k][s];
         let outside: [i32; FINE] = std::array::from_fn(|s| at(0, s) | at(1, s) | at(2, s));
+        let place = |[right, down]: [i32; 2]| [x as f32 + right as f32 / 32.0, y as f32 + down as f32 / 32.0];
+        let is_hole = |s: usize| outside[s] >= 0 && !is_there(place(FINE_PLACES[s]));
+        let outside = std::array::from_fn(|s| if is_hole(s) { -1 } else { outside[s] });
         let base = (setup.depth + setup.slope[0] * f64::from(x) + setup.slope[1] * f64::from(y)) as f32;
         let z = setup.rise.map(|rise| setup.within(base + rise));
         cover(outside, z, id, depth, owner);

@@ -16,6 +16,7 @@ mod contact;
 #[cfg(test)]
 mod coverage_tests;
 mod desk;
+mod difference;
 mod facets;
 mod fine;
 mod finish;
@@ -39,6 +40,7 @@ mod veil;
 
 pub use camera::{Camera, Projection, View};
 pub use contact::Ground;
+pub use difference::{Difference, Measure, Pixels, difference};
 pub use finish::{Finish, Pattern, Stripes};
 pub use forecast::Forecast;
 pub use model::{Crowding, Model, Normals, Strokes, Surface};

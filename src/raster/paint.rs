@@ -3,7 +3,7 @@
 #![expect(clippy::cast_possible_truncation, reason = "colours need no more than the precision of f32")]
 #![expect(clippy::cast_sign_loss, reason = "numbers of swatches are not negative")]
 
-use super::shade::Vec3f;
+use super::shade::{Vec3f, spread};
 use super::texels::Cover;
 
 /// Colours of a surface, linear light from 0 to 1.
@@ -58,12 +58,37 @@ pub enum Paint<'a> {
 pub struct Swatch {
     /// Linear light from 0 to 1.
     pub color: Vec3f,
-    /// How much of what lies behind it is hidden, from 0 to 1.
+    /// How much of what lies behind it is hidden, from 0 to 1; where the picture has an alpha, times that.
     pub alpha: f32,
+    /// The alpha from which on it is there, and hides all that lies behind it; below, it is not there. Only pictures
+    /// with an alpha are cut.
+    pub cutoff: Option<f32>,
     /// From 0, as plastic, to 1, as metal.
     pub metal: f32,
+    /// From 0, as polished, to 1, as chalk; where nothing is said, highlights are those of plastic.
+    pub roughness: Option<f32>,
     /// The picture.
     pub cover: Option<Cover>,
+}
+
+impl Swatch {
+    /// Whether its alpha differs from place to place.
+    fn is_patterned(&self) -> bool {
+        self.cover.as_ref().is_some_and(|cover| cover.texels.has_alpha())
+    }
+}
+
+/// How a triangle hides what lies behind it.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Hiding {
+    /// All of it.
+    Wholly,
+    /// As its alpha says, everywhere alike.
+    Partly,
+    /// As its picture says.
+    InPlaces,
+    /// Nothing: it is not seen.
+    Never,
 }
 
 /// How paint varies over one triangle in a tile: of patterns and pictures the place, else the colour.
@@ -114,19 +139,38 @@ impl Paint<'_> {
         swatches.get(numbers[id] as usize)
     }
 
-    /// How much triangle number `id` hides of what lies behind it.
-    pub(super) fn alpha(&self, id: usize) -> f32 {
-        self.swatch(id).map_or(1.0, |swatch| swatch.alpha)
+    /// How triangle number `id` hides what lies behind it.
+    pub(super) fn hiding(&self, id: usize) -> Hiding {
+        let Some(swatch) = self.swatch(id) else { return Hiding::Wholly };
+        match swatch.alpha {
+            _ if swatch.is_patterned() => Hiding::InPlaces,
+            alpha if alpha >= 1.0 => Hiding::Wholly,
+            alpha if alpha > 0.0 => Hiding::Partly,
+            _ => Hiding::Never,
+        }
     }
 
-    /// Whether triangle number `id` is of metal, from 0 to 1.
-    pub(super) fn metal(&self, id: usize) -> f32 {
-        self.swatch(id).map_or(0.0, |swatch| swatch.metal)
+    /// How much triangle number `id` hides of what lies behind it, at a place in the tile, pixels.
+    pub(super) fn alpha(&self, id: usize, tint: &Tint, place: [f32; 2]) -> f32 {
+        let Some(swatch) = self.swatch(id) else { return 1.0 };
+        let Some(cover) = swatch.cover.as_ref().filter(|_| swatch.is_patterned()) else { return swatch.alpha };
+        let at = tint.at(place);
+        let alpha = swatch.alpha * cover.light([at[0], at[1]], tint.footprint(place)).1;
+        match swatch.cutoff {
+            Some(cutoff) => f32::from(u8::from(alpha >= cutoff)),
+            None => alpha,
+        }
+    }
+
+    /// Whether triangle number `id` is of metal, from 0 to 1, and how wide its highlights are.
+    pub(super) fn finish(&self, id: usize) -> [f32; 2] {
+        self.swatch(id).map_or([0.0, spread(None)], |swatch| [swatch.metal, spread(swatch.roughness)])
     }
 
     /// Whether something is seen through some triangle.
     pub(super) fn has_clear(&self) -> bool {
-        matches!(self, Self::Covers { swatches, .. } if swatches.iter().any(|swatch| swatch.alpha < 1.0))
+        let is_clear = |swatch: &Swatch| swatch.alpha < 1.0 || swatch.is_patterned();
+        matches!(self, Self::Covers { swatches, .. } if swatches.iter().any(is_clear))
     }
 
     /// The colour at a place in the tile, pixels.
@@ -139,7 +183,7 @@ impl Paint<'_> {
                 // the number is the same at all corners, but for what blending them rounds
                 let swatch = &swatches[((at[2] + 0.5) as usize).min(swatches.len() - 1)];
                 let Some(cover) = &swatch.cover else { return swatch.color };
-                let light = cover.light([at[0], at[1]], tint.footprint(place));
+                let (light, _) = cover.light([at[0], at[1]], tint.footprint(place));
                 return std::array::from_fn(|k| swatch.color[k] * light[k]);
             }
             Self::Squares { colors, .. } => colors,

@@ -87,8 +87,8 @@ impl Lamps {
 
     /// Linear light that reaches the viewer from the pixel coordinates `place`. The normal need not have length one; it
     /// points to the outside of the surface, whose colour is `outside` in linear light; `back` is 1 where the inside is
-    /// seen and otherwise 0, and `metal` says from 0 to 1 whether it mirrors its surroundings in its colour, which
-    /// counts where there is `METAL` at all.
+    /// seen and otherwise 0, `spread` is the width of its highlights, and `metal` says from 0 to 1 whether it
+    /// mirrors its surroundings in its colour, which counts where there is `METAL` at all.
     #[expect(clippy::inline_always, reason = "only code inside of `lit` uses its wider vectors")]
     #[inline(always)]
     fn light<const METAL: bool>(
@@ -96,7 +96,7 @@ impl Lamps {
         normal: Vec3f,
         outside: Vec3f,
         place: [f32; 2],
-        [back, metal]: [f32; 2],
+        [back, metal, spread]: [f32; 3],
     ) -> Vec3f {
         let grey = 0.2126 * outside[0] + 0.7152 * outside[1] + 0.0722 * outside[2];
         let inside = outside.map(|c| 0.45 * c + 0.3 * grey);
@@ -111,11 +111,17 @@ impl Lamps {
         let fill = positive(0.75 * dot(n, self.fill) + 0.25);
         let rim = positive(dot(n, self.rim)) + 0.25 * edge;
         let sky = 0.5 * dot(n, self.sky) + 0.5;
-        let gleam = GLEAM * polished(positive(dot(n, self.gleam))) + 0.10 * edge * sky;
+        // wide highlights are fainter, as the light is the same; those that nobody asked for have both factors 1
+        let wider = USUAL_SPREAD / spread;
+        let peak = if GLEAM * wider < 1.0 { GLEAM * wider } else { 1.0 };
+        let rim_gleam = if wider < 1.0 { wider.sqrt() } else { 1.0 };
+        let gleam = peak * polished(positive(dot(n, self.gleam)), spread) + 0.10 * edge * sky * rim_gleam;
         let length = dot(ray, ray).sqrt();
         let mirrored: Vec3f = std::array::from_fn(|k| ray[k] / length + 2.0 * facing * n[k]);
         let above = positive(0.5 * dot(mirrored, self.sky) + 0.5);
         let lamp = positive(dot(mirrored, self.key));
+        // rough metal mirrors all around its normal
+        let rough = positive((spread - USUAL_SPREAD) * (1.0 / (1.0 - USUAL_SPREAD)));
         std::array::from_fn(|k| {
             let ambient = GROUND_LIGHT[k] + (SKY_LIGHT[k] - GROUND_LIGHT[k]) * sky;
             let diffuse = KEY_LIGHT[k] * key + FILL_LIGHT[k] * fill + RIM_LIGHT[k] * rim + ambient;
@@ -125,8 +131,9 @@ impl Lamps {
             if !METAL {
                 return plain;
             }
-            let around = GROUND_LIGHT[k] + (SKY_LIGHT[k] - GROUND_LIGHT[k]) * above;
-            let bare = shoulder(colour * (BRIGHT * around + KEY_LIGHT[k] * lamp * lamp));
+            let around = GROUND_LIGHT[k] + (SKY_LIGHT[k] - GROUND_LIGHT[k]) * (above + rough * (sky - above));
+            let mirrored = lamp * lamp;
+            let bare = shoulder(colour * (BRIGHT * around + KEY_LIGHT[k] * (mirrored + rough * (key - mirrored))));
             let bare = bare + colour * gleam * (1.0 - bare);
             if metal > 0.0 { plain + metal * (bare - plain) } else { plain }
         })
@@ -149,7 +156,8 @@ fn lanes<const METAL: bool>(lamps: &Lamps, spots: &Spots) -> [[f32; LANES]; 3] {
         let normal = [spots.normal[0][i], spots.normal[1][i], spots.normal[2][i]];
         let color = [spots.color[0][i], spots.color[1][i], spots.color[2][i]];
         let place = [spots.place[0][i], spots.place[1][i]];
-        [red[i], green[i], blue[i]] = lamps.light::<METAL>(normal, color, place, [spots.back[i], spots.metal[i]]);
+        let finish = [spots.back[i], spots.metal[i], spots.spread[i]];
+        [red[i], green[i], blue[i]] = lamps.light::<METAL>(normal, color, place, finish);
     }
     [red, green, blue]
 }
@@ -172,12 +180,23 @@ fn positive(x: f32) -> f32 {
 /// How much is mirrored, 1 where `x` is 1: the lobe of B. Walter et al., EGSR 2007, 195-206, which falls so slowly
 /// beside its middle that no rim is seen around a highlight.
 #[inline]
-fn polished(x: f32) -> f32 {
-    // the square of the roughness: half of it makes highlights smaller by a third and shows a rim, twice of it veils
-    // the whole model
-    const WIDTH: f32 = 0.05;
-    let share = WIDTH / (1.0 - (1.0 - WIDTH) * x * x);
+fn polished(x: f32, spread: f32) -> f32 {
+    let share = spread / (1.0 - (1.0 - spread) * x * x);
     share * share
+}
+
+/// The width of the highlights of what says nothing of its roughness, as [`spread`] has it: that of a roughness of
+/// 0.47. Half of it makes highlights smaller by a third and shows a rim, twice of it veils the whole model.
+const USUAL_SPREAD: f32 = 0.05;
+
+/// The least width of highlights, that of a roughness of 0.18: half of it is seen in a pixel here and there where a
+/// surface is curved, twice of it makes what is polished look like plastic.
+const LEAST_SPREAD: f32 = 1e-3;
+
+/// The width of the highlights of a surface of this roughness, 0 to 1: its fourth power, as in glTF 2.0, appendix B.3.
+pub(super) fn spread(roughness: Option<f32>) -> f32 {
+    let square = |x: f32| x * x;
+    roughness.map_or(USUAL_SPREAD, |roughness| square(square(roughness)).clamp(LEAST_SPREAD, 1.0))
 }
 
 /// Bends bright light softly below 1, so that highlights keep their shape.
@@ -202,6 +221,7 @@ pub(super) struct Spots {
     place: [[f32; LANES]; 2],
     back: [f32; LANES],
     metal: [f32; LANES],
+    spread: [f32; LANES],
     share: [f32; LANES],
     pixel: [u32; LANES],
     waiting: usize,
@@ -213,7 +233,8 @@ impl Spots {
         let none = [0.0; LANES];
         let color = color.map(|c| [c; LANES]);
         let (normal, place) = ([none; 3], [none; 2]);
-        Self { normal, color, place, back: none, metal: none, share: none, pixel: [0; LANES], waiting: 0 }
+        let spread = [USUAL_SPREAD; LANES];
+        Self { normal, color, place, back: none, metal: none, spread, share: none, pixel: [0; LANES], waiting: 0 }
     }
 
     /// Adds the colours of the waiting spots as they are to `light`, and marks pixels with spots of different colours.
@@ -240,9 +261,10 @@ impl Spots {
         (0..3).for_each(|k| self.color[k][i] = color[k]);
     }
 
-    /// Sets whether the next spot is of metal, from 0 to 1.
-    pub(super) fn metal(&mut self, metal: f32) {
-        self.metal[self.waiting % LANES] = metal;
+    /// Sets whether the next spot is of metal, from 0 to 1, and how wide its highlights are.
+    pub(super) fn finish(&mut self, [metal, spread]: [f32; 2]) {
+        let i = self.waiting % LANES;
+        (self.metal[i], self.spread[i]) = (metal, spread);
     }
 
     /// Adds a spot of this normal at pixel coordinates `place` that gives `share` of the light of `pixel`, counted

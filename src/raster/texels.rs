@@ -41,34 +41,65 @@ struct Copy {
     size: [usize; 2],
     /// sRGB, row after row from the top.
     bytes: Vec<[u8; 3]>,
+    /// The alpha of each pixel; empty where all are opaque.
+    alphas: Vec<u8>,
 }
 
 impl Texels {
-    /// A picture of `width x height` pixels, at least one each, given as sRGB bytes row after row from the top.
-    pub fn new([width, height]: [usize; 2], bytes: Vec<[u8; 3]>) -> Self {
-        let mut copies = vec![Copy { size: [width, height], bytes }];
+    /// A picture of `width x height` pixels, at least one each, given as sRGB bytes row after row from the top, and the
+    /// alpha of each, or nothing where all are opaque.
+    pub fn new([width, height]: [usize; 2], bytes: Vec<[u8; 3]>, alphas: Vec<u8>) -> Self {
+        let mut copies = vec![Copy { size: [width, height], bytes, alphas }];
         while let Some(smaller) = copies.last().and_then(Copy::halved) {
             copies.push(smaller);
         }
         Self(copies)
     }
+
+    /// Whether some pixel may let something through.
+    pub fn has_alpha(&self) -> bool {
+        self.0.iter().any(|copy| !copy.alphas.is_empty())
+    }
 }
 
 impl Copy {
-    /// The picture half as wide and high, if that is smaller: each pixel is the mean of four, in linear light.
+    /// The picture half as wide and high, if that is smaller: each pixel is the mean of four, in linear light, weighted
+    /// by their alpha.
     fn halved(&self) -> Option<Self> {
         let [width, height] = self.size;
         let size @ [columns, _] = [width.div_ceil(2), height.div_ceil(2)];
         if size == self.size {
             return None;
         }
-        let pixel = |i: usize| {
+        let four = |i: usize| {
             let (x, y) = (2 * (i % columns), 2 * (i / columns));
-            let four = [[0, 0], [1, 0], [0, 1], [1, 1]];
-            let four = four.map(|[right, down]| self.at((x + right).min(width - 1), (y + down).min(height - 1)));
-            std::array::from_fn(|k| ENCODING.byte(0.25 * (four[0][k] + four[1][k] + four[2][k] + four[3][k])))
+            [[0, 0], [1, 0], [0, 1], [1, 1]]
+                .map(|[right, down]| [(x + right).min(width - 1), (y + down).min(height - 1)])
         };
-        Some(Self { size, bytes: (0..size[0] * size[1]).into_par_iter().map(pixel).collect() })
+        let pixel = |i: usize| {
+            let four = four(i);
+            let light = four.map(|[x, y]| self.at(x, y));
+            let mut weights = [1.0; 4];
+            if !self.alphas.is_empty() {
+                let alphas = four.map(|[x, y]| self.alpha(x, y));
+                weights = if alphas.iter().any(|alpha| *alpha > 0.0) { alphas } else { weights };
+            }
+            let all: f32 = weights.iter().sum();
+            let weights = weights.map(|weight| weight / all);
+            std::array::from_fn(|k| ENCODING.byte((0..4).map(|i| weights[i] * light[i][k]).sum()))
+        };
+        let alpha = |i: usize| {
+            let sum: f32 = four(i).map(|[x, y]| self.alpha(x, y)).iter().sum();
+            (0.25 * 255.0 * sum).round() as u8
+        };
+        let pixels = size[0] * size[1];
+        let clear = if self.alphas.is_empty() { 0 } else { pixels };
+        let bytes = (0..pixels).into_par_iter().map(pixel).collect();
+        Some(Self { size, bytes, alphas: (0..clear).into_par_iter().map(alpha).collect() })
+    }
+
+    fn alpha(&self, x: usize, y: usize) -> f32 {
+        self.alphas.get(y * self.size[0] + x).map_or(1.0, |alpha| f32::from(*alpha) / 255.0)
     }
 
     fn at(&self, x: usize, y: usize) -> Vec3f {
@@ -98,8 +129,9 @@ impl Cover {
         }
     }
 
-    /// The light at texture coordinates, the second from the lower side upwards, where a pixel is so wide in them.
-    pub(super) fn light(&self, [u, v]: [f32; 2], wide: [f32; 2]) -> Vec3f {
+    /// The light, and the alpha, at texture coordinates, the second from the lower side upwards, where a pixel is so
+    /// wide in them. Light counts as much as it is seen.
+    pub(super) fn light(&self, [u, v]: [f32; 2], wide: [f32; 2]) -> (Vec3f, f32) {
         let [mut columns, mut rows] = [wide[0], wide[1]];
         let whole = self.texels.0[0].size;
         (columns, rows) = (columns * whole[0] as f32, rows * whole[1] as f32);
@@ -111,7 +143,8 @@ impl Cover {
         let [x, y] = [(0, u), (1, 1.0 - v)].map(|(axis, t)| t * copy.size[axis] as f32);
         let index = |axis: usize, i: f32| self.index(axis, i, copy.size[axis]);
         if self.nearest {
-            return copy.at(index(0, x.floor()), index(1, y.floor()));
+            let [x, y] = [index(0, x.floor()), index(1, y.floor())];
+            return (copy.at(x, y), copy.alpha(x, y));
         }
         let ([left, above], [x, y]) = ([(x - 0.5).floor(), (y - 0.5).floor()], [x - 0.5, y - 0.5]);
         // places beyond the numbers have no share
@@ -119,11 +152,19 @@ impl Cover {
         let (x, y) = ((x - left).max(0.0).min(1.0), (y - above).max(0.0).min(1.0));
         let columns = [index(0, left), index(0, left + 1.0)];
         let rows = [index(1, above), index(1, above + 1.0)];
-        let [a, b, c, d] = [[0, 0], [1, 0], [0, 1], [1, 1]].map(|[i, j]| copy.at(columns[i], rows[j]));
-        std::array::from_fn(|k| {
-            let (upper, lower) = (a[k] + x * (b[k] - a[k]), c[k] + x * (d[k] - c[k]));
+        let four = [[0, 0], [1, 0], [0, 1], [1, 1]].map(|[i, j]| [columns[i], rows[j]]);
+        let between = |[a, b, c, d]: [f32; 4]| {
+            let (upper, lower) = (a + x * (b - a), c + x * (d - c));
             upper + y * (lower - upper)
-        })
+        };
+        let light = four.map(|[x, y]| copy.at(x, y));
+        if copy.alphas.is_empty() {
+            return (std::array::from_fn(|k| between(light.map(|light| light[k]))), 1.0);
+        }
+        let alphas = four.map(|[x, y]| copy.alpha(x, y));
+        let alpha = between(alphas);
+        let seen = |k: usize| between(std::array::from_fn(|i| alphas[i] * light[i][k])) / alpha;
+        (if alpha > 0.0 { std::array::from_fn(seen) } else { light[0] }, alpha)
     }
 
     /// The column or row that shows number `i` of `n`, a whole number; what is no number is the first.
@@ -151,11 +192,11 @@ mod tests {
 
     /// Two columns, black and white, over two rows of grey.
     fn texels() -> Arc<Texels> {
-        Arc::new(Texels::new([2, 2], vec![[0; 3], [255; 3], [188; 3], [188; 3]]))
+        Arc::new(Texels::new([2, 2], vec![[0; 3], [255; 3], [188; 3], [188; 3]], Vec::new()))
     }
 
     fn light(cover: &Cover, place: [f32; 2], wide: f32) -> f64 {
-        f64::from(cover.light(place, [wide; 2])[0])
+        f64::from(cover.light(place, [wide; 2]).0[0])
     }
 
     #[test]
@@ -174,10 +215,22 @@ mod tests {
     }
 
     #[test]
+    fn what_is_not_seen_gives_no_light_to_what_is_beside_it() {
+        // a clear black pixel beside an opaque white one
+        let texels = Arc::new(Texels::new([2, 1], vec![[0; 3], [255; 3]], vec![0, 255]));
+        let cover = Cover { texels, beyond: [Beyond::Edge; 2], nearest: false };
+        for (u, wide, expected) in [(0.75, 0.0, 1.0), (0.5, 0.0, 0.5), (0.25, 0.0, 0.0), (0.5, 4.0, 128.0 / 255.0)] {
+            let (light, alpha) = cover.light([u, 0.5], [wide; 2]);
+            assert!((alpha - expected).abs() < 1e-6, "{u} {wide}: {alpha}");
+            assert!(alpha <= 0.0 || light.iter().all(|light| (light - 1.0).abs() < 1e-6), "{u} {wide}: {light:?}");
+        }
+    }
+
+    #[test]
     fn beyond_its_sides_a_picture_repeats_is_mirrored_or_ends() {
         let column = |beyond, u: f32| {
             let cover = Cover { texels: texels(), beyond: [beyond, Beyond::Edge], nearest: true };
-            cover.light([u, 0.75], [0.0; 2])[0] > 0.5
+            cover.light([u, 0.75], [0.0; 2]).0[0] > 0.5
         };
         for (beyond, expected) in [
             (Beyond::Repeat, [true, false, true, false, true]),

@@ -101,9 +101,16 @@ impl Samples {
         (self.farthest, self.visited) = (0.0, 0);
     }
 
-    /// Draws one triangle into the tile whose first pixel is `origin`. Of triangles with equal depth at a sample that
-    /// with the lower number is seen, so that the order of drawing does not matter.
-    pub(super) fn draw(&mut self, corners: [Vertex; 3], id: u32, origin: [i32; 2]) {
+    /// Draws one triangle into the tile whose first pixel is `origin`, at those places of the tile where it is there.
+    /// Of triangles with equal depth at a sample that with the lower number is seen, so that the order of drawing does
+    /// not matter.
+    pub(super) fn draw(
+        &mut self,
+        corners: [Vertex; 3],
+        id: u32,
+        origin: [i32; 2],
+        is_there: impl Fn([f32; 2]) -> bool,
+    ) {
         self.done.triangles += 1;
         let nearest = corners[0].depth.max(corners[1].depth).max(corners[2].depth);
         // an equal depth may still win by its number
@@ -120,7 +127,7 @@ impl Samples {
         }
         let Some(setup) = Setup::new(corners, pixels, origin) else { return };
         self.visited += ((right - left + 1) * (bottom - top + 1)) as usize;
-        self.fill(&setup, id);
+        self.fill(&setup, id, is_there);
         if self.visited > 4 * TILE * TILE {
             self.farthest();
         }
@@ -146,7 +153,7 @@ impl Samples {
         })
     }
 
-    fn fill(&mut self, setup: &Setup, id: u32) {
+    fn fill(&mut self, setup: &Setup, id: u32, is_there: impl Fn([f32; 2]) -> bool) {
         let [left, top, right, bottom] = setup.pixels;
         let n = (right - left + 1) as usize;
         let mut start = setup.edges;
@@ -163,6 +170,12 @@ impl Samples {
             for (column, (depth, owner)) in span.zip(depths.iter_mut().zip(owners)) {
                 let at = |k: usize, s: usize| edges[k].wrapping_add(setup.samples[k][s]);
                 let outside: [i32; SAMPLES] = std::array::from_fn(|s| at(0, s) | at(1, s) | at(2, s));
+                let place = |s: usize| {
+                    let [x, y] = PLACES[s].map(|eighths| eighths as f32 / 8.0);
+                    [(left as usize + column) as f32 + x, y + (top as usize + row) as f32]
+                };
+                let is_hole = |s: usize| outside[s] >= 0 && !is_there(place(s));
+                let outside = std::array::from_fn(|s| if is_hole(s) { -1 } else { outside[s] });
                 let shift = column as f32 * setup.slope[0];
                 let z = base.map(|z| setup.within(z + shift));
                 cover(outside, z, id, depth, owner);

@@ -15,6 +15,12 @@ pub struct Claim {
     pub support: &'static str,
     /// The largest degree of polynomials that are limits of their own samples.
     pub reproduction_degree: &'static str,
+    /// For schemes on meshes, of which all of the above is said where nothing is extraordinary: the least and the
+    /// greatest valence of vertices, or of faces where these take their place, at which limits are C^1. `None` where
+    /// the claim is one of curves, or of a scheme that is not C^1 anywhere.
+    pub valences: Option<[u32; 2]>,
+    /// Whether it is one of meshes.
+    pub is_of_meshes: bool,
 }
 
 impl Claim {
@@ -24,6 +30,16 @@ impl Claim {
         at: &'static [&'static [(&'static str, &'static str)]],
         [smoothness, support, reproduction_degree]: [&'static str; 3],
     ) -> Self {
-        Self { range, at, smoothness, support, reproduction_degree }
+        Self { range, at, smoothness, support, reproduction_degree, valences: None, is_of_meshes: false }
+    }
+
+    /// A claim of meshes, with the valences at which limits are C^1.
+    pub(super) const fn on_meshes(
+        range: &'static str,
+        at: &'static [&'static [(&'static str, &'static str)]],
+        numbers: [&'static str; 3],
+        valences: Option<[u32; 2]>,
+    ) -> Self {
+        Self { valences, is_of_meshes: true, ..Self::new(range, at, numbers) }
     }
 }

@@ -1,14 +1,16 @@
 //! One computation under way, shared by everyone who is interested in its result.
 
-use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
-use std::sync::{Arc, Mutex, PoisonError};
+use std::collections::BTreeMap;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
 
 use bytes::Bytes;
 use tokio::sync::{Notify, watch};
 
 use super::clock::Clock;
-use super::store::Manifest;
+use super::job_key::Tenant;
+use super::store::{Manifest, Owners};
 use crate::job::key::Key;
 use crate::job::{JobFault, RunError};
 use crate::watch::{Stage, Watch};
@@ -95,7 +97,8 @@ pub struct Computation {
     /// Rows to be made in all.
     pub work: u128,
     phase: watch::Sender<Phase>,
-    interests: AtomicUsize,
+    /// How many interests of each tenant there are in it.
+    interests: Mutex<BTreeMap<Tenant, usize>>,
     stopping: Notify,
     overdue: AtomicBool,
     stages: Arc<Stages>,
@@ -116,8 +119,8 @@ impl Stages {
 }
 
 impl Computation {
-    /// A computation that waits for its turn, with one interest in it.
-    pub fn new(key: Key, work: u128, clock: Arc<dyn Clock>) -> Self {
+    /// A computation that waits for its turn, with one interest in it, of this tenant.
+    pub fn new(key: Key, tenant: Tenant, work: u128, clock: Arc<dyn Clock>) -> Self {
         let stages = Arc::new(Stages { clock, begun: Mutex::default() });
         stages.mark(None);
         let watch = Watch::new();
@@ -128,7 +131,7 @@ impl Computation {
             watch,
             work,
             phase: watch::channel(Phase::Queued).0,
-            interests: AtomicUsize::new(1),
+            interests: Mutex::new(BTreeMap::from([(tenant, 1)])),
             stopping: Notify::new(),
             overdue: AtomicBool::new(false),
             stages,
@@ -159,15 +162,36 @@ impl Computation {
         (self.watch.done() as f64 / self.work.max(1) as f64).min(0.99)
     }
 
-    /// One interest more; false when there were none left, so that the computation is ending.
-    pub fn join(&self) -> bool {
-        let more = |n: usize| (n > 0).then_some(n + 1);
-        self.interests.fetch_update(Ordering::AcqRel, Ordering::Acquire, more).is_ok()
+    fn interests(&self) -> MutexGuard<'_, BTreeMap<Tenant, usize>> {
+        self.interests.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// One interest less; true when that was the last.
-    pub fn leave(&self) -> bool {
-        self.interests.fetch_sub(1, Ordering::AcqRel) == 1
+    /// One interest of a tenant more, and whether it had one before; `None` when nobody had one any more, so that the
+    /// computation is ending.
+    pub fn join(&self, tenant: Tenant) -> Option<bool> {
+        let mut interests = self.interests();
+        if interests.is_empty() {
+            return None;
+        }
+        let own = interests.entry(tenant).or_default();
+        *own += 1;
+        Some(*own > 1)
+    }
+
+    /// One interest of a tenant less; true when that was the last of all.
+    pub fn leave(&self, tenant: Tenant) -> bool {
+        let mut interests = self.interests();
+        let Some(own) = interests.get_mut(&tenant) else { return false };
+        *own -= 1;
+        if *own == 0 {
+            interests.remove(&tenant);
+        }
+        interests.is_empty()
+    }
+
+    /// The tenants that are interested in its result now.
+    pub fn owners(&self) -> Owners {
+        self.interests().keys().copied().collect()
     }
 
     /// Ends it, whether it waits or runs.
@@ -194,7 +218,7 @@ impl Computation {
 
     /// How many are interested in its result.
     pub fn n_interests(&self) -> usize {
-        self.interests.load(Ordering::Acquire)
+        self.interests().values().sum()
     }
 
     /// What it does now; nothing while it waits, or before it says so.

@@ -128,13 +128,18 @@ impl Desk {
         }
     }
 
-    /// The artifact of a key, if it is kept anywhere.
-    pub async fn find(self: &Arc<Self>, key: Key) -> Option<Arc<Manifest>> {
-        let at_hand = self.tiers.at_hand(&key);
+    /// The artifact of a key, if it is in memory and was made for the tenant of this peer.
+    pub fn at_hand(&self, key: &Key, peer: Peer) -> Option<Arc<Manifest>> {
+        self.tiers.at_hand(key).filter(|manifest| manifest.owners.contain(peer.tenant()))
+    }
+
+    /// The artifact of a key, if it is kept anywhere and was made for the tenant of this peer.
+    pub async fn find(self: &Arc<Self>, key: Key, peer: Peer) -> Option<Arc<Manifest>> {
+        let at_hand = self.at_hand(&key, peer);
         let tier = if at_hand.is_some() { Found::Memory } else { Found::Disk };
         let found = match at_hand {
             Some(manifest) => Some(manifest),
-            None => self.tiers.find(&key).await,
+            None => self.tiers.find(&key).await.filter(|manifest| manifest.owners.contain(peer.tenant())),
         };
         self.tally.looked(if found.is_some() { tier } else { Found::Nowhere });
         found
@@ -175,7 +180,7 @@ impl Desk {
         let mut place = None;
         let begin = || {
             place = Some(line_up(cost.memory_bytes)?);
-            Ok(Arc::new(Computation::new(key, cost.work, self.clock.clone())))
+            Ok(Arc::new(Computation::new(key, peer.tenant(), cost.work, self.clock.clone())))
         };
         let interest = self.under_way.join_or_begin(key, ticket, begin)?;
         if let Some(waiting) = place {
@@ -279,10 +284,11 @@ impl Desk {
     /// Computes into a store; where no store takes the bytes, keeps them for this answer alone. Computes again only
     /// what the disk has lost.
     fn make_stored(&self, computation: &Computation, task: &dyn Task) -> Result<Outcome, RunError> {
-        let (key, about) = (computation.key, task.cost().result_bytes);
+        let (key, about, work) = (computation.key, task.cost().result_bytes, self.work.of(&computation.owners()));
         let made = |buffer: &mut ResultBuffer<'_>| {
-            let report = task.run(buffer, &self.work, &computation.watch)?;
-            let description = Description { media_type: task.media_type().into(), warnings: report.warnings };
+            let report = task.run(buffer, &work, &computation.watch)?;
+            let (media_type, owners) = (task.media_type().into(), computation.owners());
+            let description = Description { media_type, warnings: report.warnings, owners };
             let Kept { manifest, loose } = buffer.commit(description).map_err(|error| RunError::Io(error.into()))?;
             Ok(Outcome { manifest, loose, timings: computation.timings() })
         };
@@ -326,6 +332,11 @@ impl Desk {
                 return;
             }
         }
+    }
+
+    /// The clock of the service.
+    pub fn clock(&self) -> Arc<dyn Clock> {
+        self.clock.clone()
     }
 
     /// The time by the clock of the service.

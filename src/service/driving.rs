@@ -100,7 +100,7 @@ impl Desk {
     async fn made(self: &Arc<Self>, run: &Run, at: usize, task: &Arc<dyn Task>) -> Went {
         let peer = self.jobs.get(&run.job).map_or(Peer::SELF, |record| record.peer);
         loop {
-            if let Some(manifest) = self.find(task.key()).await {
+            if let Some(manifest) = self.find(task.key(), peer).await {
                 return Went::On(found(&manifest));
             }
             let interest = match self.compute_accepted(task.clone(), peer) {

@@ -1,14 +1,22 @@
 //! What names a job, and what a client says of its turn.
 
-use crate::job::key::Key;
+use crate::job::key::{Key, content};
 
-/// Whose jobs, uploads and lists belong together. Computations and results have no tenant.
+/// Whose jobs, results, uploads and lists belong together. Computations have no tenant.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub struct Tenant(pub u64);
 
 impl Tenant {
-    /// All clients that do not say who they are.
+    /// All clients that do not say who they are, and those whose keys say that they share.
     pub const ANYONE: Self = Self(0);
+
+    /// The tenant of a name: the first 64 bits of the name's hash.
+    pub fn named(name: &str) -> Self {
+        let hash = content(format!("tenant\n{name}").as_bytes());
+        let number = hash.as_bytes().first_chunk().map_or(0, |first| u64::from_be_bytes(*first));
+        // zero is everybody's
+        Self(number.max(1))
+    }
 }
 
 /// A job of a tenant.

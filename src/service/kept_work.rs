@@ -3,8 +3,8 @@
 
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
-use super::store::{Shelf, Usage, admit};
-use crate::job::key::Key;
+use super::store::{Owners, Shelf, Usage, admit};
+use crate::job::key::{Key, content};
 use crate::job::{KeepWork, Work};
 
 /// Charged for an entry besides its bytes: its places in the maps and what the allocator rounds up.
@@ -32,6 +32,39 @@ impl KeptWork {
     /// What is held.
     pub fn usage(&self) -> Usage {
         self.shelf().usage()
+    }
+}
+
+/// The work that was kept for the same tenants: what others have refined before makes nothing quicker, so that time
+/// does not tell of it.
+#[derive(Debug)]
+pub struct WorkOf<'a> {
+    kept: &'a KeptWork,
+    /// Goes into the keys, but where the tenants are everybody.
+    scope: Option<Key>,
+}
+
+impl KeptWork {
+    /// The work of these tenants.
+    pub fn of(&self, owners: &Owners) -> WorkOf<'_> {
+        let scope = (*owners != Owners::default()).then(|| content(format!("{owners:?}").as_bytes()));
+        WorkOf { kept: self, scope }
+    }
+}
+
+impl WorkOf<'_> {
+    fn key(&self, key: &Key) -> Key {
+        self.scope.map_or(*key, |scope| content(&[*scope.as_bytes(), *key.as_bytes()].concat()))
+    }
+}
+
+impl KeepWork for WorkOf<'_> {
+    fn find(&self, key: &Key) -> Option<Work> {
+        self.kept.find(&self.key(key))
+    }
+
+    fn keep(&self, key: Key, work: Work) {
+        self.kept.keep(self.key(&key), work);
     }
 }
 

@@ -19,6 +19,7 @@ mod line;
 pub mod peer;
 pub mod pool;
 pub mod queue;
+pub mod rate;
 pub mod read_lane;
 mod reads;
 pub mod result_buffer;

@@ -1,26 +1,53 @@
-//! Clients, told apart by their network address, and what each may hold at once.
+//! Clients, told apart by the key that they show or by their network address, and what each may hold at once.
 
 use std::collections::HashMap;
 use std::net::{IpAddr, Ipv6Addr};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use super::account::{Full, Held, Share};
+use super::job_key::Tenant;
 
-/// A client as far as the service can tell: one IPv4 address, or the 64-bit network of an IPv6 address, as a single
-/// customer is given at least that much of it.
+/// A client as far as the service can tell, and the tenant for whom it asks.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
-pub struct Peer(IpAddr);
+pub struct Peer {
+    who: Who,
+    tenant: Tenant,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
+enum Who {
+    Service,
+    Address(IpAddr),
+    Key(u64),
+}
 
 impl Peer {
     /// The service itself.
-    pub const SELF: Self = Self(IpAddr::V6(Ipv6Addr::UNSPECIFIED));
+    pub const SELF: Self = Self::service(Tenant::ANYONE);
 
-    /// The client at an address.
+    /// The service itself, on behalf of a tenant whose client is not there any more.
+    pub const fn service(tenant: Tenant) -> Self {
+        Self { who: Who::Service, tenant }
+    }
+
+    /// The client at an address: one IPv4 address, or the 64-bit network of an IPv6 address, as a single customer is
+    /// given at least that much of it.
     pub fn new(address: IpAddr) -> Self {
-        match address.to_canonical() {
-            IpAddr::V6(v6) => Self(IpAddr::V6(Ipv6Addr::from(u128::from(v6) >> 64 << 64))),
-            v4 @ IpAddr::V4(_) => Self(v4),
-        }
+        let address = match address.to_canonical() {
+            IpAddr::V6(v6) => IpAddr::V6(Ipv6Addr::from(u128::from(v6) >> 64 << 64)),
+            v4 @ IpAddr::V4(_) => v4,
+        };
+        Self { who: Who::Address(address), tenant: Tenant::ANYONE }
+    }
+
+    /// The client that shows a key of this number, which belongs to this tenant.
+    pub fn of_key(number: u64, tenant: Tenant) -> Self {
+        Self { who: Who::Key(number), tenant }
+    }
+
+    /// For whom it asks.
+    pub fn tenant(self) -> Tenant {
+        self.tenant
     }
 }
 
@@ -33,6 +60,8 @@ pub enum Kind {
     Detached,
     /// Computations of such jobs.
     Accepted,
+    /// Requests for work that are being answered.
+    InFlight,
     /// Streams of events.
     Listening,
     /// Bytes of bodies.
@@ -132,6 +161,11 @@ impl Peers {
 }
 
 impl Ticket {
+    /// Whose it is.
+    pub(super) fn peer(&self) -> Peer {
+        self.peer
+    }
+
     /// Takes more of the same, under the same bounds; what was held stays in any case.
     pub fn grow(&mut self, amount: u64, most: u64, most_of_all: u64) -> bool {
         let Some(mut more) = self.peers.take(self.peer, self.kind, amount, most, most_of_all) else { return false };

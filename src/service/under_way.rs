@@ -18,7 +18,7 @@ pub enum Provenance {
     Hit,
     /// It was made for this request.
     Made,
-    /// It was being made for another request.
+    /// It was being made for another request of the same tenant.
     Joined,
 }
 
@@ -44,7 +44,7 @@ impl Interest {
 impl Drop for Interest {
     fn drop(&mut self) {
         let mut computations = self.under_way.computations();
-        if self.computation.leave() {
+        if self.computation.leave(self.ticket.peer().tenant()) {
             self.computation.stop();
             remove(&mut computations, &self.computation);
         }
@@ -67,9 +67,11 @@ impl UnderWay {
         begin: impl FnOnce() -> Result<Arc<Computation>, E>,
     ) -> Result<Interest, E> {
         let mut computations = self.computations();
-        let running = computations.get(&key).filter(|computation| computation.join()).cloned();
-        let (computation, provenance) = if let Some(computation) = running {
-            (computation, Provenance::Joined)
+        let tenant = ticket.peer().tenant();
+        let running = computations.get(&key).and_then(|running| Some((running.clone(), running.join(tenant)?)));
+        let (computation, provenance) = if let Some((computation, is_own)) = running {
+            // what others have made is nobody else's business
+            (computation, if is_own { Provenance::Joined } else { Provenance::Made })
         } else {
             let computation = begin()?;
             computations.insert(key, computation.clone());

@@ -9,8 +9,9 @@ use std::time::Duration;
 use bytes::Bytes;
 
 use super::disk_counts::DiskCounts;
+use super::job_key::Tenant;
 use super::reads::Reads;
-use super::store::{Description, Manifest, Pin, Spool, Store, StoreError, Usage};
+use super::store::{Description, Manifest, Owners, Pin, Spool, Store, StoreError, Usage};
 use crate::job::key::{Key, content};
 
 /// How long reading a part may wait for the disk: as long as answers wait for theirs.
@@ -38,12 +39,14 @@ impl Upload {
         self.0.write_all(bytes)
     }
 
-    /// Keeps the file, for good when it returns, under the hash of its bytes. Blocks.
+    /// Keeps the file, for good when it returns, under the hash of its bytes, for a tenant; beside others who have sent
+    /// the same bytes. Blocks.
     ///
     /// # Errors
     /// When the store does not take it.
-    pub fn finish(self, media_type: &str) -> Result<Arc<Manifest>, StoreError> {
-        self.0.commit_by_content(Description { media_type: media_type.to_owned(), warnings: Vec::new() })
+    pub fn finish(self, media_type: &str, tenant: Tenant) -> Result<Arc<Manifest>, StoreError> {
+        let owners = Owners::from_iter([tenant]);
+        self.0.commit_by_content(Description { media_type: media_type.to_owned(), warnings: Vec::new(), owners })
     }
 }
 
@@ -63,9 +66,10 @@ impl Uploads {
         self.store.spool(content(&number.to_le_bytes())).map(Upload)
     }
 
-    /// What is known of an upload, if it is here. Never waits; counts as a use.
-    pub fn find(&self, id: &Key) -> Option<Arc<Manifest>> {
-        self.store.manifest(id).ok().flatten().filter(|manifest| manifest.content == *id)
+    /// What is known of an upload, if it is here and this tenant has sent it. Never waits; counts as a use.
+    pub fn find(&self, id: &Key, tenant: Tenant) -> Option<Arc<Manifest>> {
+        let here = self.store.manifest(id).ok().flatten();
+        here.filter(|manifest| manifest.content == *id && manifest.owners.contain(tenant))
     }
 
     /// Keeps an upload here for as long as somebody needs it.

@@ -1,5 +1,6 @@
 //! Analyses: the question, and the answer with every number named.
 
+mod bounds;
 mod curve;
 mod figure;
 mod markdown;
@@ -7,6 +8,7 @@ mod matrices;
 mod scan;
 mod written;
 
+pub use bounds::{LevelBoundAnswer, PolygonSurveyAnswer};
 pub use curve::{
     CertificateAnswer, ChangingAnswer, ConclusionAnswer, LevelMaskAnswer, MaskAnswer, NumberAnswer, ReductionAnswer,
     SchemeAnswer, SmoothnessAnswer, ValuesAnswer,
@@ -26,7 +28,7 @@ use super::{object, whole};
 use crate::fault::{Fault, under};
 use crate::input::ReadLimits;
 use crate::job::{
-    Analysis, Findings, Form, Inquiry, SchemeFindings, SurfaceAnalysis, TubeAnalysis, Wishes, is_for_meshes,
+    Analysis, Around, Findings, Form, Inquiry, SchemeFindings, SurfaceAnalysis, TubeAnalysis, Wishes, is_for_meshes,
 };
 use crate::watch::{Stopped, Watch};
 
@@ -50,7 +52,8 @@ pub struct AnalysisRequest {
     /// Asks for values of the basic limit function at the multiples of `arity^-grid`.
     #[schema(minimum = 0, maximum = 14)]
     pub grid: Option<u32>,
-    /// Asks for the matrices of one step on a small closed polygon: `true`, or the number of its points.
+    /// Asks for the matrices of one step on a small polygon: `true` for a closed one of five points, or what it is
+    /// like.
     pub matrices: Option<MatricesRequest>,
     /// Asks what is proved at each of many values of a parameter instead.
     pub scan: Option<ScanRequest>,
@@ -58,10 +61,15 @@ pub struct AnalysisRequest {
     /// 12 when it is left out.
     #[schema(max_items = 64)]
     pub valences: Option<Vec<u64>>,
+    /// Asks about boundary vertices with these numbers of faces, from 1 to 24, of a scheme for surfaces; 1 to 6, or
+    /// those that the mesh has, when it is left out.
+    #[schema(max_items = 64)]
+    pub boundaries: Option<Vec<u64>>,
     /// Asks what becomes of a straight tube whose rings are tagged as latitude lines.
     #[serde(default, deserialize_with = "object::optional")]
     pub tube: Option<TubeRequest>,
-    /// A mesh, as in a job: tells how close levels come to its limit, and what is known of its extraordinary vertices.
+    /// A mesh or polygons, as in a job: tells how close levels come to the limit, and what is known of extraordinary
+    /// vertices.
     #[serde(default, deserialize_with = "object::optional")]
     #[schema(value_type = Option<InputSchema>)]
     pub input: Option<InputRequest>,
@@ -82,12 +90,13 @@ impl AnalysisRequest {
     }
 
     fn inquiry(self, form: Form, watch: &Watch) -> Result<Inquiry, Vec<Fault>> {
-        let Self { plan, nodes, grid, valences, matrices, scan, tube, input, spec: _ } = self;
+        let Self { plan, nodes, grid, valences, boundaries, matrices, scan, tube, input, spec: _ } = self;
         let plan = plan.resolve();
         if let Some(tube) = tube {
             let others = [
                 ("/grid", grid.is_some()),
                 ("/valences", valences.is_some()),
+                ("/boundaries", boundaries.is_some()),
                 ("/input", input.is_some()),
                 ("/matrices", matrices.is_some()),
                 ("/scan", scan.is_some()),
@@ -102,14 +111,17 @@ impl AnalysisRequest {
             Ok(resolved) => resolved.map(|resolved| resolved.input),
             Err(found) => return Err(under("/input", found)),
         };
-        if input.as_ref().is_some_and(|input| input.mesh().is_none()) {
-            let detail = "analyses look at meshes; of polygons /v1/estimate tells what a tolerance takes";
+        let is_of_polygons = input.as_ref().is_some_and(|input| input.mesh().is_none());
+        if is_of_polygons && (valences.is_some() || boundaries.is_some()) {
+            let detail = "valences and boundaries are those of meshes; give a mesh, or leave them out";
             return Err(vec![Fault::new("/input", detail)]);
         }
-        if valences.is_none() && input.is_none() && !is_for_meshes(&plan) {
+        let is_of_curves = input.is_none() && valences.is_none() && boundaries.is_none() && !is_for_meshes(&plan);
+        if is_of_polygons || is_of_curves {
             let wishes = Wishes {
                 nodes,
                 grid,
+                input,
                 matrices: matrices.and_then(MatricesRequest::resolve),
                 scan: scan.map(ScanRequest::resolve),
                 is_plotted: form.is_figure(),
@@ -125,7 +137,8 @@ impl AnalysisRequest {
             let detail = format!("{why}; leave it out, or the valences, and ask about a scheme for curves");
             return Err(vec![Fault::new(format!("/{name}"), detail)]);
         }
-        let surface = SurfaceAnalysis::new(&plan, valences.as_deref(), nodes, input, watch);
+        let around = Around { valences: valences.as_deref(), boundaries: boundaries.as_deref() };
+        let surface = SurfaceAnalysis::new(&plan, around, nodes, input, watch);
         surface.map(|surface| Inquiry::Surface(Box::new(surface)))
     }
 }

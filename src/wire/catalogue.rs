@@ -98,6 +98,13 @@ pub struct ClaimEntry {
     pub support: &'static str,
     /// The largest degree of polynomials that are limits of their own samples.
     pub reproduction_degree: &'static str,
+    /// Of which shapes it is said: `polygons` or `meshes`, of which smoothness, support and reproduction are those
+    /// where nothing is extraordinary.
+    pub of: &'static str,
+    /// On meshes the least and the greatest valence of vertices, or of faces where these take their place, at which
+    /// limits are C1; absent on polygons, and where they are C1 nowhere.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub c1_valences: Option<[u32; 2]>,
 }
 
 /// One operator.
@@ -208,9 +215,10 @@ fn bounds(kind: &Kind) -> BoundsEntry {
 
 impl ClaimEntry {
     fn new(claim: &Claim) -> Self {
-        let Claim { range, at, smoothness, support, reproduction_degree } = *claim;
+        let Claim { range, at, smoothness, support, reproduction_degree, valences: c1_valences, is_of_meshes } = *claim;
         let at = at.iter().map(|values| values.iter().copied().collect()).collect();
-        Self { range, at, smoothness, support, reproduction_degree }
+        let of = if is_of_meshes { "meshes" } else { "polygons" };
+        Self { range, at, smoothness, support, reproduction_degree, of, c1_valences }
     }
 }
 

@@ -40,12 +40,11 @@ fn described(parameter: &Parameter) -> RefOr<Schema> {
     if let Some(usual) = usual {
         doc = format!("{doc} `{usual}` when left out.");
     }
-    value(&parameter.kind, &doc)
+    value(&parameter.kind, Some(&doc))
 }
 
 /// The schema of what may be written for a kind of parameter.
-fn value(kind: &Kind, doc: &str) -> RefOr<Schema> {
-    let doc = Some(doc);
+pub(super) fn value(kind: &Kind, doc: Option<&str>) -> RefOr<Schema> {
     match kind {
         Kind::Number { min, max } => number(*min, *max).description(doc).into(),
         Kind::Integer { min, max } => {

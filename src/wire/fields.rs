@@ -5,11 +5,11 @@ use serde_json::Value;
 use utoipa::{PartialSchema, ToSchema};
 
 use super::input::InputRequest;
-use super::output::FRAME;
+use super::output::{DESCRIBE, FRAME};
 use super::plan::PlanRequest;
 use super::written::{number, written};
 use crate::math::parameter::{Kind, Parameter};
-use crate::output::FORMATS;
+use crate::output::{FORMATS, description};
 
 /// The field that is an input by itself, where flags and queries stand beside a mesh file.
 const UPLOAD: &str = "blob";
@@ -87,7 +87,11 @@ pub(crate) fn fields() -> Vec<Field> {
 
 /// The options of all formats, each name once, in the order of the formats.
 pub(crate) fn output_fields() -> Vec<OutputField> {
-    let mut found = vec![OutputField { name: FRAME[0].name, declared: vec![("every format", &FRAME[0])] }];
+    let describes = description::described().map(|format| (format, &DESCRIBE)).collect();
+    let mut found = vec![
+        OutputField { name: FRAME.name, declared: vec![("every format", &FRAME)] },
+        OutputField { name: DESCRIBE.name, declared: describes },
+    ];
     for (format, parameter) in FORMATS.iter().flat_map(|f| f.facts().parameters.iter().map(|p| (f.name(), p))) {
         match found.iter_mut().find(|field| field.name == parameter.name) {
             Some(field) => field.declared.push((format, parameter)),

@@ -82,6 +82,10 @@ impl Outline {
             let mut request = self.shown[i].clone();
             let size = sheet.pictures[i].size.map(|side| WireLiteral(Literal::Number(side.into())));
             ["width", "height"].into_iter().zip(size).for_each(|(name, side)| request.set(name, side));
+            if request.describes() {
+                let detail = "a panel is no file of its own; give it to the outputs of the figure";
+                return Err(vec![Fault::new("/outputs/0/describe", detail)]);
+            }
             let found = output(&request, 0).map_err(|found| under("/outputs/0", found))?;
             Ok(Output { name: of.name.clone(), ..found })
         };

@@ -1,5 +1,7 @@
 //! The job as clients write it.
 
+use std::sync::Arc;
+
 use serde::Deserialize;
 use utoipa::ToSchema;
 
@@ -9,6 +11,7 @@ use super::levels::LevelsRequest;
 use super::literal::WireLiteral;
 use super::output::{OutputRequest, outputs};
 use super::plan::PlanRequest;
+use super::text::MeshFile;
 use super::variants::{InputSchema, PlanSchema};
 use super::{object, whole};
 use crate::fault::{Fault, under};
@@ -49,6 +52,9 @@ pub struct JobRequest {
     /// How many outputs were left out before these.
     #[serde(skip)]
     pub left_out: usize,
+    /// The job as text, where outputs describe it.
+    #[serde(skip)]
+    pub source: Option<Arc<str>>,
 }
 
 /// Pictures of jobs in a grid.
@@ -117,6 +123,24 @@ impl JobRequest {
             figure: Some(Box::new(figure)),
             outputs: vec![output],
             left_out: 0,
+            source: None,
+        }
+    }
+
+    /// Whether an output is to say of which job it is.
+    pub fn describes(&self) -> bool {
+        self.outputs.iter().any(OutputRequest::describes)
+    }
+
+    /// Puts the file of an upload where its name stands: in the job itself, or in that of a panel.
+    pub fn attach(&mut self, panel: Option<usize>, file: MeshFile) {
+        let input = match (panel, &mut self.figure) {
+            (None, _) => Some(&mut self.input),
+            (Some(at), Some(figure)) => figure.panels.get_mut(at).map(|panel| &mut panel.job.input),
+            (Some(_), None) => None,
+        };
+        if let Some(input) = input.filter(|input| input.file.is_none()) {
+            input.file = Some(file);
         }
     }
 
@@ -178,13 +202,12 @@ impl JobRequest {
         }
     }
 
-    /// Checks the request as [`JobRequest::draft_within`], and tells what its parts are as far as these are right. An
-    /// input alone is looked at as one that is to be refined.
-    pub fn examine(self, limits: &ReadLimits) -> Examined {
+    /// Checks the request as [`JobRequest::draft_within`], and tells what its parts are as far as these are right. The
+    /// input is looked at for what it is said to be for.
+    pub fn examine(self, purpose: Purpose, limits: &ReadLimits) -> Examined {
         if self.figure.is_some() {
             return Examined { faults: self.drawn_together(limits).err().unwrap_or_default(), input: None, plan: None };
         }
-        let purpose = if self.outputs.is_empty() { Purpose::Refine } else { self.purpose() };
         let parts = self.parts(purpose, limits);
         let input = parts.input.as_ref().map(|resolved| resolved.input.clone());
         let plan = parts.plan.clone();
@@ -194,7 +217,8 @@ impl JobRequest {
     /// Checks a figure: its layout, then its panels at their sizes.
     fn drawn_together(self, limits: &ReadLimits) -> Result<Draft, Vec<Fault>> {
         let mut faults = self.beside_figure();
-        let outputs = keep(outputs(&self.outputs, self.left_out), &mut faults).unwrap_or_default();
+        let outputs =
+            keep(outputs(&self.outputs, self.left_out, self.source.as_deref()), &mut faults).unwrap_or_default();
         let Some(FigureRequest { columns, panels, title, letters, shared }) = self.figure.map(|figure| *figure) else {
             return Err(faults);
         };
@@ -256,6 +280,12 @@ impl JobRequest {
         said.into_iter().filter(|(_, is_said)| *is_said).map(|(name, _)| fault(name)).chain(unknown).collect()
     }
 
+    /// What is asked about the input before the outputs are settled: an input alone is looked at as one that is to be
+    /// refined.
+    pub fn asked(&self) -> Purpose {
+        if self.outputs.is_empty() { Purpose::Refine } else { self.purpose() }
+    }
+
     /// What becomes of the input.
     fn purpose(&self) -> Purpose {
         if self.plan.is_some() { Purpose::Refine } else { Purpose::Keep }
@@ -263,7 +293,7 @@ impl JobRequest {
 
     /// Checks each part by itself.
     fn parts(self, purpose: Purpose, limits: &ReadLimits) -> Parts {
-        let outputs = outputs(&self.outputs, self.left_out);
+        let outputs = outputs(&self.outputs, self.left_out, self.source.as_deref());
         self.parts_for(outputs, purpose, limits)
     }
 

@@ -13,6 +13,9 @@ use crate::job::Levels;
 /// The levels of pictures whose faces are to be about a pixel.
 const AUTO: &str = "auto";
 
+/// The most levels that can be asked for; each at least doubles what there is, so that none has more.
+pub(super) const MOST_LEVELS: usize = 64;
+
 /// A number of levels, a tolerance, or what a picture can show: `4`, `{"tolerance": 0.01}` or `"auto"`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct LevelsRequest(pub Levels);
@@ -61,7 +64,7 @@ impl<'de> Visitor<'de> for LevelsVisitor {
 
 impl PartialSchema for LevelsRequest {
     fn schema() -> RefOr<Schema> {
-        let count = ObjectBuilder::new().schema_type(Type::Integer).minimum(Some(0)).maximum(Some(64));
+        let count = ObjectBuilder::new().schema_type(Type::Integer).minimum(Some(0)).maximum(Some(MOST_LEVELS));
         let tolerance = ObjectBuilder::new()
             .schema_type(Type::Number)
             .exclusive_minimum(Some(0))

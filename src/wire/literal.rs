@@ -3,6 +3,7 @@
 use std::fmt;
 
 use serde::de::{Deserialize, Deserializer, Error, MapAccess, SeqAccess, Visitor};
+use serde_json::{Number, Value};
 
 use crate::fault::shortened;
 use crate::math::parameter::Literal;
@@ -28,6 +29,27 @@ impl<'de> Deserialize<'de> for WireFields {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
         deserializer.deserialize_map(FieldsVisitor).map(Self)
     }
+}
+
+/// A value as JSON.
+pub(super) fn written(value: &Literal) -> Value {
+    match value {
+        Literal::Null => Value::Null,
+        Literal::Flag(flag) => (*flag).into(),
+        Literal::Number(x) => whole(*x).map_or_else(|| Number::from_f64(*x).into(), Value::from),
+        Literal::Text(text) => text.as_str().into(),
+        Literal::List(items) => items.iter().map(written).collect(),
+        Literal::Map(fields) => fields.iter().map(|(name, value)| (name.clone(), written(value))).collect(),
+    }
+}
+
+/// The whole number that a number is, if it is one.
+fn whole(x: f64) -> Option<i64> {
+    #[expect(clippy::cast_possible_truncation, reason = "checked by its value")]
+    let n = x as i64;
+    #[expect(clippy::cast_precision_loss, reason = "checked by its value")]
+    let is_same = n as f64 == x && n.abs() < 1 << 53;
+    is_same.then_some(n)
 }
 
 struct LiteralVisitor;

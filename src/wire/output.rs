@@ -1,12 +1,14 @@
 //! What a job asks for, as clients write it.
 
 use serde::Deserialize;
+use serde_json::{Map, Value};
 
-use super::literal::{WireFields, WireLiteral};
+use super::described::description as description_of;
+use super::literal::{WireFields, WireLiteral, written};
 use crate::fault::{Fault, did_you_mean, shortened, under};
 use crate::job::Output;
 use crate::math::parameter::{Default, Kind, Literal, Parameter, Values};
-use crate::output::{self, Format};
+use crate::output::{self, Format, POSITIONS, description};
 use crate::shape::mesh::MAX_FRAMES;
 
 /// Most outputs of one job.
@@ -26,6 +28,31 @@ impl OutputRequest {
     /// The output of a format with its default options, where the request names none.
     pub fn of_format(name: &str) -> Self {
         Self { fields: WireFields(vec![("format".into(), Literal::Text(name.into()))]), is_chosen: true }
+    }
+
+    /// The output that tells of the shape that another shows, or of the refined shape where there is none.
+    ///
+    /// # Errors
+    /// All faults of the other output, with pointers below it.
+    pub(crate) fn of_shape(other: Option<&Self>) -> Result<Self, Vec<Fault>> {
+        let mut shape = Self::of_format("stats");
+        if let Some(other) = other {
+            other.check()?;
+            let kept = other.fields.0.iter().filter(|(name, _)| name == POSITIONS.name || name == FRAME.name);
+            shape.fields.0.extend(kept.cloned());
+            shape.is_chosen = other.is_chosen;
+        }
+        Ok(shape)
+    }
+
+    /// The output as JSON.
+    pub(crate) fn told(&self) -> Map<String, Value> {
+        self.fields.0.iter().map(|(name, value)| (name.clone(), written(value))).collect()
+    }
+
+    /// Whether the bytes are to say of which job they are.
+    pub(crate) fn describes(&self) -> bool {
+        self.fields.0.iter().any(|(name, value)| name == DESCRIBE.name && *value == Literal::Flag(true))
     }
 
     /// Sets a field, whatever the request says of it.
@@ -61,8 +88,12 @@ impl OutputRequest {
     }
 }
 
-/// Checks what is asked for; `before` outputs of the request were left out.
-pub(super) fn outputs(requests: &[OutputRequest], before: usize) -> Result<Vec<Output>, Vec<Fault>> {
+/// Checks what is asked for of a job with this text; `before` outputs of the request were left out.
+pub(super) fn outputs(
+    requests: &[OutputRequest],
+    before: usize,
+    source: Option<&str>,
+) -> Result<Vec<Output>, Vec<Fault>> {
     if requests.is_empty() || requests.len() > MAX_OUTPUTS {
         let detail = format!("{} outputs; ask for 1 to {MAX_OUTPUTS}", requests.len());
         return Err(vec![Fault::new("/outputs", detail)]);
@@ -70,7 +101,7 @@ pub(super) fn outputs(requests: &[OutputRequest], before: usize) -> Result<Vec<O
     let mut faults = Vec::new();
     let mut found: Vec<Output> = Vec::with_capacity(requests.len());
     for (i, request) in (before..).zip(requests) {
-        match output(request, i) {
+        match output(request, i).and_then(|output| described(output, request, source)) {
             Ok(output) if found.iter().any(|known| known.name == output.name) => {
                 let detail = format!("the name \"{}\" is taken; give each output its own", shortened(&output.name));
                 faults.push(Fault::new(format!("/outputs/{i}/name"), detail));
@@ -82,15 +113,25 @@ pub(super) fn outputs(requests: &[OutputRequest], before: usize) -> Result<Vec<O
     if faults.is_empty() { Ok(found) } else { Err(faults) }
 }
 
-/// Checks one output, at this place among those of the request.
+/// The output with its description, where it is to have one.
+fn described(output: Output, request: &OutputRequest, source: Option<&str>) -> Result<Output, Vec<Fault>> {
+    if !request.describes() {
+        return Ok(output);
+    }
+    let text = description_of(source, request.told()).map_err(|fault| vec![fault])?;
+    Ok(Output { description: Some(text), ..output })
+}
+
+/// Checks one output but for its description, at this place among those of the request.
 pub(super) fn output(request: &OutputRequest, index: usize) -> Result<Output, Vec<Fault>> {
-    let (mut format, mut name, mut frame) = (None, None, None);
+    let (mut format, mut name, mut frame, mut describes) = (None, None, None, false);
     let mut options = Vec::new();
     for (field, value) in &request.fields.0 {
         match field.as_str() {
             "format" => format = Some(known_format(value)?),
             "name" => name = Some(output_name(value)?),
             "frame" => frame = known_frame(value)?,
+            "describe" => describes = known_flag(value)?,
             _ => options.push((field.clone(), value.clone())),
         }
     }
@@ -102,8 +143,14 @@ pub(super) fn output(request: &OutputRequest, index: usize) -> Result<Output, Ve
             |fault: Fault| Fault { detail: fault.detail.replace("unknown parameter", "unknown option"), ..fault };
         faults.into_iter().map(known).collect::<Vec<_>>()
     })?;
+    if describes && !description::described().any(|name| name == format.name()) {
+        let can: Vec<&str> = description::described().collect();
+        let detail = format!("{} has no place for a description; ask for {}", format.name(), can.join(", "));
+        return Err(vec![Fault::new("/describe", detail)]);
+    }
     let index = (!request.is_chosen).then_some(index);
-    Ok(Output { name: name.unwrap_or_else(|| format.name().to_owned()), format, options, frame, index })
+    let name = name.unwrap_or_else(|| format.name().to_owned());
+    Ok(Output { name, format, options, frame, description: None, index })
 }
 
 fn known_format(value: &Literal) -> Result<&'static dyn Format, Vec<Fault>> {
@@ -117,18 +164,37 @@ fn known_format(value: &Literal) -> Result<&'static dyn Format, Vec<Fault>> {
     })
 }
 
-/// The field that formats have in common.
-pub(super) const FRAME: &[Parameter] = &[Parameter {
+/// The field that all formats have in common.
+pub(super) const FRAME: Parameter = Parameter {
     name: "frame",
     kind: Kind::Integer { min: 0, max: MAX_FRAMES.cast_signed() as i64 - 1 },
     unit: "",
     default: Default::Absent,
     doc: "The frame of a mesh that is shown, as if the mesh had these positions alone.",
-}];
+};
+
+/// The field that formats with room for it have in common.
+pub(super) const DESCRIBE: Parameter = Parameter {
+    name: "describe",
+    kind: Kind::Flag,
+    unit: "",
+    default: Default::Flag(false),
+    doc: "Whether the bytes say of which job they are: \"planish reproduce\" reads it, renders it again and compares.",
+};
+
+/// The fields that formats have in common, as far as one of this name has them.
+pub(super) fn common(format: &str) -> Vec<Parameter> {
+    let describes = description::described().any(|name| name == format);
+    [FRAME].into_iter().chain(describes.then_some(DESCRIBE)).collect()
+}
 
 fn known_frame(value: &Literal) -> Result<Option<usize>, Vec<Fault>> {
-    let found = Values::resolve(FRAME, &[("frame".into(), value.clone())])?.integer("frame");
+    let found = Values::resolve(&[FRAME], &[(FRAME.name.into(), value.clone())])?.integer(FRAME.name);
     Ok(found.and_then(|frame| usize::try_from(frame).ok()))
+}
+
+fn known_flag(value: &Literal) -> Result<bool, Vec<Fault>> {
+    Ok(Values::resolve(&[DESCRIBE], &[(DESCRIBE.name.into(), value.clone())])?.flag(DESCRIBE.name))
 }
 
 fn format_names() -> String {

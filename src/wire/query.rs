@@ -57,6 +57,23 @@ pub fn job(query: &str) -> Result<Map<String, Value>, Vec<Fault>> {
     if faults.is_empty() { Ok(job) } else { Err(faults) }
 }
 
+/// Refuses what a query says of a job that says it itself; names of no place in a job are passed over.
+///
+/// # Errors
+/// All that it says, each with its place in the job.
+pub fn says_nothing(query: &str) -> Result<(), Vec<Fault>> {
+    let fault = |name: &str| {
+        let detail = match place(name).ok()?.as_slice() {
+            [first, rest @ ..] if first == "output" => format!("/outputs/0/{}", rest.join("/")),
+            all => format!("/{}", all.join("/")),
+        };
+        let detail = format!("it stands beside a mesh file as the body; a job says it itself, at {detail}");
+        Some(Fault::new(format!("?{}", shortened(name)), detail))
+    };
+    let faults: Vec<Fault> = form_urlencoded::parse(query.as_bytes()).filter_map(|(name, _)| fault(&name)).collect();
+    if faults.is_empty() { Ok(()) } else { Err(faults) }
+}
+
 /// The job of a mesh file and a query.
 ///
 /// # Errors

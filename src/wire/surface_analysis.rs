@@ -1,15 +1,23 @@
 //! The answer about a scheme for surfaces, with every number named.
 
+mod boundary;
+mod parts;
+
+pub use boundary::{BoundaryAnswer, SidedEigenvalueAnswer};
+pub use parts::{CriterionAnswer, NetAnswer};
+
 use std::collections::BTreeMap;
 
 use serde::Serialize;
 use utoipa::ToSchema;
 
-use super::analysis::{CertificateAnswer, MaskAnswer};
+use super::analysis::{CertificateAnswer, LevelBoundAnswer, MaskAnswer};
 use crate::analysis::surface::{
-    Criterion, Extraordinary, Kind, Proof, RegularMask, RegularSmoothness, Status, ValenceReport, Weight, evidence,
-    verdict,
+    BoundaryReport, Extraordinary, Kind, LatticeCertificate, Proof, Quotient, RegularMask, RegularSmoothness, Status,
+    ValenceReport, Weight, evidence, verdict,
 };
+use parts::{coordinates, is_there, name};
+
 use crate::job::{SurfaceFindings, Survey};
 use crate::math::mask::Mask;
 
@@ -17,10 +25,6 @@ use crate::math::mask::Mask;
 /// Those that decide are among the first ten at any valence. Half of it shows less of how they go on; twice of it makes
 /// answers longer.
 const MAX_EIGENVALUES: usize = 16;
-/// Weights of masks that are smaller are left out: rounding.
-/// It is some thousand roundings of 1. Half and twice of it decide alike, as weights are products of few fractions.
-const NONE: f64 = 1e-12;
-
 /// What can be said of a scheme for surfaces.
 #[derive(Debug, Clone, Serialize, ToSchema)]
 pub struct SurfaceAnswer {
@@ -35,6 +39,8 @@ pub struct SurfaceAnswer {
     /// What is known of vertices of each valence, or of faces with as many corners under schemes that put faces in the
     /// place of vertices.
     pub valences: Vec<ValenceAnswer>,
+    /// What is known of boundary vertices with each number of faces, and of vertices on creases that stay sharp.
+    pub boundaries: Vec<BoundaryAnswer>,
     /// What is known of the mesh that was given.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub input: Option<InputSurveyAnswer>,
@@ -53,17 +59,10 @@ pub struct InputSurveyAnswer {
     pub bounds_refused: Option<String>,
     /// Vertices inside and faces that are extraordinary points of the limit, by valence.
     pub extraordinary: Vec<ExtraordinaryAnswer>,
+    /// Boundary vertices by their number of faces.
+    pub boundary: Vec<BoundaryVerticesAnswer>,
     /// What is to be known of the mesh, and of parameters at levels to come.
     pub warnings: Vec<String>,
-}
-
-/// How close a level comes.
-#[derive(Debug, Clone, Serialize, ToSchema)]
-pub struct LevelBoundAnswer {
-    /// The level.
-    pub level: u32,
-    /// The distance, model units.
-    pub bound: f64,
 }
 
 /// The extraordinary points of one valence.
@@ -83,9 +82,23 @@ pub struct ExtraordinaryAnswer {
     pub faces: Vec<u32>,
 }
 
+/// The boundary vertices with one number of faces.
+#[derive(Debug, Clone, Serialize, ToSchema)]
+pub struct BoundaryVerticesAnswer {
+    /// The number of faces at each.
+    pub faces: usize,
+    /// Whether limits are C1 there; null where that number was not looked at.
+    pub c1: Option<&'static str>,
+    /// What speaks for it; null where that number was not looked at.
+    pub evidence: Option<&'static str>,
+    /// How many vertices there are.
+    pub n_vertices: usize,
+    /// The first 64 of them.
+    pub vertices: Vec<u32>,
+}
+
 impl InputSurveyAnswer {
-    fn new(survey: &Survey, valences: &[ValenceAnswer]) -> Self {
-        let bound = |&(level, bound): &(u32, f64)| LevelBoundAnswer { level, bound };
+    fn new(survey: &Survey, valences: &[ValenceAnswer], boundaries: &[BoundaryAnswer]) -> Self {
         let of_valence = |(&valence, found): (&usize, &Extraordinary)| ExtraordinaryAnswer {
             valence,
             c1: valences.iter().find(|row| row.valence == valence).map(|row| row.c1),
@@ -94,10 +107,21 @@ impl InputSurveyAnswer {
             n_faces: found.n_faces,
             faces: found.faces.clone(),
         };
+        let of_faces = |(&faces, found): (&usize, &Extraordinary)| {
+            let known = boundaries.iter().find(|row| row.faces == faces);
+            BoundaryVerticesAnswer {
+                faces,
+                c1: known.map(|row| row.c1),
+                evidence: known.map(|row| row.evidence),
+                n_vertices: found.n_vertices,
+                vertices: found.vertices.clone(),
+            }
+        };
         Self {
-            bounds: survey.bounds.iter().flatten().map(bound).collect(),
+            bounds: LevelBoundAnswer::all(&survey.bounds),
             bounds_refused: survey.bounds.as_ref().err().cloned(),
             extraordinary: survey.extraordinary.iter().map(of_valence).collect(),
+            boundary: survey.on_boundary.iter().map(of_faces).collect(),
             warnings: survey.warnings.clone(),
         }
     }
@@ -118,6 +142,10 @@ pub struct RegularAnswer {
     /// The masks of the two curve schemes whose product the scheme is, where it is one.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub product: Option<[MaskAnswer; 2]>,
+    /// Where the basic limit function is not 0 lies between these ends, along the two sides of a face.
+    pub support: [[f64; 2]; 2],
+    /// The largest degree of polynomials that are limits of their own samples, -1 where not even constants are.
+    pub reproduction_degree: i32,
     /// How smooth limits are.
     pub smoothness: RegularSmoothnessAnswer,
 }
@@ -144,7 +172,8 @@ pub struct FactorAnswer {
 #[derive(Debug, Clone, Serialize, ToSchema)]
 pub struct RegularSmoothnessAnswer {
     /// By what it is proved: `box spline`, as which the limit is known; `product`, of two curve schemes; `norms`, of
-    /// difference schemes along two directions.
+    /// difference schemes along two directions; `radius`, the joint spectral radius of what a step leaves of the points
+    /// around a cell, up to polynomials.
     pub by: &'static str,
     /// The largest k for which limits are proved to be C^k, -1 where not even convergence is.
     pub proved_c: i64,
@@ -153,6 +182,16 @@ pub struct RegularSmoothnessAnswer {
     /// Proofs by norms: l steps of the difference schemes along two directions are contractions, for all derivatives of
     /// the order k.
     pub certificates: Vec<CertificateAnswer>,
+    /// How many sum rules the mask has, where neither a box spline nor a product is known.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub sum_rules: Option<i32>,
+    /// Bounds of the joint spectral radius rho; the lower one is null where no eigenvalue is proved.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub joint_spectral_radius: Option<[Option<f64>; 2]>,
+    /// Bounds of the Hoelder exponent, `-log(rho)/log(arity)` up to the sum rules; the upper one is null where shifts
+    /// are not known to be stable.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub holder: Option<[Option<f64>; 2]>,
 }
 
 /// What is known of a valence.
@@ -202,24 +241,6 @@ pub struct EigenvalueAnswer {
     pub fourier: usize,
 }
 
-/// Points in the plane and the faces between them.
-#[derive(Debug, Clone, Serialize, ToSchema)]
-pub struct NetAnswer {
-    /// The points.
-    pub points: Vec<[f64; 2]>,
-    /// The faces, counter-clockwise, by the indices of their points.
-    pub faces: Vec<Vec<usize>>,
-}
-
-/// A criterion.
-#[derive(Debug, Clone, Serialize, ToSchema)]
-pub struct CriterionAnswer {
-    /// What is to hold.
-    pub criterion: &'static str,
-    /// `proved`, `supported`, `disproved` or `open`.
-    pub status: &'static str,
-}
-
 const WEIGHTS: &str = "weights are those of the scheme as it is written up to 2e-14 of their size";
 const ALPHA: &str = "the plan follows alpha; what is said holds for the scheme at alpha = 0, to which its levels come \
                      close";
@@ -235,13 +256,19 @@ impl SurfaceAnswer {
             Err(reason) => ValenceAnswer::refused(*valence, reason),
         };
         let valences: Vec<ValenceAnswer> = findings.valences.iter().map(valence).collect();
+        let boundary = |(faces, found): &(usize, Result<BoundaryReport, String>)| match found {
+            Ok(report) => BoundaryAnswer::new(report),
+            Err(reason) => BoundaryAnswer::refused(*faces, reason),
+        };
+        let boundaries: Vec<BoundaryAnswer> = findings.boundaries.iter().map(boundary).collect();
         Self {
             kind: "surface",
             arity: regular.arity,
             applications: findings.study.applications(),
             regular: RegularAnswer::new(regular, &findings.smoothness),
-            input: findings.survey.as_ref().map(|survey| InputSurveyAnswer::new(survey, &valences)),
+            input: findings.survey.as_ref().map(|survey| InputSurveyAnswer::new(survey, &valences, &boundaries)),
             valences,
+            boundaries,
             assumptions: [WEIGHTS, GENERIC].into_iter().chain(follows).collect(),
         }
     }
@@ -266,6 +293,8 @@ impl RegularAnswer {
             mask,
             factors: factors.map(factor).collect(),
             product: regular.tensor().map(|both| both.map(curve)),
+            support: regular.support(),
+            reproduction_degree: regular.reproduction_degree(),
             smoothness: RegularSmoothnessAnswer::new(smoothness),
         }
     }
@@ -273,16 +302,34 @@ impl RegularAnswer {
 
 impl RegularSmoothnessAnswer {
     fn new(smoothness: &RegularSmoothness) -> Self {
-        let by = match smoothness.proof {
-            Proof::BoxSpline => "box spline",
-            Proof::Product(_) => "product",
-            Proof::Norms(_) => "norms",
+        let RegularSmoothness { proof, proved_c, disproved_c } = smoothness;
+        let answer = |by| Self {
+            by,
+            proved_c: *proved_c,
+            disproved_c: *disproved_c,
+            certificates: Vec::new(),
+            sum_rules: None,
+            joint_spectral_radius: None,
+            holder: None,
         };
-        let certificates = match &smoothness.proof {
-            Proof::Norms(found) => found.iter().map(|c| CertificateAnswer { k: c.k, l: c.l, norm: c.norm }).collect(),
-            Proof::BoxSpline | Proof::Product(_) => Vec::new(),
+        let (found, quotient) = match proof {
+            Proof::BoxSpline => return answer("box spline"),
+            Proof::Product(_) => return answer("product"),
+            Proof::Norms(found, quotient) => (found, quotient.as_deref()),
         };
-        Self { by, proved_c: smoothness.proved_c, disproved_c: smoothness.disproved_c, certificates }
+        let by_norms = i64::try_from(found.len()).unwrap_or(0) > *proved_c;
+        let certificate = |c: &LatticeCertificate| CertificateAnswer { k: c.k, l: c.l, norm: c.norm };
+        let radius = |of: &Quotient| {
+            let lower = of.radius.lower.as_ref().map(|lower| lower.value);
+            [lower, Some(of.radius.upper.value)]
+        };
+        Self {
+            certificates: found.iter().map(certificate).collect(),
+            sum_rules: quotient.map(|of| of.sum_rules),
+            joint_spectral_radius: quotient.map(radius),
+            holder: quotient.map(|of| [Some(of.least_holder), of.most_holder]),
+            ..answer(if by_norms { "norms" } else { "radius" })
+        }
     }
 }
 
@@ -293,17 +340,12 @@ impl ValenceAnswer {
             imaginary: Some(found.value.im).filter(|x| *x != 0.0),
             fourier: found.fourier,
         };
-        let criterion = |c: &Criterion| CriterionAnswer { criterion: c.statement, status: name(c.status) };
         let tangents = report.tangent_masks.as_ref().map(|both| {
             both.each_ref().map(|mask| {
                 let entry = |weight: &Weight| (coordinates(weight), weight.values.clone());
                 mask.iter().filter(|weight| is_there(weight)).map(entry).collect()
             })
         });
-        let net = |(points, faces): &(Vec<[f64; 2]>, Vec<Vec<usize>>)| NetAnswer {
-            points: points.clone(),
-            faces: faces.clone(),
-        };
         Self {
             valence: report.valence,
             eigenvalues: report.eigenvalues.iter().take(MAX_EIGENVALUES).map(eigenvalue).collect(),
@@ -311,10 +353,10 @@ impl ValenceAnswer {
             limit_mask: limit_mask(&report.limit_mask),
             tangent_masks: tangents,
             characteristic_map_min_sine: report.least_sine,
-            characteristic_net: report.net.as_ref().map(net),
+            characteristic_net: report.net.as_ref().map(NetAnswer::new),
             c1: name(verdict(&report.criteria)),
             evidence: name(evidence(&report.criteria)),
-            criteria: report.criteria.iter().map(criterion).collect(),
+            criteria: report.criteria.iter().map(CriterionAnswer::new).collect(),
             refused: None,
         }
     }
@@ -334,23 +376,6 @@ impl ValenceAnswer {
             refused: Some(reason.to_owned()),
         }
     }
-}
-
-fn name(status: Status) -> &'static str {
-    match status {
-        Status::Proved => "proved",
-        Status::Supported => "supported",
-        Status::Disproved => "disproved",
-        Status::Open => "open",
-    }
-}
-
-fn is_there(weight: &Weight) -> bool {
-    weight.values.iter().any(|x| x.abs() > NONE)
-}
-
-fn coordinates(weight: &Weight) -> String {
-    weight.point.map_or_else(|| "center".to_owned(), |[i, j]| format!("{i},{j}"))
 }
 
 /// The weights by the names of neighbours, or by sector coordinates.

@@ -8,7 +8,7 @@ use utoipa::{PartialSchema, ToSchema};
 
 use super::declared::{object, with_all};
 use super::input::InputRequest;
-use super::output::{FRAME, OutputRequest};
+use super::output::{OutputRequest, common};
 use super::plan::PlanRequest;
 use super::schema::of;
 use crate::math::parameter::Parameter;
@@ -112,13 +112,17 @@ impl ToSchema for PlanSchema {
             (preset.name, plan(("preset", chosen(preset.name)), parameters, is_needed, preset.doc))
         });
         schemas.extend(chosen_by(PRESET, "preset", "A preset with its parameters.", presets.collect()));
-        let letters: String = OPERATORS.iter().filter_map(|operator| operator.facts().letter).collect();
-        let text = of(Type::String).pattern(Some(format!("^[{letters}0-9^()]+$"))).max_length(Some(word::MAX_BYTES));
-        let text = text.description(Some("A word over operators, see `/v1/operators`.")).examples(["UCP"]);
+        let text = word().description(Some("A word over operators, see `/v1/operators`.")).examples(["UCP"]);
         let parameters = object(WORD_PARAMETERS).description(Some("Parameters of the word."));
         let word = plan(("word", text), parameters, false, "A word over operators with its parameters.");
         schemas.push((WORD.to_owned(), word.into()));
     }
+}
+
+/// The schema of a word over operators.
+pub(super) fn word() -> ObjectBuilder {
+    let letters: String = OPERATORS.iter().filter_map(|operator| operator.facts().letter).collect();
+    of(Type::String).pattern(Some(format!("^[{letters}0-9^()]+$"))).max_length(Some(word::MAX_BYTES))
 }
 
 /// The schema of one kind of plan: what all plans have, the field that says what it is, and its parameters.
@@ -152,7 +156,8 @@ impl ToSchema for OutputRequest {
             let facts = format.facts();
             let doc = "Name among the outputs of the job; the format's when left out.";
             let name = of(Type::String).pattern(Some("^[A-Za-z0-9._-]{1,64}$")).description(Some(doc));
-            let output = object(FRAME).property("format", chosen(facts.name)).required("format").property("name", name);
+            let output = object(&common(facts.name)).property("format", chosen(facts.name));
+            let output = output.required("format").property("name", name);
             let output = with_all(output, facts.parameters).description(Some(facts.doc));
             (variant(facts.name, "Output"), output.into())
         }));

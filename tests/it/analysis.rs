@@ -1,12 +1,14 @@
 //! What is said of schemes: the reference rows, known facts, laws, and which questions are the same.
 #![allow(clippy::unwrap_used, reason = "a test may fail where it stands")]
 
+mod boundaries;
 mod claims;
 mod facts;
 mod forms;
 mod laws;
 mod matrices;
 mod papers;
+mod polygons;
 mod rows;
 mod same;
 mod scans;

@@ -2,8 +2,13 @@
 #![allow(clippy::unwrap_used, reason = "a test may fail where it stands")]
 
 mod batch;
+mod compare;
 mod figures;
 mod flags;
+mod keys;
+mod mcp;
+mod reproduce;
+mod server;
 
 use std::io::{BufRead, BufReader, Read, Write};
 use std::path::Path;

@@ -4,6 +4,7 @@ mod analysis;
 mod cache;
 mod carried;
 mod cli;
+mod described;
 mod drawing;
 mod edges;
 mod expressions;

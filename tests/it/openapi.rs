@@ -57,8 +57,10 @@ fn every_route_of_the_service_is_described() {
     let lists = list.split("routes!(").skip(1).map(|rest| rest.split(')').next().unwrap());
     let handlers = lists.flat_map(|handlers| handlers.split(',')).map(|name| name.rsplit("::").next().unwrap().trim());
     // HEAD is answered by the handler of GET
-    let routes: BTreeSet<&str> =
-        handlers.chain(["archive_head", "artifact_head", "blob_head", "kroki_head", "link_head"]).collect();
+    let routes: BTreeSet<&str> = handlers
+        .chain(["archive_head", "artifact_head", "blob_head", "kroki_head", "link_head"])
+        .chain(["signed_head", "signed_artifact_head"])
+        .collect();
     assert_eq!(described, routes);
 }
 
@@ -145,5 +147,39 @@ fn every_field_of_a_job_is_described_and_no_other_is_allowed() {
             let described = schemas[name]["properties"][field].to_string();
             assert!(described.contains("description"), "{name}.{field}: {described}");
         }
+    }
+}
+
+#[test]
+fn the_query_beside_a_mesh_file_is_described_as_it_is_read() {
+    let document = document();
+    let parameters = document["paths"]["/v1/render"]["post"]["parameters"].as_array().unwrap();
+    let queries: Vec<&Value> = parameters.iter().filter(|parameter| parameter["in"] == "query").collect();
+    let names: Vec<&str> = queries.iter().map(|query| query["name"].as_str().unwrap()).collect();
+    for name in
+        ["preset", "levels", "levels.tolerance", "format", "parameters.delta", "output.camera.zoom", "input.weld"]
+    {
+        assert!(names.contains(&name), "{name} is missing among {names:?}");
+    }
+    assert_eq!(names.len(), names.iter().collect::<BTreeSet<_>>().len(), "each once");
+    for query in queries {
+        let name = query["name"].as_str().unwrap();
+        let mut schema = &query["schema"];
+        while let Some(either) = schema["anyOf"].get(0).or_else(|| schema["oneOf"].get(0)) {
+            schema = either;
+        }
+        let first_type = if schema["type"].is_array() { &schema["type"][0] } else { &schema["type"] };
+        let value = match (&schema["enum"][0], first_type.as_str().unwrap()) {
+            (Value::String(choice), _) => choice.clone(),
+            (_, "integer") => "1".to_owned(),
+            (_, "number") => "0.5".to_owned(),
+            (_, "boolean") => "true".to_owned(),
+            (_, kind) => {
+                assert_eq!(kind, "string", "{name}");
+                "a,b".to_owned()
+            }
+        };
+        let read = planish::wire::query::job(&format!("{name}={value}"));
+        assert!(read.is_ok(), "{name}={value}: {read:?}");
     }
 }

@@ -13,7 +13,7 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicU32, Ordering};
 
 use planish::job::key::Key;
-use planish::service::store::{Description, Embedded, Manifest, Memory, PART_BYTES, Store, StoreError};
+use planish::service::store::{Description, Embedded, Manifest, Memory, Owners, PART_BYTES, Store, StoreError};
 
 pub(crate) const ROOMY: u64 = 1 << 30;
 
@@ -59,7 +59,11 @@ pub(crate) fn noise(seed: u64, length: usize) -> Vec<u8> {
 }
 
 pub(crate) fn description() -> Description {
-    Description { media_type: "model/gltf-binary".to_owned(), warnings: vec!["one vertex was split".to_owned()] }
+    Description {
+        media_type: "model/gltf-binary".to_owned(),
+        warnings: vec!["one vertex was split".to_owned()],
+        owners: Owners::default(),
+    }
 }
 
 fn try_put(store: &dyn Store, key: Key, bytes: &[u8]) -> Result<Arc<Manifest>, StoreError> {
@@ -185,7 +189,13 @@ fn the_same_bytes_again_change_nothing() {
         let before = store.usage();
         let mut spool = store.spool(key(1)).unwrap();
         spool.write_all(&noise(1, 5000)).unwrap();
-        let second = spool.commit(Description { media_type: "text/plain".to_owned(), warnings: Vec::new() }).unwrap();
+        let second = spool
+            .commit(Description {
+                media_type: "text/plain".to_owned(),
+                warnings: Vec::new(),
+                owners: Owners::default(),
+            })
+            .unwrap();
         assert_eq!(second, first, "the first one is kept");
         assert_eq!(store.usage(), before);
     });

@@ -26,6 +26,15 @@ pub enum Unlimited {
          there, or close it"
     )]
     Lost,
+    /// A boundary of faces that take the place of vertices.
+    #[error("faces take the place of vertices here, so that no boundary vertex stays one")]
+    NoVertex,
+    /// Rules that differ from their mirror image.
+    #[error("the rules there are not their own mirror image, as the analysis takes them to be")]
+    Lopsided,
+    /// Steps towards eigenvalues that go on and on.
+    #[error("the eigenvalues of the local matrix were not found")]
+    NoEigenvalues,
     /// A D that leaves several things of a vertex.
     #[error(
         "a vertex has no limit, as D parts the faces near it, where the mesh is one face wide; widen it there, or \

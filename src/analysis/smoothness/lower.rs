@@ -52,6 +52,11 @@ impl Lower {
         Self { word, eigenvalue, value }
     }
 
+    /// A bound of a single matrix.
+    pub(super) fn of_one(eigenvalue: Exact) -> Self {
+        Self::new(vec![0], eigenvalue)
+    }
+
     /// Whether the joint spectral radius is known to be at least `x >= 0`.
     pub fn reaches(&self, x: &Exact) -> bool {
         self.eigenvalue >= x.pow(i32::try_from(self.word.len().max(1)).unwrap_or(1))
@@ -67,15 +72,19 @@ struct Candidate {
 
 /// The best lower bound that the products of some length prove.
 pub(super) fn bound(matrices: &[ExactMatrix]) -> Lower {
+    // the mean of the matrices has the eigenvalue 1/d, as every column of their sum adds up to b(1) = 1
+    let usual = || Lower::new(Vec::new(), Exact::ratio(1, i64::try_from(matrices.len()).unwrap_or(1)));
+    proved_bound(matrices).unwrap_or_else(usual)
+}
+
+/// The same for any matrices; `None` where nothing is proved.
+pub(super) fn proved_bound(matrices: &[ExactMatrix]) -> Option<Lower> {
     let mut candidates = if matrices[0].len() > MAX_SIZE { Vec::new() } else { candidates(matrices) };
     candidates.sort_by(|a, b| b.rate.total_cmp(&a.rate).then(a.word.len().cmp(&b.word.len())));
     let best = candidates.first().map_or(0.0, |candidate| candidate.rate);
     // among those that are as good as the best the shortest first
     candidates.sort_by_key(|candidate| if candidate.rate >= best * (1.0 - BETTER) { candidate.word.len() } else { 99 });
-    let proved = candidates.iter().take(MAX_PROOFS).find_map(|candidate| proved(matrices, candidate));
-    // the mean of the matrices has the eigenvalue 1/d, as every column of their sum adds up to b(1) = 1
-    let usual = || Lower::new(Vec::new(), Exact::ratio(1, i64::try_from(matrices.len()).unwrap_or(1)));
-    proved.unwrap_or_else(usual)
+    candidates.iter().take(MAX_PROOFS).find_map(|candidate| proved(matrices, candidate))
 }
 
 fn candidates(matrices: &[ExactMatrix]) -> Vec<Candidate> {

@@ -9,7 +9,7 @@ use num_traits::{Signed, Zero};
 use crate::math::exact::Exact;
 
 /// A square matrix of fractions, row by row.
-pub(super) type ExactMatrix = Vec<Vec<Exact>>;
+pub(in crate::analysis) type ExactMatrix = Vec<Vec<Exact>>;
 
 /// The matrices `T_0, ..., T_(d-1)` of a residual.
 pub(super) fn of_residual(residual: &[Exact], arity: i64) -> Vec<ExactMatrix> {

@@ -5,7 +5,7 @@
 //! differences, each within a disc around their mean, so that the determinant is proved to be positive on a cell where
 //! discs of both derivatives have positive cross products; cells that do not are refined. A ring that is regular, whose
 //! scaled copies fit together, covers the plane without the middle as often as it goes around, which is once when half
-//! a sector stays within a half plane.
+//! a sector, or one of triangles, stays within a half plane.
 //!
 //! Source: Reif, CAGD 12 (1995), 153-174; Peters and Reif, SIAM Journal on Numerical Analysis 35 (1998), 728-748.
 
@@ -19,9 +19,9 @@ use crate::math::functions::{cos, real, sin, sqrt};
 use crate::watch::{Stopped, Watch};
 
 /// Most cells of one valence that are looked at.
-/// Splines need some hundred. Half of it leaves schemes open whose derivatives have large bounds; twice of it takes
-/// twice as long to leave others open.
-const MAX_CELLS: usize = 8_000;
+/// Splines need some hundred, interpolating schemes some thousand. Half of it leaves schemes open whose derivatives
+/// have large bounds; twice of it takes twice as long to leave others open.
+const MAX_CELLS: usize = 16_000;
 /// Most refinements of a ring.
 /// Discs shrink by half or so at each, to 1/1000 after ten. Half of it leaves schemes open, twice of it would find
 /// rounding only.
@@ -86,13 +86,17 @@ impl CharacteristicNet {
             let Some(corners) = corners.into_iter().collect::<Option<Vec<_>>>() else { continue };
             let n = corners.len();
             for i in 0..n {
-                let [a, b, c] = [corners[(i + n - 1) % n], corners[i], corners[(i + 1) % n]];
-                let (u, v) = (minus(c, b), minus(a, b));
-                least = least.min(cross(u, v) / (length(u) * length(v)));
+                least = least.min(sine([corners[(i + n - 1) % n], corners[i], corners[(i + 1) % n]]));
             }
         }
         least
     }
+}
+
+/// The sine of the angle of a corner, of the point before it, it and the point after it.
+pub(super) fn sine([a, b, c]: [[f64; 2]; 3]) -> f64 {
+    let (u, v) = (minus(c, b), minus(a, b));
+    cross(u, v) / (length(u) * length(v))
 }
 
 fn minus(a: [f64; 2], b: [f64; 2]) -> [f64; 2] {
@@ -173,6 +177,11 @@ fn influences(mask: &Polynomial, d: i32, kind: Kind, cell: Cell) -> Vec<Point> {
     let [[a, b], [c, e], [f, g]] = bounds;
     let all = (a..=b).flat_map(|x| (c..=e).map(move |y| [x, y]));
     all.filter(|[x, y]| (f..=g).contains(&(x + y))).collect()
+}
+
+/// The points that have a say on the square between (0, 0) and (1, 1).
+pub(super) fn around_square(mask: &Polynomial, d: i32) -> Vec<Point> {
+    influences(mask, d, Kind::Quads, Cell { at: [0, 0], upper: false })
 }
 
 fn ceil(a: i32, b: i32) -> i32 {
@@ -281,9 +290,14 @@ impl<'a> RingProof<'a> {
             return Ring::Folded;
         }
         let place = disc(0, &at);
-        // half of a sector lies after its ray, or before the corner of a face
-        let side = if kind.has_centre() { 1.0 } else { -1.0 };
-        let half = side * std::f64::consts::PI / (2.0 * real(n));
+        // the cells lie within the half of a sector after its ray, or before the corner of a face; those of triangles
+        // reach from ray to ray
+        let middle_of_cells = match kind {
+            Kind::Quads => 0.5,
+            Kind::Triangles => 1.0,
+            Kind::Dual => -0.5,
+        };
+        let half = middle_of_cells * std::f64::consts::PI / real(n);
         let ahead = place.middle[0] * cos(half) + place.middle[1] * sin(half);
         let proved = middle > off + slack && ahead > place.radius + SLACK * length(place.middle);
         if proved { Ring::Proved } else { Ring::Open }

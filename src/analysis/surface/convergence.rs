@@ -7,17 +7,15 @@
 //! Source: Dyn and Levin, Acta Numerica 11 (2002), section 4.3; Cavaretta, Dahmen and Micchelli, Memoirs of the AMS 453
 //! (1991), chapter 8.
 
+use super::iterated::Iterated;
 use super::regular::{Polynomial, RegularMask, divided};
 use super::sectors::Point;
-use crate::math::functions::real;
 
 /// Most steps of a difference scheme whose norm is looked at.
-/// Butterfly needs two, Kobbelt's scheme three. Half of it proves less near the ends of ranges; twice of it takes
-/// masks of a million entries.
-const MAX_STEPS: u32 = 4;
-/// Most entries of an iterated mask: what four steps of a mask with 9 x 9 entries have.
-/// Half of it proves less of wide masks; twice of it takes twice as long.
-const MAX_ENTRIES: usize = 1 << 14;
+/// Butterfly needs two, Kobbelt's scheme three; with six bounds of basic limit functions are sharp enough to follow
+/// their characteristic maps. Half of it proves less near the ends of ranges; twice of it takes masks of a million
+/// entries.
+const MAX_STEPS: usize = 6;
 /// Largest k that is looked for.
 /// Schemes that are no products and no splines are C^2 at best. Half of it would miss that, twice of it only takes
 /// time.
@@ -110,46 +108,21 @@ fn contractions(mask: &Polynomial, d: i32) -> Option<[(Point, Contraction); 2]> 
 /// The norms of powers of a scheme until one is below 1.
 fn contraction(mask: &Polynomial, d: i32) -> Option<Contraction> {
     let mut norms = vec![1.0];
-    let (mut power, mut step) = (Polynomial::from([([0, 0], 1.0)]), 1);
-    for _ in 0..MAX_STEPS {
-        if power.len() * mask.len() > 16 * MAX_ENTRIES {
-            return None;
-        }
-        let mut next = Polynomial::new();
-        for (k, a) in mask {
-            for (j, b) in &power {
-                *next.entry([j[0] + step * k[0], j[1] + step * k[1]]).or_insert(0.0) += a * b;
-            }
-        }
-        step *= d;
-        if next.len() > MAX_ENTRIES {
-            return None;
-        }
-        let norm = residue_norm(&next, step);
+    for norm in Iterated::new(mask, d).take(MAX_STEPS) {
         norms.push(norm);
-        // each entry is a sum of at most so many products of rounded numbers
-        if norm + 64.0 * real(mask.len()) * f64::EPSILON * (1.0 + norm) < 1.0 {
+        if norm < 1.0 {
             return Some(Contraction { norms });
         }
-        power = next;
     }
     None
 }
 
-/// The greatest sum of sizes of entries that are multiples of `step` apart.
-fn residue_norm(mask: &Polynomial, step: i32) -> f64 {
-    let mut sums: std::collections::BTreeMap<Point, f64> = std::collections::BTreeMap::new();
-    for (k, a) in mask {
-        *sums.entry(k.map(|x| x.rem_euclid(step))).or_insert(0.0) += a.abs();
-    }
-    sums.into_values().fold(0.0, f64::max)
-}
-
 /// A bound of the sum of sizes of all basic limit functions of a scheme at any place: 1 where no weight is below 0.
 ///
-/// From level to level a point moves by at most the sum of sizes of weights times steps from its old point to the next
+/// After each number of steps points are at most as large as the norm of these steps. From there on a point moves, from
+/// level to level, by at most the sum of sizes of weights times steps from its old point to the next
 /// one, times the differences along these steps; differences of data of size 1 are 2 at most, and shrink as the
-/// contractions say.
+/// contractions say; the least bound of all numbers of steps counts.
 pub(super) fn lebesgue_bound(mask: &Polynomial, d: i32) -> Option<f64> {
     if mask.values().all(|&a| a >= -1e-15) {
         return Some(1.0 + 1e-12);
@@ -160,7 +133,14 @@ pub(super) fn lebesgue_bound(mask: &Polynomial, d: i32) -> Option<f64> {
         Some(before.iter().sum::<f64>() / (1.0 - last))
     };
     let tails = [tail(&pair[0].1)?, tail(&pair[1].1)?];
-    Some(1.0 + 2.0 * farthest(mask, d, [pair[0].0, pair[1].0], tails))
+    let directions = [pair[0].0, pair[1].0];
+    let beyond = |costs: [f64; 2]| 2.0 * farthest(mask, d, directions, costs);
+    let (first, second) = (divided(mask, directions[0], d)?, divided(mask, directions[1], d)?);
+    let differences = Iterated::new(&first, d).zip(Iterated::new(&second, d));
+    // how far points move after some steps, beside how large they are then
+    let after = Iterated::new(mask, d).zip(differences).take(MAX_STEPS);
+    let bounds = after.map(|(norm, (a, b))| norm + beyond([tails[0] * a, tails[1] * b]));
+    Some(bounds.fold(1.0 + beyond(tails), f64::min))
 }
 
 /// The greatest sum of sizes of weights of a new point, each times the steps along two directions from its old point to

@@ -15,7 +15,7 @@ use crate::watch::Watch;
 /// Most points that one application makes of a star.
 /// Valence 50 with the widest words of the presets comes to a third of it. Half of it refuses long words at valence 50;
 /// twice of it takes twice the memory, some 100 bytes a point.
-const MAX_POINTS: usize = 1 << 18;
+pub(super) const MAX_POINTS: usize = 1 << 18;
 /// By how much of a sector a child's sectors may be turned against their parents' and still count as in line.
 /// Schemes keep directions, or turn by half a sector, which is far from both. Half and twice of it decide alike.
 const IN_LINE: f64 = 0.1;
@@ -23,7 +23,7 @@ const IN_LINE: f64 = 0.1;
 /// Rings around the points that are wanted, which are tried for those that they come of.
 /// Averages add half a ring each, so that 12 is enough for twenty. Half of it refuses the longest presets; twice of it
 /// takes four times as long to refuse.
-const MARGINS: [i32; 4] = [2, 4, 7, 12];
+pub(super) const MARGINS: [i32; 4] = [2, 4, 7, 12];
 
 /// A weight of a point around the middle.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -9,12 +9,17 @@
 //! Source: Reif, CAGD 12 (1995), 153-174; Peters and Reif, Subdivision Surfaces (2008).
 
 mod blocks;
+mod boundary;
 mod characteristic;
 mod convergence;
 mod enclosure;
+mod fan;
+mod iterated;
 mod latitude;
 mod local;
+mod quotient;
 mod regular;
+mod reproduction;
 mod sectors;
 mod smoothness;
 mod spectrum;
@@ -23,10 +28,12 @@ mod study;
 mod survey;
 mod verdict;
 
+pub use boundary::{BoundaryReport, Sided};
 pub use convergence::LatticeCertificate;
 pub use latitude::latitude_curves;
+pub use quotient::Quotient;
 pub use regular::RegularMask;
-pub use sectors::Kind;
+pub use sectors::{Kind, PlaneNet};
 pub use smoothness::{Proof, RegularSmoothness};
 pub use spectrum::{Found, Weight};
 pub use study::{SurfaceStudy, ValenceReport};

@@ -17,6 +17,12 @@ pub enum Kind {
     Dual,
 }
 
+/// By how much a row near the middle may differ from that of the regular net and count as equal: rounding.
+/// Other rules differ by a hundredth at least. Half and twice of it decide alike.
+pub(super) const SAME: f64 = 1e-12;
+/// Points in the plane, and faces by the numbers of their points.
+pub type PlaneNet = (Vec<[f64; 2]>, Vec<Vec<usize>>);
+
 /// A point of one sector, and the ends of a cell.
 pub(super) type Point = [i32; 2];
 

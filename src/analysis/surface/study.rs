@@ -3,13 +3,14 @@
 use std::collections::BTreeMap;
 
 use super::blocks::{Block, components, row};
+use super::boundary::BoundaryReport;
 use super::characteristic::{CharacteristicNet, RingProof, ring};
 use super::local::{Applied, Local};
 use super::regular::RegularMask;
-use super::sectors::{Kind, Point};
+use super::sectors::{Kind, PlaneNet, Point, SAME};
 use super::smoothness::RegularSmoothness;
 use super::spectrum::{Found, Spectrum, Weight};
-use super::survey::{Extraordinary, survey};
+use super::survey::{Extraordinary, on_boundary, survey};
 use super::verdict::{Case, Criterion};
 use crate::analysis::limit::Unlimited;
 use crate::scheme::operator::Children;
@@ -22,9 +23,6 @@ use crate::watch::{Stopped, Watch};
 /// They draw valence 12 with three rings. Half of it leaves out the outer ring at large valences; twice of it makes
 /// answers about many valences twice as long.
 const MAX_POINTS: usize = 512;
-/// By how much a row near the middle may differ from that of the regular net and count as equal: rounding.
-/// Other rules differ by a hundredth at least. Half and twice of it decide alike.
-const SAME: f64 = 1e-12;
 /// Rings farther out that are tried for one on which the regular rules hold.
 /// Rules beside extraordinary vertices reach a ring farther at most. Half and twice of it decide alike.
 const MORE_RINGS: i32 = 2;
@@ -36,9 +34,6 @@ pub struct SurfaceStudy {
     /// The rule of regular nets.
     pub regular: RegularMask,
 }
-
-/// Points in the plane, and faces by the numbers of their points.
-pub(super) type PlaneNet = (Vec<[f64; 2]>, Vec<Vec<usize>>);
 
 /// What is known of one valence.
 #[derive(Debug, Clone)]
@@ -96,12 +91,30 @@ impl SurfaceStudy {
         survey(self.applied.kind, topology)
     }
 
+    /// The boundary vertices of a mesh by their number of faces.
+    pub fn on_boundary(&self, topology: &Topology) -> BTreeMap<usize, Extraordinary> {
+        on_boundary(topology)
+    }
+
     /// How smooth limits of regular nets are, as far as so many products of matrices tell.
     ///
     /// # Errors
     /// [`Stopped`].
     pub fn smoothness(&self, nodes: u64, watch: &Watch) -> Result<RegularSmoothness, Stopped> {
         RegularSmoothness::of(&self.regular, nodes, watch)
+    }
+
+    /// What is known of boundary vertices with some number of faces.
+    ///
+    /// # Errors
+    /// [`Unlimited`].
+    pub fn boundary(
+        &self,
+        faces: usize,
+        smoothness: &RegularSmoothness,
+        watch: &Watch,
+    ) -> Result<BoundaryReport, Unlimited> {
+        self.applied.boundary(faces, &self.regular, smoothness.is_c1(), watch)
     }
 
     /// What is known of a valence.

@@ -23,6 +23,25 @@ pub struct Extraordinary {
     pub n_faces: usize,
 }
 
+impl Extraordinary {
+    fn add_vertex(&mut self, v: usize) {
+        self.n_vertices += 1;
+        if self.vertices.len() < MAX_NAMED {
+            self.vertices.push(index(v));
+        }
+    }
+}
+
+/// The boundary vertices of a mesh by their number of faces.
+pub(super) fn on_boundary(topology: &Topology) -> BTreeMap<usize, Extraordinary> {
+    let mut found: BTreeMap<usize, Extraordinary> = BTreeMap::new();
+    let outside = |v: &usize| !topology.is_isolated(*v) && topology.boundary_edges(*v).is_some();
+    for v in (0..topology.n_vertices()).filter(outside) {
+        found.entry(topology.ring(v).count()).or_default().add_vertex(v);
+    }
+    found
+}
+
 /// The extraordinary vertices inside a mesh, and its faces that are or become such, by valence.
 pub(super) fn survey(kind: Kind, topology: &Topology) -> BTreeMap<usize, Extraordinary> {
     let mut found: BTreeMap<usize, Extraordinary> = BTreeMap::new();
@@ -30,11 +49,7 @@ pub(super) fn survey(kind: Kind, topology: &Topology) -> BTreeMap<usize, Extraor
     for v in (0..topology.n_vertices()).filter(|&v| inside(v)) {
         let valence = topology.valence(v);
         if valence != kind.regular() {
-            let of = found.entry(valence).or_default();
-            of.n_vertices += 1;
-            if of.vertices.len() < MAX_NAMED {
-                of.vertices.push(index(v));
-            }
+            found.entry(valence).or_default().add_vertex(v);
         }
     }
     // triangles stay what they are

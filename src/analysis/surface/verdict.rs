@@ -28,9 +28,9 @@ pub struct Criterion {
 }
 
 /// The statement about regular nets.
-const REGULAR: &str = "limits of regular nets are C1";
+pub(super) const REGULAR: &str = "limits of regular nets are C1";
 /// The statement about the eigenvalue 1.
-const ONE: &str = "the eigenvalue 1 is simple, and all others are smaller";
+pub(super) const ONE: &str = "the eigenvalue 1 is simple, and all others are smaller";
 /// The statement about the subdominant eigenvalue.
 const SUBDOMINANT: &str = "the next eigenvalue is real, positive and there twice, with the Fourier indices 1 and \
                            n - 1, and all others are smaller";

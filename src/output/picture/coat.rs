@@ -125,11 +125,6 @@ fn follows_looks(carried: &Attachments, options: &Values) -> bool {
         && skin::is_said(carried)
 }
 
-/// What of the looks of materials is not drawn, as a sentence.
-pub(crate) fn left_out(carried: &Attachments, options: &Values) -> Option<String> {
-    if follows_looks(carried, options) { skin::left_out(carried) } else { None }
-}
-
 /// Work that colours take, rows.
 pub(crate) fn work(carried: &Attachments, options: &Values) -> u128 {
     if follows_looks(carried, options) { skin::work(carried) } else { 0 }

@@ -14,7 +14,7 @@ use crate::output::error::FormatError;
 use crate::output::numbers::rounded;
 use crate::raster::{Beyond, Cover, Swatch, Texels};
 use crate::shape::attachments::Attachments;
-use crate::shape::looks::{Alpha, Look, images};
+use crate::shape::looks::{Alpha, Look};
 use crate::shape::textures::{Filter, Image, ImageKind, Texture, Wrap};
 use crate::watch::Watch;
 
@@ -24,12 +24,11 @@ const PIXEL_BYTES: u128 = 18;
 /// Pixels of such a picture that are decoded in the time of a row, 100 ns.
 const PIXELS_A_ROW: u128 = 4;
 
-/// Materials that a warning names at most.
-const NAMED: usize = 5;
-
 /// Whether materials give faces a look of their own.
 pub(super) fn is_said(carried: &Attachments) -> bool {
-    carried.looks.iter().any(|look| look.color.is_some() || look.texture.is_some() || is_metal(look))
+    let shows =
+        |look: &Look| look.color.is_some() || look.texture.is_some() || is_metal(look) || look.roughness.is_some();
+    carried.looks.iter().any(shows)
 }
 
 fn is_metal(look: &Look) -> bool {
@@ -38,7 +37,8 @@ fn is_metal(look: &Look) -> bool {
 
 /// Whether some material is more than one colour.
 pub(super) fn is_rich(swatches: &[Swatch]) -> bool {
-    swatches.iter().any(|swatch| swatch.cover.is_some() || swatch.alpha < 1.0 || swatch.metal > 0.0)
+    let is_rich = |swatch: &Swatch| swatch.alpha < 1.0 || swatch.metal > 0.0 || swatch.roughness.is_some();
+    swatches.iter().any(|swatch| swatch.cover.is_some() || is_rich(swatch))
 }
 
 /// Whether some material has a picture.
@@ -57,7 +57,17 @@ pub(super) fn work(carried: &Attachments) -> u128 {
 }
 
 fn pixels(carried: &Attachments) -> u128 {
-    images(&carried.looks).iter().map(|image| image.size().map(u128::from).iter().product::<u128>()).sum()
+    pictures(carried).iter().map(|(image, _)| image.size().map(u128::from).iter().product::<u128>()).sum()
+}
+
+/// The pictures of materials, each once with its alpha and once without, where both are shown.
+fn pictures(carried: &Attachments) -> Vec<(&Arc<Image>, bool)> {
+    let mut found = Vec::new();
+    for look in &carried.looks {
+        let picture = look.texture.as_ref().map(|texture| (&texture.image, keeps_alpha(look)));
+        found.extend(picture.filter(|picture| !found.contains(picture)));
+    }
+    found
 }
 
 /// A swatch for each material, and at the end one for faces without.
@@ -65,51 +75,43 @@ fn pixels(carried: &Attachments) -> u128 {
 /// # Errors
 /// A picture that cannot be decoded, or a stopped watch.
 pub(super) fn swatches(carried: &Attachments, plain: [f32; 3], watch: &Watch) -> Result<Vec<Swatch>, FormatError> {
-    let images = images(&carried.looks);
+    let images = pictures(carried);
     let mut texels = Vec::with_capacity(images.len());
-    for image in &images {
+    for (image, keeps_alpha) in &images {
         watch.check()?;
-        texels.push(Arc::new(decoded(image)?));
+        texels.push(Arc::new(decoded(image, *keeps_alpha)?));
     }
-    let cover = |texture: &Texture| {
-        let image = images.iter().position(|image| **image == texture.image)?;
+    let cover = |look: &Look| {
+        let texture = look.texture.as_ref()?;
+        let wanted = (&texture.image, keeps_alpha(look));
+        let image = images.iter().position(|(image, keeps_alpha)| (*image, *keeps_alpha) == wanted)?;
         Some(cover(texture, texels[image].clone()))
     };
-    let swatch = |look: &Look| Swatch {
-        color: color(look, plain),
-        alpha: alpha(look),
-        metal: look.metallic.map_or(0.0, rounded),
-        cover: look.texture.as_ref().and_then(cover),
+    let swatch = |look: &Look| {
+        let (cover, metal, roughness) = (cover(look), look.metallic.map_or(0.0, rounded), look.roughness.map(rounded));
+        let (alpha, cutoff) = alpha(look, cover.as_ref().is_some_and(|cover| cover.texels.has_alpha()));
+        Swatch { color: color(look, plain), alpha, cutoff, metal, roughness, cover }
     };
-    let nothing = Swatch { color: plain, alpha: 1.0, metal: 0.0, cover: None };
+    let nothing = Swatch { color: plain, alpha: 1.0, cutoff: None, metal: 0.0, roughness: None, cover: None };
     Ok(carried.looks.iter().map(swatch).chain([nothing]).collect())
 }
 
-/// How much a material hides of what lies behind it; the alpha of its texture does not count.
-fn alpha(look: &Look) -> f32 {
+/// How much a material hides of what lies behind it, and for textures with an alpha that from which on it is there at
+/// all.
+fn alpha(look: &Look, has_alpha: bool) -> (f32, Option<f32>) {
     let given = look.color.map_or(1.0, |color| color[3]);
     match look.alpha() {
-        Alpha::Opaque => 1.0,
-        Alpha::Mask(cutoff) => f32::from(u8::from(given >= cutoff)),
-        Alpha::Blend => rounded(given),
+        Alpha::Opaque => (1.0, None),
+        Alpha::Mask(cutoff) if has_alpha => (rounded(given), Some(rounded(cutoff))),
+        Alpha::Mask(cutoff) => (f32::from(u8::from(given >= cutoff)), None),
+        Alpha::Blend => (rounded(given), None),
     }
 }
 
-/// The materials whose textures may let something through, which pictures do not show, as a sentence.
-pub(super) fn left_out(carried: &Attachments) -> Option<String> {
-    let may_be_clear = |look: &Look| {
-        let is_png = look.texture.as_ref().is_some_and(|texture| texture.image.kind() == ImageKind::Png);
-        is_png && look.alpha() != Alpha::Opaque
-    };
-    let named = carried.materials.names.iter().zip(&carried.looks).filter(|(_, look)| may_be_clear(look));
-    let names: Vec<String> = named.map(|(name, _)| format!("\"{name}\"")).collect();
-    let (n, first) = (names.len(), names[..names.len().min(NAMED)].join(", "));
-    let more = if n > NAMED { ", ..." } else { "" };
-    (n > 0).then(|| {
-        format!(
-            "textures are drawn opaque, whatever their alpha, in materials of alpha mode blend or mask: {first}{more}"
-        )
-    })
+/// Whether the alpha of the texture of a material counts.
+fn keeps_alpha(look: &Look) -> bool {
+    let is_png = look.texture.as_ref().is_some_and(|texture| texture.image.kind() == ImageKind::Png);
+    is_png && look.alpha() != Alpha::Opaque
 }
 
 /// The colour of a material, linear light; white under a picture, where nothing is said.
@@ -127,14 +129,14 @@ fn cover(texture: &Texture, texels: Arc<Texels>) -> Cover {
     Cover { texels, beyond, nearest: texture.magnify == Some(Filter::Nearest) }
 }
 
-/// The pixels of a picture; its alpha does not count.
-fn decoded(image: &Image) -> Result<Texels, FormatError> {
+/// The pixels of a picture, with their alpha where that counts.
+fn decoded(image: &Image, keeps_alpha: bool) -> Result<Texels, FormatError> {
     let size = image.size().map(|side| side as usize);
     let bytes = match image.kind() {
-        ImageKind::Png => png(image),
-        ImageKind::Jpeg => jpeg(image),
+        ImageKind::Png => png(image, keeps_alpha),
+        ImageKind::Jpeg => jpeg(image).map(|bytes| (bytes, Vec::new())),
     };
-    let bytes = bytes.map_err(|detail| {
+    let (bytes, alphas) = bytes.map_err(|detail| {
         let kind = image.kind().media_type();
         FormatError::Unfit(format!("a texture ({kind}, {} x {}) cannot be decoded: {detail}", size[0], size[1]))
     })?;
@@ -142,17 +144,26 @@ fn decoded(image: &Image) -> Result<Texels, FormatError> {
     if pixels.len() != size[0] * size[1] || !rest.is_empty() {
         return Err(FormatError::Unfit("a texture has not the size that its head says; send it whole".to_owned()));
     }
-    Ok(Texels::new(size, pixels.to_vec()))
+    Ok(Texels::new(size, pixels.to_vec(), alphas))
 }
 
-fn png(image: &Image) -> Result<Vec<u8>, String> {
+/// Colours, and alphas where they count and one is below 1.
+fn png(image: &Image, keeps_alpha: bool) -> Result<(Vec<u8>, Vec<u8>), String> {
     let [width, height] = image.size();
     let mut reader = ImageReader::with_format(Cursor::new(image.bytes()), ImageFormat::Png);
     let mut limits = image::Limits::default();
     (limits.max_image_width, limits.max_image_height) = (Some(width), Some(height));
     limits.max_alloc = Some(u64::from(width) * u64::from(height) * 8 + (1 << 20));
     reader.limits(limits);
-    Ok(reader.decode().map_err(|error| error.to_string())?.into_rgb8().into_raw())
+    let decoded = reader.decode().map_err(|error| error.to_string())?;
+    if !keeps_alpha || !decoded.color().has_alpha() {
+        return Ok((decoded.into_rgb8().into_raw(), Vec::new()));
+    }
+    let pixels = decoded.into_rgba8().into_raw();
+    let (pixels, _) = pixels.as_chunks::<4>();
+    let colors = pixels.iter().flat_map(|[red, green, blue, _]| [*red, *green, *blue]).collect();
+    let is_clear = pixels.iter().any(|pixel| pixel[3] < u8::MAX);
+    Ok((colors, if is_clear { pixels.iter().map(|pixel| pixel[3]).collect() } else { Vec::new() }))
 }
 
 /// Decoded without instructions that only some machines have, so that all get the same bytes.

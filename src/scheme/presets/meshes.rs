@@ -1,6 +1,7 @@
 //! Classical schemes on meshes.
 
 use crate::math::parameter::{Parameter, Values};
+use crate::scheme::claim::Claim;
 use crate::scheme::letter::Letter;
 use crate::scheme::ops::{CatmullClark, LoopSmoothing};
 use crate::scheme::preset::{Preset, Refines, Spelling, letters};
@@ -15,7 +16,7 @@ pub(super) const CATMULL_CLARK: Preset = Preset {
     source: "Catmull and Clark, CAD 10 (1978), 350-355; boundaries as OpenSubdiv 3.5",
     parameters: &[CREASING, TRIANGLE_RULE],
     refines: Refines::Meshes,
-    claims: &[],
+    claims: &[Claim::on_meshes("", &[&[]], ["2", "4", "1"], Some([3, 50]))],
     spell: |values| {
         let mut cycle = letters("U");
         cycle.push(Letter::plain(&CatmullClark));
@@ -33,7 +34,7 @@ pub(super) const LOOP: Preset = Preset {
     source: "Loop, Smooth subdivision surfaces based on triangles, 1987; boundaries as OpenSubdiv 3.5",
     parameters: &[CREASING],
     refines: Refines::Meshes,
-    claims: &[],
+    claims: &[Claim::on_meshes("", &[&[]], ["2", "4", "1"], Some([3, 50]))],
     spell: |values| {
         let mut cycle = letters("U");
         cycle.push(Letter::plain(&LoopSmoothing));
@@ -48,7 +49,7 @@ pub(super) const BILINEAR: Preset = Preset {
     source: "Zorin and Schroeder, CAGD 18 (2001), 429-454",
     parameters: &[],
     refines: Refines::Meshes,
-    claims: &[],
+    claims: &[Claim::on_meshes("", &[&[]], ["0", "2", "1"], None)],
     spell: |_| Ok(Spelling::of(letters("U"))),
 };
 

@@ -39,6 +39,14 @@ pub(super) const PUSH_BACK: Preset = Preset {
             ["3", "6", "1"],
         ),
         Claim::new("polygons, delta = -1/2", &[&[("delta", "-1/2")]], ["4", "6", "1"]),
+        Claim::on_meshes("meshes, delta = 1", &[&[("delta", "1")]], ["1", "6", "3"], Some([3, 12])),
+        Claim::on_meshes(
+            "meshes, 0 < delta <= 1/4",
+            &[&[("delta", "1/10")], &[("delta", "1/4")]],
+            ["2", "6", "1"],
+            Some([3, 12]),
+        ),
+        Claim::on_meshes("meshes, delta = 0", &[&[("delta", "0")]], ["2", "4", "1"], Some([3, 12])),
     ],
     spell: |values| {
         let k = values.integer("k").and_then(|k| usize::try_from(k).ok()).unwrap_or(1);

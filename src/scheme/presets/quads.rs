@@ -1,6 +1,7 @@
 //! Classical schemes on quads besides Catmull-Clark.
 
 use crate::math::parameter::Parameter;
+use crate::scheme::claim::Claim;
 use crate::scheme::letter::Letter;
 use crate::scheme::ops::{DooSabin, KobbeltEdges, KobbeltFaces};
 use crate::scheme::preset::{Preset, Refines, Spelling, letters};
@@ -13,7 +14,7 @@ pub(super) const DOO_SABIN: Preset = Preset {
     source: "Doo and Sabin, CAD 10 (1978), 356-360",
     parameters: &[],
     refines: Refines::Meshes,
-    claims: &[],
+    claims: &[Claim::on_meshes("", &[&[]], ["1", "3", "1"], Some([3, 50]))],
     spell: |_| Ok(Spelling::of(vec![Letter::plain(&DooSabin)])),
 };
 
@@ -30,7 +31,12 @@ pub(super) const REPEATED_AVERAGING: Preset = Preset {
         "Polynomial degree in regular regions: odd for primal schemes, even for dual ones.",
     )],
     refines: Refines::Meshes,
-    claims: &[],
+    claims: &[Claim::on_meshes(
+        "degree up to 7",
+        &[&[("degree", "2")], &[("degree", "3")], &[("degree", "4")], &[("degree", "7")]],
+        ["degree - 1", "degree + 1", "1"],
+        Some([3, 12]),
+    )],
     spell: |values| {
         let averages = values.integer("degree").and_then(|degree| usize::try_from(degree - 1).ok()).unwrap_or(2);
         Ok(Spelling::of(letters(&format!("U{}{}", "C".repeat(averages / 2), "D".repeat(averages % 2)))))
@@ -45,7 +51,7 @@ pub(super) const KOBBELT: Preset = Preset {
     source: "Kobbelt, Computer Graphics Forum 15 (1996), 409-420",
     parameters: &[],
     refines: Refines::Meshes,
-    claims: &[],
+    claims: &[Claim::on_meshes("", &[&[]], ["1", "6", "3"], Some([3, 12]))],
     spell: |_| {
         let mut cycle = letters("U");
         cycle.push(Letter::plain(&KobbeltEdges));

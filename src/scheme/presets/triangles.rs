@@ -1,6 +1,7 @@
 //! Classical schemes on triangles besides Loop.
 
 use crate::math::parameter::Value;
+use crate::scheme::claim::Claim;
 use crate::scheme::letter::Letter;
 use crate::scheme::ops::{ButterflyEdges, RootThree};
 use crate::scheme::preset::{Preset, Refines, Spelling, letters};
@@ -14,7 +15,15 @@ pub(super) const BUTTERFLY: Preset = Preset {
     source: "Zorin, Schroeder and Sweldens, SIGGRAPH 1996, 189-192; Dyn, Levin and Gregory, ACM TOG 9 (1990), 160-169",
     parameters: &[ButterflyEdges::W],
     refines: Refines::Meshes,
-    claims: &[],
+    claims: &[
+        Claim::on_meshes("w = 1/16", &[&[("w", "1/16")]], ["1", "6", "3"], Some([3, 12])),
+        Claim::on_meshes(
+            "0 < w < 1/12, w not 1/16",
+            &[&[("w", "1/20")], &[("w", "3/40")]],
+            ["1", "6", "1"],
+            Some([3, 12]),
+        ),
+    ],
     spell: |values| {
         let w = Value::Number(values.number("w").unwrap_or(1.0 / 16.0));
         let mut cycle = letters("U");
@@ -30,6 +39,6 @@ pub(super) const SQRT_3: Preset = Preset {
     source: "Kobbelt, SIGGRAPH 2000, 103-112",
     parameters: &[],
     refines: Refines::Meshes,
-    claims: &[],
+    claims: &[Claim::on_meshes("", &[&[]], ["2", "5", "1"], Some([3, 50]))],
     spell: |_| Ok(Spelling::of(vec![Letter::plain(&RootThree)])),
 };

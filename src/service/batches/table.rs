@@ -273,7 +273,7 @@ impl Batches {
             request: Arc::new(request),
             attempts: attempts + u32::from(is_active),
             terms,
-            peer: Peer::SELF,
+            peer: Peer::service(batch.tenant),
             state,
             items,
             queued: now,

@@ -381,7 +381,7 @@ fn revived(kept: Kept, memory: Paid, now: Duration, wall: Duration) -> Record {
         attempts: attempts + u32::from(is_active),
         starts,
         terms,
-        peer: Peer::SELF,
+        peer: Peer::service(job.tenant),
         wanted: Wanted { is_posted, ..Wanted::default() },
         state,
         made: if is_active { vec![None; made.len()] } else { made },

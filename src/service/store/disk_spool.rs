@@ -62,8 +62,13 @@ impl LargeSpool for DiskSpool {
         Ok(taken)
     }
 
-    fn seal(&mut self, description: Description) -> Result<Arc<dyn Sealed>, StoreError> {
+    fn seal(&mut self, mut description: Description) -> Result<Arc<dyn Sealed>, StoreError> {
         self.spill()?;
+        if let Some(present) = self.store.held(&self.key, &self.parts.content())
+            && let Some(owners) = present.owners.with(&description.owners)
+        {
+            description.owners = owners;
+        }
         let manifest = self.parts.clone().manifest(self.key, description);
         shelf::admit(cost(manifest.length, manifest.encode().len()), self.store.capacity)?;
         let tmp = self.tmp.take().map_or_else(|| self.store.folder.create_tmp(&self.key), Ok)?;

@@ -144,7 +144,15 @@ impl DiskState {
             return Err(io::Error::other("the store is closed").into());
         }
         if let Some(present) = self.held(&key, &manifest.content) {
-            return Ok(present);
+            if present.owners.with(&manifest.owners).is_none() {
+                return Ok(present);
+            }
+            // the same bytes for further tenants: only what is known of them changes
+            self.folder.describe(&key, record)?;
+            if let Some(held) = lock(&self.shelf).touch_mut(&key) {
+                *held = Arc::clone(&manifest);
+            }
+            return Ok(manifest);
         }
         if self.discard(&mut index, &key)? {
             tracing::warn!(%key, "an artifact was made again with other bytes; the new ones replace the old");

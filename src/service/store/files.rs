@@ -4,6 +4,7 @@
 //! lock                          held, like the folder itself, by the one process that uses the folder
 //! index.redb                    order of use
 //! jobs.redb                     records of jobs
+//! keys.toml, keys.lock          keys of clients, kept by the commands that change them
 //! tmp/<64 hex>.<number>.tmp     being written
 //! uploads/                      a folder like this one, with the files that clients sent
 //! artifacts/ab/<64 hex>         bytes
@@ -121,6 +122,12 @@ impl Folder {
         })
     }
 
+    /// Gives an artifact that is there another manifest, written and synced.
+    pub(super) fn describe(&self, key: &Key, manifest: &Tmp) -> io::Result<()> {
+        manifest.rename(&self.manifest(key))?;
+        self.sync_folder(&self.shard(key))
+    }
+
     /// Whether something that is no file has the name of an artifact or of its manifest: neither can be written then.
     pub(super) fn is_occupied(&self, key: &Key) -> bool {
         self.bytes(key).is_dir() || self.manifest(key).is_dir()
@@ -168,7 +175,8 @@ fn read_part(disk: &dyn Disk, path: &Path, manifest: &Manifest, index: usize) ->
 }
 
 /// What a folder of this store has in it; what a system puts into the root of a disk may stand beside it.
-const OWN: [&str; 6] = ["lock", "index.redb", RECORDS_FILE, "tmp", "artifacts", "uploads"];
+const OWN: [&str; 9] =
+    ["lock", "index.redb", RECORDS_FILE, "tmp", "artifacts", "uploads", "keys.toml", "keys.lock", "keys.new"];
 const OF_SYSTEMS: [&str; 3] = ["lost+found", ".snapshot", ".DS_Store"];
 
 /// Refuses a folder that holds something else, or records that are damaged, before anything in it is touched.

@@ -2,6 +2,7 @@
 
 use crate::job::key::Key;
 use crate::service::fields::{Fields, Writing};
+use crate::service::job_key::Tenant;
 
 /// Bytes of one part; the last part of an artifact may be shorter.
 /// Half of it doubles the hashes of a manifest; twice of it doubles what is read and verified for a byte of a range.
@@ -27,6 +28,8 @@ pub struct Manifest {
     pub build: String,
     /// Results version under which they were made.
     pub results_version: u32,
+    /// For whom they were made, or who sent them.
+    pub owners: Owners,
 }
 
 /// What the maker of an artifact says of it when it commits the bytes.
@@ -36,12 +39,66 @@ pub struct Description {
     pub media_type: String,
     /// Warnings of the computation.
     pub warnings: Vec<String>,
+    /// For whom they were made, or who sent them.
+    pub owners: Owners,
 }
 
 impl Description {
     /// What was said of an artifact.
     pub fn of(manifest: &Manifest) -> Self {
-        Self { media_type: manifest.media_type.clone(), warnings: manifest.warnings.clone() }
+        Self {
+            media_type: manifest.media_type.clone(),
+            warnings: manifest.warnings.clone(),
+            owners: manifest.owners.clone(),
+        }
+    }
+}
+
+/// Most tenants that one artifact remembers. One more takes the place of the first, for whom the artifact would be made
+/// again. Twice of it makes manifests of popular artifacts twice as long, 4 KiB; half of it makes such artifacts again
+/// where more than 128 tenants share a service.
+const MOST_OWNERS: usize = 256;
+
+/// The tenants that may see an artifact: those for whom it was made, or who sent it. It is found under its key by them
+/// alone.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Owners(Vec<Tenant>);
+
+impl Default for Owners {
+    /// Everybody who does not say who he is.
+    fn default() -> Self {
+        Self(vec![Tenant::ANYONE])
+    }
+}
+
+impl FromIterator<Tenant> for Owners {
+    fn from_iter<I: IntoIterator<Item = Tenant>>(tenants: I) -> Self {
+        let mut owners = Self(Vec::new());
+        tenants.into_iter().for_each(|tenant| owners.add(tenant));
+        owners
+    }
+}
+
+impl Owners {
+    /// Whether a tenant is among them.
+    pub fn contain(&self, tenant: Tenant) -> bool {
+        self.0.contains(&tenant)
+    }
+
+    fn add(&mut self, tenant: Tenant) {
+        if !self.contain(tenant) {
+            if self.0.len() >= MOST_OWNERS {
+                self.0.remove(0);
+            }
+            self.0.push(tenant);
+        }
+    }
+
+    /// These and those; `None` where these contain all of those already.
+    pub(super) fn with(&self, others: &Self) -> Option<Self> {
+        let mut all = self.clone();
+        others.0.iter().for_each(|tenant| all.add(*tenant));
+        (all != *self).then_some(all)
     }
 }
 
@@ -58,6 +115,8 @@ mod tag {
     pub(super) const BUILD: u8 = 6;
     pub(super) const RESULTS_VERSION: u8 = 7;
     pub(super) const WARNING: u8 = 8;
+    /// Left out where they are everybody.
+    pub(super) const OWNERS: u8 = 9;
 }
 
 impl Manifest {
@@ -71,6 +130,10 @@ impl Manifest {
         out.hashes(tag::PARTS, &self.parts);
         out.field(tag::BUILD, self.build.as_bytes());
         out.field(tag::RESULTS_VERSION, &self.results_version.to_le_bytes());
+        if self.owners != Owners::default() {
+            let numbers: Vec<u64> = self.owners.0.iter().map(|tenant| tenant.0).collect();
+            out.numbers(tag::OWNERS, &numbers);
+        }
         for warning in &self.warnings {
             out.field(tag::WARNING, warning.as_bytes());
         }
@@ -90,10 +153,15 @@ impl Manifest {
         }
         let build = fields.text(tag::BUILD)?;
         let results_version = u32::from_le_bytes(fields.fixed(tag::RESULTS_VERSION)?);
+        let owners = if fields.is_next(tag::OWNERS) {
+            fields.numbers(tag::OWNERS)?.into_iter().map(Tenant).collect()
+        } else {
+            Owners::default()
+        };
         let mut warnings = Vec::new();
         while !fields.is_empty() {
             warnings.push(fields.text(tag::WARNING)?);
         }
-        Some(Self { key, media_type, length, content, parts, warnings, build, results_version })
+        Some(Self { key, media_type, length, content, parts, warnings, build, results_version, owners })
     }
 }

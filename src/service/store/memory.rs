@@ -64,7 +64,10 @@ impl Memory {
 
         let mut left = Vec::new(); // freed after the lock
         let mut shelf = lock(&self.shelf);
-        if let Some(present) = shelf.touch(&key).filter(|present| present.manifest.content == manifest.content) {
+        if let Some(present) = shelf.touch_mut(&key).filter(|present| present.manifest.content == manifest.content) {
+            if let Some(owners) = present.manifest.owners.with(&manifest.owners) {
+                present.manifest = Arc::new(Manifest { owners, ..(*present.manifest).clone() });
+            }
             return Ok(Arc::clone(&present.manifest));
         }
         let replaced = shelf.remove(&key);

@@ -25,7 +25,7 @@ pub use disk::{Disk, Local};
 pub use embedded::Embedded;
 pub use error::StoreError;
 pub use interface::{LargeSpool, Sealed, Spool, Store, StoreKind, Usage};
-pub use manifest::{Description, Manifest, PART_BYTES};
+pub use manifest::{Description, Manifest, Owners, PART_BYTES};
 pub use memory::Memory;
 pub(super) use parts::part_of;
 pub use pin::Pin;

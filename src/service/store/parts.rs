@@ -73,9 +73,9 @@ impl Manifest {
 }
 
 fn record(key: Key, length: u64, content: Key, parts: Vec<Key>, description: Description) -> Manifest {
-    let Description { media_type, warnings } = description;
+    let Description { media_type, warnings, owners } = description;
     let (build, results_version) = (BUILD.to_owned(), RESULTS_VERSION);
-    Manifest { key, media_type, length, content, parts, warnings, build, results_version }
+    Manifest { key, media_type, length, content, parts, warnings, build, results_version, owners }
 }
 
 /// Where part `index` starts and how many bytes it has; `None` when there is no such part.

@@ -47,7 +47,8 @@ impl SealedFile {
 
     fn place(&self) -> Result<Arc<Manifest>, StoreError> {
         let (store, key) = (&self.store, &self.manifest.key);
-        if let Some(present) = store.held(key, &self.manifest.content) {
+        let present = store.held(key, &self.manifest.content);
+        if let Some(present) = present.filter(|present| present.owners.with(&self.manifest.owners).is_none()) {
             return Ok(present);
         }
         self.bytes.sync()?;

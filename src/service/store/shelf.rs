@@ -41,6 +41,11 @@ impl<V> Shelf<V> {
 
     /// The value of `key`; counts as a use.
     pub(in crate::service) fn touch(&mut self, key: &Key) -> Option<&V> {
+        self.touch_mut(key).map(|value| &*value)
+    }
+
+    /// The value of `key`, to be changed by what costs nothing; counts as a use.
+    pub(in crate::service) fn touch_mut(&mut self, key: &Key) -> Option<&mut V> {
         let entry = self.entries.get_mut(key)?;
         if entry.last_use + 1 < self.next_use {
             self.order.remove(&entry.last_use);
@@ -48,7 +53,7 @@ impl<V> Shelf<V> {
             entry.last_use = self.next_use;
             self.next_use += 1;
         }
-        Some(&entry.value)
+        Some(&mut entry.value)
     }
 
     /// The value of `key`, without a use.

@@ -3,6 +3,7 @@
 use serde::Serialize;
 use utoipa::ToSchema;
 
+use super::bounds::PolygonSurveyAnswer;
 use super::matrices::MatricesAnswer;
 use crate::analysis::Level;
 use crate::analysis::smoothness::{BasicFunction, Certificate, Reduction, Report, Smoothness, Symbol, Weights};
@@ -30,6 +31,9 @@ pub struct ChangingAnswer {
     pub static_limit: SchemeAnswer,
     /// What follows for the plan itself.
     pub conclusion: ConclusionAnswer,
+    /// What is known of the polygons that were given.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub input: Option<PolygonSurveyAnswer>,
 }
 
 /// One level.
@@ -133,6 +137,9 @@ pub struct SchemeAnswer {
     /// The matrices of one step, where they were asked for.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub matrices: Option<MatricesAnswer>,
+    /// What is known of the polygons that were given.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub input: Option<PolygonSurveyAnswer>,
 }
 
 /// Numbers with indices.
@@ -233,7 +240,8 @@ const THEOREM: &str = "Dyn and Levin 1995: level schemes whose distances from a 
 
 impl ChangingAnswer {
     /// The answer about a plan whose static limit is known.
-    pub(super) fn new(findings: &SchemeFindings<'_>, static_limit: SchemeAnswer) -> Self {
+    pub(super) fn new(findings: &SchemeFindings<'_>, scheme: SchemeAnswer) -> Self {
+        let (input, static_limit) = (scheme.input, SchemeAnswer { input: None, ..scheme });
         let conclusion = ConclusionAnswer {
             proved_c: findings.proved_c,
             theorem: THEOREM,
@@ -252,6 +260,7 @@ impl ChangingAnswer {
             exponentials: findings.levels.iter().all(|level| level.keeps_circles),
             static_limit,
             conclusion,
+            input,
         }
     }
 }
@@ -273,12 +282,13 @@ impl LevelMaskAnswer {
 impl SchemeAnswer {
     /// The answer about a scheme.
     pub(in crate::wire) fn new(findings: &SchemeFindings<'_>) -> Self {
-        let SchemeFindings { report, values, derivatives, matrices, .. } = findings;
+        let SchemeFindings { report, values, derivatives, matrices, survey, .. } = findings;
         let symbol = &report.symbol;
         Self {
             basic_limit_function: values.as_ref().map(|values| ValuesAnswer::new(values, symbol.arity)),
             derivatives: derivatives.iter().map(|values| ValuesAnswer::new(values, symbol.arity)).collect(),
             matrices: matrices.as_ref().map(|matrices| MatricesAnswer::new(matrices, symbol.is_exact)),
+            input: survey.as_ref().map(PolygonSurveyAnswer::new),
             ..Self::of_report(report)
         }
     }
@@ -311,6 +321,7 @@ impl SchemeAnswer {
             basic_limit_function: None,
             derivatives: Vec::new(),
             matrices: None,
+            input: None,
         }
     }
 }

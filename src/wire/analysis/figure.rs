@@ -41,6 +41,8 @@ pub(super) fn figure(answer: &AnalysisAnswer) -> Drawing {
 /// A page with a heading, lines below it, and plots in rows of so many.
 fn page(title: &str, lines: &[String], plots: Vec<Plot>, columns: u16) -> Drawing {
     let rows = u16::try_from(plots.len()).unwrap_or(1).div_ceil(columns);
+    // there is room for two lines
+    let head = HEAD + 20 * u16::try_from(lines.len().saturating_sub(2)).unwrap_or(0);
     let mut items = vec![text(title, [24.0, 36.0], 1.3 * SIZE, Weight::Bold)];
     for (k, line) in (0_u8..).zip(lines) {
         items.push(text(line, [24.0, 60.0 + 20.0 * f32::from(k)], SIZE, Weight::Regular));
@@ -48,11 +50,11 @@ fn page(title: &str, lines: &[String], plots: Vec<Plot>, columns: u16) -> Drawin
     let width = f32::from(WIDTH) / f32::from(columns);
     for (k, plot) in (0_u16..).zip(plots) {
         let left = width * f32::from(k % columns);
-        let top = f32::from(HEAD) + f32::from(ROW * (k / columns));
+        let top = f32::from(head) + f32::from(ROW * (k / columns));
         items.push(text(&plot.title, [left + 24.0, top + 24.0], SIZE, Weight::Bold));
         items.extend(plot.items([left + 8.0, top + 36.0, width - 24.0, f32::from(ROW) - 44.0], SIZE));
     }
-    let size = [u32::from(WIDTH), u32::from(HEAD + rows * ROW)];
+    let size = [u32::from(WIDTH), u32::from(head + rows * ROW)];
     Drawing { size, background: [255; 4], title: title.to_owned(), items }
 }
 
@@ -186,27 +188,44 @@ fn of_scan(scan: &ScanAnswer) -> Drawing {
 /// They are those of valences 3 to 8 but the regular one, as a rule. Half of it shows fewer, twice of it is a poster.
 const MOST_NETS: usize = 6;
 
+/// Most characteristic nets of boundary vertices on a page.
+/// They are those of one to four faces, as a rule. Half of it shows a corner and the regular one, twice of it is a
+/// poster.
+const MOST_HALVES: usize = 4;
+
 fn of_surface(surface: &SurfaceAnswer) -> Drawing {
-    let SurfaceAnswer { regular, valences, .. } = surface;
+    let SurfaceAnswer { regular, valences, boundaries, .. } = surface;
     #[expect(clippy::cast_precision_loss, reason = "valences are small")]
     let by_valence = |value: fn(&crate::wire::surface_analysis::ValenceAnswer) -> Option<f64>| -> Vec<[f64; 2]> {
         valences.iter().filter_map(|of| Some([of.valence as f64, value(of)?])).collect()
     };
     let subdominant = by_valence(|of| of.eigenvalues.iter().find(|found| found.fourier == 1).map(|found| found.value));
     let ratio = by_valence(|of| of.subdominant_ratio);
-    let mut plots = vec![
-        Plot::around("Subdominant eigenvalue", "valence", "value", vec![stems(subdominant, BLUE)]),
-        Plot::around("The next eigenvalue over it", "valence", "ratio", vec![stems(ratio, BLUE)]),
-    ];
+    let mut plots = Vec::new();
+    if !valences.is_empty() {
+        plots.push(Plot::around("Subdominant eigenvalue", "valence", "value", vec![stems(subdominant, BLUE)]));
+        plots.push(Plot::around("The next eigenvalue over it", "valence", "ratio", vec![stems(ratio, BLUE)]));
+    }
     let nets = valences.iter().filter_map(|of| Some((of.valence, of.characteristic_net.as_ref()?)));
-    plots.extend(nets.take(MOST_NETS).map(|(valence, net)| characteristic(valence, net)));
+    plots.extend(nets.take(MOST_NETS).map(|(valence, net)| characteristic(&format!("valence {valence}"), net)));
     let facts: Vec<String> = valences.iter().map(|of| format!("{}: {}", of.valence, of.c1)).collect();
     let smooth = match regular.smoothness.proved_c {
         -1 => "not proved to converge".to_owned(),
         k => format!("C{k}"),
     };
-    let lines =
-        [format!("regular regions of {}: {smooth}", regular.faces), format!("C1 by valence: {}", facts.join(", "))];
+    let mut lines = vec![format!("regular regions of {}: {smooth}", regular.faces)];
+    if !facts.is_empty() {
+        lines.push(format!("C1 by valence: {}", facts.join(", ")));
+    }
+    let known = boundaries.iter().filter(|of| of.refused.is_none());
+    let edges: Vec<String> = known.map(|of| format!("{}: {}", of.faces, of.evidence)).collect();
+    if !edges.is_empty() {
+        lines.push(format!("C1 by faces on the boundary: {}", edges.join(", ")));
+    }
+    let nets = boundaries.iter().filter_map(|of| Some((of.faces, of.characteristic_net.as_ref()?)));
+    plots.extend(
+        nets.take(MOST_HALVES).map(|(faces, net)| characteristic(&format!("{faces} faces on the boundary"), net)),
+    );
     page("Scheme for surfaces", &lines, plots, 2)
 }
 
@@ -221,9 +240,9 @@ fn of_tube(tube: &TubeAnswer) -> Drawing {
     page(&format!("Straight tube with {vertices} vertices around"), &[facts], plots.into(), 2)
 }
 
-fn characteristic(valence: usize, net: &NetAnswer) -> Plot {
+fn characteristic(of: &str, net: &NetAnswer) -> Plot {
     let NetAnswer { points, faces } = net;
     let closed = |face: &Vec<usize>| face.iter().chain(face.first()).filter_map(|i| points.get(*i)).copied().collect();
     let marks = faces.iter().map(|face| line(closed(face), BLUE)).collect();
-    Plot::around(&format!("Characteristic net of valence {valence}"), "", "", marks)
+    Plot::around(&format!("Characteristic net of {of}"), "", "", marks)
 }

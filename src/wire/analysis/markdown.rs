@@ -6,7 +6,7 @@ use super::{
     AnalysisAnswer, ChangingAnswer, MaskAnswer, MatricesAnswer, MatrixAnswer, ScanAnswer, SchemeAnswer,
     SmoothnessAnswer,
 };
-use crate::wire::surface_analysis::SurfaceAnswer;
+use crate::wire::surface_analysis::{BoundaryAnswer, SurfaceAnswer};
 use crate::wire::tube_analysis::TubeAnswer;
 
 /// Widest matrices that are written out; wider ones do not fit on a page, and the JSON has them.
@@ -132,7 +132,7 @@ fn of_changing(text: &mut String, changing: &ChangingAnswer) -> Written {
 }
 
 fn of_surface(text: &mut String, surface: &SurfaceAnswer) -> Written {
-    let SurfaceAnswer { arity, regular, valences, assumptions, .. } = surface;
+    let SurfaceAnswer { arity, regular, valences, boundaries, assumptions, .. } = surface;
     write!(text, "# A scheme for surfaces of {}, edges divided by {arity}\n\n", regular.faces)?;
     let limits = verdict(regular.smoothness.proved_c, regular.smoothness.disproved_c);
     writeln!(text, "Where nothing is extraordinary limits are {limits}, by {}.", regular.smoothness.by)?;
@@ -144,12 +144,32 @@ fn of_surface(text: &mut String, surface: &SurfaceAnswer) -> Written {
         let cells = [subdominant, of.subdominant_ratio, of.characteristic_map_min_sine].map(or_none).join(" | ");
         writeln!(text, "| {} | {} | {} | {cells} |", of.valence, of.c1, of.evidence)?;
     }
+    of_boundaries(text, boundaries)?;
     text.push_str("\n## Limit masks\n\n");
     for of in valences {
         let weights: Vec<String> = of.limit_mask.iter().map(|(name, w)| format!("{name} {}", number(*w))).collect();
         writeln!(text, "- valence {}: {}", of.valence, weights.join(", "))?;
     }
     assumptions.iter().try_for_each(|assumption| writeln!(text, "- assumption: {assumption}"))
+}
+
+fn of_boundaries(text: &mut String, boundaries: &[BoundaryAnswer]) -> Written {
+    text.push_str("\n## Boundary vertices\n\n| Faces | Side of a crease | Evidence | Along | Across |");
+    text.push_str(" Least sine of the characteristic net |\n|---|---|---|---|---|---|\n");
+    for of in boundaries {
+        if let Some(reason) = &of.refused {
+            writeln!(text, "| {} | - | {reason} | - | - | - |", of.faces)?;
+            continue;
+        }
+        let next = |odd: bool| {
+            let found = of.eigenvalues.iter().filter(|found| found.odd == odd).nth(usize::from(!odd));
+            found.map_or_else(|| "-".to_owned(), |found| number(found.value))
+        };
+        let sine = of.characteristic_map_min_sine.map_or_else(|| "-".to_owned(), number);
+        let crease = if of.crease { "yes" } else { "no" };
+        writeln!(text, "| {} | {crease} | {} | {} | {} | {sine} |", of.faces, of.evidence, next(true), next(false))?;
+    }
+    Ok(())
 }
 
 fn of_tube(text: &mut String, tube: &TubeAnswer) -> Written {
@@ -202,7 +222,8 @@ fn of_scan(text: &mut String, scan: &ScanAnswer) -> Written {
 }
 
 fn of_matrices(text: &mut String, matrices: &MatricesAnswer) -> Written {
-    write!(text, "\n## One step on a closed polygon of {} points\n", matrices.points)?;
+    let ends = if matrices.closed { "a closed" } else { "an open" };
+    write!(text, "\n## One step on {ends} polygon of {} points\n", matrices.points)?;
     for step in &matrices.steps {
         matrix(text, &format!("{} ({})", step.name, step.role), &step.matrix)?;
         if let Some(coarse) = &step.coarse {

@@ -9,7 +9,7 @@ use crate::job::{FoundMatrices, MatricesWish};
 use crate::math::exact::Exact;
 use crate::scheme::operator::Role;
 
-/// Whether the matrices of one step are asked for, and of which closed polygon.
+/// Whether the matrices of one step are asked for, and of which polygon.
 #[derive(Debug, Clone, Deserialize, ToSchema)]
 #[serde(untagged)]
 pub enum MatricesRequest {
@@ -19,13 +19,16 @@ pub enum MatricesRequest {
     Of(SmallPolygon),
 }
 
-/// A closed polygon, and how many powers of the local matrix are shown.
+/// A polygon, and how many powers of the local matrix are shown.
 #[derive(Debug, Clone, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
 pub struct SmallPolygon {
-    /// Points of the closed polygon; 5 when left out.
+    /// Points of the polygon; 5 when left out.
     #[schema(minimum = 1, maximum = 16, default = 5)]
     pub points: Option<u32>,
+    /// Whether the last point is joined to the first; `true` when left out. Open polygons have the ends of the plan.
+    #[schema(default = true)]
+    pub closed: Option<bool>,
     /// Powers of the local matrix; 3 when left out.
     #[schema(minimum = 1, maximum = 8, default = 3)]
     pub powers: Option<u32>,
@@ -33,20 +36,23 @@ pub struct SmallPolygon {
 
 impl MatricesRequest {
     pub(super) fn resolve(self) -> Option<MatricesWish> {
-        let (points, powers) = match self {
+        let (points, closed, powers) = match self {
             Self::Asked(false) => return None,
-            Self::Asked(true) => (None, None),
-            Self::Of(SmallPolygon { points, powers }) => (points, powers),
+            Self::Asked(true) => (None, None, None),
+            Self::Of(SmallPolygon { points, closed, powers }) => (points, closed, powers),
         };
-        Some(MatricesWish { points: points.unwrap_or(5), powers: powers.unwrap_or(3) })
+        let (points, powers) = (points.unwrap_or(5), powers.unwrap_or(3));
+        Some(MatricesWish { points, closed: closed.unwrap_or(true), powers })
     }
 }
 
-/// The matrices of one step on a small closed polygon.
+/// The matrices of one step on a small polygon.
 #[derive(Debug, Clone, Serialize, ToSchema)]
 pub struct MatricesAnswer {
-    /// Points of the closed polygon.
+    /// Points of the polygon.
     pub points: u32,
+    /// Whether it is closed.
+    pub closed: bool,
     /// The operators of the first level in their order.
     pub steps: Vec<StepMatrixAnswer>,
     /// The product of all: new points are this times the points of the polygon.
@@ -97,9 +103,10 @@ pub struct PowersAnswer {
 
 impl MatricesAnswer {
     pub(super) fn new(found: &FoundMatrices<'_>, known: bool) -> Self {
-        let FoundMatrices { points, of_steps: StepMatrices { steps, product }, powers } = found;
+        let FoundMatrices { points, closed, of_steps: StepMatrices { steps, product }, powers } = found;
         Self {
             points: *points,
+            closed: *closed,
             steps: steps.iter().map(StepMatrixAnswer::new).collect(),
             product: MatrixAnswer::new(product, true),
             local: PowersAnswer::new(powers, known),

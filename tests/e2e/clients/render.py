@@ -7,7 +7,8 @@ from pathlib import Path
 from planish_client import Client
 from planish_client.api.jobs import artifact, render
 from planish_client.api.questions import estimate, validate
-from planish_client.models import JobRequest, ProblemAnswer
+from planish_client.models import JobRequest, ProblemAnswer, RenderFormat, RenderPreset
+from planish_client.types import File
 
 FIRST = {
     "image/png": b"\x89PNG",
@@ -42,6 +43,18 @@ def rendered(client, name, job):
     check(answer.headers["etag"].startswith(f'"{told.outputs[0].key}'), f"{name}: the estimate has another key")
 
 
+def posted(client):
+    """Sends a mesh file as the body, and the rest of the job in the query. As bytes of any type are `File` to the client,
+    it says of all that they are of the last type, STL."""
+    job = {"input": {"text": {"format": "obj", "data": Path("api/examples/meshes/nut.obj").read_text()}}}
+    stl = render.sync(client=client, body=JobRequest.from_dict({**job, "outputs": [{"format": "stl"}]}))
+    query = {"preset": RenderPreset.LOOP, "levels": 2, "format_": RenderFormat.PNG, "output_width": 64,
+             "output_height": 48, "output_show": "surface,wireframe", "output_camera_azimuth_deg": 40}
+    answer = render.sync_detailed(client=client, body=File(payload=stl.payload), **query)
+    check(answer.status_code == 200, f"a file: {answer.status_code} {answer.content[:500]!r}")
+    check(answer.parsed.payload.read().startswith(FIRST["image/png"]), "a file: the bytes are no picture")
+
+
 def main():
     client = Client(base_url=sys.argv[1], timeout=60)
     n_jobs = n_results = 0
@@ -53,6 +66,7 @@ def main():
         told = validate.sync(client=client, body=JobRequest.from_dict(job))
         check(told.valid and not told.errors, f"{file.stem}: {told.errors}")
         n_jobs += 1
+    posted(client)
     wrong = JobRequest.from_dict({"input": {"polygon": {"points": [[0], [1]]}}, "plan": {"word": "P"}, "levels": 1})
     problem = render.sync(client=client, body=wrong)
     check(isinstance(problem, ProblemAnswer) and problem.errors[0].pointer == "/plan/word", "a problem has its type")

@@ -1,4 +1,5 @@
 // Renders every example job with the client that openapi-typescript and openapi-fetch make of the OpenAPI document.
+import { readFile } from "node:fs/promises";
 import createClient from "openapi-fetch";
 import { jobs } from "./jobs.js";
 import type { components, paths } from "./schema.js";
@@ -64,6 +65,23 @@ for (const [name, whole] of Object.entries(jobs)) {
   const { data } = await client.POST("/v1/validate", { body: whole });
   check(data?.valid === true && data.errors.length === 0, `${name}: ${data?.errors[0]?.detail}`);
 }
+// a mesh file as the body, and the rest of the job in the query
+const file = await readFile("api/examples/meshes/nut.obj", "utf8");
+const query = { preset: "catmull-clark", levels: 2, format: "glb", "output.compression": "meshopt" } as const;
+const posted = await client.POST("/v1/render", {
+  params: { query },
+  body: file,
+  bodySerializer: (text) => text as string,
+  headers: { "Content-Type": "model/obj" },
+  parseAs: "arrayBuffer",
+});
+check(text(new Uint8Array(posted.data as ArrayBuffer).slice(0, 4)) === "glTF", `a file: ${posted.error?.detail}`);
+const told = await client.POST("/v1/render", {
+  body: { input: { text: { format: "obj", data: file } }, plan: { preset: query.preset }, levels: query.levels,
+          outputs: [{ format: query.format, compression: "meshopt" }] },
+  parseAs: "arrayBuffer",
+});
+check(told.response.headers.get("etag") === posted.response.headers.get("etag"), "a file has the key of its job");
 const refusal = await client.POST("/v1/render", { body: { input, plan: { word: "X" }, levels: 1 } });
 check(refusal.error?.errors?.[0]?.pointer === "/plan/word", "a problem has its type");
 const presets = await client.GET("/v1/presets");

@@ -115,3 +115,23 @@ fn matrices_that_nobody_could_read_are_refused() {
     let faults = refused(&json!({ "plan": { "word": "U8U4" }, "matrices": { "points": 16 } }));
     assert!(faults[0].detail.contains("fewer points"), "{faults:?}");
 }
+
+/// Of an open polygon the matrices are those that refine it: its ends stay, and rows sum to 1.
+#[test]
+fn open_polygons_have_matrices_with_their_ends() {
+    let ask = |word: &str, ends: &str| {
+        let plan = json!({ "word": word, "ends": ends });
+        let matrices = json!({ "points": 4, "closed": false });
+        asked(&json!({ "plan": plan, "matrices": matrices, "nodes": 100 }))["matrices"].clone()
+    };
+    let cubic = ask("UC", "clamped");
+    assert_eq!(cubic["closed"], false);
+    let product = rows(&cubic["product"]);
+    assert_eq!((product.len(), product[0].len()), (7, 4));
+    assert_eq!(product[0], [1.0, 0.0, 0.0, 0.0]);
+    assert_eq!(product[1], [0.5, 0.5, 0.0, 0.0]);
+    assert_eq!(product[2], [0.125, 0.75, 0.125, 0.0]);
+    assert_eq!(product[6], [0.0, 0.0, 0.0, 1.0]);
+    assert_eq!(rows(&ask("UC", "natural")["product"]).len(), 5, "two points without all of their neighbours are lost");
+    assert!(product.iter().all(|row| (row.iter().sum::<f64>() - 1.0).abs() < 1e-15));
+}

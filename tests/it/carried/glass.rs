@@ -3,9 +3,9 @@
 use planish::math::functions::pow;
 use serde_json::{Value, json};
 
-use super::looks::{front, png, uri};
+use super::looks::{front, uri};
 use super::{bytes, job};
-use crate::support::nets::Net;
+use crate::support::nets::{Net, cube};
 use crate::support::render;
 
 /// Squares one behind the other, the first nearest, all seen from the front; `flipped` ones show their inside.
@@ -115,18 +115,72 @@ fn metal_mirrors_in_its_own_colour() {
 }
 
 #[test]
-fn a_warning_names_materials_whose_textures_may_be_clear() {
-    let leaf = json!({ "name": "leaf", "faces": [0], "alpha_mode": "mask",
-                       "texture": { "image": uri("png", &png(1, &[[9, 200, 9]])) } });
-    let mut job = job(
-        &sheets(&[false]),
-        &json!({ "materials": [leaf], "uvs": { "values": [[0, 0]], "faces": [[0, 0, 0, 0]] } }),
-        &json!({ "word": "U" }),
-        0,
-    );
+fn rough_surfaces_have_wide_and_faint_highlights() {
+    // a ball of one colour: how bright its brightest pixel is, and how many are nearly so
+    let seen = |roughness: Option<f64>, metallic: f64| {
+        let mut ball = json!({ "name": "ball", "faces": [0, 1, 2, 3, 4, 5], "color": [0.5, 0.1, 0.1, 1.0] });
+        ball["metallic"] = json!(metallic);
+        if let Some(roughness) = roughness {
+            ball["roughness"] = json!(roughness);
+        }
+        let job = job(&cube(), &json!({ "materials": [ball] }), &json!({ "preset": "catmull-clark" }), 4);
+        let picture = front(&job, &json!({ "grounding": "none" }));
+        let inside = (20..44).flat_map(|y| (20..44).map(move |x| (x, y)));
+        let green: Vec<u8> = inside.map(|(x, y)| picture.get_pixel(x, y).0[1]).collect();
+        (u32::from(*green.iter().max().expect("some pixels")), green)
+    };
+    let [polished, plain, chalk] = [Some(0.3), None, Some(1.0)].map(|roughness| seen(roughness, 0.0).0);
+    assert!(polished > plain && plain > chalk + 10, "{polished} {plain} {chalk}");
+    assert_ne!(seen(Some(1.0), 1.0).1, seen(Some(0.1), 1.0).1, "metal differs, too");
+}
+
+/// The pixels in the left and the right half of a blue sheet with a picture of two pixels of these alphas over it,
+/// before a red sheet.
+fn pictured(alphas: [u8; 2], material: &Value) -> [[u8; 3]; 2] {
+    let mut file = std::io::Cursor::new(Vec::new());
+    let pixels = alphas.iter().flat_map(|&alpha| [255, 255, 255, alpha]).collect();
+    let picture = image::RgbaImage::from_raw(2, 1, pixels).expect("two pixels");
+    picture.write_to(&mut file, image::ImageFormat::Png).expect("a PNG");
+    let mut pictured = sheet(0, with(BLUE, 1.0));
+    pictured["texture"] = json!({ "image": uri("png", &file.into_inner()), "mag_filter": "nearest" });
+    for (name, value) in material.as_object().expect("fields") {
+        pictured[name] = value.clone();
+    }
+    let uvs = json!({ "values": [[0, 0], [1, 0], [1, 1], [0, 1]], "faces": [[0, 1, 2, 3], [0, 1, 2, 3]] });
+    let carried = json!({ "materials": [pictured, sheet(1, with(RED, 1.0))], "uvs": uvs });
+    let mut job = job(&sheets(&[false, false]), &carried, &json!({ "word": "U" }), 0);
     job["outputs"] = json!([{ "format": "png", "width": 16, "height": 16 }]);
     let (_, report) = render(&job).expect("it is drawn");
-    assert!(report.warnings.len() == 1 && report.warnings[0].ends_with("mask: \"leaf\""), "{:?}", report.warnings);
-    job["outputs"][0]["color"] = json!("#ff0000");
-    assert!(render(&job).expect("it is drawn").1.warnings.is_empty());
+    assert!(report.warnings.is_empty(), "nothing is left out: {:?}", report.warnings);
+    let picture = front(&job, &json!({ "shading": "flat", "grounding": "none" }));
+    [24, 40].map(|x| picture.get_pixel(x, 32).0)
+}
+
+#[test]
+fn the_alpha_of_a_texture_cuts_holes() {
+    let [blue, red] = [BLUE, RED].map(|color| middle(&[false], &[sheet(0, with(color, 1.0))]));
+    let masked = |cutoff: f64| json!({ "alpha_mode": "mask", "alpha_cutoff": cutoff });
+    assert_eq!(pictured([0, 255], &masked(0.5)), [red, blue]);
+    assert_eq!(pictured([100, 200], &masked(0.5)), [red, blue]);
+    assert_eq!(pictured([100, 200], &masked(0.3)), [blue, blue]);
+    assert_eq!(pictured([100, 200], &masked(0.9)), [red, red]);
+    // the alpha of the colour is a factor
+    let mut faint = masked(0.5);
+    faint["color"] = json!([0.05, 0.05, 0.9, 0.5]);
+    assert_eq!(pictured([200, 255], &faint), [red, blue]);
+    assert_eq!(pictured([0, 255], &json!({ "alpha_mode": "opaque" })), [blue, blue]);
+}
+
+#[test]
+fn the_alpha_of_a_texture_blends() {
+    let blend = json!({ "alpha_mode": "blend" });
+    let [red, blue] = pictured([0, 255], &blend);
+    assert_eq!([red, blue], [RED, BLUE].map(|color| middle(&[false], &[sheet(0, with(color, 1.0))])));
+    let light = |x: u8| pow(f64::from(x) / 255.0, 2.2);
+    let [half, all] = pictured([128, 255], &blend);
+    assert_eq!(all, blue);
+    for k in 0..3 {
+        let expected = 0.5 * (light(red[k]) + light(blue[k]));
+        assert!((light(half[k]) - expected).abs() < 0.03, "{k}: {half:?} of {red:?} and {blue:?}");
+    }
 }

@@ -82,6 +82,7 @@ fn outputs_that_would_take_each_others_place_are_refused_before_anything_is_rend
         &["there is no format \"objj\"; did you mean \"obj\"?"],
     );
     refused(&["a.obj", "b/a.obj", "-o", "./{dir}/a.obj"], &["would take the place of the input a.obj"]);
+    refused(&["a.obj", "-o", "a.obj"], &["would take the place of the input a.obj; give it another place"]);
     refused(&["a.obj", "-o", "{stm}.glb"], &["there is no placeholder {stm}; known are {stem}"]);
     let named = within(&folder, &["render", "a.*", "-o", "out/{name}.glb"]);
     assert!(named.status.success(), "{}", text(&named.stderr));

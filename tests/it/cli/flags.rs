@@ -5,7 +5,7 @@ use std::collections::BTreeSet;
 use planish::output::FORMATS;
 use serde_json::{Value, json};
 
-use super::{REFUSED, USAGE, fails, piped, run, saved, text};
+use super::{REFUSED, USAGE, fails, fed, piped, run, saved, text};
 use crate::http::jobs::{mesh, with};
 use crate::http::server::Folder;
 use crate::support::render;
@@ -156,8 +156,16 @@ fn messages_speak_of_flags_where_flags_were_given_and_of_pointers_where_a_job_wa
         fails(
             USAGE,
             &render(input, &["--levels", "two"]),
-            &["--levels: invalid value: string \"two\", expected a whole number"],
+            &["--levels: \"two\", expected a whole number of levels such as 3, a --tolerance in place of it"],
         );
+        fails(USAGE, &render(input, &["--levels", "-1"]), &["--levels: \"-1.0\", expected a whole number"]);
+        fails(USAGE, &render(input, &["--camera", "x"]), &["--camera: write it as name=value,", "names projection, "]);
+        fails(
+            USAGE,
+            &render(input, &["--camera", "eye=1,2"]),
+            &["--camera eye: 2 entries; expected three numbers like"],
+        );
+        fails(USAGE, &render(input, &["--max-faces", "many"]), &["--max-faces", "write it like 20000000"]);
         fails(USAGE, &render(input, &["--levels", "2", "--tolerance", "1"]), &["--levels", "--tolerance"]);
         fails(USAGE, &render(input, &["-p", "w"]), &["NAME=VALUE, for example w=0.05"]);
         let unfit = render(input, &["--preset", "loop", "--levels", "1"]);
@@ -165,6 +173,8 @@ fn messages_speak_of_flags_where_flags_were_given_and_of_pointers_where_a_job_wa
         fails(REFUSED, &render(input, &["--weld", "-1"]), &[": --weld: "]);
     }
     fails(REFUSED, &render(&cube, &["--preset", "bilinear"]), &[": --levels: ", "--tolerance"]);
+    fails(REFUSED, &render(&cube, &["--levels", "2"]), &["2 levels of what? name a --preset or a --word"]);
+    fails(REFUSED, &fed(&["render", "-", "-o", "-"], b"\n"), &["standard input: it is empty; give a job (JSON)"]);
     let mut wrong = mesh(1);
     wrong["outputs"] = json!([{ "format": "png", "width": 3 }]);
     let output = piped(&["render", "-", "-o", "-"], &wrong);

@@ -232,6 +232,31 @@ noisy neighbour: One client that keeps the service busy while others ask for lit
 - h2_peers_take_turns_however_many_jobs_one_has
 - h1_a_peer_with_all_its_connections_loses_its_own_and_not_those_of_others
 - short_work_does_not_wait_behind_long_work
+- requests_for_work_beyond_the_minute_are_told_when_to_come_back_and_the_rest_goes_on
+- no_more_requests_of_a_client_are_answered_at_once_than_it_may_have
+- the_table_of_clients_is_bounded_and_those_who_sent_most_stay
+- a_computation_goes_on_for_the_tenant_that_stays_in_every_order_of_leaving
+key and signature timing: Keys and signatures that are guessed byte by byte, or read from a stolen file.
+- who_shows_no_key_or_a_wrong_one_is_told_what_to_do_and_health_and_catalogue_stay_open
+- keys_are_made_listed_and_revoked_and_only_their_hashes_are_kept
+- a_role_allows_what_it_says_and_no_more
+- on_an_address_of_the_network_the_service_wants_keys_or_to_be_told_that_it_needs_none
+- a_body_is_not_read_for_who_is_not_let_in
+signed URL replay: Signed addresses that are used after their time, altered, or put together from others.
+- what_is_altered_expired_or_signed_by_another_is_refused_and_told_apart
+- an_address_that_is_too_long_or_inflates_to_too_much_is_refused_before_it_is_read
+- a_signed_address_shows_a_render_without_a_key_and_only_that
+other tenants: Names, tags and times by which one tenant would learn of what another has made or sent.
+- a_result_of_one_tenant_is_made_again_for_another_and_found_by_neither_name_nor_tag
+- who_may_see_a_result_is_still_known_after_a_restart
+- jobs_of_one_tenant_are_unknown_to_another_whatever_is_done_to_them
+- an_upload_opens_nothing_for_a_tenant_that_has_not_sent_it
+- variants_searches_and_analyses_are_made_for_each_tenant
+- who_leaves_before_the_end_has_nothing_of_what_was_made_for_another
+log and label injection: Methods, addresses and traces that would make labels, or lines of the log.
+- no_client_makes_a_label
+- a_trace_is_read_as_the_recommendation_has_it
+- a_trace_goes_on_in_the_answer_and_names_the_refusal
 determinism drift: Results that depend on the number of threads or on the build.
 - results_have_the_committed_hashes_with_1_2_and_8_threads
 - bytes_do_not_depend_on_the_number_of_threads

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use axum::http::Method;
 use planish::config::Settings;
 use planish::job::key::{Key, content};
-use planish::service::store::{Description, Memory, Pin, Store, StoreError};
+use planish::service::store::{Description, Memory, Owners, Pin, Store, StoreError};
 use serde_json::{Value, json};
 
 use super::jobs::cube;
@@ -160,7 +160,8 @@ fn what_is_pinned_stays_and_a_store_full_of_it_refuses() {
     let put = |number: u8| {
         let mut spool = store.spool(Key::from_bytes([number; 32])).unwrap();
         spool.write_all(&[number; 3000]).unwrap();
-        let description = Description { media_type: "model/obj".to_owned(), warnings: Vec::new() };
+        let description =
+            Description { media_type: "model/obj".to_owned(), warnings: Vec::new(), owners: Owners::default() };
         spool.commit_by_content(description).map(|manifest| manifest.key)
     };
     let first = put(1).unwrap();

@@ -179,6 +179,7 @@ async fn questions(server: &Server) -> Vec<(&'static str, String)> {
         ("validate", Asked::post("/v1/validate", &input)),
         ("validate-faults", Asked::post("/v1/validate", &wrong)),
         ("analyses", Asked::post("/v1/analyses", &serde_json::json!({ "plan": { "preset": "chaikin" } }))),
+        ("compare", Asked::post("/v1/compare", &serde_json::json!({ "a": polygon(2), "b": polygon(6) }))),
         ("preset", Asked::get("/v1/presets/four-point")),
         ("operator", Asked::get("/v1/operators/U")),
         ("presets", Asked::get("/v1/presets")),
@@ -191,6 +192,7 @@ async fn questions(server: &Server) -> Vec<(&'static str, String)> {
         ("metrics", Asked::get("/metrics")),
         ("openapi", Asked::get("/openapi.json")),
         ("index", Asked::get("/")),
+        ("docs", Asked::get("/docs")),
         ("problem-page", Asked::get("/docs/problems/too-large")),
     ] {
         told.push((name, exchange(server, asked).await));

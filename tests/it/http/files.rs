@@ -61,9 +61,16 @@ fn what_programs_send_without_being_told_a_type_is_read_by_its_first_bytes() {
             server.ask(axum::http::Method::POST, path, &[], file.clone()).await.ok();
         }
         let form = "application/x-www-form-urlencoded";
-        for unknown in [&b"a=b&c=d"[..], mesh(1).to_string().as_bytes(), b"\x89PNG\r\n\x1a\n", b""] {
+        let job = mesh(1).to_string();
+        for (unknown, meant) in [
+            (&b"a=b&c=d"[..], "model/obj"),
+            (job.as_bytes(), "application/json"),
+            (b"\x89PNG\r\n\x1a\n", "model/obj"),
+            (b"", "model/obj"),
+        ] {
             let problem = post(server, "format=stl", form, unknown).await.problem(415, "unsupported-media-type");
-            assert!(problem["detail"].as_str().unwrap().contains("-H 'Content-Type: model/obj'"), "{problem}");
+            let told = format!("curl says so with -H 'Content-Type: {meant}'");
+            assert!(problem["detail"].as_str().unwrap().contains(&told), "{problem}");
         }
     });
 }
@@ -178,5 +185,28 @@ fn a_file_whose_result_takes_longer_is_a_job_that_can_be_made_again() {
         let key = planish::job::key::Key::parse(job["outputs"][0]["key"].as_str().unwrap()).unwrap();
         server.app.desk.tiers.remove(&key).unwrap();
         assert_eq!(server.get(&place).await.ok().body, made.body);
+    });
+}
+
+#[test]
+fn a_job_with_a_query_for_mesh_files_is_refused_and_not_answered_as_something_else() {
+    story(settings(), async |server| {
+        let job = serde_json::to_vec(&mesh(1)).unwrap();
+        let told = [("content-type", "application/json")];
+        for path in ["/v1/render", "/v1/estimate", "/v1/validate"] {
+            server.post_text(path, &job[..], &told).await.ok();
+            let answer = server.post_text(&format!("{path}?levels=3&output.width=9"), &job[..], &told).await;
+            assert_eq!(answer.status, 422, "{path}: {}", answer.text());
+            let errors = answer.json()["errors"].clone();
+            let beside = "it stands beside a mesh file as the body; a job says it itself, at";
+            let expected = json!([{ "pointer": "?levels", "detail": format!("{beside} /levels") },
+                                  { "pointer": "?output.width", "detail": format!("{beside} /outputs/0/width") }]);
+            assert_eq!(errors, expected, "{path}");
+        }
+        server.post_text("/v1/render?keep=true", &job[..], &told).await.ok();
+        let link = format!("/v1/render?job={}", base64::engine::general_purpose::URL_SAFE_NO_PAD.encode(&job));
+        server.get(&link).await.ok();
+        server.get(&format!("{link}&_=17")).await.ok();
+        assert_eq!(server.get(&format!("{link}&levels=3")).await.status, 422);
     });
 }

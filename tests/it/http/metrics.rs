@@ -24,6 +24,7 @@ fn requests_computations_jobs_and_finds_are_counted() {
         server.render(&mesh(40)).await.problem(422, "too-large");
         server.get("/no/such/page?x=\"").await.problem(404, "not-found");
         let metrics = read(server).await;
+        assert!(metrics["planish_sent_bytes_total"] > 1000.0, "{metrics:#?}");
         for (name, n) in [
             ("planish_requests_total{method=\"POST\",route=\"/v1/render\",status=\"200\"}", 3.0),
             ("planish_requests_total{method=\"POST\",route=\"/v1/render\",status=\"422\"}", 1.0),

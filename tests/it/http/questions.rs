@@ -134,6 +134,22 @@ fn winding_is_refused_or_repaired_as_asked() {
     });
 }
 
+/// Whether a mesh can be refined is what is asked of it where nothing else is said.
+#[test]
+fn an_input_alone_is_looked_at_as_one_that_is_to_be_refined() {
+    story(settings(), async |server| {
+        let fin = json!({ "mesh": { "positions": [[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, -1, 0], [0, 0, 1]],
+                                    "faces": [[0, 1, 2], [1, 0, 3], [0, 1, 4]] } });
+        let alone = server.post("/v1/validate", &json!({ "input": fin })).await.ok().json();
+        assert_eq!((&alone["valid"], &alone["errors"][0]["pointer"]), (&false.into(), &"/input/mesh/faces/2".into()));
+        // converted as it is, it is cut apart
+        let question = json!({ "input": fin, "outputs": [{ "format": "glb" }] });
+        let converted = server.post("/v1/validate", &question).await.ok().json();
+        assert_eq!(converted["valid"], true, "{converted}");
+        assert!(!converted["warnings"].as_array().unwrap().is_empty(), "{converted}");
+    });
+}
+
 /// What is wrong with the parts of a job is told at once, whichever of them is wrong; nothing is passed over.
 #[test]
 fn a_question_looks_at_the_whole_job() {

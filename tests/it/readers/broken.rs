@@ -233,7 +233,13 @@ fn off() {
     check("", "line 1: the file ends where \"OFF\" should follow");
     check("3 1 0\n", "line 1: \"3\" stands where OFF, COFF, NOFF or STOFF should");
     check("4OFF\n", "line 1: \"4OFF\" has points of other than 3 coordinates; send OFF");
-    check("OFF BINARY\n", "line 1: binary OFF is not read; save it as text");
+    check(
+        "OFF BINARY\n",
+        "byte 11: the file ends where the numbers of vertices, faces and edges should follow; send it whole",
+    );
+    check("4OFF BINARY\n", "line 1: \"4OFF\" has points of other than 3 coordinates; send OFF");
+    let counts = "OFF BINARY\n\0\0\0\x03\0\0\0\x01\0\0\0\x03";
+    check(counts, "byte 23: 3 vertices and 1 faces take 56 bytes at least, the file has 23; send it whole");
     check("OFF\n3\n", "line 2: 1 numbers; give those of vertices, faces and edges");
     check("OFF\n0 0 0\n0 0 0\n", "line 3: \"0\" follows the last of 0 faces");
     let three = "OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n";

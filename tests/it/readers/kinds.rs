@@ -3,7 +3,7 @@
 use planish::input::{ChannelInput, FaceSet};
 use planish::shape::check::Winding;
 
-use super::{mesh, net};
+use super::{mesh, net, sentences};
 use crate::support::nets::Net;
 
 /// A square of two triangles.
@@ -230,4 +230,26 @@ fn off_takes_its_prefixes_comments_and_colours() {
     assert_eq!(found.channels, [ChannelInput::of_vertices("color", 4, colors)]);
     let uvs = found.uvs.expect("it has them");
     assert_eq!((uvs.values[2], uvs.corners), ([1.0, 1.0], vec![0, 1, 2, 0, 2, 3]));
+}
+
+#[test]
+fn off_may_be_binary() {
+    // a square of two triangles; the first has a colour, which is left out
+    let words = |numbers: &[u32]| numbers.iter().flat_map(|word| word.to_be_bytes()).collect::<Vec<u8>>();
+    let floats = |numbers: &[f32]| numbers.iter().flat_map(|number| number.to_be_bytes()).collect::<Vec<u8>>();
+    let corners: [[f32; 3]; 4] = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [0.0, 1.0, 0.0]];
+    let faces = [words(&[3, 0, 1, 2, 3]), floats(&[1.0, 0.0, 0.0]), words(&[3, 0, 2, 3, 0])].concat();
+    let plain = [b"OFF BINARY\n".to_vec(), words(&[4, 2, 5]), floats(corners.as_flattened()), faces.clone()].concat();
+    let found = mesh("off", &plain);
+    assert_eq!(net(&found), square());
+    assert_eq!(found.notes, ["colours of faces are left out: 1"]);
+    let colored: Vec<f32> = corners.iter().flat_map(|[x, y, z]| [*x, *y, *z, 1.0, 0.5, 0.0, 0.25]).collect();
+    let whole = [b"COFF BINARY\n".to_vec(), words(&[4, 2, 5]), floats(&colored), faces, b"\n".to_vec()].concat();
+    let found = mesh("off", &whole);
+    assert_eq!((net(&found), found.channels[0].values[..4].to_vec()), (square(), vec![1.0, 0.5, 0.0, 0.25]));
+    // every shorter file is refused, naming a byte
+    for length in 12..plain.len() {
+        let told = sentences("off", &plain[..length]);
+        assert!(told.iter().all(|sentence| sentence.starts_with("byte ")), "{length}: {told:?}");
+    }
 }

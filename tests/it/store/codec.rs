@@ -1,6 +1,7 @@
 //! The binary form of a manifest.
 
 use planish::job::key::Key;
+use planish::service::job_key::Tenant;
 use planish::service::store::{Manifest, PART_BYTES};
 use proptest::prelude::*;
 
@@ -18,9 +19,11 @@ prop_compose! {
         warnings in prop::collection::vec(".*", 0..4),
         build in ".*",
         results_version in any::<u32>(),
+        owners in prop::collection::vec(any::<u64>().prop_map(Tenant), 0..4),
     ) -> Manifest {
         let length = (parts.len() * PART_BYTES) as u64 - short;
-        Manifest { key, media_type, length, content, parts, warnings, build, results_version }
+        let owners = owners.into_iter().collect();
+        Manifest { key, media_type, length, content, parts, warnings, build, results_version, owners }
     }
 }
 

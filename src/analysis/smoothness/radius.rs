@@ -1,0 +1,37 @@
+//! Bounds of the joint spectral radius of any exact matrices, for schemes that are no curves.
+
+use num_traits::Zero;
+
+use super::lower::{self, Lower};
+use super::matrices::ExactMatrix;
+use super::upper::{self, Upper};
+use crate::math::exact::Exact;
+use crate::watch::{Stopped, Watch};
+
+/// What is known of a joint spectral radius.
+#[derive(Debug, Clone, PartialEq)]
+pub struct RadiusBounds {
+    /// From below; `None` where no eigenvalue of a product is proved.
+    pub lower: Option<Lower>,
+    /// From above.
+    pub upper: Upper,
+}
+
+/// The bounds that some number of products gives; below the `thresholds` it is tried to come in the first place.
+///
+/// # Errors
+/// [`Stopped`].
+pub(in crate::analysis) fn radius_bounds(
+    matrices: &[ExactMatrix],
+    thresholds: &[Exact],
+    budget: u64,
+    watch: &Watch,
+) -> Result<RadiusBounds, Stopped> {
+    let lower = lower::proved_bound(matrices);
+    watch.check()?;
+    // without an eigenvalue to compare with, the ladder of bounds leads down from the thresholds alone
+    let least = thresholds.iter().min().cloned().unwrap_or_else(Exact::zero);
+    let known = lower.clone().unwrap_or_else(|| Lower::of_one(least / Exact::from_integer(4.into())));
+    let upper = upper::bound(matrices, &known, thresholds, budget, watch)?;
+    Ok(RadiusBounds { lower, upper })
+}

@@ -1,0 +1,303 @@
+//! Boundary vertices with any number of faces: eigenvalues, masks and the characteristic map of half a plane.
+//!
+//! A reflection exchanges the two outer rays, and parts the local matrix into the block of vectors that it keeps (even)
+//! and that of vectors that it turns round (odd). Limits have a tangent plane at the vertex when the eigenvalue 1 is
+//! followed by a real positive one in each block and their eigenvectors map the faces around it onto a half plane.
+//!
+//! Source: Zorin, Constructive Approximation 16 (2000), 359-397; Biermann, Levin and Zorin, SIGGRAPH 2000, 113-120.
+
+use std::collections::BTreeMap;
+
+use super::characteristic::{ring, sine};
+use super::fan::{Beyond, FanPlace, FanRows, mirrored, places, radius};
+use super::local::Applied;
+use super::regular::RegularMask;
+use super::sectors::{Kind, PlaneNet, Point, SAME};
+use super::spectrum::Weight;
+use super::verdict::{Criterion, ONE, REGULAR, Status};
+use crate::analysis::limit::Unlimited;
+use crate::math::dense::Dense;
+use crate::math::spectrum::{Eigenvalue, eigenvalues};
+use crate::watch::Watch;
+
+/// A sine up to this is that of a corner that is flat but for rounding.
+/// Corners of schemes in use have sines of a hundredth at least, those that vanish 1e-13. Half and twice of it decide
+/// alike.
+const FLAT: f64 = 1e-9;
+/// The statement about the two eigenvalues after 1.
+const NEXT: &str = "the next two eigenvalues are real and positive, one of vectors that are even under the reflection \
+                    and one of odd ones, and all others are smaller";
+/// The statement about the characteristic map.
+const HALF_MAP: &str = "the characteristic map is regular and injective, and covers half a plane";
+
+/// An eigenvalue, and whether its eigenvector changes its sign under the reflection.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Sided {
+    /// The eigenvalue.
+    pub value: Eigenvalue,
+    /// Whether its eigenvector is odd.
+    pub is_odd: bool,
+}
+
+/// What is known of boundary vertices with some number of faces.
+#[derive(Debug, Clone)]
+pub struct BoundaryReport {
+    /// The number of faces at the vertex.
+    pub faces: usize,
+    /// Whether all of it holds as well on a side with so many faces of a crease that stays sharp.
+    pub is_side_of_crease: bool,
+    /// The eigenvalues, the largest first.
+    pub eigenvalues: Vec<Sided>,
+    /// The weights of the limit position: for points on rays of each ray, for others of each face.
+    pub limit_mask: Vec<Weight>,
+    /// The weights of the tangent along the boundary, and of one across it; `None` where there is no such plane.
+    pub tangent_masks: Option<[Vec<Weight>; 2]>,
+    /// The net of the characteristic map: points and faces.
+    pub net: Option<PlaneNet>,
+    /// The least sine of its corner angles.
+    pub least_sine: Option<f64>,
+    /// What decides about C^1.
+    pub criteria: Vec<Criterion>,
+}
+
+/// One of the two blocks: for each of its components the place in the first half, and its mirror image.
+struct Block {
+    components: Vec<(FanPlace, FanPlace)>,
+    matrix: Dense,
+    values: Vec<Eigenvalue>,
+    /// 1 for even vectors, -1 for odd ones.
+    sign: f64,
+}
+
+impl Block {
+    fn of(rows: &FanRows, kind: Kind, farthest: i32, sign: f64) -> Option<Self> {
+        let all = places(kind, rows.faces, farthest).into_iter().map(|place| (place, mirrored(rows.faces, place)));
+        let components: Vec<_> = all.filter(|(p, q)| p < q || p == q && sign > 0.0).collect();
+        let mut matrix = Dense::zero(components.len());
+        for (i, (place, _)) in components.iter().enumerate() {
+            let row = &rows.rows[place];
+            for (j, (p, q)) in components.iter().enumerate() {
+                let at = |place| row.get(place).copied().unwrap_or(0.0);
+                *matrix.at_mut(i, j) = if p == q { at(p) } else { at(p) + sign * at(q) };
+            }
+        }
+        let values = eigenvalues(&matrix.a, matrix.n)?;
+        Some(Self { components, matrix, values, sign })
+    }
+
+    /// The largest eigenvalue after so many, where it is real and positive.
+    fn leading(&self, after: usize) -> Option<f64> {
+        self.values.get(after).filter(|value| value.im == 0.0 && value.re > 0.0).map(|value| value.re)
+    }
+
+    /// The size of the eigenvalue after so many.
+    fn size(&self, after: usize) -> f64 {
+        self.values.get(after).map_or(0.0, |value| value.modulus())
+    }
+
+    /// A vector of the block as values of all its places.
+    fn spread(&self, vector: &[f64]) -> BTreeMap<FanPlace, f64> {
+        let both = |((p, q), x): (&(FanPlace, FanPlace), &f64)| [(*p, *x), (*q, self.sign * x)];
+        self.components.iter().zip(vector).rev().flat_map(both).collect()
+    }
+
+    /// A row of the block as weights of all its places: a pair shares the weight of its component.
+    fn shared(&self, row: &[f64]) -> BTreeMap<FanPlace, f64> {
+        let halved = |((p, q), x): (&(FanPlace, FanPlace), &f64)| if p == q { *x } else { x / 2.0 };
+        let row: Vec<f64> = self.components.iter().zip(row).map(halved).collect();
+        self.spread(&row)
+    }
+}
+
+/// The product of weights with values.
+fn dot(weights: &BTreeMap<FanPlace, f64>, values: &BTreeMap<FanPlace, f64>) -> f64 {
+    weights.iter().map(|(place, w)| w * values.get(place).copied().unwrap_or(0.0)).sum()
+}
+
+/// An eigenvector of a block: its values, and the weights of the row that belongs to it, whose product with it is 1.
+struct Direction {
+    value: f64,
+    values: BTreeMap<FanPlace, f64>,
+    weights: BTreeMap<FanPlace, f64>,
+}
+
+impl Direction {
+    fn of(block: &Block, value: f64) -> Self {
+        let values = block.spread(&block.matrix.eigenvector(value));
+        // along the boundary the first point of ray 0 lies at 1; across it the farthest of the nearest points does
+        let near = |point: &Point| point.iter().all(|x| (0..=1).contains(x));
+        let nearest = values.iter().filter(|(place, _)| place.is_some_and(|(_, point)| near(&point)));
+        let largest = nearest.fold(0.0, |most: f64, (_, x)| if x.abs() > most.abs() + 1e-9 { *x } else { most });
+        let ray = values.get(&Some((0, [1, 0]))).copied().unwrap_or(0.0);
+        let scale = if block.sign < 0.0 && ray.abs() > 1e-9 { ray } else { largest };
+        let values: BTreeMap<FanPlace, f64> = values.into_iter().map(|(place, x)| (place, x / scale)).collect();
+        let weights = block.shared(&block.matrix.transposed().eigenvector(value));
+        let product = dot(&weights, &values);
+        let weights = weights.into_iter().map(|(place, w)| (place, w / product)).collect();
+        Self { value, values, weights }
+    }
+
+    /// The value of a child of a place, on the scale of the values themselves.
+    fn at(&self, rows: &FanRows, place: FanPlace) -> Option<f64> {
+        let row = rows.rows.get(&place)?;
+        Some(dot(row, &self.values) / self.value)
+    }
+}
+
+impl Applied {
+    /// What is known of boundary vertices with m faces.
+    ///
+    /// # Errors
+    /// [`Unlimited`].
+    pub(super) fn boundary(
+        &self,
+        m: usize,
+        regular: &RegularMask,
+        smooth: Status,
+        watch: &Watch,
+    ) -> Result<BoundaryReport, Unlimited> {
+        let (kind, (_, farthest)) = (self.kind, ring(regular));
+        if kind == Kind::Dual {
+            return Err(Unlimited::NoVertex);
+        }
+        let rows = self.fan(m, farthest, Beyond::Nothing, watch)?;
+        let is_side_of_crease = self.is_side_of_crease(&rows, farthest, watch)?;
+        let closed = closed(kind, &rows, farthest)?;
+        if !is_mirrored(&rows) {
+            return Err(Unlimited::Lopsided);
+        }
+        let block = |sign: f64| Block::of(&rows, kind, closed, sign).ok_or(Unlimited::NoEigenvalues);
+        let (even, odd) = (block(1.0)?, block(-1.0)?);
+        watch.advance((even.matrix.n + odd.matrix.n) as u64);
+        let limit = even.shared(&even.matrix.transposed().eigenvector(1.0));
+        let sum: f64 = limit.values().sum();
+        let limit = limit.into_iter().map(|(place, w)| (place, w / sum)).collect();
+        let rest = even.size(2).max(odd.size(1)) * (1.0 + 1e-9);
+        let next = odd.leading(0).zip(even.leading(1)).filter(|(a, b)| a.min(*b) > rest);
+        let directions = next.map(|(a, b)| [Direction::of(&odd, a), Direction::of(&even, b)]);
+        let place = |both: &[Direction; 2], place| Some([both[0].at(&rows, place)?, both[1].at(&rows, place)?]);
+        let points: Option<BTreeMap<FanPlace, [f64; 2]>> =
+            directions.as_ref().and_then(|both| rows.rows.keys().map(|&at| Some((at, place(both, at)?))).collect());
+        let least_sine = points.as_ref().map(|points| least_sine(kind, m, points));
+        let first = |x: Option<&Eigenvalue>| x.is_some_and(|x| (x.re - 1.0).abs() < 1e-9 && x.im == 0.0);
+        let one = first(even.values.first()) && even.size(1).max(odd.size(0)) < 1.0 - 1e-9;
+        let seen = |holds: bool| if holds { Status::Supported } else { Status::Open };
+        let criteria = [
+            (REGULAR, smooth),
+            (ONE, seen(one)),
+            (NEXT, seen(next.is_some())),
+            (HALF_MAP, seen(least_sine.is_some_and(|sine| sine > FLAT))),
+        ];
+        Ok(BoundaryReport {
+            faces: m,
+            is_side_of_crease,
+            eigenvalues: sorted(&even, &odd),
+            limit_mask: mask(m, &limit),
+            tangent_masks: directions.map(|both| both.map(|direction| mask(m, &direction.weights))),
+            net: points.map(|points| net(kind, m, &points)),
+            least_sine,
+            criteria: criteria.map(|(statement, status)| Criterion { statement, status }).into(),
+        })
+    }
+}
+
+/// The least radius whose points come of no others, and of whose points all those that were read come, too.
+fn closed(kind: Kind, rows: &FanRows, farthest: i32) -> Result<i32, Unlimited> {
+    let reach = |from: i32| {
+        let near = rows.rows.iter().filter(|(place, _)| radius(kind, **place) <= from);
+        near.flat_map(|(_, row)| row.keys()).map(|&place| radius(kind, place)).max().unwrap_or(0)
+    };
+    let mut closed = reach(farthest).min(farthest);
+    while reach(closed) > closed {
+        closed = reach(closed);
+        if closed > farthest {
+            return Err(Unlimited::Reach);
+        }
+    }
+    if reach(farthest) > closed { Err(Unlimited::Reach) } else { Ok(closed) }
+}
+
+/// Whether the reflection maps the rows to each other.
+fn is_mirrored(rows: &FanRows) -> bool {
+    let m = rows.faces;
+    rows.rows.iter().all(|(&place, row)| {
+        let Some(other) = rows.rows.get(&mirrored(m, place)) else { return false };
+        let same = |(&at, weight): (&FanPlace, &f64)| {
+            (other.get(&mirrored(m, at)).copied().unwrap_or(0.0) - weight).abs() <= SAME
+        };
+        row.iter().all(same)
+    })
+}
+
+/// The eigenvalues of both blocks, the largest first; of one size, as far as ten digits tell, even ones first.
+fn sorted(even: &Block, odd: &Block) -> Vec<Sided> {
+    let of = |block: &Block, is_odd: bool| -> Vec<Sided> {
+        block.values.iter().map(|&value| Sided { value, is_odd }).collect()
+    };
+    let mut all = of(even, false);
+    all.extend(of(odd, true));
+    #[expect(clippy::cast_possible_truncation, reason = "sizes are far below 10^8")]
+    let digits = |x: f64| (x * 1e10).round() as i64;
+    all.sort_by_key(|found| (-digits(found.value.modulus()), found.is_odd, -digits(found.value.re)));
+    all
+}
+
+/// Weights by points: those of all rays, or of all faces, together.
+fn mask(m: usize, weights: &BTreeMap<FanPlace, f64>) -> Vec<Weight> {
+    let mut by_point: BTreeMap<Option<Point>, Vec<f64>> = BTreeMap::new();
+    for (&place, &weight) in weights {
+        let Some((s, point)) = place else {
+            by_point.insert(None, vec![weight]);
+            continue;
+        };
+        let n = if point[1] == 0 { m + 1 } else { m };
+        by_point.entry(Some(point)).or_insert_with(|| vec![0.0; n])[s] = weight;
+    }
+    by_point.into_iter().map(|(point, values)| Weight { point, values }).collect()
+}
+
+/// The faces of a fan as places, with the first corners of squares and triangles nearest to ray 0.
+fn faces(kind: Kind, m: usize, farthest: i32) -> Vec<Vec<FanPlace>> {
+    let at = |s: usize, point: Point| match point {
+        [0, 0] => None,
+        [0, j] => Some((s + 1, [j, 0])),
+        inside => Some((s, inside)),
+    };
+    let shapes: &[&[Point]] = match kind {
+        Kind::Triangles => &[&[[0, 0], [1, 0], [0, 1]], &[[1, 0], [1, 1], [0, 1]]],
+        _ => &[&[[0, 0], [1, 0], [1, 1], [0, 1]]],
+    };
+    let cells = (0..m).flat_map(|s| (0..farthest).flat_map(move |i| (0..farthest).map(move |j| (s, i, j))));
+    let face = |(s, i, j): (usize, i32, i32), shape: &[Point]| -> Vec<FanPlace> {
+        shape.iter().map(|[x, y]| at(s, [i + x, j + y])).collect()
+    };
+    let all = cells.flat_map(|cell| shapes.iter().map(move |shape| face(cell, shape)));
+    all.filter(|face| face.iter().all(|&place| radius(kind, place) <= farthest)).collect()
+}
+
+/// The least sine of the corner angles of all faces that do not touch the middle.
+fn least_sine(kind: Kind, m: usize, points: &BTreeMap<FanPlace, [f64; 2]>) -> f64 {
+    let farthest = points.keys().map(|&place| radius(kind, place)).max().unwrap_or(0);
+    let away = faces(kind, m, farthest).into_iter().filter(|face| !face.contains(&None));
+    let least = away.map(|face| {
+        let corners: Vec<[f64; 2]> = face.iter().map(|place| points[place]).collect();
+        let n = corners.len();
+        let apart = |a: [f64; 2], b: [f64; 2]| (a[0] - b[0]).abs().max((a[1] - b[1]).abs()) > FLAT;
+        let angle = |i: usize| {
+            let [a, b, c] = [corners[(i + n - 1) % n], corners[i], corners[(i + 1) % n]];
+            // points that fall together have no angle
+            if apart(a, b) && apart(b, c) { sine([a, b, c]) } else { 0.0 }
+        };
+        (0..n).map(angle).fold(f64::INFINITY, f64::min)
+    });
+    least.fold(f64::INFINITY, f64::min)
+}
+
+/// Points and faces of the characteristic net.
+fn net(kind: Kind, m: usize, points: &BTreeMap<FanPlace, [f64; 2]>) -> PlaneNet {
+    let farthest = points.keys().map(|&place| radius(kind, place)).max().unwrap_or(0);
+    let order = places(kind, m, farthest);
+    let number: BTreeMap<FanPlace, usize> = order.iter().copied().zip(0..).collect();
+    let faces = faces(kind, m, farthest).iter().map(|face| face.iter().map(|place| number[place]).collect()).collect();
+    (order.iter().map(|place| points[place]).collect(), faces)
+}

@@ -1,0 +1,269 @@
+//! Boundary vertices of nets that are regular elsewhere, and vertices on creases: how the points around a child come of
+//! the points around the vertex, read off the operators' own weights.
+//!
+//! A fan of m faces has the sectors 0 to m - 1 with their points (i, j), i >= 1 and j >= 0, and the points (i, 0) on
+//! the last ray, which count as those of a sector m.
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::sync::Arc;
+
+use super::local::{Applied, MARGINS, MAX_POINTS};
+use super::sectors::{Kind, Point, SAME};
+use super::star::{Place, Star};
+use crate::analysis::limit::{Centre, Record, Unlimited, Weights, child};
+use crate::scheme::mesh_net::MeshNet;
+use crate::scheme::operator::Follows;
+use crate::scheme::sharpness::Sharpness;
+use crate::scheme::stepper::Stepper;
+use crate::shape::check::{FaceList, Winding};
+use crate::shape::creases::INFINITE_SHARPNESS;
+use crate::shape::topology::{NONE, Topology, index};
+use crate::watch::Watch;
+
+/// A place in a fan; `None` for the middle.
+pub(super) type FanPlace = Option<Place>;
+
+/// What lies beyond the outer rays of a fan.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Beyond {
+    /// Nothing: they are the boundary.
+    Nothing,
+    /// Other faces: they are a crease that stays sharp for ever.
+    Faces,
+}
+
+/// The weights of each point around the child of a vertex.
+#[derive(Debug, Clone)]
+pub(super) struct FanRows {
+    /// The number of faces m.
+    pub(super) faces: usize,
+    /// For each place its weights.
+    pub(super) rows: BTreeMap<FanPlace, BTreeMap<FanPlace, f64>>,
+}
+
+/// A net around a vertex, and the place of each of its vertices.
+struct Fan {
+    net: MeshNet,
+    places: Vec<FanPlace>,
+}
+
+/// All places up to a radius, the middle first.
+pub(super) fn places(kind: Kind, m: usize, radius: i32) -> Vec<FanPlace> {
+    let inside = (0..m).flat_map(|s| kind.points(radius).into_iter().map(move |p| Some((s, p))));
+    std::iter::once(None).chain(inside).chain((1..=radius).map(|i| Some((m, [i, 0])))).collect()
+}
+
+/// The radius of a place.
+pub(super) fn radius(kind: Kind, place: FanPlace) -> i32 {
+    place.map_or(0, |(_, point)| kind.radius(point))
+}
+
+/// The place where a reflection puts one.
+pub(super) fn mirrored(m: usize, place: FanPlace) -> FanPlace {
+    place.map(|(s, [i, j])| if j == 0 { (m - s, [i, 0]) } else { (m - 1 - s, [j, i]) })
+}
+
+impl Fan {
+    /// A net with m faces around a boundary vertex, of points up to a radius.
+    fn open(applied: &Applied, m: usize, radius: i32) -> Self {
+        let kind = applied.kind;
+        let places = places(kind, m, radius);
+        let numbers: BTreeMap<FanPlace, u32> = places.iter().copied().zip(0..).collect();
+        let at = |s: usize, point: Point| match point {
+            [0, 0] => 0,
+            [0, j] => numbers[&Some((s + 1, [j, 0]))],
+            inside => numbers[&Some((s, inside))],
+        };
+        let mut faces = FaceList::default();
+        for s in 0..m {
+            for (i, j) in (0..radius).flat_map(|i| (0..radius).map(move |j| (i, j))) {
+                let corners = [[i, j], [i + 1, j], [i + 1, j + 1], [i, j + 1]];
+                if kind != Kind::Triangles {
+                    faces.push(corners.map(|p| at(s, p)));
+                    continue;
+                }
+                let [a, b, c, d] = corners;
+                if i + j < radius {
+                    faces.push([a, b, d].map(|p| at(s, p)));
+                }
+                if i + j + 2 <= radius {
+                    faces.push([b, c, d].map(|p| at(s, p)));
+                }
+            }
+        }
+        let checked = Topology::of_faces(places.len(), faces, Winding::Refuse).expect("sectors side by side fit");
+        let net = MeshNet::new(Arc::new(checked.topology), &[], &[], applied.plan.boundary);
+        Self { net: net.with_sharpness(None, applied.plan.rules), places }
+    }
+
+    /// A net with a crease through its middle, with m faces on one side of it and half a regular net on the other.
+    fn creased(applied: &Applied, m: usize, radius: i32) -> Self {
+        let kind = applied.kind;
+        let Star { net, places, .. } = Star::new(kind, m + kind.regular() / 2, radius);
+        let topology = net.mesh.base.clone();
+        let on_ray = |ray: usize, v: u32| places[v as usize].is_none_or(|(s, [_, j])| s == ray && j == 0);
+        let is_sharp = |e: &usize| [0, m].iter().any(|&ray| topology.ends(*e).iter().all(|&v| on_ray(ray, v)));
+        let edges: Vec<_> = (0..topology.n_edges()).filter(is_sharp).map(|e| (index(e), INFINITE_SHARPNESS)).collect();
+        let net = net.with_sharpness(Sharpness::of(&edges, &Vec::new()), applied.plan.rules);
+        Self { net, places }
+    }
+}
+
+impl Applied {
+    /// Whether all operators follow edges that are infinitely sharp.
+    fn follows_creases(&self) -> bool {
+        self.steps.iter().all(|step| step.letter.facts().follows >= Follows::Creases)
+    }
+
+    /// Whether the rules of a fan of faces are also those on one side of a crease.
+    pub(super) fn is_side_of_crease(&self, of: &FanRows, radius: i32, watch: &Watch) -> Result<bool, Unlimited> {
+        if !self.follows_creases() {
+            return Ok(false);
+        }
+        let creased = self.fan(of.faces, radius, Beyond::Faces, watch)?;
+        let close = |(a, b): (&BTreeMap<FanPlace, f64>, &BTreeMap<FanPlace, f64>)| {
+            let all: BTreeSet<&FanPlace> = a.keys().chain(b.keys()).collect();
+            let at = |row: &BTreeMap<FanPlace, f64>, place| row.get(place).copied().unwrap_or(0.0);
+            all.into_iter().all(|place| (at(a, place) - at(b, place)).abs() <= SAME)
+        };
+        Ok(creased.rows.len() == of.rows.len() && creased.rows.values().zip(of.rows.values()).all(close))
+    }
+
+    /// The rows around a vertex with m faces on its side of the outer rays, up to a radius, in a net that is wide
+    /// enough for them.
+    pub(super) fn fan(&self, m: usize, radius: i32, beyond: Beyond, watch: &Watch) -> Result<FanRows, Unlimited> {
+        let found = MARGINS.iter().find_map(|&margin| match self.fan_within(m, radius, beyond, margin, watch) {
+            Err(Unlimited::Reach) => None,
+            found => Some(found),
+        });
+        found.unwrap_or(Err(Unlimited::Reach))
+    }
+
+    fn fan_within(
+        &self,
+        m: usize,
+        radius: i32,
+        beyond: Beyond,
+        margin: i32,
+        watch: &Watch,
+    ) -> Result<FanRows, Unlimited> {
+        watch.check()?;
+        let (kind, side) = (self.kind, radius / self.arity + margin + 2);
+        let finer = usize::try_from(self.arity * self.arity).unwrap_or(usize::MAX);
+        if (kind.points(side).len() * (m + 3)).saturating_mul(finer) > MAX_POINTS {
+            return Err(Unlimited::Fine);
+        }
+        let Fan { mut net, places: old } = match beyond {
+            Beyond::Nothing => Fan::open(self, m, side),
+            Beyond::Faces => Fan::creased(self, m, side),
+        };
+        let (mut centre, mut record) = (Centre::Vertex(0), Record::new(Weights::Exact));
+        for step in &self.steps {
+            let next = Stepper::new(&self.plan).next(&net, step)?;
+            record.add(next.action)?;
+            centre = child(centre, step.letter.facts().children, [&net, &next.net], &record)?;
+            net = next.net;
+        }
+        watch.advance(net.mesh.n_vertices() as u64);
+        let Centre::Vertex(middle) = centre else { return Err(Unlimited::Lost) };
+        let topology = net.mesh.topology();
+        let reader = Reader { places: &old, record: &record };
+        let starts = reader.starts(&topology, middle, beyond)?;
+        let mut wanted: BTreeMap<FanPlace, u32> = BTreeMap::from([(None, middle)]);
+        for (s, &start) in starts.iter().take(m).enumerate() {
+            for ([i, j], v) in grid(&topology, kind, start, radius) {
+                match (i, j) {
+                    (0, 0) => {}
+                    (0, j) => _ = wanted.insert(Some((s + 1, [j, 0])), v),
+                    point => _ = wanted.insert(Some((s, point.into())), v),
+                }
+            }
+        }
+        if starts.len() < m || wanted.len() != places(kind, m, radius).len() {
+            return Err(Unlimited::Reach);
+        }
+        let rows = reader.rows(&wanted.values().copied().collect::<Vec<_>>())?;
+        let farthest = rows.iter().flat_map(BTreeMap::keys).map(|&place| self::radius(kind, place)).max();
+        // what the rim has a say in is no rule of the inside
+        if farthest.unwrap_or(0) + 1 >= side {
+            return Err(Unlimited::Reach);
+        }
+        Ok(FanRows { faces: m, rows: wanted.into_keys().zip(rows).collect() })
+    }
+}
+
+/// Reads rows off a record.
+struct Reader<'a> {
+    places: &'a [FanPlace],
+    record: &'a Record,
+}
+
+impl Reader<'_> {
+    fn rows(&self, vertices: &[u32]) -> Result<Vec<BTreeMap<FanPlace, f64>>, Unlimited> {
+        let n = self.places.len();
+        let origins: Vec<u32> = (0..index(n)).collect();
+        let matrix = self.record.matrix(vertices, &origins, n).ok_or(Unlimited::Reach)?;
+        let row = |r: usize| {
+            let (columns, weights) = matrix.row(r);
+            let entries = columns.iter().zip(weights).map(|(&column, &weight)| (self.places[column as usize], weight));
+            entries.collect::<BTreeMap<_, _>>()
+        };
+        let rows: Vec<_> = (0..vertices.len()).map(row).collect();
+        let known = rows.iter().flat_map(BTreeMap::values).all(|weight| weight.is_finite());
+        if known { Ok(rows) } else { Err(Unlimited::Reach) }
+    }
+
+    /// The half-edges at which sectors around the child begin, that of ray 0 first.
+    fn starts(&self, topology: &Topology, middle: u32, beyond: Beyond) -> Result<Vec<u32>, Unlimited> {
+        let mut starts: Vec<u32> = topology.ring(middle as usize).collect();
+        if beyond == Beyond::Faces {
+            // the child on a ray comes of the first point on it more than any other does
+            let ends: Vec<u32> = starts.iter().map(|&start| topology.vertex(topology.next(start))).collect();
+            let weight = |row: &BTreeMap<FanPlace, f64>| row.get(&Some((0, [1, 0]))).copied().unwrap_or(0.0);
+            let weights: Vec<f64> = self.rows(&ends)?.iter().map(weight).collect();
+            let first = (0..weights.len()).fold(0, |best, k| if weights[k] > weights[best] { k } else { best });
+            starts.rotate_left(first);
+        }
+        Ok(starts)
+    }
+}
+
+/// The vertices at the points of the sector that begins at a half-edge, both of its rays included, as far as the net
+/// goes there: cell by cell, so that nothing beyond the rays is needed.
+fn grid(topology: &Topology, kind: Kind, start: u32, radius: i32) -> BTreeMap<Point, u32> {
+    let known = |half_edge: u32| (half_edge != NONE).then_some(half_edge);
+    let across = |half_edge: u32| known(topology.twin(topology.next(half_edge)));
+    let triangles = kind == Kind::Triangles;
+    // the half-edges along the first side of the next cells in both directions
+    let right = |half_edge: u32| {
+        let over = across(half_edge)?;
+        let over = if triangles { across(over)? } else { over };
+        Some(topology.next(over))
+    };
+    let up = |half_edge: u32| {
+        if triangles {
+            known(topology.twin(topology.previous(across(half_edge)?)))
+        } else {
+            across(topology.next(half_edge))
+        }
+    };
+    let mut found = BTreeMap::new();
+    let (mut row, mut j) = (Some(start), 0);
+    while let Some(first) = row.filter(|_| j < radius) {
+        let (mut along, mut i) = (Some(first), 0);
+        while let Some(side) = along.filter(|_| kind.radius([i, j]) < radius) {
+            let corners = [[i, j], [i + 1, j], [i + 1, j + 1]].into_iter().filter(|p| !triangles || p[1] == j);
+            let mut at = side;
+            for point in corners {
+                found.insert(point, topology.vertex(at));
+                at = topology.next(at);
+            }
+            found.insert([i, j + 1], topology.vertex(at));
+            along = right(side);
+            i += 1;
+        }
+        row = up(first);
+        j += 1;
+    }
+    found
+}

@@ -1,0 +1,178 @@
+//! How smooth limits of regular nets are, whatever factors the symbol has: by the joint spectral radius of what a step
+//! does to the points that have a say on a cell, up to polynomials.
+//!
+//! With K sum rules the matrices `A_e`, `A_e[f][c] = a[e + f - d c]`, that lead from the points around a cell to those
+//! around each of the `d^2` cells that it becomes map samples of polynomials of a degree below K to such samples. On
+//! what is left they have a joint spectral radius rho. Limits are C^k for all k < K with `rho < d^-k`, and have the
+//! Hoelder exponent `-log_d(rho)` as far as that is below K; where shifts of the basic limit function are stable, which
+//! is so where the scheme interpolates, they are not C^k where `rho >= d^-k`, nor for k = K.
+//!
+//! Coordinates of what is left are the values outside a triangle of points, less those of the polynomial through the
+//! points of the triangle. Weights are taken for the fractions with small denominators that they are next to.
+//!
+//! Source: Han and Jia, SIAM Journal on Mathematical Analysis 29 (1998), 1177-1199; Jia, Transactions of the AMS 351
+//! (1999), 4089-4112.
+
+use std::collections::BTreeMap;
+
+use num_traits::{One, Zero};
+
+use super::characteristic::around_square;
+use super::regular::RegularMask;
+use super::sectors::Point;
+use crate::analysis::smoothness::{ExactMatrix, RadiusBounds, radius_bounds};
+use crate::math::exact::{self, Exact, binary, rounded};
+use crate::math::functions::ln;
+use crate::math::number::Number;
+use crate::watch::{Stopped, Watch};
+
+/// Most sum rules that are looked for.
+/// Schemes on meshes that are no splines have four. Half of it would miss some; twice of it only takes time.
+const MAX_ORDER: i32 = 8;
+/// Most points outside the triangle.
+/// Masks with 9 x 9 entries come to some forty. Half of it leaves out the push-back with k = 1; twice of it takes eight
+/// times as long and more.
+const MAX_SIZE: usize = 48;
+
+/// What is known of the radius, and of smoothness by it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Quotient {
+    /// The number of sum rules K.
+    pub sum_rules: i32,
+    /// The bounds of the radius.
+    pub radius: RadiusBounds,
+    /// The Hoelder exponent is at least this.
+    pub least_holder: f64,
+    /// It is at most this, where that is known.
+    pub most_holder: Option<f64>,
+    /// The largest k for which limits are proved to be C^k.
+    pub proved_c: i64,
+    /// The smallest k for which it is disproved.
+    pub disproved_c: Option<i64>,
+}
+
+/// A mask of fractions.
+type ExactMask = BTreeMap<Point, Exact>;
+
+impl Quotient {
+    /// What so many products of matrices tell; `None` where the mask has no sum rules, is no mask of small fractions,
+    /// or is too wide.
+    ///
+    /// # Errors
+    /// [`Stopped`].
+    pub(super) fn of(regular: &RegularMask, nodes: u64, watch: &Watch) -> Result<Option<Self>, Stopped> {
+        let Some(mask) = fractions(regular) else { return Ok(None) };
+        let (order, d) = (sum_rules(&mask, regular.arity), regular.arity);
+        let points = around_square(&regular.mask, d);
+        let Some((corners, others)) = parted(&points, order).filter(|(_, others)| others.len() <= MAX_SIZE) else {
+            return Ok(None);
+        };
+        let matrices: Vec<ExactMatrix> =
+            (0..d * d).map(|e| left_over(&mask, d, [e % d, e / d], &corners, &others)).collect();
+        let threshold = |k: i32| Exact::whole(d.into()).pow(-k);
+        let thresholds: Vec<Exact> = (0..order).map(threshold).collect();
+        let radius = radius_bounds(&matrices, &thresholds, nodes, watch)?;
+        let proved_c = (0..order).rev().find(|&k| radius.upper.stays_below(&threshold(k))).map_or(-1, i64::from);
+        let is_stable = proved_c >= 0 && interpolates(&mask, d);
+        let lower = radius.lower.as_ref().filter(|_| is_stable);
+        let rough = lower.and_then(|lower| (0..order).find(|&k| lower.reaches(&threshold(k))));
+        let disproved_c = is_stable.then(|| i64::from(rough.unwrap_or(order)));
+        let exponent = |radius: f64| -ln(radius) / ln(f64::from(d));
+        let over = radius.upper.exact.as_ref().map_or(radius.upper.value, rounded);
+        // some roundings of logarithms and their quotient
+        let least_holder = (exponent(over) - 1e-12).min(f64::from(order));
+        let most_holder = lower.map(|lower| (exponent(lower.value) + 1e-12).min(f64::from(order)));
+        Ok(Some(Self { sum_rules: order, radius, least_holder, most_holder, proved_c, disproved_c }))
+    }
+}
+
+/// The mask as the fractions that its weights are next to.
+fn fractions(regular: &RegularMask) -> Option<ExactMask> {
+    let exactly = |a: f64| {
+        let near = exact::simple(a)?;
+        // dyadic weights are what they are
+        Some(if rounded(&near).to_bits() == a.to_bits() || (rounded(&near) - a).abs() <= 1e-14 {
+            near
+        } else {
+            binary(a)
+        })
+    };
+    regular.mask.iter().map(|(&k, &a)| Some((k, exactly(a)?))).collect()
+}
+
+/// The monomials x^i y^j of a degree below some order.
+fn monomials(order: i32) -> impl Iterator<Item = [i32; 2]> {
+    (0..order).flat_map(|degree| (0..=degree).map(move |i| [i, degree - i]))
+}
+
+fn power([x, y]: Point, [i, j]: [i32; 2]) -> Exact {
+    Exact::whole(x.into()).pow(i) * Exact::whole(y.into()).pow(j)
+}
+
+/// The number K of sum rules: the sums of `a[k] k^m` over each residue class are the same for all powers m below K.
+fn sum_rules(mask: &ExactMask, d: i32) -> i32 {
+    let same = |powers: [i32; 2]| {
+        let mut sums: BTreeMap<Point, Exact> = BTreeMap::new();
+        for (k, a) in mask {
+            *sums.entry(k.map(|x| x.rem_euclid(d))).or_insert_with(Exact::zero) += a * power(*k, powers);
+        }
+        let first = sums.get(&[0, 0]).cloned().unwrap_or_else(Exact::zero);
+        let all = usize::try_from(d * d).is_ok_and(|n| sums.len() == n) && sums.values().all(|sum| *sum == first);
+        all && (powers != [0, 0] || first.is_one())
+    };
+    let holds = |degree: &i32| (0..=*degree).all(|i| same([i, degree - i]));
+    i32::try_from((0..MAX_ORDER).take_while(holds).count()).unwrap_or(0)
+}
+
+/// A triangle of points through which there is one polynomial of each degree below the order, and the others.
+fn parted(points: &[Point], order: i32) -> Option<(Vec<Point>, Vec<Point>)> {
+    let triangle = |[x, y]: Point| monomials(order).map(|[i, j]| [x + i, y + j]).collect::<Vec<_>>();
+    let corners = points.iter().map(|&p| triangle(p)).find(|all| all.iter().all(|p| points.contains(p)))?;
+    let others = points.iter().copied().filter(|p| !corners.contains(p)).collect::<Vec<_>>();
+    (order > 0 && !others.is_empty()).then_some((corners, others))
+}
+
+/// The matrix of one of the finer cells on what polynomials leave over.
+fn left_over(mask: &ExactMask, d: i32, e: Point, corners: &[Point], others: &[Point]) -> ExactMatrix {
+    let [x, y] = corners[0];
+    let order = corners.iter().map(|p| p[0] - x + p[1] - y).max().unwrap_or(0);
+    let at = |f: Point, c: Point| mask.get(&[0, 1].map(|axis| e[axis] + f[axis] - d * c[axis])).cloned();
+    let cell = |f: Point, c: Point| {
+        let own = at(f, c).unwrap_or_else(Exact::zero);
+        let through = corners
+            .iter()
+            .filter_map(|&p| Some(lagrange(order, [p[0] - x, p[1] - y], [f[0] - x, f[1] - y]) * at(p, c)?));
+        own - through.sum::<Exact>()
+    };
+    others.iter().map(|&f| others.iter().map(|&c| cell(f, c)).collect()).collect()
+}
+
+/// At a place the polynomial of a degree that is 1 at the point (i, j) of the triangle `i, j >= 0, i + j <= degree` and
+/// 0 at all others of it.
+fn lagrange(degree: i32, [i, j]: Point, [x, y]: Point) -> Exact {
+    let falling = |x: i32, n: i32| (0..n).map(|k| Exact::ratio((x - k).into(), (k + 1).into())).product::<Exact>();
+    falling(x, i) * falling(y, j) * falling(degree - x - y, degree - i - j)
+}
+
+/// Whether old points stay where they are, whose shifts are stable then.
+fn interpolates(mask: &ExactMask, d: i32) -> bool {
+    let kept = mask.iter().filter(|(k, _)| k.iter().all(|x| x % d == 0));
+    kept.map(|(k, a)| (*k == [0, 0]) == a.is_one() && (*k == [0, 0] || a.is_zero())).all(|is_kept| is_kept)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn polynomials_of_a_triangle_are_1_at_one_of_its_points() {
+        for point in monomials(4) {
+            for at in monomials(4) {
+                assert_eq!(lagrange(3, point, at), Exact::whole(i64::from(point == at)));
+            }
+        }
+        // x^2 through its values on the triangle
+        let value: Exact = monomials(4).map(|p| lagrange(3, p, [5, -2]) * Exact::whole(i64::from(p[0] * p[0]))).sum();
+        assert_eq!(value, Exact::whole(25));
+    }
+}

@@ -1,0 +1,48 @@
+//! Which polynomials a regular scheme keeps: those that are limits of their own samples.
+//!
+//! With old points c at the places c + s and new points f at (f + s)/d, linear polynomials say that
+//! `s = (sum of a[k] k over one residue class)/(d - 1)`. A degree is reproduced when the sums over each residue class r
+//! of `a[k] ((r - k)/d + s)^m` are `((r + s)/d)^m` for all powers m of that degree, and so are all lower ones.
+//!
+//! Source: Conti and Hormann, Journal of Approximation Theory 163 (2011), 413-437, here for two variables.
+
+use super::regular::{Polynomial, RegularMask};
+use super::sectors::Point;
+
+/// Largest degree that is looked for.
+/// The schemes of the catalogue have three at most. Half of it is enough for them; twice of it only takes time.
+const MAX_DEGREE: i32 = 8;
+/// What sums may be off by: rounding of weights of about 1 times powers of places up to 5.
+/// Sums that do not fit are off by a thousandth at least. Half and twice of it decide alike.
+const OFF: f64 = 1e-9;
+
+impl RegularMask {
+    /// The largest degree of polynomials that are reproduced, -1 where not even constants are.
+    pub fn reproduction_degree(&self) -> i32 {
+        let d = f64::from(self.arity);
+        let shift = [0, 1].map(|axis| self.class([0, 0]).map(|(k, a)| a * f64::from(k[axis])).sum::<f64>() / (d - 1.0));
+        let times = |x: f64, n: i32| (0..n).fold(1.0, |product, _| product * x);
+        let power = |[x, y]: [f64; 2], [i, j]: [i32; 2]| times(x, i) * times(y, j);
+        let fits = |r: Point, powers: [i32; 2]| {
+            let old = |k: &Point| [0, 1].map(|axis| f64::from(r[axis] - k[axis]) / d + shift[axis]);
+            let sum: f64 = self.class(r).map(|(k, a)| a * power(old(k), powers)).sum();
+            let new = [0, 1].map(|axis| (f64::from(r[axis]) + shift[axis]) / d);
+            (sum - power(new, powers)).abs() <= OFF
+        };
+        let classes = || (0..self.arity).flat_map(|x| (0..self.arity).map(move |y| [x, y]));
+        let holds = |degree: &i32| (0..=*degree).all(|i| classes().all(|r| fits(r, [i, degree - i])));
+        (0..=MAX_DEGREE).take_while(holds).last().unwrap_or(-1)
+    }
+
+    /// The ends of the support of the basic limit function along the two sides of a face.
+    pub fn support(&self) -> [[f64; 2]; 2] {
+        let [x, y, _] = Self::ends(&self.mask);
+        [x, y].map(|ends| ends.map(|end| f64::from(end) / f64::from(self.arity - 1)))
+    }
+
+    /// The entries of a residue class.
+    fn class(&self, r: Point) -> impl Iterator<Item = (&Point, &f64)> {
+        let mask: &Polynomial = &self.mask;
+        mask.iter().filter(move |(k, _)| (0..2).all(|axis| (k[axis] - r[axis]).rem_euclid(self.arity) == 0))
+    }
+}

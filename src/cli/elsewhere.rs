@@ -1,0 +1,88 @@
+//! `planish render --server`: jobs and mesh files to files, made by a service.
+
+use std::path::{Path, PathBuf};
+use std::time::Duration;
+
+use futures_util::{StreamExt, stream};
+use serde_json::Value;
+
+use super::error::CliError;
+use super::files::to_new_file;
+use super::inputs::Source;
+use super::job::{JobOptions, Wanted};
+use super::progress::Progress;
+use super::remote::Remote;
+use super::say::answer;
+
+/// The service that renders.
+#[derive(Debug, Clone, clap::Args)]
+pub(super) struct ServerOptions {
+    /// Have a service render, at this address such as http://127.0.0.1:8080; what is busy is asked again.
+    #[arg(long, value_name = "URL", help_heading = "Service")]
+    server: Option<String>,
+    /// The key that the service asks for.
+    #[arg(long, value_name = "KEY", env = "PLANISH_KEY", hide_env_values = true, help_heading = "Service")]
+    key: Option<String>,
+    /// Seconds after which an input is given up that the service does not finish.
+    #[arg(long, value_name = "SECONDS", default_value_t = 600, help_heading = "Service",
+        value_parser = clap::value_parser!(u64).range(1..=86_400))]
+    patience: u64,
+    /// Inputs that are with the service at once.
+    #[arg(long, value_name = "N", default_value_t = 4, help_heading = "Service",
+        value_parser = clap::value_parser!(u64).range(1..=64))]
+    parallel: u64,
+}
+
+/// What a service is to make: inputs, the file of each, and whether folders are made for them.
+pub(super) struct Order<'a> {
+    pub(super) sources: &'a [Source],
+    pub(super) targets: &'a [Option<PathBuf>],
+    pub(super) makes_folders: bool,
+    pub(super) wanted: Wanted,
+    pub(super) options: &'a JobOptions,
+}
+
+impl ServerOptions {
+    /// The service, where there is to be one.
+    pub(super) fn remote(&self) -> Result<Option<Remote>, CliError> {
+        let patience = Duration::from_secs(self.patience);
+        self.server.as_deref().map(|url| Remote::new(url, self.key.as_deref(), patience)).transpose()
+    }
+
+    /// Has all inputs rendered, some at once; one that fails does not keep the others from being rendered.
+    pub(super) fn render(&self, remote: &Remote, order: &Order<'_>, mut progress: Progress) -> Result<(), CliError> {
+        let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build().map_err(CliError::other)?;
+        let parallel = usize::try_from(self.parallel).unwrap_or(1);
+        runtime.block_on(async {
+            let made = stream::iter(order.sources.iter().zip(order.targets))
+                .map(async |(source, target)| (source, order.made(remote, source, target.as_deref()).await));
+            let mut made = std::pin::pin!(made.buffer_unordered(parallel));
+            while let Some((source, outcome)) = made.next().await {
+                progress.done(source, outcome);
+            }
+        });
+        progress.end("rendered")
+    }
+}
+
+impl Order<'_> {
+    /// Has one input rendered, and writes its file.
+    async fn made(&self, remote: &Remote, source: &Source, target: Option<&Path>) -> Result<(), CliError> {
+        let (mut job, file) = self.options.told(source, self.wanted)?;
+        if !job["outputs"][0]["lod"].is_null() {
+            let detail = "--lod: levels of detail are several files; render them without --server";
+            return Err(CliError::usage(detail));
+        }
+        if let Some((bytes, media_type)) = file {
+            job["input"]["blob"] = Value::from(remote.upload(&bytes, media_type).await?);
+        }
+        let bytes = remote.render(&job).await?;
+        let Some(target) = target else { return answer(&bytes) };
+        if let Some(folder) = target.parent().filter(|folder| self.makes_folders && !folder.as_os_str().is_empty()) {
+            std::fs::create_dir_all(folder)
+                .map_err(|error| CliError::files(format!("cannot make a folder for {}: {error}", target.display())))?;
+        }
+        let cannot = |error| CliError::files(format!("cannot write {}: {error}", target.display()));
+        to_new_file(target, |out| out.write_all(&bytes).map_err(cannot))
+    }
+}

@@ -1,0 +1,227 @@
+//! A service elsewhere that renders: asked over HTTP, again where it is busy, and followed where it takes longer.
+
+use std::time::Duration;
+
+use reqwest::header::{AUTHORIZATION, CONTENT_TYPE, LOCATION, RETRY_AFTER};
+use reqwest::{Client, RequestBuilder, Response, StatusCode};
+use serde_json::Value;
+use tokio::time::{Instant, sleep};
+
+use super::error::{CliError, Kind};
+
+/// Longest time between two questions, whatever the service asks for. Half of it asks a service that is to restart
+/// twice as often; twice of it notices late that it is back.
+const MOST_WAIT: Duration = Duration::from_mins(1);
+/// Time after which a question is asked again where the service does not say; twice of it each time after.
+const FIRST_WAIT: Duration = Duration::from_millis(500);
+/// How long one request waits for the result before the job is followed: proxies cut what takes a minute.
+/// Half of it asks twice as often; twice of it is cut by some proxies.
+const HELD_S: u64 = 30;
+/// Longest silence of a service while it answers: what it holds back for a result, and some seconds.
+const SILENCE: Duration = Duration::from_secs(HELD_S + 30);
+/// Most bytes of a refusal that are read.
+const MOST_REFUSAL: usize = 1 << 20;
+
+/// A service.
+#[derive(Debug, Clone)]
+pub(super) struct Remote {
+    client: Client,
+    url: String,
+    key: Option<String>,
+    patience: Duration,
+}
+
+/// Why a request has no answer.
+enum Failed {
+    /// It may have one later, after so long where the service says so.
+    ForNow(Option<Duration>, String),
+    /// It never will.
+    ForGood(CliError),
+}
+
+impl From<CliError> for Failed {
+    fn from(error: CliError) -> Self {
+        Self::ForGood(error)
+    }
+}
+
+impl Remote {
+    /// The service at an address, which is asked for `patience` before a job is given up.
+    pub(super) fn new(url: &str, key: Option<&str>, patience: Duration) -> Result<Self, CliError> {
+        if !url.starts_with("http://") {
+            let detail = format!("--server: {url} is no address; write http://HOST:PORT (TLS is a proxy's affair)");
+            return Err(CliError::usage(detail));
+        }
+        let client = Client::builder().read_timeout(SILENCE).connect_timeout(Duration::from_secs(10)).no_proxy();
+        let client = client.build().map_err(CliError::other)?;
+        let (url, key) = (url.trim_end_matches('/').to_owned(), key.map(str::to_owned));
+        Ok(Self { client, url, key, patience })
+    }
+
+    /// The bytes that a job makes.
+    pub(super) async fn render(&self, job: &Value) -> Result<Vec<u8>, CliError> {
+        let body = job.to_string();
+        let ask = || {
+            let request = self.client.post(self.address("/v1/render")).header(CONTENT_TYPE, "application/json");
+            request.header("prefer", format!("wait={HELD_S}")).body(body.clone())
+        };
+        self.patiently(async || {
+            let response = self.sent(ask()).await?;
+            match (response.status(), place(&response)) {
+                (StatusCode::ACCEPTED, Some(place)) => self.followed(&place).await,
+                _ => whole(response).await,
+            }
+        })
+        .await
+    }
+
+    /// Sends a mesh file, and tells its id.
+    pub(super) async fn upload(&self, bytes: &[u8], media_type: &str) -> Result<String, CliError> {
+        let ask = || self.client.post(self.address("/v1/blobs")).header(CONTENT_TYPE, media_type).body(bytes.to_vec());
+        let answer = self.patiently(async || whole(self.sent(ask()).await?).await).await?;
+        let answer: Value = serde_json::from_slice(&answer).map_err(|error| self.strange(&error.to_string()))?;
+        answer["id"].as_str().map(str::to_owned).ok_or_else(|| self.strange("an upload has no id"))
+    }
+
+    /// Asks until there is an answer, for as long as patience lasts.
+    async fn patiently<T>(&self, ask: impl AsyncFn() -> Result<T, Failed>) -> Result<T, CliError> {
+        let (begun, mut wait) = (Instant::now(), FIRST_WAIT);
+        loop {
+            let (after, why) = match ask().await {
+                Ok(answer) => return Ok(answer),
+                Err(Failed::ForGood(error)) => return Err(error),
+                Err(Failed::ForNow(after, why)) => (after, why),
+            };
+            let pause = after.unwrap_or(wait).clamp(FIRST_WAIT, MOST_WAIT);
+            if begun.elapsed() + pause > self.patience {
+                let seconds = self.patience.as_secs();
+                return Err(CliError::files(format!("{} gave no result within {seconds} s: {why}", self.url)));
+            }
+            sleep(pause).await;
+            wait = wait.saturating_mul(2);
+        }
+    }
+
+    /// Waits for the end of a job, and fetches its first result.
+    async fn followed(&self, place: &str) -> Result<Vec<u8>, Failed> {
+        let begun = Instant::now();
+        loop {
+            let response = self.sent(self.client.get(self.address(place))).await?;
+            let pause = after(&response).unwrap_or(Duration::from_secs(1)).clamp(FIRST_WAIT, MOST_WAIT);
+            let told = whole(response).await?;
+            let told: Value = serde_json::from_slice(&told).map_err(|error| self.strange(&error.to_string()))?;
+            match told["state"].as_str() {
+                Some("queued" | "running") if begun.elapsed() < self.patience => sleep(pause).await,
+                Some("done") => {
+                    let href = told["outputs"][0]["href"].as_str();
+                    let href = href.ok_or_else(|| self.strange("a job that is done has no result"))?;
+                    return whole(self.sent(self.client.get(self.address(href))).await?).await;
+                }
+                Some("failed") => {
+                    let why = told["error"].as_str().unwrap_or("the job failed");
+                    return Err(CliError::refused(why).into());
+                }
+                Some("cancelled") => return Err(CliError::other("the job was cancelled at the service").into()),
+                _ => {
+                    let seconds = self.patience.as_secs();
+                    return Err(CliError::files(format!("the job is not finished after {seconds} s")).into());
+                }
+            }
+        }
+    }
+
+    fn address(&self, place: &str) -> String {
+        format!("{}{place}", self.url)
+    }
+
+    fn strange(&self, why: &str) -> CliError {
+        CliError::files(format!("{} answers as no planish does: {why}", self.url))
+    }
+
+    /// The answer to a request, which is no refusal.
+    async fn sent(&self, request: RequestBuilder) -> Result<Response, Failed> {
+        let request =
+            self.key.iter().fold(request, |request, key| request.header(AUTHORIZATION, format!("Bearer {key}")));
+        let response = request.send().await.map_err(|error| unheard(&error))?;
+        let status = response.status();
+        if status.is_success() {
+            return Ok(response);
+        }
+        let (after, text) = (after(&response), refusal(response).await);
+        match status.as_u16() {
+            429 | 502..=504 => Err(Failed::ForNow(after, text.detail)),
+            401 | 403 => Err(CliError::usage(format!("--key: {}", text.detail)).into()),
+            _ => Err(Failed::ForGood(CliError { kind: text.kind(status), details: text.lines() })),
+        }
+    }
+}
+
+/// What a refusal says.
+struct Refused {
+    slug: String,
+    detail: String,
+    errors: Vec<String>,
+}
+
+impl Refused {
+    /// The kind of failure, as if it had been met here.
+    fn kind(&self, status: StatusCode) -> Kind {
+        match (self.slug.as_str(), status.as_u16()) {
+            ("too-large" | "body-too-long" | "timed-out", _) | (_, 413) => Kind::TooLarge,
+            (_, 400..500) => Kind::Refused,
+            _ => Kind::Files,
+        }
+    }
+
+    fn lines(self) -> Vec<String> {
+        if self.errors.len() > 1 { self.errors } else { vec![self.detail] }
+    }
+}
+
+/// Reads a problem, or what a proxy says in place of one.
+async fn refusal(mut response: Response) -> Refused {
+    let (status, mut bytes) = (response.status(), Vec::new());
+    while let Ok(Some(chunk)) = response.chunk().await {
+        bytes.extend_from_slice(&chunk);
+        if bytes.len() > MOST_REFUSAL {
+            break;
+        }
+    }
+    let problem: Value = serde_json::from_slice(&bytes).unwrap_or_default();
+    let text = |value: &Value| value.as_str().unwrap_or_default().to_owned();
+    let error = |error: &Value| match (text(&error["pointer"]), text(&error["detail"])) {
+        (pointer, detail) if pointer.is_empty() => detail,
+        (pointer, detail) => format!("{pointer}: {detail}"),
+    };
+    let slug = text(&problem["type"]).rsplit('/').next().unwrap_or_default().to_owned();
+    let detail = Some(text(&problem["detail"])).filter(|detail| !detail.is_empty());
+    let errors = problem["errors"].as_array().into_iter().flatten().map(error).collect();
+    Refused { slug, detail: detail.unwrap_or_else(|| format!("it answers {status}")), errors }
+}
+
+/// All bytes of an answer.
+async fn whole(response: Response) -> Result<Vec<u8>, Failed> {
+    Ok(response.bytes().await.map_err(|error| unheard(&error))?.to_vec())
+}
+
+fn unheard(error: &reqwest::Error) -> Failed {
+    let mut why = error.to_string();
+    let mut source = std::error::Error::source(error);
+    while let Some(inner) = source {
+        why = inner.to_string();
+        source = inner.source();
+    }
+    Failed::ForNow(None, format!("no answer: {why}"))
+}
+
+/// The seconds after which the service wants to be asked again.
+fn after(response: &Response) -> Option<Duration> {
+    let seconds = response.headers().get(RETRY_AFTER)?.to_str().ok()?.trim().parse().ok()?;
+    Some(Duration::from_secs(seconds))
+}
+
+/// Where the job of an answer stands, as a path of the service.
+fn place(response: &Response) -> Option<String> {
+    let place = response.headers().get(LOCATION)?.to_str().ok()?;
+    place.starts_with('/').then(|| place.to_owned())
+}

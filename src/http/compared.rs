@@ -1,0 +1,190 @@
+//! The two that a comparison names: artifacts, uploads and jobs, found or made.
+
+use std::any::Any;
+use std::sync::Arc;
+
+use axum::body::Bytes;
+use serde_json::Value;
+
+use super::app::App;
+use super::blobs;
+use super::body::{Attached, Sent};
+use super::inflate::too_long;
+use super::problem::{self, Problem};
+use super::reading::{self, ReadJob};
+use crate::fault::{Fault, shortened, under};
+use crate::input::{Alone, READERS};
+use crate::job::key::Key;
+use crate::job::{PngFile, Side};
+use crate::service::computation::Phase;
+use crate::service::peer::{Kind, Paid, Peer};
+use crate::service::pool::Lane;
+use crate::service::store::Manifest;
+use crate::service::task::Render;
+use crate::wire::JobRequest;
+use crate::wire::output::OutputRequest;
+use crate::wire::text::MeshFile;
+
+/// The media type of pictures that are compared.
+const PICTURE: &str = "image/png";
+/// The job of a mesh file that is compared as it stands.
+const FILE: &[u8] = br#"{"input":{},"outputs":[{"format":"stats"}]}"#;
+
+/// What pays for the memory of a side, for as long as it is held.
+pub(super) type Booked = Arc<dyn Any + Send + Sync>;
+
+/// One of the two that are compared, with its memory.
+#[derive(Debug)]
+pub(super) struct FoundSide {
+    pub(super) side: Side,
+    pub(super) paid: Booked,
+}
+
+/// The one that stands at a place of the request.
+///
+/// # Errors
+/// What is no such thing, with a pointer to it.
+pub(super) async fn side(app: &Arc<App>, peer: Peer, place: &str, named: &Value) -> Result<FoundSide, Problem> {
+    let fault = |detail: String| Problem::invalid(vec![Fault::new(place, detail)]);
+    match named {
+        Value::String(id) if id.starts_with("b3-") => of_upload(app, peer, place, id).await,
+        Value::String(id) => {
+            let key = Key::parse(id).ok_or_else(|| {
+                fault(format!(
+                    "\"{}\" is no id; an artifact has 64 hexadecimal digits, an upload b3- before them",
+                    shortened(id)
+                ))
+            })?;
+            let missing = || fault(format!("there is no artifact {key} here; give the job that makes it"));
+            let manifest = app.desk.find(key, peer).await.ok_or_else(missing)?;
+            let file = match format_of(&manifest.media_type) {
+                None => {
+                    let detail = format!("{} is neither a PNG nor a mesh file that is read", manifest.media_type);
+                    return Err(fault(detail));
+                }
+                Some(file) => file,
+            };
+            let (bytes, paid) = whole(app, peer, &manifest).await?;
+            match file {
+                Holds::Picture => picture(bytes, paid, true).map_err(fault),
+                Holds::Mesh(format) => of_file(app, peer, place, (key, format), (bytes, paid)).await,
+            }
+        }
+        Value::Object(_) => {
+            of_job(app, peer, named).await.map_err(|problem| problem.at(|pointer| format!("{place}{pointer}")))
+        }
+        _ => Err(fault("expected the id of an artifact or of an upload, or a job".to_owned())),
+    }
+}
+
+/// What a file holds.
+enum Holds {
+    Picture,
+    /// A mesh in the format of this name.
+    Mesh(&'static str),
+}
+
+fn format_of(media_type: &str) -> Option<Holds> {
+    let reader = || READERS.iter().find(|reader| reader.media_type == media_type);
+    match media_type {
+        PICTURE => Some(Holds::Picture),
+        "application/json" => Some(Holds::Mesh("json")),
+        _ => reader().map(|reader| Holds::Mesh(reader.name)),
+    }
+}
+
+fn picture(bytes: Vec<u8>, paid: Paid, is_own: bool) -> Result<FoundSide, String> {
+    let side = Side::Picture(PngFile::new(bytes.into(), is_own)?);
+    Ok(FoundSide { side, paid: Arc::new(paid) })
+}
+
+/// All bytes of an artifact, with their memory.
+async fn whole(app: &Arc<App>, peer: Peer, manifest: &Arc<Manifest>) -> Result<(Vec<u8>, Paid), Problem> {
+    let limit = app.settings.max_body_bytes;
+    if manifest.length > limit {
+        return Err(too_long(manifest.length, limit));
+    }
+    let paid = charged(app, peer, manifest.length)?;
+    let mut bytes = Vec::with_capacity(usize::try_from(manifest.length).unwrap_or_default());
+    for part in 0..manifest.parts.len() {
+        bytes.extend_from_slice(&app.desk.tiers.part(manifest, part).await.ok_or_else(lost)?);
+    }
+    Ok((bytes, paid))
+}
+
+/// Memory for bytes that a peer has brought here.
+fn charged(app: &Arc<App>, peer: Peer, bytes: u64) -> Result<Paid, Problem> {
+    let desk = &app.desk;
+    let paid = desk.peers.charge(&desk.account.bodies, Kind::BodyBytes, peer, bytes);
+    paid.map_err(|_| desk.pool.busy(Lane::Reading).into())
+}
+
+async fn of_upload(app: &Arc<App>, peer: Peer, place: &str, id: &str) -> Result<FoundSide, Problem> {
+    let fault = |detail: String| Problem::invalid(vec![Fault::new(place, detail)]);
+    let (key, manifest, bytes, paid) = blobs::loaded(app, peer, id, place).await?;
+    match format_of(&manifest.media_type) {
+        Some(Holds::Picture) => picture(bytes, paid, false).map_err(fault),
+        Some(Holds::Mesh(format)) => of_file(app, peer, place, (key, format), (bytes, paid)).await,
+        None => Err(fault(format!("{} is neither a PNG nor a mesh file that is read", manifest.media_type))),
+    }
+}
+
+/// A mesh file as it stands.
+async fn of_file(
+    app: &Arc<App>,
+    peer: Peer,
+    place: &str,
+    (key, format): (Key, &str),
+    (bytes, paid): (Vec<u8>, Paid),
+) -> Result<FoundSide, Problem> {
+    let file = MeshFile { format: format.to_owned(), bytes, beside: Arc::new(Alone) };
+    let sent = Sent::job(Bytes::from_static(FILE)).with_uploads(vec![(None, Arc::new(Attached::new(key, file, paid)))]);
+    shape(app, peer, sent).await.map_err(|problem| problem.at(|_| place.to_owned()))
+}
+
+async fn shape(app: &Arc<App>, peer: Peer, sent: Sent) -> Result<FoundSide, Problem> {
+    let ReadJob { job, input, .. } = reading::job(app, peer, sent, 1, |_| Ok(())).await?;
+    let admitted = reading::admit(app, peer, job).await?;
+    Ok(FoundSide { side: Side::Shape(admitted), paid: input })
+}
+
+/// The picture that a job makes, or its refined shape.
+async fn of_job(app: &Arc<App>, peer: Peer, job: &Value) -> Result<FoundSide, Problem> {
+    let sent = Sent::job(job.to_string().into());
+    let prepare = |request: &mut JobRequest| {
+        let is_picture = request.outputs.first().and_then(OutputRequest::format) == Some("png");
+        if request.outputs.len() < 2 && !is_picture {
+            let shape = OutputRequest::of_shape(request.outputs.first());
+            request.outputs = vec![shape.map_err(|faults| Problem::invalid(under("/outputs/0", faults)))?];
+        }
+        Ok(())
+    };
+    let ReadJob { job, input, .. } = reading::job(app, peer, sent, 1, prepare).await?;
+    let is_picture = job.outputs[0].format.media_type() == PICTURE;
+    let (key, entries) = (job.keys()[0], job.entries(&job.outputs[0]));
+    if is_picture && let Some(manifest) = app.desk.find(key, peer).await {
+        let (bytes, paid) = whole(app, peer, &manifest).await?;
+        return picture(bytes, paid, true).map_err(|detail| Problem::invalid(vec![Fault::new("", detail)]));
+    }
+    let admitted = reading::admit(app, peer, job).await?;
+    if !is_picture {
+        return Ok(FoundSide { side: Side::Shape(admitted), paid: input });
+    }
+    let interest = app.desk.compute(Arc::new(Render::new(admitted, 0, Some(input))), peer)?;
+    match interest.computation.finished().await {
+        Phase::Done(outcome) => {
+            let (bytes, paid) = match &outcome.loose {
+                Some(bytes) => (bytes.to_vec(), charged(app, peer, bytes.len() as u64)?),
+                None => whole(app, peer, &outcome.manifest).await?,
+            };
+            picture(bytes, paid, true).map_err(|detail| Problem::invalid(vec![Fault::new("", detail)]))
+        }
+        Phase::Failed(failure) => Err(Problem::of_failure(failure, |refused| entries.fault(refused))),
+        Phase::Queued | Phase::Running => Err(Problem::cancelled()),
+    }
+}
+
+/// The refusal where bytes that were just there are gone.
+pub(super) fn lost() -> Problem {
+    Problem::new(problem::GONE, "what is compared has just left the cache; ask again")
+}

@@ -1,0 +1,151 @@
+//! GET /v1/r/{signature}/{expiry}/...: what a signed address opens to whoever has it, until its time is over. The gate
+//! has checked the signature.
+
+use axum::extract::{Path, State};
+use axum::http::{HeaderMap, HeaderValue, Method, Uri, header};
+use axum::response::{IntoResponse, Response};
+use base64::Engine;
+use base64::engine::general_purpose::URL_SAFE_NO_PAD;
+use flate2::read::DeflateDecoder;
+
+use super::app::Shared;
+use super::body::Sent;
+use super::client::{Client, Shown};
+use super::links::{answered, check_length, inflated};
+use super::problem::{self, Problem};
+use super::render::Wanted;
+use super::segment::Segment;
+use super::{artifacts, events, memo};
+use crate::fault::{Fault, shortened};
+use crate::output::FORMATS;
+
+/// Longest time for which a page may keep the result of a signed address, seconds: as for other addresses of jobs.
+const MOST_AGE_S: u64 = 86_400;
+
+/// What follows signature and expiry in a signed address, where that is one name.
+type Named = Result<Path<(String, String, String)>, axum::extract::rejection::PathRejection>;
+
+/// Renders the job of a signed address, and answers with the bytes: what `<img>` and `<model-viewer>` show without a
+/// key.
+///
+/// `signature` is the id of a key, a dot, and base64url of HMAC-SHA256 over the lines `GET`, the expiry and the rest of
+/// the path, by the link secret of the key; `planish sign` makes it. The rest is the job's JSON as raw deflate (RFC
+/// 1951) in base64url, at most 64 KiB, and the extension of its format. A result that is not there in time is answered
+/// 503, and is kept for whoever asks again.
+#[utoipa::path(
+    get, path = "/v1/r/{signature}/{expiry}/{job}", tag = "jobs",
+    params(
+        ("signature" = String, Path, description = "The id of a key, a dot, and the signature in base64url",
+            example = "0123456789ab.X7mGv0l4gk3hVw0bT0zv5mJ8m3mE3v0m0Yw6vQp1r2s"),
+        ("expiry" = u64, Path, description = "When the address ends, seconds since 1970", example = 1_893_456_000),
+        ("job" = String, Path, description = "The job as JSON, compressed by raw deflate, in base64url; a dot and the \
+            extension of its format",
+            example = "q1bKzCsoLVGyqlYqyM-pTM_PU7JSKsjPzCspVrKKjjbUMdAxiNWJNtYx0DEEUoY6hrGxOgrJOfnFqSlAJbXVtQA.svg"),
+        ("If-None-Match" = Option<String>, Header, description = "ETags of results that the client has"),
+    ),
+    responses(
+        (status = 200, description = "The bytes of the result"),
+        (status = 304, description = "The client has it already (`If-None-Match`)"),
+    )
+)]
+pub(super) async fn signed(
+    State(app): State<Shared>,
+    client: Client,
+    mut headers: HeaderMap,
+    uri: Uri,
+    path: Named,
+) -> Response {
+    let wanted = path.map_err(|_| no_text()).and_then(|Path((_, _, job))| {
+        check_length(&uri)?;
+        wanted_by(&client, &mut headers, &job)
+    });
+    let response = answered(&app, &client, &headers, wanted).await;
+    let mut response = response.unwrap_or_else(IntoResponse::into_response);
+    if let (Shown::Link(expires, ..), true) = (client.caller.shown, response.status().as_u16() < 400) {
+        let age = expires.saturating_sub(app.desk.clock().wall().as_secs()).min(MOST_AGE_S);
+        if let Ok(kept) = HeaderValue::try_from(format!("public, max-age={age}")) {
+            response.headers_mut().insert(header::CACHE_CONTROL, kept);
+        }
+    }
+    response
+}
+
+/// The events of a job, by a signed address: `EventSource` of browsers sends no keys.
+#[utoipa::path(
+    get, path = "/v1/r/{signature}/{expiry}/jobs/{id}/events", tag = "jobs",
+    params(
+        ("signature" = String, Path, description = "As for jobs in signed addresses",
+            example = "0123456789ab.X7mGv0l4gk3hVw0bT0zv5mJ8m3mE3v0m0Yw6vQp1r2s"),
+        ("expiry" = u64, Path, description = "When the address ends, seconds since 1970", example = 1_893_456_000),
+        ("id" = String, Path, description = "Id of the job, 64 hexadecimal digits",
+            example = "7fd9512d51873010739dc6b61ab050e2fa8041f4f0258865739ad5cfefd188f2"),
+        ("Last-Event-ID" = Option<String>, Header, description = "The number of the last event that the client saw"),
+    ),
+    responses(
+        (status = 200, description = "The events, as those of /v1/jobs/{id}/events", body = Object,
+            content_type = "text/event-stream",
+            example = "id: 4294968297\nevent: progress\ndata: {\"state\":\"running\",\"progress\":0.0}\n\n"),
+        (status = 204, description = "The client has seen the end"),
+    )
+)]
+pub(super) async fn signed_events(app: State<Shared>, client: Client, path: Named, headers: HeaderMap) -> Response {
+    match path {
+        Ok(Path((_, _, id))) => events::events(app, client, Segment(id), headers).await,
+        Err(_) => no_text().into_response(),
+    }
+}
+
+/// The bytes of an artifact, by a signed address.
+#[utoipa::path(
+    get, path = "/v1/r/{signature}/{expiry}/artifacts/{file}", tag = "jobs",
+    params(
+        ("signature" = String, Path, description = "As for jobs in signed addresses",
+            example = "0123456789ab.X7mGv0l4gk3hVw0bT0zv5mJ8m3mE3v0m0Yw6vQp1r2s"),
+        ("expiry" = u64, Path, description = "When the address ends, seconds since 1970", example = 1_893_456_000),
+        ("file" = String, Path, description = "As for /v1/artifacts/{file}",
+            example = "7fd9512d51873010739dc6b61ab050e2fa8041f4f0258865739ad5cfefd188f2.obj"),
+        ("Range" = Option<String>, Header, description = "One range of bytes, `bytes=first-last`"),
+        ("If-None-Match" = Option<String>, Header, description = "ETags of results that the client has"),
+    ),
+    responses(
+        (status = 200, description = "The bytes"),
+        (status = 206, description = "The part of them that `Range` asked for"),
+        (status = 304, description = "The client has it already (`If-None-Match`)"),
+    )
+)]
+pub(super) async fn signed_artifact(
+    app: State<Shared>,
+    client: Client,
+    path: Named,
+    method: Method,
+    headers: HeaderMap,
+) -> Response {
+    match path {
+        Ok(Path((_, _, file))) => artifacts::artifact(app, client, Segment(file), method, headers).await,
+        Err(_) => no_text().into_response(),
+    }
+}
+
+fn no_text() -> Problem {
+    Problem::new(problem::NOT_FOUND, "the address is no text in UTF-8; have it signed again")
+}
+
+/// What the rest of a signed address asks for. Its extension takes the place of `Accept`.
+fn wanted_by(client: &Client, headers: &mut HeaderMap, named: &str) -> Result<Wanted, Problem> {
+    let wrong = |detail: String| Problem::invalid(vec![Fault::new("", detail)]);
+    let (job, extension) = named.rsplit_once('.').unwrap_or((named, ""));
+    let of_extension = FORMATS.iter().filter(|format| format.extension() == extension);
+    let media_types: Vec<&str> = of_extension.map(|format| format.media_type()).collect();
+    if media_types.is_empty() {
+        let detail = format!("\"{}\" is no extension of a format; /v1/formats lists them", shortened(extension));
+        return Err(Problem::new(problem::NOT_FOUND, detail));
+    }
+    if let Ok(accepted) = HeaderValue::try_from(media_types.join(",")) {
+        headers.insert(header::ACCEPT, accepted);
+    }
+    let bytes = URL_SAFE_NO_PAD.decode(job).map_err(|error| wrong(format!("the job is no base64url: {error}")))?;
+    let not_deflated = |error| wrong(format!("the job is not compressed by raw deflate: {error}"));
+    let sent = Sent::job(inflated(DeflateDecoder::new(&bytes[..]), not_deflated)?);
+    let identity = memo::link_identity(client.tenant(), headers, named);
+    Ok(Wanted { sent, identity: Some(identity), keep: false })
+}

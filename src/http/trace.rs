@@ -1,0 +1,106 @@
+//! Traces (W3C Trace Context): the id under which the log, the answer and whoever asked know a request.
+
+use std::sync::atomic::{AtomicU64, Ordering};
+use std::time::SystemTime;
+
+use axum::http::{HeaderMap, HeaderName, HeaderValue};
+
+/// The header that carries a trace from one service to the next.
+const TRACEPARENT: HeaderName = HeaderName::from_static("traceparent");
+
+tokio::task_local! {
+    /// The trace of the request that this task answers.
+    static CURRENT: Trace;
+}
+
+/// The trace of a request.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(super) struct Trace {
+    /// 32 hexadecimal digits: those of the request where it names some, else new ones.
+    id: String,
+    /// The flags that the request names, where it names a trace.
+    flags: Option<String>,
+}
+
+impl Trace {
+    /// That of a request.
+    pub(super) fn of(headers: &HeaderMap) -> Self {
+        let named = headers.get(TRACEPARENT).and_then(|value| value.to_str().ok()).and_then(parsed);
+        match named {
+            Some((id, flags)) => Self { id: id.to_owned(), flags: Some(flags.to_owned()) },
+            None => Self { id: new_id(), flags: None },
+        }
+    }
+
+    /// The id.
+    pub(super) fn id(&self) -> &str {
+        &self.id
+    }
+
+    /// Says in an answer to a request that names a trace which part of it this was.
+    pub(super) fn told(&self, headers: &mut HeaderMap) {
+        if let Some(flags) = &self.flags {
+            let value = format!("00-{}-{}-{flags}", self.id, &new_id()[..16]);
+            headers.extend(HeaderValue::try_from(value).map(|value| (TRACEPARENT, value)));
+        }
+    }
+
+    /// Does something as a part of this trace.
+    pub(super) async fn within<T>(self, work: impl Future<Output = T>) -> T {
+        CURRENT.scope(self, work).await
+    }
+}
+
+/// The id of the request that is being answered; a new one where none is.
+pub(super) fn current_id() -> String {
+    CURRENT.try_with(|trace| trace.id.clone()).unwrap_or_else(|_| new_id())
+}
+
+/// The id and the flags of `version-id-parent-flags`; `None` where that is not what it should be.
+fn parsed(text: &str) -> Option<(&str, &str)> {
+    let is_hex = |text: &str, n| text.len() == n && text.bytes().all(|b| matches!(b, b'0'..=b'9' | b'a'..=b'f'));
+    let is_some = |text: &str| text.bytes().any(|b| b != b'0');
+    let mut parts = text.split('-');
+    let (version, id, parent, flags) = (parts.next()?, parts.next()?, parts.next()?, parts.next()?);
+    let is_whole = is_hex(version, 2) && is_hex(id, 32) && is_hex(parent, 16) && is_hex(flags, 2);
+    // later versions may say more after the flags
+    let is_known = version != "ff" && (version != "00" || parts.next().is_none());
+    (is_whole && is_known && is_some(id) && is_some(parent)).then_some((id, flags))
+}
+
+/// 32 hexadecimal digits: distinct within and, by the start time, across processes.
+fn new_id() -> String {
+    static COUNTER: AtomicU64 = AtomicU64::new(0);
+    let count = COUNTER.fetch_add(1, Ordering::Relaxed);
+    let since = SystemTime::now().duration_since(SystemTime::UNIX_EPOCH).unwrap_or_default();
+    let mut seed = since.as_nanos().to_le_bytes().to_vec();
+    seed.extend(count.to_le_bytes());
+    seed.extend(std::process::id().to_le_bytes());
+    crate::job::key::content(&seed).to_string()[..32].to_owned()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_trace_is_read_as_the_recommendation_has_it() {
+        let (id, parent) = ("4bf92f3577b34da6a3ce929d0e0e4736", "00f067aa0ba902b7");
+        let of = |text: &str| parsed(text).map(|(id, flags)| (id.to_owned(), flags.to_owned()));
+        let known = Some((id.to_owned(), "01".to_owned()));
+        assert_eq!(of(&format!("00-{id}-{parent}-01")), known);
+        assert_eq!(of(&format!("cc-{id}-{parent}-01-what-comes")), known);
+        for wrong in [
+            format!("00-{id}-{parent}-01-more"),
+            format!("ff-{id}-{parent}-01"),
+            format!("00-{}-{parent}-01", "0".repeat(32)),
+            format!("00-{id}-{}-01", "0".repeat(16)),
+            format!("00-{}-{parent}-01", id.to_uppercase()),
+            format!("00-{id}-{parent}"),
+            format!("00-{id}\"-{parent}-01"),
+            String::new(),
+        ] {
+            assert_eq!(of(&wrong), None, "{wrong}");
+        }
+    }
+}

@@ -1,0 +1,232 @@
+//! Files that say of which job they are: the description is put into the bytes of a format while they are written, and
+//! read from them again.
+//!
+//! A description is a text of printable ASCII characters, so that it may stand anywhere. What else the bytes hold stays
+//! as it is.
+
+use std::io::{self, Write};
+
+use flate2::Crc;
+use serde_json::Value;
+
+use super::numbers::total;
+use super::size::Size;
+
+/// What stands before a description, or names it.
+const NAME: &str = "planish-job";
+/// Characters of a description in one line of comments.
+/// Some programs read lines of headers into rooms of 4,096 bytes. Half of it makes twice as many lines; four times of
+/// it would be cut there.
+const LINE: usize = 1024;
+/// Most bytes from the start of a file to the place of its description, and to its end.
+/// Half of it is still more than glTF documents have before their `asset`; twice of it reads further into files that
+/// are none of ours.
+const MOST_BEFORE: usize = 64 << 20;
+
+/// Where a format has its description.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Place {
+    /// In a chunk `tEXt` after the first chunk of a PNG.
+    Png,
+    /// In an element `metadata`, the first of an SVG.
+    Svg,
+    /// In the extras of the asset of a glTF document.
+    Gltf,
+    /// The same, in the first chunk of a GLB.
+    Glb,
+    /// In comments of this keyword, after so many lines.
+    Lines(&'static str, usize),
+}
+
+/// The formats that hold descriptions.
+const PLACES: [(&str, Place); 7] = [
+    ("obj", Place::Lines("#", 1)),
+    ("glb", Place::Glb),
+    ("gltf", Place::Gltf),
+    ("ply", Place::Lines("comment", 3)),
+    ("png", Place::Png),
+    ("apng", Place::Png),
+    ("svg", Place::Svg),
+];
+
+/// The names of the formats that hold descriptions.
+pub fn described() -> impl Iterator<Item = &'static str> {
+    PLACES.iter().map(|(name, _)| *name)
+}
+
+fn place(format: &str) -> Option<Place> {
+    PLACES.iter().find(|(name, _)| *name == format).map(|(_, place)| *place)
+}
+
+/// The size of bytes of a format with a description.
+pub fn size(format: &str, description: &str, bare: Size) -> Size {
+    let Some(place) = place(format) else { return bare };
+    let added = place.written(description).len() as u128;
+    let with = |bytes| total(&[(1, bytes), (1, added)]);
+    match bare {
+        Size::Exact(bytes) => Size::Exact(with(bytes)),
+        Size::AtMost(bytes) => Size::AtMost(with(bytes)),
+    }
+}
+
+impl Place {
+    /// What is put into the bytes.
+    fn written(self, description: &str) -> Vec<u8> {
+        match self {
+            Self::Png => {
+                let mut chunk = [b"tEXt", NAME.as_bytes(), b"\0", description.as_bytes()].concat();
+                let mut crc = Crc::new();
+                crc.update(&chunk);
+                let length = u32::try_from(chunk.len() - 4).unwrap_or(u32::MAX).to_be_bytes();
+                chunk.extend(crc.sum().to_be_bytes());
+                [&length[..], &chunk].concat()
+            }
+            Self::Svg => {
+                let text = description.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;");
+                format!("<metadata id=\"{NAME}\">{text}</metadata>\n").into_bytes()
+            }
+            Self::Gltf => format!("\"extras\":{{\"{NAME}\":{description}}},").into_bytes(),
+            Self::Glb => {
+                // spaces keep the length of the chunk a multiple of four
+                let mut extras = Self::Gltf.written(description);
+                extras.resize(extras.len().next_multiple_of(4), b' ');
+                extras
+            }
+            Self::Lines(keyword, _) => {
+                let lines = description.as_bytes().chunks(LINE);
+                lines.flat_map(|line| [format!("{keyword} {NAME} ").as_bytes(), line, b"\n"].concat()).collect()
+            }
+        }
+    }
+
+    /// Where in the bytes the description goes, if they are enough to tell.
+    fn find(self, bytes: &[u8]) -> Option<usize> {
+        let after = |text: &[u8]| bytes.windows(text.len()).position(|part| part == text).map(|at| at + text.len());
+        match self {
+            // the signature, and the chunk IHDR
+            Self::Png => (bytes.len() >= 33).then_some(33),
+            Self::Svg => after(b">\n"),
+            // within texts the quotes would have a backslash before them
+            Self::Gltf | Self::Glb => after(b"\"asset\":{"),
+            Self::Lines(_, lines) => {
+                bytes.iter().enumerate().filter(|(_, byte)| **byte == b'\n').nth(lines - 1).map(|(at, _)| at + 1)
+            }
+        }
+    }
+}
+
+/// Bytes of a format on their way, into which a description is put.
+#[expect(missing_debug_implementations, reason = "what bytes go to need not have one")]
+pub struct Describing<'a> {
+    out: &'a mut dyn Write,
+    /// What is still to be put in.
+    put: Option<Put>,
+}
+
+/// A description that waits for its place.
+struct Put {
+    place: Place,
+    text: Vec<u8>,
+    /// What has come before the place.
+    before: Vec<u8>,
+}
+
+impl<'a> Describing<'a> {
+    /// The bytes of a format on their way to `out`; they stay as they are where the format has no place for a
+    /// description.
+    pub fn new(format: &str, description: &str, out: &'a mut dyn Write) -> Self {
+        let put = place(format).map(|place| Put { place, text: place.written(description), before: Vec::new() });
+        Self { out, put }
+    }
+
+    /// Says that all bytes have come.
+    ///
+    /// # Errors
+    /// Bytes without a place for the description.
+    pub fn finish(self) -> io::Result<()> {
+        if self.put.is_some() {
+            return Err(io::Error::other("there was no place for the description"));
+        }
+        Ok(())
+    }
+}
+
+impl Write for Describing<'_> {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        let Some(put) = &mut self.put else { return self.out.write(bytes) };
+        put.before.extend_from_slice(bytes);
+        if let Some(at) = put.place.find(&put.before) {
+            if put.place == Place::Glb {
+                lengthen(&mut put.before, put.text.len())?;
+            }
+            let (before, after) = put.before.split_at(at);
+            self.out.write_all(before)?;
+            self.out.write_all(&put.text)?;
+            self.out.write_all(after)?;
+            self.put = None;
+        } else if put.before.len() > MOST_BEFORE {
+            return Err(io::Error::other("there was no place for the description"));
+        }
+        Ok(bytes.len())
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        self.out.flush()
+    }
+}
+
+/// Adds to the lengths of a GLB and of its first chunk.
+fn lengthen(head: &mut [u8], by: usize) -> io::Result<()> {
+    for at in [8, 12] {
+        let place: &mut [u8; 4] = &mut head[at..at + 4].try_into().map_err(io::Error::other)?;
+        let length = u32::try_from(by).ok().and_then(|by| u32::from_le_bytes(*place).checked_add(by));
+        let length = length.ok_or_else(|| io::Error::other("with its description the file is longer than a glb"))?;
+        head[at..at + 4].copy_from_slice(&length.to_le_bytes());
+    }
+    Ok(())
+}
+
+/// The description that a file holds, if it holds one.
+pub fn description(bytes: &[u8]) -> Option<String> {
+    let text = |bytes: &[u8]| String::from_utf8(bytes.to_vec()).ok();
+    if let Some(chunks) = bytes.strip_prefix(b"\x89PNG\r\n\x1a\n") {
+        return of_png(chunks).and_then(text);
+    }
+    if bytes.starts_with(b"glTF") {
+        let length = u32::from_le_bytes(bytes.get(12..16)?.try_into().ok()?) as usize;
+        return of_gltf(bytes.get(20..)?.get(..length)?);
+    }
+    if bytes.starts_with(b"{") {
+        return of_gltf(bytes);
+    }
+    if bytes.starts_with(b"<svg") {
+        let start = format!("<metadata id=\"{NAME}\">");
+        let rest = std::str::from_utf8(bytes).ok()?.split_once(&start)?.1.split_once("</metadata>")?.0;
+        return Some(rest.replace("&lt;", "<").replace("&gt;", ">").replace("&amp;", "&"));
+    }
+    let keyword = if bytes.starts_with(b"ply") { "comment" } else { "#" };
+    let start = format!("{keyword} {NAME} ");
+    // it is among the first lines, and in one piece
+    let lines = bytes.split(|byte| *byte == b'\n').skip_while(|line| !line.starts_with(start.as_bytes()));
+    let lines: Vec<&[u8]> = lines.map_while(|line| line.strip_prefix(start.as_bytes())).collect();
+    if lines.is_empty() { None } else { text(&lines.concat()) }
+}
+
+fn of_png(mut chunks: &[u8]) -> Option<&[u8]> {
+    loop {
+        let (length, rest) = chunks.split_first_chunk::<4>()?;
+        let (kind, rest) = rest.split_first_chunk::<4>()?;
+        let (content, rest) = rest.split_at_checked(u32::from_be_bytes(*length) as usize)?;
+        if kind == b"tEXt"
+            && let Some(text) = content.strip_prefix(NAME.as_bytes()).and_then(|text| text.strip_prefix(b"\0"))
+        {
+            return Some(text);
+        }
+        chunks = rest.get(4..)?;
+    }
+}
+
+fn of_gltf(document: &[u8]) -> Option<String> {
+    let document: Value = serde_json::from_slice(document).ok()?;
+    Some(document.get("asset")?.get("extras")?.get(NAME)?.to_string())
+}

@@ -1,0 +1,137 @@
+//! How many requests each client may send in a minute.
+
+use std::collections::HashMap;
+use std::sync::{Arc, Mutex, PoisonError};
+use std::time::Duration;
+
+use super::clock::Clock;
+use super::peer::Peer;
+
+/// The time in which a client may send as many requests as it is allowed; so many may also come at once.
+const WINDOW: Duration = Duration::from_secs(60);
+/// Most clients that are counted; one more takes the place of the one that has sent least lately, which then begins
+/// anew. Twice of it takes twice the memory, half a megabyte; half of it forgets clients sooner where there are many.
+const MOST_CLIENTS: usize = 4096;
+
+/// Token buckets of clients. Each is kept as the time at which it is full again.
+#[derive(Debug)]
+pub struct Rates {
+    full_at: Mutex<HashMap<Peer, Duration>>,
+    clock: Arc<dyn Clock>,
+}
+
+/// What a client may still send.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Quota {
+    /// Requests in a minute.
+    pub limit: u64,
+    /// Requests that may come at once now.
+    pub remaining: u64,
+    /// Time until all of them may.
+    pub reset: Duration,
+}
+
+/// A client has sent too much: when it may come back, and what it may send then.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Exceeded {
+    /// Time until it may send one request.
+    pub retry_after: Duration,
+    /// What it may send.
+    pub quota: Quota,
+}
+
+impl Rates {
+    /// Buckets that are all full.
+    pub fn new(clock: Arc<dyn Clock>) -> Self {
+        Self { full_at: Mutex::default(), clock }
+    }
+
+    /// Takes a request of a client that may send so many a minute.
+    ///
+    /// # Errors
+    /// [`Exceeded`]; then it is not counted.
+    pub fn take(&self, peer: Peer, per_minute: u64) -> Result<Quota, Exceeded> {
+        let (now, each) = (self.clock.now(), share(per_minute));
+        let mut buckets = self.full_at.lock().unwrap_or_else(PoisonError::into_inner);
+        let before = buckets.get(&peer).copied().unwrap_or(now).max(now);
+        let quota = |full_at: Duration| {
+            let reset = full_at.saturating_sub(now);
+            let left = WINDOW.saturating_sub(reset).as_nanos() / each.as_nanos().max(1);
+            Quota { limit: per_minute, remaining: u64::try_from(left).unwrap_or(u64::MAX).min(per_minute), reset }
+        };
+        let after = before + each;
+        if after - now > WINDOW {
+            return Err(Exceeded { retry_after: after - now - WINDOW, quota: quota(before) });
+        }
+        if buckets.len() >= MOST_CLIENTS && !buckets.contains_key(&peer) {
+            let fullest = buckets.iter().min_by_key(|(_, full_at)| **full_at).map(|(peer, _)| *peer);
+            fullest.map(|peer| buckets.remove(&peer));
+        }
+        buckets.insert(peer, after);
+        Ok(quota(after))
+    }
+
+    /// Gives a request back that cost nothing.
+    pub fn give_back(&self, peer: Peer, per_minute: u64) {
+        let mut buckets = self.full_at.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some(full_at) = buckets.get_mut(&peer) {
+            *full_at = full_at.saturating_sub(share(per_minute));
+        }
+    }
+
+    /// How many clients are counted.
+    pub fn len(&self) -> usize {
+        self.full_at.lock().unwrap_or_else(PoisonError::into_inner).len()
+    }
+
+    /// Whether no client is counted.
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+}
+
+/// What one request takes of the window.
+fn share(per_minute: u64) -> Duration {
+    Duration::from_nanos(60_000_000_000 / per_minute.max(1))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::service::clock::Manual;
+
+    fn peer(number: u64) -> Peer {
+        Peer::of_key(number, crate::service::job_key::Tenant::ANYONE)
+    }
+
+    #[test]
+    fn a_minutes_worth_may_come_at_once_and_then_as_many_as_time_brings() {
+        let clock = Arc::new(Manual::default());
+        let rates = Rates::new(clock.clone());
+        let left: Vec<u64> = (0..3).map(|_| rates.take(peer(1), 3).expect("there is room").remaining).collect();
+        assert_eq!(left, [2, 1, 0]);
+        let over = rates.take(peer(1), 3).expect_err("the minute is used up");
+        assert_eq!(over.retry_after, Duration::from_secs(20));
+        assert_eq!(
+            rates.take(peer(2), 3).map(|quota| quota.remaining),
+            Ok(2),
+            "another client has a bucket of its own"
+        );
+        clock.advance(Duration::from_secs(20));
+        assert_eq!(rates.take(peer(1), 3).map(|quota| quota.remaining), Ok(0));
+        assert!(rates.take(peer(1), 3).is_err());
+        rates.give_back(peer(1), 3);
+        assert!(rates.take(peer(1), 3).is_ok(), "what was given back may be sent");
+        clock.advance(WINDOW);
+        assert_eq!(rates.take(peer(1), 3).map(|quota| quota.remaining), Ok(2), "full again, and no fuller than full");
+    }
+
+    #[test]
+    fn the_table_of_clients_is_bounded_and_those_who_sent_most_stay() {
+        let rates = Rates::new(Arc::new(Manual::default()));
+        (0..2).for_each(|_| assert!(rates.take(peer(0), 2).is_ok()));
+        (1..10_000).for_each(|number| assert!(rates.take(peer(number), 60).is_ok()));
+        assert_eq!(rates.len(), MOST_CLIENTS);
+        assert!(rates.take(peer(0), 2).is_err());
+    }
+}

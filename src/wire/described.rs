@@ -1,0 +1,69 @@
+//! Descriptions: the job as text that an artifact holds, so that it can be made again.
+
+use std::sync::Arc;
+
+use serde::Deserialize;
+use serde_json::{Map, Value, json};
+
+use crate::fault::Fault;
+use crate::job::key::RESULTS_VERSION;
+use crate::math::amounts::in_bytes;
+
+/// Most bytes of a description. Programs that show a picture read it as a whole: half of it refuses meshes of some five
+/// thousand vertices, twice of it lets pictures be mostly text.
+const MOST_BYTES: usize = 1 << 20;
+/// Most bytes of the request that is described, blanks and other outputs included.
+/// Half and twice of it read half and twice as much for what is then refused.
+const MOST_SOURCE: usize = 4 * MOST_BYTES;
+
+/// What an artifact says of its job.
+#[derive(Debug, Clone, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Description {
+    /// The version of the results by which it was made: others may make other bytes.
+    pub results_version: u32,
+    /// The job, with one output.
+    pub job: Value,
+}
+
+/// What the bytes of an output say of the job with this text: its fields by their names in the order of the alphabet,
+/// without what does not count (`spec`, the name of the output), and with no output but this one.
+///
+/// # Errors
+/// A fault at the output, where the job is too long or not known as text.
+pub(super) fn description(source: Option<&str>, mut output: Map<String, Value>) -> Result<Arc<str>, Fault> {
+    let fault = |detail: String| Fault::new("/describe", detail);
+    let source = source.ok_or_else(|| {
+        fault("the job has files beside its own that would have to be told as well; leave it out".to_owned())
+    })?;
+    if source.len() > MOST_SOURCE {
+        return Err(too_long(source.len(), MOST_SOURCE));
+    }
+    let mut job: Map<String, Value> = serde_json::from_str(source).map_err(|error| fault(error.to_string()))?;
+    job.remove("spec");
+    output.remove("name");
+    job.insert("outputs".to_owned(), json!([output]));
+    let mut said = json!({ "results_version": RESULTS_VERSION, "job": job });
+    said.sort_all_objects();
+    let text = ascii(&said.to_string());
+    if text.len() > MOST_BYTES { Err(too_long(text.len(), MOST_BYTES)) } else { Ok(text.into()) }
+}
+
+fn too_long(length: usize, most: usize) -> Fault {
+    let [length, most] = [length as u128, most as u128].map(in_bytes);
+    Fault::new("/describe", format!("the job has {length}, a description at most {most}; leave it out"))
+}
+
+/// JSON of printable ASCII characters alone.
+fn ascii(json: &str) -> String {
+    let mut text = String::with_capacity(json.len());
+    for c in json.chars() {
+        if c.is_ascii() && c != '\u{7f}' {
+            text.push(c);
+        } else {
+            let mut units = [0; 2];
+            c.encode_utf16(&mut units).iter().for_each(|unit| text += &format!("\\u{unit:04x}"));
+        }
+    }
+    text
+}

@@ -1,0 +1,150 @@
+//! The parameters of a query beside a mesh file, as the OpenAPI document describes them: one for each place that a
+//! short text can give, from the declarations of presets, formats and fields.
+
+use utoipa::PartialSchema;
+use utoipa::openapi::path::{Parameter as Described, ParameterBuilder, ParameterIn};
+use utoipa::openapi::schema::AnyOfBuilder;
+use utoipa::openapi::{RefOr, Schema, Type};
+
+use super::declared;
+use super::fields::{Field, Part, Takes, fields, output_fields};
+use super::levels::MOST_LEVELS;
+use super::schema::of;
+use super::variants;
+use super::weld::WeldRequest;
+use crate::math::parameter::{Kind, Parameter};
+use crate::output::FORMATS;
+use crate::scheme::parameters::WORD_PARAMETERS;
+use crate::scheme::preset::Refines;
+use crate::scheme::presets::PRESETS;
+
+/// A declaration, and who makes it.
+type Declared = (&'static str, &'static Parameter);
+
+/// All parameters but `keep`, in the order in which the documentation of the interface tells of them.
+pub fn described() -> Vec<Described> {
+    let presets = PRESETS.iter().filter(|preset| preset.refines != Refines::Curves);
+    let names = of(Type::String).enum_values(Some(presets.clone().map(|preset| preset.name)));
+    let formats = of(Type::String).enum_values(Some(FORMATS.iter().map(|format| format.name())));
+    let count = of(Type::Integer).minimum(Some(0)).maximum(Some(MOST_LEVELS));
+    let levels = AnyOfBuilder::new().item(count).item(of(Type::String).enum_values(Some(["auto"])));
+    let tolerance = of(Type::Number).exclusive_minimum(Some(0.0));
+    let mut found = vec![
+        parameter("preset", "The preset that refines the mesh, see `/v1/presets`.", names),
+        parameter("word", "A word over operators in place of a preset, see `/v1/operators`.", variants::word()),
+        parameter("levels", "How often the plan is applied; `auto` for pictures.", levels),
+        parameter("levels.tolerance", "How far the result may be from its limit, in place of `levels`.", tolerance),
+        parameter("format", "The format of the result; without it `Accept` chooses.", formats),
+    ];
+    let fields = fields().into_iter().filter(|field| !["preset", "word"].contains(&field.name.as_str()));
+    found.extend(fields.map(|field| of_field(&field)));
+    let of_presets = presets.flat_map(|preset| preset.parameters.iter().map(|parameter| (preset.name, parameter)));
+    let of_words = WORD_PARAMETERS.iter().map(|parameter| ("word", parameter));
+    for (name, declared) in by_name(of_presets.chain(of_words)) {
+        put(&format!("parameters.{name}"), &declared, &mut found);
+    }
+    for field in output_fields() {
+        put(&format!("output.{}", field.name), &field.declared, &mut found);
+    }
+    found
+}
+
+fn parameter(name: &str, doc: &str, schema: impl Into<RefOr<Schema>>) -> Described {
+    let doc = format!("Beside a mesh file: {doc}");
+    ParameterBuilder::new()
+        .name(name)
+        .parameter_in(ParameterIn::Query)
+        .description(Some(doc))
+        .schema(Some(schema))
+        .build()
+}
+
+fn of_field(field: &Field) -> Described {
+    let name = if field.part == Part::Input { format!("input.{}", field.name) } else { field.name.clone() };
+    let schema: RefOr<Schema> = match &field.takes {
+        Takes::Flag => of(Type::Boolean).into(),
+        Takes::Text(names) if names.is_empty() => of(Type::String).into(),
+        Takes::Text(names) => of(Type::String).enum_values(Some(names.clone())).into(),
+        Takes::Scalar if field.name == "weld" => WeldRequest::schema(),
+        Takes::Scalar => of(Type::Integer).minimum(Some(0)).into(),
+    };
+    parameter(&name, &field.doc, schema)
+}
+
+/// The declarations of each name, in the order in which names are met.
+fn by_name(all: impl Iterator<Item = Declared>) -> Vec<(&'static str, Vec<Declared>)> {
+    let mut found: Vec<(&'static str, Vec<Declared>)> = Vec::new();
+    for (who, parameter) in all {
+        match found.iter_mut().find(|(name, _)| *name == parameter.name) {
+            Some((_, declared)) => declared.push((who, parameter)),
+            None => found.push((parameter.name, vec![(who, parameter)])),
+        }
+    }
+    found
+}
+
+/// Adds what is declared of one name: groups field by field, lists as texts.
+fn put(name: &str, declared: &[Declared], found: &mut Vec<Described>) {
+    let fields = declared.iter().filter_map(|(who, parameter)| match parameter.kind {
+        Kind::Group(fields) => Some(fields.iter().map(move |field| (*who, field))),
+        _ => None,
+    });
+    let fields = by_name(fields.flatten());
+    if !fields.is_empty() {
+        fields.iter().for_each(|(field, declared)| put(&format!("{name}.{field}"), declared, found));
+        return;
+    }
+    let (mut schemas, mut choices): (Vec<RefOr<Schema>>, Vec<&str>) = (Vec::new(), Vec::new());
+    for (_, parameter) in declared {
+        if let Kind::Choice(names) = parameter.kind {
+            choices.extend(names.iter().filter(|name| !choices.contains(name)).collect::<Vec<_>>());
+            continue;
+        }
+        let schema = text_of(&parameter.kind);
+        if !schemas.contains(&schema) {
+            schemas.push(schema);
+        }
+    }
+    if !choices.is_empty() {
+        schemas.push(of(Type::String).enum_values(Some(choices)).into());
+    }
+    let schema = match schemas.as_slice() {
+        [one] => one.clone(),
+        several => several.iter().cloned().fold(AnyOfBuilder::new(), AnyOfBuilder::item).into(),
+    };
+    found.push(parameter(name, &told(declared), schema));
+}
+
+/// What is said of a parameter, and who says it where not all do.
+fn told(declared: &[Declared]) -> String {
+    let mut said: Vec<(&str, Vec<&str>)> = Vec::new();
+    for (who, parameter) in declared {
+        match said.iter_mut().find(|(doc, _)| *doc == parameter.doc) {
+            Some((_, whose)) => whose.push(who),
+            None => said.push((parameter.doc, vec![who])),
+        }
+    }
+    let sentence = |(doc, whose): &(&str, Vec<&str>)| format!("{doc} (`{}`)", whose.join("`, `"));
+    said.iter().map(sentence).collect::<Vec<_>>().join(" ")
+}
+
+/// The schema of a text in a query: that of the value, but lists are one text, with commas or as JSON, which clients
+/// would repeat the name for else.
+fn text_of(kind: &Kind) -> RefOr<Schema> {
+    match kind {
+        Kind::Choices(_)
+        | Kind::Expressions { .. }
+        | Kind::Numbers { .. }
+        | Kind::Vector
+        | Kind::Direction
+        | Kind::Groups { .. } => of(Type::String).min_length(Some(1)).into(),
+        Kind::Number { .. }
+        | Kind::Integer { .. }
+        | Kind::Flag
+        | Kind::Choice(_)
+        | Kind::Name
+        | Kind::Expression { .. }
+        | Kind::Color
+        | Kind::Group(_) => declared::value(kind, None),
+    }
+}

@@ -1,0 +1,157 @@
+//! What is fuzzed: everything that reads what strangers send. A target takes any bytes and returns, or has found a
+//! fault; what it checks besides is said with `assert!`.
+
+use std::io::{Read, Write};
+use std::net::{SocketAddr, TcpStream};
+use std::path::PathBuf;
+use std::sync::OnceLock;
+use std::time::Duration;
+
+use base64::Engine;
+use base64::engine::general_purpose::URL_SAFE_NO_PAD;
+use planish::config::Settings;
+use planish::http::serve::{bind_at, serve};
+use planish::input::{READERS, ReadLimits};
+use planish::job::limits::Limits;
+use planish::job::run;
+use planish::math::expression::Expression;
+use planish::scheme::word::{MAX_LETTERS, Word};
+use planish::service::clock::Monotonic;
+use planish::service::store::Manifest;
+use planish::watch::Watch;
+use planish::wire::JobRequest;
+use planish::wire::read::read;
+
+/// A target, and what it is called.
+pub type Target = (&'static str, fn(&[u8]));
+
+/// All targets.
+pub const TARGETS: [Target; 6] =
+    [("job", job), ("reader", reader), ("expression", expression), ("word", word), ("link", link), ("codec", codec)];
+
+/// So small that no job takes long: what is looked for is what a job says, not how much it asks for.
+const LIMITS: Limits = Limits {
+    max_faces: 400,
+    max_vertices: 500,
+    max_output_bytes: 40_000,
+    max_job_bytes: 2_000_000,
+    max_held_bytes: u64::MAX,
+};
+
+/// A job as a body of JSON: read, told what it comes to, and run; what was promised about its size holds.
+pub fn job(data: &[u8]) {
+    let Ok(request) = read::<JobRequest>(data) else { return };
+    let Ok(job) = request.resolve() else { return };
+    let Ok(admitted) = LIMITS.admit(job) else { return };
+    for output in &admitted.job().outputs {
+        let mut bytes = Vec::new();
+        if run(&admitted, output, &mut bytes, &Watch::new()).is_ok() {
+            assert!(bytes.len() as u64 <= LIMITS.max_output_bytes, "{} bytes", bytes.len());
+        }
+    }
+}
+
+/// A file for each reader; the first byte chooses one, so that what is told apart by content stays together.
+pub fn reader(data: &[u8]) {
+    let Some((choice, bytes)) = data.split_first() else { return };
+    let reader = &READERS[usize::from(*choice) % READERS.len()];
+    let limits = ReadLimits { max_vertices: 2000, max_faces: 2000 };
+    if let Ok(mesh) = (reader.read)(&bytes.into(), &limits) {
+        assert!(mesh.positions.len() as u64 <= limits.max_vertices, "{} vertices", mesh.positions.len());
+        assert!(mesh.faces.len() as u64 <= limits.max_faces, "{} faces", mesh.faces.len());
+    }
+}
+
+/// An expression, and its value at some places: finite, or refused.
+pub fn expression(data: &[u8]) {
+    let Ok(text) = std::str::from_utf8(data) else { return };
+    let Ok(expression) = Expression::parse(text, "alpha") else { return };
+    for x in [0.0, 1.0, -0.5, 1e300, f64::MIN_POSITIVE] {
+        if let Ok(value) = expression.value(x) {
+            assert!(value.is_finite(), "{value} at {x}");
+        }
+    }
+}
+
+/// A word over the operators: no longer than words may be, and the same with its powers written out.
+pub fn word(data: &[u8]) {
+    let Ok(text) = std::str::from_utf8(data) else { return };
+    let Ok(word) = Word::parse(text) else { return };
+    let n = word.prefix.len() + word.cycle.len();
+    assert!((1..=MAX_LETTERS).contains(&n), "{n} letters in {text}");
+    let plain = |word: &Word| word.letters(2).count();
+    let twice = Word::parse(&format!("({text})^2"));
+    if let Ok(twice) = twice {
+        assert_eq!(plain(&twice), 2 * plain(&word), "of {text}");
+    }
+}
+
+/// A manifest as the store reads it from disk, as it is and under a checksum that fits.
+pub fn codec(data: &[u8]) {
+    let mut sealed = data.to_vec();
+    sealed.extend_from_slice(blake3::hash(data).as_bytes());
+    for bytes in [data, &sealed] {
+        if let Some(manifest) = Manifest::decode(bytes) {
+            assert_eq!(Manifest::decode(&manifest.encode()), Some(manifest), "what was read is written the same");
+        }
+    }
+}
+
+/// An address, asked of a service on a port of its own; the first byte says what the rest is in it. Any answer is
+/// right but those that say the service is at fault.
+pub fn link(data: &[u8]) {
+    let Some((kind, rest)) = data.split_first() else { return };
+    let path = match kind % 4 {
+        0 => format!("/v1/render?job={}", URL_SAFE_NO_PAD.encode(rest)),
+        1 => {
+            let mut packed = flate2::write::ZlibEncoder::new(Vec::new(), flate2::Compression::fast());
+            packed.write_all(rest).expect("memory takes it");
+            format!("/kroki/svg/{}", URL_SAFE_NO_PAD.encode(packed.finish().expect("memory takes it")))
+        }
+        2 => format!("/v1/{}", escaped(rest)),
+        _ => format!("/v1/render?{}", escaped(rest)),
+    };
+    let status = asked(&path);
+    assert!(status < 500 || status == 503, "{status} for {path}");
+}
+
+/// Bytes that may stand in an address, and others by their numbers.
+fn escaped(bytes: &[u8]) -> String {
+    let plain = |byte: u8| byte.is_ascii_alphanumeric() || b"-._~/=&?:,;%+[]{}".contains(&byte);
+    let letter = |byte: &u8| if plain(*byte) { char::from(*byte).to_string() } else { format!("%{byte:02X}") };
+    bytes.iter().map(letter).collect()
+}
+
+/// The status that a GET is answered with.
+fn asked(path: &str) -> u16 {
+    let mut stream = TcpStream::connect(service()).expect("the service listens");
+    stream.set_read_timeout(Some(Duration::from_mins(1))).expect("a time to wait can be set");
+    let host = service();
+    write!(stream, "GET {path} HTTP/1.1\r\nhost: {host}\r\nconnection: close\r\n\r\n").expect("it takes a request");
+    let mut answer = Vec::new();
+    let _ = stream.take(1 << 16).read_to_end(&mut answer);
+    let status = answer.get(9..12).and_then(|digits| std::str::from_utf8(digits).ok()?.parse().ok());
+    status.unwrap_or_else(|| panic!("no answer to {path}"))
+}
+
+/// Where the service is, which is started when it is first asked for.
+fn service() -> SocketAddr {
+    static ADDRESS: OnceLock<SocketAddr> = OnceLock::new();
+    *ADDRESS.get_or_init(|| {
+        let (told, heard) = std::sync::mpsc::channel();
+        std::thread::spawn(move || {
+            let listen = SocketAddr::from(([127, 0, 0, 1], 0));
+            let Limits { max_faces, max_vertices, .. } = LIMITS;
+            let known = Settings { data_dir: PathBuf::new(), threads: 1, ..Settings::default() };
+            let settings = Settings { listen, max_faces, max_vertices, ..known };
+            let runtime = tokio::runtime::Runtime::new().expect("a runtime can be made");
+            runtime.block_on(async {
+                let clock = std::sync::Arc::new(Monotonic::default());
+                let (listener, app) = bind_at(settings, clock).await.expect("a port is free");
+                told.send(listener.local_addr().expect("it has an address")).expect("somebody listens");
+                let _ = serve(listener, app, std::future::pending()).await;
+            });
+        });
+        heard.recv().expect("the service starts")
+    })
+}

@@ -1,0 +1,146 @@
+//! `planish render --server`.
+
+use std::fs;
+use std::io::{BufRead, BufReader, Read, Write};
+use std::net::TcpListener;
+use std::process::Output;
+use std::thread::{self, JoinHandle};
+
+use serde_json::{Value, json};
+
+use super::{FILES, LIMIT, OTHER, REFUSED, USAGE, fails, planish, run, saved, text};
+use crate::http::jobs::{mesh, polygon, with};
+use crate::http::server::{Folder, Server, settings, story};
+
+/// Runs the program while a server answers it.
+async fn beside(server: &Server, arguments: &[&str]) -> Output {
+    let mut command = planish();
+    command.args(arguments).args(["--server", &server.url("")]);
+    tokio::task::spawn_blocking(move || command.output().unwrap()).await.unwrap()
+}
+
+#[test]
+fn jobs_and_mesh_files_have_the_bytes_that_they_have_here() {
+    let folder = Folder::new();
+    let path = |name: &str| folder.path().join(name).to_str().unwrap().to_owned();
+    fs::write(path("cube.json"), with(mesh(2), "ply").to_string()).unwrap();
+    fs::write(path("square.json"), polygon(3).to_string()).unwrap();
+    fs::write(path("tetra.obj"), "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 3 1 4\n").unwrap();
+    let inputs = [path("cube.json"), path("square.json"), path("tetra.obj")];
+    let mut arguments: Vec<&str> = vec!["render"];
+    arguments.extend(inputs.iter().map(String::as_str));
+    arguments.extend(["--format", "obj"]);
+    let (there, here) = (path("there/{stem}.obj"), path("here/{stem}.obj"));
+    story(settings(), async |server| {
+        let made = beside(server, &[&arguments[..], &["-o", &there]].concat()).await;
+        assert!(made.status.success(), "{}", text(&made.stderr));
+        assert!(text(&made.stderr).contains("3 of 3 inputs rendered"), "{}", text(&made.stderr));
+    });
+    assert!(run(&[&arguments[..], &["-o", &here]].concat()).status.success());
+    for stem in ["cube", "square", "tetra"] {
+        let [there, here] = ["there", "here"].map(|folder| fs::read(path(&format!("{folder}/{stem}.obj"))).unwrap());
+        assert_eq!(there, here, "{stem}");
+    }
+}
+
+#[test]
+fn failures_end_with_the_codes_that_they_have_here() {
+    let folder = Folder::new();
+    let path = |name: &str| folder.path().join(name).to_str().unwrap().to_owned();
+    let mut typo = with(mesh(1), "ply");
+    typo["plan"]["preset"] = "catmul-clark".into();
+    fs::write(path("typo.json"), typo.to_string()).unwrap();
+    fs::write(path("large.json"), with(mesh(30), "ply").to_string()).unwrap();
+    fs::write(path("good.json"), with(mesh(1), "ply").to_string()).unwrap();
+    story(settings(), async |server| {
+        let out = path("out.ply");
+        let refused = beside(server, &["render", &path("typo.json"), "-o", &out]).await;
+        fails(REFUSED, &refused, &["typo.json", "/plan/preset", "catmull-clark"]);
+        let large = beside(server, &["render", &path("large.json"), "-o", &out]).await;
+        fails(LIMIT, &large, &["large.json", "ask for at most"]);
+        let inputs = ["typo.json", "large.json", "good.json"].map(path);
+        let all: Vec<&str> = inputs.iter().map(String::as_str).collect();
+        let several = beside(server, &[&["render"], &all[..], &["-o", &path("{stem}.ply")]].concat()).await;
+        fails(OTHER, &several, &["1 of 3 inputs", "1 refused", "1 beyond a limit"]);
+        assert!(fs::metadata(path("good.ply")).is_ok() && fs::metadata(path("typo.ply")).is_err());
+    });
+}
+
+/// A service that gives these answers, one a connection, and tells the heads of the requests.
+fn scripted(answers: Vec<String>) -> (String, JoinHandle<Vec<String>>) {
+    let listener = TcpListener::bind("127.0.0.1:0").unwrap();
+    let url = format!("http://{}", listener.local_addr().unwrap());
+    let serve = move || {
+        let mut heads = Vec::new();
+        for answer in answers {
+            let mut stream = BufReader::new(listener.accept().unwrap().0);
+            let (mut head, mut length) = (String::new(), 0);
+            loop {
+                let mut line = String::new();
+                stream.read_line(&mut line).unwrap();
+                if let Some(n) = line.to_ascii_lowercase().strip_prefix("content-length:") {
+                    length = n.trim().parse().unwrap();
+                }
+                if line.trim().is_empty() {
+                    break;
+                }
+                head += &line;
+            }
+            stream.read_exact(&mut vec![0; length]).unwrap();
+            stream.get_mut().write_all(answer.as_bytes()).unwrap();
+            heads.push(head);
+        }
+        heads
+    };
+    (url, thread::spawn(serve))
+}
+
+fn answer(status: &str, headers: &str, body: &str) -> String {
+    format!("HTTP/1.1 {status}\r\n{headers}content-length: {}\r\nconnection: close\r\n\r\n{body}", body.len())
+}
+
+fn problem(status: &str, headers: &str, detail: &str) -> String {
+    answer(status, headers, &json!({ "type": "/docs/problems/any", "detail": detail }).to_string())
+}
+
+#[test]
+fn a_busy_service_is_asked_again_and_a_long_job_is_followed() {
+    let (folder, place) = (Folder::new(), "location: /v1/jobs/7\r\n");
+    let job = saved(&folder, &with(mesh(1), "obj"));
+    let (url, service) = scripted(vec![
+        problem("503 Service Unavailable", "retry-after: 0\r\n", "busy"),
+        problem("429 Too Many Requests", "retry-after: 1\r\n", "quota"),
+        answer("202 Accepted", place, "{}"),
+        answer("200 OK", "retry-after: 0\r\n", &json!({ "state": "running" }).to_string()),
+        answer("200 OK", "", &json!({ "state": "done", "outputs": [{ "href": "/v1/artifacts/8.obj" }] }).to_string()),
+        answer("200 OK", "", "v 0 0 0\n"),
+    ]);
+    let made = run(&["render", &job, "-o", "-", "--server", &url, "--key", "planish_k_s"]);
+    assert_eq!((made.status.code(), text(&made.stdout).as_str()), (Some(0), "v 0 0 0\n"), "{}", text(&made.stderr));
+    let heads = service.join().unwrap();
+    let lines: Vec<&str> = heads.iter().map(|head| head.lines().next().unwrap()).collect();
+    let (post, look) = ("POST /v1/render HTTP/1.1", "GET /v1/jobs/7 HTTP/1.1");
+    assert_eq!(lines, [post, post, post, look, look, "GET /v1/artifacts/8.obj HTTP/1.1"]);
+    assert!(heads.iter().all(|head| head.contains("Bearer planish_k_s")), "{heads:?}");
+    assert!(heads[0].contains("wait="), "{}", heads[0]);
+}
+
+#[test]
+fn patience_ends_and_keys_and_addresses_are_told_to_be_wrong() {
+    let folder = Folder::new();
+    let job = saved(&folder, &with(mesh(1), "obj"));
+    let (url, service) =
+        scripted(vec![problem("503 Service Unavailable", "retry-after: 30\r\n", "all lanes are full")]);
+    let args = |url: &str| ["render", &job, "-o", "-", "--patience", "2", "--server", url].map(str::to_owned);
+    let call = |url: &str| planish().args(args(url)).output().unwrap();
+    fails(FILES, &call(&url), &["all lanes are full", "2 s"]);
+    service.join().unwrap();
+    let (url, service) = scripted(vec![problem("401 Unauthorized", "", "the key is unknown")]);
+    fails(USAGE, &call(&url), &["--key", "the key is unknown"]);
+    service.join().unwrap();
+    // nobody listens there any more
+    fails(FILES, &call(&url), &["no answer"]);
+    fails(USAGE, &call("ftp://127.0.0.1"), &["--server"]);
+    let value: Value = serde_json::from_str(&fs::read_to_string(&job).unwrap()).unwrap();
+    assert_eq!(value["levels"], 1, "the job is left alone");
+}

@@ -1,0 +1,298 @@
+//! Tenants: what one has made, sent or asked for is as if it were not there for another.
+
+use axum::http::Method;
+use planish::config::Settings;
+use planish::config::keys::{Role, SHARED, Token};
+use serde_json::{Value, json};
+
+use super::jobs::{cube, endless, mesh, with};
+use super::keys::{bearer, key, keyed};
+use super::server::{Answer, Folder, Server, story, until};
+
+struct Two {
+    a: Token,
+    b: Token,
+    folder: Folder,
+}
+
+fn two() -> Two {
+    let folder = Folder::new();
+    let (a, b) = (key(&folder, "acme", Role::Render), key(&folder, "bolt", Role::Render));
+    Two { a, b, folder }
+}
+
+async fn ask(server: &Server, of: &Token, method: Method, path: &str, body: &Value) -> Answer {
+    with_headers(server, of, method, path, body, &[]).await
+}
+
+async fn with_headers(
+    server: &Server,
+    of: &Token,
+    method: Method,
+    path: &str,
+    body: &Value,
+    more: &[(&str, &str)],
+) -> Answer {
+    let shown = bearer(of);
+    let mut headers = vec![("authorization", shown.as_str()), ("content-type", "application/json")];
+    headers.extend_from_slice(more);
+    let body = if body.is_null() { Vec::new() } else { body.to_string().into_bytes() };
+    server.ask(method, path, &headers, body).await
+}
+
+async fn get(server: &Server, of: &Token, path: &str) -> Answer {
+    ask(server, of, Method::GET, path, &Value::Null).await
+}
+
+async fn post(server: &Server, of: &Token, path: &str, body: &Value) -> Answer {
+    ask(server, of, Method::POST, path, body).await
+}
+
+#[test]
+fn a_result_of_one_tenant_is_made_again_for_another_and_found_by_neither_name_nor_tag() {
+    let two = two();
+    for settings in [keyed(&two.folder), Settings { cache_bytes: 8 << 30, ..keyed(&two.folder) }] {
+        story(settings, async |server| {
+            let job = with(mesh(2), "obj");
+            let first = post(server, &two.a, "/v1/render", &job).await.ok();
+            let (place, tag) = (first.header("content-location").to_owned(), first.header("etag").to_owned());
+            assert_eq!(post(server, &two.a, "/v1/render", &job).await.ok().header("cache-status"), "planish; hit");
+            assert_eq!(
+                get(server, &two.a, &place).await.ok().header("cache-control"),
+                "private, max-age=31536000, immutable"
+            );
+            for _ in 0..2 {
+                get(server, &two.b, &place).await.problem(404, "not-found");
+                let tagged = [("if-none-match", tag.as_str())];
+                let known = with_headers(server, &two.b, Method::GET, &place, &Value::Null, &tagged).await;
+                known.problem(404, "not-found");
+                get(server, &two.b, &format!("{place}?x=1")).await.problem(404, "not-found");
+            }
+            let second = post(server, &two.b, "/v1/render", &job).await.ok();
+            assert_eq!(second.header("cache-status"), "planish; fwd=miss; stored", "as if it were the first");
+            assert_eq!((&second.body, second.header("etag")), (&first.body, tag.as_str()));
+            // from now on both have it
+            for token in [&two.a, &two.b] {
+                assert_eq!(post(server, token, "/v1/render", &job).await.ok().header("cache-status"), "planish; hit");
+                get(server, token, &place).await.ok();
+                let tagged = [("if-none-match", tag.as_str())];
+                let known = with_headers(server, token, Method::GET, &place, &Value::Null, &tagged).await;
+                assert_eq!(known.status, 304);
+            }
+        });
+    }
+}
+
+#[test]
+fn who_may_see_a_result_is_still_known_after_a_restart() {
+    let two = two();
+    let lasting = Settings { cache_bytes: 8 << 30, ..keyed(&two.folder) };
+    let job = with(mesh(2), "ply");
+    let place = story(lasting.clone(), async |server| {
+        post(server, &two.a, "/v1/render", &job).await.ok().header("content-location").to_owned()
+    });
+    story(lasting.clone(), async |server| {
+        get(server, &two.b, &place).await.problem(404, "not-found");
+        get(server, &two.a, &place).await.ok();
+        let made = post(server, &two.b, "/v1/render", &job).await.ok();
+        assert_eq!(made.header("cache-status"), "planish; fwd=miss; stored");
+    });
+    story(lasting, async |server| {
+        get(server, &two.a, &place).await.ok();
+        get(server, &two.b, &place).await.ok();
+    });
+}
+
+#[test]
+fn shared_keys_share_with_each_other_and_with_no_tenant() {
+    let two = two();
+    let shared = [key(&two.folder, SHARED, Role::Render), key(&two.folder, SHARED, Role::Render)];
+    story(keyed(&two.folder), async |server| {
+        let job = with(mesh(2), "stl");
+        post(server, &two.a, "/v1/render", &job).await.ok();
+        let made = post(server, &shared[0], "/v1/render", &job).await.ok();
+        assert_eq!(made.header("cache-status"), "planish; fwd=miss; stored", "what acme has is not shared");
+        let found = post(server, &shared[1], "/v1/render", &job).await.ok();
+        assert_eq!(found.header("cache-status"), "planish; hit");
+        let place = found.header("content-location").to_owned();
+        let answer = get(server, &shared[1], &place).await.ok();
+        assert_eq!(answer.header("cache-control"), "public, max-age=31536000, immutable");
+        get(server, &two.b, &place).await.problem(404, "not-found");
+    });
+}
+
+#[test]
+fn variants_searches_and_analyses_are_made_for_each_tenant() {
+    let two = two();
+    story(keyed(&two.folder), async |server| {
+        let found = || server.app.desk.tally.found().map(|(_, n)| n).into_iter().last().unwrap();
+        let tolerant = json!({ "input": cube(), "plan": { "preset": "catmull-clark" }, "levels": { "tolerance": 0.05 },
+            "outputs": [{ "format": "obj" }] });
+        let analysis = json!({ "plan": { "preset": "four-point" } });
+        let mut missed = Vec::new();
+        for token in [&two.a, &two.b] {
+            let before = found();
+            let zipped = [("accept-encoding", "gzip")];
+            let answer = with_headers(server, token, Method::POST, "/v1/render", &with(mesh(3), "obj"), &zipped).await;
+            assert_eq!(answer.ok().header("content-encoding"), "gzip");
+            post(server, token, "/v1/render", &tolerant).await.ok();
+            let answer = post(server, token, "/v1/analyses", &analysis).await.ok();
+            assert!(answer.header("cache-status").contains("miss"), "{}", answer.header("cache-status"));
+            missed.push(found() - before);
+        }
+        assert_eq!(missed[0], missed[1], "the second tenant finds as little as the first");
+    });
+}
+
+#[test]
+fn jobs_of_one_tenant_are_unknown_to_another_whatever_is_done_to_them() {
+    let two = two();
+    story(keyed(&two.folder), async |server| {
+        let held = server.hold().await;
+        let posted = post(server, &two.a, "/v1/jobs", &with(mesh(2), "obj")).await;
+        assert_eq!(posted.status, 202, "{}", posted.text());
+        let place = posted.header("location").to_owned();
+        get(server, &two.b, &place).await.problem(404, "not-found");
+        get(server, &two.b, &format!("{place}/events")).await.problem(404, "not-found");
+        post(server, &two.b, &format!("{place}/cancel"), &Value::Null).await.problem(404, "not-found");
+        ask(server, &two.b, Method::DELETE, &place, &Value::Null).await.problem(404, "not-found");
+        assert_eq!(get(server, &two.b, "/v1/jobs").await.ok().json(), json!({ "jobs": [] }));
+        assert_eq!(get(server, &two.a, "/v1/jobs").await.ok().json()["jobs"].as_array().unwrap().len(), 1);
+        // the same job of the other is another resource of the same name
+        let own = post(server, &two.b, "/v1/jobs", &with(mesh(2), "obj")).await;
+        assert_eq!((own.status, own.json()["attempts"].clone()), (202, json!(1)));
+        assert_eq!(own.header("location"), place);
+        assert_eq!(ask(server, &two.b, Method::DELETE, &place, &Value::Null).await.status, 204);
+        assert_eq!(get(server, &two.a, &place).await.ok().json()["state"], "queued", "it is still that of acme");
+        drop(held);
+    });
+}
+
+/// What a tenant does to the job that both have posted.
+#[derive(Debug, Clone, Copy)]
+enum Leave {
+    Cancel,
+    Delete,
+}
+
+#[test]
+fn a_computation_goes_on_for_the_tenant_that_stays_in_every_order_of_leaving() {
+    let two = two();
+    story(keyed(&two.folder), async |server| {
+        for (turn, leave) in [Leave::Cancel, Leave::Delete].into_iter().enumerate() {
+            for first in [true, false] {
+                let (stays, goes) = if first { (&two.a, &two.b) } else { (&two.b, &two.a) };
+                let job = with(endless_of(turn * 2 + usize::from(first)), "stats");
+                let posted = post(server, goes, "/v1/jobs", &job).await;
+                let place = posted.header("location").to_owned();
+                post(server, stays, "/v1/jobs", &job).await;
+                let desk = &server.app.desk;
+                until("both wait for one computation", || (desk.n_under_way(), desk.n_interests()) == (1, 2)).await;
+                let left = match leave {
+                    Leave::Cancel => post(server, goes, &format!("{place}/cancel"), &Value::Null).await.status,
+                    Leave::Delete => ask(server, goes, Method::DELETE, &place, &Value::Null).await.status,
+                };
+                assert!([202, 204].contains(&left));
+                until("one is left", || desk.n_interests() == 1).await;
+                assert_eq!(desk.n_under_way(), 1, "{leave:?}: the other tenant still wants it");
+                assert_eq!(get(server, stays, &place).await.ok().json()["state"], "running");
+                // who has left comes back, and joins again
+                post(server, goes, "/v1/jobs", &job).await;
+                until("both wait again", || desk.n_interests() == 2).await;
+                for token in [stays, goes] {
+                    ask(server, token, Method::DELETE, &place, &Value::Null).await;
+                }
+                until("it stops with the last interest", || desk.n_under_way() == 0).await;
+                get(server, stays, &place).await.problem(404, "not-found");
+            }
+        }
+    });
+}
+
+#[test]
+fn a_disconnect_of_one_tenant_leaves_the_job_of_another() {
+    let two = two();
+    // one place in each lane for the request, and one for the job
+    story(keyed(&two.folder), async |server| {
+        let job = with(endless(), "stats");
+        let shown = bearer(&two.a);
+        let waiting = server.client.post(server.url("/v1/render")).header("authorization", shown);
+        let waiting = tokio::spawn(waiting.json(&job).send());
+        let desk = &server.app.desk;
+        until("it is being computed", || desk.n_interests() == 1).await;
+        let place = post(server, &two.b, "/v1/jobs", &job).await.header("location").to_owned();
+        until("both want it", || desk.n_interests() == 2).await;
+        waiting.abort();
+        until("the connection is gone", || desk.n_interests() == 1).await;
+        assert_eq!(desk.n_under_way(), 1);
+        post(server, &two.b, &format!("{place}/cancel"), &Value::Null).await;
+        until("nobody wants it", || desk.n_under_way() == 0).await;
+    });
+}
+
+#[test]
+fn who_leaves_before_the_end_has_nothing_of_what_was_made_for_another() {
+    let two = two();
+    story(keyed(&two.folder), async |server| {
+        let held = server.hold().await;
+        let job = with(mesh(3), "obj");
+        let place = post(server, &two.a, "/v1/jobs", &job).await.header("location").to_owned();
+        post(server, &two.b, "/v1/jobs", &job).await;
+        assert_eq!(ask(server, &two.a, Method::DELETE, &place, &Value::Null).await.status, 204);
+        drop(held);
+        let mut status = get(server, &two.b, &place).await.ok().json();
+        while status["state"] != "done" {
+            tokio::time::sleep(std::time::Duration::from_millis(5)).await;
+            status = get(server, &two.b, &place).await.ok().json();
+        }
+        let href = status["outputs"][0]["href"].as_str().unwrap().to_owned();
+        get(server, &two.b, &href).await.ok();
+        get(server, &two.a, &href).await.problem(404, "not-found");
+        let again = post(server, &two.a, "/v1/render", &job).await.ok();
+        assert_eq!(again.header("cache-status"), "planish; fwd=miss; stored");
+    });
+}
+
+#[test]
+fn an_upload_opens_nothing_for_a_tenant_that_has_not_sent_it() {
+    let two = two();
+    for settings in [keyed(&two.folder), Settings { cache_bytes: 8 << 30, ..keyed(&two.folder) }] {
+        story(settings, async |server| {
+            let file = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 3 1 4\n";
+            let send = async |of: &Token| {
+                let shown = bearer(of);
+                let headers = [("authorization", shown.as_str()), ("content-type", "model/obj")];
+                server.ask(Method::POST, "/v1/blobs", &headers, file.into()).await
+            };
+            let sent = send(&two.a).await;
+            assert_eq!(sent.status, 201, "{}", sent.text());
+            let id = sent.json()["id"].as_str().unwrap().to_owned();
+            let place = format!("/v1/blobs/{id}");
+            let job = json!({ "input": { "blob": id }, "plan": { "preset": "loop" }, "levels": 2,
+                "outputs": [{ "format": "obj" }] });
+            let key = post(server, &two.a, "/v1/render", &job).await.ok().header("etag").to_owned();
+            get(server, &two.a, &place).await.ok();
+            get(server, &two.b, &place).await.problem(404, "not-found");
+            let tagged = [("if-none-match", key.as_str())];
+            let known = with_headers(server, &two.b, Method::POST, "/v1/render", &job, &tagged).await;
+            known.problem(422, "invalid-job");
+            post(server, &two.b, "/v1/jobs", &job).await.problem(422, "invalid-job");
+            let tag = format!("\"{id}\"");
+            let tagged = [("if-none-match", tag.as_str())];
+            with_headers(server, &two.b, Method::GET, &place, &Value::Null, &tagged).await.problem(404, "not-found");
+
+            assert_eq!(send(&two.b).await.status, 201);
+            get(server, &two.b, &place).await.ok();
+            get(server, &two.a, &place).await.ok();
+            let made = post(server, &two.b, "/v1/render", &job).await.ok();
+            assert_eq!(made.header("cache-status"), "planish; fwd=miss; stored");
+        });
+    }
+}
+
+/// A long job, each number another one.
+fn endless_of(number: usize) -> Value {
+    let mut job = endless();
+    job["input"]["polygon"]["points"][0][0] = json!(number);
+    job
+}
