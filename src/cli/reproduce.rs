@@ -70,8 +70,9 @@ impl ReproduceOptions {
         let version = said.results_version;
         let text = said.job.to_string();
         let mut request: JobRequest = read(text.as_bytes()).map_err(unread)?;
-        for upload in uploads_of(text.as_bytes()) {
-            request.attach(upload.panel, &self.upload(&upload.id)?);
+        for named in uploads_of(text.as_bytes()) {
+            let file = self.upload(&named.id)?;
+            request.attach(named.panel, file);
         }
         request.source = Some(text.into());
         let admitted =

@@ -20,6 +20,7 @@ use super::problem::Problem;
 use super::segment::Segment;
 use super::zip::Zip;
 use crate::job::key::{Key, content};
+use crate::service::job_key::Tenant;
 use crate::service::peer::{Kind, Paid, Peer};
 use crate::service::pool::Lane;
 use crate::service::store::Manifest;
@@ -85,9 +86,11 @@ fn answered(app: &Arc<App>, client: &Client, id: &str, headers: &HeaderMap) -> R
     let zip = Zip::new(std::iter::once(("manifest.json".to_owned(), manifest.len() as u64)).chain(names));
     head.insert(header::CONTENT_LENGTH, zip.length().into());
     let files = files.into_iter().map(|file| (file.key, file.bytes)).collect();
+    let tenant = standing.batch.batch.tenant;
     let writing = Writing {
         app: app.clone(),
         peer,
+        tenant,
         zip,
         manifest: Some(Bytes::from(manifest)),
         files,
@@ -108,6 +111,7 @@ fn answered(app: &Arc<App>, client: &Client, id: &str, headers: &HeaderMap) -> R
 struct Writing {
     app: Arc<App>,
     peer: Peer,
+    tenant: Tenant,
     zip: Zip,
     /// The first file, until it is written.
     manifest: Option<Bytes>,
@@ -165,7 +169,7 @@ impl Writing {
         {
             return Ok(open);
         }
-        let made = made_again(&self.app, self.peer, &key).await;
+        let made = made_again(&self.app, self.peer, self.tenant, &key).await;
         let made = made.map_err(|_| broken("a result of it has left the cache and cannot be made again"))?;
         if let Some(bytes) = made.loose.filter(|bytes| bytes.len() as u64 == length) {
             let crc = checksum([&bytes]);

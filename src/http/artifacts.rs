@@ -70,7 +70,7 @@ async fn answered(app: &Arc<App>, client: &Client, file: &str, headers: &HeaderM
             answered => return Ok(answered?),
         }
     }
-    let found = made_again(app, client.peer(), &key).await?;
+    let found = made_again(app, client.peer(), client.tenant(), &key).await?;
     Ok(tell(app, &key, extension, headers, found).await??)
 }
 
@@ -112,8 +112,8 @@ async fn tell(
 ///
 /// # Errors
 /// An artifact that nobody knows, and whatever is wrong with its job now.
-pub(super) async fn made_again(app: &Arc<App>, peer: Peer, key: &Key) -> Result<Artifact, Problem> {
-    let Some((request, format)) = request_of(app, peer.tenant(), key) else {
+pub(super) async fn made_again(app: &Arc<App>, peer: Peer, tenant: Tenant, key: &Key) -> Result<Artifact, Problem> {
+    let Some((request, format)) = request_of(app, tenant, key) else {
         let detail = "this artifact is not kept here; send its job to /v1/render, and it will have this address";
         return Err(Problem::new(problem::NOT_FOUND, detail));
     };

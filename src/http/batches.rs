@@ -205,7 +205,7 @@ impl Followed for BatchStanding {
     }
 }
 
-/// The batch that an address names.
+/// The batch of a client that an address names.
 pub(super) fn parse(client: &Client, id: &str) -> Option<JobKey> {
     Key::parse(id).map(|id| JobKey { tenant: client.tenant(), id })
 }

@@ -25,7 +25,7 @@ use crate::service::read_lane::Unread;
 use crate::service::store::{Manifest, PART_BYTES, StoreError};
 use crate::service::uploads::Upload;
 use crate::wire::answer::BlobAnswer;
-use crate::wire::posted::uploads_of;
+use crate::wire::posted::{NamedUpload, uploads_of};
 use crate::wire::text::MeshFile;
 
 /// Bytes that are written at once. Half of it goes to the disk twice as often; twice of it takes twice the memory of
@@ -244,10 +244,10 @@ pub(super) async fn attached(app: &Arc<App>, peer: Peer, sent: Sent) -> Result<S
     let limit = app.settings.max_body_bytes;
     let (mut all, mut length): (Vec<(Option<usize>, Arc<Attached>)>, _) = (Vec::new(), 0);
     for named in named {
-        let known = all.iter().find(|(_, upload)| written_id(&upload.id) == named.id);
-        let upload = match known.map(|(_, upload)| upload.clone()) {
+        let known = all.iter().find(|(_, upload)| written_id(&upload.id) == named.id).map(|(_, upload)| upload.clone());
+        let upload = match known {
             Some(known) => known,
-            None => Arc::new(mesh_file(app, peer, &named.id, &named.pointer()).await?),
+            None => Arc::new(read(app, peer, &named).await?),
         };
         // every panel reads its file by itself
         length += upload.file.bytes.len() as u64;
@@ -259,16 +259,16 @@ pub(super) async fn attached(app: &Arc<App>, peer: Peer, sent: Sent) -> Result<S
     Ok(sent.with_uploads(all))
 }
 
-/// The mesh file that is named at a place of a request.
-async fn mesh_file(app: &Arc<App>, peer: Peer, named: &str, place: &str) -> Result<Attached, Problem> {
-    let (id, manifest, bytes, paid) = loaded(app, peer, named, place).await?;
+/// A mesh file that a job names, read into memory.
+async fn read(app: &Arc<App>, peer: Peer, named: &NamedUpload) -> Result<Attached, Problem> {
+    let (id, manifest, bytes, paid) = loaded(app, peer, &named.id, &named.pointer()).await?;
     if manifest.media_type == PICTURE {
         let detail = format!("the upload {} is a picture; only /v1/compare takes it", written_id(&id));
-        return Err(Problem::invalid(vec![Fault::new(place, detail)]));
+        return Err(Problem::invalid(vec![Fault::new(named.pointer(), detail)]));
     }
     let format = format_of(&manifest.media_type).to_owned();
     let file = MeshFile { format, bytes, beside: Arc::new(Alone) };
-    Ok(Attached { id, file, _paid: paid })
+    Ok(Attached::new(id, file, paid))
 }
 
 /// An upload that is named at a place of a request, with its bytes and the memory that they take.

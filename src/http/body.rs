@@ -49,7 +49,14 @@ pub(super) struct Sent {
 pub(super) struct Attached {
     pub(super) id: Key,
     pub(super) file: MeshFile,
-    pub(super) _paid: Paid,
+    _paid: Paid,
+}
+
+impl Attached {
+    /// A file under its id, with what pays for its memory.
+    pub(super) fn new(id: Key, file: MeshFile, paid: Paid) -> Self {
+        Self { id, file, _paid: paid }
+    }
 }
 
 impl Sent {
@@ -77,7 +84,7 @@ impl Sent {
             request.source = String::from_utf8(self.text().into()).ok().map(Arc::from);
         }
         for (panel, upload) in &self.uploads {
-            request.attach(*panel, &upload.file);
+            request.attach(*panel, upload.file.clone());
         }
         Ok(request)
     }

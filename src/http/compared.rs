@@ -138,8 +138,7 @@ async fn of_file(
     (bytes, paid): (Vec<u8>, Paid),
 ) -> Result<FoundSide, Problem> {
     let file = MeshFile { format: format.to_owned(), bytes, beside: Arc::new(Alone) };
-    let sent = Sent::job(Bytes::from_static(FILE))
-        .with_uploads(vec![(None, Arc::new(Attached { id: key, file, _paid: paid }))]);
+    let sent = Sent::job(Bytes::from_static(FILE)).with_uploads(vec![(None, Arc::new(Attached::new(key, file, paid)))]);
     shape(app, peer, sent).await.map_err(|problem| problem.at(|_| place.to_owned()))
 }
 

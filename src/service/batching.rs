@@ -215,7 +215,7 @@ impl Desk {
         };
         if read_before == Some(job.id) && self.jobs.get(&job).is_some_and(|known| !known.is_active()) {
             // it came to its end as a job of this batch, in this process or an earlier one
-            self.see_item(run, at, job, &summary).await;
+            self.see_item(run, at, job, (&summary, peer)).await;
             return Ok(());
         }
         let made = self.all_kept(&summary, peer).await;
@@ -227,7 +227,7 @@ impl Desk {
             Err(NotAccepted::Unwritten(_)) => return Err(DISK_PAUSE),
         }
         if self.batches.read(run, at, job.id, is_hit) {
-            self.see_item(run, at, job, &summary).await;
+            self.see_item(run, at, job, (&summary, peer)).await;
         } else {
             self.leave_all(&run.batch, &[job]);
         }
@@ -235,7 +235,7 @@ impl Desk {
     }
 
     /// Waits for the end of a job of a batch.
-    async fn see_item(self: &Arc<Self>, run: &BatchRun, at: usize, job: JobKey, summary: &JobSummary) {
+    async fn see_item(self: &Arc<Self>, run: &BatchRun, at: usize, job: JobKey, (summary, peer): (&JobSummary, Peer)) {
         let mut over = run.ended.clone();
         let ended = self.jobs.get(&job).map(|record| record.ended.subscribe());
         if let Some(mut ended) = ended {
@@ -250,7 +250,7 @@ impl Desk {
             Ending { state: record.state.clone(), outputs: outputs.collect() }
         } else {
             // somebody has forgotten it, or it made room for others after its end
-            let made = self.all_kept(summary, Peer::service(job.tenant)).await;
+            let made = self.all_kept(summary, peer).await;
             let state = if made.is_empty() { State::Cancelled } else { State::Done };
             let products = summary.products.iter().cloned();
             Ending { state, outputs: products.zip(made.into_iter().map(Some)).collect() }
@@ -258,7 +258,7 @@ impl Desk {
         self.batches.settle_item(run, at, ending);
     }
 
-    /// What is known of all outputs of a job, where all are kept for the tenant of this peer; else nothing.
+    /// What is known of all outputs of a job, where all are kept; else nothing.
     pub async fn all_kept(self: &Arc<Self>, summary: &JobSummary, peer: Peer) -> Vec<Made> {
         let mut made = Vec::with_capacity(summary.products.len());
         for product in &summary.products {

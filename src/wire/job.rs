@@ -132,14 +132,15 @@ impl JobRequest {
         self.outputs.iter().any(OutputRequest::describes)
     }
 
-    /// Gives the file that an upload is to the input that names it, of the job itself or of a panel.
-    pub(crate) fn attach(&mut self, panel: Option<usize>, file: &MeshFile) {
-        let job = match panel {
-            None => Some(self),
-            Some(at) => self.figure.as_mut().and_then(|figure| Some(&mut figure.panels.get_mut(at)?.job)),
+    /// Puts the file of an upload where its name stands: in the job itself, or in that of a panel.
+    pub fn attach(&mut self, panel: Option<usize>, file: MeshFile) {
+        let input = match (panel, &mut self.figure) {
+            (None, _) => Some(&mut self.input),
+            (Some(at), Some(figure)) => figure.panels.get_mut(at).map(|panel| &mut panel.job.input),
+            (Some(_), None) => None,
         };
-        if let Some(job) = job.filter(|job| job.input.file.is_none()) {
-            job.input.file = Some(file.clone());
+        if let Some(input) = input.filter(|input| input.file.is_none()) {
+            input.file = Some(file);
         }
     }
 

@@ -46,6 +46,8 @@ fn the_committed_requests_have_the_committed_answers() {
         told.extend(refusals(server).await);
         told
     });
+    // jobs of a batch are read side by side, and how many at once shows in what readyz tells of the memory
+    let told = [told, story(settings(), batches)].concat();
     if std::env::var_os("BLESS").is_some() {
         let _ = std::fs::remove_dir_all(folder());
         std::fs::create_dir_all(folder()).unwrap();
@@ -93,7 +95,6 @@ async fn results(server: &Server) -> Vec<(&'static str, String)> {
     server.settled(&location).await;
     told.push(("job-done", exchange(server, Asked::get(location)).await));
     told.extend(jobs(server).await);
-    told.extend(batches(server).await);
     told
 }
 
