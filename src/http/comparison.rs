@@ -50,7 +50,7 @@ pub(super) async fn compare(State(app): State<Shared>, client: Client, headers: 
 }
 
 async fn answered(app: &Arc<App>, client: &Client, headers: &HeaderMap, body: Body) -> Result<Response, Problem> {
-    let sent = body::collect(app, client, headers, Takes::Jobs(""), body).await?;
+    let sent = body::collect(app, client, headers, Takes::Jobs, body).await?;
     let (bytes, peer) = (weight(sent.bytes.len() as u64), client.peer());
     let (request, tolerances) = app
         .desk
