@@ -17,7 +17,7 @@ use super::say::answer;
 /// The service that renders.
 #[derive(Debug, Clone, clap::Args)]
 pub(super) struct ServerOptions {
-    /// Have a service render, at this address such as http://127.0.0.1:8080; what is busy is asked again.
+    /// Have a service render, at this address such as <http://127.0.0.1:8080>; what is busy is asked again.
     #[arg(long, value_name = "URL", help_heading = "Service")]
     server: Option<String>,
     /// The key that the service asks for.

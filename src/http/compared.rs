@@ -57,12 +57,8 @@ pub(super) async fn side(app: &Arc<App>, peer: Peer, place: &str, named: &Value)
             })?;
             let missing = || fault(format!("there is no artifact {key} here; give the job that makes it"));
             let manifest = app.desk.find(key, peer).await.ok_or_else(missing)?;
-            let file = match format_of(&manifest.media_type) {
-                None => {
-                    let detail = format!("{} is neither a PNG nor a mesh file that is read", manifest.media_type);
-                    return Err(fault(detail));
-                }
-                Some(file) => file,
+            let Some(file) = format_of(&manifest.media_type) else {
+                return Err(fault(format!("{} is neither a PNG nor a mesh file that is read", manifest.media_type)));
             };
             let (bytes, paid) = whole(app, peer, &manifest).await?;
             match file {

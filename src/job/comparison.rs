@@ -210,7 +210,7 @@ impl Comparison {
             }
             Sides::Shapes(shapes, _) => {
                 let refined = shapes.iter().map(|shape| shape.estimate().memory_bytes).max().unwrap_or(0);
-                let trees: u128 = shapes.iter().map(|shape| triangles(shape)).sum();
+                let trees: u128 = shapes.iter().map(triangles).sum();
                 refined.saturating_add((trees + Measured::MOST_PIECES).saturating_mul(Measured::TRIANGLE_BYTES))
             }
         }
@@ -222,7 +222,7 @@ impl Comparison {
             Sides::Pictures(pictures, _) => pictures[0].size[1].into(),
             Sides::Shapes(shapes, _) => {
                 let refined = shapes.iter().map(|shape| shape.estimate().forecast.work);
-                let measured = shapes.iter().map(|shape| triangles(shape));
+                let measured = shapes.iter().map(triangles);
                 refined.chain(measured).fold(0, u128::saturating_add)
             }
         }

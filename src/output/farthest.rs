@@ -148,7 +148,7 @@ impl Measured {
 
 /// The four triangles between the corners and the middles of the sides.
 fn quarters([a, b, c]: [Vector; 3]) -> [[Vector; 3]; 4] {
-    let middle = |p: Vector, q: Vector| [0, 1, 2].map(|k| (p[k] + q[k]) / 2.0);
+    let middle = |p: Vector, q: Vector| [0, 1, 2].map(|k| p[k].midpoint(q[k]));
     let (ab, bc, ca) = (middle(a, b), middle(b, c), middle(c, a));
     [[a, ab, ca], [ab, b, bc], [ca, bc, c], [ab, bc, ca]]
 }

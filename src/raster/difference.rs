@@ -236,7 +236,8 @@ mod tests {
     /// A disc with a soft rim, shifted to the left by half of `shift` pixels.
     fn disc(shift: i64, green: i64) -> Pixels {
         let pixel = |at: usize| {
-            let (x, y) = (2 * (at % SIDE) as i64 - 63 + shift, 2 * (at / SIDE) as i64 - 63);
+            let [column, row] = [at % SIDE, at / SIDE].map(|n| i64::try_from(n).expect("below 64"));
+            let (x, y) = (2 * column - 63 + shift, 2 * row - 63);
             let v = (255 * (1936 - x * x - y * y) / 640).clamp(0, 255);
             [v, v * green / 255, 255 - v, 255].map(|v| u8::try_from(v).expect("up to 255"))
         };

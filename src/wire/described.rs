@@ -1,5 +1,6 @@
 //! Descriptions: the job as text that an artifact holds, so that it can be made again.
 
+use std::fmt::Write;
 use std::sync::Arc;
 
 use serde::Deserialize;
@@ -62,7 +63,10 @@ fn ascii(json: &str) -> String {
             text.push(c);
         } else {
             let mut units = [0; 2];
-            c.encode_utf16(&mut units).iter().for_each(|unit| text += &format!("\\u{unit:04x}"));
+            c.encode_utf16(&mut units).iter().for_each(|unit| {
+                // a text takes all that is written to it
+                let _ = write!(text, "\\u{unit:04x}");
+            });
         }
     }
     text

@@ -47,7 +47,7 @@ pub(super) fn written(value: &Literal) -> Value {
 fn whole(x: f64) -> Option<i64> {
     #[expect(clippy::cast_possible_truncation, reason = "checked by its value")]
     let n = x as i64;
-    #[expect(clippy::cast_precision_loss, reason = "checked by its value")]
+    #[expect(clippy::cast_precision_loss, clippy::float_cmp, reason = "checked by its value")]
     let is_same = n as f64 == x && n.abs() < 1 << 53;
     is_same.then_some(n)
 }

@@ -156,8 +156,8 @@ fn lagrange(degree: i32, [i, j]: Point, [x, y]: Point) -> Exact {
 
 /// Whether old points stay where they are, whose shifts are stable then.
 fn interpolates(mask: &ExactMask, d: i32) -> bool {
-    let kept = mask.iter().filter(|(k, _)| k.iter().all(|x| x % d == 0));
-    kept.map(|(k, a)| (*k == [0, 0]) == a.is_one() && (*k == [0, 0] || a.is_zero())).all(|is_kept| is_kept)
+    let mut kept = mask.iter().filter(|(k, _)| k.iter().all(|x| x % d == 0));
+    kept.all(|(k, a)| if *k == [0, 0] { a.is_one() } else { a.is_zero() })
 }
 
 #[cfg(test)]

@@ -75,10 +75,12 @@ fn what_is_signed_on_the_command_line_opens_on_a_service_and_the_folder_stays_fi
     let (code, address, told) = sign(&[name, "--expires-in", "1h", "--url", "https://planish.example.org/"]);
     assert_eq!(code, 0, "{told}");
     let path = address.trim().strip_prefix("https://planish.example.org").unwrap().to_owned();
-    assert!(path.ends_with(".svg"), "{path}");
+    assert!(path.strip_suffix(".svg").is_some(), "{path}");
     let id = "7fd9512d51873010739dc6b61ab050e2fa8041f4f0258865739ad5cfefd188f2";
     assert!(Link::parse(sign(&["--events", id]).1.trim()).unwrap().rest.starts_with("jobs/7fd9"));
-    assert!(Link::parse(sign(&["--artifact", &format!("{id}.png")]).1.trim()).unwrap().rest.ends_with(".png"));
+    assert!(
+        Link::parse(sign(&["--artifact", &format!("{id}.png")]).1.trim()).unwrap().rest.strip_suffix(".png").is_some()
+    );
     for (arguments, code, says) in [
         (&["--events", "7"][..], USAGE, "no id"),
         (&["--artifact", &format!("{id}.exe")], USAGE, "no extension"),
