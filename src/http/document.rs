@@ -1,11 +1,7 @@
 //! The OpenAPI document: what the handlers say of themselves, and what they have in common.
 
-use std::collections::BTreeMap;
-
 use axum::http::Method;
-use serde_json::{Value, json};
 use utoipa::OpenApi;
-use utoipa::openapi::example::{Example, ExampleBuilder};
 use utoipa::openapi::path::Operation;
 use utoipa::openapi::schema::SchemaType;
 use utoipa::openapi::security::{HttpAuthScheme, HttpBuilder, SecurityRequirement, SecurityScheme};
@@ -15,13 +11,13 @@ use utoipa::openapi::{
     Response, ResponseBuilder, SchemaFormat, Type,
 };
 
+use super::document_examples;
 use super::gate::{Need, needed};
 use super::problem::{self, Kind};
 use crate::config::keys::Role;
 use crate::input::READERS;
 use crate::output::{self, FORMATS};
 use crate::wire::answer::ProblemAnswer;
-use crate::wire::catalogue::presets;
 use crate::wire::query_parameters;
 
 /// The document but for its paths.
@@ -147,10 +143,10 @@ fn complete(path: &str, operation: &mut Operation) {
         for (_, content) in jobs {
             if let RefOr::T(content) = content {
                 content.examples = match path {
-                    "/v1/analyses" => analysis_examples(),
-                    "/v1/batches" => batch_examples(),
-                    "/v1/compare" => comparison_examples(),
-                    _ => job_examples(),
+                    "/v1/analyses" => document_examples::analyses(),
+                    "/v1/batches" => document_examples::batches(),
+                    "/v1/compare" => document_examples::comparisons(),
+                    _ => document_examples::jobs(),
                 };
             }
         }
@@ -232,89 +228,6 @@ fn complete(path: &str, operation: &mut Operation) {
         "/readyz" => refuse(operation, &[problem::NOT_READY]),
         _ => {}
     }
-}
-
-/// Jobs that show the kinds of inputs, by name.
-fn job_examples() -> BTreeMap<String, RefOr<Example>> {
-    let tetrahedron = json!({ "positions": [[1, 1, 1], [1, -1, -1], [-1, 1, -1], [-1, -1, 1]],
-        "faces": [[0, 1, 2], [0, 3, 1], [0, 2, 3], [1, 3, 2]] });
-    let square = json!({ "points": [[0, 0], [1, 0], [1, 1], [0, 1]], "closed": true });
-    let triangle = json!({ "format": "obj", "data": "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n" });
-    let jobs = [
-        (
-            "polygon",
-            "A curve as SVG",
-            json!({ "input": { "polygon": square }, "plan": { "preset": presets()[0].name },
-            "levels": 4, "outputs": [{ "format": "svg" }] }),
-        ),
-        (
-            "mesh",
-            "A surface as GLB",
-            json!({ "input": { "mesh": tetrahedron }, "levels": 3,
-            "plan": { "preset": "push-back", "parameters": { "delta": "1/2" } },
-            "outputs": [{ "format": "glb", "normals": "limit" }] }),
-        ),
-        (
-            "file",
-            "A mesh file as PNG, as it is",
-            json!({ "input": { "text": triangle },
-            "outputs": [{ "format": "png", "width": 64, "height": 64, "camera": { "azimuth_deg": 0 } }] }),
-        ),
-    ];
-    let example = |(name, summary, job): (&str, &str, Value)| {
-        (name.to_owned(), ExampleBuilder::new().summary(summary).value(Some(job)).build().into())
-    };
-    jobs.into_iter().map(example).collect()
-}
-
-/// Batches of both kinds, by name.
-fn batch_examples() -> BTreeMap<String, RefOr<Example>> {
-    let square = json!({ "polygon": { "points": [[0, 0], [1, 0], [1, 1], [0, 1]], "closed": true } });
-    let job = |levels| {
-        json!({ "input": square, "plan": { "preset": "four-point" }, "levels": levels,
-            "outputs": [{ "format": "svg" }] })
-    };
-    let grid = json!([{ "pointer": "/levels", "values": [2, 4] },
-        { "pointer": "/plan/parameters", "values": [{ "w": "1/16" }, { "w": "1/32" }] }]);
-    let batches = [
-        ("list", "Two jobs", json!({ "jobs": [job(1), job(2)] })),
-        ("grid", "Four jobs of a template and a grid", json!({ "template": job(1), "grid": grid })),
-    ];
-    let example = |(name, summary, batch): (&str, &str, Value)| {
-        (name.to_owned(), ExampleBuilder::new().summary(summary).value(Some(batch)).build().into())
-    };
-    batches.into_iter().map(example).collect()
-}
-
-/// Questions about a scheme, by name.
-fn analysis_examples() -> BTreeMap<String, RefOr<Example>> {
-    let preset = "four-point";
-    let scan = json!({ "parameter": "w", "from": 0, "to": "1/4", "steps": 10 });
-    let questions = [
-        (
-            "curve",
-            "A scheme for curves",
-            json!({ "plan": { "preset": preset, "parameters": { "w": "1/16" } }, "grid": 3 }),
-        ),
-        ("matrices", "One step as matrices", json!({ "plan": { "word": "UD" }, "matrices": { "points": 4 } })),
-        ("scan", "What is proved along a parameter", json!({ "plan": { "preset": preset }, "scan": scan })),
-    ];
-    let example = |(name, summary, question): (&str, &str, Value)| {
-        (name.to_owned(), ExampleBuilder::new().summary(summary).value(Some(question)).build().into())
-    };
-    questions.into_iter().map(example).collect()
-}
-
-/// Two levels of one curve.
-fn comparison_examples() -> BTreeMap<String, RefOr<Example>> {
-    let square = json!({ "points": [[0, 0], [1, 0], [1, 1], [0, 1]], "closed": true });
-    let job = |levels: u32| {
-        json!({ "input": { "polygon": square }, "plan": { "preset": presets()[0].name },
-            "levels": levels })
-    };
-    let asked = json!({ "a": job(2), "b": job(6), "tolerance": 0.05 });
-    let example = ExampleBuilder::new().summary("Two levels of a curve").value(Some(asked)).build();
-    [("levels".to_owned(), example.into())].into()
 }
 
 /// Adds the mesh files that a body may be: those that say what they are, and those that show it.

@@ -19,6 +19,7 @@ mod comparison;
 mod connections;
 mod content;
 mod document;
+mod document_examples;
 mod early;
 mod estimate;
 mod events;

@@ -44,7 +44,8 @@ pub(super) fn page(document: &Value) -> String {
     }
     format!(
         "<!doctype html><html lang=\"en\"><meta charset=\"utf-8\">\
-         <meta name=\"viewport\" content=\"width=device-width\"><title>{title}: reference</title><style>{STYLE}</style><nav><a href=\"/\">{title}</a>\
+         <meta name=\"viewport\" content=\"width=device-width\"><title>{title}: reference</title>\
+         <style>{STYLE}</style><nav><a href=\"/\">{title}</a>\
          <a href=\"/openapi.json\">openapi.json</a>{nav}</nav><main>{about}{main}</main></html>\n"
     )
 }

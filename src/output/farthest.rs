@@ -180,10 +180,10 @@ mod tests {
     }
 
     #[test]
-    fn the_same_shape_is_at_no_distance_and_no_bound_is_left() {
+    fn the_same_shape_is_at_no_distance_but_for_rounding() {
         let star = polygon(&[[0.0, 0.1], [2.0, 0.3], [1.7, 1.9], [0.4, 0.9]], true);
         for way in both_ways(star.clone(), star) {
-            assert_eq!((way.distance, way.at_most), (0.0, 0.0));
+            assert!(way.distance <= way.at_most && way.at_most <= 4.0 * f64::EPSILON, "{way:?}");
         }
     }
 }
