@@ -15,8 +15,30 @@ use planish_fuzz::TARGETS;
 const MOST_BYTES: usize = 4096;
 /// What is put in at random besides bytes: what readers of text and numbers trip over.
 const TOKENS: [&str; 24] = [
-    "null", "true", "-", "1e999", "-0", "0.1", "9007199254740993", "18446744073709551616", "\"\"", "[]", "{}", "[[", "\\u0000",
-    "U", "(", ")", "^", "alpha", "1/0", "\n", "\r", "%", "\u{feff}", "é",
+    "null",
+    "true",
+    "-",
+    "1e999",
+    "-0",
+    "0.1",
+    "9007199254740993",
+    "18446744073709551616",
+    "\"\"",
+    "[]",
+    "{}",
+    "[[",
+    "\\u0000",
+    "U",
+    "(",
+    ")",
+    "^",
+    "alpha",
+    "1/0",
+    "\n",
+    "\r",
+    "%",
+    "\u{feff}",
+    "é",
 ];
 
 /// Splitmix64 (Steele, Lea and Flood 2014): the same numbers for the same seed.
@@ -81,7 +103,9 @@ fn seeds(target: &str) -> Vec<Vec<u8>> {
         "link" => found.extend(jobs().into_iter().map(|job| [vec![0], job].concat())),
         "reader" => {
             let files = read(&here.join("../../api/examples/meshes"));
-            found.extend((0_u8..6).flat_map(|choice| files.clone().into_iter().map(move |file| [vec![choice], file].concat())));
+            found.extend(
+                (0_u8..6).flat_map(|choice| files.clone().into_iter().map(move |file| [vec![choice], file].concat())),
+            );
         }
         _ => {}
     }
@@ -110,7 +134,10 @@ fn main() -> ExitCode {
             let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("crashes");
             let path = folder.join(format!("{name}-{}", &blake3::hash(&input).to_hex()[..16]));
             let kept = fs::create_dir_all(&folder).and_then(|()| fs::write(&path, &input));
-            eprintln!("{name}: input {n} fails; {}", kept.map_or_else(|e| e.to_string(), |()| path.display().to_string()));
+            eprintln!(
+                "{name}: input {n} fails; {}",
+                kept.map_or_else(|e| e.to_string(), |()| path.display().to_string())
+            );
             return ExitCode::FAILURE;
         }
     }

@@ -223,8 +223,11 @@ const SCHEMES: &[&str] = &[
 ];
 /// Where a name of a scheme stands outside `scheme/`: in jobs that serve as examples, and in what the document says of
 /// them.
-const NAMED: &[(&str, &[&str])] =
-    &[("http/canary.rs", &["catmull"]), ("http/document.rs", &["fourpoint"]), ("wire/schema.rs", &["incenter"])];
+const NAMED: &[(&str, &[&str])] = &[
+    ("http/canary.rs", &["catmull"]),
+    ("http/document_examples.rs", &["fourpoint"]),
+    ("wire/schema.rs", &["incenter"]),
+];
 
 #[test]
 fn schemes_are_named_in_their_own_folder_only() {

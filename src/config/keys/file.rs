@@ -21,7 +21,7 @@ const MOST_BYTES: u64 = 2 << 20;
 #[derive(Debug, thiserror::Error)]
 pub enum KeyFileError {
     /// It cannot be read or written.
-    #[error("the keys in {path}: {error}")]
+    #[error("the keys in {path}: {error}; choose another folder with --data-dir")]
     Files {
         /// The file.
         path: String,

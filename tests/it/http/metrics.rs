@@ -45,7 +45,7 @@ fn requests_computations_jobs_and_finds_are_counted() {
 #[test]
 fn no_client_makes_a_label() {
     story(settings(), async |server| {
-        let before = read(server).await.len();
+        let before = read(server).await;
         for n in 0..20 {
             server.get(&format!("/v1/jobs/{n}")).await.problem(404, "not-found");
             server.get(&format!("/{n}/%22%0a")).await.problem(404, "not-found");
@@ -53,6 +53,10 @@ fn no_client_makes_a_label() {
             server.ask(method, "/livez", &[], Vec::new()).await.problem(405, "method-not-allowed");
         }
         // one line for each of the three, and one for the page that was asked before
-        assert_eq!(read(server).await.len(), before + 4);
+        let after = read(server).await;
+        // what the service computes by itself to see whether it works may show meanwhile
+        let counted = after.keys().filter(|name| name.starts_with("planish_requests"));
+        let new: Vec<&String> = counted.filter(|name| !before.contains_key(*name)).collect();
+        assert_eq!(new.len(), 4, "{new:#?}");
     });
 }
