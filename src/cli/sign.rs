@@ -28,11 +28,15 @@ const MOST_JOB_BYTES: usize = 64 << 10;
 #[derive(Debug, clap::Args)]
 pub(crate) struct SignOptions {
     /// A job with one output (- reads it from standard input).
-    #[arg(required_unless_present_any = ["events", "artifact"], conflicts_with_all = ["events", "artifact"])]
+    #[arg(required_unless_present_any = ["events", "batch_events", "artifact"],
+        conflicts_with_all = ["events", "batch_events", "artifact"])]
     job: Option<PathBuf>,
     /// The id of a job whose events the address tells.
-    #[arg(long, value_name = "JOB ID", conflicts_with = "artifact")]
+    #[arg(long, value_name = "JOB ID", conflicts_with_all = ["batch_events", "artifact"])]
     events: Option<String>,
+    /// The id of a batch whose events the address tells.
+    #[arg(long, value_name = "BATCH ID", conflicts_with = "artifact")]
+    batch_events: Option<String>,
     /// The name of a result, 64 hexadecimal digits and an extension.
     #[arg(long, value_name = "ID.EXTENSION")]
     artifact: Option<String>,
@@ -56,15 +60,16 @@ impl SignOptions {
         let not_a_key = || CliError::usage("the key is none; give what `planish key add` has printed, as PLANISH_KEY");
         let token = Token::parse(&self.key).ok_or_else(not_a_key)?;
         let id = |text: &str| Key::parse(text).ok_or_else(|| CliError::usage(no_id(text)));
-        let rest = match (&self.events, &self.artifact, &self.job) {
+        let rest = match (&self.events, &self.batch_events, &self.artifact, &self.job) {
             (Some(job), ..) => format!("jobs/{}/events", id(job)?),
-            (_, Some(file), _) => {
+            (_, Some(batch), ..) => format!("batches/{}/events", id(batch)?),
+            (_, _, Some(file), _) => {
                 let (key, extension) = file.split_once('.').unwrap_or((file, ""));
                 check_extension(extension)?;
                 format!("artifacts/{}.{extension}", id(key)?)
             }
-            (_, _, Some(job)) => of_job(&Source::of(job).read()?, self.format.as_deref())?,
-            (None, None, None) => return Err(CliError::usage("name a job")),
+            (.., Some(job)) => of_job(&Source::of(job).read()?, self.format.as_deref())?,
+            (None, None, None, None) => return Err(CliError::usage("name a job")),
         };
         let path = Link::sign(token.id(), &token.link_secret(), now_s().saturating_add(self.expires_in), &rest);
         if path.len() > MOST_ADDRESS_BYTES {

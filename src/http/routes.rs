@@ -19,6 +19,7 @@ pub(super) fn all() -> OpenApiRouter<Shared> {
         .routes(routes!(artifacts::artifact))
         .routes(routes!(signed::signed))
         .routes(routes!(signed::signed_events))
+        .routes(routes!(signed::signed_batch_events))
         .routes(routes!(signed::signed_artifact))
         .routes(routes!(events::events))
         .routes(routes!(batches::batch_events))

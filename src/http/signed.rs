@@ -15,7 +15,7 @@ use super::links::{answered, check_length, inflated};
 use super::problem::{self, Problem};
 use super::render::Wanted;
 use super::segment::Segment;
-use super::{artifacts, events, memo};
+use super::{artifacts, batches, events, memo};
 use crate::fault::{Fault, shortened};
 use crate::output::FORMATS;
 
@@ -91,6 +91,36 @@ pub(super) async fn signed(
 pub(super) async fn signed_events(app: State<Shared>, client: Client, path: Named, headers: HeaderMap) -> Response {
     match path {
         Ok(Path((_, _, id))) => events::events(app, client, Segment(id), headers).await,
+        Err(_) => no_text().into_response(),
+    }
+}
+
+/// The events of a batch, by a signed address.
+#[utoipa::path(
+    get, path = "/v1/r/{signature}/{expiry}/batches/{id}/events", tag = "jobs",
+    params(
+        ("signature" = String, Path, description = "As for jobs in signed addresses",
+            example = "0123456789ab.X7mGv0l4gk3hVw0bT0zv5mJ8m3mE3v0m0Yw6vQp1r2s"),
+        ("expiry" = u64, Path, description = "When the address ends, seconds since 1970", example = 1_893_456_000),
+        ("id" = String, Path, description = "Id of the batch, 64 hexadecimal digits",
+            example = "7fd9512d51873010739dc6b61ab050e2fa8041f4f0258865739ad5cfefd188f2"),
+        ("Last-Event-ID" = Option<String>, Header, description = "The number of the last event that the client saw"),
+    ),
+    responses(
+        (status = 200, description = "The events, as those of /v1/batches/{id}/events", body = Object,
+            content_type = "text/event-stream",
+            example = "id: 4294968297\nevent: progress\ndata: {\"state\":\"running\",\"progress\":0.0}\n\n"),
+        (status = 204, description = "The client has seen the end"),
+    )
+)]
+pub(super) async fn signed_batch_events(
+    app: State<Shared>,
+    client: Client,
+    path: Named,
+    headers: HeaderMap,
+) -> Response {
+    match path {
+        Ok(Path((_, _, id))) => batches::batch_events(app, client, Segment(id), headers).await,
         Err(_) => no_text().into_response(),
     }
 }

@@ -313,8 +313,12 @@ fn measured(text: &str) -> (String, bool) {
             steady &= pointer == "/trace_id";
         }
     }
+    // how much was taken at most depends on what met whom
+    for share in value.pointer_mut("/memory").and_then(Value::as_array_mut).into_iter().flatten() {
+        share["most"] = "{bytes}".into();
+    }
     let text = if changed { value.to_string() } else { text.to_owned() };
-    (ended(&text.replace("\"{ms}\"", "{ms}").replace("\"{s}\"", "{s}")), steady)
+    (ended(&text.replace("\"{ms}\"", "{ms}").replace("\"{s}\"", "{s}").replace("\"{bytes}\"", "{bytes}")), steady)
 }
 
 /// Server-sent events, each with its data measured.

@@ -193,7 +193,12 @@ fn events_and_results_can_be_signed_too() {
         let file = done["outputs"][0]["href"].as_str().unwrap().trim_start_matches("/v1/").to_owned();
         let bytes = server.get_with(&signed(&reader, LATER, &file), &[("range", "bytes=0-9")]).await;
         assert_eq!((bytes.status, bytes.body.len()), (206, 10));
-        for rest in [&format!("jobs/{id}/events"), &file] {
+        let list = json!({ "jobs": [with(mesh(2), "obj"), with(mesh(1), "stl")] });
+        let batch = server.post_with("/v1/batches", &list, &headers).await.ok().json();
+        let of_batch = format!("batches/{}/events", batch["id"].as_str().unwrap());
+        let events = server.get(&signed(&reader, LATER, &of_batch)).await.ok();
+        assert!(events.text().contains("event: done"), "{}", events.text());
+        for rest in [&format!("jobs/{id}/events"), &of_batch, &file] {
             server.get(&signed(&other, LATER, rest)).await.problem(404, "not-found");
         }
         // nothing else below /v1 can be reached by a signature
