@@ -129,6 +129,7 @@ fn eigenvalues(scheme: &SchemeAnswer) -> Plot {
         [[-2.0, 2.0], [-1.1, 1.1]],
         marks,
     )
+    .in_one_scale()
 }
 
 /// A line of orders: what is proved, what is disproved, and the interval of the exponent between.
@@ -223,9 +224,10 @@ fn of_surface(surface: &SurfaceAnswer) -> Drawing {
         lines.push(format!("C1 by faces on the boundary: {}", edges.join(", ")));
     }
     let nets = boundaries.iter().filter_map(|of| Some((of.faces, of.characteristic_net.as_ref()?)));
-    plots.extend(
-        nets.take(MOST_HALVES).map(|(faces, net)| characteristic(&format!("{faces} faces on the boundary"), net)),
-    );
+    plots.extend(nets.take(MOST_HALVES).map(|(faces, net)| {
+        let faces = if faces == 1 { "1 face".to_owned() } else { format!("{faces} faces") };
+        characteristic(&format!("{faces} on the boundary"), net)
+    }));
     page("Scheme for surfaces", &lines, plots, 2)
 }
 
@@ -244,5 +246,5 @@ fn characteristic(of: &str, net: &NetAnswer) -> Plot {
     let NetAnswer { points, faces } = net;
     let closed = |face: &Vec<usize>| face.iter().chain(face.first()).filter_map(|i| points.get(*i)).copied().collect();
     let marks = faces.iter().map(|face| line(closed(face), BLUE)).collect();
-    Plot::around(&format!("Characteristic net of {of}"), "", "", marks)
+    Plot::around(&format!("Characteristic net of {of}"), "", "", marks).in_one_scale()
 }

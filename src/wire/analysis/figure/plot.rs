@@ -21,6 +21,8 @@ pub(super) struct Plot {
     pub(super) title: String,
     names: [String; 2],
     range: [[f64; 2]; 2],
+    /// Whether lengths along both axes are the same, so that circles are round.
+    one_scale: bool,
     marks: Vec<Marks>,
 }
 
@@ -76,12 +78,17 @@ impl Plot {
         };
         let first = all().next().map_or(0.0, |p| p[0]);
         let range = [reach(0, first), reach(1, 0.0)];
-        Self { title: title.to_owned(), names: [x.to_owned(), y.to_owned()], range, marks }
+        Self { title: title.to_owned(), names: [x.to_owned(), y.to_owned()], range, one_scale: false, marks }
     }
 
     /// A plot with axes of its own.
     pub(super) fn within(title: &str, [x, y]: [&str; 2], range: [[f64; 2]; 2], marks: Vec<Marks>) -> Self {
-        Self { title: title.to_owned(), names: [x.to_owned(), y.to_owned()], range, marks }
+        Self { title: title.to_owned(), names: [x.to_owned(), y.to_owned()], range, one_scale: false, marks }
+    }
+
+    /// The same with one scale for both axes, of which one reaches farther then.
+    pub(super) fn in_one_scale(self) -> Self {
+        Self { one_scale: true, ..self }
     }
 
     /// Sets what the axis from left to right is.
@@ -96,9 +103,17 @@ impl Plot {
             let label = Label::plain(&self.names[k], Weight::Regular).ok().filter(|label| !label.is_empty());
             Axis { low, high, label }
         };
-        let (x, y) = (axis(0), axis(1));
+        let (mut x, mut y) = (axis(0), axis(1));
         let [a, b, c, d] = Axes::margins(&x, &y, size_px);
         let frame = [left + a, top + b, width - a - c, height - b - d];
+        if self.one_scale {
+            let sides = [(&mut x, frame[2]), (&mut y, frame[3])].map(|(axis, px)| (axis, f64::from(px.max(1.0))));
+            let unit = sides.iter().map(|(axis, px)| (axis.high - axis.low) / px).fold(0.0, f64::max);
+            for (axis, px) in sides {
+                let more = 0.5 * (unit * px - (axis.high - axis.low));
+                (axis.low, axis.high) = (axis.low - more, axis.high + more);
+            }
+        }
         let axes = Axes { frame, x, y, grid: true, size_px };
         let inside = self.marks.iter().flat_map(|marks| marks.items(&axes)).collect();
         let group = Group { shift: [0.0, 0.0], scale: 1.0, clip: Some(frame), items: inside };
