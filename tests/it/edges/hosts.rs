@@ -40,7 +40,7 @@ const MALFORMED: [&str; 20] = [
 #[test]
 fn l_what_is_no_host_with_or_without_a_port_is_refused() {
     for listen in [[127, 0, 0, 1], [0, 0, 0, 0]] {
-        let settings = Settings { listen: SocketAddr::from((listen, 0)), ..settings() };
+        let settings = Settings { listen: SocketAddr::from((listen, 0)), without_keys: true, ..settings() };
         story(settings, async |server| {
             for host in MALFORMED {
                 let (status, answer) = said(server, &format!("GET /livez HTTP/1.1\r\nhost: {host}\r\n")).await;
