@@ -59,7 +59,7 @@ pub(super) async fn archive(
 fn answered(app: &Arc<App>, client: &Client, id: &str, headers: &HeaderMap) -> Result<Response, Problem> {
     let peer = client.peer();
     let standing = parse(client, id).and_then(|batch| app.desk.batch_standing(&batch)).ok_or_else(unknown)?;
-    if !standing.is_settled() {
+    if !standing.phase.is_settled() {
         return Err(Problem::unfinished());
     }
     let (desk, request) = (&app.desk, &standing.batch.request);

@@ -77,7 +77,7 @@ pub(super) async fn post_batch(
             posting::wait(ended, patience).await;
         }
         let standing = app.desk.batch_standing(&batch).ok_or_else(unknown)?;
-        let status = if standing.is_settled() { StatusCode::OK } else { StatusCode::ACCEPTED };
+        let status = if standing.phase.is_settled() { StatusCode::OK } else { StatusCode::ACCEPTED };
         let told = told(&app, client.peer(), status, &standing)?;
         Ok::<_, Problem>(jobs::located(told, &format!("/v1/batches/{id}"), said.then_some(patience.as_secs())))
     };
@@ -229,7 +229,7 @@ fn told(app: &Arc<App>, peer: Peer, status: StatusCode, standing: &BatchStanding
     let paid = desk.peers.charge(&desk.account.answers, Kind::AnswerBytes, peer, text.len() as u64).map_err(busy)?;
     let kind = [(header::CONTENT_TYPE, "application/json"), (header::CACHE_CONTROL, "no-cache")];
     let mut response = (status, kind, Body::from(Lent::new(text, paid))).into_response();
-    if !standing.is_settled() {
+    if !standing.phase.is_settled() {
         response.headers_mut().insert(header::RETRY_AFTER, HeaderValue::from_static("1"));
     }
     Ok(response)

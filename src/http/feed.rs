@@ -127,17 +127,13 @@ struct Feed {
     is_done: bool,
 }
 
-fn is_settled(standing: &dyn Followed) -> bool {
-    !matches!(standing.phase(), Phase::Queued | Phase::Running)
-}
-
 impl Feed {
     fn new(seen: Option<u64>, now: Duration) -> Self {
         Self { seen, told: None, last_sent: now, is_done: false }
     }
 
     fn has_seen_the_end(&self, standing: &dyn Followed) -> bool {
-        is_settled(standing) && self.seen.is_some_and(|seen| seen > standing.sequence())
+        standing.phase().is_settled() && self.seen.is_some_and(|seen| seen > standing.sequence())
     }
 
     /// What is to be told at this time, of something that stands so, or is forgotten.
@@ -158,10 +154,10 @@ impl Feed {
         let number = standing.sequence();
         let is_new = self.seen.is_none_or(|seen| number > seen);
         let is_known = self.told.as_ref().is_some_and(|(_, phase)| phase == standing.phase());
-        if !is_new && !is_settled(standing) {
+        if !is_new && !standing.phase().is_settled() {
             return None;
         }
-        if is_known && is_settled(standing) {
+        if is_known && standing.phase().is_settled() {
             self.is_done = true;
             return Some(event(number + 1, "done", &standing.whole()));
         }

@@ -112,7 +112,7 @@ pub(super) fn answer(standing: &Standing) -> JobAnswer {
 fn told(status: StatusCode, standing: &Standing) -> Response {
     let mut response = (status, axum::Json(answer(standing))).into_response();
     response.headers_mut().insert(header::CACHE_CONTROL, HeaderValue::from_static("no-cache"));
-    if !standing.is_settled() {
+    if !standing.phase.is_settled() {
         response.headers_mut().insert(header::RETRY_AFTER, HeaderValue::from_static("1"));
     }
     response
@@ -121,7 +121,7 @@ fn told(status: StatusCode, standing: &Standing) -> Response {
 /// How a job stands that was posted, with where it does; 202 as long as it goes on.
 pub(super) fn accepted(app: &Arc<App>, job: &JobKey, waited: Option<u64>) -> Response {
     let Some(standing) = app.desk.standing(job) else { return unknown().into_response() };
-    let status = if standing.is_settled() { StatusCode::OK } else { StatusCode::ACCEPTED };
+    let status = if standing.phase.is_settled() { StatusCode::OK } else { StatusCode::ACCEPTED };
     located(told(status, &standing), &format!("/v1/jobs/{}", job.id), waited)
 }
 

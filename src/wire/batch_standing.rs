@@ -118,7 +118,7 @@ impl BatchAnswer {
             counts: CountsAnswer::new(standing),
             attempts: batch.attempts,
             priority: batch.terms.priority.name(),
-            archive: standing.is_settled().then(|| format!("/v1/batches/{id}/archive.zip")),
+            archive: standing.phase.is_settled().then(|| format!("/v1/batches/{id}/archive.zip")),
             error,
             items: None,
         }

@@ -58,20 +58,9 @@ impl BatchStanding {
             counts.hits += u64::from(item.is_hit);
         }
         let has_begun = counts.queued < batch.items.len() as u64;
-        let phase = match &batch.state {
-            State::Active if has_begun => Phase::Running,
-            State::Active => Phase::Queued,
-            State::Done => Phase::Done,
-            State::Failed(reason) => Phase::Failed(reason.clone()),
-            State::Cancelled => Phase::Cancelled,
-        };
+        let phase = Phase::of(&batch.state, has_begun);
         let progress = progress(&batch, &under_way);
         Self { batch, phase, under_way, counts, progress }
-    }
-
-    /// Whether nothing more will happen.
-    pub fn is_settled(&self) -> bool {
-        !matches!(self.phase, Phase::Queued | Phase::Running)
     }
 
     /// A number that grows with everything that happens to the batch, in this process and in those after it.

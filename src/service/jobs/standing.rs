@@ -26,6 +26,24 @@ pub enum Phase {
     Cancelled,
 }
 
+impl Phase {
+    /// That of a job or a batch in a state, of which some part has been begun, or none.
+    pub fn of(state: &State, has_begun: bool) -> Self {
+        match state {
+            State::Active if has_begun => Self::Running,
+            State::Active => Self::Queued,
+            State::Done => Self::Done,
+            State::Failed(reason) => Self::Failed(reason.clone()),
+            State::Cancelled => Self::Cancelled,
+        }
+    }
+
+    /// Whether nothing more will happen.
+    pub fn is_settled(&self) -> bool {
+        !matches!(self, Self::Queued | Self::Running)
+    }
+}
+
 /// How a job stands.
 #[derive(Debug, Clone)]
 pub struct Standing {
@@ -51,23 +69,12 @@ impl Standing {
         let computing = record.computing.as_ref().map(|(_, interest)| interest.computation.clone());
         let has_begun = record.made.iter().any(Option::is_some)
             || computing.as_ref().is_some_and(|computing| !matches!(computing.phase(), computation::Phase::Queued));
-        let phase = match &record.state {
-            State::Active if has_begun => Phase::Running,
-            State::Active => Phase::Queued,
-            State::Done => Phase::Done,
-            State::Failed(reason) => Phase::Failed(reason.clone()),
-            State::Cancelled => Phase::Cancelled,
-        };
+        let phase = Phase::of(&record.state, has_begun);
         let stage = computing.as_ref().and_then(|computing| computing.stage());
         let fraction = computing.as_ref().map_or(0.0, |computing| computing.progress());
         let level = (stage == Some(Stage::Refine)).then(|| level(&record.summary.cost.vertices, fraction));
         let (timings, progress) = (timings(&record, computing.as_deref(), now), progress(&record, fraction));
         Self { phase, stage, level: level.flatten(), progress, ahead, timings, record }
-    }
-
-    /// Whether nothing more will happen.
-    pub fn is_settled(&self) -> bool {
-        !matches!(self.phase, Phase::Queued | Phase::Running)
     }
 
     /// A number that grows with everything that happens to the job, in this process and in those after it.
