@@ -209,8 +209,18 @@ settings! {
     cache_bytes: u64 = 8 << 30, in 0..=MOST_BYTES, "PLANISH_CACHE_BYTES", "bytes";
     /// Disk space for files that clients send to /v1/blobs; those that no job needs leave for others.
     uploads_bytes: u64 = 2 << 30, in 1..=MOST_BYTES, "PLANISH_UPLOADS_BYTES", "bytes";
-    /// How cached results are kept on disk: `folder`.
+    /// Where results and uploads are kept: `folder`, in data-dir, or `s3`, in a bucket that servers share. Credentials
+    /// for the bucket are read from the variables `AWS_ACCESS_KEY_ID`, `AWS_SECRET_ACCESS_KEY` and
+    /// `AWS_SESSION_TOKEN`, or are those of the machine.
     cache_store: String = "folder".to_owned(), "PLANISH_CACHE_STORE", "";
+    /// Bucket for `s3`.
+    s3_bucket: String = String::new(), "PLANISH_S3_BUCKET", "";
+    /// What the names of all objects in the bucket begin with.
+    s3_prefix: String = "planish".to_owned(), "PLANISH_S3_PREFIX", "";
+    /// Address of the store, as `https://s3.example.org`; that of AWS for the region when left out.
+    s3_endpoint: String = String::new(), "PLANISH_S3_ENDPOINT", "";
+    /// Region of the bucket; `us-east-1` when left out here and in `AWS_REGION`.
+    s3_region: String = String::new(), "PLANISH_S3_REGION", "";
     /// Results that are larger are sent while they are made and not kept, unless the request asks for it.
     keep_at_most_bytes: u64 = 64 << 20, in 0..=MOST_BYTES, "PLANISH_KEEP_AT_MOST_BYTES", "bytes";
     /// How long a job is known after it is done, has failed or was cancelled; its results may leave the cache before.

@@ -16,6 +16,7 @@ pub mod shape;
 pub mod scheme;
 
 pub mod refine;
+pub mod solid;
 
 pub mod analysis;
 pub mod input;

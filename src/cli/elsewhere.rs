@@ -1,6 +1,5 @@
 //! `planish render --server`: jobs and mesh files to files, made by a service.
 
-use std::path::{Path, PathBuf};
 use std::time::Duration;
 
 use futures_util::{StreamExt, stream};
@@ -8,8 +7,8 @@ use serde_json::Value;
 
 use super::error::CliError;
 use super::files::to_new_file;
-use super::inputs::Source;
-use super::job::{JobOptions, Wanted};
+use super::job::JobOptions;
+use super::pieces::Piece;
 use super::progress::Progress;
 use super::remote::Remote;
 use super::say::answer;
@@ -33,12 +32,10 @@ pub(super) struct ServerOptions {
     parallel: u64,
 }
 
-/// What a service is to make: inputs, the file of each, and whether folders are made for them.
+/// What a service is to make, and whether folders are made for the files.
 pub(super) struct Order<'a> {
-    pub(super) sources: &'a [Source],
-    pub(super) targets: &'a [Option<PathBuf>],
+    pub(super) pieces: &'a [Piece],
     pub(super) makes_folders: bool,
-    pub(super) wanted: Wanted,
     pub(super) options: &'a JobOptions,
 }
 
@@ -50,25 +47,24 @@ impl ServerOptions {
     }
 
     /// Has all inputs rendered, some at once; one that fails does not keep the others from being rendered.
-    pub(super) fn render(&self, remote: &Remote, order: &Order<'_>, mut progress: Progress) -> Result<(), CliError> {
+    pub(super) fn render(&self, remote: &Remote, order: &Order<'_>, progress: &mut Progress) -> Result<(), CliError> {
         let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build().map_err(CliError::other)?;
         let parallel = usize::try_from(self.parallel).unwrap_or(1);
         runtime.block_on(async {
-            let made = stream::iter(order.sources.iter().zip(order.targets))
-                .map(async |(source, target)| (source, order.made(remote, source, target.as_deref()).await));
+            let made = stream::iter(order.pieces).map(async |piece| (&piece.source, order.made(remote, piece).await));
             let mut made = std::pin::pin!(made.buffer_unordered(parallel));
             while let Some((source, outcome)) = made.next().await {
                 progress.done(source, outcome);
             }
         });
-        progress.end("rendered")
+        Ok(())
     }
 }
 
 impl Order<'_> {
     /// Has one input rendered, and writes its file.
-    async fn made(&self, remote: &Remote, source: &Source, target: Option<&Path>) -> Result<(), CliError> {
-        let (mut job, file) = self.options.told(source, self.wanted)?;
+    async fn made(&self, remote: &Remote, Piece { source, target, wanted }: &Piece) -> Result<(), CliError> {
+        let (mut job, file) = self.options.told(source, *wanted)?;
         if !job["outputs"][0]["lod"].is_null() {
             let detail = "--lod: levels of detail are several files; render them without --server";
             return Err(CliError::usage(detail));

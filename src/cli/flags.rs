@@ -34,10 +34,15 @@ impl clap::Args for JobFlags {
 impl clap::FromArgMatches for JobFlags {
     fn from_arg_matches(matches: &ArgMatches) -> Result<Self, clap::Error> {
         let last = |id: &str| matches.get_many::<String>(id).and_then(|mut values| values.next_back().cloned());
+        let all = |id: &str| Some(matches.get_many::<String>(id)?.map(String::as_str).collect::<Vec<_>>());
         let mut found = Self::default();
         for field in fields() {
             let part = if field.part == Part::Input { "input" } else { "plan" };
-            if let Some(text) = last(&dashed(&field.name)) {
+            let text = match &field.takes {
+                Takes::Object(_) => all(&dashed(&field.name)).map(|texts| texts.join(",")),
+                _ => last(&dashed(&field.name)),
+            };
+            if let Some(text) = text {
                 found.say(&dashed(&field.name), format!("/{part}/{}", field.name), field.value(&text));
             }
         }
@@ -56,7 +61,7 @@ impl clap::FromArgMatches for JobFlags {
             found.say(&format!("parameter {name}"), format!("/plan/parameters/{name}"), value);
         }
         for field in output_fields() {
-            let texts = matches.get_many::<String>(&dashed(field.name)).into_iter().flatten();
+            let texts = matches.get_many::<String>(&flag(field.name)).into_iter().flatten();
             let texts: Vec<&str> = texts.map(String::as_str).collect();
             if let Some(last) = texts.last() {
                 let text = separator(field.kind()).map_or_else(|| (*last).to_owned(), |between| texts.join(between));
@@ -144,12 +149,27 @@ fn of_field(field: &Field) -> Arg {
             .value_parser(Hint(PRESETS.iter().map(|preset| preset.name.to_owned()).collect()))
             .hide_possible_values(true),
         Takes::Text(choices) => arg.value_name(field.name.to_uppercase()).value_parser(Hint(choices.clone())),
-        Takes::Scalar => arg.value_name("NUMBER"),
+        Takes::Number | Takes::Scalar => arg.value_name("NUMBER"),
+        Takes::Numbers => arg.value_name("NUMBER,..."),
+        Takes::Object(fields) => {
+            let way = names_of(fields.iter().map(|field| field.name.as_str()));
+            arg.value_name("NAME=VALUE,...").action(ArgAction::Append).help(format!("{doc} Written {way}"))
+        }
     }
 }
 
+/// Flags with the name of an option of formats that mean something else: how close to the limit the levels are to get,
+/// and the limit of this run.
+const TAKEN: &[&str] = &["tolerance", "max-faces"];
+
+/// The flag of an option of formats.
+pub(super) fn flag(name: &str) -> String {
+    let name = dashed(name);
+    if TAKEN.contains(&name.as_str()) { format!("output-{name}") } else { name }
+}
+
 fn of_option(field: &OutputField) -> Arg {
-    let name = dashed(field.name);
+    let name = flag(field.name);
     let arg = Arg::new(name.clone()).long(name).help(told(field)).hide_short_help(true).allow_hyphen_values(true);
     let hint = |names: &[&str]| Hint(names.iter().map(|name| (*name).to_owned()).collect());
     let arg = if separator(field.kind()).is_some() { arg.action(ArgAction::Append) } else { arg };
@@ -209,8 +229,14 @@ fn way(parameter: &Parameter) -> String {
     format!("{expects}{blank}{}{default}", entry.unit)
 }
 
-/// How the option of an output at a place in a job is written, where it is an object or a list of objects.
-pub(super) fn way_of_option(pointer: &str) -> Option<String> {
+/// How the field of the input or the option of an output at a place in a job is written, where it is an object or a
+/// list of objects.
+pub(super) fn way_of(pointer: &str) -> Option<String> {
+    if let Some(name) = pointer.strip_prefix("/input/") {
+        let field = fields().into_iter().find(|field| field.part == Part::Input && field.name == name)?;
+        let Takes::Object(inner) = field.takes else { return None };
+        return Some(names_of(inner.iter().map(|field| field.name.as_str())));
+    }
     let name = pointer.strip_prefix("/outputs/0/")?.split('/').next()?;
     match output_fields().iter().find(|field| field.name == name)?.kind() {
         Kind::Group(fields) | Kind::Groups { fields, .. } => Some(objects(fields)),
@@ -219,7 +245,11 @@ pub(super) fn way_of_option(pointer: &str) -> Option<String> {
 }
 
 fn objects(fields: &[Parameter]) -> String {
-    let names: Vec<&str> = fields.iter().map(|field| field.name).collect();
+    names_of(fields.iter().map(|field| field.name))
+}
+
+fn names_of<'a>(names: impl Iterator<Item = &'a str>) -> String {
+    let names: Vec<&str> = names.collect();
     format!("as name=value,name=value with the names {}", names.join(", "))
 }
 

@@ -3,6 +3,7 @@
 use std::time::Duration;
 
 use super::error::CliError;
+use super::remote::innermost;
 
 /// Asks `GET /readyz`.
 pub(super) fn health(url: &str) -> Result<(), CliError> {
@@ -11,6 +12,7 @@ pub(super) fn health(url: &str) -> Result<(), CliError> {
         let client = reqwest::Client::builder().timeout(Duration::from_secs(5)).no_proxy().build()?;
         client.get(format!("{}/readyz", url.trim_end_matches('/'))).send().await
     });
-    let status = answer.map_err(|error| CliError::other(format!("no answer from {url}: {error}")))?.status();
+    let status =
+        answer.map_err(|error| CliError::other(format!("no answer from {url}: {}", innermost(&error))))?.status();
     if status.is_success() { Ok(()) } else { Err(CliError::other(format!("{url} answers {status}"))) }
 }

@@ -5,6 +5,7 @@ use std::io::Read;
 use std::path::{Path, PathBuf};
 
 use super::error::CliError;
+use crate::input;
 
 /// Most inputs of one command. A hundred thousand names are some ten megabytes, and more files than folders of meshes
 /// have; with half of it a large collection would have to be split, twice as many take a folder tree too many.
@@ -79,6 +80,32 @@ pub(super) fn inputs(arguments: &[PathBuf]) -> Result<Vec<Source>, CliError> {
     }
     let mut seen = std::collections::HashSet::new();
     found.retain(|source| seen.insert(source.path().to_owned()));
+    Ok(found)
+}
+
+/// As [`inputs`], where folders stand for the jobs and mesh files in them, in the order of their names.
+pub(super) fn jobs_and_meshes(arguments: &[PathBuf]) -> Result<Vec<Source>, CliError> {
+    let mut all = Vec::new();
+    for argument in arguments {
+        if argument.is_dir() { all.extend(within(argument)?) } else { all.push(argument.clone()) }
+    }
+    inputs(&all)
+}
+
+/// The jobs and mesh files in a folder, by their extensions, in the order of their names.
+fn within(folder: &Path) -> Result<Vec<PathBuf>, CliError> {
+    let cannot = |error| CliError::files(format!("{}: cannot be read: {error}", folder.display()));
+    let is_input = |path: &PathBuf| {
+        let extension = path.extension().and_then(|extension| extension.to_str()).unwrap_or_default();
+        path.is_file() && (extension.eq_ignore_ascii_case("json") || input::of_extension(extension).is_some())
+    };
+    let entries = std::fs::read_dir(folder).map_err(cannot)?;
+    let mut found: Vec<PathBuf> = entries.flatten().map(|entry| entry.path()).filter(is_input).collect();
+    found.sort();
+    if found.is_empty() {
+        let detail = "there are no jobs or mesh files in the folder; those of folders in it are named by a pattern";
+        return Err(CliError::files(format!("{}: {detail}, as in '{0}/*/*.obj'", folder.display())));
+    }
     Ok(found)
 }
 

@@ -1,5 +1,6 @@
 //! Jobs of inputs: as they are written, or made of a mesh file and flags.
 
+use std::path::PathBuf;
 use std::sync::Arc;
 
 use base64::prelude::{BASE64_STANDARD, Engine};
@@ -28,6 +29,9 @@ pub(crate) struct JobOptions {
     /// Kind of the inputs, where neither extension nor content tells: job, json (a mesh), obj, ply, ...
     #[arg(long, value_name = "KIND", help_heading = "Input")]
     input_format: Option<String>,
+    /// Job, or mesh file, from whose surface pictures with `--shading distance` measure, in place of the control net.
+    #[arg(long, value_name = "FILE", help_heading = "Input")]
+    distance_to: Option<PathBuf>,
     #[command(flatten)]
     pub(super) flags: JobFlags,
 }
@@ -51,6 +55,8 @@ pub(super) type MediaFile = (Vec<u8>, &'static str);
 pub(super) enum Wanted {
     /// That of the job's only output.
     Only,
+    /// That of the job's output of this number, from 0.
+    At(usize),
     /// This one, named by a flag.
     Named(&'static dyn Format),
     /// This one, or another that has its extension and that the job asks for.
@@ -66,8 +72,7 @@ impl JobOptions {
             let detail = format!("--input-format: there is no kind \"{kind}\"; {near}known are {}", known.join(", "));
             return Err(CliError::usage(detail));
         }
-        let mut job = json!({ "input": {} });
-        self.flags.onto(&mut job);
+        let job = self.whole(json!({ "input": {} }))?;
         let usage = |error: CliError| CliError { kind: Kind::Usage, ..error };
         let teller = Teller { flags: &self.flags, is_file: true, format: None };
         let request: JobRequest = read(job.to_string().as_bytes()).map_err(|error| usage(teller.unread(error)))?;
@@ -119,7 +124,7 @@ impl JobOptions {
     }
 
     /// The kind of an input of which these are the bytes.
-    fn kind(&self, source: &Source, bytes: &[u8]) -> Result<&str, CliError> {
+    pub(super) fn kind(&self, source: &Source, bytes: &[u8]) -> Result<&str, CliError> {
         let by_name = || source.extension().and_then(input::of_extension).map(|reader| reader.name);
         match &self.input_format {
             Some(kind) => Ok(kind),
@@ -139,7 +144,7 @@ impl JobOptions {
         if !is_file {
             job = serde_json::from_slice(&bytes).map_err(CliError::refused)?;
         }
-        self.flags.onto(&mut job);
+        job = self.whole(job)?;
         job["outputs"] = json!([loaded.request.outputs[0].told()]);
         let media_type = input::named(&kind).map_or("application/json", |reader| reader.media_type);
         Ok((job, is_file.then_some((bytes, media_type))))
@@ -155,16 +160,16 @@ impl JobOptions {
                 Source::File(path) => Arc::new(Folder::of(path)),
                 Source::Standard => Arc::new(Alone),
             };
-            let mut request = self.flagged(json!({ "input": {} }), &teller)?;
-            request.source = if self.describes() { self.text_of_file(kind, &bytes) } else { None };
+            let job = self.whole(json!({ "input": {} }))?.to_string();
+            let mut request: JobRequest = read(job.as_bytes()).map_err(|error| teller.unread(error))?;
+            request.source = if self.describes() { self.text_of_file(kind, &bytes)? } else { None };
             request.input.file = Some(MeshFile { format: kind.to_owned(), bytes, beside });
             request
         } else {
             let mut request: JobRequest = read(&bytes).map_err(|error| teller.unread(error))?;
             let mut text = bytes;
-            if !self.flags.fields.is_empty() {
-                let mut job = serde_json::from_slice(&text).map_err(CliError::refused)?;
-                self.flags.onto(&mut job);
+            if !self.flags.fields.is_empty() || self.distance_to.is_some() {
+                let job = self.whole(serde_json::from_slice(&text).map_err(CliError::refused)?)?;
                 text = job.to_string().into_bytes();
                 request = read(&text).map_err(|error| teller.unread(error))?;
             }
@@ -182,22 +187,36 @@ impl JobOptions {
     }
 
     /// The job of a mesh file as text, where nothing beside the file may count; for outputs that describe it.
-    fn text_of_file(&self, kind: &str, bytes: &[u8]) -> Option<Arc<str>> {
+    fn text_of_file(&self, kind: &str, bytes: &[u8]) -> Result<Option<Arc<str>>, CliError> {
         let names_others: &[u8] = if kind == "obj" { b"\nmtllib " } else { b"\"uri\"" };
         if bytes.windows(names_others.len()).any(|part| part == names_others) {
-            return None;
+            return Ok(None);
         }
-        let data = BASE64_STANDARD.encode(bytes);
-        let mut job = json!({ "input": { "text": { "format": kind, "data": data, "encoding": "base64" } } });
-        self.flags.onto(&mut job);
-        Some(job.to_string().into())
+        Ok(Some(self.whole(of_file(kind, bytes))?.to_string().into()))
     }
 
     /// A job with what the flags say.
-    fn flagged(&self, mut job: Value, teller: &Teller<'_>) -> Result<JobRequest, CliError> {
+    fn whole(&self, mut job: Value) -> Result<Value, CliError> {
         self.flags.onto(&mut job);
-        read(job.to_string().as_bytes()).map_err(|error| teller.unread(error))
+        if let Some(path) = &self.distance_to {
+            let source = Source::of(path);
+            let other = || {
+                let bytes = source.read()?;
+                match Self::default().kind(&source, &bytes)? {
+                    "job" => serde_json::from_slice(&bytes).map_err(CliError::refused),
+                    kind => Ok(of_file(kind, &bytes)),
+                }
+            };
+            job["distance_to"] = other().map_err(|error: CliError| error.about(&source))?;
+        }
+        Ok(job)
     }
+}
+
+/// The job of a mesh file that is to stay as it is.
+fn of_file(kind: &str, bytes: &[u8]) -> Value {
+    let data = BASE64_STANDARD.encode(bytes);
+    json!({ "input": { "text": { "format": kind, "data": data, "encoding": "base64" } } })
 }
 
 impl Loaded {
@@ -208,12 +227,15 @@ impl Loaded {
         let fits = |asked: &'static dyn Format| match wanted {
             Wanted::Named(format) => asked.name() == format.name(),
             Wanted::Extension(format) => asked.extension() == format.extension(),
-            Wanted::Only => true,
+            Wanted::Only | Wanted::At(_) => true,
         };
         let asked = |output: &OutputRequest| output.format().and_then(output::named).is_some_and(fits);
         match (wanted, request.outputs.iter().position(asked)) {
             (Wanted::Only, _) if request.outputs.len() == 1 => {}
-            (Wanted::Only, _) => {
+            (Wanted::At(i), _) if i < request.outputs.len() => {
+                (request.outputs, request.left_out) = (vec![request.outputs.swap_remove(i)], i);
+            }
+            (Wanted::Only | Wanted::At(_), _) => {
                 return Err(CliError::usage("nothing tells the format of the output; name one with --format"));
             }
             (_, Some(i)) => (request.outputs, request.left_out) = (vec![request.outputs.swap_remove(i)], i),

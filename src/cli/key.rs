@@ -129,7 +129,8 @@ fn list(file: &KeyFile) -> Result<(), CliError> {
         let ends = match key.expires {
             None => "never".to_owned(),
             Some(_) if key.has_expired(now_s) => "has ended".to_owned(),
-            Some(end) => format!("in {}", days(end - now_s)),
+            // a minute that has begun counts, so that 90 d are told as such when they have just been given
+            Some(end) => format!("in {}", days((end - now_s).next_multiple_of(60))),
         };
         // writing to a text does not fail
         let _ = writeln!(text, "{:<14}{:<34}{:<8}{age:<14}{ends}", key.id, key.tenant, key.role.name());

@@ -18,6 +18,7 @@ mod key;
 mod library;
 mod log;
 mod mcp;
+mod pieces;
 mod progress;
 mod remote;
 mod render;

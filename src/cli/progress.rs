@@ -100,7 +100,7 @@ impl Progress {
             let (all, well) = (thousands(self.past.into()), thousands((self.past - failed).into()));
             let kinds: Vec<String> = self.failed.iter().map(|(kind, n)| counted(*kind, *n)).collect();
             let kinds = if kinds.is_empty() { String::new() } else { format!("; {}", kinds.join(", ")) };
-            eprintln!("planish: {well} of {all} inputs {what} in {took:.1} s{kinds}");
+            eprintln!("planish: {well} of {all} {what} in {took:.1} s{kinds}");
         }
         match self.failed.keys().copied().collect::<Vec<_>>().as_slice() {
             [] => Ok(()),

@@ -48,8 +48,16 @@ impl From<CliError> for Failed {
 impl Remote {
     /// The service at an address, which is asked for `patience` before a job is given up.
     pub(super) fn new(url: &str, key: Option<&str>, patience: Duration) -> Result<Self, CliError> {
+        if let Some(host) = url.strip_prefix("https://") {
+            let detail = format!(
+                "--server: {url} needs TLS, which this command does not speak; have a proxy on this machine do it, as \
+                 caddy reverse-proxy --from http://127.0.0.1:8081 --to https://{host} --change-host-header does, and \
+                 write --server http://127.0.0.1:8081"
+            );
+            return Err(CliError::usage(detail));
+        }
         if !url.starts_with("http://") {
-            let detail = format!("--server: {url} is no address; write http://HOST:PORT (TLS is a proxy's affair)");
+            let detail = format!("--server: {url} is no address; write http://HOST:PORT");
             return Err(CliError::usage(detail));
         }
         let client = Client::builder().read_timeout(SILENCE).connect_timeout(Duration::from_secs(10)).no_proxy();
@@ -205,13 +213,15 @@ async fn whole(response: Response) -> Result<Vec<u8>, Failed> {
 }
 
 fn unheard(error: &reqwest::Error) -> Failed {
-    let mut why = error.to_string();
-    let mut source = std::error::Error::source(error);
-    while let Some(inner) = source {
-        why = inner.to_string();
-        source = inner.source();
+    Failed::ForNow(None, format!("no answer: {}", innermost(error)))
+}
+
+/// What an error comes from: those around it say only that there was one.
+pub(super) fn innermost(mut error: &dyn std::error::Error) -> String {
+    while let Some(source) = error.source() {
+        error = source;
     }
-    Failed::ForNow(None, format!("no answer: {why}"))
+    error.to_string()
 }
 
 /// The seconds after which the service wants to be asked again.

@@ -8,9 +8,10 @@ use rayon::ThreadPoolBuilder;
 use super::elsewhere::{Order, ServerOptions};
 use super::error::CliError;
 use super::files::Files;
-use super::inputs::{Source, inputs};
+use super::inputs::{Source, jobs_and_meshes};
 use super::job::{JobOptions, Loaded, Wanted};
 use super::library::Library;
+use super::pieces::{Piece, pieces};
 use super::progress::Progress;
 use super::targets::{Target, of_extension};
 use super::told::Teller;
@@ -28,12 +29,12 @@ const ALONE_MS: u128 = 4;
 /// What is rendered, and where to.
 #[derive(Debug, Clone, clap::Args)]
 pub(crate) struct RenderOptions {
-    /// Jobs (JSON) or mesh files (obj, ply, stl, off, gltf, glb, json); - is standard input, and patterns like
-    /// 'parts/*.obj' are looked up here where the shell does not.
+    /// Jobs (JSON) or mesh files (obj, ply, stl, off, gltf, glb, json), or folders of them; - is standard input, and
+    /// patterns like 'parts/*.obj' are looked up here where the shell does not.
     #[arg(required = true, value_name = "INPUT")]
     inputs: Vec<PathBuf>,
-    /// The file to write; a folder (out/), or a pattern (out/{stem}.glb) with {stem}, {name} and {dir} of each input;
-    /// - is standard output.
+    /// The file to write; a folder (out/), where jobs have all outputs that they name unless --format says which, or a
+    /// pattern (out/{stem}.glb) with {stem}, {name} and {dir} of each input; - is standard output.
     #[arg(short, long, value_name = "FILE|DIR|PATTERN")]
     output: PathBuf,
     /// Format of the output, where the extension does not tell.
@@ -56,30 +57,30 @@ impl RenderOptions {
     pub(super) fn render(&self) -> Result<(), CliError> {
         self.options.check()?;
         let format = self.format.as_deref().map(known).transpose()?;
-        let sources = inputs(&self.inputs)?;
+        let sources = jobs_and_meshes(&self.inputs)?;
         let open = self.inputs.iter().any(|argument| !sources.contains(&Source::of(argument)));
         let place = Target::new(&self.output, (sources.len(), open), format)?;
         let wanted = wanted(&place, format)?;
         self.options.check_for(wanted)?;
-        let targets = place.of_all(&sources)?;
-        let mut progress = Progress::new(sources.len(), self.quiet);
+        let pieces = pieces(&sources, &place, wanted, &self.options)?;
+        let what = if pieces.len() > sources.len() { "outputs rendered" } else { "inputs rendered" };
+        let mut progress = Progress::new(pieces.len(), self.quiet);
         if let Some(remote) = self.server.remote()? {
-            let (sources, targets, makes_folders, options) =
-                (&*sources, &*targets, place.makes_folders(), &self.options);
-            let order = Order { sources, targets, makes_folders, wanted, options };
-            return self.server.render(&remote, &order, progress);
+            let order = Order { pieces: &pieces, makes_folders: place.makes_folders(), options: &self.options };
+            self.server.render(&remote, &order, &mut progress)?;
+            return progress.end(what);
         }
         let limits = self.limits();
-        for (source, target) in sources.iter().zip(&targets) {
+        for Piece { source, target, wanted } in &pieces {
             let rendered = self.options.load(source).and_then(|mut loaded| {
-                loaded.choose(wanted, &self.options)?;
+                loaded.choose(*wanted, &self.options)?;
                 let target = target.as_deref().map(|path| (path, place.makes_folders()));
                 let task = Task { source, target, options: &self.options, progress: &progress };
-                task.render(loaded, &limits, sources.len() == 1)
+                task.render(loaded, &limits, pieces.len() == 1)
             });
             progress.done(source, rendered);
         }
-        progress.end("rendered")
+        progress.end(what)
     }
 
     fn limits(&self) -> Limits {

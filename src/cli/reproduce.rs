@@ -72,7 +72,7 @@ impl ReproduceOptions {
         let mut request: JobRequest = read(text.as_bytes()).map_err(unread)?;
         for named in uploads_of(text.as_bytes()) {
             let file = self.upload(&named.id)?;
-            request.attach(named.panel, file);
+            request.attach(named.place, file);
         }
         request.source = Some(text.into());
         let admitted =

@@ -19,6 +19,8 @@ pub(super) enum Target {
     File(PathBuf),
     /// Into files of their own: a path with placeholders.
     Pattern(String),
+    /// Into a folder, as the formats that jobs name.
+    Folder(PathBuf),
 }
 
 impl Target {
@@ -53,11 +55,7 @@ impl Target {
             );
             return Err(CliError::usage(detail));
         }
-        let (Some(format), Some(text)) = (format, text) else {
-            let detail = "--output: a folder does not tell the format; name one, as in --format glb, or give a \
-                          pattern, as in -o 'out/{stem}.glb'";
-            return Err(CliError::usage(detail));
-        };
+        let (Some(format), Some(text)) = (format, text) else { return Ok(Self::Folder(path.to_owned())) };
         let folder = text.trim_end_matches(std::path::is_separator);
         let root = if folder.is_empty() { "/" } else { "" };
         Ok(Self::Pattern(format!("{root}{folder}/{{stem}}.{}", format.extension())))
@@ -65,44 +63,23 @@ impl Target {
 
     /// Whether folders are made for the files where they are missing.
     pub(super) fn makes_folders(&self) -> bool {
-        matches!(self, Self::Pattern(_))
+        matches!(self, Self::Pattern(_) | Self::Folder(_))
     }
 
     /// The extension of the files.
     pub(super) fn extension(&self) -> Option<&str> {
         let path = match self {
-            Self::Standard => return None,
+            Self::Standard | Self::Folder(_) => return None,
             Self::File(path) => path.as_path(),
             Self::Pattern(pattern) => Path::new(pattern),
         };
         path.extension().and_then(|extension| extension.to_str())
     }
 
-    /// The file of each input; `None` is standard output.
-    ///
-    /// # Errors
-    /// Where two inputs would go into one file, or an output would take the place of an input.
-    pub(super) fn of_all(&self, inputs: &[Source]) -> Result<Vec<Option<PathBuf>>, CliError> {
-        let targets: Vec<Option<PathBuf>> = inputs.iter().map(|input| self.of(input)).collect();
-        let mut taken: HashMap<PathBuf, &Source> = HashMap::new();
-        for (target, input) in targets.iter().zip(inputs).filter_map(|(target, input)| Some((target.as_ref()?, input)))
-        {
-            if let Some(other) = taken.insert(target.components().collect(), input) {
-                let detail = format!(
-                    "{other} and {input} would both become {}; tell them apart, as in -o 'out/{{name}}.glb' or \
-                     -o 'out/{{dir}}/{{stem}}.glb'; nothing was rendered",
-                    target.display()
-                );
-                return Err(CliError::usage(detail));
-            }
-        }
-        keeps_inputs(&targets, inputs)?;
-        Ok(targets)
-    }
-
-    fn of(&self, input: &Source) -> Option<PathBuf> {
+    /// The file of an input; `None` is standard output. A folder alone names none.
+    pub(super) fn of(&self, input: &Source) -> Option<PathBuf> {
         match self {
-            Self::Standard => None,
+            Self::Standard | Self::Folder(_) => None,
             Self::File(path) => Some(path.clone()),
             Self::Pattern(pattern) => Some(filled(pattern, input.path()).into()),
         }
@@ -145,12 +122,26 @@ fn check(pattern: &str) -> Result<(), CliError> {
     Ok(())
 }
 
-/// Whether no output would take the place of an input.
-fn keeps_inputs(targets: &[Option<PathBuf>], inputs: &[Source]) -> Result<(), CliError> {
+/// Whether all files, each of an input, are different ones, and none is that of an input.
+///
+/// # Errors
+/// The first two inputs that would go into one file, or that whose place would be taken.
+pub(super) fn keep_apart<'a>(files: impl Iterator<Item = (&'a Path, &'a Source)> + Clone) -> Result<(), CliError> {
+    let mut taken: HashMap<PathBuf, &Source> = HashMap::new();
+    for (target, input) in files.clone() {
+        if let Some(other) = taken.insert(target.components().collect(), input) {
+            let detail = format!(
+                "{other} and {input} would both become {}; tell them apart, as in -o 'out/{{name}}.glb' or \
+                 -o 'out/{{dir}}/{{stem}}.glb'; nothing was rendered",
+                target.display()
+            );
+            return Err(CliError::usage(detail));
+        }
+    }
     let real = |path: &Path| path.canonicalize().ok();
     let read: HashMap<PathBuf, &Source> =
-        inputs.iter().filter_map(|input| Some((real(input.path())?, input))).collect();
-    let hit = targets.iter().flatten().find_map(|target| Some((target, read.get(&real(target)?)?)));
+        files.clone().filter_map(|(_, input)| Some((real(input.path())?, input))).collect();
+    let hit = files.map(|(target, _)| target).find_map(|target| Some((target, read.get(&real(target)?)?)));
     hit.map_or(Ok(()), |(target, input)| {
         let detail = format!(
             "the output {} would take the place of the input {input}; give it another place; nothing was rendered",

@@ -1,7 +1,7 @@
 //! Faults in the words of the command line: where a request has a pointer, it has a flag.
 
 use super::error::{CliError, Kind};
-use super::flags::{JobFlags, dashed, way_of_option};
+use super::flags::{JobFlags, dashed, flag, way_of};
 use crate::fault::Fault;
 use crate::job::limits::Refusal;
 use crate::wire::read::ReadError;
@@ -53,8 +53,8 @@ impl Teller<'_> {
                 detail.replace_range(at..end, &flag);
             }
         }
-        if detail.starts_with("expected an object, got")
-            && let Some(way) = way_of_option(&pointer)
+        if (detail.starts_with("expected an object, got") || detail.ends_with("expected an object"))
+            && let Some(way) = way_of(&pointer)
         {
             detail = format!("write it {way}");
         }
@@ -73,6 +73,7 @@ impl Teller<'_> {
                 Some(if parts.next() == Some("format") { "--input-format".to_owned() } else { String::new() })
             }
             ("input", None) if self.is_file => Some(String::new()),
+            ("distance_to", _) if self.is_file => Some("--distance-to".to_owned()),
             ("levels", _) => match self.flags.says("/levels") {
                 Some(flag) => Some(flag.to_owned()),
                 None => self.is_file.then(|| "--levels".to_owned()),
@@ -88,7 +89,8 @@ impl Teller<'_> {
             }
             ("input" | "plan", Some(name)) => {
                 let flag = self.flags.says(&format!("/{part}/{name}")).map(str::to_owned);
-                flag.or_else(|| self.is_file.then(|| format!("--{}", dashed(name))))
+                let flag = flag.or_else(|| self.is_file.then(|| format!("--{}", dashed(name))))?;
+                Some(parts.next().map_or(flag.clone(), |inner| format!("{flag} {inner}")))
             }
             ("outputs", index) => {
                 index.map_or_else(|| self.format.map(str::to_owned), |_| self.option(parts.next(), parts.next()))
@@ -103,7 +105,7 @@ impl Teller<'_> {
             None | Some("format") => self.format.map(str::to_owned),
             Some(name) if self.format.is_some() || self.flags.options.iter().any(|(known, _)| *known == name) => {
                 let inner = inner.map_or_else(String::new, |inner| format!(" {inner}"));
-                Some(format!("--{}{inner}", dashed(name)))
+                Some(format!("--{}{inner}", flag(name)))
             }
             Some(_) => None,
         }

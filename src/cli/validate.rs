@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use serde_json::{Value, json};
 
 use super::error::{CliError, Kind};
-use super::inputs::{Source, inputs};
+use super::inputs::{Source, jobs_and_meshes};
 use super::job::JobOptions;
 use super::say::answer;
 use super::told::Teller;
@@ -17,7 +17,8 @@ use crate::wire::job::Examined;
 /// What is looked at.
 #[derive(Debug, Clone, clap::Args)]
 pub(crate) struct ValidateOptions {
-    /// Jobs (JSON) or mesh files; - is standard input, and patterns like 'parts/*.obj' are looked up.
+    /// Jobs (JSON) or mesh files, or folders of them; - is standard input, and patterns like 'parts/*.obj' are looked
+    /// up.
     #[arg(required = true, value_name = "INPUT")]
     inputs: Vec<PathBuf>,
     /// Print nothing; the exit code tells.
@@ -31,7 +32,7 @@ impl ValidateOptions {
     /// Prints what `POST /v1/validate` answers: of one input as it is there, of several a line each, with the `input`.
     pub(super) fn validate(&self) -> Result<(), CliError> {
         self.options.check()?;
-        let sources = inputs(&self.inputs)?;
+        let sources = jobs_and_meshes(&self.inputs)?;
         let mut worst = None;
         for source in &sources {
             let found = match self.examined(source) {

@@ -23,8 +23,9 @@ use crate::service::peer::{Kind as Held, Paid, Peer};
 use crate::service::pool::Lane;
 use crate::service::read_lane::Unread;
 use crate::service::store::{Manifest, PART_BYTES, StoreError};
-use crate::service::uploads::Upload;
+use crate::service::uploads::{Unknown, Upload};
 use crate::wire::answer::BlobAnswer;
+use crate::wire::place::InputPlace;
 use crate::wire::posted::{NamedUpload, uploads_of};
 use crate::wire::text::MeshFile;
 
@@ -81,8 +82,11 @@ pub(super) async fn blob(
     headers: HeaderMap,
 ) -> Response {
     let unknown = || Problem::new(problem::NOT_FOUND, "there is no upload of this id; send the file to /v1/blobs");
-    let Some(manifest) = parse(&id).and_then(|id| app.desk.uploads.find(&id, client.tenant())) else {
-        return unknown().into_response();
+    let Some(key) = parse(&id) else { return unknown().into_response() };
+    let manifest = match app.desk.uploads.find(&key, client.tenant()).await {
+        Ok(Some(manifest)) => manifest,
+        Ok(None) => return unknown().into_response(),
+        Err(Unknown) => return Problem::away().into_response(),
     };
     let mut head = HeaderMap::new();
     let etag = format!("\"{id}\"");
@@ -190,6 +194,8 @@ fn not_kept(error: StoreError) -> Problem {
             let detail = format!("uploads may have {capacity} bytes here; send a smaller file, or raise uploads-bytes");
             Problem::new(problem::BODY_TOO_LONG, detail)
         }
+        // where the store is stands in the log
+        StoreError::Away { .. } => Problem::away(),
         other => Problem::new(problem::UNWRITTEN, other.to_string()),
     }
 }
@@ -242,19 +248,19 @@ pub(super) async fn attached(app: &Arc<App>, peer: Peer, sent: Sent) -> Result<S
     let bytes: Bytes = sent.bytes.clone();
     let named = app.desk.read(peer, bytes.len() as u64, move |_| uploads_of(&bytes)).await?;
     let limit = app.settings.max_body_bytes;
-    let (mut all, mut length): (Vec<(Option<usize>, Arc<Attached>)>, _) = (Vec::new(), 0);
+    let (mut all, mut length): (Vec<(InputPlace, Arc<Attached>)>, _) = (Vec::new(), 0);
     for named in named {
         let known = all.iter().find(|(_, upload)| written_id(&upload.id) == named.id).map(|(_, upload)| upload.clone());
         let upload = match known {
             Some(known) => known,
             None => Arc::new(read(app, peer, &named).await?),
         };
-        // every panel reads its file by itself
+        // every input reads its file by itself
         length += upload.file.bytes.len() as u64;
         if length > limit {
             return Err(too_long(length, limit));
         }
-        all.push((named.panel, upload));
+        all.push((named.place, upload));
     }
     Ok(sent.with_uploads(all))
 }
@@ -274,7 +280,7 @@ async fn read(app: &Arc<App>, peer: Peer, named: &NamedUpload) -> Result<Attache
 /// An upload that is named at a place of a request, with its bytes and the memory that they take.
 ///
 /// # Errors
-/// An upload that is not here; 503 when there is no memory for it.
+/// An upload that is not here; 503 when there is no memory for it, or the store that has it does not answer.
 pub(super) async fn loaded(
     app: &Arc<App>,
     peer: Peer,
@@ -286,8 +292,9 @@ pub(super) async fn loaded(
         fault(format!("\"{}\" is no id of an upload, which is b3- and 64 hexadecimal digits", shortened(named)))
     })?;
     let missing = || fault(format!("there is no upload {}; send the file to /v1/blobs (again)", written_id(&id)));
+    let found = app.desk.uploads.find(&id, peer.tenant()).await.map_err(|Unknown| Problem::away())?;
+    let manifest = found.ok_or_else(missing)?;
     let _pin = app.desk.uploads.pin(&id).ok_or_else(missing)?;
-    let manifest = app.desk.uploads.find(&id, peer.tenant()).ok_or_else(missing)?;
     let limit = app.settings.max_body_bytes;
     if manifest.length > limit {
         return Err(too_long(manifest.length, limit));

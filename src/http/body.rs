@@ -23,6 +23,7 @@ use crate::math::amounts::in_bytes;
 use crate::output::Format;
 use crate::service::peer::Paid;
 use crate::wire::JobRequest;
+use crate::wire::place::InputPlace;
 use crate::wire::query::{job_of_file, job_text, read_as, text_as};
 use crate::wire::read::{ReadError, read};
 use crate::wire::text::MeshFile;
@@ -39,8 +40,8 @@ pub(super) struct Sent {
     pub(super) bytes: Bytes,
     /// How the request says what is asked for.
     pub(super) notation: Notation,
-    /// The uploads that it names, and by which panel of a figure; none where the job itself names one.
-    pub(super) uploads: Vec<(Option<usize>, Arc<Attached>)>,
+    /// The uploads that it names, each with the input that does.
+    pub(super) uploads: Vec<(InputPlace, Arc<Attached>)>,
     _charge: Option<Arc<Charge>>,
 }
 
@@ -83,14 +84,14 @@ impl Sent {
         if request.describes() {
             request.source = String::from_utf8(self.text().into()).ok().map(Arc::from);
         }
-        for (panel, upload) in &self.uploads {
-            request.attach(*panel, upload.file.clone());
+        for (place, upload) in &self.uploads {
+            request.attach(*place, upload.file.clone());
         }
         Ok(request)
     }
 
     /// The same job with the uploads that it names.
-    pub(super) fn with_uploads(self, uploads: Vec<(Option<usize>, Arc<Attached>)>) -> Self {
+    pub(super) fn with_uploads(self, uploads: Vec<(InputPlace, Arc<Attached>)>) -> Self {
         Self { uploads, ..self }
     }
 

@@ -23,6 +23,7 @@ use crate::service::store::Manifest;
 use crate::service::task::Render;
 use crate::wire::JobRequest;
 use crate::wire::output::OutputRequest;
+use crate::wire::place::InputPlace;
 use crate::wire::text::MeshFile;
 
 /// The media type of pictures that are compared.
@@ -134,7 +135,8 @@ async fn of_file(
     (bytes, paid): (Vec<u8>, Paid),
 ) -> Result<FoundSide, Problem> {
     let file = MeshFile { format: format.to_owned(), bytes, beside: Arc::new(Alone) };
-    let sent = Sent::job(Bytes::from_static(FILE)).with_uploads(vec![(None, Arc::new(Attached::new(key, file, paid)))]);
+    let attached = Arc::new(Attached::new(key, file, paid));
+    let sent = Sent::job(Bytes::from_static(FILE)).with_uploads(vec![(InputPlace::default(), attached)]);
     shape(app, peer, sent).await.map_err(|problem| problem.at(|_| place.to_owned()))
 }
 

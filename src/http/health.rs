@@ -34,6 +34,8 @@ pub(super) struct Readiness {
     canary_ms: f64,
     /// Computations under way or waiting.
     under_way: usize,
+    /// Stores that servers share and that do not answer: the service goes on without them.
+    stores_away: Vec<&'static str>,
     /// The shares of the memory, in the order of a request's way.
     memory: Vec<ShareAnswer>,
 }
@@ -59,7 +61,7 @@ pub(super) struct ShareAnswer {
     get, path = "/readyz", tag = "operations",
     responses(
         (status = 200, description = "It works", body = Readiness, example = json!({ "ready": true,
-            "canary_age_s": 4.2, "canary_ms": 1.5, "under_way": 0,
+            "canary_age_s": 4.2, "canary_ms": 1.5, "under_way": 0, "stores_away": [],
             "memory": [{ "name": "answers", "capacity": 805_306_368, "taken": 0, "most": 20_044, "refused": 0 }] })),
     )
 )]
@@ -92,6 +94,7 @@ pub(super) async fn readyz(State(app): State<Shared>) -> Response {
         canary_age_s: age.as_secs_f64(),
         canary_ms: took.as_secs_f64() * 1000.0,
         under_way: app.desk.n_under_way(),
+        stores_away: app.desk.stores().into_iter().filter(|(_, usage)| usage.away).map(|(name, _)| name).collect(),
         memory: app.desk.account.shares().into_iter().map(share).collect(),
     };
     (StatusCode::OK, Json(readiness)).into_response()

@@ -148,8 +148,7 @@ fn stores(page: &mut Page, app: &App) {
     page.by(capacity, "share", shares.iter().map(|(name, _, capacity)| (*name, *capacity)));
     let refused = ("planish_memory_refused_total", counter, "How often a share was found empty.");
     page.by(refused, "share", shares.iter().map(|(name, usage, _)| (*name, usage.refused)));
-    let mut tiers = desk.tiers.usage();
-    tiers.push(("uploads", desk.uploads.usage()));
+    let tiers = desk.stores();
     let artifacts = ("planish_store_artifacts", gauge, "Files or results held.");
     page.by(artifacts, "store", tiers.iter().map(|(name, usage)| (*name, usage.artifacts)));
     let bytes = ("planish_store_bytes", gauge, "What they take.");
@@ -158,6 +157,8 @@ fn stores(page: &mut Page, app: &App) {
     page.by(evicted, "store", tiers.iter().map(|(name, usage)| (*name, usage.evicted)));
     let damaged = ("planish_store_damaged_total", counter, "Those that were found damaged and dropped.");
     page.by(damaged, "store", tiers.iter().map(|(name, usage)| (*name, usage.damaged)));
+    let away = ("planish_store_away", gauge, "1 while the store does not answer; the service goes on without it.");
+    page.by(away, "store", tiers.iter().map(|(name, usage)| (*name, u8::from(usage.away))));
     let disk = ("planish_disk_events_total", counter, "What happened to results on their way to and from the disk.");
     page.by(disk, "event", desk.tiers.disk_counts().list());
 }

@@ -1,4 +1,4 @@
-//! Pages for people and their tools: the OpenAPI document, the reference, the kinds of problems, a start page.
+//! Pages for people and their tools: the OpenAPI document, the reference, the kinds of problems.
 
 use std::sync::OnceLock;
 
@@ -49,30 +49,6 @@ pub(super) async fn problem(Segment(kind): Segment) -> Response {
     };
     let doc = kind.doc.replace('&', "&amp;").replace('<', "&lt;");
     page(kind.title, &format!("<p>Status {}</p><p>{doc}</p>", kind.status.as_u16())).into_response()
-}
-
-/// A start page with the way to everything else.
-#[utoipa::path(
-    get, path = "/", tag = "operations",
-    responses((status = 200, description = "A page", body = String, content_type = "text/html",
-        example = "<!doctype html>"))
-)]
-pub(super) async fn index() -> Response {
-    let links = [
-        "/docs",
-        "/openapi.json",
-        "/v1/presets",
-        "/v1/operators",
-        "/v1/formats",
-        "/v1/readers",
-        "/v1/limits",
-        "/livez",
-        "/readyz",
-    ];
-    let links: String = links.map(|link| format!("<li><a href=\"{link}\">{link}</a></li>")).concat();
-    let text = "<p>Refines control polygons and control meshes by subdivision. Send a job to \
-                <code>POST /v1/render</code>.</p>";
-    page("planish", &format!("{text}<ul>{links}</ul>")).into_response()
 }
 
 fn page(title: &str, content: &str) -> Html<String> {

@@ -27,6 +27,10 @@ const MOST_FAULT_BYTES: usize = 32 << 10;
 /// Half of it may cut a sentence; twice of it, escaped, would pass 64 KiB with the faults.
 const MOST_DETAIL: usize = 4000;
 
+/// When a shared store that did not answer is asked again: as long as it is left alone after a failure.
+/// Half of it asks in vain; twice of it waits longer than need be.
+const AGAIN: Duration = Duration::from_secs(5);
+
 /// A kind of problem: its slug, title and status, and a page's worth of explanation.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Kind {
@@ -104,6 +108,8 @@ kinds! {
         "The result is being made. Ask again after the seconds in `Retry-After`.";
     NOT_READY: "not-ready", SERVICE_UNAVAILABLE, "The service is not ready",
         "The small job that the service runs regularly did not succeed lately.";
+    AWAY: "store-away", SERVICE_UNAVAILABLE, "The store that servers share does not answer",
+        "The upload can neither be kept nor looked for now. Come back after the seconds in `Retry-After`.";
     UNWRITTEN: "unwritten", INSUFFICIENT_STORAGE, "It cannot be kept",
         "The disk of the service does not take what has to outlast it. Results that need not be kept are answered all \
          the same, by /v1/render.";
@@ -127,6 +133,12 @@ pub(super) struct Problem {
 impl Problem {
     pub(super) fn new(kind: Kind, detail: impl Into<String>) -> Self {
         Self { kind, detail: detail.into(), errors: Vec::new(), retry_after: None }
+    }
+
+    /// Where the store that servers share would have to answer, and does not.
+    pub(super) fn away() -> Self {
+        let detail = "the store that has the uploads does not answer; ask again";
+        Self { retry_after: Some(AGAIN), ..Self::new(AWAY, detail) }
     }
 
     /// Whether it is of this kind.

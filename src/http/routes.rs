@@ -7,12 +7,13 @@ use utoipa_axum::routes;
 use super::app::Shared;
 use super::{
     analyses, archive, artifacts, batches, blobs, catalogue, comparison, estimate, events, health, jobs, links,
-    metrics, pages, posting, render, signed, validate,
+    metrics, pages, play, posting, render, signed, validate,
 };
 
 /// All routes and their descriptions.
 pub(super) fn all() -> OpenApiRouter<Shared> {
-    // artifacts have compressed variants with ETags of their own; other texts are compressed on their way
+    // artifacts and files of pages have compressed variants with ETags of their own; other texts are compressed on
+    // their way
     let artifacts = OpenApiRouter::new()
         .routes(routes!(render::render, links::link))
         .routes(routes!(links::kroki))
@@ -25,7 +26,10 @@ pub(super) fn all() -> OpenApiRouter<Shared> {
         .routes(routes!(batches::batch_events))
         .routes(routes!(archive::archive))
         .routes(routes!(blobs::blob))
-        .routes(routes!(analyses::analyse));
+        .routes(routes!(analyses::analyse))
+        .routes(routes!(play::index))
+        .routes(routes!(play::page))
+        .routes(routes!(play::file));
     let texts = OpenApiRouter::new()
         .routes(routes!(posting::post, jobs::list))
         .routes(routes!(jobs::job, jobs::forget))
@@ -50,7 +54,6 @@ pub(super) fn all() -> OpenApiRouter<Shared> {
         .routes(routes!(pages::openapi))
         .routes(routes!(pages::docs))
         .routes(routes!(pages::problem))
-        .routes(routes!(pages::index))
         .layer(CompressionLayer::new());
     OpenApiRouter::new().merge(artifacts).merge(texts)
 }

@@ -15,6 +15,7 @@ use tokio::net::{TcpListener, TcpSocket, TcpStream};
 use tokio::task::JoinSet;
 
 use super::app::App;
+use super::bucket_client;
 use super::canary::{self, Canary};
 use super::connections::{Connections, Open};
 use super::gate::Gate;
@@ -40,7 +41,7 @@ use crate::service::peer::Peer;
 use crate::service::pool::{Bounds, Lane, Pool};
 use crate::service::queue;
 use crate::service::rate::Rates;
-use crate::service::store::{Memory, STORES, StoreKind};
+use crate::service::store::{Bucket, Memory, Place, Records, Room, STORES, Store};
 use crate::service::tiers::Tiers;
 use crate::service::uploads::Uploads;
 use crate::wire::batch::layout;
@@ -65,6 +66,14 @@ pub enum StartError {
     Store {
         /// The directory.
         path: String,
+        /// Why.
+        error: crate::service::store::StoreError,
+    },
+    /// The bucket cannot be used.
+    #[error("cannot keep results in the bucket \"{bucket}\": {error}; see --s3-bucket, --s3-endpoint and --s3-region")]
+    Bucket {
+        /// Its name.
+        bucket: String,
         /// Why.
         error: crate::service::store::StoreError,
     },
@@ -127,21 +136,7 @@ pub async fn bind_at(mut settings: Settings, clock: Arc<dyn Clock>) -> Result<(T
     }
     let listener = listen(settings.listen).map_err(|error| StartError::Listen { address: settings.listen, error })?;
     let account = Account::new(settings.max_memory_bytes, settings.memory_cache_bytes);
-    let (disk, records, uploads) = if settings.data_dir == Path::new("") || settings.cache_bytes == 0 {
-        (None, None, Uploads::new(Arc::new(Memory::new(account.uploads_bytes))))
-    } else {
-        let path = settings.data_dir.display().to_string();
-        let name = &settings.cache_store;
-        let kind = STORES.iter().find(|kind| kind.name == name);
-        let kind = kind.ok_or_else(|| StartError::NoSuchStore { name: shortened(name) })?;
-        let open = |kind: &StoreKind| {
-            let store = (kind.open)(&settings.data_dir, settings.cache_bytes)?;
-            let records = (kind.records)(&settings.data_dir)?;
-            let uploads = (kind.open)(&settings.data_dir.join("uploads"), settings.uploads_bytes)?;
-            Ok((Some(store), Some(records), Uploads::new(uploads)))
-        };
-        open(kind).map_err(|error| StartError::Store { path, error })?
-    };
+    let (disk, records, uploads) = stores(&settings, &account, &clock)?;
     settings.max_body_bytes = settings.max_body_bytes.min(longest_body(&account));
     let bounds = Bounds { queue: settings.max_queue, queue_a_peer: settings.max_queue_per_peer };
     let pool = Pool::new(settings.compute_threads(), &account, bounds)?;
@@ -187,6 +182,48 @@ pub async fn bind_at(mut settings: Settings, clock: Arc<dyn Clock>) -> Result<(T
             openapi,
         }),
     ))
+}
+
+/// What outlasts the service, as far as anything does: results, records of jobs, uploads.
+type Lasting = (Option<Arc<dyn Store>>, Option<Arc<dyn Records>>, Uploads);
+
+/// Opens what outlasts the service.
+fn stores(settings: &Settings, account: &Account, clock: &Arc<dyn Clock>) -> Result<Lasting, StartError> {
+    let name = &settings.cache_store;
+    let kind = STORES.iter().find(|kind| kind.name == name);
+    let kind = kind.ok_or_else(|| StartError::NoSuchStore { name: shortened(name) })?;
+    let has_folder = settings.data_dir != Path::new("");
+    if settings.cache_bytes == 0 || kind.in_folder && !has_folder {
+        return Ok((None, None, Uploads::new(Arc::new(Memory::new(account.uploads_bytes)))));
+    }
+    let bucket = Bucket {
+        name: settings.s3_bucket.clone(),
+        prefix: settings.s3_prefix.clone(),
+        endpoint: settings.s3_endpoint.clone(),
+        region: settings.s3_region.clone(),
+    };
+    let dir = settings.data_dir.clone();
+    let place = |room, capacity_bytes| Place {
+        dir: dir.clone(),
+        bucket: bucket.clone(),
+        room,
+        capacity_bytes,
+        connect: bucket_client::connect,
+        clock: clock.clone(),
+    };
+    let path = dir.display().to_string();
+    let failed = |error| {
+        if kind.in_folder {
+            StartError::Store { path: path.clone(), error }
+        } else {
+            StartError::Bucket { bucket: shortened(&bucket.name), error }
+        }
+    };
+    let store = (kind.open)(&place(Room::Results, settings.cache_bytes)).map_err(failed)?;
+    let records = if has_folder { Some((kind.records)(&dir)) } else { None };
+    let records = records.transpose().map_err(|error| StartError::Store { path: path.clone(), error })?;
+    let uploads = (kind.open)(&place(Room::Uploads, settings.uploads_bytes)).map_err(failed)?;
+    Ok((Some(store), records, Uploads::new(uploads)))
 }
 
 /// The longest body that the memory of the service is good for: half of the share of bodies, and so long that reading

@@ -13,7 +13,7 @@ use super::body::Sent;
 use super::problem::Problem;
 use super::reading::ReadJob;
 use super::{negotiate, reading, streaming};
-use crate::fault::under;
+use crate::fault::{Fault, under};
 use crate::job::Form;
 use crate::job::Inquiry;
 use crate::job::key::{Key, job};
@@ -153,7 +153,8 @@ pub(super) async fn asked_again(
     asked(app, peer, &headers, Sent::job(request)).await
 }
 
-/// Checks a job, as far as that goes without searching for the level of a tolerance; tells how many outputs it has.
+/// Checks a job of a batch, as far as that goes without searching for the level of a tolerance; tells how many outputs
+/// it has.
 ///
 /// # Errors
 /// Whatever is wrong with it, or too much; 503 when too much is being read already.
@@ -163,6 +164,11 @@ pub(super) async fn check(app: &Arc<App>, peer: Peer, sent: Sent) -> Result<usiz
     match reading::draft(app, peer, sent, usize::MAX, settle).await? {
         reading::Step::Complete(read) => {
             let n = read.job.outputs.len();
+            if let Some(at) = read.job.outputs.iter().position(|output| !read.job.details(output).is_empty()) {
+                let detail = "levels of detail have buffers of their own, which the archive of a batch does not hold; \
+                              leave it out, or post this job by itself";
+                return Err(Problem::invalid(vec![Fault::new(format!("/outputs/{at}/lod"), detail)]));
+            }
             let admitted = reading::admit(app, peer, read.job).await?;
             streaming::check_kept(app, &admitted)?;
             Ok(n)

@@ -25,7 +25,8 @@ const MAX_CHANNELS: usize = 64;
 /// coordinates, as is the list `texcoord` of faces; `weight_0`, `weight_1` one after the other are the channel `weight`
 /// of two numbers, and so on up to four; `group` and `material` of faces are numbers whose names stand in comments
 /// (`comment group 0 top`); strips of triangles (`tristrips`) stand for faces; normals are ignored, other scalars of
-/// vertices are channels. Other elements and lists are left out with a note.
+/// vertices are channels. Other elements and lists are left out with a note. Vertices that planish parted at the seams
+/// of texture coordinates are doubled ones, as glTF has them.
 pub(super) const PLY: Reader = Reader {
     name: "ply",
     media_type: "model/ply",
@@ -85,7 +86,10 @@ fn elements(header: &Header, mut body: impl Body, limits: &ReadLimits) -> Result
         }
     }
     body.end()?;
-    Ok(reading.finish(&header.names))
+    let is_parted = header.is_own && !reading.uvs.is_empty();
+    let mesh = reading.finish(&header.names);
+    // texture coordinates of vertices part them at seams, which were no boundaries before
+    Ok(ReadMesh { vertices: is_parted.then_some(Vertices::Doubled), ..mesh })
 }
 
 struct Reading {

@@ -67,6 +67,8 @@ pub struct ReadMesh {
     pub holes: Vec<u64>,
     /// The boundary rule that the file asks for.
     pub boundary: Option<Boundary>,
+    /// Which corners of faces share a vertex, where the file knows it better than its format.
+    pub vertices: Option<Vertices>,
     /// Texture coordinates.
     pub uvs: Option<Uvs>,
     /// Named sets of faces, which may overlap: a face is in the first.

@@ -24,6 +24,8 @@ pub(super) struct Checked {
     pub(super) plan: Plan,
     pub(super) outputs: Vec<Output>,
     pub(super) frame: Frame,
+    /// The job from whose surface pictures measure distances, where that is not the control net.
+    pub(super) other: Option<Arc<Job>>,
 }
 
 /// A job whose parts are checked and fit each other.
@@ -43,6 +45,8 @@ pub struct Job {
     pub outputs: Vec<Output>,
     /// What the coordinates of the input mean.
     pub frame: Frame,
+    /// The job from whose surface pictures measure distances, where that is not the control net.
+    pub other: Option<Arc<Self>>,
     steps: Box<[Scheduled]>,
     keys: Vec<Key>,
     refined_keys: Vec<Key>,
@@ -129,6 +133,7 @@ impl Job {
             reached: None,
             outputs,
             frame: Frame::default(),
+            other: None,
             steps: Box::default(),
             refined_keys: keys.clone(),
             keys,
@@ -180,7 +185,7 @@ impl Job {
             faults.extend(found);
             Vec::new()
         });
-        let Checked { input, entry, plan, mut outputs, frame } = checked;
+        let Checked { input, entry, plan, mut outputs, frame, other } = checked;
         let steps = plan.schedule(levels).unwrap_or_else(|fault| {
             faults.push(fault.under("/plan"));
             Vec::new()
@@ -198,7 +203,8 @@ impl Job {
             let refines = levels > 0 || surface::limit(options) != [false; 2];
             hard_edges::settle(options, refines && plan.smooths());
         }
-        let (keys, refined_keys) = key::artifacts(&input, &plan, levels, frame, &outputs);
+        let other_surface = other.as_ref().map(|other| other.refined_keys[0]);
+        let (keys, refined_keys) = key::artifacts((&input, frame), (&plan, levels), &outputs, other_surface);
         let steps = steps.into();
         let (figure, films) = (None, Vec::new());
         Ok(Self {
@@ -209,6 +215,7 @@ impl Job {
             reached,
             outputs,
             frame,
+            other,
             steps,
             keys,
             refined_keys,
@@ -281,7 +288,8 @@ impl Job {
             return Vec::new();
         }
         let (input, plan) = (self.input.clone(), self.plan.clone());
-        let checked = Checked { input, entry: self.entry, plan, outputs: Vec::new(), frame: self.frame };
+        let (entry, frame, outputs) = (self.entry, self.frame, Vec::new());
+        let checked = Checked { input, entry, plan, outputs, frame, other: None };
         // each was made when the job was
         wanted.filter_map(|detail| job_of(detail, &checked).ok()).collect()
     }

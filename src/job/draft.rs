@@ -6,7 +6,7 @@ use super::complete::{Checked, Job};
 use super::entry::InputEntry;
 use super::films;
 use super::finest;
-use super::fit::{faults_of, resolved};
+use super::fit::{faults_of, other_faults, resolved};
 use super::input::Input;
 use super::levels::{self, CheckedLevels, Levels, Resolved};
 use super::output::Output;
@@ -35,9 +35,12 @@ impl Draft {
         plan: Option<&PlanInput>,
         levels: Option<Levels>,
         outputs: Vec<Output>,
+        other: Option<Arc<Job>>,
     ) -> Result<Self, Vec<Fault>> {
         let mut faults = Vec::new();
         let given = plan;
+        let no_level = !outputs.is_empty() && outputs.iter().all(|output| output.format.is_of_limit());
+        let levels = levels.or(no_level.then_some(Levels::Count(0)));
         let resolved = resolved(&input, plan, &outputs);
         let levels = levels::check(plan.is_some(), levels).unwrap_or_else(|fault| {
             faults.push(fault);
@@ -59,8 +62,8 @@ impl Draft {
                 return Err(faults);
             }
         };
-        let checked = Checked { input: Arc::new(input), entry, plan, outputs, frame };
-        let fit = faults_of(&checked);
+        let checked = Checked { input: Arc::new(input), entry, plan, outputs, frame, other };
+        let fit = [faults_of(&checked), other_faults(&checked)].concat();
         let asked = films::asked(&checked.outputs);
         match levels {
             CheckedLevels::Count(levels) => {

@@ -70,6 +70,7 @@ impl From<FormatError> for RunError {
         match error {
             FormatError::Stopped(stopped) => Self::Stopped(stopped),
             FormatError::Io(error) => Self::Io(error),
+            FormatError::Impossible(fault) => Self::Impossible(JobFault { part: JobPart::Output, fault }),
             FormatError::Unfit(detail) => Self::Impossible(JobFault::new(JobPart::Output, "", detail)),
         }
     }

@@ -47,11 +47,20 @@ impl Estimate {
 impl Refusal {
     /// The same of a panel of a figure.
     pub(super) fn of_panel(self, n: usize) -> Self {
-        let place = panel_place(n);
+        self.within(&panel_place(n), &format!("panel {n} of the figure"))
+    }
+
+    /// The same of the job from whose surface distances are measured.
+    pub(super) fn of_other(self) -> Self {
+        self.within("/distance_to", "the surface from which distances are measured")
+    }
+
+    /// The same of a part of a job that is a job itself.
+    fn within(self, place: &str, name: &str) -> Self {
         match self {
-            Self::Impossible(faults) => Self::Impossible(under(&place, faults)),
+            Self::Impossible(faults) => Self::Impossible(under(place, faults)),
             Self::TooLarge { detail, faults } => {
-                Self::TooLarge { detail: format!("panel {n} of the figure: {detail}"), faults: under(&place, faults) }
+                Self::TooLarge { detail: format!("{name}: {detail}"), faults: under(place, faults) }
             }
             Self::Stopped => Self::Stopped,
         }

@@ -6,7 +6,7 @@ use super::output::Output;
 use super::steering;
 use crate::analysis::limit::{LimitError, check};
 use crate::fault::{Fault, under};
-use crate::output::surface;
+use crate::output::{shows_distances, surface};
 use crate::scheme::forecast::check_delta;
 use crate::scheme::plan::{Plan, PlanInput, Subject};
 
@@ -20,8 +20,20 @@ pub(super) fn faults_of(Checked { input, entry, plan, outputs, .. }: &Checked) -
             Some(output.fault(Fault::new("/positions", LimitError::from(error).to_string())))
         };
         faults.extend(outputs.iter().filter(moves_vertices).filter_map(fault));
+        let admitted = |output: &Output| {
+            let fault = output.format.admits(mesh, plan, &output.options).err()?;
+            Some(output.fault(fault))
+        };
+        faults.extend(outputs.iter().filter_map(admitted));
         faults.extend(check_delta(plan, &mesh.topology).err().map(|fault| fault.under("/plan")));
     }
+    let weighs = |output: &&Output| output.format.weighs() && plan.turns_tangents().is_some();
+    let turned = |output: &Output| {
+        let detail =
+            "this scheme turns points by angles between them, so that no weights make its points; ask for json";
+        output.fault(Fault::new("/format", detail))
+    };
+    faults.extend(outputs.iter().filter(weighs).map(turned));
     faults.extend(steering::check(input, *entry, plan));
     faults
 }
@@ -35,4 +47,23 @@ pub(super) fn resolved(input: &Input, plan: Option<&PlanInput>, outputs: &[Outpu
     let told = outputs.iter().find_map(|output| output.format.refers(&output.options)).filter(|_| subject.is_mesh);
     let subject = Subject { tags: subject.tags.or(told), attached: subject.attached.or(told), ..subject };
     Plan::resolve(plan, subject).map_err(|found| under("/plan", found))
+}
+
+/// Why distances cannot be measured from the surface of another job, if there is one.
+pub(super) fn other_faults(Checked { outputs, frame, other, .. }: &Checked) -> Vec<Fault> {
+    let Some(other) = other else { return Vec::new() };
+    let fault = |place: &str, detail: &str| Some(Fault::new(format!("/distance_to{place}"), detail));
+    let none = !outputs.iter().any(|output| shows_distances(&output.options));
+    let of_curves = other.input.mesh().is_none();
+    let found = [
+        none.then(|| fault("", "no output shows distances; give one \"shading\": \"distance\", or leave it out")),
+        of_curves.then(|| fault("/input", "distances are measured from a surface, curves have none; give a mesh")),
+        (other.frame != *frame).then(|| {
+            fault(
+                "/input",
+                "coordinates mean other lengths or directions here; give both inputs one \"unit\" and \"up\"",
+            )
+        }),
+    ];
+    found.into_iter().flatten().flatten().collect()
 }

@@ -72,7 +72,7 @@ impl Input {
         let attached = match mesh {
             Some(mesh) if mesh.attachments.uvs.is_some() => Some("uvs"),
             Some(mesh) if mesh.attachments.unfolded.is_some() => Some("channels of corners"),
-            Some(mesh) if mesh.attachments.names_faces() => Some("groups and materials"),
+            Some(mesh) if mesh.attachments.tells_faces_apart() => Some("groups and materials"),
             _ => None,
         };
         let tags = match self {

@@ -13,7 +13,7 @@ use crate::math::expression::{Expression, Instruction};
 use crate::math::mask::Mask;
 use crate::math::parameter::{Value, Values};
 use crate::output::figure::{Cell, Grid};
-use crate::output::{LIMIT, TANGENTS, surface};
+use crate::output::{LIMIT, TANGENTS, shows_distances, surface};
 use crate::scheme::letter::Letter;
 use crate::scheme::operator::Role;
 use crate::scheme::plan::{Latitude, Perturbation, Plan};
@@ -73,12 +73,12 @@ pub fn content(bytes: &[u8]) -> Key {
 /// Keys of the outputs of a job: over the results version, the shape, the plan as far as it matters, the levels, and
 /// the output's format and options. Names of outputs, and the words in which the job was written, are not part of them.
 /// The shape is hashed once for all outputs. Beside each artifact's key stands that of the refined shape it shows.
+/// Pictures of distances from the surface of another job have the key of that surface in theirs.
 pub(super) fn artifacts(
-    shape: &Input,
-    refined: &Plan,
-    levels: u32,
-    frame: Frame,
+    (shape, frame): (&Input, Frame),
+    (refined, levels): (&Plan, u32),
     outputs: &[Output],
+    other: Option<Key>,
 ) -> (Vec<Key>, Vec<Key>) {
     let Frame { unit, up } = frame;
     let whole = hashed(&input(shape, refined));
@@ -102,6 +102,11 @@ pub(super) fn artifacts(
             items.push(Item::List(vec![Item::text(unit.name()), Item::text(up.name())]));
         }
         items.extend(described(description.as_deref()));
+        items.extend(
+            other
+                .filter(|_| shows_distances(options))
+                .map(|other| Item::List(vec![Item::text("distance to"), Item::text(&other.to_string())])),
+        );
         let mut shown = head("planish refined shape");
         shown.extend(surface::limit(options).map(u64::from).map(Item::Integer));
         (hashed(&Item::List(items)), hashed(&Item::List(shown)))

@@ -11,6 +11,7 @@ use super::memory::{self, carried, compared_discs, needed, on_demand};
 use super::output::Output;
 use super::places::add_places;
 use super::time;
+use super::weight_count;
 use crate::analysis::limit::Cost;
 use crate::fault::Fault;
 use crate::input::ReadLimits;
@@ -20,6 +21,7 @@ use crate::refine::{mesh_net, polygon_net};
 use crate::scheme::forecast::{self, Count, Forecast, ForecastError};
 use crate::scheme::step_error::About;
 use crate::shape::mesh::Mesh;
+use crate::solid::Cage;
 use crate::watch::Watch;
 
 /// Bounds on one job.
@@ -128,15 +130,15 @@ impl Limits {
         let mut forecast = forecast.map_err(|error| self.no_forecast(&error))?;
         add_places(job, &mut forecast, self.max_vertices.into(), watch).map_err(|error| self.no_forecast(&error))?;
         let carried = carried(job, frames(job) - 1);
-        // the rows are made once more for each channel and each frame
-        forecast.work = forecast.work.saturating_mul(1 + carried.channels + carried.frames);
         self.check_levels(job, &forecast)?;
-        let counts = counts(job, forecast.levels.last().copied().unwrap_or_default());
+        let counts = counts(job, &forecast, forecast.levels.len() - 1);
         let sizes: Vec<Size> = job.outputs.iter().map(|output| output.size(&counts)).collect();
         for (i, size) in sizes.iter().enumerate() {
             self.check_bytes(job, i, *size, &forecast)?;
         }
         check_fits(job, &counts)?;
+        // the rows are made once more for each channel and each frame
+        forecast.work = forecast.work.saturating_mul(1 + carried.channels + carried.frames);
         let (limit_rows, limit_bytes) = limit_surface(job, &forecast);
         let (detail_bytes, detail_work) = memory::details(job, &forecast, &carried);
         let work = forecast.work.saturating_add(limit_rows).saturating_add(detail_work);
@@ -162,18 +164,18 @@ impl Limits {
                 thousands(forecast.peak.corners),
                 thousands(u32::MAX.into())
             );
-            return Err(self.too_large(job, &forecast, &reason, |count| count.corners <= u32::MAX.into()));
+            return Err(self.too_large(job, &forecast, &reason, |_, count| count.corners <= u32::MAX.into()));
         }
         if memory_bytes > self.max_job_bytes.into() {
             let place = format!("the job needs about {} of memory", in_bytes(memory_bytes));
             let bound = format!("this server allows {} a job", in_bytes(self.max_job_bytes.into()));
-            return Err(self.too_large(job, &forecast, &format!("{place}; {bound}"), |_| false));
+            return Err(self.too_large(job, &forecast, &format!("{place}; {bound}"), |_, _| false));
         }
         let rows = forecast.work.saturating_add(local.points).saturating_add(time::rows(job, &counts));
         let time_ms = time::milliseconds(rows, &sizes);
         let outputs = job.keys().iter().copied().zip(sizes).collect();
         let estimate = Estimate { forecast, outputs, memory_bytes, on_demand: held_levels.is_some(), time_ms };
-        self.with_films(job, estimate, watch)
+        self.with_films(job, self.with_other(job, estimate, watch)?, watch)
     }
 
     /// What a figure will come to: its panels, and putting them together.
@@ -190,6 +192,26 @@ impl Limits {
                 in_bytes(most)
             );
             return Err(Refusal::TooLarge { faults: vec![Fault::new("/figure/panels", detail.clone())], detail });
+        }
+        Ok(estimate)
+    }
+
+    /// What a job will come to with the surface from which its pictures measure distances, held beside its own.
+    fn with_other(&self, job: &Job, mut estimate: Estimate, watch: &Watch) -> Result<Estimate, Refusal> {
+        let Some(other) = &job.other else { return Ok(estimate) };
+        let of_other = self.estimate_under(other, watch).map_err(Refusal::of_other)?;
+        let bytes = of_other.memory_bytes.saturating_add(memory::measured_from(&of_other.forecast));
+        estimate.memory_bytes = estimate.memory_bytes.saturating_add(bytes);
+        estimate.forecast.work = estimate.forecast.work.saturating_add(of_other.forecast.work);
+        estimate.time_ms = estimate.time_ms.saturating_add(of_other.time_ms);
+        if estimate.memory_bytes > self.max_job_bytes.into() {
+            let detail = format!(
+                "the job and the surface from which it measures distances need about {} of memory together; this \
+                 server allows {} a job; ask for fewer levels of one of them",
+                in_bytes(estimate.memory_bytes),
+                in_bytes(self.max_job_bytes.into())
+            );
+            return Err(Refusal::TooLarge { faults: vec![Fault::new("/distance_to", detail.clone())], detail });
         }
         Ok(estimate)
     }
@@ -249,7 +271,7 @@ impl Limits {
         let count =
             if self.fits(job, &forecast.levels[asked]) { forecast.levels[level] } else { forecast.levels[asked] };
         let level = if self.fits(job, &forecast.levels[asked]) { level } else { asked };
-        let counts = counts(job, count);
+        let counts = counts(job, forecast, level);
         let size = job.outputs.first().map(|output| {
             let bytes = in_bytes(output.size(&counts).bytes());
             format!(" ({bytes} as {})", output.format.name())
@@ -273,7 +295,7 @@ impl Limits {
             thousands(n),
             thousands(bound.into())
         );
-        Err(self.too_large(job, forecast, &reason, |count| self.fits(job, count)))
+        Err(self.too_large(job, forecast, &reason, |_, count| self.fits(job, count)))
     }
 
     fn peak(&self, job: &Job, forecast: &Forecast) -> Refusal {
@@ -284,7 +306,7 @@ impl Limits {
             thousands(self.max_vertices.into()),
             thousands(self.max_faces.into())
         );
-        self.too_large(job, forecast, &reason, |_| false)
+        self.too_large(job, forecast, &reason, |_, _| false)
     }
 
     fn check_bytes(&self, job: &Job, output: usize, size: Size, forecast: &Forecast) -> Result<(), Refusal> {
@@ -299,13 +321,14 @@ impl Limits {
             in_bytes(size.bytes()),
             in_bytes(bound)
         );
-        let fits = |count: &Count| asked.size(&counts(job, *count)).bytes() <= bound;
+        let fits = |level, _: &Count| asked.size(&counts(job, forecast, level)).bytes() <= bound;
         Err(self.too_large(job, forecast, &reason, fits))
     }
 
     /// A refusal with the highest level that fits as its remedy.
-    fn too_large(&self, job: &Job, forecast: &Forecast, reason: &str, fits: impl Fn(&Count) -> bool) -> Refusal {
-        let fitting = forecast.levels.iter().take_while(|count| self.fits(job, count) && fits(count)).count();
+    fn too_large(&self, job: &Job, forecast: &Forecast, reason: &str, fits: impl Fn(usize, &Count) -> bool) -> Refusal {
+        let fitting = |&(level, count): &(usize, &Count)| self.fits(job, count) && fits(level, count);
+        let fitting = forecast.levels.iter().enumerate().take_while(fitting).count();
         let remedy = match fitting {
             0 => "send a smaller input".to_owned(),
             n if job.reached.is_some_and(|reached| reached.bound.is_some()) => {
@@ -341,10 +364,12 @@ fn frames(job: &Job) -> u128 {
     if job.outputs.iter().any(|output| output.frame.is_none()) { all } else { 1 }
 }
 
-/// Counts of a net as the writers see it: hidden faces left out.
-fn counts(job: &Job, count: Count) -> Counts {
+/// Counts of the net of a level as the writers see it: hidden faces left out.
+fn counts(job: &Job, forecast: &Forecast, level: usize) -> Counts {
+    let count = forecast.levels.get(level).copied().unwrap_or_default();
     let polygons = if let Input::Polygons(polygons) = &*job.input { polygons.len() as u128 } else { 1 };
     let mesh = job.input.mesh();
+    let makes_solid = job.outputs.iter().any(|output| output.format.makes_solid(&output.options));
     let tags = |mesh: &Mesh| mesh.creases.len() + mesh.corners.len() + mesh.semi_sharp_corners.len();
     Counts {
         kind: job.input.shape_kind(),
@@ -363,6 +388,8 @@ fn counts(job: &Job, count: Count) -> Counts {
         attachments: mesh.map_or_else(Arc::default, |mesh| mesh.attachments.clone()),
         input_faces: mesh.map_or(0, |mesh| mesh.topology.n_faces()),
         input_edges: mesh.map_or(0, |mesh| mesh.topology.n_edges()),
+        cage: mesh.filter(|_| makes_solid).map(Cage::of).unwrap_or_default(),
+        weights: weight_count::most(job, forecast, level),
         tags: mesh.filter(|_| job.levels == 0).map_or(0, tags),
     }
 }

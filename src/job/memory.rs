@@ -2,7 +2,7 @@
 
 use super::complete::Job;
 use super::output::Output;
-use crate::output::Size;
+use crate::output::{Measured, Size};
 use crate::scheme::forecast::Forecast;
 use crate::scheme::letter::Letter;
 use crate::scheme::operator::Children;
@@ -148,6 +148,14 @@ pub(super) fn details(job: &Job, forecast: &Forecast, carried: &Carried) -> (u12
         let share = forecast.work.saturating_mul(count.corners) / last;
         (memory(&level, &[], carried).saturating_add(bytes), share.saturating_add(work))
     })
+}
+
+/// Bytes that a surface of this forecast takes besides while distances are measured from it: its positions once more,
+/// and its triangles in their tree, of which there are fewer than corners.
+pub(super) fn measured_from(forecast: &Forecast) -> u128 {
+    let last = forecast.levels.last().copied().unwrap_or_default();
+    let triangles = last.corners.saturating_mul(Measured::NODE_BYTES);
+    last.vertices.saturating_mul(24).saturating_add(triangles)
 }
 
 /// Rows that are on their way from the sweep to the output at once, at most.

@@ -40,6 +40,8 @@ mod steering;
 mod surface_analysis;
 mod time;
 mod tube_analysis;
+mod weight_count;
+mod weights;
 mod work;
 
 pub use analysis::{

@@ -55,7 +55,9 @@ impl Search {
 
     /// Bytes that its input and the steps of the job take in memory.
     pub fn bytes(&self) -> u64 {
-        self.checked.input.bytes().saturating_add(size::of_most_steps(&self.checked.plan))
+        let Checked { input, plan, other, .. } = &self.checked;
+        let other = other.as_ref().map_or(0, |other| other.bytes());
+        input.bytes().saturating_add(size::of_most_steps(plan)).saturating_add(other)
     }
 
     /// How many outputs the job has.

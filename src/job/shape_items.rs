@@ -58,7 +58,7 @@ pub(super) fn mesh<'a>(mesh: &'a Mesh, plan: &Plan) -> Item<'a> {
     }
     items.extend(sharp("creases", creases));
     items.extend(sharp("semi-sharp corners", semi_sharp_corners));
-    items.extend(self::attachments(attachments, !creases.is_empty()));
+    items.extend(self::attachments(attachments, topology.n_faces(), !creases.is_empty()));
     items.extend(directions.as_ref().filter(|_| plan.latitude.is_some()).map(lines));
     items.extend(attributes.as_ref().map(|kept| Item::List(self::attributes(kept))));
     Item::List(items)
@@ -125,7 +125,7 @@ fn repair(repair: &Repair) -> Item<'_> {
 }
 
 /// What a mesh carries, where there is any: a list for each kind that is given. Pairs of places count beside creases.
-fn attachments(attachments: &Attachments, creased: bool) -> Option<Item<'_>> {
+fn attachments(attachments: &Attachments, n_faces: usize, creased: bool) -> Option<Item<'_>> {
     // the mesh of all seams follows from them
     let Attachments { channels, groups, materials, looks, uvs, unfolded: _ } = attachments;
     let mut kinds = Vec::new();
@@ -141,7 +141,8 @@ fn attachments(attachments: &Attachments, creased: bool) -> Option<Item<'_>> {
         if !labels.is_empty() {
             let Labels { names, of_faces } = labels;
             let names = names.iter().map(|name| Item::text(name)).collect();
-            kinds.push(Item::List(vec![Item::text(kind), Item::List(names), Item::Indices(of_faces.into())]));
+            let of_faces = if labels.differ() { of_faces.into() } else { vec![0; n_faces].into() };
+            kinds.push(Item::List(vec![Item::text(kind), Item::List(names), Item::Indices(of_faces)]));
         }
     }
     if !looks.is_empty() {

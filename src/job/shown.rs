@@ -1,6 +1,6 @@
 //! From a job to the scene that an output shows.
 
-use std::sync::OnceLock;
+use std::sync::{Arc, OnceLock};
 
 use super::complete::Job;
 use super::curves;
@@ -8,12 +8,14 @@ use super::error::RunError;
 use super::input::Input;
 use super::output::Output;
 use super::report::Report;
-use super::work::{KeepWork, refined};
+use super::weights;
+use super::work::{KeepWork, Refined, refined};
 use crate::analysis::curve;
-use crate::output::FormatError;
-use crate::output::scene::{Control, Curve, Detail, Scene, Shape};
+use crate::output::scene::{Control, Curve, Detail, Notes, Scene, Shape};
+use crate::output::{FormatError, shows_distances};
 use crate::refine::{RefinedMesh, StreamedMesh};
 use crate::scheme::mesh_net::MeshNet;
+use crate::scheme::plan::Plan;
 use crate::scheme::tags::Boundary;
 use crate::shape::attachments::Attachments;
 use crate::shape::mesh::Mesh;
@@ -35,10 +37,26 @@ pub(super) fn show(
     show: Show<'_>,
 ) -> Result<Report, RunError> {
     watch.enter(Stage::Refine);
+    if output.format.weighs() {
+        return weighed(job, output, watch, show);
+    }
     match &*job.input {
         Input::Polygons(polygons) => draw(job, polygons, output, watch, show),
         Input::Mesh(mesh) => form((job, on_demand), (mesh, output), kept, watch, show),
     }
+}
+
+/// Shows how points are made, beside the shape as it was given.
+fn weighed(job: &Job, output: &Output, watch: &Watch, show: Show<'_>) -> Result<Report, RunError> {
+    let (weights, warnings) = weights::weigh(job, output, watch)?;
+    let control: Box<dyn Control> = match &*job.input {
+        Input::Polygons(polygons) => Box::new(ControlPolygons { polygons, curves: OnceLock::new() }),
+        Input::Mesh(mesh) => Box::new(ControlMesh { mesh, plan: &job.plan, refined: OnceLock::new(), other: None }),
+    };
+    let (shape, control) = (control.shape(), &*control);
+    let (frame, notes) = (job.frame, &Notes::default());
+    let scene = Scene { shape, control, warnings: &warnings, frame, notes, weights: Some(&weights), details: &[] };
+    shown(&scene, output, watch, show)
 }
 
 /// Refines and shows polygons.
@@ -47,7 +65,8 @@ fn draw(job: &Job, polygons: &[Polygon], output: &Output, watch: &Watch, show: S
     let warnings = curve::warnings(&job.plan, job.levels, watch).map_err(RunError::Stopped)?;
     let control = &ControlPolygons { polygons, curves: OnceLock::new() };
     let shape = Shape::Curves(&refined);
-    let scene = Scene { shape, control, warnings: &warnings, frame: job.frame, details: &[] };
+    let (frame, notes) = (job.frame, &Notes::default());
+    let scene = Scene { shape, control, warnings: &warnings, frame, notes, weights: None, details: &[] };
     shown(&scene, output, watch, show)
 }
 
@@ -60,13 +79,20 @@ fn form(
     show: Show<'_>,
 ) -> Result<Report, RunError> {
     let mesh = &*mesh.at_frame(output.frame);
-    let control = &ControlMesh { mesh, refined: OnceLock::new() };
+    let other = other_surface(job, output, kept, watch)?;
+    let control = &ControlMesh { mesh, plan: &job.plan, refined: OnceLock::new(), other: other.as_deref() };
+    let (frame, notes) = (job.frame, &Notes::default());
+    if output.format.is_of_limit() {
+        let (shape, warnings) = (control.shape(), mesh.warnings());
+        let scene = Scene { shape, control, warnings: &warnings, frame, notes, weights: None, details: &[] };
+        return shown(&scene, output, watch, show);
+    }
     if on_demand {
         let streamed = StreamedMesh::of(mesh, &job.plan, job.steps(), watch);
         let streamed = streamed.map_err(|error| RunError::of_limit(error.into(), mesh.attributes.as_ref(), ""))?;
         let Some(streamed) = streamed else { return Err(RunError::too_large()) };
         let (shape, warnings) = (Shape::Mesh(&streamed), mesh.warnings());
-        let scene = Scene { shape, control, warnings: &warnings, frame: job.frame, details: &[] };
+        let scene = Scene { shape, control, warnings: &warnings, frame, notes, weights: None, details: &[] };
         return shown(&scene, output, watch, show);
     }
     let refined = &*refined(job, mesh, output, kept, watch)?;
@@ -83,8 +109,26 @@ fn form(
         .zip(shapes)
         .map(|(job, shape)| Detail { shape, options: &job.outputs[0].options, uri: address(job) })
         .collect();
-    let (warnings, frame) = (&refined.warnings, job.frame);
-    shown(&Scene { shape, control, warnings, frame, details: &details }, output, watch, show)
+    let of_other = other.iter().flat_map(|other| &other.warnings).map(|warning| format!("distance_to: {warning}"));
+    let warnings = &refined.warnings.iter().cloned().chain(of_other).collect::<Vec<String>>();
+    shown(&Scene { shape, control, warnings, frame, notes, weights: None, details: &details }, output, watch, show)
+}
+
+/// The surface of another job from which an output measures distances, refined.
+fn other_surface(
+    job: &Job,
+    output: &Output,
+    kept: &dyn KeepWork,
+    watch: &Watch,
+) -> Result<Option<Arc<Refined>>, RunError> {
+    let Some(other) = job.other.as_ref().filter(|_| shows_distances(&output.options)) else { return Ok(None) };
+    let shape = &other.outputs[0];
+    let Some(mesh) = other.input.mesh() else { return Ok(None) };
+    let found = refined(other, &mesh.at_frame(shape.frame), shape, kept, watch);
+    found.map(Some).map_err(|error| match error {
+        RunError::Impossible(fault) => RunError::of_request(other.entries(shape).fault(fault).under("/distance_to")),
+        other => other,
+    })
 }
 
 fn shown(scene: &Scene<'_>, output: &Output, watch: &Watch, show: Show<'_>) -> Result<Report, RunError> {
@@ -92,7 +136,7 @@ fn shown(scene: &Scene<'_>, output: &Output, watch: &Watch, show: Show<'_>) -> R
     show(scene)?;
     let carried = if let Shape::Mesh(mesh) = scene.shape { mesh.attachments() } else { Attachments::none() };
     let left_out = output.format.leaves_out(carried, &output.options);
-    Ok(Report { warnings: scene.warnings.iter().cloned().chain(left_out).collect() })
+    Ok(Report { warnings: scene.warnings.iter().cloned().chain(scene.notes.take()).chain(left_out).collect() })
 }
 
 /// Polygons as they were given.
@@ -112,7 +156,9 @@ impl Control for ControlPolygons<'_> {
 #[derive(Debug)]
 struct ControlMesh<'a> {
     mesh: &'a Mesh,
+    plan: &'a Plan,
     refined: OnceLock<RefinedMesh>,
+    other: Option<&'a Refined>,
 }
 
 impl Control for ControlMesh<'_> {
@@ -123,7 +169,15 @@ impl Control for ControlMesh<'_> {
         }))
     }
 
+    fn measured_from(&self) -> Shape<'_> {
+        self.other.map_or_else(|| self.shape(), |other| Shape::Mesh(&other.mesh))
+    }
+
     fn mesh(&self) -> Option<&Mesh> {
         Some(self.mesh)
+    }
+
+    fn plan(&self) -> Option<&Plan> {
+        Some(self.plan)
     }
 }

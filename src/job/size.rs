@@ -38,19 +38,21 @@ impl Job {
         let frames = self.films.iter().flat_map(|film| &film.frames);
         let frames = frames.map(|frame| (size_of_val(frame.steps()) + size_of::<Self>()) as u64).sum::<u64>();
         let panels = self.panels().iter().map(|panel| panel.bytes() + size_of::<Self>() as u64).sum::<u64>() + frames;
-        self.input.bytes() + size_of_val(self.steps()) as u64 + panels
+        let other = self.other.as_ref().map_or(0, |other| other.bytes());
+        self.input.bytes() + size_of_val(self.steps()) as u64 + panels + other
     }
 
     /// Bytes that the forecast of the job takes at most: lists over the parts of the input, and what it follows of the
     /// net.
     pub fn forecast_bytes(&self) -> u64 {
-        let of_panels = self.panels().iter().map(Self::forecast_bytes).fold(0, u64::saturating_add);
+        let others = self.panels().iter().chain(self.other.as_deref());
+        let of_others = others.map(Self::forecast_bytes).fold(0, u64::saturating_add);
         let followed = match &*self.input {
             Input::Polygons(_) => 0,
             Input::Mesh(mesh) => forecast::forecast_bytes(&self.plan.word, mesh.topology.n_half_edges()),
         };
         let own = FORECAST.saturating_add(self.input.bytes());
-        own.saturating_add(u64::try_from(followed).unwrap_or(u64::MAX)).saturating_add(of_panels)
+        own.saturating_add(u64::try_from(followed).unwrap_or(u64::MAX)).saturating_add(of_others)
     }
 }
 

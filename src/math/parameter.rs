@@ -1,6 +1,6 @@
 //! Parameters as data: what operators, presets and formats declare, what requests give, and what resolving them yields.
 
-mod read;
+pub mod read;
 mod resolve;
 
 use crate::math::expression::Expression;

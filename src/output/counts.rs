@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use crate::shape::attachments::Attachments;
 use crate::shape::frame::Frame;
+use crate::solid::Cage;
 
 /// What kind of shape is to be written.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -52,6 +53,10 @@ pub struct Counts {
     pub input_faces: usize,
     /// Edges of the input mesh (0 for curves).
     pub input_edges: usize,
+    /// What decides about the solid of the input mesh, where one is asked for.
+    pub cage: Cage,
+    /// Rows and entries of the weights that make the points of those of the input, at most; 0 where no output has them.
+    pub weights: [u128; 2],
     /// Sharp edges and vertices of a mesh that is written as it was given, at most (0 for curves).
     pub tags: usize,
 }

@@ -3,6 +3,7 @@
 use std::io;
 
 use crate::drawing::DrawError;
+use crate::fault::Fault;
 use crate::watch::Stopped;
 
 /// Why a scene was not written.
@@ -14,6 +15,9 @@ pub enum FormatError {
     /// The bytes could not be taken.
     #[error("writing the result failed: {0}")]
     Io(#[from] io::Error),
+    /// It cannot be written as it is asked for: where below the output, and why.
+    #[error("{0}")]
+    Impossible(Fault),
     /// The scene holds something the format cannot express.
     #[error("{0}")]
     Unfit(String),

@@ -59,8 +59,10 @@ struct Piece {
 }
 
 impl Measured {
+    /// Bytes of memory a triangle in the tree.
+    pub const NODE_BYTES: u128 = TRIANGLE_BYTES;
     /// Bytes of memory a triangle: in the tree, and as a piece with its number.
-    pub const TRIANGLE_BYTES: u128 = TRIANGLE_BYTES + size_of::<Piece>() as u128 + 8;
+    pub const TRIANGLE_BYTES: u128 = Self::NODE_BYTES + size_of::<Piece>() as u128 + 8;
     /// Distances that are asked for a triangle.
     pub const QUERIES: u128 = 4;
     /// Triangles that are measured at most beyond those that the shape has.

@@ -11,6 +11,7 @@ use super::scene::{Frame, Scene};
 use super::size::Size;
 use crate::fault::Fault;
 use crate::math::parameter::{Parameter, Values};
+use crate::scheme::plan::Plan;
 use crate::shape::attachments::Attachments;
 use crate::shape::mesh::Mesh;
 use crate::shape::tile::Tile;
@@ -103,6 +104,24 @@ pub trait Format: fmt::Debug + Send + Sync {
         Ok(())
     }
 
+    /// Whether the bytes are made of the input and its limit surface under a plan, whatever the number of levels.
+    fn is_of_limit(&self) -> bool {
+        false
+    }
+
+    /// Whether the solid of the input is made for these options.
+    fn makes_solid(&self, _options: &Values) -> bool {
+        self.is_of_limit()
+    }
+
+    /// Whether the format can hold what a plan makes of a mesh.
+    ///
+    /// # Errors
+    /// The fault, with a pointer below the output.
+    fn admits(&self, _mesh: &Mesh, _plan: &Plan, _options: &Values) -> Result<(), Fault> {
+        Ok(())
+    }
+
     /// What the format leaves out of what a mesh carries although it may be missed, as a sentence.
     fn leaves_out(&self, _carried: &Attachments, _options: &Values) -> Option<String> {
         None
@@ -139,6 +158,11 @@ pub trait Format: fmt::Debug + Send + Sync {
     /// the one that asks for them.
     fn details(&self, _options: &Values) -> Option<Details> {
         None
+    }
+
+    /// Whether it writes how points are made, and not where they are: then nothing is refined.
+    fn weighs(&self) -> bool {
+        false
     }
 
     /// What pictures of several scenes are put together on, if the format can.

@@ -12,6 +12,7 @@ pub mod surface;
 mod apng;
 mod bounds;
 mod bytes;
+mod certificate;
 mod color_maps;
 mod colors;
 mod counts;
@@ -47,8 +48,11 @@ mod png;
 mod positions;
 mod sections;
 mod size;
+mod solid_options;
 mod split_vertices;
 mod stats;
+mod stencils;
+mod step;
 mod stl;
 mod stream;
 mod text;
@@ -62,6 +66,7 @@ pub use farthest::{Farthest, Measured};
 pub use format::{Content, Details, Format, FormatFacts, Paper, Sweep};
 pub use options::{DIRECTIONS, LIMIT, POSITIONS, TANGENTS};
 pub use picture::outline::Outline;
+pub use picture::shading::shows_distances;
 pub use size::Size;
 
 /// Every format, in the order of the documentation.
@@ -75,10 +80,14 @@ pub const FORMATS: &[&dyn Format] = &[
     &gltf_bin::GltfBin,
     &ply::Ply,
     &stl::Stl,
+    &step::Step,
+    &certificate::Certificate,
     &png::Png,
     &apng::Apng,
     &vector::SVG,
     &vector::PDF,
+    &stencils::TEXT,
+    &stencils::BINARY,
 ];
 
 /// The format of a name.

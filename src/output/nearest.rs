@@ -125,9 +125,10 @@ impl Triangles {
         let mut distances = vec![f64::INFINITY; points.len()];
         let part = CHUNK / 16;
         distances.par_chunks_mut(part).zip(points.par_chunks(part)).try_for_each(|(distances, points)| {
-            watch.check()?;
             let (mut near, mut waiting) = (0, Vec::new());
             for (distance, &point) in distances.iter_mut().zip(points) {
+                // of a point that is as far from all triangles, each of them is asked
+                watch.check()?;
                 *distance = self.distance(point, &mut near, &mut waiting);
             }
             Ok(())

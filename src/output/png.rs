@@ -23,7 +23,7 @@ use crate::output::picture::outline::{self, Outline};
 use crate::output::picture::plot::{self, LEGEND, TEXT_SIZE, TITLE, X_LABEL, Y_LABEL};
 use crate::output::picture::shading::{self, SHADING, STRIPE_DIRECTION, STRIPES};
 use crate::output::picture::styles::STYLES;
-use crate::output::picture::{self, forecast, lines, look, mesh};
+use crate::output::picture::{self, forecast, lines, look, meanings, mesh};
 use crate::output::scene::{Frame, Scene, Shape};
 use crate::output::size::Size;
 use crate::shape::attachments::Attachments;
@@ -79,7 +79,8 @@ pub(super) const PARAMETERS: &[Parameter] = &[
         doc: "What is drawn: of a mesh its surface, its wireframe, the edges of the input on it (isolines), the \
               control net and its points, and what is tagged of the input as coloured lines and dots: creases (red), \
               latitude (green) and longitude lines (purple), seams of texture coordinates (orange), extraordinary \
-              vertices (yellow); of curves the curve, the control polygon and its points, the points of the curve \
+              vertices (yellow), and a legend that tells the names of groups or materials and what \
+              lines and dots are; of curves the curve, the control polygon and its points, the points of the curve \
               (vertices), a curvature comb, tangents, axes, a grid, a legend. Left out: the surface, or a curve with \
               its control polygon and points.",
     },
@@ -145,7 +146,8 @@ impl Format for Png {
         coat::check(kind, carried, options)?;
         plot::check(kind, options)?;
         number_scale::check(options, look::are_numbers(carried, options))?;
-        options::shows_only(fitting, kind, options)
+        options::shows_only(fitting, kind, options)?;
+        meanings::check(kind, carried, options)
     }
 
     fn size(&self, _: &Counts, options: &Values) -> Size {

@@ -2,12 +2,16 @@
 
 use std::borrow::Cow;
 use std::fmt;
+use std::mem;
 use std::ops::Range;
+use std::sync::{Mutex, PoisonError};
 
 use crate::math::parameter::Values;
+use crate::scheme::plan::Plan;
 pub use crate::shape::frame::Frame;
 use crate::shape::mesh::Mesh;
 pub use crate::shape::source::{Curve, FaceChunk, MeshSource, OnDemandSource, Origin};
+use crate::shape::weights::Weights;
 use crate::watch::{Stopped, Watch};
 
 /// Rows that one chunk holds at most; writers ask for ranges no longer than this.
@@ -24,8 +28,28 @@ pub struct Scene<'a> {
     pub warnings: &'a [String],
     /// What its coordinates mean.
     pub frame: Frame,
+    /// What writers find out that the client should know, too.
+    pub notes: &'a Notes,
+    /// How points are made, for formats that write that.
+    pub weights: Option<&'a Weights>,
     /// The shape at levels whose results the writer refers to, the coarsest first.
     pub details: &'a [Detail<'a>],
+}
+
+/// Sentences that a writer adds to the warnings of a result.
+#[derive(Debug, Default)]
+pub struct Notes(Mutex<Vec<String>>);
+
+impl Notes {
+    /// Adds a sentence.
+    pub fn add(&self, sentence: String) {
+        self.0.lock().unwrap_or_else(PoisonError::into_inner).push(sentence);
+    }
+
+    /// The sentences, in the order in which they were added; none are left.
+    pub fn take(&self) -> Vec<String> {
+        mem::take(&mut *self.0.lock().unwrap_or_else(PoisonError::into_inner))
+    }
 }
 
 /// A shape at some level, whose result is found elsewhere.
@@ -44,8 +68,18 @@ pub trait Control: fmt::Debug + Sync {
     /// The shape.
     fn shape(&self) -> Shape<'_>;
 
+    /// The shape from which distances are measured: this one, unless the job names another.
+    fn measured_from(&self) -> Shape<'_> {
+        self.shape()
+    }
+
     /// The mesh of the input with its tags, where it is one.
     fn mesh(&self) -> Option<&Mesh> {
+        None
+    }
+
+    /// The plan that refines that mesh.
+    fn plan(&self) -> Option<&Plan> {
         None
     }
 }

@@ -12,6 +12,7 @@ use std::io::Write;
 
 use crate::fault::Fault;
 use crate::math::parameter::{Default, Kind, Parameter, Values};
+use crate::output::certificate;
 use crate::output::counts::{Counts, ShapeKind};
 use crate::output::error::FormatError;
 use crate::output::format::{Content, Format, FormatFacts};
@@ -19,7 +20,9 @@ use crate::output::numbers::total;
 use crate::output::options::POSITIONS;
 use crate::output::scene::{Scene, Shape};
 use crate::output::size::Size;
+use crate::output::solid_options::{admits, forecast, solid_of, work};
 use crate::output::surface::{NORMALS, with_normals};
+use crate::scheme::plan::Plan;
 use crate::shape::attachments::Attachments;
 use crate::shape::mesh::Mesh;
 use crate::watch::Watch;
@@ -34,7 +37,8 @@ use crate::watch::Watch;
 ///
 /// Meshes: `area`, signed `volume` (null unless closed), of the faces cut into triangles as for glTF; numbers of
 /// vertices, edges, faces, boundary edges and loops, components; vertices by valence, faces by size; with normals
-/// `normals_hash`, the hash of those that `json` gives, and on request what [`fairness::add`] says of curvature.
+/// `normals_hash`, the hash of those that `json` gives, and on request what [`fairness::add`] says of curvature, and
+/// `certificate`.
 /// Curves: `length`, and `area`, the signed area of plane polygons when all are closed.
 ///
 /// Numbers beyond f64 are null. All sums run in an order that depends on the result only.
@@ -51,13 +55,22 @@ const CURVATURE: Parameter = Parameter {
           edge are told, with their places. Meshes only.",
 };
 
+/// Whether what is known of the solid is told.
+const CERTIFICATE: Parameter = Parameter {
+    name: "certificate",
+    kind: Kind::Flag,
+    unit: "",
+    default: Default::Flag(false),
+    doc: "Whether the certificate of the solid that step writes by default is told, as the format certificate does.",
+};
+
 const FACTS: &FormatFacts = &FormatFacts {
     name: "stats",
     extension: "json",
     media_type: "application/json",
     content: Content::Json,
     doc: "Statistics in JSON: counts, bounding box, measures, moments, valences, hashes",
-    parameters: &[POSITIONS, NORMALS, CURVATURE],
+    parameters: &[POSITIONS, NORMALS, CURVATURE, CERTIFICATE],
     holds_frames: false,
     holds: |_, _| Ok(()),
 };
@@ -72,13 +85,17 @@ impl Format for Stats {
     fn size(&self, counts: &Counts, options: &Values) -> Size {
         let distinct = counts.half_edges.saturating_mul(4).isqrt() + 1;
         let told = if options.flag(CURVATURE.name) { fairness::LENGTH } else { 0 };
+        let certified = if options.flag(CERTIFICATE.name) { certificate::length(counts, options) } else { 0 };
         let entry = br#""1234567890":12345678901234567890,"#.len() as u128;
-        Size::AtMost(total(&[(1, 2_048 + told), (3 * distinct.min(counts.vertices), entry)]))
+        Size::AtMost(total(&[(1, 2_048 + told), (1, certified), (3 * distinct.min(counts.vertices), entry)]))
     }
 
     fn suits(&self, kind: ShapeKind, _: &Attachments, options: &Values) -> Result<(), Fault> {
         if kind != ShapeKind::Mesh && options.flag(CURVATURE.name) {
             return Err(Fault::new("/curvature", "only the curvature of meshes is told; leave it out"));
+        }
+        if kind != ShapeKind::Mesh && options.flag(CERTIFICATE.name) {
+            return Err(Fault::new("/certificate", "only meshes become solids; leave it out"));
         }
         Ok(())
     }
@@ -87,12 +104,23 @@ impl Format for Stats {
         let [of_vertex, of_corner] = fairness::BYTES;
         let vertices = counts.vertices.saturating_add(counts.split_vertices);
         let told = vertices.saturating_mul(of_vertex).saturating_add(counts.half_edges.saturating_mul(of_corner));
-        if options.flag(CURVATURE.name) { told } else { 0 }
+        let solid = if options.flag(CERTIFICATE.name) { forecast(counts, options).bytes() } else { 0 };
+        if options.flag(CURVATURE.name) { told.saturating_add(solid) } else { solid }
+    }
+
+    fn makes_solid(&self, options: &Values) -> bool {
+        options.flag(CERTIFICATE.name)
+    }
+
+    fn admits(&self, mesh: &Mesh, plan: &Plan, options: &Values) -> Result<(), Fault> {
+        if options.flag(CERTIFICATE.name) { admits(mesh, plan, options) } else { Ok(()) }
     }
 
     /// Three sums over the faces, and the edges sorted, 150 ns a corner.
-    fn work(&self, _: Option<&Mesh>, counts: &Counts, options: &Values) -> u128 {
-        if options.flag(CURVATURE.name) { counts.half_edges.saturating_mul(3) / 2 } else { 0 }
+    fn work(&self, mesh: Option<&Mesh>, counts: &Counts, options: &Values) -> u128 {
+        let solid = if options.flag(CERTIFICATE.name) { work(mesh, options) } else { 0 };
+        let curvature = if options.flag(CURVATURE.name) { counts.half_edges.saturating_mul(3) / 2 } else { 0 };
+        solid.saturating_add(curvature)
     }
 
     fn write(
@@ -102,7 +130,7 @@ impl Format for Stats {
         out: &mut dyn Write,
         watch: &Watch,
     ) -> Result<(), FormatError> {
-        let found = match scene.shape {
+        let mut found = match scene.shape {
             Shape::Mesh(mesh) => mesh::report(mesh, [with_normals(options), options.flag(CURVATURE.name)], watch)?,
             Shape::Curves(curves) => match curves.first().map_or(1, |curve| curve.dimension) {
                 1 => curves::report::<1>(curves, watch)?,
@@ -111,6 +139,9 @@ impl Format for Stats {
                 _ => curves::report::<4>(curves, watch)?,
             },
         };
+        if options.flag(CERTIFICATE.name) {
+            found["certificate"] = certificate::report(&solid_of(scene, options, watch)?.certificate);
+        }
         Ok(writeln!(out, "{found}")?)
     }
 }

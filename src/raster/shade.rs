@@ -10,7 +10,7 @@ use multiversion::multiversion;
 use super::camera::{Camera, Projection, unit};
 use super::fine::Marks;
 use super::pixmap::linear;
-use crate::math::vector::{plus, times};
+use crate::math::vector::{Vector, plus, times};
 
 pub(super) type Vec3f = [f32; 3];
 
@@ -53,15 +53,25 @@ const BRIGHT: f32 = 1.6;
 /// It is a choice of looks: half of it is duller, twice of it brightens the spots of light.
 const GLEAM: f32 = 0.36;
 
+/// A direction that is given to the right, up and towards the viewer.
+fn turned(camera: &Camera, [x, y, z]: [f64; 3]) -> Vector {
+    let v = plus(plus(times(x, camera.right), times(y, camera.up)), times(-z, camera.forward));
+    unit(v).unwrap_or(camera.up)
+}
+
+impl Camera {
+    /// The direction of the brightest lamp, of length one: it moves with the camera.
+    pub fn lamp(&self) -> Vector {
+        turned(self, KEY)
+    }
+}
+
 impl Lamps {
     /// The lamps for `camera`, falling on a surface of this sRGB colour.
     pub(super) fn new(camera: &Camera, [r, g, b, _]: [u8; 4]) -> Self {
         let single = |v: [f64; 3]| v.map(|x| x as f32);
-        let turned = |[x, y, z]: [f64; 3]| {
-            let v = plus(plus(times(x, camera.right), times(y, camera.up)), times(-z, camera.forward));
-            unit(v).unwrap_or(camera.up)
-        };
-        let key = turned(KEY);
+        let turned = |lamp| turned(camera, lamp);
+        let key = camera.lamp();
         let gleam = unit(plus(key, times(-1.0, camera.forward))).unwrap_or(key);
         let spread = if camera.projection == Projection::Perspective { 1.0 / camera.focal_px } else { 0.0 };
         Self {

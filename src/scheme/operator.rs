@@ -112,6 +112,9 @@ pub struct Facts {
     /// Whether on regular meshes of quads or triangles its rows are symmetric sums, so that a point has the same bits
     /// wherever the walk around it begins.
     pub symmetric: bool,
+    /// Whether after a split of faces into quads the limit surface of regular nets is bicubic, and vertices of other
+    /// valences have the limits and tangents of Catmull and Clark's scheme.
+    pub bicubic: bool,
     /// Whether its rules reach a ring farther beside extraordinary vertices than in regular nets.
     pub reaches_farther: bool,
 }
@@ -144,6 +147,7 @@ impl Facts {
         rebuilds: false,
         boundary_every: 1,
         symmetric: false,
+        bicubic: false,
         reaches_farther: false,
     };
 }
@@ -207,6 +211,9 @@ impl Children {
 
 /// The schemes whose steps make splines, for sentences.
 pub const SPLINES: &str = "Catmull-Clark, Loop and words over U, C and D that make splines";
+
+/// The schemes whose regular pieces are bicubic, for sentences.
+pub const BICUBIC: &str = "Catmull-Clark (preset \"catmull-clark\")";
 
 /// What an operator is among the steps that make splines of regular nets.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

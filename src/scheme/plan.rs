@@ -7,6 +7,7 @@ mod schedule;
 use super::extent::Ends;
 use super::letter::Letter;
 use super::local::{Noise, Sources};
+use super::operator::Role;
 use super::parameters::DEFAULT_MU;
 use super::rules::{LatitudeRule, Rules};
 use super::tags::Boundary;
@@ -205,6 +206,17 @@ impl Plan {
     /// Whether it makes meshes smooth, applied often enough: with linear interpolation alone it does not.
     pub fn smooths(&self) -> bool {
         self.word.prefix.iter().chain(&self.word.cycle).any(|letter| letter.facts().smooths)
+    }
+
+    /// Whether it splits faces into quads and smooths so that regular pieces of its limit surface are bicubic, on each
+    /// level alike.
+    pub fn is_bicubic(&self) -> bool {
+        let Word { prefix, cycle } = &self.word;
+        let halves = |letter: &Letter| {
+            let settings = &letter.settings;
+            letter.facts().role == Role::Upsample && settings.arity() == 2 && settings.tile() == Tile::Quad
+        };
+        prefix.is_empty() && matches!(&cycle[..], [first, second] if halves(first) && second.facts().bicubic)
     }
 
     /// Into what the faces of a mesh are split.

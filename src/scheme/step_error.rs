@@ -42,7 +42,7 @@ pub enum About {
 
 impl StepError {
     /// An error that is about the plan.
-    pub(super) fn new(sentence: impl Into<Cow<'static, str>>) -> Self {
+    pub fn new(sentence: impl Into<Cow<'static, str>>) -> Self {
         Self { about: About::Plan, sentence: sentence.into() }
     }
 

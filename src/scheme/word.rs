@@ -11,7 +11,7 @@ use crate::math::parameter::Value;
 /// It has room for [`MAX_LETTERS`] letters of four bytes. Half of it refuses long words written out; twice of it admits
 /// none that are not too long anyway, but for spelling.
 pub const MAX_BYTES: usize = 256;
-/// Most letters of a word after its powers are written out.
+/// Most letters of the prefix of a word, and of its cycle, after powers are written out.
 /// Each average is a pass over the mesh at every level, so that twice of it takes twice as long; half of it refuses
 /// words of more than 32 letters.
 pub const MAX_LETTERS: usize = 64;

@@ -10,7 +10,8 @@ use tokio::sync::Notify;
 
 /// A clock.
 pub trait Clock: fmt::Debug + Send + Sync {
-    /// Time since some fixed moment; never goes back.
+    /// Time that passes evenly and never goes back, counted on from the wall clock as it stood at the start. What an
+    /// earlier process wrote down by the wall clock therefore lies before it.
     fn now(&self) -> Duration;
 
     /// Time since 1970, for what has to be told across processes; may jump.
@@ -22,17 +23,24 @@ pub trait Clock: fmt::Debug + Send + Sync {
 
 /// The machine's monotonic clock.
 #[derive(Debug)]
-pub struct Monotonic(Instant);
+pub struct Monotonic {
+    start: Instant,
+    /// What the wall clock said then.
+    wall: Duration,
+}
 
 impl Default for Monotonic {
     fn default() -> Self {
-        Self(Instant::now())
+        Self {
+            start: Instant::now(),
+            wall: SystemTime::now().duration_since(SystemTime::UNIX_EPOCH).unwrap_or_default(),
+        }
     }
 }
 
 impl Clock for Monotonic {
     fn now(&self) -> Duration {
-        self.0.elapsed()
+        self.wall.saturating_add(self.start.elapsed())
     }
 
     fn wall(&self) -> Duration {

@@ -16,7 +16,7 @@ use super::peer::{Kind, Peer, Peers, Ticket};
 use super::pool::{Busy, Lane, Memory, Panicked, Pool, Turn, Waiting};
 use super::queue::Queue;
 use super::result_buffer::ResultBuffer;
-use super::store::{Description, Manifest};
+use super::store::{Description, Manifest, Usage};
 use super::tally::{Found, Tally};
 use super::task::Task;
 use super::tiers::{Kept, Tiers};
@@ -313,6 +313,12 @@ impl Desk {
         let Account { bodies, inputs, answers, .. } = &self.account;
         let shares = [bodies, inputs, answers].into_iter().filter(|share| share.is_full()).map(|share| share.name);
         shares.chain(self.pool.full_lanes()).collect()
+    }
+
+    /// What each store holds: its name and usage.
+    pub fn stores(&self) -> Vec<(&'static str, Usage)> {
+        let uploads = ("uploads", self.uploads.usage());
+        self.tiers.usage().into_iter().chain([uploads]).collect()
     }
 
     /// Computations under way or waiting.

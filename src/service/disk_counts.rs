@@ -13,12 +13,16 @@ pub struct DiskCounts {
     pub dropped_unfit: AtomicU64,
     /// Artifacts that were not written because the disk failed, or because it was full and nothing was left to evict.
     pub dropped_failed: AtomicU64,
+    /// Artifacts that were not written because the shared store was away.
+    pub dropped_away: AtomicU64,
     /// Artifacts that were not written because the service ended first.
     pub dropped_at_end: AtomicU64,
     /// Reads that were given up because other reads held all places, or the disk did not answer in time.
     pub reads_given_up: AtomicU64,
     /// Reads that failed.
     pub reads_failed: AtomicU64,
+    /// Reads for which the shared store was away; what they looked for was computed.
+    pub reads_away: AtomicU64,
     /// Large results that were taken back into memory because the disk did not take them.
     pub taken_back: AtomicU64,
     /// Large results that had to be computed again because the disk lost what it had taken.
@@ -27,15 +31,17 @@ pub struct DiskCounts {
 
 impl DiskCounts {
     /// Names and values, in the order of the fields.
-    pub fn list(&self) -> [(&'static str, u64); 9] {
+    pub fn list(&self) -> [(&'static str, u64); 11] {
         let Self {
             written,
             dropped_full,
             dropped_unfit,
             dropped_failed,
+            dropped_away,
             dropped_at_end,
             reads_given_up,
             reads_failed,
+            reads_away,
             taken_back,
             lost,
         } = self;
@@ -44,9 +50,11 @@ impl DiskCounts {
             ("dropped_full", dropped_full),
             ("dropped_unfit", dropped_unfit),
             ("dropped_failed", dropped_failed),
+            ("dropped_away", dropped_away),
             ("dropped_at_end", dropped_at_end),
             ("reads_given_up", reads_given_up),
             ("reads_failed", reads_failed),
+            ("reads_away", reads_away),
             ("taken_back", taken_back),
             ("lost", lost),
         ]

@@ -42,6 +42,11 @@ impl Reads {
         };
         match tokio::time::timeout(patience, read).await {
             Ok(Ok(Ok(read))) => return Some(read),
+            Ok(Ok(Err(error @ StoreError::Away { .. }))) => {
+                count(&self.counts.reads_away);
+                tracing::debug!(%error, "an artifact was not looked for");
+                return None;
+            }
             Ok(Ok(Err(error))) => tracing::warn!(%error, "an artifact could not be read"),
             Ok(Err(error)) => tracing::error!(%error, "reading an artifact panicked"),
             Err(_) => {

@@ -93,8 +93,8 @@ impl Tiers {
         self.disk.as_ref()?.writer.get(key)
     }
 
-    /// The manifest of an artifact wherever it is; small ones are brought into memory. A disk that fails or does not
-    /// answer in time has nothing.
+    /// The manifest of an artifact wherever it is, another server's included where servers share a store; small ones
+    /// are brought into memory. A disk that fails or does not answer in time has nothing.
     pub async fn find(&self, key: &Key) -> Option<Arc<Manifest>> {
         if let Some(manifest) = self.at_hand(key) {
             return Some(manifest);
@@ -103,7 +103,7 @@ impl Tiers {
             return Some(Arc::clone(waiting.manifest()));
         }
         let disk = self.disk.as_ref()?;
-        let manifest = disk.touch(key)?;
+        let manifest = disk.look_up(key).await?;
         if manifest.length > PROMOTED_BYTES.min(self.small_bytes) {
             return Some(manifest);
         }
@@ -222,9 +222,9 @@ impl Tiers {
     }
 
     /// Whether writes to disk fail, or one of them does not end; `None` when the last one succeeded, or failed more
-    /// than a minute ago.
+    /// than a minute ago. Never of a store that servers share: none of them would be ready then.
     pub fn disk_trouble(&self) -> Option<Trouble> {
-        self.disk.as_ref()?.writer.trouble()
+        self.disk.as_ref().filter(|disk| !disk.store.is_shared())?.writer.trouble()
     }
 
     /// Ends the writing to disk: waits until all that waits is written, at most so long. Says whether it was. Nothing
@@ -238,6 +238,16 @@ impl DiskTier {
     /// The manifest of an artifact, if it is there; counts as a use and never waits.
     fn touch(&self, key: &Key) -> Option<Arc<Manifest>> {
         self.store.manifest(key).ok().flatten()
+    }
+
+    /// The manifest of an artifact, if it is there; asks a store that others share, where it is not known here.
+    async fn look_up(&self, key: &Key) -> Option<Arc<Manifest>> {
+        let known = self.touch(key);
+        if known.is_some() || !self.store.is_shared() {
+            return known;
+        }
+        let (store, key) = (self.store.clone(), *key);
+        self.reads.read(LOOKUP_PATIENCE, move || store.look_up(&key)).await.flatten()
     }
 
     /// Whether a computation may write to it.

@@ -26,6 +26,10 @@ pub struct Uploads {
     begun: AtomicU64,
 }
 
+/// Nobody can tell at the moment whether an upload is there.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Unknown;
+
 /// A file on its way.
 #[derive(Debug)]
 pub struct Upload(Box<dyn Spool>);
@@ -66,10 +70,20 @@ impl Uploads {
         self.store.spool(content(&number.to_le_bytes())).map(Upload)
     }
 
-    /// What is known of an upload, if it is here and this tenant has sent it. Never waits; counts as a use.
-    pub fn find(&self, id: &Key, tenant: Tenant) -> Option<Arc<Manifest>> {
-        let here = self.store.manifest(id).ok().flatten();
-        here.filter(|manifest| manifest.content == *id && manifest.owners.contain(tenant))
+    /// What is known of an upload, if it is here and this tenant has sent it; counts as a use. Waits only for a store
+    /// that servers share, where this one does not know of it.
+    ///
+    /// # Errors
+    /// [`Unknown`]: the shared store does not tell whether it is there.
+    pub async fn find(&self, id: &Key, tenant: Tenant) -> Result<Option<Arc<Manifest>>, Unknown> {
+        let is_his = |manifest: &Arc<Manifest>| manifest.content == *id && manifest.owners.contain(tenant);
+        let here = self.store.manifest(id).ok().flatten().filter(is_his);
+        if here.is_some() || !self.store.is_shared() {
+            return Ok(here);
+        }
+        let (store, id) = (self.store.clone(), *id);
+        let found = self.reads.read(PATIENCE, move || store.look_up(&id)).await.ok_or(Unknown)?;
+        Ok(found.filter(is_his))
     }
 
     /// Keeps an upload here for as long as somebody needs it.

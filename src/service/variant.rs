@@ -89,6 +89,13 @@ impl Coding {
     }
 }
 
+/// The bytes of a file in a coding; `None` where that does not pay.
+pub fn encoded(coding: Coding, bytes: Bytes) -> Option<Vec<u8>> {
+    let task = Compress::new(&content(&bytes), coding, vec![bytes]);
+    let made = task.encoded(&Watch::default()).ok()?;
+    (!made.is_full).then_some(made.bytes)
+}
+
 /// The compression of an artifact: empty where it does not pay.
 #[derive(Debug)]
 pub struct Compress {

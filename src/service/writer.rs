@@ -283,12 +283,15 @@ impl Shared {
     }
 
     fn finish(&self, key: &Key, waiting: Waiting, written: Result<(), StoreError>) {
-        if let Err(error) = &written {
+        if let Err(error) = &written
+            && !matches!(error, StoreError::Away { .. })
+        {
             tracing::warn!(%key, %error, "the artifact could not be brought to disk");
         }
         count(match &written {
             Ok(()) => &self.counts.written,
             Err(StoreError::Io(_)) => &self.counts.dropped_failed,
+            Err(StoreError::Away { .. }) => &self.counts.dropped_away,
             Err(StoreError::TooLarge { .. } | StoreError::Occupied { .. } | StoreError::InUse) => {
                 &self.counts.dropped_unfit
             }

@@ -137,6 +137,11 @@ impl Attachments {
         !self.groups.is_empty() || !self.materials.is_empty()
     }
 
+    /// Whether some faces have a name that others have not.
+    pub fn tells_faces_apart(&self) -> bool {
+        self.groups.differ() || self.materials.differ()
+    }
+
     /// The colour of the vertices, if there is one, and its number among the channels.
     pub fn color(&self) -> Option<(usize, &Channel)> {
         self.channels.iter().enumerate().find(|(_, channel)| channel.is_color())

@@ -26,7 +26,8 @@ pub struct FaceSet {
 pub struct Labels {
     /// The names, in the order in which they were given.
     pub names: Vec<String>,
-    /// For each input face the number of its name, or [`NONE`]; empty without names.
+    /// For each input face the number of its name, or [`NONE`]; empty where there is no name, or where all faces have
+    /// the one that there is, as those have that come of them under any scheme.
     pub of_faces: Vec<u32>,
 }
 
@@ -39,8 +40,16 @@ impl Labels {
         self.names.is_empty()
     }
 
+    /// Whether some faces have a name that others have not.
+    pub fn differ(&self) -> bool {
+        !self.of_faces.is_empty()
+    }
+
     /// The number of the name of input face `f`, if it has one.
     pub fn number(&self, f: u32) -> Option<usize> {
+        if !self.differ() {
+            return (!self.is_empty()).then_some(0);
+        }
         let label = *self.of_faces.get(f as usize)?;
         (label != NONE).then_some(label as usize)
     }
@@ -91,7 +100,10 @@ impl Labels {
                 }
             }
         }
-        let names = sets.into_iter().map(|set| set.name).collect();
+        let names: Vec<String> = sets.into_iter().map(|set| set.name).collect();
+        if names.len() == 1 && of_faces.iter().all(|&label| label == 0) {
+            of_faces = Vec::new();
+        }
         if faults.is_empty() { Ok(Self { names, of_faces }) } else { Err(faults) }
     }
 }

@@ -3,7 +3,7 @@
 use utoipa::openapi::schema::{AdditionalProperties, SchemaType};
 use utoipa::openapi::{Array, ArrayBuilder, Object, ObjectBuilder, OneOfBuilder, RefOr, Schema, Type};
 
-use super::schema::{of, only};
+use super::schema::{COLOR_PATTERN, of, only};
 use crate::math::expression;
 use crate::math::parameter::{Default, Kind, MAX_NAME, Parameter};
 
@@ -64,10 +64,7 @@ pub(super) fn value(kind: &Kind, doc: Option<&str>) -> RefOr<Schema> {
         }
         Kind::Numbers { most } => described_list(numbers(1, *most), doc),
         Kind::Vector | Kind::Direction => described_list(numbers(3, 3), doc),
-        Kind::Color => {
-            let pattern = "^(#([0-9a-fA-F]{3}|[0-9a-fA-F]{6}|[0-9a-fA-F]{8})|transparent)$";
-            of(Type::String).pattern(Some(pattern)).description(doc).into()
-        }
+        Kind::Color => of(Type::String).pattern(Some(COLOR_PATTERN)).description(doc).into(),
         Kind::Group(fields) => object(fields).description(doc).into(),
         Kind::Groups { fields, most } => {
             let list = ArrayBuilder::new().items(object(fields));

@@ -7,7 +7,7 @@ use utoipa::{PartialSchema, ToSchema};
 use super::input::InputRequest;
 use super::output::{DESCRIBE, FRAME};
 use super::plan::PlanRequest;
-use super::written::{number, written};
+use super::written::{number, numbers, object, written};
 use crate::math::parameter::{Kind, Parameter};
 use crate::output::{FORMATS, description};
 
@@ -30,8 +30,14 @@ pub(crate) enum Takes {
     Flag,
     /// A text, or one of these texts where there are some.
     Text(Vec<String>),
-    /// A number, or a flag.
+    /// A number.
+    Number,
+    /// A whole number, or a number or a flag.
     Scalar,
+    /// Numbers, or a text in their place.
+    Numbers,
+    /// An object of such fields.
+    Object(Vec<Field>),
 }
 
 /// A field of the input or of the plan.
@@ -59,9 +65,14 @@ pub(crate) struct OutputField {
 impl Field {
     /// The JSON of a text.
     pub(crate) fn value(&self, text: &str) -> Value {
-        match self.takes {
+        match &self.takes {
             Takes::Text(_) => text.into(),
-            Takes::Flag | Takes::Scalar => text.parse().map_or_else(|_| number(text), Value::Bool),
+            Takes::Flag | Takes::Number | Takes::Scalar => text.parse().map_or_else(|_| number(text), Value::Bool),
+            Takes::Numbers => numbers(text),
+            Takes::Object(fields) => object(text, |name, text| {
+                let known = fields.iter().find(|field| field.name == name);
+                known.map_or_else(|| number(text), |field| field.value(text))
+            }),
         }
     }
 }
@@ -78,7 +89,8 @@ impl OutputField {
     }
 }
 
-/// The fields of the input and the plan of a job that take a text, a number or a flag, in their order.
+/// The fields of the input and the plan of a job that take a text, a number, a flag or an object of those, in their
+/// order.
 pub(crate) fn fields() -> Vec<Field> {
     let is_short = |field: &Field| field.name != UPLOAD;
     let all = [of::<InputRequest>(Part::Input), of::<PlanRequest>(Part::Plan)].concat();
@@ -107,14 +119,20 @@ fn of<T: ToSchema>(part: Part) -> Vec<Field> {
     T::schemas(&mut referred);
     let json = |schema| serde_json::to_value(schema).unwrap_or_default();
     let referred: Vec<(String, Value)> = referred.into_iter().map(|(name, schema)| (name, json(schema))).collect();
-    let mut found = Vec::new();
     let mut declared = Vec::new();
     properties(&json(<T as PartialSchema>::schema()), &mut declared);
+    simple(part, declared, &referred)
+}
+
+/// Those of some properties that a short text can give.
+fn simple(part: Part, declared: Vec<(String, Value)>, referred: &[(String, Value)]) -> Vec<Field> {
+    let mut found = Vec::new();
     for (name, schema) in declared {
-        let mut met = Met { doc: None, types: Vec::new(), choices: Vec::new() };
-        met.read(&schema, &referred);
+        let mut met = Met { doc: None, types: Vec::new(), choices: Vec::new(), inner: None };
+        met.read(&schema, referred);
         let known = found.iter().any(|field: &Field| field.name == name);
-        if let (Some(takes), false) = (met.takes(), known) {
+        let inner = met.inner.take().map(|inner| simple(part, inner, referred));
+        if let (Some(takes), false) = (met.takes(inner), known) {
             found.push(Field { part, name, doc: met.doc.unwrap_or_default().replace('\n', " "), takes });
         }
     }
@@ -137,6 +155,8 @@ struct Met {
     doc: Option<String>,
     types: Vec<String>,
     choices: Vec<String>,
+    /// The properties of an object none of which has to be given.
+    inner: Option<Vec<(String, Value)>>,
 }
 
 impl Met {
@@ -147,6 +167,9 @@ impl Met {
         let types = schema["type"].as_array().map_or(std::slice::from_ref(&schema["type"]), Vec::as_slice);
         self.types.extend(types.iter().filter_map(Value::as_str).map(str::to_owned));
         self.choices.extend(schema["enum"].as_array().into_iter().flatten().filter_map(Value::as_str).map(Into::into));
+        if schema["properties"].is_object() && schema["required"].is_null() {
+            properties(schema, self.inner.get_or_insert_default());
+        }
         alternatives(schema).for_each(|schema| self.read(schema, referred));
         let name = schema["$ref"].as_str().and_then(|place| place.rsplit('/').next());
         if let Some((_, schema)) = referred.iter().find(|(known, _)| Some(known.as_str()) == name) {
@@ -155,12 +178,15 @@ impl Met {
     }
 
     /// What a field of these types takes; nothing where it is no simple one.
-    fn takes(&self) -> Option<Takes> {
+    fn takes(&self, inner: Option<Vec<Field>>) -> Option<Takes> {
         let mut types: Vec<&str> = self.types.iter().map(String::as_str).filter(|name| *name != "null").collect();
         types.dedup();
         match types.as_slice() {
             ["boolean"] => Some(Takes::Flag),
             ["string"] => Some(Takes::Text(self.choices.clone())),
+            ["number"] => Some(Takes::Number),
+            ["object"] => inner.map(Takes::Object),
+            ["array", "string"] => Some(Takes::Numbers),
             [] => None,
             types if types.iter().all(|name| ["boolean", "number", "integer"].contains(name)) => Some(Takes::Scalar),
             _ => None,

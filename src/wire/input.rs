@@ -4,6 +4,7 @@ use serde::Deserialize;
 use utoipa::ToSchema;
 
 use super::choice::choice;
+use super::look::LookRequest;
 use super::mesh::MeshRequest;
 use super::object;
 use super::polygon::{PolygonRequest, polygons};
@@ -15,6 +16,7 @@ use crate::job::{Input, InputEntry};
 use crate::scheme::tags::Boundary;
 use crate::shape::check::{NonManifold, Winding};
 use crate::shape::frame::{Frame, Unit, Up};
+use crate::shape::looks::Look;
 use crate::shape::mesh::{Mesh, MeshInput};
 
 /// The input: exactly one of `mesh`, `text`, `blob`, `polygon` and `polygons`.
@@ -53,6 +55,10 @@ pub struct InputRequest {
     /// Join pairs of triangles of a mesh into quads, where there is one way to do it.
     #[serde(default)]
     pub pair_quads: bool,
+    /// How faces look that have no material of their own, and those of materials of which nothing but the name is
+    /// said.
+    #[serde(default, deserialize_with = "object::optional")]
+    pub material: Option<LookRequest>,
     /// A mesh file that was not written into the job.
     #[serde(skip)]
     pub file: Option<MeshFile>,
@@ -165,7 +171,7 @@ impl InputRequest {
         if let Some(mesh) = self.mesh.take() {
             let under = |found| under("/mesh", found);
             self.keeps_vertices(&mesh)?;
-            let input = mesh.input(self.winding()).map_err(under)?;
+            let input = self.covered(mesh.input(self.winding()).map_err(under)?)?;
             let input = Input::Mesh(self.mesh(input, self.distance(), purpose)?.map_err(under)?);
             return Ok(Resolved { input, entry: InputEntry::Mesh, boundary: None });
         }
@@ -177,7 +183,7 @@ impl InputRequest {
             let is_welded = vertices == Vertices::Doubled && self.weld.is_none() && purpose == Purpose::Refine;
             let usual = is_welded.then_some(0.0);
             let is_parted = vertices == Vertices::Joined && self.weld == Some(WeldRequest::Never);
-            let mesh = if is_parted { mesh.parted() } else { mesh };
+            let mesh = self.covered(if is_parted { mesh.parted() } else { mesh })?;
             let distance = self.distance().or(usual);
             // repairs leave faces out, or join them
             let lines = if distance.is_some() || self.pair_quads { Vec::new() } else { lines };
@@ -201,6 +207,18 @@ impl InputRequest {
     /// The distance within which vertices are merged, where it is given.
     fn distance(&self) -> Option<f64> {
         if let Some(WeldRequest::Within(distance)) = self.weld { Some(distance) } else { None }
+    }
+
+    /// The mesh with a look for the faces that have none, where the job says one.
+    fn covered(&mut self, mut mesh: MeshInput) -> Result<MeshInput, Vec<Fault>> {
+        let Some(material) = self.material.take() else { return Ok(mesh) };
+        let in_material = |found| under("/material", found);
+        let look: Look = material.look(&mut Vec::new()).map_err(|fault| in_material(vec![fault]))?;
+        if !mesh.attachments.cover(&look, mesh.faces.len()).map_err(in_material)? {
+            mesh.notes
+                .push("every face has a material of its own, so that that of the job is shown nowhere".to_owned());
+        }
+        Ok(mesh)
     }
 
     /// Repairs and checks a mesh, whose vertices are merged within a distance where there is one: faults of the
@@ -247,6 +265,9 @@ impl InputRequest {
         }
         if self.non_manifold.is_some() {
             faults.push(Fault::new("/non_manifold", "only meshes have edges with several faces; leave it out"));
+        }
+        if self.material.is_some() {
+            faults.push(Fault::new("/material", "only meshes have materials; leave it out"));
         }
         if self.pair_quads {
             faults.push(Fault::new("/pair_quads", "only meshes have triangles; leave it out"));

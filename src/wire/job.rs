@@ -10,6 +10,7 @@ use super::input::{InputRequest, Purpose, Resolved};
 use super::levels::LevelsRequest;
 use super::literal::WireLiteral;
 use super::output::{OutputRequest, outputs};
+use super::place::InputPlace;
 use super::plan::PlanRequest;
 use super::text::MeshFile;
 use super::variants::{InputSchema, PlanSchema};
@@ -42,6 +43,11 @@ pub struct JobRequest {
     /// How often the plan's cycle is applied, or how close to the limit it is to come; has to be given where there is a
     /// plan.
     pub levels: Option<LevelsRequest>,
+    /// The job from whose surface pictures with `"shading": "distance"` measure, in place of the control net; of its
+    /// outputs at most one counts, by its `positions` and `frame`.
+    #[serde(default, deserialize_with = "object::optional_box")]
+    #[schema(no_recursion)]
+    pub distance_to: Option<Box<JobRequest>>,
     /// Pictures of jobs in a grid, in place of `input`, `plan` and `levels`.
     #[serde(default, deserialize_with = "object::optional_box")]
     pub figure: Option<Box<FigureRequest>>,
@@ -120,6 +126,7 @@ impl JobRequest {
             input: InputRequest::missing(),
             plan: None,
             levels: None,
+            distance_to: None,
             figure: Some(Box::new(figure)),
             outputs: vec![output],
             left_out: 0,
@@ -132,15 +139,16 @@ impl JobRequest {
         self.outputs.iter().any(OutputRequest::describes)
     }
 
-    /// Puts the file of an upload where its name stands: in the job itself, or in that of a panel.
-    pub fn attach(&mut self, panel: Option<usize>, file: MeshFile) {
-        let input = match (panel, &mut self.figure) {
-            (None, _) => Some(&mut self.input),
-            (Some(at), Some(figure)) => figure.panels.get_mut(at).map(|panel| &mut panel.job.input),
+    /// Puts the file of an upload where its name stands.
+    pub fn attach(&mut self, place: InputPlace, file: MeshFile) {
+        let job = match (place.panel, &mut self.figure) {
+            (None, _) => Some(self),
+            (Some(at), Some(figure)) => figure.panels.get_mut(at).map(|panel| &mut panel.job),
             (Some(_), None) => None,
         };
-        if let Some(input) = input.filter(|input| input.file.is_none()) {
-            input.file = Some(file);
+        let job = if place.is_other { job.and_then(|job| job.distance_to.as_deref_mut()) } else { job };
+        if let Some(job) = job.filter(|job| job.input.file.is_none()) {
+            job.input.file = Some(file);
         }
     }
 
@@ -260,16 +268,29 @@ impl JobRequest {
         match self.parts_for(Ok(outputs), purpose, limits).draft()? {
             Draft::Job(job) => Ok(*job),
             Draft::Search(_) => {
-                let detail = "the level of a panel is a number; /v1/estimate tells the one that a tolerance leads to";
+                let detail = "here the level is a number; /v1/estimate tells the one that a tolerance leads to";
                 Err(vec![Fault::new("/levels", detail)])
             }
         }
     }
 
+    /// The job of the surface from which distances are measured.
+    fn other(self, limits: &ReadLimits) -> Result<Arc<Job>, Vec<Fault>> {
+        if self.figure.is_some() {
+            return Err(vec![Fault::new("/figure", "distances are measured from a surface; give the job of one")]);
+        }
+        let shape = OutputRequest::of_shape(self.outputs.first())?;
+        self.of_panel(outputs(&[shape], 0, None)?, limits).map(Arc::new)
+    }
+
     /// What a figure says besides that it must not.
     fn beside_figure(&self) -> Vec<Fault> {
-        let said =
-            [("input", !self.input.is_missing), ("plan", self.plan.is_some()), ("levels", self.levels.is_some())];
+        let said = [
+            ("input", !self.input.is_missing),
+            ("plan", self.plan.is_some()),
+            ("levels", self.levels.is_some()),
+            ("distance_to", self.distance_to.is_some()),
+        ];
         let fault = |name| {
             Fault::new(
                 format!("/{name}"),
@@ -305,6 +326,8 @@ impl JobRequest {
         let frame = self.input.frame();
         let input = keep(self.input.resolve(purpose, limits).map_err(|found| under("/input", found)), &mut faults);
         let outputs = keep(outputs, &mut faults).unwrap_or_default();
+        let other = self.distance_to.map(|other| other.other(limits).map_err(|found| under("/distance_to", found)));
+        let other = other.and_then(|other| keep(other, &mut faults));
         let says_boundary = self.plan.as_ref().is_some_and(|plan| plan.boundary.is_some());
         let mut plan = self.plan.map(PlanRequest::resolve);
         let boundary = input.as_ref().and_then(|input| input.boundary);
@@ -312,7 +335,7 @@ impl JobRequest {
         if let (Some(plan), Some(boundary), false) = (&mut plan, boundary, says_boundary) {
             plan.boundary = boundary;
         }
-        Parts { faults, kind, input, frame, plan, levels: self.levels.map(|levels| levels.0), outputs }
+        Parts { faults, kind, input, frame, plan, levels: self.levels.map(|levels| levels.0), outputs, other }
     }
 }
 
@@ -337,16 +360,17 @@ struct Parts {
     plan: Option<PlanInput>,
     levels: Option<Levels>,
     outputs: Vec<Output>,
+    other: Option<Arc<Job>>,
 }
 
 impl Parts {
     /// Fits the parts to each other. Where one is wrong, the others are looked at all the same, so that all faults come
     /// together.
     fn draft(self) -> Result<Draft, Vec<Fault>> {
-        let Self { mut faults, kind, input, frame, plan, levels, outputs } = self;
+        let Self { mut faults, kind, input, frame, plan, levels, outputs, other } = self;
         let found = match (input, kind) {
             (Some(Resolved { input, entry, .. }), _) => {
-                match Draft::new((input, entry, frame), plan.as_ref(), levels, outputs) {
+                match Draft::new((input, entry, frame), plan.as_ref(), levels, outputs, other) {
                     Ok(draft) if faults.is_empty() => return Ok(draft),
                     Ok(_) => Vec::new(),
                     Err(found) => found,

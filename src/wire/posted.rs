@@ -7,6 +7,7 @@ use utoipa::ToSchema;
 use super::analysis::AnalysisRequest;
 use super::job::JobRequest;
 use super::object;
+use super::place::InputPlace;
 
 /// A job: a render, or an analysis.
 #[derive(Debug, Clone, Deserialize, ToSchema)]
@@ -31,8 +32,8 @@ pub struct AnalysisJob {
 /// An upload that a job names.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct NamedUpload {
-    /// The panel of the figure that names it; none where the job itself does.
-    pub panel: Option<usize>,
+    /// The input that names it.
+    pub place: InputPlace,
     /// Its id.
     pub id: String,
 }
@@ -40,7 +41,7 @@ pub struct NamedUpload {
 impl NamedUpload {
     /// JSON pointer to the name.
     pub fn pointer(&self) -> String {
-        self.panel.map_or_else(|| "/input/blob".to_owned(), |at| format!("/figure/panels/{at}/job/input/blob"))
+        format!("{}/blob", self.place.pointer())
     }
 }
 
@@ -48,8 +49,9 @@ impl NamedUpload {
 pub fn uploads_of(body: &[u8]) -> Vec<NamedUpload> {
     #[derive(Deserialize)]
     struct Peek {
-        input: Option<PeekInput>,
         figure: Option<PeekFigure>,
+        #[serde(flatten)]
+        job: PeekJob,
     }
     #[derive(Deserialize)]
     struct PeekInput {
@@ -66,15 +68,25 @@ pub fn uploads_of(body: &[u8]) -> Vec<NamedUpload> {
     #[derive(Deserialize)]
     struct PeekJob {
         input: Option<PeekInput>,
+        distance_to: Option<PeekOther>,
+    }
+    #[derive(Deserialize)]
+    struct PeekOther {
+        input: Option<PeekInput>,
     }
     let names_one = body.windows(6).any(|word| word == b"\"blob\"");
     let peek = if names_one { serde_json::from_slice(body).ok() } else { None };
-    let Some(Peek { input, figure }) = peek else { return Vec::new() };
-    let id = |input: Option<PeekInput>| input.and_then(|input| input.blob);
+    let Some(Peek { job, figure }) = peek else { return Vec::new() };
     let panels = figure.into_iter().flat_map(|figure| figure.panels).enumerate();
-    let panels = panels.map(|(at, panel)| (Some(at), id(panel.job.input)));
-    let all = std::iter::once((None, id(input))).chain(panels);
-    all.filter_map(|(panel, id)| Some(NamedUpload { panel, id: id? })).collect()
+    let jobs = std::iter::once((None, job)).chain(panels.map(|(at, panel)| (Some(at), panel.job)));
+    let mut all = Vec::new();
+    for (panel, PeekJob { input, distance_to }) in jobs {
+        let inputs = [(false, input), (true, distance_to.and_then(|other| other.input))];
+        all.extend(inputs.into_iter().filter_map(|(is_other, input)| {
+            Some(NamedUpload { place: InputPlace { panel, is_other }, id: input?.blob? })
+        }));
+    }
+    all
 }
 
 /// Whether a body asks for an analysis; what is no JSON asks for nothing.

@@ -6,7 +6,7 @@ use std::sync::LazyLock;
 use base64::Engine;
 use serde_json::{Map, Value, json};
 
-use super::fields::{Field, Part, fields, output_fields};
+use super::fields::{Field, Part, Takes, fields, output_fields};
 use super::job::JobRequest;
 use super::output::OutputRequest;
 use super::read::{ReadError, read};
@@ -188,7 +188,14 @@ impl Declared {
     /// The value that a text stands for; what stands for none is left as it is, to be refused with a reason.
     fn typed(&self, name: &str, text: &str) -> Value {
         let (family, rest) = name.split_once('.').unwrap_or(("", name));
-        let field = |part| FIELDS.iter().find(|field| field.part == part && field.name == rest);
+        let field = |part| {
+            let (first, inner) = rest.split_once('.').unwrap_or((rest, ""));
+            let field = FIELDS.iter().find(|field| field.part == part && field.name == first)?;
+            match &field.takes {
+                Takes::Object(fields) if !inner.is_empty() => fields.iter().find(|field| field.name == inner),
+                _ => Some(field).filter(|_| inner.is_empty()),
+            }
+        };
         let field = match family {
             "" => field(Part::Plan),
             "input" => field(Part::Input),

@@ -37,7 +37,10 @@ pub fn described() -> Vec<Described> {
         parameter("format", "The format of the result; without it `Accept` chooses.", formats),
     ];
     let fields = fields().into_iter().filter(|field| !["preset", "word"].contains(&field.name.as_str()));
-    found.extend(fields.map(|field| of_field(&field)));
+    fields.for_each(|field| {
+        let family = if field.part == Part::Input { "input." } else { "" };
+        of_field(family, &field, &mut found);
+    });
     let of_presets = presets.flat_map(|preset| preset.parameters.iter().map(|parameter| (preset.name, parameter)));
     let of_words = WORD_PARAMETERS.iter().map(|parameter| ("word", parameter));
     for (name, declared) in by_name(of_presets.chain(of_words)) {
@@ -59,16 +62,23 @@ fn parameter(name: &str, doc: &str, schema: impl Into<RefOr<Schema>>) -> Describ
         .build()
 }
 
-fn of_field(field: &Field) -> Described {
-    let name = if field.part == Part::Input { format!("input.{}", field.name) } else { field.name.clone() };
+/// Adds a field of a family: an object field by field.
+fn of_field(family: &str, field: &Field, found: &mut Vec<Described>) {
+    let name = format!("{family}{}", field.name);
     let schema: RefOr<Schema> = match &field.takes {
         Takes::Flag => of(Type::Boolean).into(),
         Takes::Text(names) if names.is_empty() => of(Type::String).into(),
         Takes::Text(names) => of(Type::String).enum_values(Some(names.clone())).into(),
         Takes::Scalar if field.name == "weld" => WeldRequest::schema(),
+        Takes::Number => of(Type::Number).into(),
         Takes::Scalar => of(Type::Integer).minimum(Some(0)).into(),
+        Takes::Numbers => of(Type::String).min_length(Some(1)).into(),
+        Takes::Object(fields) => {
+            fields.iter().for_each(|field| of_field(&format!("{name}."), field, found));
+            return;
+        }
     };
-    parameter(&name, &field.doc, schema)
+    found.push(parameter(&name, &field.doc, schema));
 }
 
 /// The declarations of each name, in the order in which names are met.

@@ -94,13 +94,16 @@ pub(super) fn channel_rows() -> RefOr<Schema> {
     ArrayBuilder::new().items(OneOfBuilder::new().item(number).item(row)).build().into()
 }
 
+/// The texts that are colours.
+pub(super) const COLOR_PATTERN: &str = "^(#([0-9a-fA-F]{3}|[0-9a-fA-F]{6}|[0-9a-fA-F]{8})|transparent)$";
+
 /// A colour with or without alpha.
 pub(super) fn color() -> RefOr<Schema> {
     let component = of(Type::Number).minimum(Some(0)).maximum(Some(1));
-    let doc = "Red, green, blue and perhaps alpha (1 when left out), sRGB from 0 to 1.";
-    let kind = SchemaType::Array(vec![Type::Array, Type::Null]);
+    let doc = "Red, green, blue and perhaps alpha (1 when left out), sRGB from 0 to 1; or as a text like `#ff8800`.";
     let list = ArrayBuilder::new().items(component).min_items(Some(3)).max_items(Some(4));
-    list.schema_type(kind).description(Some(doc)).into()
+    let text = of(Type::String).pattern(Some(COLOR_PATTERN));
+    OneOfBuilder::new().item(list).item(text).item(of(Type::Null)).description(Some(doc)).into()
 }
 
 /// Edges as pairs of vertices.

@@ -60,7 +60,7 @@ pub(super) struct Held {
     pub(super) boundary: Option<Boundary>,
     /// The line of each face, where files have such; else empty.
     pub(super) lines: Vec<u32>,
-    /// Which corners share a vertex in files of its format.
+    /// Which corners share a vertex in the file.
     pub(super) vertices: Vertices,
 }
 
@@ -134,7 +134,8 @@ impl MeshFile {
             return Err(vec![Fault::new("/data", without_faces(mesh.positions.len(), &mesh.notes))]);
         }
         let (boundary, lines) = (mesh.boundary, std::mem::take(&mut mesh.lines));
-        Ok(Held { mesh: mesh.into_input(winding), boundary, lines, vertices: reader.vertices })
+        let vertices = mesh.vertices.unwrap_or(reader.vertices);
+        Ok(Held { mesh: mesh.into_input(winding), boundary, lines, vertices })
     }
 }
 

@@ -47,6 +47,12 @@ pub(crate) fn number(text: &str) -> Value {
     text.parse().ok().and_then(Number::from_f64).map_or_else(|| text.into(), Value::Number)
 }
 
+/// Numbers with commas between; else the text.
+pub(crate) fn numbers(text: &str) -> Value {
+    let all: Vec<Value> = text.split(',').map(number).collect();
+    if all.iter().all(Value::is_number) { all.into() } else { text.into() }
+}
+
 /// The parts of a text between commas that stand in no parentheses.
 fn items(text: &str) -> Vec<&str> {
     let mut depth = 0_usize;
@@ -62,8 +68,20 @@ fn items(text: &str) -> Vec<&str> {
     .collect()
 }
 
-/// The object of a text like `eye=1,2,3,zoom=2`: an item without a name goes on with the one before.
+/// The object of a text like `eye=1,2,3,zoom=2` whose fields are declared.
 fn group(fields: &[Parameter], text: &str) -> Value {
+    object(text, |name, text| {
+        let known = fields.iter().find(|field| field.name == name);
+        known.map_or_else(|| number(text), |field| written(&field.kind, text))
+    })
+}
+
+/// The object of a text like `eye=1,2,3,zoom=2`, whose fields have the values that `value` gives for their names and
+/// texts: an item without a name goes on with the one before. A text in braces is JSON.
+pub(crate) fn object(text: &str, value: impl Fn(&str, &str) -> Value) -> Value {
+    if let (true, Ok(json)) = (text.starts_with('{'), serde_json::from_str(text)) {
+        return json;
+    }
     let mut found: Vec<(String, String)> = Vec::new();
     for item in items(text) {
         match (item.split_once('='), found.last_mut()) {
@@ -72,9 +90,8 @@ fn group(fields: &[Parameter], text: &str) -> Value {
             (None, None) => return text.into(),
         }
     }
-    let field = |(name, value): (String, String)| {
-        let known = fields.iter().find(|field| field.name == name);
-        let value = known.map_or_else(|| number(&value), |field| written(&field.kind, &value));
+    let field = |(name, text): (String, String)| {
+        let value = value(&name, &text);
         (name, value)
     };
     Value::Object(found.into_iter().map(field).collect::<Map<_, _>>())

@@ -3,7 +3,7 @@
 use std::hint::black_box;
 
 use planish::math::parameter::{Literal, Values};
-use planish::output::scene::{Frame, Scene, Shape};
+use planish::output::scene::{Frame, Notes, Scene, Shape};
 use planish::refine::RefinedMesh;
 use planish::shape::source::MeshSource;
 use planish::watch::Watch;
@@ -41,6 +41,8 @@ fn written(mesh: &RefinedMesh, (name, option): (&str, Option<(&str, &str)>), tab
         control: &Shape::Mesh(mesh),
         warnings: &[],
         frame: Frame::default(),
+        notes: &Notes::default(),
+        weights: None,
         details: &[],
     };
     let format = planish::output::named(name).expect("a format of the catalogue");

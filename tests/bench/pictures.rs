@@ -6,7 +6,7 @@ use std::time::{Duration, Instant};
 
 use planish::math::parameter::{Literal, Values};
 use planish::output::normals;
-use planish::output::scene::{FaceChunk, Frame, Scene, Shape, triangles};
+use planish::output::scene::{FaceChunk, Frame, Notes, Scene, Shape, triangles};
 use planish::raster::{Camera, Ground, Look, Model, Normals, Surface, View, render};
 use planish::refine::RefinedMesh;
 use planish::shape::source::MeshSource;
@@ -75,6 +75,8 @@ fn written(mesh: &RefinedMesh) -> (Duration, Duration, usize) {
         control: &Shape::Mesh(mesh),
         warnings: &[],
         frame: Frame::default(),
+        notes: &Notes::default(),
+        weights: None,
         details: &[],
     };
     let mut bytes = Vec::new();

@@ -73,12 +73,12 @@ pub fn expression(data: &[u8]) {
     }
 }
 
-/// A word over the operators: no longer than words may be, and the same with its powers written out.
+/// A word over the operators: neither prefix nor cycle is longer than they may be, and its powers can be written out.
 pub fn word(data: &[u8]) {
     let Ok(text) = std::str::from_utf8(data) else { return };
     let Ok(word) = Word::parse(text) else { return };
-    let n = word.prefix.len() + word.cycle.len();
-    assert!((1..=MAX_LETTERS).contains(&n), "{n} letters in {text}");
+    let (prefix, cycle) = (word.prefix.len(), word.cycle.len());
+    assert!(prefix <= MAX_LETTERS && (1..=MAX_LETTERS).contains(&cycle), "{prefix} and {cycle} letters in {text}");
     let plain = |word: &Word| word.letters(2).count();
     let twice = Word::parse(&format!("({text})^2"));
     if let Ok(twice) = twice {

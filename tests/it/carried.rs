@@ -8,6 +8,7 @@ mod laws;
 mod libraries;
 mod looks;
 mod morphs;
+mod of_job;
 mod read;
 mod refused;
 mod seams;

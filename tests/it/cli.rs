@@ -128,7 +128,9 @@ fn a_small_job_starts_no_threads() {
 
 #[test]
 fn a_dash_is_a_standard_stream() {
-    for format in FORMATS.iter().filter(|format| formats(true).iter().any(|held| held.name() == format.name())) {
+    let held = |name| formats(true).iter().any(|held| held.name() == name);
+    // solids say in a warning how exact they are
+    for format in FORMATS.iter().filter(|format| held(format.name()) && !format.is_of_limit()) {
         let output = piped(&["render", "-", "-o", "-", "--format", format.name()], &mesh(1));
         assert!(output.status.success(), "{}", text(&output.stderr));
         assert!(output.stderr.is_empty(), "no bar without a terminal");

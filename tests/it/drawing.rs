@@ -1,6 +1,7 @@
 //! One drawing, three back ends: what is painted, what is written, and what a text can do to them.
 
 mod curves;
+mod hatching;
 mod hidden_lines;
 
 use planish::drawing::{

@@ -5,9 +5,10 @@ use std::ops::Range;
 use std::sync::Arc;
 
 use planish::math::parameter::{Literal, Values};
-use planish::output::scene::{Curve, FaceChunk, Frame, MeshSource, Scene, Shape, in_chunks};
+use planish::output::scene::{Curve, FaceChunk, Frame, MeshSource, Notes, Scene, Shape, in_chunks};
 use planish::output::{Counts, Format, FormatError, ShapeKind, Size, named};
 use planish::shape::source::OriginSource;
+use planish::solid::Cage;
 use planish::watch::Watch;
 use proptest::prelude::*;
 use serde_json::{Value, json};
@@ -75,6 +76,7 @@ fn counts(shape: Shape<'_>) -> Counts {
             attachments: Arc::new(mesh.attachments().clone()),
             input_faces: mesh.input_cells()[2],
             input_edges: mesh.input_cells()[1],
+            cage: Cage::default(),
             ..nothing(ShapeKind::Mesh)
         },
         Shape::Curves(curves) => Counts {
@@ -119,7 +121,15 @@ fn options(name: &str, given: &[(&str, Literal)]) -> Values {
 fn attempt(format: &dyn Format, options: &Values, shape: Shape<'_>) -> Result<Vec<u8>, FormatError> {
     let mut out = Vec::new();
     format.write(
-        &Scene { shape, control: &shape, warnings: &[], frame: Frame::default(), details: &[] },
+        &Scene {
+            shape,
+            control: &shape,
+            warnings: &[],
+            frame: Frame::default(),
+            notes: &Notes::default(),
+            weights: None,
+            details: &[],
+        },
         options,
         &mut out,
         &Watch::new(),
@@ -300,7 +310,15 @@ fn json_carries_warnings_as_far_as_its_forecast_allows() {
         let warnings: Vec<String> = (0..n).map(|i| format!("\"odd\" vertex {i}")).collect();
         let mut out = Vec::new();
         json.write(
-            &Scene { shape, control: &shape, warnings: &warnings, frame: Frame::default(), details: &[] },
+            &Scene {
+                shape,
+                control: &shape,
+                warnings: &warnings,
+                frame: Frame::default(),
+                notes: &Notes::default(),
+                weights: None,
+                details: &[],
+            },
             &options("json", &[]),
             &mut out,
             &Watch::new(),
@@ -397,7 +415,15 @@ fn a_stopped_watch_and_a_full_disk_end_every_writer() {
     }
     let net = cube();
     let shape = Shape::Mesh(&net);
-    let scene = Scene { shape, control: &shape, warnings: &[], frame: Frame::default(), details: &[] };
+    let scene = Scene {
+        shape,
+        control: &shape,
+        warnings: &[],
+        frame: Frame::default(),
+        notes: &Notes::default(),
+        weights: None,
+        details: &[],
+    };
     let stopped = Watch::new();
     stopped.stop();
     for (format, options) in variants() {

@@ -15,5 +15,6 @@ mod places;
 mod searches;
 mod shutdown;
 mod slow;
+mod supply;
 mod table;
 mod threads;

@@ -17,6 +17,7 @@ const FLOORS: &[(&str, u32)] = &[
     ("shape", 2),
     ("scheme", 3),
     ("refine", 4),
+    ("solid", 4),
     ("output", 5),
     ("analysis", 5),
     ("input", 5),

@@ -21,6 +21,7 @@ mod links;
 mod metrics;
 mod negotiation;
 mod operations;
+mod play;
 mod posting;
 mod questions;
 mod quotas;

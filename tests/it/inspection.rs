@@ -1,6 +1,8 @@
 //! Surfaces inspected: curvature against closed forms, and pictures whose colours and lines follow laws.
 
 mod curvature;
+mod legends;
+mod others;
 mod pictures;
 mod refused;
 

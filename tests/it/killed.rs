@@ -19,15 +19,31 @@ const NUMBER: &str = "PLANISH_TEST_KILLS";
 /// Of so many moments each round has one, in steps of a few milliseconds.
 const MOMENTS: u64 = 60;
 
+/// Jobs of a batch of the load.
+const BATCH: usize = 3;
+
+/// The place of a job or a batch, and the numbers of its jobs.
+type Accepted = (String, Vec<u64>);
+
 /// A process of the service, killed when it is dropped.
-struct Service {
+pub(crate) struct Service {
     child: Child,
-    url: String,
+    pub(crate) url: String,
 }
 
 impl Service {
     fn start(data: &Path) -> Self {
-        let mut child = Command::new(env!("CARGO_BIN_EXE_planish"))
+        Self::run(&mut Command::new(env!("CARGO_BIN_EXE_planish")), data)
+    }
+
+    /// The number of its process.
+    pub(crate) fn id(&self) -> u32 {
+        self.child.id()
+    }
+
+    /// Has a command run the service.
+    pub(crate) fn run(command: &mut Command, data: &Path) -> Self {
+        let mut child = command
             .args(["serve", "--listen", "127.0.0.1:0", "--threads", "2", "--log", "error", "--data-dir"])
             .arg(data)
             // a variable that is no setting would be refused
@@ -80,15 +96,23 @@ fn mixed(number: u64) -> u64 {
     x.wrapping_mul(0xbf58_476d_1ce4_e5b9) >> 17
 }
 
-/// Posts jobs until the service is gone; those that it accepted, by their places.
-async fn load(client: reqwest::Client, url: String, first: u64) -> Vec<(String, u64)> {
+/// Posts jobs, and now and then a batch of them, until the service is gone; those that it accepted, by their places,
+/// each with the numbers of its jobs.
+async fn load(client: reqwest::Client, url: String, first: u64) -> Vec<Accepted> {
     let mut accepted = Vec::new();
-    for number in first.. {
-        let request = client.post(format!("{url}/v1/jobs")).json(&job(number)).send();
-        let Ok(answer) = request.await else { break };
+    for number in (first..).step_by(BATCH) {
+        let numbers = if mixed(number).is_multiple_of(5) { number..number + BATCH as u64 } else { number..number + 1 };
+        let numbers: Vec<_> = numbers.collect();
+        let request = if let [one] = numbers[..] {
+            client.post(format!("{url}/v1/jobs")).json(&job(one))
+        } else {
+            let jobs: Vec<_> = numbers.iter().copied().map(job).collect();
+            client.post(format!("{url}/v1/batches")).json(&json!({ "jobs": jobs }))
+        };
+        let Ok(answer) = request.send().await else { break };
         let status = answer.status().as_u16();
         if status == 202 || status == 200 {
-            accepted.push((answer.headers()["location"].to_str().unwrap().to_owned(), number));
+            accepted.push((answer.headers()["location"].to_str().unwrap().to_owned(), numbers));
         }
         // some are looked at, some are rendered at once beside them
         if mixed(number).is_multiple_of(4)
@@ -119,7 +143,7 @@ fn whatever_moment_it_is_killed_no_accepted_job_is_lost_and_no_byte_is_wrong() {
     let data = folder.path().join("data");
     let runtime = tokio::runtime::Builder::new_multi_thread().worker_threads(2).enable_all().build().unwrap();
     let client = reqwest::Client::builder().no_proxy().build().unwrap();
-    let (mut accepted, mut n_checked) = (BTreeMap::new(), 0);
+    let (mut accepted, mut n_checked, mut n_batches) = (BTreeMap::new(), 0, 0);
     for round in 0..kills {
         let mut service = Service::start(&data);
         let posting = runtime.spawn(load(client.clone(), service.url.clone(), round * 1000));
@@ -131,11 +155,13 @@ fn whatever_moment_it_is_killed_no_accepted_job_is_lost_and_no_byte_is_wrong() {
         if round % 4 == 3 || round + 1 == kills {
             let service = Service::start(&data);
             runtime.block_on(check(&client, &service.url, &accepted));
-            n_checked += accepted.len();
+            n_checked += accepted.values().map(Vec::len).sum::<usize>();
+            n_batches += accepted.values().filter(|numbers| numbers.len() > 1).count();
             accepted.clear();
         }
     }
     assert!(n_checked as u64 >= kills, "only {n_checked} jobs were accepted");
+    assert!(n_batches as u64 >= kills / 10, "only {n_batches} batches were accepted");
     drop(Service::start(&data));
     let left: Vec<_> = std::fs::read_dir(data.join("tmp")).unwrap().collect();
     assert!(left.is_empty(), "{left:?}");
@@ -180,16 +206,21 @@ fn a_job_with_which_the_process_ends_five_times_is_given_up() {
     assert!(poison["error"].as_str().unwrap().contains("begun 5 times"), "{poison}");
 }
 
-/// Every accepted job is known, comes to its end, and has the bytes that it has here.
-async fn check(client: &reqwest::Client, url: &str, accepted: &BTreeMap<String, u64>) {
-    for (place, number) in accepted {
+/// Every accepted job, alone or in a batch, is known, comes to its end, and has the bytes that it has here.
+async fn check(client: &reqwest::Client, url: &str, accepted: &BTreeMap<String, Vec<u64>>) {
+    for (place, numbers) in accepted {
         let status = settled(client, &format!("{url}{place}")).await;
-        assert_eq!(status["state"], "done", "job {number}: {status}");
-        for (output, fresh) in status["outputs"].as_array().unwrap().iter().zip(fresh(&job(*number))) {
-            let href = output["href"].as_str().unwrap();
-            let answer = client.get(format!("{url}{href}")).send().await.unwrap();
-            assert_eq!(answer.status(), 200, "job {number}: {href}");
-            assert!(answer.bytes().await.unwrap() == fresh, "job {number}: {href} has other bytes");
+        assert_eq!(status["state"], "done", "jobs {numbers:?}: {status}");
+        let jobs = status["items"].as_array().cloned().unwrap_or_else(|| vec![status.clone()]);
+        assert_eq!(jobs.len(), numbers.len(), "{status}");
+        for (status, &number) in jobs.iter().zip(numbers) {
+            assert_eq!(status["state"], "done", "job {number}: {status}");
+            for (output, fresh) in status["outputs"].as_array().unwrap().iter().zip(fresh(&job(number))) {
+                let href = output["href"].as_str().unwrap();
+                let answer = client.get(format!("{url}{href}")).send().await.unwrap();
+                assert_eq!(answer.status(), 200, "job {number}: {href}");
+                assert!(answer.bytes().await.unwrap() == fresh, "job {number}: {href} has other bytes");
+            }
         }
     }
 }

@@ -1,11 +1,13 @@
 //! What every store keeps to, checked on each of them.
 #![allow(clippy::unwrap_used, reason = "a test may fail where it stands")]
 
+pub(crate) mod bucket;
 mod codec;
 mod crash;
 mod disk;
 mod faults;
 pub(crate) mod faulty;
+mod shared;
 
 use std::io::Write;
 use std::path::{Path, PathBuf};

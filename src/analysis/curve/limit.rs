@@ -2,7 +2,7 @@
 
 use super::cycle::NoMask;
 use super::rows::{LimitRows, Row};
-use crate::math::rows::{Rows, RowsBy, blend};
+use crate::math::rows::{RowSource, Rows, RowsBy, blend};
 use crate::refine::{RefineError, refined_points};
 use crate::scheme::extent::{Ends, Extent};
 use crate::scheme::operator::Role;
@@ -95,11 +95,7 @@ pub fn refine_to_limit(
 /// # Errors
 /// [`Stopped`] when the watch says so.
 fn limit(net: &PolygonNet, points: &[f64], width: usize, rows: &LimitRows, watch: &Watch) -> Result<Limit, Stopped> {
-    let positions = RowsBy::new(net.n, net.n, |stored, out: &mut Rows| match kind(net, stored) {
-        PointKind::Inner(i) => add(net, i, &rows.position[0], out),
-        _ => out.add(index(stored), 1.0),
-    });
-    let positions = blend(&positions, points, width, watch)?;
+    let positions = blend(&positions(net, rows), points, width, watch)?;
     let tangents = match &rows.tangent {
         None => Vec::new(),
         Some(pair) => {
@@ -112,6 +108,14 @@ fn limit(net: &PolygonNet, points: &[f64], width: usize, rows: &LimitRows, watch
         }
     };
     Ok(Limit { points: positions, tangents })
+}
+
+/// The rows of the limit points of a refined polygon, over its points.
+pub fn positions(net: &PolygonNet, rows: &LimitRows) -> impl RowSource {
+    RowsBy::new(net.n, net.n, |stored, out: &mut Rows| match kind(net, stored) {
+        PointKind::Inner(i) => add(net, i, &rows.position[0], out),
+        _ => out.add(index(stored), 1.0),
+    })
 }
 
 /// A stored point; all but inner ones stay where they are.

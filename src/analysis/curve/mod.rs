@@ -14,6 +14,6 @@ pub use cycle::{Cycle, NoMask};
 pub use distance::{Distances, MAX_WORK, NoBound};
 pub use exact_cycle::ExactCycle;
 pub use exact_steps::{ExactStep, exact_steps};
-pub use limit::{Limit, NoLimit, check, refine_to_limit};
+pub use limit::{Limit, NoLimit, check, positions, refine_to_limit};
 pub use rows::{LimitRows, Row};
 pub use tolerance::{Reached, reach, search_bytes};

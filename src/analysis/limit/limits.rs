@@ -43,6 +43,18 @@ pub(super) fn without_normals(why: impl fmt::Display) -> String {
     format!("the normals are weighted by area, as limit ones do not exist: {why}")
 }
 
+/// What limits of a net are made of.
+pub(super) struct Looked<'a> {
+    /// The masks of all vertices; none where nothing is left to be found.
+    pub(super) field: Option<&'a Field<'a>>,
+    /// The sectors of all vertices.
+    pub(super) sectors: &'a [(u32, usize)],
+    /// The points that the masks weigh.
+    pub(super) points: &'a [Points],
+    /// Why there are no normals although they are asked for.
+    pub(super) warning: Option<String>,
+}
+
 /// The limits of a net that `ahead` would refine further.
 ///
 /// # Errors
@@ -55,9 +67,38 @@ pub(in crate::analysis) fn limits(
     request: LimitRequest,
     watch: &Watch,
 ) -> Result<Limits, Unlimited> {
+    look((plan, ahead), (net, given), request, watch, |Looked { field, sectors, points, warning }| {
+        let Some(field) = field else { return Ok(Limits { warning, ..Limits::default() }) };
+        let vertices = &sectors[..field.n_vertices()];
+        let positions = if request.positions { Some(moved(field, vertices, points, given, watch)?) } else { None };
+        if warning.is_some() || !request.normals {
+            return Ok(Limits { points: positions, normals: None, warning });
+        }
+        let tangent = |i| blend(&field.rows(sectors, Functional::Tangent(i)), &points[0].now, 3, watch);
+        let (normals, warning) = normals::of(field, sectors, &tangent(0)?, &tangent(1)?);
+        Ok(Limits { points: positions, normals: Some(normals), warning })
+    })
+}
+
+/// Steps that come before limits are looked for: what comes before the first upsampling moves points, and puts faces in
+/// the place of vertices, but the limits stay.
+pub(super) fn before(ahead: &[Scheduled]) -> usize {
+    ahead.iter().take_while(|step| !step.letter.facts().children.refine()).count()
+}
+
+/// Finds the masks of a net that `ahead` would refine further, and what `then` makes of them.
+///
+/// # Errors
+/// [`Unlimited`].
+pub(super) fn look<T>(
+    (plan, ahead): (&Plan, &[Scheduled]),
+    (net, given): (&MeshNet, &[Points]),
+    request: LimitRequest,
+    watch: &Watch,
+    then: impl FnOnce(Looked<'_>) -> Result<T, Unlimited>,
+) -> Result<T, Unlimited> {
     check(plan)?;
-    // what comes before the first upsampling moves points, and puts faces in the place of vertices: the limits stay
-    let before = ahead.iter().take_while(|step| !step.letter.facts().children.refine()).count();
+    let before = before(ahead);
     let Unrefined { net, points, centres } = Unrefined::by(net, given, plan, &ahead[..before], watch)?;
     let starts = Starts { is_open: net.mesh.base.n_boundary() > 0, others: centres.is_some() };
     let (topology, steady) = (net.mesh.topology(), Plan { perturbation: None, ..plan.clone() });
@@ -67,7 +108,7 @@ pub(in crate::analysis) fn limits(
     let perturbation = perturbed::of(plan);
     let kinked = perturbation.as_ref().filter(|_| request.normals).and_then(perturbed::no_normals);
     if kinked.is_some() && !request.positions {
-        return Ok(Limits { warning: kinked, ..Limits::default() });
+        return then(Looked { field: None, sectors: &[], points: &points, warning: kinked });
     }
     let with_tangents = request.normals && smoothness == Smoothness::Smooth && kinked.is_none();
     let around = RefinedNet::new(net, topology, centres, on_net.surroundings);
@@ -79,20 +120,12 @@ pub(in crate::analysis) fn limits(
             None => Field::new(&around, &on_net, rings, &finder, watch),
         }
     })?;
-    let sectors = field.sectors();
-    let vertices = &sectors[..field.n_vertices()];
-    let positions = if request.positions { Some(moved(&field, vertices, &points, given, watch)?) } else { None };
     let regular = || field.no_regular_tangents().map(|why| without_normals(why.at("a regular vertex")));
     let warning = match smoothness {
         Smoothness::Continuous => Some(without_normals("the scheme has no continuous tangents")),
         _ => kinked.or_else(regular),
     };
-    if warning.is_some() || !request.normals {
-        return Ok(Limits { points: positions, normals: None, warning });
-    }
-    let tangent = |i| blend(&field.rows(&sectors, Functional::Tangent(i)), &points[0].now, 3, watch);
-    let (normals, warning) = normals::of(&field, &sectors, &tangent(0)?, &tangent(1)?);
-    Ok(Limits { points: positions, normals: Some(normals), warning })
+    then(Looked { field: Some(&field), sectors: &field.sectors(), points: &points, warning })
 }
 
 /// What `find` finds with these rings, or with a few more where a wider disc may have what a narrower one lacks.

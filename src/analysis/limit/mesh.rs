@@ -56,7 +56,7 @@ fn at_one_frame(
 }
 
 /// The steps of so many levels and of those that limits look ahead, and the number of the former.
-fn scheduled(plan: &Plan, levels: u32) -> Result<(Vec<Scheduled>, usize), Unlimited> {
+pub(super) fn scheduled(plan: &Plan, levels: u32) -> Result<(Vec<Scheduled>, usize), Unlimited> {
     let later = |fault: Fault| Unlimited::Later(fault.detail);
     let steps = plan.schedule(levels + AHEAD).map_err(later)?;
     Ok((steps, plan.word.prefix.len() + levels as usize * plan.word.cycle.len()))

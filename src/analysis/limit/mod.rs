@@ -46,6 +46,7 @@ mod tangent;
 mod tests;
 mod vertex_parameters;
 mod walk;
+mod weigh;
 
 pub(super) use child::child;
 pub use continuity::check;
@@ -59,3 +60,4 @@ pub use mesh::{refine_mesh_to_limit, to_limit_by_rows};
 pub use perturbed::{ROWS_A_POINT, followed_points};
 pub(super) use record::{Record, Weights};
 pub use request::LimitRequest;
+pub use weigh::{NoWeights, weigh_mesh_to_limit};

@@ -14,7 +14,7 @@ use super::request::LimitRequest;
 use super::sector::Sectors;
 use super::vertex_parameters::CommonParameters;
 use super::walk::WholeNet;
-use crate::refine::{Program, RefinedMesh, Stencil, Stencils, mesh_net};
+use crate::refine::{Program, RefinedMesh, Stencil, Stencils, Traced, mesh_net};
 use crate::scheme::mesh_net::MeshNet;
 use crate::scheme::operator::Role;
 use crate::scheme::plan::{Plan, Scheduled};
@@ -45,6 +45,28 @@ pub(super) fn refine_swept(
     };
     let refined = program.refine(mesh, plan, steps, watch)?;
     Ok(program.at_limit(refined, limits.as_ref(), normals.as_ref(), watch).map_err(Unlimited::Stopped)?)
+}
+
+/// The rows of what is asked for of the limit of such a mesh, over its points, where [`refine_swept`] finds that.
+///
+/// # Errors
+/// [`LimitError`].
+pub(super) fn trace_swept(
+    mesh: &Mesh,
+    plan: &Plan,
+    (steps, ahead): (&[Scheduled], &[Scheduled]),
+    request: LimitRequest,
+    watch: &Watch,
+) -> Result<Option<[Option<Traced>; 2]>, LimitError> {
+    if refine_swept(mesh, plan, (steps, ahead), request, watch)?.is_none() {
+        return Ok(None);
+    }
+    let program = Program::of(mesh, plan, steps);
+    let (Some(sweep), Some(found)) = (program.points(), stencils(&program, mesh, plan, ahead, request, watch)?) else {
+        return Ok(None);
+    };
+    let [limits, normals] = found.map(|found| found.map(|found| sweep.traced(&found, watch)).transpose());
+    Ok(Some([limits.map_err(Unlimited::Stopped)?, normals.map_err(Unlimited::Stopped)?]))
 }
 
 /// The stencils of limits and of normals, as far as they are asked for; none where they cannot be read off small nets.

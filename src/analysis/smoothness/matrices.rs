@@ -4,6 +4,9 @@
 //!
 //! Source: Daubechies and Lagarias, SIAM Journal on Mathematical Analysis 23 (1992), 1031-1079.
 
+use std::iter::Sum;
+use std::ops::Mul;
+
 use num_traits::{Signed, Zero};
 
 use crate::math::exact::Exact;
@@ -28,8 +31,11 @@ pub(super) fn of_residual(residual: &[Exact], arity: i64) -> Vec<ExactMatrix> {
 }
 
 /// The product of two square matrices.
-pub(super) fn product(a: &ExactMatrix, b: &ExactMatrix) -> ExactMatrix {
-    let cell = |row: &[Exact], k: usize| {
+pub(super) fn product<T: Zero + Sum>(a: &[Vec<T>], b: &[Vec<T>]) -> Vec<Vec<T>>
+where
+    for<'a> &'a T: Mul<Output = T>,
+{
+    let cell = |row: &[T], k: usize| {
         let terms = row.iter().zip(b).filter(|(x, other)| !x.is_zero() && !other[k].is_zero());
         terms.map(|(x, other)| x * &other[k]).sum()
     };

@@ -7,7 +7,9 @@
 //!
 //! Source: Gripenberg, Linear Algebra and its Applications 234 (1996), 43-60.
 
-use num_traits::{One, Zero};
+use num_bigint::BigInt;
+use num_integer::Integer;
+use num_traits::{FromPrimitive, One, Zero};
 
 use super::lower::Lower;
 use super::matrices::{ExactMatrix, multiply, product, row_norm};
@@ -33,6 +35,9 @@ const MAX_TURNED: usize = 28;
 /// It is that of the 16-point scheme. Half and twice of it let eight times as few or as many products of larger ones be
 /// looked at.
 const USUAL_SIZE: usize = 14;
+/// Of what a coordinate is a multiple: one over this.
+/// Coordinates of half or twice as many steps are as good; finer ones make longer fractions.
+const DIGITS: f64 = 4096.0;
 /// Products that choose the coordinates.
 const TRIAL_WORDS: usize = 256;
 
@@ -55,6 +60,9 @@ impl Upper {
         self.exact.as_ref().map_or_else(|| binary(self.value) < *x, |bound| bound < x)
     }
 }
+
+/// A square matrix of whole numbers, row by row.
+type WholeMatrix = Vec<Vec<BigInt>>;
 
 /// Matrices in coordinates of their own.
 struct Family {
@@ -151,7 +159,6 @@ fn scaled(matrices: &[ExactMatrix]) -> Vec<ExactMatrix> {
 
 /// A number with few digits near a positive one.
 fn short(x: f64) -> Exact {
-    const DIGITS: f64 = 4096.0;
     let rounded = (x * DIGITS).round();
     binary(if rounded == 0.0 { 1.0 / DIGITS } else { rounded / DIGITS })
 }
@@ -178,17 +185,28 @@ fn in_ellipsoid(matrices: &[ExactMatrix], lower: f64, n: usize) -> Option<Vec<Ex
         p = next.iter().map(|x| x * scale).collect();
     }
     let l = cholesky(&p, n)?;
-    // upper triangular: L^T
-    let to: ExactMatrix = (0..n)
-        .map(|i| (0..n).map(|k| if k < i { Exact::zero() } else { coarse(l[k * n + i], i == k) }).collect())
+    // upper triangular: L^T, as whole numbers
+    let to: Vec<Vec<BigInt>> = (0..n)
+        .map(|i| (0..n).map(|k| if k < i { BigInt::zero() } else { coarse(l[k * n + i], i == k) }).collect())
         .collect();
-    let back = inverse_of_upper(&to);
-    Some(matrices.iter().map(|t| product(&product(&to, t), &back)).collect())
+    let (back, determinant) = adjugate_of_upper(&to);
+    Some(matrices.iter().map(|t| in_coordinates(t, &to, &back, &determinant)).collect())
 }
 
-/// A number with few digits; not 0 on the diagonal.
-fn coarse(x: f64, diagonal: bool) -> Exact {
-    if diagonal { short(x) } else { binary((x * 4096.0).round() / 4096.0) }
+/// `U T adj(U) / det(U)`. Only the last step has fractions, as each of theirs looks for a common divisor.
+fn in_coordinates(t: &ExactMatrix, to: &WholeMatrix, back: &WholeMatrix, determinant: &BigInt) -> ExactMatrix {
+    let common = t.iter().flatten().fold(BigInt::one(), |common, x| common.lcm(x.denom()));
+    let whole: WholeMatrix =
+        t.iter().map(|row| row.iter().map(|x| x.numer() * (&common / x.denom())).collect()).collect();
+    let under = common * determinant;
+    let turned = product(&product(to, &whole), back);
+    turned.into_iter().map(|row| row.into_iter().map(|x| Exact::new(x, under.clone())).collect()).collect()
+}
+
+/// A number in units of 1/4096; not 0 on the diagonal.
+fn coarse(x: f64, diagonal: bool) -> BigInt {
+    let rounded = (x * DIGITS).round();
+    BigInt::from_f64(if diagonal && rounded == 0.0 { 1.0 } else { rounded }).unwrap_or_else(BigInt::zero)
 }
 
 fn cholesky(p: &[f64], n: usize) -> Option<Vec<f64>> {
@@ -209,17 +227,19 @@ fn cholesky(p: &[f64], n: usize) -> Option<Vec<f64>> {
     Some(l)
 }
 
-fn inverse_of_upper(u: &ExactMatrix) -> ExactMatrix {
+/// The adjugate of an upper triangular matrix, and its determinant: their quotient is the inverse.
+fn adjugate_of_upper(u: &WholeMatrix) -> (WholeMatrix, BigInt) {
     let n = u.len();
-    let mut inverse = vec![vec![Exact::zero(); n]; n];
+    let determinant: BigInt = (0..n).map(|i| &u[i][i]).product();
+    let mut adjugate = vec![vec![BigInt::zero(); n]; n];
     for k in 0..n {
-        inverse[k][k] = Exact::one() / &u[k][k];
+        adjugate[k][k] = &determinant / &u[k][k];
         for i in (0..k).rev() {
-            let sum: Exact = (i + 1..=k).map(|m| &u[i][m] * &inverse[m][k]).sum();
-            inverse[i][k] = -sum / &u[i][i];
+            let sum: BigInt = (i + 1..=k).map(|m| &u[i][m] * &adjugate[m][k]).sum();
+            adjugate[i][k] = -sum / &u[i][i];
         }
     }
-    inverse
+    (adjugate, determinant)
 }
 
 impl Family {

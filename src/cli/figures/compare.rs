@@ -1,15 +1,14 @@
 //! Two versions of a figure: what is different, as a picture and in numbers.
 
-use std::io::Cursor;
 use std::path::Path;
 
-use image::{ImageFormat, Rgba, RgbaImage};
 use serde_json::Value;
 
 use super::manifest::Entry;
 use super::rendered::{admitted, bytes, load};
 use crate::cli::error::CliError;
-use crate::job::Job;
+use crate::job::{Compared, Comparison, Job, KeepNothing, PngFile, Side, Tolerances};
+use crate::watch::Watch;
 use crate::wire::job::{FigureRequest, JobRequest, PanelRequest, SharedRequest};
 use crate::wire::output::OutputRequest;
 
@@ -24,8 +23,8 @@ pub(super) struct Difference {
     pub(super) after: Option<Vec<u8>>,
     /// Where they differ, as a PNG, where both are pictures in pixels of one size.
     pub(super) where_: Option<Vec<u8>>,
-    /// Pixels that differ, of how many, and by how much at most, 0 to 255.
-    pub(super) pixels: Option<(u64, u64, u8)>,
+    /// Pixels that differ, of how many, and how far their colours are apart at most, 0 to 1.
+    pub(super) pixels: Option<(u64, u64, f64)>,
     /// Numbers that differ: name, before, after.
     pub(super) numbers: Vec<(String, Option<Value>, Option<Value>)>,
     /// Both shapes from one camera, as a PNG, where both jobs are at hand.
@@ -62,37 +61,30 @@ impl Difference {
             (None, Some(_), _) => "new, or the file before is missing".to_owned(),
             (_, None, _) => "there is no job for it any more".to_owned(),
             (_, _, Some((0, _, _))) => "other bytes, the same pixels".to_owned(),
-            (_, _, Some((n, of, most))) => format!("{n} of {of} pixels differ, by {most} of 255 at most"),
+            (_, _, Some((n, of, most))) => {
+                format!(
+                    "{n} of {of} pixels differ, by {:.1} % of the distance of black and white at most",
+                    100.0 * most
+                )
+            }
             (_, _, None) => "other bytes".to_owned(),
         }
     }
 }
 
-/// A picture of what differs, if anything does, and how many pixels do, of how many, and by how much at most.
-type PixelsCompared = (Option<Vec<u8>>, (u64, u64, u8));
+/// A picture of what differs, how many pixels do, of how many, and how far apart they are at most, 0 to 1.
+type PixelsCompared = (Option<Vec<u8>>, (u64, u64, f64));
 
 /// Where two pictures in pixels differ, and how many pixels do; nothing where they are none, or not of one size.
 fn pixels(before: &[u8], after: &[u8]) -> Option<PixelsCompared> {
-    let read = |bytes| image::load_from_memory_with_format(bytes, ImageFormat::Png).ok().map(|found| found.to_rgba8());
-    let (before, after) = (read(before)?, read(after)?);
-    if before.dimensions() != after.dimensions() {
-        return None;
-    }
-    let (mut n, mut most) = (0, 0);
-    let mut shown = RgbaImage::new(after.width(), after.height());
-    for ((old, new), out) in before.pixels().zip(after.pixels()).zip(shown.pixels_mut()) {
-        let by = (0..4).map(|k| old.0[k].abs_diff(new.0[k])).max().unwrap_or(0);
-        n += u64::from(by > 0);
-        most = most.max(by);
-        // what is the same stays as a faint ground; what differs is red, and never too faint to be seen
-        let grey = new.0[..3].iter().map(|c| u16::from(*c)).sum::<u16>() / 3;
-        let faint = u8::try_from(200 + grey * 55 / 255).unwrap_or(255);
-        let strong = 255 - by.max(96);
-        *out = if by > 0 { Rgba([220, strong.min(90), strong.min(90), 255]) } else { Rgba([faint, faint, faint, 255]) };
-    }
-    let mut bytes = Cursor::new(Vec::new());
-    let written = shown.write_to(&mut bytes, ImageFormat::Png).ok();
-    Some((written.map(|()| bytes.into_inner()), (n, u64::from(after.width()) * u64::from(after.height()), most)))
+    let side = |bytes: &[u8]| PngFile::new(bytes.into(), true).ok().map(Side::Picture);
+    let comparison = Comparison::new([side(before)?, side(after)?], Tolerances::default()).ok()?;
+    let found = comparison.run(&KeepNothing, &Watch::new()).ok()?;
+    let Compared::Pixels { difference, size } = &found else { return None };
+    let [width, height] = size.map(u64::from);
+    let mut picture = Vec::new();
+    let written = found.write_picture(&mut picture).is_ok();
+    Some((written.then_some(picture), (difference.different, width * height, difference.largest)))
 }
 
 /// What two versions of a job show, side by side, from one camera framed by the box around both; nothing where one of

@@ -70,7 +70,7 @@ impl FigureOptions {
         check_names(&made)?;
         let progress = progress.into_inner().unwrap_or_else(PoisonError::into_inner);
         if self.check {
-            progress.end("checked")?;
+            progress.end("inputs checked")?;
             return self.checked(&known, made);
         }
         let (of, fresh) = (made.len(), made.iter().filter(|made| made.bytes.is_some()).count());
@@ -81,7 +81,7 @@ impl FigureOptions {
         let mut figures: BTreeMap<String, Entry> = if is_whole { BTreeMap::new() } else { known.figures };
         figures.extend(made.into_iter().map(|made| (made.name, made.entry)));
         Manifest { figures, ..Manifest::default() }.write(&self.output)?;
-        progress.end("rendered")
+        progress.end("inputs rendered")
     }
 
     /// Writes the pictures that were made; where they are only looked at, they are kept for that.

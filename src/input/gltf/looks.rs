@@ -17,8 +17,9 @@ use crate::shape::labels::FaceSet;
 use crate::shape::looks::{Alpha, Look, PLAIN, PLAIN_SURFACE};
 use crate::shape::textures::{Filter, Image, Texture, Wrap};
 
-/// The extension that moves, turns and scales pictures.
-const TRANSFORM: &str = "KHR_texture_transform";
+/// What the names of extensions hold that say how faces look: those of materials, those that move pictures or have
+/// them in other formats, and the techniques of glTF 1.0.
+const OF_LOOKS: [&str; 3] = ["KHR_materials_", "_texture_", "KHR_technique"];
 
 /// Hands over the materials with their faces, given by the numbers of materials, in their order.
 pub(super) fn finish(document: &Document<'_>, faces: BTreeMap<usize, Vec<u64>>, room: &mut Room, mesh: &mut ReadMesh) {
@@ -43,7 +44,7 @@ pub(super) fn finish(document: &Document<'_>, faces: BTreeMap<usize, Vec<u64>>, 
         mesh.notes.push(format!("{what}: {n}"));
     }
     let extensions: Vec<String> = (document.root.extensions_used.iter())
-        .filter(|name| name.starts_with("KHR_materials_") || *name == TRANSFORM)
+        .filter(|name| OF_LOOKS.iter().any(|part| name.contains(part)))
         .map(|name| quoted(name))
         .collect();
     if !extensions.is_empty() {

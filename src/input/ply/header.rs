@@ -91,17 +91,22 @@ pub(super) struct Header {
     pub(super) elements: Vec<Element>,
     /// Names that comments give to the numbers of groups and materials: `comment group 0 top`.
     pub(super) names: BTreeMap<(String, u64), String>,
+    /// Whether a comment says that planish wrote the file.
+    pub(super) is_own: bool,
     /// The bytes of the header, the last line break included, and its lines.
     pub(super) length: usize,
     pub(super) lines: usize,
 }
+
+/// The comment in files that planish wrote.
+const OWN: &str = "comment planish";
 
 /// Reads a header.
 pub(super) fn read(bytes: &[u8]) -> Result<Header, String> {
     let mut length = 0;
     let mut encoding = None;
     let mut elements: Vec<Element> = Vec::new();
-    let mut names = BTreeMap::new();
+    let (mut names, mut is_own) = (BTreeMap::new(), false);
     for (i, line) in bytes.split_inclusive(|&byte| byte == b'\n').enumerate() {
         length += line.len();
         let text = String::from_utf8_lossy(line);
@@ -116,6 +121,7 @@ pub(super) fn read(bytes: &[u8]) -> Result<Header, String> {
         }
         match keyword {
             "format" => encoding = Some(self::encoding(words).map_err(wrong)?),
+            "comment" if text.trim_end() == OWN => is_own = true,
             "comment" => names.extend(name(words)),
             "obj_info" => {}
             "element" if elements.len() < MAX_ELEMENTS => elements.push(element(words).map_err(wrong)?),
@@ -137,7 +143,7 @@ pub(super) fn read(bytes: &[u8]) -> Result<Header, String> {
                 if let Some(element) = empty {
                     return Err(wrong(format!("the element {} has no properties", quoted(&element.name))));
                 }
-                return Ok(Header { encoding, elements, names, length, lines: i + 1 });
+                return Ok(Header { encoding, elements, names, is_own, length, lines: i + 1 });
             }
             other => {
                 return Err(wrong(format!(

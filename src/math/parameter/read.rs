@@ -114,7 +114,11 @@ pub(super) fn numbers(items: &[Literal], most: usize) -> Result<Vec<f64>, Vec<Fa
     items.iter().enumerate().map(number).collect()
 }
 
-pub(super) fn color(text: &str) -> Result<[u8; 4], String> {
+/// Red, green, blue and alpha of a text like `#f80`, `#ff8800` or `transparent`.
+///
+/// # Errors
+/// What is no such text.
+pub fn color(text: &str) -> Result<[u8; 4], String> {
     if text == "transparent" {
         return Ok([0; 4]);
     }

@@ -84,6 +84,62 @@ impl Rows {
         }
     }
 
+    /// Adds what row `r` of another table has to the row being made, in the same groups, over the points that have
+    /// these numbers here.
+    pub fn copy_row(&mut self, other: &Self, r: usize, number: impl Fn(u32) -> u32) {
+        for term in other.terms(r) {
+            self.group(|rows| {
+                for (&at, &weight) in term.indices.iter().zip(term.weights) {
+                    rows.add(number(at), weight);
+                }
+            });
+        }
+    }
+
+    /// Takes the rows from row `r` on away, as a table of their own.
+    #[must_use]
+    pub fn split_off(&mut self, r: usize) -> Self {
+        let at = self.starts[r];
+        let starts = self.starts[r..].iter().map(|start| start - at).collect();
+        self.starts.truncate(r + 1);
+        let groups = self.groups.split_off(self.groups.partition_point(|group| group.start < at));
+        Self {
+            starts,
+            indices: self.indices.split_off(at),
+            weights: self.weights.split_off(at),
+            groups: groups.into_iter().map(|group| Group { start: group.start - at, ..group }).collect(),
+        }
+    }
+
+    /// Adds the rows of another table over the same points.
+    pub fn append(&mut self, other: &Self) {
+        let at = self.indices.len();
+        self.starts.extend(other.starts[1..].iter().map(|start| start + at));
+        self.indices.extend_from_slice(&other.indices);
+        self.weights.extend_from_slice(&other.weights);
+        self.groups.extend(other.groups.iter().map(|group| Group { start: group.start + at, ..*group }));
+    }
+
+    /// Where each row starts among all entries, and their number.
+    pub fn starts(&self) -> &[usize] {
+        &self.starts
+    }
+
+    /// The old points of all entries, row after row.
+    pub fn indices(&self) -> &[u32] {
+        &self.indices
+    }
+
+    /// The weights of all entries, row after row.
+    pub fn weights(&self) -> &[f64] {
+        &self.weights
+    }
+
+    /// Whether some entries are summed as one.
+    pub fn has_groups(&self) -> bool {
+        !self.groups.is_empty()
+    }
+
     /// Completes the row being made.
     #[inline]
     pub fn end_row(&mut self) {

@@ -2,14 +2,18 @@
 
 mod chain;
 mod edges;
+mod hatching;
+mod parts;
 
 use rayon::prelude::*;
 
 use super::options::Options;
 use crate::drawing::{Cap, Color, Drawing, Item, Stroke};
 use crate::fault::Fault;
+use crate::math::parameter::Values;
 use crate::output::counts::Counts;
 use crate::output::error::FormatError;
+use crate::output::hard_edges;
 use crate::output::positions::Positions;
 use crate::output::scene::{MeshSource, Scene};
 use crate::output::size::Size;
@@ -18,9 +22,13 @@ use crate::watch::Watch;
 
 use chain::{Piece, chains};
 use edges::{CLASSES, Class, Edge, Edges};
+use hatching::Ground;
+use parts::{Parts, rest, tidied};
 
 /// All that can be shown.
-pub(crate) const MESH_ITEMS: &[&str] = &["silhouettes", "boundary", "creases", "isolines", "wireframe", "hidden"];
+pub(crate) const MESH_ITEMS: &[&str] =
+    &["silhouettes", "boundary", "creases", "isolines", "wireframe", "hidden", HATCHING];
+const HATCHING: &str = "hatching";
 /// What is shown when the request does not say.
 const DEFAULT_SHOW: &[&str] = &["silhouettes", "boundary", "creases", "isolines"];
 
@@ -37,9 +45,6 @@ const TRIANGLE_BYTES: u128 = 300;
 const TRIANGLE_ROWS: u128 = 30;
 /// Pieces for each line, at most on average; lines of usual meshes have less than one that is seen.
 const MOST_PIECES: usize = 2;
-/// Pieces of lines shorter than this are neither drawn nor left out, pixels: half of it shows what only rounding has
-/// cut, twice of it can be seen.
-const LEAST_PX: f64 = 0.1;
 
 const INK: Color = [15, 23, 42, 255];
 const THIN_INK: Color = [71, 85, 105, 255];
@@ -59,8 +64,13 @@ pub(crate) fn fits(counts: &Counts) -> Result<(), Fault> {
 }
 
 /// Bytes of memory that finding what is hidden takes.
-pub(crate) fn memory(counts: &Counts) -> u128 {
-    counts.triangles().saturating_mul(TRIANGLE_BYTES)
+pub(crate) fn memory(counts: &Counts, options: &Values) -> u128 {
+    let lines = counts.triangles().saturating_mul(TRIANGLE_BYTES);
+    if !options.has("show", HATCHING) {
+        return lines;
+    }
+    let vertices = counts.vertices.saturating_add(hard_edges::split_vertices(counts, options));
+    lines.saturating_add(hatching::memory(counts.triangles(), vertices))
 }
 
 /// Work that finding what is hidden takes, in rows of a table.
@@ -68,18 +78,17 @@ pub(crate) fn work(counts: &Counts) -> u128 {
     counts.triangles().saturating_mul(TRIANGLE_ROWS)
 }
 
-/// Most bytes: three lines a triangle, in [`MOST_PIECES`] pieces of 51 bytes each.
-pub(crate) fn size(counts: &Counts) -> Size {
+/// Most bytes: three lines a triangle, in [`MOST_PIECES`] pieces of 51 bytes each, and the strokes of hatching.
+pub(crate) fn size(counts: &Counts, options: &Values) -> Size {
     let pieces = counts.triangles().saturating_mul(3 * MOST_PIECES as u128);
-    Size::AtMost(pieces.saturating_mul(64).saturating_add(16 << 10))
+    let strokes = if options.has("show", HATCHING) { hatching::STROKES_BYTES } else { 0 };
+    Size::AtMost(pieces.saturating_mul(64).saturating_add(strokes).saturating_add(16 << 10))
 }
-
-/// The hidden parts of a line, or the seen ones.
-type Parts = Vec<[f64; 2]>;
 
 /// Draws the lines of a mesh that can be seen: its outline (edges between a triangle that shows its outside and one
 /// that shows its inside), its boundary, its creases, the edges of the input and of its faces, each line once and under
-/// the first of these names. `hidden` adds dashes where outline, boundary or creases cannot be seen.
+/// the first of these names. `hidden` adds dashes where outline, boundary or creases cannot be seen, `hatching` strokes
+/// where the surface turns away from the light.
 pub(crate) fn drawing(
     scene: &Scene<'_>,
     mesh: &dyn MeshSource,
@@ -94,7 +103,7 @@ pub(crate) fn drawing(
         FormatError::Unfit("parts of the mesh are not before the camera; move its eye away, or ask for \"png\"".into())
     })?;
     let found = Edges::of(scene, mesh, (positions.rows(), &seen), options.values, watch)?;
-    let edges: Vec<&Edge> = found.edges.iter().filter(|edge| edge.drawn_as(shows).is_some()).collect();
+    let edges: Vec<&Edge> = found.all.iter().filter(|edge| edge.drawn_as(shows).is_some()).collect();
     let sight = Sight::new(&seen, &found.triangles);
     let pairs = edges.par_iter().map(|edge| sight.n_candidates(edge.ends.map(|v| seen[v as usize]))).sum::<usize>();
     if pairs > MAX_PAIRS {
@@ -116,6 +125,12 @@ pub(crate) fn drawing(
     }
     let artist = Artist { options, seen: &seen, edges: &edges, hidden: &hidden };
     let mut items = Vec::new();
+    if options.shows(HATCHING, &[]) {
+        let ground = Ground::of(scene, mesh, &found.hard, &camera, watch)?;
+        let runs = ground.strokes(&sight, options.size, options.unit_px(), MAX_PAIRS - pairs, watch)?;
+        let stroke = artist.stroke(0.7, options.color(THIN_INK));
+        items.extend((!runs.is_empty()).then(|| Item::lines(HATCHING, runs, stroke).titled(HATCHING)));
+    }
     if options.shows("hidden", &[]) {
         items.push(artist.dashes());
     }
@@ -123,35 +138,6 @@ pub(crate) fn drawing(
         items.extend(artist.lines(class));
     }
     Ok(Drawing { size: options.size, background: options.background, title: String::new(), items })
-}
-
-/// Hidden parts without gaps and parts too short to be seen.
-fn tidied(hidden: &[[f64; 2]], [a, b]: [Seen; 2]) -> Parts {
-    let (dx, dy) = (b[0] - a[0], b[1] - a[1]);
-    let length = (dx * dx + dy * dy).sqrt();
-    if length < LEAST_PX {
-        let middle = hidden.iter().any(|[from, to]| (*from..=*to).contains(&0.5));
-        return if middle { vec![[0.0, 1.0]] } else { Vec::new() };
-    }
-    let least = LEAST_PX / length;
-    let mut found: Parts = Vec::new();
-    for [from, to] in hidden {
-        let from = if *from < least { 0.0 } else { *from };
-        let to = if *to > 1.0 - least { 1.0 } else { *to };
-        match found.last_mut().filter(|last| from - last[1] < least) {
-            Some(last) => last[1] = to,
-            None => found.push([from, to]),
-        }
-    }
-    found.retain(|[from, to]| to - from >= least);
-    found
-}
-
-/// What is left of the whole.
-fn rest(parts: &[[f64; 2]]) -> Parts {
-    let starts = std::iter::once(0.0).chain(parts.iter().map(|part| part[1]));
-    let ends = parts.iter().map(|part| part[0]).chain([1.0]);
-    starts.zip(ends).filter(|(from, to)| from < to).map(|(from, to)| [from, to]).collect()
 }
 
 struct Artist<'a> {

@@ -1,10 +1,12 @@
-//! The legend of a picture: a bar with the colours of numbers, in a strip of its own at the right.
+//! The legend of a picture: a bar with the colours of numbers, and names of other colours, in a strip of its own at the
+//! right.
 
 use super::coat;
+use super::meanings;
 use super::number_scale::{COLOR_BAR, NumberScale};
 use super::options::Options;
 use super::shading::{self, Measure};
-use crate::drawing::{Color, Drawing, Label, Weight, color_bar, pixels};
+use crate::drawing::{Color, Drawing, Item, Label, Legend, Weight, color_bar, pixels};
 use crate::math::parameter::Value;
 use crate::output::error::FormatError;
 use crate::shape::attachments::Attachments;
@@ -22,32 +24,72 @@ const TALL: f32 = 0.62;
 /// Size of the font, in units of line width, and least, pixels: below it letters cannot be read.
 const FONT: [f32; 2] = [15.0, 9.0];
 
-/// Width of the legend of a picture of a mesh that carries this, pixels; 0 without one.
-pub(super) fn width(carried: &Attachments, options: &Options<'_>) -> u32 {
+/// Room around names, in sizes of the font.
+const MARGIN: f32 = 0.6;
+
+/// Width of the legend of a picture of a mesh that carries this, pixels; 0 without one. Numbers are those of the
+/// surface, which may be left out.
+pub(super) fn width(carried: &Attachments, options: &Options<'_>, has_surface: bool) -> u32 {
     let are_numbers = shading::measure(options.values).is_some() || coat::numbers_of(carried, options.values).is_some();
     let has_room = options.size.iter().zip(LEAST_PX).all(|(side, least)| *side >= least);
     let is_asked = match options.values.get(COLOR_BAR.name) {
         Value::Flag(asked) => *asked,
         _ => has_room,
     };
+    let font = font_px(options);
+    let bar = if has_surface && are_numbers && is_asked { STRIP / FONT[0] * font } else { 0.0 };
+    let names = names(carried, options).map_or(0.0, |names| names.extent()[0] + 2.0 * MARGIN * font);
     #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a strip is some hundred pixels wide")]
-    let strip = (STRIP / FONT[0] * font_px(options)) as u32;
-    if are_numbers && is_asked { strip.min(options.size[0] / 2) } else { 0 }
+    let strip = bar.max(names) as u32;
+    strip.min(options.size[0] / 2)
 }
 
-/// The rows of a picture with a strip of `width` pixels at their right, in which the legend of a scale stands.
+/// What colours mean that are no numbers, where that is shown: as many names as have room one above the other.
+fn names(carried: &Attachments, options: &Options<'_>) -> Option<Legend> {
+    let mut entries = meanings::entries(carried, options);
+    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "some lines")]
+    #[expect(clippy::cast_precision_loss, reason = "pictures are bounded")]
+    let room = (options.size[1] as f32 / font_px(options) - 2.0 * MARGIN - 0.7).max(0.0) as usize * 2 / 3;
+    entries.truncate(room.max(1));
+    (!entries.is_empty()).then(|| Legend { entries, size_px: font_px(options) })
+}
+
+/// The rows of a picture with a strip of `width` pixels at their right, in which the legend of a scale stands, and
+/// above it what other colours mean.
 pub(super) fn beside(
     shown: &[u8],
-    scale: &NumberScale,
+    scale: Option<NumberScale>,
     width: u32,
     carried: &Attachments,
     options: &Options<'_>,
     watch: &Watch,
 ) -> Result<Vec<u8>, FormatError> {
+    let (mut items, mut top) = (Vec::new(), 0.0);
+    if let Some(names) = names(carried, options) {
+        let margin = MARGIN * font_px(options);
+        top = names.extent()[1] + 2.0 * margin;
+        items.extend(names.items([margin, margin]));
+    }
+    items.extend(scale.into_iter().flat_map(|scale| bar(scale, top, carried, options)));
+    let size = [width, options.size[1]];
+    let strip = pixels(&Drawing { size, background: options.background, title: String::new(), items }, watch)?;
+    let [left, right] = [options.size[0] - width, width].map(|width| 4 * width as usize);
+    let mut all = Vec::with_capacity(shown.len() + strip.len());
+    for (shown, strip) in shown.chunks_exact(left).zip(strip.chunks_exact(right)) {
+        all.extend_from_slice(shown);
+        all.extend_from_slice(strip);
+    }
+    Ok(all)
+}
+
+/// The bar of a scale below what takes so much of the strip.
+fn bar(scale: NumberScale, taken: f32, carried: &Attachments, options: &Options<'_>) -> Vec<Item> {
     let unit = font_px(options) / FONT[0];
     #[expect(clippy::cast_precision_loss, reason = "pictures are bounded")]
     let height = options.size[1] as f32;
-    let bar = [BAR[0] * unit, (0.5 * (1.0 - TALL) * height + unit * FONT[0]).floor(), BAR[1] * unit, TALL * height];
+    let usual = (0.5 * (1.0 - TALL) * height + unit * FONT[0]).floor();
+    let top = usual.max(taken + 2.0 * unit * FONT[0]);
+    let tall = (TALL * height).min(height - top - unit * FONT[0]).max(unit);
     let table = scale.map.bytes();
     let color = |share: f64| -> Color {
         let x = (1.0 - share) * scale.low + share * scale.high;
@@ -58,16 +100,7 @@ pub(super) fn beside(
     };
     // names of channels may hold what cannot be set
     let label = Label::parse(&title(carried, options), Weight::Regular).ok();
-    let items = color_bar(bar, [scale.low, scale.high], color, label, unit * FONT[0]);
-    let size = [width, options.size[1]];
-    let strip = pixels(&Drawing { size, background: options.background, title: String::new(), items }, watch)?;
-    let [left, right] = [options.size[0] - width, width].map(|width| 4 * width as usize);
-    let mut all = Vec::with_capacity(shown.len() + strip.len());
-    for (shown, strip) in shown.chunks_exact(left).zip(strip.chunks_exact(right)) {
-        all.extend_from_slice(shown);
-        all.extend_from_slice(strip);
-    }
-    Ok(all)
+    color_bar([BAR[0] * unit, top, BAR[1] * unit, tall], [scale.low, scale.high], color, label, unit * FONT[0])
 }
 
 /// Size of the font, pixels.

@@ -6,6 +6,7 @@ use rayon::prelude::*;
 
 use super::options::Options;
 use super::shading;
+use crate::drawing::{Discs, Key, Stroke};
 use crate::math::parameter::Values;
 use crate::output::options::{DIRECTIONS, ISOLINES};
 use crate::output::scene::{FaceChunk, MeshSource, Scene, Shape, each_face, in_chunks, positions};
@@ -36,6 +37,9 @@ const SEAMS: &str = "seams";
 /// Vertices of the input of unusual valence.
 const EXTRAORDINARY: &str = "extraordinary";
 
+/// What the lines and dots, and the colours of names, mean.
+pub(super) const LEGEND: &str = "legend";
+
 /// Lines that show tags of the input, with their colours, the first undermost.
 const TAGS: [(&str, [u8; 4]); 4] = [
     (SEAMS, [217, 119, 6, 255]),
@@ -45,17 +49,47 @@ const TAGS: [(&str, [u8; 4]); 4] = [
 ];
 
 /// What pictures of meshes can show.
-pub(crate) const SHOWN: &[&str] =
-    &["surface", "wireframe", ISOLINES, "control", "points", CREASES, LATITUDE, LONGITUDE, SEAMS, EXTRAORDINARY];
+pub(crate) const SHOWN: &[&str] = &[
+    "surface",
+    "wireframe",
+    ISOLINES,
+    "control",
+    "points",
+    CREASES,
+    LATITUDE,
+    LONGITUDE,
+    SEAMS,
+    EXTRAORDINARY,
+    LEGEND,
+];
 
 /// Whether the refined mesh itself is shown, and not only the control net.
 pub(super) fn shows_body(options: &Options<'_>) -> bool {
-    SHOWN.iter().any(|item| !matches!(*item, "control" | "points") && shading::shows(options, item))
+    SHOWN.iter().any(|item| !matches!(*item, "control" | "points" | LEGEND) && shading::shows(options, item))
 }
 
 /// What of the shown lines refers to single edges or vertices of the input, if anything.
 pub(crate) fn refers(options: &Values) -> Option<&'static str> {
     [ISOLINES, CREASES, LATITUDE, LONGITUDE, EXTRAORDINARY].into_iter().find(|item| options.has("show", item))
+}
+
+/// What lines and dots mean that are shown, with samples of them, the uppermost first.
+pub(super) fn meanings(options: &Options<'_>) -> Vec<(&'static str, Key)> {
+    let unit = options.unit_px();
+    let wide = unit * options.line_width();
+    let line = |width: f32, color| Key::Line(Stroke::solid(width * wide, color));
+    let dot =
+        |color, ring| Key::Disc(Discs { centres: Vec::new(), radius_px: 4.0 * unit, ring_px: 1.5 * unit, color, ring });
+    let wire = options.wire_color(WIRE);
+    let mut all = vec![
+        ("points", "control points", dot(options.point_color(POINT), [255; 4])),
+        ("control", "control net", line(1.6, options.control_color(CONTROL))),
+        (EXTRAORDINARY, EXTRAORDINARY, dot(EXTRAORDINARY_DOT, EXTRAORDINARY_RING)),
+    ];
+    all.extend(TAGS.iter().rev().map(|(name, color)| (*name, *name, line(3.4, *color))));
+    all.push((ISOLINES, "edges of the input", line(2.2, wire)));
+    all.push(("wireframe", "edges of faces", line(1.3, wire)));
+    all.into_iter().filter(|(item, ..)| shading::shows(options, item)).map(|(_, name, key)| (name, key)).collect()
 }
 
 /// All lines and dots.

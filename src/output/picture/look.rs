@@ -2,9 +2,10 @@
 
 use super::coat::{self, Coat};
 use super::contours;
+use super::lines::LEGEND;
 use super::number_scale::{NumberScale, extent, symmetric};
 use super::options::Options;
-use super::shading::{self, Measure};
+use super::shading::{self, Measure, SURFACE};
 use crate::math::parameter::Values;
 use crate::output::color_maps::ColorMap;
 use crate::output::counts::Counts;
@@ -17,8 +18,6 @@ use crate::output::scene::{MeshSource, Scene, Shape};
 use crate::raster::{Camera, Finish, Surface};
 use crate::shape::attachments::Attachments;
 use crate::watch::Watch;
-
-const SURFACE: [u8; 4] = [112, 160, 222, 255];
 
 /// Curvature that counts as none, times half the longest side of the mesh, and its square for Gaussian curvature:
 /// surfaces whose radius of curvature is a thousand times their size look flat.
@@ -96,12 +95,12 @@ fn by_distance(
     options: &Values,
     watch: &Watch,
 ) -> Result<Coat, FormatError> {
-    let Shape::Mesh(control) = scene.control.shape() else {
+    let Shape::Mesh(other) = scene.control.measured_from() else {
         return Err(FormatError::Unfit("distances are those of a mesh; leave \"shading\" out".to_owned()));
     };
-    let corners = Positions::of_mesh(control).held(watch)?;
-    let mut distances = Triangles::of(control, corners.rows(), watch)?.distances(positions, watch)?;
-    // where the net has no faces there is no distance
+    let corners = Positions::of_mesh(other).held(watch)?;
+    let mut distances = Triangles::of(other, corners.rows(), watch)?.distances(positions, watch)?;
+    // where the other has no faces there is no distance
     distances.iter_mut().filter(|distance| !distance.is_finite()).for_each(|distance| *distance = 0.0);
     // what is less comes of rounding
     let least = SAME / normals::scale(positions);
@@ -131,7 +130,8 @@ pub(crate) fn work(options: &Values, counts: &Counts, pixels: u128) -> u128 {
 pub(crate) fn memory(options: &Values, vertices: u128, pixels: u128, counts: &Counts) -> u128 {
     let lines = if shading::is_drawing(options) { counts.half_edges.saturating_mul(contours::CORNER_BYTES) } else { 0 };
     // the picture without its legend, and the legend, twice
-    let legend = if are_numbers(&counts.attachments, options) { pixels.saturating_mul(8) } else { 0 };
+    let has_legend = are_numbers(&counts.attachments, options) || options.has("show", LEGEND);
+    let legend = if has_legend { pixels.saturating_mul(8) } else { 0 };
     let numbers = match shading::measure(options) {
         // numbers and their shares, and the tree
         Some(Measure::Distance) => {

@@ -38,7 +38,7 @@ pub(crate) fn picture(
     let smooth = if shaded { normals::of(sides, &positions, watch)? } else { Vec::new() };
     let flat = if shows("surface") && options.flat() { face_normals(mesh, &positions, watch)? } else { Vec::new() };
     let lines = Lines::of(scene, mesh, options, watch)?;
-    let strip = if shows("surface") { legend::width(mesh.attachments(), options) } else { 0 };
+    let strip = legend::width(mesh.attachments(), options, shows("surface"));
     let size = [options.size[0] - strip, options.size[1]];
     let camera = options.camera(&[&positions, lines.net_positions()], size);
     let look = if shows("surface") { Some(Look::of(scene, sides, &positions, options, &camera, watch)?) } else { None };
@@ -57,10 +57,10 @@ pub(crate) fn picture(
         strokes: &strokes,
     };
     let pixels = render(&model, &camera, options.look(), size, watch)?.bytes;
-    match look.as_ref().and_then(Look::scale) {
-        Some(scale) if strip > 0 => legend::beside(&pixels, &scale, strip, mesh.attachments(), options, watch),
-        _ => Ok(pixels),
+    if strip == 0 {
+        return Ok(pixels);
     }
+    legend::beside(&pixels, look.as_ref().and_then(Look::scale), strip, mesh.attachments(), options, watch)
 }
 
 /// Faces that one thread cuts into triangles at a time.

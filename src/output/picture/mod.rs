@@ -11,6 +11,7 @@ mod hidden_lines;
 pub(super) mod legend;
 pub(super) mod lines;
 pub(super) mod look;
+pub(super) mod meanings;
 pub(super) mod mesh;
 pub(super) mod number_scale;
 pub(super) mod options;

@@ -28,8 +28,9 @@ pub(crate) const SHADING: Parameter = Parameter {
     doc: "How the surface of a mesh is shown. Lit: smooth or by its faces (flat), as clay in a studio (matcap). As a \
           drawing: in the colour of the paper, with its outline, boundary, hard edges and the edges of the input \
           (hidden-line). Inspected: the normal as a colour (normals), colours of curvature (gaussian-curvature, \
-          mean-curvature) or of the distance from the control net (distance), the mirror images of bands (zebra) and \
-          of strips of light (reflection-lines), lines of equal angle to a direction (isophotes).",
+          mean-curvature) or of the distance from the control net, or from the surface of the job that `distance_to` \
+          of the job holds (distance), the mirror images of bands (zebra) and of strips of light (reflection-lines), \
+          lines of equal angle to a direction (isophotes).",
 };
 
 /// The number of stripes.
@@ -55,6 +56,9 @@ pub(crate) const STRIPE_DIRECTION: Parameter = Parameter {
     doc: "The axis of the stripes of zebra (across it), reflection-lines (along it) and isophotes (towards it), in \
           model coordinates. Left out, up; for reflection-lines, from left to right in the picture.",
 };
+
+/// Colour of surfaces of which nothing else is said.
+pub(super) const SURFACE: [u8; 4] = [112, 160, 222, 255];
 
 pub(super) const HIDDEN_LINE: &str = "hidden-line";
 const GAUSSIAN: &str = "gaussian-curvature";
@@ -82,7 +86,7 @@ pub(super) enum Measure {
     Gaussian,
     /// Mean curvature.
     Mean,
-    /// Distance from the control net.
+    /// Distance from the control net, or from the surface of another job.
     Distance,
 }
 
@@ -94,6 +98,11 @@ pub(super) fn measure(options: &Values) -> Option<Measure> {
         DISTANCE => Some(Measure::Distance),
         _ => None,
     }
+}
+
+/// Whether a picture with these options shows distances.
+pub fn shows_distances(options: &Values) -> bool {
+    measure(options) == Some(Measure::Distance)
 }
 
 /// What pictures of meshes show when nothing is said, and what a drawing of lines shows.

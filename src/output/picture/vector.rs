@@ -42,8 +42,9 @@ pub(crate) const PARAMETERS: &[Parameter] = &[
         doc: "What is drawn. Of curves: the refined curve, the control polygon, the control points, the points of the \
               refined curve (vertices), a curvature comb, tangents, axes, a grid, a legend; left out, the first \
               three. Of a mesh the lines that its faces do not hide: its outline (silhouettes), its boundary, its \
-              creases, the edges of the input (isolines), all edges of its faces (wireframe), and as dashes the hidden \
-              parts of the first three (hidden); left out, the first four. Of sections only these are.",
+              creases, the edges of the input (isolines), all edges of its faces (wireframe), as dashes the hidden \
+              parts of the first three (hidden), and strokes that are the closer the less light falls there \
+              (hatching); left out, the first four. Of sections only these are.",
     },
     COLOR,
     LINE_WIDTH,
@@ -88,6 +89,7 @@ const ITEMS: &[&str] = &[
     "isolines",
     "wireframe",
     "hidden",
+    "hatching",
 ];
 
 /// Whether the drawing of a shape of this kind can be made.
@@ -127,7 +129,7 @@ pub(crate) fn refers(options: &Values) -> Option<&'static str> {
 
 /// Bytes of memory that the drawing takes.
 pub(crate) fn memory(counts: &Counts, options: &Values) -> u128 {
-    let lines = if is_lines(counts, options) { hidden_lines::memory(counts) } else { 0 };
+    let lines = if is_lines(counts, options) { hidden_lines::memory(counts, options) } else { 0 };
     lines.saturating_add(hard_edges::memory(counts, options))
 }
 
@@ -145,7 +147,7 @@ pub(crate) fn work(counts: &Counts, options: &Values) -> u128 {
 /// points, of which nothing but lines is drawn: 160 bytes are three times as much as one takes.
 pub(crate) fn size(counts: &Counts, options: &Values) -> Size {
     if is_lines(counts, options) {
-        return hidden_lines::size(counts);
+        return hidden_lines::size(counts, options);
     }
     let (points, point, curves) = match counts.kind {
         ShapeKind::Mesh => {

@@ -17,7 +17,7 @@ use crate::watch::{Stopped, Watch};
 
 /// Rows of a patch that are evaluated at a time: with their neighbours they stay in the cache of a core. Half of it
 /// gathers a tenth of all rows twice; twice of it leaves the cache from patches of 512 pieces on.
-const BAND: usize = 32;
+pub(super) const BAND: usize = 32;
 
 /// What is made of the functionals at a point.
 #[derive(Debug, Clone, Copy)]
@@ -85,13 +85,13 @@ impl Sweep {
 }
 
 /// What all patches have in common.
-struct Evaluation<'a, const W: usize> {
+pub(super) struct Evaluation<'a, const W: usize> {
     sweep: &'a Sweep,
     points: &'a [[f64; W]],
     stencils: &'a Stencils,
     rule: Rule<W>,
     /// Pieces of a patch's side.
-    n: usize,
+    pub(super) n: usize,
     /// The functionals of regular points over the rows of a band.
     masks: Vec<FlatMask>,
 }
@@ -106,7 +106,7 @@ struct Buffers<const W: usize> {
 }
 
 impl<'a, const W: usize> Evaluation<'a, W> {
-    fn new(sweep: &'a Sweep, points: &'a [[f64; W]], stencils: &'a Stencils, rule: Rule<W>) -> Self {
+    pub(super) fn new(sweep: &'a Sweep, points: &'a [[f64; W]], stencils: &'a Stencils, rule: Rule<W>) -> Self {
         let n = sweep.patch_pieces();
         let stride = n + 3;
         let len = (BAND + 2) * stride * W;
@@ -120,7 +120,7 @@ impl<'a, const W: usize> Evaluation<'a, W> {
     }
 
     /// Where the point of a place of the patch stands in the buffers of a band that begins with this row.
-    fn at(&self, first: usize, [i, j]: [isize; 2]) -> usize {
+    pub(super) fn at(&self, first: usize, [i, j]: [isize; 2]) -> usize {
         (j - first.cast_signed() + 1).unsigned_abs() * (self.n + 3) + (i + 1).unsigned_abs()
     }
 
@@ -128,7 +128,7 @@ impl<'a, const W: usize> Evaluation<'a, W> {
     fn band(&self, patch: usize, rows: Range<usize>, buffers: &mut Buffers<W>, task: &mut Task<'_, W>) {
         let len = (BAND + 2) * (self.n + 3);
         at_least(&mut buffers.points, len * W);
-        self.gather(patch, &rows, &mut buffers.points);
+        self.gather(patch, &rows, |v| self.points[v as usize], buffers.points.as_chunks_mut().0);
         buffers.functionals.resize_with(self.masks.len(), Vec::new);
         for (mask, out) in self.masks.iter().zip(&mut buffers.functionals) {
             at_least(out, len * W);
@@ -151,7 +151,7 @@ impl<'a, const W: usize> Evaluation<'a, W> {
 
     /// The steps along a side, from the first to the last, at which a place lies in these rows: `start` is the row of
     /// step 0.
-    fn steps(&self, along: [isize; 2], start: isize, rows: &Range<isize>) -> Range<isize> {
+    pub(super) fn steps(&self, along: [isize; 2], start: isize, rows: &Range<isize>) -> Range<isize> {
         let n = self.n.cast_signed();
         match along[1] {
             1 => (rows.start - start).max(0)..(rows.end - start).min(n + 1),
@@ -160,22 +160,22 @@ impl<'a, const W: usize> Evaluation<'a, W> {
         }
     }
 
-    /// Gathers the points of the rows and of those beside them.
-    fn gather(&self, patch: usize, rows: &Range<usize>, buffer: &mut [f64]) {
+    /// Gathers what there is at the points of the rows and of those beside them.
+    pub(super) fn gather<T>(&self, patch: usize, rows: &Range<usize>, of: impl Fn(u32) -> T, buffer: &mut [T]) {
         let (order, surface, n) = (&self.sweep.orders[1], &self.sweep.surface, self.n);
-        let (tile, buffer) = (surface.tile, buffer.as_chunks_mut::<W>().0);
+        let tile = surface.tile;
         let reach = rows.start.cast_signed() - 1..rows.end.cast_signed() + 1;
         for j in rows.start.saturating_sub(1).max(1)..(rows.end + 1).min(n) {
             let len = last(tile, n, j).saturating_sub(1);
             if len > 0 {
                 let place = [1, j.cast_signed()];
-                let (first, at) = (order.vertex(patch, place) as usize, self.at(rows.start, place));
-                buffer[at..at + len].copy_from_slice(&self.points[first..first + len]);
+                let (first, at) = (order.vertex(patch, place), self.at(rows.start, place));
+                buffer[at..at + len].iter_mut().zip(first..).for_each(|(slot, v)| *slot = of(v));
             }
         }
         let mut put = |place: [isize; 2], v: u32| {
             if reach.contains(&place[1]) {
-                buffer[self.at(rows.start, place)] = self.points[v as usize];
+                buffer[self.at(rows.start, place)] = of(v);
             }
         };
         for (side, half_edge) in surface.patches.half_edges(patch).enumerate() {
@@ -273,7 +273,7 @@ impl<'a, const W: usize> Evaluation<'a, W> {
     }
 
     /// Writes the values of the rows where they belong.
-    fn emit(&self, patch: usize, rows: &Range<usize>, values: &[[f64; W]], task: &mut Task<'_, W>) {
+    pub(super) fn emit(&self, patch: usize, rows: &Range<usize>, values: &[[f64; W]], task: &mut Task<'_, W>) {
         let (order, surface, n) = (&self.sweep.orders[1], &self.sweep.surface, self.n);
         for j in rows.start.max(1)..rows.end.min(n) {
             let len = last(surface.tile, n, j).saturating_sub(1);

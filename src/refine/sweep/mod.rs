@@ -24,10 +24,12 @@ mod star;
 mod stencils;
 mod surface;
 mod task;
+mod traced;
 mod weave;
 mod window;
 
 pub(crate) use evaluate::Rule;
 pub(crate) use program::{Outline, Sweep};
 pub(crate) use stencils::{Stencil, Stencils};
+pub(crate) use traced::Traced;
 pub(super) use window::OnDemand;

@@ -30,6 +30,7 @@ static FACTS: Facts = Facts {
     role: Role::Smooth,
     follows: Follows::SemiSharp,
     symmetric: true,
+    bicubic: true,
     ..Facts::USUAL
 };
 

@@ -93,10 +93,10 @@ impl LargeSpool for DiskSpool {
 impl Write for DiskSpool {
     fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
         if let Some(failed) = &self.failed {
-            return Err(again(failed).into());
+            return Err(failed.again().into());
         }
         self.take(bytes).map_err(|error| {
-            self.failed = Some(again(&error));
+            self.failed = Some(error.again());
             self.tmp = None;
             self.part = Vec::new();
             error.into()
@@ -129,14 +129,4 @@ impl Spool for DiskSpool {
 /// A length that fits into memory, as what it counts was there part by part.
 fn usize_of(length: u64) -> usize {
     usize::try_from(length).unwrap_or(usize::MAX)
-}
-
-/// Copies a failure, so that it can be told once more.
-fn again(error: &StoreError) -> StoreError {
-    match error {
-        StoreError::TooLarge { capacity } => StoreError::TooLarge { capacity: *capacity },
-        StoreError::Occupied { path } => StoreError::Occupied { path: path.clone() },
-        StoreError::InUse => StoreError::InUse,
-        StoreError::Io(error) => StoreError::Io(io::Error::new(error.kind(), error.to_string())),
-    }
 }

@@ -12,7 +12,7 @@ use super::disk::{Disk, Local};
 use super::disk_spool::DiskSpool;
 use super::disk_state::DiskState;
 use super::error::StoreError;
-use super::interface::{LargeSpool, Spool, Store, StoreKind, Usage};
+use super::interface::{LargeSpool, Room, Spool, Store, StoreKind, Usage};
 use super::manifest::Manifest;
 use super::records::{RECORDS_FILE, RecordFile};
 use crate::job::key::Key;
@@ -20,7 +20,14 @@ use crate::job::key::Key;
 /// The store as the settings name it.
 pub(super) const KIND: StoreKind = StoreKind {
     name: "folder",
-    open: |dir, capacity_bytes| Ok(Arc::new(Embedded::open(dir, capacity_bytes)?)),
+    in_folder: true,
+    open: |place| {
+        let dir = match place.room {
+            Room::Results => place.dir.clone(),
+            Room::Uploads => place.dir.join("uploads"),
+        };
+        Ok(Arc::new(Embedded::open(&dir, place.capacity_bytes)?))
+    },
     records: |dir| Ok(Arc::new(RecordFile::open(&dir.join(RECORDS_FILE))?)),
 };
 

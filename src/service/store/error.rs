@@ -22,6 +22,14 @@ pub enum StoreError {
     /// There is no room, and all that is kept is needed by jobs or downloads.
     #[error("the store is full of what jobs and downloads need now; try again later, or give it more room")]
     InUse,
+    /// A store across a network does not answer, or refuses to.
+    #[error("the shared store is away: {reason}; it is asked again in some seconds")]
+    Away {
+        /// Why the last call failed.
+        reason: String,
+        /// Whether it answered, and refused.
+        refuses: bool,
+    },
     /// The disk or the index failed.
     #[error("the store failed: {0}")]
     Io(#[source] io::Error),
@@ -31,6 +39,17 @@ impl StoreError {
     /// Whether there was no room on the disk: removing something may help.
     pub fn is_full(&self) -> bool {
         matches!(self, Self::Io(error) if disk::is_full(error))
+    }
+
+    /// Copies a failure, so that it can be told once more.
+    pub(super) fn again(&self) -> Self {
+        match self {
+            Self::TooLarge { capacity } => Self::TooLarge { capacity: *capacity },
+            Self::Occupied { path } => Self::Occupied { path: path.clone() },
+            Self::InUse => Self::InUse,
+            Self::Away { reason, refuses } => Self::Away { reason: reason.clone(), refuses: *refuses },
+            Self::Io(error) => Self::Io(io::Error::new(error.kind(), error.to_string())),
+        }
     }
 }
 
@@ -47,6 +66,7 @@ impl From<StoreError> for io::Error {
             StoreError::TooLarge { .. } => Self::new(io::ErrorKind::FileTooLarge, error),
             StoreError::Occupied { .. } => Self::new(io::ErrorKind::IsADirectory, error),
             StoreError::InUse => Self::new(io::ErrorKind::QuotaExceeded, error),
+            StoreError::Away { .. } => Self::new(io::ErrorKind::NotConnected, error),
         }
     }
 }

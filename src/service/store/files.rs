@@ -47,11 +47,10 @@ pub(super) struct Folder {
 impl Folder {
     /// Makes the folder if need be and takes hold of it.
     pub(super) fn open(root: &Path, disk: Arc<dyn Disk>) -> io::Result<Self> {
-        refuse_foreign(root)?;
+        let locks = Mutex::new(take_hold(root)?);
         let make = |path: &Path| fs::create_dir_all(path).map_err(at("make", path));
         make(&root.join("tmp"))?;
         make(&root.join("artifacts"))?;
-        let locks = Mutex::new(hold(root)?);
         let folder = Self { root: root.to_owned(), disk, n_tmp: AtomicU64::new(0), locks };
         folder.sync_folder(root)?;
         Ok(folder)
@@ -198,6 +197,13 @@ fn refuse_foreign(root: &Path) -> io::Result<()> {
         return Err(io::Error::new(io::ErrorKind::InvalidInput, detail));
     }
     records::refuse_damaged(&root.join(RECORDS_FILE))
+}
+
+/// Makes a folder of the service if need be, and takes hold of it for as long as the files that it gives are open.
+pub(super) fn take_hold(root: &Path) -> io::Result<Vec<File>> {
+    refuse_foreign(root)?;
+    fs::create_dir_all(root).map_err(at("make", root))?;
+    hold(root)
 }
 
 /// Takes hold of a folder: locks the file `lock` in it and, where folders can be locked, the folder itself, so that

@@ -1,7 +1,7 @@
 //! What every store can do.
 
 use std::io::{self, Write};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use bytes::Bytes;
@@ -10,6 +10,7 @@ use super::error::StoreError;
 use super::manifest::{Description, Manifest};
 use super::records::Records;
 use crate::job::key::Key;
+use crate::service::clock::Clock;
 
 /// A place where artifacts are kept. Bounded: the least recently used ones leave when there is no room.
 ///
@@ -22,6 +23,19 @@ pub trait Store: std::fmt::Debug + Send + Sync {
     /// When the store itself fails. A damaged record is not an error: it is dropped and counted. A record of another
     /// results version is dropped.
     fn manifest(&self, key: &Key) -> Result<Option<Arc<Manifest>>, StoreError>;
+
+    /// Whether other processes put artifacts here, too, so that [`Store::look_up`] finds more than [`Store::manifest`].
+    fn is_shared(&self) -> bool {
+        false
+    }
+
+    /// The manifest of an artifact as it stands in the store now, whoever put it there. Counts as a use.
+    ///
+    /// # Errors
+    /// When the store itself fails.
+    fn look_up(&self, key: &Key) -> Result<Option<Arc<Manifest>>, StoreError> {
+        self.manifest(key)
+    }
 
     /// Part number `index` of an artifact, verified against its hash; `None` when the artifact is gone, was replaced by
     /// other bytes, has no such part (an empty artifact has none at all), or was found damaged (then it is dropped and
@@ -154,16 +168,62 @@ pub struct Usage {
     pub evicted: u64,
     /// Artifacts found damaged and dropped.
     pub damaged: u64,
+    /// Whether the store does not answer at the moment.
+    pub away: bool,
 }
 
-/// Opens a store in a folder, with so many bytes of room.
-pub(super) type Open = fn(&Path, u64) -> Result<Arc<dyn Store>, StoreError>;
+/// What a store is for: each has a place of its own.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Room {
+    /// Results of computations.
+    Results,
+    /// Files that clients sent.
+    Uploads,
+}
+
+/// The bucket of a store that servers share.
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
+pub struct Bucket {
+    /// Its name.
+    pub name: String,
+    /// What the names of all objects begin with; may be empty.
+    pub prefix: String,
+    /// Where the store answers; empty for that of the region.
+    pub endpoint: String,
+    /// The region; empty for the usual one.
+    pub region: String,
+}
+
+/// Where a store is opened.
+#[derive(Debug, Clone)]
+pub struct Place {
+    /// The folder of the service.
+    pub dir: PathBuf,
+    /// The bucket of the service.
+    pub bucket: Bucket,
+    /// What the store is for.
+    pub room: Room,
+    /// Bytes of room.
+    pub capacity_bytes: u64,
+    /// Reaches the bucket.
+    pub connect: Connect,
+    /// Tells the time.
+    pub clock: Arc<dyn Clock>,
+}
+
+/// Makes a client that speaks HTTP: how is the affair of those who know HTTP.
+pub type Connect = fn() -> object_store::Result<object_store::client::HttpClient>;
+
+/// Opens a store.
+pub(super) type Open = fn(&Place) -> Result<Arc<dyn Store>, StoreError>;
 
 /// A kind of store.
 #[derive(Debug)]
 pub struct StoreKind {
     /// Its name in the settings.
     pub name: &'static str,
+    /// Whether it keeps bytes in the folder of the service, and nothing without one.
+    pub in_folder: bool,
     /// Opens it.
     pub open: Open,
     /// Opens what it keeps of small records, in a folder that is open already.

@@ -1,5 +1,6 @@
 //! Stores: keys and bytes only, content addressed, verified part by part when read.
 
+mod calls;
 mod database;
 mod disk;
 mod disk_files;
@@ -17,19 +18,24 @@ mod parts;
 mod pin;
 mod records;
 mod registry;
+mod s3;
 mod sealed;
+mod shared;
+mod shared_spool;
+mod shared_state;
 mod shelf;
 mod sweep;
 
 pub use disk::{Disk, Local};
 pub use embedded::Embedded;
 pub use error::StoreError;
-pub use interface::{LargeSpool, Sealed, Spool, Store, StoreKind, Usage};
+pub use interface::{Bucket, Connect, LargeSpool, Place, Room, Sealed, Spool, Store, StoreKind, Usage};
 pub use manifest::{Description, Manifest, Owners, PART_BYTES};
 pub use memory::Memory;
 pub(super) use parts::part_of;
 pub use pin::Pin;
 pub use records::Records;
 pub use registry::STORES;
+pub use shared::Shared;
 pub use shelf::MAX_ARTIFACTS;
 pub(super) use shelf::{Shelf, admit};

@@ -55,6 +55,12 @@ impl Parts {
         let content = self.content();
         record(key, self.length, content, self.hashes, description)
     }
+
+    /// The record of these bytes under the hash of them.
+    pub(super) fn manifest_by_content(self, description: Description) -> Manifest {
+        let key = self.content();
+        self.manifest(key, description)
+    }
 }
 
 impl Manifest {

@@ -2,7 +2,7 @@
 
 use std::fs::{self, File};
 use std::io::{self, Read};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::sync::Mutex;
 
 use redb::{Database, ReadableDatabase, ReadableTable, TableDefinition, TableError};
@@ -36,8 +36,10 @@ pub trait Records: std::fmt::Debug + Send + Sync {
 /// Records in one file of a local disk.
 #[derive(Debug)]
 pub(super) struct RecordFile {
-    path: String,
-    database: Mutex<Database>,
+    path: PathBuf,
+    /// None after a failure, until it is opened again: a database that failed once, of a full disk for instance, takes
+    /// nothing more.
+    database: Mutex<Option<Database>>,
 }
 
 impl RecordFile {
@@ -52,14 +54,33 @@ impl RecordFile {
             fs::rename(&aside, path).map_err(at("make", path))?;
         }
         let database = guarded(|| Ok(builder().open(path)?)).map_err(damaged)?;
-        let file = Self { database: Mutex::new(database), path: path.display().to_string() };
+        let file = Self { database: Mutex::new(Some(database)), path: path.to_owned() };
         // what is damaged shows now, and not when a record is asked for
         file.each(&mut |_, _| {}).map_err(|error| damaged(error.to_string()))?;
         Ok(file)
     }
 
-    fn failed(&self, error: &str) -> StoreError {
-        StoreError::Io(io::Error::other(format!("{}: {error}", self.path)))
+    /// Does something with the database, which is opened for it where it failed before.
+    fn with<T>(&self, work: impl FnOnce(&Database) -> Result<T, redb::Error>) -> Result<T, StoreError> {
+        let mut held = lock(&self.database);
+        let opened = match held.take() {
+            Some(database) => Ok(database),
+            None => guarded(|| Ok(builder().open(&self.path)?)),
+        };
+        let done = opened.and_then(|database| {
+            let database = held.insert(database);
+            guarded(|| work(database))
+        });
+        done.map_err(|error| {
+            if let Some(failed) = held.take() {
+                // closing writes too, so it may fail as well; what the next one opens is what lasts
+                let _ = guarded(|| {
+                    drop(failed);
+                    Ok(())
+                });
+            }
+            StoreError::Io(io::Error::other(format!("{}: {error}", self.path.display())))
+        })
     }
 }
 
@@ -88,8 +109,7 @@ fn damaged(path: &Path, error: &str) -> io::Error {
 
 impl Records for RecordFile {
     fn each(&self, tell: &mut dyn FnMut(&[u8], &[u8])) -> Result<(), StoreError> {
-        let database = lock(&self.database);
-        let read = guarded(|| {
+        self.with(|database| {
             let transaction = database.begin_read()?;
             let table = match transaction.open_table(RECORDS) {
                 Err(TableError::TableDoesNotExist(_)) => return Ok(()),
@@ -100,13 +120,11 @@ impl Records for RecordFile {
                 tell(key.value(), record.value());
             }
             Ok(())
-        });
-        read.map_err(|error| self.failed(&error))
+        })
     }
 
     fn write(&self, changes: &[(Vec<u8>, Option<Vec<u8>>)]) -> Result<(), StoreError> {
-        let database = lock(&self.database);
-        let written = guarded(|| {
+        self.with(|database| {
             let transaction = database.begin_write()?;
             {
                 let mut table = transaction.open_table(RECORDS)?;
@@ -119,7 +137,6 @@ impl Records for RecordFile {
             }
             transaction.commit()?;
             Ok(())
-        });
-        written.map_err(|error| self.failed(&error))
+        })
     }
 }

@@ -2,6 +2,7 @@
 
 use super::embedded;
 use super::interface::StoreKind;
+use super::s3;
 
 /// Every kind; the first is the usual one.
-pub const STORES: &[StoreKind] = &[embedded::KIND];
+pub const STORES: &[StoreKind] = &[embedded::KIND, s3::KIND];

@@ -145,6 +145,7 @@ impl<V> Shelf<V> {
             capacity: self.capacity,
             evicted: self.evicted,
             damaged: self.damaged,
+            away: false,
         }
     }
 }

@@ -17,6 +17,10 @@ class Attack:
     def __init__(self, name, says, body, n, **options):
         self.name, self.says, self.body, self.n = name, says, body, n
         self.path = options.get("path", "/v1/render")
+        self.requests = options.get("requests")  # whole requests instead of bodies, where they go to several places
+        self.starts_per_s = options.get("starts_per_s", 400)  # so that refusals do not turn into a busy loop
+        self.cached = options.get("cached", False)  # what it leaves in memory are results that may be asked for again
+        self.clients = options.get("clients", 1)  # addresses that the requests come from, in turn
         self.detached = options.get("detached", False)  # asks not to be waited for
         self.patience_s = options.get("patience_s", math.inf)  # clients leave after this
         self.total = options.get("total", math.inf)  # requests in all; those answered 503 come again
@@ -27,13 +31,13 @@ class Attack:
         self.slow_disk = options.get("slow_disk", False)
 
     def shot(self, i):
+        if self.requests:
+            return self.requests(i)
         return request("POST", self.path, self.body(i), "Prefer: respond-async" if self.detached else "Prefer: wait=300")
 
 
 class Attacker:
     """Drives one attack from one thread."""
-
-    STARTS_PER_S = 400  # new connections, so that refusals do not turn into a busy loop
 
     def __init__(self, attack, port, observe):
         self.attack, self.port, self.observe = attack, port, observe
@@ -45,7 +49,7 @@ class Attacker:
         start = time.monotonic()
         begun, swept = 0, 0.0
         while (now := time.monotonic() - start) < self.attack.duration_s and self.done < self.attack.total:
-            while len(self.flights) < self.attack.n and begun < 50 + now * self.STARTS_PER_S and self.open():
+            while len(self.flights) < self.attack.n and begun < 50 + now * self.attack.starts_per_s and self.open():
                 begun += 1
             for key, events in self.selector.select(0.02):
                 self.step(key.data, events)
@@ -73,10 +77,15 @@ class Attacker:
     def open(self):
         if (data := self.data()) is None:
             return False
-        flight = Flight(self.port, ATTACKER, data)
+        flight = Flight(self.port, self.address(), data)
         self.flights[flight] = flight.age()
         self.selector.register(flight.socket, selectors.EVENT_READ | selectors.EVENT_WRITE, flight)
         return True
+
+    def address(self):
+        if self.attack.clients == 1:
+            return ATTACKER
+        return f"127.0.1.{1 + self.next % self.attack.clients}"
 
     def step(self, flight, events):
         try:

@@ -3,6 +3,7 @@
 import socket
 import time
 
+LOOKED_AT = 8192  # bytes of an answer: the head, and the text of a refusal
 CHUNK = 256 * 1024  # sent at once, so that a long body does not hold up the others
 
 
@@ -34,9 +35,17 @@ class Flight:
             part = self.socket.recv(1 << 20)
         except BlockingIOError:
             return True
-        if len(self.answer) < 64:  # the status is all that is looked at
-            self.answer += part[:64]
+        if len(self.answer) < LOOKED_AT:
+            self.answer += part[:LOOKED_AT]
         return bool(part)
 
     def status(self):
-        return self.answer[9:12].decode("latin-1") or "cut"
+        """The status, and whether a refusal lacks what makes it one that a client can act on."""
+        status = self.answer[9:12].decode("latin-1") or "cut"
+        if not status.startswith(("4", "5")):
+            return status
+        head, _, body = self.answer.decode("latin-1").partition("\r\n\r\n")
+        names = {line.partition(":")[0].lower(): line.partition(":")[2].strip() for line in head.split("\r\n")[1:]}
+        complete = names.get("content-type", "").startswith("application/problem+json") and '"detail"' in body
+        patient = status not in ("429", "503") or names.get("retry-after", "").isdigit()
+        return status if complete and patient else f"{status} malformed"

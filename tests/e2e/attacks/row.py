@@ -47,7 +47,8 @@ class Row:
         fresh = [(kind, seconds, status) for kind, start, seconds, status in self.probes if start + seconds > now - 1.5]
         bounds = {"livez": MAX_LIVEZ_S, "stranger": MAX_STRANGER_S}
         quick = all(seconds < bounds[kind] and status == "200" for kind, seconds, status in fresh)
-        return quick and {kind for kind, _, _ in fresh} == set(bounds) and self.given_back() >= GIVEN_BACK
+        given_back = self.attack.cached or self.given_back() >= GIVEN_BACK
+        return quick and {kind for kind, _, _ in fresh} == set(bounds) and given_back
 
     def faults(self):
         """What the row fails by."""
@@ -59,6 +60,7 @@ class Row:
                 ("livez", self.largest("livez") >= MAX_LIVEZ_S),
                 ("stranger", self.largest("stranger") >= MAX_STRANGER_S),
                 ("refusals", self.refused()),
+                ("malformed", any("malformed" in how for how in self.answers)),
                 ("recovery", not slow_disk and self.recovered_s is None),
                 ("shutdown", slow_disk and (self.ended_s is None or self.ended_s > SHUTDOWN_S)),
             ]

@@ -1,13 +1,11 @@
 // Starts the service and a page on another port, which is another origin, and checks what the page sees.
 import assert from "node:assert/strict";
-import { spawn } from "node:child_process";
 import { createReadStream, existsSync, statSync } from "node:fs";
 import { createServer } from "node:http";
-import { createServer as createSocket } from "node:net";
 import { dirname, extname, join, normalize } from "node:path";
 import { fileURLToPath } from "node:url";
 import { deflateSync } from "node:zlib";
-import { chromium } from "playwright-core";
+import { launch, startService } from "./service.mjs";
 
 const [binary, screenshots] = process.argv.slice(2);
 const here = dirname(fileURLToPath(import.meta.url));
@@ -31,15 +29,6 @@ function base64url(job) {
   return deflateSync(JSON.stringify(job), { level: 9 }).toString("base64url");
 }
 
-// A port that nobody listens on.
-async function freePort() {
-  const socket = createSocket();
-  await new Promise((resolve) => socket.listen(0, "127.0.0.1", resolve));
-  const { port } = socket.address();
-  await new Promise((resolve) => socket.close(resolve));
-  return port;
-}
-
 // Serves the page and three.js.
 async function servePage() {
   const server = createServer((request, response) => {
@@ -54,17 +43,6 @@ async function servePage() {
   });
   await new Promise((resolve) => server.listen(0, "127.0.0.1", resolve));
   return server;
-}
-
-async function startService() {
-  const port = await freePort();
-  const service = spawn(binary, ["serve", "--listen", `127.0.0.1:${port}`, "--cache-bytes", "0"], { stdio: "ignore" });
-  const origin = `http://127.0.0.1:${port}`;
-  for (let left = 200; ; left -= 1) {
-    if (await fetch(`${origin}/livez`).then((answer) => answer.ok, () => false)) return { service, origin };
-    assert(left > 0 && service.exitCode === null, "the service does not start");
-    await new Promise((resolve) => setTimeout(resolve, 50));
-  }
 }
 
 // Opens the page, and records what really came over the wire for each of its requests.
@@ -192,13 +170,8 @@ async function checkPosts({ page }, origin, foreign) {
 
 const started = Date.now();
 const pages = await servePage();
-const { service, origin } = await startService();
-// pictures are drawn by software, so that they are the same on every machine; root has no sandbox
-const root = process.getuid?.() === 0 ? ["--no-sandbox"] : [];
-const elsewhere = "--host-resolver-rules=MAP elsewhere.test 127.0.0.1";
-const args = [...root, "--use-angle=swiftshader", "--enable-unsafe-swiftshader", elsewhere];
-const executablePath = process.env.CHROMIUM ?? "/usr/bin/chromium";
-const browser = await chromium.launch({ executablePath, args });
+const { service, origin } = await startService(binary);
+const browser = await launch("--host-resolver-rules=MAP elsewhere.test 127.0.0.1");
 try {
   const { port } = pages.address();
   const page = await openPage(browser, `http://localhost:${port}/index.html`);

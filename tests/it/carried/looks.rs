@@ -145,7 +145,7 @@ fn what_materials_of_gltf_have_besides_is_named() {
     materials[0]["occlusionTexture"] = texture.clone();
     materials[0]["pbrMetallicRoughness"]["metallicRoughnessTexture"] = texture;
     materials[1]["pbrMetallicRoughness"]["baseColorTexture"] = json!({ "index": 0, "texCoord": 1 });
-    document["extensionsUsed"] = json!(["KHR_texture_transform", "KHR_materials_sheen"]);
+    document["extensionsUsed"] = json!(["KHR_texture_transform", "KHR_materials_sheen", "KHR_technique_webgl"]);
     let mut job = of_file("gltf", document.to_string().as_bytes());
     job["outputs"] = json!([{ "format": "json" }]);
     let (_, report) = crate::support::render(&job).expect("a mesh");
@@ -156,7 +156,8 @@ fn what_materials_of_gltf_have_besides_is_named() {
         "textures of metalness and roughness are left out: 1",
         "light that materials give off is left out: 1",
         "another set of texture coordinates than the first are left out: 1",
-        "extensions of materials are left out: \"KHR_texture_transform\", \"KHR_materials_sheen\"",
+        "extensions of materials are left out: \"KHR_texture_transform\", \"KHR_materials_sheen\", \
+         \"KHR_technique_webgl\"",
     ] {
         assert!(all.contains(part), "{part} is not in {all}");
     }

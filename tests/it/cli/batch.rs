@@ -101,9 +101,51 @@ fn one_failure_keeps_no_other_input_from_being_rendered_and_the_code_tells_its_k
     assert_eq!(files(&folder, "out"), ["a.ply", "c.ply"]);
     fails(LIMIT, &render(&["a.obj", "d.json"]), &["1 of 2 inputs", "1 beyond a limit"]);
     fails(FILES, &render(&["a.obj", "nowhere.obj"]), &["nowhere.obj: cannot be read", "1 not read or written"]);
-    let output = render(&["b.obj", "d.json", "out", "a.obj"]);
-    fails(OTHER, &output, &["out: it is a folder; name its files, as in 'out/*.obj'"]);
+    let output = render(&["b.obj", "d.json", "nowhere.obj", "a.obj"]);
     fails(OTHER, &output, &["1 of 4 inputs", "; 1 refused, 1 beyond a limit, 1 not read or written"]);
+}
+
+#[test]
+fn a_folder_of_jobs_goes_into_a_folder_as_the_jobs_name_their_outputs() {
+    let with = |outputs: Value| {
+        let mut job = mesh(1);
+        job["outputs"] = outputs;
+        job.to_string()
+    };
+    let two = with(json!([{ "format": "glb" }, { "format": "stats" }, { "format": "json", "ids": true }]));
+    let folder = folder(&[
+        ("jobs/one.json", &with(json!([{ "format": "ply", "ascii": true }]))),
+        ("jobs/two.json", &two),
+        ("jobs/none.json", &with(json!([]))),
+        ("jobs/broken.json", "{\"input\":"),
+        ("jobs/notes.txt", "no job"),
+    ]);
+    let output = within(&folder, &["render", "jobs", "-o", "out"]);
+    fails(
+        OTHER,
+        &output,
+        &["jobs/none.json: nothing tells the format", "jobs/broken.json: ", "4 of 6 outputs rendered"],
+    );
+    assert_eq!(files(&folder, "out"), ["one.ply", "two-2.json", "two.glb", "two.json"]);
+    let made = |name: &str| std::fs::read(folder.path().join("out").join(name)).unwrap();
+    assert!(made("one.ply").starts_with(b"ply\nformat ascii"));
+    for (name, output) in
+        [("two.json", json!({ "format": "stats" })), ("two-2.json", json!({ "format": "json", "ids": true }))]
+    {
+        let mut job = mesh(1);
+        job["outputs"] = json!([output]);
+        assert_eq!(made(name), render(&job).unwrap().0, "{name}");
+    }
+    // one job without a summary, and none where its place would be taken
+    let output = within(&folder, &["render", "jobs/one.json", "-o", "alone/"]);
+    assert!(output.status.success() && output.stderr.is_empty(), "{}", text(&output.stderr));
+    assert_eq!(files(&folder, "alone"), ["one.ply"]);
+    fails(USAGE, &within(&folder, &["render", "jobs/two.json", "-o", "jobs"]), &["take the place of the input"]);
+    fails(FILES, &within(&folder, &["render", "alone", "-o", "out/", "--format", "glb", "empty"]), &["empty: "]);
+    std::fs::create_dir(folder.path().join("empty")).unwrap();
+    fails(FILES, &within(&folder, &["render", "empty", "-o", "out"]), &["empty: there are no jobs or mesh files"]);
+    let output = within(&folder, &["render", "alone", "-o", "out"]);
+    fails(USAGE, &output, &["--output: a folder does not tell the format, nor does alone/one.ply; name one"]);
 }
 
 #[test]

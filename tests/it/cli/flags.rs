@@ -5,7 +5,7 @@ use std::collections::BTreeSet;
 use planish::output::FORMATS;
 use serde_json::{Value, json};
 
-use super::{REFUSED, USAGE, fails, fed, piped, run, saved, text};
+use super::{FILES, REFUSED, USAGE, fails, fed, piped, run, saved, text};
 use crate::http::jobs::{mesh, with};
 use crate::http::server::Folder;
 use crate::support::render;
@@ -93,6 +93,33 @@ fn flags_say_what_a_job_says_to_the_same_bytes() {
 }
 
 #[test]
+fn a_material_is_given_by_its_fields() {
+    let folder = Folder::new();
+    let cube = cube(&folder);
+    let mut job = mesh(1);
+    job["input"]["material"] = json!({ "color": [1, 0.5, 0], "roughness": 0.25, "alpha_mode": "mask" });
+    job["outputs"] = json!([{ "format": "glb" }]);
+    let flags = ["render", &cube, "-o", "-", "--format", "glb", "--preset", "catmull-clark", "--levels", "1"];
+    for material in [
+        &["--material", "color=1,0.5,0,roughness=0.25,alpha-mode=mask"][..],
+        &["--material", "color=1,0.5,0", "--material", "roughness=0.25", "--material", "alpha_mode=mask"],
+        &["--material", r#"{"color": [1, 0.5, 0], "roughness": 0.25, "alpha_mode": "mask"}"#],
+    ] {
+        let made = run(&[&flags, material].concat());
+        assert!(made.status.success(), "{material:?}: {}", text(&made.stderr));
+        assert_eq!(made.stdout, render(&job).unwrap().0, "{material:?}");
+    }
+    for (code, material, said) in [
+        (USAGE, "red", "--material: write it as name=value,name=value with the names alpha_cutoff"),
+        (USAGE, "color=red", "--material color: \"red\" is not a colour"),
+        (REFUSED, "roughness=2", "--material roughness: 2 is not from 0 to 1"),
+        (USAGE, "colour=#fff", "--material colour: unknown field \"colour\"; did you mean \"color\"?"),
+    ] {
+        fails(code, &run(&[&flags, &["--material", material][..]].concat()), &[said]);
+    }
+}
+
+#[test]
 fn schemes_are_given_by_flags() {
     let folder = Folder::new();
     let cube = cube(&folder);
@@ -135,6 +162,29 @@ fn flags_take_the_place_of_what_a_job_says() {
     job = mesh(3);
     job["plan"] = json!({ "preset": "bilinear" });
     assert_eq!(other.stdout, render(&with(job, "obj")).unwrap().0, "{}", text(&other.stderr));
+}
+
+#[test]
+fn distances_are_measured_from_the_job_or_mesh_file_that_a_flag_names() {
+    let folder = Folder::new();
+    let cube = cube(&folder);
+    let other = saved(&folder, &mesh(2));
+    let measured = |flags: &[&str]| {
+        let all = ["render", &cube, "-o", "-", "--format", "png", "--shading", "distance", "--width", "64"];
+        run(&[&all[..], &["--height", "48"], flags].concat())
+    };
+    let mut job = json!({ "input": mesh(0)["input"] });
+    job["outputs"] = json!([{ "format": "png", "width": 64, "height": 48, "shading": "distance" }]);
+    job["distance_to"] = mesh(2);
+    let made = measured(&["--distance-to", &other]);
+    assert_eq!(made.stdout, render(&job).unwrap().0, "{}", text(&made.stderr));
+    job["distance_to"] = json!({ "input": job["input"] });
+    let made = measured(&["--distance-to", &cube]);
+    assert_eq!(made.stdout, render(&job).unwrap().0, "{}", text(&made.stderr));
+    let curve = json!({ "input": { "polygon": { "points": [[0, 0], [1, 0], [1, 1]] } } });
+    fails(REFUSED, &measured(&["--distance-to", &saved(&folder, &curve)]), &["--distance-to: ", "give a mesh"]);
+    let missing = folder.path().join("none.obj");
+    fails(FILES, &measured(&["--distance-to", missing.to_str().unwrap()]), &["none.obj", "cannot be read"]);
 }
 
 #[test]

@@ -141,6 +141,8 @@ fn patience_ends_and_keys_and_addresses_are_told_to_be_wrong() {
     // nobody listens there any more
     fails(FILES, &call(&url), &["no answer"]);
     fails(USAGE, &call("ftp://127.0.0.1"), &["--server"]);
+    let said = ["--server: https://planish.example needs TLS", "a proxy on this machine", "http://127.0.0.1:8081"];
+    fails(USAGE, &call("https://planish.example"), &said);
     let value: Value = serde_json::from_str(&fs::read_to_string(&job).unwrap()).unwrap();
     assert_eq!(value["levels"], 1, "the job is left alone");
 }

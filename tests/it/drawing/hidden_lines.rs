@@ -12,7 +12,7 @@ use crate::support::nets::{self, Net};
 use crate::support::{parsed, render};
 
 /// The SVG of an output of a mesh.
-fn drawn(input: &Value, level: u32, output: &Value) -> String {
+pub(super) fn drawn(input: &Value, level: u32, output: &Value) -> String {
     let mut job = json!({ "input": input, "outputs": [output] });
     job["outputs"][0]["format"] = json!("svg");
     if level > 0 {
@@ -23,14 +23,20 @@ fn drawn(input: &Value, level: u32, output: &Value) -> String {
     String::from_utf8(bytes).expect("SVG is text")
 }
 
-fn distance(a: [f64; 2], b: [f64; 2]) -> f64 {
+pub(super) fn distance(a: [f64; 2], b: [f64; 2]) -> f64 {
     let [x, y] = [b[0] - a[0], b[1] - a[1]];
     sqrt(x * x + y * y)
 }
 
 /// The total length of the lines of a class, pixels.
 fn length(svg: &str, class: &str) -> f64 {
-    let Some((_, rest)) = svg.split_once(&format!("class=\"{class}\"")) else { return 0.0 };
+    let step = |pair: &[[f64; 2]]| distance(pair[0], pair[1]);
+    lines(svg, class).iter().map(|line| line.windows(2).map(step).sum::<f64>()).sum()
+}
+
+/// The lines of a class.
+pub(super) fn lines(svg: &str, class: &str) -> Vec<Vec<[f64; 2]>> {
+    let Some((_, rest)) = svg.split_once(&format!("class=\"{class}\"")) else { return Vec::new() };
     let (group, _) = rest.split_once("</g>").expect("the group ends");
     let paths = group.split("d=\"M").skip(1).map(|path| path.split('"').next().expect("a path"));
     let places = |path: &str| -> Vec<[f64; 2]> {
@@ -38,8 +44,7 @@ fn length(svg: &str, class: &str) -> f64 {
             path.replace('L', " ").split(' ').map(|number| number.parse().expect("a number")).collect();
         numbers.as_chunks::<2>().0.to_vec()
     };
-    let step = |pair: &[[f64; 2]]| distance(pair[0], pair[1]);
-    paths.map(|path| places(path).windows(2).map(step).sum::<f64>()).sum()
+    paths.map(places).collect()
 }
 
 /// A cube all of whose edges are as long.

@@ -94,8 +94,8 @@ impl Document {
         for (name, schema) in fields.chain(schema["items"].is_object().then(|| ("0", &schema["items"]))) {
             let at = format!("{at}/{name}");
             found.push(at.clone());
-            // whatever a word takes stands among its parameters, and figures hold jobs
-            if at != "/plan/parameters" && at != "/figure" {
+            // whatever a word takes stands among its parameters; figures hold jobs, and distances are from another one
+            if !["/plan/parameters", "/figure", "/distance_to"].contains(&at.as_str()) {
                 self.possible(schema, &at, found);
             }
         }

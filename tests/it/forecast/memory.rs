@@ -54,6 +54,17 @@ fn stats() -> Value {
 }
 
 #[test]
+fn m3_distances_from_another_surface_hold_what_they_say() {
+    let picture = json!({ "format": "png", "width": 64, "height": 48, "shading": "distance" });
+    let net = nets::torus(8, 8).input();
+    for (levels, of_other) in [(5, 2), (2, 5), (4, 4)] {
+        let mut job = job(&net, &preset("catmull-clark"), levels, &picture);
+        job["distance_to"] = json!({ "input": net, "plan": { "preset": "catmull-clark" }, "levels": of_other });
+        holds("distances", &job);
+    }
+}
+
+#[test]
 fn m3_words_with_and_without_duals_hold_what_they_say() {
     let (open, closed, mixed) = (nets::grid(8, 8), nets::torus(8, 8), nets::mixed());
     let cases: [(&Net, &str, u32); 14] = [

@@ -16,7 +16,8 @@ use serde_json::Value;
 
 use super::disk::{app, bytes, make, n, run, written};
 use crate::http::jobs::{mesh, with};
-use crate::http::server::until;
+use crate::http::server::{Folder, until};
+use crate::killed::Service;
 use crate::store::faulty::Faulty;
 use crate::store::{ROOMY, Scratch, key};
 use crate::support;
@@ -27,7 +28,7 @@ fn job() -> Value {
 }
 
 /// Has the job computed over these stores: the rows that were made, the bytes, and what the disk counted.
-fn computed(tiers: Tiers) -> (u64, Vec<u8>, [(&'static str, u64); 9]) {
+fn computed(tiers: Tiers) -> (u64, Vec<u8>, [(&'static str, u64); 11]) {
     run(async {
         let (_, app) = app(tiers).await;
         let admitted = Limits::default().admit(support::parsed(job().to_string().as_bytes()).unwrap()).unwrap();
@@ -37,6 +38,36 @@ fn computed(tiers: Tiers) -> (u64, Vec<u8>, [(&'static str, u64); 9]) {
         let bytes = bytes(&app.desk.tiers, &kept).await.unwrap();
         (interest.computation.watch.done(), bytes, app.desk.tiers.disk_counts().list())
     })
+}
+
+/// Under the limit on file sizes every write fails as it does on a full disk (the signal is ignored, the error stays).
+#[test]
+#[cfg(target_os = "linux")]
+fn jobs_are_refused_while_the_disk_is_full_and_accepted_again_when_there_is_room() {
+    use rustix::process::{Pid, Resource, Rlimit, prlimit};
+    let folder = Folder::new();
+    let mut command = std::process::Command::new("sh");
+    command.args(["-c", "trap '' XFSZ; exec \"$0\" \"$@\"", env!("CARGO_BIN_EXE_planish")]);
+    let service = Service::run(&mut command, &folder.path().join("data"));
+    let pid = Pid::from_raw(service.id().cast_signed());
+    let room = |bytes: Option<u64>| {
+        let _ = prlimit(pid, Resource::Fsize, Rlimit { current: bytes, maximum: None }).unwrap();
+    };
+    let client = reqwest::Client::builder().no_proxy().build().unwrap();
+    run(async {
+        let post = async |levels| {
+            let job = with(mesh(levels), "stl");
+            client.post(format!("{}/v1/jobs", service.url)).json(&job).send().await.unwrap().status().as_u16()
+        };
+        assert_eq!(post(1).await, 202);
+        for round in 0..2 {
+            room(Some(0));
+            assert_eq!(post(2 + round).await, 507);
+            assert_eq!(post(2 + round).await, 507, "and again");
+            room(None);
+            assert_eq!(post(4 + round).await, 202, "there is room again");
+        }
+    });
 }
 
 fn value(counts: &[(&'static str, u64)], name: &str) -> u64 {

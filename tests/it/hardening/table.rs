@@ -194,6 +194,7 @@ SVG as a script: An artifact or a refusal that a browser might run as a page of 
 - the_content_location_gives_the_same_bytes_for_ever
 - a_page_that_may_ask_may_read_the_headers_of_answers
 - what_an_address_says_is_shortened_and_escaped_where_it_is_repeated
+- texts_stay_in_their_elements
 disk full: A write that fails for want of room.
 - a_full_disk_fails_one_commit_and_nothing_else
 - a_stopped_watch_and_a_full_disk_end_every_writer
@@ -207,6 +208,11 @@ kill -9: The end of the process at any moment of a write.
 - an_accepted_batch_is_finished_by_the_next_process_and_what_is_done_is_not_done_again
 poison: A job that ends the process whenever it is begun.
 - a_job_with_which_the_process_ends_five_times_is_given_up
+clock jump: A wall clock that is set forward or back by years while jobs wait, or between two processes.
+- a_wall_clock_that_jumps_ends_no_job_and_keeps_none_for_ever
+- the_machines_clock_counts_on_from_the_wall_clock
+- what_waits_or_runs_for_too_long_fails_and_what_is_old_is_forgotten_by_the_clock
+- silence_is_broken_every_fifteen_seconds_of_the_clock
 overload: More work than there is room for.
 - a_full_queue_is_answered_503_while_cached_answers_and_health_go_on
 - health_is_answered_while_nothing_is_computed
@@ -262,6 +268,9 @@ determinism drift: Results that depend on the number of threads or on the build.
 - bytes_do_not_depend_on_the_number_of_threads
 - the_number_of_threads_does_not_change_a_byte
 - any_number_of_threads_finds_the_same_limits
+supply chain: A crate from elsewhere, or under a licence that does not go with ours.
+- crates_come_from_the_registry_under_licences_that_are_allowed
+- expressions_of_licences_are_met_by_one_alternative_or_by_none
 ";
 
 /// Adds the names of all test functions in the files of a folder and of those below it.

@@ -8,7 +8,7 @@ use planish::config::Settings;
 use serde_json::{Value, json};
 
 use super::events::Listening;
-use super::jobs::{endless, mesh, polygon, with};
+use super::jobs::{detailed, endless, mesh, polygon, with};
 use super::server::{Answer, Folder, Server, settings, story, until};
 
 const WAIT: [(&str, &str); 1] = [("prefer", "wait=200")];
@@ -149,7 +149,7 @@ fn a_fault_points_to_the_job_or_to_the_axis_and_nothing_is_begun() {
             (&wrong_template, &["/template/input/mesh/faces/0"]),
             (&many, &["/grid"]),
             (&json!({ "jobs": vec![mesh(1); 21] }), &["/jobs"]),
-            (&json!({ "jobs": [5] }), &["/jobs/0"]),
+            (&json!({ "jobs": [5, detailed()] }), &["/jobs/0", "/jobs/1/outputs/0/lod"]),
             (
                 &json!({ "template": mesh(1), "grid": [{ "pointer": "/plan/nothing/delta", "values": [1] }] }),
                 &["/grid/0/pointer"],

@@ -207,3 +207,26 @@ fn panels_of_a_figure_may_name_uploads_and_validate_looks_at_them() {
         assert_eq!((&told["valid"], &told["errors"][0]["pointer"]), (&false.into(), &"/input/blob".into()), "{told}");
     });
 }
+
+#[test]
+fn the_surface_that_distances_are_measured_from_may_be_an_upload() {
+    story(settings(), async |server| {
+        let id = send(server, "", OBJ.as_bytes()).await.json()["id"].as_str().unwrap().to_owned();
+        let measured = |other: &Value| {
+            let mut job = job(&id);
+            job["outputs"] = json!([{ "format": "png", "width": 32, "height": 32, "shading": "distance" }]);
+            job["distance_to"] = json!({ "input": other });
+            job
+        };
+        let inline = measured(&json!({ "text": { "format": "obj", "data": OBJ } }));
+        let inline = server.render(&inline).await.ok();
+        let named = server.render(&measured(&json!({ "blob": id }))).await.ok();
+        assert_eq!((named.header("cache-status"), &named.body), ("planish; hit", &inline.body));
+        let panel = json!({ "figure": { "panels": [{ "job": measured(&json!({ "blob": id })) }] },
+            "outputs": [{ "format": "png", "width": 80 }] });
+        server.render(&panel).await.ok();
+        let missing = measured(&json!({ "blob": format!("b3-{}", "1".repeat(64)) }));
+        let problem = server.render(&missing).await.problem(422, "invalid-job");
+        assert_eq!(problem["errors"][0]["pointer"], "/distance_to/input/blob", "{problem}");
+    });
+}

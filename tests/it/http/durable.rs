@@ -1,13 +1,18 @@
 //! Jobs and their restarts.
 
 use std::path::Path;
+use std::pin::Pin;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicU64, Ordering};
+use std::time::Duration;
 
 use planish::config::Settings;
 use planish::http::serve::bind;
+use planish::service::clock::{Clock, Manual, Monotonic};
 use serde_json::Value;
 
 use super::jobs::{endless, mesh, with};
-use super::server::{Folder, settings, story, until};
+use super::server::{Folder, settings, story, story_at, until};
 
 fn lasting(folder: &Folder) -> Settings {
     Settings { data_dir: folder.path().join("data"), shutdown_timeout_s: 0, ..settings() }
@@ -90,6 +95,85 @@ fn what_is_known_of_settled_jobs_lasts_and_evicted_results_are_made_again() {
         let made = server.get(done["outputs"][1]["href"].as_str().unwrap()).await.ok();
         assert_eq!((made.header("cache-status"), &made.body), ("planish; fwd=miss; stored", &bytes));
         assert_eq!(server.post("/v1/jobs", &two()).await.ok().json()["state"], "done");
+    });
+}
+
+/// A clock that is moved by hand, with a wall clock that can be set.
+#[derive(Debug)]
+struct Jumping {
+    start: Duration,
+    passed: Manual,
+    wall_s: AtomicU64,
+}
+
+impl Jumping {
+    fn at(start_s: u64) -> Arc<Self> {
+        let start = Duration::from_secs(start_s);
+        Arc::new(Self { start, passed: Manual::default(), wall_s: AtomicU64::new(start_s) })
+    }
+}
+
+impl Clock for Jumping {
+    fn now(&self) -> Duration {
+        self.start + self.passed.now()
+    }
+
+    fn wall(&self) -> Duration {
+        Duration::from_secs(self.wall_s.load(Ordering::SeqCst))
+    }
+
+    fn sleep(&self, time: Duration) -> Pin<Box<dyn Future<Output = ()> + Send + '_>> {
+        self.passed.sleep(time)
+    }
+}
+
+#[test]
+fn the_machines_clock_counts_on_from_the_wall_clock() {
+    let clock = Monotonic::default();
+    let (now, wall) = (clock.now(), clock.wall());
+    assert!(now.abs_diff(wall) < Duration::from_hours(1), "{now:?} {wall:?}");
+}
+
+#[test]
+fn a_wall_clock_that_jumps_ends_no_job_and_keeps_none_for_ever() {
+    const START_S: u64 = 1_800_000_000;
+    const YEARS_S: u64 = 300_000_000;
+    let folder = Folder::new();
+    let lasting = || Settings { job_ttl_s: 1000, ..lasting(&folder) };
+    let clock = Jumping::at(START_S);
+    let (waiting, done) = story_at(lasting(), clock.clone(), async |server| {
+        let done = server.post_with("/v1/jobs", &with(mesh(1), "stats"), &[("prefer", "wait=60")]).await.ok();
+        let held = server.turn(planish::service::pool::Lane::Short).await;
+        let waiting = server.post("/v1/jobs?queue_timeout_s=30&run_timeout_s=30", &two()).await;
+        for wall_s in [START_S + YEARS_S, START_S - YEARS_S] {
+            clock.wall_s.store(wall_s, Ordering::SeqCst);
+            server.app.desk.tidy();
+            assert_eq!(server.get(waiting.header("location")).await.ok().json()["state"], "queued");
+            assert_eq!(server.get(done.header("location")).await.ok().json()["state"], "done");
+        }
+        clock.wall_s.store(START_S, Ordering::SeqCst);
+        drop(held);
+        (waiting.header("location").to_owned(), done.header("location").to_owned())
+    });
+    // the next process starts 900 s later; the age of what is settled goes on, and what was accepted is finished
+    story_at(lasting(), Jumping::at(START_S + 900), async |server| {
+        assert_eq!(server.settled(&waiting).await["state"], "done");
+        assert_eq!(server.get(&done).await.ok().json()["state"], "done");
+    });
+    let clock = Jumping::at(START_S + 950);
+    story_at(lasting(), clock.clone(), async |server| {
+        clock.passed.advance(Duration::from_secs(100));
+        server.app.desk.tidy();
+        assert_eq!(server.get(&done).await.status, 404);
+        assert_eq!(server.get(&waiting).await.ok().json()["state"], "done");
+    });
+    // one whose clock is years behind keeps what is settled for its time from the start, and not for years
+    let clock = Jumping::at(START_S - YEARS_S);
+    story_at(lasting(), clock.clone(), async |server| {
+        assert_eq!(server.get(&waiting).await.ok().json()["state"], "done");
+        clock.passed.advance(Duration::from_secs(1000));
+        server.app.desk.tidy();
+        assert_eq!(server.get(&waiting).await.status, 404);
     });
 }
 

@@ -50,6 +50,28 @@ fn a_file_of_every_reader_has_the_answer_of_the_equal_job() {
 }
 
 #[test]
+fn a_material_stands_in_the_query_field_by_field() {
+    story(settings(), async |server| {
+        let look = json!({ "color": [1, 0.5, 0, 0.5], "roughness": 0.25, "double_sided": false });
+        let job = json!({ "input": { "material": look }, "outputs": [{ "format": "glb" }] });
+        let query = "format=glb&input.material.color=1,0.5,0,0.5&input.material.roughness=0.25\
+            &input.material.double_sided=false";
+        check(server, query, job).await;
+        let job = json!({ "input": { "material": { "color": "#ff8000" } }, "outputs": [{ "format": "glb" }] });
+        check(server, "format=glb&input.material.color=%23ff8000", job).await;
+        for (query, place) in [
+            ("input.material.color=red", "?input.material.color"),
+            ("input.material.rough=1", "?input.material.rough"),
+            ("input.material.metallic=2", "?input.material.metallic"),
+        ] {
+            let file = cube(server, "obj").await;
+            let problem = post(server, query, "model/obj", &file).await.problem(422, "invalid-job");
+            assert_eq!(problem["errors"][0]["pointer"], place, "{query}: {problem}");
+        }
+    });
+}
+
+#[test]
 fn what_programs_send_without_being_told_a_type_is_read_by_its_first_bytes() {
     story(settings(), async |server| {
         for reader in READERS.iter().filter(|reader| reader.name != "gltf") {

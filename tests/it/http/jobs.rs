@@ -41,3 +41,10 @@ pub(crate) fn formats(mesh: bool) -> Vec<&'static dyn Format> {
 pub(crate) fn endless() -> Value {
     json!({ "input": square(), "plan": { "word": "U^18(C^40)" }, "levels": 64 })
 }
+
+/// The cube with levels of detail, whose buffers are results of their own.
+pub(crate) fn detailed() -> Value {
+    let mut job = mesh(2);
+    job["outputs"] = json!([{ "format": "gltf", "lod": [1, 2] }]);
+    job
+}

@@ -4,6 +4,7 @@ use axum::http::Method;
 use planish::config::Settings;
 use planish::config::keys::{Role, SHARED, Token};
 use serde_json::{Value, json};
+use tokio::task::JoinHandle;
 
 use super::jobs::{cube, endless, mesh, with};
 use super::keys::{bearer, key, keyed};
@@ -198,61 +199,93 @@ fn jobs_of_one_tenant_are_unknown_to_another_whatever_is_done_to_them() {
 enum Leave {
     Cancel,
     Delete,
+    Disconnect,
+}
+
+/// What one tenant does about a job: asks for it, and leaves.
+struct Party<'a> {
+    server: &'a Server,
+    token: &'a Token,
+    leave: Leave,
+    job: Value,
+    /// Where the job stands, once it was posted.
+    place: String,
+    /// The request that waits, where there is one.
+    request: Option<JoinHandle<()>>,
+}
+
+impl<'a> Party<'a> {
+    fn new(server: &'a Server, token: &'a Token, leave: Leave, job: &Value) -> Self {
+        Self { server, token, leave, job: job.clone(), place: String::new(), request: None }
+    }
+
+    async fn submit(&mut self) {
+        if matches!(self.leave, Leave::Disconnect) {
+            let request = self.server.client.post(self.server.url("/v1/render")).json(&self.job);
+            let request = request.header("authorization", bearer(self.token)).header("prefer", "wait=300");
+            self.request = Some(tokio::spawn(async move { drop(request.send().await) }));
+        } else {
+            let posted = post(self.server, self.token, "/v1/jobs", &self.job).await;
+            posted.header("location").clone_into(&mut self.place);
+        }
+    }
+
+    async fn leaves(&mut self) {
+        let (server, token, place) = (self.server, self.token, &self.place);
+        match self.leave {
+            Leave::Cancel => {
+                let left = post(server, token, &format!("{place}/cancel"), &Value::Null).await;
+                assert!([200, 202].contains(&left.status), "{}", left.text());
+            }
+            Leave::Delete => assert_eq!(ask(server, token, Method::DELETE, place, &Value::Null).await.status, 204),
+            Leave::Disconnect => self.request.take().unwrap().abort(),
+        }
+    }
+
+    /// What the tenant is told of the job, where it is one.
+    async fn state(&self) -> Option<Value> {
+        let is_job = !self.place.is_empty();
+        if is_job { Some(get(self.server, self.token, &self.place).await.ok().json()["state"].clone()) } else { None }
+    }
 }
 
 #[test]
 fn a_computation_goes_on_for_the_tenant_that_stays_in_every_order_of_leaving() {
     let two = two();
     story(keyed(&two.folder), async |server| {
-        for (turn, leave) in [Leave::Cancel, Leave::Delete].into_iter().enumerate() {
-            for first in [true, false] {
-                let (stays, goes) = if first { (&two.a, &two.b) } else { (&two.b, &two.a) };
-                let job = with(endless_of(turn * 2 + usize::from(first)), "stats");
-                let posted = post(server, goes, "/v1/jobs", &job).await;
-                let place = posted.header("location").to_owned();
-                post(server, stays, "/v1/jobs", &job).await;
-                let desk = &server.app.desk;
-                until("both wait for one computation", || (desk.n_under_way(), desk.n_interests()) == (1, 2)).await;
-                let left = match leave {
-                    Leave::Cancel => post(server, goes, &format!("{place}/cancel"), &Value::Null).await.status,
-                    Leave::Delete => ask(server, goes, Method::DELETE, &place, &Value::Null).await.status,
-                };
-                assert!([202, 204].contains(&left));
-                until("one is left", || desk.n_interests() == 1).await;
-                assert_eq!(desk.n_under_way(), 1, "{leave:?}: the other tenant still wants it");
-                let state = get(server, stays, &place).await.ok().json()["state"].clone();
-                assert!([json!("queued"), json!("running")].contains(&state), "{state}");
-                // who has left comes back, and joins again
-                post(server, goes, "/v1/jobs", &job).await;
-                until("both wait again", || desk.n_interests() == 2).await;
-                for token in [stays, goes] {
-                    ask(server, token, Method::DELETE, &place, &Value::Null).await;
+        let desk = &server.app.desk;
+        let ended = || desk.tally.computations().map(|(_, n)| n).sum::<u64>();
+        let ways = [Leave::Cancel, Leave::Delete, Leave::Disconnect];
+        let mut n = 0;
+        for (a, b) in ways.into_iter().flat_map(|a| ways.map(|b| (a, b))) {
+            for (first, last) in [(0, 0), (0, 1), (1, 0), (1, 1)] {
+                let case = format!("{a:?} and {b:?}, {first} leaves first and {last} at last");
+                let job = with(endless_of(n), "stats");
+                let mut parties = [Party::new(server, &two.a, a, &job), Party::new(server, &two.b, b, &job)];
+                let before = ended();
+                for party in &mut parties {
+                    party.submit().await;
                 }
-                until("it stops with the last interest", || desk.n_under_way() == 0).await;
-                get(server, stays, &place).await.problem(404, "not-found");
+                let want = |n: usize| (desk.n_under_way(), desk.n_interests()) == (1, n);
+                until(&format!("both wait for one computation: {case}"), || want(2)).await;
+                parties[first].leaves().await;
+                until(&format!("one is left: {case}"), || want(1)).await;
+                if let Some(state) = parties[1 - first].state().await {
+                    assert!([json!("queued"), json!("running")].contains(&state), "{state}: {case}");
+                }
+                // who has left comes back, and joins what goes on
+                parties[first].submit().await;
+                until(&format!("both wait again: {case}"), || want(2)).await;
+                assert_eq!(ended(), before, "no computation has ended: {case}");
+                parties[1 - last].leaves().await;
+                until(&format!("the last one is left: {case}"), || want(1)).await;
+                parties[last].leaves().await;
+                until(&format!("it stops with the last interest: {case}"), || desk.n_under_way() == 0).await;
+                until(&format!("it was one computation: {case}"), || ended() == before + 1).await;
+                n += 1;
             }
         }
-    });
-}
-
-#[test]
-fn a_disconnect_of_one_tenant_leaves_the_job_of_another() {
-    let two = two();
-    // one place in each lane for the request, and one for the job
-    story(keyed(&two.folder), async |server| {
-        let job = with(endless(), "stats");
-        let shown = bearer(&two.a);
-        let waiting = server.client.post(server.url("/v1/render")).header("authorization", shown);
-        let waiting = tokio::spawn(waiting.json(&job).send());
-        let desk = &server.app.desk;
-        until("it is being computed", || desk.n_interests() == 1).await;
-        let place = post(server, &two.b, "/v1/jobs", &job).await.header("location").to_owned();
-        until("both want it", || desk.n_interests() == 2).await;
-        waiting.abort();
-        until("the connection is gone", || desk.n_interests() == 1).await;
-        assert_eq!(desk.n_under_way(), 1);
-        post(server, &two.b, &format!("{place}/cancel"), &Value::Null).await;
-        until("nobody wants it", || desk.n_under_way() == 0).await;
+        assert_eq!(n, 36);
     });
 }
 

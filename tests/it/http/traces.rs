@@ -82,5 +82,31 @@ fn the_dashboard_and_the_alerts_watch_metrics_that_exist() {
         let dashboard = std::fs::read(folder.join("dashboard.json")).unwrap();
         let dashboard: serde_json::Value = serde_json::from_slice(&dashboard).unwrap();
         assert!(dashboard["panels"].as_array().unwrap().len() > 10);
+        let alerts = std::fs::read_to_string(folder.join("alerts.yaml")).unwrap();
+        let mut asked: Vec<&str> = alerts.lines().filter_map(|line| line.trim().strip_prefix("expr: ")).collect();
+        let panels = dashboard["panels"].as_array().unwrap();
+        let targets = panels.iter().flat_map(|panel| panel["targets"].as_array().unwrap());
+        asked.extend(targets.map(|target| target["expr"].as_str().unwrap()));
+        assert!(asked.len() > 20, "{asked:?}");
+        asked.iter().for_each(|asked| labels_exist(asked, &page));
     });
+}
+
+/// Checks that every label that a query selects or sums by is one of the metrics that it asks for.
+fn labels_exist(query: &str, page: &str) {
+    let mut known = BTreeSet::from(["instance", "job"]);
+    let words: BTreeSet<&str> = query.split(|c: char| !c.is_ascii_alphanumeric() && c != '_').collect();
+    for line in page.lines().filter(|line| words.iter().any(|word| line.starts_with(&format!("{word}{{")))) {
+        let labels = line.split(['{', '}']).nth(1).unwrap().split("\",");
+        known.extend(labels.map(|label| label.split('=').next().unwrap()));
+    }
+    let lists = |open: &str, close: char| -> Vec<String> {
+        let parts = query.split(open).skip(1);
+        parts.map(|rest| rest.split(close).next().unwrap().to_owned()).collect()
+    };
+    for list in lists("by (", ')').into_iter().chain(lists("{", '}')) {
+        for label in list.split(',').map(|label| label.split(['=', '!']).next().unwrap().trim()) {
+            assert!(known.contains(label), "no metric of `{query}` has a label {label}, only {known:?}");
+        }
+    }
 }

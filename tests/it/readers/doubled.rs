@@ -1,5 +1,7 @@
 //! Vertices that files have several times, as they have several normals, colours or texture coordinates.
 
+use base64::Engine;
+use base64::engine::general_purpose::STANDARD;
 use serde_json::{Value, json};
 
 use super::gltf::{document, floats};
@@ -69,6 +71,43 @@ fn cube_of_six_colors() -> Value {
             "nodes": [{ "mesh": 0 }], "scenes": [{ "nodes": [0] }], "scene": 0,
         }),
     )
+}
+
+/// PLY has one pair of texture coordinates a vertex, which parts vertices at seams.
+#[test]
+fn a_ply_that_planish_wrote_with_texture_coordinates_is_refined_as_the_mesh_that_it_was() {
+    let mut cube = nets::cube().to_json();
+    cube["uvs"] = json!({ "values": [[0, 0], [1, 0], [1, 1], [0, 1]], "faces": vec![[0, 1, 2, 3]; 6] });
+    let refined = |input: Value| {
+        let plan = json!({ "preset": "catmull-clark" });
+        let job = json!({ "input": input, "plan": plan, "levels": 2, "outputs": [{ "format": "json" }] });
+        let (bytes, _) = support::render(&job).expect("it runs");
+        serde_json::from_slice::<Value>(&bytes).expect("JSON")
+    };
+    let meant = refined(json!({ "mesh": cube }));
+    for ascii in [false, true] {
+        let job = json!({ "input": { "mesh": cube }, "outputs": [{ "format": "ply", "ascii": ascii }] });
+        let (file, _) = support::render(&job).expect("it runs");
+        let data = STANDARD.encode(&file);
+        let text = |data: &str| json!({ "text": { "format": "ply", "data": data, "encoding": "base64" } });
+        let back = refined(text(&data));
+        let count = |mesh: &Value, what: &str| mesh[what].as_array().map(Vec::len);
+        for what in ["positions", "faces"] {
+            assert_eq!(count(&back, what), count(&meant, what), "{what}");
+        }
+        assert_eq!(count(&back["uvs"], "values"), count(&meant["uvs"], "values"));
+        assert_eq!(back["warnings"].as_array().map_or(0, Vec::len), 1, "what was welded: {}", back["warnings"]);
+        // a file of another program is taken at its word, and so is one of which that is wanted
+        let other = String::from_utf8_lossy(&file).contains("comment planish\n").then(|| {
+            let at = file.windows(7).position(|word| word == b"planish").expect("it says so");
+            [&file[..at], b"another", &file[at + 7..]].concat()
+        });
+        let torn = refined(text(&STANDARD.encode(other.expect("it says so"))));
+        assert!(count(&torn, "positions") > count(&meant, "positions"));
+        let mut kept = text(&data);
+        kept["weld"] = json!(false);
+        assert_eq!(count(&refined(kept), "positions"), count(&torn, "positions"));
+    }
 }
 
 #[test]

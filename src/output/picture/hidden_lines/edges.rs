@@ -62,7 +62,9 @@ impl Edge {
 /// The triangles of a mesh, and its lines.
 pub(super) struct Edges {
     pub(super) triangles: Vec<[u32; 3]>,
-    pub(super) edges: Vec<Edge>,
+    pub(super) all: Vec<Edge>,
+    /// Those on whose two sides normals differ, besides sharp ones.
+    pub(super) hard: HardEdges,
 }
 
 /// A side of a triangle: its ends, the lower first, and the triangle.
@@ -86,7 +88,8 @@ impl Edges {
             ends.par_sort_unstable();
             ends
         };
-        let creases = named(HardEdges::of(scene.shape, options, watch)?.and(mesh.sharp_edges()));
+        let hard = HardEdges::of(scene.shape, options, watch)?;
+        let creases = named(hard.and(mesh.sharp_edges()));
         let isolines = named(isolines(mesh, watch)?);
         let outward: Vec<bool> = cut.iter().map(|triangle| shows_outside(triangle.map(|v| seen[v as usize]))).collect();
         let sides =
@@ -102,8 +105,8 @@ impl Edges {
             let is = [turns, sides.len() == 1, sharp, isolines.binary_search(&ends).is_ok(), !inner];
             Edge { ends, is, beside }
         };
-        let edges = sides.chunk_by(|a, b| a[..2] == b[..2]).map(edge).filter(|edge| edge.is.contains(&true)).collect();
-        Ok(Self { triangles: cut, edges })
+        let all = sides.chunk_by(|a, b| a[..2] == b[..2]).map(edge).filter(|edge| edge.is.contains(&true)).collect();
+        Ok(Self { triangles: cut, all, hard })
     }
 }
 

@@ -1,0 +1,99 @@
+//! What a command makes: an output of an input each, and where it goes.
+
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+
+use serde::Deserialize;
+
+use super::error::CliError;
+use super::inputs::Source;
+use super::job::{JobOptions, Wanted};
+use super::targets::{Target, keep_apart};
+use crate::output;
+
+/// An output of an input, and its file; `None` is standard output.
+#[derive(Debug, Clone)]
+pub(super) struct Piece {
+    pub(super) source: Source,
+    pub(super) target: Option<PathBuf>,
+    pub(super) wanted: Wanted,
+}
+
+/// One output of each input, of the same format or the only one; where a folder says no format, all outputs that jobs
+/// name.
+///
+/// # Errors
+/// Where two outputs would go into one file, or one would take the place of an input; mesh files, which name no
+/// outputs, in a folder that says no format.
+pub(super) fn pieces(
+    sources: &[Source],
+    target: &Target,
+    wanted: Wanted,
+    options: &JobOptions,
+) -> Result<Vec<Piece>, CliError> {
+    let mut found = Vec::with_capacity(sources.len());
+    for source in sources {
+        match target {
+            Target::Folder(folder) => found.extend(named(source, folder, options)?),
+            _ => found.push(Piece { source: source.clone(), target: target.of(source), wanted }),
+        }
+    }
+    let files = found.iter().filter_map(|piece| Some((piece.target.as_deref()?, &piece.source)));
+    keep_apart(files)?;
+    Ok(found)
+}
+
+/// The outputs that a job names, in a folder: under the name of the job with the extension of each, numbered where
+/// several have the same one.
+fn named(source: &Source, folder: &Path, options: &JobOptions) -> Result<Vec<Piece>, CliError> {
+    let stem = source.path().file_stem().unwrap_or_default().to_string_lossy();
+    let piece = |name: String, wanted| {
+        let target = Some(folder.join(name));
+        Piece { source: source.clone(), target, wanted }
+    };
+    // what cannot be read is told of in its turn, with what is wrong with it
+    let unread = || vec![piece(stem.clone().into_owned(), Wanted::Only)];
+    if matches!(source, Source::Standard) {
+        return Err(no_format(source));
+    }
+    let Ok(bytes) = source.read() else { return Ok(unread()) };
+    match options.kind(source, &bytes) {
+        Ok("job") => {}
+        Ok(_) => return Err(no_format(source)),
+        Err(_) => return Ok(unread()),
+    }
+    let extensions = extensions(&bytes);
+    if extensions.is_empty() {
+        return Ok(unread());
+    }
+    let mut met: BTreeMap<&str, usize> = BTreeMap::new();
+    let pieces = extensions.into_iter().enumerate().map(|(at, extension)| {
+        let number = met.entry(extension).and_modify(|number| *number += 1).or_insert(1);
+        let name = if *number > 1 { format!("{stem}-{number}.{extension}") } else { format!("{stem}.{extension}") };
+        piece(name, Wanted::At(at))
+    });
+    Ok(pieces.collect())
+}
+
+/// The extensions of the outputs that a job names; none where it is not told which they are.
+fn extensions(job: &[u8]) -> Vec<&'static str> {
+    #[derive(Deserialize)]
+    struct Peek {
+        #[serde(default)]
+        outputs: Vec<PeekOutput>,
+    }
+    #[derive(Deserialize)]
+    struct PeekOutput {
+        format: String,
+    }
+    let peek: Option<Peek> = serde_json::from_slice(job).ok();
+    let extension = |output: PeekOutput| Some(output::named(&output.format)?.extension());
+    peek.and_then(|peek| peek.outputs.into_iter().map(extension).collect()).unwrap_or_default()
+}
+
+fn no_format(source: &Source) -> CliError {
+    CliError::usage(format!(
+        "--output: a folder does not tell the format, nor does {source}; name one, as in --format glb, or give a \
+         pattern, as in -o 'out/{{stem}}.glb'"
+    ))
+}

@@ -1,0 +1,61 @@
+//! How the bucket of a shared store is reached: HTTP/1.1, plain or over TLS with the certificates of the system.
+
+use std::sync::Arc;
+use std::time::Duration;
+
+use async_trait::async_trait;
+use http_body_util::BodyExt;
+use hyper_rustls::{HttpsConnector, HttpsConnectorBuilder};
+use hyper_util::client::legacy::Client;
+use hyper_util::client::legacy::connect::HttpConnector as Tcp;
+use hyper_util::rt::TokioExecutor;
+use object_store::client::{
+    HttpClient, HttpError, HttpErrorKind, HttpRequest, HttpRequestBody, HttpResponse, HttpResponseBody, HttpService,
+};
+use rustls::crypto::ring;
+use rustls::{ClientConfig, RootCertStore};
+
+/// How long a connection may take to come about: a tenth of a second is the other side of the world.
+/// Half of it gives up on busy stores; twice of it notices later that a machine is gone.
+const CONNECT: Duration = Duration::from_secs(1);
+/// Connections that are kept between calls: as many as calls are made at once.
+/// Half of it connects anew under load; twice of it holds connections that nobody uses.
+const IDLE: usize = 16;
+
+/// A client, whose connections are kept.
+#[derive(Debug)]
+struct Connections(Client<HttpsConnector<Tcp>, HttpRequestBody>);
+
+/// A client for the shared store.
+///
+/// # Errors
+/// When TLS cannot be set up.
+pub(super) fn connect() -> object_store::Result<HttpClient> {
+    let mut roots = RootCertStore::empty();
+    // a plain address needs none; a call over TLS says that it trusts nobody
+    roots.add_parsable_certificates(rustls_native_certs::load_native_certs().certs);
+    let tls = ClientConfig::builder_with_provider(Arc::new(ring::default_provider()))
+        .with_safe_default_protocol_versions()
+        .map_err(|error| object_store::Error::Generic { store: "S3", source: error.into() })?
+        .with_root_certificates(roots)
+        .with_no_client_auth();
+    let mut tcp = Tcp::new();
+    tcp.enforce_http(false);
+    tcp.set_nodelay(true);
+    tcp.set_connect_timeout(Some(CONNECT));
+    let https = HttpsConnectorBuilder::new().with_tls_config(tls).https_or_http().enable_http1().wrap_connector(tcp);
+    let client = Client::builder(TokioExecutor::new()).pool_max_idle_per_host(IDLE).build(https);
+    Ok(HttpClient::new(Connections(client)))
+}
+
+#[async_trait]
+impl HttpService for Connections {
+    async fn call(&self, request: HttpRequest) -> Result<HttpResponse, HttpError> {
+        let answer = self.0.request(request).await.map_err(|error| {
+            let kind = if error.is_connect() { HttpErrorKind::Connect } else { HttpErrorKind::Interrupted };
+            HttpError::new(kind, error)
+        })?;
+        let broken = |error| HttpError::new(HttpErrorKind::Interrupted, error);
+        Ok(answer.map(|body| HttpResponseBody::new(body.map_err(broken))))
+    }
+}

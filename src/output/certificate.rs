@@ -1,0 +1,134 @@
+//! Certificates of solids: what is exact, what is bounded, and how.
+
+use std::io::Write;
+
+use serde_json::{Value, json};
+
+use crate::fault::Fault;
+use crate::math::parameter::Values;
+use crate::output::counts::{Counts, ShapeKind};
+use crate::output::error::FormatError;
+use crate::output::format::{Content, Format, FormatFacts};
+use crate::output::numbers::total;
+use crate::output::scene::Scene;
+use crate::output::size::Size;
+use crate::output::solid_options::{SOLID_OPTIONS, admits, forecast, solid_of, work};
+use crate::scheme::plan::Plan;
+use crate::shape::mesh::Mesh;
+use crate::solid;
+use crate::watch::Watch;
+
+/// JSON with what is known of the solid that `step` writes with the same options. Lengths are in model units.
+///
+/// `size` (largest side of the box around the cage), `exact_area_share`, `deviation_bound` and `deviation_of_size`
+/// (distance between the surface and the limit surface), `bound_method` (`certified`, or `sampled` where the distance
+/// was only measured at points of some vertex), `worst_edge_angle_deg` (between normals of faces along smooth edges),
+/// `gap` (between what two faces say of an edge), `volume` (of closed shells; null where there is none), `area`,
+/// `faces`, `edges`, `vertices`, `shells` (each with its counts), `irregular` (one entry a sector of a vertex where the
+/// surface is not bicubic: place, `faces` around it, `kind`, `level` of isolation, deviation, method, and whether
+/// tangent planes agree by construction), `caps_without_tangent_planes`, `self_intersections` (always `not checked`).
+#[derive(Debug)]
+pub(super) struct Certificate;
+
+const FACTS: &FormatFacts = &FormatFacts {
+    name: "certificate",
+    extension: "json",
+    media_type: "application/json",
+    content: Content::Json,
+    doc: "JSON: what is known of the solid that step writes: share that is exact, deviation bound, angles, volume",
+    parameters: SOLID_OPTIONS,
+    holds_frames: false,
+    holds: |kind, _| match kind {
+        ShapeKind::Mesh => Ok(()),
+        ShapeKind::Curves { .. } => Err("certificates are of solids, these are curves; ask for stats".into()),
+    },
+};
+
+impl Format for Certificate {
+    fn facts(&self) -> &'static FormatFacts {
+        FACTS
+    }
+
+    fn size(&self, counts: &Counts, options: &Values) -> Size {
+        Size::AtMost(length(counts, options))
+    }
+
+    fn memory(&self, counts: &Counts, options: &Values) -> u128 {
+        forecast(counts, options).bytes()
+    }
+
+    fn work(&self, mesh: Option<&Mesh>, _counts: &Counts, options: &Values) -> u128 {
+        work(mesh, options)
+    }
+
+    fn is_of_limit(&self) -> bool {
+        true
+    }
+
+    fn admits(&self, mesh: &Mesh, plan: &Plan, options: &Values) -> Result<(), Fault> {
+        admits(mesh, plan, options)
+    }
+
+    fn write(
+        &self,
+        scene: &Scene<'_>,
+        options: &Values,
+        out: &mut dyn Write,
+        watch: &Watch,
+    ) -> Result<(), FormatError> {
+        let solid = solid_of(scene, options, watch)?;
+        Ok(writeln!(out, "{}", report(&solid.certificate))?)
+    }
+}
+
+/// Most bytes of a certificate: every third face is beside a vertex of its own at most.
+pub(super) fn length(counts: &Counts, options: &Values) -> u128 {
+    total(&[(1, 4_096), (forecast(counts, options).faces, 512)])
+}
+
+/// What a certificate says, in the order of its documentation.
+pub(super) fn report(certificate: &solid::Certificate) -> Value {
+    let shell = |shell: &solid::Shell| {
+        json!({
+            "faces": shell.faces.len(),
+            "is_closed": shell.is_closed,
+            "was_inside_out": shell.was_turned,
+            "area": shell.area,
+            "volume": shell.is_closed.then_some(shell.volume),
+            "euler_characteristic": shell.euler,
+        })
+    };
+    let irregular = |vertex: &solid::Isolated| {
+        json!({
+            "at": vertex.at.map(|x| x + 0.0),
+            "faces": vertex.faces,
+            "kind": vertex.kind.name(),
+            "level": vertex.level,
+            "deviation": vertex.deviation,
+            "method": vertex.known.name(),
+            "tangent_planes_agree": vertex.is_tangent,
+        })
+    };
+    let [faces, edges, vertices] = certificate.counts;
+    let any_closed = certificate.shells.iter().any(|shell| shell.is_closed);
+    json!({
+        "size": certificate.size,
+        "exact_area_share": certificate.exact_area_share,
+        "deviation_bound": certificate.deviation,
+        "deviation_of_size": certificate.deviation_of_size(),
+        "bound_method": certificate.known.name(),
+        "worst_edge_angle_deg": certificate.worst_edge_angle_deg,
+        "gap": certificate.gap,
+        "is_closed": certificate.is_closed(),
+        "volume": any_closed.then(|| certificate.volume()),
+        "area": certificate.area(),
+        "faces": faces,
+        "edges": edges,
+        "vertices": vertices,
+        "euler_characteristic": certificate.shells.iter().map(|shell| shell.euler).sum::<i64>(),
+        "shells": certificate.shells.iter().map(shell).collect::<Vec<_>>(),
+        "irregular": certificate.vertices.iter().map(irregular).collect::<Vec<_>>(),
+        "caps_without_tangent_planes": certificate.n_not_tangent(),
+        "self_intersections": "not checked",
+    })
+}

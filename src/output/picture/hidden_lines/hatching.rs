@@ -1,0 +1,278 @@
+//! Hatching: parallel lines over the picture, of which there are the more the darker the surface is.
+//!
+//! Along a line of the picture the light of a triangle is linear between its corners, so that what is drawn of the line
+//! is an interval whose ends are quotients; what triangles nearer by hide of it is found like that of any other line.
+//! Pieces on neighbouring triangles lie on one line, and are joined to one stroke.
+
+use rayon::prelude::*;
+
+use super::parts::rest;
+use crate::drawing::Run;
+use crate::math::functions::sqrt;
+use crate::math::vector::{Vector, dot};
+use crate::output::error::FormatError;
+use crate::output::hard_edges::HardEdges;
+use crate::output::normals;
+use crate::output::positions::Positions;
+use crate::output::scene::{MeshSource, Scene, each_face, triangles};
+use crate::output::split_vertices::SplitVertices;
+use crate::raster::{Camera, Seen, Sight};
+use crate::watch::Watch;
+
+/// Distance of the closest lines, in units of line width.
+/// Half of it is grey to the eye and doubles the file, twice of it leaves a finger-wide surface without a line.
+const APART: f64 = 3.5;
+/// Both directions of lines, across the picture and down it.
+const DIRECTIONS: [[f64; 2]; 2] = [[1.0, -1.0], [1.0, 1.0]];
+/// The cosine of the angle between normal and lamp below which every fourth line is drawn, the one between two of
+/// these, and all others: first in one direction, then across it. About even steps of what lies between full light and
+/// the side turned away. Higher ones leave no paper, lower ones no ink.
+const BELOW: [[f64; 3]; 2] = [[0.82, 0.60, 0.36], [0.12, -0.10, -0.40]];
+/// Strokes that are shorter, in units of line width, look like dust and are left out.
+const LEAST: f64 = 2.0;
+/// Gaps between pieces of one line that come of rounding, pixels: half of it leaves gaps between triangles that are
+/// seen nearly from their edge, twice of it still cannot be seen.
+const GAP_PX: f64 = 0.2;
+/// Pieces at most, 56 bytes each; usual meshes have one or two a triangle. Half of it refuses meshes of which lines
+/// are drawn, twice of it takes 120 MB more.
+const MOST_PIECES: usize = 1 << 21;
+/// Bytes of memory for all pieces: when they are cut, and what is left of them.
+const PIECES_BYTES: u128 = (MOST_PIECES * 2 * size_of::<Piece>()) as u128;
+/// Strokes at most. Pictures have some thousand; twice of it writes twice as long files of what is black.
+const MOST_STROKES: usize = 1 << 17;
+/// Bytes of a file for strokes, at most.
+pub(super) const STROKES_BYTES: u128 = (MOST_STROKES * 64) as u128;
+
+/// Bytes of memory for hatching so many triangles and vertices: positions, normals, places and light of vertices that
+/// may be split, triangles, and pieces of lines, of which there are [`MOST_PIECES`] at most.
+pub(super) fn memory(triangles: u128, vertices: u128) -> u128 {
+    let held = vertices.saturating_mul(3 * 24 + 8).saturating_add(triangles.saturating_mul(12));
+    held.saturating_add(PIECES_BYTES)
+}
+
+/// What is hatched: triangles, the places of their corners, and the cosine between the normal there and the lamp.
+pub(super) struct Ground {
+    triangles: Vec<[u32; 3]>,
+    seen: Vec<Seen>,
+    light: Vec<f64>,
+}
+
+/// A piece of a line in a triangle.
+#[derive(Debug, Clone, Copy)]
+struct Piece {
+    /// The direction and number of the line.
+    line: (usize, i64),
+    triangle: u32,
+    /// Where along the line it begins and ends, pixels.
+    from: f64,
+    to: f64,
+    /// How near its ends are.
+    near: [f64; 2],
+}
+
+impl Ground {
+    /// The triangles of a mesh in the order in which its lines know them, with normals that differ on the two sides of
+    /// hard edges.
+    pub(super) fn of(
+        scene: &Scene<'_>,
+        mesh: &dyn MeshSource,
+        hard: &HardEdges,
+        camera: &Camera,
+        watch: &Watch,
+    ) -> Result<Self, FormatError> {
+        let split = SplitVertices::of(scene.shape, hard, watch)?;
+        let sides = split.as_ref().map_or(mesh, |split| split);
+        let positions = Positions::of_mesh(sides).held(watch)?;
+        let positions = positions.rows();
+        let normals = normals::of(sides, positions, watch)?;
+        let mut found = Vec::new();
+        each_face(sides, watch, |face| found.extend(triangles(face)))?;
+        // what has two corners at one place is no triangle there either
+        let at = |v: u32| positions[v as usize].map(|x| (x + 0.0).to_bits());
+        found.retain(|&[a, b, c]| at(a) != at(b) && at(b) != at(c) && at(c) != at(a));
+        let lamp = camera.lamp();
+        let light = normals.par_iter().map(|normal| dot(*normal, lamp)).collect();
+        // all are before the camera, or there would be no drawing
+        let seen = positions.par_iter().map(|point| camera.seen(*point).unwrap_or_default()).collect();
+        Ok(Self { triangles: found, seen, light })
+    }
+
+    /// The strokes, line by line, where `sight` sees them; `size` is that of the picture, and `unit` that of its lines,
+    /// pixels.
+    pub(super) fn strokes(
+        &self,
+        sight: &Sight<'_>,
+        size: [u32; 2],
+        unit: f32,
+        most_pairs: usize,
+        watch: &Watch,
+    ) -> Result<Vec<Run>, FormatError> {
+        let lines = Lines { apart: APART * f64::from(unit), size: size.map(f64::from) };
+        let count = |triangle: &[u32; 3]| -> u64 {
+            let numbers = (0..2).map(|direction| lines.numbers(direction, self.corners(*triangle)));
+            numbers.map(|(from, to)| u64::try_from(to - from).unwrap_or(0)).sum()
+        };
+        let too_many = |what: &str| {
+            FormatError::Unfit(format!("{what}; ask for fewer levels, or leave \"hatching\" out of \"show\""))
+        };
+        if self.triangles.par_iter().map(count).sum::<u64>() > MOST_PIECES as u64 {
+            return Err(too_many("hatching has too many lines on faces that lie behind each other"));
+        }
+        let of_triangle = |(number, triangle): (usize, &[u32; 3])| {
+            let number = u32::try_from(number).expect("fewer than 2^32 triangles");
+            self.pieces(&lines, number, *triangle)
+        };
+        let pieces: Vec<Piece> = self.triangles.par_iter().enumerate().flat_map_iter(of_triangle).collect();
+        let pairs: usize = pieces.par_iter().map(|piece| sight.n_candidates(lines.ends(piece))).sum();
+        if pairs > most_pairs {
+            return Err(too_many("too many faces lie behind each other to find what each hides of the hatching"));
+        }
+        let shown = |piece: &Piece| {
+            watch.check()?;
+            let hidden = sight.hidden(lines.ends(piece), |triangle| triangle == piece.triangle);
+            let length = piece.to - piece.from;
+            let part = |[from, to]: [f64; 2]| (piece.line, piece.from + from * length, piece.from + to * length);
+            Ok(rest(&hidden).into_iter().map(part).collect::<Vec<_>>())
+        };
+        let seen: Vec<Vec<_>> = pieces.par_iter().with_min_len(256).map(shown).collect::<Result<_, FormatError>>()?;
+        let mut seen = seen.concat();
+        seen.par_sort_unstable_by(|a, b| a.0.cmp(&b.0).then(a.1.total_cmp(&b.1)).then(a.2.total_cmp(&b.2)));
+        let mut strokes: Vec<((usize, i64), f64, f64)> = Vec::new();
+        for (line, from, to) in seen {
+            match strokes.last_mut().filter(|last| last.0 == line && from <= last.2 + GAP_PX) {
+                Some(last) => last.2 = last.2.max(to),
+                None => strokes.push((line, from, to)),
+            }
+        }
+        strokes.retain(|(_, from, to)| to - from >= LEAST * f64::from(unit));
+        if strokes.len() > MOST_STROKES {
+            return Err(too_many("hatching has too many strokes"));
+        }
+        Ok(strokes.into_iter().map(|(line, from, to)| [from, to].map(|at| lines.place(line, at)).to_vec()).collect())
+    }
+
+    fn corners(&self, triangle: [u32; 3]) -> [Seen; 3] {
+        triangle.map(|v| self.seen[v as usize])
+    }
+
+    /// The pieces of lines in a triangle where it is dark enough for them.
+    fn pieces(&self, lines: &Lines, number: u32, triangle: [u32; 3]) -> Vec<Piece> {
+        let corners = self.corners(triangle);
+        let [a, b, c] = corners;
+        // y points downwards: what turns clockwise shows its inside, where light comes from the other side
+        let inside = (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]) > 0.0;
+        let light = triangle.map(|v| if inside { -self.light[v as usize] } else { self.light[v as usize] });
+        let mut found = Vec::new();
+        for direction in 0..2 {
+            let (from, to) = lines.numbers(direction, corners);
+            for line in from..to {
+                found.extend(lines.cut((direction, line), corners, light, number));
+            }
+        }
+        found
+    }
+}
+
+/// All lines of a picture.
+struct Lines {
+    /// Distance of one from the next, pixels.
+    apart: f64,
+    size: [f64; 2],
+}
+
+impl Lines {
+    /// The unit vectors along lines of a direction, and across them.
+    fn axes(direction: usize) -> [[f64; 2]; 2] {
+        let along = DIRECTIONS[direction].map(|x| x / sqrt(2.0));
+        [along, [-along[1], along[0]]]
+    }
+
+    /// How far across a direction a place is, in distances of lines.
+    fn across(&self, direction: usize, [x, y]: [f64; 2]) -> f64 {
+        let [_, across] = Self::axes(direction);
+        (across[0] * x + across[1] * y) / self.apart
+    }
+
+    /// The first line that reaches into a triangle and into the picture, and the first after these.
+    fn numbers(&self, direction: usize, corners: [Seen; 3]) -> (i64, i64) {
+        let range = |places: &[[f64; 2]]| {
+            let of = |place: &[f64; 2]| self.across(direction, *place);
+            let least = places.iter().map(of).fold(f64::INFINITY, f64::min);
+            (least, places.iter().map(of).fold(f64::NEG_INFINITY, f64::max))
+        };
+        let [width, height] = self.size;
+        let picture = range(&[[0.0, 0.0], [width, 0.0], [0.0, height], [width, height]]);
+        let triangle = range(&corners.map(|[x, y, _]| [x, y]));
+        #[expect(clippy::cast_possible_truncation, reason = "some thousand lines")]
+        let number = |x: f64| x.ceil() as i64;
+        let from = number(triangle.0.max(picture.0));
+        (from, number(triangle.1.min(picture.1)).max(from))
+    }
+
+    /// The place of a line so far along it.
+    fn place(&self, (direction, number): (usize, i64), at: f64) -> [f32; 2] {
+        #[expect(clippy::cast_possible_truncation, reason = "pixel coordinates need no more than the precision of f32")]
+        let place = self.place_exactly((direction, number), at).map(|x| x as f32);
+        place
+    }
+
+    fn place_exactly(&self, (direction, number): (usize, i64), at: f64) -> [f64; 2] {
+        let [along, across] = Self::axes(direction);
+        #[expect(clippy::cast_precision_loss, reason = "some thousand lines")]
+        let off = number as f64 * self.apart;
+        [0, 1].map(|k| at * along[k] + off * across[k])
+    }
+
+    /// The ends of a piece.
+    fn ends(&self, piece: &Piece) -> [Seen; 2] {
+        let [start, end] = [piece.from, piece.to].map(|at| self.place_exactly(piece.line, at));
+        [[start[0], start[1], piece.near[0]], [end[0], end[1], piece.near[1]]]
+    }
+
+    /// What a triangle has of a line where its light is below that of the line.
+    fn cut(&self, line: (usize, i64), corners: [Seen; 3], light: [f64; 3], triangle: u32) -> Option<Piece> {
+        let (direction, number) = line;
+        let [along, _] = Self::axes(direction);
+        #[expect(clippy::cast_precision_loss, reason = "some thousand lines")]
+        let off = corners.map(|[x, y, _]| self.across(direction, [x, y]) - number as f64);
+        let mut met: Vec<Vector> = Vec::with_capacity(2);
+        for (i, j) in [(0, 1), (1, 2), (2, 0)] {
+            if (off[i] < 0.0) != (off[j] < 0.0) {
+                let t = off[i] / (off[i] - off[j]);
+                let at = |of: fn(Seen, [f64; 2]) -> f64| {
+                    let [start, end] = [i, j].map(|k| of(corners[k], along));
+                    start + t * (end - start)
+                };
+                let place = at(|[x, y, _], along| x * along[0] + y * along[1]);
+                met.push([place, at(|corner, _| corner[2]), light[i] + t * (light[j] - light[i])]);
+            }
+        }
+        let [a, b] = met[..] else { return None };
+        let [start, end] = if a[0] <= b[0] { [a, b] } else { [b, a] };
+        let [from, to] = darker(start[2], end[2], below(direction, number))?;
+        let at = |t: f64, k: usize| start[k] + t * (end[k] - start[k]);
+        let piece = Piece { line, triangle, from: at(from, 0), to: at(to, 0), near: [at(from, 1), at(to, 1)] };
+        (piece.to > piece.from).then_some(piece)
+    }
+}
+
+/// The light below which a line is drawn.
+fn below(direction: usize, number: i64) -> f64 {
+    let [fourth, second, other] = BELOW[direction];
+    match number.rem_euclid(4) {
+        0 => fourth,
+        2 => second,
+        _ => other,
+    }
+}
+
+/// The part of a way on which a number that goes evenly from `start` to `end` is below a bound.
+fn darker(start: f64, end: f64, bound: f64) -> Option<[f64; 2]> {
+    let through = || (bound - start) / (end - start);
+    match (start < bound, end < bound) {
+        (true, true) => Some([0.0, 1.0]),
+        (true, false) => Some([0.0, through()]),
+        (false, true) => Some([through(), 1.0]),
+        (false, false) => None,
+    }
+}

@@ -1,0 +1,39 @@
+//! Parts of lines, as shares of the way from their start to their end.
+
+use crate::raster::Seen;
+
+/// Pieces of lines shorter than this are neither drawn nor left out, pixels: half of it shows what only rounding has
+/// cut, twice of it can be seen.
+const LEAST_PX: f64 = 0.1;
+
+/// The hidden parts of a line, or the seen ones.
+pub(super) type Parts = Vec<[f64; 2]>;
+
+/// Hidden parts without gaps and parts too short to be seen.
+pub(super) fn tidied(hidden: &[[f64; 2]], [a, b]: [Seen; 2]) -> Parts {
+    let (dx, dy) = (b[0] - a[0], b[1] - a[1]);
+    let length = (dx * dx + dy * dy).sqrt();
+    if length < LEAST_PX {
+        let middle = hidden.iter().any(|[from, to]| (*from..=*to).contains(&0.5));
+        return if middle { vec![[0.0, 1.0]] } else { Vec::new() };
+    }
+    let least = LEAST_PX / length;
+    let mut found: Parts = Vec::new();
+    for [from, to] in hidden {
+        let from = if *from < least { 0.0 } else { *from };
+        let to = if *to > 1.0 - least { 1.0 } else { *to };
+        match found.last_mut().filter(|last| from - last[1] < least) {
+            Some(last) => last[1] = to,
+            None => found.push([from, to]),
+        }
+    }
+    found.retain(|[from, to]| to - from >= least);
+    found
+}
+
+/// What is left of the whole.
+pub(super) fn rest(parts: &[[f64; 2]]) -> Parts {
+    let starts = std::iter::once(0.0).chain(parts.iter().map(|part| part[1]));
+    let ends = parts.iter().map(|part| part[0]).chain([1.0]);
+    starts.zip(ends).filter(|(from, to)| from < to).map(|(from, to)| [from, to]).collect()
+}

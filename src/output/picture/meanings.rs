@@ -1,0 +1,62 @@
+//! What the colours of a picture of a mesh mean besides numbers: names of its faces, and what its lines and dots are.
+
+use super::coat::COLOR_BY;
+use super::lines::{self, LEGEND};
+use super::options::Options;
+use super::shading::{self, SURFACE};
+use crate::drawing::{Color, Entry, Key, Label, Weight};
+use crate::fault::Fault;
+use crate::math::parameter::Values;
+use crate::output::colors::{byte, encoded, mark};
+use crate::output::counts::ShapeKind;
+use crate::shape::attachments::Attachments;
+use crate::shape::frame::Frame;
+use crate::shape::labels::Labels;
+use crate::shape::topology::NONE;
+
+/// The entries of the legend of a picture of a mesh that carries this, where one is shown.
+pub(super) fn entries(carried: &Attachments, options: &Options<'_>) -> Vec<Entry> {
+    if !options.values.has("show", LEGEND) {
+        return Vec::new();
+    }
+    let labels = match options.values.choice(COLOR_BY.name) {
+        Some("groups") => &carried.groups,
+        Some("materials") => &carried.materials,
+        _ => &Labels::NONE,
+    };
+    // names may hold what cannot be set
+    let name = |(i, name): (usize, &String)| {
+        let label = label(name).or_else(|| label(&format!("name {i}")));
+        label.map(|label| Entry { key: Key::Area(shown(mark(i))), label })
+    };
+    let mut found: Vec<Entry> = labels.names.iter().enumerate().filter_map(name).collect();
+    if labels.of_faces.contains(&NONE) {
+        let key = Key::Area(shading::color(options, SURFACE));
+        found.extend(label("without a name").map(|label| Entry { key, label }));
+    }
+    let line = |(name, key): (&str, Key)| label(name).map(|label| Entry { key, label });
+    found.extend(lines::meanings(options).into_iter().filter_map(line));
+    found
+}
+
+/// Refuses a legend that would say nothing.
+pub(crate) fn check(kind: ShapeKind, carried: &Attachments, values: &Values) -> Result<(), Fault> {
+    let says_nothing = || entries(carried, &Options::new(values, Frame::default())).is_empty();
+    if kind == ShapeKind::Mesh && values.has("show", LEGEND) && says_nothing() {
+        let detail = "there is nothing that a \"legend\" could explain: it tells the names of groups or materials that \
+                      \"color_by\" shows, and what lines and dots are";
+        return Err(Fault::new("/show", detail));
+    }
+    Ok(())
+}
+
+fn label(text: &str) -> Option<Label> {
+    let plain = ['\\', '_', '^', '{', '}'].iter().fold(text.to_owned(), |text, c| text.replace(*c, &format!("\\{c}")));
+    Label::parse(&plain, Weight::Regular).ok()
+}
+
+/// Linear light as bytes.
+fn shown(light: [f32; 3]) -> Color {
+    let [r, g, b] = light.map(|x| byte(encoded(f64::from(x))));
+    [r, g, b, 255]
+}

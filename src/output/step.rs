@@ -1,0 +1,103 @@
+//! STEP: the limit surface as a solid of B-spline faces, for CAD programs.
+
+mod entities;
+mod looks;
+mod product;
+mod shape;
+
+use std::io::Write;
+
+use self::entities::Entities;
+use crate::fault::Fault;
+use crate::math::parameter::Values;
+use crate::output::counts::{Counts, ShapeKind};
+use crate::output::error::FormatError;
+use crate::output::format::{Content, Format, FormatFacts};
+use crate::output::numbers::total;
+use crate::output::scene::Scene;
+use crate::output::size::Size;
+use crate::output::solid_options::{SOLID_OPTIONS, admits, forecast, solid_of, work};
+use crate::scheme::plan::Plan;
+use crate::shape::attachments::Attachments;
+use crate::shape::looks::Look;
+use crate::shape::mesh::Mesh;
+use crate::watch::Watch;
+
+/// ISO 10303-21 with the schema of AP242: exact bicubic B-spline faces, and caps within a tolerance.
+#[derive(Debug)]
+pub(super) struct Step;
+
+const FACTS: &FormatFacts = &FormatFacts {
+    name: "step",
+    extension: "step",
+    media_type: "model/step",
+    content: Content::Text,
+    doc: "STEP (AP242): the limit surface of a cage with bicubic regular pieces as solids of B-spline faces",
+    parameters: SOLID_OPTIONS,
+    holds_frames: false,
+    holds: |kind, _| match kind {
+        ShapeKind::Mesh => Ok(()),
+        ShapeKind::Curves { .. } => Err("step holds surfaces only, these are curves; ask for svg or json".into()),
+    },
+};
+
+impl Format for Step {
+    fn facts(&self) -> &'static FormatFacts {
+        FACTS
+    }
+
+    /// A rectangle of m x n cells has (m + 3) (n + 3) control points, so that all together have at most four a bicubic
+    /// face and twelve a face of the result, of a hundred bytes and eight where they are referred to; curves have as
+    /// many as the surfaces that they bound. Caps have 36, and names are cut.
+    fn size(&self, counts: &Counts, options: &Values) -> Size {
+        let forecast = forecast(counts, options);
+        let labels = total(&[(counts.attachments.groups.names.len() as u128, 128), (forecast.faces, 200)]);
+        Size::AtMost(total(&[(forecast.leaves, 1_000), (forecast.faces, 9_000), (1, 8_192 + labels)]))
+    }
+
+    fn memory(&self, counts: &Counts, options: &Values) -> u128 {
+        forecast(counts, options).bytes()
+    }
+
+    fn work(&self, mesh: Option<&Mesh>, _counts: &Counts, options: &Values) -> u128 {
+        work(mesh, options)
+    }
+
+    fn is_of_limit(&self) -> bool {
+        true
+    }
+
+    fn leaves_out(&self, carried: &Attachments, _: &Values) -> Option<String> {
+        let sees_through = |look: &Look| look.color.is_some_and(|color| color[3] < 1.0) || look.texture.is_some();
+        let sentence = || "transparency and pictures of materials are left out of step; ask for glb".to_owned();
+        carried.looks.iter().any(sees_through).then(sentence)
+    }
+
+    fn admits(&self, mesh: &Mesh, plan: &Plan, options: &Values) -> Result<(), Fault> {
+        admits(mesh, plan, options)
+    }
+
+    fn write(
+        &self,
+        scene: &Scene<'_>,
+        options: &Values,
+        out: &mut dyn Write,
+        watch: &Watch,
+    ) -> Result<(), FormatError> {
+        let solid = solid_of(scene, options, watch)?;
+        scene.notes.add(solid.certificate.summary());
+        let mut out = Entities::new(out);
+        out.line("ISO-10303-21;\nHEADER;\nFILE_DESCRIPTION((''),'2;1');")?;
+        out.line("FILE_NAME('','',(''),(''),'planish','planish','');")?;
+        out.line(&format!("FILE_SCHEMA(('{}'));\nENDSEC;\nDATA;", product::SCHEMA))?;
+        let accuracy = (1e-9 / scene.frame.unit.metres()).min(1e-7 * solid.certificate.size);
+        let product = product::product(&mut out, scene.frame.unit, accuracy)?;
+        let faces = shape::faces(&mut out, &solid.brep, watch)?;
+        if let Some(mesh) = scene.control.mesh() {
+            looks::looks(&mut out, &mesh.attachments, (&solid.brep.faces, &faces), product)?;
+        }
+        shape::shells(&mut out, &solid.certificate.shells, &faces, product)?;
+        out.line("ENDSEC;\nEND-ISO-10303-21;")?;
+        out.finish()
+    }
+}

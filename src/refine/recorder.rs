@@ -1,0 +1,177 @@
+//! Refinement that records weights in the place of points.
+
+use super::error::RefineError;
+use crate::math::rows::{RowSource, Rows};
+use crate::scheme::step::Action;
+use crate::scheme::step_error::StepError;
+use crate::shape::topology::{NONE, index};
+use crate::watch::Watch;
+
+/// Rows that are made at a time. Half of it asks the watch twice as often; twice of it holds twice as many in vain.
+const BLOCK: usize = 4096;
+
+/// The values of a refinement: points of the input, and rows over values before them. A row that repeats a value is
+/// none: its point has the number of that value.
+///
+/// The rows are those that [`Points::act`](super::Points::act) applies, in the same groups, so that their sums have the
+/// same bits, but for the sign of zeros.
+#[derive(Debug)]
+pub struct Recorder {
+    columns: usize,
+    rows: Rows,
+    /// The first row of the last table.
+    last: usize,
+    now: Vec<u32>,
+    anchor: Vec<u32>,
+    /// The rows of the results, which nothing else is made of.
+    results: Rows,
+}
+
+impl Recorder {
+    /// A recorder of what is made of so many points of the input.
+    pub fn new(columns: usize) -> Self {
+        let (rows, results) = (Rows::default(), Rows::default());
+        Self { columns, rows, last: 0, now: Vec::new(), anchor: Vec::new(), results }
+    }
+
+    /// Goes on with a net of `n` points of the input, the first of which has the number `first`.
+    pub fn begin(&mut self, first: usize, n: usize) {
+        self.now = (first..first + n).map(index).collect();
+        self.last = self.rows.len();
+    }
+
+    /// Does what an action of a level says.
+    ///
+    /// # Errors
+    /// When the watch says stop, or the action is no weighted sum, or there are too many rows to be numbered.
+    pub fn act(&mut self, action: &Action, level: u32, watch: &Watch) -> Result<(), RefineError> {
+        match action {
+            Action::Blend(rows) => self.blend(&**rows, level, watch),
+            Action::BlendFromAnchor(rows) => {
+                self.anchor.clone_from(&self.now);
+                self.blend(&**rows, level, watch)
+            }
+            Action::PushBack { rows, children } => self.push_back((&**rows, children), level, watch),
+            Action::Sequence(actions) => actions.iter().try_for_each(|action| self.act(action, level, watch)),
+            Action::Map(_) => {
+                Err(RefineError::Step { level, error: StepError::new("points are turned here, not weighed") })
+            }
+        }
+    }
+
+    /// The number of the next row.
+    fn next(&self, level: u32) -> Result<u32, RefineError> {
+        let many = || StepError::new("there are more rows of weights than 32 bits number; ask for fewer levels");
+        u32::try_from(self.columns + self.rows.len()).map_err(|_| RefineError::Step { level, error: many() })
+    }
+
+    fn blend(&mut self, source: &dyn RowSource, level: u32, watch: &Watch) -> Result<(), RefineError> {
+        self.last = self.rows.len();
+        let mut made = Vec::with_capacity(source.n_rows());
+        let mut block = Rows::default();
+        for start in (0..source.n_rows()).step_by(BLOCK) {
+            watch.check()?;
+            block.clear();
+            source.make(start..source.n_rows().min(start + BLOCK), &mut block);
+            for r in 0..block.len() {
+                if let (&[at], &[1.0]) = block.row(r) {
+                    made.push(self.now[at as usize]);
+                    continue;
+                }
+                made.push(self.next(level)?);
+                self.rows.copy_row(&block, r, |at| self.now[at as usize]);
+                self.rows.end_row();
+            }
+            watch.advance(block.len() as u64);
+        }
+        self.now = made;
+        Ok(())
+    }
+
+    /// `points + rows x (anchor - children)`, in three tables: the differences, their weighted sums where these have
+    /// several terms, and the points.
+    fn push_back(
+        &mut self,
+        (source, children): (&dyn RowSource, &[u32]),
+        level: u32,
+        watch: &Watch,
+    ) -> Result<(), RefineError> {
+        let mut differences = Vec::with_capacity(children.len());
+        for (&from, &child) in self.anchor.iter().zip(children) {
+            differences.push(self.next(level)?);
+            if child == NONE {
+                // nothing is known of it, which counts as 0
+                self.rows.add(from, 0.0);
+            } else {
+                self.rows.add(from, 1.0);
+                self.rows.add(self.now[child as usize], -1.0);
+            }
+            self.rows.end_row();
+        }
+        let mut moves = Rows::default();
+        source.make(0..source.n_rows(), &mut moves);
+        let mut sums = vec![NONE; moves.len()];
+        for (r, sum) in sums.iter_mut().enumerate().filter(|(r, _)| moves.terms(*r).nth(1).is_some()) {
+            *sum = self.next(level)?;
+            self.rows.copy_row(&moves, r, |at| differences[at as usize]);
+            self.rows.end_row();
+        }
+        watch.check()?;
+        self.last = self.rows.len();
+        for (r, &sum) in sums.iter().enumerate().filter(|(r, _)| !moves.row(*r).0.is_empty()) {
+            let made = self.next(level)?;
+            self.rows.add(self.now[r], 1.0);
+            match sum {
+                NONE => self.rows.copy_row(&moves, r, |at| differences[at as usize]),
+                sum => self.rows.add(sum, 1.0),
+            }
+            self.rows.end_row();
+            self.now[r] = made;
+        }
+        watch.advance(3 * moves.len() as u64);
+        Ok(())
+    }
+
+    /// Takes the points of the net in another order.
+    pub fn arrange(&mut self, order: impl Iterator<Item = usize>) {
+        self.now = order.map(|at| self.now[at]).collect();
+    }
+
+    /// Makes the points of the net results, as which they are no longer there for anything else.
+    pub fn end(&mut self) {
+        let first = index(self.columns + self.last);
+        let last = self.rows.split_off(self.last);
+        for value in std::mem::take(&mut self.now) {
+            match value.checked_sub(first) {
+                Some(row) => self.results.copy_row(&last, row as usize, |at| at),
+                None => self.results.add(value, 1.0),
+            }
+            self.results.end_row();
+        }
+    }
+
+    /// Adds a result: row `r` of a table over the points of the net, or where it is empty a value.
+    pub fn add(&mut self, rows: &Rows, r: usize, instead: Option<u32>) {
+        match instead.filter(|_| rows.row(r).0.is_empty()) {
+            Some(value) => self.results.add(value, 1.0),
+            None => self.results.copy_row(rows, r, |at| self.now[at as usize]),
+        }
+        self.results.end_row();
+    }
+
+    /// The values that the points of the net are.
+    pub fn points(&self) -> &[u32] {
+        &self.now
+    }
+
+    /// Number of results.
+    pub fn n_results(&self) -> usize {
+        self.results.len()
+    }
+
+    /// All rows, those of the results last.
+    pub fn finish(mut self) -> Rows {
+        self.rows.append(&self.results);
+        self.rows
+    }
+}

@@ -1,0 +1,122 @@
+//! The rows of values at refined points: what an evaluation sums, in the same order.
+
+use std::ops::Range;
+
+use super::evaluate::{BAND, Evaluation, Rule};
+use super::lattice::{AXES, Frame, axis, corner, last};
+use super::program::Sweep;
+use super::star::StarShape;
+use super::stencils::{Stencil, Stencils};
+use crate::math::rows::Rows;
+use crate::shape::topology::NONE;
+use crate::watch::{Stopped, Watch};
+
+/// Rows over the points where a sweep ends, in the documented order.
+#[derive(Debug)]
+pub(crate) struct Traced {
+    /// The rows: those of a point's first sector, one for each functional, then those of its others.
+    pub(crate) rows: Rows,
+    /// For each point its first row and its number of sectors; none of points without faces.
+    pub(crate) of_points: Vec<Option<(usize, usize)>>,
+}
+
+/// The rule of what stands for a value: it is never computed.
+const NOTHING: Rule<1> = Rule { of: |_| [0.0], join: |_| [0.0], alone: |value| value };
+
+impl Sweep {
+    /// The rows that [`Sweep::evaluate`] sums at the points where the sweep ends.
+    ///
+    /// # Errors
+    /// [`Stopped`] when the watch says so.
+    pub(crate) fn traced(&self, stencils: &Stencils, watch: &Watch) -> Result<Traced, Stopped> {
+        let base = &self.surface.base;
+        // for each point the bits of the number of what was found there, counted from 1; where several patches make a
+        // point, it is that of the one whose value stays
+        let mut found = vec![[0.0]; self.n_points()];
+        let (vertices, rest) = found.split_at_mut(base.n_vertices());
+        let run = Evaluation::new(self, &[], stencils, NOTHING);
+        let mut trace = Trace { sweep: self, run: &run, stencils, rows: Rows::default(), entries: Vec::new() };
+        let len = (BAND + 2) * (run.n + 3);
+        let (mut points, mut numbers) = (vec![NONE; len], vec![[0.0]; len]);
+        for mut task in self.tasks(rest) {
+            for patch in task.patches.clone() {
+                for first in (0..=run.n).step_by(BAND) {
+                    watch.check()?;
+                    let rows = first..(first + BAND).min(run.n + 1);
+                    run.gather(patch, &rows, |v| v, &mut points);
+                    trace.band(patch, &rows, &points, &mut numbers);
+                    run.emit(patch, &rows, &numbers, &mut task);
+                }
+                watch.advance((run.n * run.n) as u64);
+            }
+            task.vertices.iter().for_each(|&(v, number)| vertices[v as usize] = number);
+        }
+        let Trace { rows, entries, .. } = trace;
+        let of_point = |[number]: &[f64; 1]| {
+            let place = usize::try_from(number.to_bits()).ok()?.checked_sub(1)?;
+            entries.get(place).copied()
+        };
+        Ok(Traced { rows, of_points: found.iter().map(of_point).collect() })
+    }
+}
+
+/// What was found so far.
+struct Trace<'a> {
+    sweep: &'a Sweep,
+    run: &'a Evaluation<'a, 1>,
+    stencils: &'a Stencils,
+    rows: Rows,
+    /// First row and number of sectors.
+    entries: Vec<(usize, usize)>,
+}
+
+impl Trace<'_> {
+    /// Adds the rows of a point; returns their number as the bits of an f64.
+    fn add<P: Copy>(&mut self, stencil: &Stencil<P>, point: impl Fn(P) -> u32) -> [f64; 1] {
+        let first = self.rows.len();
+        for weights in stencil.sectors.iter().flatten() {
+            for &(p, weight) in weights {
+                self.rows.add(point(p), weight);
+            }
+            self.rows.end_row();
+        }
+        self.entries.push((first, stencil.sectors.len()));
+        [f64::from_bits(self.entries.len() as u64)]
+    }
+
+    /// Finds what stands at the points of some rows of a patch, given the numbers of the points.
+    fn band(&mut self, patch: usize, rows: &Range<usize>, points: &[u32], numbers: &mut [[f64; 1]]) {
+        let (surface, run, n) = (&self.sweep.surface, self.run, self.run.n);
+        let place = |[i, j]: [isize; 2], [a, b]: [isize; 2]| points[run.at(rows.start, [i + a, j + b])];
+        let reach = rows.start.cast_signed()..rows.end.cast_signed();
+        for j in rows.clone() {
+            for i in 0..=last(surface.tile, n, j) {
+                let here = [i, j].map(usize::cast_signed);
+                // what stands on lines and in stars is replaced
+                numbers[run.at(rows.start, here)] = self.add(&self.stencils.regular, |by| place(here, by));
+            }
+        }
+        for (side, half_edge) in surface.patches.half_edges(patch).enumerate() {
+            let Some(along) = surface.line(half_edge).and_then(|line| self.stencils.lines[line].as_ref()) else {
+                continue;
+            };
+            let stencil = &along[axis(surface.tile, side)];
+            let frame = Frame::new(surface.tile, n, side, 0);
+            let turn = if frame.along() == AXES[axis(surface.tile, side)] { 1 } else { -1 };
+            for steps in run.steps(frame.along(), frame.corner()[1], &reach) {
+                let here = frame.place([steps, 0]);
+                numbers[run.at(rows.start, here)] = self.add(stencil, |by| place(here, by.map(|x| turn * x)));
+            }
+        }
+        for (side, half_edge) in surface.patches.half_edges(patch).enumerate() {
+            let v = surface.patches.vertex(half_edge) as usize;
+            let here = corner(surface.tile, n, side);
+            let Some(kind) = surface.kind_of(v).filter(|_| reach.contains(&here[1])) else { continue };
+            let shape = &surface.kinds[kind];
+            let shape = StarShape { tile: surface.tile, faces: shape.faces, closed: shape.closed, reach: 1 };
+            let mut star = Vec::with_capacity(shape.len());
+            surface.gather_star(&self.sweep.orders[1], v, shape, n, |point| star.push(point));
+            numbers[run.at(rows.start, here)] = self.add(&self.stencils.stars[kind], |point| star[point]);
+        }
+    }
+}

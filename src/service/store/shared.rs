@@ -1,0 +1,83 @@
+//! A store that servers share: artifacts as objects of a bucket.
+//!
+//! ```text
+//! PREFIX/results/manifests/ab/<64 hex>   the manifest of the artifact of this key
+//! PREFIX/results/parts/ab/<64 hex>       a part of 1 MiB at most, named by the hash of its bytes
+//! PREFIX/uploads/...                     the same for files that clients sent
+//! ```
+//!
+//! An artifact exists if and only if its manifest does, which is put last. Names of parts are hashes of bytes, so no
+//! two servers can put different bytes under one of them, and what is read is verified by the name that it was asked
+//! for. Objects leave by the rules of the bucket: an artifact of which a part has left is none any more.
+
+use std::sync::Arc;
+
+use bytes::Bytes;
+use object_store::ObjectStore;
+
+use super::error::StoreError;
+use super::interface::{Place, Spool, Store, Usage};
+use super::manifest::Manifest;
+use super::shared_spool::SharedSpool;
+use super::shared_state::State;
+use crate::job::key::Key;
+
+/// Artifacts in a bucket. Clones share it.
+#[derive(Debug, Clone)]
+pub struct Shared {
+    state: Arc<State>,
+}
+
+impl Shared {
+    /// Opens the store in a bucket. One that does not answer is used as soon as it does.
+    ///
+    /// # Errors
+    /// When the bucket is not there, may not be used, or replaces objects though it is asked not to.
+    pub fn open(objects: Arc<dyn ObjectStore>, place: &Place) -> Result<Self, StoreError> {
+        Ok(Self { state: Arc::new(State::open(objects, place)?) })
+    }
+}
+
+impl Store for Shared {
+    fn manifest(&self, key: &Key) -> Result<Option<Arc<Manifest>>, StoreError> {
+        Ok(self.state.known(key))
+    }
+
+    fn is_shared(&self) -> bool {
+        true
+    }
+
+    fn look_up(&self, key: &Key) -> Result<Option<Arc<Manifest>>, StoreError> {
+        self.state.look_up(key)
+    }
+
+    fn part(&self, manifest: &Manifest, index: usize) -> Result<Option<Bytes>, StoreError> {
+        self.state.part(manifest, index)
+    }
+
+    fn spool(&self, key: Key) -> Result<Box<dyn Spool>, StoreError> {
+        Ok(Box::new(SharedSpool::new(Arc::clone(&self.state), key)))
+    }
+
+    fn remove(&self, key: &Key) -> Result<(), StoreError> {
+        self.state.forget(key);
+        Ok(())
+    }
+
+    fn usage(&self) -> Usage {
+        self.state.usage()
+    }
+
+    /// Nothing leaves the bucket for others; what is pinned stays known here.
+    fn pin(&self, key: &Key) -> bool {
+        self.state.pin(key)
+    }
+
+    fn unpin(&self, key: &Key) {
+        self.state.unpin(key);
+    }
+
+    fn admit(&self, _key: &Key, length: u64) -> Result<(), StoreError> {
+        self.state.admit(length)
+    }
+}

@@ -1,0 +1,92 @@
+//! An artifact on its way into a shared store: one part waits in memory, those before it are objects already.
+
+use std::io::{self, Write};
+use std::sync::Arc;
+
+use bytes::Bytes;
+
+use super::error::StoreError;
+use super::interface::Spool;
+use super::manifest::{Description, Manifest, PART_BYTES};
+use super::parts::Parts;
+use super::shared_state::State;
+use crate::job::key::{Key, content};
+
+/// Spool of the shared store. Dropped, it leaves parts that no manifest names, for the rules of the bucket to remove.
+#[derive(Debug)]
+pub(super) struct SharedSpool {
+    store: Arc<State>,
+    key: Key,
+    /// The part being filled.
+    part: Vec<u8>,
+    parts: Parts,
+    /// Why nothing more is accepted: a part was not put, so the bytes have a gap.
+    failed: Option<StoreError>,
+}
+
+impl SharedSpool {
+    pub(super) fn new(store: Arc<State>, key: Key) -> Self {
+        Self { store, key, part: Vec::new(), parts: Parts::default(), failed: None }
+    }
+
+    /// Puts the waiting part.
+    fn spill(&mut self) -> Result<(), StoreError> {
+        if self.part.is_empty() {
+            return Ok(());
+        }
+        self.store.check()?;
+        let part = Bytes::from(std::mem::take(&mut self.part));
+        self.store.put_part(&content(&part), part.clone())?;
+        self.parts.push(&part);
+        Ok(())
+    }
+
+    fn take(&mut self, bytes: &[u8]) -> Result<usize, StoreError> {
+        let taken = bytes.len().min(PART_BYTES - self.part.len());
+        self.store.admit(self.parts.length() + (self.part.len() + taken) as u64)?;
+        self.part.extend_from_slice(&bytes[..taken]);
+        if self.part.len() == PART_BYTES {
+            self.spill()?;
+        }
+        Ok(taken)
+    }
+
+    /// All parts, put.
+    fn end(&mut self) -> Result<Parts, StoreError> {
+        if let Some(failed) = self.failed.take() {
+            return Err(failed);
+        }
+        self.spill()?;
+        self.store.check()?;
+        Ok(std::mem::take(&mut self.parts))
+    }
+}
+
+impl Write for SharedSpool {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        if let Some(failed) = &self.failed {
+            return Err(failed.again().into());
+        }
+        self.take(bytes).map_err(|error| {
+            self.failed = Some(error.again());
+            self.part = Vec::new();
+            error.into()
+        })
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        Ok(())
+    }
+}
+
+impl Spool for SharedSpool {
+    fn commit(mut self: Box<Self>, description: Description) -> Result<Arc<Manifest>, StoreError> {
+        let parts = self.end()?;
+        self.store.enter(parts.manifest(self.key, description))
+    }
+
+    fn commit_by_content(mut self: Box<Self>, description: Description) -> Result<Arc<Manifest>, StoreError> {
+        let parts = self.end()?;
+        self.store.enter(parts.manifest_by_content(description))
+    }
+}

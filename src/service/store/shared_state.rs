@@ -1,0 +1,248 @@
+//! What a server knows of the bucket that it shares, and how it reads and writes there.
+
+use std::io;
+use std::sync::{Arc, Mutex};
+
+use bytes::Bytes;
+use object_store::ObjectStore;
+use object_store::path::Path;
+
+use super::calls::{Calls, Fetched, LOOK, PATIENCE};
+use super::error::StoreError;
+use super::interface::{Place, Room, Usage};
+use super::lock::lock;
+use super::manifest::{Manifest, PART_BYTES};
+use super::parts;
+use super::shelf::{self, Shelf};
+use crate::job::key::{Key, RESULTS_VERSION, content};
+
+/// Most bytes of a manifest: enough for the parts of 16 GiB. A longer object is none of ours.
+/// Half of it keeps artifacts of 8 GiB; twice of it lets a foreign object take 2 MiB of memory.
+const MANIFEST_BYTES: u64 = 1 << 20;
+/// Manifests that a server remembers may take so many bytes: some ten thousand of them.
+/// With half of it twice as many looks go to the store; twice of it takes 16 MiB more beside the account.
+const REMEMBERED_BYTES: u64 = 16 << 20;
+/// Charged for a manifest besides its encoded bytes: the places in the maps.
+/// Half and twice of it let twice and half as many small ones be remembered.
+const ENTRY_BYTES: u64 = 512;
+
+/// Shared with the open spools.
+#[derive(Debug)]
+pub(super) struct State {
+    calls: Calls,
+    /// What the names of all objects begin with.
+    root: String,
+    capacity: u64,
+    /// Manifests that were seen or put; the bucket may have more, or no longer these.
+    shelf: Mutex<Shelf<Arc<Manifest>>>,
+    checked: Mutex<Checked>,
+}
+
+/// What is known of the store's conditional puts.
+#[derive(Debug, Clone)]
+enum Checked {
+    /// It has not answered yet.
+    NotYet,
+    /// It refuses to replace what is there.
+    Sound,
+    /// It cannot be used.
+    Unfit(String),
+}
+
+impl State {
+    /// Opens the store in a bucket. One that does not answer is used as soon as it does.
+    pub(super) fn open(objects: Arc<dyn ObjectStore>, place: &Place) -> Result<Self, StoreError> {
+        let room = match place.room {
+            Room::Results => "results",
+            Room::Uploads => "uploads",
+        };
+        let prefix = place.bucket.prefix.trim_matches('/');
+        let root = if prefix.is_empty() { room.to_owned() } else { format!("{prefix}/{room}") };
+        let calls = Calls::new(objects, Arc::clone(&place.clock))?;
+        let (shelf, checked) = (Mutex::new(Shelf::new(REMEMBERED_BYTES)), Mutex::new(Checked::NotYet));
+        let state = State { calls, root, capacity: place.capacity_bytes, shelf, checked };
+        match state.check() {
+            Err(StoreError::Away { reason, refuses: true }) => {
+                let needs = "it has to allow GetObject, PutObject, DeleteObject and ListBucket to these credentials";
+                Err(io::Error::new(io::ErrorKind::PermissionDenied, format!("{reason}; {needs}")).into())
+            }
+            Err(StoreError::Away { .. }) | Ok(()) => Ok(state),
+            Err(unfit) => Err(unfit),
+        }
+    }
+
+    /// The manifest of an artifact, if it is known here; counts as a use.
+    pub(super) fn known(&self, key: &Key) -> Option<Arc<Manifest>> {
+        lock(&self.shelf).touch(key).cloned()
+    }
+
+    /// The manifest of an artifact as it stands in the bucket; known here from now on.
+    pub(super) fn look_up(&self, key: &Key) -> Result<Option<Arc<Manifest>>, StoreError> {
+        Ok(self.fetch(key)?.map(|manifest| self.remember(manifest)))
+    }
+
+    /// Keeps a manifest known here, if it is.
+    pub(super) fn pin(&self, key: &Key) -> bool {
+        lock(&self.shelf).pin(key)
+    }
+
+    /// Takes one pin back.
+    pub(super) fn unpin(&self, key: &Key) {
+        lock(&self.shelf).unpin(key);
+    }
+
+    /// What is known here and was seen.
+    pub(super) fn usage(&self) -> Usage {
+        let usage = lock(&self.shelf).usage();
+        Usage { capacity: self.capacity, away: self.calls.is_away(), ..usage }
+    }
+
+    fn path(&self, kind: &str, key: &Key) -> Path {
+        Path::from(format!("{}/{kind}/{:02x}/{key}", self.root, key.as_bytes()[0]))
+    }
+
+    fn manifest_path(&self, key: &Key) -> Path {
+        self.path("manifests", key)
+    }
+
+    fn part_path(&self, hash: &Key) -> Path {
+        self.path("parts", hash)
+    }
+
+    /// Refuses what is too large for one artifact.
+    pub(super) fn admit(&self, length: u64) -> Result<(), StoreError> {
+        shelf::admit(length, self.capacity)
+    }
+
+    /// Makes sure that nothing is put before the store has shown that it keeps to its part.
+    pub(super) fn check(&self) -> Result<(), StoreError> {
+        let checked = lock(&self.checked).clone();
+        let checked = match checked {
+            Checked::NotYet => {
+                let found = self.tried()?;
+                *lock(&self.checked) = found.clone();
+                found
+            }
+            known => known,
+        };
+        match checked {
+            Checked::Unfit(why) => Err(io::Error::other(why).into()),
+            Checked::Sound | Checked::NotYet => Ok(()),
+        }
+    }
+
+    /// Puts the same object twice, and wants to be refused the second time. That it is not there before shows whether
+    /// the store tells what is missing from what is forbidden.
+    fn tried(&self) -> Result<Checked, StoreError> {
+        let mut name = [0; 16];
+        getrandom::fill(&mut name).map_err(io::Error::from)?;
+        let path = Path::from(format!("{}/checks/{}", self.root, hex::encode(name)));
+        let bytes = || Bytes::from_static(b"planish");
+        self.calls.get(&path, MANIFEST_BYTES, LOOK)?;
+        self.calls.create(&path, bytes())?;
+        let again = self.calls.create(&path, bytes())?;
+        let back = self.calls.get(&path, MANIFEST_BYTES, LOOK)?;
+        self.calls.delete(&path);
+        let unfit = if again {
+            "the store replaces objects though it is asked not to (If-None-Match: *); use one with conditional puts"
+        } else if !matches!(back, Fetched::Bytes(back) if back == bytes()) {
+            "the store does not give back what was just put there"
+        } else {
+            return Ok(Checked::Sound);
+        };
+        tracing::error!(unfit, "nothing is put into the shared store");
+        Ok(Checked::Unfit(unfit.to_owned()))
+    }
+
+    /// The manifest of an artifact as it stands in the bucket. One that is damaged is dropped and counted; one of
+    /// another results version is none.
+    fn fetch(&self, key: &Key) -> Result<Option<Manifest>, StoreError> {
+        let bytes = match self.calls.get(&self.manifest_path(key), MANIFEST_BYTES, LOOK)? {
+            Fetched::Missing => return Ok(None),
+            Fetched::TooLong => None,
+            Fetched::Bytes(bytes) => Some(bytes),
+        };
+        let manifest = bytes.and_then(|bytes| Manifest::decode(&bytes)).filter(|manifest| manifest.key == *key);
+        let Some(manifest) = manifest else {
+            self.drop_damaged(key, "its manifest is damaged");
+            return Ok(None);
+        };
+        // what is named by its own bytes is the same in every version
+        Ok(Some(manifest).filter(|found| found.results_version == RESULTS_VERSION || found.content == *key))
+    }
+
+    /// Remembers a manifest that is in the bucket.
+    fn remember(&self, manifest: Manifest) -> Arc<Manifest> {
+        let (key, cost) = (manifest.key, manifest.encode().len() as u64 + ENTRY_BYTES);
+        let manifest = Arc::new(manifest);
+        let mut shelf = lock(&self.shelf);
+        while shelf.evict_for(cost).is_some() {}
+        if shelf.has_room(cost) {
+            shelf.insert(key, cost, Arc::clone(&manifest));
+        }
+        manifest
+    }
+
+    /// A part, verified.
+    pub(super) fn part(&self, manifest: &Manifest, index: usize) -> Result<Option<Bytes>, StoreError> {
+        let (Some((_, length)), Some(hash)) = (parts::span(manifest, index), manifest.parts.get(index)) else {
+            return Ok(None);
+        };
+        match self.calls.get(&self.part_path(hash), length as u64, PATIENCE)? {
+            Fetched::Bytes(bytes) if content(&bytes) == *hash => return Ok(Some(bytes)),
+            Fetched::Missing => {
+                tracing::debug!(key = %manifest.key, part = index, "a part has left the shared store");
+                self.forget(&manifest.key);
+            }
+            Fetched::Bytes(_) | Fetched::TooLong => {
+                self.calls.delete(&self.part_path(hash));
+                self.drop_damaged(&manifest.key, "one of its parts is damaged");
+            }
+        }
+        Ok(None)
+    }
+
+    fn drop_damaged(&self, key: &Key, why: &str) {
+        tracing::warn!(%key, why, "an artifact of the shared store is damaged; it is dropped");
+        lock(&self.shelf).count_damaged(1);
+        self.forget(key);
+    }
+
+    /// Removes an artifact: without its manifest it is none. Its parts may be those of others and stay.
+    pub(super) fn forget(&self, key: &Key) {
+        lock(&self.shelf).remove(key);
+        self.calls.delete(&self.manifest_path(key));
+    }
+
+    /// Puts a part. One that is there has the same bytes or was damaged, and by the bucket's rules its age begins anew.
+    pub(super) fn put_part(&self, hash: &Key, bytes: Bytes) -> Result<(), StoreError> {
+        self.calls.replace(&self.part_path(hash), bytes)
+    }
+
+    /// Puts the manifest of an artifact whose parts are all there. Where another server was first, the artifact is that
+    /// one's, and the tenants of both may see it; of two servers that say so at once one may not be heard, and its
+    /// tenant's artifact is made again then.
+    pub(super) fn enter(&self, manifest: Manifest) -> Result<Arc<Manifest>, StoreError> {
+        let path = self.manifest_path(&manifest.key);
+        let encoded = manifest.encode();
+        if encoded.len() as u64 > MANIFEST_BYTES {
+            return Err(StoreError::TooLarge { capacity: MANIFEST_BYTES / 32 * PART_BYTES as u64 });
+        }
+        if self.calls.create(&path, encoded.into())? {
+            return Ok(self.remember(manifest));
+        }
+        let present = self.fetch(&manifest.key)?;
+        if let Some(present) = present.filter(|present| present.content == manifest.content) {
+            // also where nobody is new: its age begins anew with that of its parts
+            let owners = present.owners.with(&manifest.owners).unwrap_or_else(|| present.owners.clone());
+            return self.replace(&path, Manifest { owners, ..present });
+        }
+        tracing::warn!(key = %manifest.key, "what is in the shared store has other bytes; the new ones replace it");
+        self.replace(&path, manifest)
+    }
+
+    fn replace(&self, path: &Path, manifest: Manifest) -> Result<Arc<Manifest>, StoreError> {
+        self.calls.replace(path, manifest.encode().into())?;
+        Ok(self.remember(manifest))
+    }
+}

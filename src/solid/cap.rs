@@ -1,0 +1,141 @@
+//! Caps: the last faces around a vertex that is not regular, and how far they are from the limit surface.
+
+use super::caps::{CapTable, Method};
+use super::distance::farthest;
+use super::error::SolidError;
+use super::interpolated::interpolated;
+use super::level::{Level, Refiner, Spot};
+use super::request::Continuity;
+use super::sector::{Kind, Sector};
+use super::spline::Surface;
+use crate::math::functions::real;
+use crate::math::vector::{Vector, plus, times};
+
+/// How a deviation was found.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Known {
+    /// It is proved to be a bound.
+    Certified,
+    /// It is the largest of some samples.
+    Sampled,
+}
+
+impl Known {
+    /// Its name in certificates.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Certified => "certified",
+            Self::Sampled => "sampled",
+        }
+    }
+}
+
+/// Caps of one sector, one a face.
+#[derive(Debug, Clone)]
+pub(super) struct Capped {
+    pub(super) surfaces: Vec<Surface>,
+    /// Distance from the limit surface, model units.
+    pub(super) deviation: f64,
+    pub(super) known: Known,
+    /// Whether tangent planes agree across the edges between the caps.
+    pub(super) is_tangent: bool,
+}
+
+/// The caps of a sector, or how far they are from the limit surface where that is more than the tolerance.
+///
+/// # Errors
+/// When the watch says stop.
+pub(super) fn caps(
+    level: &Level,
+    sector: &Sector,
+    (continuity, tolerance): (Continuity, f64),
+    refiner: &Refiner<'_>,
+) -> Result<Result<Capped, f64>, SolidError> {
+    let smooth = sector.kind == Kind::Smooth;
+    if let (true, Continuity::Tangent, Some(table)) = (smooth, continuity, CapTable::of(sector.spokes.len())) {
+        return Ok(fitted(table, &level.two_ring(sector), tolerance));
+    }
+    let (nearer, mut edges, spot) = level.alone(&Spot::of(level, &sector.spokes))?;
+    let next = nearer.closer(&spot, refiner, &mut edges)?;
+    let nets = if smooth { approximate(level, sector, refiner)? } else { interpolated(level, sector, &next, refiner)? };
+    let surfaces: Vec<Surface> = nets.iter().map(Surface::bezier).collect();
+    let deviation = farthest(&surfaces, sector.is_closed, next, refiner, &mut edges)?;
+    let capped = Capped { surfaces, deviation, known: Known::Sampled, is_tangent: false };
+    Ok(if deviation <= tolerance { Ok(capped) } else { Err(deviation) })
+}
+
+/// Fitted caps of bidegree 5.
+fn fitted(table: &CapTable, ring: &[Vector], tolerance: f64) -> Result<Capped, f64> {
+    let estimate = table.estimate(ring);
+    if estimate > tolerance {
+        return Err(estimate);
+    }
+    let found = table.bound(ring);
+    if found.bound > tolerance {
+        return Err(found.bound);
+    }
+    let known = match found.method {
+        Method::Certified => Known::Certified,
+        Method::Sampled => Known::Sampled,
+    };
+    let surfaces = table.cap(ring).iter().map(Surface::bezier).collect();
+    Ok(Capped { surfaces, deviation: found.bound, known, is_tangent: true })
+}
+
+/// Bicubic patches with the exact data outside and Catmull-Clark limits and tangents at the vertex.
+///
+/// Source: C. Loop, S. Schaefer, ACM TOG 27 (2008), 8:1-8:11.
+fn approximate(level: &Level, sector: &Sector, refiner: &Refiner<'_>) -> Result<Vec<super::net::Net>, SolidError> {
+    let (spokes, n) = (&sector.spokes, sector.spokes.len());
+    let [own, limit] = [level.start(spokes[0]), level.limit(spokes[0], refiner)?];
+    let at = |i: usize, steps| level.start(level.after(spokes[i % n], steps));
+    let (edge, face) = (|i| at(i, 1), |i| at(i, 2));
+    let valence = real(n);
+    let along = |i: usize| {
+        let sum = [
+            times(2.0 * valence, own),
+            times(4.0, edge(i)),
+            times(2.0, plus(edge(i + 1), edge(i + n - 1))),
+            plus(face(i), face(i + n - 1)),
+        ];
+        times(1.0 / (2.0 * (valence + 5.0)), sum.into_iter().fold([0.0; 3], plus))
+    };
+    let inner = |i: usize| {
+        let sum = plus(plus(times(valence, own), times(2.0, plus(edge(i), edge(i + 1)))), face(i));
+        times(1.0 / (valence + 5.0), sum)
+    };
+    let net = |i: usize| {
+        let mut net = super::net::bezier(&level.net(spokes[i]));
+        (net[0][0], net[1][0], net[0][1], net[1][1]) = (limit, along(i), along(i + 1), inner(i));
+        net
+    };
+    Ok((0..n).map(net).collect())
+}
+
+impl Level {
+    /// The vertex of a closed sector and two rings around it: the vertex, then of each face its second and third corner
+    /// and the four vertices beyond them, from the spoke on.
+    fn two_ring(&self, sector: &Sector) -> Vec<Vector> {
+        let faces = sector.spokes.iter().flat_map(|&spoke| {
+            let [beside, diagonal, before] = self.around(spoke);
+            [
+                self.start(beside),
+                self.start(diagonal),
+                self.start(self.after(beside, 1)),
+                self.start(self.after(beside, 2)),
+                self.start(self.after(diagonal, 2)),
+                self.start(self.after(before, 2)),
+            ]
+        });
+        std::iter::once(self.start(sector.spokes[0])).chain(faces).collect()
+    }
+
+    /// The three faces beyond a face that has a vertex alone with it: those beside its second and third side and the
+    /// one between, each as the half-edge that starts at the corner nearest to the vertex, along u.
+    pub(super) fn around(&self, spoke: u32) -> [u32; 3] {
+        let beside = self.topology.next(self.topology.twin(self.after(spoke, 1)));
+        let diagonal = self.topology.twin(self.after(beside, 2));
+        let before = self.topology.twin(self.after(spoke, 2));
+        [beside, diagonal, before]
+    }
+}

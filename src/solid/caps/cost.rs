@@ -1,0 +1,47 @@
+//! What caps cost, for whoever books time and memory.
+
+use super::composed::TERMS;
+use super::proof::{Cell, n_cells, n_rings};
+use super::rings::LEAVES;
+use super::table::{ESTIMATED, FITTED, PROVED, rings_that_matter};
+use crate::math::functions::real;
+
+/// Numbers of operations, each about a nanosecond, and bytes.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Cost {
+    /// Operations of the table of a valence, once.
+    pub table_operations: f64,
+    /// Bytes of that table, which is kept.
+    pub table_bytes: usize,
+    /// Operations of the table that bounds are read off, once.
+    pub proof_operations: f64,
+    /// Bytes of that table, which is kept.
+    pub proof_bytes: usize,
+    /// Operations of one cap.
+    pub cap_operations: f64,
+    /// Operations of one estimate.
+    pub estimate_operations: f64,
+    /// Operations of one bound.
+    pub bound_operations: f64,
+}
+
+/// What caps of a valence cost.
+pub fn cost(valence: usize) -> Cost {
+    let per_ring = |side: usize| rings_that_matter(valence) * LEAVES.len() * side * side;
+    let (n, fitted, estimated) = (real(valence), real(per_ring(FITTED)), real(per_ring(ESTIMATED)));
+    let proved = if valence <= PROVED { n_rings(valence) } else { 0 };
+    let n_cells: usize = (1..=proved).map(|ring| LEAVES.len() * n_cells(valence, ring) * n_cells(valence, ring)).sum();
+    let cell_bytes = TERMS * TERMS * size_of::<f64>() + size_of::<Cell>();
+    let cap_operations = 4_000.0 * n + 220.0 * n * n;
+    let estimate_operations = cap_operations + 300.0 * n * estimated;
+    Cost {
+        // frequencies times sectors times samples times columns, and Newton's steps
+        table_operations: fitted * (26.0 * n * n + 900.0 * n) + 4_000.0 * (fitted + estimated),
+        table_bytes: per_ring(ESTIMATED) * 12 * size_of::<f64>() + valence * 128 * size_of::<f64>(),
+        proof_operations: 2e6 * real(n_cells),
+        proof_bytes: n_cells * cell_bytes,
+        cap_operations,
+        estimate_operations,
+        bound_operations: if proved == 0 { estimate_operations } else { cap_operations + 6_000.0 * n * real(n_cells) },
+    }
+}

@@ -1,0 +1,22 @@
+//! Caps: patches that close the surface around an extraordinary vertex, where it is bicubic nowhere, with one tangent
+//! plane along every edge and a statement of their distance from the limit surface.
+
+mod bezier;
+mod bound;
+mod characteristic;
+mod composed;
+mod cost;
+mod join;
+mod least;
+mod proof;
+mod rings;
+mod samples;
+mod table;
+
+pub use bound::{Deviation, Method};
+pub use characteristic::decay;
+pub use cost::{Cost, cost};
+pub use table::{CapPatch, CapTable, VALENCES};
+
+#[cfg(test)]
+mod tests;

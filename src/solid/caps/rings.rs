@@ -1,0 +1,146 @@
+//! The two-ring of a smooth vertex among quads, its refinement, and the bicubic nets of the limit surface around it.
+
+use super::bezier::Net;
+use crate::math::functions::real;
+use crate::math::vector::{plus, times};
+
+/// Points of the two-ring that belong to one sector, in the order of [`WITHIN`].
+pub(super) const PER_SECTOR: usize = 6;
+/// Places of the points of one sector: steps along its first and along its second spoke.
+const WITHIN: [[usize; 2]; PER_SECTOR] = [[1, 0], [1, 1], [2, 0], [2, 1], [2, 2], [1, 2]];
+/// Steps that are held along each spoke: refined two-rings reach as far.
+const REACH: usize = 3;
+/// Places held of each sector: 1 to [`REACH`] steps along the first spoke, 0 to [`REACH`] along the second.
+const HELD: usize = REACH * (REACH + 1);
+/// The lower corners of the three exact leaves of one ring, in steps of the refined net.
+pub(super) const LEAVES: [[usize; 2]; 3] = [[1, 0], [0, 1], [1, 1]];
+
+/// Points around a vertex of a quad mesh, of any number of coordinates: sector `s` lies between spokes `s` and `s + 1`.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Rings<const D: usize> {
+    /// The vertex.
+    pub(super) centre: [f64; D],
+    /// `HELD` points a sector; of a given two-ring those beyond two steps are zero and never read.
+    sectors: Vec<[[f64; D]; HELD]>,
+}
+
+fn slot(u: usize, v: usize) -> usize {
+    (u - 1) * (REACH + 1) + v
+}
+
+impl<const D: usize> Rings<D> {
+    /// The rings whose points in steps (u, v) of sector s are told by a function.
+    fn of(centre: [f64; D], n: usize, point: impl Fn(usize, usize, usize) -> [f64; D]) -> Self {
+        let sector = |s| {
+            let mut held = [[0.0; D]; HELD];
+            for u in 1..=REACH {
+                for v in 0..=REACH {
+                    held[slot(u, v)] = point(s, u, v);
+                }
+            }
+            held
+        };
+        Self { centre, sectors: (0..n).map(sector).collect() }
+    }
+
+    /// The two-ring of the vertex, then six points a sector.
+    pub(super) fn of_two_ring(points: &[[f64; D]]) -> Self {
+        let n = points.len() / PER_SECTOR;
+        assert_eq!(points.len(), PER_SECTOR * n + 1, "a two-ring has a vertex and six points a sector");
+        let find = |s: usize, u, v| {
+            let place = WITHIN.iter().position(|place| *place == [u, v]);
+            place.map_or([0.0; D], |place| points[1 + PER_SECTOR * s + place])
+        };
+        Self::of(points[0], n, find)
+    }
+
+    /// The two-ring, in the order in which it is given.
+    pub(super) fn two_ring(&self) -> Vec<[f64; D]> {
+        let sector = |held: &[[f64; D]; HELD]| WITHIN.map(|[u, v]| held[slot(u, v)]);
+        std::iter::once(self.centre).chain(self.sectors.iter().flat_map(sector)).collect()
+    }
+
+    /// The valence of the vertex.
+    pub(super) fn valence(&self) -> usize {
+        self.sectors.len()
+    }
+
+    /// The point u steps along spoke s and v along the next: at least -1 each, and not both -1.
+    pub(super) fn at(&self, s: usize, [u, v]: [isize; 2]) -> [f64; D] {
+        let n = self.valence();
+        match (usize::try_from(u), usize::try_from(v)) {
+            (Ok(0), Ok(0)) => self.centre,
+            (Ok(0), Ok(v)) => self.sectors[(s + 1) % n][slot(v, 0)],
+            (Ok(u), Ok(v)) => self.sectors[s % n][slot(u, v)],
+            (Err(_), _) => self.at(s + 1, [v, 1]),
+            (Ok(_), Err(_)) => self.at(s + n - 1, [1, u]),
+        }
+    }
+
+    /// The control points of the bicubic patch whose lower corner is at the given steps.
+    fn control(&self, s: usize, [u, v]: [usize; 2]) -> [[[f64; D]; 4]; 4] {
+        let step = |at: usize, i: usize| (at + i).cast_signed() - 1;
+        let point = |i, j| if u + i + v + j == 0 { [0.0; D] } else { self.at(s, [step(u, i), step(v, j)]) };
+        std::array::from_fn(|i| std::array::from_fn(|j| point(i, j)))
+    }
+
+    /// The limit surface of one of the [`LEAVES`] of a refined net, as a bicubic net.
+    pub(super) fn leaf(&self, s: usize, lower: [usize; 2]) -> Net<D, 4> {
+        Net::of_spline(&self.control(s, lower))
+    }
+
+    /// What the exact surface outside says of sector s: all coefficients but the one at the vertex continue it with
+    /// two derivatives.
+    pub(super) fn outside(&self, s: usize) -> Net<D, 4> {
+        Net::of_spline(&self.control(s, [0, 0]))
+    }
+
+    /// The net after one step of refinement: the vertex stays the centre.
+    pub(super) fn refined(&self) -> Self {
+        Self::of(self.refined_centre(), self.valence(), |s, u, v| self.child(s, [u, v]))
+    }
+
+    fn refined_centre(&self) -> [f64; D] {
+        let n = self.valence();
+        let weight = 1.0 / (real(n) * real(n));
+        let mut sum = times((real(n) - 2.0) / real(n), self.centre);
+        for s in 0..n {
+            sum = plus(sum, times(weight, self.at(s, [1, 0])));
+            sum = plus(sum, times(weight, self.mean(s, [0, 0])));
+        }
+        sum
+    }
+
+    /// The centre of the face whose lower corner is at the given steps.
+    fn mean(&self, s: usize, [u, v]: [isize; 2]) -> [f64; D] {
+        let low = plus(self.at(s, [u, v]), self.at(s, [u + 1, v]));
+        let high = plus(self.at(s, [u, v + 1]), self.at(s, [u + 1, v + 1]));
+        times(0.25, plus(low, high))
+    }
+
+    /// The point of the refined net at the given steps: of a face, an edge, or a vertex with four neighbours.
+    fn child(&self, s: usize, at: [usize; 2]) -> [f64; D] {
+        let [u, v] = at.map(|x| (x / 2).cast_signed());
+        match at.map(|x| x % 2) {
+            [1, 1] => self.mean(s, [u, v]),
+            [1, _] => self.on_edge(s, [u, v], [1, 0]),
+            [_, 1] => self.on_edge(s, [u, v], [0, 1]),
+            _ => {
+                let along = plus(self.at(s, [u + 1, v]), self.at(s, [u - 1, v]));
+                let across = plus(self.at(s, [u, v + 1]), self.at(s, [u, v - 1]));
+                let high = plus(self.at(s, [u + 1, v + 1]), self.at(s, [u - 1, v + 1]));
+                let low = plus(self.at(s, [u + 1, v - 1]), self.at(s, [u - 1, v - 1]));
+                let ring = plus(times(3.0 / 32.0, plus(along, across)), times(1.0 / 64.0, plus(high, low)));
+                plus(times(9.0 / 16.0, self.at(s, [u, v])), ring)
+            }
+        }
+    }
+
+    /// The new point of the edge that leads from the given steps in the given direction.
+    fn on_edge(&self, s: usize, [u, v]: [isize; 2], [du, dv]: [isize; 2]) -> [f64; D] {
+        let ends = plus(self.at(s, [u, v]), self.at(s, [u + du, v + dv]));
+        let left = plus(self.at(s, [u + dv, v + du]), self.at(s, [u + 1, v + 1]));
+        let right = plus(self.at(s, [u - dv, v - du]), self.at(s, [u + du - dv, v + dv - du]));
+        plus(times(3.0 / 8.0, ends), times(1.0 / 16.0, plus(left, right)))
+    }
+}

@@ -1,0 +1,130 @@
+//! What is known of a solid: how far it is from the limit surface, and how its faces meet.
+
+use super::brep::{Brep, Shell};
+use super::cap::Known;
+use super::isolate::Isolated;
+use super::measure::Measure;
+use crate::math::functions::asin;
+use crate::math::vector::{Vector, cross, length, minus, unit};
+
+/// What is known of a solid.
+#[derive(Debug, Clone)]
+pub struct Certificate {
+    /// The largest side of the bounding box of the cage, model units.
+    pub size: f64,
+    /// Share of the area whose faces are the limit surface itself.
+    pub exact_area_share: f64,
+    /// Largest distance between the surface and the limit surface, model units.
+    pub deviation: f64,
+    /// How that was found: sampled where it was so at any vertex.
+    pub known: Known,
+    /// Largest angle between the normals of two faces along an edge that is to be smooth, degrees.
+    pub worst_edge_angle_deg: f64,
+    /// The largest distance between what two faces say of a point of an edge, model units.
+    pub gap: f64,
+    /// Number of faces, edges and vertices.
+    pub counts: [usize; 3],
+    /// Its shells.
+    pub shells: Vec<Shell>,
+    /// The vertices that are not regular, one entry a sector.
+    pub vertices: Vec<Isolated>,
+}
+
+impl Certificate {
+    /// What holds of a boundary of a cage of this size. Closed shells that are inside out are turned.
+    pub(super) fn of(brep: &mut Brep, vertices: Vec<Isolated>, (size, origin): (f64, Vector)) -> Self {
+        let measures: Vec<Measure> = brep.faces.iter().map(|face| Measure::of(&face.surface, origin)).collect();
+        let mut shells = brep.shells();
+        let mut areas = [0.0; 2];
+        for (face, measure) in brep.faces.iter().zip(&measures) {
+            areas[usize::from(face.is_exact)] += measure.area;
+        }
+        for shell in &mut shells {
+            let of_faces = || shell.faces.iter().map(|&f| measures[f as usize]);
+            shell.area = of_faces().fold(0.0, |sum, measure| sum + measure.area);
+            let volume = of_faces().fold(0.0, |sum, measure| sum + measure.volume);
+            if shell.is_closed {
+                shell.was_turned = volume < 0.0;
+                shell.volume = volume.abs();
+            }
+        }
+        for shell in shells.iter().filter(|shell| shell.was_turned) {
+            brep.turn(&shell.faces);
+        }
+        let worst = |known: Known, vertex: &Isolated| known.max(vertex.known);
+        Self {
+            size,
+            exact_area_share: if areas[1] > 0.0 { areas[1] / (areas[0] + areas[1]) } else { 0.0 },
+            deviation: vertices.iter().map(|vertex| vertex.deviation).fold(0.0, f64::max),
+            known: vertices.iter().fold(Known::Certified, worst),
+            worst_edge_angle_deg: brep.worst_angle().to_degrees(),
+            gap: brep.gap,
+            counts: [brep.faces.len(), brep.edges.len(), brep.vertices.len()],
+            shells,
+            vertices,
+        }
+    }
+
+    /// The deviation in shares of the size of the cage.
+    pub fn deviation_of_size(&self) -> f64 {
+        if self.size > 0.0 { self.deviation / self.size } else { 0.0 }
+    }
+
+    /// The certificate in a sentence.
+    pub fn summary(&self) -> String {
+        let [faces, ..] = self.counts;
+        let closed = if self.is_closed() { "closed" } else { "open" };
+        format!(
+            "{faces} faces, {closed}, {:.2} % of the area exact, the rest within {:.1e} of the size ({}), largest \
+             angle between faces at smooth edges {:.1e} degrees",
+            100.0 * self.exact_area_share,
+            self.deviation_of_size(),
+            self.known.name(),
+            self.worst_edge_angle_deg
+        )
+    }
+
+    /// Sum of what closed shells enclose, cubic model units.
+    pub fn volume(&self) -> f64 {
+        self.shells.iter().fold(0.0, |sum, shell| sum + shell.volume)
+    }
+
+    /// Area of all shells, square model units.
+    pub fn area(&self) -> f64 {
+        self.shells.iter().fold(0.0, |sum, shell| sum + shell.area)
+    }
+
+    /// Whether all shells are closed.
+    pub fn is_closed(&self) -> bool {
+        self.shells.iter().all(|shell| shell.is_closed)
+    }
+
+    /// Number of sectors whose caps do not agree in their tangent planes by construction.
+    pub fn n_not_tangent(&self) -> usize {
+        self.vertices.iter().filter(|vertex| !vertex.is_tangent).count()
+    }
+}
+
+impl Brep {
+    /// The largest angle between the normals of two faces along smooth edges, radians.
+    fn worst_angle(&self) -> f64 {
+        let mut worst = 0.0_f64;
+        for edge in self.edges.iter().filter(|edge| !edge.is_sharp) {
+            let [a, b] = [edge.uses.first(), edge.uses.last()].map(|at| {
+                let normals = at.map(|at| {
+                    let surface = &self.faces[at.face as usize].surface;
+                    let normal = |place: [f64; 2]| {
+                        let [_, along_u, along_v] = surface.at(place);
+                        unit(cross(along_u, along_v))
+                    };
+                    at.places(surface).into_iter().map(normal).collect::<Vec<_>>()
+                });
+                normals.unwrap_or_default()
+            });
+            for (n, m) in a.iter().zip(b.iter().rev()) {
+                worst = worst.max(2.0 * asin((0.5 * length(minus(*n, *m))).min(1.0)));
+            }
+        }
+        worst
+    }
+}

@@ -1,0 +1,242 @@
+//! Feature-adaptive refinement: faces whose surface is bicubic are taken as they are, those around other vertices are
+//! split until a cap there is close enough.
+//!
+//! Source: M. Niessner, C. Loop, M. Meyer, T. DeRose, ACM TOG 31 (2012), 6:1-6:11.
+
+use std::collections::BTreeSet;
+
+use rayon::prelude::*;
+
+use super::cap::{Capped, Known, caps};
+use super::edges::Edges;
+use super::error::SolidError;
+use super::level::{Level, Refiner, Sharpened};
+use super::net::Net;
+use super::request::Request;
+use super::sector::{Kind, Sector};
+use super::spline::Surface;
+use crate::math::vector::{Vector, cross, length};
+use crate::shape::topology::index;
+
+/// A face of some level that stands for a part of the surface: corner 0 at (0, 0), side 0 along u.
+#[derive(Debug, Clone)]
+pub(super) struct Cell {
+    /// Its vertices and the edges from each to the next, by their numbers among those of all levels.
+    pub(super) corners: [u32; 4],
+    pub(super) sides: [u32; 4],
+    /// The input face that it came of.
+    pub(super) input: u32,
+}
+
+/// A face whose surface is bicubic, with its control net.
+#[derive(Debug, Clone)]
+pub(super) struct Leaf {
+    pub(super) cell: Cell,
+    pub(super) net: Net,
+}
+
+/// A face beside a vertex that is not regular.
+#[derive(Debug, Clone)]
+pub(super) struct Cap {
+    pub(super) cell: Cell,
+    pub(super) surface: Surface,
+}
+
+/// A vertex that is not regular, as one sector around it tells.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Isolated {
+    /// Its limit, model units.
+    pub at: Vector,
+    /// Faces of the sector.
+    pub faces: usize,
+    /// What the surface is there.
+    pub kind: Kind,
+    /// Levels of refinement before its caps.
+    pub level: u32,
+    /// Distance of the caps from the limit surface, model units.
+    pub deviation: f64,
+    /// How that was found.
+    pub known: Known,
+    /// Whether tangent planes agree across the edges between its caps.
+    pub is_tangent: bool,
+}
+
+/// The parts of a surface.
+#[derive(Debug, Default)]
+pub(super) struct Pieces {
+    pub(super) leaves: Vec<Leaf>,
+    pub(super) caps: Vec<Cap>,
+    pub(super) vertices: Vec<Isolated>,
+    pub(super) edges: Edges,
+}
+
+/// What one level adds.
+struct Isolation<'a> {
+    request: &'a Request,
+    /// Largest deviation, model units.
+    tolerance: f64,
+    refiner: &'a Refiner<'a>,
+    /// Most leaves.
+    most: usize,
+    pieces: Pieces,
+}
+
+/// Least sine of the angle between the tangents at a smooth vertex. Half and twice of it differ in cages that are flat
+/// to nine digits, where normals are lost in rounding.
+const LEAST_SINE: f64 = 1e-9;
+
+/// Refuses a smooth vertex whose tangents do not span a plane.
+fn check_normal(sector: &Sector, surfaces: &[Surface]) -> Result<(), SolidError> {
+    let [at, along_u, along_v] = surfaces[0].at([0.0; 2]);
+    let longest = length(along_u).max(length(along_v));
+    if sector.kind != Kind::Smooth || length(cross(along_u, along_v)) > LEAST_SINE * longest * longest {
+        return Ok(());
+    }
+    let [x, y, z] = at;
+    let detail = format!(
+        "the limit surface has no tangent plane at its vertex near ({x:.4}, {y:.4}, {z:.4}); send a mesh that does not \
+         fold there"
+    );
+    Err(SolidError::at("", detail))
+}
+
+/// Splits a mesh until all of its surface is bicubic or capped within the tolerance, model units; of bicubic faces at
+/// most so many.
+///
+/// # Errors
+/// When that takes too many levels or faces, or the watch says stop.
+pub(super) fn isolate(
+    (mut level, edges): (Level, Edges),
+    request: &Request,
+    (tolerance, most): (f64, usize),
+    refiner: &Refiner<'_>,
+) -> Result<Pieces, SolidError> {
+    let pieces = Pieces { edges, ..Pieces::default() };
+    let mut isolation = Isolation { request, tolerance, refiner, most, pieces };
+    for depth in 0..=request.max_level {
+        refiner.watch.check()?;
+        let (split, farthest) = isolation.take(&level, depth)?;
+        if split.is_empty() {
+            return Ok(isolation.pieces);
+        }
+        if depth == request.max_level {
+            return Err(isolation.unreachable(farthest));
+        }
+        for e in split.iter().flat_map(|&f| level.topology.half_edges(f as usize)) {
+            isolation.pieces.edges.split(level.edges[level.topology.edge(e) as usize]);
+        }
+        level = level.refined(&split, refiner, &mut isolation.pieces.edges)?;
+    }
+    Ok(isolation.pieces)
+}
+
+impl Isolation<'_> {
+    /// Takes the leaves and caps of a level; the faces that are left, and how far the worst caps there would be off.
+    fn take(&mut self, level: &Level, depth: u32) -> Result<(Vec<u32>, f64), SolidError> {
+        let mut left = Vec::new();
+        for f in (0..index(level.topology.n_faces())).filter(|&f| level.wanted[f as usize]) {
+            if f % 4096 == 0 {
+                self.refiner.watch.check()?;
+            }
+            let half_edge = level.topology.half_edges(f as usize).start;
+            if level.is_leaf(f) {
+                let leaf = Leaf { cell: self.cell(level, half_edge), net: level.net(half_edge) };
+                self.pieces.leaves.push(leaf);
+            } else {
+                left.push(f);
+            }
+        }
+        if self.pieces.leaves.len() > self.most {
+            let detail = format!(
+                "level {depth} of isolation has more than {} bicubic faces; ask for a coarser tolerance, or make \
+                 semi-sharp edges sharp (10) or less sharp",
+                self.most
+            );
+            return Err(SolidError::at("tolerance", detail));
+        }
+        if depth == 0 {
+            return Ok((left, f64::INFINITY));
+        }
+        let farthest = self.cap(level, depth, &mut left)?;
+        Ok((left, farthest))
+    }
+
+    /// Caps the faces of a level that are left, where caps are close enough; how far the worst of the others are off.
+    fn cap(&mut self, level: &Level, depth: u32, left: &mut Vec<u32>) -> Result<f64, SolidError> {
+        let mut seen = BTreeSet::new();
+        let sectors: Vec<Sector> = left
+            .iter()
+            .filter_map(|&f| Some(level.sector(level.lone_irregular(f)?)))
+            .filter(|sector| seen.insert(sector.spokes.iter().copied().min()) && is_ready(level, sector))
+            .collect();
+        let asked = (self.request.continuity, self.tolerance);
+        let found: Vec<_> = sectors.par_iter().map(|sector| caps(level, sector, asked, self.refiner)).collect();
+        let mut farthest = 0.0_f64;
+        let mut capped = BTreeSet::new();
+        for (sector, found) in sectors.iter().zip(found) {
+            match found? {
+                Err(deviation) => farthest = farthest.max(deviation),
+                Ok(found) => {
+                    check_normal(sector, &found.surfaces)?;
+                    self.put(level, depth, (sector, found), &mut capped);
+                }
+            }
+        }
+        left.retain(|f| !capped.contains(f));
+        Ok(farthest)
+    }
+
+    /// Adds the caps of a sector, and their faces to those that are capped.
+    fn put(&mut self, level: &Level, depth: u32, (sector, found): (&Sector, Capped), capped: &mut BTreeSet<u32>) {
+        let Capped { surfaces, deviation, known, is_tangent } = found;
+        self.pieces.vertices.push(Isolated {
+            at: surfaces[0].points[0][0],
+            faces: sector.spokes.len(),
+            kind: sector.kind,
+            level: depth,
+            deviation,
+            known,
+            is_tangent,
+        });
+        for (&spoke, surface) in sector.spokes.iter().zip(surfaces) {
+            let face = index(level.topology.face_of(spoke));
+            if level.wanted[face as usize] {
+                let cell = self.cell(level, spoke);
+                self.pieces.caps.push(Cap { cell, surface });
+                capped.insert(face);
+            }
+        }
+    }
+
+    fn cell(&mut self, level: &Level, half_edge: u32) -> Cell {
+        let sides: [u32; 4] = std::array::from_fn(|s| level.after(half_edge, s));
+        for side in sides {
+            let e = level.topology.edge(side);
+            if level.edge_sharpened(e) == Sharpened::Ever {
+                self.pieces.edges.sharpen(level.edges[e as usize]);
+            }
+        }
+        Cell {
+            corners: sides.map(|side| level.vertices[level.topology.vertex(side) as usize]),
+            sides: sides.map(|side| level.edges[level.topology.edge(side) as usize]),
+            input: level.inputs[level.topology.face_of(half_edge)],
+        }
+    }
+
+    fn unreachable(&self, farthest: f64) -> SolidError {
+        let (levels, tolerance) = (self.request.max_level, self.tolerance);
+        SolidError::at(
+            "tolerance",
+            format!(
+                "after {levels} levels of isolation caps are {farthest:.1e} from the limit surface, {tolerance:.1e} is \
+                 asked for (model units); ask for a coarser tolerance or a higher max_level"
+            ),
+        )
+    }
+}
+
+/// Whether caps can stand in all faces of a sector.
+fn is_ready(level: &Level, sector: &Sector) -> bool {
+    let lone = |&spoke: &u32| level.lone_irregular(index(level.topology.face_of(spoke))) == Some(spoke);
+    sector.kind != Kind::Undecided && sector.spokes.iter().all(lone)
+}

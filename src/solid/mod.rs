@@ -1,0 +1,34 @@
+//! Solids: the limit surface of a cage as faces that CAD programs know, exact where it is bicubic.
+
+pub mod caps;
+
+mod brep;
+mod build;
+mod cap;
+mod certificate;
+mod distance;
+mod edges;
+mod error;
+mod forecast;
+mod interpolated;
+mod isolate;
+mod level;
+mod limit;
+mod measure;
+mod net;
+mod pack;
+mod patch;
+mod request;
+mod sector;
+mod spline;
+
+pub use brep::{Brep, Edge, Face, Shell};
+pub use build::{Solid, check, solid};
+pub use cap::Known;
+pub use certificate::Certificate;
+pub use error::SolidError;
+pub use forecast::{Cage, Forecast, operations};
+pub use isolate::Isolated;
+pub use request::{Continuity, Pack, Request};
+pub use sector::Kind;
+pub use spline::{Curve, Surface};

@@ -1,0 +1,73 @@
+//! Faces of a solid before their edges are merged.
+
+use super::edges::{Edges, Step};
+use super::isolate::{Cap, Leaf};
+use super::pack::Rectangle;
+use super::spline::{Curve, Surface};
+use crate::math::functions::real;
+
+/// A face with the pieces of its four sides, counter-clockwise from v = 0.
+#[derive(Debug, Clone)]
+pub(super) struct Patch {
+    pub(super) surface: Surface,
+    pub(super) sides: [Vec<Step>; 4],
+    /// The input faces that it came of, ascending.
+    pub(super) inputs: Vec<u32>,
+    /// Whether it is the limit surface itself.
+    pub(super) is_exact: bool,
+}
+
+impl Patch {
+    /// The face of a rectangle of leaves.
+    pub(super) fn of_rectangle(rows: &Rectangle, leaves: &[Leaf], edges: &Edges) -> Self {
+        let (n, m) = (rows.len(), rows[0].len());
+        let mut net = vec![vec![[0.0; 3]; n + 3]; m + 3];
+        for (j, row) in rows.iter().enumerate() {
+            for (i, placed) in row.iter().enumerate() {
+                for (a, column) in placed.net(leaves).iter().enumerate() {
+                    net[i + a][j..j + 4].copy_from_slice(column);
+                }
+            }
+        }
+        let along = |s: usize| -> Vec<_> {
+            let mut line: Vec<_> = match s {
+                0 => rows[0].clone(),
+                1 => rows.iter().map(|row| row[m - 1]).collect(),
+                2 => rows[n - 1].clone(),
+                _ => rows.iter().map(|row| row[0]).collect(),
+            };
+            if s > 1 {
+                line.reverse();
+            }
+            line
+        };
+        let side = |s: usize| {
+            let mut steps = Vec::new();
+            for (k, placed) in along(s).into_iter().enumerate() {
+                let range = [real(k), real(k + 1)];
+                edges.steps(placed.side(leaves, s), placed.vertex(leaves, s), range, &mut steps);
+            }
+            steps
+        };
+        let mut inputs: Vec<u32> =
+            rows.iter().flatten().map(|placed| leaves[placed.leaf as usize].cell.input).collect();
+        inputs.sort_unstable();
+        inputs.dedup();
+        Self { surface: Surface::of_uniform(&net), sides: [0, 1, 2, 3].map(side), inputs, is_exact: true }
+    }
+
+    /// The face of a cap.
+    pub(super) fn of_cap(cap: Cap, edges: &Edges) -> Self {
+        let side = |s: usize| {
+            let mut steps = Vec::new();
+            edges.steps(cap.cell.sides[s], cap.cell.corners[s], [0.0, 1.0], &mut steps);
+            steps
+        };
+        Self { sides: [0, 1, 2, 3].map(side), surface: cap.surface, inputs: vec![cap.cell.input], is_exact: false }
+    }
+
+    /// The boundary curves.
+    pub(super) fn curves(&self) -> [Curve; 4] {
+        [0, 1, 2, 3].map(|s| self.surface.side(s))
+    }
+}

@@ -1,0 +1,57 @@
+// The element <planish-view> in a page of another origin.
+import assert from "node:assert/strict";
+import { createServer } from "node:http";
+import { join } from "node:path";
+import { deflateSync } from "node:zlib";
+
+const cube = {
+  positions: [[-1, -1, -1], [1, -1, -1], [1, 1, -1], [-1, 1, -1], [-1, -1, 1], [1, -1, 1], [1, 1, 1], [-1, 1, 1]],
+  faces: [[0, 3, 2, 1], [4, 5, 6, 7], [0, 1, 5, 4], [1, 2, 6, 5], [2, 3, 7, 6], [3, 0, 4, 7]],
+};
+
+function link(origin, output, levels) {
+  const job = { input: { mesh: cube }, plan: { preset: "catmull-clark" }, levels, outputs: [output] };
+  return `${origin}/v1/render?job=${deflateSync(JSON.stringify(job)).toString("base64url")}`;
+}
+
+export async function checkElement({ browser, origin, folder }) {
+  const html = `<!doctype html><title>elsewhere</title><script type="module" src="${origin}/play/planish-view.js"></script>
+    <planish-view src="${link(origin, { format: "gltf", lod: [1, 2, 4] }, 4)}" alt="A round cube"></planish-view>
+    <planish-view id="glb" wireframe src="${link(origin, { format: "glb", compression: "quantize" }, 3)}"></planish-view>
+    <planish-view id="wrong" src="${origin}/v1/render?job=e30"></planish-view>`;
+  const server = createServer((_, response) => response.writeHead(200, { "content-type": "text/html" }).end(html));
+  await new Promise((resolve) => server.listen(0, "127.0.0.1", resolve));
+  const page = await browser.newPage({ viewport: { width: 600, height: 900 } });
+  const wrong = [];
+  page.on("pageerror", (error) => wrong.push(String(error)));
+  await page.addInitScript(() => {
+    window.levels = [];
+    document.addEventListener("level", (event) => window.levels.push(event.detail), true);
+    window.told = [];
+    const note = ({ type, target }) => target.localName === "planish-view" && window.told.push([type, target.id]);
+    // windows are told of no load but their own
+    for (const type of ["load", "error"]) document.addEventListener(type, note, true);
+  });
+  await page.goto(`http://127.0.0.1:${server.address().port}/`);
+  await page.waitForFunction(() => window.told.length === 3);
+  const told = await page.evaluate(() => window.told);
+  assert.deepEqual(told.map((one) => one.join(" ")).sort(), ["error wrong", "load ", "load glb"]);
+  const levels = await page.evaluate(() => window.levels.filter(({ of }) => of === 3));
+  assert.deepEqual(levels.map(({ triangles }) => triangles), [48, 192, 3072], "the coarsest level first");
+  assert.match(await page.locator("#wrong p").textContent(), /cannot be shown/);
+  // a picture of one colour would be an empty canvas
+  const before = await page.locator("planish-view").first().screenshot();
+  const box = await page.locator("planish-view").first().boundingBox();
+  await page.mouse.move(box.x + 200, box.y + 150);
+  await page.mouse.down();
+  await page.mouse.move(box.x + 320, box.y + 190, { steps: 6 });
+  await page.mouse.up();
+  await page.waitForTimeout(200);
+  const after = await page.locator("planish-view").first().screenshot();
+  assert(before.length > 3000 && !before.equals(after), "a drag turns the model");
+  await page.screenshot({ path: join(folder, "element.png") });
+  assert.deepEqual(wrong, []);
+  await page.close();
+  server.close();
+  return "element";
+}

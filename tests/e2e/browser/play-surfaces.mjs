@@ -1,0 +1,234 @@
+// Surfaces: every tool of the page, and the shape that follows.
+import assert from "node:assert/strict";
+import { existsSync } from "node:fs";
+import { dirname, join } from "node:path";
+import { fileURLToPath } from "node:url";
+import { Player } from "./player.mjs";
+
+const here = dirname(fileURLToPath(import.meta.url));
+const mesh = async (player) => (await player.job()).input.mesh;
+
+// Where a vertex is on the screen.
+async function seen(player, vertex) {
+  const [x, y] = await player.page.evaluate((v) => window.planish.stage().seen(v), vertex);
+  const box = await player.page.locator("canvas").boundingBox();
+  return [box.x + x, box.y + y];
+}
+
+// The vertex that is next to the eye, which nothing hides.
+async function nearest(player) {
+  const { positions } = await mesh(player);
+  return player.page.evaluate((n) => {
+    const depths = Array.from({ length: n }, (_, v) => window.planish.stage().seen(v)[2]);
+    return depths.indexOf(Math.min(...depths));
+  }, positions.length);
+}
+
+// The middle of an edge at a vertex on the screen, with its ends.
+async function edgeAt(player, vertex) {
+  const { faces } = await mesh(player);
+  const face = faces.find((one) => one.includes(vertex));
+  const other = face[(face.indexOf(vertex) + 1) % face.length];
+  const [a, b] = [await seen(player, vertex), await seen(player, other)];
+  return [a[0] + 0.4 * (b[0] - a[0]), a[1] + 0.4 * (b[1] - a[1])];
+}
+
+async function checkVertices(player) {
+  const { page } = player;
+  await page.selectOption("#examples", "cube");
+  await player.settled();
+  await player.agrees();
+  const before = await player.shown();
+  const vertex = await nearest(player);
+  const from = await seen(player, vertex);
+  await player.drag(from, [from[0] + 70, from[1] - 40]);
+  await player.settled();
+  assert.notDeepEqual(await player.shown(), before, "a drag changes the surface");
+  await player.agrees();
+  const [x] = (await mesh(player)).positions[vertex];
+  await page.focus("canvas");
+  await page.keyboard.press("Escape");
+  for (let times = 0; times <= vertex; times += 1) await page.keyboard.press("n");
+  await page.keyboard.press("ArrowRight");
+  await page.keyboard.press("Shift+ArrowUp");
+  assert.notEqual((await mesh(player)).positions[vertex][0], x, "arrows move the chosen vertex");
+  await page.keyboard.press("Escape");
+  await page.keyboard.press("ArrowLeft");
+  await page.keyboard.press("+");
+  await page.keyboard.press("-");
+  await page.mouse.move(700, 300);
+  await page.mouse.wheel(0, -120);
+  await player.drag([300, 700], [380, 640]);
+  await page.click("#tool-fit");
+  await player.settled();
+  await player.agrees();
+}
+
+async function checkTags(player) {
+  const { page } = player;
+  await page.selectOption("#examples", "cube");
+  await player.settled();
+  const vertex = await nearest(player);
+  await page.click("#tool-crease");
+  await page.locator("#sharpness").fill("2.5");
+  await page.mouse.click(...await edgeAt(player, vertex));
+  assert.equal((await mesh(player)).creases?.at(-1).sharpness, 2.5, "a crease with its sharpness");
+  await player.settled();
+  await player.agrees();
+  await page.mouse.click(...await edgeAt(player, vertex));
+  assert.equal((await mesh(player)).creases, undefined, "and smooth again");
+  await page.click("#tool-corner");
+  const n = (await mesh(player)).corners?.length ?? 0;
+  await page.mouse.click(...await seen(player, vertex));
+  assert.notEqual((await mesh(player)).corners?.length ?? 0, n, "a corner is put or taken");
+  await page.click("#tool-hole");
+  const face = (await mesh(player)).faces.find((one) => one.includes(vertex));
+  const corners = await Promise.all(face.map((v) => seen(player, v)));
+  await page.mouse.click(...[0, 1].map((axis) => corners.reduce((sum, corner) => sum + corner[axis] / 4, 0)));
+  assert.equal((await mesh(player)).holes?.length, 1, "a hole");
+  await player.settled();
+  await player.agrees();
+  await page.selectOption("#examples", "vase");
+  await player.settled();
+  const { latitude, longitude } = await mesh(player);
+  for (const [tool, tagged] of [["latitude", latitude], ["longitude", longitude]]) {
+    const [a, b] = await player.page.evaluate((edges) => {
+      const depth = (edge) => edge.reduce((sum, v) => sum + window.planish.stage().seen(v)[2], 0);
+      return edges.reduce((best, edge) => (depth(edge) < depth(best) ? edge : best));
+    }, tagged);
+    const [from, to] = [await seen(player, a), await seen(player, b)];
+    await page.click(`#tool-${tool}`);
+    const tap = () => page.mouse.click((from[0] + to[0]) / 2, (from[1] + to[1]) / 2);
+    await tap();
+    const fewer = (await mesh(player))[tool]?.length ?? 0;
+    assert(fewer < tagged.length - 1, `${tool}: the whole line is taken, ${fewer} of ${tagged.length} are left`);
+    await tap();
+    assert.equal((await mesh(player))[tool].length, tagged.length, `${tool}: and put back`);
+    await player.settled();
+    await player.agrees();
+  }
+  await page.click("#tool-move");
+}
+
+async function checkShow(player) {
+  const { page } = player;
+  await page.selectOption("#examples", "star");
+  await player.settled();
+  for (const name of ["surface", "wireframe", "net", "isolines", "extraordinary", "flat"]) {
+    await page.click(`#show-${name}`);
+    await player.settled();
+    await page.click(`#show-${name}`);
+  }
+  await page.click("#show-limit");
+  await player.settled();
+  await player.agrees({ positions: "limit" });
+  await page.click("#show-limit");
+  await page.fill("#tolerance", "0.01");
+  await page.locator("#tolerance").blur();
+  await player.settled();
+  await player.agrees();
+  await page.fill("#tolerance", "");
+  await page.locator("#tolerance").blur();
+  await page.locator("#level").fill("2");
+  await player.settled();
+  await page.waitForFunction(() => /at most/.test(document.querySelector("#numbers").textContent));
+  assert.match(await page.locator("#numbers").textContent(), /Volume\d/);
+  await page.waitForFunction(() => /C²/.test(document.querySelector("#verdict").textContent));
+  assert(await page.locator("#valences tbody tr").count() > 0, "the valences of this mesh");
+}
+
+async function checkPictures(player) {
+  const { page } = player;
+  await page.click("#pictures summary");
+  const loaded = (last) => page.waitForFunction((last) => {
+    const picture = document.querySelector("#picture");
+    return !picture.hidden && picture.complete && picture.naturalWidth === 640 && picture.src !== last;
+  }, last);
+  await loaded("");
+  for (const name of await page.locator("#shading option").allTextContents()) {
+    const last = await page.locator("#picture").getAttribute("src");
+    if (await page.locator("#shading").inputValue() === name) continue;
+    await page.selectOption("#shading", name);
+    await loaded(last);
+  }
+}
+
+async function checkSchemes(player) {
+  const { page } = player;
+  player.expected.push(/status of 422/);
+  await page.selectOption("#examples", "star");
+  await player.settled();
+  for (const name of await page.locator("#scheme option").allTextContents()) {
+    await page.selectOption("#scheme", name);
+    await page.waitForFunction((name) => document.querySelector("#scheme")?.value === name, name);
+    await player.settled();
+    assert.equal(await player.notice(), "", `${name} works on triangles`);
+    await player.agrees();
+  }
+  await page.selectOption("#scheme", "push-back");
+  await page.waitForSelector("#parameter-plan-parameters-delta");
+  for (const delta of ["0", "0.5", "1", "(valence-4)/valence"]) {
+    await page.fill("#parameter-plan-parameters-delta", delta);
+    await player.settled();
+    await player.agrees();
+  }
+  await page.selectOption("#boundary", "edge-only");
+  await page.selectOption("[data-scheme=scheme] select >> nth=0", "word");
+  await player.settled();
+  await player.agrees();
+}
+
+async function checkFiles(player) {
+  const { page } = player;
+  const file = ["api/examples/meshes/nut.obj", "../../../api/examples/meshes/nut.obj"]
+    .map((path, at) => join(at ? here : process.cwd(), path)).find(existsSync);
+  await page.setInputFiles("#file", file);
+  await page.waitForFunction(() => window.planish.job().input.mesh.positions.length === 48);
+  await player.settled();
+  await player.agrees();
+  const ply = "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\nproperty float z\n"
+    + "element face 4\nproperty list uchar int vertex_indices\nend_header\n0 0 0\n1 0 0\n0 1 0\n0 0 1\n"
+    + "3 0 2 1\n3 0 1 3\n3 1 2 3\n3 2 0 3\n";
+  await page.evaluate((text) => {
+    const dropped = new DataTransfer();
+    dropped.items.add(new File([text], "four.ply"));
+    const stage = document.querySelector("#stage");
+    stage.dispatchEvent(new DragEvent("dragover", { dataTransfer: dropped, bubbles: true, cancelable: true }));
+    stage.dispatchEvent(new DragEvent("drop", { dataTransfer: dropped, bubbles: true, cancelable: true }));
+  }, ply);
+  await page.waitForFunction(() => window.planish.job().input.mesh.positions.length === 4);
+  await player.settled();
+  await player.agrees();
+  await page.evaluate(() => {
+    const dropped = new DataTransfer();
+    dropped.items.add(new File(["nothing that is a mesh"], "notes.obj"));
+    document.querySelector("#stage").dispatchEvent(new DragEvent("drop", { dataTransfer: dropped, bubbles: true }));
+  });
+  await page.waitForFunction(() => !document.querySelector("#notice").hidden);
+}
+
+async function checkExamples(player) {
+  const { page } = player;
+  for (const value of await page.locator("#examples option").evaluateAll((all) => all.map((one) => one.value))) {
+    if (value === "") continue;
+    await page.selectOption("#examples", value);
+    await player.settled();
+    assert.equal(await player.notice(), "", value);
+    await player.agrees();
+  }
+}
+
+export async function checkSurfaces(given) {
+  const player = await Player.open(given);
+  await player.page.click("#mode-surfaces");
+  await player.page.waitForSelector("#tool-crease");
+  await player.settled();
+  await player.accessible("the page of surfaces");
+  for (const check of [checkVertices, checkTags, checkShow, checkPictures, checkExamples, checkSchemes, checkFiles]) {
+    await check(player);
+  }
+  await player.page.click("#mode-curves");
+  await player.page.waitForSelector(".curve");
+  await player.close();
+  return "surfaces, tags, pictures and files";
+}

@@ -1,0 +1,419 @@
+//! Solids of cages: exact where they claim it, closed, and within what their certificates say.
+
+use std::collections::BTreeMap;
+
+use planish::analysis::limit::{LimitRequest, refine_mesh_to_limit};
+use planish::math::functions::{cos, ratio, sin};
+use planish::math::vector::{Vector, length, minus};
+use planish::scheme::plan::{Plan, PlanInput, Subject};
+use planish::scheme::tags::Boundary;
+use planish::shape::mesh::{Mesh, MeshInput};
+use planish::shape::source::MeshSource;
+use planish::solid::{Continuity, Pack, Request, Solid, SolidError, Surface, solid};
+use planish::watch::Watch;
+use serde_json::json;
+
+use crate::support::render;
+
+/// A cage with the sharpness of some edges.
+#[derive(Debug, Clone, Default)]
+struct Cage {
+    points: Vec<Vector>,
+    faces: Vec<Vec<u32>>,
+    creases: Vec<([u64; 2], f64)>,
+    holes: Vec<u64>,
+    boundary: Boundary,
+}
+
+impl Cage {
+    fn mesh(&self) -> Mesh {
+        Mesh::new(MeshInput {
+            positions: self.points.clone(),
+            faces: self.faces.iter().map(|face| face.iter().copied()).collect(),
+            creases: self.creases.clone(),
+            holes: self.holes.clone(),
+            ..MeshInput::default()
+        })
+        .unwrap_or_else(|faults| panic!("{faults:?}"))
+    }
+
+    fn plan(&self) -> Plan {
+        let input = PlanInput { preset: Some("catmull-clark".into()), boundary: self.boundary, ..PlanInput::default() };
+        Plan::resolve(&input, Subject { is_mesh: true, ..Subject::default() }).expect("the plan is one")
+    }
+
+    fn size(&self) -> f64 {
+        let side = |k: usize| {
+            let all = || self.points.iter().map(|p| p[k]);
+            all().fold(f64::NEG_INFINITY, f64::max) - all().fold(f64::INFINITY, f64::min)
+        };
+        (0..3).map(side).fold(0.0, f64::max)
+    }
+
+    fn solid(&self, request: &Request) -> Result<Solid, SolidError> {
+        solid(&self.mesh(), &self.plan(), request, &[], &Watch::new())
+    }
+}
+
+/// What is asked of most solids here: coarse, and without the tables of smooth caps.
+const COARSE: Request = Request {
+    tolerance: 1e-2,
+    continuity: Continuity::Bicubic,
+    pack: Pack::Patch,
+    max_faces: 20_000,
+    max_level: 14,
+    shortest: 1e-9,
+    closed: false,
+};
+
+fn cube(h: f64) -> Cage {
+    let sign = |bit: usize| if bit == 0 { -h } else { h };
+    Cage {
+        points: (0..8).map(|i| [sign(i & 4), sign(i & 2), sign(i & 1)]).collect(),
+        faces: [[0, 1, 3, 2], [4, 6, 7, 5], [0, 4, 5, 1], [2, 3, 7, 6], [0, 2, 6, 4], [1, 5, 7, 3]]
+            .map(Vec::from)
+            .into(),
+        ..Cage::default()
+    }
+}
+
+/// Quads over `n x m` cells, at the points that `at` gives.
+fn sheet(n: u32, m: u32, at: impl Fn(f64, f64) -> Vector) -> Cage {
+    let points = (0..=n).flat_map(|i| (0..=m).map(move |j| (f64::from(i), f64::from(j))));
+    let number = |i: u32, j: u32| i * (m + 1) + j;
+    let face = |i, j| vec![number(i, j), number(i + 1, j), number(i + 1, j + 1), number(i, j + 1)];
+    Cage {
+        points: points.map(|(i, j)| at(i, j)).collect(),
+        faces: (0..n).flat_map(|i| (0..m).map(move |j| face(i, j))).collect(),
+        ..Cage::default()
+    }
+}
+
+fn torus(n: u32, m: u32) -> Cage {
+    let turn = |i: u32, n: u32| std::f64::consts::TAU * f64::from(i) / f64::from(n);
+    let at = |i, j| {
+        let [(s, c), (t, d)] = [turn(i, n), turn(j, m)].map(|a| (sin(a), cos(a)));
+        [(30.0 + 10.0 * d) * c, (30.0 + 10.0 * d) * s, 10.0 * t]
+    };
+    let number = |i: u32, j: u32| i % n * m + j % m;
+    let face = |i, j| vec![number(i, j), number(i + 1, j), number(i + 1, j + 1), number(i, j + 1)];
+    Cage {
+        points: (0..n).flat_map(|i| (0..m).map(move |j| (i, j))).map(|(i, j)| at(i, j)).collect(),
+        faces: (0..n).flat_map(|i| (0..m).map(move |j| (i, j))).map(|(i, j)| face(i, j)).collect(),
+        ..Cage::default()
+    }
+}
+
+fn prism(n: u32) -> Cage {
+    let at = |i: u32, z| {
+        let a = std::f64::consts::TAU * f64::from(i) / f64::from(n);
+        [10.0 * cos(a), 10.0 * sin(a), z]
+    };
+    let sides = (0..n).map(|i| vec![i, (i + 1) % n, n + (i + 1) % n, n + i]);
+    let ends = [(0..n).rev().collect::<Vec<_>>(), (n..2 * n).collect()];
+    Cage {
+        points: [-10.0, 10.0].into_iter().flat_map(|z| (0..n).map(move |i| at(i, z))).collect(),
+        faces: ends.into_iter().chain(sides).collect(),
+        ..Cage::default()
+    }
+}
+
+/// Numbers that look random, the same everywhere.
+struct Random(u64);
+
+impl Random {
+    fn unit(&mut self) -> f64 {
+        self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        f64::from(u32::try_from(self.0 >> 32).expect("32 bits")) / f64::from(u32::MAX)
+    }
+
+    fn below(&mut self, n: usize) -> usize {
+        let at = self.unit();
+        (1..n).take_while(|&i| at >= ratio(i, n)).count()
+    }
+}
+
+/// Point of a surface with one span, by its Bernstein form.
+fn at(surface: &Surface, u: f64, v: f64) -> Vector {
+    let row = |points: &[Vector], t: f64| {
+        let mut points = points.to_vec();
+        while points.len() > 1 {
+            points = points
+                .windows(2)
+                .map(|pair| std::array::from_fn(|k| (1.0 - t) * pair[0][k] + t * pair[1][k]))
+                .collect();
+        }
+        points[0]
+    };
+    let along: Vec<Vector> = surface.points.iter().map(|points| row(points, v)).collect();
+    row(&along, u)
+}
+
+fn near(a: Vector, b: Vector, tolerance: f64) -> bool {
+    length(minus(a, b)) <= tolerance
+}
+
+/// Every edge bounds two faces, once in each direction, or one where the cage ends; loops run from edge to edge; and
+/// the Euler characteristic is even and at most 2 in each closed shell.
+fn check_topology(name: &str, found: &Solid, size: f64) {
+    let brep = &found.brep;
+    let mut uses: BTreeMap<u32, Vec<bool>> = BTreeMap::new();
+    for face in &brep.faces {
+        let ends = |&(e, along): &(u32, bool)| {
+            let [a, b] = brep.edges[e as usize].ends;
+            if along { [a, b] } else { [b, a] }
+        };
+        for (i, step) in face.edges.iter().enumerate() {
+            let next = &face.edges[(i + 1) % face.edges.len()];
+            assert_eq!(ends(step)[1], ends(next)[0], "{name}: a loop is broken");
+            uses.entry(step.0).or_default().push(step.1);
+        }
+    }
+    let closed = found.certificate.is_closed();
+    for uses in uses.values() {
+        assert!(matches!(uses[..], [true, false] | [false, true]) || !closed && uses.len() == 1, "{name}: {uses:?}");
+    }
+    for shell in found.certificate.shells.iter().filter(|shell| shell.is_closed) {
+        assert!(shell.euler <= 2 && shell.euler % 2 == 0, "{name}: Euler characteristic {}", shell.euler);
+        assert!(shell.volume > 0.0, "{name}: volume {}", shell.volume);
+    }
+    assert!(found.certificate.gap < 1e-12 * size, "{name}: gap {:e}", found.certificate.gap);
+}
+
+#[test]
+fn exact_faces_are_the_limit_surface() {
+    let sharp = |cage: Cage, sharpness: f64| {
+        let creases = [[1, 3], [3, 7], [7, 5], [5, 1]].map(|edge| (edge, sharpness)).into();
+        Cage { creases, ..cage }
+    };
+    let bent = |i: f64, j: f64| [i, j, sin(1.3 * i) * cos(0.9 * j)];
+    let cages = [
+        ("sheet", sheet(4, 3, bent)),
+        ("sheet with round corners", Cage { boundary: Boundary::EdgeOnly, ..sheet(4, 3, bent) }),
+        ("torus", torus(6, 5)),
+        ("creased", sharp(cube(1.0), 10.0)),
+        ("semi-sharp", sharp(cube(1.0), 1.5)),
+        ("pentagons", prism(5)),
+    ];
+    for (name, cage) in cages {
+        let found = cage.solid(&Request { pack: Pack::Nothing, ..COARSE }).expect(name);
+        let asked = LimitRequest { positions: true, normals: false };
+        let levels = 4;
+        let (refined, _) = refine_mesh_to_limit(&cage.mesh(), &cage.plan(), levels, asked, &Watch::new()).expect(name);
+        let mut points = Vec::new();
+        refined.positions(0..refined.n_vertices(), &mut points);
+        let mut exact = 0;
+        // faces of the third level have one point inside their sides, which the fourth level knows
+        for face in found.brep.faces.iter().filter(|face| face.is_exact) {
+            for (u, v) in [(0.0, 0.0), (1.0, 0.0), (0.5, 0.5), (0.5, 1.0), (0.0, 0.5)] {
+                let place = at(&face.surface, u, v);
+                let apart = points.iter().map(|&p| length(minus(p, place))).fold(f64::INFINITY, f64::min);
+                assert!(apart < 1e-13 * cage.size(), "{name}: {apart:e} from the limit surface");
+            }
+            exact += 1;
+        }
+        assert!(exact > 3, "{name}: {exact} exact faces");
+        check_topology(name, &found, cage.size());
+    }
+}
+
+#[test]
+fn random_cages_become_shells_without_gaps() {
+    let mut random = Random(7);
+    for round in 0..24 {
+        let mut cage = match round % 4 {
+            0 => cube(1.0),
+            1 => prism(3 + u32::try_from(random.below(4)).expect("small")),
+            2 => torus(4, 3),
+            _ => sheet(3, 3, |i, j| [i, j, 0.3 * sin(i * j)]),
+        };
+        let size = cage.size();
+        for x in cage.points.as_flattened_mut() {
+            *x += 0.03 * size * (random.unit() - 0.5);
+        }
+        let sides = cage
+            .faces
+            .iter()
+            .flat_map(|face| (0..face.len()).map(|i| [face[i], face[(i + 1) % face.len()]]).filter(|[a, b]| a < b));
+        for edge in sides.collect::<Vec<_>>() {
+            let sharpness = [10.0, 1.0, 0.6][random.below(3)];
+            if random.unit() < 0.15 {
+                cage.creases.push((edge.map(u64::from), sharpness));
+            }
+        }
+        if random.unit() < 0.3 {
+            cage.holes.push(random.below(cage.faces.len()) as u64);
+        }
+        if random.unit() < 0.5 {
+            cage.boundary = Boundary::EdgeOnly;
+        }
+        let name = format!("round {round}: {cage:?}");
+        let pack = [Pack::Patch, Pack::Face, Pack::Nothing][random.below(3)];
+        let found = cage.solid(&Request { pack, ..COARSE }).unwrap_or_else(|error| panic!("{error} {name}"));
+        check_topology(&name, &found, cage.size());
+        assert!(found.certificate.deviation_of_size() <= 1e-2, "{name}");
+    }
+}
+
+#[test]
+fn volumes_and_counts_are_those_of_the_reference() {
+    let ring = torus(12, 8).solid(&COARSE).expect("a torus").certificate;
+    assert_eq!(ring.counts, [4, 8, 4]);
+    assert!((ring.volume() / 43_945.010_510_713 - 1.0).abs() < 1e-12, "{}", ring.volume());
+    assert!(ring.exact_area_share >= 1.0 && ring.worst_edge_angle_deg < 1e-10);
+    let edges = [[0, 1], [1, 3], [3, 2], [2, 0], [4, 6], [6, 7], [7, 5], [5, 4], [0, 4], [5, 1], [3, 7], [6, 2]];
+    let sharp = Cage { creases: edges.map(|edge| (edge, 10.0)).into(), ..cube(10.0) };
+    let block = sharp.solid(&COARSE).expect("a box").certificate;
+    assert_eq!(block.counts, [6, 12, 8]);
+    assert!((block.volume() - 8_000.0).abs() < 1e-9, "{}", block.volume());
+    let round = cube(10.0).solid(&Request { tolerance: 1e-4, continuity: Continuity::Tangent, ..COARSE });
+    let round = round.expect("a cube").certificate;
+    assert!((round.volume() / 2_620.419_033 - 1.0).abs() < 2e-5, "{}", round.volume());
+    assert!(round.counts[0] <= 24 && round.worst_edge_angle_deg < 1e-8, "{:?}", round.counts);
+}
+
+#[test]
+fn faces_that_are_inside_out_are_turned() {
+    let mut cage = cube(10.0);
+    cage.faces.iter_mut().for_each(|face| face.reverse());
+    let turned = cage.solid(&COARSE).expect("a cube");
+    let straight = cube(10.0).solid(&COARSE).expect("a cube");
+    assert_eq!([&turned, &straight].map(|found| found.certificate.shells[0].was_turned), [true, false]);
+    let [a, b] = [&turned, &straight].map(|found| found.certificate.volume());
+    assert!((a / b - 1.0).abs() < 1e-12);
+    check_topology("turned", &turned, 20.0);
+}
+
+#[test]
+fn caps_have_the_points_of_the_reference() {
+    let first = |request: &Request| {
+        let found = cube(1.0).solid(request).expect("a cube");
+        let at_corner = |surface: &&Surface| near(surface.points[0][0], [0.5; 3], 1e-12);
+        let caps = found.brep.faces.iter().filter(|face| !face.is_exact).map(|face| &face.surface);
+        caps.filter(at_corner).cloned().collect::<Vec<_>>()
+    };
+    let approximate = first(&COARSE);
+    let [p10, p11] = [
+        [0.552_083_333_333, 0.395_833_333_333, 0.552_083_333_333],
+        [0.708_333_333_333, 0.395_833_333_333, 0.395_833_333_333],
+    ];
+    let has = |surface: &Surface| near(surface.points[1][0], p10, 1e-11) && near(surface.points[1][1], p11, 1e-11);
+    assert!(approximate.iter().any(has), "{approximate:?}");
+    let fitted = first(&Request { tolerance: 1e-3, continuity: Continuity::Tangent, ..COARSE });
+    let spoke = [
+        [0.528_036_800_349, 0.443_926_399_301, 0.528_036_800_349],
+        [0.609_567_901_235, 0.124_074_074_074, 0.609_567_901_235],
+        [0.609_567_901_235, 0.0, 0.609_567_901_235],
+    ];
+    let inner = [0.701_234_567_901, 0.124_074_074_074, 0.517_901_234_568];
+    let has = |surface: &Surface| {
+        let along = [1, 4, 5].iter().zip(spoke).all(|(&a, point)| near(surface.points[a][0], point, 1e-11));
+        along && near(surface.points[4][1], inner, 1e-11)
+    };
+    assert!(fitted.iter().any(has), "{fitted:?}");
+}
+
+#[test]
+fn nets_at_corners_of_sheets_are_those_of_the_reference() {
+    let cage = sheet(2, 2, |i, j| [i, j, i * i - j]);
+    let found = cage.solid(&Request { pack: Pack::Nothing, ..COARSE }).expect("a sheet");
+    let net = &found.brep.faces[0].surface.points;
+    let third = 1.0 / 3.0;
+    let row = [[third, 0.0, third], [third, third, 0.0], [third, 2.0 * third, -third], [third, 1.0, -2.0 * third]];
+    assert!(net[1].iter().zip(row).all(|(&a, b)| near(a, b, 1e-14)), "{net:?}");
+    assert!(near(net[3][0], [1.0, 0.0, 4.0 * third], 1e-14), "{net:?}");
+}
+
+/// A job of a cube with an output.
+fn job(output: &serde_json::Value) -> serde_json::Value {
+    let Cage { points, faces, .. } = cube(10.0);
+    json!({
+        "input": { "mesh": { "positions": points, "faces": faces,
+            "groups": [{ "name": "top", "faces": [1] }],
+            "materials": [{ "name": "red", "faces": [0, 1], "color": [1, 0, 0.5, 1] }] }, "unit": "in" },
+        "plan": { "preset": "catmull-clark" },
+        "outputs": [output],
+    })
+}
+
+#[test]
+fn step_files_name_what_the_input_names_and_are_the_same_every_time() {
+    let asked = job(&json!({ "format": "step", "tolerance": 1e-2, "continuity": "bicubic" }));
+    let (bytes, report) = render(&asked).expect("a solid");
+    assert_eq!(bytes, render(&asked).expect("a solid").0);
+    let text = String::from_utf8(bytes).expect("text");
+    for part in [
+        "FILE_NAME('','',(''),(''),'planish','planish','');",
+        "CONVERSION_BASED_UNIT('INCH'",
+        "MANIFOLD_SOLID_BREP",
+        "PRESENTATION_LAYER_ASSIGNMENT('top'",
+        "COLOUR_RGB('',1.,0.,0.5)",
+        "ADVANCED_FACE('f0'",
+    ] {
+        assert!(text.contains(part), "{part} is missing");
+    }
+    assert!(report.warnings.iter().any(|warning| warning.contains("of the area exact")), "{:?}", report.warnings);
+}
+
+#[test]
+fn certificates_say_what_is_known_and_how() {
+    let (bytes, _) = render(&job(&json!({ "format": "certificate", "tolerance": 1e-3 }))).expect("a certificate");
+    let said: serde_json::Value = serde_json::from_slice(&bytes).expect("JSON");
+    assert_eq!(said["bound_method"], "certified");
+    assert_eq!(said["euler_characteristic"], 2);
+    assert_eq!(said["self_intersections"], "not checked");
+    assert_eq!(said["irregular"].as_array().map(Vec::len), Some(8));
+    assert!(said["deviation_of_size"].as_f64().expect("a number") <= 1e-3);
+    assert!(said["worst_edge_angle_deg"].as_f64().expect("a number") < 1e-9);
+}
+
+#[test]
+fn statistics_tell_the_certificate_on_request() {
+    let (bytes, _) = render(&job(&json!({ "format": "certificate" }))).expect("a certificate");
+    let certificate: serde_json::Value = serde_json::from_slice(&bytes).expect("JSON");
+    let mut asked = job(&json!({ "format": "stats", "certificate": true }));
+    asked["levels"] = 1.into();
+    let (bytes, _) = render(&asked).expect("statistics");
+    let said: serde_json::Value = serde_json::from_slice(&bytes).expect("JSON");
+    assert_eq!(said["certificate"], certificate);
+    assert_eq!(said["faces"], 24);
+}
+
+/// What makes another job of one.
+type Change<'a> = &'a dyn Fn(&mut serde_json::Value);
+
+#[test]
+fn what_gives_no_solid_is_refused_with_a_remedy() {
+    let with = |change: Change<'_>| {
+        let mut asked = job(&json!({ "format": "step", "continuity": "bicubic", "tolerance": 1e-2 }));
+        change(&mut asked);
+        render(&asked).expect_err("it is refused").remove(0)
+    };
+    let cases: [(&str, &str, Change<'_>); 6] = [
+        ("/outputs/0/format", "Catmull-Clark", &|asked| {
+            asked["plan"] = json!({ "word": "UC" });
+            asked["input"]["mesh"] = json!({ "positions": cube(1.0).points, "faces": cube(1.0).faces });
+        }),
+        ("/outputs/0/format", "Catmull-Clark", &|asked| {
+            asked.as_object_mut().expect("an object").remove("plan");
+        }),
+        ("/outputs/0/solid", "auto", &|asked| {
+            asked["input"]["mesh"] = json!({ "positions": cube(1.0).points, "faces": cube(1.0).faces[..5] });
+            asked["outputs"][0]["solid"] = "require".into();
+        }),
+        ("/outputs/0/max_faces", "max_faces", &|asked| asked["outputs"][0]["max_faces"] = 3.into()),
+        ("/outputs/0/tolerance", "max_level", &|asked| {
+            asked["outputs"][0]["tolerance"] = 1e-7.into();
+            asked["outputs"][0]["max_level"] = 2.into();
+        }),
+        ("/outputs/0", "one place", &|asked| {
+            let flat: Vec<Vector> = cube(1.0).points.iter().map(|_| [1.0; 3]).collect();
+            asked["input"]["mesh"] = json!({ "positions": flat, "faces": cube(1.0).faces });
+        }),
+    ];
+    for (place, word, change) in cases {
+        let fault = with(change);
+        assert_eq!(fault.pointer, place, "{}", fault.detail);
+        assert!(fault.detail.contains(word), "{}", fault.detail);
+    }
+}
