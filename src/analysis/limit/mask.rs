@@ -120,7 +120,15 @@ pub(super) fn tangential(mut row: Vec<f64>) -> Vec<f64> {
 pub(super) struct Masks<'a> {
     finder: &'a Finder<'a>,
     common: CommonParameters,
-    known: Mutex<BTreeMap<(usize, Disc), Arc<Mask>>>,
+    known: Mutex<BTreeMap<(usize, Disc), Known>>,
+}
+
+/// A mask, and what it took to find it.
+#[derive(Debug, Clone)]
+struct Known {
+    mask: Arc<Mask>,
+    /// Discs from its own, which is one of them, until one came again; 0 before the settled level.
+    chain: usize,
 }
 
 /// What is needed to find masks.
@@ -185,55 +193,72 @@ impl<'a> Masks<'a> {
     pub(super) fn of(&self, level: usize, disc: &Disc) -> Result<Arc<Mask>, Unlimited> {
         let level = level.min(self.finder.cycle.settled);
         let key = (level, disc.clone());
-        if let Some(mask) = self.known(&key) {
-            return Ok(mask);
+        if let Some(known) = self.known(&key) {
+            return Ok(known.mask);
         }
-        let mask = if level < self.finder.cycle.settled {
+        if level < self.finder.cycle.settled {
             let child = self.step(level, disc)?;
-            self.of(level + 1, &child.disc)?.before(disc, &child)
+            let mask = self.of(level + 1, &child.disc)?.before(disc, &child);
+            Ok(self.keep(key, mask, 0))
         } else {
-            self.settled(disc)?
-        };
-        Ok(self.keep(key, mask))
+            self.settled(disc)
+        }
     }
 
-    fn known(&self, key: &(usize, Disc)) -> Option<Arc<Mask>> {
+    fn known(&self, key: &(usize, Disc)) -> Option<Known> {
         self.known.lock().unwrap_or_else(PoisonError::into_inner).get(key).cloned()
     }
 
-    fn keep(&self, key: (usize, Disc), mask: Mask) -> Arc<Mask> {
+    fn keep(&self, key: (usize, Disc), mask: Mask, chain: usize) -> Arc<Mask> {
+        let mut all = self.known.lock().unwrap_or_else(PoisonError::into_inner);
         // whoever comes first, all find the same
-        self.known.lock().unwrap_or_else(PoisonError::into_inner).entry(key).or_insert_with(|| Arc::new(mask)).clone()
+        all.entry(key).or_insert_with(|| Known { mask: Arc::new(mask), chain }).mask.clone()
     }
 
     /// Follows a disc to one that comes again, or whose mask is known, and its mask back to the disc.
-    fn settled(&self, disc: &Disc) -> Result<Mask, Unlimited> {
+    fn settled(&self, disc: &Disc) -> Result<Arc<Mask>, Unlimited> {
         let level = self.finder.cycle.settled;
         let mut discs = vec![disc.clone()];
         let mut children: Vec<Child> = Vec::new();
-        let mut mask = loop {
+        let Known { mut mask, mut chain } = loop {
             let last = &discs[discs.len() - 1];
-            if let Some(known) = self.known(&(level, last.clone())) {
-                break Mask::clone(&known);
-            }
-            if discs.len() > MAX_CHAIN {
+            let known = self.known(&(level, last.clone()));
+            if children.len() + known.as_ref().map_or(1, |known| known.chain) > MAX_CHAIN {
                 return Err(Unlimited::Unsettled);
+            }
+            if let Some(known) = known {
+                break known;
             }
             let child = self.step(level, last)?;
             let next = child.disc.clone();
             children.push(child);
             if let Some(from) = discs.iter().position(|known| *known == next) {
-                let mask = self.fixed_point(&discs[from], &children[from..])?;
+                self.come_again(&mut discs[from..], &mut children[from..])?;
                 children.truncate(from);
-                discs.truncate(from + 1);
-                break Mask::clone(&self.keep((level, discs[from].clone()), mask));
+                discs.truncate(from);
             }
             discs.push(next);
         };
         for (disc, child) in discs.iter().zip(&children).rev() {
-            mask = Mask::clone(&self.keep((level, disc.clone()), mask.before(disc, child)));
+            chain += 1;
+            mask = self.keep((level, disc.clone()), mask.before(disc, child), chain);
         }
         Ok(mask)
+    }
+
+    /// Finds the masks of discs each of which is the child of the one before, and the first that of the last.
+    ///
+    /// The least of them is the fixed point, whichever was met first, so that the masks are always the same.
+    fn come_again(&self, discs: &mut [Disc], children: &mut [Child]) -> Result<(), Unlimited> {
+        let level = self.finder.cycle.settled;
+        let least = (0..discs.len()).min_by_key(|&i| &discs[i]).unwrap_or_default();
+        discs.rotate_left(least);
+        children.rotate_left(least);
+        let mut mask = self.keep((level, discs[0].clone()), self.fixed_point(&discs[0], children)?, discs.len());
+        for (disc, child) in discs[1..].iter().zip(&children[1..]).rev() {
+            mask = self.keep((level, disc.clone()), mask.before(disc, child), discs.len());
+        }
+        Ok(())
     }
 
     /// The mask of a disc that comes again after some levels, the last of `children` being it: `middle M^k` for

@@ -1,8 +1,15 @@
-//! Disces around vertices with many faces: the least one is found without all walks.
+//! Disces around vertices with many faces: the least one is found without all walks. Masks: whichever is asked for
+//! first, they are the same.
 
 use super::disc::{Centre, Located, Rings};
+use super::mask::{Finder, Masks};
+use super::mesh::scheduled;
+use super::on_net::CycleOnNet;
+use super::regular::Starts;
+use super::vertex_parameters::CommonParameters;
 use super::walk::WholeNet;
 use crate::scheme::mesh_net::MeshNet;
+use crate::scheme::plan::{Plan, PlanInput, Subject};
 use crate::scheme::tags::Boundary;
 use crate::shape::check::{FaceList, Winding};
 use crate::shape::topology::{Topology, index};
@@ -62,4 +69,34 @@ fn a_vertex_that_looks_the_same_from_all_its_faces_takes_two_walks() {
     let found = whole.least_disc(Centre::Vertex(0), Rings { support: 1, disc: 1 }, &watch).expect("nobody says stop");
     assert_eq!(found.map(|found| found.rotation), Some(0));
     assert!(watch.done() <= 2 * 501, "{} rows", watch.done());
+}
+
+/// The discs around vertices of sqrt 3 turn from level to level, so that some of them come again after two levels.
+#[test]
+fn masks_are_the_same_whichever_is_asked_for_first() {
+    for (preset, sizes) in [("sqrt-3", [3; 5].as_slice()), ("sqrt-3", &[3; 7]), ("kobbelt", &[4, 3, 4])] {
+        let net = around(sizes);
+        let input = PlanInput { preset: Some(preset.to_owned()), ..PlanInput::default() };
+        let plan =
+            Plan::resolve(&input, Subject { is_mesh: true, is_open: true, ..Subject::default() }).expect("a preset");
+        let (steps, at) = scheduled(&plan, 0).expect("no level is too many");
+        let topology = net.mesh.topology();
+        let on_net = CycleOnNet::of(&plan, &net, &topology, &steps[at..], &Watch::new()).expect("it has a limit");
+        let rings = on_net.rings(Starts { is_open: true, others: false }).expect("few");
+        let finder = Finder::new(&on_net.cycle, rings, false);
+        let whole = WholeNet::of(&net, &topology);
+        let mut discs = vec![whole.disc(Centre::Vertex(1), rings).expect("a small disc").disc];
+        while discs.len() < 8 {
+            let last = discs.last().expect("there is one");
+            discs.push(on_net.cycle.step(on_net.cycle.settled, last, rings).expect("a level").disc);
+        }
+        let alone = |disc| Masks::new(&finder, CommonParameters::default()).of(usize::MAX, disc).expect("a limit");
+        for first in &discs {
+            let masks = Masks::new(&finder, CommonParameters::default());
+            masks.of(usize::MAX, first).expect("a limit");
+            for disc in &discs {
+                assert_eq!(masks.of(usize::MAX, disc).expect("a limit"), alone(disc), "{preset} around {sizes:?}");
+            }
+        }
+    }
 }
