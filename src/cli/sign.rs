@@ -12,7 +12,7 @@ use super::error::{CliError, Kind};
 use super::inputs::Source;
 use super::key::now_s;
 use super::say::answer;
-use crate::config::keys::{Link, Token};
+use crate::config::keys::{Link, MODEL, Token};
 use crate::config::seconds;
 use crate::fault::{Fault, shortened};
 use crate::job::key::Key;
@@ -115,5 +115,8 @@ fn of_job(json: &[u8], format: Option<&str>) -> Result<String, CliError> {
     let extension = named(name).ok_or_else(unknown)?.extension();
     let mut deflated = DeflateEncoder::new(Vec::new(), Compression::best());
     let deflated = deflated.write_all(json).and_then(|()| deflated.finish()).map_err(CliError::other)?;
-    Ok(format!("{}.{extension}", URL_SAFE_NO_PAD.encode(deflated)))
+    let written = URL_SAFE_NO_PAD.encode(deflated);
+    // a loader looks beside the model for the buffers to which it refers
+    let refers = request.outputs.iter().any(|output| output.gives("lod"));
+    Ok(if refers { format!("{written}/{MODEL}") } else { format!("{written}.{extension}") })
 }

@@ -156,7 +156,10 @@ fn complete(path: &str, operation: &mut Operation) {
         refuse(operation, &[problem::NOT_FOUND]);
     }
     match path {
-        "/v1/render" | "/kroki/{format}/{data}" | "/v1/r/{signature}/{expiry}/{job}"
+        "/v1/render"
+        | "/kroki/{format}/{data}"
+        | "/v1/r/{signature}/{expiry}/{job}"
+        | "/v1/r/{signature}/{expiry}/{job}/{file}"
             if operation.request_body.is_none() =>
         {
             bytes(operation, "200", &[RESULT, KEPT].concat());

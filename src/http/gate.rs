@@ -9,7 +9,7 @@ use axum::http::{HeaderMap, Method, header, request};
 
 use super::client::{Caller, Shown};
 use super::problem::{self, Problem};
-use crate::config::keys::{KeyEntry, KeyFile, KeyFileError, LINKS, Link, LinkFault, Role, SHARED, Token};
+use crate::config::keys::{KeyEntry, KeyFile, KeyFileError, LINKS, Link, LinkFault, Role, SHARED, Token, has_job};
 use crate::service::clock::Clock;
 use crate::service::job_key::Tenant;
 use crate::service::peer::Peer;
@@ -138,7 +138,7 @@ pub(super) fn needed(method: &Method, path: &str) -> Need {
     let is_below = |place: &&str| path.strip_prefix(place).is_some_and(|rest| rest.is_empty() || rest.starts_with('/'));
     let reads = [Method::GET, Method::HEAD].contains(method);
     if let Some(rest) = path.strip_prefix(LINKS) {
-        let works = rest.splitn(3, '/').nth(2).is_some_and(|rest| !rest.contains('/'));
+        let works = rest.splitn(3, '/').nth(2).is_some_and(has_job);
         return Need::Signature { works };
     }
     // asked by browsers before the request itself, without its key

@@ -19,6 +19,7 @@ pub(super) fn all() -> OpenApiRouter<Shared> {
         .routes(routes!(links::kroki))
         .routes(routes!(artifacts::artifact))
         .routes(routes!(signed::signed))
+        .routes(routes!(signed::signed_model))
         .routes(routes!(signed::signed_events))
         .routes(routes!(signed::signed_batch_events))
         .routes(routes!(signed::signed_artifact))

@@ -15,8 +15,10 @@ use super::links::{answered, check_length, inflated};
 use super::problem::{self, Problem};
 use super::render::Wanted;
 use super::segment::Segment;
-use super::{artifacts, batches, events, memo};
+use super::{artifacts, batches, events, memo, render};
+use crate::config::keys::MODEL;
 use crate::fault::{Fault, shortened};
+use crate::job::key::Key;
 use crate::output::FORMATS;
 
 /// Longest time for which a page may keep the result of a signed address, seconds: as for other addresses of jobs.
@@ -51,15 +53,69 @@ type Named = Result<Path<(String, String, String)>, axum::extract::rejection::Pa
 pub(super) async fn signed(
     State(app): State<Shared>,
     client: Client,
-    mut headers: HeaderMap,
+    headers: HeaderMap,
     uri: Uri,
     path: Named,
 ) -> Response {
-    let wanted = path.map_err(|_| no_text()).and_then(|Path((_, _, job))| {
+    match path {
+        Ok(Path((_, _, job))) => shown(&app, &client, headers, &uri, &job).await,
+        Err(_) => no_text().into_response(),
+    }
+}
+
+/// The model of the job of a signed address, `model.gltf`, and the buffers to which it refers: glTF with levels of
+/// detail (`lod`), which loaders look for beside it.
+///
+/// The signature is over the path with `model.gltf`, and opens the buffers of that job as well.
+#[utoipa::path(
+    get, path = "/v1/r/{signature}/{expiry}/{job}/{file}", tag = "jobs",
+    params(
+        ("signature" = String, Path, description = "As for jobs in signed addresses",
+            example = "0123456789ab.X7mGv0l4gk3hVw0bT0zv5mJ8m3mE3v0m0Yw6vQp1r2s"),
+        ("expiry" = u64, Path, description = "When the address ends, seconds since 1970", example = 1_893_456_000),
+        ("job" = String, Path, description = "The job as JSON, compressed by raw deflate, in base64url",
+            example = "q1bKzCsoLVGyqlYqyM-pTM_PU7JSKsjPzCspVrKKjjbUMdAxiNWJNtYx0DEEUoY6hrGxOgrJOfnFqSlAJbXVtQA"),
+        ("file" = String, Path, description = "`model.gltf`, or the name of a buffer that it refers to",
+            example = "model.gltf"),
+        ("If-None-Match" = Option<String>, Header, description = "ETags of results that the client has"),
+    ),
+    responses(
+        (status = 200, description = "The model, or the bytes of the buffer"),
+        (status = 304, description = "The client has it already (`If-None-Match`)"),
+    )
+)]
+pub(super) async fn signed_model(
+    State(app): State<Shared>,
+    client: Client,
+    mut headers: HeaderMap,
+    method: Method,
+    uri: Uri,
+    path: Result<Path<(String, String, String, String)>, axum::extract::rejection::PathRejection>,
+) -> Response {
+    let Ok(Path((_, _, job, file))) = path else { return no_text().into_response() };
+    let named = format!("{job}.gltf");
+    if file == MODEL {
+        return shown(&app, &client, headers, &uri, &named).await;
+    }
+    let detail = "the model of this address refers to no such file; its document names its buffers";
+    let other = || Problem::new(problem::NOT_FOUND, detail);
+    let is_of_model = async {
+        let key = file.strip_suffix(".bin").and_then(Key::parse).ok_or_else(other)?;
         check_length(&uri)?;
-        wanted_by(&client, &mut headers, &job)
-    });
-    let response = answered(&app, &client, &headers, wanted).await;
+        let wanted = wanted_by(&client, &mut headers, &named)?;
+        let read = render::read(&app, &client, &headers, wanted.sent).await?;
+        read.job.detail_keys().find(|detail| *detail == key).ok_or_else(other)
+    };
+    match is_of_model.await {
+        Ok(_) => artifacts::artifact(State(app), client, Segment(file), method, headers).await,
+        Err(problem) => problem.into_response(),
+    }
+}
+
+/// The result of a job that stands in a signed address.
+async fn shown(app: &Shared, client: &Client, mut headers: HeaderMap, uri: &Uri, job: &str) -> Response {
+    let wanted = check_length(uri).and_then(|()| wanted_by(client, &mut headers, job));
+    let response = answered(app, client, &headers, wanted).await;
     let mut response = response.unwrap_or_else(IntoResponse::into_response);
     if let (Shown::Link(expires, ..), true) = (client.caller.shown, response.status().as_u16() < 400) {
         let age = expires.saturating_sub(app.desk.clock().wall().as_secs()).min(MOST_AGE_S);

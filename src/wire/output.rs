@@ -79,6 +79,11 @@ impl OutputRequest {
         output(self, 0).map(drop)
     }
 
+    /// Whether it gives an option of this name.
+    pub fn gives(&self, option: &str) -> bool {
+        self.fields.0.iter().any(|(name, _)| name == option)
+    }
+
     /// The name of its format, where it is a text.
     pub fn format(&self) -> Option<&str> {
         self.fields.0.iter().find_map(|(name, value)| match value {

@@ -66,6 +66,7 @@ fn every_route_of_the_service_is_described() {
             "link_head",
             "signed_head",
             "signed_artifact_head",
+            "signed_model_head",
         ])
         .collect();
     assert_eq!(described, routes);

@@ -1,5 +1,7 @@
 //! Signed links: addresses that open one thing for a while, to whoever has them.
 
+use std::borrow::Cow;
+
 use base64::Engine;
 use base64::engine::general_purpose::URL_SAFE_NO_PAD;
 use hmac::{Hmac, KeyInit, Mac};
@@ -7,6 +9,10 @@ use sha2::Sha256;
 
 /// Where signed links begin.
 pub const LINKS: &str = "/v1/r/";
+/// What opens a job whose glTF refers to buffers: this name behind the job. The names of the buffers take its place.
+pub const MODEL: &str = "model.gltf";
+/// What a link opens that is no job in the link itself.
+const BY_NAME: [&str; 3] = ["jobs/", "batches/", "artifacts/"];
 
 /// A link that was signed: `/v1/r/{signature}/{expiry}/{rest}`.
 ///
@@ -41,6 +47,11 @@ fn mac(link_secret: &str, expires: u64, rest: &str) -> Hmac<Sha256> {
     mac
 }
 
+/// Whether a job stands in the rest of a link, which may have to be done.
+pub fn has_job(rest: &str) -> bool {
+    !BY_NAME.iter().any(|place| rest.starts_with(place))
+}
+
 impl Link {
     /// The path that opens `rest` until it ends.
     pub fn sign(id: &str, link_secret: &str, expires: u64, rest: &str) -> String {
@@ -65,12 +76,20 @@ impl Link {
         parts.ok_or(LinkFault::Form)
     }
 
+    /// What was signed: with a model its buffers, which stand beside it, so that a loader finds them.
+    fn signed_rest(&self) -> Cow<'_, str> {
+        match self.rest.split_once('/') {
+            Some((job, file)) if has_job(&self.rest) && file.ends_with(".bin") => Cow::Owned(format!("{job}/{MODEL}")),
+            _ => Cow::Borrowed(&self.rest),
+        }
+    }
+
     /// Checks it against the link secret of its key, in a time that does not depend on where the signature differs.
     ///
     /// # Errors
     /// [`LinkFault::Signature`]; [`LinkFault::Expired`] where the signature is right.
     pub fn check(&self, link_secret: &str, now_s: u64) -> Result<(), LinkFault> {
-        let signed = mac(link_secret, self.expires, &self.rest).verify_slice(&self.signature);
+        let signed = mac(link_secret, self.expires, &self.signed_rest()).verify_slice(&self.signature);
         signed.map_err(|_| LinkFault::Signature)?;
         if self.expires <= now_s { Err(LinkFault::Expired) } else { Ok(()) }
     }

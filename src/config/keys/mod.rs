@@ -8,5 +8,5 @@ mod secret;
 
 pub use entry::{KeyEntry, Role, SHARED, tenant_fault};
 pub use file::{KEYS_FILE, KeyFile, KeyFileError, MOST_KEYS};
-pub use link::{LINKS, Link, LinkFault};
+pub use link::{LINKS, Link, LinkFault, MODEL, has_job};
 pub use secret::{Random, Token};

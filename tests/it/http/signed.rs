@@ -58,6 +58,47 @@ fn a_signed_address_shows_a_render_without_a_key_and_only_that() {
     });
 }
 
+/// What a loader does: it looks for the buffers beside the address of the model.
+#[test]
+fn a_signed_model_opens_the_buffers_to_which_it_refers_and_no_others() {
+    let folder = Folder::new();
+    let own = key(&folder, "acme", Role::Render);
+    story(keyed(&folder), async |server| {
+        let levels = |lod: &[u32]| {
+            let mut job = mesh(3);
+            job["outputs"] = json!([{ "format": "gltf", "lod": lod }]);
+            deflated(job.to_string().as_bytes())
+        };
+        let buffers = async |address: &str| -> Vec<String> {
+            let model: Value = serde_json::from_slice(&server.get(address).await.ok().body).expect("JSON");
+            let (beside, _) = address.rsplit_once('/').expect("a folder");
+            let all = model["buffers"].as_array().expect("buffers").iter();
+            all.map(|buffer| format!("{beside}/{}", buffer["uri"].as_str().expect("an address"))).collect()
+        };
+        let address = signed(&own, LATER, &format!("{}/model.gltf", levels(&[1, 3])));
+        let own_buffers = buffers(&address).await;
+        assert_eq!(own_buffers.len(), 2);
+        for buffer in &own_buffers {
+            let found = server.get(buffer).await.ok();
+            assert_eq!(found.header("content-type"), "application/gltf-buffer");
+            let range = server.get_with(buffer, &[("range", "bytes=0-3")]).await;
+            assert_eq!((range.status, &range.body[..]), (206, &found.body[..4]));
+        }
+        let others = buffers(&signed(&own, LATER, &format!("{}/model.gltf", levels(&[0, 2, 3])))).await;
+        let file = |address: &str| address.rsplit_once('/').expect("a folder").1.to_owned();
+        let foreign = others.iter().find(|other| !own_buffers.iter().any(|own| file(own) == file(other)));
+        let (beside, _) = address.rsplit_once('/').expect("a folder");
+        let foreign = format!("{beside}/{}", file(foreign.expect("level 0 is another buffer")));
+        server.get(&foreign).await.problem(404, "not-found");
+        server.get(&format!("{beside}/{}.bin", "0".repeat(64))).await.problem(404, "not-found");
+        server.get(&format!("{beside}/x.bin")).await.problem(404, "not-found");
+        server.get(&format!("{beside}/other.gltf")).await.problem(403, "bad-link");
+        server.get(&own_buffers[0].replace("/v1/r/", "/v1/r/0")).await.problem(403, "bad-link");
+        let plain = signed(&own, LATER, &format!("{}.gltf", levels(&[1, 3])));
+        server.get(&plain.replace(".gltf", "/model.gltf")).await.problem(403, "bad-link");
+    });
+}
+
 #[test]
 fn the_job_may_name_its_output_and_the_extension_has_to_be_that_of_its_format() {
     let folder = Folder::new();
