@@ -39,6 +39,7 @@ const FILES: &[(&str, &str, &str)] = &[
     ("refiner.js", SCRIPT, include_str!("play/refiner.js")),
     ("polygon.js", SCRIPT, include_str!("play/polygon.js")),
     ("pane.js", SCRIPT, include_str!("play/pane.js")),
+    ("pieces.js", SCRIPT, include_str!("play/pieces.js")),
     ("curves.js", SCRIPT, include_str!("play/curves.js")),
     ("parameters.js", SCRIPT, include_str!("play/parameters.js")),
     ("scheme.js", SCRIPT, include_str!("play/scheme.js")),

@@ -1,6 +1,6 @@
 // The stage for curves: one or two panes, the shapes that follow the control polygon, and its tools.
 
-import { at, count, h, say, tool } from "./dom.js";
+import { at, count, h, say, tool, write } from "./dom.js";
 import { Pane, View } from "./pane.js";
 import { comb, insert, nearestEdge, remove, rounded, tangentsOf, toggleCorner } from "./polygon.js";
 import { Refiner } from "./refiner.js";
@@ -129,7 +129,7 @@ export class Curves {
     first.title.textContent = titleOf(state.curves.plan);
     second.title.textContent = state.curves.other ? titleOf(state.curves.other) : "";
     const main = this.#shapes.get("main");
-    at("counts").textContent = main ? `${count(main.flat.length / main.width)} points` : "";
+    write(at("counts"), main ? `${count(main.flat.length / main.width)} points` : "");
     this.drawn += 1;
   }
 

@@ -13,7 +13,7 @@ export async function checkFirstPicture({ browser, origin }) {
   let sent = 0;
   client.on("Network.loadingFinished", ({ encodedDataLength }) => { sent += encodedDataLength; });
   await page.goto(`${origin}/play`);
-  await page.waitForFunction(() => document.querySelector(".curve")?.getAttribute("d"));
+  await page.waitForFunction(() => document.querySelector(".curve path")?.getAttribute("d"));
   assert(sent > 5000 && sent < 100_000, `${sent} bytes before the first picture`);
   await context.close();
   return `first picture after ${sent} bytes`;
