@@ -61,6 +61,7 @@ const FILES: &[(&str, &str, &str)] = &[
     ("cage.js", SCRIPT, include_str!("play/cage.js")),
     ("told.js", SCRIPT, include_str!("play/told.js")),
     ("gltf.js", SCRIPT, include_str!("play/gltf.js")),
+    ("meshopt.js", SCRIPT, include_str!("play/meshopt.js")),
     ("planish-view.js", SCRIPT, include_str!("play/planish-view.js")),
     ("stencils.js", SCRIPT, include_str!("../../api/clients/stencils.js")),
     ("animal.json", JSON, include_str!("../../api/examples/jobs/animal-isolines-png.json")),
