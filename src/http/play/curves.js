@@ -184,8 +184,8 @@ export class Curves {
     at("tool-tangents").setAttribute("aria-pressed", String(Boolean(tangents)));
     at("tool-tangents").hidden = !tangents && !this.takesTangents;
     const n = this.#polygon.points.length;
-    at("hint").textContent = n < 3
-      ? "Tap to put points here." : "Drag points. Tap to add one, drag an edge to insert one.";
+    write(at("hint"), n < 3
+      ? "Tap the paper to put points." : "Drag a point: the curve follows. Tap the paper to add points.");
   }
 
   /** Chooses a point. */

@@ -138,7 +138,8 @@ export class Refiner {
       const { flat } = flattened(points);
       this.#net = { key, net: new Net(parsed, flat, width), told: this.#faces.told };
       // points may have moved since the last answer, and answers under way are passed over from now on
-      this.#showNet(null);
+      const { net, told } = this.#net;
+      if (!parsed.rational && told.flat.some((value, i) => value !== net.positions[i])) this.#showNet(null);
     } catch {
       // schemes without weights go on by requests
       this.#refused.add(JSON.stringify(job.plan));

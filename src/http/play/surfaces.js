@@ -23,13 +23,14 @@ const HARD = 30;
 const TOOLS = [
   ["move", "Move", "Move vertices"], ["crease", "Crease", "Tap edges to make them sharp, or smooth again"],
   ["corner", "Corner", "Tap vertices to make them corners"],
-  ["latitude", "Latitude", "Tap an edge: its line becomes a ring that comes to a circle"],
+  ["latitude", "Latitude", "Tap an edge: its line becomes a ring around a tube, which comes to a circle"],
   ["longitude", "Longitude", "Tap an edge: its line runs along the tube"],
   ["hole", "Hole", "Tap faces to leave them out"],
 ];
 const FILES = "OBJ, PLY, STL, OFF, glTF, GLB or JSON; or drop it here";
 const HINTS = {
-  move: "Drag a vertex, or the space around to turn it.", crease: "Tap an edge to make it sharp.",
+  move: "Drag an orange point: the surface follows. Drag beside it to turn it.",
+  crease: "Tap an edge to make it sharp.",
   corner: "Tap a vertex to make it a corner.", latitude: "Tap an edge of a ring around the tube.",
   longitude: "Tap an edge along the tube.", hole: "Tap a face to leave it out.",
 };
@@ -270,8 +271,8 @@ export class Surfaces {
     for (const [name] of TOOLS) at(`tool-${name}`).setAttribute("aria-pressed", String(name === this.#tool));
     at("sharpness-label").hidden = !["crease", "corner"].includes(this.#tool);
     const chosen = this.#net.chosen;
-    at("hint").textContent = chosen >= 0 && this.#tool === "move"
-      ? `Vertex ${chosen} of ${this.#mesh.positions.length}. Arrows move it.` : HINTS[this.#tool];
+    write(at("hint"), chosen >= 0 && this.#tool === "move"
+      ? `Vertex ${chosen} of ${this.#mesh.positions.length}. Arrows move it.` : HINTS[this.#tool]);
   }
 
   #choose(name) {
