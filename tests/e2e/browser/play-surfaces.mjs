@@ -212,6 +212,9 @@ async function checkFiles(player) {
 // A file is dropped, one of its edges made sharp, and the result taken along in every format, STEP for CAD included.
 async function checkTaking(player) {
   const { page } = player;
+  // the scheme stays when a file is dropped, and CAD takes limits of Catmull-Clark
+  await page.selectOption("#examples", "sheet");
+  await player.settled();
   const cube = "v -1 -1 -1\nv 1 -1 -1\nv 1 1 -1\nv -1 1 -1\nv -1 -1 1\nv 1 -1 1\nv 1 1 1\nv -1 1 1\n"
     + "f 1 4 3 2\nf 5 6 7 8\nf 1 2 6 5\nf 2 3 7 6\nf 3 4 8 7\nf 4 1 5 8\n";
   await page.evaluate((text) => {
