@@ -69,11 +69,14 @@ export class Net {
       colored.set(tags.edgeName(edge), [...RED, Math.min(0.45 + sharpness / 10, 1)]);
     }
     if (this.#hovered?.edge) colored.set(tags.edgeName(this.#hovered.edge), [...accent, 1]);
+    const usual = [...soft, 0.85];
     const [plain, tagged] = [[], []];
     for (const { ends } of this.#edges) {
-      const color = colored.get(tags.edgeName(ends));
-      if (color) tagged.push(...mesh.positions[ends[0]], ...mesh.positions[ends[1]], ...color);
-      else if (isShown) plain.push(...mesh.positions[ends[0]], ...mesh.positions[ends[1]], ...soft, 0.85);
+      const color = colored.size > 0 ? colored.get(tags.edgeName(ends)) : undefined;
+      if (!color && !isShown) continue;
+      const [[ax, ay, az], [bx, by, bz]] = [mesh.positions[ends[0]], mesh.positions[ends[1]]];
+      const [r, g, b, alpha] = color ?? usual;
+      (color ? tagged : plain).push(ax, ay, az, bx, by, bz, r, g, b, alpha);
     }
     for (const face of isShown ? mesh.holes ?? [] : []) {
       const center = middle(mesh, face);
@@ -88,12 +91,13 @@ export class Net {
     const corners = new Set((mesh.corners ?? []).map(({ vertex }) => vertex));
     const rows = [];
     const n = isShown ? Math.min(mesh.positions.length, MOST_DOTS) : 0;
+    const usual = n <= 150 ? 11 : this.#viewer.size[0] < 600 ? 4.5 : 6.5;
     // the second last number says how full a dot is
     for (let v = 0; v < n; v += 1) {
       const isChosen = v === this.chosen;
       const color = isChosen ? ink : this.#hovered?.vertex === v ? accent : corners.has(v) ? RED : control;
-      const large = isChosen ? 13 : n <= 150 ? 11 : this.#viewer.canvas.clientWidth < 600 ? 4.5 : 6.5;
-      rows.push(...mesh.positions[v], ...color, isChosen || corners.has(v) ? 1 : 0, large);
+      const [[x, y, z], [r, g, b]] = [mesh.positions[v], color];
+      rows.push(x, y, z, r, g, b, isChosen || corners.has(v) ? 1 : 0, isChosen ? 13 : usual);
     }
     this.#viewer.setDots("vertices", rows, { behind: 0.25 });
   }
@@ -180,9 +184,9 @@ export class Net {
 
   /** Moves a vertex in the plane of view by pixels. */
   #shift(vertex, dx, dy) {
-    const { camera, canvas } = this.#viewer;
+    const { camera } = this.#viewer;
     const position = this.#mesh.positions[vertex];
-    const size = camera.pixel(canvas.clientHeight, this.#viewer.depth(position));
+    const size = camera.pixel(this.#viewer.size[1], this.#viewer.depth(position));
     const [right, up] = camera.axes;
     const to = add(position, add(scaled(right, dx * size), scaled(up, -dy * size)));
     // as many decimals as a tenth of a pixel has, which keeps jobs short

@@ -1,6 +1,6 @@
 // The stage for curves: one or two panes, the shapes that follow the control polygon, and its tools.
 
-import { at, count, h, say, tool } from "./dom.js";
+import { at, count, h, say, tool, write } from "./dom.js";
 import { Pane, View } from "./pane.js";
 import { comb, insert, nearestEdge, remove, rounded, tangentsOf, toggleCorner } from "./polygon.js";
 import { Refiner } from "./refiner.js";
@@ -129,7 +129,7 @@ export class Curves {
     first.title.textContent = titleOf(state.curves.plan);
     second.title.textContent = state.curves.other ? titleOf(state.curves.other) : "";
     const main = this.#shapes.get("main");
-    at("counts").textContent = main ? `${count(main.flat.length / main.width)} points` : "";
+    write(at("counts"), main ? `${count(main.flat.length / main.width)} points` : "");
     this.drawn += 1;
   }
 
@@ -184,8 +184,8 @@ export class Curves {
     at("tool-tangents").setAttribute("aria-pressed", String(Boolean(tangents)));
     at("tool-tangents").hidden = !tangents && !this.takesTangents;
     const n = this.#polygon.points.length;
-    at("hint").textContent = n < 3
-      ? "Tap to put points here." : "Drag points. Tap to add one, drag an edge to insert one.";
+    write(at("hint"), n < 3
+      ? "Tap the paper to put points." : "Drag a point: the curve follows. Tap the paper to add points.");
   }
 
   /** Chooses a point. */

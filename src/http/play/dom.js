@@ -51,6 +51,11 @@ export function settled(wait, run) {
   };
 }
 
+/** Writes a text into an element where it is another: what stays as it is need not be drawn again. */
+export function write(element, text) {
+  if (element.textContent !== String(text)) element.textContent = text;
+}
+
 /** Tells those who listen to the page what happened. */
 export function say(text) {
   at("said").textContent = text;
@@ -59,7 +64,7 @@ export function say(text) {
 /** Shows what is wrong over the stage; nothing hides it. */
 export function notice(text) {
   const shown = at("notice");
-  if (shown.textContent !== (text ?? "")) shown.textContent = text ?? "";
+  write(shown, text ?? "");
   shown.hidden = !text;
 }
 
@@ -71,6 +76,9 @@ export function short(value, digits = 4) {
 
 /** A count with its thousands parted. */
 export const count = (value) => value.toLocaleString("en");
+
+/** What is marked as wrong: the fields, and what is written at them. */
+const marks = { fields: [], texts: [] };
 
 /** Marks the fields that pointers of a refusal name, and returns what belongs to no field of the page. */
 export function markFaults(errors) {
@@ -86,14 +94,19 @@ export function markFaults(errors) {
     }
     const told = found.closest("[data-faults]");
     found.setAttribute("aria-invalid", "true");
-    if (told) told.append(h("p", { class: "fault", role: "alert" }, detail));
-    else left.push(detail);
+    marks.fields.push(found);
+    if (!told) {
+      left.push(detail);
+      continue;
+    }
+    marks.texts.push(h("p", { class: "fault", role: "alert" }, detail));
+    told.append(marks.texts.at(-1));
   }
   return left;
 }
 
 /** Takes all marks of faults off the fields. */
 export function clearFaults() {
-  for (const fault of document.querySelectorAll(".fault")) fault.remove();
-  for (const field of document.querySelectorAll("[aria-invalid]")) field.removeAttribute("aria-invalid");
+  for (const text of marks.texts.splice(0)) text.remove();
+  for (const field of marks.fields.splice(0)) field.removeAttribute("aria-invalid");
 }

@@ -1,5 +1,6 @@
 // Reads glTF 2.0 as the service writes it: GLB, or a document with buffers beside it, of several levels of detail.
 
+import { MESHOPT, unpacked } from "./meshopt.js";
 import { product } from "./space.js";
 
 const TYPES = {
@@ -7,7 +8,7 @@ const TYPES = {
   5125: [Uint32Array, 1], 5126: [Float32Array, 1],
 };
 const WIDTHS = { SCALAR: 1, VEC2: 2, VEC3: 3, VEC4: 4 };
-const KNOWN = ["KHR_mesh_quantization", "MSFT_lod"];
+const KNOWN = ["KHR_mesh_quantization", "MSFT_lod", MESHOPT];
 
 /** Most bytes of one file or buffer: what a page can hold without being felt. */
 const MOST_BYTES = 256 << 20;
@@ -96,13 +97,16 @@ function* primitives(model, nodes, above = IDENTITY) {
   }
 }
 
+/** The stream that a view is decoded from, or the view itself. */
+const streamOf = (view) => view.extensions?.[MESHOPT] ?? view;
+
 function neededBy(model, nodes) {
   const needed = new Set();
   for (const { primitive } of primitives(model, nodes)) {
     const { POSITION, NORMAL } = primitive.attributes;
     for (const accessor of [POSITION, NORMAL, primitive.indices]) {
       const view = model.accessors[accessor]?.bufferView;
-      if (view !== undefined) needed.add(model.bufferViews[view].buffer);
+      if (view !== undefined) needed.add(streamOf(model.bufferViews[view]).buffer);
     }
   }
   return needed;
@@ -116,8 +120,10 @@ function numbers(model, at, buffers, make = Float32Array) {
   const width = WIDTHS[type];
   const bytes = Type.BYTES_PER_ELEMENT;
   const stride = view.byteStride ?? width * bytes;
-  const start = (view.byteOffset ?? 0) + byteOffset;
-  const data = new DataView(buffers.get(view.buffer), start);
+  const stream = streamOf(view);
+  const isPacked = stream !== view;
+  const start = (isPacked ? 0 : view.byteOffset ?? 0) + byteOffset;
+  const data = new DataView(isPacked ? unpacked(stream, buffers.get(stream.buffer)) : buffers.get(view.buffer), start);
   const name = `get${Type.name.replace("Array", "")}`;
   const out = new make(count * width);
   for (let row = 0; row < count; row += 1) {

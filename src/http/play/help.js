@@ -29,7 +29,7 @@ export function openHelp() {
       h("button", { type: "button", class: "icon", "aria-label": "Close", onclick: () => dialog.close() }, "✕")),
     h("p", {}, "A control polygon or a control mesh is refined by a rule, again and again, and comes to a smooth curve "
       + "or surface. Drag its points, step through the levels, choose another rule, and take the result with you."),
-    h("p", {}, "Everything you see is the answer of this service to one job; the drawer “Take it with you” shows it. ",
+    h("p", {}, "Everything you see is the answer of this service to one job, which “Download and share” shows. ",
       link("/docs", "Reference"), " · ", link("/openapi.json", "OpenAPI document"), " · ",
       link("/v1/presets", "presets"), " · ", link("/v1/operators", "operators"), " · ", link("/v1/formats", "formats")),
     h("h3", {}, "Keys"), h("dl", { class: "keys" }, ...keys),

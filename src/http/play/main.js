@@ -2,7 +2,7 @@
 
 import { analysisSection } from "./analysis.js";
 import { Curves } from "./curves.js";
-import { at, clearFaults, h, markFaults, notice, say, settled } from "./dom.js";
+import { at, clearFaults, h, markFaults, notice, say, settled, write } from "./dom.js";
 import { example, examplesOf } from "./examples.js";
 import { planOf, presetsFor, schemeControls } from "./scheme.js";
 import { changed, current, fragment, history, job, listen, redo, restore, state, undo } from "./state.js";
@@ -149,9 +149,10 @@ function tolerance() {
 function showLevel() {
   const { levels } = current();
   const isNumber = typeof levels === "number";
-  at("level").max = stage.mostLevels?.() ?? 8;
-  if (isNumber) at("level").value = levels;
-  at("level-shown").textContent = isNumber ? levels : "≤";
+  const most = stage.mostLevels?.() ?? 8;
+  if (Number(at("level").max) !== most) at("level").max = most;
+  if (isNumber && Number(at("level").value) !== levels) at("level").value = levels;
+  write(at("level-shown"), isNumber ? levels : "≤");
 }
 
 function setLevel(level, live = false) {

@@ -1,20 +1,19 @@
 // One picture of a control polygon and its curves in SVG, in which points are drawn, dragged, inserted and deleted.
 
 import { s, short } from "./dom.js";
+import { Pieces, pathOf } from "./pieces.js";
 import { tangentsOf } from "./polygon.js";
 
 /** Movement in pixels below which a press is a tap. Half of it makes taps of fingers into drags; twice of it makes
     drags jump. */
 const TAP = 5;
 const TANGENT_PX = 52;
-/** Points of curves closer than SHORT pixels are drawn as one, those closer than LONG where the curve turns by less
-    than MOST_TURN (the sine of the angle). Half of each draws twice the points, which nobody sees; twice of LONG and
-    MOST_TURN makes corners that are seen. */
-const SHORT = 0.4;
-const LONG = 3;
-const MOST_TURN = 0.1;
 /** Edges of a control polygon that is drawn dashed: each dash of a longer one costs more time than it tells. */
 const MOST_DASHED = 60;
+/** Points of a curve, and of a control polygon that is not dashed, that are drawn as one path. Half of it makes more
+    elements than are worth a drag; twice of it draws twice as much anew when a point moves. */
+const CURVE_PIECE = 128;
+const POLYGON_PIECE = 8;
 
 /** Sets an attribute where it is another: what stays as it is need not be drawn again. */
 function put(element, name, value) {
@@ -45,6 +44,10 @@ export class Pane {
   #edit;
   #layers;
   #points = [];
+  #pieces = { polygons: [], curves: [] };
+  #size = [0, 0];
+  /** Where points and edges were drawn last. */
+  #drawn = { points: [], edges: [] };
   #fingers = new Map();
   #pressed = null;
 
@@ -53,7 +56,7 @@ export class Pane {
     this.#view = view;
     this.#edit = edit;
     const layer = (name) => s("g", { class: name });
-    const names = ["combs", "polygons", "edges", "curves", "marks", "tangents", "points"];
+    const names = ["combs", "dashes", "polygons", "edges", "curves", "marks", "tangents", "points"];
     this.#layers = Object.fromEntries(names.map((name) => [name, layer(name)]));
     this.svg = s("svg", { role: "group", "aria-label": "Control polygon and curve", tabindex: "-1" });
     this.svg.append(...Object.values(this.#layers));
@@ -77,7 +80,7 @@ export class Pane {
 
   /** Pixels of a point of the plane. */
   #seen(x, y) {
-    const [width, height] = this.size;
+    const [width, height] = this.#size;
     return [width / 2 + (x - this.#view.x) * this.#view.scale, height / 2 - (y - this.#view.y) * this.#view.scale];
   }
 
@@ -87,31 +90,6 @@ export class Pane {
     const x = this.#view.x + (clientX - box.left - box.width / 2) / this.#view.scale;
     const y = this.#view.y - (clientY - box.top - box.height / 2) / this.#view.scale;
     return [x, y];
-  }
-
-  /**
-   * A path of points, one behind the other. A point is left out where it is near the last one and hardly turns: of a
-   * circle of 20 pixels the path is off by less than a twentieth of a pixel.
-   */
-  #path(flat, width, closed) {
-    const [w, h] = this.size;
-    const { x, y, scale } = this.#view;
-    const parts = [];
-    let [lastX, lastY, wayX, wayY] = [NaN, NaN, 0, 0];
-    for (let at = 0, n = flat.length; at < n; at += width) {
-      const px = w / 2 + (flat[at] - x) * scale;
-      const py = h / 2 - (flat[at + 1] - y) * scale;
-      const [dx, dy] = [px - lastX, py - lastY];
-      const long = Math.hypot(dx, dy);
-      const isEnd = at === 0 || at + width >= n;
-      const turns = Math.abs(wayX * dy - wayY * dx) > MOST_TURN * long || wayX * dx + wayY * dy < 0;
-      if (!isEnd && (long < SHORT || (long < LONG && !turns))) continue;
-      if (long > 0) [wayX, wayY] = [dx / long, dy / long];
-      [lastX, lastY] = [px, py];
-      parts.push(`${px.toFixed(1)} ${py.toFixed(1)}`);
-    }
-    if (parts.length === 0) return "";
-    return `M${parts.join("L")}${closed ? "Z" : ""}`;
   }
 
   /** Dots at points: strokes of no length with round ends. */
@@ -140,17 +118,35 @@ export class Pane {
     });
   }
 
+  /** Draws paths of many points, `size` of them in one piece. */
+  #strands(layer, given, size) {
+    const groups = this.#matched(layer, given.length, () => s("g"));
+    const pieces = this.#pieces[layer];
+    pieces.length = Math.min(pieces.length, given.length);
+    const [x, y] = this.#seen(0, 0);
+    given.forEach(({ name, flat, width, closed }, at) => {
+      put(groups[at], "class", name);
+      pieces[at] ??= new Pieces(groups[at], size);
+      pieces[at].draw({ flat, width, closed }, { x, y, scale: this.#view.scale });
+    });
+  }
+
   /** Draws the polygon and the curves `{ name, flat, width, closed }`, dots and combs given alike. */
   draw({ polygon, selected, curves, dots, combs, show, turning }) {
+    // asked before anything is changed, so that the page is not laid out twice
+    this.#size = this.size;
     const { points, closed } = polygon;
     const seen = points.map(([x, y]) => this.#seen(x, y));
-    const line = seen.map(([x, y]) => `${x.toFixed(1)} ${y.toFixed(1)}`).join("L");
-    const isShown = show.polygon && points.length > 1;
-    const name = points.length > MOST_DASHED ? "polygon many" : "polygon";
-    this.#paths("polygons", isShown ? [{ name, d: `M${line}${closed ? "Z" : ""}` }] : []);
-    this.#paths("curves", curves.map((c) => ({ name: `curve ${c.name}`, d: this.#path(c.flat, c.width, c.closed) })));
+    const [x, y] = this.#seen(0, 0);
+    const view = { x, y, scale: this.#view.scale };
+    const whole = (flat, width, round) => pathOf({ flat, width }, view, 0, flat.length / width - 1, round ? "Z" : "");
+    const line = { flat: points.flatMap(([px, py]) => [px, py]), width: 2, closed };
+    const [isShown, isMany] = [show.polygon && points.length > 1, points.length > MOST_DASHED];
+    this.#paths("dashes", isShown && !isMany ? [{ name: "polygon", d: whole(line.flat, 2, closed) }] : []);
+    this.#strands("polygons", isShown && isMany ? [{ ...line, name: "polygon many" }] : [], POLYGON_PIECE);
+    this.#strands("curves", curves.map((curve) => ({ ...curve, name: `curve ${curve.name}` })), CURVE_PIECE);
     this.#paths("combs", combs.map(({ name, flat, closed: round, teeth }) => (
-      { name, d: teeth ? this.#teeth(flat) : this.#path(flat, 2, round) })));
+      { name, d: teeth ? this.#teeth(flat) : whole(flat, 2, round) })));
     this.#paths("marks", dots.map(({ name, flat, width }) => ({ name: `dots ${name}`, d: this.#dots(flat, width) })));
     this.#drawEdges(seen, closed);
     this.#drawPoints(seen, polygon, selected);
@@ -169,27 +165,34 @@ export class Pane {
 
   #drawEdges(seen, closed) {
     const n = seen.length < 2 ? 0 : seen.length - (closed && seen.length > 2 ? 0 : 1);
-    const lines = this.#matched("edges", n, () => s("line", { class: "edge" }));
+    const lines = this.#matched("edges", n, (at) => s("line", { class: "edge", "data-edge": at }));
+    const last = this.#drawn.edges;
+    last.length = Math.min(last.length, n);
     for (let i = 0; i < n; i += 1) {
-      const [[x1, y1], [x2, y2]] = [seen[i], seen[(i + 1) % seen.length]];
-      lines[i].dataset.edge = i;
-      for (const [name, value] of Object.entries({ x1, y1, x2, y2 })) put(lines[i], name, value.toFixed(1));
+      const ends = [...seen[i], ...seen[(i + 1) % seen.length]];
+      if (last[i]?.every((value, at) => value === ends[at])) continue;
+      last[i] = ends;
+      ["x1", "y1", "x2", "y2"].forEach((name, at) => lines[i].setAttribute(name, ends[at].toFixed(1)));
     }
   }
 
   #drawPoints(seen, polygon, selected) {
     const corners = new Set(polygon.corners ?? []);
-    this.#points = this.#matched("points", seen.length, () => s(
-      "g", { class: "point", tabindex: "0", role: "button" }, s("circle", { class: "reach", r: 15 }),
+    this.#points = this.#matched("points", seen.length, (at) => s(
+      "g", { class: "point", tabindex: "0", role: "button", "data-point": at }, s("circle", { class: "reach", r: 15 }),
       s("circle", { class: "dot", r: 6 }),
     ));
+    const last = this.#drawn.points;
+    last.length = Math.min(last.length, seen.length);
     seen.forEach(([x, y], at) => {
+      const [px, py] = polygon.points[at];
+      const now = [x, y, px, py, corners.has(at), at === selected];
+      if (last[at]?.every((value, i) => value === now[i])) return;
+      last[at] = now;
       const point = this.#points[at];
-      point.dataset.point = at;
       put(point, "transform", `translate(${x.toFixed(2)} ${y.toFixed(2)})`);
       point.classList.toggle("corner", corners.has(at));
       point.classList.toggle("selected", at === selected);
-      const [px, py] = polygon.points[at];
       const kind = corners.has(at) ? "Corner point" : "Point";
       put(point, "aria-label", `${kind} ${at + 1} at ${short(px)}, ${short(py)}`);
     });

@@ -94,6 +94,7 @@ class PlanishView extends HTMLElement {
         if (mine.signal.aborted) return;
         this.#color = model.color;
         this.#show(model);
+        if (isFirst) this.#viewer.measure();
         if (isFirst) this.#viewer.camera.fit(ball(model.positions), this.#viewer.aspect);
         isFirst = false;
         this.#tell("");

@@ -12,6 +12,9 @@ const CALM_MS = 120;
 /** Most numbers in the input of a job whose stencils are fetched: larger ones follow by requests. */
 const MOST_NUMBERS = 200_000;
 
+/** Most points of which each finds what depends on it; more are as soon all made anew. */
+const MOST_MOVED = 4;
+
 /** The format of weights of points, where the service lists it. */
 const FORMAT = "stencils-bin";
 
@@ -34,6 +37,22 @@ function structure({ input, plan, levels }) {
   return JSON.stringify([(points ?? positions).length, rest, beside, plan, levels]);
 }
 
+/** Has a net follow its points. Returns which points of the result moved, or null for all of them. */
+function follow(net, points) {
+  const { values, width } = net;
+  const moved = [];
+  for (let i = 0; i < points.length; i += 1) {
+    for (let j = 0; j < width; j += 1) {
+      if (values[i * width + j] === points[i][j]) continue;
+      moved.push(i);
+      break;
+    }
+  }
+  if (moved.length <= MOST_MOVED) return net.moveAll(moved, moved.flatMap((i) => points[i]));
+  net.set(flattened(points).flat);
+  return null;
+}
+
 export class Refiner {
   #shown;
   #failed;
@@ -48,8 +67,8 @@ export class Refiner {
   requests = 0;
 
   /**
-   * Hands results to `shown`: `{ flat, width, closed, faces, isolines, level, bound }`, faults to `failed`; `options`
-   * are those of the json output.
+   * Hands results to `shown`: `{ flat, width, closed, faces, isolines, level, bound }`, faults to `failed`; `moved` are
+   * the points that moved since the last result, where others did not. `options` are those of the json output.
    */
   constructor(shown, failed, options = {}) {
     this.#shown = shown;
@@ -69,15 +88,20 @@ export class Refiner {
     const points = positionsOf(job.input);
     if (this.#net?.key === key) {
       this.#wanted = key;
-      const { net, told } = this.#net;
-      const { flat } = flattened(points);
-      net.set(flat);
-      this.#shown({ ...told, flat: net.positions, bySteps: true });
+      this.#showNet(follow(this.#net.net, points));
       return;
     }
     this.#wanted = key;
     if (key !== this.#net?.key) this.#net = null;
     this.#requests.ask(job, key);
+  }
+
+  #showNet(moved) {
+    const { net, told } = this.#net;
+    const { stencils } = net;
+    // rational points are divided, all of them by a copy
+    if (stencils.rational) this.#shown({ ...told, flat: stencils.project(net.positions, net.width) });
+    else this.#shown({ ...told, flat: net.positions, moved });
   }
 
   /** Forgets what is under way. */
@@ -113,6 +137,9 @@ export class Refiner {
       if (key !== this.#wanted || this.#faces?.key !== key || parsed.columns !== points.length) return;
       const { flat } = flattened(points);
       this.#net = { key, net: new Net(parsed, flat, width), told: this.#faces.told };
+      // points may have moved since the last answer, and answers under way are passed over from now on
+      const { net, told } = this.#net;
+      if (!parsed.rational && told.flat.some((value, i) => value !== net.positions[i])) this.#showNet(null);
     } catch {
       // schemes without weights go on by requests
       this.#refused.add(JSON.stringify(job.plan));

@@ -30,7 +30,7 @@ export async function ask(path, { body, ...options } = {}) {
   if (answer.ok && answer.status !== 202) return answer;
   const problem = await answer.json().catch(() => ({}));
   if (answer.status === 202) throw new Fault("This takes longer than half a minute; ask for fewer levels.");
-  const asksForKey = "This service has keys: type yours under “Take it with you”.";
+  const asksForKey = "This service has keys: type yours under “Download and share”.";
   if (answer.status === 401) throw new Fault(asksForKey, [], 401);
   throw new Fault(problem.detail ?? `The service answers ${answer.status}.`, problem.errors ?? [], answer.status);
 }

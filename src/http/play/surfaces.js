@@ -1,9 +1,10 @@
 // The stage for surfaces: a viewer, the surface that follows the control mesh, and its tools.
 
-import { at, count, h, notice, say, tool } from "./dom.js";
+import { at, count, h, notice, say, tool, write } from "./dom.js";
 import { handle } from "./hand.js";
 import { Net, tags } from "./cage.js";
 import { edgesOf, extraordinary, hardened, lineThrough, normalsOf, toggled, trianglesOf, wiresOf } from "./mesh.js";
+import { partOf, trianglesAt, turn } from "./part.js";
 import { numbersSection, pictureSection } from "./told.js";
 import { output } from "./take.js";
 import { Refiner } from "./refiner.js";
@@ -14,19 +15,22 @@ import { Viewer } from "./viewer.js";
 
 /** Most faces of a surface that the page shows: twice of it takes phones more than a second. */
 const MOST_FACES = 300_000;
+/** The largest part of the vertices of a surface that moves apart from the rest: more is as soon drawn as a whole. */
+const LARGEST_PART = 0.5;
 /** Angle in degrees beyond which an edge looks hard where the mesh has tags of sharpness, or is shown unrefined. */
 const HARD = 30;
 
 const TOOLS = [
   ["move", "Move", "Move vertices"], ["crease", "Crease", "Tap edges to make them sharp, or smooth again"],
   ["corner", "Corner", "Tap vertices to make them corners"],
-  ["latitude", "Latitude", "Tap an edge: its line becomes a ring that comes to a circle"],
+  ["latitude", "Latitude", "Tap an edge: its line becomes a ring around a tube, which comes to a circle"],
   ["longitude", "Longitude", "Tap an edge: its line runs along the tube"],
   ["hole", "Hole", "Tap faces to leave them out"],
 ];
 const FILES = "OBJ, PLY, STL, OFF, glTF, GLB or JSON; or drop it here";
 const HINTS = {
-  move: "Drag a vertex, or the space around to turn it.", crease: "Tap an edge to make it sharp.",
+  move: "Drag an orange point: the surface follows. Drag beside it to turn it.",
+  crease: "Tap an edge to make it sharp.",
   corner: "Tap a vertex to make it a corner.", latitude: "Tap an edge of a ring around the tube.",
   longitude: "Tap an edge along the tube.", hole: "Tap a face to leave it out.",
 };
@@ -49,7 +53,7 @@ export class Surfaces {
     const about = "Surface; arrows turn it, N chooses a vertex";
     const canvas = h("canvas", { tabindex: "0", role: "application", "aria-label": about });
     this.#element = h("div", { class: "pane" }, canvas);
-    this.#viewer = new Viewer(canvas);
+    this.#viewer = new Viewer(canvas, { opaque: true });
     this.#net = new Net(this.#viewer, {
       tool: () => this.#tool, moved: (live) => changed("points", live), chosen: () => this.refreshTools(),
       edge: (edge) => this.#tapEdge(edge), vertex: (vertex) => this.#tapVertex(vertex),
@@ -57,7 +61,10 @@ export class Surfaces {
       viewed: () => this.#picture.follow(),
     });
     handle(this.#viewer, this.#net);
-    this.#viewer.onrestored = () => this.#show(this.#shape);
+    this.#viewer.onrestored = () => {
+      this.#drawNet();
+      this.#show(this.#shape);
+    };
     this.#told = numbersSection();
     this.#picture = pictureSection(() => this.#viewer.camera);
     output.camera = () => this.#picture.camera();
@@ -87,6 +94,7 @@ export class Surfaces {
 
   /** Looks at the whole mesh. */
   fit() {
+    this.#viewer.measure();
     this.#viewer.camera.up = state.surfaces.input.up ?? "y";
     this.#viewer.camera.fit(ball(this.#mesh.positions.flat()), this.#viewer.aspect);
     this.draw();
@@ -150,17 +158,29 @@ export class Surfaces {
     if (this.#topology?.of !== faces) {
       const triangles = trianglesOf(faces);
       this.#topology = { of: faces, triangles, wires: wiresOf(faces, flat.length / 3), hardTriangles: null };
+      this.#topology.around = trianglesAt(triangles, flat.length / 3);
       this.#topology.normals = new Float32Array(flat.length);
-      at("counts").textContent = `${count(faces.length)} faces`;
+      write(at("counts"), `${count(faces.length)} faces`);
     }
-    const { triangles, wires, normals } = this.#topology;
     if (this.#looksHard() && !state.show.flat) this.#showHard(flat, faces);
-    else {
-      normalsOf(flat, triangles, normals);
-      this.#viewer.setSurface({ positions: new Float32Array(flat), normals, triangles, wires });
-    }
+    else this.#showSmooth(shape);
     this.#drawIsolines(shape);
     this.#drawExtraordinary();
+  }
+
+  /** Shows a surface with normals by its faces; the part alone that follows a point where others do not move. */
+  #showSmooth({ flat, moved: now }) {
+    const topology = this.#topology;
+    // when a hand lets go nothing has moved any more
+    const moved = now?.length === 0 ? topology.part?.moved : now;
+    const { triangles, wires, normals, around } = topology;
+    const isPart = moved && topology.isTurned && moved.length < LARGEST_PART * flat.length / 3;
+    if (isPart && topology.part?.moved !== moved) topology.part = { moved, ...partOf(topology, moved) };
+    if (isPart) turn(topology.part.turned, flat, triangles, around, normals);
+    else normalsOf(flat, triangles, normals);
+    topology.isTurned = true;
+    const part = isPart ? topology.part : null;
+    this.#viewer.setSurface({ positions: flat, normals, triangles, wires, part });
   }
 
   #looksHard() {
@@ -173,6 +193,7 @@ export class Surfaces {
     this.#topology.hardTriangles ??= trianglesOf(split);
     this.#topology.hardWires ??= wiresOf(split, positions.length / 3);
     const { hardTriangles: triangles, hardWires: wires } = this.#topology;
+    this.#topology.isTurned = false;
     this.#viewer.setSurface({ positions, normals, triangles, wires });
   }
 
@@ -250,8 +271,8 @@ export class Surfaces {
     for (const [name] of TOOLS) at(`tool-${name}`).setAttribute("aria-pressed", String(name === this.#tool));
     at("sharpness-label").hidden = !["crease", "corner"].includes(this.#tool);
     const chosen = this.#net.chosen;
-    at("hint").textContent = chosen >= 0 && this.#tool === "move"
-      ? `Vertex ${chosen} of ${this.#mesh.positions.length}. Arrows move it.` : HINTS[this.#tool];
+    write(at("hint"), chosen >= 0 && this.#tool === "move"
+      ? `Vertex ${chosen} of ${this.#mesh.positions.length}. Arrows move it.` : HINTS[this.#tool]);
   }
 
   #choose(name) {

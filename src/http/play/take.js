@@ -1,11 +1,15 @@
-// The drawer “Take it with you”: the job, the ways to ask for it again, and downloads.
+// The drawer “Download and share”: the job, the ways to ask for it again, and downloads.
 
 import { at, h, say } from "./dom.js";
 import { catalogue, key, render, setKey } from "./service.js";
 import { changed, current, fragment, job, packed, state } from "./state.js";
 
 /** Formats in the order in which they are offered; those that the service does not list are left out. */
-const OFFERED = ["svg", "png", "glb", "obj", "stl", "ply", "step", "pdf", "json"];
+const KINDS = {
+  "Pictures": ["png", "svg", "pdf"], "Models for other programs": ["glb", "obj", "stl", "ply", "step"],
+  "Numbers": ["json"],
+};
+const OFFERED = Object.values(KINDS).flat();
 
 /** Most bytes of an address that the service takes. */
 const LONGEST_ADDRESS = 8192;
@@ -72,7 +76,8 @@ async function fill() {
     + `-d ${quoted(JSON.stringify(whole))} ${location.origin}/v1/render`;
   const link = `${location.origin}/v1/render?job=${await packed(whole)}`;
   const fits = link.length <= LONGEST_ADDRESS;
-  const tooLong = `This job is too long for an address: ${link.length} of ${LONGEST_ADDRESS} bytes.`;
+  const tooLong = `This job is too long for an address: ${link.length} of ${LONGEST_ADDRESS} bytes. Send it with the `
+    + "line above; the answer's Content-Location is an address.";
   at("take-link").value = fits ? link : tooLong;
   at("take-open-link").hidden = !fits;
   if (fits) at("take-open-link").href = link;
@@ -108,12 +113,14 @@ export async function openTake(failed) {
     changed("all");
   };
   drawer.replaceChildren(h("div", {},
-    h("div", { class: "head" }, h("h2", { id: "take-title" }, "Take it with you"),
+    h("div", { class: "head" }, h("h2", { id: "take-title" }, "Download and share"),
       h("button", { type: "button", class: "icon", "aria-label": "Close", onclick: () => drawer.close() }, "✕")),
-    h("h3", {}, "Download"), h("div", { class: "downloads" }, ...buttons), wrong,
-    h("h3", {}, "Permalink"), h("p", { class: "doc" }, "Opens this page as it is now. Nothing is kept on the server."),
+    ...Object.entries(KINDS).flatMap(([kind, names]) => [h("h3", {}, kind), h("div", { class: "downloads" },
+      ...buttons.filter(({ dataset }) => names.includes(dataset.format)))]), wrong,
+    h("h3", {}, "A link to this page"),
+    h("p", { class: "doc" }, "Opens it as it is now: the link holds all of it, and the service keeps nothing."),
     text("take-permalink", "the permalink", 2),
-    h("h3", {}, h("label", { for: "take-format" }, "Ask for it again as "), choice),
+    h("h3", {}, h("label", { for: "take-format" }, "Ask the service for it, as "), choice),
     h("p", { class: "doc" }, "The job: the same job has the same bytes, here and on the command line."),
     text("take-job", "the job", 12),
     h("h3", {}, "As a line of curl"), text("take-curl", "the curl line", 4),

@@ -3,6 +3,7 @@ import assert from "node:assert/strict";
 import { createServer } from "node:http";
 import { join } from "node:path";
 import { deflateSync } from "node:zlib";
+import { MeshoptDecoder } from "meshoptimizer";
 
 const cube = {
   positions: [[-1, -1, -1], [1, -1, -1], [1, 1, -1], [-1, 1, -1], [-1, -1, 1], [1, -1, 1], [1, 1, 1], [-1, 1, 1]],
@@ -14,14 +15,44 @@ function link(origin, output, levels) {
   return `${origin}/v1/render?job=${deflateSync(JSON.stringify(job)).toString("base64url")}`;
 }
 
+// What the page's own reader makes of streams has the bytes that the decoder of meshoptimizer makes of them.
+async function checkStreams(origin) {
+  const text = await (await fetch(`${origin}/play/meshopt.js`)).text();
+  const { unpacked } = await import(`data:text/javascript,${encodeURIComponent(text)}`);
+  await MeshoptDecoder.ready;
+  let n = 0;
+  for (let level = 0; level <= 6; level += 1) {
+    const answer = await fetch(link(origin, { format: "glb", compression: "meshopt" }, level));
+    const bytes = await answer.arrayBuffer();
+    const length = new DataView(bytes).getUint32(12, true);
+    const { bufferViews } = JSON.parse(new TextDecoder().decode(bytes.slice(20, 20 + length)));
+    const buffer = bytes.slice(28 + length);
+    for (const stream of bufferViews.map((view) => view.extensions?.EXT_meshopt_compression).filter(Boolean)) {
+      const { count, byteStride, byteOffset = 0, byteLength, mode, filter } = stream;
+      const wanted = new Uint8Array(count * byteStride);
+      const source = new Uint8Array(buffer, byteOffset, byteLength);
+      MeshoptDecoder.decodeGltfBuffer(wanted, count, byteStride, source, mode, filter);
+      // the last byte of a direction says nothing
+      const isSaid = (at) => filter === undefined || at % 4 !== 3;
+      const found = new Uint8Array(unpacked(stream, buffer));
+      assert.equal(found.length, wanted.length);
+      assert.equal(wanted.findIndex((byte, at) => isSaid(at) && byte !== found[at]), -1, `${mode} at level ${level}`);
+      n += 1;
+    }
+  }
+  assert(n >= 18, `${n} streams`);
+}
+
 export async function checkElement({ browser, origin, folder }) {
+  await checkStreams(origin);
   const html = `<!doctype html><title>elsewhere</title><script type="module" src="${origin}/play/planish-view.js"></script>
     <planish-view src="${link(origin, { format: "gltf", lod: [1, 2, 4] }, 4)}" alt="A round cube"></planish-view>
     <planish-view id="glb" wireframe src="${link(origin, { format: "glb", compression: "quantize" }, 3)}"></planish-view>
+    <planish-view id="packed" src="${link(origin, { format: "gltf", compression: "meshopt", lod: [1, 4] }, 4)}"></planish-view>
     <planish-view id="wrong" src="${origin}/v1/render?job=e30"></planish-view>`;
   const server = createServer((_, response) => response.writeHead(200, { "content-type": "text/html" }).end(html));
   await new Promise((resolve) => server.listen(0, "127.0.0.1", resolve));
-  const page = await browser.newPage({ viewport: { width: 600, height: 900 } });
+  const page = await browser.newPage({ viewport: { width: 600, height: 1850 } });
   const wrong = [];
   page.on("pageerror", (error) => wrong.push(String(error)));
   await page.addInitScript(() => {
@@ -33,11 +64,13 @@ export async function checkElement({ browser, origin, folder }) {
     for (const type of ["load", "error"]) document.addEventListener(type, note, true);
   });
   await page.goto(`http://127.0.0.1:${server.address().port}/`);
-  await page.waitForFunction(() => window.told.length === 3);
+  await page.waitForFunction(() => window.told.length === 4);
   const told = await page.evaluate(() => window.told);
-  assert.deepEqual(told.map((one) => one.join(" ")).sort(), ["error wrong", "load ", "load glb"]);
+  assert.deepEqual(told.map((one) => one.join(" ")).sort(), ["error wrong", "load ", "load glb", "load packed"]);
   const levels = await page.evaluate(() => window.levels.filter(({ of }) => of === 3));
   assert.deepEqual(levels.map(({ triangles }) => triangles), [48, 192, 3072], "the coarsest level first");
+  const packed = await page.evaluate(() => window.levels.filter(({ of }) => of === 2));
+  assert.deepEqual(packed.map(({ triangles }) => triangles), [48, 3072], "levels of streams");
   assert.match(await page.locator("#wrong p").textContent(), /cannot be shown/);
   // a picture of one colour would be an empty canvas
   const before = await page.locator("planish-view").first().screenshot();

@@ -3,6 +3,7 @@ import assert from "node:assert/strict";
 import { existsSync } from "node:fs";
 import { dirname, join } from "node:path";
 import { fileURLToPath } from "node:url";
+import { checkDownloads } from "./play-taking.mjs";
 import { Player } from "./player.mjs";
 
 const here = dirname(fileURLToPath(import.meta.url));
@@ -180,6 +181,7 @@ async function checkSchemes(player) {
 
 async function checkFiles(player) {
   const { page } = player;
+  player.expected.push(/status of 422/);
   const file = ["api/examples/meshes/nut.obj", "../../../api/examples/meshes/nut.obj"]
     .map((path, at) => join(at ? here : process.cwd(), path)).find(existsSync);
   await page.setInputFiles("#file", file);
@@ -207,6 +209,40 @@ async function checkFiles(player) {
   await page.waitForFunction(() => !document.querySelector("#notice").hidden);
 }
 
+// A file is dropped, one of its edges made sharp, and the result taken along in every format, STEP for CAD included.
+async function checkTaking(player) {
+  const { page } = player;
+  // the scheme stays when a file is dropped, and CAD takes limits of Catmull-Clark
+  await page.selectOption("#examples", "sheet");
+  await player.settled();
+  const cube = "v -1 -1 -1\nv 1 -1 -1\nv 1 1 -1\nv -1 1 -1\nv -1 -1 1\nv 1 -1 1\nv 1 1 1\nv -1 1 1\n"
+    + "f 1 4 3 2\nf 5 6 7 8\nf 1 2 6 5\nf 2 3 7 6\nf 3 4 8 7\nf 4 1 5 8\n";
+  await page.evaluate((text) => {
+    const dropped = new DataTransfer();
+    dropped.items.add(new File([text], "cube.obj"));
+    document.querySelector("#stage").dispatchEvent(new DragEvent("drop", { dataTransfer: dropped, bubbles: true }));
+  }, cube);
+  await page.waitForFunction(() => window.planish.job().input.mesh.faces.length === 6);
+  await page.waitForFunction(() => document.querySelector("#notice").hidden);
+  await player.settled();
+  const vertex = await nearest(player);
+  const from = await seen(player, vertex);
+  await player.drag(from, [from[0] + 40, from[1] - 20]);
+  await page.click("#tool-crease");
+  await page.locator("#sharpness").fill("10");
+  await page.mouse.click(...await edgeAt(player, vertex));
+  assert.equal((await mesh(player)).creases.length, 1);
+  await page.click("#tool-move");
+  await player.settled();
+  await page.click("#take-open");
+  await page.waitForFunction(() => document.querySelector("#take-link")?.value);
+  const formats = await page.locator("[data-format]").evaluateAll((all) => all.map((one) => one.dataset.format));
+  for (const format of ["png", "svg", "glb", "obj", "stl", "ply", "step"]) assert(formats.includes(format), format);
+  await checkDownloads(player, formats);
+  assert.equal(await page.locator("#take .fault").textContent(), "");
+  await page.click("#take [aria-label=Close]");
+}
+
 async function checkExamples(player) {
   const { page } = player;
   for (const value of await page.locator("#examples option").evaluateAll((all) => all.map((one) => one.value))) {
@@ -219,14 +255,13 @@ async function checkExamples(player) {
 }
 
 export async function checkSurfaces(given) {
-  const player = await Player.open(given);
+  const player = await Player.open(given, { acceptDownloads: true });
   await player.page.click("#mode-surfaces");
   await player.page.waitForSelector("#tool-crease");
   await player.settled();
   await player.accessible("the page of surfaces");
-  for (const check of [checkVertices, checkTags, checkShow, checkPictures, checkExamples, checkSchemes, checkFiles]) {
-    await check(player);
-  }
+  for (const check of [checkVertices, checkTags, checkShow, checkPictures, checkExamples, checkSchemes, checkFiles,
+    checkTaking]) await check(player);
   await player.page.click("#mode-curves");
   await player.page.waitForSelector(".curve");
   await player.close();

@@ -8,7 +8,7 @@ import { Player } from "./player.mjs";
 const value = (page, id) => page.locator(`#${id}`).inputValue();
 
 // Each download has the bytes that the service answers for the job that the drawer shows for its format.
-async function checkDownloads(player, formats) {
+export async function checkDownloads(player, formats) {
   const { page } = player;
   for (const format of formats) {
     await page.selectOption("#take-format", format);

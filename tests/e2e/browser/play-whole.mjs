@@ -3,6 +3,7 @@ import assert from "node:assert/strict";
 import { join } from "node:path";
 import { deflateSync } from "node:zlib";
 import { Player } from "./player.mjs";
+import { launch } from "./service.mjs";
 
 // Compressed bytes that are sent before the first curve stands.
 export async function checkFirstPicture({ browser, origin }) {
@@ -13,7 +14,7 @@ export async function checkFirstPicture({ browser, origin }) {
   let sent = 0;
   client.on("Network.loadingFinished", ({ encodedDataLength }) => { sent += encodedDataLength; });
   await page.goto(`${origin}/play`);
-  await page.waitForFunction(() => document.querySelector(".curve")?.getAttribute("d"));
+  await page.waitForFunction(() => document.querySelector(".curve path")?.getAttribute("d"));
   assert(sent > 5000 && sent < 100_000, `${sent} bytes before the first picture`);
   await context.close();
   return `first picture after ${sent} bytes`;
@@ -56,48 +57,12 @@ export async function checkTouch(given) {
   return "fingers";
 }
 
-// Drags a point along a circle, a step a frame, and counts frames in which something new was drawn.
-async function framesOf(player, [x, y]) {
-  const { page } = player;
-  await page.mouse.move(x, y);
-  await page.mouse.down();
-  await page.mouse.move(x + 8, y, { steps: 3 });
-  const target = await page.evaluateHandle(() => document.querySelector(".point.selected, .pane canvas"));
-  const told = await page.evaluate(async ([target, x, y]) => {
-    const stage = window.planish.stage();
-    const [drawn, asked, start] = [stage.drawn, stage.requests, performance.now()];
-    let frames = 0;
-    const frame = () => new Promise((resolve) => requestAnimationFrame(resolve));
-    for (; frames < 60; frames += 1) {
-      const angle = frames / 10;
-      const place = { clientX: x + 40 * Math.cos(angle), clientY: y + 40 * Math.sin(angle) };
-      target.dispatchEvent(new PointerEvent("pointermove", { ...place, pointerId: 1, bubbles: true, pointerType: "mouse" }));
-      await frame();
-    }
-    const seconds = (performance.now() - start) / 1000;
-    return { rate: (stage.drawn - drawn) / seconds, drawn: stage.drawn - drawn, requests: stage.requests - asked };
-  }, [target, x, y]);
-  await page.mouse.up();
-  return told;
-}
-
-// A polygon of 200 points at level 6, and a mesh of 500 quads at level 3.
-export async function checkFrames(given) {
-  const around = Array.from({ length: 200 }, (_, i) => {
+// A polygon of 200 points at level 6, and a mesh of 484 quads at level 3.
+const many = (() => {
+  const points = Array.from({ length: 200 }, (_, i) => {
     const [angle, radius] = [i * Math.PI / 100, 3 + 0.4 * Math.cos(i * 0.9)];
     return [radius * Math.cos(angle), radius * Math.sin(angle)].map((value) => Math.round(value * 1000) / 1000);
   });
-  const told = [];
-  const open = (job) => Player.open(given, { hash: `#job=${deflateSync(JSON.stringify(job)).toString("base64url")}` });
-  const curve = { input: { polygon: { points: around, closed: true } }, plan: { preset: "cubic-b-spline" }, levels: 6 };
-  let player = await open(curve);
-  await player.page.waitForTimeout(600);
-  const ofCurve = await framesOf(player, await player.middle(".point", 10));
-  assert(ofCurve.drawn > 10, `${ofCurve.drawn} frames`);
-  told.push(`curve of 200 points ${ofCurve.rate.toFixed(0)} frames a second with ${ofCurve.requests} requests`);
-  await player.settled();
-  await player.agrees();
-  await player.close();
   const n = 23;
   const positions = Array.from({ length: n * n }, (_, i) => {
     const [u, v] = [i % n - n / 2, Math.floor(i / n) - n / 2];
@@ -107,18 +72,119 @@ export async function checkFrames(given) {
     const at = Math.floor(i / (n - 1)) * n + i % (n - 1);
     return [at, at + n, at + n + 1, at + 1];
   });
-  player = await open({ input: { mesh: { positions, faces } }, plan: { preset: "catmull-clark" }, levels: 3 });
-  await player.page.waitForTimeout(1500);
-  const vertex = 11 * n + 11;
-  const [x, y] = await player.page.evaluate((v) => window.planish.stage().seen(v), vertex);
-  const box = await player.page.locator("canvas").boundingBox();
-  const ofSurface = await framesOf(player, [box.x + x, box.y + y]);
-  assert(ofSurface.drawn > 5, `${ofSurface.drawn} frames`);
-  told.push(`mesh of ${faces.length} quads ${ofSurface.rate.toFixed(0)} with ${ofSurface.requests}`);
+  return {
+    curve: { input: { polygon: { points, closed: true } }, plan: { preset: "cubic-b-spline" }, levels: 6 },
+    surface: { input: { mesh: { positions, faces } }, plan: { preset: "catmull-clark" }, levels: 3 },
+    vertex: 11 * n + 11,
+  };
+})();
+
+// Opens the page with a job, by whose stencils it moves from then on.
+async function opened(given, job, { show = "polygon.surface.net", ...options } = {}) {
+  const coded = deflateSync(JSON.stringify(job)).toString("base64url");
+  const player = await Player.open(given, { hash: `#job=${coded}&show=${show}`, ...options });
+  const hasStencils = () => player.asked.some((request) => /stencils-bin/.test(request.postData() ?? ""));
+  while (!hasStencils()) await player.page.waitForTimeout(50);
+  await player.page.waitForTimeout(600);
   await player.settled();
-  await player.agrees();
-  await player.close();
+  return player;
+}
+
+async function vertexOn(page, vertex) {
+  const [x, y] = await page.evaluate((v) => window.planish.stage().seen(v), vertex);
+  const box = await page.locator("canvas").boundingBox();
+  return [box.x + x, box.y + y];
+}
+
+// Takes a point and drags it along a circle, a step a frame. Tells how many frames a second had something new, and the
+// milliseconds that the page's thread was busy for each: the first depends on what else the machine does.
+async function framesOf(player, [x, y]) {
+  const { page } = player;
+  const client = await player.context.newCDPSession(page);
+  await client.send("Performance.enable", { timeDomain: "threadTicks" });
+  const busy = async () => {
+    const { metrics } = await client.send("Performance.getMetrics");
+    return metrics.find(({ name }) => name === "TaskDuration").value;
+  };
+  await page.mouse.move(x, y);
+  await page.mouse.down();
+  await page.mouse.move(x + 8, y, { steps: 3 });
+  const target = await page.evaluateHandle(() => document.querySelector(".point.selected, .pane canvas"));
+  const circle = (frames) => page.evaluate(async ([target, x, y, frames]) => {
+    const stage = window.planish.stage();
+    const [drawn, asked, start] = [stage.drawn, stage.requests, performance.now()];
+    for (let at = 0; at < frames; at += 1) {
+      const place = { clientX: x + 40 * Math.cos(at / 10), clientY: y + 40 * Math.sin(at / 10) };
+      const event = { ...place, pointerId: 1, bubbles: true, pointerType: "mouse" };
+      target.dispatchEvent(new PointerEvent("pointermove", event));
+      await new Promise((resolve) => requestAnimationFrame(resolve));
+    }
+    const seconds = (performance.now() - start) / 1000;
+    return { rate: (stage.drawn - drawn) / seconds, drawn: stage.drawn - drawn, requests: stage.requests - asked };
+  }, [target, x, y, frames]);
+  // the first frames are slower: what stays is drawn, and functions are compiled
+  await circle(20);
+  const before = await busy();
+  const told = await circle(120);
+  told.busy = (await busy() - before) * 1000 / told.drawn;
+  return told;
+}
+
+// Drags are drawn frame by frame without requests; how quickly is printed, and not asserted.
+export async function checkFrames(given) {
+  // Chromium without a graphics processor, as it is: the page is put together by its own painter, and WebGL emulated
+  const browser = await launch("--disable-gpu-compositing");
+  const told = [];
+  try {
+    for (const kind of ["curve", "surface"]) {
+      const player = await opened({ ...given, browser }, many[kind]);
+      const { page } = player;
+      const from = kind === "curve" ? await player.middle(".point", 10) : await vertexOn(page, many.vertex);
+      const { drawn, requests, rate, busy } = await framesOf(player, from);
+      assert.equal(drawn, 120, "each step is drawn");
+      assert.equal(requests, 0, "and asks for nothing");
+      await page.mouse.up();
+      await player.settled();
+      await player.agrees();
+      await player.close();
+      told.push(`${kind} ${rate.toFixed(0)} frames a second, ${busy.toFixed(1)} ms of the page's thread each`);
+    }
+  } finally {
+    await browser.close();
+  }
   return told.join(", ");
+}
+
+// While a vertex is dragged that part is drawn which moves: the picture is the one that is drawn as a whole at rest.
+export async function checkParts(given) {
+  for (const show of ["surface.net", "surface.net.wireframe.extraordinary", "net.isolines.surface.flat"]) {
+    // as many pixels while something moves as at rest
+    const options = { deviceScaleFactor: 2, viewport: { width: 900, height: 700 } };
+    const player = await opened(given, many.surface, { show, ...options });
+    const { page } = player;
+    const [x, y] = await vertexOn(page, many.vertex);
+    const before = await page.evaluate(() => document.querySelector(".pane canvas").toDataURL());
+    await page.mouse.move(x, y);
+    await page.mouse.down();
+    const [moved, rested] = await page.evaluate(async ([x, y]) => {
+      const canvas = document.querySelector(".pane canvas");
+      for (let at = 1; at <= 8; at += 1) {
+        const place = { clientX: x + 6 * at, clientY: y - 9 * at };
+        const event = { ...place, pointerId: 1, bubbles: true, pointerType: "mouse" };
+        canvas.dispatchEvent(new PointerEvent("pointermove", event));
+        const { drawn } = window.planish.stage();
+        while (window.planish.stage().drawn === drawn) await new Promise((resolve) => requestAnimationFrame(resolve));
+      }
+      const moved = canvas.toDataURL();
+      await new Promise((resolve) => setTimeout(resolve, 1500));
+      return [moved, canvas.toDataURL()];
+    }, [x, y]);
+    assert.notEqual(moved, before, `${show}: a drag is seen`);
+    assert(moved === rested, `${show}: the picture in parts is another than the whole`);
+    await page.mouse.up();
+    await player.close();
+  }
+  return "surfaces in parts";
 }
 
 // Pictures of the page, for people to look at.

@@ -7,7 +7,7 @@ import { checkCurves } from "./play-curves.mjs";
 import { checkElement } from "./play-element.mjs";
 import { checkSurfaces } from "./play-surfaces.mjs";
 import { checkTaking } from "./play-taking.mjs";
-import { checkFirstPicture, checkFrames, checkTouch, screenshots } from "./play-whole.mjs";
+import { checkFirstPicture, checkFrames, checkParts, checkTouch, screenshots } from "./play-whole.mjs";
 
 const [binary, folder, running] = process.argv.slice(2);
 const started = Date.now();
@@ -18,7 +18,8 @@ try {
   const told = [];
   const only = process.env.PLAY_ONLY?.split(",");
   const checks = {
-    checkFirstPicture, checkCurves, checkTaking, checkSurfaces, checkElement, checkTouch, checkFrames, screenshots,
+    checkFirstPicture, checkCurves, checkTaking, checkSurfaces, checkElement, checkTouch, checkParts, checkFrames,
+    screenshots,
   };
   for (const [name, check] of Object.entries(checks)) {
     if (only && !only.includes(name)) continue;

@@ -71,7 +71,7 @@ export class Player {
     const { points, positions } = await answer.json();
     const answered = (points ?? positions).flat();
     assert.equal(shown.length, answered.length);
-    const at = shown.findIndex((value, i) => value !== answered[i]);
+    const at = shown.findIndex((value, i) => !Object.is(value, answered[i]));
     assert.equal(at, -1, `number ${at}: ${shown[at]}, answered ${answered[at]}`);
   }
 
