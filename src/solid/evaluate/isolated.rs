@@ -15,7 +15,7 @@ use crate::solid::sector::Kind;
 /// only costs time.
 pub(super) const RINGS: u32 = 60;
 /// Where the quads of a corner stand among the four that a quad is split into, row by row.
-const QUADRANTS: [usize; 4] = [0, 1, 3, 2];
+pub(super) const QUADRANTS: [usize; 4] = [0, 1, 3, 2];
 
 /// What is asked of a place: its number among all, and where it is in a face of some level.
 #[derive(Debug, Clone, Copy)]
@@ -32,12 +32,12 @@ pub(super) fn halved(query: Query) -> (usize, Query) {
 }
 
 /// A face alone with what its limit needs, about one of its vertices, which is the origin of all rings.
-#[derive(Debug)]
+#[derive(Debug, Clone)]
 pub(super) struct Rings {
-    level: Level,
+    pub(super) level: Level,
     edges: Edges,
     /// Which of the four corners of the face the vertex is.
-    corner: usize,
+    pub(super) corner: usize,
     /// Where the origin is, model units.
     pub(super) origin: Vector,
     /// How many times as fast the parameters of the face run as those at the start.
@@ -87,7 +87,7 @@ impl Rings {
 
     /// Goes one ring on: the half-edges of the four parts of the face before, row by row, of which that at the vertex
     /// is the face now. The nets of the others are those of `level`.
-    fn advance(&mut self, refiner: &Refiner<'_>) -> Result<[u32; 4], SolidError> {
+    pub(super) fn advance(&mut self, refiner: &Refiner<'_>) -> Result<[u32; 4], SolidError> {
         let mut next = self.level.refined(&[self.face()], refiner, &mut self.edges)?;
         let mut parts = [0; 4];
         let wanted = (0..index(next.topology.n_faces())).filter(|&f| next.wanted[f as usize]);
@@ -120,7 +120,8 @@ pub(super) fn isolated(
     let mut found = Vec::with_capacity(queries.len());
     for ring in 0..=RINGS {
         refiner.watch.check()?;
-        let is_there = |query: &Query| ring == RINGS || query.uv == corner && !is_followed;
+        let is_at_corner = |query: &Query| [0, 1].iter().all(|&k| query.uv[k] - corner[k] == 0.0);
+        let is_there = |query: &Query| ring == RINGS || !is_followed && is_at_corner(query);
         let (there, rest): (Vec<_>, Vec<_>) = queries.into_iter().partition(is_there);
         if !there.is_empty() {
             let jet = rings.vertex(refiner)?;
