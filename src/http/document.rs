@@ -188,16 +188,11 @@ fn complete(path: &str, operation: &mut Operation) {
             refuse(operation, FORECAST);
             refuse(operation, COMPUTED);
         }
-        "/v1/analyses" => {
+        "/v1/analyses" | "/v1/evaluate" => {
             headers(operation, "200", RESULT);
             headers(operation, "304", &["ETag", "Content-Location", "Vary"]);
-            refuse(operation, &[problem::TIMED_OUT, problem::NOT_ACCEPTABLE]);
-            refuse(operation, COMPUTED);
-        }
-        "/v1/evaluate" => {
-            headers(operation, "200", RESULT);
-            headers(operation, "304", &["ETag", "Content-Location", "Vary"]);
-            refuse(operation, FORECAST);
+            let analysed: &[_] = &[problem::TIMED_OUT, problem::NOT_ACCEPTABLE];
+            refuse(operation, if path == "/v1/evaluate" { FORECAST } else { analysed });
             refuse(operation, COMPUTED);
         }
         path if path.contains("/artifacts/") => {

@@ -1,4 +1,4 @@
-//! POST /v1/evaluate: values of the limit surface of a mesh at places on its faces.
+//! POST /v1/evaluate: values of the limit surface of a mesh at places on its faces, and the places closest to points.
 
 use std::io::Write;
 use std::sync::Arc;
@@ -25,11 +25,12 @@ use crate::wire::evaluation::{EvaluationAnswer, EvaluationRequest, places};
 use crate::wire::read::{read, weight};
 
 /// Evaluates the Catmull-Clark limit surface of a mesh at places on its faces: positions, normals, derivatives and
-/// curvatures.
+/// curvatures; and finds the places of the surface that are closest to points.
 ///
-/// Values are exact but for rounding, at boundaries, creases, corners and holes and next to extraordinary vertices, too;
-/// no level of refinement has any influence. At vertices around which the surface is not bicubic, derivatives and
-/// curvatures are null. Other schemes are refused.
+/// Values are exact but for rounding, at boundaries, creases, corners and holes and next to extraordinary vertices,
+/// too; no level of refinement has any influence. At vertices around which the surface is not bicubic, derivatives and
+/// curvatures are null. Of places that are equally close one is told; of faces that share it, the lowest. Other schemes
+/// are refused.
 #[utoipa::path(
     post, path = "/v1/evaluate", tag = "questions", request_body = EvaluationRequest,
     params(
@@ -52,12 +53,13 @@ async fn answered(app: &Arc<App>, client: &Client, headers: &HeaderMap, body: Bo
     let request = app.desk.read(peer, bytes, move |_| {
         let request: EvaluationRequest = read(&text)?;
         let at = places(&request.at).map_err(Problem::invalid)?;
-        Ok::<_, Problem>((at, request.values().map_err(Problem::invalid)?, request.job()))
+        let (values, job) = (request.values().map_err(Problem::invalid)?, request.job());
+        Ok::<_, Problem>((at, request.closest, values, job))
     });
-    let (at, values, job) = request.await??;
+    let (at, closest, values, job) = request.await??;
     let ReadJob { job, input, .. } = reading::job(app, peer, Sent::job(job.into()), 1, |_| Ok(())).await?;
     let admitted = reading::admit(app, peer, job).await?;
-    let made_of = move |_: &Watch| Evaluation::new(admitted, at, values).map_err(Problem::invalid);
+    let made_of = move |_: &Watch| Evaluation::new(admitted, at, closest, values).map_err(Problem::invalid);
     let evaluation = app.desk.read(peer, bytes, made_of).await??;
     let (needs, has) = (evaluation.bytes(), app.desk.account.long.capacity);
     if needs > u128::from(has) {

@@ -3,14 +3,14 @@
 use std::fmt;
 
 use serde::de::{Deserializer, Error, IgnoredAny, SeqAccess, Visitor};
-use serde::{Deserialize, Serialize};
+use serde::{Deserialize, Serialize, Serializer};
 use serde_json::value::RawValue;
 use utoipa::ToSchema;
 
 use super::choice::choice;
-use super::schema;
 use super::variants::{InputSchema, PlanSchema};
 use super::whole;
+use super::{fixed, schema};
 use crate::fault::Fault;
 use crate::job::{Evaluated, Quantity};
 use crate::math::vector::Vector;
@@ -37,6 +37,10 @@ pub struct EvaluationRequest {
     #[serde(default)]
     #[schema(schema_with = schema::places)]
     pub at: Vec<PlaceRequest>,
+    /// Points, at most a million, whose closest places on the surface are looked for: `n x 3`, model units.
+    #[serde(default, deserialize_with = "fixed::list")]
+    #[schema(schema_with = schema::points_in_space)]
+    pub closest: Vec<[f64; 3]>,
     /// What is answered of each place; `position` and `normal` when left out.
     #[serde(default)]
     #[schema(max_items = 16)]
@@ -136,8 +140,9 @@ impl EvaluationRequest {
     /// # Errors
     /// A request that asks for nothing.
     pub fn values(&self) -> Result<Vec<Quantity>, Vec<Fault>> {
-        if self.at.is_empty() {
-            return Err(vec![Fault::new("/at", "there is no place; give some as [face, u, v]")]);
+        if self.at.is_empty() && self.closest.is_empty() {
+            let detail = "there is no place; give some as [face, u, v], or points in \"closest\"";
+            return Err(vec![Fault::new("/at", detail)]);
         }
         match &self.values {
             None => Ok(vec![Quantity::Position, Quantity::Normal]),
@@ -151,7 +156,39 @@ impl EvaluationRequest {
 #[derive(Debug, Serialize, ToSchema)]
 pub struct EvaluationAnswer {
     /// The values at the places of `at`.
-    pub at: ValuesAnswer,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub at: Option<ValuesAnswer>,
+    /// The places closest to the points of `closest`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub closest: Option<ClosestAnswer>,
+}
+
+/// The places of the surface closest to points, each a list with an entry a point in the order of the request.
+#[derive(Debug, Serialize, ToSchema)]
+pub struct ClosestAnswer {
+    /// The places, as `at` has them: of faces and corners that share one, the lowest.
+    #[schema(value_type = Vec<Vec<f64>>)]
+    pub at: Vec<WrittenPlace>,
+    /// Their positions, model units.
+    #[schema(value_type = Vec<Vec<f64>>)]
+    pub positions: Vec<Vector>,
+    /// How far the points are from them, model units.
+    pub distances: Vec<f64>,
+    /// For how many points the search ended before all other places were ruled out: they are as far from much of the
+    /// surface as from the place that was found, such as the middle of a ball. Of the others no place is nearer, by
+    /// more than 1e-9 of the size of the surface.
+    pub uncertain: usize,
+}
+
+/// A place as it is written, with the corner only where it is not 0.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct WrittenPlace(Place);
+
+impl Serialize for WrittenPlace {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        let Place { face, corner, uv: [u, v] } = self.0;
+        if corner == 0 { (face, u, v).serialize(serializer) } else { (face, u, v, corner).serialize(serializer) }
+    }
 }
 
 /// Values at places, each a list with an entry a place in the order of the request; those that were not asked for are
@@ -203,7 +240,14 @@ pub struct ValuesAnswer {
 impl EvaluationAnswer {
     /// What was found of these quantities.
     pub fn new(found: &Evaluated, values: &[Quantity]) -> Self {
-        Self { at: ValuesAnswer::new(&found.at, values) }
+        let at = (!found.at.is_empty()).then(|| ValuesAnswer::new(&found.at, values));
+        let closest = (!found.closest.is_empty()).then(|| ClosestAnswer {
+            at: found.closest.iter().map(|closest| WrittenPlace(closest.place)).collect(),
+            positions: found.closest.iter().map(|closest| plain(closest.at)).collect(),
+            distances: found.closest.iter().map(|closest| closest.distance).collect(),
+            uncertain: found.closest.iter().filter(|closest| !closest.is_certain).count(),
+        });
+        Self { at, closest }
     }
 }
 

@@ -81,6 +81,12 @@ pub(super) fn faces() -> RefOr<Schema> {
     lists(index(), 3, None, doc)
 }
 
+/// Points in space.
+pub(super) fn points_in_space() -> RefOr<Schema> {
+    let doc = "Points, at most a million, whose closest places on the surface are looked for: `n x 3`, model units.";
+    lists(of(Type::Number).build(), 3, Some(3), doc)
+}
+
 /// Places on faces.
 pub(super) fn places() -> RefOr<Schema> {
     let doc = "Places on input faces, at most a million: `[face, u, v]`, u and v from 0 to 1. On a quad corner 0 is at \

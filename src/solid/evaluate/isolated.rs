@@ -65,6 +65,11 @@ impl Rings {
         self.level.topology.half_edges(face as usize).start + index(self.corner)
     }
 
+    /// What the surface is at the vertex.
+    pub(super) fn kind(&self) -> Kind {
+        self.level.sector(self.half_edge()).kind
+    }
+
     /// The one face that is looked at.
     fn face(&self) -> u32 {
         self.level.wanted.iter().position(|&wanted| wanted).map_or(NONE, index)
@@ -116,7 +121,7 @@ pub(super) fn isolated(
     let quadrant = QUADRANTS[rings.corner];
     let corner = [quadrant % 2, quadrant / 2].map(|bit| if bit == 1 { 1.0 } else { 0.0 });
     // ends of creases have no mask that gives their limit; they are where the rings shrink to
-    let is_followed = level.sector(half_edge).kind == Kind::Dart;
+    let is_followed = rings.kind() == Kind::Dart;
     let mut found = Vec::with_capacity(queries.len());
     for ring in 0..=RINGS {
         refiner.watch.check()?;

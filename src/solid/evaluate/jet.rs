@@ -13,7 +13,8 @@ pub struct Jet {
     pub first: Option<[Vector; 2]>,
     /// The second derivatives along u twice, u and v, and v twice, model units; none where there are no first ones.
     pub second: Option<[Vector; 3]>,
-    /// The unit normal, to the side from which the face is seen counter-clockwise; none where no tangent plane is known.
+    /// The unit normal, to the side from which the face is seen counter-clockwise; none where no tangent plane is
+    /// known.
     pub normal: Option<Vector>,
 }
 

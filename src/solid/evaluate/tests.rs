@@ -1,6 +1,6 @@
 //! Laws of values of the limit surface: they are those of refinement, of a known spline, and of calculus.
 
-use super::{Jet, Place, evaluate};
+use super::{Closest, Jet, Place, closest, evaluate};
 use crate::analysis::limit::{LimitRequest, refine_mesh_to_limit};
 use crate::math::functions::{cos, real, sin};
 use crate::math::vector::{Vector, cross, dot, length, minus, plus, times};
@@ -41,6 +41,10 @@ impl Cage {
 
     pub(super) fn at(&self, places: &[Place]) -> Vec<Jet> {
         evaluate(&self.mesh(), &self.plan(), places, &Watch::new()).expect("places of the mesh")
+    }
+
+    pub(super) fn closest(&self, points: &[Vector]) -> Vec<Closest> {
+        closest(&self.mesh(), &self.plan(), points, &Watch::new()).expect("it has a surface")
     }
 }
 
@@ -280,4 +284,86 @@ fn a_place_next_to_a_vertex_keeps_its_digits_far_from_the_origin() {
     let [a, b] = [near, far].map(|found| found.normal.expect("it is smooth"));
     // the cage itself has lost three digits
     assert!(length(minus(a, b)) < 1e-11, "{a:?} {b:?}");
+}
+
+/// Places of a grid on each square of the faces that are shown.
+fn grid(cage: &Cage, n: u32) -> Vec<Place> {
+    let shown = (0..).zip(&cage.faces).filter(|(face, _)| !cage.holes.contains(&u64::from(*face)));
+    let squares = shown.flat_map(|(face, corners)| {
+        let squares = if corners.len() == 4 { 1 } else { corners.len() };
+        (0..).take(squares).map(move |corner| (face, corner))
+    });
+    let at = |i: u32| f64::from(i) / f64::from(n);
+    let places = squares.flat_map(|(face, corner)| {
+        (0..=n).flat_map(move |i| (0..=n).map(move |j| Place { face, corner, uv: [at(i), at(j)] }))
+    });
+    places.collect()
+}
+
+#[test]
+fn closest_places_are_as_near_as_any_sample_and_as_they_say() {
+    for (name, cage) in cages() {
+        let samples: Vec<Vector> = cage.at(&grid(&cage, 24)).iter().map(|jet| jet.at).collect();
+        let mut state = 9_u64;
+        let mut random = || {
+            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+            f64::from(u32::try_from(state >> 32).expect("32 bits")) / f64::from(u32::MAX)
+        };
+        let mut points: Vec<Vector> = (0..24).map(|_| [0, 1, 2].map(|_| 5.0 * random() - 2.0)).collect();
+        points.extend(&cage.points);
+        for (&point, found) in points.iter().zip(cage.closest(&points)) {
+            let sampled = samples.iter().map(|&p| length(minus(p, point))).fold(f64::INFINITY, f64::min);
+            assert!(found.distance <= sampled + 1e-9, "{name}: {found:?}, a sample is at {sampled} of {point:?}");
+            assert!(sampled - found.distance < 0.15, "{name}: {found:?}, the best sample is at {sampled}");
+            assert!((length(minus(found.at, point)) - found.distance).abs() < 1e-13, "{name}: {found:?}");
+            let there = cage.at(&[found.place])[0];
+            assert!(length(minus(there.at, found.at)) < 1e-8, "{name}: {found:?} {there:?}");
+            assert!(found.is_certain, "{name}: {found:?} of {point:?}");
+        }
+    }
+}
+
+#[test]
+fn points_of_the_surface_are_their_own_closest_places() {
+    for (name, cage) in cages() {
+        let places = grid(&cage, 5);
+        let points: Vec<Vector> = cage.at(&places).iter().map(|jet| jet.at).collect();
+        for ((place, &point), found) in places.iter().zip(&points).zip(cage.closest(&points)) {
+            // at most 1e-9 of sizes of at most 5 is told apart; ends of creases have no mask that tells them exactly
+            assert!(found.distance < 5e-9, "{name}: {found:?} is not at {place:?}");
+            let is_inside = place.uv.iter().all(|x| *x > 0.0 && *x < 1.0);
+            if is_inside {
+                assert_eq!((found.place.face, found.place.corner), (place.face, place.corner), "{name}: {place:?}");
+                let apart = [0, 1].map(|k| (found.place.uv[k] - place.uv[k]).abs());
+                assert!(apart.iter().all(|x| *x < 1e-4), "{name}: {found:?} is not at {place:?}");
+            }
+            assert!((length(minus(point, found.at)) - found.distance).abs() < 1e-13, "{name}: {found:?}");
+        }
+    }
+}
+
+#[test]
+fn of_faces_that_share_a_place_the_lowest_is_told() {
+    let cage = sheet(2, 2, |i, j| [i, j, 0.0]);
+    let places = [[1.0, 0.5], [0.5, 1.0], [1.0, 1.0], [1.5, 1.0], [2.0, 2.0]];
+    let found = cage.closest(&places.map(|[x, y]| [x, y, 3.0]));
+    let faces: Vec<u32> = found.iter().map(|found| found.place.face).collect();
+    assert_eq!(faces, [0, 0, 0, 2, 3]);
+    let holed = Cage { holes: vec![0], ..cage };
+    let found = holed.closest(&places.map(|[x, y]| [x, y, 3.0]));
+    let faces: Vec<u32> = found.iter().map(|found| found.place.face).collect();
+    assert_eq!(faces, [2, 1, 1, 2, 3]);
+    let pentagon = prism(5);
+    let middle = pentagon.at(&[Place { face: 1, corner: 3, uv: [1.0; 2] }])[0];
+    let found = pentagon.closest(&[plus(middle.at, [0.0, 0.0, 1.0])])[0];
+    assert_eq!((found.place.face, found.place.corner), (1, 0));
+}
+
+#[test]
+fn the_middle_of_a_ball_has_a_closest_place_in_bounded_time() {
+    // of a cage that is nearly round, every place is about as near to its middle
+    let round = Cage { points: cube().points.iter().map(|p| times(1.0 / length(*p), *p)).collect(), ..cube() };
+    let found = round.closest(&[[0.0; 3]])[0];
+    let sampled = round.at(&grid(&round, 24)).iter().map(|jet| length(jet.at)).fold(f64::INFINITY, f64::min);
+    assert!(found.distance <= sampled + 1e-9, "{found:?} {sampled}");
 }

@@ -43,6 +43,30 @@ fn a_cube_has_its_known_values_at_a_corner_and_at_the_middle_of_a_face() {
 }
 
 #[test]
+fn points_have_their_closest_places() {
+    story(settings(), async |server| {
+        let mut asked = asked(&json!([[1, 0.5, 0.5]]));
+        asked["closest"] = json!([[0, 0, 9], [-8, -8, 8], [0.1, 0.2, 0.9]]);
+        let found = server.post("/v1/evaluate", &asked).await.ok().json();
+        let closest = &found["closest"];
+        // the middle of the upper face, and the corner that the faces 1, 2 and 5 share
+        near(&closest["at"][0], &[1.0, 0.5, 0.5]);
+        near(&closest["at"][1], &[1.0, 0.0, 0.0]);
+        near(
+            &closest["positions"][0],
+            &serde_json::from_value::<Vec<f64>>(found["at"]["positions"][0].clone()).unwrap(),
+        );
+        near(&closest["positions"][1], &[-0.5, -0.5, 0.5]);
+        near(&json!([closest["distances"][1]]), &[7.5 * 3.0_f64.sqrt()]);
+        assert_eq!(closest["uncertain"], 0);
+        asked["at"] = json!([closest["at"][2]]);
+        let there = server.post("/v1/evaluate", &asked).await.ok().json();
+        let (a, b) = (&there["at"]["positions"][0], &closest["positions"][2]);
+        near(a, &serde_json::from_value::<Vec<f64>>(b.clone()).unwrap());
+    });
+}
+
+#[test]
 fn the_same_question_is_answered_once() {
     story(settings(), async |server| {
         let first = server.post("/v1/evaluate", &asked(&json!([[0, 0.5, 0.5]]))).await.ok();
@@ -79,7 +103,7 @@ fn what_has_no_values_is_refused_at_its_place() {
             (nothing, "/values", "name some"),
             (broken, "/input/mesh/faces/2/1", "77"),
             (asked(&json!([])), "/at", "no place"),
-            (asked(&json!(many)), "/at", "send several"),
+            (asked(&json!(many)), "/at", "at most 1000000"),
             (asked(&json!([[0, 0, 0], [6, 0, 0]])), "/at/1/0", "the mesh has 6"),
             (asked(&json!([[0.5, 0, 0]])), "/at/0/0", "0.5"),
             (asked(&json!([[0, 0, 1.5]])), "/at/0/2", "give 0 to 1"),
