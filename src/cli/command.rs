@@ -10,6 +10,7 @@ use super::analyse::Question;
 use super::compare::CompareOptions;
 use super::error::{CODES, CliError};
 use super::estimate::EstimateOptions;
+use super::evaluate::EvaluateOptions;
 use super::figures::FigureOptions;
 use super::key::KeyOptions;
 use super::mcp::McpOptions;
@@ -73,6 +74,10 @@ enum Command {
     /// Tell what a job, or a mesh file, would come to, without running it.
     #[command(after_help = CODES)]
     Estimate(Box<EstimateOptions>),
+    /// Tell what the Catmull-Clark limit surface of a mesh is like at places on its faces, and which of its places are
+    /// closest to points, as JSON.
+    #[command(after_help = CODES)]
+    Evaluate(Box<EvaluateOptions>),
     /// Tell what is wrong with jobs, or mesh files, and what their meshes are like, as JSON; ends with 3 where
     /// something is wrong.
     #[command(after_help = CODES)]
@@ -149,6 +154,7 @@ pub fn run(cli: Cli) -> ExitCode {
         Command::Reproduce(options) => options.reproduce(),
         Command::Compare(options) => options.compare(),
         Command::Estimate(options) => options.estimate(),
+        Command::Evaluate(options) => options.evaluate(),
         Command::Validate(options) => options.validate(),
         Command::Analyse(question) => question.analyse(),
         Command::Presets { name } => catalogue::list_presets(name.as_deref()),

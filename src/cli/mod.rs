@@ -7,6 +7,7 @@ mod compare;
 mod elsewhere;
 mod error;
 mod estimate;
+mod evaluate;
 mod figures;
 mod files;
 mod flags;

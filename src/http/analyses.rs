@@ -63,13 +63,27 @@ async fn answered(app: &Arc<App>, client: &Client, headers: &HeaderMap, body: Bo
         request.resolve(form, watch).map_err(Problem::invalid)
     });
     let task = Arc::new(AnalysisTask(analysis.await??, form));
+    made(app, client, headers, task, form.extension()).await
+}
+
+/// The answer that a task makes, an artifact whose files have an extension: kept from before, or made now.
+///
+/// # Errors
+/// Why there is none.
+pub(super) async fn made(
+    app: &Arc<App>,
+    client: &Client,
+    headers: &HeaderMap,
+    task: Arc<dyn Task>,
+    extension: &str,
+) -> Result<Response, Problem> {
     let key = task.key();
     if let Some(tag) = negotiate::has_already(headers, &key) {
-        return Ok(not_modified(&key, form, tag));
+        return Ok(not_modified(&key, extension, tag));
     }
     if let Some(manifest) = app.desk.find(key, client.peer()).await {
         // what turns out to be damaged has been dropped, and is made again
-        match whole(app, headers, Artifact::kept(manifest, client.peer()), (&key, form)).await {
+        match whole(app, headers, Artifact::kept(manifest, client.peer()), (&key, extension)).await {
             Err(Lost::Gone) => {}
             answered => return Ok(answered?),
         }
@@ -78,7 +92,7 @@ async fn answered(app: &Arc<App>, client: &Client, headers: &HeaderMap, body: Bo
     match interest.computation.finished().await {
         Phase::Done(outcome) => {
             let found = Artifact::made(&outcome, interest.provenance, client.peer());
-            Ok(whole(app, headers, found, (&key, form)).await?)
+            Ok(whole(app, headers, found, (&key, extension)).await?)
         }
         Phase::Failed(failure) => Err(Problem::of_failure(failure, |refused| refused.fault)),
         Phase::Queued | Phase::Running => Err(Problem::cancelled()),
@@ -89,18 +103,18 @@ async fn whole(
     app: &Arc<App>,
     headers: &HeaderMap,
     found: Artifact,
-    (key, form): (&Key, Form),
+    (key, extension): (&Key, &str),
 ) -> Result<Response, Lost> {
     let found = coded(app, headers, found).await;
-    let head = answer::headers(&found, &address::of_extension(key, form.extension()));
+    let head = answer::headers(&found, &address::of_extension(key, extension));
     answer::bytes(app, found, head, ByteRange::Whole).await
 }
 
-fn not_modified(key: &Key, form: Form, tag: String) -> Response {
+fn not_modified(key: &Key, extension: &str, tag: String) -> Response {
     let mut headers = HeaderMap::new();
     headers.insert(header::VARY, HeaderValue::from_static(answer::VARY));
     if let (Ok(tag), Ok(address)) =
-        (HeaderValue::try_from(tag), HeaderValue::try_from(address::of_extension(key, form.extension())))
+        (HeaderValue::try_from(tag), HeaderValue::try_from(address::of_extension(key, extension)))
     {
         headers.insert(header::ETAG, tag);
         headers.insert(header::CONTENT_LOCATION, address);

@@ -146,6 +146,7 @@ fn complete(path: &str, operation: &mut Operation) {
                     "/v1/analyses" => document_examples::analyses(),
                     "/v1/batches" => document_examples::batches(),
                     "/v1/compare" => document_examples::comparisons(),
+                    "/v1/evaluate" => document_examples::evaluations(),
                     _ => document_examples::jobs(),
                 };
             }
@@ -190,10 +191,11 @@ fn complete(path: &str, operation: &mut Operation) {
             refuse(operation, FORECAST);
             refuse(operation, COMPUTED);
         }
-        "/v1/analyses" => {
+        "/v1/analyses" | "/v1/evaluate" => {
             headers(operation, "200", RESULT);
             headers(operation, "304", &["ETag", "Content-Location", "Vary"]);
-            refuse(operation, &[problem::TIMED_OUT, problem::NOT_ACCEPTABLE]);
+            let analysed: &[_] = &[problem::TIMED_OUT, problem::NOT_ACCEPTABLE];
+            refuse(operation, if path == "/v1/evaluate" { FORECAST } else { analysed });
             refuse(operation, COMPUTED);
         }
         path if path.contains("/artifacts/") => {

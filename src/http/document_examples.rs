@@ -91,3 +91,16 @@ pub(super) fn comparisons() -> Examples {
     let asked = json!({ "a": job(2), "b": job(6), "tolerance": 0.05 });
     named([("levels", "Two levels of a curve", asked)])
 }
+
+/// Places on the limit surface of a cube.
+pub(super) fn evaluations() -> Examples {
+    let asked = json!({ "input": { "mesh": cube() }, "plan": { "preset": "catmull-clark" },
+        "at": [[0, 0, 0], [0, 0.5, 0.25]], "values": ["position", "normal", "curvatures"] });
+    named([("places", "Two places on a face", asked)])
+}
+
+fn cube() -> Value {
+    json!({ "positions": [[-1, -1, -1], [-1, -1, 1], [-1, 1, -1], [-1, 1, 1], [1, -1, -1], [1, -1, 1], [1, 1, -1],
+            [1, 1, 1]],
+        "faces": [[0, 1, 3, 2], [4, 6, 7, 5], [0, 4, 5, 1], [2, 3, 7, 6], [0, 2, 6, 4], [1, 5, 7, 3]] })
+}

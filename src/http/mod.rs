@@ -23,6 +23,7 @@ mod document;
 mod document_examples;
 mod early;
 mod estimate;
+mod evaluation;
 mod events;
 mod feed;
 mod gate;

@@ -357,7 +357,9 @@ pub(super) async fn no_such_page(uri: Uri) -> Problem {
 pub(super) async fn method_not_allowed(method: Method, uri: Uri) -> Problem {
     let path = shortened(uri.path());
     let remedy = match path.as_str() {
-        "/v1/render" | "/v1/estimate" | "/v1/validate" | "/v1/analyses" | "/v1/compare" => "send a job with POST",
+        "/v1/render" | "/v1/estimate" | "/v1/validate" | "/v1/analyses" | "/v1/compare" | "/v1/evaluate" => {
+            "send a job with POST"
+        }
         _ => "the header Allow lists the methods it knows",
     };
     Problem::new(METHOD, format!("{path} does not know {}; {remedy}", shortened(method.as_str())))

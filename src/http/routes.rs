@@ -6,8 +6,8 @@ use utoipa_axum::routes;
 
 use super::app::Shared;
 use super::{
-    analyses, archive, artifacts, batches, blobs, catalogue, comparison, estimate, events, health, jobs, links,
-    metrics, pages, play, posting, render, signed, validate,
+    analyses, archive, artifacts, batches, blobs, catalogue, comparison, estimate, evaluation, events, health, jobs,
+    links, metrics, pages, play, posting, render, signed, validate,
 };
 
 /// All routes and their descriptions.
@@ -28,6 +28,7 @@ pub(super) fn all() -> OpenApiRouter<Shared> {
         .routes(routes!(archive::archive))
         .routes(routes!(blobs::blob))
         .routes(routes!(analyses::analyse))
+        .routes(routes!(evaluation::evaluate))
         .routes(routes!(play::index))
         .routes(routes!(play::page))
         .routes(routes!(play::file));

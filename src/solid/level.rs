@@ -169,10 +169,22 @@ impl Level {
         let number = |all: &[u32], one: u32| all.iter().position(|&found| found == one).map_or(NONE, index);
         let spokes = spot.spokes.iter().map(|&spoke| number(&part.edges, spoke)).collect();
         let spot = Spot { vertex: number(&part.vertices, spot.vertex), spokes };
-        part.vertices = (0..index(part.topology.n_vertices())).collect();
-        part.edges = (0..index(part.topology.n_edges())).collect();
-        let edges = Edges::of(&part.topology);
+        let edges = part.renumber();
         Ok((part, edges, spot))
+    }
+
+    /// Some faces, ascending, with those around them, as a refinement of its own.
+    pub(super) fn taken_out(&self, faces: &[u32]) -> Result<(Self, Edges), SolidError> {
+        let mut part = self.part_around(faces)?;
+        let edges = part.renumber();
+        Ok((part, edges))
+    }
+
+    /// Numbers vertices and edges as in the topology.
+    fn renumber(&mut self) -> Edges {
+        self.vertices = (0..index(self.topology.n_vertices())).collect();
+        self.edges = (0..index(self.topology.n_edges())).collect();
+        Edges::of(&self.topology)
     }
 
     /// The next level of the faces around a spot, and the spot there.

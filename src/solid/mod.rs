@@ -1,6 +1,7 @@
 //! Solids: the limit surface of a cage as faces that CAD programs know, exact where it is bicubic.
 
 pub mod caps;
+pub mod evaluate;
 
 mod brep;
 mod build;

@@ -12,6 +12,7 @@ pub mod comparison;
 mod corners;
 mod declared;
 pub mod described;
+pub mod evaluation;
 pub(crate) mod fields;
 mod figure;
 mod fixed;

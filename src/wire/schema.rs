@@ -81,6 +81,21 @@ pub(super) fn faces() -> RefOr<Schema> {
     lists(index(), 3, None, doc)
 }
 
+/// Points in space.
+pub(super) fn points_in_space() -> RefOr<Schema> {
+    let doc = "Points, at most a million, whose closest places on the surface are looked for: `n x 3`, model units.";
+    lists(of(Type::Number).build(), 3, Some(3), doc)
+}
+
+/// Places on faces.
+pub(super) fn places() -> RefOr<Schema> {
+    let doc = "Places on input faces, at most a million: `[face, u, v]`, u and v from 0 to 1. On a quad corner 0 is at \
+               (0, 0), u runs towards corner 1 and v towards corner 3. Another face has a square for each of its \
+               corners, `[face, u, v, corner]` (0 when left out): the corner is at (0, 0), u runs to the middle of the \
+               edge to the next corner, v to that of the edge to the corner before, and the centre is at (1, 1).";
+    lists(of(Type::Number).build(), 3, Some(4), doc)
+}
+
 /// The two ends of an edge.
 pub(super) fn ends() -> RefOr<Schema> {
     let doc = "The two ends of the edge, in any order.";

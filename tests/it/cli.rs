@@ -3,6 +3,7 @@
 
 mod batch;
 mod compare;
+mod evaluate;
 mod figures;
 mod flags;
 mod keys;

@@ -10,6 +10,7 @@ mod catalogue;
 mod comparisons;
 mod durable;
 mod errors;
+mod evaluations;
 mod events;
 mod examples;
 mod files;

@@ -180,6 +180,14 @@ async fn questions(server: &Server) -> Vec<(&'static str, String)> {
         ("validate-faults", Asked::post("/v1/validate", &wrong)),
         ("analyses", Asked::post("/v1/analyses", &serde_json::json!({ "plan": { "preset": "chaikin" } }))),
         ("compare", Asked::post("/v1/compare", &serde_json::json!({ "a": polygon(2), "b": polygon(6) }))),
+        (
+            "evaluate",
+            Asked::post(
+                "/v1/evaluate",
+                &serde_json::json!({ "input": mesh(1)["input"], "plan": { "preset": "catmull-clark" },
+                    "at": [[0, 0, 0], [0, 0.5, 0.25]], "values": ["position", "normal", "curvatures"] }),
+            ),
+        ),
         ("preset", Asked::get("/v1/presets/four-point")),
         ("operator", Asked::get("/v1/operators/U")),
         ("presets", Asked::get("/v1/presets")),

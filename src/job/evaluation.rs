@@ -1,0 +1,256 @@
+//! Evaluations: values of the limit surface of a mesh at places on its faces, and the places closest to points.
+
+use std::sync::Arc;
+
+use super::codec::Item;
+use super::error::RunError;
+use super::key::{Key, RESULTS_VERSION, hashed};
+use super::limits::Admitted;
+use crate::fault::Fault;
+use crate::math::vector::Vector;
+use crate::scheme::operator::BICUBIC;
+use crate::shape::creases::INFINITE_SHARPNESS;
+use crate::shape::mesh::Mesh;
+use crate::solid::Cage;
+use crate::solid::SolidError;
+use crate::solid::evaluate::{Closest, Jet, Place, closest, evaluate};
+use crate::watch::Watch;
+
+/// Most places of one evaluation. Half of it makes scans of a part two requests; twice of it makes answers of half a
+/// gigabyte.
+pub const MOST_PLACES: usize = 1_000_000;
+/// Most faults that are told.
+const MOST_FAULTS: usize = 64;
+/// Bytes of memory of a place: it (24), where it stands in a face (24 twice), its values (208) and these as they are
+/// written (208).
+const PLACE_BYTES: u128 = 24 + 48 + 208 + 208;
+/// Bytes of memory of a face that is split while places in it are looked at: some sixteen faces around it and their
+/// quads, of 60 bytes a half-edge.
+const FACE_BYTES: u128 = 16 * 5 * 4 * 60;
+/// Bytes of a number as it is written, with its comma.
+const NUMBER_BYTES: u128 = 26;
+/// Nanoseconds of a place in a bicubic piece, and of a ring around a vertex that is not regular (measured).
+/// Half and twice of them book half and twice the time.
+const PLACE_NS: u128 = 2_000;
+const RING_NS: u128 = 150_000;
+/// Bytes of memory of a point whose closest place is looked for: it (24), what is found (96 twice), ends that may be
+/// nearer (40), and the answer (64).
+const POINT_BYTES: u128 = 24 + 192 + 40 + 64;
+/// Bytes of memory of a bicubic piece with its box, and of a face beside a vertex that is not regular with sixteen
+/// faces around it and what its rings take while they are looked at.
+const PIECE_BYTES: u128 = 700;
+const END_BYTES: u128 = 12_000;
+/// Nanoseconds for the closest place to a point (measured: 20,000 to 200,000).
+/// Half and twice of it book half and twice the time.
+const POINT_NS: u128 = 100_000;
+
+/// What is asked of a place.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Quantity {
+    /// The position.
+    Position,
+    /// The unit normal.
+    Normal,
+    /// The derivatives along u and v.
+    Derivatives,
+    /// The second derivatives.
+    SecondDerivatives,
+    /// The principal curvatures, their mean and their product.
+    Curvatures,
+}
+
+impl Quantity {
+    /// Numbers that it has.
+    fn n_numbers(self) -> u128 {
+        match self {
+            Self::Position | Self::Normal => 3,
+            Self::Derivatives => 6,
+            Self::SecondDerivatives => 9,
+            Self::Curvatures => 4,
+        }
+    }
+
+    fn name(self) -> &'static str {
+        match self {
+            Self::Position => "position",
+            Self::Normal => "normal",
+            Self::Derivatives => "derivatives",
+            Self::SecondDerivatives => "second_derivatives",
+            Self::Curvatures => "curvatures",
+        }
+    }
+}
+
+/// What is asked of the limit surface of a job's mesh.
+#[derive(Debug)]
+pub struct Evaluation {
+    admitted: Arc<Admitted>,
+    at: Vec<Place>,
+    closest: Vec<Vector>,
+    values: Vec<Quantity>,
+    key: Key,
+}
+
+/// What an evaluation has found.
+#[derive(Debug)]
+pub struct Evaluated {
+    /// The values at the places, in their order.
+    pub at: Vec<Jet>,
+    /// The places closest to the points, in their order.
+    pub closest: Vec<Closest>,
+}
+
+impl Evaluation {
+    /// The evaluation of the mesh of a job under its plan at some places, and of the places closest to some points.
+    ///
+    /// # Errors
+    /// Every fault, with a pointer below the request: no mesh, another scheme than Catmull-Clark, places that are not
+    /// on the mesh, or too many of them.
+    pub fn new(
+        admitted: Arc<Admitted>,
+        at: Vec<Place>,
+        closest: Vec<Vector>,
+        mut values: Vec<Quantity>,
+    ) -> Result<Self, Vec<Fault>> {
+        let job = admitted.job();
+        let Some(mesh) = job.input.mesh() else {
+            let detail = "only meshes have a limit surface; points of curves are in json with \"positions\": \"limit\"";
+            return Err(vec![Fault::new("/input", detail)]);
+        };
+        let mut faults = Vec::new();
+        if !job.plan.is_bicubic() {
+            let detail = format!(
+                "values are those of {BICUBIC} alone, whose regular pieces are bicubic; choose it, or ask for json of \
+                 some levels with limit positions and normals"
+            );
+            faults.push(Fault::new("/plan", detail));
+        }
+        for (name, n) in [("at", at.len()), ("closest", closest.len())] {
+            if n > MOST_PLACES {
+                let detail = format!("{n} entries; one request has at most {MOST_PLACES}, send several");
+                faults.push(Fault::new(format!("/{name}"), detail));
+            }
+        }
+        let misplaced = at.iter().enumerate().filter_map(|(i, place)| {
+            let (entry, detail) = place.fault(&mesh.topology)?;
+            Some(Fault::new(format!("/at/{i}/{entry}"), detail))
+        });
+        faults.extend(misplaced.take(MOST_FAULTS));
+        if !faults.is_empty() {
+            return Err(faults);
+        }
+        values.sort_unstable();
+        values.dedup();
+        let numbers =
+            at.iter().flat_map(|place| [f64::from(place.face), f64::from(place.corner), place.uv[0], place.uv[1]]);
+        let names = values.iter().map(|value| Item::text(value.name())).collect();
+        let key = hashed(&Item::List(vec![
+            Item::text("planish evaluation"),
+            Item::Integer(u64::from(RESULTS_VERSION)),
+            Item::text(&job.keys()[0].to_string()),
+            Item::List(names),
+            Item::Numbers(numbers.collect()),
+            Item::Numbers(closest.as_flattened().into()),
+        ]));
+        Ok(Self { admitted, at, closest, values, key })
+    }
+
+    /// The key of what it finds.
+    pub fn key(&self) -> Key {
+        self.key
+    }
+
+    /// What is asked of each place.
+    pub fn values(&self) -> &[Quantity] {
+        &self.values
+    }
+
+    /// Bytes of memory that it takes at most.
+    pub fn bytes(&self) -> u128 {
+        let places = self.at.len() as u128 * PLACE_BYTES;
+        let faces = self.mesh().map_or(0, |mesh| mesh.topology.n_faces().min(self.at.len()) as u128);
+        let mesh = self.admitted.estimate().memory_bytes;
+        let pieces = match self.mesh().filter(|_| !self.closest.is_empty()).map(Cage::of) {
+            Some(cage) => {
+                let pieces = cage.faces + 4 * cage.irregular + cage.semi_sharp;
+                pieces * PIECE_BYTES + 4 * cage.irregular * END_BYTES
+            }
+            None => 0,
+        };
+        let points = self.closest.len() as u128 * POINT_BYTES;
+        2 * mesh + places + faces * FACE_BYTES + pieces + points + self.result_bytes()
+    }
+
+    /// Bytes of the answer at most.
+    pub fn result_bytes(&self) -> u128 {
+        let numbers: u128 = self.values.iter().map(|value| value.n_numbers()).sum();
+        // a closest place has four numbers, its position three, and a distance
+        4_096 + (self.at.len() as u128 * numbers + self.closest.len() as u128 * 8) * NUMBER_BYTES
+    }
+
+    /// Units of work, as the watch counts them.
+    pub fn work(&self) -> u128 {
+        (self.at.len() + self.closest.len()) as u128
+    }
+
+    /// Milliseconds on one core, roughly.
+    pub fn milliseconds(&self) -> u128 {
+        let Some(mesh) = self.mesh() else { return 0 };
+        let cage = if self.closest.is_empty() { Cage::default() } else { Cage::of(mesh) };
+        let all = cage.irregular + cage.faces / 16;
+        let rings = rings(mesh, &self.at) + all;
+        let points = self.closest.len() as u128 * POINT_NS;
+        (self.at.len() as u128 * PLACE_NS + rings * RING_NS + points) / 1_000_000
+    }
+
+    fn mesh(&self) -> Option<&Mesh> {
+        self.admitted.job().input.mesh()
+    }
+
+    /// Evaluates.
+    ///
+    /// # Errors
+    /// [`RunError`].
+    pub fn run(&self, watch: &Watch) -> Result<Evaluated, RunError> {
+        let nothing = || RunError::of_request(Fault::new("/input", "only meshes have a limit surface"));
+        let mesh = self.mesh().ok_or_else(nothing)?;
+        let plan = &self.admitted.job().plan;
+        let refused = |error: SolidError| match error {
+            SolidError::Stopped(stopped) => RunError::Stopped(stopped),
+            SolidError::Unfit(fault) => RunError::of_request(Fault::new("/input", fault.detail)),
+        };
+        let at = evaluate(mesh, plan, &self.at, watch).map_err(refused)?;
+        watch.advance(at.len() as u64);
+        let closest = match self.closest.is_empty() {
+            true => Vec::new(),
+            false => closest(mesh, plan, &self.closest, watch).map_err(refused)?,
+        };
+        Ok(Evaluated { at, closest })
+    }
+}
+
+/// How often faces with places are split, at most: in faces at vertices that may not be regular as often as the place
+/// next to a corner asks for.
+fn rings(mesh: &Mesh, places: &[Place]) -> u128 {
+    let topology = &mesh.topology;
+    let mut is_regular: Vec<bool> =
+        (0..topology.n_vertices()).map(|v| topology.boundary_edges(v).is_none() && topology.valence(v) == 4).collect();
+    let creased = mesh.creases.iter().flat_map(|&(e, _)| topology.ends(e as usize));
+    let sharp = mesh.semi_sharp_corners.iter().map(|&(v, _)| v).chain(mesh.corners.iter().copied());
+    let others =
+        (0..topology.n_faces()).filter(|&f| topology.face(f).len() != 4).flat_map(|f| topology.face(f)).copied();
+    creased.chain(sharp).chain(others).for_each(|v| is_regular[v as usize] = false);
+    let semi =
+        mesh.creases.iter().chain(&mesh.semi_sharp_corners).any(|&(_, sharpness)| sharpness < INFINITE_SHARPNESS);
+    let first = if semi { 12 } else { 3 };
+    let mut deepest = vec![0_u8; topology.n_faces()];
+    for place in places {
+        let near = place.uv.map(|x| x.min(1.0 - x)).into_iter().fold(0.0, f64::max);
+        let depth =
+            std::iter::successors(Some(0.5), |size| Some(0.5 * size)).take(60).take_while(|&size| near < size).count();
+        let deepest = &mut deepest[place.face as usize];
+        *deepest = (*deepest).max(u8::try_from(depth + first).unwrap_or(u8::MAX));
+    }
+    let is_split = |f: usize| topology.face(f).iter().any(|&v| !is_regular[v as usize]);
+    (0..deepest.len()).filter(|&f| deepest[f] > 0 && is_split(f)).map(|f| u128::from(deepest[f])).sum()
+}

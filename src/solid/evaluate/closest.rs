@@ -1,0 +1,222 @@
+//! The place of the limit surface that is closest to a point.
+
+use std::cmp::Ordering;
+
+use rayon::prelude::*;
+
+use super::boxes::Tree;
+use super::patch::{Near, Patch};
+use super::pieces::{End, MOST_RINGS, Part, Parts, Ring, Square};
+use super::place::Place;
+use crate::math::vector::{Vector, length, minus};
+use crate::scheme::plan::Plan;
+use crate::shape::mesh::Mesh;
+use crate::solid::error::SolidError;
+use crate::solid::level::Refiner;
+use crate::watch::Watch;
+
+/// Distances are told apart down to this share of the size of the surface. Half of it costs one quartering more where
+/// no minimum is certain; twice of it is the same for every use known.
+const RESOLUTION: f64 = 1e-9;
+/// Most quarterings for a point: points as far from much of the surface as from the closest place, such as the middle
+/// of a ball, would take any number. Half of it ends more of these early, twice of it takes them twice as long.
+const QUARTERINGS: usize = 2_048;
+/// Points whose ends are looked at together. Half of it makes rings twice as often; twice of it takes twice the memory.
+const TOGETHER: usize = 1 << 16;
+
+/// The place that is closest to a point.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Closest {
+    /// The place: the lowest face of several that share it.
+    pub place: Place,
+    /// Its position, model units.
+    pub at: Vector,
+    /// How far the point is from it, model units.
+    pub distance: f64,
+    /// Whether every other place is known to be no nearer, by more than 1e-9 of the size of the surface.
+    pub is_certain: bool,
+}
+
+/// The best place so far.
+#[derive(Debug, Clone, Copy)]
+struct Best {
+    square: Option<Square>,
+    near: Near,
+    /// Quarterings that are left.
+    left: usize,
+    is_certain: bool,
+}
+
+impl Best {
+    const NONE: Self = Self {
+        square: None,
+        near: Near { uv: [0.0; 2], at: [0.0; 3], distance: f64::INFINITY, is_settled: false },
+        left: QUARTERINGS,
+        is_certain: true,
+    };
+
+    /// Takes what is nearer, or as near in a lower face.
+    fn take(&mut self, square: Square, near: Near) {
+        let order = near.distance.total_cmp(&self.near.distance);
+        let is_lower = || self.square.is_none_or(|old| (square.face, square.corner) < (old.face, old.corner));
+        if order == Ordering::Less || order == Ordering::Equal && is_lower() {
+            (self.square, self.near) = (Some(square), near);
+        }
+    }
+
+    /// Takes a vertex, where it is nearer.
+    fn take_vertex(&mut self, square: Square, (uv, at): ([f64; 2], Vector), point: Vector) {
+        self.take(square, Near { uv, at, distance: length(minus(at, point)), is_settled: true });
+    }
+
+    /// Looks for what is nearer in a piece; pieces of pieces are looked at in the order of their bounds.
+    fn search(&mut self, square: Square, patch: &Patch, point: Vector, tolerance: f64) {
+        let mut waiting = vec![(patch.at_least(point), patch.clone())];
+        while let Some((at_least, patch)) = waiting.pop() {
+            if at_least >= self.near.distance - tolerance {
+                continue;
+            }
+            let near = patch.descend(point, tolerance);
+            self.take(square, near);
+            if near.is_settled && patch.is_convex(point) {
+                continue;
+            }
+            if self.left == 0 {
+                self.is_certain = false;
+                continue;
+            }
+            self.left -= 1;
+            let mut quarters = patch.quarters().map(|patch| (patch.at_least(point), patch));
+            quarters.sort_by(|a, b| b.0.total_cmp(&a.0));
+            waiting.extend(quarters);
+        }
+    }
+}
+
+/// An end with the rings that were made of it.
+struct Rings<'a> {
+    end: End,
+    made: Vec<Ring>,
+    /// The vertex, where a mask gives its limit.
+    vertex: Option<([f64; 2], Vector)>,
+    refiner: &'a Refiner<'a>,
+}
+
+impl Rings<'_> {
+    /// Looks for what is nearer in an end: the vertex, then ring by ring.
+    fn search(&mut self, square: Square, best: &mut Best, point: Vector, tolerance: f64) -> Result<(), SolidError> {
+        if let Some(vertex) = self.vertex {
+            best.take_vertex(square, vertex, point);
+        }
+        for i in 0..MOST_RINGS {
+            if i == self.made.len() {
+                let ring = self.end.ring(self.refiner)?;
+                self.made.push(ring);
+            }
+            let ring = &self.made[i];
+            ring.patches.iter().for_each(|patch| best.search(square, patch, point, tolerance));
+            if ring.rest.distance(point) >= best.near.distance - tolerance {
+                return Ok(());
+            }
+            if ring.rest.diagonal() <= tolerance {
+                break;
+            }
+        }
+        best.take_vertex(square, self.end.vertex(self.refiner)?, point);
+        Ok(())
+    }
+}
+
+/// The place of the limit surface of a mesh that is closest to each of some points, in their order, under a plan whose
+/// regular pieces are bicubic. Holes are no part of the surface.
+///
+/// Pieces that are too far away are ruled out by boxes and by [`Patch::at_least`]; in the others Newton's method looks
+/// for minima, and pieces are quartered until there is but one, or they are ruled out.
+///
+/// # Errors
+/// When the watch says stop, nothing of the surface is shown, or a coordinate is no longer finite.
+pub fn closest(mesh: &Mesh, plan: &Plan, points: &[Vector], watch: &Watch) -> Result<Vec<Closest>, SolidError> {
+    let refiner = Refiner::new(plan, watch)?;
+    let parts = Parts::of(mesh, plan, &refiner)?;
+    if parts.all.is_empty() {
+        return Err(SolidError::at("", "every face of the mesh is a hole; leave some"));
+    }
+    let tree = Tree::of(&parts.boxes);
+    let tolerance = RESOLUTION * tree.diagonal();
+    let mut found = Vec::with_capacity(points.len());
+    for points in points.chunks(TOGETHER) {
+        let in_leaves = |&point: &Vector| {
+            watch.check()?;
+            Ok::<_, SolidError>(in_leaves(&parts, &tree, point, tolerance))
+        };
+        let (mut best, open): (Vec<Best>, Vec<Vec<u32>>) =
+            points.par_iter().map(in_leaves).collect::<Result<Vec<_>, _>>()?.into_iter().unzip();
+        let looked_at = in_ends(&parts, &refiner, (points, &best, &open), tolerance)?;
+        for (i, candidate) in looked_at {
+            let best = &mut best[i as usize];
+            let certain = best.is_certain && candidate.is_certain;
+            if let Some(square) = candidate.square {
+                best.take(square, candidate.near);
+            }
+            best.is_certain = certain;
+        }
+        found.extend(best.iter().filter_map(|best| {
+            let Near { uv, at, distance, .. } = best.near;
+            let place = best.square?.place(uv).lowest(&mesh.topology, &parts.is_shown);
+            Some(Closest { place, at, distance, is_certain: best.is_certain })
+        }));
+        watch.advance(points.len() as u64);
+    }
+    Ok(found)
+}
+
+/// The best place in bicubic pieces, and the ends that may have a better one.
+fn in_leaves(parts: &Parts, tree: &Tree, point: Vector, tolerance: f64) -> (Best, Vec<u32>) {
+    let mut best = Best::NONE;
+    let mut ends = Vec::new();
+    tree.visit(point, |number| {
+        let (square, part) = &parts.all[number as usize];
+        let distance = parts.boxes[number as usize].distance(point);
+        if distance < best.near.distance {
+            match part {
+                Part::Leaf(patch) => best.search(*square, patch, point, tolerance),
+                Part::End(end) => {
+                    // any of its points bounds the distance
+                    best.take_vertex(*square, end.across, point);
+                    ends.push((distance, number));
+                }
+            }
+        }
+        best.near.distance
+    });
+    let open = ends.into_iter().filter(|&(distance, _)| distance < best.near.distance - tolerance);
+    (best, open.map(|(_, number)| number).collect())
+}
+
+/// What the ends have that is nearer: the number of a point and its best place, end after end.
+fn in_ends(
+    parts: &Parts,
+    refiner: &Refiner<'_>,
+    (points, best, open): (&[Vector], &[Best], &[Vec<u32>]),
+    tolerance: f64,
+) -> Result<Vec<(u32, Best)>, SolidError> {
+    let mut pairs: Vec<(u32, u32)> =
+        (0..).zip(open).flat_map(|(i, ends)| ends.iter().map(move |&end| (end, i))).collect();
+    pairs.sort_unstable();
+    let runs: Vec<&[(u32, u32)]> = pairs.chunk_by(|a, b| a.0 == b.0).collect();
+    let looked_at = runs.into_par_iter().map(|run| {
+        let mut found = Vec::new();
+        let (square, Part::End(end)) = &parts.all[run[0].0 as usize] else { return Ok(found) };
+        let vertex = if end.has_mask() { Some(end.vertex(refiner)?) } else { None };
+        let mut rings = Rings { end: (**end).clone(), made: Vec::new(), vertex, refiner };
+        for &(_, i) in run {
+            refiner.watch.check()?;
+            let mut candidate = best[i as usize];
+            rings.search(*square, &mut candidate, points[i as usize], tolerance)?;
+            found.push((i, candidate));
+        }
+        Ok(found)
+    });
+    let found: Vec<Vec<(u32, Best)>> = looked_at.collect::<Result<_, SolidError>>()?;
+    Ok(found.into_iter().flatten().collect())
+}

@@ -1,0 +1,147 @@
+//! Values at places: from the input faces down to bicubic pieces.
+
+use rayon::prelude::*;
+
+use super::isolated::{Query, halved, isolated};
+use super::jet::Jet;
+use super::place::{Place, squares};
+use crate::scheme::plan::Plan;
+use crate::shape::mesh::Mesh;
+use crate::shape::topology::index;
+use crate::solid::edges::Edges;
+use crate::solid::error::SolidError;
+use crate::solid::level::{Level, Refiner};
+use crate::watch::Watch;
+
+/// Levels after which every face is bicubic or has one vertex alone that is not regular: ten for the largest finite
+/// sharpness, one for faces that are no quads and one to part vertices.
+const LEVELS: u32 = 12;
+
+/// A face of a level with the places that are in it.
+#[derive(Debug)]
+struct Cell {
+    face: u32,
+    /// How many times as fast its parameters run as those of the input face.
+    scale: f64,
+    queries: Vec<Query>,
+}
+
+/// A face that is split, with the places in each of its parts, whose parameters run `scale` times as fast as those of
+/// the input face.
+#[derive(Debug)]
+struct Parts {
+    face: u32,
+    scale: f64,
+    queries: Vec<Vec<Query>>,
+}
+
+impl Cell {
+    /// The cell of a quad, split.
+    fn split(self) -> Parts {
+        let mut queries = vec![Vec::new(); 4];
+        for (part, query) in self.queries.into_iter().map(halved) {
+            queries[part].push(query);
+        }
+        Parts { face: self.face, scale: 2.0 * self.scale, queries }
+    }
+}
+
+/// What becomes of a cell.
+enum Outcome {
+    Found(Vec<(u32, Jet)>),
+    Split(Cell),
+}
+
+/// The limit surface of a mesh at some places, in their order, under a plan whose regular pieces are bicubic.
+///
+/// A place in a bicubic piece has the value of that piece. Faces at other vertices are split, as far as places in them
+/// ask for it: rings of bicubic pieces surround the vertex, each half as large in u and v as the one before.
+///
+/// # Errors
+/// When the watch says stop, a place is not on the mesh, or a coordinate is no longer finite.
+pub fn evaluate(mesh: &Mesh, plan: &Plan, places: &[Place], watch: &Watch) -> Result<Vec<Jet>, SolidError> {
+    if let Some((_, detail)) = places.iter().find_map(|place| place.fault(&mesh.topology)) {
+        return Err(SolidError::at("", detail));
+    }
+    let refiner = Refiner::new(plan, watch)?;
+    let (mut level, mut edges) = Level::of(mesh, plan);
+    let mut found: Vec<Option<Jet>> = vec![None; places.len()];
+    let (mut cells, others) = first(mesh, places);
+    // faces that are no quads have their squares on the level after
+    let mut joining = Some(others);
+    for _ in 0..=LEVELS {
+        watch.check()?;
+        let outcomes: Vec<_> = cells.into_par_iter().map(|cell| level.looked_at(cell, &refiner)).collect();
+        let mut split = Vec::new();
+        for outcome in outcomes {
+            match outcome? {
+                Outcome::Found(jets) => jets.into_iter().for_each(|(i, jet)| found[i as usize] = Some(jet)),
+                Outcome::Split(cell) => split.push(cell),
+            }
+        }
+        let others = joining.take().unwrap_or_default();
+        if split.is_empty() && others.is_empty() {
+            break;
+        }
+        (level, cells) = level.divided(split, others, &refiner, &mut edges)?;
+    }
+    let lost = || SolidError::at("", "a place was lost between faces; this is a fault of planish, please report it");
+    found.into_iter().collect::<Option<Vec<_>>>().ok_or_else(lost)
+}
+
+/// The faces that places are in, ascending: quads with their places, and for each other face those of its squares.
+fn first(mesh: &Mesh, places: &[Place]) -> (Vec<Cell>, Vec<Parts>) {
+    let mut order: Vec<u32> = (0..index(places.len())).collect();
+    order.sort_by_key(|&i| places[i as usize].face);
+    let (mut quads, mut others) = (Vec::new(), Vec::new());
+    for run in order.chunk_by(|&a, &b| places[a as usize].face == places[b as usize].face) {
+        let face = places[run[0] as usize].face;
+        let mut of_squares = vec![Vec::new(); squares(&mesh.topology, face) as usize];
+        for &number in run {
+            let Place { corner, uv, .. } = places[number as usize];
+            of_squares[corner as usize].push(Query { number, uv });
+        }
+        if of_squares.len() == 1 {
+            quads.push(Cell { face, scale: 1.0, queries: of_squares.swap_remove(0) });
+        } else {
+            others.push(Parts { face, scale: 1.0, queries: of_squares });
+        }
+    }
+    (quads, others)
+}
+
+impl Level {
+    /// The values of a face that is bicubic or has one vertex alone that is not regular.
+    fn looked_at(&self, cell: Cell, refiner: &Refiner<'_>) -> Result<Outcome, SolidError> {
+        if self.is_leaf(cell.face) {
+            let net = self.net(self.topology.half_edges(cell.face as usize).start);
+            let value = |query: &Query| (query.number, Jet::of(&net, [0.0; 3], cell.scale, query.uv));
+            return Ok(Outcome::Found(cell.queries.iter().map(value).collect()));
+        }
+        match self.lone_irregular(cell.face) {
+            Some(half_edge) => isolated(self, half_edge, cell.scale, cell.queries, refiner).map(Outcome::Found),
+            None => Ok(Outcome::Split(cell)),
+        }
+    }
+
+    /// The next level of some quads and of some other faces, and the cells there.
+    fn divided(
+        &self,
+        quads: Vec<Cell>,
+        others: Vec<Parts>,
+        refiner: &Refiner<'_>,
+        edges: &mut Edges,
+    ) -> Result<(Self, Vec<Cell>), SolidError> {
+        let mut split: Vec<Parts> = quads.into_iter().map(Cell::split).chain(others).collect();
+        split.sort_by_key(|parts| parts.face);
+        let faces: Vec<u32> = split.iter().map(|parts| parts.face).collect();
+        let next = self.refined(&faces, refiner, edges)?;
+        // the children of these faces are the wanted ones, in the order of the faces
+        let wanted = (0..index(next.topology.n_faces())).filter(|&f| next.wanted[f as usize]);
+        let parts =
+            split.into_iter().flat_map(|Parts { scale, queries, .. }| queries.into_iter().map(move |q| (scale, q)));
+        let cells = wanted.zip(parts).map(|(face, (scale, queries))| Cell { face, scale, queries });
+        let cells = cells.filter(|cell| !cell.queries.is_empty()).collect();
+        Ok((next, cells))
+    }
+}

@@ -1,0 +1,201 @@
+//! The limit surface as Bezier pieces, and ends: faces beside vertices that are not regular, whose pieces are made when
+//! they are asked for.
+
+use super::boxes::Bounds;
+use super::isolated::{QUADRANTS, RINGS, Rings};
+use super::patch::Patch;
+use super::place::Place;
+use crate::math::vector::{Vector, plus};
+use crate::scheme::plan::Plan;
+use crate::shape::mesh::Mesh;
+use crate::shape::topology::index;
+use crate::solid::edges::Edges;
+use crate::solid::error::SolidError;
+use crate::solid::level::{Level, Refiner};
+use crate::solid::net::bezier;
+use crate::solid::sector::Kind;
+
+/// A square of parameters of an input face.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Square {
+    pub(super) face: u32,
+    pub(super) corner: u32,
+    from: [f64; 2],
+    size: f64,
+}
+
+impl Square {
+    /// The place with some parameters of its face.
+    pub(super) fn place(&self, uv: [f64; 2]) -> Place {
+        Place { face: self.face, corner: self.corner, uv }
+    }
+
+    /// Its quarter, row by row.
+    fn quarter(self, part: usize) -> Self {
+        let size = 0.5 * self.size;
+        let by = |bit: usize| if bit == 1 { size } else { 0.0 };
+        Self { from: [self.from[0] + by(part % 2), self.from[1] + by(part / 2)], size, ..self }
+    }
+
+    fn patch(self, level: &Level, half_edge: u32, origin: Vector) -> Patch {
+        let net = bezier(&level.net(half_edge)).map(|row| row.map(|point| plus(origin, point)));
+        Patch { net, from: self.from, size: self.size }
+    }
+}
+
+/// A part of the surface.
+#[derive(Debug)]
+pub(super) enum Part {
+    /// A bicubic piece.
+    Leaf(Box<Patch>),
+    /// A face with a vertex that is not regular.
+    End(Box<End>),
+}
+
+/// A face with a vertex that is not regular, from some ring on.
+#[derive(Debug, Clone)]
+pub(super) struct End {
+    rings: Rings,
+    square: Square,
+    /// The place and the limit of the corner across from the vertex, around which the surface is bicubic.
+    pub(super) across: ([f64; 2], Vector),
+}
+
+/// A ring of an end.
+#[derive(Debug)]
+pub(super) struct Ring {
+    pub(super) patches: Vec<Patch>,
+    /// What is left, around the vertex.
+    pub(super) rest: Bounds,
+}
+
+impl End {
+    /// The pieces of the next ring.
+    ///
+    /// # Errors
+    /// When the watch says stop.
+    pub(super) fn ring(&mut self, refiner: &Refiner<'_>) -> Result<Ring, SolidError> {
+        let parts = self.rings.advance(refiner)?;
+        let near = QUADRANTS[self.rings.corner];
+        let others = (0..4).filter(|&part| part != near);
+        let patch = |part: usize| self.square.quarter(part).patch(&self.rings.level, parts[part], self.rings.origin);
+        let patches = others.map(patch).collect();
+        self.square = self.square.quarter(near);
+        Ok(Ring { patches, rest: self.bounds() })
+    }
+
+    /// Of the face of a half-edge that starts at its only vertex that is not regular.
+    fn of(level: &Level, half_edge: u32, square: Square) -> Result<Self, SolidError> {
+        let rings = Rings::of(level, half_edge, 1.0)?;
+        let at = bezier(&level.net(half_edge))[3][3];
+        let mut end = Self { rings, square, across: ([0.0; 2], at) };
+        let near = end.corner();
+        end.across.0 = [0, 1].map(|k| 2.0 * square.from[k] + square.size - near[k]);
+        Ok(end)
+    }
+
+    /// The parameters of the vertex.
+    fn corner(&self) -> [f64; 2] {
+        let Square { from, size, .. } = self.square;
+        let quadrant = QUADRANTS[self.rings.corner];
+        let bits = [quadrant % 2, quadrant / 2];
+        [0, 1].map(|k| if bits[k] == 1 { from[k] + size } else { from[k] })
+    }
+
+    /// The vertex: its place and its limit.
+    ///
+    /// # Errors
+    /// When the watch says stop.
+    pub(super) fn vertex(&self, refiner: &Refiner<'_>) -> Result<([f64; 2], Vector), SolidError> {
+        Ok((self.corner(), self.rings.vertex(refiner)?.at))
+    }
+
+    /// Whether a mask gives the limit of the vertex: not at ends of creases, which only rings lead to.
+    pub(super) fn has_mask(&self) -> bool {
+        self.rings.kind() != Kind::Dart
+    }
+
+    /// A box around its surface: around the points that decide it, of which it is a mean.
+    fn bounds(&self) -> Bounds {
+        Bounds::of(self.rings.level.points.iter().map(|&point| plus(self.rings.origin, point)))
+    }
+}
+
+/// Most rings of an end that are looked at.
+pub(super) const MOST_RINGS: usize = RINGS as usize;
+
+/// The parts of the limit surface with their squares and boxes.
+#[derive(Debug, Default)]
+pub(super) struct Parts {
+    pub(super) all: Vec<(Square, Part)>,
+    pub(super) boxes: Vec<Bounds>,
+    /// Whether each face of the mesh is shown.
+    pub(super) is_shown: Vec<bool>,
+}
+
+impl Parts {
+    /// Of the faces of a mesh that are shown.
+    ///
+    /// # Errors
+    /// When the watch says stop.
+    pub(super) fn of(mesh: &Mesh, plan: &Plan, refiner: &Refiner<'_>) -> Result<Self, SolidError> {
+        let (mut level, mut edges) = Level::of(mesh, plan);
+        let mut parts = Self { is_shown: level.wanted.clone(), ..Self::default() };
+        let whole = |face: u32| Square { face, corner: 0, from: [0.0; 2], size: 1.0 };
+        let shown = (0..index(level.wanted.len())).filter(|&face| level.wanted[face as usize]);
+        let mut cells: Vec<(u32, Square)> = shown.map(|face| (face, whole(face))).collect();
+        while !cells.is_empty() {
+            refiner.watch.check()?;
+            let mut split = Vec::new();
+            for (face, square) in cells {
+                if !parts.take(&level, face, square)? {
+                    split.push((face, square));
+                }
+            }
+            (level, cells) = level.quartered(&split, refiner, &mut edges)?;
+        }
+        Ok(parts)
+    }
+
+    /// Takes a face that is bicubic or has one vertex alone that is not regular; whether it is one.
+    fn take(&mut self, level: &Level, face: u32, square: Square) -> Result<bool, SolidError> {
+        let (part, bounds) = if level.is_leaf(face) {
+            let half_edge = level.topology.half_edges(face as usize).start;
+            let patch = square.patch(level, half_edge, [0.0; 3]);
+            let bounds = Bounds::of(patch.net.iter().flatten().copied());
+            (Part::Leaf(Box::new(patch)), bounds)
+        } else if let Some(half_edge) = level.lone_irregular(face) {
+            let end = End::of(level, half_edge, square)?;
+            let bounds = end.bounds();
+            (Part::End(Box::new(end)), bounds)
+        } else {
+            return Ok(false);
+        };
+        self.all.push((square, part));
+        self.boxes.push(bounds);
+        Ok(true)
+    }
+}
+
+impl Level {
+    /// The next level of some faces, ascending, and the squares of their parts.
+    fn quartered(
+        &self,
+        split: &[(u32, Square)],
+        refiner: &Refiner<'_>,
+        edges: &mut Edges,
+    ) -> Result<(Self, Vec<(u32, Square)>), SolidError> {
+        let faces: Vec<u32> = split.iter().map(|&(face, _)| face).collect();
+        let next = self.refined(&faces, refiner, edges)?;
+        let squares = split.iter().flat_map(|&(face, square)| {
+            let n = self.topology.half_edges(face as usize).len();
+            (0..n).map(move |part| match n {
+                4 => square.quarter(part),
+                _ => Square { corner: index(part), ..square },
+            })
+        });
+        let wanted = (0..index(next.topology.n_faces())).filter(|&f| next.wanted[f as usize]);
+        let cells = wanted.zip(squares).collect();
+        Ok((next, cells))
+    }
+}
