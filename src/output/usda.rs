@@ -41,15 +41,15 @@ const LABEL: u128 = 1_280;
 /// USD as text (`.usda`): one `Mesh` below an `Xform`, with `metersPerUnit` and `upAxis` of the input.
 ///
 /// At level 0 of Catmull and Clark's, Loop's or bilinear refinement the mesh is the control mesh as a subdivision
-/// surface, so that whoever shows it refines it as finely as it likes: `subdivisionScheme`, boundary and triangle rules,
-/// creases, corners, holes and texture coordinates with their rule of interpolation mean what they mean here. Where
-/// levels were applied, and where the scheme, limit positions or normals have no word in USD, faces are polygons with
-/// `subdivisionScheme = "none"`.
+/// surface, so that whoever shows it refines it as finely as it likes: `subdivisionScheme`, boundary and triangle
+/// rules, creases, corners, holes and texture coordinates with their rule of interpolation mean what they mean here.
+/// Where levels were applied, and where the scheme, limit positions or normals have no word in USD, faces are polygons
+/// with `subdivisionScheme = "none"`.
 ///
-/// Numbers are the shortest decimals that read back as the same f64, though USD keeps positions, texture coordinates and
-/// sharpness as f32. Colours are linear. Groups and materials are subsets of the faces.
+/// Numbers are the shortest decimals that read back as the same f64, though USD keeps positions, texture coordinates
+/// and sharpness as f32. Colours are linear. Groups and materials are subsets of the faces.
 ///
-/// Source: Pixar, OpenUSD 25.05, `UsdGeomMesh`, `UsdGeomSubset`, `UsdPreviewSurface` specification 2.6.
+/// Source: Pixar, OpenUSD 26.11, `UsdGeomMesh`, `UsdGeomSubset`, `UsdPreviewSurface` specification 2.6.
 #[derive(Debug)]
 pub(super) struct Usda;
 
