@@ -257,10 +257,10 @@ pub(super) fn surface_analysis(
     hashed(&Item::List(items))
 }
 
-/// Whether an output shows the limit, which is that of the plan even where none of its levels was applied.
+/// Whether an output shows the limit, or names the scheme: those of the plan even where none of its levels was applied.
 fn shows_limit(output: &Output) -> bool {
     let of_limit = |(name, value): (&str, &Value)| name == TANGENTS.name || *value == Value::Choice(LIMIT);
-    output.options.unusual().any(of_limit)
+    output.format.tells_plan() || output.options.unusual().any(of_limit)
 }
 
 /// Everything of a plan that can change the result, which shows so many levels or also the limit: what no operator uses

@@ -109,6 +109,11 @@ pub trait Format: fmt::Debug + Send + Sync {
         false
     }
 
+    /// Whether the bytes tell of the plan, even where none of its levels was applied.
+    fn tells_plan(&self) -> bool {
+        false
+    }
+
     /// Whether the solid of the input is made for these options.
     fn makes_solid(&self, _options: &Values) -> bool {
         self.is_of_limit()

@@ -56,6 +56,7 @@ mod step;
 mod stl;
 mod stream;
 mod text;
+mod usda;
 mod vector;
 mod vertex_sides;
 mod vertex_sums;
@@ -80,6 +81,7 @@ pub const FORMATS: &[&dyn Format] = &[
     &gltf_bin::GltfBin,
     &ply::Ply,
     &stl::Stl,
+    &usda::Usda,
     &step::Step,
     &certificate::Certificate,
     &png::Png,

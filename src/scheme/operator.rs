@@ -115,6 +115,8 @@ pub struct Facts {
     /// Whether after a split of faces into quads the limit surface of regular nets is bicubic, and vertices of other
     /// valences have the limits and tangents of Catmull and Clark's scheme.
     pub bicubic: bool,
+    /// The scheme of OpenSubdiv that it makes with one upsampling before it, or alone where it is that upsampling.
+    pub standard: Option<Standard>,
     /// Whether its rules reach a ring farther beside extraordinary vertices than in regular nets.
     pub reaches_farther: bool,
 }
@@ -148,8 +150,20 @@ impl Facts {
         boundary_every: 1,
         symmetric: false,
         bicubic: false,
+        standard: None,
         reaches_farther: false,
     };
+}
+
+/// A scheme that OpenSubdiv has, so that other programs refine cages by it themselves.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Standard {
+    /// Catmull and Clark's, on faces of any size.
+    CatmullClark,
+    /// Loop's, on triangles.
+    Loop,
+    /// Bilinear interpolation.
+    Bilinear,
 }
 
 /// To which nets an operator can be applied, and why not to others.

@@ -7,7 +7,7 @@ mod schedule;
 use super::extent::Ends;
 use super::letter::Letter;
 use super::local::{Noise, Sources};
-use super::operator::Role;
+use super::operator::{Role, Standard};
 use super::parameters::DEFAULT_MU;
 use super::rules::{LatitudeRule, Rules};
 use super::tags::Boundary;
@@ -217,6 +217,24 @@ impl Plan {
             letter.facts().role == Role::Upsample && settings.arity() == 2 && settings.tile() == Tile::Quad
         };
         prefix.is_empty() && matches!(&cycle[..], [first, second] if halves(first) && second.facts().bicubic)
+    }
+
+    /// The scheme of OpenSubdiv that it is on each level alike, if it is one.
+    pub fn standard(&self) -> Option<Standard> {
+        let Word { prefix, cycle } = &self.word;
+        let is_plain = prefix.is_empty() && self.perturbation.is_none() && self.latitude.is_none();
+        let (first, smooth) = match &cycle[..] {
+            [first] => (first, first),
+            [first, second] => (first, second),
+            _ => return None,
+        };
+        let standard = smooth.facts().standard.filter(|_| is_plain)?;
+        let tile = if standard == Standard::Loop { Tile::Triangle } else { Tile::Quad };
+        let settings = &first.settings;
+        let halves = first.facts().role == Role::Upsample && settings.arity() == 2 && settings.tile() == tile;
+        // two upsamplings in a row are no scheme of its own
+        let is_one = (standard == Standard::Bilinear) == (cycle.len() == 1);
+        (halves && is_one).then_some(standard)
     }
 
     /// Into what the faces of a mesh are split.

@@ -169,6 +169,36 @@ impl Seams {
         Ok((Self { topology: Arc::new(topology), corners, pairs, linear }, values))
     }
 
+    /// Where the values are linear, in the first of the words that mean it on this mesh.
+    pub fn interpolation(&self, mesh: &Topology) -> Interpolation {
+        const WORDS: [Interpolation; 5] = [
+            Interpolation::None,
+            Interpolation::CornersOnly,
+            Interpolation::CornersPlus1,
+            Interpolation::CornersPlus2,
+            Interpolation::Boundaries,
+        ];
+        if self.linear {
+            return Interpolation::All;
+        }
+        let n_places = self.topology.n_vertices();
+        let mut at_vertex: Vec<Vec<u32>> = vec![Vec::new(); mesh.n_vertices()];
+        for place in 0..index(n_places) {
+            let vertex = self.vertex(place, mesh);
+            vertex.into_iter().for_each(|vertex| at_vertex[vertex as usize].push(place));
+        }
+        // each place has a value of its own by now
+        let value_of: Vec<u32> = (0..index(n_places)).collect();
+        let differing = |word: &Interpolation| {
+            let kept = corners(&self.topology, mesh, &at_vertex, &value_of, *word);
+            let missing = kept.iter().filter(|place| self.corners.binary_search(place).is_err()).count();
+            let other = self.corners.iter().filter(|place| kept.binary_search(place).is_err()).count();
+            let is_paired = matches!(word, Interpolation::CornersPlus1 | Interpolation::CornersPlus2);
+            (missing + other, !self.pairs.is_empty() && !is_paired)
+        };
+        WORDS.into_iter().min_by_key(differing).unwrap_or_default()
+    }
+
     /// The vertex of the mesh at a place.
     pub fn vertex(&self, place: u32, mesh: &Topology) -> Option<u32> {
         self.topology.ring(place as usize).next().map(|half_edge| mesh.vertex(half_edge))

@@ -105,6 +105,8 @@ fn variants() -> Vec<(&'static dyn Format, Values)> {
         ("ply", vec![("normals", text("area")), ("face_sizes", text("uint"))]),
         ("ply", vec![("precision", text("f32"))]),
         ("stl", vec![]),
+        ("usda", vec![]),
+        ("usda", vec![("normals", text("area"))]),
     ];
     given.into_iter().map(|(name, given)| (format(name), options(name, &given))).collect()
 }

@@ -39,5 +39,6 @@ mod stencils;
 mod store;
 mod support;
 mod told_before;
+mod usda;
 mod vectors;
 mod words;

@@ -41,6 +41,7 @@ fn outputs() -> Vec<Value> {
         json!({ "format": "obj" }),
         json!({ "format": "obj", "ids": true }),
         json!({ "format": "stl" }),
+        json!({ "format": "usda" }),
         json!({ "format": "stl", "normals": "none" }),
         json!({ "format": "glb", "normals": "none" }),
         json!({ "format": "glb" }),

@@ -5,7 +5,7 @@ use crate::math::functions::ratio;
 use crate::math::rows::{Rows, RowsBy};
 use crate::scheme::creases::{Blend, Creases, Rule};
 use crate::scheme::mesh_net::MeshNet;
-use crate::scheme::operator::{Facts, Follows, Nets, Operator, Role, SplineStep};
+use crate::scheme::operator::{Facts, Follows, Nets, Operator, Role, SplineStep, Standard};
 use crate::scheme::rules::TriangleRule;
 use crate::scheme::settings::Settings;
 use crate::scheme::stencil::{EdgeMask, RingMask, VertexMask};
@@ -31,6 +31,7 @@ static FACTS: Facts = Facts {
     follows: Follows::SemiSharp,
     symmetric: true,
     bicubic: true,
+    standard: Some(Standard::CatmullClark),
     ..Facts::USUAL
 };
 

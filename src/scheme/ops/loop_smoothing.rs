@@ -5,7 +5,7 @@ use crate::math::functions::{cos, ratio};
 use crate::math::rows::{Rows, RowsBy};
 use crate::scheme::creases::{Blend, Creases, Rule};
 use crate::scheme::mesh_net::MeshNet;
-use crate::scheme::operator::{Facts, Follows, Nets, Operator, Role, SplineStep};
+use crate::scheme::operator::{Facts, Follows, Nets, Operator, Role, SplineStep, Standard};
 use crate::scheme::settings::Settings;
 use crate::scheme::sharpness::edges_at;
 use crate::scheme::stencil::{RingMask, TriangleEdgeMask};
@@ -31,6 +31,7 @@ static FACTS: Facts = Facts {
     role: Role::Smooth,
     follows: Follows::SemiSharp,
     symmetric: true,
+    standard: Some(Standard::Loop),
     ..Facts::USUAL
 };
 

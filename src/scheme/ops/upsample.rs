@@ -8,7 +8,7 @@ use crate::scheme::curve_rule::{CurveRule, between};
 use crate::scheme::local::Local;
 use crate::scheme::local_mesh::MeshLocal;
 use crate::scheme::mesh_net::MeshNet;
-use crate::scheme::operator::{Children, Facts, Follows, Operator, Role, SplineStep};
+use crate::scheme::operator::{Children, Facts, Follows, Operator, Role, SplineStep, Standard};
 use crate::scheme::parameters::{ARITY, SPLIT};
 use crate::scheme::polygon_net::PolygonNet;
 use crate::scheme::preimage::Preimage;
@@ -41,6 +41,7 @@ static FACTS: Facts = Facts {
     smooths: false,
     pointwise: true,
     symmetric: true,
+    standard: Some(Standard::Bilinear),
     ..Facts::USUAL
 };
 

@@ -63,6 +63,11 @@ fn check(format: &str, is_mesh: bool, answer: &Answer) {
             assert_eq!(answer.body.len(), 84 + 50 * 48);
             assert_eq!(answer.body[80..84], 48_u32.to_le_bytes());
         }
+        "usda" => {
+            let text = answer.text();
+            assert!(text.starts_with("#usda 1.0\n") && text.ends_with("}\n"), "{text}");
+            assert_eq!(text.matches("subdivisionScheme = \"none\"").count(), 1);
+        }
         "png" | "apng" => {
             let picture = image::load_from_memory_with_format(&answer.body, image::ImageFormat::Png).unwrap();
             let picture = picture.to_rgba8();
