@@ -99,8 +99,7 @@ ALL = sorted({tuple(sorted((f[i], f[(i + 1) % 4]))) for f in cube()[1] for i in 
 # name: net, creases with one sharpness, boundary rule, options; then the most faces, and whether all caps are smooth
 CASES = {
     "cube-1e-4": (cube(), None, None, {"tolerance": 1e-4}, 24, True),
-    "cube-1.5e-5": (cube(), None, None, {"tolerance": 1.5e-5}, 32, True),
-    "cube-1e-5": (cube(), None, None, {"tolerance": 1e-5}, 56, True),
+    "cube-1e-5": (cube(), None, None, {"tolerance": 1e-5}, 32, True),
     "cube-1e-6": (cube(), None, None, {"tolerance": 1e-6}, 80, True),
     "cube-bicubic": (cube(), None, None, {"tolerance": 1e-4, "continuity": "bicubic"}, 100, False),
     "cube-unpacked": (cube(), None, None, {"tolerance": 1e-4, "pack": "none"}, 100, True),
