@@ -54,16 +54,16 @@ needs_npm_packages() {
 }
 
 # Installs the Python packages that the tests need into an environment of their own, at the versions of
-# tests/e2e/requirements.txt.
+# tests/e2e/requirements.txt or of another list.
 needs_python_packages() {
-  local out=$1
+  local out=$1 list=${2:-tests/e2e/requirements.txt}
   needs python3 python3
   if ! python3 -c 'import ensurepip, venv' 2>/dev/null; then
     installs "venv of python3" python3-venv
   fi
-  if ! cmp -s tests/e2e/requirements.txt "$out/installed.txt"; then
+  if ! cmp -s "$list" "$out/installed.txt"; then
     python3 -m venv --clear "$out"
-    "$out/bin/python" -m pip install --quiet --disable-pip-version-check --no-deps -r tests/e2e/requirements.txt
-    cp tests/e2e/requirements.txt "$out/installed.txt"
+    "$out/bin/python" -m pip install --quiet --disable-pip-version-check --no-deps -r "$list"
+    cp "$list" "$out/installed.txt"
   fi
 }

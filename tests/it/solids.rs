@@ -9,7 +9,7 @@ use planish::scheme::plan::{Plan, PlanInput, Subject};
 use planish::scheme::tags::Boundary;
 use planish::shape::mesh::{Mesh, MeshInput};
 use planish::shape::source::MeshSource;
-use planish::solid::{Continuity, Pack, Request, Solid, SolidError, Surface, solid};
+use planish::solid::{Continuity, Known, Pack, Request, Solid, SolidError, Surface, solid};
 use planish::watch::Watch;
 use serde_json::json;
 
@@ -259,7 +259,9 @@ fn random_cages_become_shells_without_gaps() {
 fn volumes_and_counts_are_those_of_the_reference() {
     let ring = torus(12, 8).solid(&COARSE).expect("a torus").certificate;
     assert_eq!(ring.counts, [4, 8, 4]);
-    assert!((ring.volume() / 43_945.010_510_713 - 1.0).abs() < 1e-12, "{}", ring.volume());
+    // the integral of (a b' - a' b) over one turn times that of z r r' over the other, where a, b, r and z are the splines
+    // of cosines, sines, radii and heights: 43945.01051071307256 with fifty digits
+    assert!((ring.volume() / 43_945.010_510_713_07 - 1.0).abs() < 1e-14, "{}", ring.volume());
     assert!(ring.exact_area_share >= 1.0 && ring.worst_edge_angle_deg < 1e-10);
     let edges = [[0, 1], [1, 3], [3, 2], [2, 0], [4, 6], [6, 7], [7, 5], [5, 4], [0, 4], [5, 1], [3, 7], [6, 2]];
     let sharp = Cage { creases: edges.map(|edge| (edge, 10.0)).into(), ..cube(10.0) };
@@ -270,6 +272,19 @@ fn volumes_and_counts_are_those_of_the_reference() {
     let round = round.expect("a cube").certificate;
     assert!((round.volume() / 2_620.419_033 - 1.0).abs() < 2e-5, "{}", round.volume());
     assert!(round.counts[0] <= 24 && round.worst_edge_angle_deg < 1e-8, "{:?}", round.counts);
+}
+
+#[test]
+fn cubes_take_no_more_faces_than_they_need() {
+    for (tolerance, most) in [(1e-4, 24), (1e-5, 32), (1e-6, 80)] {
+        let found = cube(10.0).solid(&Request { tolerance, continuity: Continuity::Tangent, ..COARSE });
+        let said = found.expect("a cube").certificate;
+        assert!(said.counts[0] <= most, "{tolerance:e}: {:?}", said.counts);
+        assert!(said.known == Known::Certified && said.deviation_of_size() <= tolerance, "{tolerance:e}");
+        // extrapolated from refined meshes
+        let off = (said.volume() - 2_620.419_033_38).abs();
+        assert!(off <= said.deviation * said.area() && off < 0.1, "{tolerance:e}: {}", said.volume());
+    }
 }
 
 #[test]
@@ -322,6 +337,29 @@ fn nets_at_corners_of_sheets_are_those_of_the_reference() {
     let row = [[third, 0.0, third], [third, third, 0.0], [third, 2.0 * third, -third], [third, 1.0, -2.0 * third]];
     assert!(net[1].iter().zip(row).all(|(&a, b)| near(a, b, 1e-14)), "{net:?}");
     assert!(near(net[3][0], [1.0, 0.0, 4.0 * third], 1e-14), "{net:?}");
+}
+
+#[test]
+fn a_face_of_the_second_level_of_a_cube_is_that_of_the_reference() {
+    let request = Request { tolerance: 1e-5, continuity: Continuity::Tangent, pack: Pack::Nothing, ..COARSE };
+    let found = cube(1.0).solid(&request).expect("a cube");
+    let (a, b) = (-0.609_567_901_235, -0.595_293_209_877);
+    let row = [
+        [a, a, 0.0],
+        [a, a, -0.103_395_061_728],
+        [b, b, -0.206_790_123_457],
+        [-0.572_932_741_77, -0.572_932_741_77, -0.296_649_948_56],
+    ];
+    let sides = |surface: &Surface| {
+        let net = &surface.points;
+        let column = |j: usize| net.iter().map(|row| row[j]).collect::<Vec<_>>();
+        let mut all = vec![net[0].clone(), net[3].clone(), column(0), column(3)];
+        all.extend(all.clone().into_iter().map(|side| side.into_iter().rev().collect()));
+        all
+    };
+    let exact = || found.brep.faces.iter().filter(|face| face.is_exact).flat_map(|face| sides(&face.surface));
+    let is_it = |side: &Vec<Vector>| side.len() == 4 && side.iter().zip(row).all(|(&a, b)| near(a, b, 1e-12));
+    assert!(exact().any(|side| is_it(&side)), "{:?}", exact().collect::<Vec<_>>());
 }
 
 /// A job of a cube with an output.

@@ -5,6 +5,7 @@ use super::composed::TERMS;
 use super::join::Patch;
 use super::proof::{Cell, Proof};
 use super::rings::{LEAVES, Rings};
+use super::stretch::Slopes;
 use super::table::{CapTable, Residual};
 use crate::math::functions::sqrt;
 use crate::math::vector::{Vector, dot, length, minus};
@@ -50,13 +51,13 @@ impl CapTable {
             return Deviation { bound: self.estimate(two_ring), method: Method::Sampled };
         };
         let residual = self.residual(two_ring);
-        let slopes: Vec<f64> = residual.patches.iter().map(slope).collect();
+        let slopes: Vec<Slopes<3>> = residual.patches.iter().map(Slopes::of).collect();
         let mut most = 0.0_f64;
         let mut rings = residual.rings.clone();
         for cells in &proof.rings {
             rings = rings.refined();
-            for (s, (patch, &slope)) in residual.patches.iter().zip(&slopes).enumerate() {
-                most = most.max(ring(&rings, s, cells, patch, slope));
+            for (s, patch) in residual.patches.iter().zip(&slopes).enumerate() {
+                most = ring(&rings, s, cells, patch, most);
             }
         }
         let bound = most.max(inside(proof, &rings, &residual)) + rounding(two_ring, residual.limit);
@@ -69,22 +70,13 @@ fn rounding(two_ring: &[Vector], limit: Vector) -> f64 {
     ROUNDING * far + 4.0 * f64::EPSILON * length(limit)
 }
 
-/// The greatest slope of a patch in any direction.
-fn slope(patch: &Patch<3>) -> f64 {
-    let steepest = |net: &Patch<3>| {
-        let steps = net.0.windows(2).flat_map(|rows| (0..6).map(|j| minus(rows[1][j], rows[0][j])));
-        steps.map(|step| dot(step, step)).fold(0.0, f64::max)
-    };
-    5.0 * sqrt(steepest(patch) + steepest(&patch.transposed()))
-}
-
-/// The greatest distance over the cells of one ring in one sector.
-fn ring(rings: &Rings<3>, s: usize, cells: &[Cell], patch: &Patch<3>, slope: f64) -> f64 {
+/// The greatest of a distance and those over the cells of one ring in one sector.
+fn ring(rings: &Rings<3>, s: usize, cells: &[Cell], (patch, slopes): (&Patch<3>, &Slopes<3>), mut most: f64) -> f64 {
+    let steepest = slopes.most();
     let leaves = LEAVES.map(|lower| rings.leaf(s, lower));
     let flat: Vec<Vector> = patch.0.iter().flatten().copied().collect();
     let flat: [Vector; TERMS] = std::array::from_fn(|k| flat[k]);
     let lengths = flat.map(length);
-    let mut most = 0.0_f64;
     for cell in cells {
         let surface = leaves[cell.leaf].mapped(&cell.part[0], &cell.part[1]);
         let mut square = 0.0_f64;
@@ -93,7 +85,11 @@ fn ring(rings: &Rings<3>, s: usize, cells: &[Cell], patch: &Patch<3>, slope: f64
             square = square.max(dot(apart, apart));
         }
         let neglected: f64 = cell.composed.neglected.iter().zip(&lengths).map(|(part, length)| part * length).sum();
-        most = most.max(sqrt(square) + neglected + slope * cell.off);
+        let along = sqrt(square) + neglected;
+        // slopes near the path are asked for only where those of the whole patch would tell
+        if along + steepest * cell.off > most {
+            most = most.max(along + slopes.over(&cell.around).most() * cell.off);
+        }
     }
     most
 }

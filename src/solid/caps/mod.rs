@@ -11,6 +11,7 @@ mod least;
 mod proof;
 mod rings;
 mod samples;
+mod stretch;
 mod table;
 
 pub use bound::{Deviation, Method};

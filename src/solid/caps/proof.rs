@@ -1,14 +1,14 @@
 //! What is known of all caps of one valence before any is made: how the plane cap runs under the leaves of each ring,
 //! and how much it is stretched.
 
-use super::bezier::{Net, restriction};
-use super::characteristic::{decay, turned};
+use super::bezier::Net;
+use super::characteristic::decay;
 use super::composed::{Composed, Path, TERMS, part_of_cubic, raised_whole};
 use super::join::Patch;
 use super::rings::{LEAVES, Rings};
 use super::samples::{foot, in_sector};
-use crate::math::functions::{cos, ratio, real, sin, sqrt};
-use crate::math::vector::{minus, plus, times};
+use super::stretch::{Area, Slopes, Weights, weights};
+use crate::math::functions::{cos, ratio, real, sin};
 
 /// A cell of a leaf of one ring, in all sectors alike.
 #[derive(Debug)]
@@ -21,6 +21,8 @@ pub(super) struct Cell {
     pub(super) composed: Composed,
     /// How far in parameters the path is from the true foot points, at most.
     pub(super) off: f64,
+    /// Coefficients over an area that holds the path and the true foot points.
+    pub(super) around: Weights,
 }
 
 /// Facts of one valence that hold for all its caps.
@@ -51,13 +53,12 @@ pub(super) fn n_rings(n: usize) -> usize {
 
 /// Cells along each side of a leaf of a ring, 1 for the outermost. Paths of foot points are off by the cube of a cell's
 /// size, which caps of valence 3 feel most, since they are nearest to their surfaces. With these numbers bounds are at
-/// most 2.2 times what samples find for valence 3 and 1.5 times beyond; one less makes them 3.5 times and twice.
+/// most 1.3 times what samples find; with one less in the outermost rings they are 1.5 times, with one more 1.2 times.
 pub(super) fn n_cells(n: usize, ring: usize) -> usize {
     match (n, ring) {
-        (3, 1..=2) => 6,
-        (3, 3) => 4,
-        (3, 4) | (5.., 1..=2) => 3,
-        (3, _) | (5.., 3..=5) => 2,
+        (3, 1..=3) => 6 - ring,
+        (5.., 1) => 3,
+        (3, 4) | (5.., 2..=4) => 2,
         _ => 1,
     }
 }
@@ -66,12 +67,10 @@ impl Proof {
     /// The facts of a valence; `None` if the plane cap cannot be shown to be one-to-one.
     pub(super) fn of(characteristic: &Rings<2>, plane: &Patch<2>) -> Option<Self> {
         let n = characteristic.valence();
-        let stretch = least_stretch(plane, n);
-        if stretch <= 0.0 {
+        let plane_cap = PlaneCap::of(plane, n);
+        if plane_cap.stretch <= 0.0 {
             return None;
         }
-        let points: Vec<[f64; 2]> = plane.0.into_iter().flatten().collect();
-        let points: [[f64; 2]; TERMS] = std::array::from_fn(|k| points[k]);
         let mut net = characteristic.clone();
         let (mut rings, mut inside) = (Vec::new(), 0.0_f64);
         for ring in 1..=n_rings(n) {
@@ -84,7 +83,7 @@ impl Proof {
                 for at in (0..n_cells * n_cells).map(|k| [k / n_cells, k % n_cells]) {
                     let sides = at.map(|i| [ratio(i, n_cells), ratio(i + 1, n_cells)]);
                     let path = path(plane, &surface, |x| in_sector(ring, lower, x), sides);
-                    let cell = Cell::of(leaf, &surface, sides, &path, &points, stretch);
+                    let cell = Cell::of(leaf, &surface, sides, &path, &plane_cap);
                     inside = inner_side(leaf, at, &path).into_iter().fold(inside, |most, x| most.max(x + cell.off));
                     cells.push(cell);
                 }
@@ -97,14 +96,7 @@ impl Proof {
 
 impl Cell {
     /// The cell of a leaf of the characteristic surface between the given sides, with its path of foot points.
-    fn of(
-        leaf: usize,
-        surface: &Net<2, 4>,
-        sides: [[f64; 2]; 2],
-        path: &Path,
-        plane: &[[f64; 2]; TERMS],
-        stretch: f64,
-    ) -> Self {
+    fn of(leaf: usize, surface: &Net<2, 4>, sides: [[f64; 2]; 2], path: &Path, plane: &PlaneCap) -> Self {
         let composed = Composed::along(path);
         let part = sides.map(part_of_cubic);
         let target = surface.mapped(&part[0], &part[1]);
@@ -112,9 +104,43 @@ impl Cell {
             let flat: Vec<f64> = target.0.iter().flatten().map(|point| point[d]).collect();
             raised_whole(5, &flat)
         });
-        let off = (composed.distance(&target, plane) + ROUNDING) / stretch;
-        Self { leaf, part, composed: composed.without_exact(), off }
+        let miss = composed.distance(&target, &plane.points) + ROUNDING;
+        let off = plane.off(path, miss);
+        Self { leaf, part, composed: composed.without_exact(), off, around: weights(around(path, off)) }
     }
+}
+
+/// The plane cap of one sector.
+struct PlaneCap {
+    points: [[f64; 2]; TERMS],
+    slopes: Slopes<2>,
+    /// What it stretches distances by at least.
+    stretch: f64,
+}
+
+impl PlaneCap {
+    fn of(plane: &Patch<2>, n: usize) -> Self {
+        let points: Vec<[f64; 2]> = plane.0.into_iter().flatten().collect();
+        let slopes = Slopes::of(plane);
+        Self { points: std::array::from_fn(|k| points[k]), slopes, stretch: least_stretch(&slopes, n) }
+    }
+
+    /// How far a path whose image misses by so much is from true foot points, in parameters. What is stretched least
+    /// anywhere tells where they are; what is stretched least there tells more.
+    fn off(&self, path: &Path, miss: f64) -> f64 {
+        let off = miss / self.stretch;
+        let near = self.slopes.over(&weights(around(path, off)));
+        miss / self.stretch.max(near.least_straightened() - ROUNDING)
+    }
+}
+
+/// The part of the square that no point of a path is further away from than a distance.
+fn around(path: &Path, off: f64) -> Area {
+    path.map(|coordinate| {
+        let all = || coordinate.into_iter().flatten();
+        let (low, high) = (all().fold(1.0, f64::min), all().fold(0.0, f64::max));
+        [(low - off).max(0.0), (high + off).min(1.0)]
+    })
 }
 
 /// More than all roundings of a plane distance: its coefficients are below 4, and each passes through fewer than 2000
@@ -160,38 +186,12 @@ fn inner_side(leaf: usize, [i, j]: [usize; 2], path: &Path) -> Vec<f64> {
 /// Parts along each side of the domain on which the stretch is bounded.
 const PARTS: usize = 8;
 
-/// A number s such that the images of any two parameters under the plane cap of one sector are at least s times as far
-/// apart as they are: the least eigenvalue of the symmetric part of its derivative, turned so that the sector's middle
-/// is the diagonal of the square, at any coefficient of its parts. It is concave, so that coefficients bound it between
-/// them, and on a convex domain it bounds the quotient: `(a - b) (X(a) - X(b)) = integral of (a - b) DX (a - b)`.
-fn least_stretch(plane: &Patch<2>, n: usize) -> f64 {
+/// What the plane cap of one sector stretches the distance of any two parameters by at least, turned so that the
+/// sector's middle is the diagonal of the square.
+fn least_stretch(slopes: &Slopes<2>, n: usize) -> f64 {
     let angle = std::f64::consts::PI * (0.25 - ratio(1, n));
     let turn = [cos(angle), sin(angle)];
-    let turned = Net(plane.0.map(|row| row.map(|point| turned(turn, point))));
-    let (by_u, by_v) = (slopes(&turned), slopes(&turned.transposed()).transposed());
-    let mut least = f64::INFINITY;
-    for i in 0..PARTS {
-        for j in 0..PARTS {
-            let [along, across] = [i, j].map(|i| restriction::<6>([ratio(i, PARTS), ratio(i + 1, PARTS)]));
-            let (u, v) = (by_u.mapped(&along, &across), by_v.mapped(&along, &across));
-            for (u, v) in u.0.iter().flatten().zip(v.0.iter().flatten()) {
-                let (sum, difference, off) = (u[0] + v[1], u[0] - v[1], v[0] + u[1]);
-                least = least.min((sum - sqrt(difference * difference + off * off)) / 2.0);
-            }
-        }
-    }
-    least - ROUNDING
-}
-
-/// The derivative along the first direction, in degree 5.
-fn slopes(net: &Patch<2>) -> Patch<2> {
-    let step = |i: usize, j: usize| minus(net.0[i + 1][j], net.0[i][j]);
-    Net(std::array::from_fn(|i| {
-        std::array::from_fn(|j| {
-            // of degree 4 and raised: coefficient i is i/5 of the one before, and the rest of its own
-            let before = if i > 0 { times(real(i), step(i - 1, j)) } else { [0.0; 2] };
-            let own = if i < 5 { times(real(5 - i), step(i, j)) } else { [0.0; 2] };
-            plus(before, own)
-        })
-    }))
+    let part = |i: usize| [ratio(i, PARTS), ratio(i + 1, PARTS)];
+    let parts = (0..PARTS * PARTS).map(|k| slopes.over(&weights([part(k / PARTS), part(k % PARTS)])).least(turn));
+    parts.fold(f64::INFINITY, f64::min) - ROUNDING
 }

@@ -81,12 +81,23 @@ impl CapTable {
     }
 
     fn fitted(valence: usize) -> Self {
+        let weight = |samples: &Samples, k| (0..samples.ring(k)).fold(1.0, |weight, _| weight * sqrt(RING_WEIGHT));
+        Self::fitted_to(valence, rings_that_matter(valence), FITTED, weight)
+    }
+
+    /// The table of a valence whose caps are nearest to samples of so many rings, so many along each side of a leaf,
+    /// each error times a weight.
+    pub(super) fn fitted_to(
+        valence: usize,
+        depth: usize,
+        side: usize,
+        weight: impl Fn(&Samples, usize) -> f64,
+    ) -> Self {
         let characteristic = characteristic_net(valence);
         let sigma = first_leg(&characteristic);
         let plane = join(&characteristic, sigma, &vec![[[0.0; 2]; FREE]; valence]);
-        let within = spaced(FITTED);
-        let samples = Samples::of(&characteristic, &plane[0], rings_that_matter(valence), &within);
-        let fit = fit(valence, sigma, &samples);
+        let samples = Samples::of(&characteristic, &plane[0], depth, &spaced(side));
+        let fit = fit(valence, sigma, &samples, |k| weight(&samples, k));
         let within = spaced(ESTIMATED);
         let samples = Samples::of(&characteristic, &plane[0], rings_that_matter(valence), &within);
         Self { valence, characteristic, sigma, plane, fit, samples, proof: OnceLock::new() }
@@ -183,13 +194,12 @@ pub(super) fn rings_that_matter(valence: usize) -> usize {
 }
 
 /// The parameters that make caps of unit two-rings nearest to their limit surfaces, in the sense of least squares.
-fn fit(n: usize, sigma: f64, samples: &Samples) -> Vec<[[f64; SOURCES]; FREE]> {
+fn fit(n: usize, sigma: f64, samples: &Samples, weight: impl Fn(usize) -> f64) -> Vec<[[f64; SOURCES]; FREE]> {
     let unit = |at: usize| std::array::from_fn(|k| if k == at { 1.0 } else { 0.0 });
     let mut sources = vec![[0.0; SOURCES]; PER_SECTOR * n + 1];
     sources[0] = unit(PER_SECTOR);
     (0..PER_SECTOR).for_each(|q| sources[1 + q] = unit(q));
     let sources = Rings::of_two_ring(&sources);
-    let weight = |k: usize| (0..samples.ring(k)).fold(1.0, |weight, _| weight * sqrt(RING_WEIGHT));
     let unfitted = join(&sources, sigma, &vec![[[0.0; SOURCES]; FREE]; n]);
     let mut missing = vec![[0.0; SOURCES]; n * samples.len()];
     samples.limits(&sources, |s, k, point| {

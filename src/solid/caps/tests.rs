@@ -4,8 +4,9 @@ use super::bezier::{Net, spaced};
 use super::bound::{Deviation, Method};
 use super::characteristic::{characteristic_net, subdominant, turn_cos, turn_sin};
 use super::join::{first_leg, limit, tangents};
-use super::rings::{PER_SECTOR, Rings};
+use super::rings::{LEAVES, PER_SECTOR, Rings};
 use super::samples::Samples;
+use super::stretch::{Slopes, weights};
 use super::table::{CapPatch, CapTable, VALENCES};
 use crate::math::functions::{asin, real, sqrt};
 use crate::math::vector::{Vector, cross, length, mean, minus, plus, times, unit};
@@ -151,6 +152,27 @@ fn the_cap_of_a_cube_is_that_of_the_reference() {
 }
 
 #[test]
+fn a_cap_that_is_fitted_to_the_samples_of_the_reference_is_its_cap() {
+    // 17 x 17 equally spaced parameters of each sector, each counted once, in four rings of leaves
+    let side = 9;
+    let is_new = |samples: &Samples, k: usize| {
+        let [leaf, i, j] = [k / (side * side) % 3, k / side % side, k % side];
+        let step = 1 << samples.ring(k);
+        // sides are those of the ring outside, or of a leaf before
+        let is_outer = (LEAVES[leaf][0] == 1 && i == side - 1) || (LEAVES[leaf][1] == 1 && j == side - 1);
+        let is_of_before = [false, i == side - 1 && j == 0, i == 0 || j == 0][leaf];
+        i % step == 0 && j % step == 0 && !is_of_before && (step == 1 || !is_outer)
+    };
+    let table = CapTable::fitted_to(3, 4, side, |samples, k| if is_new(samples, k) { 1.0 } else { 0.0 });
+    let patch = table.cap(&cube())[0];
+    near(patch[2][0], [0.562_794_091_964, 0.358_834_993_923, 0.562_794_091_964], 1e-11);
+    near(patch[3][0], [0.592_602_852_283, 0.248_908_831_309, 0.592_602_852_283], 1e-11);
+    near(patch[1][1], [0.561_519_526_094, 0.472_355_601_383, 0.472_355_601_383], 1e-11);
+    near(patch[2][1], [0.630_322_247_596, 0.377_598_241_666, 0.488_479_916_751], 1e-11);
+    near(patch[3][1], [0.682_105_223_247, 0.255_112_535_013, 0.503_100_481_319], 1e-11);
+}
+
+#[test]
 fn spokes_of_characteristic_nets_are_those_of_the_reference() {
     let cubic = [
         (3, 0.148_398_033_867, 1.0),
@@ -263,25 +285,87 @@ fn estimates_are_no_smaller_than_finer_samples() {
     }
 }
 
-/// Random nets of each valence on which bounds are held against samples, and their noise. By hand a hundred of each
-/// valence were tried, with noise of up to 0.35.
-const NETS: [(u64, f64); 2] = [(100, 0.05), (101, 0.3)];
+/// How many random vertices bounds are held against samples on, where that is set while tests are built: a thousand
+/// were tried, optimised.
+const ASKED: Option<&str> = option_env!("PLANISH_TEST_VERTICES");
+/// So many otherwise: one of each valence from 3 to 12 but 4.
+const N_VERTICES: u64 = 9;
+/// Largest bound, in distances that samples find: measured 1.3.
+const SLACK: f64 = 1.4;
+
+/// Samples of a sector at which 33 x 33 equally spaced parameters are.
+struct Grid(Samples);
+
+impl Grid {
+    /// Rings of leaves outside the innermost parameters, and samples along a side of the outermost leaves.
+    const SIZE: [usize; 2] = [5, 17];
+
+    fn of(table: &CapTable) -> Self {
+        let [depth, side] = Self::SIZE;
+        Self(Samples::of(&table.characteristic, &table.plane[0], depth, &spaced(side)))
+    }
+
+    /// The largest distance between a cap and the limit surface at the 33 x 33 parameters.
+    fn farthest(&self, two_ring: &[Vector], patches: &[CapPatch]) -> f64 {
+        let side = Self::SIZE[1];
+        let mut most = 0.0_f64;
+        self.0.limits(&Rings::of_two_ring(two_ring), |s, k, point| {
+            // from ring to ring leaves have half as many steps along a side
+            let step = 1 << self.0.ring(k);
+            if k / side % side % step == 0 && k % side % step == 0 {
+                most = most.max(length(minus(point, self.0.on(&Net(patches[s]), k))));
+            }
+        });
+        most
+    }
+}
 
 #[test]
 fn certified_bounds_are_no_smaller_than_what_samples_find_and_not_much_larger() {
-    for n in 3..=12 {
+    let n_vertices = ASKED.map_or(N_VERTICES, |number| number.parse().expect("a number"));
+    let grids: Vec<Option<Grid>> = (0..=12).map(|n| CapTable::of(n).map(Grid::of)).collect();
+    let valences: Vec<usize> = (3..=12).filter(|n| *n != 4).collect();
+    for (seed, &n) in (0..n_vertices).zip(valences.iter().cycle()) {
         let table = CapTable::of(n).expect("a table");
-        for (seed, noise) in NETS {
-            let ring = trapezohedron(n, noise, seed);
-            for (level, most) in [(0, f64::INFINITY), (1, if n == 3 { 5.0 } else { 2.0 })] {
-                let ring = refined(&ring, level);
-                let (bound, found) = (table.bound(&ring), deviation(&ring, 7));
-                assert_eq!(bound.method, Method::Certified, "valence {n}");
-                assert!(bound.bound >= found, "valence {n}, net {seed}, {level}: {found:e} of {:e}", bound.bound);
-                // a regular vertex has rounding alone
-                let most = if n == 4 { 1e-9 } else { most * found };
-                assert!(bound.bound <= most, "valence {n}, net {seed}, {level}: {found:e} of {:e}", bound.bound);
+        let grid = grids[n].as_ref().expect("a grid");
+        let mut noise = 0.05 + 0.15 * (Noise(seed).number() + 1.0);
+        let mut ring = trapezohedron(n, noise, seed);
+        if seed % 2 == 1 {
+            noise = noise.min(0.2);
+            ring = random(n, noise, seed);
+        }
+        for level in 0..if ASKED.is_some() { 3 } else { 2 } {
+            let (bound, found) = (table.bound(&ring), grid.farthest(&ring, &table.cap(&ring)));
+            let name = format!("valence {n}, net {seed}, noise {noise}, level {level}");
+            assert_eq!(bound.method, Method::Certified, "{name}");
+            assert!((found..=SLACK * found).contains(&bound.bound), "{name}: {found:e} of {:e}", bound.bound);
+            ring = refined(&ring, 1);
+        }
+    }
+}
+
+#[test]
+fn bounds_at_regular_vertices_are_rounding() {
+    let bound = CapTable::of(4).expect("a table").bound(&random(4, 0.3, 5));
+    assert!(bound.method == Method::Certified && bound.bound < 1e-9, "{bound:?}");
+}
+
+#[test]
+fn images_of_two_parameters_are_as_far_apart_as_slopes_allow() {
+    let mut random_place = Noise(21);
+    for n in [3, 5, 8, 12] {
+        let plane = CapTable::of(n).expect("a table").plane[0];
+        for size in [1.0, 0.5, 0.1] {
+            let low: [f64; 2] = std::array::from_fn(|_| (1.0 - size) * 0.5 * (random_place.number() + 1.0));
+            let slopes = Slopes::of(&plane).over(&weights(low.map(|low| [low, low + size])));
+            let (least, most) = (slopes.least_straightened(), slopes.most());
+            for _ in 0..50 {
+                let [a, b] = [0, 1].map(|_| low.map(|low| low + size * 0.5 * (random_place.number() + 1.0)));
+                let quotient = length(minus(plane.at(a), plane.at(b))) / length(minus(a, b));
+                assert!((least..=most).contains(&quotient), "valence {n}: {quotient} beyond {least} to {most}");
             }
+            // over a small area the least is told well
+            assert!(size > 0.2 || least > 0.2, "valence {n}: {least}");
         }
     }
 }
