@@ -13,6 +13,7 @@ use super::say::answer;
 use crate::fault::Fault;
 use crate::job::limits::Limits;
 use crate::job::{Evaluation, Levels, RunError};
+use crate::scheme::preset::BICUBIC_PRESET;
 use crate::watch::Watch;
 use crate::wire::evaluation::{EvaluationAnswer, EvaluationRequest, places};
 use crate::wire::levels::LevelsRequest;
@@ -35,7 +36,7 @@ pub(crate) struct EvaluateOptions {
     /// A file (JSON) with `at`, `closest` and `values` as in a request to /v1/evaluate; flags add to it.
     #[arg(long, value_name = "FILE")]
     questions: Option<PathBuf>,
-    /// What is told of each place: position, normal, derivatives, second_derivatives, curvatures.
+    /// What is told of each place: position, normal, derivatives, `second_derivatives`, curvatures.
     #[arg(long, value_name = "NAMES", value_delimiter = ',')]
     values: Vec<String>,
     /// Where the answer goes (JSON), instead of standard output.
@@ -55,7 +56,7 @@ impl EvaluateOptions {
         let source = Source::of(&self.input);
         let named = |error: CliError| error.about(&source);
         let mut loaded = self.options.load(&source).map_err(named)?;
-        let usual = || PlanRequest { preset: Some("catmull-clark".to_owned()), ..PlanRequest::default() };
+        let usual = || PlanRequest { preset: Some(BICUBIC_PRESET.to_owned()), ..PlanRequest::default() };
         loaded.request.plan.get_or_insert_with(usual);
         loaded.request.levels = Some(LevelsRequest(Levels::Count(0)));
         loaded.request.outputs = vec![OutputRequest::of_format("stats")];

@@ -7,8 +7,7 @@ use axum::http::{HeaderMap, HeaderValue, Method, StatusCode, Uri, header};
 use axum::response::{IntoResponse, Response};
 
 use super::trace::current_id;
-use crate::fault::shortened;
-use crate::fault::{Fault, cut};
+use crate::fault::{Fault, cut, shortened};
 use crate::job::JobFault;
 use crate::job::limits::Refusal;
 use crate::service::accepting::NotAccepted;
@@ -356,11 +355,11 @@ pub(super) async fn no_such_page(uri: Uri) -> Problem {
 /// The answer to a method that a page does not know.
 pub(super) async fn method_not_allowed(method: Method, uri: Uri) -> Problem {
     let path = shortened(uri.path());
-    let remedy = match path.as_str() {
-        "/v1/render" | "/v1/estimate" | "/v1/validate" | "/v1/analyses" | "/v1/compare" | "/v1/evaluate" => {
-            "send a job with POST"
-        }
-        _ => "the header Allow lists the methods it knows",
+    let posted = ["/v1/render", "/v1/estimate", "/v1/validate", "/v1/analyses", "/v1/compare", "/v1/evaluate"];
+    let remedy = if posted.contains(&path.as_str()) {
+        "send a job with POST"
+    } else {
+        "the header Allow lists the methods it knows"
     };
     Problem::new(METHOD, format!("{path} does not know {}; {remedy}", shortened(method.as_str())))
 }

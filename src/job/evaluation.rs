@@ -221,9 +221,10 @@ impl Evaluation {
         };
         let at = evaluate(mesh, plan, &self.at, watch).map_err(refused)?;
         watch.advance(at.len() as u64);
-        let closest = match self.closest.is_empty() {
-            true => Vec::new(),
-            false => closest(mesh, plan, &self.closest, watch).map_err(refused)?,
+        let closest = if self.closest.is_empty() {
+            Vec::new()
+        } else {
+            closest(mesh, plan, &self.closest, watch).map_err(refused)?
         };
         Ok(Evaluated { at, closest })
     }

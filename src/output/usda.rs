@@ -49,7 +49,7 @@ const LABEL: u128 = 1_280;
 /// Numbers are the shortest decimals that read back as the same f64, though USD keeps positions, texture coordinates
 /// and sharpness as f32. Colours are linear. Groups and materials are subsets of the faces.
 ///
-/// Source: Pixar, OpenUSD 26.11, `UsdGeomMesh`, `UsdGeomSubset`, `UsdPreviewSurface` specification 2.6.
+/// Source: Pixar, `OpenUSD` 26.11, `UsdGeomMesh`, `UsdGeomSubset`, `UsdPreviewSurface` specification 2.6.
 #[derive(Debug)]
 pub(super) struct Usda;
 

@@ -14,6 +14,9 @@ use crate::math::parameter::{Parameter, Value, Values};
 use crate::math::weight::Weight;
 use crate::shape::tile::Tile;
 
+/// The preset whose limit surfaces have bicubic pieces, which is meant where only these will do and none is named.
+pub const BICUBIC_PRESET: &str = "catmull-clark";
+
 /// A named scheme.
 #[derive(Debug)]
 pub struct Preset {

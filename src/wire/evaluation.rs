@@ -157,7 +157,7 @@ impl EvaluationRequest {
 pub struct EvaluationAnswer {
     /// The values at the places of `at`.
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub at: Option<ValuesAnswer>,
+    pub at: Option<SurfaceValuesAnswer>,
     /// The places closest to the points of `closest`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub closest: Option<ClosestAnswer>,
@@ -195,7 +195,7 @@ impl Serialize for WrittenPlace {
 /// left out. Entries are null where the surface has no such value: derivatives and curvatures at vertices around which
 /// it is not bicubic, normals where there is no tangent plane.
 #[derive(Debug, Default, Serialize, ToSchema)]
-pub struct ValuesAnswer {
+pub struct SurfaceValuesAnswer {
     /// Positions, model units.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(value_type = Option<Vec<Vec<f64>>>)]
@@ -240,7 +240,7 @@ pub struct ValuesAnswer {
 impl EvaluationAnswer {
     /// What was found of these quantities.
     pub fn new(found: &Evaluated, values: &[Quantity]) -> Self {
-        let at = (!found.at.is_empty()).then(|| ValuesAnswer::new(&found.at, values));
+        let at = (!found.at.is_empty()).then(|| SurfaceValuesAnswer::new(&found.at, values));
         let closest = (!found.closest.is_empty()).then(|| ClosestAnswer {
             at: found.closest.iter().map(|closest| WrittenPlace(closest.place)).collect(),
             positions: found.closest.iter().map(|closest| plain(closest.at)).collect(),
@@ -251,7 +251,7 @@ impl EvaluationAnswer {
     }
 }
 
-impl ValuesAnswer {
+impl SurfaceValuesAnswer {
     fn new(jets: &[Jet], values: &[Quantity]) -> Self {
         let vectors = |value: fn(&Jet) -> Option<Vector>| Some(jets.iter().map(|jet| value(jet).map(plain)).collect());
         let mut answer = Self::default();

@@ -7,6 +7,7 @@ mod cli;
 mod described;
 mod drawing;
 mod edges;
+mod evaluate;
 mod expressions;
 mod figure_jobs;
 mod figures;

@@ -11,6 +11,8 @@ use sha2::Sha256;
 pub const LINKS: &str = "/v1/r/";
 /// What opens a job whose glTF refers to buffers: this name behind the job. The names of the buffers take its place.
 pub const MODEL: &str = "model.gltf";
+/// What the names of the buffers end with.
+const BUFFER: &str = ".bin";
 /// What a link opens that is no job in the link itself.
 const BY_NAME: [&str; 3] = ["jobs/", "batches/", "artifacts/"];
 
@@ -79,7 +81,9 @@ impl Link {
     /// What was signed: with a model its buffers, which stand beside it, so that a loader finds them.
     fn signed_rest(&self) -> Cow<'_, str> {
         match self.rest.split_once('/') {
-            Some((job, file)) if has_job(&self.rest) && file.ends_with(".bin") => Cow::Owned(format!("{job}/{MODEL}")),
+            Some((job, file)) if has_job(&self.rest) && file.strip_suffix(BUFFER).is_some() => {
+                Cow::Owned(format!("{job}/{MODEL}"))
+            }
             _ => Cow::Borrowed(&self.rest),
         }
     }

@@ -149,8 +149,8 @@ pub(super) fn prim(
     indent: &str,
     stream: &mut Stream<'_>,
 ) -> Result<(), FormatError> {
-    let metadata: String = metadata.map(|line| format!("{indent}    {line}\n")).collect();
-    let metadata = if metadata.is_empty() { metadata } else { format!(" (\n{metadata}{indent})") };
+    let lines = metadata.fold(String::new(), |lines, line| lines + indent + "    " + &line + "\n");
+    let metadata = if lines.is_empty() { lines } else { format!(" (\n{lines}{indent})") };
     stream.bytes(format!("\n{indent}def {kind} \"{name}\"{metadata}\n{indent}{{\n").as_bytes())
 }
 

@@ -20,7 +20,7 @@ use crate::watch::Watch;
 const RESOLUTION: f64 = 1e-9;
 /// Most quarterings for a point: points as far from much of the surface as from the closest place, such as the middle
 /// of a ball, would take any number. Half of it ends more of these early, twice of it takes them twice as long.
-const QUARTERINGS: usize = 2_048;
+const QUARTERINGS: usize = 8_192;
 /// Points whose ends are looked at together. Half of it makes rings twice as often; twice of it takes twice the memory.
 const TOGETHER: usize = 1 << 16;
 

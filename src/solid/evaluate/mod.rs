@@ -15,6 +15,3 @@ pub use closest::{Closest, closest};
 pub use descent::evaluate;
 pub use jet::Jet;
 pub use place::Place;
-
-#[cfg(test)]
-mod tests;

@@ -135,19 +135,18 @@ impl Patch {
         let least = 0.5 * (a + c - sqrt((a - c) * (a - c) + 4.0 * b * b));
         let net = &self.net;
         let (mut change, mut second) = ([0.0_f64; 2], [0.0_f64; 3]);
-        for i in 0..4 {
-            for j in 0..3 {
-                let [along_u, along_v] = [minus(net[j + 1][i], net[j][i]), minus(net[i][j + 1], net[i][j])];
-                change[0] = change[0].max(length(minus(times(3.0, along_u), du)));
-                change[1] = change[1].max(length(minus(times(3.0, along_v), dv)));
-            }
-            for j in 0..2 {
-                let bend = |a: Vector, b: Vector, c: Vector| 6.0 * length(plus(minus(a, times(2.0, b)), c));
-                second[0] = second[0].max(bend(net[j][i], net[j + 1][i], net[j + 2][i]));
-                second[2] = second[2].max(bend(net[i][j], net[i][j + 1], net[i][j + 2]));
-            }
+        let cells = |n: usize, m: usize| (0..n).flat_map(move |i| (0..m).map(move |j| (i, j)));
+        for (i, j) in cells(4, 3) {
+            let [along_u, along_v] = [minus(net[j + 1][i], net[j][i]), minus(net[i][j + 1], net[i][j])];
+            change[0] = change[0].max(length(minus(times(3.0, along_u), du)));
+            change[1] = change[1].max(length(minus(times(3.0, along_v), dv)));
         }
-        for (i, j) in (0..3).flat_map(|i| (0..3).map(move |j| (i, j))) {
+        for (i, j) in cells(4, 2) {
+            let bend = |a: Vector, b: Vector, c: Vector| 6.0 * length(plus(minus(a, times(2.0, b)), c));
+            second[0] = second[0].max(bend(net[j][i], net[j + 1][i], net[j + 2][i]));
+            second[2] = second[2].max(bend(net[i][j], net[i][j + 1], net[i][j + 2]));
+        }
+        for (i, j) in cells(3, 3) {
             let twist = minus(minus(net[i + 1][j + 1], net[i][j + 1]), minus(net[i + 1][j], net[i][j]));
             second[1] = second[1].max(9.0 * length(twist));
         }

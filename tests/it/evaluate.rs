@@ -1,28 +1,28 @@
 //! Laws of values of the limit surface: they are those of refinement, of a known spline, and of calculus.
 
-use super::{Closest, Jet, Place, closest, evaluate};
-use crate::analysis::limit::{LimitRequest, refine_mesh_to_limit};
-use crate::math::functions::{cos, real, sin};
-use crate::math::vector::{Vector, cross, dot, length, minus, plus, times};
-use crate::scheme::plan::{Plan, PlanInput, Subject};
-use crate::scheme::tags::Boundary;
-use crate::shape::mesh::{Mesh, MeshInput};
-use crate::shape::source::{FaceChunk, MeshSource};
-use crate::watch::Watch;
+use planish::analysis::limit::{LimitRequest, refine_mesh_to_limit};
+use planish::math::functions::{cos, real, sin};
+use planish::math::vector::{Vector, cross, dot, length, minus, plus, times};
+use planish::scheme::plan::{Plan, PlanInput, Subject};
+use planish::scheme::tags::Boundary;
+use planish::shape::mesh::{Mesh, MeshInput};
+use planish::shape::source::{FaceChunk, MeshSource};
+use planish::solid::evaluate::{Closest, Jet, Place, closest, evaluate};
+use planish::watch::Watch;
 
 /// A cage.
 #[derive(Debug, Clone, Default)]
-pub(super) struct Cage {
-    pub(super) points: Vec<Vector>,
-    pub(super) faces: Vec<Vec<u32>>,
-    pub(super) creases: Vec<([u64; 2], f64)>,
-    pub(super) corners: Vec<(u64, f64)>,
-    pub(super) holes: Vec<u64>,
-    pub(super) boundary: Boundary,
+struct Cage {
+    points: Vec<Vector>,
+    faces: Vec<Vec<u32>>,
+    creases: Vec<([u64; 2], f64)>,
+    corners: Vec<(u64, f64)>,
+    holes: Vec<u64>,
+    boundary: Boundary,
 }
 
 impl Cage {
-    pub(super) fn mesh(&self) -> Mesh {
+    fn mesh(&self) -> Mesh {
         Mesh::new(MeshInput {
             positions: self.points.clone(),
             faces: self.faces.iter().map(|face| face.iter().copied()).collect(),
@@ -34,21 +34,21 @@ impl Cage {
         .unwrap_or_else(|faults| panic!("{faults:?}"))
     }
 
-    pub(super) fn plan(&self) -> Plan {
+    fn plan(&self) -> Plan {
         let input = PlanInput { preset: Some("catmull-clark".into()), boundary: self.boundary, ..PlanInput::default() };
         Plan::resolve(&input, Subject { is_mesh: true, ..Subject::default() }).expect("the plan is one")
     }
 
-    pub(super) fn at(&self, places: &[Place]) -> Vec<Jet> {
+    fn at(&self, places: &[Place]) -> Vec<Jet> {
         evaluate(&self.mesh(), &self.plan(), places, &Watch::new()).expect("places of the mesh")
     }
 
-    pub(super) fn closest(&self, points: &[Vector]) -> Vec<Closest> {
+    fn closest(&self, points: &[Vector]) -> Vec<Closest> {
         closest(&self.mesh(), &self.plan(), points, &Watch::new()).expect("it has a surface")
     }
 }
 
-pub(super) fn cube() -> Cage {
+fn cube() -> Cage {
     let sign = |bit: usize| if bit == 0 { -1.0 } else { 1.0 };
     let faces = [[0, 1, 3, 2], [4, 6, 7, 5], [0, 4, 5, 1], [2, 3, 7, 6], [0, 2, 6, 4], [1, 5, 7, 3]];
     Cage {
@@ -59,7 +59,7 @@ pub(super) fn cube() -> Cage {
 }
 
 /// Quads over `n x m` cells, at the points that `at` gives.
-pub(super) fn sheet(n: u32, m: u32, at: impl Fn(f64, f64) -> Vector) -> Cage {
+fn sheet(n: u32, m: u32, at: impl Fn(f64, f64) -> Vector) -> Cage {
     let points = (0..=n).flat_map(|i| (0..=m).map(move |j| (f64::from(i), f64::from(j))));
     let number = |i: u32, j: u32| i * (m + 1) + j;
     let face = |i, j| vec![number(i, j), number(i + 1, j), number(i + 1, j + 1), number(i, j + 1)];
@@ -84,12 +84,12 @@ fn prism(n: u32) -> Cage {
     }
 }
 
-pub(super) fn bent(i: f64, j: f64) -> Vector {
+fn bent(i: f64, j: f64) -> Vector {
     [i, j, sin(1.3 * i) * cos(0.9 * j)]
 }
 
 /// Cages of every kind that the surface knows.
-pub(super) fn cages() -> Vec<(&'static str, Cage)> {
+fn cages() -> Vec<(&'static str, Cage)> {
     let creased = |creases: &[[u64; 2]], sharpness: f64| creases.iter().map(|&edge| (edge, sharpness)).collect();
     let ring = [[1, 3], [3, 7], [7, 5], [5, 1]];
     vec![
