@@ -259,8 +259,8 @@ fn random_cages_become_shells_without_gaps() {
 fn volumes_and_counts_are_those_of_the_reference() {
     let ring = torus(12, 8).solid(&COARSE).expect("a torus").certificate;
     assert_eq!(ring.counts, [4, 8, 4]);
-    // the integral of (a b' - a' b) over one turn times that of z r r' over the other, where a, b, r and z are the splines
-    // of cosines, sines, radii and heights: 43945.01051071307256 with fifty digits
+    // the integral of (a b' - a' b) over one turn times that of z r r' over the other, where a, b, r and z are the
+    // splines of cosines, sines, radii and heights: 43945.01051071307256 with fifty digits
     assert!((ring.volume() / 43_945.010_510_713_07 - 1.0).abs() < 1e-14, "{}", ring.volume());
     assert!(ring.exact_area_share >= 1.0 && ring.worst_edge_angle_deg < 1e-10);
     let edges = [[0, 1], [1, 3], [3, 2], [2, 0], [4, 6], [6, 7], [7, 5], [5, 4], [0, 4], [5, 1], [3, 7], [6, 2]];
