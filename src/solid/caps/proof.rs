@@ -53,7 +53,7 @@ pub(super) fn n_rings(n: usize) -> usize {
 
 /// Cells along each side of a leaf of a ring, 1 for the outermost. Paths of foot points are off by the cube of a cell's
 /// size, which caps of valence 3 feel most, since they are nearest to their surfaces. With these numbers bounds are at
-/// most 1.3 times what samples find; with one less in the outermost rings they are 1.5 times, with one more 1.2 times.
+/// most 1.4 times what samples find; with one less in the outermost rings they are 1.5 times, with one more 1.2 times.
 pub(super) fn n_cells(n: usize, ring: usize) -> usize {
     match (n, ring) {
         (3, 1..=3) => 6 - ring,
