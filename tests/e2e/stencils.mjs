@@ -211,6 +211,7 @@ const { service, origin } = await startService(binary);
 try {
   let [served, limits, normals] = [0, 0, 0];
   for (const file of readdirSync(folder).filter((name) => name.endsWith(".json")).sort()) {
+    if (/-(step|certificate)\.json$/.test(file)) continue; // solids have no levels
     const { outputs, distance_to: _, ...job } = JSON.parse(readFileSync(join(folder, file)));
     const name = basename(file, ".json");
     const frame = job.input.mesh?.frames ? { frame: 0 } : {};
