@@ -36,7 +36,7 @@ pub(crate) struct EvaluateOptions {
     /// A file (JSON) with `at`, `closest` and `values` as in a request to /v1/evaluate; flags add to it.
     #[arg(long, value_name = "FILE")]
     questions: Option<PathBuf>,
-    /// What is told of each place: position, normal, derivatives, `second_derivatives`, curvatures.
+    /// What is told of each place: position, normal, derivatives and more, see docs/evaluate.md.
     #[arg(long, value_name = "NAMES", value_delimiter = ',')]
     values: Vec<String>,
     /// Where the answer goes (JSON), instead of standard output.
