@@ -226,7 +226,7 @@ const SCHEMES: &[&str] = &[
 /// them.
 const NAMED: &[(&str, &[&str])] = &[
     ("http/canary.rs", &["catmull"]),
-    ("http/document_examples.rs", &["fourpoint"]),
+    ("http/document_examples.rs", &["catmull", "fourpoint"]),
     ("wire/schema.rs", &["incenter"]),
 ];
 
