@@ -223,10 +223,12 @@ const SCHEMES: &[&str] = &[
     "repeatedaveraging",
 ];
 /// Where a name of a scheme stands outside `scheme/`: in jobs that serve as examples, and in what the document says of
-/// them.
+/// them; and where a format has words of its own for schemes.
 const NAMED: &[(&str, &[&str])] = &[
     ("http/canary.rs", &["catmull"]),
     ("http/document_examples.rs", &["catmull", "fourpoint"]),
+    ("output/usda.rs", &["catmull"]),
+    ("output/usda/cage.rs", &["catmull"]),
     ("wire/schema.rs", &["incenter"]),
 ];
 
