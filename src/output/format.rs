@@ -111,7 +111,7 @@ pub trait Format: fmt::Debug + Send + Sync {
 
     /// Whether the bytes tell of the plan, even where none of its levels was applied.
     fn tells_plan(&self) -> bool {
-        false
+        self.is_of_limit()
     }
 
     /// Whether the solid of the input is made for these options.

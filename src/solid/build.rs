@@ -57,7 +57,7 @@ pub fn solid(mesh: &Mesh, plan: &Plan, request: &Request, labels: &[u32], watch:
     drop(leaves);
     patches.extend(caps.into_iter().map(|cap| Patch::of_cap(cap, &edges)));
     if patches.is_empty() {
-        return Err(SolidError::at("", "every face of the mesh is a hole; leave some"));
+        return Err(SolidError::empty());
     }
     let mut brep = Brep::of(patches, &edges, request.shortest)?;
     let certificate = Certificate::of(&mut brep, vertices, (size, middle));

@@ -15,6 +15,11 @@ pub enum SolidError {
 }
 
 impl SolidError {
+    /// A refusal where nothing of the surface is shown.
+    pub(super) fn empty() -> Self {
+        Self::at("", "every face of the mesh is a hole, or at a boundary that boundary \"none\" leaves out; leave some")
+    }
+
     /// A refusal at an option of the output; empty for the output as a whole.
     pub(super) fn at(option: &str, detail: impl Into<String>) -> Self {
         let pointer = if option.is_empty() { String::new() } else { format!("/{option}") };

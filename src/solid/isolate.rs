@@ -93,10 +93,12 @@ fn check_normal(sector: &Sector, surfaces: &[Surface]) -> Result<(), SolidError>
         return Ok(());
     }
     let [x, y, z] = at;
-    let detail = format!(
-        "the limit surface has no tangent plane at its vertex near ({x:.4}, {y:.4}, {z:.4}); send a mesh that does not \
-         fold there"
-    );
+    let remedy = match sector.spokes.len() {
+        2 => "only two faces meet there; split one of them from that vertex, or leave the vertex out",
+        _ => "send a mesh that does not fold there",
+    };
+    let detail =
+        format!("the limit surface has no tangent plane at its vertex near ({x:.4}, {y:.4}, {z:.4}): {remedy}");
     Err(SolidError::at("", detail))
 }
 

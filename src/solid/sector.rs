@@ -143,22 +143,25 @@ impl Level {
     }
 
     /// The half-edge of a face at its only vertex that is not regular, if a cap can stand there: all else around the
-    /// face has to be regular, nothing sharp for some levels only, and all faces quads.
+    /// face has to be regular, nothing sharp for some levels only, and all faces quads. Around a smooth vertex nothing
+    /// is sharp either: in the middle of a face with sharp sides, caps have to wait for another level.
     pub(super) fn lone_irregular(&self, f: u32) -> Option<u32> {
         let half_edges = self.topology.half_edges(f as usize);
         if half_edges.len() != 4 {
             return None;
         }
-        let mut found = None;
+        let (mut found, mut is_smooth) = (None, true);
         for half_edge in half_edges {
             let sector = self.sector(half_edge);
             if sector.kind == Kind::Undecided || !self.is_of_quads(&sector) {
                 return None;
             }
-            if !sector.is_regular() && found.replace(half_edge).is_some() {
+            if sector.is_regular() {
+                is_smooth &= sector.is_closed;
+            } else if found.replace((half_edge, sector.kind)).is_some() {
                 return None;
             }
         }
-        found
+        found.filter(|&(_, kind)| is_smooth || kind != Kind::Smooth).map(|(half_edge, _)| half_edge)
     }
 }

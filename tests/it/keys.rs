@@ -129,6 +129,12 @@ fn rules_of_meshes_belong_to_limits_at_level_0_too() {
         let base = json!({ "input": { "mesh": mesh }, "plan": plan(json!({})), "levels": 0, "outputs": [output] });
         check_distinct(&base, &others.clone().map(|plan| ("/plan", plan)));
     }
+    // solids show the limit, and have no levels
+    for format in ["step", "certificate", "usda"] {
+        let base = json!({ "input": { "mesh": mesh }, "plan": plan(json!({})), "levels": 0,
+            "outputs": [{ "format": format }] });
+        check_distinct(&base, &others.clone().map(|plan| ("/plan", plan)));
+    }
     // without limits they change nothing there
     let base = json!({ "input": { "mesh": mesh }, "plan": plan(json!({})), "levels": 0,
         "outputs": [{ "format": "json" }] });

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use planish::analysis::limit::{LimitRequest, refine_mesh_to_limit};
 use planish::math::functions::{cos, ratio, sin};
-use planish::math::vector::{Vector, length, minus};
+use planish::math::vector::{Vector, length, minus, plus};
 use planish::scheme::plan::{Plan, PlanInput, Subject};
 use planish::scheme::tags::Boundary;
 use planish::shape::mesh::{Mesh, MeshInput};
@@ -217,6 +217,48 @@ fn exact_faces_are_the_limit_surface() {
     }
 }
 
+/// The middle of a face with sharp sides is smooth, and what lies beyond those sides is none of its business.
+#[test]
+fn faces_with_sharp_sides_are_within_the_deviation_of_their_limit() {
+    let alone = |n: u32| {
+        let cage = prism(n);
+        let at = |i: u32| cage.points[i as usize];
+        Cage {
+            points: (0..n).map(|i| plus(at(i), [0.0, 0.0, f64::from(i % 3)])).collect(),
+            faces: vec![(0..n).collect()],
+            ..cage
+        }
+    };
+    let rimmed = |n: u32| {
+        let rim = (0..n).map(|i| ([i, (i + 1) % n].map(u64::from), 10.0));
+        Cage { creases: rim.collect(), ..prism(n) }
+    };
+    let cages = [3, 5, 6].into_iter().flat_map(|n| [("alone", n, alone(n)), ("rimmed", n, rimmed(n))]);
+    for (name, n, cage) in cages.flat_map(|(name, n, cage)| {
+        let round = Cage { boundary: Boundary::EdgeOnly, ..cage.clone() };
+        [(name, n, cage), (name, n, round)]
+    }) {
+        let asked = LimitRequest { positions: true, normals: false };
+        let (refined, _) = refine_mesh_to_limit(&cage.mesh(), &cage.plan(), 6, asked, &Watch::new()).expect(name);
+        let mut points = Vec::new();
+        refined.positions(0..refined.n_vertices(), &mut points);
+        for continuity in [Continuity::Bicubic, Continuity::Tangent] {
+            let found = cage.solid(&Request { continuity, pack: Pack::Nothing, ..COARSE }).expect(name);
+            check_topology(name, &found, cage.size());
+            for face in &found.brep.faces {
+                // the parameters of caps are their own between their corners
+                let places = [(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0), (0.5, 0.5)];
+                for &(u, v) in &places[..if face.is_exact { 5 } else { 4 }] {
+                    let place = at(&face.surface, u, v);
+                    let apart = points.iter().map(|&p| length(minus(p, place))).fold(f64::INFINITY, f64::min);
+                    let bound = found.certificate.deviation + 1e-12 * cage.size();
+                    assert!(apart <= bound, "{name} {n}, {continuity:?}: {apart:e} of {bound:e}");
+                }
+            }
+        }
+    }
+}
+
 #[test]
 fn random_cages_become_shells_without_gaps() {
     let mut random = Random(7);
@@ -249,7 +291,9 @@ fn random_cages_become_shells_without_gaps() {
         }
         let name = format!("round {round}: {cage:?}");
         let pack = [Pack::Patch, Pack::Face, Pack::Nothing][random.below(3)];
-        let found = cage.solid(&Request { pack, ..COARSE }).unwrap_or_else(|error| panic!("{error} {name}"));
+        let continuity = [Continuity::Bicubic, Continuity::Tangent][round / 4 % 2];
+        let found =
+            cage.solid(&Request { pack, continuity, ..COARSE }).unwrap_or_else(|error| panic!("{error} {name}"));
         check_topology(&name, &found, cage.size());
         assert!(found.certificate.deviation_of_size() <= 1e-2, "{name}");
     }
@@ -427,7 +471,7 @@ fn what_gives_no_solid_is_refused_with_a_remedy() {
         change(&mut asked);
         render(&asked).expect_err("it is refused").remove(0)
     };
-    let cases: [(&str, &str, Change<'_>); 6] = [
+    let cases: [(&str, &str, Change<'_>); 7] = [
         ("/outputs/0/format", "Catmull-Clark", &|asked| {
             asked["plan"] = json!({ "word": "UC" });
             asked["input"]["mesh"] = json!({ "positions": cube(1.0).points, "faces": cube(1.0).faces });
@@ -443,6 +487,10 @@ fn what_gives_no_solid_is_refused_with_a_remedy() {
         ("/outputs/0/tolerance", "max_level", &|asked| {
             asked["outputs"][0]["tolerance"] = 1e-7.into();
             asked["outputs"][0]["max_level"] = 2.into();
+        }),
+        ("/outputs/0", "only two faces meet", &|asked| {
+            let square = [[0.0; 3], [1.0, 0.0, 0.0], [1.0, 1.0, 0.3], [0.0, 1.0, 0.0]];
+            asked["input"]["mesh"] = json!({ "positions": square, "faces": [[0, 1, 2, 3], [3, 2, 1, 0]] });
         }),
         ("/outputs/0", "one place", &|asked| {
             let flat: Vec<Vector> = cube(1.0).points.iter().map(|_| [1.0; 3]).collect();

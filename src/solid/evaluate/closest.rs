@@ -139,7 +139,7 @@ pub fn closest(mesh: &Mesh, plan: &Plan, points: &[Vector], watch: &Watch) -> Re
     let refiner = Refiner::new(plan, watch)?;
     let parts = Parts::of(mesh, plan, &refiner)?;
     if parts.all.is_empty() {
-        return Err(SolidError::at("", "every face of the mesh is a hole; leave some"));
+        return Err(SolidError::empty());
     }
     let tree = Tree::of(&parts.boxes);
     let tolerance = RESOLUTION * tree.diagonal();

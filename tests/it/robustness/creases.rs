@@ -1,6 +1,7 @@
 //! Sharp edges and corners of every kind, on every kind of mesh: results of the size that was promised, or refusals
 //! that say where sharpness has no place.
 
+use planish::fault::Fault;
 use planish::job::limits::Limits;
 use planish::output::{FORMATS, ShapeKind, Size};
 use proptest::prelude::*;
@@ -61,6 +62,13 @@ fn sharpness() -> impl Strategy<Value = f64> {
     prop_oneof![Just(0.0), Just(10.0), Just(1e300), Just(5e-324), Just(9.999), 0.0..4.0_f64]
 }
 
+/// Whether a solid is refused, as fans of faces touch, vertices have two faces, nothing is shown, or it has too many.
+fn has_no_solid(format: &str, faults: &[Fault]) -> bool {
+    SOLID.contains(&format) && matches!(faults, [fault] if fault.pointer.starts_with("/outputs/0"))
+}
+
+const SOLID: [&str; 2] = ["step", "certificate"];
+
 proptest! {
     #![proptest_config(ProptestConfig { cases: 24, failure_persistence: None, ..ProptestConfig::default() })]
 
@@ -86,7 +94,13 @@ proptest! {
         for format in FORMATS.iter().filter(|format| format.holds(ShapeKind::Mesh).is_ok()) {
             for normals in [None, Some("area")] {
                 let mut output = json!({ "format": format.name() });
+                if normals.is_some() && SOLID.contains(&format.name()) {
+                    continue; // they have none, and edges that are sharp for ten levels take them long
+                }
                 match (format.name(), normals) {
+                    ("step" | "certificate", _) => {
+                        (output["tolerance"], output["continuity"]) = (json!(1e-2), json!("bicubic"));
+                    }
                     ("png", _) => (output["width"], output["height"]) = (json!(32), json!(24)),
                     ("obj" | "ply" | "glb" | "gltf", Some(normals)) => {
                         (output["normals"], output["ids"]) = (json!(normals), json!(true));
@@ -94,10 +108,25 @@ proptest! {
                     _ => {}
                 }
                 let text = json!({ "input": { "mesh": mesh }, "plan": plan, "levels": levels, "outputs": [output] });
-                let job = parsed(text.to_string().as_bytes());
-                let job = job.map_err(|faults| TestCaseError::fail(format!("{faults:?} for {text}")))?;
+                let excuse = |faults: Vec<Fault>| {
+                    let known = has_no_solid(format.name(), &faults);
+                    if known { Ok(()) } else { Err(TestCaseError::fail(format!("{faults:?} for {text}"))) }
+                };
+                let job = match parsed(text.to_string().as_bytes()) {
+                    Ok(job) => job,
+                    Err(faults) => {
+                        excuse(faults)?;
+                        continue;
+                    }
+                };
                 let size = Limits::default().estimate(&job).expect("it is small").outputs[0].1;
-                let bytes = render(&text).map_err(|faults| TestCaseError::fail(format!("{faults:?} for {text}")))?.0;
+                let bytes = match render(&text) {
+                    Ok((bytes, _)) => bytes,
+                    Err(faults) => {
+                        excuse(faults)?;
+                        continue;
+                    }
+                };
                 match size {
                     Size::Exact(n) => prop_assert_eq!(n, bytes.len() as u128, "{}", text),
                     Size::AtMost(n) => prop_assert!(bytes.len() as u128 <= n, "{} > {}: {}", bytes.len(), n, text),
