@@ -94,7 +94,7 @@ proptest! {
         for format in FORMATS.iter().filter(|format| format.holds(ShapeKind::Mesh).is_ok()) {
             for normals in [None, Some("area")] {
                 let mut output = json!({ "format": format.name() });
-                if normals.is_some() && SOLID.contains(&format.name()) {
+                if SOLID.contains(&format.name()) && (normals.is_some() || levels > 0) {
                     continue; // they have none, and edges that are sharp for ten levels take them long
                 }
                 match (format.name(), normals) {
