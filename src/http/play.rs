@@ -45,6 +45,8 @@ const FILES: &[(&str, &str, &str)] = &[
     ("scheme.js", SCRIPT, include_str!("play/scheme.js")),
     ("examples.js", SCRIPT, include_str!("play/examples.js")),
     ("analysis.js", SCRIPT, include_str!("play/analysis.js")),
+    ("lines.js", SCRIPT, include_str!("play/lines.js")),
+    ("given.js", SCRIPT, include_str!("play/given.js")),
     ("take.js", SCRIPT, include_str!("play/take.js")),
     ("help.js", SCRIPT, include_str!("play/help.js")),
     ("surfaces.js", SCRIPT, include_str!("play/surfaces.js")),

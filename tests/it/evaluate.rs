@@ -3,42 +3,14 @@
 use planish::analysis::limit::{LimitRequest, refine_mesh_to_limit};
 use planish::math::functions::{cos, real, sin};
 use planish::math::vector::{Vector, cross, dot, length, minus, plus, times};
-use planish::scheme::plan::{Plan, PlanInput, Subject};
 use planish::scheme::tags::Boundary;
-use planish::shape::mesh::{Mesh, MeshInput};
 use planish::shape::source::{FaceChunk, MeshSource};
 use planish::solid::evaluate::{Closest, Jet, Place, closest, evaluate};
 use planish::watch::Watch;
 
-/// A cage.
-#[derive(Debug, Clone, Default)]
-struct Cage {
-    points: Vec<Vector>,
-    faces: Vec<Vec<u32>>,
-    creases: Vec<([u64; 2], f64)>,
-    corners: Vec<(u64, f64)>,
-    holes: Vec<u64>,
-    boundary: Boundary,
-}
+use crate::support::cages::{self, Cage, sheet};
 
 impl Cage {
-    fn mesh(&self) -> Mesh {
-        Mesh::new(MeshInput {
-            positions: self.points.clone(),
-            faces: self.faces.iter().map(|face| face.iter().copied()).collect(),
-            creases: self.creases.clone(),
-            corners: self.corners.clone(),
-            holes: self.holes.clone(),
-            ..MeshInput::default()
-        })
-        .unwrap_or_else(|faults| panic!("{faults:?}"))
-    }
-
-    fn plan(&self) -> Plan {
-        let input = PlanInput { preset: Some("catmull-clark".into()), boundary: self.boundary, ..PlanInput::default() };
-        Plan::resolve(&input, Subject { is_mesh: true, ..Subject::default() }).expect("the plan is one")
-    }
-
     fn at(&self, places: &[Place]) -> Vec<Jet> {
         evaluate(&self.mesh(), &self.plan(), places, &Watch::new()).expect("places of the mesh")
     }
@@ -48,40 +20,18 @@ impl Cage {
     }
 }
 
+/// A cube without symmetries.
 fn cube() -> Cage {
-    let sign = |bit: usize| if bit == 0 { -1.0 } else { 1.0 };
-    let faces = [[0, 1, 3, 2], [4, 6, 7, 5], [0, 4, 5, 1], [2, 3, 7, 6], [0, 2, 6, 4], [1, 5, 7, 3]];
-    Cage {
-        points: (0..8).map(|i| [sign(i & 4), sign(i & 2) * 0.9, sign(i & 1) + 0.1 * real(i)]).collect(),
-        faces: faces.map(Vec::from).into(),
-        ..Cage::default()
+    let mut cage = cages::cube(1.0);
+    for (i, [_, y, z]) in cage.points.iter_mut().enumerate() {
+        (*y, *z) = (*y * 0.9, *z + 0.1 * real(i));
     }
-}
-
-/// Quads over `n x m` cells, at the points that `at` gives.
-fn sheet(n: u32, m: u32, at: impl Fn(f64, f64) -> Vector) -> Cage {
-    let points = (0..=n).flat_map(|i| (0..=m).map(move |j| (f64::from(i), f64::from(j))));
-    let number = |i: u32, j: u32| i * (m + 1) + j;
-    let face = |i, j| vec![number(i, j), number(i + 1, j), number(i + 1, j + 1), number(i, j + 1)];
-    Cage {
-        points: points.map(|(i, j)| at(i, j)).collect(),
-        faces: (0..n).flat_map(|i| (0..m).map(move |j| face(i, j))).collect(),
-        ..Cage::default()
-    }
+    cage
 }
 
 fn prism(n: u32) -> Cage {
-    let at = |i: u32, z| {
-        let a = std::f64::consts::TAU * f64::from(i) / f64::from(n);
-        [2.0 * cos(a), sin(a), z]
-    };
-    let sides = (0..n).map(|i| vec![i, (i + 1) % n, n + (i + 1) % n, n + i]);
-    let ends = [(0..n).rev().collect::<Vec<_>>(), (n..2 * n).collect()];
-    Cage {
-        points: [-1.0, 1.0].into_iter().flat_map(|z| (0..n).map(move |i| at(i, z))).collect(),
-        faces: ends.into_iter().chain(sides).collect(),
-        ..Cage::default()
-    }
+    let cage = cages::prism(n);
+    Cage { points: cage.points.iter().map(|[x, y, z]| [0.2 * x, 0.1 * y, 0.1 * z]).collect(), ..cage }
 }
 
 fn bent(i: f64, j: f64) -> Vector {

@@ -5,51 +5,16 @@ use std::collections::BTreeMap;
 use planish::analysis::limit::{LimitRequest, refine_mesh_to_limit};
 use planish::math::functions::{cos, ratio, sin};
 use planish::math::vector::{Vector, length, minus, plus};
-use planish::scheme::plan::{Plan, PlanInput, Subject};
 use planish::scheme::tags::Boundary;
-use planish::shape::mesh::{Mesh, MeshInput};
 use planish::shape::source::MeshSource;
 use planish::solid::{Continuity, Known, Pack, Request, Solid, SolidError, Surface, solid};
 use planish::watch::Watch;
 use serde_json::json;
 
+use crate::support::cages::{Cage, cube, prism, sheet};
 use crate::support::render;
 
-/// A cage with the sharpness of some edges.
-#[derive(Debug, Clone, Default)]
-struct Cage {
-    points: Vec<Vector>,
-    faces: Vec<Vec<u32>>,
-    creases: Vec<([u64; 2], f64)>,
-    holes: Vec<u64>,
-    boundary: Boundary,
-}
-
 impl Cage {
-    fn mesh(&self) -> Mesh {
-        Mesh::new(MeshInput {
-            positions: self.points.clone(),
-            faces: self.faces.iter().map(|face| face.iter().copied()).collect(),
-            creases: self.creases.clone(),
-            holes: self.holes.clone(),
-            ..MeshInput::default()
-        })
-        .unwrap_or_else(|faults| panic!("{faults:?}"))
-    }
-
-    fn plan(&self) -> Plan {
-        let input = PlanInput { preset: Some("catmull-clark".into()), boundary: self.boundary, ..PlanInput::default() };
-        Plan::resolve(&input, Subject { is_mesh: true, ..Subject::default() }).expect("the plan is one")
-    }
-
-    fn size(&self) -> f64 {
-        let side = |k: usize| {
-            let all = || self.points.iter().map(|p| p[k]);
-            all().fold(f64::NEG_INFINITY, f64::max) - all().fold(f64::INFINITY, f64::min)
-        };
-        (0..3).map(side).fold(0.0, f64::max)
-    }
-
     fn solid(&self, request: &Request) -> Result<Solid, SolidError> {
         solid(&self.mesh(), &self.plan(), request, &[], &Watch::new())
     }
@@ -66,29 +31,6 @@ const COARSE: Request = Request {
     closed: false,
 };
 
-fn cube(h: f64) -> Cage {
-    let sign = |bit: usize| if bit == 0 { -h } else { h };
-    Cage {
-        points: (0..8).map(|i| [sign(i & 4), sign(i & 2), sign(i & 1)]).collect(),
-        faces: [[0, 1, 3, 2], [4, 6, 7, 5], [0, 4, 5, 1], [2, 3, 7, 6], [0, 2, 6, 4], [1, 5, 7, 3]]
-            .map(Vec::from)
-            .into(),
-        ..Cage::default()
-    }
-}
-
-/// Quads over `n x m` cells, at the points that `at` gives.
-fn sheet(n: u32, m: u32, at: impl Fn(f64, f64) -> Vector) -> Cage {
-    let points = (0..=n).flat_map(|i| (0..=m).map(move |j| (f64::from(i), f64::from(j))));
-    let number = |i: u32, j: u32| i * (m + 1) + j;
-    let face = |i, j| vec![number(i, j), number(i + 1, j), number(i + 1, j + 1), number(i, j + 1)];
-    Cage {
-        points: points.map(|(i, j)| at(i, j)).collect(),
-        faces: (0..n).flat_map(|i| (0..m).map(move |j| face(i, j))).collect(),
-        ..Cage::default()
-    }
-}
-
 fn torus(n: u32, m: u32) -> Cage {
     let turn = |i: u32, n: u32| std::f64::consts::TAU * f64::from(i) / f64::from(n);
     let at = |i, j| {
@@ -100,20 +42,6 @@ fn torus(n: u32, m: u32) -> Cage {
     Cage {
         points: (0..n).flat_map(|i| (0..m).map(move |j| (i, j))).map(|(i, j)| at(i, j)).collect(),
         faces: (0..n).flat_map(|i| (0..m).map(move |j| (i, j))).map(|(i, j)| face(i, j)).collect(),
-        ..Cage::default()
-    }
-}
-
-fn prism(n: u32) -> Cage {
-    let at = |i: u32, z| {
-        let a = std::f64::consts::TAU * f64::from(i) / f64::from(n);
-        [10.0 * cos(a), 10.0 * sin(a), z]
-    };
-    let sides = (0..n).map(|i| vec![i, (i + 1) % n, n + (i + 1) % n, n + i]);
-    let ends = [(0..n).rev().collect::<Vec<_>>(), (n..2 * n).collect()];
-    Cage {
-        points: [-10.0, 10.0].into_iter().flat_map(|z| (0..n).map(move |i| at(i, z))).collect(),
-        faces: ends.into_iter().chain(sides).collect(),
         ..Cage::default()
     }
 }

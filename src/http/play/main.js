@@ -178,6 +178,7 @@ function play() {
 
 const writeAddress = settled(ADDRESS_MS, async () => {
   window.history.replaceState(null, "", await fragment());
+  await (await import("./given.js")).give();
 });
 
 function follow(what, live) {

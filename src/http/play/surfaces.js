@@ -6,7 +6,7 @@ import { Net, tags } from "./cage.js";
 import { edgesOf, extraordinary, hardened, lineThrough, normalsOf, toggled, trianglesOf, wiresOf } from "./mesh.js";
 import { partOf, trianglesAt, turn } from "./part.js";
 import { numbersSection, pictureSection } from "./told.js";
-import { output } from "./take.js";
+import { output } from "./lines.js";
 import { Refiner } from "./refiner.js";
 import { meshOf } from "./service.js";
 import { ball } from "./space.js";

@@ -1,8 +1,9 @@
 // The drawer “Download and share”: the job, the ways to ask for it again, and downloads.
 
 import { at, h, say } from "./dom.js";
+import { copy as copied, lines, output, readable } from "./lines.js";
 import { catalogue, key, render, setKey } from "./service.js";
-import { changed, current, fragment, job, packed, state } from "./state.js";
+import { changed, current, job, state } from "./state.js";
 
 /** Formats in the order in which they are offered; those that the service does not list are left out. */
 const KINDS = {
@@ -10,26 +11,6 @@ const KINDS = {
   "Numbers": ["json"],
 };
 const OFFERED = Object.values(KINDS).flat();
-
-/** Most bytes of an address that the service takes. */
-const LONGEST_ADDRESS = 8192;
-
-/** The output of a format, as the picture on the page has it. */
-export function output(format) {
-  const { show, mode } = state;
-  if (!["svg", "png", "pdf"].includes(format)) return { format, ...(show.limit ? { positions: "limit" } : {}) };
-  const size = { format, width: 1200, height: 900 };
-  if (mode === "curves") {
-    const shown = ["curve", ...(show.polygon ? ["control", "points"] : []), ...(show.samples ? ["vertices"] : []),
-      ...(show.comb ? ["comb"] : [])];
-    return { ...size, show: shown };
-  }
-  const limit = show.limit ? { positions: "limit" } : {};
-  if (format !== "png") return { ...size, ...limit };
-  const names = { surface: "surface", wireframe: "wireframe", isolines: "isolines", extraordinary: "extraordinary" };
-  const shown = Object.keys(names).filter((name) => show[name]);
-  return { ...size, ...limit, show: [...shown, ...(show.net ? ["control"] : [])], camera: output.camera?.() };
-}
 
 /** The file of a result, by its format. */
 async function download(format, { extension }) {
@@ -44,10 +25,7 @@ function text(id, title, rows) {
   const area = h("textarea", { id, rows, readonly: true, spellcheck: "false", "aria-label": title });
   const copy = h("button", { type: "button", "aria-label": `Copy ${title}` }, "Copy");
   copy.onclick = async () => {
-    await navigator.clipboard.writeText(area.value).catch(() => {
-      area.select();
-      document.execCommand("copy");
-    });
+    await copied(area.value);
     copy.textContent = "Copied";
     copy.setAttribute("aria-label", `Copied ${title}`);
     setTimeout(() => {
@@ -58,30 +36,16 @@ function text(id, title, rows) {
   return h("div", { class: "text" }, area, copy);
 }
 
-/** Rows of positions in one line each, so that a job can be read. */
-function readable(value) {
-  return JSON.stringify(value, null, 2).replaceAll(/\[\s+(-?[\d.e+-]+(?:,\s+-?[\d.e+-]+)*)\s+\]/g, (row) => (
-    row.replaceAll(/\s+/g, " ").replace("[ ", "[").replace(" ]", "]")));
-}
-
-const quoted = (given) => `'${given.replaceAll("'", "'\\''")}'`;
-
 async function fill() {
   const format = at("take-format").value;
-  const whole = { ...job(), outputs: [output(format)] };
-  at("take-job").value = readable(whole);
   const { extension } = (await catalogue("formats")).find(({ name }) => name === format);
-  const shown = key() ? " -H 'Authorization: Bearer KEY'" : "";
-  at("take-curl").value = `curl --fail-with-body -o planish.${extension}${shown} -H 'Content-Type: application/json' `
-    + `-d ${quoted(JSON.stringify(whole))} ${location.origin}/v1/render`;
-  const link = `${location.origin}/v1/render?job=${await packed(whole)}`;
-  const fits = link.length <= LONGEST_ADDRESS;
-  const tooLong = `This job is too long for an address: ${link.length} of ${LONGEST_ADDRESS} bytes. Send it with the `
-    + "line above; the answer's Content-Location is an address.";
-  at("take-link").value = fits ? link : tooLong;
-  at("take-open-link").hidden = !fits;
-  if (fits) at("take-open-link").href = link;
-  at("take-permalink").value = location.origin + location.pathname + await fragment();
+  const { whole, curl, link, tooLong, permalink } = await lines(format, extension);
+  at("take-job").value = readable(whole);
+  at("take-curl").value = curl;
+  at("take-link").value = link || tooLong;
+  at("take-open-link").hidden = !link;
+  if (link) at("take-open-link").href = link;
+  at("take-permalink").value = permalink;
 }
 
 /** Opens the drawer with what is shown now. */

@@ -75,9 +75,38 @@ async function checkOffline(player) {
   await player.agrees();
 }
 
-export async function checkTaking(given) {
-  const player = await Player.open(given, { acceptDownloads: true });
+// Below the stage the job, the line of curl, the address and the permalink are always in view, and copied by a press.
+async function checkGiven(player, folder) {
   const { page } = player;
+  const copied = async (name) => {
+    const button = page.locator(`#given-${name}`);
+    const { x, y, width, height } = await button.boundingBox();
+    const { width: wide, height: high } = page.viewportSize();
+    assert(x >= 0 && y >= 0 && x + width <= wide && y + height <= high, `${name} is in view`);
+    await page.evaluate(() => navigator.clipboard.writeText("nothing"));
+    await button.click();
+    await page.waitForFunction(async () => await navigator.clipboard.readText() !== "nothing");
+    return page.evaluate(() => navigator.clipboard.readText());
+  };
+  const before = await page.locator("#given-text code").textContent();
+  await page.selectOption("#scheme", "four-point");
+  await player.settled();
+  await page.waitForFunction((text) => document.querySelector("#given-text code").textContent !== text, before);
+  const job = JSON.parse(await copied("text"));
+  const { outputs, ...shown } = job;
+  assert.deepEqual(shown, await player.job(), "the job that is copied is the one that is shown");
+  assert.equal(outputs[0].format, "svg");
+  execFileSync("sh", ["-c", `${await copied("curl")} -sS`], { cwd: folder });
+  const answer = await fetch(await copied("link"));
+  assert.equal(await answer.text(), readFileSync(join(folder, "planish.svg"), "utf8"), "curl and the address agree");
+  assert.equal(await copied("permalink"), page.url());
+}
+
+export async function checkTaking(given) {
+  const permissions = ["clipboard-read", "clipboard-write"];
+  const player = await Player.open(given, { acceptDownloads: true, permissions });
+  const { page } = player;
+  await checkGiven(player, given.folder);
   await page.click("#show-comb");
   await page.click("#compare");
   await page.waitForSelector("#other-scheme");

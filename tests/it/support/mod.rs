@@ -1,5 +1,6 @@
 //! What the stories share: jobs from JSON through the public API, and nets to try them on.
 
+pub(crate) mod cages;
 pub(crate) mod nets;
 pub(crate) mod surfaces;
 
