@@ -20,7 +20,7 @@ function button([name, title]) {
     text.textContent = "Copied";
     setTimeout(() => { text.textContent = (now[name] || now.tooLong).slice(0, SHOWN); }, 1200);
   };
-  return h("button", { type: "button", id: `given-${name}`, "aria-label": `${title}: copy`, onclick: press },
+  return h("button", { type: "button", id: `given-${name}`, onclick: press },
     h("b", {}, title), text);
 }
 
