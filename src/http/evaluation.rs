@@ -20,7 +20,7 @@ use crate::job::key::Key;
 use crate::job::{Evaluation, KeepWork, Report, RunError};
 use crate::service::peer::Paid;
 use crate::service::task::{Cost, Task};
-use crate::watch::Watch;
+use crate::watch::{Stage, Watch};
 use crate::wire::evaluation::{EvaluationAnswer, EvaluationRequest, places};
 use crate::wire::read::{read, weight};
 
@@ -99,6 +99,7 @@ impl Task for EvaluationTask {
 
     fn run(&self, out: &mut dyn Write, _: &dyn KeepWork, watch: &Watch) -> Result<Report, RunError> {
         let found = self.evaluation.run(watch)?;
+        watch.enter(Stage::Encode);
         let answer = EvaluationAnswer::new(&found, self.evaluation.values());
         serde_json::to_writer(out, &answer).map_err(|error| RunError::Io(error.into()))?;
         Ok(Report::default())

@@ -36,7 +36,6 @@ pub(super) fn show(
     watch: &Watch,
     show: Show<'_>,
 ) -> Result<Report, RunError> {
-    watch.enter(Stage::Refine);
     if output.format.weighs() {
         return weighed(job, output, watch, show);
     }

@@ -25,6 +25,7 @@ use super::uploads::Uploads;
 use crate::job::RunError;
 use crate::job::key::Key;
 use crate::job::limits::Limits;
+use crate::watch::Stage;
 use tokio::sync::watch;
 
 /// The desk of one service.
@@ -243,6 +244,8 @@ impl Desk {
             return Phase::Failed(Failure::Cancelled);
         }
         computation.set(Phase::Running);
+        // what says of no stage of its own computes all the time
+        computation.watch.enter(Stage::Refine);
         let start = self.clock.now();
         let (desk, made, of_task) = (self.clone(), computation.clone(), task.clone());
         let making = turn.spawn_keeping(move || desk.make_stored(&made, &*of_task));

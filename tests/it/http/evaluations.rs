@@ -43,6 +43,21 @@ fn a_cube_has_its_known_values_at_a_corner_and_at_the_middle_of_a_face() {
 }
 
 #[test]
+fn the_time_of_an_evaluation_is_not_said_to_be_waiting() {
+    story(settings(), async |server| {
+        let mut asked = asked(&json!([]));
+        asked["closest"] = (0..500).map(|i| json!([0, 0, 0.01 * f64::from(i)])).collect();
+        let answer = server.post("/v1/evaluate", &asked).await.ok();
+        let timing = answer.header("server-timing");
+        let of = |stage: &str| -> f64 {
+            let (_, rest) = timing.split_once(&format!("{stage};dur=")).unwrap();
+            rest.split([',', ';']).next().unwrap().parse().unwrap()
+        };
+        assert!(of("refine") > 0.0 && of("encode") > 0.0, "{timing}");
+    });
+}
+
+#[test]
 fn points_have_their_closest_places() {
     story(settings(), async |server| {
         let mut asked = asked(&json!([[1, 0.5, 0.5]]));
