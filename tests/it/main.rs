@@ -38,6 +38,7 @@ mod stats;
 mod stencils;
 mod store;
 mod support;
+mod threemf;
 mod told_before;
 mod usda;
 mod vectors;
