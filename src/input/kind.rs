@@ -12,7 +12,7 @@ const FOREIGN: &[(&[u8], &str)] = &[
     (b"BM", "a BMP picture"),
     (b"\x76\x2f\x31\x01", "an OpenEXR picture"),
     (b"%PDF-", "a PDF document"),
-    (b"PK\x03\x04", "a zip archive (3MF, USDZ and office files are such, too)"),
+    (b"PK\x03\x04", "a zip archive (USDZ and office files are such, too; 3MF is read as 3mf)"),
     (b"\x1f\x8b", "a gzip archive"),
     (b"\x28\xb5\x2f\xfd", "a zstd archive"),
     (b"BZh", "a bzip2 archive"),
@@ -34,7 +34,8 @@ const FOREIGN: &[(&[u8], &str)] = &[
 ];
 
 /// How files of the formats that are read begin.
-const OWN: &[(&[u8], &str)] = &[(b"ply", "ply"), (b"glTF", "glb"), (b"solid ", "stl"), (b"OFF", "off")];
+const OWN: &[(&[u8], &str)] =
+    &[(b"ply", "ply"), (b"glTF", "glb"), (b"solid ", "stl"), (b"OFF", "off"), (b"PK\x03\x04", "3mf")];
 
 /// Most bytes that are looked at to tell a text.
 const MOST: usize = 4096;

@@ -15,6 +15,7 @@ mod room;
 mod sniff;
 mod stl;
 mod text;
+mod threemf;
 
 pub use crate::shape::attachments::ChannelInput;
 pub use crate::shape::labels::FaceSet;
@@ -26,7 +27,7 @@ pub use reader::{ReadLimits, ReadMesh, Reader, Uvs, Vertices};
 pub use room::weight;
 
 /// Every reader, in the order of the documentation.
-pub const READERS: &[Reader] = &[obj::OBJ, ply::PLY, stl::STL, off::OFF, gltf::GLTF, gltf::GLB];
+pub const READERS: &[Reader] = &[obj::OBJ, ply::PLY, stl::STL, off::OFF, gltf::GLTF, gltf::GLB, threemf::THREE_MF];
 
 /// The reader of a name.
 pub fn named(name: &str) -> Option<&'static Reader> {

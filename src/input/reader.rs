@@ -4,6 +4,7 @@ use super::beside::File;
 use crate::scheme::tags::Boundary;
 use crate::shape::attachments::ChannelInput;
 use crate::shape::check::FaceList;
+use crate::shape::frame::{Unit, Up};
 use crate::shape::labels::FaceSet;
 use crate::shape::looks::Look;
 
@@ -65,6 +66,10 @@ pub struct ReadMesh {
     pub corners: Vec<(u64, f64)>,
     /// Faces that are refined but not shown.
     pub holes: Vec<u64>,
+    /// The unit of its coordinates, where the file says it.
+    pub unit: Option<Unit>,
+    /// The axis that points up, where the file says it.
+    pub up: Option<Up>,
     /// The boundary rule that the file asks for.
     pub boundary: Option<Boundary>,
     /// Which corners of faces share a vertex, where the file knows it better than its format.

@@ -5,6 +5,8 @@
 const MOST_LINES: usize = 100;
 /// Bytes of these lines that are looked at, at most: a few thousand for each.
 const MOST_TEXT: usize = 256 << 10;
+/// Bytes at the end of an archive that are looked at for the name of a model: the list of some hundred files.
+const MOST_LIST: usize = 64 << 10;
 /// Bytes of a binary STL file before its triangles, and of each triangle.
 const STL: [usize; 2] = [84, 50];
 
@@ -14,12 +16,19 @@ pub(super) fn kind(bytes: &[u8]) -> Option<&'static str> {
     let first = text.split(u8::is_ascii_whitespace).next().unwrap_or_default();
     match first {
         _ if bytes.starts_with(b"glTF") => Some("glb"),
+        _ if is_3mf(bytes) => Some("3mf"),
         b"ply" => Some("ply"),
         _ if first.ends_with(b"OFF") => Some("off"),
         _ if is_stl(bytes) || first == b"solid" => Some("stl"),
         _ if text.split(|&byte| byte == b'\n').take(MOST_LINES).any(is_of_obj) => Some("obj"),
         _ => None,
     }
+}
+
+/// Whether it is an archive with a model in the list at its end.
+fn is_3mf(bytes: &[u8]) -> bool {
+    let list = &bytes[bytes.len().saturating_sub(MOST_LIST)..];
+    bytes.starts_with(b"PK\x03\x04") && list.windows(6).any(|window| window == b".model")
 }
 
 /// Whether a binary STL file would be so long.

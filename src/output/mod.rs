@@ -56,6 +56,7 @@ mod step;
 mod stl;
 mod stream;
 mod text;
+mod threemf;
 mod usda;
 mod vector;
 mod vertex_sides;
@@ -82,6 +83,7 @@ pub const FORMATS: &[&dyn Format] = &[
     &ply::Ply,
     &stl::Stl,
     &usda::Usda,
+    &threemf::ThreeMf,
     &step::Step,
     &certificate::Certificate,
     &png::Png,

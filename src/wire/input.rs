@@ -39,9 +39,9 @@ pub struct InputRequest {
     #[serde(default, deserialize_with = "object::optional_list")]
     #[schema(min_items = 1, max_items = 4096)]
     pub polygons: Option<Vec<PolygonRequest>>,
-    /// Unit of the coordinates: `m` (default), `mm`, `cm`, `in`.
+    /// Unit of the coordinates: `m` (default), `mm`, `cm`, `in`; left out, what a file of `3mf` says.
     pub unit: Option<UnitRequest>,
-    /// The axis that points up: `y` (default) or `z`.
+    /// The axis that points up: `y` (default) or `z`; left out, what a file of `3mf` says.
     pub up: Option<UpRequest>,
     /// What to do with faces whose winding disagrees with their neighbours': `refuse` (default) or `repair`.
     pub orient: Option<OrientRequest>,
@@ -129,6 +129,8 @@ pub struct Resolved {
     pub entry: InputEntry,
     /// The boundary rule that a mesh file asks for.
     pub boundary: Option<Boundary>,
+    /// What the coordinates mean: what the request says, else a mesh file.
+    pub frame: Frame,
 }
 
 impl InputRequest {
@@ -167,19 +169,21 @@ impl InputRequest {
                           here give the file itself, as \"text\"";
             return Err(vec![Fault::new("/blob", detail)]);
         }
+        let frame = self.frame();
         let (text, file) = (self.text.take(), self.file.take());
         if let Some(mesh) = self.mesh.take() {
             let under = |found| under("/mesh", found);
             self.keeps_vertices(&mesh)?;
             let input = self.covered(mesh.input(self.winding()).map_err(under)?)?;
             let input = Input::Mesh(self.mesh(input, self.distance(), purpose)?.map_err(under)?);
-            return Ok(Resolved { input, entry: InputEntry::Mesh, boundary: None });
+            return Ok(Resolved { input, entry: InputEntry::Mesh, boundary: None, frame });
         }
         let (place, entry) =
             if self.blob.is_some() { ("/blob", InputEntry::Blob) } else { ("/text", InputEntry::Text) };
         let in_text = |found| under(place, found);
         if let Some(file) = text.map(TextRequest::file).transpose().map_err(|fault| in_text(vec![fault]))?.or(file) {
-            let Held { mesh, boundary, lines, vertices } = file.read(self.winding(), limits).map_err(in_text)?;
+            let Held { mesh, boundary, lines, vertices, told: (unit, up) } =
+                file.read(self.winding(), limits).map_err(in_text)?;
             let is_welded = vertices == Vertices::Doubled && self.weld.is_none() && purpose == Purpose::Refine;
             let usual = is_welded.then_some(0.0);
             let is_parted = vertices == Vertices::Joined && self.weld == Some(WeldRequest::Never);
@@ -188,16 +192,18 @@ impl InputRequest {
             // repairs leave faces out, or join them
             let lines = if distance.is_some() || self.pair_quads { Vec::new() } else { lines };
             let mesh = self.mesh(mesh, distance, purpose)?.map_err(|found| in_text(within(found, &lines)))?;
-            return Ok(Resolved { input: Input::Mesh(mesh), entry, boundary });
+            let unit = self.unit.map(Into::into).or(unit).unwrap_or_default();
+            let up = self.up.map(Into::into).or(up).unwrap_or_default();
+            return Ok(Resolved { input: Input::Mesh(mesh), entry, boundary, frame: Frame { unit, up } });
         }
         self.has_no_mesh()?;
         if let Some(polygon) = self.polygon {
             let polygon = polygon.resolve().map_err(|found| under("/polygon", found))?;
             let input = Input::Polygons(vec![polygon]);
-            return Ok(Resolved { input, entry: InputEntry::Polygon, boundary: None });
+            return Ok(Resolved { input, entry: InputEntry::Polygon, boundary: None, frame });
         }
         let polygons = polygons(self.polygons.unwrap_or_default()).map_err(|found| under("/polygons", found))?;
-        Ok(Resolved { input: Input::Polygons(polygons), entry: InputEntry::Polygons, boundary: None })
+        Ok(Resolved { input: Input::Polygons(polygons), entry: InputEntry::Polygons, boundary: None, frame })
     }
 
     fn winding(&self) -> Winding {

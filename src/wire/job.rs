@@ -20,7 +20,6 @@ use crate::input::ReadLimits;
 use crate::job::{Draft, Figure, Input, Job, Levels, Output, SearchError, panel_place};
 use crate::output::ShapeKind;
 use crate::scheme::plan::PlanInput;
-use crate::shape::frame::Frame;
 use crate::watch::Watch;
 
 /// A job: what is refined, how, how often, and what is answered; or, with a `figure` in place of an `input`, pictures
@@ -323,7 +322,6 @@ impl JobRequest {
         let mut faults = Vec::new();
         faults.extend(self.spec.filter(|spec| *spec != 1).map(unknown_spec));
         let kind = self.input.is_one().then(|| self.shape_kind());
-        let frame = self.input.frame();
         let input = keep(self.input.resolve(purpose, limits).map_err(|found| under("/input", found)), &mut faults);
         let outputs = keep(outputs, &mut faults).unwrap_or_default();
         let other = self.distance_to.map(|other| other.other(limits).map_err(|found| under("/distance_to", found)));
@@ -335,7 +333,7 @@ impl JobRequest {
         if let (Some(plan), Some(boundary), false) = (&mut plan, boundary, says_boundary) {
             plan.boundary = boundary;
         }
-        Parts { faults, kind, input, frame, plan, levels: self.levels.map(|levels| levels.0), outputs, other }
+        Parts { faults, kind, input, plan, levels: self.levels.map(|levels| levels.0), outputs, other }
     }
 }
 
@@ -356,7 +354,6 @@ struct Parts {
     /// What the input is, where there is one.
     kind: Option<ShapeKind>,
     input: Option<Resolved>,
-    frame: Frame,
     plan: Option<PlanInput>,
     levels: Option<Levels>,
     outputs: Vec<Output>,
@@ -367,9 +364,9 @@ impl Parts {
     /// Fits the parts to each other. Where one is wrong, the others are looked at all the same, so that all faults come
     /// together.
     fn draft(self) -> Result<Draft, Vec<Fault>> {
-        let Self { mut faults, kind, input, frame, plan, levels, outputs, other } = self;
+        let Self { mut faults, kind, input, plan, levels, outputs, other } = self;
         let found = match (input, kind) {
-            (Some(Resolved { input, entry, .. }), _) => {
+            (Some(Resolved { input, entry, frame, .. }), _) => {
                 match Draft::new((input, entry, frame), plan.as_ref(), levels, outputs, other) {
                     Ok(draft) if faults.is_empty() => return Ok(draft),
                     Ok(_) => Vec::new(),

@@ -13,6 +13,7 @@ use crate::fault::{Fault, did_you_mean, shortened};
 use crate::input::{self, Alone, Beside, File, ReadLimits, Vertices, WithLibrary};
 use crate::scheme::tags::Boundary;
 use crate::shape::check::Winding;
+use crate::shape::frame::{Unit, Up};
 use crate::shape::mesh::MeshInput;
 
 /// A mesh file within the job.
@@ -62,6 +63,8 @@ pub(super) struct Held {
     pub(super) lines: Vec<u32>,
     /// Which corners share a vertex in the file.
     pub(super) vertices: Vertices,
+    /// What the file says of its coordinates.
+    pub(super) told: (Option<Unit>, Option<Up>),
 }
 
 impl TextRequest {
@@ -92,7 +95,8 @@ impl MeshFile {
     /// Why the file could not be read as what it is said to be: what it is, where its first bytes tell, else these
     /// sentences.
     fn unread(&self, name: &str, details: Vec<String>) -> Vec<Fault> {
-        if let Some(what) = input::foreign(&self.bytes) {
+        let is_own = input::own(&self.bytes) == Some(name);
+        if let Some(what) = input::foreign(&self.bytes).filter(|_| !is_own) {
             let known: Vec<&str> = input::READERS.iter().map(|reader| reader.name).collect();
             let detail = format!("the file is {what}; meshes are read from {} and json", known.join(", "));
             return vec![Fault::new("/data", detail)];
@@ -118,7 +122,13 @@ impl MeshFile {
                 ReadError::Unfit(faults) => at_data(faults),
             })?;
             let mesh = request.input(winding).map_err(at_data)?;
-            return Ok(Held { mesh, boundary: None, lines: Vec::new(), vertices: Vertices::Shared });
+            return Ok(Held {
+                mesh,
+                boundary: None,
+                lines: Vec::new(),
+                vertices: Vertices::Shared,
+                told: (None, None),
+            });
         }
         let Some(reader) = input::named(&self.format) else {
             let known: Vec<&str> = input::READERS.iter().map(|reader| reader.name).chain(["json"]).collect();
@@ -135,7 +145,8 @@ impl MeshFile {
         }
         let (boundary, lines) = (mesh.boundary, std::mem::take(&mut mesh.lines));
         let vertices = mesh.vertices.unwrap_or(reader.vertices);
-        Ok(Held { mesh: mesh.into_input(winding), boundary, lines, vertices })
+        let told = (mesh.unit, mesh.up);
+        Ok(Held { mesh: mesh.into_input(winding), boundary, lines, vertices, told })
     }
 }
 

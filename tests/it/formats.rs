@@ -106,6 +106,8 @@ fn variants() -> Vec<(&'static dyn Format, Values)> {
         ("ply", vec![("precision", text("f32"))]),
         ("stl", vec![]),
         ("usda", vec![]),
+        ("3mf", vec![]),
+        ("3mf", vec![("parts", text("components"))]),
         ("usda", vec![("normals", text("area"))]),
     ];
     given.into_iter().map(|(name, given)| (format(name), options(name, &given))).collect()

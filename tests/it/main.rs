@@ -39,6 +39,7 @@ mod stats;
 mod stencils;
 mod store;
 mod support;
+mod threemf;
 mod told_before;
 mod usda;
 mod vectors;

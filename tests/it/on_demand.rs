@@ -42,6 +42,7 @@ fn outputs() -> Vec<Value> {
         json!({ "format": "obj", "ids": true }),
         json!({ "format": "stl" }),
         json!({ "format": "usda" }),
+        json!({ "format": "3mf" }),
         json!({ "format": "stl", "normals": "none" }),
         json!({ "format": "glb", "normals": "none" }),
         json!({ "format": "glb" }),

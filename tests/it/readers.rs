@@ -13,6 +13,7 @@ mod packed;
 mod repairs;
 mod round_trips;
 mod tags;
+mod threemf;
 
 use planish::input::{ReadLimits, ReadMesh, named};
 

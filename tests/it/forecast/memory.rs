@@ -107,7 +107,7 @@ fn m3_schemes_hold_what_they_say() {
 #[test]
 fn m3_formats_hold_what_they_say() {
     let open = nets::grid(8, 8).input();
-    for format in ["json", "glb", "gltf", "obj", "ply", "stl", "usda", "png"] {
+    for format in ["json", "glb", "gltf", "obj", "ply", "stl", "usda", "3mf", "png"] {
         let output = json!({ "format": format });
         holds("catmull-clark", &job(&open, &preset("catmull-clark"), 4, &output));
         holds("doo-sabin", &job(&open, &preset("doo-sabin"), 4, &output));
@@ -120,6 +120,7 @@ fn m3_formats_hold_what_they_say() {
         json!({ "format": "svg", "sections": planes }),
         json!({ "format": "ply", "normals": "area" }),
         json!({ "format": "usda", "normals": "area" }),
+        json!({ "format": "3mf", "parts": "components" }),
         json!({ "format": "png", "show": ["surface", "wireframe"] }),
         json!({ "format": "png", "show": ["surface", "isolines"] }),
         json!({ "format": "png", "show": ["points"] }),

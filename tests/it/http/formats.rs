@@ -63,6 +63,7 @@ fn check(format: &str, is_mesh: bool, answer: &Answer) {
             assert_eq!(answer.body.len(), 84 + 50 * 48);
             assert_eq!(answer.body[80..84], 48_u32.to_le_bytes());
         }
+        "3mf" => assert!(answer.body.starts_with(b"PK\x03\x04") && answer.body.ends_with(&[0; 2]), "an archive"),
         "usda" => {
             let text = answer.text();
             assert!(text.starts_with("#usda 1.0\n") && text.ends_with("}\n"), "{text}");

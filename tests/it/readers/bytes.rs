@@ -32,6 +32,7 @@ fn files() -> Vec<(&'static str, Vec<u8>)> {
         written("stl", json!({ "format": "stl" })),
         written("gltf", json!({ "format": "gltf" })),
         written("glb", json!({ "format": "glb" })),
+        written("3mf", json!({ "format": "3mf" })),
         ("obj", obj.into()),
         ("off", off.into()),
         ("stl", stl.into()),

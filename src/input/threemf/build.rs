@@ -1,0 +1,227 @@
+//! The objects that are built, where their items put them.
+
+use std::collections::BTreeMap;
+
+use super::model::{IDENTITY, LookGroup, Model, Object, Placed, Triangle};
+use crate::input::collect::Collected;
+use crate::input::reader::{ReadLimits, ReadMesh};
+use crate::input::room::{GROWN, Room};
+use crate::shape::attachments::{COLOR, Channel, ChannelInput};
+use crate::shape::check::FaceList;
+use crate::shape::labels::FaceSet;
+use crate::shape::looks::Look;
+use crate::shape::seams::{Interpolation, SeamsInput};
+use crate::shape::topology::index;
+
+/// Bytes of a vertex, of a triangle with its colours, and of a set of faces, as they are kept in lists that grow.
+const POSITION: usize = GROWN * 24;
+const TRIANGLE: usize = GROWN * (16 + 8 + 8 + 12 + 20);
+const SET: usize = GROWN * size_of::<FaceSet>() + 192;
+/// How deep objects may be put together.
+const MAX_DEPTH: usize = 16;
+/// Most objects that are built: an object of others may be named again and again.
+const MAX_BUILT: usize = 100_000;
+/// What is written for faces without a material.
+const NO_MATERIAL: &str = "default";
+
+/// The mesh of all that is built, or of all objects where nothing is.
+///
+/// # Errors
+/// Objects that do not exist or hold themselves, and more than may be kept.
+pub(super) fn built(mut model: Model, room: Room, limits: &ReadLimits) -> Result<ReadMesh, String> {
+    let mut items = std::mem::take(&mut model.items);
+    if items.is_empty() {
+        let inside: Vec<u64> =
+            model.objects.values().flat_map(|object| object.components.iter().map(|part| part.object)).collect();
+        let free = model.objects.keys().filter(|id| !inside.contains(id));
+        items = free.map(|&object| Placed { object, transform: IDENTITY }).collect();
+    }
+    let mut building = Building {
+        model: &model,
+        mesh: Collected::new(limits),
+        room,
+        n_built: 0,
+        groups: Vec::new(),
+        materials: BTreeMap::new(),
+        colors: Vec::new(),
+        of_corners: Vec::new(),
+        supports: 0,
+        degenerate: 0,
+    };
+    for item in items {
+        building.place(item, &IDENTITY, 0)?;
+    }
+    building.finish()
+}
+
+struct Building<'a> {
+    model: &'a Model,
+    mesh: Collected,
+    room: Room,
+    n_built: usize,
+    groups: Vec<FaceSet>,
+    /// Faces and looks of materials by group and index.
+    materials: BTreeMap<(u32, u32), Vec<u64>>,
+    /// Different colours of corners.
+    colors: Vec<[f64; 4]>,
+    /// For each corner its colour, or the largest number; empty where there is none.
+    of_corners: Vec<u32>,
+    supports: usize,
+    degenerate: usize,
+}
+
+/// The first transform, then the second.
+fn then(first: &[[f64; 3]; 4], second: &[[f64; 3]; 4]) -> [[f64; 3]; 4] {
+    let mut all = [0, 1, 2, 3].map(|row| applied(second, first[row], 0.0));
+    all[3] = applied(second, first[3], 1.0);
+    all
+}
+
+fn applied(transform: &[[f64; 3]; 4], [x, y, z]: [f64; 3], w: f64) -> [f64; 3] {
+    let [a, b, c, d] = transform;
+    [0, 1, 2].map(|k| x * a[k] + y * b[k] + z * c[k] + w * d[k])
+}
+
+/// Whether a transform turns bodies inside out.
+fn mirrors([a, b, c, _]: &[[f64; 3]; 4]) -> bool {
+    let cross = [b[1] * c[2] - b[2] * c[1], b[2] * c[0] - b[0] * c[2], b[0] * c[1] - b[1] * c[0]];
+    a[0] * cross[0] + a[1] * cross[1] + a[2] * cross[2] < 0.0
+}
+
+impl Building<'_> {
+    fn place(&mut self, item: Placed, outer: &[[f64; 3]; 4], depth: usize) -> Result<(), String> {
+        let Placed { object: id, transform } = item;
+        let model = self.model;
+        let object = model.objects.get(&id).ok_or_else(|| format!("there is no object {id}, which is to be built"))?;
+        self.n_built += 1;
+        if depth > MAX_DEPTH {
+            return Err(format!("object {id} lies deeper in others than {MAX_DEPTH}, or holds itself"));
+        }
+        if self.n_built > MAX_BUILT {
+            return Err(format!("more than {MAX_BUILT} objects are built; send a smaller model"));
+        }
+        if object.is_support {
+            self.supports += 1;
+            return Ok(());
+        }
+        let transform = then(&transform, outer);
+        if !object.triangles.is_empty() {
+            self.mesh(id, object, &transform)?;
+        }
+        object.components.iter().try_for_each(|&part| self.place(part, &transform, depth + 1))
+    }
+
+    fn mesh(&mut self, id: u64, object: &Object, transform: &[[f64; 3]; 4]) -> Result<(), String> {
+        self.room.take(SET + object.positions.len() * POSITION + object.triangles.len() * TRIANGLE)?;
+        let start = index(self.mesh.mesh.positions.len());
+        let first_face = self.mesh.mesh.faces.len() as u64;
+        let stays = *transform == IDENTITY;
+        for &position in &object.positions {
+            let at = if stays { position } else { applied(transform, position, 1.0) };
+            if at.iter().any(|x| !x.is_finite()) {
+                return Err(format!("object {id} is put beyond the largest number there is"));
+            }
+            self.mesh.vertex(at)?;
+        }
+        let is_mirrored = mirrors(transform);
+        for triangle in &object.triangles {
+            let [a, b, c] = triangle.corners;
+            if a == b || b == c || c == a {
+                self.degenerate += 1;
+                continue;
+            }
+            let order = if is_mirrored { [0, 2, 1] } else { [0, 1, 2] };
+            self.mesh.face(&order.map(|k| start + triangle.corners[k]))?;
+            self.look(triangle, order)?;
+        }
+        let faces = (first_face..self.mesh.mesh.faces.len() as u64).collect();
+        let name = object.name.clone().unwrap_or_else(|| format!("object-{id}"));
+        self.groups.push(FaceSet { name, faces });
+        Ok(())
+    }
+
+    /// Takes the look of the last face.
+    fn look(&mut self, triangle: &Triangle, order: [usize; 3]) -> Result<(), String> {
+        let face = self.mesh.mesh.faces.len() as u64 - 1;
+        let Some((group, properties)) = triangle.look else { return Ok(self.uncolored()) };
+        let missing = |n: u32| format!("there is no property {n} in the group {group}");
+        match self.model.looks.get(&u64::from(group)) {
+            Some(LookGroup::Materials(all)) => {
+                let (name, _) = all.get(properties[0] as usize).ok_or_else(|| missing(properties[0]))?;
+                if name != NO_MATERIAL {
+                    self.materials.entry((group, properties[0])).or_default().push(face);
+                }
+                self.uncolored();
+            }
+            Some(LookGroup::Colors(all)) => {
+                let before = self.mesh.mesh.faces.n_half_edges() - 3;
+                self.of_corners.resize(before, u32::MAX);
+                for k in order {
+                    let color = all.get(properties[k] as usize).ok_or_else(|| missing(properties[k]))?;
+                    let known = self.colors.last().is_some_and(|last| last == color);
+                    if !known {
+                        self.room.take(GROWN * 32)?;
+                        self.colors.push(*color);
+                    }
+                    self.of_corners.push(index(self.colors.len() - 1));
+                }
+            }
+            // textures and mixtures, of which a note tells
+            None => self.uncolored(),
+        }
+        Ok(())
+    }
+
+    /// Takes a face without colours.
+    fn uncolored(&mut self) {
+        if !self.of_corners.is_empty() {
+            self.of_corners.resize(self.mesh.mesh.faces.n_half_edges(), u32::MAX);
+        }
+    }
+
+    fn finish(self) -> Result<ReadMesh, String> {
+        let Self { model, mesh, groups, materials, colors, of_corners, supports, degenerate, .. } = self;
+        let mut mesh = mesh.mesh;
+        mesh.channels = channel(&mesh, &colors, of_corners).into_iter().collect();
+        mesh.groups = if groups.len() > 1 { groups } else { Vec::new() };
+        for ((group, number), faces) in materials {
+            if let Some(LookGroup::Materials(all)) = model.looks.get(&u64::from(group)) {
+                let (name, color) = &all[number as usize];
+                mesh.materials.push(FaceSet { name: name.clone(), faces });
+                mesh.looks.push(Look { color: Some(*color), ..Look::default() });
+            }
+        }
+        let told = model.notes.iter().map(|(what, n)| (*what, *n));
+        let own = [("supports are left out", supports), ("triangles with two equal corners are left out", degenerate)];
+        let told = told.chain(own).filter(|(_, n)| *n > 0);
+        mesh.notes = told.map(|(what, n)| format!("{what}: {n}")).collect();
+        Ok(mesh)
+    }
+}
+
+/// The colours of vertices where all corners at a vertex have the same, else those of corners; white where there is none.
+fn channel(mesh: &ReadMesh, colors: &[[f64; 4]], mut of_corners: Vec<u32>) -> Option<ChannelInput> {
+    if colors.is_empty() {
+        return None;
+    }
+    of_corners.resize(mesh.faces.n_half_edges(), u32::MAX);
+    let color = |number: u32| colors.get(number as usize).copied().unwrap_or([1.0; 4]);
+    let width = if colors.iter().all(|color| color[3] >= 1.0) { 3 } else { 4 };
+    let mut of_vertices: Vec<Option<[f64; 4]>> = vec![None; mesh.positions.len()];
+    let mut agree = true;
+    for (&v, &number) in mesh.faces.vertices().iter().zip(&of_corners) {
+        let known = *of_vertices[v as usize].get_or_insert(color(number));
+        agree &= known == color(number);
+    }
+    if agree {
+        let values =
+            of_vertices.into_iter().flat_map(|color| color.unwrap_or([1.0; 4]).into_iter().take(width)).collect();
+        return Some(Channel { name: COLOR.to_owned(), width, values, seams: None });
+    }
+    let white = index(colors.len());
+    let values = colors.iter().chain([&[1.0; 4]]).flat_map(|color| &color[..width]).copied().collect();
+    let numbers: Vec<u32> = of_corners.iter().map(|&number| number.min(white)).collect();
+    let faces: FaceList = numbers.chunks_exact(3).map(|face| face.to_vec()).collect();
+    let seams = SeamsInput { faces, interpolation: Interpolation::None };
+    Some(Channel { name: COLOR.to_owned(), width, values, seams: Some(seams) })
+}

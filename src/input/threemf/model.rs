@@ -1,0 +1,287 @@
+//! The model: what its objects are made of, and which of them are built.
+
+use std::collections::BTreeMap;
+use std::io::Read;
+
+use super::xml::{Tag, Tags};
+use crate::input::reader::ReadLimits;
+use crate::input::room::{GROWN, Room};
+use crate::input::text::{count, number, quoted};
+use crate::shape::frame::Unit;
+
+/// Bytes of a vertex, of a triangle, of a property and of an object, as they are kept in lists that grow.
+const POSITION: usize = GROWN * 24;
+const TRIANGLE: usize = GROWN * size_of::<Triangle>();
+const PROPERTY: usize = GROWN * 64;
+const OBJECT: usize = GROWN * (size_of::<Object>() + 64);
+
+/// A model as it is written.
+#[derive(Debug, Default)]
+pub(super) struct Model {
+    /// The unit of its coordinates, where those are multiplied by the scale.
+    pub(super) unit: Unit,
+    pub(super) scale: f64,
+    pub(super) objects: BTreeMap<u64, Object>,
+    /// Materials and colours by the id of their group.
+    pub(super) looks: BTreeMap<u64, LookGroup>,
+    pub(super) items: Vec<Placed>,
+    pub(super) notes: BTreeMap<&'static str, usize>,
+}
+
+/// A group of materials or colours.
+#[derive(Debug)]
+pub(super) enum LookGroup {
+    /// Names and colours of materials.
+    Materials(Vec<(String, [f64; 4])>),
+    /// Colours of corners, sRGB with alpha, 0 to 1.
+    Colors(Vec<[f64; 4]>),
+}
+
+/// An object: a mesh, or others put together.
+#[derive(Debug, Default)]
+pub(super) struct Object {
+    pub(super) name: Option<String>,
+    pub(super) is_support: bool,
+    pub(super) positions: Vec<[f64; 3]>,
+    pub(super) triangles: Vec<Triangle>,
+    pub(super) components: Vec<Placed>,
+    /// What triangles look like that say nothing.
+    usual: Option<[u64; 2]>,
+}
+
+/// A triangle, with the group of its looks and those of its corners.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Triangle {
+    pub(super) corners: [u32; 3],
+    pub(super) look: Option<(u32, [u32; 3])>,
+}
+
+/// An object somewhere.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Placed {
+    pub(super) object: u64,
+    /// What rows of coordinates with a 1 behind them are multiplied with from the right.
+    pub(super) transform: [[f64; 3]; 4],
+}
+
+/// The transform that leaves everything where it is.
+pub(super) const IDENTITY: [[f64; 3]; 4] = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0], [0.0; 3]];
+
+/// Reads a model.
+///
+/// # Errors
+/// What is no model, and what comes to more than may be kept.
+pub(super) fn read<R: Read>(tags: &mut Tags<R>, room: &mut Room, limits: &ReadLimits) -> Result<Model, String> {
+    let mut reading = Reading { model: Model { scale: 1.0, ..Model::default() }, object: None, group: None };
+    let mut counts = [0_u64; 2];
+    let mut is_model = false;
+    while let Some(tag) = tags.next()? {
+        if tag.name == "model" && tag.opens {
+            is_model = true;
+        }
+        if !is_model {
+            return Err(format!("{} stands where a model should", quoted(&tag.name)));
+        }
+        match (tag.name.as_str(), tag.opens) {
+            ("vertex", true) => {
+                counts[0] += 1;
+                at_most(counts[0], limits.max_vertices, "vertices")?;
+                room.take(POSITION)?;
+            }
+            ("triangle", true) => {
+                counts[1] += 1;
+                at_most(counts[1], limits.max_faces, "triangles")?;
+                room.take(TRIANGLE)?;
+            }
+            ("object", true) => room.take(OBJECT)?,
+            (_, true) => room.take(if tag.closes { PROPERTY } else { 0 })?,
+            _ => {}
+        }
+        reading.take(&tag)?;
+    }
+    if is_model { Ok(reading.model) } else { Err("the file holds no model".to_owned()) }
+}
+
+fn at_most(n: u64, most: u64, what: &str) -> Result<(), String> {
+    if n <= most { Ok(()) } else { Err(format!("{n} {what} or more; {most} are allowed; send a smaller model")) }
+}
+
+struct Reading {
+    model: Model,
+    /// The object that is read, with its id.
+    object: Option<(u64, Object)>,
+    /// The group of looks that is read, with its id.
+    group: Option<(u64, LookGroup)>,
+}
+
+impl Reading {
+    fn take(&mut self, tag: &Tag) -> Result<(), String> {
+        if tag.opens {
+            self.open(tag)?;
+        }
+        if tag.closes {
+            self.close(&tag.name)?;
+        }
+        Ok(())
+    }
+
+    fn open(&mut self, tag: &Tag) -> Result<(), String> {
+        match (tag.name.as_str(), &mut self.object, &mut self.group) {
+            ("model", ..) => self.begin(tag)?,
+            ("object", ..) => self.object = Some((whole(tag, "id")?, object(tag)?)),
+            ("basematerials", ..) => self.group = Some((whole(tag, "id")?, LookGroup::Materials(Vec::new()))),
+            ("colorgroup", ..) => self.group = Some((whole(tag, "id")?, LookGroup::Colors(Vec::new()))),
+            ("base", _, Some((_, LookGroup::Materials(all)))) => {
+                all.push((tag.get("name").unwrap_or_default().to_owned(), color(tag, "displaycolor")?));
+            }
+            ("color", _, Some((_, LookGroup::Colors(all)))) => all.push(color(tag, "color")?),
+            ("vertex", Some((_, object)), _) => {
+                let scale = self.model.scale;
+                let at = |name| coordinate(tag, name).map(|x| x * scale);
+                object.positions.push([at("x")?, at("y")?, at("z")?]);
+            }
+            ("triangle", Some((_, object)), _) => {
+                let triangle = triangle(tag, object)?;
+                object.triangles.push(triangle);
+            }
+            ("component", Some((_, object)), _) => object.components.push(placed(tag, self.model.scale)?),
+            ("item", ..) => self.model.items.push(placed(tag, self.model.scale)?),
+            ("texture2d", ..) => self.note("textures are left out"),
+            ("compositematerials" | "multiproperties", ..) => self.note("mixed materials are left out"),
+            ("beamlattice", ..) => self.note("lattices of beams are left out"),
+            _ => {}
+        }
+        Ok(())
+    }
+
+    fn note(&mut self, what: &'static str) {
+        *self.model.notes.entry(what).or_insert(0) += 1;
+    }
+
+    fn close(&mut self, name: &str) -> Result<(), String> {
+        let again = |id: u64| format!("two resources have the id {id}; each has one of its own");
+        match name {
+            "object" => {
+                if let Some((id, object)) = self.object.take()
+                    && self.model.objects.insert(id, object).is_some()
+                {
+                    return Err(again(id));
+                }
+            }
+            "basematerials" | "colorgroup" => {
+                if let Some((id, group)) = self.group.take()
+                    && self.model.looks.insert(id, group).is_some()
+                {
+                    return Err(again(id));
+                }
+            }
+            _ => {}
+        }
+        Ok(())
+    }
+
+    /// Takes the unit of a model, and refuses one that makes no sense without what is not read.
+    fn begin(&mut self, tag: &Tag) -> Result<(), String> {
+        const READ: [&str; 3] = ["/material/", "/production/", "/trianglesets/"];
+        (self.model.unit, self.model.scale) = match tag.get("unit").unwrap_or("millimeter") {
+            "micron" => (Unit::Millimetre, 0.001),
+            "millimeter" => (Unit::Millimetre, 1.0),
+            "centimeter" => (Unit::Centimetre, 1.0),
+            "meter" => (Unit::Metre, 1.0),
+            "inch" => (Unit::Inch, 1.0),
+            "foot" => (Unit::Inch, 12.0),
+            other => return Err(format!("there is no unit {}", quoted(other))),
+        };
+        for prefix in tag.get("requiredextensions").unwrap_or_default().split_ascii_whitespace() {
+            let space = tag.get(prefix).unwrap_or_default();
+            if !READ.iter().any(|known| space.contains(known)) {
+                return Err(format!(
+                    "the model makes no sense without the extension {} {}, which is not read; save it as plain meshes",
+                    quoted(prefix),
+                    quoted(space)
+                ));
+            }
+        }
+        Ok(())
+    }
+}
+
+fn object(tag: &Tag) -> Result<Object, String> {
+    let usual = tag.get("pid").map(|_| Ok::<_, String>([whole(tag, "pid")?, optional(tag, "pindex")?.unwrap_or(0)]));
+    Ok(Object {
+        name: tag.get("name").filter(|name| !name.is_empty()).map(str::to_owned),
+        is_support: matches!(tag.get("type"), Some("support" | "solidsupport")),
+        usual: usual.transpose()?,
+        ..Object::default()
+    })
+}
+
+fn triangle(tag: &Tag, object: &Object) -> Result<Triangle, String> {
+    let n = object.positions.len() as u64;
+    let corner = |name: &str| {
+        let v = whole(tag, name)?;
+        let missing = || format!("there is no vertex {v}; the object has {n}, counted from 0");
+        u32::try_from(v).ok().filter(|_| v < n).ok_or_else(missing)
+    };
+    let corners = [corner("v1")?, corner("v2")?, corner("v3")?];
+    let usual = object.usual.unwrap_or_default();
+    let group = optional(tag, "pid")?.or(object.usual.map(|[pid, _]| pid));
+    let first = optional(tag, "p1")?;
+    let look = group.map(|group| {
+        let first = first.unwrap_or(usual[1]);
+        let other = |name: &str| Ok::<_, String>(optional(tag, name)?.unwrap_or(first));
+        let small = |n: u64| u32::try_from(n).map_err(|_| format!("there is no property {n}"));
+        Ok::<_, String>((small(group)?, [small(first)?, small(other("p2")?)?, small(other("p3")?)?]))
+    });
+    Ok(Triangle { corners, look: look.transpose()? })
+}
+
+fn placed(tag: &Tag, scale: f64) -> Result<Placed, String> {
+    if let Some(path) = tag.get("path") {
+        return Err(format!("an object stands in another file, {}, which is not read; save all in one", quoted(path)));
+    }
+    let mut transform = IDENTITY;
+    if let Some(text) = tag.get("transform") {
+        let words: Vec<&str> = text.split_ascii_whitespace().collect();
+        if words.len() != 12 {
+            return Err(format!("a transform has {} numbers; it needs 12", words.len()));
+        }
+        for (slot, word) in transform.as_flattened_mut().iter_mut().zip(words) {
+            *slot = number(word)?;
+        }
+        transform[3].iter_mut().for_each(|x| *x *= scale);
+    }
+    Ok(Placed { object: whole(tag, "objectid")?, transform })
+}
+
+fn coordinate(tag: &Tag, name: &str) -> Result<f64, String> {
+    number(tag.get(name).ok_or_else(|| missing(tag, name))?.trim())
+}
+
+fn whole(tag: &Tag, name: &str) -> Result<u64, String> {
+    optional(tag, name)?.ok_or_else(|| missing(tag, name))
+}
+
+fn optional(tag: &Tag, name: &str) -> Result<Option<u64>, String> {
+    tag.get(name).map(|text| count(text.trim())).transpose()
+}
+
+fn missing(tag: &Tag, name: &str) -> String {
+    format!("{} has no {name}", quoted(&tag.name))
+}
+
+/// A colour, `#RRGGBB` or `#RRGGBBAA`, as sRGB and alpha from 0 to 1.
+fn color(tag: &Tag, name: &str) -> Result<[f64; 4], String> {
+    let text = tag.get(name).ok_or_else(|| missing(tag, name))?.trim();
+    let wrong = || format!("{} is no color, which is #RRGGBB or #RRGGBBAA", quoted(text));
+    let digits = text.strip_prefix('#').filter(|digits| digits.is_ascii()).ok_or_else(wrong)?;
+    let mut found = [1.0; 4];
+    if digits.len() != 6 && digits.len() != 8 {
+        return Err(wrong());
+    }
+    for (slot, at) in found.iter_mut().zip((0..digits.len()).step_by(2)) {
+        let byte = u8::from_str_radix(&digits[at..at + 2], 16).map_err(|_| wrong())?;
+        *slot = f64::from(byte) / 255.0;
+    }
+    Ok(found)
+}

@@ -1,0 +1,82 @@
+//! Connected parts of a mesh: objects of their own.
+
+use crate::output::error::FormatError;
+use crate::output::scene::{MeshSource, each_face, triangles};
+use crate::watch::Watch;
+
+/// Most parts of one mesh. A file with twice as many is opened by no slicer that was tried; half of it refuses sheets of
+/// small parts.
+pub(super) const MAX_PARTS: usize = 10_000;
+
+/// Bytes of memory that parts take, beside positions: for each vertex and each triangle.
+pub(super) const VERTEX_BYTES: u128 = 24 + 16;
+pub(super) const TRIANGLE_BYTES: u128 = 20;
+
+/// The parts of a mesh, by the first triangle of each.
+#[derive(Debug)]
+pub(super) struct Parts {
+    /// The vertices of each part, ascending.
+    pub(super) vertices: Vec<Vec<u32>>,
+    /// The triangles of each part with the number of their face.
+    pub(super) triangles: Vec<Vec<([u32; 3], u32)>>,
+    /// The number of each vertex in its part.
+    pub(super) local: Vec<u32>,
+}
+
+impl Parts {
+    /// The parts whose faces share vertices.
+    ///
+    /// # Errors
+    /// A stopped watch, and more than [`MAX_PARTS`].
+    pub(super) fn of(mesh: &dyn MeshSource, watch: &Watch) -> Result<Self, FormatError> {
+        let mut parents: Vec<u32> = (0..u32::try_from(mesh.n_vertices()).unwrap_or(u32::MAX)).collect();
+        each_face(mesh, watch, |face| {
+            for pair in face.windows(2) {
+                let [a, b] = [pair[0], pair[1]].map(|v| root(&mut parents, v));
+                parents[a.max(b) as usize] = a.min(b);
+            }
+        })?;
+        let mut number = vec![u32::MAX; parents.len()];
+        let (mut all, mut n_faces, mut is_over) = (Vec::<Vec<([u32; 3], u32)>>::new(), 0, false);
+        each_face(mesh, watch, |face| {
+            let slot = &mut number[root(&mut parents, face[0]) as usize];
+            if *slot == u32::MAX {
+                *slot = u32::try_from(all.len()).unwrap_or(u32::MAX);
+                is_over |= all.len() >= MAX_PARTS;
+                if !is_over {
+                    all.push(Vec::new());
+                }
+            }
+            if let Some(part) = all.get_mut(*slot as usize) {
+                part.extend(triangles(face).map(|triangle| (triangle, n_faces)));
+            }
+            n_faces += 1;
+        })?;
+        if is_over {
+            let detail = format!(
+                "the mesh has more than {MAX_PARTS} parts, as many as 3mf may have objects here; leave \"parts\" out"
+            );
+            return Err(FormatError::Unfit(detail));
+        }
+        let (mut vertices, mut local) = (vec![Vec::new(); all.len()], vec![0; parents.len()]);
+        for v in 0..u32::try_from(parents.len()).unwrap_or(u32::MAX) {
+            let part = number[root(&mut parents, v) as usize] as usize;
+            // a vertex of no face is in no part
+            if let Some(part) = vertices.get_mut(part) {
+                local[v as usize] = u32::try_from(part.len()).unwrap_or(u32::MAX);
+                part.push(v);
+            }
+        }
+        Ok(Self { vertices, triangles: all, local })
+    }
+}
+
+/// The vertex that stands for the part of `v`, the lowest; the way there gets shorter.
+fn root(parents: &mut [u32], mut v: u32) -> u32 {
+    while parents[v as usize] != v {
+        let next = parents[v as usize];
+        parents[v as usize] = parents[next as usize];
+        v = next;
+    }
+    v
+}
