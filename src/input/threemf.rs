@@ -12,12 +12,6 @@ use super::room::Room;
 use super::text::quoted;
 use crate::shape::frame::Up;
 
-/// Times the length of the archive that a file in it may inflate to. Deflate reaches a thousand; models of planish reach
-/// 20 and those of lib3mf 15, so that twice of it lets bombs take longer, and half of it refuses large flat grids.
-const MOST_INFLATED: u64 = 200;
-/// Bytes that a file may inflate to whatever the length of the archive.
-const LEAST_INFLATED: u64 = 1 << 20;
-
 /// 3MF Core 1.3: the objects of the build where their items put them, with components, materials and colours of the
 /// Materials Extension.
 ///
@@ -35,18 +29,9 @@ pub(super) const THREE_MF: Reader = Reader {
 
 fn read(bytes: &[u8], limits: &ReadLimits) -> Result<ReadMesh, String> {
     let files = entries(bytes)?;
-    let most = MOST_INFLATED.saturating_mul(bytes.len() as u64).max(LEAST_INFLATED);
-    let name = main_model(&files, most)?;
+    let name = main_model(&files, bytes.len())?;
     let file = find(&files, &name).ok_or_else(|| format!("the archive has no file {}", quoted(&name)))?;
-    if file.length > most {
-        let length = file.length;
-        return Err(format!(
-            "{} says that it inflates to {length} bytes, more than {MOST_INFLATED} times what the file has; send a \
-             smaller model",
-            quoted(file.name)
-        ));
-    }
-    let mut tags = Tags::new(file.open()?, most);
+    let mut tags = Tags::new(file.open(bytes.len())?);
     let mut room = Room::new(bytes.len());
     let found = model::read(&mut tags, &mut room, limits);
     let model = found.map_err(|detail| format!("{}, line {}: {detail}", quoted(file.name), tags.line))?;
@@ -60,11 +45,11 @@ fn find<'a, 'b>(files: &'b [Entry<'a>], name: &str) -> Option<&'b Entry<'a>> {
 }
 
 /// The name of the model that the relations of the archive begin with.
-fn main_model(files: &[Entry<'_>], most: u64) -> Result<String, String> {
+fn main_model(files: &[Entry<'_>], whole: usize) -> Result<String, String> {
     const RELATIONS: &str = "_rels/.rels";
     let missing = || format!("the archive has no model: {RELATIONS} names none; it is no 3MF file");
     let file = find(files, RELATIONS).ok_or_else(missing)?;
-    let mut tags = Tags::new(file.open()?, most);
+    let mut tags = Tags::new(file.open(whole)?);
     let mut model = None;
     while let Some(tag) = tags.next().map_err(|detail| format!("{RELATIONS}, line {}: {detail}", tags.line))? {
         let is_model = tag.get("Type").is_some_and(|kind| kind.ends_with("/3dmodel"));

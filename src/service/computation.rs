@@ -143,6 +143,12 @@ impl Computation {
         self.phase.borrow().clone()
     }
 
+    /// Says that it runs; it refines until it says what else it does.
+    pub fn begin(&self) {
+        self.set(Phase::Running);
+        self.watch.enter(Stage::Refine);
+    }
+
     /// Moves it on.
     pub fn set(&self, phase: Phase) {
         self.phase.send_replace(phase);

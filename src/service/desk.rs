@@ -25,7 +25,6 @@ use super::uploads::Uploads;
 use crate::job::RunError;
 use crate::job::key::Key;
 use crate::job::limits::Limits;
-use crate::watch::Stage;
 use tokio::sync::watch;
 
 /// The desk of one service.
@@ -243,9 +242,7 @@ impl Desk {
         if computation.watch.check().is_err() {
             return Phase::Failed(Failure::Cancelled);
         }
-        computation.set(Phase::Running);
-        // what says of no stage of its own computes all the time
-        computation.watch.enter(Stage::Refine);
+        computation.begin();
         let start = self.clock.now();
         let (desk, made, of_task) = (self.clone(), computation.clone(), task.clone());
         let making = turn.spawn_keeping(move || desk.make_stored(&made, &*of_task));

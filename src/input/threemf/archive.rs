@@ -15,6 +15,11 @@ const MAX_FILES: u64 = 10_000;
 const END: usize = 22 + u16::MAX as usize;
 const STORED: u64 = 0;
 const DEFLATED: u64 = 8;
+/// Times the length of the archive that a file in it may inflate to. Deflate reaches a thousand; models of planish
+/// reach 20 and those of lib3mf 15, so that twice of it lets bombs take longer, and half of it refuses large flat grids.
+const MOST_INFLATED: u64 = 200;
+/// Bytes that a file may inflate to whatever the length of the archive.
+const LEAST_INFLATED: u64 = 1 << 20;
 
 /// One file of an archive, as its list has it.
 #[derive(Debug)]
@@ -81,11 +86,19 @@ fn entry<'a>(bytes: &'a [u8], at: &mut usize) -> Option<Entry<'a>> {
 }
 
 impl<'a> Entry<'a> {
-    /// Its bytes, inflated while they are read and never more than it says that it has.
+    /// Its bytes, inflated while they are read and never more than it says that it has, where the archive has `whole`.
     ///
     /// # Errors
-    /// A method other than stored and deflated, and a locked file.
-    pub(super) fn open(&self) -> Result<Box<dyn Read + 'a>, String> {
+    /// A method other than stored and deflated, a locked file, and one that bursts.
+    pub(super) fn open(&self, whole: usize) -> Result<Box<dyn Read + 'a>, String> {
+        if self.length > MOST_INFLATED.saturating_mul(whole as u64).max(LEAST_INFLATED) {
+            return Err(format!(
+                "{} says that it inflates to {} bytes, more than {MOST_INFLATED} times what the file has; send a \
+                 smaller model",
+                quoted(self.name),
+                self.length
+            ));
+        }
         match self.method {
             STORED => Ok(Box::new(self.packed)),
             DEFLATED => Ok(Box::new(DeflateDecoder::new(self.packed).take(self.length))),

@@ -199,7 +199,8 @@ impl Building<'_> {
     }
 }
 
-/// The colours of vertices where all corners at a vertex have the same, else those of corners; white where there is none.
+/// The colours of vertices where all corners at a vertex have the same, else those of corners; white where there is
+/// none.
 fn channel(mesh: &ReadMesh, colors: &[[f64; 4]], mut of_corners: Vec<u32>) -> Option<ChannelInput> {
     if colors.is_empty() {
         return None;

@@ -1,17 +1,23 @@
-//! XML as far as models have it: tags and their attributes, one after the other, from a stream of bytes.
+//! The tags of a model with their attributes, one after the other, from a stream of bytes.
 //!
 //! Text between tags, comments and processing instructions are passed over. Document types, which could define
 //! entities that grow without bound, are refused.
 
-use std::collections::VecDeque;
-use std::io::Read;
+use std::fmt::Display;
+use std::io::{self, BufRead, BufReader, Read};
+
+use quick_xml::events::{BytesStart, Event};
+use quick_xml::{Error, Reader, XmlVersion};
 
 use crate::input::text::quoted;
 
 /// Bytes that are read at once.
 const PIECE: usize = 64 << 10;
-/// Most bytes of one tag. Half of it refuses long lists of numbers of other extensions; twice of it holds twice as much.
+/// Most bytes of one tag, and of one text between tags. Half of it refuses long lists of numbers of other extensions;
+/// twice of it holds twice as much.
 const MAX_TAG: usize = 1 << 20;
+/// How deep elements may lie in each other.
+const MAX_DEPTH: usize = 64;
 
 /// A tag without its namespace prefix.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -35,50 +41,48 @@ impl Tag {
 
 /// The tags of a document.
 pub(super) struct Tags<R> {
-    source: R,
-    piece: Vec<u8>,
-    at: usize,
+    reader: Reader<Bounded<R>>,
+    event: Vec<u8>,
     /// The line of the last tag, counted from 1.
     pub(super) line: usize,
-    /// Bytes read so far.
-    pub(super) read: u64,
-    most: u64,
-    open: VecDeque<String>,
+    depth: usize,
 }
 
-/// How deep elements may lie in each other.
-const MAX_DEPTH: usize = 64;
+/// Bytes of a document, of which so many more may be taken until the next tag.
+struct Bounded<R> {
+    source: BufReader<R>,
+    left: usize,
+}
 
-impl<R: Read> Tags<R> {
-    /// The tags of a document of at most so many bytes.
-    pub(super) fn new(source: R, most: u64) -> Self {
-        Self { source, piece: Vec::new(), at: 0, line: 1, read: 0, most, open: VecDeque::new() }
+impl<R: Read> Read for Bounded<R> {
+    fn read(&mut self, bytes: &mut [u8]) -> io::Result<usize> {
+        let n = self.fill_buf()?.read(bytes)?;
+        self.consume(n);
+        Ok(n)
+    }
+}
+
+impl<R: Read> BufRead for Bounded<R> {
+    fn fill_buf(&mut self) -> io::Result<&[u8]> {
+        let found = self.source.fill_buf()?;
+        if self.left == 0 && !found.is_empty() {
+            let detail = format!("a tag or text has more than {MAX_TAG} bytes; leave out what is no model");
+            return Err(io::Error::new(io::ErrorKind::FileTooLarge, detail));
+        }
+        Ok(&found[..found.len().min(self.left)])
     }
 
-    /// The next byte.
-    fn byte(&mut self) -> Result<Option<u8>, String> {
-        if self.at == self.piece.len() {
-            self.piece.resize(PIECE, 0);
-            let n = self.source.read(&mut self.piece).map_err(|error| format!("it cannot be inflated: {error}"))?;
-            self.piece.truncate(n);
-            self.at = 0;
-            self.read += n as u64;
-            if self.read > self.most {
-                return Err(format!(
-                    "it inflates to more than {} bytes, {} times what the file has; send a smaller model",
-                    self.most,
-                    super::MOST_INFLATED
-                ));
-            }
-        }
-        let byte = self.piece.get(self.at).copied();
-        self.at += 1;
-        if byte.is_none() {
-            self.at = 0;
-            self.piece.clear();
-        }
-        self.line += usize::from(byte == Some(b'\n'));
-        Ok(byte)
+    fn consume(&mut self, n: usize) {
+        self.source.consume(n);
+        self.left -= n;
+    }
+}
+
+impl<R: Read> Tags<R> {
+    /// The tags of a document.
+    pub(super) fn new(source: R) -> Self {
+        let source = Bounded { source: BufReader::with_capacity(PIECE, source), left: MAX_TAG };
+        Self { reader: Reader::from_reader(source), event: Vec::new(), line: 1, depth: 0 }
     }
 
     /// The next tag; none at the end.
@@ -87,127 +91,58 @@ impl<R: Read> Tags<R> {
     /// What is no XML, or more of it than is read.
     pub(super) fn next(&mut self) -> Result<Option<Tag>, String> {
         loop {
-            loop {
-                match self.byte()? {
-                    Some(b'<') => break,
-                    Some(_) => {}
-                    None if self.open.is_empty() => return Ok(None),
-                    None => return Err("the document ends before its elements do".to_owned()),
+            self.event.clear();
+            self.reader.get_mut().left = MAX_TAG;
+            let event = self.reader.read_event_into(&mut self.event).map_err(unread)?;
+            self.line += event.iter().filter(|byte| **byte == b'\n').count();
+            match event {
+                Event::Start(_) if self.depth == MAX_DEPTH => {
+                    return Err(format!("elements lie deeper in each other than {MAX_DEPTH}"));
                 }
-            }
-            let text = self.inside()?;
-            match text.as_bytes().first() {
-                Some(b'?') => {}
-                Some(b'!') if text.starts_with("!--") => {}
-                Some(b'!') => return Err("it has a document type or raw characters, which are not read".to_owned()),
-                _ => return self.tag(&text).map(Some),
+                Event::Start(start) => {
+                    self.depth += 1;
+                    return opening(&start, false).map(Some);
+                }
+                Event::Empty(start) => return opening(&start, true).map(Some),
+                Event::End(end) => {
+                    self.depth -= 1;
+                    let name = text(end.local_name().as_ref())?;
+                    return Ok(Some(Tag { name, attributes: Vec::new(), opens: false, closes: true }));
+                }
+                Event::Eof if self.depth == 0 => return Ok(None),
+                Event::Eof => return Err("the document ends before its elements do".to_owned()),
+                Event::DocType(_) => return Err("it has a document type, which is not read".to_owned()),
+                Event::Text(_)
+                | Event::CData(_)
+                | Event::Comment(_)
+                | Event::Decl(_)
+                | Event::PI(_)
+                | Event::GeneralRef(_) => {}
             }
         }
-    }
-
-    /// What stands between `<` and the `>` that ends it.
-    fn inside(&mut self) -> Result<String, String> {
-        let (mut text, mut quote) = (Vec::new(), None);
-        loop {
-            let Some(byte) = self.byte()? else { return Err("the document ends within a tag".to_owned()) };
-            let is_comment = text.starts_with(b"!--");
-            let is_end = if is_comment { text.len() >= 5 && text.ends_with(b"--") } else { quote.is_none() };
-            if byte == b'>' && is_end {
-                return String::from_utf8(text).map_err(|_| "a tag is not in UTF-8".to_owned());
-            }
-            if !is_comment && (byte == b'"' || byte == b'\'') {
-                quote = match quote {
-                    None => Some(byte),
-                    Some(open) if open == byte => None,
-                    open => open,
-                };
-            }
-            // of a comment the end alone matters
-            if is_comment && text.len() > 64 {
-                text.drain(3..text.len() - 2);
-            }
-            if text.len() >= MAX_TAG {
-                return Err(format!("a tag has more than {MAX_TAG} bytes; leave out what is no model"));
-            }
-            text.push(byte);
-        }
-    }
-
-    fn tag(&mut self, text: &str) -> Result<Tag, String> {
-        if let Some(name) = text.strip_prefix('/') {
-            let name = local(name.trim_end());
-            let open = self.open.pop_back();
-            if open.as_deref() != Some(name) {
-                let open = open.map_or("nothing".to_owned(), |open| quoted(&open));
-                return Err(format!("{} is closed where {open} is open", quoted(name)));
-            }
-            return Ok(Tag { name: name.to_owned(), attributes: Vec::new(), opens: false, closes: true });
-        }
-        let (text, closes) = text.strip_suffix('/').map_or((text, false), |text| (text, true));
-        let end = text.find(|c: char| c.is_ascii_whitespace()).unwrap_or(text.len());
-        let (name, rest) = text.split_at(end);
-        let name = local(name).to_owned();
-        if name.is_empty() {
-            return Err("a tag has no name".to_owned());
-        }
-        if !closes {
-            if self.open.len() >= MAX_DEPTH {
-                return Err(format!("elements lie deeper in each other than {MAX_DEPTH}"));
-            }
-            self.open.push_back(name.clone());
-        }
-        Ok(Tag { attributes: attributes(rest)?, name, opens: true, closes })
     }
 }
 
-/// A name without its prefix.
-fn local(name: &str) -> &str {
-    name.rsplit(':').next().unwrap_or(name)
+fn opening(start: &BytesStart<'_>, closes: bool) -> Result<Tag, String> {
+    let wrong = |error: &dyn Display| format!("{}: {error}", quoted(&String::from_utf8_lossy(start.name().as_ref())));
+    let mut attributes = Vec::new();
+    // names that stand twice are looked for in time that grows with the square of their number
+    for attribute in start.attributes().with_checks(false) {
+        let attribute = attribute.map_err(|error| wrong(&error))?;
+        let value = attribute.normalized_value(XmlVersion::Implicit1_0).map_err(|error| wrong(&error))?;
+        attributes.push((text(attribute.key.local_name().as_ref())?, value.into_owned()));
+    }
+    Ok(Tag { name: text(start.local_name().as_ref())?, attributes, opens: true, closes })
 }
 
-/// The attributes behind the name of a tag.
-fn attributes(text: &str) -> Result<Vec<(String, String)>, String> {
-    let (mut rest, mut found) = (text.trim_start(), Vec::new());
-    while !rest.is_empty() {
-        let wrong = || format!("{} is no attribute", quoted(rest));
-        let (name, after) = rest.split_once('=').ok_or_else(wrong)?;
-        let after = after.trim_start();
-        let quote = after.chars().next().filter(|c| *c == '"' || *c == '\'').ok_or_else(wrong)?;
-        let (value, after) = after[1..].split_once(quote).ok_or_else(wrong)?;
-        found.push((local(name.trim()).to_owned(), plain(value)?));
-        rest = after.trim_start();
-    }
-    Ok(found)
+fn text(bytes: &[u8]) -> Result<String, String> {
+    std::str::from_utf8(bytes).map(str::to_owned).map_err(|_| "a tag is not in UTF-8".to_owned())
 }
 
-/// A value with its entities replaced.
-fn plain(value: &str) -> Result<String, String> {
-    if !value.contains('&') {
-        return Ok(value.to_owned());
-    }
-    let (mut text, mut rest) = (String::new(), value);
-    while let Some((before, after)) = rest.split_once('&') {
-        let (name, after) = after.split_once(';').ok_or_else(|| format!("{} has an open entity", quoted(value)))?;
-        text.push_str(before);
-        text.push(entity(name).ok_or_else(|| format!("there is no entity {}", quoted(name)))?);
-        rest = after;
-    }
-    text.push_str(rest);
-    Ok(text)
-}
-
-fn entity(name: &str) -> Option<char> {
-    let number = |digits: &str, radix| char::from_u32(u32::from_str_radix(digits, radix).ok()?);
-    match name {
-        "amp" => Some('&'),
-        "lt" => Some('<'),
-        "gt" => Some('>'),
-        "quot" => Some('"'),
-        "apos" => Some('\''),
-        _ => match (name.strip_prefix("#x"), name.strip_prefix('#')) {
-            (Some(digits), _) => number(digits, 16),
-            (None, Some(digits)) => number(digits, 10),
-            (None, None) => None,
-        },
+fn unread(error: Error) -> String {
+    match error {
+        Error::Io(error) if error.kind() == io::ErrorKind::FileTooLarge => error.to_string(),
+        Error::Io(error) => format!("it cannot be inflated: {error}"),
+        other => format!("it is no XML: {other}"),
     }
 }

@@ -15,8 +15,8 @@ const FLAGS: u16 = 1 << 3 | 1 << 11;
 /// The version that is needed to read it, as tenths.
 const VERSION: u16 = 20;
 const DEFLATED: u16 = 8;
-/// How hard the bytes are compressed: the usual balance of zlib. At 1 models are a third longer, at 9 they take twice as
-/// long and are hardly shorter.
+/// How hard the bytes are compressed: the usual balance of zlib. At 1 models are a third longer, at 9 they take twice
+/// as long and are hardly shorter.
 const LEVEL: u32 = 6;
 
 /// Most bytes that an archive of so many files with names of so many bytes takes beside the bytes of its files, where

@@ -4,8 +4,8 @@ use crate::output::error::FormatError;
 use crate::output::scene::{MeshSource, each_face, triangles};
 use crate::watch::Watch;
 
-/// Most parts of one mesh. A file with twice as many is opened by no slicer that was tried; half of it refuses sheets of
-/// small parts.
+/// Most parts of one mesh, each of which is an object: sheets of thousands of small parts are written, loose triangles
+/// by the million are refused.
 pub(super) const MAX_PARTS: usize = 10_000;
 
 /// Bytes of memory that parts take, beside positions: for each vertex and each triangle.

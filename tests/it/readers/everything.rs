@@ -66,6 +66,8 @@ const PLY: Holds =
     Holds { colors: Colors::Bytes, data: &[Data::Polygons, Data::Uvs, Data::Channels, Data::Names], ..JSON };
 const GLTF: Holds = Holds { numbers: Numbers::F32, data: &[Data::Uvs, Data::Channels, Data::Names], ..PLY };
 const STL: Holds = Holds { colors: Colors::Lost, data: &[], ..GLTF };
+/// Materials come back where vertices have no colours.
+const THREE_MF: Holds = Holds { data: &[], ..PLY };
 
 /// Every format that is written and read. Options that add to a file take nothing from it.
 fn table() -> Vec<(Value, Holds)> {
@@ -80,6 +82,7 @@ fn table() -> Vec<(Value, Holds)> {
         (json!({ "format": "glb", "crease_angle": 180 }), GLTF),
         (json!({ "format": "gltf", "normals": "none", "ids": true }), GLTF),
         (json!({ "format": "stl" }), STL),
+        (json!({ "format": "3mf" }), THREE_MF),
     ]
 }
 
