@@ -16,7 +16,8 @@ const END: usize = 22 + u16::MAX as usize;
 const STORED: u64 = 0;
 const DEFLATED: u64 = 8;
 /// Times the length of the archive that a file in it may inflate to. Deflate reaches a thousand; models of planish
-/// reach 20 and those of lib3mf 15, so that twice of it lets bombs take longer, and half of it refuses large flat grids.
+/// reach 20 and those of lib3mf 15, so that twice of it lets bombs take longer, and half of it refuses large flat
+/// grids.
 const MOST_INFLATED: u64 = 200;
 /// Bytes that a file may inflate to whatever the length of the archive.
 const LEAST_INFLATED: u64 = 1 << 20;
