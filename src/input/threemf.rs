@@ -5,7 +5,7 @@ mod build;
 mod model;
 mod xml;
 
-use self::archive::{Entry, entries};
+use self::archive::Archive;
 use self::xml::Tags;
 use super::reader::{ReadLimits, ReadMesh, Reader, Vertices};
 use super::room::Room;
@@ -28,28 +28,23 @@ pub(super) const THREE_MF: Reader = Reader {
 };
 
 fn read(bytes: &[u8], limits: &ReadLimits) -> Result<ReadMesh, String> {
-    let files = entries(bytes)?;
-    let name = main_model(&files, bytes.len())?;
-    let file = find(&files, &name).ok_or_else(|| format!("the archive has no file {}", quoted(&name)))?;
-    let mut tags = Tags::new(file.open(bytes.len())?);
+    let archive = Archive::new(bytes)?;
+    let name = main_model(&archive)?;
+    let file = archive.file(&name)?.ok_or_else(|| format!("the archive has no file {}", quoted(&name)))?;
+    let mut tags = Tags::new(file);
     let mut room = Room::new(bytes.len());
     let found = model::read(&mut tags, &mut room, limits);
-    let model = found.map_err(|detail| format!("{}, line {}: {detail}", quoted(file.name), tags.line))?;
+    let model = found.map_err(|detail| format!("{}, line {}: {detail}", quoted(&name), tags.line))?;
     let unit = model.unit;
     let mesh = build::built(model, room, limits)?;
     Ok(ReadMesh { unit: Some(unit), up: Some(Up::Z), ..mesh })
 }
 
-fn find<'a, 'b>(files: &'b [Entry<'a>], name: &str) -> Option<&'b Entry<'a>> {
-    files.iter().find(|file| file.name.eq_ignore_ascii_case(name))
-}
-
 /// The name of the model that the relations of the archive begin with.
-fn main_model(files: &[Entry<'_>], whole: usize) -> Result<String, String> {
+fn main_model(archive: &Archive<'_>) -> Result<String, String> {
     const RELATIONS: &str = "_rels/.rels";
     let missing = || format!("the archive has no model: {RELATIONS} names none; it is no 3MF file");
-    let file = find(files, RELATIONS).ok_or_else(missing)?;
-    let mut tags = Tags::new(file.open(whole)?);
+    let mut tags = Tags::new(archive.file(RELATIONS)?.ok_or_else(missing)?);
     let mut model = None;
     while let Some(tag) = tags.next().map_err(|detail| format!("{RELATIONS}, line {}: {detail}", tags.line))? {
         let is_model = tag.get("Type").is_some_and(|kind| kind.ends_with("/3dmodel"));
