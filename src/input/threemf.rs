@@ -17,8 +17,8 @@ use crate::shape::frame::Up;
 ///
 /// The unit of the model and its up axis, z, are those of the input where the job gives no others; micrometres come as
 /// millimetres, feet as inches. Base materials are materials, colours of corners the channel `color`, objects groups
-/// where there are several. Textures, supports and other extensions are left out with a note, or refused where the model
-/// says that it makes no sense without them.
+/// where there are several. Textures, supports and other extensions are left out with a note, or refused where the
+/// model says that it makes no sense without them.
 pub(super) const THREE_MF: Reader = Reader {
     name: "3mf",
     media_type: "model/3mf",

@@ -36,7 +36,8 @@ const PARTS: Parameter = Parameter::choice(
 );
 const COMPONENTS: &str = "components";
 
-/// What the files of the archive are, and which of them is the model. Source: ECMA-376-2 (OPC), 3MF Core 1.3, section 2.
+/// What the files of the archive are, and which of them is the model. Source: ECMA-376-2 (OPC); 3MF Core 1.3,
+/// section 2.
 const TYPES: &str = "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<Types \
                      xmlns=\"http://schemas.openxmlformats.org/package/2006/content-types\">\n<Default \
                      Extension=\"rels\" \

@@ -1,6 +1,6 @@
 //! The objects that are built, where their items put them.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 use super::model::{IDENTITY, LookGroup, Model, Object, Placed, Triangle};
 use crate::input::collect::Collected;
@@ -31,7 +31,7 @@ const NO_MATERIAL: &str = "default";
 pub(super) fn built(mut model: Model, room: Room, limits: &ReadLimits) -> Result<ReadMesh, String> {
     let mut items = std::mem::take(&mut model.items);
     if items.is_empty() {
-        let inside: Vec<u64> =
+        let inside: BTreeSet<u64> =
             model.objects.values().flat_map(|object| object.components.iter().map(|part| part.object)).collect();
         let free = model.objects.keys().filter(|id| !inside.contains(id));
         items = free.map(|&object| Placed { object, transform: IDENTITY }).collect();
@@ -51,7 +51,7 @@ pub(super) fn built(mut model: Model, room: Room, limits: &ReadLimits) -> Result
     for item in items {
         building.place(item, &IDENTITY, 0)?;
     }
-    building.finish()
+    Ok(building.finish())
 }
 
 struct Building<'a> {
@@ -80,6 +80,10 @@ fn then(first: &[[f64; 3]; 4], second: &[[f64; 3]; 4]) -> [[f64; 3]; 4] {
 fn applied(transform: &[[f64; 3]; 4], [x, y, z]: [f64; 3], w: f64) -> [f64; 3] {
     let [a, b, c, d] = transform;
     [0, 1, 2].map(|k| x * a[k] + y * b[k] + z * c[k] + w * d[k])
+}
+
+fn same(a: &[f64; 4], b: &[f64; 4]) -> bool {
+    a.map(f64::to_bits) == b.map(f64::to_bits)
 }
 
 /// Whether a transform turns bodies inside out.
@@ -143,7 +147,10 @@ impl Building<'_> {
     /// Takes the look of the last face.
     fn look(&mut self, triangle: &Triangle, order: [usize; 3]) -> Result<(), String> {
         let face = self.mesh.mesh.faces.len() as u64 - 1;
-        let Some((group, properties)) = triangle.look else { return Ok(self.uncolored()) };
+        let Some((group, properties)) = triangle.look else {
+            self.uncolored();
+            return Ok(());
+        };
         let missing = |n: u32| format!("there is no property {n} in the group {group}");
         match self.model.looks.get(&u64::from(group)) {
             Some(LookGroup::Materials(all)) => {
@@ -158,7 +165,7 @@ impl Building<'_> {
                 self.of_corners.resize(before, u32::MAX);
                 for k in order {
                     let color = all.get(properties[k] as usize).ok_or_else(|| missing(properties[k]))?;
-                    let known = self.colors.last().is_some_and(|last| last == color);
+                    let known = self.colors.last().is_some_and(|last| same(last, color));
                     if !known {
                         self.room.take(GROWN * 32)?;
                         self.colors.push(*color);
@@ -179,7 +186,7 @@ impl Building<'_> {
         }
     }
 
-    fn finish(self) -> Result<ReadMesh, String> {
+    fn finish(self) -> ReadMesh {
         let Self { model, mesh, groups, materials, colors, of_corners, supports, degenerate, .. } = self;
         let mut mesh = mesh.mesh;
         mesh.channels = channel(&mesh, &colors, of_corners).into_iter().collect();
@@ -195,7 +202,7 @@ impl Building<'_> {
         let own = [("supports are left out", supports), ("triangles with two equal corners are left out", degenerate)];
         let told = told.chain(own).filter(|(_, n)| *n > 0);
         mesh.notes = told.map(|(what, n)| format!("{what}: {n}")).collect();
-        Ok(mesh)
+        mesh
     }
 }
 
@@ -212,7 +219,7 @@ fn channel(mesh: &ReadMesh, colors: &[[f64; 4]], mut of_corners: Vec<u32>) -> Op
     let mut agree = true;
     for (&v, &number) in mesh.faces.vertices().iter().zip(&of_corners) {
         let known = *of_vertices[v as usize].get_or_insert(color(number));
-        agree &= known == color(number);
+        agree &= same(&known, &color(number));
     }
     if agree {
         let values =
@@ -222,7 +229,7 @@ fn channel(mesh: &ReadMesh, colors: &[[f64; 4]], mut of_corners: Vec<u32>) -> Op
     let white = index(colors.len());
     let values = colors.iter().chain([&[1.0; 4]]).flat_map(|color| &color[..width]).copied().collect();
     let numbers: Vec<u32> = of_corners.iter().map(|&number| number.min(white)).collect();
-    let faces: FaceList = numbers.chunks_exact(3).map(|face| face.to_vec()).collect();
+    let faces: FaceList = numbers.chunks_exact(3).map(<[u32]>::to_vec).collect();
     let seams = SeamsInput { faces, interpolation: Interpolation::None };
     Some(Channel { name: COLOR.to_owned(), width, values, seams: Some(seams) })
 }

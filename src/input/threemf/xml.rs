@@ -94,7 +94,7 @@ impl<R: Read> Tags<R> {
             self.event.clear();
             self.reader.get_mut().left = MAX_TAG;
             let event = self.reader.read_event_into(&mut self.event).map_err(unread)?;
-            self.line += event.iter().filter(|byte| **byte == b'\n').count();
+            self.line += event.split(|byte| *byte == b'\n').count() - 1;
             match event {
                 Event::Start(_) if self.depth == MAX_DEPTH => {
                     return Err(format!("elements lie deeper in each other than {MAX_DEPTH}"));

@@ -35,8 +35,10 @@ enum Data {
     Polygons,
     Uvs,
     Channels,
-    /// Groups and materials.
-    Names,
+    Groups,
+    Materials,
+    /// Materials of meshes whose vertices have no colours.
+    MaterialsAlone,
     /// Creases and corners.
     Sharp,
 }
@@ -58,16 +60,22 @@ impl Holds {
 const JSON: Holds = Holds {
     numbers: Numbers::F64,
     colors: Colors::Whole,
-    data: &[Data::Polygons, Data::Uvs, Data::Channels, Data::Names, Data::Sharp],
+    data: &[Data::Polygons, Data::Uvs, Data::Channels, Data::Groups, Data::Materials, Data::Sharp],
 };
-const OBJ: Holds =
-    Holds { colors: Colors::Opaque, data: &[Data::Polygons, Data::Uvs, Data::Names, Data::Sharp], ..JSON };
-const PLY: Holds =
-    Holds { colors: Colors::Bytes, data: &[Data::Polygons, Data::Uvs, Data::Channels, Data::Names], ..JSON };
-const GLTF: Holds = Holds { numbers: Numbers::F32, data: &[Data::Uvs, Data::Channels, Data::Names], ..PLY };
+const OBJ: Holds = Holds {
+    colors: Colors::Opaque,
+    data: &[Data::Polygons, Data::Uvs, Data::Groups, Data::Materials, Data::Sharp],
+    ..JSON
+};
+const PLY: Holds = Holds {
+    colors: Colors::Bytes,
+    data: &[Data::Polygons, Data::Uvs, Data::Channels, Data::Groups, Data::Materials],
+    ..JSON
+};
+const GLTF: Holds =
+    Holds { numbers: Numbers::F32, data: &[Data::Uvs, Data::Channels, Data::Groups, Data::Materials], ..PLY };
 const STL: Holds = Holds { colors: Colors::Lost, data: &[], ..GLTF };
-/// Materials come back where vertices have no colours.
-const THREE_MF: Holds = Holds { data: &[], ..PLY };
+const THREE_MF: Holds = Holds { data: &[Data::MaterialsAlone], ..PLY };
 
 /// Every format that is written and read. Options that add to a file take nothing from it.
 fn table() -> Vec<(Value, Holds)> {
@@ -155,13 +163,15 @@ fn content(mesh: &Value, holds: Holds) -> Content {
         corner.sort_unstable();
         corner
     };
+    let alone = mesh["channels"]["color"].is_null();
+    let materials = holds.has(Data::Materials) || holds.has(Data::MaterialsAlone) && alone;
     let name = |kind: &str, f: usize| {
         let set = list(&mesh[kind]).iter().find(|set| list(&set["faces"]).iter().any(|face| index(face) == f))?;
         Some(set["name"].as_str()?.to_owned())
     };
     let face = |f: usize| {
-        let names =
-            if holds.has(Data::Names) { ["groups", "materials"].map(|kind| name(kind, f)) } else { [None, None] };
+        let held = [("groups", holds.has(Data::Groups)), ("materials", materials)];
+        let names = held.map(|(kind, held)| name(kind, f).filter(|_| held));
         let corners: Vec<_> = (0..list(&mesh["faces"][f]).len()).map(|j| corner(f, j)).collect();
         let parts = if holds.has(Data::Polygons) { vec![corners] } else { fan(&corners) };
         parts.into_iter().map(move |corners| Face { corners: turned(corners), names: names.clone() })
@@ -252,7 +262,7 @@ proptest! {
         // what is loose triangles joins all corners at one place
         let places = net.positions.iter().map(|p| p.map(|x| rounded(x, Numbers::F32).to_bits()));
         let is_apart = places.collect::<BTreeSet<_>>().len() == net.positions.len();
-        let fits = |holds: Holds| (is_surface || holds.has(Data::Polygons)) && (is_apart || holds.has(Data::Names));
+        let fits = |holds: Holds| (is_surface || holds.has(Data::Polygons)) && (is_apart || holds.has(Data::Groups, Data::Materials));
         for (options, holds) in table().into_iter().filter(|&(_, holds)| fits(holds)) {
             // the axis that the format has, so that nothing is turned
             let up = if options["format"] == "3mf" { "z" } else { "y" };
