@@ -62,7 +62,7 @@ fn tetrahedron(attributes: &str, [before, behind]: [&str; 2], build: &str) -> Ve
     ))
 }
 
-fn written(mesh: Value, options: &Value) -> Vec<u8> {
+fn written(mesh: &Value, options: &Value) -> Vec<u8> {
     let mut output = options.clone();
     output["format"] = json!("3mf");
     let job = json!({ "input": { "mesh": mesh, "up": "z", "unit": "cm" }, "outputs": [output] });
@@ -80,7 +80,7 @@ proptest! {
         let positions = given.positions.iter().map(|p| p.map(|x| x * factor + 0.0)).collect();
         let given = Net { positions, faces: given.faces };
         let kept = super::round_trips::kept(&given);
-        let found = mesh("3mf", &written(given.to_json(), &json!({})));
+        let found = mesh("3mf", &written(&given.to_json(), &json!({})));
         prop_assert_eq!(net(&found), kept);
         prop_assert_eq!((found.unit, found.up), (Some(Unit::Centimetre), Some(Up::Z)));
     }
@@ -108,13 +108,13 @@ proptest! {
 fn groups_and_materials_and_colors_come_back() {
     let mut given = nets::tetrahedron().to_json();
     given["materials"] = json!([{ "name": "red", "faces": [0, 1], "color": [1, 0, 0, 1] }]);
-    let found = mesh("3mf", &written(given, &json!({})));
+    let found = mesh("3mf", &written(&given, &json!({})));
     assert_eq!(found.materials.len(), 1, "faces without a material have none: {:?}", found.materials);
     assert_eq!((found.materials[0].name.as_str(), &found.materials[0].faces), ("red", &vec![0, 1]));
     assert_eq!(found.looks[0].color, Some([1.0, 0.0, 0.0, 1.0]));
     let mut given = nets::tetrahedron().to_json();
     given["channels"] = json!({ "color": [[0, 0, 0], [1, 0, 0], [0, 1, 0], [0.2, 0.4, 1]] });
-    let found = mesh("3mf", &written(given, &json!({})));
+    let found = mesh("3mf", &written(&given, &json!({})));
     let color = &found.channels[0];
     assert_eq!((color.name.as_str(), color.width, color.seams.is_none()), ("color", 3, true));
     let expected = [0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.2, 0.4, 1.0];
@@ -130,7 +130,7 @@ fn parts_are_groups_again() {
     let two = Net { positions: positions.collect(), faces: faces.collect() };
     let mut given = two.to_json();
     given["groups"] = json!([{ "name": "left", "faces": [0, 1, 2, 3] }]);
-    let found = mesh("3mf", &written(given, &json!({ "parts": "components" })));
+    let found = mesh("3mf", &written(&given, &json!({ "parts": "components" })));
     assert_eq!(net(&found), two);
     let names: Vec<_> = found.groups.iter().map(|set| (set.name.as_str(), set.faces.len())).collect();
     assert_eq!(names, [("left", 4), ("part-2", 4)]);
