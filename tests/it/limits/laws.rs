@@ -338,8 +338,12 @@ fn all_writers_take_the_limit() {
     // a library of materials says nothing of places, and solids are limits always
     for format in FORMATS.iter().filter(|format| format.name() != "mtl" && !format.is_of_limit()) {
         let name = format.name();
+        let has_normals = name != "3mf";
         let bytes = |positions: &str, normals: &str| {
-            let mut output = json!({ "format": name, "positions": positions, "normals": normals });
+            let mut output = json!({ "format": name, "positions": positions });
+            if has_normals {
+                output["normals"] = json!(normals);
+            }
             if ["svg", "pdf"].contains(&name) {
                 output["sections"] = json!([{ "point": [0, 0, 0.1], "normal": [0, 0, 1] }]);
             }
@@ -349,6 +353,9 @@ fn all_writers_take_the_limit() {
             render(&job).unwrap_or_else(|faults| panic!("{faults:?} for {job}")).0
         };
         assert_ne!(bytes("refined", "none"), bytes("limit", "none"), "{name}");
+        if !has_normals {
+            continue;
+        }
         // weights make tangents of the limit, and no normals that are weighted by area
         let kinds: &[&str] = if format.weighs() { &["none", "limit"] } else { &["none", "area", "limit"] };
         let normals: Vec<_> = kinds.iter().map(|normals| bytes("refined", normals)).collect();
