@@ -16,6 +16,7 @@ mod sniff;
 mod stl;
 mod text;
 mod threemf;
+mod transform;
 
 pub use crate::shape::attachments::ChannelInput;
 pub use crate::shape::labels::FaceSet;

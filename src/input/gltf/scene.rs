@@ -12,11 +12,12 @@ use super::accessor::AccessorRows;
 use super::buffers::Document;
 use super::carried::{Channels, Groups, group, name};
 use super::looks;
-use super::transform::Transform;
+use super::transform::Placement;
 use crate::input::collect::Collected;
 use crate::input::colors::encoded;
 use crate::input::reader::{ReadLimits, ReadMesh, Uvs};
 use crate::input::room::{GROWN, Room};
+use crate::input::transform::Transform;
 use crate::shape::attachments::ChannelInput;
 use crate::shape::labels::FaceSet;
 use crate::shape::topology::index;
@@ -153,7 +154,7 @@ impl Reading<'_> {
                 return Err(format!("node {i} is reached twice; nodes are to form trees"));
             }
             let placement = document.placements.get(i).and_then(Option::as_deref);
-            let inner = placement.map_or(Ok(Transform::IDENTITY), Transform::of);
+            let inner = placement.map_or(Ok(Transform::IDENTITY), Placement::transform);
             let transform = outer.after(&inner.map_err(|detail| format!("node {i}: {detail}"))?);
             self.node(i, node, &transform)?;
             path.push((node.children.as_deref().unwrap_or_default().iter(), transform));

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use serde_json::value::RawValue;
 
-use crate::math::vector::{cross, dot};
+use crate::input::transform::Transform;
 
 /// How far the length of a rotation may be from 1: writers of few digits round it.
 const UNIT: f64 = 1e-3;
@@ -45,23 +45,14 @@ impl Placement {
         };
         nodes.iter().map(placement).collect()
     }
-}
-
-/// An affine map: `x -> A x + t`, the columns of `A`, then `t`.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Transform([[f64; 3]; 4]);
-
-impl Transform {
-    /// The map that changes nothing.
-    pub(super) const IDENTITY: Self = Self([[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0], [0.0; 3]]);
 
     /// The map of a node: its matrix, or its scale, then rotation, then translation. A rotation is divided by its
     /// length, which is near 1.
     ///
     /// # Errors
     /// A matrix that is no affine map, a rotation that is no unit quaternion.
-    pub(super) fn of(placement: &Placement) -> Result<Self, String> {
-        let Placement { matrix, rotation, scale, translation } = placement;
+    pub(super) fn transform(&self) -> Result<Transform, String> {
+        let Self { matrix, rotation, scale, translation } = self;
         if matrix.is_some() && (rotation.is_some() || scale.is_some() || translation.is_some()) {
             return Err("its place is a matrix and parts of one; give either".to_owned());
         }
@@ -71,9 +62,9 @@ impl Transform {
                 return Err(format!("the last row of its matrix is {a}, {b}, {c}, {d}; it has to be 0, 0, 0, 1"));
             }
             let column = |j: usize| std::array::from_fn(|i| matrix[4 * j + i]);
-            return Ok(Self([column(0), column(1), column(2), column(3)]));
+            return Ok(Transform([column(0), column(1), column(2), column(3)]));
         }
-        let [x, y, z, w] = placement.rotation.unwrap_or([0.0, 0.0, 0.0, 1.0]);
+        let [x, y, z, w] = self.rotation.unwrap_or([0.0, 0.0, 0.0, 1.0]);
         let square = x * x + y * y + z * z + w * w;
         let length = square.sqrt();
         if (length - 1.0).abs() > UNIT {
@@ -81,7 +72,7 @@ impl Transform {
                 "the length of its rotation {x}, {y}, {z}, {w} is {length}; a rotation is a quaternion of length 1"
             ));
         }
-        let scale = placement.scale.unwrap_or([1.0; 3]);
+        let scale = self.scale.unwrap_or([1.0; 3]);
         let s = 2.0 / square;
         let rotation = [
             [1.0 - s * (y * y + z * z), s * (x * y + z * w), s * (x * z - y * w)],
@@ -89,25 +80,6 @@ impl Transform {
             [s * (x * z + y * w), s * (y * z - x * w), 1.0 - s * (x * x + y * y)],
         ];
         let column = |j: usize| rotation[j].map(|entry| entry * scale[j]);
-        Ok(Self([column(0), column(1), column(2), placement.translation.unwrap_or([0.0; 3])]))
-    }
-
-    /// First `inner`, then this one.
-    pub(super) fn after(&self, inner: &Self) -> Self {
-        let linear = Self([self.0[0], self.0[1], self.0[2], [0.0; 3]]);
-        let [a, b, c, t] = inner.0;
-        Self([linear.point(a), linear.point(b), linear.point(c), self.point(t)])
-    }
-
-    /// Where a point comes to.
-    pub(super) fn point(&self, [x, y, z]: [f64; 3]) -> [f64; 3] {
-        let [a, b, c, t] = self.0;
-        std::array::from_fn(|k| a[k] * x + b[k] * y + c[k] * z + t[k])
-    }
-
-    /// Whether it turns the orientation round: the determinant is negative.
-    pub(super) fn is_mirror(&self) -> bool {
-        let [a, b, c, _] = self.0;
-        dot(a, cross(b, c)) < 0.0
+        Ok(Transform([column(0), column(1), column(2), self.translation.unwrap_or([0.0; 3])]))
     }
 }

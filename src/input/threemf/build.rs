@@ -2,10 +2,11 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use super::model::{IDENTITY, LookGroup, Model, Object, Placed, Triangle};
+use super::model::{LookGroup, Model, Object, Placed, Triangle};
 use crate::input::collect::Collected;
 use crate::input::reader::{ReadLimits, ReadMesh};
 use crate::input::room::{GROWN, Room};
+use crate::input::transform::Transform;
 use crate::shape::attachments::{COLOR, Channel, ChannelInput};
 use crate::shape::check::FaceList;
 use crate::shape::labels::FaceSet;
@@ -34,7 +35,7 @@ pub(super) fn built(mut model: Model, room: Room, limits: &ReadLimits) -> Result
         let inside: BTreeSet<u64> =
             model.objects.values().flat_map(|object| object.components.iter().map(|part| part.object)).collect();
         let free = model.objects.keys().filter(|id| !inside.contains(id));
-        items = free.map(|&object| Placed { object, transform: IDENTITY }).collect();
+        items = free.map(|&object| Placed { object, transform: Transform::IDENTITY }).collect();
     }
     let mut building = Building {
         model: &model,
@@ -49,7 +50,7 @@ pub(super) fn built(mut model: Model, room: Room, limits: &ReadLimits) -> Result
         degenerate: 0,
     };
     for item in items {
-        building.place(item, &IDENTITY, 0)?;
+        building.place(item, &Transform::IDENTITY, 0)?;
     }
     Ok(building.finish())
 }
@@ -70,30 +71,12 @@ struct Building<'a> {
     degenerate: usize,
 }
 
-/// The first transform, then the second.
-fn then(first: &[[f64; 3]; 4], second: &[[f64; 3]; 4]) -> [[f64; 3]; 4] {
-    let mut all = [0, 1, 2, 3].map(|row| applied(second, first[row], 0.0));
-    all[3] = applied(second, first[3], 1.0);
-    all
-}
-
-fn applied(transform: &[[f64; 3]; 4], [x, y, z]: [f64; 3], w: f64) -> [f64; 3] {
-    let [a, b, c, d] = transform;
-    [0, 1, 2].map(|k| x * a[k] + y * b[k] + z * c[k] + w * d[k])
-}
-
 fn same(a: &[f64; 4], b: &[f64; 4]) -> bool {
     a.map(f64::to_bits) == b.map(f64::to_bits)
 }
 
-/// Whether a transform turns bodies inside out.
-fn mirrors([a, b, c, _]: &[[f64; 3]; 4]) -> bool {
-    let cross = [b[1] * c[2] - b[2] * c[1], b[2] * c[0] - b[0] * c[2], b[0] * c[1] - b[1] * c[0]];
-    a[0] * cross[0] + a[1] * cross[1] + a[2] * cross[2] < 0.0
-}
-
 impl Building<'_> {
-    fn place(&mut self, item: Placed, outer: &[[f64; 3]; 4], depth: usize) -> Result<(), String> {
+    fn place(&mut self, item: Placed, outer: &Transform, depth: usize) -> Result<(), String> {
         let Placed { object: id, transform } = item;
         let model = self.model;
         let object = model.objects.get(&id).ok_or_else(|| format!("there is no object {id}, which is to be built"))?;
@@ -108,26 +91,26 @@ impl Building<'_> {
             self.supports += 1;
             return Ok(());
         }
-        let transform = then(&transform, outer);
+        let transform = outer.after(&transform);
         if !object.triangles.is_empty() {
             self.mesh(id, object, &transform)?;
         }
         object.components.iter().try_for_each(|&part| self.place(part, &transform, depth + 1))
     }
 
-    fn mesh(&mut self, id: u64, object: &Object, transform: &[[f64; 3]; 4]) -> Result<(), String> {
+    fn mesh(&mut self, id: u64, object: &Object, transform: &Transform) -> Result<(), String> {
         self.room.take(SET + object.positions.len() * POSITION + object.triangles.len() * TRIANGLE)?;
         let start = index(self.mesh.mesh.positions.len());
         let first_face = self.mesh.mesh.faces.len() as u64;
-        let stays = *transform == IDENTITY;
+        let stays = *transform == Transform::IDENTITY;
         for &position in &object.positions {
-            let at = if stays { position } else { applied(transform, position, 1.0) };
+            let at = if stays { position } else { transform.point(position) };
             if at.iter().any(|x| !x.is_finite()) {
                 return Err(format!("object {id} is put beyond the largest number there is"));
             }
             self.mesh.vertex(at)?;
         }
-        let is_mirrored = mirrors(transform);
+        let is_mirrored = transform.is_mirror();
         for triangle in &object.triangles {
             let [a, b, c] = triangle.corners;
             if a == b || b == c || c == a {

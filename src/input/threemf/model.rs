@@ -7,6 +7,7 @@ use super::xml::{Tag, Tags};
 use crate::input::reader::ReadLimits;
 use crate::input::room::{GROWN, Room};
 use crate::input::text::{count, number, quoted};
+use crate::input::transform::Transform;
 use crate::shape::frame::Unit;
 
 /// Bytes of a vertex, of a triangle, of a property and of an object, as they are kept in lists that grow.
@@ -60,12 +61,8 @@ pub(super) struct Triangle {
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Placed {
     pub(super) object: u64,
-    /// What rows of coordinates with a 1 behind them are multiplied with from the right.
-    pub(super) transform: [[f64; 3]; 4],
+    pub(super) transform: Transform,
 }
-
-/// The transform that leaves everything where it is.
-pub(super) const IDENTITY: [[f64; 3]; 4] = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0], [0.0; 3]];
 
 /// Reads a model.
 ///
@@ -240,16 +237,16 @@ fn placed(tag: &Tag, scale: f64) -> Result<Placed, String> {
     if let Some(path) = tag.get("path") {
         return Err(format!("an object stands in another file, {}, which is not read; save all in one", quoted(path)));
     }
-    let mut transform = IDENTITY;
+    let mut transform = Transform::IDENTITY;
     if let Some(text) = tag.get("transform") {
         let words: Vec<&str> = text.split_ascii_whitespace().collect();
         if words.len() != 12 {
             return Err(format!("a transform has {} numbers; it needs 12", words.len()));
         }
-        for (slot, word) in transform.as_flattened_mut().iter_mut().zip(words) {
+        for (slot, word) in transform.0.as_flattened_mut().iter_mut().zip(words) {
             *slot = number(word)?;
         }
-        transform[3].iter_mut().for_each(|x| *x *= scale);
+        transform.0[3].iter_mut().for_each(|x| *x *= scale);
     }
     Ok(Placed { object: whole(tag, "objectid")?, transform })
 }
