@@ -28,7 +28,7 @@ impl ReadMesh {
 
 /// Texture coordinates face by face.
 fn of_corners(uvs: Uvs, faces: &FaceList) -> UvsInput {
-    let mut seams = SeamsInput::default();
+    let mut seams = SeamsInput { interpolation: uvs.interpolation, ..SeamsInput::default() };
     let mut corners = uvs.corners.into_iter();
     for f in 0..faces.len() {
         seams.faces.push(corners.by_ref().take(faces.face(f).len()));

@@ -22,8 +22,7 @@ const FOREIGN: &[(&[u8], &str)] = &[
     (b"BLENDER", "a Blender file"),
     (b"Kaydara FBX", "an FBX file"),
     (b"; FBX", "an FBX file"),
-    (b"PXR-USDC", "a USD file"),
-    (b"#usda", "a USD file"),
+    (b"PXR-USDC", "a USD file in binary form (usdcat writes it as usda, which is read)"),
     (b"#VRML", "a VRML file"),
     (b"# vtk", "a VTK file"),
     (b"<svg", "an SVG picture"),
@@ -34,8 +33,14 @@ const FOREIGN: &[(&[u8], &str)] = &[
 ];
 
 /// How files of the formats that are read begin.
-const OWN: &[(&[u8], &str)] =
-    &[(b"ply", "ply"), (b"glTF", "glb"), (b"solid ", "stl"), (b"OFF", "off"), (b"PK\x03\x04", "3mf")];
+const OWN: &[(&[u8], &str)] = &[
+    (b"ply", "ply"),
+    (b"glTF", "glb"),
+    (b"solid ", "stl"),
+    (b"OFF", "off"),
+    (b"PK\x03\x04", "3mf"),
+    (b"#usda", "usda"),
+];
 
 /// Most bytes that are looked at to tell a text.
 const MOST: usize = 4096;

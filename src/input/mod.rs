@@ -17,6 +17,7 @@ mod stl;
 mod text;
 mod threemf;
 mod transform;
+mod usda;
 
 pub use crate::shape::attachments::ChannelInput;
 pub use crate::shape::labels::FaceSet;
@@ -28,7 +29,8 @@ pub use reader::{ReadLimits, ReadMesh, Reader, Uvs, Vertices};
 pub use room::weight;
 
 /// Every reader, in the order of the documentation.
-pub const READERS: &[Reader] = &[obj::OBJ, ply::PLY, stl::STL, off::OFF, gltf::GLTF, gltf::GLB, threemf::THREE_MF];
+pub const READERS: &[Reader] =
+    &[obj::OBJ, ply::PLY, stl::STL, off::OFF, gltf::GLTF, gltf::GLB, threemf::THREE_MF, usda::USDA];
 
 /// The reader of a name.
 pub fn named(name: &str) -> Option<&'static Reader> {

@@ -217,7 +217,7 @@ impl Reading {
             mesh.channels.push(ChannelInput::of_vertices("color", 4, self.colors));
         }
         if self.kind.uvs {
-            mesh.uvs = Some(Uvs { values: self.uvs, corners: mesh.faces.vertices().to_vec() });
+            mesh.uvs = Some(Uvs::new(self.uvs, mesh.faces.vertices().to_vec()));
         }
         if self.face_colors > 0 {
             mesh.notes.push(format!("colours of faces are left out: {}", self.face_colors));

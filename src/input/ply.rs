@@ -291,9 +291,9 @@ impl Reading {
         mesh.channels = self.channels;
         if !self.corner_uvs.is_empty() {
             let corners = (0..).take(self.corner_uvs.len()).collect();
-            mesh.uvs = Some(Uvs { values: self.corner_uvs, corners });
+            mesh.uvs = Some(Uvs::new(self.corner_uvs, corners));
         } else if !self.uvs.is_empty() {
-            mesh.uvs = Some(Uvs { values: self.uvs, corners: mesh.faces.vertices().to_vec() });
+            mesh.uvs = Some(Uvs::new(self.uvs, mesh.faces.vertices().to_vec()));
         }
         mesh
     }

@@ -7,6 +7,7 @@ use crate::shape::check::FaceList;
 use crate::shape::frame::{Unit, Up};
 use crate::shape::labels::FaceSet;
 use crate::shape::looks::Look;
+use crate::shape::seams::Interpolation;
 
 /// A way to read a mesh from the bytes of a file.
 #[derive(Debug)]
@@ -95,4 +96,13 @@ pub struct Uvs {
     pub values: Vec<[f64; 2]>,
     /// For each corner (face after face) its row of `values`.
     pub corners: Vec<u32>,
+    /// Where they are interpolated linearly, which most formats do not know of.
+    pub interpolation: Interpolation,
+}
+
+impl Uvs {
+    /// Those of corners by their rows, interpolated linearly everywhere.
+    pub(super) fn new(values: Vec<[f64; 2]>, corners: Vec<u32>) -> Self {
+        Self { values, corners, interpolation: Interpolation::All }
+    }
 }

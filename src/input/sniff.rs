@@ -17,6 +17,7 @@ pub(super) fn kind(bytes: &[u8]) -> Option<&'static str> {
     match first {
         _ if bytes.starts_with(b"glTF") => Some("glb"),
         _ if is_3mf(bytes) => Some("3mf"),
+        b"#usda" => Some("usda"),
         b"ply" => Some("ply"),
         _ if first.ends_with(b"OFF") => Some("off"),
         _ if is_stl(bytes) || first == b"solid" => Some("stl"),

@@ -2,6 +2,9 @@
 
 use crate::math::vector::{cross, dot};
 
+/// How far the length of a rotation may be from 1: writers of few digits round it.
+const UNIT: f64 = 1e-3;
+
 /// An affine map: `x -> A x + t`, the columns of `A`, then `t`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Transform(pub(super) [[f64; 3]; 4]);
@@ -9,6 +12,19 @@ pub(super) struct Transform(pub(super) [[f64; 3]; 4]);
 impl Transform {
     /// The map that changes nothing.
     pub(super) const IDENTITY: Self = Self([[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0], [0.0; 3]]);
+
+    /// The turn of a quaternion, its real part last, which is divided by its length; none where that is not near 1.
+    pub(super) fn rotation([x, y, z, w]: [f64; 4]) -> Option<Self> {
+        let square = x * x + y * y + z * z + w * w;
+        let s = 2.0 / square;
+        let columns = [
+            [1.0 - s * (y * y + z * z), s * (x * y + z * w), s * (x * z - y * w)],
+            [s * (x * y - z * w), 1.0 - s * (x * x + z * z), s * (y * z + x * w)],
+            [s * (x * z + y * w), s * (y * z - x * w), 1.0 - s * (x * x + y * y)],
+            [0.0; 3],
+        ];
+        ((square.sqrt() - 1.0).abs() <= UNIT).then_some(Self(columns))
+    }
 
     /// First `inner`, then this one.
     pub(super) fn after(&self, inner: &Self) -> Self {

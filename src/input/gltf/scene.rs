@@ -361,7 +361,7 @@ impl Reading<'_> {
         let some_uvs =
             |uvs: &Vec<[f64; 2]>| self.without_uvs == 0 && !uvs.is_empty() || textured && self.without_uvs < uvs.len();
         if let Some(uvs) = self.uvs.take().filter(some_uvs) {
-            mesh.uvs = Some(Uvs { values: uvs, corners: mesh.faces.vertices().to_vec() });
+            mesh.uvs = Some(Uvs::new(uvs, mesh.faces.vertices().to_vec()));
         }
         if let Some(colors) = self.colors.filter(|colors| !colors.is_empty()) {
             let mut values = Vec::with_capacity(colors.len() / 4 * self.color_width);

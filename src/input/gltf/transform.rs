@@ -6,8 +6,6 @@ use serde_json::value::RawValue;
 
 use crate::input::transform::Transform;
 
-/// How far the length of a rotation may be from 1: writers of few digits round it.
-const UNIT: f64 = 1e-3;
 /// How far the last row of a matrix may be from 0, 0, 0, 1.
 const AFFINE: f64 = 1e-6;
 
@@ -65,20 +63,11 @@ impl Placement {
             return Ok(Transform([column(0), column(1), column(2), column(3)]));
         }
         let [x, y, z, w] = self.rotation.unwrap_or([0.0, 0.0, 0.0, 1.0]);
-        let square = x * x + y * y + z * z + w * w;
-        let length = square.sqrt();
-        if (length - 1.0).abs() > UNIT {
-            return Err(format!(
-                "the length of its rotation {x}, {y}, {z}, {w} is {length}; a rotation is a quaternion of length 1"
-            ));
-        }
+        let Transform(rotation) = Transform::rotation([x, y, z, w]).ok_or_else(|| {
+            let length = (x * x + y * y + z * z + w * w).sqrt();
+            format!("the length of its rotation {x}, {y}, {z}, {w} is {length}; a rotation is a quaternion of length 1")
+        })?;
         let scale = self.scale.unwrap_or([1.0; 3]);
-        let s = 2.0 / square;
-        let rotation = [
-            [1.0 - s * (y * y + z * z), s * (x * y + z * w), s * (x * z - y * w)],
-            [s * (x * y - z * w), 1.0 - s * (x * x + z * z), s * (y * z + x * w)],
-            [s * (x * z + y * w), s * (y * z - x * w), 1.0 - s * (x * x + y * y)],
-        ];
         let column = |j: usize| rotation[j].map(|entry| entry * scale[j]);
         Ok(Transform([column(0), column(1), column(2), self.translation.unwrap_or([0.0; 3])]))
     }

@@ -94,7 +94,7 @@ impl Faces {
     pub(super) fn finish(self, uvs: Vec<[f64; 2]>, mesh: &mut ReadMesh) {
         let without = self.uvs.iter().filter(|&&uv| uv == NONE).count();
         if !self.uvs.is_empty() && without == 0 {
-            mesh.uvs = Some(Uvs { values: uvs, corners: self.uvs });
+            mesh.uvs = Some(Uvs::new(uvs, self.uvs));
         } else if without < self.uvs.len() {
             mesh.notes
                 .push(format!("texture coordinates are left out: {without} of {} corners have none", self.uvs.len()));

@@ -1,0 +1,243 @@
+//! Primvars: texture coordinates, colours and other numbers of vertices and corners, of all meshes together.
+
+use std::collections::BTreeMap;
+
+use super::polygons::{Part, below, is_subdivided};
+use super::tree::{Prim, Property, Value, told};
+use crate::input::colors::encoded;
+use crate::input::reader::{ReadMesh, Uvs};
+use crate::input::room::{GROWN, Room};
+use crate::input::text::quoted;
+use crate::shape::attachments::{COLOR, Channel, ChannelInput};
+use crate::shape::check::FaceList;
+use crate::shape::seams::{Interpolation, SeamsInput};
+use crate::shape::topology::index;
+
+/// What all primvars begin with.
+const SPACE: &str = "primvars:";
+/// What stands for a row that is not there.
+const MISSING: u32 = u32::MAX;
+const UV: &str = "st";
+const COLORS: &str = "displayColor";
+const OPACITY: &str = "displayOpacity";
+
+/// Primvars by their names, as far as they were read.
+#[derive(Debug, Default)]
+pub(super) struct Primvars(BTreeMap<String, Rows>);
+
+/// Rows of numbers, with those of vertices and corners.
+#[derive(Debug, Default)]
+struct Rows {
+    width: usize,
+    values: Vec<f64>,
+    /// For each vertex its row, or [`MISSING`].
+    of_vertices: Vec<u32>,
+    /// The same for each corner.
+    of_corners: Vec<u32>,
+    /// Whether some stand at corners, where those of one vertex may differ.
+    has_seams: bool,
+    /// Where those of corners are interpolated linearly.
+    interpolation: Interpolation,
+}
+
+/// The numbers a value of a type has; none for types without numbers.
+fn width(kind: &str) -> Option<usize> {
+    const STEMS: [&str; 10] =
+        ["float", "double", "half", "int", "uint", "color", "vector", "normal", "point", "texCoord"];
+    let stem = STEMS.iter().find_map(|stem| kind.strip_prefix(stem))?;
+    match stem.as_bytes() {
+        [] => Some(1),
+        [digit @ b'2'..=b'4', rest @ ..] if rest.len() < 2 => Some(usize::from(digit - b'0')),
+        _ => None,
+    }
+}
+
+impl Primvars {
+    /// Takes the primvars of a mesh that has been taken. What does not fit is left out with a note.
+    ///
+    /// # Errors
+    /// More than may be kept.
+    pub(super) fn take(
+        &mut self,
+        prim: &Prim<'_>,
+        part: &Part,
+        room: &mut Room,
+        mesh: &mut ReadMesh,
+    ) -> Result<(), String> {
+        let is_uv =
+            |property: &&Property<'_>| property.kind.starts_with("texCoord2") && property.name.starts_with(SPACE);
+        let uv = prim.property("primvars:st").filter(is_uv).or_else(|| prim.properties.iter().find(is_uv));
+        for property in &prim.properties {
+            let Some(name) = property.name.strip_prefix(SPACE) else { continue };
+            if name == "normals" || name.contains('.') || name.ends_with(":indices") {
+                continue;
+            }
+            let is_uv = uv.is_some_and(|uv| std::ptr::eq(uv, property));
+            let name = if is_uv { UV } else { name.strip_prefix("channel:").unwrap_or(name) };
+            let is_known = is_uv || [COLORS, OPACITY].contains(&name);
+            let rows = self.0.entry(name.to_owned()).or_default();
+            if let Err(detail) = rows.take(prim, property, is_known, (part, &mesh.faces), room)? {
+                mesh.notes.push(format!("the primvar {} is left out: {detail}", quoted(property.name)));
+            }
+        }
+        Ok(())
+    }
+
+    /// Hands over what all meshes have, and colours where some have them.
+    pub(super) fn finish(mut self, mesh: &mut ReadMesh) {
+        let [n_vertices, n_corners] = [mesh.positions.len(), mesh.faces.n_half_edges()];
+        for rows in self.0.values_mut() {
+            rows.of_vertices.resize(n_vertices, MISSING);
+            rows.of_corners.resize(n_corners, MISSING);
+        }
+        let opacity = self.0.remove(OPACITY).filter(|rows| rows.width == 1 && !rows.values.is_empty());
+        if let Some(colors) = self.0.remove(COLORS).filter(|rows| rows.width == 3 && !rows.values.is_empty()) {
+            mesh.channels.push(colored(&colors, opacity.as_ref()).channel(COLOR, &mesh.faces));
+        }
+        for (name, rows) in self.0 {
+            if rows.values.is_empty() {
+                continue; // a note has told why
+            }
+            if rows.is_missing() {
+                mesh.notes.push(format!("the primvar {} is left out, as not every mesh has it", quoted(&name)));
+            } else if name == UV && rows.width == 2 {
+                let values = rows.values.as_chunks().0.to_vec();
+                mesh.uvs = Some(Uvs { values, corners: rows.of_corners, interpolation: rows.interpolation });
+            } else {
+                let name = if name == COLOR { "Color" } else { &name };
+                mesh.channels.push(rows.channel(name, &mesh.faces));
+            }
+        }
+    }
+}
+
+/// Where values of corners are interpolated linearly: everywhere on polygons.
+fn interpolation(prim: &Prim<'_>) -> Interpolation {
+    match prim.word("faceVaryingLinearInterpolation") {
+        _ if !is_subdivided(prim) => Interpolation::All,
+        Some("none") => Interpolation::None,
+        Some("cornersOnly") => Interpolation::CornersOnly,
+        Some("cornersPlus2") => Interpolation::CornersPlus2,
+        Some("boundaries") => Interpolation::Boundaries,
+        Some("all") => Interpolation::All,
+        _ => Interpolation::CornersPlus1,
+    }
+}
+
+/// Colours as sRGB with their opacity; white where there are none.
+fn colored(colors: &Rows, opacity: Option<&Rows>) -> Rows {
+    let has_seams = colors.has_seams || opacity.is_some_and(|rows| rows.has_seams);
+    let width = if opacity.is_some() { 4 } else { 3 };
+    let mut all = Rows { width, has_seams, interpolation: colors.interpolation, ..Rows::default() };
+    let mut numbers = BTreeMap::new();
+    let mut row = |at: u32, opacity_at: u32| {
+        *numbers.entry((at, opacity_at)).or_insert_with(|| {
+            let color = colors.row(at).unwrap_or(&[1.0; 3]);
+            all.values.extend(color.iter().map(|x| encoded(x.clamp(0.0, 1.0))));
+            all.values.extend(opacity.map(|rows| rows.row(opacity_at).map_or(1.0, |row| row[0].clamp(0.0, 1.0))));
+            index(all.values.len() / width - 1)
+        })
+    };
+    let at = |i: usize, list: fn(&Rows) -> &[u32]| opacity.map_or(MISSING, |rows| list(rows)[i]);
+    let of_corners: fn(&Rows) -> &[u32] = |rows| &rows.of_corners;
+    let of_vertices: fn(&Rows) -> &[u32] = |rows| &rows.of_vertices;
+    let list =
+        |list: fn(&Rows) -> &[u32]| list(colors).iter().enumerate().map(move |(i, &number)| (number, at(i, list)));
+    if has_seams {
+        all.of_corners = list(of_corners).map(|(a, b)| row(a, b)).collect();
+    } else {
+        all.of_vertices = list(of_vertices).map(|(a, b)| row(a, b)).collect();
+    }
+    all
+}
+
+impl Rows {
+    /// Takes those of a mesh, or says why not.
+    fn take(
+        &mut self,
+        prim: &Prim<'_>,
+        property: &Property<'_>,
+        is_known: bool,
+        (part, faces): (&Part, &FaceList),
+        room: &mut Room,
+    ) -> Result<Result<(), String>, String> {
+        let Property { kind, name, value, metadata } = property;
+        let Some(width) = width(kind) else { return Ok(Err(format!("its type is {kind}"))) };
+        if self.width != 0 && self.width != width {
+            return Ok(Err("another mesh has it with another type".to_owned()));
+        }
+        let lies = told(metadata, "interpolation").and_then(Value::word).unwrap_or("constant");
+        let n = match lies {
+            "vertex" | "varying" => part.n_vertices,
+            "faceVarying" => part.corners.len(),
+            "constant" if is_known => 1,
+            "uniform" if is_known => part.n_faces,
+            _ => return Ok(Err(format!("its interpolation is {lies}"))),
+        };
+        let indices = prim.value(&format!("{name}:indices")).map(|value| &value.numbers);
+        let (base, n_rows) = (self.values.len() / width, value.numbers.len() / width);
+        let given = indices.map_or(n_rows, Vec::len);
+        let fits = value.numbers.len().is_multiple_of(width) && base + n_rows < MISSING as usize;
+        if given != n || !fits || value.numbers.iter().any(|x| !x.is_finite()) {
+            return Ok(Err(format!("it has {given} values, which are to be {n} of finite numbers")));
+        }
+        let bytes = value.numbers.len() * 8 + (part.n_vertices + part.corners.len() + n) * 4;
+        room.take(GROWN * bytes)?;
+        let base = index(base);
+        let row = |i: usize| indices.map_or(Ok(index(i)), |all| below(all[i], n_rows, name));
+        let rows: Result<Vec<u32>, String> = (0..n).map(|i| row(i).map(|row| base + row)).collect();
+        let rows = match rows {
+            Ok(rows) => rows,
+            Err(detail) => return Ok(Err(detail)),
+        };
+        self.width = width;
+        self.values.extend(&value.numbers);
+        self.of_vertices.resize(part.first_vertex, MISSING);
+        self.of_corners.resize(part.first_corner, MISSING);
+        let vertices = &faces.vertices()[part.first_corner..];
+        let of_vertex = |v: &u32| rows[*v as usize - part.first_vertex];
+        let (of_vertices, of_corners): (Vec<u32>, Vec<u32>) = match lies {
+            "constant" => (vec![rows[0]; part.n_vertices], vec![rows[0]; part.corners.len()]),
+            "uniform" => {
+                let of_face = |f: usize| std::iter::repeat_n(rows[f], faces.face(part.first_face + f).len());
+                (vec![MISSING; part.n_vertices], (0..part.n_faces).flat_map(of_face).collect())
+            }
+            "faceVarying" => {
+                let of_corners = part.corners.iter().map(|&corner| rows[corner as usize]);
+                (vec![MISSING; part.n_vertices], of_corners.collect())
+            }
+            _ => (rows.clone(), vertices.iter().map(of_vertex).collect()),
+        };
+        self.of_vertices.extend(of_vertices);
+        self.of_corners.extend(of_corners);
+        if !matches!(lies, "vertex" | "constant") {
+            self.interpolation = if lies == "varying" { Interpolation::All } else { interpolation(prim) };
+            self.has_seams = true;
+        }
+        Ok(Ok(()))
+    }
+
+    fn row(&self, number: u32) -> Option<&[f64]> {
+        self.values.chunks_exact(self.width).nth(number as usize)
+    }
+
+    /// Whether something of some mesh is not there.
+    fn is_missing(&self) -> bool {
+        let list = if self.has_seams { &self.of_corners } else { &self.of_vertices };
+        list.contains(&MISSING)
+    }
+
+    /// The channel that they are.
+    fn channel(self, name: &str, faces: &FaceList) -> ChannelInput {
+        let Self { width, values, of_vertices, of_corners, has_seams, interpolation } = self;
+        let name = name.to_owned();
+        if !has_seams {
+            let rows = of_vertices.iter().flat_map(|&row| &values[row as usize * width..][..width]);
+            return Channel { name, width, values: rows.copied().collect(), seams: None };
+        }
+        let mut corners = of_corners.into_iter();
+        let mut places = FaceList::default();
+        (0..faces.len()).for_each(|f| places.push(corners.by_ref().take(faces.face(f).len())));
+        Channel { name, width, values, seams: Some(SeamsInput { faces: places, interpolation }) }
+    }
+}

@@ -1,0 +1,192 @@
+//! The tokens of USD as text. Source: Pixar, `OpenUSD` 26.11, `pxr/usd/sdf/usda.peg`, as far as its grammar goes.
+
+use crate::input::text::{at_line, quoted};
+
+/// What a text is made of; marks are single letters such as brackets.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) enum Token<'a> {
+    /// An identifier with its namespaces, or a keyword.
+    Word(&'a str),
+    /// A number, which may be infinite or none.
+    Number(f64),
+    /// What stands between quotes, escapes included.
+    Text(&'a str),
+    /// What stands between `<` and `>`.
+    Path(&'a str),
+    /// A file, which stands between `@`.
+    Asset,
+    Mark(u8),
+    End,
+}
+
+/// The tokens of a text, one after the other.
+#[derive(Debug, Clone)]
+pub(super) struct Tokens<'a> {
+    text: &'a str,
+    /// Bytes that were read.
+    at: usize,
+    /// Bytes before the last token.
+    start: usize,
+    peeked: Option<Token<'a>>,
+}
+
+impl<'a> Tokens<'a> {
+    /// The tokens of a text.
+    pub(super) fn new(text: &'a str) -> Self {
+        Self { text, at: 0, start: 0, peeked: None }
+    }
+
+    /// A fault at the last token.
+    pub(super) fn fault(&self, detail: impl std::fmt::Display) -> String {
+        let lines = self.text[..self.start].matches('\n').count();
+        at_line(lines + 1, detail)
+    }
+
+    /// The next token, which stays the next one.
+    ///
+    /// # Errors
+    /// As those of [`next`](Self::next).
+    pub(super) fn peek(&mut self) -> Result<Token<'a>, String> {
+        if self.peeked.is_none() {
+            self.peeked = Some(self.read()?);
+        }
+        Ok(self.peeked.unwrap_or(Token::End))
+    }
+
+    /// The next token.
+    ///
+    /// # Errors
+    /// What no token begins with, and what does not end.
+    pub(super) fn next(&mut self) -> Result<Token<'a>, String> {
+        match self.peeked.take() {
+            Some(token) => Ok(token),
+            None => self.read(),
+        }
+    }
+
+    /// Takes a mark, where it is the next token.
+    ///
+    /// # Errors
+    /// As those of [`next`](Self::next).
+    pub(super) fn takes(&mut self, mark: u8) -> Result<bool, String> {
+        let is_next = self.peek()? == Token::Mark(mark);
+        if is_next {
+            self.peeked = None;
+        }
+        Ok(is_next)
+    }
+
+    /// Takes a mark.
+    ///
+    /// # Errors
+    /// Another token.
+    pub(super) fn expect(&mut self, mark: u8) -> Result<(), String> {
+        if self.takes(mark)? { Ok(()) } else { Err(self.unexpected(char::from(mark))) }
+    }
+
+    /// A fault that says what was expected in place of the next token.
+    pub(super) fn unexpected(&self, expected: impl std::fmt::Display) -> String {
+        let found = self.text[self.start..].lines().next().unwrap_or_default();
+        let found = if found.is_empty() { "the end".to_owned() } else { quoted(found) };
+        self.fault(format!("{found} stands where {expected} should"))
+    }
+
+    fn read(&mut self) -> Result<Token<'a>, String> {
+        self.pass_blanks()?;
+        self.start = self.at;
+        let rest = &self.text[self.at..];
+        let Some(first) = rest.chars().next() else { return Ok(Token::End) };
+        match first {
+            '"' | '\'' => self.quoted(if first == '"' { ["\"\"\"", "\""] } else { ["'''", "'"] }),
+            '<' => self.between("<", ">").map(Token::Path),
+            '@' => self.between(if rest.starts_with("@@@") { "@@@" } else { "@" }, "").map(|_| Token::Asset),
+            '0'..='9' | '-' | '+' | '.' => self.number(rest),
+            _ if first == '_' || first == '!' || first.is_alphabetic() => Ok(self.word(rest)),
+            _ if first.is_ascii_punctuation() => {
+                self.at += 1;
+                Ok(Token::Mark(rest.as_bytes()[0]))
+            }
+            _ => Err(self.fault(format!("{} has no place in USD", quoted(&rest[..first.len_utf8()])))),
+        }
+    }
+
+    /// Passes over blanks and comments, whose three kinds are those of Python, C and C++.
+    fn pass_blanks(&mut self) -> Result<(), String> {
+        loop {
+            let rest = self.text[self.at..].trim_start();
+            self.at = self.text.len() - rest.len();
+            let block = rest.strip_prefix("/*");
+            if rest.starts_with('#') || rest.starts_with("//") {
+                self.at += rest.find('\n').unwrap_or(rest.len());
+            } else if let Some(block) = block {
+                self.start = self.at;
+                self.at += 4 + block.find("*/").ok_or_else(|| self.fault("a comment without an end"))?;
+            } else {
+                return Ok(());
+            }
+        }
+    }
+
+    fn quoted(&mut self, [long, short]: [&str; 2]) -> Result<Token<'a>, String> {
+        let rest = &self.text[self.at..];
+        let quote = if rest.starts_with(long) { long } else { short };
+        let inside = &rest[quote.len()..];
+        let mut is_escaped = false;
+        for (i, byte) in inside.bytes().enumerate() {
+            match byte {
+                _ if is_escaped => is_escaped = false,
+                b'\\' => is_escaped = true,
+                b'\n' if quote == short => break,
+                _ if inside.as_bytes()[i..].starts_with(quote.as_bytes()) => {
+                    self.at += i + 2 * quote.len();
+                    return Ok(Token::Text(&inside[..i]));
+                }
+                _ => {}
+            }
+        }
+        Err(self.fault("a text without its closing quotes"))
+    }
+
+    /// What stands between two marks, of which the second is like the first where it is empty.
+    fn between(&mut self, first: &str, last: &str) -> Result<&'a str, String> {
+        let last = if last.is_empty() { first } else { last };
+        let rest = &self.text[self.at + first.len()..];
+        let length = rest.find(last).ok_or_else(|| self.fault(format!("{first} without {last} behind it")))?;
+        self.at += first.len() + length + last.len();
+        Ok(&rest[..length])
+    }
+
+    fn number(&mut self, rest: &'a str) -> Result<Token<'a>, String> {
+        let is_of_number = |c: char| c.is_ascii_alphanumeric() || matches!(c, '.' | '+' | '-');
+        let word = &rest[..rest.find(|c| !is_of_number(c)).unwrap_or(rest.len())];
+        self.at += word.len();
+        word.parse().map(Token::Number).map_err(|_| self.fault(format!("{} is no number", quoted(word))))
+    }
+
+    fn word(&mut self, rest: &'a str) -> Token<'a> {
+        let is_of_word = |c: char| c == '_' || c == ':' || c == '.' || c == '!' || c.is_alphanumeric();
+        let word = &rest[..rest.find(|c| !is_of_word(c)).unwrap_or(rest.len())];
+        self.at += word.len();
+        match word {
+            "inf" => Token::Number(f64::INFINITY),
+            "nan" => Token::Number(f64::NAN),
+            word => Token::Word(word),
+        }
+    }
+}
+
+/// The text of a literal, its escapes read; those of codes are left out.
+pub(super) fn unescaped(literal: &str) -> String {
+    let mut letters = literal.chars();
+    let mut text = String::new();
+    while let Some(c) = letters.next() {
+        match (c, c == '\\') {
+            (_, true) => match letters.next() {
+                Some('n' | 't' | 'r') | None => text.push(' '),
+                Some(other) => text.push(other),
+            },
+            (c, false) => text.push(c),
+        }
+    }
+    text
+}

@@ -1,0 +1,326 @@
+//! The prims of a layer with their properties, each as it stands in the text.
+
+use super::tokens::{Token, Tokens, unescaped};
+use crate::input::room::{GROWN, Room};
+use crate::input::text::quoted;
+
+/// How deep prims may lie in each other.
+const MAX_DEPTH: usize = 64;
+/// How deep lists may lie in each other: those of matrices are three deep.
+const MAX_LISTS: usize = 8;
+/// Bytes of a number, of a word, of a property and of a prim, as they are kept in lists that grow.
+const NUMBER: usize = GROWN * 8;
+const WORD: usize = GROWN * 16;
+const PROPERTY: usize = GROWN * size_of::<Property<'static>>();
+const PRIM: usize = GROWN * size_of::<Prim<'static>>();
+
+/// A layer.
+#[derive(Debug, Default)]
+pub(super) struct Layer<'a> {
+    pub(super) metadata: Vec<(&'a str, Value<'a>)>,
+    pub(super) prims: Vec<Prim<'a>>,
+    /// What was passed over.
+    pub(super) variants: usize,
+}
+
+/// A prim: a node of the scene.
+#[derive(Debug, Default)]
+pub(super) struct Prim<'a> {
+    /// `def`, `over` or `class`.
+    pub(super) specifier: &'a str,
+    /// The type; empty where it has none.
+    pub(super) kind: &'a str,
+    pub(super) name: &'a str,
+    pub(super) metadata: Vec<(&'a str, Value<'a>)>,
+    pub(super) properties: Vec<Property<'a>>,
+    pub(super) children: Vec<Prim<'a>>,
+}
+
+/// An attribute or a relationship.
+#[derive(Debug, Default)]
+pub(super) struct Property<'a> {
+    /// The type of an attribute without brackets; `rel` of a relationship.
+    pub(super) kind: &'a str,
+    pub(super) name: &'a str,
+    pub(super) value: Value<'a>,
+    pub(super) metadata: Vec<(&'a str, Value<'a>)>,
+}
+
+/// All numbers of a value, and all its words, texts and paths, in their order.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub(super) struct Value<'a> {
+    pub(super) numbers: Vec<f64>,
+    pub(super) words: Vec<&'a str>,
+    /// Whether it names files.
+    pub(super) has_assets: bool,
+    /// Whether it is the first of several over time.
+    pub(super) is_sampled: bool,
+}
+
+impl<'a> Value<'a> {
+    /// Its first word.
+    pub(super) fn word(&self) -> Option<&'a str> {
+        self.words.first().copied()
+    }
+
+    /// Its first number, or whether it is true.
+    pub(super) fn number(&self) -> Option<f64> {
+        let truth = match self.word() {
+            Some("true") => Some(1.0),
+            Some("false") => Some(0.0),
+            _ => None,
+        };
+        self.numbers.first().copied().or(truth)
+    }
+}
+
+/// The value of a name among metadata.
+pub(super) fn told<'p, 'a>(metadata: &'p [(&'a str, Value<'a>)], name: &str) -> Option<&'p Value<'a>> {
+    metadata.iter().find(|(found, _)| *found == name).map(|(_, value)| value)
+}
+
+impl<'a> Prim<'a> {
+    /// A property by its name.
+    pub(super) fn property(&self, name: &str) -> Option<&Property<'a>> {
+        self.properties.iter().find(|property| property.name == name)
+    }
+
+    /// The value of a property.
+    pub(super) fn value(&self, name: &str) -> Option<&Value<'a>> {
+        self.property(name).map(|property| &property.value)
+    }
+
+    /// The first word of a property.
+    pub(super) fn word(&self, name: &str) -> Option<&'a str> {
+        self.value(name)?.word()
+    }
+
+    /// The numbers of a property; none where it is not there.
+    pub(super) fn numbers(&self, name: &str) -> &[f64] {
+        self.value(name).map_or(&[], |value| &value.numbers)
+    }
+
+    /// Its name for people.
+    pub(super) fn label(&self) -> String {
+        let shown = told(&self.metadata, "displayName").and_then(Value::word).filter(|name| !name.is_empty());
+        shown.map_or_else(|| self.name.to_owned(), unescaped)
+    }
+}
+
+/// Reads a layer.
+///
+/// # Errors
+/// What is no USD, with its line, and what comes to more than may be kept.
+pub(super) fn read<'a>(text: &'a str, room: &mut Room) -> Result<Layer<'a>, String> {
+    let mut reading = Reading { tokens: Tokens::new(text), room, variants: 0 };
+    let metadata = reading.metadata()?;
+    let mut prims = Vec::new();
+    loop {
+        match reading.tokens.next()? {
+            Token::End => break,
+            Token::Word(specifier @ ("def" | "over" | "class")) => prims.push(reading.prim(specifier, 0)?),
+            Token::Word("reorder") => reading.pass_reorder()?,
+            Token::Mark(b';') => {}
+            _ => return Err(reading.tokens.unexpected("def, over or class")),
+        }
+    }
+    Ok(Layer { metadata, prims, variants: reading.variants })
+}
+
+struct Reading<'a, 'r> {
+    tokens: Tokens<'a>,
+    room: &'r mut Room,
+    variants: usize,
+}
+
+impl<'a> Reading<'a, '_> {
+    fn prim(&mut self, specifier: &'a str, depth: usize) -> Result<Prim<'a>, String> {
+        self.room.take(PRIM)?;
+        if depth == MAX_DEPTH {
+            return Err(self.tokens.fault(format!("prims lie deeper in each other than {MAX_DEPTH}")));
+        }
+        let mut prim = Prim { specifier, ..Prim::default() };
+        if let Token::Word(kind) = self.tokens.peek()? {
+            prim.kind = kind;
+            self.tokens.next()?;
+        }
+        let Token::Text(name) = self.tokens.next()? else {
+            return Err(self.tokens.unexpected("the name of a prim in quotes"));
+        };
+        prim.name = name;
+        prim.metadata = self.metadata()?;
+        self.tokens.expect(b'{')?;
+        self.body(&mut prim, depth)?;
+        Ok(prim)
+    }
+
+    /// Reads what stands between the braces of a prim.
+    fn body(&mut self, prim: &mut Prim<'a>, depth: usize) -> Result<(), String> {
+        loop {
+            match self.tokens.next()? {
+                Token::Mark(b'}') => return Ok(()),
+                Token::Mark(b';') => {}
+                Token::Word(specifier @ ("def" | "over" | "class")) => {
+                    prim.children.push(self.prim(specifier, depth + 1)?);
+                }
+                Token::Word("variantSet") => self.pass_variants(depth)?,
+                Token::Word("reorder") => self.pass_reorder()?,
+                Token::Word(first) => {
+                    if let Some(property) = self.property(first)? {
+                        prim.properties.push(property);
+                    }
+                }
+                _ => return Err(self.tokens.unexpected("a property, a prim or }")),
+            }
+        }
+    }
+
+    /// Reads a property whose first word was read; none where it takes from a list that is not there.
+    fn property(&mut self, first: &'a str) -> Result<Option<Property<'a>>, String> {
+        self.room.take(PROPERTY)?;
+        let mut kind = first;
+        let takes_away = first == "delete";
+        while matches!(kind, "custom" | "uniform" | "varying" | "config" | "prepend" | "append" | "add" | "delete") {
+            kind = self.word("a type")?;
+        }
+        if self.tokens.takes(b'[')? {
+            self.tokens.expect(b']')?;
+        }
+        let name = self.word("the name of a property")?;
+        let mut property = Property { kind, name, ..Property::default() };
+        if self.tokens.takes(b'=')? {
+            property.value = self.value()?;
+        }
+        property.metadata = self.metadata()?;
+        if let Some(stem) = name.strip_suffix(".timeSamples") {
+            property.name = stem;
+            property.value.is_sampled = true;
+        }
+        Ok((!takes_away).then_some(property))
+    }
+
+    fn word(&mut self, what: &str) -> Result<&'a str, String> {
+        let Token::Word(word) = self.tokens.next()? else { return Err(self.tokens.unexpected(what)) };
+        Ok(word)
+    }
+
+    /// Reads metadata, where they follow.
+    fn metadata(&mut self) -> Result<Vec<(&'a str, Value<'a>)>, String> {
+        let mut all = Vec::new();
+        if !self.tokens.takes(b'(')? {
+            return Ok(all);
+        }
+        loop {
+            match self.tokens.next()? {
+                Token::Mark(b')') => return Ok(all),
+                Token::Mark(b';' | b',') | Token::Text(_) => {}
+                Token::Word(mut name) => {
+                    // lists that are added to are lists; the types of dictionaries' entries say nothing here
+                    while let Token::Word(next) = self.tokens.peek()? {
+                        name = next;
+                        self.tokens.next()?;
+                    }
+                    self.tokens.expect(b'=')?;
+                    self.room.take(PROPERTY)?;
+                    let value = self.value()?;
+                    self.pass_of_reference(&value)?;
+                    all.push((name, value));
+                }
+                _ => return Err(self.tokens.unexpected("metadata or )")),
+            }
+        }
+    }
+
+    /// Reads a value; of those over time the first one, of dictionaries nothing.
+    fn value(&mut self) -> Result<Value<'a>, String> {
+        let mut value = Value::default();
+        if !self.tokens.takes(b'{')? {
+            self.values(&mut value, 0)?;
+            return Ok(value);
+        }
+        let is_sampled = matches!(self.tokens.peek()?, Token::Number(_));
+        if is_sampled {
+            self.tokens.next()?;
+            self.tokens.expect(b':')?;
+            self.values(&mut value, 0)?;
+        }
+        self.pass(b'{', b'}')?;
+        Ok(value)
+    }
+
+    /// Reads one value or a list into `value`.
+    fn values(&mut self, value: &mut Value<'a>, depth: usize) -> Result<(), String> {
+        match self.tokens.next()? {
+            Token::Number(x) => {
+                self.room.take(NUMBER)?;
+                value.numbers.push(x);
+            }
+            Token::Word(word) | Token::Text(word) | Token::Path(word) => {
+                self.room.take(WORD)?;
+                value.words.push(word);
+            }
+            Token::Asset => {
+                value.has_assets = true;
+                if let Token::Path(_) = self.tokens.peek()? {
+                    self.tokens.next()?;
+                }
+            }
+            Token::Mark(open @ (b'[' | b'(')) => {
+                if depth == MAX_LISTS {
+                    return Err(self.tokens.fault(format!("lists lie deeper in each other than {MAX_LISTS}")));
+                }
+                let close = if open == b'[' { b']' } else { b')' };
+                while !self.tokens.takes(close)? {
+                    self.values(value, depth + 1)?;
+                    self.pass_of_reference(value)?;
+                    if !self.tokens.takes(b',')? {
+                        self.tokens.expect(close)?;
+                        break;
+                    }
+                }
+            }
+            _ => return Err(self.tokens.unexpected("a value")),
+        }
+        Ok(())
+    }
+
+    /// Passes over what is said of a reference to a file in brackets.
+    fn pass_of_reference(&mut self, value: &Value<'a>) -> Result<(), String> {
+        if value.has_assets && self.tokens.takes(b'(')? { self.pass(b'(', b')') } else { Ok(()) }
+    }
+
+    /// Passes over all up to the mark that closes one that was read.
+    fn pass(&mut self, open: u8, close: u8) -> Result<(), String> {
+        let mut depth = 1_usize;
+        while depth > 0 {
+            match self.tokens.next()? {
+                Token::Mark(mark) if mark == open => depth += 1,
+                Token::Mark(mark) if mark == close => depth -= 1,
+                Token::End => return Err(self.tokens.unexpected(char::from(close))),
+                _ => {}
+            }
+        }
+        Ok(())
+    }
+
+    /// Passes over variants, whose braces hold prims.
+    fn pass_variants(&mut self, depth: usize) -> Result<(), String> {
+        let Token::Text(name) = self.tokens.next()? else {
+            return Err(self.tokens.unexpected("the name of a set of variants"));
+        };
+        if depth == MAX_DEPTH {
+            return Err(self.tokens.fault(format!("the variants {} lie too deep", quoted(name))));
+        }
+        self.variants += 1;
+        self.tokens.expect(b'=')?;
+        self.tokens.expect(b'{')?;
+        self.pass(b'{', b'}')
+    }
+
+    /// Passes over an order of names: prims stand in the order of the text.
+    fn pass_reorder(&mut self) -> Result<(), String> {
+        self.word("what is put in order")?;
+        self.tokens.expect(b'=')?;
+        self.value().map(drop)
+    }
+}
