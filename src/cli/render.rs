@@ -29,7 +29,7 @@ const ALONE_MS: u128 = 4;
 /// What is rendered, and where to.
 #[derive(Debug, Clone, clap::Args)]
 pub(crate) struct RenderOptions {
-    /// Jobs (JSON) or mesh files (obj, ply, stl, off, gltf, glb, 3mf, json), or folders of them; - is standard input,
+    /// Jobs (JSON) or mesh files (obj, ply, stl, off, gltf, glb, 3mf, usda, json), or folders of them; - is standard input,
     /// and patterns like 'parts/*.obj' are looked up here where the shell does not.
     #[arg(required = true, value_name = "INPUT")]
     inputs: Vec<PathBuf>,

@@ -39,9 +39,9 @@ pub struct InputRequest {
     #[serde(default, deserialize_with = "object::optional_list")]
     #[schema(min_items = 1, max_items = 4096)]
     pub polygons: Option<Vec<PolygonRequest>>,
-    /// Unit of the coordinates: `m` (default), `mm`, `cm`, `in`; left out, what a file of `3mf` says.
+    /// Unit of the coordinates: `m` (default), `mm`, `cm`, `in`; left out, what a file of `3mf` or `usda` says.
     pub unit: Option<UnitRequest>,
-    /// The axis that points up: `y` (default) or `z`; left out, what a file of `3mf` says.
+    /// The axis that points up: `y` (default) or `z`; left out, what a file of `3mf` or `usda` says.
     pub up: Option<UpRequest>,
     /// What to do with faces whose winding disagrees with their neighbours': `refuse` (default) or `repair`.
     pub orient: Option<OrientRequest>,

@@ -14,6 +14,7 @@ mod repairs;
 mod round_trips;
 mod tags;
 mod threemf;
+mod usda;
 
 use planish::input::{ReadLimits, ReadMesh, named};
 

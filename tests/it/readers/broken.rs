@@ -326,7 +326,7 @@ fn a_job_points_to_its_text() {
         "/input/text/data",
         "line 1: a vertex of 0 numbers; it has 3, with a weight 4, with a colour 6 or 7",
     );
-    let unknown = "there is no reader \"fbx\"; known are obj, ply, stl, off, gltf, glb, 3mf, json";
+    let unknown = "there is no reader \"fbx\"; known are obj, ply, stl, off, gltf, glb, 3mf, usda, json";
     check(json!({ "format": "fbx", "data": "" }), "/input/text/format", unknown);
     let letters = "character 0 is no base64; letters are A-Z, a-z, 0-9, + and /";
     check(json!({ "format": "glb", "data": "?", "encoding": "base64" }), "/input/text/data", letters);

@@ -33,10 +33,12 @@ fn files() -> Vec<(&'static str, Vec<u8>)> {
         written("gltf", json!({ "format": "gltf" })),
         written("glb", json!({ "format": "glb" })),
         written("3mf", json!({ "format": "3mf" })),
+        written("usda", json!({ "format": "usda", "normals": "area" })),
         ("obj", obj.into()),
         ("off", off.into()),
         ("stl", stl.into()),
         ("ply", ply.into()),
+        ("usda", super::usda::scene().into_bytes()),
         ("gltf", super::gltf::every_feature().into_bytes()),
     ]
 }

@@ -75,6 +75,7 @@ const PLY: Holds = Holds {
 const GLTF: Holds =
     Holds { numbers: Numbers::F32, data: &[Data::Uvs, Data::Channels, Data::Groups, Data::Materials], ..PLY };
 const STL: Holds = Holds { colors: Colors::Lost, data: &[], ..GLTF };
+const USDA: Holds = Holds { colors: Colors::Bytes, ..JSON };
 const THREE_MF: Holds = Holds { data: &[Data::MaterialsAlone], ..PLY };
 
 /// Every format that is written and read. Options that add to a file take nothing from it.
@@ -90,6 +91,8 @@ fn table() -> Vec<(Value, Holds)> {
         (json!({ "format": "glb", "crease_angle": 180 }), GLTF),
         (json!({ "format": "gltf", "normals": "none", "ids": true }), GLTF),
         (json!({ "format": "stl" }), STL),
+        (json!({ "format": "usda" }), USDA),
+        (json!({ "format": "usda", "normals": "area" }), USDA),
         (json!({ "format": "3mf" }), THREE_MF),
     ]
 }
