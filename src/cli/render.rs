@@ -29,8 +29,8 @@ const ALONE_MS: u128 = 4;
 /// What is rendered, and where to.
 #[derive(Debug, Clone, clap::Args)]
 pub(crate) struct RenderOptions {
-    /// Jobs (JSON) or mesh files (obj, ply, stl, off, gltf, glb, 3mf, usda, json), or folders of them; - is standard input,
-    /// and patterns like 'parts/*.obj' are looked up here where the shell does not.
+    /// Jobs (JSON) or mesh files (obj, ply, stl, off, gltf, glb, 3mf, usda, json), or folders of them; - is standard
+    /// input, and patterns like 'parts/*.obj' are looked up here where the shell does not.
     #[arg(required = true, value_name = "INPUT")]
     inputs: Vec<PathBuf>,
     /// The file to write; a folder (out/), where jobs have all outputs that they name unless --format says which, or a

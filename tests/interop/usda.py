@@ -1,4 +1,5 @@
-"""USD that planish writes, read by OpenUSD and compared with the result as JSON.
+"""USD that planish writes, read by OpenUSD and compared with the result as JSON, and USD that OpenUSD writes, read by
+planish.
 
 python3 tests/interop/usda.py target/release/planish
 
@@ -7,17 +8,19 @@ of the mesh is compared, and OpenUSD's own validators have nothing to say.
 """
 
 import json
+import random
 import subprocess
 import sys
 import tempfile
 from itertools import accumulate
 from pathlib import Path
 
-from pxr import Usd, UsdGeom, UsdShade
+from pxr import Gf, Usd, UsdGeom, UsdShade
 
 PLANISH = Path(sys.argv[1]).resolve()
 ROOT = Path(__file__).resolve().parents[2]
 SCHEMES = {"catmull-clark": "catmullClark", "loop": "loop", "bilinear": "bilinear", "doo-sabin": "none"}
+PLACES = 60  # scenes of nested transforms
 SINGLE = 2.0**-23  # relative precision of f32
 
 
@@ -77,7 +80,77 @@ def check(job, path):
                 shader = material.ComputeSurfaceSource()[0]
                 assert shader.GetIdAttr().Get() == "UsdPreviewSurface"
     validate(stage)
+    check_back(job, stage, path)
     return scheme
+
+
+def check_back(job, stage, path):
+    """Has OpenUSD write a layer anew, in its own words, and planish read it."""
+    again = path.with_suffix(".again.usda")
+    stage.GetRootLayer().Export(str(again))
+    found = converted(again)
+    expected = json.loads(rendered(job, {"format": "json"}))
+    # vertices where holes leave two fans are two
+    corners = lambda mesh: [[mesh["positions"][v] for v in face] for face in mesh["faces"]]
+    assert same(corners(found), corners(expected))
+    if job["levels"] > 0:
+        return
+    tags = lambda mesh: {tuple(sorted(tag["edge"])): tag["sharpness"] for tag in mesh.get("creases", [])}
+    told, given = tags(found), tags(expected)
+    assert told.keys() == given.keys() and all(same(told[edge], given[edge]) for edge in given)
+    for key in ("groups", "materials"):
+        sets = lambda mesh: {entry["name"]: entry["faces"] for entry in mesh.get(key, [])}
+        assert sets(found) == sets(expected), (sets(found), sets(expected))
+
+
+def converted(path):
+    done = subprocess.run([PLANISH, "render", path, "-o", "-", "--format", "json"], capture_output=True)
+    assert done.returncode == 0, done.stderr.decode()
+    return json.loads(done.stdout)
+
+
+def check_places(path, rng):
+    """Nested prims with transforms of all kinds, whose points are those that OpenUSD computes."""
+    stage = Usd.Stage.CreateNew(str(path))
+    UsdGeom.SetStageMetersPerUnit(stage, rng.choice([1.0, 0.001]))
+    number = lambda: rng.uniform(-3, 3)
+    triple = lambda: Gf.Vec3d(number(), number(), number())
+    parent, expected = "", []
+    for depth in range(3):
+        parent += f"/node{depth}"
+        mesh = UsdGeom.Mesh.Define(stage, parent)
+        for kind in rng.sample(["translate", "rotate", "axis", "scale", "orient", "transform", "pivot"], 3):
+            if kind == "translate":
+                mesh.AddTranslateOp(UsdGeom.XformOp.PrecisionDouble).Set(triple())
+            elif kind == "rotate":
+                name = rng.choice(["XYZ", "XZY", "YXZ", "YZX", "ZXY", "ZYX"])
+                getattr(mesh, f"AddRotate{name}Op")(UsdGeom.XformOp.PrecisionDouble).Set(triple() * 90)
+            elif kind == "axis":
+                getattr(mesh, f"AddRotate{rng.choice('XYZ')}Op")(UsdGeom.XformOp.PrecisionDouble).Set(rng.choice([90, 180, -90, 33.3]))
+            elif kind == "scale":
+                mesh.AddScaleOp(UsdGeom.XformOp.PrecisionDouble).Set(triple())
+            elif kind == "orient":
+                mesh.AddOrientOp(UsdGeom.XformOp.PrecisionDouble).Set(Gf.Quatd(number(), triple()).GetNormalized())
+            elif kind == "transform":
+                matrix = Gf.Matrix4d(1).SetRotate(Gf.Rotation(triple(), 77)) * Gf.Matrix4d(1).SetTranslate(triple())
+                mesh.AddTransformOp().Set(matrix)
+            else:
+                pivot = mesh.AddTranslateOp(UsdGeom.XformOp.PrecisionDouble, "pivot")
+                pivot.Set(triple())
+                mesh.AddRotateXOp(UsdGeom.XformOp.PrecisionDouble, "turn").Set(number() * 90)
+                mesh.AddTranslateOp(UsdGeom.XformOp.PrecisionDouble, "pivot", True)
+        points = [(0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 1)]
+        mesh.CreatePointsAttr(points)
+        mesh.CreateFaceVertexCountsAttr([3, 3, 3, 3])
+        mesh.CreateFaceVertexIndicesAttr([0, 2, 1, 0, 1, 3, 1, 2, 3, 0, 3, 2])
+        world = UsdGeom.XformCache().GetLocalToWorldTransform(mesh.GetPrim())
+        expected += [list(world.Transform(Gf.Vec3d(point))) for point in points]
+    stage.GetRootLayer().Save()
+    found = converted(path)["positions"]
+    size = max(abs(x) for point in expected for x in point)
+    assert len(found) == len(expected)
+    for a, b in zip(found, expected):
+        assert all(abs(x - y) <= 1e-12 * size for x, y in zip(a, b)), (path.read_text(), a, b)
 
 
 def check_cage(job, mesh):
@@ -129,7 +202,10 @@ def main():
                     scheme = check({**base, "levels": levels}, Path(folder) / f"mesh-{n}.usda")
                     assert scheme == (token if levels == 0 else "none"), (file.name, preset, scheme)
                     n += 1
-    print(f"{n} files agree with OpenUSD {'.'.join(map(str, Usd.GetVersion()))}")
+        rng = random.Random(1)
+        for i in range(PLACES):
+            check_places(Path(folder) / f"places-{i}.usda", rng)
+    print(f"{n} files agree with OpenUSD {'.'.join(map(str, Usd.GetVersion()))}, and {PLACES} scenes stand where it puts them")
 
 
 main()
