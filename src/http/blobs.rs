@@ -69,8 +69,8 @@ pub(super) async fn upload(State(app): State<Shared>, client: Client, headers: H
         (status = 200, description = "The file, of the type that it was sent as", content(
             (String = "application/octet-stream"), (String = "model/obj"), (String = "model/ply"),
             (String = "model/stl"), (String = "model/off"), (String = "model/gltf+json"),
-            (String = "model/gltf-binary"), (Vec<u8> = "model/3mf"), (String = "model/vnd.usda"), (String = "application/json"),
-            (Vec<u8> = "image/png"),
+            (String = "model/gltf-binary"), (Vec<u8> = "model/3mf"), (String = "model/vnd.usda"),
+            (String = "application/json"), (Vec<u8> = "image/png"),
         )),
         (status = 304, description = "The client has it already (`If-None-Match`)"),
     )

@@ -25,7 +25,7 @@ fn square(more: &str) -> Vec<u8> {
 /// A scene with most of what the reader knows.
 pub(super) fn scene() -> String {
     format!(
-        r##"#usda 1.0
+        r#"#usda 1.0
 (
     """A scene
     of several lines # no comment"""
@@ -97,7 +97,7 @@ def Scope "Looks"
     }}
     def Material "Blue" {{ }}
 }}
-"##
+"#
     )
 }
 
