@@ -15,6 +15,11 @@ use crate::shape::topology::index;
 
 /// What all primvars begin with.
 const SPACE: &str = "primvars:";
+/// Bytes of a primvar with its name, and perhaps with a note.
+const PRIMVAR: usize = GROWN * (size_of::<Rows>() + 24) + 256;
+/// Bytes of the colour of a vertex or corner: its number, and where each has its own the number in the map and the
+/// colour.
+const COLOR_BYTES: usize = 4 + 48 + GROWN * 32;
 /// What stands for a row that is not there.
 const MISSING: u32 = u32::MAX;
 const UV: &str = "st";
@@ -75,6 +80,7 @@ impl Primvars {
             let is_uv = uv.is_some_and(|uv| std::ptr::eq(uv, property));
             let name = if is_uv { UV } else { name.strip_prefix("channel:").unwrap_or(name) };
             let is_known = is_uv || [COLORS, OPACITY].contains(&name);
+            room.take(PRIMVAR + name.len())?;
             let rows = self.0.entry(name.to_owned()).or_default();
             if let Err(detail) = rows.take(prim, property, is_known, (part, &mesh.faces), room)? {
                 mesh.notes.push(format!("the primvar {} is left out: {detail}", quoted(property.name)));
@@ -84,12 +90,17 @@ impl Primvars {
     }
 
     /// Hands over what all meshes have, and colours where some have them.
-    pub(super) fn finish(mut self, mesh: &mut ReadMesh) {
-        let [n_vertices, n_corners] = [mesh.positions.len(), mesh.faces.n_half_edges()];
-        for rows in self.0.values_mut() {
-            rows.of_vertices.resize(n_vertices, MISSING);
-            rows.of_corners.resize(n_corners, MISSING);
+    ///
+    /// # Errors
+    /// More than may be kept.
+    pub(super) fn finish(mut self, room: &mut Room, mesh: &mut ReadMesh) -> Result<(), String> {
+        let ends = [mesh.positions.len(), mesh.faces.n_half_edges()];
+        for name in [UV, COLORS, OPACITY] {
+            if let Some(rows) = self.0.get_mut(name) {
+                rows.fill(ends, room)?;
+            }
         }
+        room.take(if self.0.contains_key(COLORS) { (ends[0] + ends[1]) * COLOR_BYTES } else { 0 })?;
         let opacity = self.0.remove(OPACITY).filter(|rows| rows.width == 1 && !rows.values.is_empty());
         if let Some(colors) = self.0.remove(COLORS).filter(|rows| rows.width == 3 && !rows.values.is_empty()) {
             mesh.channels.push(colored(&colors, opacity.as_ref()).channel(COLOR, &mesh.faces));
@@ -98,7 +109,7 @@ impl Primvars {
             if rows.values.is_empty() {
                 continue; // a note has told why
             }
-            if rows.is_missing() {
+            if rows.ends() != ends || rows.is_missing() {
                 mesh.notes.push(format!("the primvar {} is left out, as not every mesh has it", quoted(&name)));
             } else if name == UV && rows.width == 2 {
                 let values = rows.values.as_chunks().0.to_vec();
@@ -108,6 +119,7 @@ impl Primvars {
                 mesh.channels.push(rows.channel(name, &mesh.faces));
             }
         }
+        Ok(())
     }
 }
 
@@ -175,6 +187,12 @@ impl Rows {
             _ => return Ok(Err(format!("its interpolation is {lies}"))),
         };
         let indices = prim.value(&format!("{name}:indices")).map(|value| &value.numbers);
+        let starts = [part.first_vertex, part.first_corner];
+        if is_known {
+            self.fill(starts, room)?;
+        } else if self.ends() != starts {
+            return Ok(Err("not every mesh has it, or it has it twice".to_owned()));
+        }
         let (base, n_rows) = (self.values.len() / width, value.numbers.len() / width);
         let given = indices.map_or(n_rows, Vec::len);
         let fits = value.numbers.len().is_multiple_of(width) && base + n_rows < MISSING as usize;
@@ -192,8 +210,6 @@ impl Rows {
         };
         self.width = width;
         self.values.extend(&value.numbers);
-        self.of_vertices.resize(part.first_vertex, MISSING);
-        self.of_corners.resize(part.first_corner, MISSING);
         let vertices = &faces.vertices()[part.first_corner..];
         let of_vertex = |v: &u32| rows[*v as usize - part.first_vertex];
         let (of_vertices, of_corners): (Vec<u32>, Vec<u32>) = match lies {
@@ -215,6 +231,20 @@ impl Rows {
             self.has_seams = true;
         }
         Ok(Ok(()))
+    }
+
+    /// How many vertices and corners have come.
+    fn ends(&self) -> [usize; 2] {
+        [self.of_vertices.len(), self.of_corners.len()]
+    }
+
+    /// Has so many vertices and corners, of which those that are new have nothing.
+    fn fill(&mut self, ends: [usize; 2], room: &mut Room) -> Result<(), String> {
+        let [vertices, corners] = self.ends();
+        room.take(GROWN * 4 * (ends[0].saturating_sub(vertices) + ends[1].saturating_sub(corners)))?;
+        self.of_vertices.resize(ends[0], MISSING);
+        self.of_corners.resize(ends[1], MISSING);
+        Ok(())
     }
 
     fn row(&self, number: u32) -> Option<&[f64]> {

@@ -12,7 +12,7 @@ use crate::input::room::{GROWN, Room};
 use crate::input::text::quoted;
 use crate::input::transform::Transform;
 use crate::scheme::tags::Boundary;
-use crate::shape::labels::FaceSet;
+use crate::shape::labels::{FaceSet, MAX_LABELS};
 use crate::shape::looks::Look;
 
 /// Bytes of a set of faces, and of the number of a face in it, as they are kept in lists that grow.
@@ -48,6 +48,7 @@ pub(super) fn read(layer: &Layer<'_>, room: Room, limits: &ReadLimits, scale: Op
         groups: Vec::new(),
         meshes: Vec::new(),
         materials: Vec::new(),
+        numbers: BTreeMap::new(),
         boundary: None,
         notes: BTreeMap::new(),
     };
@@ -62,7 +63,7 @@ pub(super) fn read(layer: &Layer<'_>, room: Room, limits: &ReadLimits, scale: Op
     for prim in &layer.prims {
         reading.prim(prim, &mut path, &columns, None)?;
     }
-    Ok(reading.finish())
+    reading.finish()
 }
 
 /// Whether some metadata name files, or other prims.
@@ -83,6 +84,8 @@ struct Reading<'t, 'a> {
     /// Faces of each mesh that are in none of these.
     meshes: Vec<FaceSet>,
     materials: Vec<Bound<'a>>,
+    /// Places of paths among these.
+    numbers: BTreeMap<&'a str, usize>,
     boundary: Option<Boundary>,
     notes: BTreeMap<&'static str, usize>,
 }
@@ -198,21 +201,22 @@ impl<'a> Reading<'_, 'a> {
     }
 
     fn bind(&mut self, path: &'a str, faces: Vec<u64>, is_one_sided: bool) {
-        match self.materials.iter_mut().find(|bound| bound.path == path) {
-            Some(bound) => {
-                bound.faces.extend(faces);
-                bound.is_one_sided |= is_one_sided;
-            }
-            None => self.materials.push(Bound { path, faces, is_one_sided }),
+        let number = *self.numbers.entry(path).or_insert(self.materials.len());
+        if number == self.materials.len() {
+            self.materials.push(Bound { path, faces: Vec::new(), is_one_sided });
         }
+        self.materials[number].faces.extend(faces);
+        self.materials[number].is_one_sided |= is_one_sided;
     }
 
-    fn finish(mut self) -> ReadMesh {
+    fn finish(mut self) -> Result<ReadMesh, String> {
         let mut mesh = std::mem::take(&mut self.mesh.mesh);
         mesh.boundary = self.boundary;
-        std::mem::take(&mut self.primvars).finish(&mut mesh);
-        for Bound { path, faces, is_one_sided } in std::mem::take(&mut self.materials) {
-            let (name, mut look) = if let Some(prim) = looks::at(self.layer, path) {
+        std::mem::take(&mut self.primvars).finish(&mut self.room, &mut mesh)?;
+        for (i, Bound { path, faces, is_one_sided }) in std::mem::take(&mut self.materials).into_iter().enumerate() {
+            // a mesh has no more
+            let found = if i < MAX_LABELS { looks::at(self.layer, path) } else { None };
+            let (name, mut look) = if let Some(prim) = found {
                 let (look, has_textures) = looks::look(self.layer, prim);
                 self.note("textures are left out", usize::from(has_textures));
                 (prim.label(), look)
@@ -230,6 +234,6 @@ impl<'a> Reading<'_, 'a> {
         let meshes = if self.meshes.len() > 1 { self.meshes } else { Vec::new() };
         mesh.groups = self.groups.into_iter().chain(meshes).collect();
         mesh.notes.extend(self.notes.into_iter().map(|(what, n)| format!("{what}: {n}")));
-        mesh
+        Ok(mesh)
     }
 }

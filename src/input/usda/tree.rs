@@ -32,6 +32,7 @@ pub(super) struct Prim<'a> {
     pub(super) kind: &'a str,
     pub(super) name: &'a str,
     pub(super) metadata: Vec<(&'a str, Value<'a>)>,
+    /// One of each name, by their names.
     pub(super) properties: Vec<Property<'a>>,
     pub(super) children: Vec<Prim<'a>>,
 }
@@ -82,7 +83,8 @@ pub(super) fn told<'p, 'a>(metadata: &'p [(&'a str, Value<'a>)], name: &str) -> 
 impl<'a> Prim<'a> {
     /// A property by its name.
     pub(super) fn property(&self, name: &str) -> Option<&Property<'a>> {
-        self.properties.iter().find(|property| property.name == name)
+        let at = self.properties.partition_point(|property| property.name < name);
+        self.properties.get(at).filter(|property| property.name == name)
     }
 
     /// The value of a property.
@@ -151,6 +153,12 @@ impl<'a> Reading<'a, '_> {
         prim.metadata = self.metadata()?;
         self.tokens.expect(b'{')?;
         self.body(&mut prim, depth)?;
+        // what holds at all times comes before what holds at some
+        prim.properties.sort_by_key(|property| (property.name, property.value.is_sampled));
+        prim.properties.dedup_by_key(|property| property.name);
+        // a list begins with room for four
+        prim.properties.shrink_to_fit();
+        prim.children.shrink_to_fit();
         Ok(prim)
     }
 

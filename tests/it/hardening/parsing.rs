@@ -136,6 +136,17 @@ fn c3_text_takes_no_more_than_its_weight() {
     let point = format!("element vertex 1\n{places}");
     let list = "property list uint char vertex_index\n";
     let cases = [
+        ("usda", "numbers", "#usda 1.0\ndef \"a\" { int[] b = [".into(), "0,", "]}"),
+        ("usda", "words", "#usda 1.0\ndef \"a\" { token[] b = [".into(), "a,", "]}"),
+        ("usda", "lists", "#usda 1.0\ndef \"a\" { int[] b = [".into(), "[],", "]}"),
+        ("usda", "prims", "#usda 1.0\n".into(), "def\"\"{}", ""),
+        ("usda", "prims with a property", "#usda 1.0\n".into(), "def\"\"{int a}", ""),
+        ("usda", "properties", "#usda 1.0\ndef\"\"{".into(), "int a;", "}"),
+        ("usda", "metadata", "#usda 1.0\n(".into(), "a=0;", ")"),
+        ("usda", "points", "#usda 1.0\ndef Mesh\"\"{point3f[] points=[".into(), "0,0,0,", "]}"),
+        ("usda", "meshes", "#usda 1.0\n".into(), "def Mesh\"\"{rel material:binding=</a>}", ""),
+        ("usda", "primvars", "#usda 1.0\ndef Mesh\"\"{".into(), "float[] primvars:a=[0]", "}"),
+        ("usda", "variants", "#usda 1.0\ndef \"a\" {".into(), "variantSet \"a\" = {}", "}"),
         ("obj", "positions", String::new(), "v 0 0 0\n", "f 1 2 3\n"),
         ("obj", "one long position", "v ".into(), "0 ", ""),
         ("obj", "colours", String::new(), "v 0 0 0 1 1 1\n", "f 1 2 3\n"),
@@ -175,6 +186,16 @@ fn c3_text_takes_no_more_than_its_weight() {
     ];
     for (format, name, start, part, end) in cases {
         check(name, format, &many(&start, part, end));
+    }
+    let lists =
+        format!("int[] faceVertexCounts=[{}] int[] faceVertexIndices=[{}]", "3,".repeat(MANY), "0,".repeat(3 * MANY));
+    let faces = |more: &str| format!("#usda 1.0\ndef Mesh\"\"{{point3f[] points=[0,0,0] {lists} {more}}}");
+    let uniform = format!("color3f[] primvars:displayColor=[{}](interpolation=\"uniform\")", "0,0,0,".repeat(MANY));
+    let constant = "color3f[] primvars:displayColor=[0,0,0] float[] primvars:displayOpacity=[1] texCoord2f[] \
+                    primvars:st=[0,0] rel material:binding=</a>";
+    let subset = format!("def GeomSubset\"\"{{int[] indices=[{}]}}", "0,".repeat(MANY));
+    for more in ["", &uniform, constant, &subset] {
+        check("faces", "usda", faces(more).as_bytes());
     }
     let names = joined(MANY, |i| format!("g {i:x}\n"));
     check("names", "obj", names.as_bytes());
