@@ -5,6 +5,7 @@ use planish::math::functions::{cos, real, sin};
 use planish::math::vector::{Vector, cross, dot, length, minus, plus, times};
 use planish::scheme::tags::Boundary;
 use planish::shape::source::{FaceChunk, MeshSource};
+use planish::solid::SolidError;
 use planish::solid::evaluate::{Closest, Jet, Place, closest, evaluate};
 use planish::watch::Watch;
 
@@ -316,4 +317,15 @@ fn the_middle_of_a_ball_has_a_closest_place_in_bounded_time() {
     let found = round.closest(&[[0.0; 3]])[0];
     let sampled = round.at(&grid(&round, 24)).iter().map(|jet| length(jet.at)).fold(f64::INFINITY, f64::min);
     assert!(found.distance <= sampled + 1e-9, "{found:?} {sampled}");
+}
+
+#[test]
+fn evaluations_stop_when_they_are_told_to() {
+    let watch = Watch::new();
+    watch.stop();
+    let (mesh, plan) = (cube().mesh(), cube().plan());
+    let place = Place { face: 0, corner: 0, uv: [0.3, 0.7] };
+    let stopped = |error: &SolidError| matches!(error, SolidError::Stopped(_));
+    assert!(evaluate(&mesh, &plan, &[place], &watch).is_err_and(|error| stopped(&error)));
+    assert!(closest(&mesh, &plan, &[[1.0, 2.0, 3.0]], &watch).is_err_and(|error| stopped(&error)));
 }
