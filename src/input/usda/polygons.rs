@@ -33,6 +33,12 @@ pub(super) fn below(x: f64, n: usize, what: &str) -> Result<u32, String> {
     whole.filter(|&k| (k as usize) < n).ok_or_else(refused)
 }
 
+/// A number as that of the indices a face or crease takes of those that are left.
+fn taken(x: f64, left: usize, what: &str) -> Result<usize, String> {
+    let refused = |_| format!("{what}: {x} indices of {left} that are left; give so many, or another number");
+    below(x, left + 1, what).map(|n| n as usize).map_err(refused)
+}
+
 /// A number as a count.
 #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "it is a whole number below 2^32")]
 fn whole(x: f64) -> Option<u64> {
@@ -72,7 +78,7 @@ pub(super) fn faces(
     let (mut face, mut at) = (Vec::new(), 0);
     for (f, &count) in counts.iter().enumerate() {
         let what = format!("faceVertexCounts, {f}");
-        let end = at + below(count, indices.len() - at + 1, &what)? as usize;
+        let end = at + taken(count, indices.len() - at, &what)?;
         let first = corners.len();
         corners.extend(index(at)..index(end));
         if is_turned && end > at {
@@ -116,7 +122,7 @@ pub(super) fn tags(prim: &Prim<'_>, part: &Part, room: &mut Room, all: &mut Coll
     }
     let (mut at, mut edge) = (0, 0);
     for (i, &length) in lengths.iter().enumerate() {
-        let length = below(length, indices.len() - at + 1, "creaseLengths")? as usize;
+        let length = taken(length, indices.len() - at, &format!("creaseLengths, {i}"))?;
         for pair in indices[at..at + length].windows(2) {
             let sharpness = sharp("creaseSharpnesses", if n_given == lengths.len() { i } else { edge })?;
             let ends = [vertex(pair[0], "creaseIndices")?, vertex(pair[1], "creaseIndices")?];

@@ -244,7 +244,7 @@ fn what_is_broken_is_refused_by_line_or_path() {
         (layer("", "def Mesh \"a\" { point3f[] points = [(1, 2)] }"), "no multiple of 3"),
         (
             layer("", "def Mesh \"a\" { int[] faceVertexCounts = [4] int[] faceVertexIndices = [0, 0, 0] }"),
-            "faceVertexCounts, 0: 4 is no whole number below 4",
+            "faceVertexCounts, 0: 4 indices of 3 that are left",
         ),
     ];
     for (bytes, expected) in cases {
