@@ -45,12 +45,12 @@ def rendered(client, name, job):
 
 def posted(client):
     """Sends a mesh file as the body, and the rest of the job in the query. As bytes of any type are `File` to the client,
-    it says of all that they are of the last type, STL."""
+    it says of all that they are of the last type, USD."""
     job = {"input": {"text": {"format": "obj", "data": Path("api/examples/meshes/nut.obj").read_text()}}}
-    stl = render.sync(client=client, body=JobRequest.from_dict({**job, "outputs": [{"format": "stl"}]}))
-    query = {"preset": RenderPreset.LOOP, "levels": 2, "format_": RenderFormat.PNG, "output_width": 64,
+    usd = render.sync(client=client, body=JobRequest.from_dict({**job, "outputs": [{"format": "usda"}]}))
+    query = {"preset": RenderPreset.CATMULL_CLARK, "levels": 2, "format_": RenderFormat.PNG, "output_width": 64,
              "output_height": 48, "output_show": "surface,wireframe", "output_camera_azimuth_deg": 40}
-    answer = render.sync_detailed(client=client, body=File(payload=stl.payload), **query)
+    answer = render.sync_detailed(client=client, body=File(payload=usd.payload), **query)
     check(answer.status_code == 200, f"a file: {answer.status_code} {answer.content[:500]!r}")
     check(answer.parsed.payload.read().startswith(FIRST["image/png"]), "a file: the bytes are no picture")
 
