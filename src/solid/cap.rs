@@ -57,7 +57,7 @@ pub(super) fn caps(
     }
     let (nearer, mut edges, spot) = level.alone(&Spot::of(level, &sector.spokes))?;
     let next = nearer.closer(&spot, refiner, &mut edges)?;
-    let nets = if smooth { approximate(level, sector, refiner)? } else { interpolated(level, sector, &next, refiner)? };
+    let nets = if smooth { approximate(level, sector) } else { interpolated(level, sector, &next) };
     let surfaces: Vec<Surface> = nets.iter().map(Surface::bezier).collect();
     let deviation = farthest(&surfaces, sector.is_closed, next, refiner, &mut edges)?;
     let capped = Capped { surfaces, deviation, known: Known::Sampled, is_tangent: false };
@@ -85,9 +85,9 @@ fn fitted(table: &CapTable, ring: &[Vector], tolerance: f64) -> Result<Capped, f
 /// Bicubic patches with the exact data outside and Catmull-Clark limits and tangents at the vertex.
 ///
 /// Source: C. Loop, S. Schaefer, ACM TOG 27 (2008), 8:1-8:11.
-fn approximate(level: &Level, sector: &Sector, refiner: &Refiner<'_>) -> Result<Vec<super::net::Net>, SolidError> {
+fn approximate(level: &Level, sector: &Sector) -> Vec<super::net::Net> {
     let (spokes, n) = (&sector.spokes, sector.spokes.len());
-    let [own, limit] = [level.start(spokes[0]), level.limit(spokes[0], refiner)?];
+    let [own, limit] = [level.start(spokes[0]), level.limit(spokes[0])];
     let at = |i: usize, steps| level.start(level.after(spokes[i % n], steps));
     let (edge, face) = (|i| at(i, 1), |i| at(i, 2));
     let valence = real(n);
@@ -109,7 +109,7 @@ fn approximate(level: &Level, sector: &Sector, refiner: &Refiner<'_>) -> Result<
         (net[0][0], net[1][0], net[0][1], net[1][1]) = (limit, along(i), along(i + 1), inner(i));
         net
     };
-    Ok((0..n).map(net).collect())
+    (0..n).map(net).collect()
 }
 
 impl Level {

@@ -1,7 +1,6 @@
 //! Bicubic caps at vertices where the surface is not smooth all around: they go through points of the limit surface.
 
-use super::error::SolidError;
-use super::level::{Level, Refiner, Sharpened, Spot};
+use super::level::{Level, Sharpened, Spot};
 use super::net::{Net, bezier};
 use super::sector::{Kind, Sector};
 use crate::math::vector::{Vector, minus, plus, times};
@@ -9,16 +8,8 @@ use crate::math::vector::{Vector, minus, plus, times};
 /// The caps of a sector: twelve points are those of the exact surface outside, the vertex is its limit, along spokes
 /// they go through the limit of the middle, or are exact where the spoke is sharp, and inside through that of the
 /// centre of the face. The spot is that of the sector on the next level.
-///
-/// # Errors
-/// When the watch says stop.
-pub(super) fn interpolated(
-    level: &Level,
-    sector: &Sector,
-    (next, spot): &(Level, Spot),
-    refiner: &Refiner<'_>,
-) -> Result<Vec<Net>, SolidError> {
-    let limit = level.limit(sector.spokes[0], refiner)?;
+pub(super) fn interpolated(level: &Level, sector: &Sector, (next, spot): &(Level, Spot)) -> Vec<Net> {
+    let limit = level.limit(sector.spokes[0]);
     let children = spot.half_edges(next);
     let net = |(&spoke, &child): (&u32, &u32)| {
         let mut net = bezier(&level.net(spoke));
@@ -34,7 +25,7 @@ pub(super) fn interpolated(
             let point = if is_sharp {
                 times(1.0 / 3.0, plus(times(2.0, level.start(spoke)), far[side]))
             } else {
-                let through = next.limit(middles[side], refiner)?;
+                let through = next.limit(middles[side]);
                 let [third, fourth] = exact[side];
                 let rest = plus(plus(limit, times(3.0, third)), fourth);
                 times(1.0 / 3.0, minus(times(8.0, through), rest))
@@ -43,9 +34,9 @@ pub(super) fn interpolated(
             net[i][j] = point;
         }
         net[1][1] = [0.0; 3];
-        let centre = next.limit(next.after(child, 2), refiner)?;
+        let centre = next.limit(next.after(child, 2));
         net[1][1] = times(64.0 / 9.0, minus(centre, middle(&net)));
-        Ok(net)
+        net
     };
     sector.spokes.iter().zip(&children).map(net).collect()
 }

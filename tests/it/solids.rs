@@ -187,6 +187,44 @@ fn faces_with_sharp_sides_are_within_the_deviation_of_their_limit() {
     }
 }
 
+/// Two tips of `n` quads each, one above the other; three make a cube. The edge from the upper tip to the first vertex
+/// below it is sharp.
+fn tips(n: u32) -> Cage {
+    let at = |k: u32| {
+        let turn = std::f64::consts::PI * f64::from(k) / f64::from(n);
+        [cos(turn), sin(turn), if k.is_multiple_of(2) { 0.4 } else { -0.3 }]
+    };
+    let between = |k: u32| 2 + k % (2 * n);
+    let upper = (0..n).map(|i| vec![0, between(2 * i), between(2 * i + 1), between(2 * i + 2)]);
+    let lower = (0..n).map(|i| vec![1, between(2 * i + 3), between(2 * i + 2), between(2 * i + 1)]);
+    Cage {
+        points: [[0.1, 0.2, 1.7], [0.0, 0.0, -1.5]].into_iter().chain((0..2 * n).map(at)).collect(),
+        faces: upper.chain(lower).collect(),
+        creases: vec![([0, 2], 10.0)],
+        ..Cage::default()
+    }
+}
+
+/// Ends of sharp edges have no mask of two rings by a formula: their limits come closer from level to level, the more
+/// slowly the more faces they have.
+#[test]
+fn ends_of_sharp_edges_are_at_their_limits_whatever_their_valence() {
+    for n in 3..13 {
+        let cage = tips(n);
+        let asked = LimitRequest { positions: true, normals: false };
+        let (limits, _) =
+            refine_mesh_to_limit(&cage.mesh(), &cage.plan(), 0, asked, &Watch::new()).expect("it has one");
+        let mut points = Vec::new();
+        limits.positions(0..limits.n_vertices(), &mut points);
+        let solid = cage.solid(&COARSE).expect("it is closed");
+        for v in [0, 2] {
+            let apart = |p: &Vector| length(minus(*p, points[v]));
+            let nearest = solid.brep.vertices.iter().map(apart).fold(f64::INFINITY, f64::min);
+            assert!(nearest <= 1e-14 * cage.size(), "{n}, {v}: {nearest:e}");
+        }
+    }
+}
+
 #[test]
 fn random_cages_become_shells_without_gaps() {
     let mut random = Random(7);

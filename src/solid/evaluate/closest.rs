@@ -97,17 +97,13 @@ impl Best {
 struct Rings<'a> {
     end: End,
     made: Vec<Ring>,
-    /// The vertex, where a mask gives its limit.
-    vertex: Option<([f64; 2], Vector)>,
     refiner: &'a Refiner<'a>,
 }
 
 impl Rings<'_> {
     /// Looks for what is nearer in an end: the vertex, then ring by ring.
     fn search(&mut self, square: Square, best: &mut Best, point: Vector, tolerance: f64) -> Result<(), SolidError> {
-        if let Some(vertex) = self.vertex {
-            best.take_vertex(square, vertex, point);
-        }
+        best.take_vertex(square, self.end.vertex, point);
         for i in 0..MOST_RINGS {
             if i == self.made.len() {
                 let ring = self.end.ring(self.refiner)?;
@@ -122,7 +118,6 @@ impl Rings<'_> {
                 break;
             }
         }
-        best.take_vertex(square, self.end.vertex(self.refiner)?, point);
         Ok(())
     }
 }
@@ -207,8 +202,7 @@ fn in_ends(
     let looked_at = runs.into_par_iter().map(|run| {
         let mut found = Vec::new();
         let (square, Part::End(end)) = &parts.all[run[0].0 as usize] else { return Ok(found) };
-        let vertex = if end.has_mask() { Some(end.vertex(refiner)?) } else { None };
-        let mut rings = Rings { end: (**end).clone(), made: Vec::new(), vertex, refiner };
+        let mut rings = Rings { end: (**end).clone(), made: Vec::new(), refiner };
         for &(_, i) in run {
             refiner.watch.check()?;
             let mut candidate = best[i as usize];

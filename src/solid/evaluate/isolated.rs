@@ -8,7 +8,6 @@ use crate::shape::topology::{NONE, index};
 use crate::solid::edges::Edges;
 use crate::solid::error::SolidError;
 use crate::solid::level::{Level, Refiner};
-use crate::solid::sector::Kind;
 
 /// Rings after which a place counts as the vertex: 2^-60 of the face is below the spacing of numbers next to 1. Half of
 /// it would show in positions at vertices of high valence, where a ring is two thirds of the one before; twice of it
@@ -65,11 +64,6 @@ impl Rings {
         self.level.topology.half_edges(face as usize).start + index(self.corner)
     }
 
-    /// What the surface is at the vertex.
-    pub(super) fn kind(&self) -> Kind {
-        self.level.sector(self.half_edge()).kind
-    }
-
     /// The one face that is looked at.
     fn face(&self) -> u32 {
         self.level.wanted.iter().position(|&wanted| wanted).map_or(NONE, index)
@@ -83,11 +77,8 @@ impl Rings {
     }
 
     /// The vertex.
-    ///
-    /// # Errors
-    /// When the watch says stop.
-    pub(super) fn vertex(&self, refiner: &Refiner<'_>) -> Result<Jet, SolidError> {
-        self.level.vertex_jet(self.half_edge(), self.origin, refiner)
+    pub(super) fn vertex(&self) -> Jet {
+        self.level.vertex_jet(self.half_edge(), self.origin)
     }
 
     /// Goes one ring on: the half-edges of the four parts of the face before, row by row, of which that at the vertex
@@ -120,16 +111,14 @@ pub(super) fn isolated(
     let mut rings = Rings::of(level, half_edge, scale)?;
     let quadrant = QUADRANTS[rings.corner];
     let corner = [quadrant % 2, quadrant / 2].map(|bit| if bit == 1 { 1.0 } else { 0.0 });
-    // ends of creases have no mask that gives their limit; they are where the rings shrink to
-    let is_followed = rings.kind() == Kind::Dart;
     let mut found = Vec::with_capacity(queries.len());
     for ring in 0..=RINGS {
         refiner.watch.check()?;
         let is_at_corner = |query: &Query| [0, 1].iter().all(|&k| query.uv[k] - corner[k] == 0.0);
-        let is_there = |query: &Query| ring == RINGS || !is_followed && is_at_corner(query);
+        let is_there = |query: &Query| ring == RINGS || is_at_corner(query);
         let (there, rest): (Vec<_>, Vec<_>) = queries.into_iter().partition(is_there);
         if !there.is_empty() {
-            let jet = rings.vertex(refiner)?;
+            let jet = rings.vertex();
             found.extend(there.iter().map(|query| (query.number, jet)));
         }
         if rest.is_empty() {

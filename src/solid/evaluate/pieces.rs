@@ -13,7 +13,6 @@ use crate::solid::edges::Edges;
 use crate::solid::error::SolidError;
 use crate::solid::level::{Level, Refiner};
 use crate::solid::net::bezier;
-use crate::solid::sector::Kind;
 
 /// A square of parameters of an input face.
 #[derive(Debug, Clone, Copy)]
@@ -57,6 +56,8 @@ pub(super) enum Part {
 pub(super) struct End {
     rings: Rings,
     square: Square,
+    /// The place and the limit of the vertex.
+    pub(super) vertex: ([f64; 2], Vector),
     /// The place and the limit of the corner across from the vertex, around which the surface is bicubic.
     pub(super) across: ([f64; 2], Vector),
 }
@@ -88,31 +89,12 @@ impl End {
     fn of(level: &Level, half_edge: u32, square: Square) -> Result<Self, SolidError> {
         let rings = Rings::of(level, half_edge, 1.0)?;
         let at = bezier(&level.net(half_edge))[3][3];
-        let mut end = Self { rings, square, across: ([0.0; 2], at) };
-        let near = end.corner();
-        end.across.0 = [0, 1].map(|k| 2.0 * square.from[k] + square.size - near[k]);
-        Ok(end)
-    }
-
-    /// The parameters of the vertex.
-    fn corner(&self) -> [f64; 2] {
-        let Square { from, size, .. } = self.square;
-        let quadrant = QUADRANTS[self.rings.corner];
+        let quadrant = QUADRANTS[rings.corner];
         let bits = [quadrant % 2, quadrant / 2];
-        [0, 1].map(|k| if bits[k] == 1 { from[k] + size } else { from[k] })
-    }
-
-    /// The vertex: its place and its limit.
-    ///
-    /// # Errors
-    /// When the watch says stop.
-    pub(super) fn vertex(&self, refiner: &Refiner<'_>) -> Result<([f64; 2], Vector), SolidError> {
-        Ok((self.corner(), self.rings.vertex(refiner)?.at))
-    }
-
-    /// Whether a mask gives the limit of the vertex: not at ends of creases, which only rings lead to.
-    pub(super) fn has_mask(&self) -> bool {
-        self.rings.kind() != Kind::Dart
+        let [near, far] =
+            [1, 0].map(|far| [0, 1].map(|k| square.from[k] + if bits[k] == far { square.size } else { 0.0 }));
+        let vertex = (near, rings.vertex().at);
+        Ok(Self { rings, square, vertex, across: (far, at) })
     }
 
     /// A box around its surface: around the points that decide it, of which it is a mean.

@@ -5,18 +5,14 @@ use std::f64::consts::PI;
 use super::jet::{Jet, normal};
 use crate::math::functions::{cos, real, sin, sqrt};
 use crate::math::vector::{Vector, minus, plus, times};
-use crate::solid::error::SolidError;
-use crate::solid::level::{Level, Refiner};
+use crate::solid::level::Level;
 use crate::solid::sector::{Kind, Sector};
 
 impl Level {
     /// The limit of the vertex that a half-edge starts at, with the normal in its face. Derivatives along u and v do
     /// not exist there: nearby they grow without bound, or vanish.
-    ///
-    /// # Errors
-    /// When the watch says stop.
-    pub(super) fn vertex_jet(&self, half_edge: u32, origin: Vector, refiner: &Refiner<'_>) -> Result<Jet, SolidError> {
-        let at = plus(origin, self.limit(half_edge, refiner)?);
+    pub(super) fn vertex_jet(&self, half_edge: u32, origin: Vector) -> Jet {
+        let at = plus(origin, self.limit(half_edge));
         let sector = self.sector(half_edge);
         let tangents = match (sector.kind, sector.spokes.len()) {
             (Kind::Smooth, _) => Some(self.tangents_around(&sector)),
@@ -24,7 +20,7 @@ impl Level {
             (Kind::Crease, 3) => Some(self.tangents_at_crease(&sector)),
             _ => None,
         };
-        Ok(Jet { at, first: None, second: None, normal: tangents.and_then(|[t, s]| normal(t, s)) })
+        Jet { at, first: None, second: None, normal: tangents.and_then(|[t, s]| normal(t, s)) }
     }
 
     /// Two tangents at a smooth vertex.
