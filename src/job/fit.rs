@@ -27,7 +27,7 @@ pub(super) fn faults_of(Checked { input, entry, plan, outputs, .. }: &Checked) -
         faults.extend(outputs.iter().filter_map(admitted));
         faults.extend(check_delta(plan, &mesh.topology).err().map(|fault| fault.under("/plan")));
     }
-    let weighs = |output: &&Output| output.format.weighs() && plan.turns_tangents().is_some();
+    let weighs = |output: &&Output| output.format.is_of_weights() && plan.turns_tangents().is_some();
     let turned = |output: &Output| {
         let detail =
             "this scheme turns points by angles between them, so that no weights make its points; ask for json";

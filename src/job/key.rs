@@ -260,7 +260,7 @@ pub(super) fn surface_analysis(
 /// Whether an output shows the limit, or names the scheme: those of the plan even where none of its levels was applied.
 fn shows_limit(output: &Output) -> bool {
     let of_limit = |(name, value): (&str, &Value)| name == TANGENTS.name || *value == Value::Choice(LIMIT);
-    output.format.tells_plan() || output.options.unusual().any(of_limit)
+    output.format.facts().tells_plan || output.options.unusual().any(of_limit)
 }
 
 /// Everything of a plan that can change the result, which shows so many levels or also the limit: what no operator uses

@@ -36,7 +36,7 @@ pub(super) fn show(
     watch: &Watch,
     show: Show<'_>,
 ) -> Result<Report, RunError> {
-    if output.format.weighs() {
+    if output.format.is_of_weights() {
         return weighed(job, output, watch, show);
     }
     match &*job.input {

@@ -20,7 +20,7 @@ const SQUARES: u128 = 4;
 
 /// Rows and entries of the weights of a job after so many levels, at most.
 pub(super) fn most(job: &Job, forecast: &Forecast, level: usize) -> [u128; 2] {
-    if !job.outputs.iter().any(|output| output.format.weighs()) {
+    if !job.outputs.iter().any(|output| output.format.is_of_weights()) {
         return [0; 2];
     }
     let (points, n_steps) = made(job, forecast, level);

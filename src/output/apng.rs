@@ -6,7 +6,7 @@ use super::counts::{Counts, ShapeKind};
 use super::error::FormatError;
 use super::figure::Extent;
 use super::film::{self, DELAY, FRAMES, Film, SWEEP, TURNTABLE};
-use super::format::{Content, Format, FormatFacts, Sweep};
+use super::format::{Content, Costs, Format, FormatFacts, Requirements, Sweep};
 use super::picture::options::{self, CAMERA};
 use super::picture::outline::Outline;
 use super::png::Png;
@@ -49,8 +49,8 @@ const FACTS: &FormatFacts = &FormatFacts {
     content: Content::Packed,
     doc: "A picture that moves: the camera goes around, or a parameter of the plan changes from frame to frame.",
     parameters: PARAMETERS,
-    holds_frames: false,
     holds,
+    ..FormatFacts::USUAL
 };
 
 /// A camera goes around what has other sides; a parameter moves anything.
@@ -73,6 +73,26 @@ impl Format for Apng {
         FACTS
     }
 
+    fn side_px(&self, outline: &Outline, frame: Frame, values: &Values) -> Option<f64> {
+        Png.side_px(outline, frame, values)
+    }
+
+    fn sweep(&self, values: &Values) -> Option<Sweep> {
+        film::sweep(values)
+    }
+
+    fn write(&self, scene: &Scene<'_>, values: &Values, out: &mut dyn Write, watch: &Watch) -> Result<(), FormatError> {
+        let mut extent = Extent::default();
+        extent.add(scene, values, watch)?;
+        let mut film = Film::begin(values, out)?;
+        for shot in film::shots(values, &extent, scene.frame) {
+            film.frame(scene, &shot, watch)?;
+        }
+        film.end()
+    }
+}
+
+impl Requirements for Apng {
     fn suits(&self, kind: ShapeKind, carried: &Attachments, values: &Values) -> Result<(), Fault> {
         if goes_around(values) && values.group(CAMERA.name).is_some_and(|camera| camera.vector("eye").is_some()) {
             let detail = "the eye goes around; leave it out, and give a \"target\" to go around that";
@@ -90,13 +110,15 @@ impl Format for Apng {
         Png.suits(kind, carried, values)
     }
 
+    fn refers(&self, values: &Values) -> Option<&'static str> {
+        Png.refers(values)
+    }
+}
+
+impl Costs for Apng {
     fn size(&self, counts: &Counts, values: &Values) -> Size {
         let n = film::frames(values) as u128;
         Size::AtMost(n * (Png.size(counts, values).bytes() + FRAME_BYTES))
-    }
-
-    fn refers(&self, values: &Values) -> Option<&'static str> {
-        Png.refers(values)
     }
 
     fn memory(&self, counts: &Counts, values: &Values) -> u128 {
@@ -105,23 +127,5 @@ impl Format for Apng {
 
     fn work(&self, mesh: Option<&Mesh>, counts: &Counts, values: &Values) -> u128 {
         Png.work(mesh, counts, values).saturating_mul(film::frames(values) as u128)
-    }
-
-    fn side_px(&self, outline: &Outline, frame: Frame, values: &Values) -> Option<f64> {
-        Png.side_px(outline, frame, values)
-    }
-
-    fn sweep(&self, values: &Values) -> Option<Sweep> {
-        film::sweep(values)
-    }
-
-    fn write(&self, scene: &Scene<'_>, values: &Values, out: &mut dyn Write, watch: &Watch) -> Result<(), FormatError> {
-        let mut extent = Extent::default();
-        extent.add(scene, values, watch)?;
-        let mut film = Film::begin(values, out)?;
-        for shot in film::shots(values, &extent, scene.frame) {
-            film.frame(scene, &shot, watch)?;
-        }
-        film.end()
     }
 }

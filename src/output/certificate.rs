@@ -8,7 +8,7 @@ use crate::fault::Fault;
 use crate::math::parameter::Values;
 use crate::output::counts::{Counts, ShapeKind};
 use crate::output::error::FormatError;
-use crate::output::format::{Content, Format, FormatFacts};
+use crate::output::format::{Content, Costs, Format, FormatFacts, MadeOf, Requirements};
 use crate::output::numbers::total;
 use crate::output::scene::Scene;
 use crate::output::size::Size;
@@ -37,11 +37,13 @@ const FACTS: &FormatFacts = &FormatFacts {
     content: Content::Json,
     doc: "JSON: what is known of the solid that step writes: share that is exact, deviation bound, angles, volume",
     parameters: SOLID_OPTIONS,
-    holds_frames: false,
+    made_of: MadeOf::Limit,
+    tells_plan: true,
     holds: |kind, _| match kind {
         ShapeKind::Mesh => Ok(()),
         ShapeKind::Curves { .. } => Err("certificates are of solids, these are curves; ask for stats".into()),
     },
+    ..FormatFacts::USUAL
 };
 
 impl Format for Certificate {
@@ -49,6 +51,25 @@ impl Format for Certificate {
         FACTS
     }
 
+    fn write(
+        &self,
+        scene: &Scene<'_>,
+        options: &Values,
+        out: &mut dyn Write,
+        watch: &Watch,
+    ) -> Result<(), FormatError> {
+        let solid = solid_of(scene, options, watch)?;
+        Ok(writeln!(out, "{}", report(&solid.certificate))?)
+    }
+}
+
+impl Requirements for Certificate {
+    fn admits(&self, mesh: &Mesh, plan: &Plan, options: &Values) -> Result<(), Fault> {
+        admits(mesh, plan, options)
+    }
+}
+
+impl Costs for Certificate {
     fn size(&self, counts: &Counts, options: &Values) -> Size {
         Size::AtMost(length(counts, options))
     }
@@ -61,23 +82,8 @@ impl Format for Certificate {
         work(mesh, options)
     }
 
-    fn is_of_limit(&self) -> bool {
+    fn makes_solid(&self, _options: &Values) -> bool {
         true
-    }
-
-    fn admits(&self, mesh: &Mesh, plan: &Plan, options: &Values) -> Result<(), Fault> {
-        admits(mesh, plan, options)
-    }
-
-    fn write(
-        &self,
-        scene: &Scene<'_>,
-        options: &Values,
-        out: &mut dyn Write,
-        watch: &Watch,
-    ) -> Result<(), FormatError> {
-        let solid = solid_of(scene, options, watch)?;
-        Ok(writeln!(out, "{}", report(&solid.certificate))?)
     }
 }
 

@@ -32,11 +32,35 @@ pub struct FormatFacts {
     pub doc: &'static str,
     /// Options that the format knows.
     pub parameters: &'static [Parameter],
+    /// What the bytes are made of.
+    pub made_of: MadeOf,
+    /// Whether the bytes depend on the plan even where none of its levels was applied.
+    pub tells_plan: bool,
+    /// What pictures of several scenes are put together on, where the format can hold them.
+    pub paper: Option<Paper>,
     /// Whether the format holds several frames of a mesh.
     pub holds_frames: bool,
     /// Whether the format can hold what these options make of a shape of this kind; else a sentence that says why not,
     /// and which formats can.
     pub holds: fn(ShapeKind, &Values) -> Result<(), String>,
+}
+
+impl FormatFacts {
+    /// The facts of a format that says nothing else; its name, extension, media type and documentation are still to be
+    /// given.
+    pub const USUAL: Self = Self {
+        name: "",
+        extension: "",
+        media_type: "",
+        content: Content::Binary,
+        doc: "",
+        parameters: &[],
+        made_of: MadeOf::Points,
+        tells_plan: false,
+        paper: None,
+        holds_frames: false,
+        holds: |_, _| Ok(()),
+    };
 }
 
 /// What the bytes of a format are.
@@ -50,6 +74,17 @@ pub enum Content {
     Binary,
     /// Bytes that the format has compressed.
     Packed,
+}
+
+/// What the bytes of a format are made of.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum MadeOf {
+    /// The points of a level.
+    Points,
+    /// The input and its limit surface under a plan, whatever the number of levels.
+    Limit,
+    /// The weights by which points are made; nothing is refined for them.
+    Weights,
 }
 
 /// What pictures are put together on.
@@ -83,104 +118,30 @@ pub struct Sweep {
     pub values: Vec<f64>,
 }
 
-/// A way to write a scene as bytes.
-pub trait Format: fmt::Debug + Send + Sync {
-    /// What the format declares.
+/// A way to write a scene as bytes: what it declares, what it asks of a job, what it costs, and the writing itself.
+pub trait Format: Requirements + Costs + fmt::Debug + Send + Sync {
+    /// Returns what the format declares.
     fn facts(&self) -> &'static FormatFacts;
 
-    /// Whether the options make sense for a shape of this kind that carries this.
-    ///
-    /// # Errors
-    /// The fault, with a pointer below the output.
-    fn suits(&self, _kind: ShapeKind, _carried: &Attachments, _options: &Values) -> Result<(), Fault> {
-        Ok(())
-    }
-
-    /// Whether the format can count what there will be; what coordinates it can hold shows only when they are there.
-    ///
-    /// # Errors
-    /// The fault, with a pointer below the output.
-    fn fits(&self, _counts: &Counts, _options: &Values) -> Result<(), Fault> {
-        Ok(())
-    }
-
-    /// Whether the bytes are made of the input and its limit surface under a plan, whatever the number of levels.
-    fn is_of_limit(&self) -> bool {
-        false
-    }
-
-    /// Whether the bytes tell of the plan, even where none of its levels was applied.
-    fn tells_plan(&self) -> bool {
-        self.is_of_limit()
-    }
-
-    /// Whether the solid of the input is made for these options.
-    fn makes_solid(&self, _options: &Values) -> bool {
-        self.is_of_limit()
-    }
-
-    /// Whether the format can hold what a plan makes of a mesh.
-    ///
-    /// # Errors
-    /// The fault, with a pointer below the output.
-    fn admits(&self, _mesh: &Mesh, _plan: &Plan, _options: &Values) -> Result<(), Fault> {
-        Ok(())
-    }
-
-    /// What the format leaves out of what a mesh carries although it may be missed, as a sentence.
-    fn leaves_out(&self, _carried: &Attachments, _options: &Values) -> Option<String> {
-        None
-    }
-
-    /// Bytes that `counts` will take.
-    fn size(&self, counts: &Counts, options: &Values) -> Size;
-
-    /// What the options tell of single faces, edges or vertices of the input, if anything: schemes that make faces of
-    /// their own cannot.
-    fn refers(&self, options: &Values) -> Option<&'static str> {
-        options.flag(IDS.name).then_some(IDS.name)
-    }
-
-    /// Bytes of memory that the options cost while the scene is written, besides those that every picture of such a
-    /// mesh and its bytes need.
-    fn memory(&self, _counts: &Counts, _options: &Values) -> u128 {
-        0
-    }
-
-    /// Work that the scene takes besides refining it and making its bytes, in rows of a table, 100 ns each; `mesh` is
-    /// the input, where that is one.
-    fn work(&self, _mesh: Option<&Mesh>, _counts: &Counts, _options: &Values) -> u128 {
-        0
-    }
-
-    /// The faces of meshes of whose positions none is held, and all are asked for in the order of the vertices or of
-    /// the faces: then they can be made while they are written.
+    /// Returns the kinds of face for which the format can write a mesh that is refined while it is written: it asks
+    /// for no range of positions twice, and only in the order of the vertices or of the faces.
     fn streams(&self, _mesh: &Mesh, _options: &Values) -> &'static [Tile] {
         &[]
     }
 
-    /// The levels of refinement whose results the bytes refer to, and the format of these, which takes all options but
-    /// the one that asks for them.
+    /// Returns the levels whose results the bytes refer to, and the format of these results, which takes all options
+    /// but the one that asks for them.
     fn details(&self, _options: &Values) -> Option<Details> {
         None
     }
 
-    /// Whether it writes how points are made, and not where they are: then nothing is refined.
-    fn weighs(&self) -> bool {
-        false
-    }
-
-    /// What pictures of several scenes are put together on, if the format can.
-    fn paper(&self) -> Option<Paper> {
-        None
-    }
-
-    /// The parameter of the plan that changes from frame to frame of a moving picture, if the options name one.
+    /// Returns the parameter of the plan that changes from frame to frame of a moving picture, if the options name one.
     fn sweep(&self, _options: &Values) -> Option<Sweep> {
         None
     }
 
-    /// The mean length of the edges of an input in the picture, pixels; `None` of formats that are no pictures.
+    /// Returns the mean length, in pixels, of the edges of an input in the picture; `None` for formats that are no
+    /// pictures.
     fn side_px(&self, _outline: &Outline, _frame: Frame, _options: &Values) -> Option<f64> {
         None
     }
@@ -191,6 +152,68 @@ pub trait Format: fmt::Debug + Send + Sync {
     /// When the scene cannot be held after all, the writer fails, or the watch says stop.
     fn write(&self, scene: &Scene<'_>, options: &Values, out: &mut dyn Write, watch: &Watch)
     -> Result<(), FormatError>;
+}
+
+/// What a format asks of a job before anything is computed, and what it leaves out.
+pub trait Requirements {
+    /// Checks the options against the kind of shape and what the shape carries.
+    ///
+    /// # Errors
+    /// The fault, with a pointer below the output.
+    fn suits(&self, _kind: ShapeKind, _carried: &Attachments, _options: &Values) -> Result<(), Fault> {
+        Ok(())
+    }
+
+    /// Checks that the format can count what there will be. Whether it can hold the coordinates shows only when they
+    /// are computed.
+    ///
+    /// # Errors
+    /// The fault, with a pointer below the output.
+    fn fits(&self, _counts: &Counts, _options: &Values) -> Result<(), Fault> {
+        Ok(())
+    }
+
+    /// Checks that the format can hold what a plan makes of a mesh.
+    ///
+    /// # Errors
+    /// The fault, with a pointer below the output.
+    fn admits(&self, _mesh: &Mesh, _plan: &Plan, _options: &Values) -> Result<(), Fault> {
+        Ok(())
+    }
+
+    /// Returns, as a sentence, what the format leaves out of what a mesh carries although a reader may miss it.
+    fn leaves_out(&self, _carried: &Attachments, _options: &Values) -> Option<String> {
+        None
+    }
+
+    /// Returns the option that refers to single faces, edges or vertices of the input, if one is set. Schemes that
+    /// make faces of their own cannot answer it.
+    fn refers(&self, options: &Values) -> Option<&'static str> {
+        options.flag(IDS.name).then_some(IDS.name)
+    }
+}
+
+/// What writing costs, told before anything is computed.
+pub trait Costs {
+    /// Returns the bytes that shapes of these counts take.
+    fn size(&self, counts: &Counts, options: &Values) -> Size;
+
+    /// Returns the bytes of memory that the options cost while the scene is written, beyond those that every result of
+    /// such a shape needs.
+    fn memory(&self, _counts: &Counts, _options: &Values) -> u128 {
+        0
+    }
+
+    /// Returns the work beyond refining the shape and encoding its bytes, in rows of a table (100 ns each). `mesh` is
+    /// the input, where that is a mesh.
+    fn work(&self, _mesh: Option<&Mesh>, _counts: &Counts, _options: &Values) -> u128 {
+        0
+    }
+
+    /// Tells whether these options have the limit surface built as a solid.
+    fn makes_solid(&self, _options: &Values) -> bool {
+        false
+    }
 }
 
 impl dyn Format + '_ {
@@ -207,6 +230,21 @@ impl dyn Format + '_ {
     /// Media type of the bytes.
     pub fn media_type(&self) -> &'static str {
         self.facts().media_type
+    }
+
+    /// What pictures of several scenes are put together on, where the format can hold them.
+    pub fn paper(&self) -> Option<Paper> {
+        self.facts().paper
+    }
+
+    /// Whether the bytes are made of the input and its limit surface, whatever the number of levels.
+    pub fn is_of_limit(&self) -> bool {
+        self.facts().made_of == MadeOf::Limit
+    }
+
+    /// Whether the bytes tell how points are made, and not where they are: then nothing is refined.
+    pub fn is_of_weights(&self) -> bool {
+        self.facts().made_of == MadeOf::Weights
     }
 
     /// Whether the format can hold a shape of this kind, whatever the options.

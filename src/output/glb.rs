@@ -7,7 +7,7 @@ use crate::math::amounts::in_bytes;
 use crate::math::parameter::Values;
 use crate::output::counts::{Counts, ShapeKind};
 use crate::output::error::FormatError;
-use crate::output::format::{Content, Format, FormatFacts};
+use crate::output::format::{Content, Costs, Format, FormatFacts, Requirements};
 use crate::output::gltf_amounts::{self, Amounts, Contents, split_vertices};
 use crate::output::gltf_bin;
 use crate::output::gltf_buffer::{Buffer, buffered};
@@ -47,40 +47,12 @@ const FACTS: &FormatFacts = &FormatFacts {
     parameters: PARAMETERS,
     holds_frames: true,
     holds: |kind, _| holds_space("glb", kind),
+    ..FormatFacts::USUAL
 };
 
 impl Format for Glb {
     fn facts(&self) -> &'static FormatFacts {
         FACTS
-    }
-
-    fn suits(&self, kind: ShapeKind, _: &Attachments, options: &Values) -> Result<(), Fault> {
-        gltf_packing::suits(kind, options)
-    }
-
-    fn fits(&self, counts: &Counts, options: &Values) -> Result<(), Fault> {
-        gltf_amounts::fits(counts, options)?;
-        gltf_packing::fits(counts, options)?;
-        let length = check_length(self.size(counts, options).bytes());
-        length.map(drop).map_err(|detail| Fault::new("/format", detail))
-    }
-
-    fn size(&self, counts: &Counts, options: &Values) -> Size {
-        let (amounts, contents) = (Amounts::of(counts, options), Contents::of(counts, options));
-        if let Some(packing) = Packing::of(options) {
-            return Size::AtMost(file(contents.packed_room(), amounts.packed_bytes(packing)));
-        }
-        let bytes = file(contents.room(), amounts.bytes());
-        // how many vertices are split depends on what becomes of their edges
-        if split_vertices(counts, options) > 0 { Size::AtMost(bytes) } else { Size::Exact(bytes) }
-    }
-
-    fn memory(&self, counts: &Counts, options: &Values) -> u128 {
-        hard_edges::memory(counts, options).saturating_add(gltf_amounts::packing_memory(counts, options))
-    }
-
-    fn work(&self, _: Option<&Mesh>, counts: &Counts, options: &Values) -> u128 {
-        gltf_amounts::packing_work(counts, options)
     }
 
     fn streams(&self, mesh: &Mesh, options: &Values) -> &'static [Tile] {
@@ -98,6 +70,39 @@ impl Format for Glb {
             Some(packing) => write_packed(&Packed::of(buffer, packing, watch)?, out),
             None => write(buffer, out, watch),
         })
+    }
+}
+
+impl Requirements for Glb {
+    fn suits(&self, kind: ShapeKind, _: &Attachments, options: &Values) -> Result<(), Fault> {
+        gltf_packing::suits(kind, options)
+    }
+
+    fn fits(&self, counts: &Counts, options: &Values) -> Result<(), Fault> {
+        gltf_amounts::fits(counts, options)?;
+        gltf_packing::fits(counts, options)?;
+        let length = check_length(self.size(counts, options).bytes());
+        length.map(drop).map_err(|detail| Fault::new("/format", detail))
+    }
+}
+
+impl Costs for Glb {
+    fn size(&self, counts: &Counts, options: &Values) -> Size {
+        let (amounts, contents) = (Amounts::of(counts, options), Contents::of(counts, options));
+        if let Some(packing) = Packing::of(options) {
+            return Size::AtMost(file(contents.packed_room(), amounts.packed_bytes(packing)));
+        }
+        let bytes = file(contents.room(), amounts.bytes());
+        // how many vertices are split depends on what becomes of their edges
+        if split_vertices(counts, options) > 0 { Size::AtMost(bytes) } else { Size::Exact(bytes) }
+    }
+
+    fn memory(&self, counts: &Counts, options: &Values) -> u128 {
+        hard_edges::memory(counts, options).saturating_add(gltf_amounts::packing_memory(counts, options))
+    }
+
+    fn work(&self, _: Option<&Mesh>, counts: &Counts, options: &Values) -> u128 {
+        gltf_amounts::packing_work(counts, options)
     }
 }
 

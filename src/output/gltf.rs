@@ -9,7 +9,7 @@ use crate::fault::Fault;
 use crate::math::parameter::{Parameter, Values};
 use crate::output::counts::{Counts, ShapeKind};
 use crate::output::error::FormatError;
-use crate::output::format::{Content, Details, Format, FormatFacts};
+use crate::output::format::{Content, Costs, Details, Format, FormatFacts, Requirements};
 use crate::output::gltf_amounts::{self, Amounts, Contents};
 use crate::output::gltf_bin::GltfBin;
 use crate::output::gltf_buffer::buffered;
@@ -52,42 +52,12 @@ const FACTS: &FormatFacts = &FormatFacts {
     parameters: ALL_PARAMETERS,
     holds_frames: true,
     holds: |kind, _| holds_space("gltf", kind),
+    ..FormatFacts::USUAL
 };
 
 impl Format for Gltf {
     fn facts(&self) -> &'static FormatFacts {
         FACTS
-    }
-
-    fn suits(&self, kind: ShapeKind, _: &Attachments, options: &Values) -> Result<(), Fault> {
-        gltf_levels::suits(kind, options)?;
-        gltf_packing::suits(kind, options)
-    }
-
-    fn fits(&self, counts: &Counts, options: &Values) -> Result<(), Fault> {
-        gltf_amounts::fits(counts, options)?;
-        gltf_levels::fits(counts, options)?;
-        gltf_packing::fits(counts, options)
-    }
-
-    fn memory(&self, counts: &Counts, options: &Values) -> u128 {
-        hard_edges::memory(counts, options).saturating_add(gltf_amounts::packing_memory(counts, options))
-    }
-
-    fn work(&self, _: Option<&Mesh>, counts: &Counts, options: &Values) -> u128 {
-        gltf_amounts::packing_work(counts, options)
-    }
-
-    fn size(&self, counts: &Counts, options: &Values) -> Size {
-        let (amounts, contents) = (Amounts::of(counts, options), Contents::of(counts, options));
-        if let Some(size) = gltf_levels::size(contents, options) {
-            return size;
-        }
-        let (json, binary) = match Packing::of(options) {
-            Some(packing) => (contents.packed_room(), amounts.packed_bytes(packing)),
-            None => (contents.room(), amounts.bytes()),
-        };
-        Size::AtMost(total(&[(json, 1), (URI.len() as u128, 1), (binary.div_ceil(3), 4)]))
     }
 
     fn details(&self, options: &Values) -> Option<Details> {
@@ -112,6 +82,41 @@ impl Format for Gltf {
             }
             None => write(&document(buffer, Some(URI))?, out, |out| buffer.write(out, watch)),
         })
+    }
+}
+
+impl Requirements for Gltf {
+    fn suits(&self, kind: ShapeKind, _: &Attachments, options: &Values) -> Result<(), Fault> {
+        gltf_levels::suits(kind, options)?;
+        gltf_packing::suits(kind, options)
+    }
+
+    fn fits(&self, counts: &Counts, options: &Values) -> Result<(), Fault> {
+        gltf_amounts::fits(counts, options)?;
+        gltf_levels::fits(counts, options)?;
+        gltf_packing::fits(counts, options)
+    }
+}
+
+impl Costs for Gltf {
+    fn memory(&self, counts: &Counts, options: &Values) -> u128 {
+        hard_edges::memory(counts, options).saturating_add(gltf_amounts::packing_memory(counts, options))
+    }
+
+    fn work(&self, _: Option<&Mesh>, counts: &Counts, options: &Values) -> u128 {
+        gltf_amounts::packing_work(counts, options)
+    }
+
+    fn size(&self, counts: &Counts, options: &Values) -> Size {
+        let (amounts, contents) = (Amounts::of(counts, options), Contents::of(counts, options));
+        if let Some(size) = gltf_levels::size(contents, options) {
+            return size;
+        }
+        let (json, binary) = match Packing::of(options) {
+            Some(packing) => (contents.packed_room(), amounts.packed_bytes(packing)),
+            None => (contents.room(), amounts.bytes()),
+        };
+        Size::AtMost(total(&[(json, 1), (URI.len() as u128, 1), (binary.div_ceil(3), 4)]))
     }
 }
 

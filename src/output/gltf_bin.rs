@@ -6,7 +6,7 @@ use crate::fault::Fault;
 use crate::math::parameter::Values;
 use crate::output::counts::{Counts, ShapeKind};
 use crate::output::error::FormatError;
-use crate::output::format::{Content, Format, FormatFacts};
+use crate::output::format::{Content, Costs, Format, FormatFacts, Requirements};
 use crate::output::gltf_amounts::{self, Amounts, split_vertices, with_normals};
 use crate::output::gltf_buffer::buffered;
 use crate::output::gltf_document::PARAMETERS;
@@ -31,11 +31,11 @@ const FACTS: &FormatFacts = &FormatFacts {
     content: Content::Binary,
     doc: "The buffer of a glTF model: what the documents of gltf with lod refer to",
     parameters: PARAMETERS,
-    holds_frames: false,
     holds: |kind, _| match kind {
         ShapeKind::Mesh => Ok(()),
         ShapeKind::Curves { .. } => Err("gltf-bin holds the buffers of meshes; ask for gltf".into()),
     },
+    ..FormatFacts::USUAL
 };
 
 /// The faces of meshes whose buffer is written while they are refined.
@@ -54,6 +54,25 @@ impl Format for GltfBin {
         FACTS
     }
 
+    fn streams(&self, mesh: &Mesh, options: &Values) -> &'static [Tile] {
+        streams(mesh, options)
+    }
+
+    fn write(
+        &self,
+        scene: &Scene<'_>,
+        options: &Values,
+        out: &mut dyn Write,
+        watch: &Watch,
+    ) -> Result<(), FormatError> {
+        buffered(scene, options, watch, |buffer| match Packing::of(options) {
+            Some(packing) => Ok(out.write_all(&Packed::of(buffer, packing, watch)?.bytes)?),
+            None => buffer.write(out, watch),
+        })
+    }
+}
+
+impl Requirements for GltfBin {
     fn suits(&self, kind: ShapeKind, _: &Attachments, options: &Values) -> Result<(), Fault> {
         gltf_packing::suits(kind, options)
     }
@@ -61,7 +80,9 @@ impl Format for GltfBin {
     fn fits(&self, counts: &Counts, options: &Values) -> Result<(), Fault> {
         gltf_amounts::fits(counts, options)
     }
+}
 
+impl Costs for GltfBin {
     fn size(&self, counts: &Counts, options: &Values) -> Size {
         let amounts = Amounts::of(counts, options);
         match Packing::of(options) {
@@ -78,22 +99,5 @@ impl Format for GltfBin {
 
     fn work(&self, _: Option<&Mesh>, counts: &Counts, options: &Values) -> u128 {
         gltf_amounts::packing_work(counts, options)
-    }
-
-    fn streams(&self, mesh: &Mesh, options: &Values) -> &'static [Tile] {
-        streams(mesh, options)
-    }
-
-    fn write(
-        &self,
-        scene: &Scene<'_>,
-        options: &Values,
-        out: &mut dyn Write,
-        watch: &Watch,
-    ) -> Result<(), FormatError> {
-        buffered(scene, options, watch, |buffer| match Packing::of(options) {
-            Some(packing) => Ok(out.write_all(&Packed::of(buffer, packing, watch)?.bytes)?),
-            None => buffer.write(out, watch),
-        })
     }
 }

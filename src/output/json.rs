@@ -14,7 +14,7 @@ use crate::math::parameter::{Default, Kind, Parameter, Values};
 use crate::output::counts::{Counts, ShapeKind};
 use crate::output::curvature;
 use crate::output::error::FormatError;
-use crate::output::format::{Content, Format, FormatFacts};
+use crate::output::format::{Content, Costs, Format, FormatFacts, Requirements};
 use crate::output::normals;
 use crate::output::numbers::{REAL, digits, real, reals, total};
 use crate::output::options::{IDS, ISOLINES, POSITIONS, TANGENTS};
@@ -74,8 +74,8 @@ const FACTS: &FormatFacts = &FormatFacts {
     content: Content::Json,
     doc: "JSON as in requests: all coordinates at full precision, polygons as they are",
     parameters: &[POSITIONS, NORMALS, TANGENTS, CURVATURE, IDS, EDGES, SECTIONS],
-    holds_frames: false,
     holds: |_, _| Ok(()),
+    ..FormatFacts::USUAL
 };
 
 impl Format for Json {
@@ -83,6 +83,33 @@ impl Format for Json {
         FACTS
     }
 
+    fn write(
+        &self,
+        scene: &Scene<'_>,
+        options: &Values,
+        out: &mut dyn Write,
+        watch: &Watch,
+    ) -> Result<(), FormatError> {
+        let mut stream = Stream::new(out, watch);
+        stream.bytes(b"{")?;
+        match scene.shape {
+            Shape::Mesh(mesh) => {
+                write_mesh(mesh, &mut stream)?;
+                if with_normals(options) {
+                    write_normals(mesh, &mut stream, watch)?;
+                }
+                carried::write(mesh, options, &mut stream)?;
+                sections::write(mesh, options, &mut stream, watch)?;
+            }
+            Shape::Curves([curve]) => write_curve(curve, options, &mut stream)?,
+            Shape::Curves(curves) => write_curves(curves, options, &mut stream)?,
+        }
+        stream.bytes(&warnings(scene.warnings))?;
+        stream.bytes(b"}")
+    }
+}
+
+impl Requirements for Json {
     fn suits(&self, kind: ShapeKind, _: &Attachments, options: &Values) -> Result<(), Fault> {
         let (curves, bends) = match kind {
             ShapeKind::Curves { dimension } => (true, dimension == 2 || dimension == 3),
@@ -110,7 +137,9 @@ impl Format for Json {
     fn refers(&self, options: &Values) -> Option<&'static str> {
         [IDS.name, ISOLINES].into_iter().find(|name| options.flag(name))
     }
+}
 
+impl Costs for Json {
     fn size(&self, counts: &Counts, options: &Values) -> Size {
         let row = |dimension: u128| 2 + dimension * (REAL + 1);
         let asked = |name: &str| u128::from(options.flag(name));
@@ -139,31 +168,6 @@ impl Format for Json {
             }
         };
         Size::AtMost(content.saturating_add(WARNINGS as u128))
-    }
-
-    fn write(
-        &self,
-        scene: &Scene<'_>,
-        options: &Values,
-        out: &mut dyn Write,
-        watch: &Watch,
-    ) -> Result<(), FormatError> {
-        let mut stream = Stream::new(out, watch);
-        stream.bytes(b"{")?;
-        match scene.shape {
-            Shape::Mesh(mesh) => {
-                write_mesh(mesh, &mut stream)?;
-                if with_normals(options) {
-                    write_normals(mesh, &mut stream, watch)?;
-                }
-                carried::write(mesh, options, &mut stream)?;
-                sections::write(mesh, options, &mut stream, watch)?;
-            }
-            Shape::Curves([curve]) => write_curve(curve, options, &mut stream)?,
-            Shape::Curves(curves) => write_curves(curves, options, &mut stream)?,
-        }
-        stream.bytes(&warnings(scene.warnings))?;
-        stream.bytes(b"}")
     }
 }
 

@@ -65,7 +65,7 @@ mod vertex_sums;
 pub use counts::{Counts, ShapeKind};
 pub use error::FormatError;
 pub use farthest::{Farthest, Measured};
-pub use format::{Content, Details, Format, FormatFacts, Paper, Sweep};
+pub use format::{Content, Costs, Details, Format, FormatFacts, MadeOf, Paper, Requirements, Sweep};
 pub use options::{DIRECTIONS, LIMIT, POSITIONS, TANGENTS};
 pub use picture::outline::Outline;
 pub use picture::shading::shows_distances;

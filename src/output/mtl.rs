@@ -6,7 +6,7 @@ use crate::fault::Fault;
 use crate::math::parameter::{Default, Kind, Parameter, Values};
 use crate::output::counts::{Counts, ShapeKind};
 use crate::output::error::FormatError;
-use crate::output::format::{Content, Format, FormatFacts};
+use crate::output::format::{Content, Costs, Format, FormatFacts, Requirements};
 use crate::output::numbers::{REAL, reals, total};
 use crate::output::scene::{Scene, Shape};
 use crate::output::size::Size;
@@ -50,28 +50,12 @@ const FACTS: &FormatFacts = &FormatFacts {
         ShapeKind::Mesh => Ok(()),
         ShapeKind::Curves { .. } => Err("curves have no materials; ask for obj alone".to_owned()),
     },
+    ..FormatFacts::USUAL
 };
 
 impl Format for Mtl {
     fn facts(&self) -> &'static FormatFacts {
         FACTS
-    }
-
-    fn suits(&self, _: ShapeKind, _: &Attachments, options: &Values) -> Result<(), Fault> {
-        check_file_name(&TEXTURES, options)
-    }
-
-    fn leaves_out(&self, carried: &Attachments, options: &Values) -> Option<String> {
-        let has_textures = carried.looks.iter().any(|look| look.texture.is_some());
-        let sentence = || "textures are left out, as nothing says how their files are called; give \"textures\"";
-        (has_textures && options.name(TEXTURES.name).is_none()).then(sentence).map(str::to_owned)
-    }
-
-    fn size(&self, counts: &Counts, options: &Values) -> Size {
-        let names = &counts.attachments.materials;
-        let material = WORDS + 6 * REAL + options.name(TEXTURES.name).map_or(0, |stem| stem.len() as u128);
-        let rows = [(1, HEADER.len() as u128), (names.names.len() as u128, material), (1, names.name_bytes() as u128)];
-        Size::AtMost(total(&rows))
     }
 
     fn write(
@@ -84,6 +68,27 @@ impl Format for Mtl {
         let Shape::Mesh(mesh) = scene.shape else { return Ok(()) };
         watch.check()?;
         Ok(out.write_all(&library(mesh.attachments(), options.name(TEXTURES.name)))?)
+    }
+}
+
+impl Requirements for Mtl {
+    fn suits(&self, _: ShapeKind, _: &Attachments, options: &Values) -> Result<(), Fault> {
+        check_file_name(&TEXTURES, options)
+    }
+
+    fn leaves_out(&self, carried: &Attachments, options: &Values) -> Option<String> {
+        let has_textures = carried.looks.iter().any(|look| look.texture.is_some());
+        let sentence = || "textures are left out, as nothing says how their files are called; give \"textures\"";
+        (has_textures && options.name(TEXTURES.name).is_none()).then(sentence).map(str::to_owned)
+    }
+}
+
+impl Costs for Mtl {
+    fn size(&self, counts: &Counts, options: &Values) -> Size {
+        let names = &counts.attachments.materials;
+        let material = WORDS + 6 * REAL + options.name(TEXTURES.name).map_or(0, |stem| stem.len() as u128);
+        let rows = [(1, HEADER.len() as u128), (names.names.len() as u128, material), (1, names.name_bytes() as u128)];
+        Size::AtMost(total(&rows))
     }
 }
 

@@ -132,7 +132,7 @@ fn inverse_power_of_two(x: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::shape::source::OriginSource;
+    use crate::shape::source::{CarriedSource, OriginSource};
 
     #[derive(Debug)]
     struct Fan(usize);
@@ -142,12 +142,15 @@ mod tests {
         fn n_vertices(&self) -> usize {
             self.0 + 3
         }
+
         fn n_faces(&self) -> usize {
             self.0
         }
+
         fn n_half_edges(&self) -> usize {
             3 * self.0
         }
+
         fn positions(&self, range: Range<usize>, out: &mut Vec<[f64; 3]>) {
             out.clear();
             out.extend(range.map(|i| match i {
@@ -156,6 +159,7 @@ mod tests {
                 _ => [0.0, 1.0, 0.0],
             }));
         }
+
         fn faces(&self, range: Range<usize>, out: &mut FaceChunk) {
             out.clear();
             for f in range {
@@ -165,6 +169,8 @@ mod tests {
             }
         }
     }
+
+    impl CarriedSource for Fan {}
 
     impl OriginSource for Fan {
         fn input_cells(&self) -> [usize; 3] {

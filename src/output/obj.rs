@@ -7,7 +7,7 @@ use crate::math::parameter::{Default, Kind, Parameter, Values};
 use crate::output::colors::within;
 use crate::output::counts::{Counts, ShapeKind};
 use crate::output::error::FormatError;
-use crate::output::format::{Content, Format, FormatFacts};
+use crate::output::format::{Content, Costs, Format, FormatFacts, Requirements};
 use crate::output::hard_edges::HardEdges;
 use crate::output::mtl::check_file_name;
 use crate::output::normals;
@@ -76,51 +76,13 @@ const FACTS: &FormatFacts = &FormatFacts {
     content: Content::Text,
     doc: "Wavefront OBJ: polygons as they are, shortest decimals that read back exactly",
     parameters: &[POSITIONS, NORMALS, IDS, LIBRARY],
-    holds_frames: false,
     holds: |kind, _| holds_space("obj", kind),
+    ..FormatFacts::USUAL
 };
 
 impl Format for Obj {
     fn facts(&self) -> &'static FormatFacts {
         FACTS
-    }
-
-    fn suits(&self, _: ShapeKind, _: &Attachments, options: &Values) -> Result<(), Fault> {
-        check_file_name(&LIBRARY, options)
-    }
-
-    fn size(&self, counts: &Counts, options: &Values) -> Size {
-        let index = digits(counts.vertices);
-        let row = 3 * (1 + REAL);
-        let header = header(counts.frame, options).len() as u128;
-        Size::AtMost(match counts.kind {
-            ShapeKind::Curves { .. } => total(&[
-                (1, header),
-                (counts.vertices, 2 + row),
-                (counts.vertices.saturating_add(counts.polygons), 1 + index),
-                (counts.polygons, 2),
-            ]),
-            ShapeKind::Mesh => {
-                let n_normals = counts.vertices.saturating_add(counts.split_vertices);
-                let (n_normals, corner) =
-                    if with_normals(options) { (n_normals, 3 + index + digits(n_normals)) } else { (0, 1 + index) };
-                let told = told(counts, options.flag("ids"));
-                let color = if counts.attachments.color().is_some() { row } else { 0 };
-                let vertex = 2 + row + color;
-                let place = if counts.uvs > 0 { 1 + digits(counts.uvs) } else { 0 };
-                let rows = [(counts.vertices, vertex), (counts.faces, 2), (counts.half_edges, corner + place)];
-                let uvs = (counts.uvs, 3 + 2 * (1 + REAL));
-                let tags = (counts.tags as u128, "t corner 1/1/0\n".len() as u128 + 2 * (1 + index) + 1 + REAL);
-                total(&[(1, header), (1, told), tags, uvs, rows[0], (n_normals, 3 + row), rows[1], rows[2]])
-            }
-        })
-    }
-
-    fn leaves_out(&self, carried: &Attachments, _: &Values) -> Option<String> {
-        let is_left_out = carried.color().is_some_and(|(_, color)| color.seams.is_some());
-        let sentence = "the channel \"color\" is left out, as it differs on the sides of seams and obj holds one color \
-                        a vertex; ask for glb, ply or json";
-        is_left_out.then(|| sentence.to_owned())
     }
 
     fn streams(&self, _mesh: &Mesh, options: &Values) -> &'static [Tile] {
@@ -161,6 +123,48 @@ impl Format for Obj {
                 write_tags(&mesh.tags(), &mut stream)
             }
         }
+    }
+}
+
+impl Requirements for Obj {
+    fn suits(&self, _: ShapeKind, _: &Attachments, options: &Values) -> Result<(), Fault> {
+        check_file_name(&LIBRARY, options)
+    }
+
+    fn leaves_out(&self, carried: &Attachments, _: &Values) -> Option<String> {
+        let is_left_out = carried.color().is_some_and(|(_, color)| color.seams.is_some());
+        let sentence = "the channel \"color\" is left out, as it differs on the sides of seams and obj holds one color \
+                        a vertex; ask for glb, ply or json";
+        is_left_out.then(|| sentence.to_owned())
+    }
+}
+
+impl Costs for Obj {
+    fn size(&self, counts: &Counts, options: &Values) -> Size {
+        let index = digits(counts.vertices);
+        let row = 3 * (1 + REAL);
+        let header = header(counts.frame, options).len() as u128;
+        Size::AtMost(match counts.kind {
+            ShapeKind::Curves { .. } => total(&[
+                (1, header),
+                (counts.vertices, 2 + row),
+                (counts.vertices.saturating_add(counts.polygons), 1 + index),
+                (counts.polygons, 2),
+            ]),
+            ShapeKind::Mesh => {
+                let n_normals = counts.vertices.saturating_add(counts.split_vertices);
+                let (n_normals, corner) =
+                    if with_normals(options) { (n_normals, 3 + index + digits(n_normals)) } else { (0, 1 + index) };
+                let told = told(counts, options.flag("ids"));
+                let color = if counts.attachments.color().is_some() { row } else { 0 };
+                let vertex = 2 + row + color;
+                let place = if counts.uvs > 0 { 1 + digits(counts.uvs) } else { 0 };
+                let rows = [(counts.vertices, vertex), (counts.faces, 2), (counts.half_edges, corner + place)];
+                let uvs = (counts.uvs, 3 + 2 * (1 + REAL));
+                let tags = (counts.tags as u128, "t corner 1/1/0\n".len() as u128 + 2 * (1 + index) + 1 + REAL);
+                total(&[(1, header), (1, told), tags, uvs, rows[0], (n_normals, 3 + row), rows[1], rows[2]])
+            }
+        })
     }
 }
 

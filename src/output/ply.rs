@@ -11,7 +11,7 @@ use crate::fault::Fault;
 use crate::math::parameter::{Default, Kind, Parameter, Values};
 use crate::output::counts::{Counts, ShapeKind};
 use crate::output::error::FormatError;
-use crate::output::format::{Content, Format, FormatFacts};
+use crate::output::format::{Content, Costs, Format, FormatFacts, Requirements};
 use crate::output::hard_edges::HardEdges;
 use crate::output::normals;
 use crate::output::numbers::{digits, total};
@@ -52,30 +52,13 @@ const FACTS: &FormatFacts = &FormatFacts {
     content: Content::Binary,
     doc: "Stanford PLY: polygons as they are, f64 or f32 coordinates, binary little endian or text",
     parameters: PARAMETERS,
-    holds_frames: false,
     holds: |kind, _| holds_space("ply", kind),
+    ..FormatFacts::USUAL
 };
 
 impl Format for Ply {
     fn facts(&self) -> &'static FormatFacts {
         FACTS
-    }
-
-    fn fits(&self, counts: &Counts, options: &Values) -> Result<(), Fault> {
-        check_face(counts.largest_face, Layout::of(options)).map_err(|detail| Fault::new("/face_sizes", detail))
-    }
-
-    fn leaves_out(&self, carried: &Attachments, _: &Values) -> Option<String> {
-        let sentence = || "how materials look is left out, as ply has no place for it; ask for glb";
-        (!carried.looks.is_empty()).then(sentence).map(str::to_owned)
-    }
-
-    fn size(&self, counts: &Counts, options: &Values) -> Size {
-        match counts.kind {
-            ShapeKind::Mesh => mesh_size(counts, Layout::of(options)),
-            // How many edges the points make depends on which polygons are closed.
-            ShapeKind::Curves { .. } => Size::AtMost(curves_size(counts, Layout::of_curves(options))),
-        }
     }
 
     fn streams(&self, _mesh: &Mesh, options: &Values) -> &'static [Tile] {
@@ -93,6 +76,27 @@ impl Format for Ply {
         match scene.shape {
             Shape::Mesh(mesh) => write_mesh(mesh, scene.frame, Layout::of(options), &mut stream, watch),
             Shape::Curves(curves) => write_curves(curves, scene.frame, Layout::of_curves(options), &mut stream),
+        }
+    }
+}
+
+impl Requirements for Ply {
+    fn fits(&self, counts: &Counts, options: &Values) -> Result<(), Fault> {
+        check_face(counts.largest_face, Layout::of(options)).map_err(|detail| Fault::new("/face_sizes", detail))
+    }
+
+    fn leaves_out(&self, carried: &Attachments, _: &Values) -> Option<String> {
+        let sentence = || "how materials look is left out, as ply has no place for it; ask for glb";
+        (!carried.looks.is_empty()).then(sentence).map(str::to_owned)
+    }
+}
+
+impl Costs for Ply {
+    fn size(&self, counts: &Counts, options: &Values) -> Size {
+        match counts.kind {
+            ShapeKind::Mesh => mesh_size(counts, Layout::of(options)),
+            // How many edges the points make depends on which polygons are closed.
+            ShapeKind::Curves { .. } => Size::AtMost(curves_size(counts, Layout::of_curves(options))),
         }
     }
 }

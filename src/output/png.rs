@@ -10,7 +10,7 @@ use crate::math::parameter::{Default, Kind, Parameter, Value, Values};
 use crate::output::color_maps::COLOR_MAP;
 use crate::output::counts::{Counts, ShapeKind};
 use crate::output::error::FormatError;
-use crate::output::format::{Content, Format, FormatFacts, Paper};
+use crate::output::format::{Content, Costs, Format, FormatFacts, Paper, Requirements};
 use crate::output::hard_edges::{self, CREASE_ANGLE};
 use crate::output::options::POSITIONS;
 use crate::output::picture::coat::{self, CHANNEL, COLOR_BY, COMPONENT};
@@ -128,8 +128,9 @@ const FACTS: &FormatFacts = &FormatFacts {
     content: Content::Packed,
     doc: "A picture in pixels: a lit mesh with hidden lines removed, or curves with their control polygons.",
     parameters: PARAMETERS,
-    holds_frames: false,
+    paper: Some(Paper::Png),
     holds: |kind, _| options::drawable(kind),
+    ..FormatFacts::USUAL
 };
 
 impl Format for Png {
@@ -137,6 +138,21 @@ impl Format for Png {
         FACTS
     }
 
+    fn side_px(&self, outline: &Outline, frame: Frame, options: &Values) -> Option<f64> {
+        Some(outline::side_px(outline, &Options::new(options, frame)))
+    }
+
+    fn write(&self, scene: &Scene<'_>, values: &Values, out: &mut dyn Write, watch: &Watch) -> Result<(), FormatError> {
+        let options = Options::new(values, scene.frame);
+        let pixels = pixels(scene, values, watch)?;
+        watch.check()?;
+        watch.enter(Stage::Encode);
+        // an opaque background leaves nothing transparent
+        encode(pixels, options.size, (options.background[3] == 255, options.dpi()), out)
+    }
+}
+
+impl Requirements for Png {
     fn suits(&self, kind: ShapeKind, carried: &Attachments, options: &Values) -> Result<(), Fault> {
         let fitting: &[&str] = match kind {
             ShapeKind::Mesh => lines::SHOWN,
@@ -150,16 +166,14 @@ impl Format for Png {
         meanings::check(kind, carried, options)
     }
 
-    fn size(&self, _: &Counts, options: &Values) -> Size {
-        bytes(options::size(options))
-    }
-
-    fn paper(&self) -> Option<Paper> {
-        Some(Paper::Png)
-    }
-
     fn refers(&self, options: &Values) -> Option<&'static str> {
         lines::refers(options).or(coat::follows_faces(options).then_some("colours of input faces"))
+    }
+}
+
+impl Costs for Png {
+    fn size(&self, _: &Counts, options: &Values) -> Size {
+        bytes(options::size(options))
     }
 
     fn memory(&self, counts: &Counts, options: &Values) -> u128 {
@@ -190,19 +204,6 @@ impl Format for Png {
         let [width, height] = options::size(options).map(u128::from);
         let looks = look::work(options, counts, width * height);
         drawn.saturating_add(looks).saturating_add(coat::work(&counts.attachments, options))
-    }
-
-    fn side_px(&self, outline: &Outline, frame: Frame, options: &Values) -> Option<f64> {
-        Some(outline::side_px(outline, &Options::new(options, frame)))
-    }
-
-    fn write(&self, scene: &Scene<'_>, values: &Values, out: &mut dyn Write, watch: &Watch) -> Result<(), FormatError> {
-        let options = Options::new(values, scene.frame);
-        let pixels = pixels(scene, values, watch)?;
-        watch.check()?;
-        watch.enter(Stage::Encode);
-        // an opaque background leaves nothing transparent
-        encode(pixels, options.size, (options.background[3] == 255, options.dpi()), out)
     }
 }
 

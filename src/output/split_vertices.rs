@@ -7,7 +7,7 @@ use rayon::prelude::*;
 use crate::output::hard_edges::HardEdges;
 use crate::output::scene::{FaceChunk, MeshSource, Shape, in_chunks};
 use crate::shape::attachments::Attachments;
-use crate::shape::source::{NormalSource, Origin, OriginSource, PlaceSource};
+use crate::shape::source::{CarriedSource, NormalSource, Origin, OriginSource, PlaceSource};
 use crate::watch::{Stopped, Watch};
 
 /// The mesh with a copy of each vertex for every sector but one between the sharp and hard edges that meet
@@ -193,7 +193,9 @@ impl MeshSource for SplitVertices<'_> {
             start = end;
         }
     }
+}
 
+impl CarriedSource for SplitVertices<'_> {
     fn normals(&self) -> Option<&dyn NormalSource> {
         self.mesh.normals().is_some().then_some(self)
     }

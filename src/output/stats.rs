@@ -15,7 +15,7 @@ use crate::math::parameter::{Default, Kind, Parameter, Values};
 use crate::output::certificate;
 use crate::output::counts::{Counts, ShapeKind};
 use crate::output::error::FormatError;
-use crate::output::format::{Content, Format, FormatFacts};
+use crate::output::format::{Content, Costs, Format, FormatFacts, Requirements};
 use crate::output::numbers::total;
 use crate::output::options::POSITIONS;
 use crate::output::scene::{Scene, Shape};
@@ -71,56 +71,13 @@ const FACTS: &FormatFacts = &FormatFacts {
     content: Content::Json,
     doc: "Statistics in JSON: counts, bounding box, measures, moments, valences, hashes",
     parameters: &[POSITIONS, NORMALS, CURVATURE, CERTIFICATE],
-    holds_frames: false,
     holds: |_, _| Ok(()),
+    ..FormatFacts::USUAL
 };
 
 impl Format for Stats {
     fn facts(&self) -> &'static FormatFacts {
         FACTS
-    }
-
-    /// Three lists may have many entries. Distinct valences 1, 2, .. k need k (k + 1) / 2 ends of edges, of which there
-    /// are two for each corner at most; likewise distinct sizes of faces.
-    fn size(&self, counts: &Counts, options: &Values) -> Size {
-        let distinct = counts.half_edges.saturating_mul(4).isqrt() + 1;
-        let told = if options.flag(CURVATURE.name) { fairness::LENGTH } else { 0 };
-        let certified = if options.flag(CERTIFICATE.name) { certificate::length(counts, options) } else { 0 };
-        let entry = br#""1234567890":12345678901234567890,"#.len() as u128;
-        Size::AtMost(total(&[(1, 2_048 + told), (1, certified), (3 * distinct.min(counts.vertices), entry)]))
-    }
-
-    fn suits(&self, kind: ShapeKind, _: &Attachments, options: &Values) -> Result<(), Fault> {
-        if kind != ShapeKind::Mesh && options.flag(CURVATURE.name) {
-            return Err(Fault::new("/curvature", "only the curvature of meshes is told; leave it out"));
-        }
-        if kind != ShapeKind::Mesh && options.flag(CERTIFICATE.name) {
-            return Err(Fault::new("/certificate", "only meshes become solids; leave it out"));
-        }
-        Ok(())
-    }
-
-    fn memory(&self, counts: &Counts, options: &Values) -> u128 {
-        let [of_vertex, of_corner] = fairness::BYTES;
-        let vertices = counts.vertices.saturating_add(counts.split_vertices);
-        let told = vertices.saturating_mul(of_vertex).saturating_add(counts.half_edges.saturating_mul(of_corner));
-        let solid = if options.flag(CERTIFICATE.name) { forecast(counts, options).bytes() } else { 0 };
-        if options.flag(CURVATURE.name) { told.saturating_add(solid) } else { solid }
-    }
-
-    fn makes_solid(&self, options: &Values) -> bool {
-        options.flag(CERTIFICATE.name)
-    }
-
-    fn admits(&self, mesh: &Mesh, plan: &Plan, options: &Values) -> Result<(), Fault> {
-        if options.flag(CERTIFICATE.name) { admits(mesh, plan, options) } else { Ok(()) }
-    }
-
-    /// Three sums over the faces, and the edges sorted, 150 ns a corner.
-    fn work(&self, mesh: Option<&Mesh>, counts: &Counts, options: &Values) -> u128 {
-        let solid = if options.flag(CERTIFICATE.name) { work(mesh, options) } else { 0 };
-        let curvature = if options.flag(CURVATURE.name) { counts.half_edges.saturating_mul(3) / 2 } else { 0 };
-        solid.saturating_add(curvature)
     }
 
     fn write(
@@ -143,5 +100,52 @@ impl Format for Stats {
             found["certificate"] = certificate::report(&solid_of(scene, options, watch)?.certificate);
         }
         Ok(writeln!(out, "{found}")?)
+    }
+}
+
+impl Requirements for Stats {
+    fn suits(&self, kind: ShapeKind, _: &Attachments, options: &Values) -> Result<(), Fault> {
+        if kind != ShapeKind::Mesh && options.flag(CURVATURE.name) {
+            return Err(Fault::new("/curvature", "only the curvature of meshes is told; leave it out"));
+        }
+        if kind != ShapeKind::Mesh && options.flag(CERTIFICATE.name) {
+            return Err(Fault::new("/certificate", "only meshes become solids; leave it out"));
+        }
+        Ok(())
+    }
+
+    fn admits(&self, mesh: &Mesh, plan: &Plan, options: &Values) -> Result<(), Fault> {
+        if options.flag(CERTIFICATE.name) { admits(mesh, plan, options) } else { Ok(()) }
+    }
+}
+
+impl Costs for Stats {
+    /// Three lists may have many entries. Distinct valences 1, 2, .. k need k (k + 1) / 2 ends of edges, of which there
+    /// are two for each corner at most; likewise distinct sizes of faces.
+    fn size(&self, counts: &Counts, options: &Values) -> Size {
+        let distinct = counts.half_edges.saturating_mul(4).isqrt() + 1;
+        let told = if options.flag(CURVATURE.name) { fairness::LENGTH } else { 0 };
+        let certified = if options.flag(CERTIFICATE.name) { certificate::length(counts, options) } else { 0 };
+        let entry = br#""1234567890":12345678901234567890,"#.len() as u128;
+        Size::AtMost(total(&[(1, 2_048 + told), (1, certified), (3 * distinct.min(counts.vertices), entry)]))
+    }
+
+    fn memory(&self, counts: &Counts, options: &Values) -> u128 {
+        let [of_vertex, of_corner] = fairness::BYTES;
+        let vertices = counts.vertices.saturating_add(counts.split_vertices);
+        let told = vertices.saturating_mul(of_vertex).saturating_add(counts.half_edges.saturating_mul(of_corner));
+        let solid = if options.flag(CERTIFICATE.name) { forecast(counts, options).bytes() } else { 0 };
+        if options.flag(CURVATURE.name) { told.saturating_add(solid) } else { solid }
+    }
+
+    fn makes_solid(&self, options: &Values) -> bool {
+        options.flag(CERTIFICATE.name)
+    }
+
+    /// Three sums over the faces, and the edges sorted, 150 ns a corner.
+    fn work(&self, mesh: Option<&Mesh>, counts: &Counts, options: &Values) -> u128 {
+        let solid = if options.flag(CERTIFICATE.name) { work(mesh, options) } else { 0 };
+        let curvature = if options.flag(CURVATURE.name) { counts.half_edges.saturating_mul(3) / 2 } else { 0 };
+        solid.saturating_add(curvature)
     }
 }

@@ -6,7 +6,7 @@ use crate::fault::Fault;
 use crate::math::parameter::{Default, Kind, Parameter, Values};
 use crate::output::counts::{Counts, ShapeKind};
 use crate::output::error::FormatError;
-use crate::output::format::{Content, Format, FormatFacts};
+use crate::output::format::{Content, Costs, Format, FormatFacts, MadeOf, Requirements};
 use crate::output::numbers::{REAL, digits, real, total, whole};
 use crate::output::options::{LIMIT, POSITIONS};
 use crate::output::scene::Scene;
@@ -63,15 +63,11 @@ pub(super) const BINARY: Stencils = Stencils {
 
 /// What both have in common.
 const FACTS: FormatFacts = FormatFacts {
-    name: "",
-    extension: "",
-    media_type: "",
-    content: Content::Json,
-    doc: "",
     parameters: &[POSITIONS, NORMALS],
+    made_of: MadeOf::Weights,
     // all have the same weights
     holds_frames: true,
-    holds: |_, _| Ok(()),
+    ..FormatFacts::USUAL
 };
 
 /// The option of normals.
@@ -103,26 +99,22 @@ impl Format for Stencils {
         self.facts
     }
 
-    fn weighs(&self) -> bool {
-        true
+    fn write(&self, scene: &Scene<'_>, _: &Values, out: &mut dyn Write, watch: &Watch) -> Result<(), FormatError> {
+        let Some(weights) = scene.weights else {
+            return Err(FormatError::Unfit("there are no weights without a plan that makes points".into()));
+        };
+        let mut stream = Stream::new(out, watch);
+        if self.is_text { write_text(weights, &mut stream) } else { write_arrays(weights, &mut stream) }
     }
+}
 
+impl Requirements for Stencils {
     fn suits(&self, kind: ShapeKind, _: &Attachments, options: &Values) -> Result<(), Fault> {
         let is_curve = matches!(kind, ShapeKind::Curves { .. });
         if is_curve && options.choice(NORMALS.name) == Some(LIMIT) {
             return Err(Fault::new("/normals", "curves have no normals; leave it out"));
         }
         Ok(())
-    }
-
-    fn size(&self, counts: &Counts, _: &Values) -> Size {
-        let [rows, entries] = counts.weights;
-        let number = if self.is_text { digits(rows.saturating_add(counts.control)) + 2 } else { 4 };
-        let weight = if self.is_text { REAL + 1 } else { 8 };
-        let ends = rows.saturating_add(1);
-        // an entry has an index, a weight, and where it is no group a term; every further sector a number
-        let (of_entry, of_row) = (2 * number + weight, (number + if self.is_text { REAL } else { 0 }) + number);
-        Size::AtMost(total(&[(1, HEAD), (ends, of_row), (entries, of_entry), (counts.vertices, number)]))
     }
 
     fn fits(&self, counts: &Counts, _: &Values) -> Result<(), Fault> {
@@ -133,6 +125,18 @@ impl Format for Stencils {
         let detail = "there may be more weights than 32 bits number; ask for fewer levels";
         Err(Fault::new("/format", detail))
     }
+}
+
+impl Costs for Stencils {
+    fn size(&self, counts: &Counts, _: &Values) -> Size {
+        let [rows, entries] = counts.weights;
+        let number = if self.is_text { digits(rows.saturating_add(counts.control)) + 2 } else { 4 };
+        let weight = if self.is_text { REAL + 1 } else { 8 };
+        let ends = rows.saturating_add(1);
+        // an entry has an index, a weight, and where it is no group a term; every further sector a number
+        let (of_entry, of_row) = (2 * number + weight, (number + if self.is_text { REAL } else { 0 }) + number);
+        Size::AtMost(total(&[(1, HEAD), (ends, of_row), (entries, of_entry), (counts.vertices, number)]))
+    }
 
     fn memory(&self, counts: &Counts, _: &Values) -> u128 {
         let [rows, entries] = counts.weights;
@@ -141,14 +145,6 @@ impl Format for Stencils {
 
     fn work(&self, _: Option<&Mesh>, counts: &Counts, _: &Values) -> u128 {
         counts.weights[1] / ENTRIES_A_ROW
-    }
-
-    fn write(&self, scene: &Scene<'_>, _: &Values, out: &mut dyn Write, watch: &Watch) -> Result<(), FormatError> {
-        let Some(weights) = scene.weights else {
-            return Err(FormatError::Unfit("there are no weights without a plan that makes points".into()));
-        };
-        let mut stream = Stream::new(out, watch);
-        if self.is_text { write_text(weights, &mut stream) } else { write_arrays(weights, &mut stream) }
     }
 }
 

@@ -12,7 +12,7 @@ use crate::fault::Fault;
 use crate::math::parameter::Values;
 use crate::output::counts::{Counts, ShapeKind};
 use crate::output::error::FormatError;
-use crate::output::format::{Content, Format, FormatFacts};
+use crate::output::format::{Content, Costs, Format, FormatFacts, MadeOf, Requirements};
 use crate::output::numbers::total;
 use crate::output::scene::Scene;
 use crate::output::size::Size;
@@ -34,47 +34,18 @@ const FACTS: &FormatFacts = &FormatFacts {
     content: Content::Text,
     doc: "STEP (AP242): the limit surface of a cage with bicubic regular pieces as solids of B-spline faces",
     parameters: SOLID_OPTIONS,
-    holds_frames: false,
+    made_of: MadeOf::Limit,
+    tells_plan: true,
     holds: |kind, _| match kind {
         ShapeKind::Mesh => Ok(()),
         ShapeKind::Curves { .. } => Err("step holds surfaces only, these are curves; ask for svg or json".into()),
     },
+    ..FormatFacts::USUAL
 };
 
 impl Format for Step {
     fn facts(&self) -> &'static FormatFacts {
         FACTS
-    }
-
-    /// A rectangle of m x n cells has (m + 3) (n + 3) control points, so that all together have at most four a bicubic
-    /// face and twelve a face of the result, of a hundred bytes and eight where they are referred to; curves have as
-    /// many as the surfaces that they bound. Caps have 36, and names are cut.
-    fn size(&self, counts: &Counts, options: &Values) -> Size {
-        let forecast = forecast(counts, options);
-        let labels = total(&[(counts.attachments.groups.names.len() as u128, 128), (forecast.faces, 200)]);
-        Size::AtMost(total(&[(forecast.leaves, 1_000), (forecast.faces, 9_000), (1, 8_192 + labels)]))
-    }
-
-    fn memory(&self, counts: &Counts, options: &Values) -> u128 {
-        forecast(counts, options).bytes()
-    }
-
-    fn work(&self, mesh: Option<&Mesh>, _counts: &Counts, options: &Values) -> u128 {
-        work(mesh, options)
-    }
-
-    fn is_of_limit(&self) -> bool {
-        true
-    }
-
-    fn leaves_out(&self, carried: &Attachments, _: &Values) -> Option<String> {
-        let sees_through = |look: &Look| look.color.is_some_and(|color| color[3] < 1.0) || look.texture.is_some();
-        let sentence = || "transparency and pictures of materials are left out of step; ask for glb".to_owned();
-        carried.looks.iter().any(sees_through).then(sentence)
-    }
-
-    fn admits(&self, mesh: &Mesh, plan: &Plan, options: &Values) -> Result<(), Fault> {
-        admits(mesh, plan, options)
     }
 
     fn write(
@@ -99,5 +70,40 @@ impl Format for Step {
         shape::shells(&mut out, &solid.certificate.shells, &faces, product)?;
         out.line("ENDSEC;\nEND-ISO-10303-21;")?;
         out.finish()
+    }
+}
+
+impl Requirements for Step {
+    fn leaves_out(&self, carried: &Attachments, _: &Values) -> Option<String> {
+        let sees_through = |look: &Look| look.color.is_some_and(|color| color[3] < 1.0) || look.texture.is_some();
+        let sentence = || "transparency and pictures of materials are left out of step; ask for glb".to_owned();
+        carried.looks.iter().any(sees_through).then(sentence)
+    }
+
+    fn admits(&self, mesh: &Mesh, plan: &Plan, options: &Values) -> Result<(), Fault> {
+        admits(mesh, plan, options)
+    }
+}
+
+impl Costs for Step {
+    /// A rectangle of m x n cells has (m + 3) (n + 3) control points, so that all together have at most four a bicubic
+    /// face and twelve a face of the result, of a hundred bytes and eight where they are referred to; curves have as
+    /// many as the surfaces that they bound. Caps have 36, and names are cut.
+    fn size(&self, counts: &Counts, options: &Values) -> Size {
+        let forecast = forecast(counts, options);
+        let labels = total(&[(counts.attachments.groups.names.len() as u128, 128), (forecast.faces, 200)]);
+        Size::AtMost(total(&[(forecast.leaves, 1_000), (forecast.faces, 9_000), (1, 8_192 + labels)]))
+    }
+
+    fn memory(&self, counts: &Counts, options: &Values) -> u128 {
+        forecast(counts, options).bytes()
+    }
+
+    fn work(&self, mesh: Option<&Mesh>, _counts: &Counts, options: &Values) -> u128 {
+        work(mesh, options)
+    }
+
+    fn makes_solid(&self, _options: &Values) -> bool {
+        true
     }
 }

@@ -7,7 +7,7 @@ use crate::math::parameter::{Default, Parameter, Values};
 use crate::math::vector::{plus, unit};
 use crate::output::counts::{Counts, ShapeKind};
 use crate::output::error::FormatError;
-use crate::output::format::{Content, Format, FormatFacts};
+use crate::output::format::{Content, Costs, Format, FormatFacts, Requirements};
 use crate::output::hard_edges::HardEdges;
 use crate::output::normals;
 use crate::output::numbers::{rounded, total};
@@ -46,29 +46,16 @@ const FACTS: &FormatFacts = &FormatFacts {
     content: Content::Binary,
     doc: "Binary STL: loose triangles with facet normals, f32",
     parameters: &[POSITIONS, FACETS],
-    holds_frames: false,
     holds: |kind, _| match kind {
         ShapeKind::Mesh => Ok(()),
         ShapeKind::Curves { .. } => Err("stl holds triangles only, these are curves; ask for json or obj".into()),
     },
+    ..FormatFacts::USUAL
 };
 
 impl Format for Stl {
     fn facts(&self) -> &'static FormatFacts {
         FACTS
-    }
-
-    fn leaves_out(&self, carried: &Attachments, _: &Values) -> Option<String> {
-        let sentence = || "how materials look is left out, as stl has no place for it; ask for glb";
-        (!carried.looks.is_empty()).then(sentence).map(str::to_owned)
-    }
-
-    fn size(&self, counts: &Counts, _options: &Values) -> Size {
-        Size::Exact(total(&[(1, HEADER.len() as u128 + 4), (n_triangles(counts), TRIANGLE)]))
-    }
-
-    fn fits(&self, counts: &Counts, _options: &Values) -> Result<(), Fault> {
-        check_triangles(n_triangles(counts)).map(drop).map_err(|detail| Fault::new("/format", detail))
     }
 
     fn streams(&self, _mesh: &Mesh, options: &Values) -> &'static [Tile] {
@@ -86,6 +73,23 @@ impl Format for Stl {
             Shape::Mesh(mesh) => write_mesh(mesh, options.choice(NORMALS.name), out, watch),
             Shape::Curves(_) => Err(FormatError::Unfit("stl holds triangles only; ask for json or obj".into())),
         }
+    }
+}
+
+impl Requirements for Stl {
+    fn leaves_out(&self, carried: &Attachments, _: &Values) -> Option<String> {
+        let sentence = || "how materials look is left out, as stl has no place for it; ask for glb";
+        (!carried.looks.is_empty()).then(sentence).map(str::to_owned)
+    }
+
+    fn fits(&self, counts: &Counts, _options: &Values) -> Result<(), Fault> {
+        check_triangles(n_triangles(counts)).map(drop).map_err(|detail| Fault::new("/format", detail))
+    }
+}
+
+impl Costs for Stl {
+    fn size(&self, counts: &Counts, _options: &Values) -> Size {
+        Size::Exact(total(&[(1, HEADER.len() as u128 + 4), (n_triangles(counts), TRIANGLE)]))
     }
 }
 

@@ -14,7 +14,7 @@ use crate::math::amounts::in_bytes;
 use crate::math::parameter::{Parameter, Values};
 use crate::output::counts::{Counts, ShapeKind};
 use crate::output::error::FormatError;
-use crate::output::format::{Content, Format, FormatFacts};
+use crate::output::format::{Content, Costs, Format, FormatFacts, Requirements};
 use crate::output::numbers::{REAL, digits, real, total, whole};
 use crate::output::options::POSITIONS;
 use crate::output::positions::Positions;
@@ -71,11 +71,11 @@ const FACTS: &FormatFacts = &FormatFacts {
     content: Content::Packed,
     doc: "3MF for printers: triangles with unit, up axis, materials or colours of vertices, parts on request",
     parameters: &[POSITIONS, PARTS],
-    holds_frames: false,
     holds: |kind, _| match kind {
         ShapeKind::Mesh => Ok(()),
         ShapeKind::Curves { .. } => Err("3mf holds triangles only, these are curves; ask for json or obj".into()),
     },
+    ..FormatFacts::USUAL
 };
 
 impl Format for ThreeMf {
@@ -83,6 +83,36 @@ impl Format for ThreeMf {
         FACTS
     }
 
+    fn streams(&self, _mesh: &Mesh, options: &Values) -> &'static [Tile] {
+        if options.choice(PARTS.name) == Some(COMPONENTS) { &[] } else { &[Tile::Quad, Tile::Triangle] }
+    }
+
+    fn write(
+        &self,
+        scene: &Scene<'_>,
+        options: &Values,
+        out: &mut dyn Write,
+        watch: &Watch,
+    ) -> Result<(), FormatError> {
+        let Shape::Mesh(mesh) = scene.shape else {
+            return Err(FormatError::Unfit("3mf holds triangles only; ask for json or obj".into()));
+        };
+        if mesh.n_faces() == 0 {
+            return Err(FormatError::Unfit(
+                "no face is shown, and 3mf holds no model without one; ask for json".into(),
+            ));
+        }
+        let [types, relations, model] = NAMES;
+        let mut package = Package::new(out);
+        package.file(types, |out| Ok::<_, FormatError>(out.write_all(TYPES.as_bytes())?))?;
+        package.file(relations, |out| Ok::<_, FormatError>(out.write_all(RELATIONS.as_bytes())?))?;
+        let is_parted = options.choice(PARTS.name) == Some(COMPONENTS);
+        package.file(model, |out| write_model(mesh, scene.frame, is_parted, &mut Stream::new(out, watch), watch))?;
+        Ok(package.finish()?)
+    }
+}
+
+impl Requirements for ThreeMf {
     fn fits(&self, counts: &Counts, options: &Values) -> Result<(), Fault> {
         let (length, most) = (model_length(counts, options), u128::from(u32::MAX));
         if length <= most {
@@ -112,7 +142,9 @@ impl Format for ThreeMf {
         }
         (!left_out.is_empty()).then(|| format!("{} (3mf)", left_out.join("; ")))
     }
+}
 
+impl Costs for ThreeMf {
     fn size(&self, counts: &Counts, options: &Values) -> Size {
         let model = model_length(counts, options);
         let names = NAMES.iter().map(|name| name.len() as u128).sum();
@@ -131,34 +163,6 @@ impl Format for ThreeMf {
     /// Compressing takes about 25 ns a byte.
     fn work(&self, _mesh: Option<&Mesh>, counts: &Counts, options: &Values) -> u128 {
         model_length(counts, options) / 4
-    }
-
-    fn streams(&self, _mesh: &Mesh, options: &Values) -> &'static [Tile] {
-        if options.choice(PARTS.name) == Some(COMPONENTS) { &[] } else { &[Tile::Quad, Tile::Triangle] }
-    }
-
-    fn write(
-        &self,
-        scene: &Scene<'_>,
-        options: &Values,
-        out: &mut dyn Write,
-        watch: &Watch,
-    ) -> Result<(), FormatError> {
-        let Shape::Mesh(mesh) = scene.shape else {
-            return Err(FormatError::Unfit("3mf holds triangles only; ask for json or obj".into()));
-        };
-        if mesh.n_faces() == 0 {
-            return Err(FormatError::Unfit(
-                "no face is shown, and 3mf holds no model without one; ask for json".into(),
-            ));
-        }
-        let [types, relations, model] = NAMES;
-        let mut package = Package::new(out);
-        package.file(types, |out| Ok::<_, FormatError>(out.write_all(TYPES.as_bytes())?))?;
-        package.file(relations, |out| Ok::<_, FormatError>(out.write_all(RELATIONS.as_bytes())?))?;
-        let is_parted = options.choice(PARTS.name) == Some(COMPONENTS);
-        package.file(model, |out| write_model(mesh, scene.frame, is_parted, &mut Stream::new(out, watch), watch))?;
-        Ok(package.finish()?)
     }
 }
 

@@ -14,7 +14,7 @@ use crate::fault::Fault;
 use crate::math::parameter::Values;
 use crate::output::counts::{Counts, ShapeKind};
 use crate::output::error::FormatError;
-use crate::output::format::{Content, Format, FormatFacts};
+use crate::output::format::{Content, Costs, Format, FormatFacts, Requirements};
 use crate::output::hard_edges::HardEdges;
 use crate::output::normals;
 use crate::output::numbers::{REAL, digits, real, total, whole};
@@ -60,40 +60,17 @@ const FACTS: &FormatFacts = &FormatFacts {
     content: Content::Text,
     doc: "USD as text: at level 0 of catmull-clark, loop and bilinear the cage as a subdivision surface, else polygons",
     parameters: &[POSITIONS, NORMALS],
-    holds_frames: false,
+    tells_plan: true,
     holds: |kind, _| match kind {
         ShapeKind::Mesh => Ok(()),
         ShapeKind::Curves { .. } => Err("usda holds meshes here, these are curves; ask for json or obj".into()),
     },
+    ..FormatFacts::USUAL
 };
 
 impl Format for Usda {
     fn facts(&self) -> &'static FormatFacts {
         FACTS
-    }
-
-    fn tells_plan(&self) -> bool {
-        true
-    }
-
-    fn fits(&self, counts: &Counts, options: &Values) -> Result<(), Fault> {
-        let normals = if with_normals(options) { counts.split_vertices } else { 0 };
-        let most = counts.vertices.saturating_add(normals).max(counts.uvs).max(counts.seamed).max(counts.faces);
-        if most <= i32::MAX as u128 {
-            return Ok(());
-        }
-        let detail = format!("{most} vertices or faces, usda counts at most {}; ask for fewer levels", i32::MAX);
-        Err(Fault::new("/format", detail))
-    }
-
-    fn leaves_out(&self, carried: &Attachments, _: &Values) -> Option<String> {
-        let has_texture = carried.looks.iter().any(|look| look.texture.is_some());
-        let sentence = "textures are left out, as usda has them in files of their own; ask for glb";
-        has_texture.then(|| sentence.to_owned())
-    }
-
-    fn size(&self, counts: &Counts, options: &Values) -> Size {
-        Size::AtMost(size(counts, options))
     }
 
     fn streams(&self, _mesh: &Mesh, options: &Values) -> &'static [Tile] {
@@ -121,6 +98,30 @@ impl Format for Usda {
         }
         carried::materials(mesh.attachments(), &mut stream)?;
         stream.bytes(b"}\n")
+    }
+}
+
+impl Requirements for Usda {
+    fn fits(&self, counts: &Counts, options: &Values) -> Result<(), Fault> {
+        let normals = if with_normals(options) { counts.split_vertices } else { 0 };
+        let most = counts.vertices.saturating_add(normals).max(counts.uvs).max(counts.seamed).max(counts.faces);
+        if most <= i32::MAX as u128 {
+            return Ok(());
+        }
+        let detail = format!("{most} vertices or faces, usda counts at most {}; ask for fewer levels", i32::MAX);
+        Err(Fault::new("/format", detail))
+    }
+
+    fn leaves_out(&self, carried: &Attachments, _: &Values) -> Option<String> {
+        let has_texture = carried.looks.iter().any(|look| look.texture.is_some());
+        let sentence = "textures are left out, as usda has them in files of their own; ask for glb";
+        has_texture.then(|| sentence.to_owned())
+    }
+}
+
+impl Costs for Usda {
+    fn size(&self, counts: &Counts, options: &Values) -> Size {
+        Size::AtMost(size(counts, options))
     }
 }
 

@@ -7,7 +7,7 @@ use crate::fault::Fault;
 use crate::math::parameter::Values;
 use crate::output::counts::{Counts, ShapeKind};
 use crate::output::error::FormatError;
-use crate::output::format::{Content, Format, FormatFacts, Paper};
+use crate::output::format::{Content, Costs, Format, FormatFacts, Paper, Requirements};
 use crate::output::picture::options::Options;
 use crate::output::picture::outline::{self, Outline};
 use crate::output::picture::vector;
@@ -21,13 +21,12 @@ use crate::watch::Watch;
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Vector {
     facts: &'static FormatFacts,
-    paper: Paper,
 }
 
 /// The format "svg".
-pub(super) const SVG: Vector = Vector { facts: SVG_FACTS, paper: Paper::Svg };
+pub(super) const SVG: Vector = Vector { facts: SVG_FACTS };
 /// The format "pdf".
-pub(super) const PDF: Vector = Vector { facts: PDF_FACTS, paper: Paper::Pdf };
+pub(super) const PDF: Vector = Vector { facts: PDF_FACTS };
 
 const SVG_FACTS: &FormatFacts = &FormatFacts {
     name: "svg",
@@ -37,8 +36,9 @@ const SVG_FACTS: &FormatFacts = &FormatFacts {
     doc: "A drawing in paths that scale: of curves with their control polygons, of a mesh without its hidden lines, or \
           of plane sections of a mesh.",
     parameters: vector::PARAMETERS,
-    holds_frames: false,
+    paper: Some(Paper::Svg),
     holds: vector::holds,
+    ..FormatFacts::USUAL
 };
 
 const PDF_FACTS: &FormatFacts = &FormatFacts {
@@ -48,41 +48,14 @@ const PDF_FACTS: &FormatFacts = &FormatFacts {
     content: Content::Packed,
     doc: "The drawing of \"svg\" as a page, as LaTeX wants it.",
     parameters: vector::PARAMETERS,
-    holds_frames: false,
+    paper: Some(Paper::Pdf),
     holds: vector::holds,
+    ..FormatFacts::USUAL
 };
 
 impl Format for Vector {
     fn facts(&self) -> &'static FormatFacts {
         self.facts
-    }
-
-    fn suits(&self, kind: ShapeKind, _: &Attachments, options: &Values) -> Result<(), Fault> {
-        vector::suits(kind, options)
-    }
-
-    fn fits(&self, counts: &Counts, options: &Values) -> Result<(), Fault> {
-        vector::fits(counts, options)
-    }
-
-    fn size(&self, counts: &Counts, options: &Values) -> Size {
-        vector::size(counts, options)
-    }
-
-    fn paper(&self) -> Option<Paper> {
-        Some(self.paper)
-    }
-
-    fn refers(&self, options: &Values) -> Option<&'static str> {
-        vector::refers(options)
-    }
-
-    fn memory(&self, counts: &Counts, options: &Values) -> u128 {
-        vector::memory(counts, options)
-    }
-
-    fn work(&self, _: Option<&Mesh>, counts: &Counts, options: &Values) -> u128 {
-        vector::work(counts, options)
     }
 
     fn side_px(&self, outline: &Outline, frame: Frame, options: &Values) -> Option<f64> {
@@ -91,11 +64,39 @@ impl Format for Vector {
 
     fn write(&self, scene: &Scene<'_>, values: &Values, out: &mut dyn Write, watch: &Watch) -> Result<(), FormatError> {
         let (drawing, lettering) = (vector::draw(scene, values, watch)?, vector::lettering(values));
-        if self.paper == Paper::Pdf {
+        if self.facts.paper == Some(Paper::Pdf) {
             pdf(&drawing, lettering, out, watch)?;
         } else {
             svg(&drawing, lettering, out, watch)?;
         }
         Ok(())
+    }
+}
+
+impl Requirements for Vector {
+    fn suits(&self, kind: ShapeKind, _: &Attachments, options: &Values) -> Result<(), Fault> {
+        vector::suits(kind, options)
+    }
+
+    fn fits(&self, counts: &Counts, options: &Values) -> Result<(), Fault> {
+        vector::fits(counts, options)
+    }
+
+    fn refers(&self, options: &Values) -> Option<&'static str> {
+        vector::refers(options)
+    }
+}
+
+impl Costs for Vector {
+    fn size(&self, counts: &Counts, options: &Values) -> Size {
+        vector::size(counts, options)
+    }
+
+    fn memory(&self, counts: &Counts, options: &Values) -> u128 {
+        vector::memory(counts, options)
+    }
+
+    fn work(&self, _: Option<&Mesh>, counts: &Counts, options: &Values) -> u128 {
+        vector::work(counts, options)
     }
 }

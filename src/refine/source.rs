@@ -6,7 +6,7 @@ use super::refined::{RefinedChannel, RefinedMesh};
 use super::unfolded::Unfolded;
 use crate::shape::attachments::Attachments;
 use crate::shape::creases::Tags;
-use crate::shape::source::{FaceChunk, MeshSource, NormalSource, Origin, OriginSource, PlaceSource};
+use crate::shape::source::{CarriedSource, FaceChunk, MeshSource, NormalSource, Origin, OriginSource, PlaceSource};
 use crate::shape::topology::{NONE, index};
 
 impl MeshSource for RefinedMesh {
@@ -30,16 +30,22 @@ impl MeshSource for RefinedMesh {
         self.order.is_documented().then_some(self.points.as_chunks().0)
     }
 
+    fn faces(&self, range: Range<usize>, out: &mut FaceChunk) {
+        self.list(&self.base, self.order.order(), range, out);
+    }
+
+    fn frames(&self) -> Vec<&dyn MeshSource> {
+        self.frames.iter().map(|frame| frame as &dyn MeshSource).collect()
+    }
+}
+
+impl CarriedSource for RefinedMesh {
     fn sharp_edges(&self) -> Vec<[u32; 2]> {
         self.sharp_pieces().map(|(edge, piece)| self.piece(&self.base, edge, piece)).collect()
     }
 
     fn tags(&self) -> Tags {
         self.tags.clone()
-    }
-
-    fn faces(&self, range: Range<usize>, out: &mut FaceChunk) {
-        self.list(&self.base, self.order.order(), range, out);
     }
 
     fn normals(&self) -> Option<&dyn NormalSource> {
@@ -57,10 +63,6 @@ impl MeshSource for RefinedMesh {
 
     fn unfolded(&self) -> Option<Box<dyn MeshSource + '_>> {
         Some(Box::new(Unfolded::of(self)?))
-    }
-
-    fn frames(&self) -> Vec<&dyn MeshSource> {
-        self.frames.iter().map(|frame| frame as &dyn MeshSource).collect()
     }
 
     fn attachments(&self) -> &Attachments {

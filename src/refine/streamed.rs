@@ -14,7 +14,7 @@ use crate::scheme::plan::{Plan, Scheduled};
 use crate::shape::attachments::Attachments;
 use crate::shape::creases::Tags;
 use crate::shape::mesh::Mesh;
-use crate::shape::source::{FaceChunk, MeshSource, OnDemandSource, Origin, OriginSource};
+use crate::shape::source::{CarriedSource, FaceChunk, MeshSource, OnDemandSource, Origin, OriginSource};
 use crate::shape::tile::Tile;
 use crate::watch::{Stage, Watch};
 
@@ -83,7 +83,9 @@ impl MeshSource for StreamedMesh {
     fn faces(&self, range: Range<usize>, out: &mut FaceChunk) {
         self.shape.faces(range, out);
     }
+}
 
+impl CarriedSource for StreamedMesh {
     fn attachments(&self) -> &Attachments {
         self.shape.attachments()
     }

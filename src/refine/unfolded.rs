@@ -10,7 +10,7 @@ use super::refined::{RefinedChannel, RefinedMesh};
 use super::seams::RefinedPlaces;
 use crate::shape::attachments::Attachments;
 use crate::shape::order::Order;
-use crate::shape::source::{FaceChunk, MeshSource, NormalSource, Origin, OriginSource, PlaceSource};
+use crate::shape::source::{CarriedSource, FaceChunk, MeshSource, NormalSource, Origin, OriginSource, PlaceSource};
 use crate::shape::topology::{Topology, index};
 
 /// The faces are those of the mesh, in their order; vertices without a face are not there.
@@ -75,7 +75,9 @@ impl MeshSource for Unfolded<'_> {
     fn faces(&self, range: Range<usize>, out: &mut FaceChunk) {
         self.mesh.list(&self.base, self.order.as_ref(), range, out);
     }
+}
 
+impl CarriedSource for Unfolded<'_> {
     fn sharp_edges(&self) -> Vec<[u32; 2]> {
         self.mesh.sharp_places(&self.base)
     }

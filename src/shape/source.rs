@@ -34,54 +34,46 @@ impl Curve {
 /// A mesh as a source: vertices and faces in the documented order. Hidden faces (holes) are already left out.
 ///
 /// What is filled into `out` replaces what it held before.
-pub trait MeshSource: OriginSource + std::fmt::Debug + Sync {
-    /// Number of vertices.
+pub trait MeshSource: CarriedSource + OriginSource + std::fmt::Debug + Sync {
+    /// Returns the number of vertices.
     fn n_vertices(&self) -> usize;
 
-    /// Number of shown faces.
+    /// Returns the number of shown faces.
     fn n_faces(&self) -> usize;
 
-    /// Number of half-edges of the shown faces: the sum of their sizes.
+    /// Returns the number of half-edges of the shown faces: the sum of their sizes.
     fn n_half_edges(&self) -> usize;
 
     /// Fills `out` with the positions (model units) of the vertices in `range`.
     fn positions(&self, range: Range<usize>, out: &mut Vec<[f64; 3]>);
 
-    /// The positions of all vertices, where they are in memory in this order: then nothing has to be copied.
+    /// Fills `out` with the faces in `range`, counter-clockwise seen from outside.
+    fn faces(&self, range: Range<usize>, out: &mut FaceChunk);
+
+    /// Returns the positions of all vertices where they are in memory in this order, so that nothing has to be copied.
     fn held_positions(&self) -> Option<&[[f64; 3]]> {
         None
     }
 
-    /// The same mesh as a source that makes positions when they are asked for, if it is one.
+    /// Returns the same mesh as a source that makes positions when they are asked for, if it is one.
     fn on_demand(&self) -> Option<&dyn OnDemandSource> {
         None
     }
 
-    /// Fills `out` with the faces in `range`, counter-clockwise seen from outside.
-    fn faces(&self, range: Range<usize>, out: &mut FaceChunk);
+    /// Returns the same mesh in its other frames, which differ in positions and normals only.
+    fn frames(&self) -> Vec<&dyn MeshSource> {
+        Vec::new()
+    }
+}
 
-    /// The normals that the mesh brings; without them they are left to the writer.
+/// What a mesh carries besides vertices and faces; a mesh that carries nothing implements none of it.
+pub trait CarriedSource {
+    /// Returns the normals that the mesh brings; without them they are left to the writer.
     fn normals(&self) -> Option<&dyn NormalSource> {
         None
     }
 
-    /// Texture coordinates, two numbers a place.
-    fn uvs(&self) -> Option<Box<dyn PlaceSource + '_>> {
-        None
-    }
-
-    /// The numbers of channel number `channel` where it has seams, so that they do not stand at vertices.
-    fn channel_places(&self, _channel: usize) -> Option<Box<dyn PlaceSource + '_>> {
-        None
-    }
-
-    /// The same mesh with a vertex for each place of all that has seams together, so that all of it is numbered like
-    /// the vertices; `None` where it is already.
-    fn unfolded(&self) -> Option<Box<dyn MeshSource + '_>> {
-        None
-    }
-
-    /// What the mesh carries besides its shape; the names belong to input faces.
+    /// Returns the names, looks and channels that the mesh carries; names belong to input faces.
     fn attachments(&self) -> &Attachments {
         Attachments::none()
     }
@@ -92,17 +84,28 @@ pub trait MeshSource: OriginSource + std::fmt::Debug + Sync {
         out.clear();
     }
 
-    /// The ends of the interior edges that are still sharp, where the mesh brings normals those that stay so.
+    /// Returns the numbers of channel number `channel` where it has seams, so that they do not stand at vertices.
+    fn channel_places(&self, _channel: usize) -> Option<Box<dyn PlaceSource + '_>> {
+        None
+    }
+
+    /// Returns the texture coordinates, two numbers a place.
+    fn uvs(&self) -> Option<Box<dyn PlaceSource + '_>> {
+        None
+    }
+
+    /// Returns the same mesh with a vertex for each place of all that has seams together, so that all of it is numbered
+    /// like the vertices; `None` where it is already.
+    fn unfolded(&self) -> Option<Box<dyn MeshSource + '_>> {
+        None
+    }
+
+    /// Returns the ends of the interior edges that are still sharp, where the mesh brings normals those that stay so.
     fn sharp_edges(&self) -> Vec<[u32; 2]> {
         Vec::new()
     }
 
-    /// The same mesh in its other frames, of which nothing but positions and normals differs.
-    fn frames(&self) -> Vec<&dyn MeshSource> {
-        Vec::new()
-    }
-
-    /// What is sharp of a mesh that stands as it was given; nothing of what a plan has refined.
+    /// Returns what is sharp of a mesh that stands as it was given; nothing of what a plan has refined.
     fn tags(&self) -> Tags {
         Tags::default()
     }

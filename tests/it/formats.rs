@@ -7,7 +7,7 @@ use std::sync::Arc;
 use planish::math::parameter::{Literal, Values};
 use planish::output::scene::{Curve, FaceChunk, Frame, MeshSource, Notes, Scene, Shape, in_chunks};
 use planish::output::{Counts, Format, FormatError, ShapeKind, Size, named};
-use planish::shape::source::OriginSource;
+use planish::shape::source::{CarriedSource, OriginSource};
 use planish::solid::Cage;
 use planish::watch::Watch;
 use proptest::prelude::*;
@@ -26,21 +26,27 @@ impl MeshSource for Net {
     fn n_vertices(&self) -> usize {
         self.positions.len()
     }
+
     fn n_faces(&self) -> usize {
         self.faces.len()
     }
+
     fn n_half_edges(&self) -> usize {
         self.faces.iter().map(Vec::len).sum()
     }
+
     fn positions(&self, range: Range<usize>, out: &mut Vec<[f64; 3]>) {
         out.clear();
         out.extend_from_slice(&self.positions[range]);
     }
+
     fn faces(&self, range: Range<usize>, out: &mut FaceChunk) {
         out.clear();
         self.faces[range].iter().for_each(|face| out.push(face));
     }
 }
+
+impl CarriedSource for Net {}
 
 impl OriginSource for Net {
     fn input_cells(&self) -> [usize; 3] {

@@ -12,7 +12,7 @@ use crate::shape::attachments::Attachments;
 use crate::shape::creases::{INFINITE_SHARPNESS, Tags};
 use crate::shape::mesh::Mesh;
 use crate::shape::seams::{Interpolation, Seams};
-use crate::shape::source::{FaceChunk, MeshSource, OriginSource, PlaceSource};
+use crate::shape::source::{CarriedSource, FaceChunk, MeshSource, OriginSource, PlaceSource};
 
 /// A control mesh under a scheme that OpenSubdiv has.
 #[derive(Debug)]
@@ -100,7 +100,9 @@ impl MeshSource for Cage<'_> {
         out.clear();
         range.for_each(|f| out.push(self.mesh.topology.face(f)));
     }
+}
 
+impl CarriedSource for Cage<'_> {
     fn uvs(&self) -> Option<Box<dyn PlaceSource + '_>> {
         let uvs = self.mesh.attachments.uvs.as_ref()?;
         Some(Box::new(CagePlaces { seams: &uvs.seams, values: &uvs.values, width: 2 }))

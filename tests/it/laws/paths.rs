@@ -5,7 +5,7 @@ use std::sync::{Arc, Mutex};
 use planish::analysis::limit::{LimitRequest, refine_mesh_to_limit, to_limit_by_rows};
 use planish::job::Input;
 use planish::refine::{RefinedMesh, is_swept, refine_by_rows, refine_mesh};
-use planish::shape::source::{FaceChunk, MeshSource};
+use planish::shape::source::{CarriedSource, FaceChunk, MeshSource};
 use planish::watch::{Stage, Watch};
 use proptest::prelude::*;
 use serde_json::{Value, json};

@@ -357,7 +357,7 @@ fn all_writers_take_the_limit() {
             continue;
         }
         // weights make tangents of the limit, and no normals that are weighted by area
-        let kinds: &[&str] = if format.weighs() { &["none", "limit"] } else { &["none", "area", "limit"] };
+        let kinds: &[&str] = if format.is_of_weights() { &["none", "limit"] } else { &["none", "area", "limit"] };
         let normals: Vec<_> = kinds.iter().map(|normals| bytes("refined", normals)).collect();
         let shows = !["svg", "pdf"].contains(&name);
         for (j, normal) in normals.iter().enumerate() {

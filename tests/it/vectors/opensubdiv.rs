@@ -3,7 +3,7 @@
 use planish::job::Input;
 use planish::math::functions::sqrt;
 use planish::refine::refine_mesh;
-use planish::shape::source::MeshSource;
+use planish::shape::source::CarriedSource;
 use planish::watch::Watch;
 use serde_json::{Value, json};
 
