@@ -25,7 +25,7 @@ use crate::shape::frame::Frame;
 use crate::shape::tile::Tile;
 
 /// Version of the results: raised whenever any artifact's bytes change.
-pub const RESULTS_VERSION: u32 = 13;
+pub const RESULTS_VERSION: u32 = 14;
 
 /// Identity of an artifact, a job or a content: a BLAKE3 hash, written as 64 lowercase hexadecimal digits.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]

@@ -36,7 +36,8 @@ fn upsampled(array: &[f64], topology: &Topology) -> Vec<f64> {
     array.iter().copied().chain(made).collect()
 }
 
-/// The mean over the ends of edge `i`, or over the vertices of face `i - n_e`.
+/// Returns the mean over the ends of edge `i`, or over the vertices of face `i - n_e`. The mean of equal numbers is that
+/// number, whatever a sum of them would be rounded to: what is the same everywhere stays so.
 pub(super) fn mean(array: &[f64], topology: &Topology, i: usize) -> f64 {
     let n_e = topology.n_edges();
     if i < n_e {
@@ -44,6 +45,10 @@ pub(super) fn mean(array: &[f64], topology: &Topology, i: usize) -> f64 {
         return f64::midpoint(array[a as usize], array[b as usize]);
     }
     let face = topology.face(i - n_e);
+    let first = array[face[0] as usize];
+    if face.iter().all(|&v| array[v as usize].to_bits() == first.to_bits()) {
+        return first;
+    }
     #[expect(clippy::cast_precision_loss, reason = "faces have far fewer than 2^52 vertices")]
     let n = face.len() as f64;
     face.iter().map(|&v| array[v as usize]).sum::<f64>() / n

@@ -24,6 +24,13 @@ pub struct MeshLocal {
 }
 
 impl MeshLocal {
+    /// Returns the kernel where all vertices have the same, along all edges.
+    pub(super) fn common_kernel(&self) -> Option<f64> {
+        let first = *self.kernel.first()?;
+        let mut all = self.kernel.iter().chain(self.kernel_longitude.iter().flatten());
+        all.all(|kernel| kernel.to_bits() == first.to_bits()).then_some(first)
+    }
+
     /// The local values at an upsampling of `parent`, whose vertices and edges carry `annotations`; `None` when all
     /// vertices have the plan's.
     pub(super) fn of(

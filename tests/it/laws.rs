@@ -11,6 +11,7 @@ mod exact_lines;
 mod incenter;
 mod interpolating;
 mod invariance;
+mod lanes;
 mod latitude;
 mod limits;
 mod masks;

@@ -79,7 +79,8 @@ fn stencils(
     watch: &Watch,
 ) -> Result<Option<[Option<Stencils>; 2]>, Unlimited> {
     let is_upsampling = |step: &Scheduled| step.letter.facts().role == Role::Upsample;
-    let Some(sweep) = program.points().filter(|_| ahead.first().is_some_and(is_upsampling)) else { return Ok(None) };
+    let plain = program.points().filter(|sweep| !sweep.is_tagged());
+    let Some(sweep) = plain.filter(|_| ahead.first().is_some_and(is_upsampling)) else { return Ok(None) };
     check(plan)?;
     let (net, topology) = (mesh_net(mesh, plan), sweep.patches());
     let on_net = CycleOnNet::of(plan, &net, topology, ahead, watch)?;

@@ -84,11 +84,16 @@ pub(super) fn flat_passes(passes: &[Pass], size: Size, beyond: isize) -> Vec<Fla
     let (mut beyond, mut wanted) = (beyond, [true; PLANES]);
     let mut flat: Vec<FlatPass> = Vec::new();
     for pass in passes.iter().rev() {
+        let radius = pass.radius().unwrap_or(0);
         if let Pass::Push(_) = pass {
+            // points between children look at the next ones
             beyond += beyond & 1;
+            flat.push(FlatPass::new(pass, size, beyond, wanted));
+            beyond += (radius - 1).max(0);
+        } else {
+            flat.push(FlatPass::new(pass, size, beyond, wanted));
+            beyond += radius;
         }
-        flat.push(FlatPass::new(pass, size, beyond, wanted));
-        beyond += pass.radius().unwrap_or(0);
         wanted = pass.reads(wanted);
     }
     flat.reverse();

@@ -58,6 +58,8 @@ impl FlatMask {
             }
             ([1, 6], false) => one_six(out, [w(0), w(1)], slice(0, 0), six(1)),
             ([2, 2], false) => two_pairs(out, [w(0), w(1)], [two(0), two(1)]),
+            ([2, 2], true) => add_two_pairs(out, [w(0), w(1)], [two(0), two(1)]),
+            ([4, 4], true) => add_two_quads(out, [w(0), w(1)], [four(0), four(1)]),
             // group after group, which is the same sum as long as the first one begins it
             (sizes @ [_, rest @ ..], _)
                 if sizes.iter().all(|size| matches!(size, 1 | 2 | 4 | 6)) && (rest.is_empty() || !adds) =>
@@ -193,6 +195,24 @@ fn two_pairs(out: &mut [f64], w: [f64; 2], pairs: [[&[f64]; 2]; 2]) {
     let [[a, b], [c, d]] = pairs.map(|pair| pair.map(|x| &x[..n]));
     for k in 0..n {
         out[k] = w[0] * (a[k] + b[k]) + w[1] * (c[k] + d[k]);
+    }
+}
+
+#[multiversion(targets("x86_64+avx2", "x86_64+avx"))]
+fn add_two_pairs(out: &mut [f64], w: [f64; 2], pairs: [[&[f64]; 2]; 2]) {
+    let n = out.len();
+    let [[a, b], [c, d]] = pairs.map(|pair| pair.map(|x| &x[..n]));
+    for k in 0..n {
+        out[k] += w[0] * (a[k] + b[k]) + w[1] * (c[k] + d[k]);
+    }
+}
+
+#[multiversion(targets("x86_64+avx2", "x86_64+avx"))]
+fn add_two_quads(out: &mut [f64], w: [f64; 2], quads: [[&[f64]; 4]; 2]) {
+    let n = out.len();
+    let [[a, b, c, d], [e, f, g, h]] = quads.map(|quad| quad.map(|x| &x[..n]));
+    for k in 0..n {
+        out[k] += w[0] * ((a[k] + c[k]) + (b[k] + d[k])) + w[1] * ((e[k] + g[k]) + (f[k] + h[k]));
     }
 }
 

@@ -1,5 +1,6 @@
 //! The masks of a round on a regular grid, read off the rows of the operators on small nets.
 
+use super::lanes::Lanes;
 use super::lattice::{cell, fine, is_within};
 use super::line::Line;
 use super::planes::{Mask, MaskGroup, PLANES};
@@ -28,22 +29,36 @@ pub(super) enum Pass {
     Push([Mask; PLANES]),
 }
 
-/// The passes of a round on a net with such lines, or none where its rows are not those of masks.
-pub(super) fn passes(plan: &Plan, round: &[Scheduled], tile: Tile, lines: &[Option<Line>]) -> Option<Vec<Pass>> {
-    let smooth = Sample::new(tile, None, RADIUS).tables(plan, round)?;
+/// The passes of a round on a net with such lines and lanes, or none where its rows are not those of masks.
+pub(super) fn passes(
+    plan: &Plan,
+    round: &[Scheduled],
+    tile: Tile,
+    lines: &[Option<Line>],
+    lanes: Option<Lanes>,
+) -> Option<Vec<Pass>> {
+    let sample = |line| Sample::new(tile, line, RADIUS).with_lanes(lanes);
+    let smooth = sample(None).tables(plan, round)?;
     let mut passes: Vec<Pass> = smooth.iter().map(Pass::smooth).collect::<Option<_>>()?;
     for line in lines {
         let axes = if tile == Tile::Quad { 2 } else { 3 };
+        // boundaries of lanes lie along latitude edges alone
+        let occurs =
+            |line: Line, axis: usize| line != Line::Boundary || lanes.is_none_or(|lanes| lanes.turned == (axis == 1));
         let along = |line: Line| {
-            let tables = (0..axes).map(|axis| Sample::new(tile, Some((line, axis)), RADIUS).tables(plan, round));
-            tables.collect::<Option<Vec<_>>>()
+            let tables = |axis| match occurs(line, axis) {
+                true => sample(Some((line, axis))).tables(plan, round).map(Some),
+                false => Some(None),
+            };
+            (0..axes).map(tables).collect::<Option<Vec<_>>>()
         };
         let along = match *line {
             Some(line) => Some(along(line)?),
             None => None,
         };
         for (at, pass) in passes.iter_mut().enumerate() {
-            let tables = along.as_ref().map(|axes| axes.iter().map(|tables| &tables[at]).collect::<Vec<_>>());
+            let tables = along.as_ref().map(|axes| axes.iter().map(|tables| tables.as_ref().map(|tables| &tables[at])));
+            let tables = tables.map(Iterator::collect::<Vec<_>>);
             pass.add_line(tables.as_deref())?;
         }
     }
@@ -59,34 +74,40 @@ impl Pass {
                 let stays = [MaskGroup { weight: 1.0, members: vec![(0, [0, 0])] }];
                 (masks[0] == stays).then_some(Self::Up(masks))
             }
-            Use::Push => masks.iter().all(|mask| mask.len() == 1).then_some(Self::Push(masks)),
+            Use::Push => Some(Self::Push(masks)),
             Use::Blend => Some(Self::Blend { planes: masks, lines: Vec::new() }),
         }
     }
 
-    /// Adds a line, with the tables along each axis where it is not smooth; none where points beside it have other
-    /// masks than elsewhere, or those on it where that is not looked at.
-    fn add_line(&mut self, tables: Option<&[&Table]>) -> Option<()> {
+    /// Adds a line, with the tables along each axis on which it occurs, where it is not smooth; none where points beside
+    /// it have other masks than elsewhere, or those on it where that is not looked at.
+    fn add_line(&mut self, tables: Option<&[Option<&Table>]>) -> Option<()> {
         let masks = match self {
             Self::Up(masks) | Self::Push(masks) => masks,
             Self::Blend { planes, .. } => planes,
         };
         let as_elsewhere = |of: &[(usize, Mask)]| of.iter().all(|(plane, mask)| same(mask, &masks[*plane]));
-        for table in tables.into_iter().flatten() {
+        for table in tables.into_iter().flatten().flatten() {
             if !as_elsewhere(&table.beside) || !(as_elsewhere(&table.masks) || table.is == Use::Blend) {
                 return None;
             }
         }
         if let Self::Blend { lines, .. } = self {
-            let on_line = |table: &&Table| [0, 1].map(|point: usize| table.masks[point].1.clone());
+            let on_line = |table: &Option<&Table>| {
+                [0, 1].map(|point: usize| table.map_or_else(Vec::new, |table| table.masks[point].1.clone()))
+            };
             lines.push(tables.map(|tables| tables.iter().map(on_line).collect()));
         }
         Some(())
     }
 
-    /// By how many points of the refined grid a point looks around at most, where that does not begin anew.
+    /// By how many points of the refined grid a point looks around at most, where that does not begin anew. The push-back
+    /// looks at children of the coarse grid.
     pub(super) fn radius(&self) -> Option<isize> {
-        let Self::Blend { planes, .. } = self else { return None };
+        let planes = match self {
+            Self::Up(_) => return None,
+            Self::Blend { planes, .. } | Self::Push(planes) => planes,
+        };
         let distances = planes.iter().enumerate().flat_map(|(to, mask)| {
             let members = mask.iter().flat_map(|group| &group.members);
             members.flat_map(move |&(from, at)| [0, 1].map(|axis| fine(from, at)[axis] - fine(to, [0, 0])[axis]))

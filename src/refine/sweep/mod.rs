@@ -11,6 +11,7 @@ mod evaluate;
 mod fans;
 mod grid;
 mod kernel;
+mod lanes;
 mod lattice;
 mod line;
 mod mask;

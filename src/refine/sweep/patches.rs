@@ -5,9 +5,9 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use rayon::prelude::*;
 
-use super::grid::{FlatPass, GridLine, Planes, Size, at_least};
+use super::grid::{GridLine, Planes, Size, at_least};
 use super::lattice::{Frame, axis, cell, corner, sector};
-use super::program::Sweep;
+use super::program::{Flat, Sweep};
 use super::star::StarWork;
 use super::task::Task;
 use super::weave::{Row, weave};
@@ -98,7 +98,7 @@ pub(super) trait Target<const W: usize> {
 /// What the patches of a sweep have in common.
 pub(super) struct Run<'a, const W: usize> {
     pub(super) sweep: &'a Sweep,
-    pub(super) flat: &'a [Vec<FlatPass>],
+    pub(super) flat: &'a Flat,
     pub(super) start: &'a [[f64; W]],
     pub(super) watch: &'a Watch,
 }
@@ -223,7 +223,8 @@ impl<const W: usize> Run<'_, W> {
         let sweep = self.sweep;
         let (size, tile) = (sweep.size(round, W), sweep.surface.tile);
         self.lines(size.cells, block, &mut worker.lines);
-        worker.planes.refine(&self.flat[round], size, &worker.lines);
+        let passes = &self.flat.of(sweep.surface.is_turned(block.patch))[round];
+        worker.planes.refine(passes, size, &worker.lines);
         for (side, half_edge) in sweep.surface.patches.half_edges(block.patch).enumerate() {
             let v = sweep.surface.patches.vertex(half_edge) as usize;
             let here = block.inside(corner(tile, block.pieces, side));

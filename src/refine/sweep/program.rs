@@ -3,6 +3,7 @@
 use std::sync::Arc;
 
 use super::grid::{FlatPass, Size, flat_passes};
+use super::lanes::Lanes;
 use super::lattice::reach;
 use super::line::Line;
 use super::mask::{Pass, halo, passes};
@@ -45,10 +46,25 @@ pub(crate) struct Sweep {
     growth: f64,
 }
 
+/// The passes of a round on patches whose first side is a latitude edge, and on those whose first side is a longitude
+/// edge; where edges have no tags those of all patches.
+type Turns = Vec<Vec<Pass>>;
+
+/// The passes of all rounds on grids of their sizes, for each of the [`Turns`].
+#[derive(Debug)]
+pub(super) struct Flat(Vec<Vec<Vec<FlatPass>>>);
+
+impl Flat {
+    /// The passes of each round on patches whose first side is a longitude edge, or is none.
+    pub(super) fn of(&self, turned: bool) -> &[Vec<FlatPass>] {
+        &self.0[usize::from(turned)]
+    }
+}
+
 /// What depends on a round alone.
 #[derive(Debug)]
 pub(super) struct Round {
-    passes: Arc<Vec<Pass>>,
+    passes: Arc<Turns>,
     /// The tables of each kind of star.
     pub(super) stars: Arc<Vec<StarRound>>,
     /// Cells of the grids that enter it.
@@ -57,8 +73,8 @@ pub(super) struct Round {
 
 impl Round {
     fn growth(&self) -> f64 {
-        let stars = self.stars.iter().map(StarRound::growth);
-        stars.fold(self.passes.iter().map(Pass::growth).product::<f64>(), f64::max)
+        let passes = self.passes.iter().map(|passes| passes.iter().map(Pass::growth).product());
+        self.stars.iter().map(StarRound::growth).chain(passes).fold(1.0, f64::max)
     }
 }
 
@@ -67,8 +83,9 @@ impl Round {
 pub(crate) struct Outline<'a> {
     tile: Tile,
     lines: Vec<Line>,
+    lanes: Option<Lanes>,
     rounds: Vec<&'a [Scheduled]>,
-    passes: Vec<Arc<Vec<Pass>>>,
+    passes: Vec<Arc<Turns>>,
     halo: usize,
     /// Rounds that the net is refined elsewhere before.
     before: usize,
@@ -78,13 +95,12 @@ pub(crate) struct Outline<'a> {
 
 impl<'a> Outline<'a> {
     /// The outline of the sweep of a net that was not refined yet; none where some step of the plan does not work that
-    /// way, where single points have parameters of their own, or where all rounds have to be refined elsewhere.
+    /// way, where tags or parameters differ from point to point, or where all rounds have to be refined elsewhere.
     pub(crate) fn of(net: &MeshNet, plan: &Plan, steps: &'a [Scheduled]) -> Option<Self> {
-        let apart = net.annotations.attributes.is_some() || net.annotations.directions.is_some();
         let numbered = plan.perturbation.is_some() || net.annotations.numbering.is_some();
         let cut = net.surroundings.is_some() || net.mesh.parent.is_some() || net.mesh.rounds > 0;
         let ops = steps.iter().all(|step| step.letter.facts().symmetric && step.letter.settings.arity() == 2);
-        if apart || numbered || cut || !ops || steps.first()?.letter.facts().role != Role::Upsample {
+        if numbered || cut || !ops || steps.first()?.letter.facts().role != Role::Upsample {
             return None;
         }
         let tile = steps.first()?.letter.settings.tile();
@@ -94,19 +110,28 @@ impl<'a> Outline<'a> {
         {
             return None;
         }
+        let lanes = Lanes::of(net, plan)?;
         let rounds: Vec<&[Scheduled]> = steps.chunk_by(|_, next| next.letter.facts().role != Role::Upsample).collect();
         let (lines, soft) = lines(net)?;
         let rough = base.n_boundary() > 0;
         let on_lines = |at: usize, round: &[Scheduled]| {
             let line = |line: &Line| line.after(at).filter(|line| rough || *line != Line::Boundary);
-            passes(plan, round, tile, &lines.iter().map(line).collect::<Vec<_>>())
+            let lines: Vec<_> = lines.iter().map(line).collect();
+            match lanes {
+                None => Some(vec![passes(plan, round, tile, &lines, None)?]),
+                Some(lanes) => {
+                    let turns = [false, true].map(|turned| Some(lanes.seen(turned)));
+                    turns.into_iter().map(|lanes| passes(plan, round, tile, &lines, lanes)).collect()
+                }
+            }
         };
-        let passes = each_round(&rounds, &lines, on_lines)?;
-        let halos = passes.iter().map(|passes| halo(tile, passes)).collect::<Option<Vec<_>>>()?;
+        let passes = each_round(&rounds, (&lines, lanes), on_lines)?;
+        let all = passes.iter().flat_map(|turns| &**turns);
+        let halos = all.map(|passes| halo(tile, passes)).collect::<Option<Vec<_>>>()?;
         let halo = halos.into_iter().max()?;
         let splits = usize::from(tile == Tile::Quad && !base.is_quads());
         let before = (splits + reach(tile, halo).next_power_of_two().trailing_zeros() as usize).max(soft);
-        (before < rounds.len()).then_some(Self { tile, lines, rounds, passes, halo, before, splits })
+        (before < rounds.len()).then_some(Self { tile, lines, lanes, rounds, passes, halo, before, splits })
     }
 }
 
@@ -125,14 +150,14 @@ impl Outline<'_> {
 impl Sweep {
     /// The sweep of a net, where it has an [`Outline`] and the operators can be applied around each of its vertices.
     pub(crate) fn of(net: &MeshNet, plan: &Plan, steps: &[Scheduled]) -> Option<Self> {
-        let Outline { tile, lines, rounds, passes, halo, before, splits } = Outline::of(net, plan, steps)?;
-        let surface = Surface::new(net, tile, &lines, before);
+        let Outline { tile, lines, lanes, rounds, passes, halo, before, splits } = Outline::of(net, plan, steps)?;
+        let surface = Surface::new(net, tile, (&lines, lanes), before);
         let (head, tail) = rounds.split_at(before);
         let kinds = &surface.kinds;
         let stars = |at: usize, round: &[Scheduled]| {
             kinds.iter().map(|kind| StarRound::of(kind, (tile, reach(tile, halo)), at, plan, round)).collect()
         };
-        let stars: Vec<Arc<Vec<StarRound>>> = each_round(tail, &surface.softening(), stars)?;
+        let stars: Vec<Arc<Vec<StarRound>>> = each_round(tail, (&surface.softening(), lanes), stars)?;
         let first_pieces = 1 << (before - splits);
         let cells = |at: usize| (first_pieces << at).min(MOST_CELLS.max(first_pieces));
         let entries = passes.into_iter().skip(before).zip(stars).enumerate();
@@ -173,6 +198,11 @@ impl Sweep {
         self.surface.tile
     }
 
+    /// Whether steps look at latitude and longitude tags.
+    pub(crate) fn is_tagged(&self) -> bool {
+        self.surface.is_tagged()
+    }
+
     /// Rounds of the sweep.
     pub(super) fn n_rounds(&self) -> usize {
         self.rounds.len()
@@ -206,12 +236,15 @@ impl Sweep {
     }
 
     /// The passes of each round for points of `width` numbers.
-    pub(super) fn flat(&self, width: usize) -> Vec<Vec<FlatPass>> {
-        let flat = |(at, round): (usize, &Round)| {
+    pub(super) fn flat(&self, width: usize) -> Flat {
+        let flat = |(at, passes): (usize, &[Pass])| {
             let beyond = if at + 1 == self.rounds.len() { 0 } else { self.halo.cast_signed() };
-            flat_passes(&round.passes, self.size(at, width), beyond)
+            flat_passes(passes, self.size(at, width), beyond)
         };
-        self.rounds.iter().enumerate().map(flat).collect()
+        let turns = 0..self.rounds.iter().map(|round| round.passes.len()).min().unwrap_or(0);
+        let of_turn =
+            |turn: usize| self.rounds.iter().map(|round| &round.passes[turn][..]).enumerate().map(flat).collect();
+        Flat(turns.map(of_turn).collect())
     }
 
     /// The size of the grids that enter a round.
@@ -263,10 +296,10 @@ fn lines(net: &MeshNet) -> Option<(Vec<Line>, usize)> {
 }
 
 /// What `make` gives for each round, with its number; rounds whose steps have the same numbers share it once
-/// the lines do not change any more.
+/// the lines do not change any more. Lanes may have an alpha that the steps do not tell, so that all rounds differ.
 fn each_round<T>(
     rounds: &[&[Scheduled]],
-    lines: &[Line],
+    (lines, lanes): (&[Line], Option<Lanes>),
     make: impl Fn(usize, &[Scheduled]) -> Option<T>,
 ) -> Option<Vec<Arc<T>>> {
     let same = |a: &Scheduled, b: &Scheduled| {
@@ -276,7 +309,7 @@ fn each_round<T>(
     let mut made: Vec<Arc<T>> = Vec::new();
     for (at, round) in rounds.iter().enumerate() {
         let stay = |at: usize| lines.iter().all(|line| line.after(at) == line.after(at - 1));
-        let alike = at.checked_sub(1).filter(|_| stay(at)).map(|before| rounds[before]);
+        let alike = at.checked_sub(1).filter(|_| lanes.is_none() && stay(at)).map(|before| rounds[before]);
         let alike = alike
             .is_some_and(|before| before.len() == round.len() && before.iter().zip(*round).all(|(a, b)| same(a, b)));
         let next = if alike { made[at - 1].clone() } else { Arc::new(make(at, round)?) };

@@ -3,6 +3,7 @@
 use std::collections::HashMap;
 use std::sync::Arc;
 
+use super::lanes::Lanes;
 use super::lattice::{AXES, after, cell, fine};
 use super::line::Line;
 use super::planes::{Mask, MaskGroup, PLANES};
@@ -47,6 +48,7 @@ pub(super) struct Sample {
     /// Cells on each side of the middle, which is also its place.
     radius: isize,
     line: Option<(Line, usize)>,
+    lanes: Option<Lanes>,
     topology: Arc<Topology>,
     /// For each vertex its place.
     coarse: Vec<[isize; 2]>,
@@ -83,7 +85,12 @@ impl Sample {
             faces.push(vertices.collect::<Vec<_>>());
         }
         let checked = Topology::of_faces(coarse.len(), faces, Winding::Refuse).expect("a grid is a mesh");
-        Self { radius, line, topology: Arc::new(checked.topology), coarse }
+        Self { radius, line, lanes: None, topology: Arc::new(checked.topology), coarse }
+    }
+
+    /// Returns the net with the tags of lanes.
+    pub(super) fn with_lanes(self, lanes: Option<Lanes>) -> Self {
+        Self { lanes, ..self }
     }
 
     /// The vertex in the middle.
@@ -99,6 +106,11 @@ impl Sample {
     /// The net under a plan.
     pub(super) fn net(&self, plan: &Plan) -> MeshNet {
         let net = MeshNet::new(self.topology.clone(), &[], &[], Boundary::EdgeOnly);
+        let is_odd = |e: usize| {
+            let [a, b] = self.topology.ends(e).map(|v| self.coarse[v as usize]);
+            a[0] == b[0]
+        };
+        let net = self.lanes.map_or_else(|| net.clone(), |lanes| lanes.carried(net.clone(), is_odd));
         let Some((Line::Crease(sharpness), axis)) = self.line else { return net.with_sharpness(None, plan.rules) };
         let on_line =
             |e: usize| self.topology.ends(e).iter().all(|&v| side(axis, self.radius, self.coarse[v as usize]) == 0);
@@ -169,7 +181,7 @@ impl Sample {
 pub(super) fn steps(mut net: MeshNet, plan: &Plan, round: &[Scheduled]) -> Option<Vec<(Use, Box<dyn RowSource>)>> {
     let mut tables = Vec::new();
     for step in round {
-        let next = Stepper::new(plan).next_from(&net, step, None).ok()?;
+        let next = Stepper::new(plan).next(&net, step).ok()?;
         tables.push(used(next.action)?);
         net = next.net;
     }

@@ -3,6 +3,7 @@
 use std::collections::HashMap;
 use std::sync::Arc;
 
+use super::lanes::Lanes;
 use super::lattice::{last, sector};
 use super::line::softened;
 use super::sample::{Use, steps};
@@ -26,6 +27,8 @@ pub(super) struct StarKind {
     pub(super) sharp: Vec<(usize, u64)>,
     /// The bits of its own sharpness, which is infinite where it keeps its place.
     pub(super) corner: u64,
+    /// The tags of the net, seen from the first edge of its ring.
+    pub(super) lanes: Option<Lanes>,
 }
 
 impl StarKind {
@@ -305,7 +308,26 @@ impl Disc {
         let corners: &[u32] = if own == f64::INFINITY { &[0] } else { &[] };
         let semi_sharp = (own > 0.0 && own < f64::INFINITY).then_some((0, own)).into_iter().collect();
         let net = MeshNet::new(self.topology.clone(), corners, &[], Boundary::EdgeOnly);
+        let net = kind.lanes.map_or_else(|| net.clone(), |lanes| lanes.carried(net.clone(), self.on_odd_spokes()));
         net.with_sharpness(Sharpness::of(&sharp, &semi_sharp), plan.rules)
+    }
+
+    /// Tells for each edge whether it runs along an edge at the vertex whose number in the ring is odd.
+    fn on_odd_spokes(&self) -> impl Fn(usize) -> bool + use<> {
+        let edges = self.edges();
+        let mut odd = vec![false; self.topology.n_edges()];
+        let mut mark = |face: usize, ends: [[usize; 2]; 2], spoke: usize| {
+            odd[edges[&ends.map(|place| index(self.shape.point(face, place)))]] = spoke % 2 == 1;
+        };
+        for &(face, [a, b]) in self.cells.keys() {
+            for along in [b, b + 1] {
+                mark(face, [[a, along], [a + 1, along]], face);
+            }
+            for along in [a, a + 1] {
+                mark(face, [[along, b], [along, b + 1]], face + 1);
+            }
+        }
+        move |e| odd[e]
     }
 
     fn edges(&self) -> HashMap<[u32; 2], usize> {

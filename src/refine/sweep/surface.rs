@@ -7,11 +7,13 @@ use std::sync::Arc;
 
 use rayon::prelude::*;
 
+use super::lanes::Lanes;
 use super::lattice::{Frame, last, sector};
 use super::line::{Line, softened};
 use super::numbering::Numbering;
 use super::star::{StarKind, StarShape};
 use crate::scheme::mesh_net::MeshNet;
+use crate::shape::directions::{Direction, Directions};
 use crate::shape::tile::Tile;
 use crate::shape::topology::{NONE, Topology, index};
 
@@ -35,12 +37,14 @@ pub(super) struct Surface {
     kind_of: Vec<u32>,
     /// The kinds of the other vertices.
     pub(super) kinds: Vec<StarKind>,
+    /// The tags of the edges of the patches, where they are looked at.
+    lanes: Option<(Lanes, Arc<Directions>)>,
 }
 
 impl Surface {
     /// The patches of a net that was not split yet, whose sharp edges lie on these lines, as they are after so many
     /// rounds.
-    pub(super) fn new(net: &MeshNet, tile: Tile, lines: &[Line], before: usize) -> Self {
+    pub(super) fn new(net: &MeshNet, tile: Tile, (lines, lanes): (&[Line], Option<Lanes>), before: usize) -> Self {
         let base = net.mesh.base.clone();
         let is_split = tile == Tile::Quad && !base.is_quads();
         let patches = if is_split { Arc::new(base.split()) } else { base.clone() };
@@ -56,7 +60,8 @@ impl Surface {
         }
         let (kind_of, kinds) = (Vec::new(), Vec::new());
         let lines = lines.iter().map(|line| line.after(before)).collect();
-        let mut surface = Self { tile, base, patches, lines, line_of, kind_of, kinds };
+        let lanes = lanes.zip(net.annotations.directions.clone());
+        let mut surface = Self { tile, base, patches, lines, line_of, kind_of, kinds, lanes };
         surface.sort_vertices(net, before);
         surface
     }
@@ -114,7 +119,24 @@ impl Surface {
             closed &= patches.twin(half_edge) != NONE;
             faces += 1;
         }
-        StarKind { faces, closed, sharp, corner: corner.to_bits() }
+        let lanes = patches.ring(v).next().and_then(|first| self.lanes(first));
+        StarKind { faces, closed, sharp, corner: corner.to_bits(), lanes }
+    }
+
+    /// The tags, seen from where a half-edge is the first direction.
+    fn lanes(&self, half_edge: u32) -> Option<Lanes> {
+        let (lanes, directions) = self.lanes.as_ref()?;
+        Some(lanes.seen(directions.of(self.patches.edge(half_edge)) == Direction::Longitude))
+    }
+
+    /// Whether the first side of a patch is a longitude edge.
+    pub(super) fn is_turned(&self, patch: usize) -> bool {
+        self.lanes(self.patches.half_edges(patch).start).is_some_and(|lanes| lanes.turned)
+    }
+
+    /// Whether edges have tags.
+    pub(super) fn is_tagged(&self) -> bool {
+        self.lanes.is_some()
     }
 
     fn line_of(&self, edge: u32) -> Option<usize> {

@@ -3,10 +3,10 @@
 use std::ops::Range;
 use std::sync::{Mutex, PoisonError};
 
-use super::grid::{FlatPass, Planes, Size};
+use super::grid::{Planes, Size};
 use super::patches::{Block, Run, Target, Worker};
 use super::places::{Places, Span, spans};
-use super::program::Sweep;
+use super::program::{Flat, Sweep};
 use super::weave::Row;
 use crate::shape::tile::Tile;
 use crate::watch::Watch;
@@ -27,7 +27,7 @@ pub(crate) struct OnDemand {
     sweep: Sweep,
     pub(super) places: Places,
     start: Vec<f64>,
-    flat: Vec<Vec<FlatPass>>,
+    flat: Flat,
     /// The buffers of threads that do not work now.
     idle: Mutex<Vec<Buffers>>,
     watch: Watch,

@@ -83,7 +83,10 @@ impl Operator for Average {
                 ring_average::rows(net, Around::Neighbours { mu: values.mu }, values.kernel)
             }
             Some(parent) => match net.since.local.as_ref().filter(|_| values.first) {
-                Some(local) => local_average::rows(net, parent, local),
+                Some(local) => match local.common_kernel() {
+                    Some(kernel) => split_rows(net.clone(), parent.clone(), kernel),
+                    None => local_average::rows(net, parent, local),
+                },
                 None => split_rows(net.clone(), parent.clone(), values.kernel),
             },
             None if net.mesh.parent.is_some() => ring_average::rows(net, Around::Faces, values.kernel),

@@ -19,11 +19,18 @@ use crate::scheme::step::Action;
 use crate::shape::directions::{Direction, Directions};
 use crate::shape::topology::{NONE, Topology, index};
 
-/// An even point: a vertex, or the point of a longitude edge.
+/// An even point: a vertex, or the point of a longitude edge, given by one of its half-edges.
 #[derive(Debug, Clone, Copy)]
 enum Even {
     Vertex(u32),
     Edge(u32),
+}
+
+/// What an odd point follows: its even neighbours, and those beyond them where the line goes on.
+struct Around {
+    rule: FourPoint,
+    near: [Even; 2],
+    beyond: [Option<Even>; 2],
 }
 
 /// The latitude lines of a net: what stands where on them.
@@ -33,7 +40,7 @@ pub(super) struct Lines {
     directions: Arc<Directions>,
     /// The two latitude edges of each vertex.
     latitude: Vec<Option<[u32; 2]>>,
-    /// The two longitude edges of each face.
+    /// The half-edges of each face that lie on its two longitude edges.
     longitude: Vec<Option<[u32; 2]>>,
     local: Arc<MeshLocal>,
 }
@@ -44,9 +51,9 @@ impl Lines {
         let directions = anchor.directions.clone()?;
         let topology = anchor.topology.clone();
         let latitude = directions.latitude_pairs(&topology);
+        let is_longitude = |&half_edge: &u32| directions.of(topology.edge(half_edge)) == Direction::Longitude;
         let longitude = (0..topology.n_faces()).map(|f| {
-            let edges = topology.half_edges(f).map(|half_edge| topology.edge(half_edge));
-            let mut tagged = edges.filter(|&e| directions.of(e) == Direction::Longitude);
+            let mut tagged = topology.half_edges(f).filter(is_longitude);
             match (tagged.next(), tagged.next(), tagged.next()) {
                 (Some(a), Some(b), None) => Some([a, b]),
                 _ => None,
@@ -56,20 +63,23 @@ impl Lines {
         Some(Self { topology, directions, latitude, longitude, local: local.clone() })
     }
 
-    /// The even neighbours of an odd point, and those beyond them; `None` where the point is on no line.
-    fn around(&self, row: usize) -> Option<[(Even, Option<Even>); 2]> {
+    /// What the odd point `row` follows; `None` where the point is on no line.
+    fn around(&self, row: usize) -> Option<Around> {
         let topology = &self.topology;
         let (n_v, n_e) = (topology.n_vertices(), topology.n_edges());
-        if row < n_v {
-            return None;
-        }
-        if row < n_v + n_e {
-            let e = index(row - n_v);
-            let on_line = self.directions.of(e) == Direction::Latitude;
-            return on_line.then(|| topology.ends(e as usize).map(|v| (Even::Vertex(v), self.beyond_vertex(v, e))));
-        }
-        let f = row - n_v - n_e;
-        self.longitude[f].map(|edges| edges.map(|e| (Even::Edge(e), self.beyond_edge(e, f))))
+        let made = row.checked_sub(n_v)?;
+        let (near, beyond) = if made < n_e {
+            let e = index(made);
+            if self.directions.of(e) != Direction::Latitude {
+                return None;
+            }
+            let ends = topology.ends(made);
+            (ends.map(Even::Vertex), ends.map(|v| self.beyond_vertex(v, e)))
+        } else {
+            let half_edges = self.longitude[made - n_e]?;
+            (half_edges.map(Even::Edge), half_edges.map(|half_edge| self.beyond_edge(half_edge)))
+        };
+        Some(Around { rule: FourPoint::new(self.local.curve_weight[made]), near, beyond })
     }
 
     /// The vertex at the other end of the other latitude edge of `v`.
@@ -80,25 +90,14 @@ impl Lines {
         Some(Even::Vertex(if a == v { b } else { a }))
     }
 
-    /// The point of the other longitude edge of the face beyond `e`.
-    fn beyond_edge(&self, e: u32, f: usize) -> Option<Even> {
-        let faces = self.topology.halves(e as usize);
-        let beyond = faces.into_iter().filter(|&c| c != NONE).map(|c| self.topology.face_of(c)).find(|&g| g != f)?;
-        let pair = self.longitude[beyond]?;
-        Some(Even::Edge(if pair[0] == e { pair[1] } else { pair[0] }))
-    }
-
-    /// Calls `add` with the even points that an odd one follows, and their weights; `false` where it is on no line.
-    fn follow(&self, row: usize, mut add: impl FnMut(Even, f64)) -> bool {
-        let Some(sides) = self.around(row) else { return false };
-        let rule = FourPoint::new(self.local.curve_weight[row - self.topology.n_vertices()]);
-        let [(a, aa), (b, bb)] = sides;
-        for (here, there, beyond) in [(a, b, aa), (b, a, bb)] {
-            add(here, rule.near);
-            // where the line ends it goes on by reflection
-            rule.beyond(here, there, beyond, &mut add);
+    /// The point of the other longitude edge of the face across a half-edge.
+    fn beyond_edge(&self, half_edge: u32) -> Option<Even> {
+        let twin = self.topology.twin(half_edge);
+        if twin == NONE {
+            return None;
         }
-        true
+        let pair = self.longitude[self.topology.face_of(twin)]?;
+        Some(Even::Edge(if pair[0] == twin { pair[1] } else { pair[0] }))
     }
 
     /// The displacements of all points, over those of the vertices.
@@ -107,23 +106,25 @@ impl Lines {
         let (n_v, n_e) = (topology.n_vertices(), topology.n_edges());
         let lines = self.clone();
         RowsBy::new(n_v + n_e + topology.n_faces(), n_v, move |row, out: &mut Rows| {
-            let push = |v: u32, weight: f64, out: &mut Rows| out.add(v, weight * deltas[v as usize]);
             let topology = &lines.topology;
+            let push = |v: u32, weight: f64, out: &mut Rows| out.add(v, weight * deltas[v as usize]);
             let even = |even: Even, weight: f64, out: &mut Rows| match even {
                 Even::Vertex(v) => push(v, weight, out),
-                Even::Edge(e) => topology.ends(e as usize).iter().for_each(|&v| push(v, 0.5 * weight, out)),
+                // along the faces, so that those of two edges are in the order of a ring
+                Even::Edge(h) => {
+                    [h, topology.next(h)].iter().for_each(|&h| push(topology.vertex(h), 0.5 * weight, out));
+                }
             };
-            if lines.follow(row, |point, weight| even(point, weight, out)) {
-                return;
-            }
-            if row < n_v {
+            if let Some(around) = lines.around(row) {
+                around.follow(even, out);
+            } else if row < n_v {
                 push(index(row), 1.0, out);
             } else if row < n_v + n_e {
-                even(Even::Edge(index(row - n_v)), 1.0, out);
+                out.group(|out| topology.ends(row - n_v).iter().for_each(|&v| push(v, 0.5, out)));
             } else {
                 let face = topology.face(row - n_v - n_e);
                 let weight = ratio(1, face.len());
-                face.iter().for_each(|&v| push(v, weight, out));
+                out.group(|out| face.iter().for_each(|&v| push(v, weight, out)));
             }
         })
     }
@@ -137,12 +138,31 @@ impl Lines {
         let rows = RowsBy::new(n, n, move |row, out: &mut Rows| {
             let number = |even: Even| match even {
                 Even::Vertex(v) => v,
-                Even::Edge(e) => index(n_v) + e,
+                Even::Edge(half_edge) => index(n_v) + lines.topology.edge(half_edge),
             };
-            if !lines.follow(row, |point, weight| out.add(number(point), weight)) {
-                out.add(index(row), 1.0);
+            match lines.around(row) {
+                Some(around) => around.follow(|even, weight, out| out.add(number(even), weight), out),
+                None => out.add(index(row), 1.0),
             }
         });
         Action::Blend(Box::new(rows))
+    }
+}
+
+impl Around {
+    /// Adds the row of an odd point, in symmetric sums where the line goes on at both ends; elsewhere it goes on by
+    /// reflection.
+    fn follow(&self, add: impl Fn(Even, f64, &mut Rows), out: &mut Rows) {
+        let Self { rule, near: [a, b], beyond } = *self;
+        let each = |points: [Even; 2], weight: f64, out: &mut Rows| {
+            out.group(|out| points.into_iter().for_each(|point| add(point, weight, out)));
+        };
+        each([a, b], rule.near, out);
+        if let [Some(aa), Some(bb)] = beyond {
+            return each([aa, bb], rule.far, out);
+        }
+        for (here, there, beyond) in [(a, b, beyond[0]), (b, a, beyond[1])] {
+            rule.beyond(here, there, beyond, |point, weight| add(point, weight, out));
+        }
     }
 }

@@ -120,7 +120,7 @@ fn assert_same(found: &RefinedMesh, expected: &RefinedMesh, what: &Value) {
     assert_eq!(uvs(found), uvs(expected), "{what}");
 }
 
-fn compare(net: &Net, extras: &Value, plan: &Value, levels: usize) -> bool {
+pub(super) fn compare(net: &Net, extras: &Value, plan: &Value, levels: usize) -> bool {
     let job = job(net, extras, plan, levels);
     let (swept, whole, is_swept) = both(&job);
     assert_same(&swept, &whole, &job);

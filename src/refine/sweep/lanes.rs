@@ -1,0 +1,65 @@
+//! Latitude and longitude tags of nets that look the same everywhere.
+
+use crate::scheme::mesh_net::MeshNet;
+use crate::scheme::plan::Plan;
+use crate::scheme::rules::LatitudeRule;
+use crate::shape::attributes::Attributes;
+use crate::shape::directions::{Direction, Directions};
+use crate::shape::topology::{Topology, index};
+
+/// The tags of a net whose faces all lie between two latitude and two longitude edges and whose vertices have one
+/// alpha. Seen from a patch, from a sample of the grid or from a vertex, latitude edges lie along every other direction.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub(super) struct Lanes {
+    /// The bits of the alpha that all vertices carry, where they carry one.
+    alpha: Option<u64>,
+    /// Whether the first direction is that of longitude edges.
+    pub(super) turned: bool,
+}
+
+impl Lanes {
+    /// Returns the lanes of a net, if it is tagged. The outer `None` says that its tags, or what its vertices carry,
+    /// differ from place to place, or that the plan does more with them than a sweep can.
+    pub(super) fn of(net: &MeshNet, plan: &Plan) -> Option<Option<Self>> {
+        let (attributes, directions) = (net.annotations.attributes.as_deref(), net.annotations.directions.as_deref());
+        let Some(directions) = directions else { return attributes.is_none().then_some(None) };
+        let is_alone = attributes.is_none_or(|carried| carried.arrays()[1..].iter().all(|(_, array)| array.is_none()));
+        let alphas = attributes.and_then(|carried| carried.alpha.as_deref());
+        let alpha = alphas.and_then(|alphas| alphas.first()).map(|alpha| alpha.to_bits());
+        let is_common = alphas.into_iter().flatten().all(|own| Some(own.to_bits()) == alpha);
+        let latitude = plan.latitude.as_ref()?;
+        let is_known = latitude.rule == LatitudeRule::Difference && latitude.kernel_longitude.is_none();
+        let all = is_alone && is_common && is_known && alternate(&net.mesh.base, directions);
+        all.then_some(Some(Self { alpha, turned: false }))
+    }
+
+    /// Returns the same lanes, seen from where the first direction is that of longitude edges or not.
+    pub(super) fn seen(self, turned: bool) -> Self {
+        Self { turned, ..self }
+    }
+
+    /// Returns a net with such tags, given for each of its edges whether it lies along an odd direction.
+    pub(super) fn carried(self, net: MeshNet, is_odd: impl Fn(usize) -> bool) -> MeshNet {
+        let topology = &net.mesh.base;
+        let direction = |e| if is_odd(e) == self.turned { Direction::Latitude } else { Direction::Longitude };
+        let directions = Directions::of_edges((0..topology.n_edges()).map(direction).collect());
+        let alpha = self.alpha.map(|bits| vec![f64::from_bits(bits); topology.n_vertices()]);
+        let attributes = alpha.map(|alpha| Attributes { alpha: Some(alpha), ..Attributes::default() });
+        net.carrying(attributes, Some(directions))
+    }
+}
+
+/// Whether all faces are quads whose edges are latitude and longitude edges in turns, and no longitude edge lies on the
+/// boundary, where latitude lines would end.
+fn alternate(topology: &Topology, directions: &Directions) -> bool {
+    let of_face = |f: usize| {
+        let mut edges = topology.half_edges(f).map(|half_edge| directions.of(topology.edge(half_edge)));
+        [edges.next(), edges.next(), edges.next(), edges.next()].map(|direction| direction.unwrap_or_default())
+    };
+    let in_turns = |f: usize| {
+        let [a, b, c, d] = of_face(f);
+        a == c && b == d && a != b && a != Direction::Untagged && b != Direction::Untagged
+    };
+    let ends_no_line = |e: usize| !topology.is_boundary_edge(e) || directions.of(index(e)) == Direction::Latitude;
+    topology.is_quads() && (0..topology.n_faces()).all(in_turns) && (0..topology.n_edges()).all(ends_no_line)
+}
