@@ -190,18 +190,29 @@ impl Desk {
         self.jobs.remove(job)
     }
 
-    /// Takes up the jobs of an earlier process.
+    /// Takes up the jobs of an earlier process, those that may have ended it after a pause.
     ///
     /// # Errors
     /// When their records cannot be read.
-    pub async fn recover(&self) -> Result<usize, StoreError> {
+    pub async fn recover(self: &Arc<Self>) -> Result<usize, StoreError> {
         let memory = |bytes| self.peers.charge_self(&self.account.records, Kind::RecordBytes, bytes);
         let runs = self.jobs.recover(memory, |summary| self.pins(summary))?;
         for run in &runs {
             let Some(record) = self.jobs.get(&run.job) else { continue };
             let lane = record.lane(|time, memory| self.pool.lane_of(time, memory));
             let item = Item { job: run.job, lane, priority: record.terms.priority, peer: record.peer };
-            self.queue.push(item).await.map_err(|error| StoreError::Io(std::io::Error::other(error)))?;
+            let pause = record.pause();
+            if pause.is_zero() {
+                self.queue.push(item).await.map_err(|error| StoreError::Io(std::io::Error::other(error)))?;
+                continue;
+            }
+            let desk = self.clone();
+            tokio::spawn(async move {
+                desk.clock.sleep(pause).await;
+                if let Err(error) = desk.queue.push(item).await {
+                    tracing::warn!(%error, job = %item.job.id, "a job waits for a next start");
+                }
+            });
         }
         Ok(runs.len())
     }

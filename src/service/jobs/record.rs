@@ -26,8 +26,12 @@ const RECORD_BYTES: u64 = 8 << 10;
 const OUTPUT_BYTES: u64 = 1 << 10;
 
 /// How often a job is begun that never comes to an end because the process ends before.
-/// Half of it gives up jobs that two crashes of others have met; twice of it lets one job end the process ten times.
-pub(super) const MOST_STARTS: u32 = 5;
+/// Half of it gives up jobs that two crashes of others have met; twice of it lets one job end the process twelve times.
+pub(super) const MOST_STARTS: u32 = 6;
+/// How long a job that was begun twice without an end waits after the next start, seconds; twice as long after each
+/// further one. Half of it suspects more of the jobs that a process meets which is ended every second by something
+/// else; twice of it makes the last attempt wait for a quarter of a minute.
+const FIRST_PAUSE_S: u64 = 1;
 
 /// One output of a job.
 #[derive(Debug, Clone)]
@@ -131,6 +135,16 @@ impl State {
             "it was begun {starts} times, and each time the process ended before it; look at the log and the memory of \
              the server, and send it again"
         ))
+    }
+}
+
+impl Record {
+    /// Returns how long the job waits after a start of the process before it gets into line again: a job that ends the
+    /// process lets others come to their end, and one that only happened to run is not begun again by every process
+    /// that is as short-lived.
+    pub fn pause(&self) -> Duration {
+        let doublings = self.starts.saturating_sub(2).min(MOST_STARTS);
+        Duration::from_secs(if self.starts < 2 { 0 } else { FIRST_PAUSE_S << doublings })
     }
 }
 

@@ -207,7 +207,7 @@ kill -9: The end of the process at any moment of a write.
 - whatever_moment_it_is_killed_no_accepted_job_is_lost_and_no_byte_is_wrong
 - an_accepted_batch_is_finished_by_the_next_process_and_what_is_done_is_not_done_again
 poison: A job that ends the process whenever it is begun.
-- a_job_with_which_the_process_ends_five_times_is_given_up
+- a_job_with_which_the_process_ends_six_times_is_given_up
 clock jump: A wall clock that is set forward or back by years while jobs wait, or between two processes.
 - a_wall_clock_that_jumps_ends_no_job_and_keeps_none_for_ever
 - the_machines_clock_counts_on_from_the_wall_clock
