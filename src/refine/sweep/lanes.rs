@@ -7,6 +7,10 @@ use crate::shape::attributes::Attributes;
 use crate::shape::directions::{Direction, Directions};
 use crate::shape::topology::{Topology, index};
 
+/// What is said of a net that is tagged, or whose vertices carry what rules read, differently from place to place, or
+/// whose plan does more with that than a sweep can.
+pub(super) struct Uneven;
+
 /// The tags of a net whose faces all lie between two latitude and two longitude edges and whose vertices have one
 /// alpha. Seen from a patch, from a sample of the grid or from a vertex, latitude edges lie along every other direction.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
@@ -18,19 +22,22 @@ pub(super) struct Lanes {
 }
 
 impl Lanes {
-    /// Returns the lanes of a net, if it is tagged. The outer `None` says that its tags, or what its vertices carry,
-    /// differ from place to place, or that the plan does more with them than a sweep can.
-    pub(super) fn of(net: &MeshNet, plan: &Plan) -> Option<Option<Self>> {
+    /// Returns the lanes of a net, if it is tagged.
+    pub(super) fn of(net: &MeshNet, plan: &Plan) -> Result<Option<Self>, Uneven> {
         let (attributes, directions) = (net.annotations.attributes.as_deref(), net.annotations.directions.as_deref());
-        let Some(directions) = directions else { return attributes.is_none().then_some(None) };
+        let Some(directions) = directions else {
+            return attributes.map_or(Ok(None), |_| Err(Uneven));
+        };
         let is_alone = attributes.is_none_or(|carried| carried.arrays()[1..].iter().all(|(_, array)| array.is_none()));
         let alphas = attributes.and_then(|carried| carried.alpha.as_deref());
         let alpha = alphas.and_then(|alphas| alphas.first()).map(|alpha| alpha.to_bits());
         let is_common = alphas.into_iter().flatten().all(|own| Some(own.to_bits()) == alpha);
-        let latitude = plan.latitude.as_ref()?;
-        let is_known = latitude.rule == LatitudeRule::Difference && latitude.kernel_longitude.is_none();
+        let is_known = plan
+            .latitude
+            .as_ref()
+            .is_some_and(|latitude| latitude.rule == LatitudeRule::Difference && latitude.kernel_longitude.is_none());
         let all = is_alone && is_common && is_known && alternate(&net.mesh.base, directions);
-        all.then_some(Some(Self { alpha, turned: false }))
+        if all { Ok(Some(Self { alpha, turned: false })) } else { Err(Uneven) }
     }
 
     /// Returns the same lanes, seen from where the first direction is that of longitude edges or not.
@@ -54,7 +61,7 @@ impl Lanes {
 fn alternate(topology: &Topology, directions: &Directions) -> bool {
     let of_face = |f: usize| {
         let mut edges = topology.half_edges(f).map(|half_edge| directions.of(topology.edge(half_edge)));
-        [edges.next(), edges.next(), edges.next(), edges.next()].map(|direction| direction.unwrap_or_default())
+        [edges.next(), edges.next(), edges.next(), edges.next()].map(Option::unwrap_or_default)
     };
     let in_turns = |f: usize| {
         let [a, b, c, d] = of_face(f);

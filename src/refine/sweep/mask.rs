@@ -46,9 +46,11 @@ pub(super) fn passes(
         let occurs =
             |line: Line, axis: usize| line != Line::Boundary || lanes.is_none_or(|lanes| lanes.turned == (axis == 1));
         let along = |line: Line| {
-            let tables = |axis| match occurs(line, axis) {
-                true => sample(Some((line, axis))).tables(plan, round).map(Some),
-                false => Some(None),
+            let tables = |axis| {
+                if !occurs(line, axis) {
+                    return Some(None);
+                }
+                sample(Some((line, axis))).tables(plan, round).map(Some)
             };
             (0..axes).map(tables).collect::<Option<Vec<_>>>()
         };
@@ -93,10 +95,10 @@ impl Pass {
             }
         }
         if let Self::Blend { lines, .. } = self {
-            let on_line = |table: &Option<&Table>| {
+            let on_line = |table: Option<&Table>| {
                 [0, 1].map(|point: usize| table.map_or_else(Vec::new, |table| table.masks[point].1.clone()))
             };
-            lines.push(tables.map(|tables| tables.iter().map(on_line).collect()));
+            lines.push(tables.map(|tables| tables.iter().copied().map(on_line).collect()));
         }
         Some(())
     }

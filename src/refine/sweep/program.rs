@@ -110,7 +110,7 @@ impl<'a> Outline<'a> {
         {
             return None;
         }
-        let lanes = Lanes::of(net, plan)?;
+        let lanes = Lanes::of(net, plan).ok()?;
         let rounds: Vec<&[Scheduled]> = steps.chunk_by(|_, next| next.letter.facts().role != Role::Upsample).collect();
         let (lines, soft) = lines(net)?;
         let rough = base.n_boundary() > 0;
