@@ -188,7 +188,10 @@ def zebra(planish, folder, out):
             close = np.linalg.norm(points - origin, axis=1) < 2.5 * radius
             shown = reflections(points[close], normals[close], *view).resize((size, size), Image.Resampling.BOX)
             picture.paste(shown, (left + k * (size + 4), top + 20))
-        draw.text((left + 2, top + 4), f"valence {n}: cap within {pole['deviation']:.0e}, limit", fill=0)
+        # in shares of the size, as tolerances are; never less than what is certified
+        share = math.ceil(pole["deviation"] / certificate["size"] * 1e5) / 1e5
+        draw.text((left + 2, top + 4), f"valence {n}, within {share:.5f}", fill=0)
+        draw.text((left + size + 6, top + 4), "limit surface", fill=0)
     picture.quantize(16).save(out / "zebra-caps.png", optimize=True)
 
 
