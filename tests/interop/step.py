@@ -84,6 +84,15 @@ def prism(n):
     return points, [list(range(n - 1, -1, -1)), list(range(n, 2 * n)), *sides]
 
 
+def trapezohedron(n):
+    """Two vertices of valence n over a zigzag that no symmetry makes too smooth."""
+    ring = [[10 * math.cos(math.pi * i / n), 10 * math.sin(math.pi * i / n), 3.3 * (-1) ** i] for i in range(2 * n)]
+    points = [[x, y, z + 1.2 * math.sin(2.3 * i)] for i, (x, y, z) in enumerate(ring)]
+    upper = [[2 * n, i, i + 1, (i + 2) % (2 * n)] for i in range(0, 2 * n, 2)]
+    lower = [[2 * n + 1, (i + 2) % (2 * n), (i + 1) % (2 * n), i] for i in range(1, 2 * n, 2)]
+    return [*points, [1, 0.5, 10], [0, 0, -10]], upper + lower
+
+
 def sheet(n=4, m=3):
     points = [[10 * i, 10 * j, 4 * math.sin(i * 1.3) * math.cos(j * 0.9)] for i in range(n + 1) for j in range(m + 1)]
     corners = [(0, 0), (1, 0), (1, 1), (0, 1)]
@@ -105,6 +114,7 @@ CASES = {
     "cube-1e-6": (cube(), None, None, {"tolerance": 1e-6}, 80, True),
     "cube-bicubic": (cube(), None, None, {"tolerance": 1e-4, "continuity": "bicubic"}, 100, False),
     "cube-unpacked": (cube(), None, None, {"tolerance": 1e-4, "pack": "none"}, 100, True),
+    "cube-by-face": (cube(), None, None, {"tolerance": 1e-5, "pack": "face"}, 42, True),
     "torus": (torus(12, 8), None, None, {}, 4, True),
     "torus-48x32": (torus(48, 32), None, None, {}, 4, True),
     "plus": (plus(), None, None, {"tolerance": 1e-5}, 200, True),
@@ -113,6 +123,11 @@ CASES = {
     "dart": (cube(), ([(1, 3)], INFINITE), None, {"tolerance": 1e-4}, 120, False),
     "semi-sharp": (cube(), (TOP, 1.5), None, {"tolerance": 1e-4}, 300, True),
     "pentagons": (prism(5), None, None, {"tolerance": 1e-4}, 200, True),
+    "prism-of-12": (prism(12), None, None, {"tolerance": 1e-4}, 168, True),
+    **{
+        f"valence-{n}": (trapezohedron(n), None, None, {"tolerance": 1e-4}, most, True)
+        for n, most in {3: 24, 5: 40, 6: 60, 7: 84, 8: 112, 9: 126, 10: 140, 11: 154, 12: 192}.items()
+    },
     "sheet": (sheet(), None, None, {}, 4, True),
     "sheet-round": (sheet(), None, "edge-only", {"tolerance": 1e-4}, 60, False),
     "elephant": (elephant(), None, None, {"tolerance": 1e-4}, 20_000, True),
