@@ -48,6 +48,8 @@ pub(super) struct Level {
     sharpness: Option<Sharpness>,
     /// Vertices that keep their place, ascending.
     fixed: Vec<u32>,
+    /// Input faces that are holes, ascending.
+    holes: Arc<[u32]>,
     /// The number of each vertex, and of each edge, among those of all levels.
     pub(super) vertices: Vec<u32>,
     pub(super) edges: Vec<u32>,
@@ -118,6 +120,7 @@ impl Level {
             points: mesh.positions.as_chunks().0.to_vec(),
             sharpness,
             fixed: tags.corners.to_vec(),
+            holes: tags.holes.clone(),
             vertices: (0..index(topology.n_vertices())).collect(),
             edges: (0..index(topology.n_edges())).collect(),
             inputs: (0..index(topology.n_faces())).collect(),
@@ -199,16 +202,27 @@ impl Level {
         Ok((next, Spot { vertex: spot.vertex, spokes }))
     }
 
-    /// Some faces, ascending, with those that share a vertex with them.
+    /// Faces that share a vertex with some, and these, ascending.
+    fn ring_of(&self, faces: &[u32]) -> Vec<u32> {
+        let vertices = faces.iter().flat_map(|&f| self.topology.face(f as usize));
+        let corners = vertices.flat_map(|&v| self.topology.ring(v as usize));
+        let mut ring: Vec<u32> = corners.map(|half_edge| index(self.topology.face_of(half_edge))).collect();
+        ring.sort_unstable();
+        ring.dedup();
+        ring
+    }
+
+    /// Some faces, ascending, with those that share a vertex with them. Holes among these come with their own
+    /// neighbours: nobody wants their surface, but caps beside them depend on it.
     fn part_around(&self, faces: &[u32]) -> Result<Self, SolidError> {
-        let mut around: Vec<u32> = faces
-            .iter()
-            .flat_map(|&f| self.topology.face(f as usize))
-            .flat_map(|&v| self.topology.ring(v as usize))
-            .map(|half_edge| index(self.topology.face_of(half_edge)))
-            .collect();
-        around.sort_unstable();
-        around.dedup();
+        let mut around = self.ring_of(faces);
+        if !self.holes.is_empty() {
+            let is_hole = |&f: &u32| self.holes.binary_search(&self.inputs[f as usize]).is_ok();
+            let holes: Vec<u32> = around.iter().copied().filter(is_hole).collect();
+            around.extend(self.ring_of(&holes));
+            around.sort_unstable();
+            around.dedup();
+        }
         let (topology, origins) =
             self.topology.part(&around).map_err(|faults| SolidError::at("", format!("{faults:?}")))?;
         let mut origin_of_edge = vec![NONE; topology.n_edges()];
@@ -229,6 +243,7 @@ impl Level {
             points: origins.iter().map(|&v| self.points[v as usize]).collect(),
             sharpness,
             fixed,
+            holes: self.holes.clone(),
             vertices: origins.iter().map(|&v| self.vertices[v as usize]).collect(),
             edges: origin_of_edge.iter().map(|&e| self.edges[e as usize]).collect(),
             inputs: around.iter().map(|&f| self.inputs[f as usize]).collect(),
@@ -274,6 +289,7 @@ impl Level {
             points: points.as_chunks().0.to_vec(),
             sharpness: net.sharpness.as_deref().cloned(),
             fixed: self.fixed,
+            holes: self.holes,
             vertices,
             edges: of_edges,
             inputs: children().map(|child| self.inputs[face(child)]).collect(),
