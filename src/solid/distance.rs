@@ -1,4 +1,5 @@
-//! How far caps are from the limit surface, at points of its exact pieces on the next levels.
+//! How far caps and the limit surface are from each other, at points of both: the limit surface as its exact pieces on
+//! the next levels.
 
 use super::edges::Edges;
 use super::error::SolidError;
@@ -16,38 +17,86 @@ const POINTS: usize = 6;
 /// to a tenth.
 const STEPS: usize = 6;
 
-/// The largest distance of such points from the caps of a sector, one a spoke: those of the faces around the vertex on
-/// the next level.
+/// An exact piece of the limit surface beside a vertex.
+struct Piece {
+    surface: Surface,
+    ring: usize,
+    /// The number of its face among those around the vertex.
+    face: usize,
+    /// Its first corner in the parameters of its cap, and the length of its sides there.
+    from: [f64; 2],
+    scale: f64,
+}
+
+impl Piece {
+    fn place(&self, uv: [f64; 2]) -> [f64; 2] {
+        [0, 1].map(|k| self.from[k] + self.scale * uv[k])
+    }
+}
+
+/// The largest distance of points of the limit surface from the caps of a sector, one a spoke, and of points of the
+/// caps from the limit surface. The level is that after the caps', and the spot that of the faces around the vertex.
 ///
 /// # Errors
 /// When the watch says stop.
 pub(super) fn farthest(
     caps: &[Surface],
     is_closed: bool,
-    (mut level, mut spot): (Level, Spot),
+    next: (Level, Spot),
     refiner: &Refiner<'_>,
     edges: &mut Edges,
 ) -> Result<f64, SolidError> {
-    let (mut farthest, mut scale): (f64, f64) = (0.0, 0.5);
+    let pieces = pieces(next, refiner, edges)?;
+    let mut farthest = 0.0_f64;
+    for (p, piece) in pieces.iter().enumerate() {
+        for (i, j) in (0..POINTS).flat_map(|i| (0..POINTS).map(move |j| (i, j))) {
+            let uv = [i, j].map(|k| ratio(k, POINTS - 1));
+            let there = from_caps(piece.surface.at(uv)[0], caps, piece.face, is_closed, piece.place(uv));
+            // off the sides, so that feet are on the piece of the same parameters nearly always
+            let uv = [i, j].map(|k| ratio(2 * k + 1, 2 * POINTS));
+            let back = from_pieces(caps[piece.face].at(piece.place(uv))[0], &pieces, p, (caps.len(), is_closed), uv);
+            farthest = farthest.max(there).max(back);
+        }
+    }
+    Ok(farthest)
+}
+
+/// The pieces of all rings.
+fn pieces(
+    (mut level, mut spot): (Level, Spot),
+    refiner: &Refiner<'_>,
+    edges: &mut Edges,
+) -> Result<Vec<Piece>, SolidError> {
+    let (mut pieces, mut scale) = (Vec::new(), 0.5);
     for ring in 0..RINGS {
         if ring > 0 {
             (level, spot) = level.closer(&spot, refiner, edges)?;
             scale *= 0.5;
         }
-        for (i, &spoke) in spot.half_edges(&level).iter().enumerate() {
+        for (face, &spoke) in spot.half_edges(&level).iter().enumerate() {
             let [beside, diagonal, before] = level.around(spoke);
-            for (piece, [a, b]) in [(beside, [1.0, 0.0]), (diagonal, [1.0, 1.0]), (before, [0.0, 1.0])] {
-                let exact = of_cell(&level.net(piece));
-                for (u, v) in (0..POINTS * POINTS).map(|k| (k % POINTS, k / POINTS)) {
-                    let [u, v] = [u, v].map(|k| ratio(k, POINTS - 1));
-                    let at = [(a + u) * scale, (b + v) * scale];
-                    let distance = from_caps(exact.at([u, v])[0], caps, i, is_closed, at);
-                    farthest = farthest.max(distance);
-                }
+            for (half_edge, from) in [(beside, [scale, 0.0]), (diagonal, [scale, scale]), (before, [0.0, scale])] {
+                pieces.push(Piece { surface: of_cell(&level.net(half_edge)), ring, face, from, scale });
             }
         }
     }
-    Ok(farthest)
+    Ok(pieces)
+}
+
+/// The distance of a point of a cap from the limit surface: from the piece of the same parameters, or where its foot
+/// is on the side of that, from those around.
+fn from_pieces(point: Vector, pieces: &[Piece], own: usize, (n, is_closed): (usize, bool), uv: [f64; 2]) -> f64 {
+    let (distance, foot) = from_cap(point, &pieces[own].surface, uv);
+    if foot.iter().all(|&x| 0.0 < x && x < 1.0) {
+        return distance;
+    }
+    let Piece { ring, face, .. } = pieces[own];
+    let is_near = |other: &&Piece| {
+        let apart = other.face.abs_diff(face);
+        other.ring.abs_diff(ring) <= 1 && (apart <= 1 || is_closed && apart + 1 == n)
+    };
+    let others = pieces.iter().filter(is_near).map(|other| from_cap(point, &other.surface, [0.5; 2]).0);
+    others.fold(distance, f64::min)
 }
 
 /// The distance of a point from a cap, or from its neighbour where its foot lies beyond a spoke.
