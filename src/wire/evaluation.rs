@@ -269,7 +269,7 @@ impl SurfaceValuesAnswer {
                     answer.dvv = vectors(|jet| jet.second.map(|[_, _, dvv]| dvv));
                 }
                 Quantity::Curvatures => {
-                    let principal: Vec<_> = jets.iter().map(|jet| jet.principal().map(plain)).collect();
+                    let principal: Vec<_> = jets.iter().map(|jet| jet.principal.map(plain)).collect();
                     let each = |value: fn([f64; 2]) -> f64| principal.iter().map(|both| both.map(value)).collect();
                     answer.mean = Some(each(|[k, l]| 0.5 * (k + l)));
                     answer.gaussian = Some(each(|[k, l]| k * l));

@@ -115,7 +115,7 @@ impl Level {
     fn looked_at(&self, cell: Cell, refiner: &Refiner<'_>) -> Result<Outcome, SolidError> {
         if self.is_leaf(cell.face) {
             let net = self.net(self.topology.half_edges(cell.face as usize).start);
-            let value = |query: &Query| (query.number, Jet::of(&net, [0.0; 3], cell.scale, query.uv));
+            let value = |query: &Query| (query.number, Jet::of(&net, cell.scale, query.uv));
             return Ok(Outcome::Found(cell.queries.iter().map(value).collect()));
         }
         match self.lone_irregular(cell.face) {

@@ -3,7 +3,7 @@
 //! Source: J. Stam, SIGGRAPH 1998, 395-404 (the rings; here they are refined, which works for every kind of vertex).
 
 use super::jet::Jet;
-use crate::math::vector::{Vector, minus, plus};
+use crate::math::vector::{Vector, cross, direction, minus, plus, times};
 use crate::shape::topology::{NONE, index};
 use crate::solid::edges::Edges;
 use crate::solid::error::SolidError;
@@ -39,6 +39,8 @@ pub(super) struct Rings {
     pub(super) corner: usize,
     /// Where the origin is, model units.
     pub(super) origin: Vector,
+    /// The directions of the coordinates, model units.
+    axes: [Vector; 3],
     /// How many times as fast the parameters of the face run as those at the start.
     pub(super) scale: f64,
 }
@@ -53,7 +55,7 @@ impl Rings {
         let face = level.topology.face_of(half_edge);
         let corner = (half_edge - level.topology.half_edges(face).start) as usize;
         let (level, edges) = level.taken_out(&[index(face)])?;
-        let mut rings = Self { level, edges, corner, origin: [0.0; 3], scale };
+        let mut rings = Self { level, edges, corner, origin: [0.0; 3], axes: AXES, scale };
         rings.recentre();
         Ok(rings)
     }
@@ -73,12 +75,47 @@ impl Rings {
     fn recentre(&mut self) {
         let by = self.level.start(self.half_edge());
         self.level.points.iter_mut().for_each(|point| *point = minus(*point, by));
-        self.origin = plus(self.origin, by);
+        self.origin = plus(self.origin, self.direction(by));
+    }
+
+    /// A direction of these coordinates in the model.
+    fn direction(&self, by: Vector) -> Vector {
+        (0..3).fold([0.0; 3], |sum, k| plus(sum, times(by[k], self.axes[k])))
+    }
+
+    /// Turns the coordinates so that the normal at the vertex becomes the third axis, or its opposite. Next to the
+    /// vertex heights over the tangent plane shrink faster than what runs along it, to 0.6 of that a ring at valence 3,
+    /// and would be lost in its rounding. Where no normal is known, that of the face comes closer to it from ring to
+    /// ring.
+    fn straighten(&mut self) {
+        let normal = self.level.vertex_normal(self.half_edge()).or_else(|| self.facet());
+        let Some([x, y, z]) = normal else { return };
+        let sign = if z < 0.0 { -1.0 } else { 1.0 };
+        let [x, y, z] = [sign * x, sign * y, sign * z];
+        let turned = |[a, b, c]: Vector| {
+            let along = x * a + y * b;
+            let lift = c + along / (1.0 + z);
+            [a - x * lift, b - y * lift, along + z * c]
+        };
+        self.level.points.iter_mut().for_each(|point| *point = turned(*point));
+        let rows = [0, 1, 2].map(|d| turned(self.axes.map(|axis| axis[d])));
+        self.axes = [0, 1, 2].map(|k| rows.map(|row| row[k]));
+    }
+
+    /// The normal of the face that is looked at, of its diagonals.
+    fn facet(&self) -> Option<Vector> {
+        let corner = |steps| self.level.start(self.level.after(self.half_edge(), steps));
+        direction(cross(minus(corner(2), corner(0)), minus(corner(3), corner(1))))
+    }
+
+    /// A jet of these coordinates in the model.
+    fn in_model(&self, jet: Jet) -> Jet {
+        jet.mapped(|at| plus(self.origin, self.direction(at)), |by| self.direction(by))
     }
 
     /// The vertex.
     pub(super) fn vertex(&self) -> Jet {
-        self.level.vertex_jet(self.half_edge(), self.origin)
+        self.in_model(self.level.vertex_jet(self.half_edge()))
     }
 
     /// Goes one ring on: the half-edges of the four parts of the face before, row by row, of which that at the vertex
@@ -97,6 +134,8 @@ impl Rings {
     }
 }
 
+const AXES: [Vector; 3] = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+
 /// The values at places of the face of a half-edge that starts at its only vertex that is not regular.
 ///
 /// # Errors
@@ -112,6 +151,7 @@ pub(super) fn isolated(
     let quadrant = QUADRANTS[rings.corner];
     let corner = [quadrant % 2, quadrant / 2].map(|bit| if bit == 1 { 1.0 } else { 0.0 });
     let mut found = Vec::with_capacity(queries.len());
+    rings.straighten();
     for ring in 0..=RINGS {
         refiner.watch.check()?;
         let is_at_corner = |query: &Query| [0, 1].iter().all(|&k| query.uv[k] - corner[k] == 0.0);
@@ -125,13 +165,14 @@ pub(super) fn isolated(
             break;
         }
         let parts = rings.advance(refiner)?;
+        rings.straighten();
         let nets = parts.map(|part| rings.level.net(part));
         queries = Vec::new();
         for (part, query) in rest.into_iter().map(halved) {
             if part == quadrant {
                 queries.push(query);
             } else {
-                found.push((query.number, Jet::of(&nets[part], rings.origin, rings.scale, query.uv)));
+                found.push((query.number, rings.in_model(Jet::of(&nets[part], rings.scale, query.uv))));
             }
         }
     }

@@ -16,6 +16,10 @@ pub struct Jet {
     /// The unit normal, to the side from which the face is seen counter-clockwise; none where no tangent plane is
     /// known.
     pub normal: Option<Vector>,
+    /// The principal curvatures, 1 / model units, the larger first: positive where the surface bends away from its
+    /// normal, as a sphere does whose normals point outwards. None where the surface has no second derivatives or no
+    /// tangent plane.
+    pub principal: Option<[f64; 2]>,
 }
 
 /// The values of the four cubic B-splines that count between two knots, and of their first and second derivatives.
@@ -36,39 +40,44 @@ fn weighted(weights: [f64; 4], points: [Vector; 4]) -> Vector {
 }
 
 impl Jet {
-    /// Of a uniform bicubic B-spline with the control points `net + origin`, whose parameters run `scale` times as fast
-    /// as those of the face.
-    pub(super) fn of(net: &Net, origin: Vector, scale: f64, [u, v]: [f64; 2]) -> Self {
+    /// Of a uniform bicubic B-spline whose parameters run `scale` times as fast as those of the face.
+    pub(super) fn of(net: &Net, scale: f64, [u, v]: [f64; 2]) -> Self {
         let (along_u, along_v) = (basis(u), basis(v));
         // columns[k][i]: the k-th derivative along v of the curve i
         let columns = along_v.map(|weights| net.map(|row| weighted(weights, row)));
         let value = |i: usize, j: usize| weighted(along_u[i], columns[j]);
-        let [du, dv] = [value(1, 0), value(0, 1)];
-        Self {
-            at: plus(origin, value(0, 0)),
-            first: Some([du, dv].map(|d| times(scale, d))),
-            second: Some([value(2, 0), value(1, 1), value(0, 2)].map(|d| times(scale * scale, d))),
-            normal: normal(du, dv),
-        }
+        let first = [value(1, 0), value(0, 1)].map(|d| times(scale, d));
+        let second = [value(2, 0), value(1, 1), value(0, 2)].map(|d| times(scale * scale, d));
+        let normal = normal(first[0], first[1]);
+        let principal = normal.and_then(|normal| principal(first, second, normal));
+        Self { at: value(0, 0), first: Some(first), second: Some(second), normal, principal }
     }
 
-    /// The principal curvatures, 1 / model units, the larger first: positive where the surface bends away from its
-    /// normal, as a sphere does whose normals point outwards. None where the surface has no second derivatives or no
-    /// tangent plane.
-    pub fn principal(&self) -> Option<[f64; 2]> {
-        let ([du, dv], [duu, duv, dvv], normal) = (self.first?, self.second?, self.normal?);
-        // lengths of their own for u and v keep the products within range
-        let [a, b] = [du, dv].map(|d| sqrt(dot(d, d)));
-        let [du, dv] = [times(1.0 / a, du), times(1.0 / b, dv)];
-        let f = dot(du, dv);
-        let [l, m, n] = [(duu, a * a), (duv, a * b), (dvv, b * b)].map(|(second, by)| -dot(second, normal) / by);
-        let area = 1.0 - f * f;
-        let mean = 0.5 * (l + n - 2.0 * m * f) / area;
-        let gaussian = (l * n - m * m) / area;
-        let apart = sqrt((mean * mean - gaussian).max(0.0));
-        let found = [mean + apart, mean - apart];
-        found.iter().all(|k| k.is_finite()).then_some(found)
+    /// The same surface in other coordinates: after a map of points, whose linear part maps directions.
+    pub(super) fn mapped(self, at: impl Fn(Vector) -> Vector, direction: impl Fn(Vector) -> Vector) -> Self {
+        Self {
+            at: at(self.at),
+            first: self.first.map(|derivatives| derivatives.map(&direction)),
+            second: self.second.map(|derivatives| derivatives.map(&direction)),
+            normal: self.normal.map(&direction),
+            principal: self.principal,
+        }
     }
+}
+
+/// The principal curvatures of a surface with these derivatives and this normal.
+fn principal([du, dv]: [Vector; 2], [duu, duv, dvv]: [Vector; 3], normal: Vector) -> Option<[f64; 2]> {
+    // lengths of their own for u and v keep the products within range
+    let [a, b] = [du, dv].map(|d| sqrt(dot(d, d)));
+    let [du, dv] = [times(1.0 / a, du), times(1.0 / b, dv)];
+    let f = dot(du, dv);
+    let [l, m, n] = [(duu, a * a), (duv, a * b), (dvv, b * b)].map(|(second, by)| -dot(second, normal) / by);
+    let area = 1.0 - f * f;
+    let mean = 0.5 * (l + n - 2.0 * m * f) / area;
+    let gaussian = (l * n - m * m) / area;
+    let apart = sqrt((mean * mean - gaussian).max(0.0));
+    let found = [mean + apart, mean - apart];
+    found.iter().all(|k| k.is_finite()).then_some(found)
 }
 
 /// The direction of the normal of two tangents.

@@ -11,16 +11,21 @@ use crate::solid::sector::{Kind, Sector};
 impl Level {
     /// The limit of the vertex that a half-edge starts at, with the normal in its face. Derivatives along u and v do
     /// not exist there: nearby they grow without bound, or vanish.
-    pub(super) fn vertex_jet(&self, half_edge: u32, origin: Vector) -> Jet {
-        let at = plus(origin, self.limit(half_edge));
+    pub(super) fn vertex_jet(&self, half_edge: u32) -> Jet {
+        let (at, normal) = (self.limit(half_edge), self.vertex_normal(half_edge));
+        Jet { at, first: None, second: None, normal, principal: None }
+    }
+
+    /// The normal at the vertex that a half-edge starts at, in its face, where one is known.
+    pub(super) fn vertex_normal(&self, half_edge: u32) -> Option<Vector> {
         let sector = self.sector(half_edge);
-        let tangents = match (sector.kind, sector.spokes.len()) {
-            (Kind::Smooth, _) => Some(self.tangents_around(&sector)),
+        let [t, s] = match (sector.kind, sector.spokes.len()) {
+            (Kind::Smooth, _) => self.tangents_around(&sector),
             // of other numbers of faces the surface has no tangent plane there in general
-            (Kind::Crease, 3) => Some(self.tangents_at_crease(&sector)),
-            _ => None,
+            (Kind::Crease, 3) => self.tangents_at_crease(&sector),
+            _ => return None,
         };
-        Jet { at, first: None, second: None, normal: tangents.and_then(|[t, s]| normal(t, s)) }
+        normal(t, s)
     }
 
     /// Two tangents at a smooth vertex.
