@@ -42,6 +42,21 @@ fn a_cube_has_its_known_values_at_a_corner_and_at_the_middle_of_a_face() {
     });
 }
 
+/// The default bound of bodies has room for them.
+#[test]
+fn a_million_places_of_ten_digits_are_one_request() {
+    let place = |i: u32| format!("[{},0.{:010},0.{:010}]", i % 6, i, 999_999_999 - i);
+    let places = (0..1_000_000).map(place).collect::<Vec<_>>().join(",");
+    let mut asked = asked(&json!([]));
+    asked["values"] = json!(["curvatures"]);
+    let body = asked.to_string().replace("\"at\":[]", &format!("\"at\":[{places}]"));
+    story(settings(), async |server| {
+        let headers = [("content-type", "application/json")];
+        let found = server.ask(Method::POST, "/v1/evaluate", &headers, body.into_bytes()).await.ok().json();
+        assert_eq!(found["at"]["mean"].as_array().unwrap().len(), 1_000_000);
+    });
+}
+
 #[test]
 fn the_time_of_an_evaluation_is_not_said_to_be_waiting() {
     story(settings(), async |server| {
