@@ -9,6 +9,7 @@ use super::level::{Level, Refiner};
 use super::pack::rectangles;
 use super::patch::Patch;
 use super::request::Request;
+use super::rounding::Rounding;
 use crate::math::amounts::thousands;
 use crate::math::vector::{Vector, plus, times};
 use crate::scheme::operator::BICUBIC;
@@ -36,8 +37,9 @@ pub fn solid(mesh: &Mesh, plan: &Plan, request: &Request, labels: &[u32], watch:
     let refiner = Refiner::new(plan, watch)?;
     // no more than what booked its memory counted on
     let most = usize::try_from(Cage::of(mesh).forecast(request).leaves).unwrap_or(usize::MAX);
-    let pieces = isolate(Level::of(mesh, plan), request, (request.tolerance * size, most), &refiner)?;
-    let Pieces { leaves, caps, vertices, edges } = pieces;
+    let rounding = Rounding::of(mesh);
+    let pieces = isolate(Level::of(mesh, plan), request, (request.tolerance * size, rounding, most), &refiner)?;
+    let Pieces { leaves, caps, vertices, edges, depth } = pieces;
     let rectangles = rectangles(&leaves, &edges, request.pack, labels);
     let n_faces = rectangles.len() + caps.len();
     if n_faces > request.max_faces {
@@ -60,7 +62,7 @@ pub fn solid(mesh: &Mesh, plan: &Plan, request: &Request, labels: &[u32], watch:
         return Err(SolidError::empty());
     }
     let mut brep = Brep::of(patches, &edges, request.shortest)?;
-    let certificate = Certificate::of(&mut brep, vertices, (size, middle));
+    let certificate = Certificate::of(&mut brep, vertices, (size, middle), rounding.after(depth));
     if request.closed && !certificate.is_closed() {
         let n = certificate.shells.iter().filter(|shell| !shell.is_closed).count();
         let detail = format!("{n} components of the mesh are open; close them, or ask for solid \"auto\"");

@@ -14,7 +14,7 @@ pub struct Certificate {
     pub size: f64,
     /// Share of the area whose faces are the limit surface itself.
     pub exact_area_share: f64,
-    /// Largest distance between the surface and the limit surface, model units.
+    /// Largest distance between the surface and the limit surface, model units: that of rounding where all is exact.
     pub deviation: f64,
     /// How that was found: sampled where it was so at any vertex.
     pub known: Known,
@@ -31,8 +31,9 @@ pub struct Certificate {
 }
 
 impl Certificate {
-    /// What holds of a boundary of a cage of this size. Closed shells that are inside out are turned.
-    pub(super) fn of(brep: &mut Brep, vertices: Vec<Isolated>, (size, origin): (f64, Vector)) -> Self {
+    /// What holds of a boundary of a cage of this size whose exact faces are off by so much of rounding. Closed shells
+    /// that are inside out are turned.
+    pub(super) fn of(brep: &mut Brep, vertices: Vec<Isolated>, (size, origin): (f64, Vector), rounding: f64) -> Self {
         let measures: Vec<Measure> = brep.faces.iter().map(|face| Measure::of(&face.surface, origin)).collect();
         let mut shells = brep.shells();
         let mut areas = [0.0; 2];
@@ -55,7 +56,7 @@ impl Certificate {
         Self {
             size,
             exact_area_share: if areas[1] > 0.0 { areas[1] / (areas[0] + areas[1]) } else { 0.0 },
-            deviation: vertices.iter().map(|vertex| vertex.deviation).fold(0.0, f64::max),
+            deviation: vertices.iter().map(|vertex| vertex.deviation).fold(rounding, f64::max),
             known: vertices.iter().fold(Known::Certified, worst),
             worst_edge_angle_deg: brep.worst_angle().to_degrees(),
             gap: brep.gap,

@@ -13,6 +13,7 @@ use super::error::SolidError;
 use super::level::{Level, Refiner, Sharpened};
 use super::net::Net;
 use super::request::Request;
+use super::rounding::Rounding;
 use super::sector::{Kind, Sector};
 use super::spline::Surface;
 use crate::math::vector::{Vector, cross, length};
@@ -53,7 +54,7 @@ pub struct Isolated {
     pub kind: Kind,
     /// Levels of refinement before its caps.
     pub level: u32,
-    /// Distance of the caps from the limit surface, model units.
+    /// Distance of the caps from the limit surface, rounding included, model units.
     pub deviation: f64,
     /// How that was found.
     pub known: Known,
@@ -68,6 +69,8 @@ pub(super) struct Pieces {
     pub(super) caps: Vec<Cap>,
     pub(super) vertices: Vec<Isolated>,
     pub(super) edges: Edges,
+    /// The last level that faces were taken of.
+    pub(super) depth: u32,
 }
 
 /// What one level adds.
@@ -75,6 +78,7 @@ struct Isolation<'a> {
     request: &'a Request,
     /// Largest deviation, model units.
     tolerance: f64,
+    rounding: Rounding,
     refiner: &'a Refiner<'a>,
     /// Most leaves.
     most: usize,
@@ -110,13 +114,15 @@ fn check_normal(sector: &Sector, surfaces: &[Surface]) -> Result<(), SolidError>
 pub(super) fn isolate(
     (mut level, edges): (Level, Edges),
     request: &Request,
-    (tolerance, most): (f64, usize),
+    (tolerance, rounding, most): (f64, Rounding, usize),
     refiner: &Refiner<'_>,
 ) -> Result<Pieces, SolidError> {
     let pieces = Pieces { edges, ..Pieces::default() };
-    let mut isolation = Isolation { request, tolerance, refiner, most, pieces };
+    let mut isolation = Isolation { request, tolerance, rounding, refiner, most, pieces };
     for depth in 0..=request.max_level {
         refiner.watch.check()?;
+        isolation.check_rounding(depth)?;
+        isolation.pieces.depth = depth;
         let (split, farthest) = isolation.take(&level, depth)?;
         if split.is_empty() {
             return Ok(isolation.pieces);
@@ -171,13 +177,14 @@ impl Isolation<'_> {
             .filter_map(|&f| Some(level.sector(level.lone_irregular(f)?)))
             .filter(|sector| seen.insert(sector.spokes.iter().copied().min()) && is_ready(level, sector))
             .collect();
-        let asked = (self.request.continuity, self.tolerance);
+        let rounding = self.rounding.after(depth);
+        let asked = (self.request.continuity, self.tolerance - rounding);
         let found: Vec<_> = sectors.par_iter().map(|sector| caps(level, sector, asked, self.refiner)).collect();
         let mut farthest = 0.0_f64;
         let mut capped = BTreeSet::new();
         for (sector, found) in sectors.iter().zip(found) {
             match found? {
-                Err(deviation) => farthest = farthest.max(deviation),
+                Err(deviation) => farthest = farthest.max(deviation + rounding),
                 Ok(found) => {
                     check_normal(sector, &found.surfaces)?;
                     self.put(level, depth, (sector, found), &mut capped);
@@ -196,7 +203,7 @@ impl Isolation<'_> {
             faces: sector.spokes.len(),
             kind: sector.kind,
             level: depth,
-            deviation,
+            deviation: deviation + self.rounding.after(depth),
             known,
             is_tangent,
         });
@@ -223,6 +230,19 @@ impl Isolation<'_> {
             sides: sides.map(|side| level.edges[level.topology.edge(side) as usize]),
             input: level.inputs[level.topology.face_of(half_edge)],
         }
+    }
+
+    /// Refuses a tolerance that rounding alone exceeds.
+    fn check_rounding(&self, depth: u32) -> Result<(), SolidError> {
+        let (rounding, tolerance) = (self.rounding.after(depth), self.tolerance);
+        if rounding < tolerance {
+            return Ok(());
+        }
+        let detail = format!(
+            "coordinates as large as these are rounded by up to {rounding:.1e} on level {depth}, {tolerance:.1e} is \
+             asked for (model units); move the mesh to the origin or ask for a coarser tolerance"
+        );
+        Err(SolidError::at("tolerance", detail))
     }
 
     fn unreachable(&self, farthest: f64) -> SolidError {

@@ -20,6 +20,7 @@ mod net;
 mod pack;
 mod patch;
 mod request;
+mod rounding;
 mod sector;
 mod spline;
 

@@ -6,8 +6,9 @@ use planish::analysis::limit::{LimitRequest, refine_mesh_to_limit};
 use planish::math::functions::{cos, ratio, sin};
 use planish::math::vector::{Vector, length, minus, plus};
 use planish::scheme::tags::Boundary;
-use planish::shape::source::MeshSource;
-use planish::solid::{Continuity, Known, Pack, Request, Solid, SolidError, Surface, solid};
+use planish::shape::source::{FaceChunk, MeshSource};
+use planish::solid::evaluate::closest;
+use planish::solid::{Continuity, Isolated, Known, Pack, Request, Solid, SolidError, Surface, solid};
 use planish::watch::Watch;
 use serde_json::json;
 
@@ -294,6 +295,102 @@ fn cubes_take_no_more_faces_than_they_need() {
         // extrapolated from refined meshes
         let off = (said.volume() - 2_620.419_033_38).abs();
         assert!(off <= said.deviation * said.area() && off < 0.1, "{tolerance:e}: {}", said.volume());
+    }
+}
+
+/// The coordinates are binary fractions, so that the cage is the same far away, and only its solid is rounded.
+#[test]
+fn bounds_count_the_rounding_of_coordinates_even_where_all_is_exact() {
+    let moved = |by: f64| sheet(4, 3, |i, j| [i + by, j + by, 0.25 * i * j + by]);
+    let by = 1_048_576.0;
+    let [here, there] = [0.0, by].map(|by| moved(by).solid(&COARSE).expect("a sheet"));
+    assert!(here.certificate.vertices.is_empty() && here.certificate.known == Known::Certified);
+    let bounds = [&here, &there].map(|solid| solid.certificate.deviation);
+    assert!(bounds[0] >= f64::EPSILON * 4.0 && bounds[0] < 1e-12, "{bounds:?}");
+    let mut most = 0.0_f64;
+    for (a, b) in here.brep.faces.iter().zip(&there.brep.faces) {
+        for (a, b) in a.surface.points.iter().flatten().zip(b.surface.points.iter().flatten()) {
+            most = most.max(length(minus(minus(*b, [by; 3]), *a)));
+        }
+    }
+    assert!(bounds[0] < most && most <= bounds[0] + bounds[1], "{most:e}, {bounds:?}");
+    let error = moved(by).solid(&Request { tolerance: 1e-9, ..COARSE }).expect_err("it is rounded by more");
+    assert!(error.to_string().contains("move the mesh to the origin"), "{error}");
+}
+
+/// A cube after two refinements, with bumps: its corners are four edges apart.
+fn bumpy() -> Cage {
+    let asked = LimitRequest { positions: false, normals: false };
+    let (refined, _) =
+        refine_mesh_to_limit(&cube(1.0).mesh(), &cube(1.0).plan(), 2, asked, &Watch::new()).expect("small");
+    let (mut points, mut faces) = (Vec::new(), FaceChunk::default());
+    refined.positions(0..refined.n_vertices(), &mut points);
+    refined.faces(0..refined.n_faces(), &mut faces);
+    let bump = |[x, y, z]: Vector| [x + 0.05 * sin(7.0 * y), y + 0.05 * cos(5.0 * z), z + 0.06 * sin(6.0 * x)];
+    Cage {
+        points: points.into_iter().map(bump).collect(),
+        faces: faces.iter().map(<[u32]>::to_vec).collect(),
+        ..Cage::default()
+    }
+}
+
+#[test]
+fn caps_beside_holes_are_those_of_the_surface_without_them() {
+    let whole = bumpy();
+    let around = |v: u32| (0..).zip(&whole.faces).filter(move |(_, face)| face.contains(&v)).map(|(f, _)| f);
+    let corner = (0..).find(|&v| around(v).count() == 3).expect("a cube has corners");
+    let holes: Vec<u64> = around(corner).collect();
+    let side = |f: u64| {
+        let face = &whole.faces[usize::try_from(f).expect("few")];
+        let at = face.iter().position(|&v| v == corner).expect("it is around");
+        [corner, face[(at + 1) % 4]].map(u64::from)
+    };
+    let request = Request { tolerance: 1e-4, continuity: Continuity::Tangent, pack: Pack::Nothing, ..COARSE };
+    for creases in [vec![], vec![(side(holes[0]), 10.0)], vec![(side(holes[1]), 10.0)]] {
+        let whole = Cage { creases, ..whole.clone() };
+        let all = whole.solid(&request).expect("a cube");
+        for n in 1..3 {
+            let holed = Cage { holes: holes[..n].into(), ..whole.clone() }.solid(&request).expect("an open cube");
+            assert_eq!(holed.certificate.vertices.len(), all.certificate.vertices.len());
+            for vertex in &holed.certificate.vertices {
+                let is_same = |other: &&Isolated| near(other.at, vertex.at, 1e-14) && other.level == vertex.level;
+                let other = all.certificate.vertices.iter().find(is_same).expect("it is a vertex of the whole");
+                let share = vertex.deviation / other.deviation;
+                assert!((share - 1.0).abs() < 1e-9 && vertex.known == other.known, "{vertex:?} {other:?}");
+            }
+            let points = |surface: &Surface| surface.points.concat();
+            for face in &holed.brep.faces {
+                let own = points(&face.surface);
+                let is_same = |other: &Vec<Vector>| {
+                    other.len() == own.len() && other.iter().zip(&own).all(|(&a, &b)| near(a, b, 1e-14))
+                };
+                assert!(all.brep.faces.iter().any(|face| is_same(&points(&face.surface))), "{face:?}");
+            }
+        }
+    }
+}
+
+/// The limit surface is looked for by the search for closest places, which knows nothing of caps.
+#[test]
+fn points_of_sampled_caps_are_within_their_deviation_of_the_limit_surface() {
+    let tip = |n| Cage { creases: vec![], corners: vec![(0, 10.0)], ..tips(n) };
+    let cages = [
+        ("cone of 3", tip(3)),
+        ("cone of 5", tip(5)),
+        ("dart", tips(4)),
+        ("round", {
+            Cage { boundary: Boundary::EdgeOnly, ..sheet(3, 3, |i, j| [i, j, 0.4 * sin(1.3 * i) * cos(0.9 * j)]) }
+        }),
+    ];
+    for (name, cage) in cages {
+        let found = cage.solid(&Request { tolerance: 1e-3, ..COARSE }).expect(name);
+        let caps = found.brep.faces.iter().filter(|face| !face.is_exact);
+        let places = (0..64).map(|k| [ratio(k / 8, 8) + 0.03, ratio(k % 8, 8) + 0.04]);
+        let points: Vec<Vector> = caps.flat_map(|face| places.clone().map(|[u, v]| at(&face.surface, u, v))).collect();
+        let nearest = closest(&cage.mesh(), &cage.plan(), &points, &Watch::new()).expect(name);
+        let most = nearest.iter().map(|closest| closest.distance).fold(0.0, f64::max);
+        let said = found.certificate.deviation;
+        assert!(found.certificate.known == Known::Sampled && most <= 1.1 * said, "{name}: {most:e} of {said:e}");
     }
 }
 
