@@ -13,6 +13,7 @@ mod corners;
 mod declared;
 pub mod described;
 pub mod evaluation;
+pub mod examined;
 pub(crate) mod fields;
 mod figure;
 mod fixed;
