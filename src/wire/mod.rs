@@ -34,6 +34,7 @@ pub mod query;
 pub mod query_parameters;
 pub mod read;
 mod report;
+pub mod result_entries;
 mod schema;
 pub mod standing;
 pub mod surface_analysis;
