@@ -5,7 +5,7 @@ use std::path::Path;
 
 use super::files::Files;
 use crate::job::limits::Admitted;
-use crate::output::mtl;
+use crate::output::{WITHOUT_LIBRARY, mtl};
 use crate::shape::attachments::Attachments;
 use crate::shape::looks::images;
 
@@ -35,6 +35,13 @@ impl<'a> Library<'a> {
     /// The line that names the library.
     pub(super) fn line(&self) -> String {
         format!("mtllib {}.mtl\n", self.stem)
+    }
+
+    /// The warnings of an OBJ file with this library beside it.
+    pub(super) fn warnings(&self, mut warnings: Vec<String>) -> Vec<String> {
+        warnings.retain(|warning| warning != WITHOUT_LIBRARY);
+        warnings.extend(mtl::unheld(self.carried));
+        warnings
     }
 
     /// Writes the library and the textures.

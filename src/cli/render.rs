@@ -219,8 +219,9 @@ fn to_file(
     let report = write(&mut out)?;
     out.flush().map_err(cannot)?;
     drop(out);
-    library.map_or(Ok(()), |library| library.write(files)).map_err(cannot)?;
-    Ok(report)
+    let Some(library) = library else { return Ok(report) };
+    library.write(files).map_err(cannot)?;
+    Ok(Report { warnings: library.warnings(report.warnings) })
 }
 
 fn unwritten(target: &Path, error: &io::Error) -> CliError {

@@ -125,10 +125,11 @@ fn in_flags(detail: &str) -> String {
 }
 
 /// What sentences say of the input, in flags.
-const REMEDIES: [(&str, &str); 3] = [
+const REMEDIES: [(&str, &str); 4] = [
     ("\"non_manifold\": \"split\"", "--non-manifold split"),
     ("\"orient\": \"repair\"", "--orient repair"),
     ("\"weld\": 0", "--weld 0"),
+    ("\"weld\": false", "--weld false"),
 ];
 
 /// A sentence with flags for the fields of the input that would help.

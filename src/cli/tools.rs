@@ -202,7 +202,8 @@ fn validate(job: &Value) -> Said {
     if request.outputs.is_empty() {
         request.outputs = vec![OutputRequest::of_format(request.usual_format())];
     }
-    told(&report(request.examine(purpose, &Limits::default().reading())))
+    let limits = Limits::default();
+    told(&report(request.examine(purpose, &limits.reading()).bounded(&limits, &Watch::new())))
 }
 
 fn estimate(job: &Value, watch: &Watch) -> Said {

@@ -9,10 +9,9 @@ use super::inputs::{Source, jobs_and_meshes};
 use super::job::JobOptions;
 use super::say::answer;
 use super::told::Teller;
-use crate::fault::Fault;
 use crate::http::validate::report;
 use crate::job::limits::Limits;
-use crate::wire::job::Examined;
+use crate::watch::Watch;
 
 /// What is looked at.
 #[derive(Debug, Clone, clap::Args)]
@@ -60,9 +59,10 @@ impl ValidateOptions {
         let purpose = loaded.request.asked();
         loaded.settle(&self.options)?;
         let teller = Teller { flags: &self.options.flags, is_file: loaded.is_file, format: loaded.format };
-        let Examined { faults, input, plan } = loaded.request.examine(purpose, &Limits::default().reading());
-        let faults: Vec<Fault> = faults.into_iter().map(|fault| teller.told(fault)).collect();
-        serde_json::to_value(report(Examined { faults, input, plan })).map_err(CliError::other)
+        let limits = Limits::default();
+        let mut examined = loaded.request.examine(purpose, &limits.reading()).bounded(&limits, &Watch::new());
+        examined.faults = examined.faults.into_iter().map(|fault| teller.told(fault)).collect();
+        serde_json::to_value(report(examined)).map_err(CliError::other)
     }
 }
 

@@ -150,11 +150,7 @@ pub(super) async fn file(Segment(name): Segment, headers: HeaderMap) -> Response
     Problem::new(problem::NOT_FOUND, detail).into_response()
 }
 
-/// The way to the page for trying it.
-#[utoipa::path(
-    get, path = "/", tag = "operations",
-    responses((status = 307, description = "The page for trying it is at `/play`"))
-)]
+/// The way to the page for trying it, for people: it is no operation of the interface.
 pub(super) async fn index() -> Redirect {
     Redirect::temporary("/play")
 }

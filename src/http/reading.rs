@@ -119,9 +119,13 @@ pub(super) async fn draft(
 
 /// The refusal of something that takes more memory than there ever is for it.
 pub(super) fn too_large(what: &str, needs: u64, has: u64) -> Problem {
+    Problem::new(problem::TOO_LARGE, too_much(what, needs, has))
+}
+
+/// Says that something takes more memory than there ever is for it.
+pub(super) fn too_much(what: &str, needs: u64, has: u64) -> String {
     let (needs, has) = (in_bytes(needs.into()), in_bytes(has.into()));
-    let remedy = "send a smaller one, or raise --max-memory-bytes";
-    Problem::new(problem::TOO_LARGE, format!("{what} {needs} of memory; this server has {has} for that: {remedy}"))
+    format!("{what} {needs} of memory; this server has {has} for that: send a smaller one, or raise --max-memory-bytes")
 }
 
 /// Admits a job, in the lane for reading, as some forecasts count for a while.

@@ -1,5 +1,6 @@
 //! The routes: one line a resource, whose file has its handlers.
 
+use axum::routing::get;
 use tower_http::compression::CompressionLayer;
 use utoipa_axum::router::OpenApiRouter;
 use utoipa_axum::routes;
@@ -29,7 +30,7 @@ pub(super) fn all() -> OpenApiRouter<Shared> {
         .routes(routes!(blobs::blob))
         .routes(routes!(analyses::analyse))
         .routes(routes!(evaluation::evaluate))
-        .routes(routes!(play::index))
+        .route("/", get(play::index))
         .routes(routes!(play::page))
         .routes(routes!(play::file));
     let texts = OpenApiRouter::new()

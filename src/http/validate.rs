@@ -10,20 +10,22 @@ use super::blobs::attached;
 use super::client::Client;
 use super::content::Takes;
 use super::problem::Problem;
+use super::reading::too_much;
 use super::{body, negotiate};
-use crate::job::Input;
+use crate::fault::Fault;
+use crate::job::{Draft, Input};
 use crate::scheme::plan::{Plan, PlanInput};
 use crate::wire::JobRequest;
 use crate::wire::answer::{FaultAnswer, MeshReport, ValidateAnswer};
-use crate::wire::job::Examined;
+use crate::wire::examined::Examined;
 use crate::wire::query::says_nothing;
 use crate::wire::read::weight;
 
 /// What is wrong with a job, and what its mesh is like: boundary loops, valences, degenerate faces, latitude lines.
 ///
 /// The whole job is looked at, as `/v1/render` would, and all its faults are told together; an input alone is looked at
-/// as one that is to be refined. Nothing is refined, no level is searched for, and no limit on sizes is asked;
-/// `/v1/estimate` does that.
+/// as one that is to be refined. Nothing is refined. A job that would be too large here is not valid here; only where the
+/// level of a tolerance is still to be searched for, which `/v1/estimate` does, that is left open.
 #[utoipa::path(
     post, path = "/v1/validate", tag = "questions", request_body = JobRequest,
     responses(
@@ -44,23 +46,33 @@ pub(super) async fn validate(
         let sent = match attached(&app, client.peer(), sent).await.map_err(Problem::faults) {
             Ok(sent) => sent,
             // an upload that is not here is a fault of the job like others
-            Err(Ok(faults)) => return Ok(axum::Json(report(Examined { faults, input: None, plan: None }))),
+            Err(Ok(faults)) => return Ok(axum::Json(report(Examined { faults, ..Examined::default() }))),
             Err(Err(problem)) => return Err(problem),
         };
         let (limits, bytes) = (app.desk.limits.reading(), weight(sent.length()));
-        let report = app.desk.read(client.peer(), bytes, move |_| {
+        let examined = app.desk.read(client.peer(), bytes, move |_| {
             let mut request = sent.request()?;
             let purpose = request.asked();
             negotiate::settle(&HeaderMap::new(), &mut request)?;
-            Ok::<_, Problem>(axum::Json(report(request.examine(purpose, &limits))))
+            Ok::<_, Problem>(request.examine(purpose, &limits))
         });
-        report.await?
+        let mut examined = examined.await??;
+        let bytes = examined.draft.as_ref().map_or(0, Draft::bytes);
+        let most = app.desk.account.inputs.capacity / 2;
+        if bytes > most {
+            examined.faults.push(Fault::new("/input", too_much("the input takes", bytes, most)));
+            return Ok(axum::Json(report(examined)));
+        }
+        let forecast = if let Some(Draft::Job(job)) = &examined.draft { job.forecast_bytes() } else { 0 };
+        let limits = app.desk.limits;
+        let bounded = app.desk.read(client.peer(), forecast, move |watch| report(examined.bounded(&limits, watch)));
+        Ok(axum::Json(bounded.await?))
     };
     answer.await.into_response()
 }
 
 /// What was found of a job, as an answer.
-pub(crate) fn report(Examined { faults, input, plan }: Examined) -> ValidateAnswer {
+pub(crate) fn report(Examined { faults, input, plan, .. }: Examined) -> ValidateAnswer {
     let mut answer = ValidateAnswer {
         valid: faults.is_empty(),
         errors: faults.into_iter().map(FaultAnswer::from).collect(),

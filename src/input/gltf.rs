@@ -10,6 +10,7 @@ mod looks;
 mod packed;
 mod scene;
 mod transform;
+mod triangles;
 
 use self::buffers::Document;
 use super::beside::File;

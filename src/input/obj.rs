@@ -22,20 +22,8 @@ use crate::shape::attachments::ChannelInput;
 const MAX_FAULTS: usize = 20;
 
 /// What draws or names, but has no shape of a mesh.
-const PASSED_OVER: &[&str] = &[
-    "s",
-    "mg",
-    "bevel",
-    "c_interp",
-    "d_interp",
-    "lod",
-    "shadow_obj",
-    "trace_obj",
-    "ctech",
-    "stech",
-    "maplib",
-    "usemap",
-];
+const PASSED_OVER: &[&str] =
+    &["s", "mg", "bevel", "c_interp", "d_interp", "lod", "shadow_obj", "trace_obj", "ctech", "stech"];
 
 /// Libraries of materials that are looked for.
 const MAX_LIBRARIES: usize = 16;
@@ -89,8 +77,12 @@ fn read(file: &File<'_>, limits: &ReadLimits) -> Result<ReadMesh, Vec<String>> {
         }
     }
     let libraries = std::mem::take(&mut state.libraries);
+    let beyond = state.libraries_beyond;
     let mut mesh = state.finish()?;
     let library = Library::beside(file.beside, &libraries);
+    if beyond > 0 {
+        mesh.notes.push(format!("libraries of materials are left out beyond the first {MAX_LIBRARIES}: {beyond}"));
+    }
     mesh.looks = library.looks(&mesh.materials, mesh.uvs.is_some(), file.beside, &mut mesh.notes);
     Ok(mesh)
 }
@@ -108,6 +100,8 @@ struct State {
     tags: tags::Tags,
     /// Names of libraries of materials.
     libraries: Vec<String>,
+    /// Number of libraries beyond those.
+    libraries_beyond: usize,
     /// How many elements of a kind were left out.
     left_out: BTreeMap<String, usize>,
     faults: Vec<String>,
@@ -124,6 +118,7 @@ impl State {
             color_width: 0,
             tags: tags::Tags::default(),
             libraries: Vec::new(),
+            libraries_beyond: 0,
             left_out: BTreeMap::new(),
             faults: Vec::new(),
         }
@@ -154,7 +149,9 @@ impl State {
             "usemtl" => self.faces.materials.enter(std::iter::once(text.trim()[6..].trim())),
             "mtllib" => {
                 let name = text.trim()[6..].trim();
-                if self.libraries.len() < MAX_LIBRARIES && !name.is_empty() {
+                if self.libraries.len() == MAX_LIBRARIES {
+                    self.libraries_beyond += 1;
+                } else if !name.is_empty() {
                     self.libraries.push(name.to_owned());
                 }
                 Ok(())
@@ -163,6 +160,10 @@ impl State {
             "l" | "p" => {
                 let what = if keyword == "l" { "lines" } else { "points" };
                 *self.left_out.entry(what.to_owned()).or_default() += 1;
+                Ok(())
+            }
+            "usemap" | "maplib" => {
+                *self.left_out.entry("textures outside of materials".to_owned()).or_default() += 1;
                 Ok(())
             }
             _ if PASSED_OVER.contains(&keyword) => Ok(()),

@@ -12,12 +12,11 @@ use super::weights;
 use super::work::{KeepWork, Refined, refined};
 use crate::analysis::curve;
 use crate::output::scene::{Control, Curve, Detail, Notes, Scene, Shape};
-use crate::output::{FormatError, shows_distances};
+use crate::output::{FormatError, left_out, shows_distances};
 use crate::refine::{RefinedMesh, StreamedMesh};
 use crate::scheme::mesh_net::MeshNet;
 use crate::scheme::plan::Plan;
 use crate::scheme::tags::Boundary;
-use crate::shape::attachments::Attachments;
 use crate::shape::mesh::Mesh;
 use crate::shape::polygon::Polygon;
 use crate::watch::{Stage, Watch};
@@ -133,8 +132,11 @@ fn other_surface(
 fn shown(scene: &Scene<'_>, output: &Output, watch: &Watch, show: Show<'_>) -> Result<Report, RunError> {
     watch.enter(Stage::Encode);
     show(scene)?;
-    let carried = if let Shape::Mesh(mesh) = scene.shape { mesh.attachments() } else { Attachments::none() };
-    let left_out = output.format.leaves_out(carried, &output.options);
+    let left_out = if let Shape::Mesh(mesh) = scene.shape {
+        left_out::all(output.format, mesh.attachments(), &mesh.tags(), &output.options)
+    } else {
+        Vec::new()
+    };
     Ok(Report { warnings: scene.warnings.iter().cloned().chain(scene.notes.take()).chain(left_out).collect() })
 }
 

@@ -40,6 +40,8 @@ pub struct FormatFacts {
     pub paper: Option<Paper>,
     /// Whether the format holds several frames of a mesh.
     pub holds_frames: bool,
+    /// Whether the format holds a mesh but not which of its edges and vertices are sharp.
+    pub has_no_tags: bool,
     /// Whether the format can hold what these options make of a shape of this kind; else a sentence that says why not,
     /// and which formats can.
     pub holds: fn(ShapeKind, &Values) -> Result<(), String>,
@@ -59,6 +61,7 @@ impl FormatFacts {
         tells_plan: false,
         paper: None,
         holds_frames: false,
+        has_no_tags: false,
         holds: |_, _| Ok(()),
     };
 }
@@ -181,9 +184,9 @@ pub trait Requirements {
         Ok(())
     }
 
-    /// Returns, as a sentence, what the format leaves out of what a mesh carries although a reader may miss it.
-    fn leaves_out(&self, _carried: &Attachments, _options: &Values) -> Option<String> {
-        None
+    /// Returns, in sentences, what the format leaves out of what a mesh carries.
+    fn leaves_out(&self, _carried: &Attachments, _options: &Values) -> Vec<String> {
+        Vec::new()
     }
 
     /// Returns the option that refers to single faces, edges or vertices of the input, if one is set. Schemes that

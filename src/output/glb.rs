@@ -47,6 +47,7 @@ const FACTS: &FormatFacts = &FormatFacts {
     parameters: PARAMETERS,
     holds_frames: true,
     holds: |kind, _| holds_space("glb", kind),
+    has_no_tags: true,
     ..FormatFacts::USUAL
 };
 

@@ -52,6 +52,7 @@ const FACTS: &FormatFacts = &FormatFacts {
     parameters: ALL_PARAMETERS,
     holds_frames: true,
     holds: |kind, _| holds_space("gltf", kind),
+    has_no_tags: true,
     ..FormatFacts::USUAL
 };
 

@@ -7,6 +7,7 @@ use crate::math::parameter::{Default, Kind, Parameter, Values};
 use crate::output::counts::{Counts, ShapeKind};
 use crate::output::error::FormatError;
 use crate::output::format::{Content, Costs, Format, FormatFacts, Requirements};
+use crate::output::left_out::{Datum, left_out};
 use crate::output::numbers::{REAL, reals, total};
 use crate::output::scene::{Scene, Shape};
 use crate::output::size::Size;
@@ -76,10 +77,14 @@ impl Requirements for Mtl {
         check_file_name(&TEXTURES, options)
     }
 
-    fn leaves_out(&self, carried: &Attachments, options: &Values) -> Option<String> {
+    fn leaves_out(&self, carried: &Attachments, options: &Values) -> Vec<String> {
+        let mut sentences = unheld(carried);
         let has_textures = carried.looks.iter().any(|look| look.texture.is_some());
-        let sentence = || "textures are left out, as nothing says how their files are called; give \"textures\"";
-        (has_textures && options.name(TEXTURES.name).is_none()).then(sentence).map(str::to_owned)
+        if has_textures && options.name(TEXTURES.name).is_none() {
+            let sentence = "textures are left out, as nothing says how their files are called; give \"textures\"";
+            sentences.push(sentence.to_owned());
+        }
+        sentences
     }
 }
 
@@ -90,6 +95,11 @@ impl Costs for Mtl {
         let rows = [(1, HEADER.len() as u128), (names.names.len() as u128, material), (1, names.name_bytes() as u128)];
         Size::AtMost(total(&rows))
     }
+}
+
+/// What libraries have no place for of what a mesh carries, in sentences.
+pub fn unheld(carried: &Attachments) -> Vec<String> {
+    left_out("mtl", "glb or json", carried, &[Datum::AlphaMode, Datum::Sides])
 }
 
 /// The library of what a mesh carries; textures are named where it is said what their names begin with.

@@ -9,6 +9,7 @@ use crate::output::counts::{Counts, ShapeKind};
 use crate::output::error::FormatError;
 use crate::output::format::{Content, Costs, Format, FormatFacts, Requirements};
 use crate::output::hard_edges::HardEdges;
+use crate::output::left_out::{Datum, left_out};
 use crate::output::mtl::check_file_name;
 use crate::output::normals;
 use crate::output::numbers::{REAL, digits, real, total, whole};
@@ -36,6 +37,10 @@ const LIBRARY: Parameter = Parameter {
     doc: "The name of a file beside this one with the materials, as the format \"mtl\" writes it; left out, none is \
           named.",
 };
+
+/// What is said of an OBJ file whose materials look like something, where it names no library.
+pub const WITHOUT_LIBRARY: &str = "how materials look is left out, as no library is named; give \"mtllib\" and ask for \
+                                   mtl, too, or ask for glb";
 
 /// The first lines: who wrote the file, what coordinates mean, and where the materials are.
 fn header(frame: Frame, options: &Values) -> String {
@@ -131,11 +136,13 @@ impl Requirements for Obj {
         check_file_name(&LIBRARY, options)
     }
 
-    fn leaves_out(&self, carried: &Attachments, _: &Values) -> Option<String> {
-        let is_left_out = carried.color().is_some_and(|(_, color)| color.seams.is_some());
-        let sentence = "the channel \"color\" is left out, as it differs on the sides of seams and obj holds one color \
-                        a vertex; ask for glb, ply or json";
-        is_left_out.then(|| sentence.to_owned())
+    fn leaves_out(&self, carried: &Attachments, options: &Values) -> Vec<String> {
+        let kinds = [Datum::ColorSeams, Datum::ColorAlpha, Datum::OtherChannels];
+        let mut sentences = left_out("obj", "glb or json", carried, &kinds);
+        if options.name(LIBRARY.name).is_none() && carried.looks.iter().any(|look| !look.is_silent()) {
+            sentences.push(WITHOUT_LIBRARY.to_owned());
+        }
+        sentences
     }
 }
 

@@ -13,6 +13,7 @@ use crate::output::counts::{Counts, ShapeKind};
 use crate::output::error::FormatError;
 use crate::output::format::{Content, Costs, Format, FormatFacts, Requirements};
 use crate::output::hard_edges::HardEdges;
+use crate::output::left_out::{Datum, left_out};
 use crate::output::normals;
 use crate::output::numbers::{digits, total};
 use crate::output::options::{IDS, POSITIONS};
@@ -53,6 +54,7 @@ const FACTS: &FormatFacts = &FormatFacts {
     doc: "Stanford PLY: polygons as they are, f64 or f32 coordinates, binary little endian or text",
     parameters: PARAMETERS,
     holds: |kind, _| holds_space("ply", kind),
+    has_no_tags: true,
     ..FormatFacts::USUAL
 };
 
@@ -85,9 +87,8 @@ impl Requirements for Ply {
         check_face(counts.largest_face, Layout::of(options)).map_err(|detail| Fault::new("/face_sizes", detail))
     }
 
-    fn leaves_out(&self, carried: &Attachments, _: &Values) -> Option<String> {
-        let sentence = || "how materials look is left out, as ply has no place for it; ask for glb";
-        (!carried.looks.is_empty()).then(sentence).map(str::to_owned)
+    fn leaves_out(&self, carried: &Attachments, _: &Values) -> Vec<String> {
+        left_out("ply", "glb", carried, &[Datum::Looks])
     }
 }
 

@@ -13,13 +13,13 @@ use crate::math::parameter::Values;
 use crate::output::counts::{Counts, ShapeKind};
 use crate::output::error::FormatError;
 use crate::output::format::{Content, Costs, Format, FormatFacts, MadeOf, Requirements};
+use crate::output::left_out::{Datum, left_out};
 use crate::output::numbers::total;
 use crate::output::scene::Scene;
 use crate::output::size::Size;
 use crate::output::solid_options::{SOLID_OPTIONS, admits, forecast, solid_of, work};
 use crate::scheme::plan::Plan;
 use crate::shape::attachments::Attachments;
-use crate::shape::looks::Look;
 use crate::shape::mesh::Mesh;
 use crate::watch::Watch;
 
@@ -74,10 +74,17 @@ impl Format for Step {
 }
 
 impl Requirements for Step {
-    fn leaves_out(&self, carried: &Attachments, _: &Values) -> Option<String> {
-        let sees_through = |look: &Look| look.color.is_some_and(|color| color[3] < 1.0) || look.texture.is_some();
-        let sentence = || "transparency and pictures of materials are left out of step; ask for glb".to_owned();
-        carried.looks.iter().any(sees_through).then(sentence)
+    fn leaves_out(&self, carried: &Attachments, _: &Values) -> Vec<String> {
+        let kinds = [
+            Datum::Channels,
+            Datum::Uvs,
+            Datum::ColorlessMaterials,
+            Datum::Surface,
+            Datum::Transparency,
+            Datum::Sides,
+            Datum::Textures,
+        ];
+        left_out("step", "glb", carried, &kinds)
     }
 
     fn admits(&self, mesh: &Mesh, plan: &Plan, options: &Values) -> Result<(), Fault> {

@@ -9,6 +9,7 @@ use crate::output::counts::{Counts, ShapeKind};
 use crate::output::error::FormatError;
 use crate::output::format::{Content, Costs, Format, FormatFacts, Requirements};
 use crate::output::hard_edges::HardEdges;
+use crate::output::left_out::{Datum, left_out};
 use crate::output::normals;
 use crate::output::numbers::{rounded, total};
 use crate::output::options::{LIMIT, POSITIONS};
@@ -50,6 +51,7 @@ const FACTS: &FormatFacts = &FormatFacts {
         ShapeKind::Mesh => Ok(()),
         ShapeKind::Curves { .. } => Err("stl holds triangles only, these are curves; ask for json or obj".into()),
     },
+    has_no_tags: true,
     ..FormatFacts::USUAL
 };
 
@@ -77,9 +79,8 @@ impl Format for Stl {
 }
 
 impl Requirements for Stl {
-    fn leaves_out(&self, carried: &Attachments, _: &Values) -> Option<String> {
-        let sentence = || "how materials look is left out, as stl has no place for it; ask for glb";
-        (!carried.looks.is_empty()).then(sentence).map(str::to_owned)
+    fn leaves_out(&self, carried: &Attachments, _: &Values) -> Vec<String> {
+        left_out("stl", "glb", carried, &[Datum::Channels, Datum::Uvs, Datum::Groups, Datum::Materials])
     }
 
     fn fits(&self, counts: &Counts, _options: &Values) -> Result<(), Fault> {

@@ -15,6 +15,7 @@ use crate::math::parameter::{Parameter, Values};
 use crate::output::counts::{Counts, ShapeKind};
 use crate::output::error::FormatError;
 use crate::output::format::{Content, Costs, Format, FormatFacts, Requirements};
+use crate::output::left_out::{Datum, left_out};
 use crate::output::numbers::{REAL, digits, real, total, whole};
 use crate::output::options::POSITIONS;
 use crate::output::positions::Positions;
@@ -75,6 +76,7 @@ const FACTS: &FormatFacts = &FormatFacts {
         ShapeKind::Mesh => Ok(()),
         ShapeKind::Curves { .. } => Err("3mf holds triangles only, these are curves; ask for json or obj".into()),
     },
+    has_no_tags: true,
     ..FormatFacts::USUAL
 };
 
@@ -124,23 +126,18 @@ impl Requirements for ThreeMf {
         Err(Fault::new("/format", detail))
     }
 
-    fn leaves_out(&self, carried: &Attachments, options: &Values) -> Option<String> {
-        let mut left_out = Vec::new();
-        let has_seams = carried.color().is_some_and(|(_, color)| color.seams.is_some());
-        if has_seams {
-            left_out.push("the channel \"color\" is left out, as it differs on the sides of seams");
-        }
+    fn leaves_out(&self, carried: &Attachments, options: &Values) -> Vec<String> {
+        let kinds =
+            [Datum::ColorSeams, Datum::OtherChannels, Datum::Uvs, Datum::Surface, Datum::Sides, Datum::Textures];
+        let mut sentences = left_out("3mf", "glb", carried, &kinds);
         if color(carried).is_some() && !carried.materials.is_empty() {
-            left_out.push("materials are left out, as triangles have the colors of their vertices");
-        }
-        if carried.looks.iter().any(|look| look.texture.is_some()) {
-            left_out.push("textures are left out");
+            sentences.push("materials are left out, as triangles of 3mf have the colors of their vertices".to_owned());
         }
         if carried.groups.differ() && options.choice(PARTS.name) != Some(COMPONENTS) {
-            left_out
-                .push("groups are left out; where they are parts of their own, \"parts\": \"components\" names them");
+            let remedy = "where they are parts of their own, \"parts\": \"components\" names them";
+            sentences.push(format!("groups are left out of 3mf; {remedy}"));
         }
-        (!left_out.is_empty()).then(|| format!("{} (3mf)", left_out.join("; ")))
+        sentences
     }
 }
 

@@ -16,6 +16,7 @@ use crate::output::counts::{Counts, ShapeKind};
 use crate::output::error::FormatError;
 use crate::output::format::{Content, Costs, Format, FormatFacts, Requirements};
 use crate::output::hard_edges::HardEdges;
+use crate::output::left_out::{Datum, left_out, of_tags};
 use crate::output::normals;
 use crate::output::numbers::{REAL, digits, real, total, whole};
 use crate::output::options::{LIMIT, POSITIONS};
@@ -94,6 +95,7 @@ impl Format for Usda {
             tell_differences(scene, cage);
             write_mesh(cage, Some(cage), &mut stream, watch)?;
         } else {
+            of_tags("usda", &mesh.tags()).into_iter().for_each(|sentence| scene.notes.add(sentence));
             write_polygons(mesh, options, &mut stream, watch)?;
         }
         carried::materials(mesh.attachments(), &mut stream)?;
@@ -112,10 +114,8 @@ impl Requirements for Usda {
         Err(Fault::new("/format", detail))
     }
 
-    fn leaves_out(&self, carried: &Attachments, _: &Values) -> Option<String> {
-        let has_texture = carried.looks.iter().any(|look| look.texture.is_some());
-        let sentence = "textures are left out, as usda has them in files of their own; ask for glb";
-        has_texture.then(|| sentence.to_owned())
+    fn leaves_out(&self, carried: &Attachments, _: &Values) -> Vec<String> {
+        left_out("usda", "glb", carried, &[Datum::Textures])
     }
 }
 

@@ -4,7 +4,7 @@ use std::collections::BTreeSet;
 
 use super::attachments::{AttachmentsInput, ChannelInput};
 use super::attributes::Attributes;
-use super::check::{FaceList, oriented};
+use super::check::{FaceList, NonManifold, groups, oriented, sides};
 use super::mesh::MeshInput;
 use super::pair::{Diagonal, pair};
 use super::repairs::{Faces, Repair};
@@ -61,6 +61,34 @@ impl MeshInput {
         self.attachments.channels.iter_mut().for_each(|channel| weld_channel(channel, &self.faces, &welded));
         self.refaced(result.faces, &result.kept, &result.corners);
         Ok(self)
+    }
+
+    /// Merges vertices at equal places, as files of some formats are read where nothing is said. Edges that have more
+    /// than two faces only then, as where bodies touch, are cut.
+    ///
+    /// # Errors
+    /// As [`Self::welded`].
+    pub fn joined(self) -> Result<Self, Fault> {
+        let before = self.faces.clone();
+        let n = self.positions.len();
+        let welded = self.welded(0.0)?;
+        let is_joined = welded.positions.len() < n && crowded(n, &before) == 0;
+        Ok(if is_joined { welded.parted_where_crowded() } else { welded })
+    }
+
+    /// Has edges with more than two faces cut, which welding has made.
+    #[must_use]
+    pub fn parted_where_crowded(mut self) -> Self {
+        let n = crowded(self.positions.len(), &self.faces);
+        if n > 0 {
+            self.non_manifold = NonManifold::Split;
+            let edges = if n == 1 { "edge" } else { "edges" };
+            self.notes.push(format!(
+                "welding gives {n} {edges} more than two faces, as where bodies touch, so that the mesh is cut there; \
+                 \"weld\": false welds nothing"
+            ));
+        }
+        self
     }
 
     /// Gives each corner of each face a vertex of its own; what goes by vertices is not there.
@@ -141,6 +169,14 @@ impl MeshInput {
         }
         self.faces = faces;
     }
+}
+
+/// Number of edges with more than two faces; 0 for faces with vertices that are not there.
+fn crowded(n_vertices: usize, faces: &FaceList) -> usize {
+    if faces.vertices().iter().any(|&v| v as usize >= n_vertices) {
+        return 0;
+    }
+    groups(&sides(n_vertices, faces)).filter(|group| group.len() > 2).count()
 }
 
 /// The seams of all that has some.

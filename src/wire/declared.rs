@@ -1,10 +1,9 @@
 //! Schemas of parameters, from their declarations.
 
-use utoipa::openapi::schema::{AdditionalProperties, SchemaType};
+use utoipa::openapi::schema::AdditionalProperties;
 use utoipa::openapi::{Array, ArrayBuilder, Object, ObjectBuilder, OneOfBuilder, RefOr, Schema, Type};
 
-use super::schema::{COLOR_PATTERN, of, only};
-use crate::math::expression;
+use super::schema::{COLOR_PATTERN, literal, of};
 use crate::math::parameter::{Default, Kind, MAX_NAME, Parameter};
 
 /// Adds a property for each parameter to the schema of the object that holds them.
@@ -82,15 +81,10 @@ fn one_of(names: &[&'static str]) -> ObjectBuilder {
     of(Type::String).enum_values(Some(names.iter().copied()))
 }
 
-/// A number within bounds, or the text of an expression, of which the schema knows the characters alone.
+/// A number within bounds, or the text of an expression.
 fn number(min: f64, max: f64) -> ObjectBuilder {
     let finite = |bound: f64| bound.is_finite().then_some(bound);
-    only(SchemaType::from_iter([Type::Number, Type::String]))
-        .minimum(finite(min))
-        .maximum(finite(max))
-        .min_length(Some(1))
-        .max_length(Some(expression::MAX_BYTES))
-        .pattern(Some("^[A-Za-z0-9_ .,()+*/^-]+$"))
+    literal().minimum(finite(min)).maximum(finite(max))
 }
 
 fn any_number() -> ObjectBuilder {

@@ -50,7 +50,8 @@ pub struct InputRequest {
     /// plan; `false` keeps their vertices apart, and the facets of `stl`, whose equal corners are joined else.
     pub weld: Option<WeldRequest>,
     /// What to do with faces that are no manifold, as where an edge has three: `refuse` (default where there is a plan)
-    /// or `split`, which cuts the mesh into manifold pieces; without a plan that is what is drawn and converted.
+    /// or `split`, which cuts the mesh into manifold pieces; without a plan that is what is drawn and converted. Where
+    /// welding that nobody asked for makes such edges, as where bodies touch, the default is `split`.
     pub non_manifold: Option<NonManifoldRequest>,
     /// Join pairs of triangles of a mesh into quads, where there is one way to do it.
     #[serde(default)]
@@ -175,7 +176,7 @@ impl InputRequest {
             let under = |found| under("/mesh", found);
             self.keeps_vertices(&mesh)?;
             let input = self.covered(mesh.input(self.winding()).map_err(under)?)?;
-            let input = Input::Mesh(self.mesh(input, self.distance(), purpose)?.map_err(under)?);
+            let input = Input::Mesh(self.mesh(input, purpose)?.map_err(under)?);
             return Ok(Resolved { input, entry: InputEntry::Mesh, boundary: None, frame });
         }
         let (place, entry) =
@@ -184,14 +185,26 @@ impl InputRequest {
         if let Some(file) = text.map(TextRequest::file).transpose().map_err(|fault| in_text(vec![fault]))?.or(file) {
             let Held { mesh, boundary, lines, vertices, told: (unit, up) } =
                 file.read(self.winding(), limits).map_err(in_text)?;
-            let is_welded = vertices == Vertices::Doubled && self.weld.is_none() && purpose == Purpose::Refine;
-            let usual = is_welded.then_some(0.0);
             let is_parted = vertices == Vertices::Joined && self.weld == Some(WeldRequest::Never);
             let mesh = self.covered(if is_parted { mesh.parted() } else { mesh })?;
-            let distance = self.distance().or(usual);
+            let is_usual = self.weld.is_none() && purpose == Purpose::Refine;
+            let may_cut = self.non_manifold != Some(NonManifoldRequest::Refuse);
+            // nobody has asked for edges of more than two faces that welding makes
+            let mesh = match vertices {
+                Vertices::Doubled if is_usual && may_cut => mesh.joined().map_err(|fault| vec![fault])?,
+                Vertices::Doubled if is_usual => mesh.welded(0.0).map_err(|fault| vec![fault])?,
+                Vertices::Joined if is_usual && may_cut => mesh.parted_where_crowded(),
+                _ => mesh,
+            };
             // repairs leave faces out, or join them
-            let lines = if distance.is_some() || self.pair_quads { Vec::new() } else { lines };
-            let mesh = self.mesh(mesh, distance, purpose)?.map_err(|found| in_text(within(found, &lines)))?;
+            let keeps_faces =
+                self.distance().is_none() && !self.pair_quads && !(is_usual && vertices == Vertices::Doubled);
+            let lines = if keeps_faces { lines } else { Vec::new() };
+            let is_joined = is_usual && vertices != Vertices::Shared;
+            let told = |found: Vec<Fault>| -> Vec<Fault> {
+                if is_joined { found.into_iter().map(told_of_weld).collect() } else { found }
+            };
+            let mesh = self.mesh(mesh, purpose)?.map_err(|found| in_text(within(told(found), &lines)))?;
             let unit = self.unit.map(Into::into).or(unit).unwrap_or_default();
             let up = self.up.map(Into::into).or(up).unwrap_or_default();
             return Ok(Resolved { input: Input::Mesh(mesh), entry, boundary, frame: Frame { unit, up } });
@@ -227,17 +240,14 @@ impl InputRequest {
         Ok(mesh)
     }
 
-    /// Repairs and checks a mesh, whose vertices are merged within a distance where there is one: faults of the
-    /// repairs, or those of the mesh.
-    fn mesh(
-        &self,
-        mut input: MeshInput,
-        distance: Option<f64>,
-        purpose: Purpose,
-    ) -> Result<Result<Mesh, Vec<Fault>>, Vec<Fault>> {
-        let usual = if purpose == Purpose::Refine { NonManifold::Refuse } else { NonManifold::Split };
-        input.non_manifold = self.non_manifold.map_or(usual, Into::into);
-        if let Some(distance) = distance {
+    /// Repairs and checks a mesh: faults of the repairs, or those of the mesh.
+    fn mesh(&self, mut input: MeshInput, purpose: Purpose) -> Result<Result<Mesh, Vec<Fault>>, Vec<Fault>> {
+        if let Some(non_manifold) = self.non_manifold {
+            input.non_manifold = non_manifold.into();
+        } else if purpose == Purpose::Keep {
+            input.non_manifold = NonManifold::Split;
+        }
+        if let Some(distance) = self.distance() {
             input = input.welded(distance).map_err(|fault| vec![fault])?;
         }
         let mesh = Mesh::new(if self.pair_quads { input.paired() } else { input });
@@ -280,4 +290,12 @@ impl InputRequest {
         }
         if faults.is_empty() { Ok(()) } else { Err(faults) }
     }
+}
+
+/// A fault of edges that welding may have made, which nobody asked for, with what keeps them apart.
+fn told_of_weld(mut fault: Fault) -> Fault {
+    if fault.detail.contains("at most 2 are allowed") {
+        fault.detail.push_str(", and \"weld\": false joins no vertices");
+    }
+    fault
 }

@@ -5,6 +5,7 @@ use std::sync::Arc;
 use serde::Deserialize;
 use utoipa::ToSchema;
 
+use super::examined::Examined;
 use super::figure::{Outline, Panel};
 use super::input::{InputRequest, Purpose, Resolved};
 use super::levels::LevelsRequest;
@@ -17,7 +18,7 @@ use super::variants::{InputSchema, PlanSchema};
 use super::{object, whole};
 use crate::fault::{Fault, under};
 use crate::input::ReadLimits;
-use crate::job::{Draft, Figure, Input, Job, Levels, Output, SearchError, panel_place};
+use crate::job::{Draft, Figure, Job, Levels, Output, SearchError, panel_place};
 use crate::output::ShapeKind;
 use crate::scheme::plan::PlanInput;
 use crate::watch::Watch;
@@ -213,12 +214,12 @@ impl JobRequest {
     /// input is looked at for what it is said to be for.
     pub fn examine(self, purpose: Purpose, limits: &ReadLimits) -> Examined {
         if self.figure.is_some() {
-            return Examined { faults: self.drawn_together(limits).err().unwrap_or_default(), input: None, plan: None };
+            return Examined::of(self.drawn_together(limits), None, None);
         }
         let parts = self.parts(purpose, limits);
         let input = parts.input.as_ref().map(|resolved| resolved.input.clone());
         let plan = parts.plan.clone();
-        Examined { faults: parts.draft().err().unwrap_or_default(), input, plan }
+        Examined::of(parts.draft(), input, plan)
     }
 
     /// Checks a figure: its layout, then its panels at their sizes.
@@ -335,17 +336,6 @@ impl JobRequest {
         }
         Parts { faults, kind, input, plan, levels: self.levels.map(|levels| levels.0), outputs, other }
     }
-}
-
-/// What a request is found to be without refining anything.
-#[derive(Debug)]
-pub struct Examined {
-    /// Everything that is wrong.
-    pub faults: Vec<Fault>,
-    /// The input, where that is right.
-    pub input: Option<Input>,
-    /// The plan, unresolved, where there is one.
-    pub plan: Option<PlanInput>,
 }
 
 /// The parts of a request, each checked by itself, and what is wrong with them.

@@ -7,6 +7,7 @@ use super::channels::{self, ChannelsRequest};
 use super::corners::{UvsRequest, face_list};
 use super::material::{MaterialRequest, materials};
 use super::polygon::PointParameters;
+use super::result_entries::PassedOver;
 use super::{fixed, object, schema, whole};
 use crate::fault::Fault;
 use crate::shape::attachments::AttachmentsInput;
@@ -68,6 +69,26 @@ pub struct MeshRequest {
     /// Texture coordinates of face corners.
     #[serde(default, deserialize_with = "object::optional")]
     pub uvs: Option<UvsRequest>,
+    /// What a `json` result says of normals, passed over where the result is an input.
+    #[serde(default)]
+    #[schema(value_type = serde_json::Value)]
+    pub normals: PassedOver,
+    /// What a `json` result says of the cells of its input, passed over where the result is an input.
+    #[serde(default)]
+    #[schema(value_type = serde_json::Value)]
+    pub ids: PassedOver,
+    /// What a `json` result says of the edges of its input, passed over where the result is an input.
+    #[serde(default)]
+    #[schema(value_type = serde_json::Value)]
+    pub isolines: PassedOver,
+    /// What a `json` result says of sections, passed over where the result is an input.
+    #[serde(default)]
+    #[schema(value_type = serde_json::Value)]
+    pub sections: PassedOver,
+    /// Warnings of a `json` result, passed over where the result is an input.
+    #[serde(default)]
+    #[schema(value_type = serde_json::Value)]
+    pub warnings: PassedOver,
 }
 
 /// Some faces under one name.
@@ -130,6 +151,11 @@ impl MeshRequest {
         let corners = self.corners.iter().map(|corner| (corner.vertex, corner.sharpness)).collect();
         let creases = self.creases.iter().map(|crease| (crease.edge, crease.sharpness)).collect();
         let (materials, looks) = materials(self.materials)?;
+        let entries =
+            [("normals", self.normals), ("ids", self.ids), ("isolines", self.isolines), ("sections", self.sections)];
+        let given: Vec<&str> = entries.into_iter().filter(|(_, entry)| entry.is_given).map(|(name, _)| name).collect();
+        let left_out = || format!("what a result says beside its mesh is left out: {}", given.join(", "));
+        let notes = (!given.is_empty()).then(left_out).into_iter().collect();
         let attachments = AttachmentsInput {
             channels: self.channels.0,
             groups: face_sets(self.groups),
@@ -149,6 +175,7 @@ impl MeshRequest {
             longitude: self.longitude,
             winding,
             attachments,
+            notes,
             ..MeshInput::default()
         })
     }

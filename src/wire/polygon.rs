@@ -3,6 +3,7 @@
 use serde::Deserialize;
 use utoipa::ToSchema;
 
+use super::result_entries::PassedOver;
 use super::{object, schema, whole};
 use crate::fault::{Fault, under};
 use crate::shape::attributes::Attributes;
@@ -40,6 +41,14 @@ pub struct PolygonRequest {
     /// Parameters that points carry: each a list of one number a point.
     #[serde(default, deserialize_with = "object::optional")]
     pub parameters: Option<Box<PointParameters>>,
+    /// What a `json` result says of curvature, passed over where the result is an input.
+    #[serde(default)]
+    #[schema(value_type = serde_json::Value)]
+    pub discrete_curvature: PassedOver,
+    /// Warnings of a `json` result, passed over where the result is an input.
+    #[serde(default)]
+    #[schema(value_type = serde_json::Value)]
+    pub warnings: PassedOver,
 }
 
 /// Parameters that points carry; each beats the plan's.

@@ -4,6 +4,7 @@ use utoipa::openapi::schema::{AdditionalProperties, SchemaType};
 use utoipa::openapi::{ArrayBuilder, Object, ObjectBuilder, OneOfBuilder, RefOr, Schema, Type};
 
 use crate::input::READERS;
+use crate::math::expression;
 use crate::shape::mesh::MAX_FRAMES;
 
 /// What is of this type.
@@ -14,6 +15,21 @@ pub(super) fn of(kind: Type) -> ObjectBuilder {
 /// What is of one of these types.
 pub(super) fn only(kinds: SchemaType) -> ObjectBuilder {
     ObjectBuilder::new().schema_type(kinds)
+}
+
+/// A number, or the text of an expression, of which the schema knows the characters alone.
+pub(super) fn literal() -> ObjectBuilder {
+    only(SchemaType::from_iter([Type::Number, Type::String]))
+        .min_length(Some(1))
+        .max_length(Some(expression::MAX_BYTES))
+        .pattern(Some("^[A-Za-z0-9_ .,()+*/^-]+$"))
+}
+
+/// An end of a scan.
+pub(super) fn end_of_scan() -> RefOr<Schema> {
+    let doc = "The first value, or the last, which lies above it: a number, or a constant expression such as `1/81`, \
+               which is exact where it is a fraction.";
+    literal().description(Some(doc)).into()
 }
 
 fn index() -> Object {

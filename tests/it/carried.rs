@@ -5,6 +5,7 @@ mod frames;
 mod glass;
 mod isolines;
 mod laws;
+mod left_out;
 mod libraries;
 mod looks;
 mod morphs;

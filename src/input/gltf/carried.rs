@@ -33,6 +33,51 @@ pub(super) fn name(semantic: &Checked<Semantic>) -> Option<String> {
     (kept != ORIGIN).then_some(kept)
 }
 
+/// Attributes that nothing is made of, by their names, with the number of primitives that have them.
+#[derive(Debug, Default)]
+pub(super) struct Unread {
+    found: BTreeMap<String, usize>,
+}
+
+impl Unread {
+    /// Takes the attributes of a primitive.
+    pub(super) fn take(&mut self, primitive: &Primitive) {
+        for name in primitive.attributes.keys().filter_map(unread) {
+            *self.found.entry(name).or_default() += 1;
+        }
+    }
+
+    /// Names them.
+    pub(super) fn finish(self, mesh: &mut ReadMesh) {
+        let n = self.found.len();
+        let first: Vec<String> =
+            self.found.into_iter().take(NAMED).map(|(name, primitives)| format!("{name} ({primitives})")).collect();
+        if n > 0 {
+            let more = if n > NAMED { ", ..." } else { "" };
+            mesh.notes.push(format!("attributes of primitives are left out: {}{more}", first.join(", ")));
+        }
+    }
+}
+
+/// The name of an attribute that nothing is made of: normals are made anew, and those of applications are channels.
+fn unread(semantic: &Checked<Semantic>) -> Option<String> {
+    match semantic {
+        Valid(
+            Semantic::Positions
+            | Semantic::Normals
+            | Semantic::TexCoords(0)
+            | Semantic::Colors(0)
+            | Semantic::Extras(_),
+        ) => None,
+        Valid(Semantic::Tangents) => Some("TANGENT".to_owned()),
+        Valid(Semantic::TexCoords(set)) => Some(format!("TEXCOORD_{set}")),
+        Valid(Semantic::Colors(set)) => Some(format!("COLOR_{set}")),
+        Valid(Semantic::Joints(set)) => Some(format!("JOINTS_{set}")),
+        Valid(Semantic::Weights(set)) => Some(format!("WEIGHTS_{set}")),
+        Checked::Invalid => Some("one that glTF does not know".to_owned()),
+    }
+}
+
 /// The group that a primitive names among its extras: `"extras": {"group": "top"}`.
 pub(super) fn group(primitive: &Primitive) -> Option<String> {
     let extras: Value = serde_json::from_str(primitive.extras.as_ref()?.get()).ok()?;

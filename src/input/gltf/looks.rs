@@ -8,6 +8,7 @@ use gltf::json::texture::{Info, MagFilter, MinFilter, Sampler, WrappingMode};
 use gltf::json::validation::Checked::{self, Valid};
 
 use super::buffers::Document;
+use super::packed::PACKED;
 use crate::input::colors::encoded;
 use crate::input::reader::ReadMesh;
 use crate::input::room::Room;
@@ -20,6 +21,11 @@ use crate::shape::textures::{Filter, Image, Texture, Wrap};
 /// What the names of extensions hold that say how faces look: those of materials, those that move pictures or have
 /// them in other formats, and the techniques of glTF 1.0.
 const OF_LOOKS: [&str; 3] = ["KHR_materials_", "_texture_", "KHR_technique"];
+
+/// Extensions that are read, or that leave a document what it is: its finest level is that of the document.
+const READ: [&str; 3] = [PACKED, "KHR_mesh_quantization", "MSFT_lod"];
+/// Most extensions that a note names.
+const NAMED: usize = 8;
 
 /// Hands over the materials with their faces, given by the numbers of materials, in their order.
 pub(super) fn finish(document: &Document<'_>, faces: BTreeMap<usize, Vec<u64>>, room: &mut Room, mesh: &mut ReadMesh) {
@@ -43,12 +49,15 @@ pub(super) fn finish(document: &Document<'_>, faces: BTreeMap<usize, Vec<u64>>, 
     for (what, n) in looks.left_out {
         mesh.notes.push(format!("{what}: {n}"));
     }
-    let extensions: Vec<String> = (document.root.extensions_used.iter())
-        .filter(|name| OF_LOOKS.iter().any(|part| name.contains(part)))
-        .map(|name| quoted(name))
-        .collect();
-    if !extensions.is_empty() {
-        mesh.notes.push(format!("extensions of materials are left out: {}", extensions.join(", ")));
+    let (of_looks, others): (Vec<&String>, Vec<&String>) = (document.root.extensions_used.iter())
+        .filter(|name| !READ.contains(&name.as_str()))
+        .partition(|name| OF_LOOKS.iter().any(|part| name.contains(part)));
+    for (what, names) in [("extensions of materials", of_looks), ("extensions", others)] {
+        let named: Vec<String> = names.iter().take(NAMED).map(|name| quoted(name)).collect();
+        if !named.is_empty() {
+            let more = if names.len() > NAMED { ", ..." } else { "" };
+            mesh.notes.push(format!("{what} are left out: {}{more}", named.join(", ")));
+        }
     }
 }
 

@@ -10,9 +10,10 @@ use gltf::json::{Index, Material, Node};
 
 use super::accessor::AccessorRows;
 use super::buffers::Document;
-use super::carried::{Channels, Groups, group, name};
+use super::carried::{Channels, Groups, Unread, group, name};
 use super::looks;
 use super::transform::Placement;
+use super::triangles::triangle;
 use crate::input::collect::Collected;
 use crate::input::colors::encoded;
 use crate::input::reader::{ReadLimits, ReadMesh, Uvs};
@@ -59,9 +60,11 @@ pub(super) fn read(
         uvs: Some(Vec::new()),
         without_uvs: 0,
         colors: Some(Vec::new()),
+        with_colors: 0,
         color_width: 3,
         materials: BTreeMap::new(),
         channels: Channels::default(),
+        unread: Unread::default(),
         groups: Groups::default(),
         shared: Shared::at(Transform::IDENTITY),
         degenerate: 0,
@@ -105,11 +108,14 @@ struct Reading<'a> {
     without_uvs: usize,
     /// Red, green, blue and alpha of vertices, as long as all have them.
     colors: Option<Vec<f64>>,
+    /// Number of vertices that have one.
+    with_colors: usize,
     color_width: usize,
     /// Faces of each material; those without one are in none.
     materials: BTreeMap<usize, Vec<u64>>,
     /// Attributes of applications.
     channels: Channels,
+    unread: Unread,
     groups: Groups,
     shared: Shared,
     degenerate: usize,
@@ -208,6 +214,7 @@ impl Reading<'_> {
             return Ok(());
         }
         self.is_posed |= primitive.targets.as_ref().is_some_and(|targets| !targets.is_empty());
+        self.unread.take(primitive);
         let attribute = |semantic: Semantic| primitive.attributes.get(&Valid(semantic)).copied();
         let positions = attribute(Semantic::Positions).ok_or("it has no POSITION")?;
         let others = [attribute(Semantic::TexCoords(0)), attribute(Semantic::Colors(0))];
@@ -318,6 +325,7 @@ impl Reading<'_> {
             }
             _ => self.uvs = None,
         }
+        self.with_colors += if colors.is_some() { n } else { 0 };
         match (colors.as_ref().filter(|rows| rows.width > 2), &mut self.colors) {
             (Some(rows), Some(all)) => {
                 self.color_width = self.color_width.max(rows.width);
@@ -353,6 +361,8 @@ impl Reading<'_> {
         };
         note(self.degenerate, "triangles left out because two of their corners are one vertex");
         note(self.other, "primitives of points or lines are left out");
+        note(self.document.root.animations.len(), "animations are left out");
+        note(self.document.root.cameras.len(), "cameras are left out");
         if self.is_posed {
             mesh.notes.push("skins and morph targets are not applied".to_owned());
         }
@@ -360,27 +370,26 @@ impl Reading<'_> {
         let textured = self.document.root.materials.iter().any(textured);
         let some_uvs =
             |uvs: &Vec<[f64; 2]>| self.without_uvs == 0 && !uvs.is_empty() || textured && self.without_uvs < uvs.len();
-        if let Some(uvs) = self.uvs.take().filter(some_uvs) {
-            mesh.uvs = Some(Uvs::new(uvs, mesh.faces.vertices().to_vec()));
+        let n = mesh.positions.len();
+        match self.uvs.take() {
+            Some(uvs) if some_uvs(&uvs) => mesh.uvs = Some(Uvs::new(uvs, mesh.faces.vertices().to_vec())),
+            _ if self.without_uvs < n => {
+                let without = self.without_uvs;
+                mesh.notes.push(format!("texture coordinates are left out: {without} of {n} vertices have none"));
+            }
+            _ => {}
         }
         if let Some(colors) = self.colors.filter(|colors| !colors.is_empty()) {
             let mut values = Vec::with_capacity(colors.len() / 4 * self.color_width);
             values.extend(colors.chunks_exact(4).flat_map(|color| &color[..self.color_width]));
             mesh.channels.push(ChannelInput::of_vertices("color", self.color_width, values));
+        } else if self.with_colors > 0 {
+            mesh.notes.push(format!("colours are left out: {} of {n} vertices have one", self.with_colors));
         }
+        self.unread.finish(&mut mesh);
         self.channels.finish(&mut mesh);
         mesh.groups = self.groups.finish();
         looks::finish(self.document, self.materials, &mut self.room, &mut mesh);
         mesh
-    }
-}
-
-/// Triangle `t` of a primitive, counter-clockwise. Source: glTF 2.0, section 3.7.2.1.
-fn triangle(mode: Mode, order: &[u32], t: usize) -> [u32; 3] {
-    match mode {
-        Mode::TriangleStrip if t.is_multiple_of(2) => [order[t], order[t + 1], order[t + 2]],
-        Mode::TriangleStrip => [order[t], order[t + 2], order[t + 1]],
-        Mode::TriangleFan => [order[t + 1], order[t + 2], order[0]],
-        _ => [order[3 * t], order[3 * t + 1], order[3 * t + 2]],
     }
 }

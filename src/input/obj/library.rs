@@ -47,6 +47,8 @@ pub(super) struct Library {
     /// What is left out, and how often.
     left_out: BTreeMap<String, usize>,
     notes: Vec<String>,
+    /// Whether the file names none, and none came along.
+    is_none: bool,
 }
 
 /// What a library says of a material.
@@ -69,6 +71,7 @@ impl Library {
             library.add(bytes, "");
             return library;
         }
+        library.is_none = names.is_empty();
         for name in names {
             let read = |name| beside.read(name, MOST_BYTES).map(|bytes| (bytes, folder(name)));
             // a name may have blanks, or be several names
@@ -94,8 +97,13 @@ impl Library {
         }
         let mut images: BTreeMap<String, Option<Arc<Image>>> = BTreeMap::new();
         let mut looks = Vec::with_capacity(materials.len());
+        let mut unknown = Vec::new();
         for material in materials {
-            let entry = self.materials.remove(&material.name).unwrap_or_default();
+            let entry = self.materials.remove(&material.name);
+            if entry.is_none() {
+                unknown.push(quoted(&material.name));
+            }
+            let entry = entry.unwrap_or_default();
             let mut look = entry.look();
             if let Some((name, wrap)) = entry.picture {
                 let image = images.entry(name.clone()).or_insert_with(|| {
@@ -110,6 +118,13 @@ impl Library {
                 }
             }
             looks.push(look);
+        }
+        if self.is_none {
+            notes.push("how materials look is not told: the file names no library (mtllib), only materials".to_owned());
+        } else if !unknown.is_empty() && self.notes.is_empty() {
+            let (n, first) = (unknown.len(), unknown[..unknown.len().min(MOST_TOLD)].join(", "));
+            let more = if n > MOST_TOLD { ", ..." } else { "" };
+            notes.push(format!("how {n} materials look is not told, as no library has them: {first}{more}"));
         }
         notes.append(&mut self.notes);
         if !self.left_out.is_empty() {

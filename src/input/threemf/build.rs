@@ -2,22 +2,31 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use super::model::{LookGroup, Model, Object, Placed, Triangle};
+use super::model::{LookGroup, Model, Object, Placed, TriangleLook};
 use crate::input::collect::Collected;
 use crate::input::reader::{ReadLimits, ReadMesh};
 use crate::input::room::{GROWN, Room};
 use crate::input::transform::Transform;
-use crate::shape::attachments::{COLOR, Channel, ChannelInput};
+use crate::shape::attachments::{COLOR as CHANNEL, Channel, ChannelInput};
 use crate::shape::check::FaceList;
 use crate::shape::labels::FaceSet;
 use crate::shape::looks::Look;
 use crate::shape::seams::{Interpolation, SeamsInput};
 use crate::shape::topology::index;
 
-/// Bytes of a vertex, of a triangle with its colours, and of a set of faces, as they are kept in lists that grow.
+/// Bytes of a vertex, of a triangle, of what its material and its colours take besides, and of a set of faces, as they
+/// are kept in lists that grow; the list of the faces of an object does not.
 const POSITION: usize = GROWN * 24;
-const TRIANGLE: usize = GROWN * (16 + 8 + 8 + 12 + 20);
+const TRIANGLE: usize = GROWN * 16 + 8;
+const MATERIAL: usize = GROWN * 8;
+const COLORS: usize = GROWN * 12;
 const SET: usize = GROWN * size_of::<FaceSet>() + 192;
+/// Bytes that the colours of vertices take for each, and those of corners for each triangle.
+const OF_VERTEX: usize = 40 + 32;
+const OF_CORNERS: usize = GROWN * 16 + 12;
+/// Bytes of a colour, and of a group of them.
+const COLOR: usize = 32;
+const GROUP: usize = 96;
 /// How deep objects may be put together.
 const MAX_DEPTH: usize = 16;
 /// Most objects that are built: an object of others may be named again and again.
@@ -29,7 +38,7 @@ const NO_MATERIAL: &str = "default";
 ///
 /// # Errors
 /// Objects that do not exist or hold themselves, and more than may be kept.
-pub(super) fn built(mut model: Model, room: Room, limits: &ReadLimits) -> Result<ReadMesh, String> {
+pub(super) fn built(mut model: Model, mut room: Room, limits: &ReadLimits) -> Result<ReadMesh, String> {
     let mut items = std::mem::take(&mut model.items);
     if items.is_empty() {
         let inside: BTreeSet<u64> =
@@ -37,6 +46,7 @@ pub(super) fn built(mut model: Model, room: Room, limits: &ReadLimits) -> Result
         let free = model.objects.keys().filter(|id| !inside.contains(id));
         items = free.map(|&object| Placed { object, transform: Transform::IDENTITY }).collect();
     }
+    let (starts, colors) = colors(&model, &mut room)?;
     let mut building = Building {
         model: &model,
         mesh: Collected::new(limits),
@@ -44,7 +54,8 @@ pub(super) fn built(mut model: Model, room: Room, limits: &ReadLimits) -> Result
         n_built: 0,
         groups: Vec::new(),
         materials: BTreeMap::new(),
-        colors: Vec::new(),
+        starts,
+        colors,
         of_corners: Vec::new(),
         supports: 0,
         degenerate: 0,
@@ -52,7 +63,7 @@ pub(super) fn built(mut model: Model, room: Room, limits: &ReadLimits) -> Result
     for item in items {
         building.place(item, &Transform::IDENTITY, 0)?;
     }
-    Ok(building.finish())
+    building.finish()
 }
 
 struct Building<'a> {
@@ -63,12 +74,27 @@ struct Building<'a> {
     groups: Vec<FaceSet>,
     /// Faces and looks of materials by group and index.
     materials: BTreeMap<(u32, u32), Vec<u64>>,
-    /// Different colours of corners.
+    /// For each group of colours the number of its first one.
+    starts: BTreeMap<u32, u32>,
+    /// The colours of all groups.
     colors: Vec<[f64; 4]>,
-    /// For each corner its colour, or the largest number; empty where there is none.
+    /// For each corner the number of its colour, or the largest number; empty where there is none.
     of_corners: Vec<u32>,
     supports: usize,
     degenerate: usize,
+}
+
+/// The colours of all groups, and for each group the number of its first one.
+fn colors(model: &Model, room: &mut Room) -> Result<(BTreeMap<u32, u32>, Vec<[f64; 4]>), String> {
+    let (mut starts, mut colors) = (BTreeMap::new(), Vec::new());
+    for (&id, group) in &model.looks {
+        if let (Ok(id), LookGroup::Colors(all)) = (u32::try_from(id), group) {
+            room.take(GROUP + GROWN * COLOR * all.len())?;
+            starts.insert(id, index(colors.len()));
+            colors.extend(all.iter().map(|color| color.map(|byte| f64::from(byte) / 255.0)));
+        }
+    }
+    Ok((starts, colors))
 }
 
 fn same(a: &[f64; 4], b: &[f64; 4]) -> bool {
@@ -99,7 +125,11 @@ impl Building<'_> {
     }
 
     fn mesh(&mut self, id: u64, object: &Object, transform: &Transform) -> Result<(), String> {
-        self.room.take(SET + object.positions.len() * POSITION + object.triangles.len() * TRIANGLE)?;
+        let has = |wanted: fn(&LookGroup) -> bool| self.model.looks.values().any(wanted);
+        let materials = if has(|group| matches!(group, LookGroup::Materials(_))) { MATERIAL } else { 0 };
+        let colors = if has(|group| matches!(group, LookGroup::Colors(_))) { COLORS } else { 0 };
+        let triangle = TRIANGLE + materials + colors;
+        self.room.take(SET + object.positions.len() * POSITION + object.triangles.len() * triangle)?;
         let start = index(self.mesh.mesh.positions.len());
         let first_face = self.mesh.mesh.faces.len() as u64;
         let stays = *transform == Transform::IDENTITY;
@@ -111,15 +141,20 @@ impl Building<'_> {
             self.mesh.vertex(at)?;
         }
         let is_mirrored = transform.is_mirror();
-        for triangle in &object.triangles {
-            let [a, b, c] = triangle.corners;
+        let mut changes = object.looks.iter().peekable();
+        let mut look = None;
+        for (i, corners) in (0..).zip(&object.triangles) {
+            if let Some(&(_, changed)) = changes.next_if(|(from, _)| *from == i) {
+                look = changed;
+            }
+            let &[a, b, c] = corners;
             if a == b || b == c || c == a {
                 self.degenerate += 1;
                 continue;
             }
             let order = if is_mirrored { [0, 2, 1] } else { [0, 1, 2] };
-            self.mesh.face(&order.map(|k| start + triangle.corners[k]))?;
-            self.look(triangle, order)?;
+            self.mesh.face(&order.map(|k| start + corners[k]))?;
+            self.look(look, order)?;
         }
         let faces = (first_face..self.mesh.mesh.faces.len() as u64).collect();
         let name = object.name.clone().unwrap_or_else(|| format!("object-{id}"));
@@ -128,9 +163,9 @@ impl Building<'_> {
     }
 
     /// Takes the look of the last face.
-    fn look(&mut self, triangle: &Triangle, order: [usize; 3]) -> Result<(), String> {
+    fn look(&mut self, look: TriangleLook, order: [usize; 3]) -> Result<(), String> {
         let face = self.mesh.mesh.faces.len() as u64 - 1;
-        let Some((group, properties)) = triangle.look else {
+        let Some((group, properties)) = look else {
             self.uncolored();
             return Ok(());
         };
@@ -146,14 +181,10 @@ impl Building<'_> {
             Some(LookGroup::Colors(all)) => {
                 let before = self.mesh.mesh.faces.n_half_edges() - 3;
                 self.of_corners.resize(before, u32::MAX);
+                let start = self.starts.get(&group).copied().unwrap_or_default();
                 for k in order {
-                    let color = all.get(properties[k] as usize).ok_or_else(|| missing(properties[k]))?;
-                    let known = self.colors.last().is_some_and(|last| same(last, color));
-                    if !known {
-                        self.room.take(GROWN * 32)?;
-                        self.colors.push(*color);
-                    }
-                    self.of_corners.push(index(self.colors.len() - 1));
+                    all.get(properties[k] as usize).ok_or_else(|| missing(properties[k]))?;
+                    self.of_corners.push(start + properties[k]);
                 }
             }
             // textures and mixtures, of which a note tells
@@ -169,10 +200,10 @@ impl Building<'_> {
         }
     }
 
-    fn finish(self) -> ReadMesh {
-        let Self { model, mesh, groups, materials, colors, of_corners, supports, degenerate, .. } = self;
+    fn finish(self) -> Result<ReadMesh, String> {
+        let Self { model, mesh, mut room, groups, materials, colors, of_corners, supports, degenerate, .. } = self;
         let mut mesh = mesh.mesh;
-        mesh.channels = channel(&mesh, &colors, of_corners).into_iter().collect();
+        mesh.channels = channel(&mesh, &colors, of_corners, &mut room)?.into_iter().collect();
         mesh.groups = if groups.len() > 1 { groups } else { Vec::new() };
         for ((group, number), faces) in materials {
             if let Some(LookGroup::Materials(all)) = model.looks.get(&u64::from(group)) {
@@ -185,16 +216,22 @@ impl Building<'_> {
         let own = [("supports are left out", supports), ("triangles with two equal corners are left out", degenerate)];
         let told = told.chain(own).filter(|(_, n)| *n > 0);
         mesh.notes = told.map(|(what, n)| format!("{what}: {n}")).collect();
-        mesh
+        Ok(mesh)
     }
 }
 
 /// The colours of vertices where all corners at a vertex have the same, else those of corners; white where there is
 /// none.
-fn channel(mesh: &ReadMesh, colors: &[[f64; 4]], mut of_corners: Vec<u32>) -> Option<ChannelInput> {
-    if colors.is_empty() {
-        return None;
+fn channel(
+    mesh: &ReadMesh,
+    colors: &[[f64; 4]],
+    mut of_corners: Vec<u32>,
+    room: &mut Room,
+) -> Result<Option<ChannelInput>, String> {
+    if of_corners.is_empty() {
+        return Ok(None);
     }
+    room.take(OF_VERTEX * mesh.positions.len())?;
     of_corners.resize(mesh.faces.n_half_edges(), u32::MAX);
     let color = |number: u32| colors.get(number as usize).copied().unwrap_or([1.0; 4]);
     let width = if colors.iter().all(|color| color[3] >= 1.0) { 3 } else { 4 };
@@ -207,12 +244,14 @@ fn channel(mesh: &ReadMesh, colors: &[[f64; 4]], mut of_corners: Vec<u32>) -> Op
     if agree {
         let values =
             of_vertices.into_iter().flat_map(|color| color.unwrap_or([1.0; 4]).into_iter().take(width)).collect();
-        return Some(Channel { name: COLOR.to_owned(), width, values, seams: None });
+        return Ok(Some(Channel { name: CHANNEL.to_owned(), width, values, seams: None }));
     }
+    drop(of_vertices);
+    room.take(OF_CORNERS * mesh.faces.len())?;
     let white = index(colors.len());
     let values = colors.iter().chain([&[1.0; 4]]).flat_map(|color| &color[..width]).copied().collect();
     let numbers: Vec<u32> = of_corners.iter().map(|&number| number.min(white)).collect();
     let faces: FaceList = numbers.chunks_exact(3).map(<[u32]>::to_vec).collect();
     let seams = SeamsInput { faces, interpolation: Interpolation::None };
-    Some(Channel { name: COLOR.to_owned(), width, values, seams: Some(seams) })
+    Ok(Some(Channel { name: CHANNEL.to_owned(), width, values, seams: Some(seams) }))
 }

@@ -9,11 +9,15 @@ use crate::input::room::{GROWN, Room};
 use crate::input::text::{count, number, quoted};
 use crate::input::transform::Transform;
 use crate::shape::frame::Unit;
+use crate::shape::topology::index;
 
-/// Bytes of a vertex, of a triangle, of a property and of an object, as they are kept in lists that grow.
+/// Bytes of a vertex, of a triangle, of a change of looks, of a property, of a colour and of an object, as they are kept
+/// in lists that grow.
 const POSITION: usize = GROWN * 24;
-const TRIANGLE: usize = GROWN * size_of::<Triangle>();
+const TRIANGLE: usize = GROWN * 12;
+const CHANGE: usize = GROWN * size_of::<(u32, TriangleLook)>();
 const PROPERTY: usize = GROWN * 64;
+const COLOR: usize = GROWN * 4;
 const OBJECT: usize = GROWN * (size_of::<Object>() + 64);
 
 /// A model as it is written.
@@ -34,8 +38,8 @@ pub(super) struct Model {
 pub(super) enum LookGroup {
     /// Names and colours of materials.
     Materials(Vec<(String, [f64; 4])>),
-    /// Colours of corners, sRGB with alpha, 0 to 1.
-    Colors(Vec<[f64; 4]>),
+    /// Colours of corners, sRGB with alpha, 0 to 255.
+    Colors(Vec<[u8; 4]>),
 }
 
 /// An object: a mesh, or others put together.
@@ -44,18 +48,18 @@ pub(super) struct Object {
     pub(super) name: Option<String>,
     pub(super) is_support: bool,
     pub(super) positions: Vec<[f64; 3]>,
-    pub(super) triangles: Vec<Triangle>,
+    /// The corners of each triangle.
+    pub(super) triangles: Vec<[u32; 3]>,
+    /// The looks of triangles: each with the first triangle of those one after another that have it. Triangles before
+    /// all of them have none.
+    pub(super) looks: Vec<(u32, TriangleLook)>,
     pub(super) components: Vec<Placed>,
     /// What triangles look like that say nothing.
     usual: Option<[u64; 2]>,
 }
 
-/// A triangle, with the group of its looks and those of its corners.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct Triangle {
-    pub(super) corners: [u32; 3],
-    pub(super) look: Option<(u32, [u32; 3])>,
-}
+/// The group of the looks of a triangle, and those of its corners.
+pub(super) type TriangleLook = Option<(u32, [u32; 3])>;
 
 /// An object somewhere.
 #[derive(Debug, Clone, Copy)]
@@ -69,7 +73,8 @@ pub(super) struct Placed {
 /// # Errors
 /// What is no model, and what comes to more than may be kept.
 pub(super) fn read<R: Read>(tags: &mut Tags<R>, room: &mut Room, limits: &ReadLimits) -> Result<Model, String> {
-    let mut reading = Reading { model: Model { scale: 1.0, ..Model::default() }, object: None, group: None };
+    let mut reading =
+        Reading { model: Model { scale: 1.0, ..Model::default() }, object: None, group: None, changes: 0 };
     let mut counts = [0_u64; 2];
     let mut is_model = false;
     while let Some(tag) = tags.next()? {
@@ -91,10 +96,12 @@ pub(super) fn read<R: Read>(tags: &mut Tags<R>, room: &mut Room, limits: &ReadLi
                 room.take(TRIANGLE)?;
             }
             ("object", true) => room.take(OBJECT)?,
+            ("color", true) => room.take(COLOR)?,
             (_, true) => room.take(if tag.closes { PROPERTY } else { 0 })?,
             _ => {}
         }
         reading.take(&tag)?;
+        room.take(CHANGE * std::mem::take(&mut reading.changes))?;
     }
     if is_model { Ok(reading.model) } else { Err("the file holds no model".to_owned()) }
 }
@@ -109,6 +116,8 @@ struct Reading {
     object: Option<(u64, Object)>,
     /// The group of looks that is read, with its id.
     group: Option<(u64, LookGroup)>,
+    /// Changes of looks since room was taken for them.
+    changes: usize,
 }
 
 impl Reading {
@@ -129,7 +138,8 @@ impl Reading {
             ("basematerials", ..) => self.group = Some((whole(tag, "id")?, LookGroup::Materials(Vec::new()))),
             ("colorgroup", ..) => self.group = Some((whole(tag, "id")?, LookGroup::Colors(Vec::new()))),
             ("base", _, Some((_, LookGroup::Materials(all)))) => {
-                all.push((tag.get("name").unwrap_or_default().to_owned(), color(tag, "displaycolor")?));
+                let color = color(tag, "displaycolor")?.map(|byte| f64::from(byte) / 255.0);
+                all.push((tag.get("name").unwrap_or_default().to_owned(), color));
             }
             ("color", _, Some((_, LookGroup::Colors(all)))) => all.push(color(tag, "color")?),
             ("vertex", Some((_, object)), _) => {
@@ -138,8 +148,12 @@ impl Reading {
                 object.positions.push([at("x")?, at("y")?, at("z")?]);
             }
             ("triangle", Some((_, object)), _) => {
-                let triangle = triangle(tag, object)?;
-                object.triangles.push(triangle);
+                let (corners, look) = triangle(tag, object)?;
+                if look != object.looks.last().and_then(|&(_, last)| last) {
+                    object.looks.push((index(object.triangles.len()), look));
+                    self.changes += 1;
+                }
+                object.triangles.push(corners);
             }
             ("component", Some((_, object)), _) => object.components.push(placed(tag, self.model.scale)?),
             ("item", ..) => self.model.items.push(placed(tag, self.model.scale)?),
@@ -213,7 +227,8 @@ fn object(tag: &Tag) -> Result<Object, String> {
     })
 }
 
-fn triangle(tag: &Tag, object: &Object) -> Result<Triangle, String> {
+/// The corners of a triangle, and its look.
+fn triangle(tag: &Tag, object: &Object) -> Result<([u32; 3], TriangleLook), String> {
     let n = object.positions.len() as u64;
     let corner = |name: &str| {
         let v = whole(tag, name)?;
@@ -230,7 +245,7 @@ fn triangle(tag: &Tag, object: &Object) -> Result<Triangle, String> {
         let small = |n: u64| u32::try_from(n).map_err(|_| format!("there is no property {n}"));
         Ok::<_, String>((small(group)?, [small(first)?, small(other("p2")?)?, small(other("p3")?)?]))
     });
-    Ok(Triangle { corners, look: look.transpose()? })
+    Ok((corners, look.transpose()?))
 }
 
 fn placed(tag: &Tag, scale: f64) -> Result<Placed, String> {
@@ -267,18 +282,17 @@ fn missing(tag: &Tag, name: &str) -> String {
     format!("{} has no {name}", quoted(&tag.name))
 }
 
-/// A colour, `#RRGGBB` or `#RRGGBBAA`, as sRGB and alpha from 0 to 1.
-fn color(tag: &Tag, name: &str) -> Result<[f64; 4], String> {
+/// A colour, `#RRGGBB` or `#RRGGBBAA`, as sRGB and alpha from 0 to 255.
+fn color(tag: &Tag, name: &str) -> Result<[u8; 4], String> {
     let text = tag.get(name).ok_or_else(|| missing(tag, name))?.trim();
     let wrong = || format!("{} is no color, which is #RRGGBB or #RRGGBBAA", quoted(text));
     let digits = text.strip_prefix('#').filter(|digits| digits.is_ascii()).ok_or_else(wrong)?;
-    let mut found = [1.0; 4];
+    let mut found = [255; 4];
     if digits.len() != 6 && digits.len() != 8 {
         return Err(wrong());
     }
     for (slot, at) in found.iter_mut().zip((0..digits.len()).step_by(2)) {
-        let byte = u8::from_str_radix(&digits[at..at + 2], 16).map_err(|_| wrong())?;
-        *slot = f64::from(byte) / 255.0;
+        *slot = u8::from_str_radix(&digits[at..at + 2], 16).map_err(|_| wrong())?;
     }
     Ok(found)
 }

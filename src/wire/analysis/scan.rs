@@ -7,6 +7,7 @@ use crate::analysis::scan::{Found, Interval, Row, Scan, Scanned};
 use crate::job::ScanWish;
 use crate::math::exact::{Exact, rounded};
 use crate::wire::literal::WireLiteral;
+use crate::wire::schema;
 
 /// A parameter that runs through values, each of which is analysed.
 #[derive(Debug, Clone, Deserialize, ToSchema)]
@@ -15,10 +16,10 @@ pub struct ScanRequest {
     /// The name of a parameter of the plan with one number for its value; what the plan says of it does not count.
     pub parameter: String,
     /// The first value: a number, or a constant expression such as `"1/81"`, which is exact where it is a fraction.
-    #[schema(value_type = Object)]
+    #[schema(schema_with = schema::end_of_scan)]
     pub from: WireLiteral,
     /// The last value, above the first.
-    #[schema(value_type = Object)]
+    #[schema(schema_with = schema::end_of_scan)]
     pub to: WireLiteral,
     /// Equal steps between them; 100 when left out.
     #[schema(minimum = 1, maximum = 1000, default = 100)]

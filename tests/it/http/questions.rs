@@ -224,6 +224,22 @@ fn lines_are_exact_only_under_plans_that_fit() {
     });
 }
 
+/// What /v1/render refuses as too large is no valid job either, and its fault is the same.
+#[test]
+fn a_job_that_would_be_too_large_is_not_valid() {
+    story(settings(), async |server| {
+        let job = with(mesh(40), "glb");
+        let refused = server.render(&job).await.problem(422, "too-large");
+        let answer = server.post("/v1/validate", &job).await.ok().json();
+        assert_eq!(answer["valid"], false, "{answer}");
+        assert_eq!(answer["errors"], refused["errors"], "{answer}");
+        assert_eq!(answer["errors"][0]["pointer"], "/levels", "{answer}");
+        assert!(answer["report"]["vertices"].is_u64(), "the mesh is described all the same: {answer}");
+        let fitting = server.post("/v1/validate", &with(mesh(4), "glb")).await.ok().json();
+        assert_eq!(fitting["valid"], true, "{fitting}");
+    });
+}
+
 #[test]
 fn polygons_are_validated_too() {
     story(settings(), async |server| {

@@ -258,3 +258,41 @@ fn corners(result: &Value) -> Vec<[i64; 5]> {
     found.sort_unstable();
     found
 }
+
+/// Two cubes that touch along an edge, each with vertices of its own: the second is the first, seen from the middle of
+/// the edge.
+fn touching() -> Net {
+    let one = nets::cube();
+    let [a, b] = [one.positions[0], one.positions[1]];
+    let other = one.positions.iter().map(|p| [0, 1, 2].map(|k| a[k] + b[k] - p[k]));
+    let turned = one.faces.iter().map(|face| face.iter().rev().map(|v| v + 8).collect());
+    let positions = one.positions.iter().copied().chain(other).collect();
+    Net { positions, faces: one.faces.iter().cloned().chain(turned).collect() }
+}
+
+#[test]
+fn bodies_that_touch_are_parted_again_where_nobody_asked_for_a_weld() {
+    let apart = refined(&nets::triangulated(touching()).input(), 1);
+    for format in ["glb", "gltf", "stl"] {
+        let written = json!({ "input": touching().input(), "outputs": [{ "format": format }] });
+        let (bytes, _) = support::render(&written).expect("it is written");
+        let file = json!({ "format": format, "data": super::round_trips::base64(&bytes), "encoding": "base64" });
+        let mut input = json!({ "text": file });
+        let found = refined(&input, 1);
+        same_surface(&Net::of(&found), &Net::of(&apart), 1e-6).expect("both cubes");
+        let warnings = found["warnings"].to_string();
+        for part in ["welding gives 1 edge more than two faces", "1 edge has more than two faces"] {
+            assert!(warnings.contains(part), "{format}: {warnings}");
+        }
+        // whoever asks for one of them is told of the other
+        input["non_manifold"] = json!("refuse");
+        let job = json!({ "input": input, "plan": { "preset": "catmull-clark" }, "levels": 1 });
+        let faults = support::faults(job.clone());
+        assert!(faults[0].detail.contains("has 4 faces"), "{format}: {faults:?}");
+        assert!(faults[0].detail.contains("\"weld\": false"), "{format}: {faults:?}");
+        let mut welded = job;
+        welded["input"]["non_manifold"] = Value::Null;
+        welded["input"]["weld"] = json!(0);
+        assert!(support::faults(welded)[0].detail.contains("\"non_manifold\": \"split\""), "{format}");
+    }
+}

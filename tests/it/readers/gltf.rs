@@ -269,6 +269,47 @@ fn primitives_name_groups_and_nodes_the_rest() {
     assert_eq!(groups(&document), [set("top", &[1, 3, 6, 8]), set("a", &[0, 2, 4]), set("b", &[5, 7, 9])]);
 }
 
+#[test]
+fn what_no_mesh_is_made_of_is_named() {
+    let mut document = square(4, &[0, 1, 2, 2, 1, 3]);
+    let sets = ["TEXCOORD_1", "COLOR_1", "JOINTS_0", "WEIGHTS_0", "TANGENT", "UNHEARD"];
+    for set in sets {
+        document["meshes"][0]["primitives"][0]["attributes"][set] = json!(0);
+    }
+    document["cameras"] = json!([{ "type": "perspective", "perspective": { "yfov": 1, "znear": 1 } }]);
+    document["extensionsUsed"] = json!(["KHR_lights_punctual"]);
+    let found = mesh("gltf", document.to_string().as_bytes());
+    let expected = [
+        "cameras are left out: 1",
+        "attributes of primitives are left out: COLOR_1 (1), JOINTS_0 (1), TANGENT (1), TEXCOORD_1 (1), WEIGHTS_0 (1), \
+         one that glTF does not know (1)",
+        "extensions are left out: \"KHR_lights_punctual\"",
+    ];
+    assert_eq!(found.notes, expected);
+}
+
+#[test]
+fn texture_coordinates_and_colours_that_some_vertices_lack_are_named() {
+    let mut document = square(4, &[0, 1, 2, 2, 1, 3]);
+    let bare = document["meshes"][0]["primitives"][0].clone();
+    document["accessors"].as_array_mut().expect("a list").push(json!({
+        "bufferView": 0, "componentType": 5126, "count": 4, "type": "VEC2"
+    }));
+    let last = document["accessors"].as_array().map_or(0, Vec::len) - 1;
+    let attributes = &mut document["meshes"][0]["primitives"][0]["attributes"];
+    attributes["COLOR_0"] = json!(0);
+    attributes["TEXCOORD_0"] = json!(last);
+    document["meshes"][0]["primitives"].as_array_mut().expect("a list").push(bare);
+    let found = mesh("gltf", document.to_string().as_bytes());
+    assert_eq!(
+        found.notes,
+        [
+            "texture coordinates are left out: 4 of 8 vertices have none",
+            "colours are left out: 4 of 8 vertices have one"
+        ]
+    );
+}
+
 /// Attributes of applications are channels where all vertices have them, whatever they are made of.
 #[test]
 fn attributes_of_applications_are_channels() {

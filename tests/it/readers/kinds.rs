@@ -72,14 +72,15 @@ fn names_and_channels_become_those_of_a_mesh() {
     let groups = [set("left", &[0]), set("all", &[1])];
     assert_eq!(input.attachments.groups, groups);
     assert_eq!(input.attachments.materials, [set("my_red_1", &[0, 1])]);
-    assert_eq!(input.notes, ["faces in more than one group are kept in the first: 3"]);
+    let of_looks = "how materials look is not told: the file names no library (mtllib), only materials";
+    assert_eq!(input.notes, [of_looks, "faces in more than one group are kept in the first: 3"]);
     let mut found = mesh("obj", text.as_bytes());
     let channel = |name: &str| ChannelInput::of_vertices(name, 1, vec![0.0; 4]);
     found.channels = vec![channel("heat"), channel("two words"), channel("heat")];
     let input = found.into_input(Winding::Refuse);
     assert_eq!(input.attachments.channels, [channel("heat")]);
-    assert!(input.notes[0].starts_with("the numbers \"two words\" of vertices are left out: "), "{:?}", input.notes);
-    assert!(input.notes[1].starts_with("the numbers \"heat\" of vertices are left out: "), "{:?}", input.notes);
+    assert!(input.notes[1].starts_with("the numbers \"two words\" of vertices are left out: "), "{:?}", input.notes);
+    assert!(input.notes[2].starts_with("the numbers \"heat\" of vertices are left out: "), "{:?}", input.notes);
 }
 
 #[test]
