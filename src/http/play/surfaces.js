@@ -3,7 +3,8 @@
 import { at, count, h, notice, say, tool, write } from "./dom.js";
 import { handle } from "./hand.js";
 import { Net, tags } from "./cage.js";
-import { edgesOf, extraordinary, hardened, lineThrough, normalsOf, toggled, trianglesOf, wiresOf } from "./mesh.js";
+import { Hard } from "./hard.js";
+import { edgesOf, extraordinary, lineThrough, normalsOf, toggled, trianglesOf, wiresOf } from "./mesh.js";
 import { partOf, trianglesAt, turn } from "./part.js";
 import { numbersSection, pictureSection } from "./told.js";
 import { output } from "./lines.js";
@@ -47,6 +48,8 @@ export class Surfaces {
   #told;
   #picture;
   #element;
+  #hard = new Hard(HARD);
+  #isLive = false;
 
   constructor(failed) {
     this.#failed = failed;
@@ -142,7 +145,9 @@ export class Surfaces {
     Object.assign(this.#viewer, { showsSurface: show.surface, showsWires: show.wireframe, faceted: show.flat });
     this.#drawNet();
     if (what === "show" && this.#shape) this.#show(this.#shape);
+    this.#isLive = live;
     this.#refiner.update({ input, plan, levels });
+    this.#isLive = false;
     if (!live) {
       this.#told.follow({ input, plan, levels });
       this.#picture.follow();
@@ -157,12 +162,12 @@ export class Surfaces {
     const { flat, faces } = shape;
     if (this.#topology?.of !== faces) {
       const triangles = trianglesOf(faces);
-      this.#topology = { of: faces, triangles, wires: wiresOf(faces, flat.length / 3), hardTriangles: null };
+      this.#topology = { of: faces, triangles, wires: wiresOf(faces, flat.length / 3) };
       this.#topology.around = trianglesAt(triangles, flat.length / 3);
       this.#topology.normals = new Float32Array(flat.length);
       write(at("counts"), `${count(faces.length)} faces`);
     }
-    if (this.#looksHard() && !state.show.flat) this.#showHard(flat, faces);
+    if (this.#looksHard() && !state.show.flat) this.#showHard(shape);
     else this.#showSmooth(shape);
     this.#drawIsolines(shape);
     this.#drawExtraordinary();
@@ -188,13 +193,13 @@ export class Surfaces {
     return state.surfaces.levels === 0 || creases?.length > 0 || corners?.length > 0;
   }
 
-  #showHard(flat, faces) {
-    const { positions, normals, faces: split } = hardened(flat, faces, HARD);
-    this.#topology.hardTriangles ??= trianglesOf(split);
-    this.#topology.hardWires ??= wiresOf(split, positions.length / 3);
-    const { hardTriangles: triangles, hardWires: wires } = this.#topology;
-    this.#topology.isTurned = false;
-    this.#viewer.setSurface({ positions, normals, triangles, wires });
+  /** Shows a surface whose edges may be hard, which are found anew when a hand lets go. */
+  #showHard({ flat, faces, moved }) {
+    const topology = this.#topology;
+    topology.isTurned = false;
+    const isPart = this.#isLive && moved && moved.length < LARGEST_PART * flat.length / 3;
+    const followed = isPart ? this.#hard.moved(flat, faces, topology, moved) : null;
+    this.#viewer.setSurface(followed ?? this.#hard.whole(flat, faces));
   }
 
   #drawIsolines({ flat, isolines }) {
