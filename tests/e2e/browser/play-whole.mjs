@@ -202,7 +202,25 @@ export async function checkParts(given) {
   return "surfaces in parts";
 }
 
-// Pictures of the page, for people to look at.
+// Shows faults at fields of two schemes, which have a line of their own and leave the fields as wide as they were.
+async function faulty(player) {
+  const { page } = player;
+  player.expected.push(/status of 422/);
+  await page.click("#compare");
+  await page.selectOption("[data-scheme=other-scheme] select >> nth=0", "word");
+  await page.waitForSelector("input#other-scheme");
+  const { width } = await page.locator("#other-scheme").boundingBox();
+  await page.fill("#other-scheme", "UXX");
+  await page.waitForSelector("[data-scheme=other-scheme] .fault");
+  const box = await page.locator("#other-scheme").boundingBox();
+  assert(Math.abs(box.width - width) < 2, `the field is ${box.width} wide beside its fault, and was ${width}`);
+  const fault = await page.locator("[data-scheme=other-scheme] .fault").first().boundingBox();
+  assert(fault.y >= box.y + box.height - 1 && fault.width > width, "a fault stands below its field");
+  await page.locator("[data-scheme=other-scheme] .fault").first().scrollIntoViewIfNeeded();
+  await page.waitForTimeout(150);
+}
+
+// Pictures of the page, for people to look at; with faults, too, and in all of them none of accessibility.
 export async function screenshots(given) {
   for (const [width, height] of [[1440, 900], [390, 844]]) {
     for (const colorScheme of ["light", "dark"]) {
@@ -211,11 +229,16 @@ export async function screenshots(given) {
       const shot = (name) => page.screenshot({ path: join(given.folder, `${name}-${width}-${colorScheme}.png`) });
       await page.waitForTimeout(600);
       await shot("curves");
+      await player.accessible(`curves at ${width}, ${colorScheme},`);
+      await faulty(player);
+      await shot("fault");
+      await player.accessible(`a fault at ${width}, ${colorScheme},`);
       await page.click("#mode-surfaces");
       await page.waitForTimeout(400);
       await player.settled();
       await page.waitForTimeout(900);
       await shot("surfaces");
+      await player.accessible(`surfaces at ${width}, ${colorScheme},`);
       await page.click("#take-open");
       await page.waitForTimeout(600);
       await shot("take");
