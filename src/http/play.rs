@@ -57,6 +57,7 @@ const FILES: &[(&str, &str, &str)] = &[
     ("model.js", SCRIPT, include_str!("play/model.js")),
     ("marks.js", SCRIPT, include_str!("play/marks.js")),
     ("part.js", SCRIPT, include_str!("play/part.js")),
+    ("hard.js", SCRIPT, include_str!("play/hard.js")),
     ("hand.js", SCRIPT, include_str!("play/hand.js")),
     ("mesh.js", SCRIPT, include_str!("play/mesh.js")),
     ("space.js", SCRIPT, include_str!("play/space.js")),

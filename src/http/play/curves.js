@@ -1,10 +1,10 @@
 // The stage for curves: one or two panes, the shapes that follow the control polygon, and its tools.
 
-import { at, count, h, say, tool, write } from "./dom.js";
+import { at, count, h, say, tool, warn, write } from "./dom.js";
 import { Pane, View } from "./pane.js";
 import { comb, insert, nearestEdge, remove, rounded, tangentsOf, toggleCorner } from "./polygon.js";
 import { Refiner } from "./refiner.js";
-import { changed, current, state } from "./state.js";
+import { changed, current, state, view } from "./state.js";
 
 /** Curves of more levels than so many points are not drawn level by level, nor their points and combs. */
 const MOST_DOTS = 4000;
@@ -17,6 +17,8 @@ export class Curves {
   #refiners = new Map();
   #frame = 0;
   #failed;
+  /** What is wrong, by the names of the shapes. */
+  #faults = new Map();
   /** Curves drawn since the page was opened. */
   drawn = 0;
 
@@ -27,7 +29,13 @@ export class Curves {
       move: (...given) => this.#move(...given), turn: (...given) => this.#turn(...given),
       remove: (point) => this.remove(point), select: (point) => this.select(point),
       split: (point) => this.#split(point), corner: (point) => this.corner(point),
-      done: () => changed("points"), viewed: () => this.draw(),
+      done: () => changed("points"),
+      viewed: () => {
+        const { x, y, scale } = this.#view;
+        view.curves = [x, y, scale].map((value) => Number(value.toPrecision(6)));
+        changed("view", true);
+        this.draw();
+      },
     };
     this.#panes = [new Pane(this.#view, edit), new Pane(this.#view, edit)];
   }
@@ -41,7 +49,7 @@ export class Curves {
     at("panes").replaceChildren(...this.#panes.map(({ element }) => element));
     this.#panes[1].element.hidden = true;
     this.tools();
-    this.fit();
+    this.look();
   }
 
   /** Stops what is under way. */
@@ -49,12 +57,23 @@ export class Curves {
     for (const refiner of this.#refiners.values()) refiner.stop();
     this.#refiners.clear();
     this.#shapes.clear();
+    this.#faults.clear();
   }
 
   /** Looks at the whole polygon. */
   fit() {
     this.#view.fit(this.#polygon.points, ...this.#panes[0].size);
+    view.curves = null;
+    changed("view", true);
     this.draw();
+  }
+
+  /** Looks as the address says, else at the whole polygon. */
+  look() {
+    const kept = view.curves;
+    this.fit();
+    if (kept) [this.#view.x, this.#view.y, this.#view.scale] = kept;
+    view.curves = kept;
   }
 
   /** The shape of the job that is shown, as the service or its stencils answered it. */
@@ -86,6 +105,7 @@ export class Curves {
       this.#refiners.get(name).stop();
       this.#refiners.delete(name);
       this.#shapes.delete(name);
+      if (this.#faults.has(name)) this.#fault(name, null);
     }
     if (input.polygon.points.length < 2) this.#shapes.clear();
     else for (const [name, job] of wanted) this.#refiner(name).update(job);
@@ -96,17 +116,32 @@ export class Curves {
     if (!this.#refiners.has(name)) {
       const shown = (shape) => {
         this.#shapes.set(name, shape);
-        if (name === "main") this.#failed(null);
+        if (name === "main") warn(shape.warnings ?? []);
+        this.#fault(name, null);
         this.draw();
       };
       const options = { positions: name === "limits" ? "limit" : "refined" };
       const failed = (fault) => {
         if (name !== "main") this.#shapes.delete(name);
-        this.#failed(fault, name);
+        this.#fault(name, fault);
       };
       this.#refiners.set(name, new Refiner(shown, failed, options));
     }
     return this.#refiners.get(name);
+  }
+
+  /** Tells what is wrong with a shape, or that nothing is: of several, what is wrong with the one of the scheme. */
+  #fault(name, fault) {
+    if (fault) this.#faults.set(name, fault);
+    else if (!this.#faults.delete(name) && (name !== "main" || this.#faults.size > 0)) return;
+    const [worst] = [...this.#faults.keys()].sort((a, b) => (b === "main") - (a === "main"));
+    const found = this.#faults.get(worst) ?? null;
+    if (worst !== "other" || !found.errors) {
+      this.#failed(found);
+      return;
+    }
+    const errors = found.errors.map((one) => ({ ...one, pointer: one.pointer?.replace(/^\/plan/, "/other") }));
+    this.#failed(Object.assign(new Error(found.message), { errors }));
   }
 
   /** Draws in the next frame. */

@@ -68,6 +68,18 @@ export function notice(text) {
   shown.hidden = !text;
 }
 
+/** Shows what the service warns of near the picture, until it is closed or there is something else to warn of. */
+export function warn(texts) {
+  const shown = at("warned");
+  const now = texts.join("\n");
+  if ((shown.dataset.texts ?? "") === now) return;
+  shown.dataset.texts = now;
+  shown.hidden = now === "";
+  const close = h("button", { type: "button", class: "icon", "aria-label": "Close the warnings" }, "✕");
+  close.onclick = () => { shown.hidden = true; };
+  shown.replaceChildren(h("ul", {}, [...new Set(texts)].map((text) => h("li", {}, text))), close);
+}
+
 /** A number as people read it: at most so many digits, and no zeros behind the point. */
 export function short(value, digits = 4) {
   if (!Number.isFinite(value)) return "–";

@@ -13,6 +13,9 @@ const KNOWN = ["KHR_mesh_quantization", "MSFT_lod", MESHOPT];
 /** Most bytes of one file or buffer: what a page can hold without being felt. */
 const MOST_BYTES = 256 << 20;
 
+/** Signed links of models whose buffers are beside them. */
+const SIGNED = /\/v1\/r\/[^/]+\/\d+\/[^/]+\/model\.gltf$/;
+
 async function fetched(url, signal) {
   const answer = await fetch(url, { signal });
   if (!answer.ok) {
@@ -21,7 +24,9 @@ async function fetched(url, signal) {
   }
   const bytes = await answer.arrayBuffer();
   if (bytes.byteLength > MOST_BYTES) throw new Error(`${url} has ${bytes.byteLength} bytes; the most is ${MOST_BYTES}`);
-  return { bytes, place: new URL(answer.headers.get("content-location") ?? "", answer.url) };
+  // a signed link opens what lies beside it, and no other address of the service
+  const beside = SIGNED.test(answer.url) ? "" : answer.headers.get("content-location") ?? "";
+  return { bytes, place: new URL(beside, answer.url) };
 }
 
 /** The parts of a GLB: its document and its buffer. */

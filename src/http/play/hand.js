@@ -48,6 +48,7 @@ export function handle(viewer, grip = {}) {
       camera.pan(now.x - held.pinch.x, held.pinch.y - now.y, canvas.clientHeight);
       held.pinch = now;
       viewer.draw();
+      grip.viewed?.();
       return;
     }
     if (!held.moved && Math.hypot(x - held.from[0], y - held.from[1]) < TAP) return;

@@ -7,21 +7,28 @@ import { fragment, job, packed, state } from "./state.js";
 /** Most bytes of an address that the service takes. */
 const LONGEST_ADDRESS = 8192;
 
+/** Formats whose surface is the limit, whatever the level is. */
+const EXACT = ["step"];
+
 /** The output of a format, as the picture on the page has it. */
 export function output(format) {
   const { show, mode } = state;
-  if (!["svg", "png", "pdf"].includes(format)) return { format, ...(show.limit ? { positions: "limit" } : {}) };
+  const limit = mode === "surfaces" && show.limit && !EXACT.includes(format) ? { positions: "limit" } : {};
+  if (!["svg", "png", "pdf"].includes(format)) return { format, ...limit };
   const size = { format, width: 1200, height: 900 };
   if (mode === "curves") {
     const shown = ["curve", ...(show.polygon ? ["control", "points"] : []), ...(show.samples ? ["vertices"] : []),
       ...(show.comb ? ["comb"] : [])];
     return { ...size, show: shown };
   }
-  const limit = show.limit ? { positions: "limit" } : {};
-  if (format !== "png") return { ...size, ...limit };
+  const camera = output.camera?.();
+  if (format !== "png") {
+    const lines = show.wireframe ? { show: ["silhouettes", "boundary", "creases", "isolines", "wireframe"] } : {};
+    return { ...size, ...limit, ...lines, camera };
+  }
   const names = { surface: "surface", wireframe: "wireframe", isolines: "isolines", extraordinary: "extraordinary" };
   const shown = Object.keys(names).filter((name) => show[name]);
-  return { ...size, ...limit, show: [...shown, ...(show.net ? ["control"] : [])], camera: output.camera?.() };
+  return { ...size, ...limit, show: [...shown, ...(show.net ? ["control"] : [])], camera };
 }
 
 /** Rows of positions in one line each, so that a job can be read. */

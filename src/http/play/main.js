@@ -21,9 +21,11 @@ let analysis = analysisSection();
 let panelOf = 0;
 let steps = 0;
 let pending = 0;
+let lastFault = null;
 
 /** Shows what is wrong: at the field that the fault names, or over the stage. */
 function failed(fault) {
+  lastFault = fault;
   if (!fault) {
     clearFaults();
     notice("");
@@ -82,7 +84,7 @@ async function panel() {
   let sections;
   try {
     const scheme = { title: "Scheme", mode, plan: doc.plan, pointer: "/plan", isOpen, set: replan("plan") };
-    const other = { title: "Beside it", mode, plan: doc.other, pointer: "", isOpen, set: replan("other") };
+    const other = { title: "Beside it", mode, plan: doc.other, pointer: "/other", isOpen, set: replan("other") };
     sections = await Promise.all([scheme, ...(doc.other ? [other] : [])].map(schemeControls));
     const presets = await presetsFor(mode);
     const one = presets.find(({ name }) => name === doc.plan.preset);
@@ -97,6 +99,8 @@ async function panel() {
   const top = at("panel").scrollTop;
   at("panel").replaceChildren(...sections, shown(), ...(stage.sections?.() ?? []), analysis.section);
   at("panel").scrollTop = top;
+  // fields that were wrong are others now
+  if (lastFault?.errors?.length > 0) failed(lastFault);
   if (kept && document.activeElement === document.body) at(kept)?.focus();
   stage.refreshTools();
 }
@@ -182,6 +186,10 @@ const writeAddress = settled(ADDRESS_MS, async () => {
 });
 
 function follow(what, live) {
+  if (what === "view") {
+    writeAddress();
+    return;
+  }
   if (what !== "show" && what !== "points") analysis.follow(stage.question());
   if (what === "all" && stage !== stages[state.mode]) open(state.mode);
   if (["all", "plan", "mode"].includes(what) || (["show", "levels"].includes(what) && !live)) under(panel());
@@ -237,6 +245,7 @@ function wire() {
     if (location.hash === await fragment() || !await restore(location.hash)) return;
     await open(state.mode);
     changed("all");
+    stage.look();
   });
 }
 
@@ -247,7 +256,7 @@ async function begin() {
   if (restored) {
     await open(state.mode);
     changed("all");
-    stage.fit();
+    stage.look();
   } else await load("curves", examplesOf("curves")[0].name);
   setTimeout(() => Promise.all([import("./help.js"), import("./take.js"), import("./surfaces.js")]).catch(() => {}),
     REST_LOADED_MS);

@@ -17,15 +17,24 @@ export function trianglesAt(triangles, n) {
  * other triangles and wires, over all vertices.
  */
 export function partOf({ triangles, wires, around }, moved) {
-  const n = around.starts.length - 1;
-  const isTurned = new Uint8Array(n);
+  return parted({ triangles, wires }, turnedBy({ triangles, around }, moved));
+}
+
+/** For each vertex whether its normal changes with the vertices `moved`. */
+export function turnedBy({ triangles, around }, moved) {
+  const isTurned = new Uint8Array(around.starts.length - 1);
   for (const v of moved) {
     isTurned[v] = 1;
     for (let at = around.starts[v]; at < around.starts[v + 1]; at += 1) {
       for (let i = 0; i < 3; i += 1) isTurned[triangles[around.list[at] + i]] = 1;
     }
   }
-  const places = new Int32Array(n).fill(-1);
+  return isTurned;
+}
+
+/** The part of these triangles and wires at vertices whose normals change. */
+export function parted({ triangles, wires }, isTurned) {
+  const places = new Int32Array(isTurned.length).fill(-1);
   const vertices = [];
   const place = (v) => {
     if (places[v] < 0) places[v] = vertices.push(v) - 1;

@@ -42,7 +42,7 @@ export async function schemeControls({ title, mode, plan, pointer, isOpen, set }
   const scheme = await schemeOf(plan, presets);
   const isWord = plan.word !== undefined;
   const change = (next, live = false) => set(next, live);
-  const id = pointer ? "scheme" : "other-scheme";
+  const id = pointer === "/plan" ? "scheme" : "other-scheme";
   const kind = h("select", { "aria-label": "Preset or word" }, ["preset", "word"].map((name) => (
     h("option", { value: name, selected: (name === "word") === isWord }, name === "word" ? "Word" : "Preset"))));
   kind.onchange = () => change(kind.value === "word" ? { word: wordFor(mode) } : planOf(presets[0]));
@@ -90,7 +90,7 @@ function withParameter(plan, name, value) {
 }
 
 function presetField(id, presets, plan, pointer, change) {
-  const select = h("select", { id, "aria-label": "Scheme", "data-pointer": pointer && `${pointer}/preset` },
+  const select = h("select", { id, "aria-label": "Scheme", "data-pointer": `${pointer}/preset` },
     presets.map(({ name }) => h("option", { value: name, selected: name === plan.preset }, name)));
   select.onchange = () => change(planOf(presets.find(({ name }) => name === select.value)));
   return select;
@@ -99,7 +99,7 @@ function presetField(id, presets, plan, pointer, change) {
 function wordField(id, plan, pointer, change) {
   const field = h("input", {
     id, type: "text", value: plan.word, "aria-label": "Word", autocomplete: "off", spellcheck: "false", size: 8,
-    "data-pointer": pointer && `${pointer}/word`,
+    "data-pointer": `${pointer}/word`,
   });
   field.oninput = () => {
     plan.word = field.value.trim();
@@ -112,7 +112,7 @@ function wordField(id, plan, pointer, change) {
 function ends(mode, plan, pointer, isOpen, change) {
   const [name, values, label] = mode === "curves" ? ["ends", ENDS, "Ends"] : ["boundary", BOUNDARIES, "Boundary"];
   if (mode === "curves" && !isOpen) return null;
-  const id = `${name}${pointer ? "" : "-other"}`;
+  const id = `${name}${pointer === "/plan" ? "" : "-other"}`;
   const select = h("select", { id, "data-pointer": `${pointer}/${name}` }, values.map((value) => (
     h("option", { value, selected: value === (plan[name] ?? values[0]) }, value))));
   select.onchange = () => {

@@ -52,14 +52,21 @@ export async function refined(job, options = {}) {
 /** What can be said of a scheme. */
 export const analysed = async (question) => (await ask("/v1/analyses", json(question))).json();
 
-/** The mesh in a file that the browser has, by the service's readers. */
+/** What a file is read with: any plan, at level 0, has the service weld what it would weld before it refines. */
+const READ = "format=json&levels=0&preset=catmull-clark";
+
+/** The input of a job in a file that the browser has, by the service's readers, and what they warn of. */
 export async function meshOf(file) {
   const name = file.name.toLowerCase();
   const reader = (await catalogue("readers")).find(({ extension }) => name.endsWith(`.${extension}`));
   const headers = { "content-type": reader?.media_type ?? "application/octet-stream" };
-  if (reader?.name === "json") return JSON.parse(await file.text());
-  const answer = await ask("/v1/render?format=json", { body: file, headers });
-  return answer.json();
+  if (reader?.name === "json") {
+    const told = JSON.parse(await file.text());
+    return { input: told.input?.mesh ? told.input : { mesh: told.mesh ?? told }, warnings: [] };
+  }
+  const answer = await ask(`/v1/render?${READ}`, { body: file, headers });
+  const { warnings = [], ...mesh } = await answer.json();
+  return { input: { mesh }, warnings };
 }
 
 const asked = new Map();

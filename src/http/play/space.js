@@ -40,9 +40,32 @@ export class Camera {
   distance = 5;
   target = [0, 0, 0];
   radius = 1;
+  fitted = { distance: 5, middle: [0, 0, 0] };
   up = "y";
   /** The vertical angle of view, in degrees. */
   fov = 30;
+
+  /** Where it looks as six numbers: azimuth, elevation, distance, target. */
+  get looks() {
+    return [this.azimuth, this.elevation, this.distance, ...this.target].map((value) => Number(value.toPrecision(6)));
+  }
+
+  set looks([azimuth, elevation, distance, ...target]) {
+    Object.assign(this, { azimuth, elevation, distance, target });
+  }
+
+  /** The camera of pictures of the service that look from here; what is as it was fitted is left to the service. */
+  get ofPictures() {
+    const { distance, middle } = this.fitted;
+    const camera = {
+      azimuth_deg: Math.round(this.azimuth * 10) / 10, elevation_deg: Math.round(this.elevation * 10) / 10,
+    };
+    const zoom = Number((distance / this.distance).toPrecision(4));
+    if (zoom !== 1) camera.zoom = zoom;
+    const target = this.target.map((value) => Number(value.toPrecision(6)));
+    if (Math.hypot(...sub(this.target, middle)) > 1e-3 * this.radius) camera.target = target;
+    return camera;
+  }
 
   /** Looks at a ball so that all of it is seen. */
   fit({ middle, radius }, aspect) {
@@ -50,6 +73,7 @@ export class Camera {
     this.radius = radius;
     const half = this.fov * Math.PI / 360;
     this.distance = radius * 0.98 / Math.sin(Math.min(half, Math.atan(Math.tan(half) * Math.min(aspect, 1))));
+    this.fitted = { distance: this.distance, middle };
   }
 
   /** The directions to the right, up and towards the eye. */

@@ -11,6 +11,13 @@ export const state = {
   },
 };
 
+/** Where the page looks in each mode, as numbers, null while it is fitted; the shading of the picture, null while it is
+    closed. The address holds them, and they are no steps of undo. */
+export const view = { curves: null, surfaces: null, shading: null };
+
+/** Numbers of a view in each mode. */
+const VIEWS = { curves: 3, surfaces: 6 };
+
 const LONGEST_HISTORY = 200;
 const past = [];
 let future = [];
@@ -20,7 +27,8 @@ const listeners = new Set();
 /** The document that is shown. */
 export const current = () => state[state.mode];
 
-/** Calls a function after every change, with what changed: "points", "plan", "levels", "show", "mode" or "all". */
+/** Calls a function after every change, with what changed: "points", "plan", "levels", "show", "mode",
+    "view" or "all". */
 export function listen(listener) {
   listeners.add(listener);
 }
@@ -102,6 +110,8 @@ export async function fragment() {
   const parts = [`job=${await packed(job())}`];
   const shown = Object.entries(state.show).filter(([, on]) => on);
   parts.push(`show=${shown.map(([name]) => name).join(".")}`);
+  if (view[state.mode]) parts.push(`view=${view[state.mode].join(",")}`);
+  if (state.mode === "surfaces" && view.shading) parts.push(`shading=${view.shading}`);
   if (current().other) parts.push(`with=${await packed(current().other)}`);
   return `#${parts.join("&")}`;
 }
@@ -116,6 +126,10 @@ export async function restore(text) {
   if (!Array.isArray(input?.polygon?.points) && !Array.isArray(input?.mesh?.positions)) return false;
   state.mode = mode;
   state[mode] = { input, plan: plan ?? {}, levels: levels ?? 0, other };
+  const looks = parts.get("view")?.split(",").map(Number) ?? [];
+  const isView = looks.length === VIEWS[mode] && looks.every(Number.isFinite) && looks[2] !== 0;
+  view[mode] = isView ? looks : null;
+  view.shading = parts.get("shading");
   const shown = parts.get("show")?.split(".");
   if (shown) for (const name of Object.keys(state.show)) state.show[name] = shown.includes(name);
   return true;

@@ -1,16 +1,17 @@
 // The stage for surfaces: a viewer, the surface that follows the control mesh, and its tools.
 
-import { at, count, h, notice, say, tool, write } from "./dom.js";
+import { at, count, h, notice, say, tool, warn, write } from "./dom.js";
 import { handle } from "./hand.js";
 import { Net, tags } from "./cage.js";
-import { edgesOf, extraordinary, hardened, lineThrough, normalsOf, toggled, trianglesOf, wiresOf } from "./mesh.js";
+import { Hard } from "./hard.js";
+import { edgesOf, extraordinary, lineThrough, normalsOf, toggled, trianglesOf, wiresOf } from "./mesh.js";
 import { partOf, trianglesAt, turn } from "./part.js";
 import { numbersSection, pictureSection } from "./told.js";
 import { output } from "./lines.js";
 import { Refiner } from "./refiner.js";
 import { meshOf } from "./service.js";
 import { ball } from "./space.js";
-import { changed, state } from "./state.js";
+import { changed, state, view } from "./state.js";
 import { Viewer } from "./viewer.js";
 
 /** Most faces of a surface that the page shows: twice of it takes phones more than a second. */
@@ -47,6 +48,9 @@ export class Surfaces {
   #told;
   #picture;
   #element;
+  #hard = new Hard(HARD);
+  #isLive = false;
+  #ofFile = { mesh: null, warnings: [] };
 
   constructor(failed) {
     this.#failed = failed;
@@ -58,7 +62,11 @@ export class Surfaces {
       tool: () => this.#tool, moved: (live) => changed("points", live), chosen: () => this.refreshTools(),
       edge: (edge) => this.#tapEdge(edge), vertex: (vertex) => this.#tapVertex(vertex),
       face: (face) => this.#tapFace(face),
-      viewed: () => this.#picture.follow(),
+      viewed: () => {
+        view.surfaces = this.#viewer.camera.looks;
+        changed("view", true);
+        this.#picture.follow();
+      },
     });
     handle(this.#viewer, this.#net);
     this.#viewer.onrestored = () => {
@@ -66,8 +74,8 @@ export class Surfaces {
       this.#show(this.#shape);
     };
     this.#told = numbersSection();
-    this.#picture = pictureSection(() => this.#viewer.camera);
-    output.camera = () => this.#picture.camera();
+    this.#picture = pictureSection(() => this.#viewer.camera.ofPictures);
+    output.camera = () => this.#viewer.camera.ofPictures;
     const dark = matchMedia("(prefers-color-scheme: dark)");
     dark.addEventListener("change", () => this.#paint());
   }
@@ -97,7 +105,19 @@ export class Surfaces {
     this.#viewer.measure();
     this.#viewer.camera.up = state.surfaces.input.up ?? "y";
     this.#viewer.camera.fit(ball(this.#mesh.positions.flat()), this.#viewer.aspect);
+    view.surfaces = null;
+    changed("view", true);
+    this.#picture.follow();
     this.draw();
+  }
+
+  /** Looks as the address says, else at the whole mesh. */
+  look() {
+    const kept = view.surfaces;
+    this.fit();
+    if (kept) this.#viewer.camera.looks = kept;
+    view.surfaces = kept;
+    this.#picture.restore();
   }
 
   draw() {
@@ -142,7 +162,9 @@ export class Surfaces {
     Object.assign(this.#viewer, { showsSurface: show.surface, showsWires: show.wireframe, faceted: show.flat });
     this.#drawNet();
     if (what === "show" && this.#shape) this.#show(this.#shape);
+    this.#isLive = live;
     this.#refiner.update({ input, plan, levels });
+    this.#isLive = false;
     if (!live) {
       this.#told.follow({ input, plan, levels });
       this.#picture.follow();
@@ -154,15 +176,16 @@ export class Surfaces {
     if (!shape || state.mode !== "surfaces") return;
     this.#shape = shape;
     this.#failed(null);
-    const { flat, faces } = shape;
+    const { flat, faces, warnings = [] } = shape;
+    warn([...(this.#ofFile.mesh === this.#mesh ? this.#ofFile.warnings : []), ...warnings]);
     if (this.#topology?.of !== faces) {
       const triangles = trianglesOf(faces);
-      this.#topology = { of: faces, triangles, wires: wiresOf(faces, flat.length / 3), hardTriangles: null };
+      this.#topology = { of: faces, triangles, wires: wiresOf(faces, flat.length / 3) };
       this.#topology.around = trianglesAt(triangles, flat.length / 3);
       this.#topology.normals = new Float32Array(flat.length);
       write(at("counts"), `${count(faces.length)} faces`);
     }
-    if (this.#looksHard() && !state.show.flat) this.#showHard(flat, faces);
+    if (this.#looksHard() && !state.show.flat) this.#showHard(shape);
     else this.#showSmooth(shape);
     this.#drawIsolines(shape);
     this.#drawExtraordinary();
@@ -188,13 +211,13 @@ export class Surfaces {
     return state.surfaces.levels === 0 || creases?.length > 0 || corners?.length > 0;
   }
 
-  #showHard(flat, faces) {
-    const { positions, normals, faces: split } = hardened(flat, faces, HARD);
-    this.#topology.hardTriangles ??= trianglesOf(split);
-    this.#topology.hardWires ??= wiresOf(split, positions.length / 3);
-    const { hardTriangles: triangles, hardWires: wires } = this.#topology;
-    this.#topology.isTurned = false;
-    this.#viewer.setSurface({ positions, normals, triangles, wires });
+  /** Shows a surface whose edges may be hard, which are found anew when a hand lets go. */
+  #showHard({ flat, faces, moved }) {
+    const topology = this.#topology;
+    topology.isTurned = false;
+    const isPart = this.#isLive && moved && moved.length < LARGEST_PART * flat.length / 3;
+    const followed = isPart ? this.#hard.moved(flat, faces, topology, moved) : null;
+    this.#viewer.setSurface(followed ?? this.#hard.whole(flat, faces));
   }
 
   #drawIsolines({ flat, isolines }) {
@@ -330,9 +353,10 @@ export class Surfaces {
 
   async #read(file) {
     try {
-      const { positions, faces, creases, corners, holes } = await meshOf(file);
-      if (!positions || !faces) throw new Error(`${file.name} holds no faces.`);
-      state.surfaces.input = { mesh: JSON.parse(JSON.stringify({ positions, faces, creases, corners, holes })) };
+      const { input, warnings } = await meshOf(file);
+      if (!input.mesh.positions || !input.mesh.faces) throw new Error(`${file.name} holds no faces.`);
+      state.surfaces.input = input;
+      this.#ofFile = { mesh: input.mesh, warnings };
       const most = this.mostLevels();
       if (typeof state.surfaces.levels === "number") state.surfaces.levels = Math.min(state.surfaces.levels, most);
       changed("all");

@@ -2,7 +2,7 @@
 
 import { count, h, settled, short } from "./dom.js";
 import { analysed, render } from "./service.js";
-import { job, state } from "./state.js";
+import { changed, job, state, view } from "./state.js";
 
 /** How long a surface stays as it is before its numbers and pictures are asked for. Half of it asks for more that
     nobody reads; twice of it is felt as waiting. */
@@ -61,14 +61,15 @@ export function pictureSection(camera) {
   const details = h("details", { id: "pictures" }, h("summary", {}, "Zebra, curvature and more"),
     h("div", { class: "row" }, choice), picture, fault);
   const section = h("section", {}, h("h2", {}, "The service's picture"), details);
-  const angles = () => {
-    const { azimuth, elevation } = camera();
-    return { azimuth_deg: Math.round(azimuth * 10) / 10, elevation_deg: Math.round(elevation * 10) / 10 };
+  const tell = () => {
+    view.shading = details.open ? choice.value : null;
+    changed("view", true);
+    follow();
   };
   const follow = settled(CALM_MS, async () => {
     if (!details.open || state.mode !== "surfaces") return;
     const positions = state.show.limit ? { positions: "limit" } : {};
-    const size = { width: 640, height: 480, quality: "draft", camera: angles(), ...positions };
+    const size = { width: 640, height: 480, quality: "draft", camera: camera(), ...positions };
     try {
       const answer = await render(job(), { format: "png", shading: choice.value, ...size });
       const last = picture.src;
@@ -81,7 +82,12 @@ export function pictureSection(camera) {
       fault.hidden = false;
     }
   });
-  choice.onchange = follow;
-  details.ontoggle = follow;
-  return { section, follow, camera: angles };
+  choice.onchange = tell;
+  details.ontoggle = tell;
+  const restore = () => {
+    if (!SHADINGS.includes(view.shading)) view.shading = null;
+    details.open = view.shading !== null;
+    if (view.shading) choice.value = view.shading;
+  };
+  return { section, follow, restore };
 }

@@ -1,9 +1,13 @@
 // The element <planish-view> in a page of another origin.
 import assert from "node:assert/strict";
+import { execFileSync } from "node:child_process";
+import { mkdtempSync, rmSync } from "node:fs";
 import { createServer } from "node:http";
+import { tmpdir } from "node:os";
 import { join } from "node:path";
 import { deflateSync } from "node:zlib";
 import { MeshoptDecoder } from "meshoptimizer";
+import { startService } from "./service.mjs";
 
 const cube = {
   positions: [[-1, -1, -1], [1, -1, -1], [1, 1, -1], [-1, 1, -1], [-1, -1, 1], [1, -1, 1], [1, 1, 1], [-1, 1, 1]],
@@ -43,8 +47,47 @@ async function checkStreams(origin) {
   assert(n >= 18, `${n} streams`);
 }
 
-export async function checkElement({ browser, origin, folder }) {
+// A signed link of a glTF with levels of detail opens its buffers as well, in a page that has no key.
+async function checkSigned({ browser, origin, binary }) {
+  const data = mkdtempSync(join(tmpdir(), "planish-keys-"));
+  const run = (args, input) => execFileSync(binary, args, { input, encoding: "utf8" }).trim();
+  const key = run(["key", "add", "--data-dir", data, "--tenant", "acme"]);
+  const { service, origin: shut } = await startService(binary, "--data-dir", data);
+  const page = await browser.newPage({ viewport: { width: 600, height: 500 } });
+  const plain = (_, response) => response.writeHead(200, { "content-type": "text/html" }).end("<!doctype html>");
+  const server = createServer(plain);
+  await new Promise((resolve) => server.listen(0, "127.0.0.1", resolve));
+  try {
+    const output = { format: "gltf", lod: [1, 3] };
+    const job = { input: { mesh: cube }, plan: { preset: "catmull-clark" }, levels: 3, outputs: [output] };
+    const src = run(["sign", "--key", key, "--url", shut, "-"], JSON.stringify(job));
+    assert.equal((await fetch(link(shut, output, 3))).status, 401, "without the signature nothing is opened");
+    await page.goto(`http://127.0.0.1:${server.address().port}/`);
+    const told = await page.evaluate(async ([origin, src]) => {
+      await import(`${origin}/play/planish-view.js`);
+      const element = document.createElement("planish-view");
+      const levels = [];
+      element.addEventListener("level", ({ detail }) => levels.push(detail.triangles));
+      const ended = new Promise((resolve) => {
+        element.addEventListener("load", () => resolve(""));
+        element.addEventListener("error", ({ message }) => resolve(message));
+      });
+      element.setAttribute("src", src);
+      document.body.append(element);
+      return [await ended, levels];
+    }, [origin, src]);
+    assert.deepEqual(told, ["", [48, 768]], "both levels of a signed link are shown");
+  } finally {
+    await page.close();
+    server.close();
+    service.kill("SIGTERM");
+    rmSync(data, { recursive: true, force: true });
+  }
+}
+
+export async function checkElement({ browser, origin, folder, binary }) {
   await checkStreams(origin);
+  await checkSigned({ browser, origin, binary });
   const html = `<!doctype html><title>elsewhere</title><script type="module" src="${origin}/play/planish-view.js"></script>
     <planish-view src="${link(origin, { format: "gltf", lod: [1, 2, 4] }, 4)}" alt="A round cube"></planish-view>
     <planish-view id="glb" wireframe src="${link(origin, { format: "glb", compression: "quantize" }, 3)}"></planish-view>

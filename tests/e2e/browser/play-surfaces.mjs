@@ -179,6 +179,45 @@ async function checkSchemes(player) {
   await player.agrees();
 }
 
+// A cube as other programs write it: each side has four vertices of its own.
+function partedCube() {
+  const corner = [[-1, -1, -1], [1, -1, -1], [1, 1, -1], [-1, 1, -1], [-1, -1, 1], [1, -1, 1], [1, 1, 1], [-1, 1, 1]];
+  const sides = [[0, 3, 2, 1], [4, 5, 6, 7], [0, 1, 5, 4], [1, 2, 6, 5], [2, 3, 7, 6], [3, 0, 4, 7]];
+  const places = Float32Array.from(sides.flat().flatMap((v) => corner[v]));
+  const order = Uint16Array.from(sides.flatMap((_, at) => [0, 1, 2, 0, 2, 3].map((v) => 4 * at + v)));
+  const buffer = Buffer.concat([Buffer.from(places.buffer), Buffer.from(order.buffer)]);
+  const n = places.byteLength;
+  const document = {
+    asset: { version: "2.0" }, scene: 0, scenes: [{ nodes: [0] }], nodes: [{ mesh: 0 }],
+    meshes: [{ primitives: [{ attributes: { POSITION: 0 }, indices: 1 }] }], buffers: [{ byteLength: buffer.length }],
+    bufferViews: [{ buffer: 0, byteLength: n }, { buffer: 0, byteOffset: n, byteLength: order.byteLength }],
+    accessors: [
+      { bufferView: 0, componentType: 5126, count: 24, type: "VEC3", min: [-1, -1, -1], max: [1, 1, 1] },
+      { bufferView: 1, componentType: 5123, count: 36, type: "SCALAR" },
+    ],
+  };
+  let text = JSON.stringify(document);
+  text = text.padEnd(Math.ceil(text.length / 4) * 4);
+  const words = (...given) => Buffer.from(Uint32Array.from(given).buffer);
+  return Buffer.concat([
+    words(0x46546c67, 2, 28 + text.length + buffer.length, text.length, 0x4e4f534a), Buffer.from(text),
+    words(buffer.length, 0x004e4942), buffer,
+  ]);
+}
+
+const tagged = `${[[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0], [0, 0, 1], [1, 0, 1]].map((row) => `v ${row.join(" ")}`)
+  .join("\n")}\nvt 0 0\nvt 1 0\nvt 1 1\nvt 0 1\ng left\nusemtl red\nf 1/1 2/2 3/3 4/4\ng right\nusemtl blue\n`
+  + "f 1/1 5/3 6/4 2/2\nt crease 2/1/0 0 1 2.5\nt corner 1/1/0 3 2.0\n";
+
+// Drops a file onto the stage.
+async function drop(player, name, content) {
+  await player.page.evaluate(([name, bytes]) => {
+    const dropped = new DataTransfer();
+    dropped.items.add(new File([Uint8Array.from(bytes)], name));
+    document.querySelector("#stage").dispatchEvent(new DragEvent("drop", { dataTransfer: dropped, bubbles: true }));
+  }, [name, [...Buffer.from(content)]]);
+}
+
 async function checkFiles(player) {
   const { page } = player;
   player.expected.push(/status of 422/);
@@ -199,6 +238,21 @@ async function checkFiles(player) {
     stage.dispatchEvent(new DragEvent("drop", { dataTransfer: dropped, bubbles: true, cancelable: true }));
   }, ply);
   await page.waitForFunction(() => window.planish.job().input.mesh.positions.length === 4);
+  await player.settled();
+  await player.agrees();
+  await drop(player, "cube.glb", partedCube());
+  await page.waitForFunction(() => window.planish.job().input.mesh.positions.length === 8);
+  await page.waitForFunction(() => /welding merged 16/.test(document.querySelector("#warned").textContent));
+  await player.settled();
+  await player.agrees();
+  await page.click("#warned button");
+  assert(await page.locator("#warned").isHidden(), "warnings are closed");
+  await drop(player, "tagged.obj", tagged);
+  await page.waitForFunction(() => window.planish.job().input.mesh.positions.length === 6);
+  const { creases, corners, uvs, groups, materials } = await mesh(player);
+  assert.deepEqual(creases, [{ edge: [0, 1], sharpness: 2.5 }]);
+  assert.deepEqual(corners, [{ vertex: 3, sharpness: 2 }]);
+  assert.deepEqual([uvs.values.length, groups.length, materials.length], [6, 2, 2], "what the file carries is kept");
   await player.settled();
   await player.agrees();
   await page.evaluate(() => {
@@ -241,6 +295,39 @@ async function checkTaking(player) {
   await checkDownloads(player, formats);
   assert.equal(await page.locator("#take .fault").textContent(), "");
   await page.click("#take [aria-label=Close]");
+  // the limit surface, from another place, with edges: in each state each format answers
+  await page.click("#show-limit");
+  await page.click("#show-wireframe");
+  await page.mouse.move(700, 300);
+  await page.mouse.wheel(0, -240);
+  await player.drag([300, 640], [380, 600]);
+  await player.settled();
+  await page.click("#take-open");
+  await page.waitForFunction(() => document.querySelector("#take-link")?.value);
+  await checkDownloads(player, formats);
+  for (const format of ["svg", "pdf", "png"]) {
+    await page.selectOption("#take-format", format);
+    await page.waitForFunction((name) => document.querySelector("#take-job").value.includes(`"${name}"`), format);
+    const { camera } = JSON.parse(await page.locator("#take-job").inputValue()).outputs[0];
+    assert(camera.zoom > 1.1 && camera.azimuth_deg !== 35, `${format} looks from where the page looks`);
+  }
+  await page.click("#take [aria-label=Close]");
+  await page.click("#show-limit");
+  await page.click("#show-wireframe");
+}
+
+// The permalink keeps where the page looks and how its picture is shaded.
+async function checkView(player, given) {
+  const { page } = player;
+  await page.evaluate(() => { document.querySelector("#pictures").open = true; });
+  await page.selectOption("#shading", "isophotes");
+  await page.waitForFunction(() => /view=.*shading=isophotes/.test(location.hash));
+  const other = await Player.open(given, { hash: new URL(page.url()).hash });
+  assert.deepEqual(await seen(other, 0), await seen(player, 0), "a vertex is seen where it was");
+  assert.equal(await other.page.locator("#shading").inputValue(), "isophotes");
+  await other.page.waitForTimeout(600);
+  assert.equal(other.page.url(), page.url(), "and the address stays as it is");
+  await other.close();
 }
 
 async function checkExamples(player) {
@@ -261,7 +348,7 @@ export async function checkSurfaces(given) {
   await player.settled();
   await player.accessible("the page of surfaces");
   for (const check of [checkVertices, checkTags, checkShow, checkPictures, checkExamples, checkSchemes, checkFiles,
-    checkTaking]) await check(player);
+    checkTaking, checkView]) await check(player, given);
   await player.page.click("#mode-curves");
   await player.page.waitForSelector(".curve");
   await player.close();

@@ -23,7 +23,7 @@ try {
   };
   for (const [name, check] of Object.entries(checks)) {
     if (only && !only.includes(name)) continue;
-    told.push(await check({ browser, origin, folder }));
+    told.push(await check({ browser, origin, folder, binary }));
   }
   const seconds = (Date.now() - started) / 1000;
   console.log(`play: ${told.filter(Boolean).join("; ")}, in ${seconds} s`);

@@ -14,9 +14,10 @@ async function freePort() {
 }
 
 // Starts a service that keeps nothing in memory.
-export async function startService(binary) {
+export async function startService(binary, ...more) {
   const port = await freePort();
-  const service = spawn(binary, ["serve", "--listen", `127.0.0.1:${port}`, "--cache-bytes", "0"], { stdio: "ignore" });
+  const given = ["serve", "--listen", `127.0.0.1:${port}`, "--cache-bytes", "0", ...more];
+  const service = spawn(binary, given, { stdio: "ignore" });
   const origin = `http://127.0.0.1:${port}`;
   for (let left = 200; ; left -= 1) {
     if (await fetch(`${origin}/livez`).then((answer) => answer.ok, () => false)) return { service, origin };
