@@ -338,7 +338,9 @@ fn bumpy() -> Cage {
 fn caps_beside_holes_are_those_of_the_surface_without_them() {
     let whole = bumpy();
     let around = |v: u32| (0..).zip(&whole.faces).filter(move |(_, face)| face.contains(&v)).map(|(f, _)| f);
-    let corner = (0..).find(|&v| around(v).count() == 3).expect("a cube has corners");
+    let corner = (0..u32::try_from(whole.points.len()).expect("few"))
+        .find(|&v| around(v).count() == 3)
+        .expect("a cube has corners");
     let holes: Vec<u64> = around(corner).collect();
     let side = |f: u64| {
         let face = &whole.faces[usize::try_from(f).expect("few")];

@@ -46,7 +46,8 @@ pub(super) fn built(mut model: Model, mut room: Room, limits: &ReadLimits) -> Re
         let free = model.objects.keys().filter(|id| !inside.contains(id));
         items = free.map(|&object| Placed { object, transform: Transform::IDENTITY }).collect();
     }
-    let (starts, colors) = colors(&model, &mut room)?;
+    let (mut starts, mut colors) = (BTreeMap::new(), Vec::new());
+    collect_colors(&model, &mut room, &mut starts, &mut colors)?;
     let mut building = Building {
         model: &model,
         mesh: Collected::new(limits),
@@ -84,9 +85,13 @@ struct Building<'a> {
     degenerate: usize,
 }
 
-/// The colours of all groups, and for each group the number of its first one.
-fn colors(model: &Model, room: &mut Room) -> Result<(BTreeMap<u32, u32>, Vec<[f64; 4]>), String> {
-    let (mut starts, mut colors) = (BTreeMap::new(), Vec::new());
+/// Collects the colours of all groups, and for each group the number of its first one.
+fn collect_colors(
+    model: &Model,
+    room: &mut Room,
+    starts: &mut BTreeMap<u32, u32>,
+    colors: &mut Vec<[f64; 4]>,
+) -> Result<(), String> {
     for (&id, group) in &model.looks {
         if let (Ok(id), LookGroup::Colors(all)) = (u32::try_from(id), group) {
             room.take(GROUP + GROWN * COLOR * all.len())?;
@@ -94,7 +99,7 @@ fn colors(model: &Model, room: &mut Room) -> Result<(BTreeMap<u32, u32>, Vec<[f6
             colors.extend(all.iter().map(|color| color.map(|byte| f64::from(byte) / 255.0)));
         }
     }
-    Ok((starts, colors))
+    Ok(())
 }
 
 fn same(a: &[f64; 4], b: &[f64; 4]) -> bool {
