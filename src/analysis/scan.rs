@@ -36,6 +36,8 @@ pub struct Scan {
     pub to: Exact,
     /// Equal steps between them.
     pub steps: u32,
+    /// Whether the parameter has whole numbers alone: then all values are rounded down to such.
+    pub is_whole: bool,
 }
 
 /// What was found at all values.
@@ -107,7 +109,12 @@ impl Scan {
     /// The value after so many steps.
     pub fn value(&self, step: u32) -> Exact {
         let share = Exact::ratio(step.into(), self.steps.max(1).into());
-        &self.from + (&self.to - &self.from) * share
+        self.among(&self.from + (&self.to - &self.from) * share)
+    }
+
+    /// A value, or the whole number below it where the parameter has no others.
+    fn among(&self, value: Exact) -> Exact {
+        if self.is_whole { value.floor() } else { value }
     }
 
     /// The plan with a value of the parameter.
@@ -153,7 +160,7 @@ impl Scan {
         });
         let most = most.max().unwrap_or(-1);
         for k in 0..=most {
-            known.narrow(k, &look)?;
+            known.narrow(k, self, &look)?;
         }
         let intervals = (0..=most).flat_map(|k| known.intervals(k)).collect();
         Ok(Scanned { rows, intervals })
@@ -182,15 +189,15 @@ struct Known {
 impl Known {
     /// Halves the gaps beside values with a proof of C^k: first towards those without one, then, where these are open,
     /// towards those where C^k is disproved.
-    fn narrow(&mut self, k: i64, look: &impl Fn(&Exact) -> Result<Found, Stopped>) -> Result<(), Stopped> {
-        for (inside, outside) in self.changes(|found| found.proves(k)) {
-            self.halve(&inside, &outside, |found| found.proves(k), look)?;
+    fn narrow(&mut self, k: i64, scan: &Scan, look: &impl Fn(&Exact) -> Result<Found, Stopped>) -> Result<(), Stopped> {
+        for ends in self.changes(|found| found.proves(k)) {
+            self.halve(scan, ends, |found| found.proves(k), look)?;
         }
         let is_open = |found: &Found| !found.disproves(k);
         for (inside, outside) in self.changes(is_open) {
             // between a proof and its contrary the gap is narrow already
             if !self.values.get(&inside).is_some_and(|found| found.proves(k)) {
-                self.halve(&inside, &outside, is_open, look)?;
+                self.halve(scan, (inside, outside), is_open, look)?;
             }
         }
         Ok(())
@@ -209,16 +216,18 @@ impl Known {
 
     fn halve(
         &mut self,
-        inside: &Exact,
-        outside: &Exact,
+        scan: &Scan,
+        (mut inside, mut outside): (Exact, Exact),
         holds: impl Fn(&Found) -> bool,
         look: &impl Fn(&Exact) -> Result<Found, Stopped>,
     ) -> Result<(), Stopped> {
-        let (mut inside, mut outside) = (inside.clone(), outside.clone());
         for _ in 0..HALVINGS {
+            let middle = scan.among((&inside + &outside) / Exact::whole(2));
+            if middle == inside || middle == outside {
+                break;
+            }
             let Some(left) = self.left.checked_sub(1) else { break };
             self.left = left;
-            let middle = (&inside + &outside) / Exact::whole(2);
             let found = look(&middle)?;
             let end = if holds(&found) { &mut inside } else { &mut outside };
             end.clone_from(&middle);

@@ -65,6 +65,14 @@ impl Input {
         if let Self::Mesh(mesh) = self { Some(mesh) } else { None }
     }
 
+    /// Whether single points have parameters of their own.
+    pub fn has_own_parameters(&self) -> bool {
+        match self {
+            Self::Polygons(polygons) => polygons.iter().any(|polygon| polygon.attributes.is_some()),
+            Self::Mesh(mesh) => mesh.attributes.is_some(),
+        }
+    }
+
     /// What a plan has to know of it.
     pub(super) fn subject(&self, input: &PlanInput) -> Subject {
         let (is_mesh, is_open) = self.kind();

@@ -1,5 +1,7 @@
 //! Scans: a parameter of a plan and the values that it runs through, as a request has them.
 
+use num_traits::ToPrimitive;
+
 use super::codec::Item;
 use super::key::{Key, RESULTS_VERSION, hashed};
 use crate::analysis::Study;
@@ -8,8 +10,10 @@ use crate::fault::Fault;
 use crate::math::exact::{self, Exact};
 use crate::math::exactly;
 use crate::math::expression::Expression;
-use crate::math::parameter::Literal;
+use crate::math::parameter::{Kind, Literal};
+use crate::scheme::parameters::WORD_PARAMETERS;
 use crate::scheme::plan::PlanInput;
+use crate::scheme::presets::PRESETS;
 
 /// Most steps of a scan.
 /// It is a value for each pixel of a figure. Half of it makes plots coarser; twice of it takes twice as long.
@@ -63,13 +67,32 @@ pub(super) fn scan(
     if !faults.is_empty() {
         return Err(faults);
     }
-    let scan = Scan { input: plan.clone(), parameter: parameter.clone(), from, to, steps: *steps };
+    let is_whole = is_whole(plan, parameter);
+    for (place, end) in [("/scan/from", &from), ("/scan/to", &to)] {
+        if is_whole && !end.is_integer() {
+            faults.push(Fault::new(place, format!("{end}, and {parameter} is a whole number; write one")));
+        }
+    }
+    if !faults.is_empty() {
+        return Err(faults);
+    }
+    // whole numbers are looked at once each
+    let span = if is_whole { (&to - &from).to_integer().to_u32().unwrap_or(u32::MAX) } else { u32::MAX };
+    let steps = span.min(*steps);
+    let scan = Scan { input: plan.clone(), parameter: parameter.clone(), from, to, steps, is_whole };
     // what is wrong at the ends, or after the first step, is wrong with the question
-    for step in [0, 1, *steps] {
+    for step in [0, 1, steps] {
         let value = scan.value(step);
         study(&scan.at(&value)).map_err(|found| misfits(&scan, &value.to_string(), found))?;
     }
     Ok(scan)
+}
+
+/// Whether a parameter of a plan has whole numbers for values.
+fn is_whole(plan: &PlanInput, name: &str) -> bool {
+    let preset = PRESETS.iter().find(|preset| Some(preset.name) == plan.preset.as_deref());
+    let mut declared = preset.map_or(WORD_PARAMETERS, |preset| preset.parameters).iter();
+    declared.any(|parameter| parameter.name == name && matches!(parameter.kind, Kind::Integer { .. }))
 }
 
 /// The exact value of an end, or the decimal next to one that is no fraction.
@@ -92,7 +115,8 @@ fn misfits(scan: &Scan, value: &str, faults: Vec<Fault>) -> Vec<Fault> {
 
 /// The key of a scan: the plan as it was written, as the masks of all values are found only when it runs.
 pub(super) fn key(scan: &Scan, nodes: u64) -> Key {
-    let Scan { input, parameter, from, to, steps } = scan;
+    // whether values are whole follows from the parameter
+    let Scan { input, parameter, from, to, steps, is_whole: _ } = scan;
     // boundary, ends and seed are those of inputs
     let PlanInput { preset, word, parameters, boundary: _, ends: _, seed: _ } = input;
     let mut others: Vec<_> = parameters.iter().filter(|(name, _)| name != parameter).collect();

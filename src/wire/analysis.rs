@@ -28,7 +28,8 @@ use super::{object, whole};
 use crate::fault::{Fault, under};
 use crate::input::ReadLimits;
 use crate::job::{
-    Analysis, Around, Findings, Form, Inquiry, SchemeFindings, SurfaceAnalysis, TubeAnalysis, Wishes, is_for_meshes,
+    Analysis, Around, Findings, Form, Input, Inquiry, SchemeFindings, SurfaceAnalysis, TubeAnalysis, Wishes,
+    is_for_meshes,
 };
 use crate::watch::{Stopped, Watch};
 
@@ -111,6 +112,11 @@ impl AnalysisRequest {
             Ok(resolved) => resolved.map(|resolved| resolved.input),
             Err(found) => return Err(under("/input", found)),
         };
+        if input.as_ref().is_some_and(Input::has_own_parameters) {
+            let detail = "single points have parameters of their own, so that no rule holds everywhere that could be \
+                          analysed; leave \"parameters\" out of the input, or ask with their values in the plan";
+            return Err(vec![Fault::new("/input", detail)]);
+        }
         let is_of_polygons = input.as_ref().is_some_and(|input| input.mesh().is_none());
         if is_of_polygons && (valences.is_some() || boundaries.is_some()) {
             let detail = "valences and boundaries are those of meshes; give a mesh, or leave them out";

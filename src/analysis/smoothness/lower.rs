@@ -8,17 +8,25 @@ use std::cmp::Ordering;
 
 use num_traits::Signed;
 
-use super::matrices::{ExactMatrix, multiply, product};
+use super::matrices::{ExactMatrix, multiply, price, product};
 use crate::math::elimination::determinant_sign;
 use crate::math::exact::{self, Exact, below, binary, rounded};
 use crate::math::functions::pow;
 use crate::math::number::Number;
 use crate::math::spectrum::eigenvalues;
+use crate::watch::{Stopped, Watch};
 
-/// Most products that are looked at.
+/// Products that every search looks at, whatever its budget.
 /// It is words of up to seven letters for binary schemes, of four for ternary ones. All extremal products that are
 /// known here have two letters at most; half of it saves half the time, twice of it takes one letter more.
-const MAX_WORDS: usize = 256;
+const USUAL_WORDS: usize = 256;
+/// Most products that are looked at.
+/// It is words of up to twelve letters for binary schemes, which take some ten megabytes. Half of it has one letter
+/// less; twice of it takes twice as much memory.
+const MAX_WORDS: usize = 1 << 13;
+/// As how many products of the budget one counts whose eigenvalues are computed.
+/// It is what these take over a product. Half and twice of it need half and twice of a budget for one letter more.
+const EIGENVALUES: u64 = 128;
 /// Largest matrices whose eigenvalues are proved.
 /// The 2n-point schemes come to 28 for n = 16. Half of it leaves those from n = 9 on without a bound; twice of it takes
 /// some thirty times as long, as the numbers of the elimination grow.
@@ -70,16 +78,55 @@ struct Candidate {
     rate: f64,
 }
 
-/// The best lower bound that the products of some length prove.
-pub(super) fn bound(matrices: &[ExactMatrix]) -> Lower {
-    // the mean of the matrices has the eigenvalue 1/d, as every column of their sum adds up to b(1) = 1
-    let usual = || Lower::new(Vec::new(), Exact::ratio(1, i64::try_from(matrices.len()).unwrap_or(1)));
-    proved_bound(matrices).unwrap_or_else(usual)
+/// What a search for lower bounds has found.
+pub(super) struct Search {
+    /// By the products that every search looks at; the search for upper bounds starts from it, so that it goes the same
+    /// way with every budget.
+    pub(super) first: Option<Lower>,
+    /// By all products.
+    pub(super) best: Option<Lower>,
+    /// What the products beyond those of every search count as.
+    pub(super) nodes: u64,
 }
 
-/// The same for any matrices; `None` where nothing is proved.
-pub(super) fn proved_bound(matrices: &[ExactMatrix]) -> Option<Lower> {
-    let mut candidates = if matrices[0].len() > MAX_SIZE { Vec::new() } else { candidates(matrices) };
+/// What the mean of the matrices proves: it has the eigenvalue 1/d, as every column of their sum adds up to b(1) = 1.
+pub(super) fn of_mean(matrices: &[ExactMatrix]) -> Lower {
+    Lower::new(Vec::new(), Exact::ratio(1, i64::try_from(matrices.len()).unwrap_or(1)))
+}
+
+/// The best lower bounds of any matrices that products of up to half of a budget prove. A longer word takes the place of
+/// a shorter one where it proves more alone, so that larger budgets prove at least as much.
+///
+/// # Errors
+/// [`Stopped`].
+pub(super) fn search(matrices: &[ExactMatrix], budget: u64, watch: &Watch) -> Result<Search, Stopped> {
+    let n = matrices[0].len();
+    if n > MAX_SIZE {
+        return Ok(Search { first: None, best: None, nodes: 0 });
+    }
+    let mut words = Words::new(matrices);
+    let mut candidates = Vec::new();
+    while words.looked_at + words.longer() <= USUAL_WORDS {
+        candidates.extend(words.lengthened());
+    }
+    let first = best_of(matrices, candidates);
+    let (mut best, mut nodes) = (first.clone(), 0);
+    while words.looked_at + words.longer() <= MAX_WORDS {
+        let more = words.longer() as u64 * EIGENVALUES * price(n);
+        if nodes + more > budget / 2 {
+            break;
+        }
+        watch.check()?;
+        nodes += more;
+        let known = best.as_ref().map_or(0.0, |best| best.value) * (1.0 + BETTER);
+        let better: Vec<Candidate> = words.lengthened().into_iter().filter(|found| found.rate > known).collect();
+        best = best_of(matrices, better).filter(|found| found.value > known).or(best);
+    }
+    Ok(Search { first, best, nodes })
+}
+
+/// The best bound of some candidates.
+fn best_of(matrices: &[ExactMatrix], mut candidates: Vec<Candidate>) -> Option<Lower> {
     candidates.sort_by(|a, b| b.rate.total_cmp(&a.rate).then(a.word.len().cmp(&b.word.len())));
     let best = candidates.first().map_or(0.0, |candidate| candidate.rate);
     // among those that are as good as the best the shortest first
@@ -87,28 +134,46 @@ pub(super) fn proved_bound(matrices: &[ExactMatrix]) -> Option<Lower> {
     candidates.iter().take(MAX_PROOFS).find_map(|candidate| proved(matrices, candidate))
 }
 
-fn candidates(matrices: &[ExactMatrix]) -> Vec<Candidate> {
-    let n = matrices[0].len();
-    let flat: Vec<Vec<f64>> = matrices.iter().map(|matrix| matrix.iter().flatten().map(rounded).collect()).collect();
-    let identity: Vec<f64> = (0..n * n).map(|k| if k % (n + 1) == 0 { 1.0 } else { 0.0 }).collect();
-    let mut found = Vec::new();
-    let mut words = vec![(Vec::new(), identity)];
-    let mut looked_at = 0;
-    while looked_at + words.len() * flat.len() <= MAX_WORDS {
-        let mut longer = Vec::with_capacity(words.len() * flat.len());
-        for (word, left) in &words {
-            for (e, right) in flat.iter().enumerate() {
+/// All words of one length with their products.
+struct Words {
+    n: usize,
+    matrices: Vec<Vec<f64>>,
+    last: Vec<(Vec<usize>, Vec<f64>)>,
+    /// Words that were looked at, of all lengths.
+    looked_at: usize,
+}
+
+impl Words {
+    /// The word without letters.
+    fn new(matrices: &[ExactMatrix]) -> Self {
+        let n = matrices[0].len();
+        let flat = matrices.iter().map(|matrix| matrix.iter().flatten().map(rounded).collect()).collect();
+        let identity = (0..n * n).map(|k| if k % (n + 1) == 0 { 1.0 } else { 0.0 }).collect();
+        Self { n, matrices: flat, last: vec![(Vec::new(), identity)], looked_at: 0 }
+    }
+
+    /// How many words have one letter more.
+    fn longer(&self) -> usize {
+        self.last.len() * self.matrices.len()
+    }
+
+    /// Goes on to the words with one letter more, and tells their eigenvalues.
+    fn lengthened(&mut self) -> Vec<Candidate> {
+        let mut longer = Vec::with_capacity(self.longer());
+        let mut found = Vec::new();
+        for (word, left) in &self.last {
+            for (e, right) in self.matrices.iter().enumerate() {
                 let mut matrix = Vec::new();
-                multiply(left, right, n, &mut matrix);
+                multiply(left, right, self.n, &mut matrix);
                 let word: Vec<usize> = word.iter().copied().chain([e]).collect();
-                looked_at += 1;
-                found.extend(candidate(&word, &matrix, n));
+                found.extend(candidate(&word, &matrix, self.n));
                 longer.push((word, matrix));
             }
         }
-        words = longer;
+        self.looked_at += longer.len();
+        self.last = longer;
+        found
     }
-    found
 }
 
 fn candidate(word: &[usize], matrix: &[f64], n: usize) -> Option<Candidate> {
@@ -148,4 +213,26 @@ fn sign(matrix: &ExactMatrix, t: &Exact) -> Ordering {
         row.iter().enumerate().map(|(k, x)| if i == k { t - x } else { -x.clone() }).collect()
     };
     determinant_sign(&matrix.iter().enumerate().map(shifted).collect::<Vec<_>>())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Nine points in a ring: the first matrix moves each to the next, but the last, which only the second moves. No
+    /// product of fewer than nine letters has an eigenvalue but 0.
+    #[test]
+    fn larger_budgets_find_longer_words() {
+        let moves = |pairs: &[(usize, usize)]| -> ExactMatrix {
+            let cell = |i: usize, j: usize| Exact::whole(i64::from(pairs.contains(&(i, j))));
+            (0..9).map(|i| (0..9).map(|j| cell(i, j)).collect()).collect()
+        };
+        let all_but_the_last: Vec<(usize, usize)> = (0..8).map(|i| (i, i + 1)).collect();
+        let matrices = [moves(&all_but_the_last), moves(&[(8, 0)])];
+        let found = |budget: u64| search(&matrices, budget, &Watch::new()).expect("a search that goes on");
+        assert_eq!(found(100_000).best, None);
+        let best = found(10_000_000).best.expect("a bound");
+        assert_eq!((best.word.len(), best.value), (9, 1.0));
+        assert_eq!(found(10_000_000).first, None);
+    }
 }

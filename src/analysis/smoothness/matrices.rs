@@ -11,6 +11,12 @@ use num_traits::{Signed, Zero};
 
 use crate::math::exact::Exact;
 
+/// Size of the matrices a product of which counts as one of the budget; larger ones count as many times as they take
+/// longer.
+/// It is that of the 16-point scheme. Half and twice of it let eight times as few or as many products of larger ones be
+/// looked at.
+const USUAL_SIZE: usize = 14;
+
 /// A square matrix of fractions, row by row.
 pub(in crate::analysis) type ExactMatrix = Vec<Vec<Exact>>;
 
@@ -59,4 +65,9 @@ pub(super) fn multiply(a: &[f64], b: &[f64], n: usize, out: &mut Vec<f64>) {
             }
         }
     }
+}
+
+/// As how many products one of this size counts.
+pub(super) fn price(n: usize) -> u64 {
+    (n.pow(3) as u64).div_ceil(USUAL_SIZE.pow(3) as u64)
 }

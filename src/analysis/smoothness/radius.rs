@@ -2,7 +2,7 @@
 
 use num_traits::Zero;
 
-use super::lower::{self, Lower};
+use super::lower::{self, Lower, Search};
 use super::matrices::ExactMatrix;
 use super::upper::{self, Upper};
 use crate::math::exact::Exact;
@@ -27,11 +27,11 @@ pub(in crate::analysis) fn radius_bounds(
     budget: u64,
     watch: &Watch,
 ) -> Result<RadiusBounds, Stopped> {
-    let lower = lower::proved_bound(matrices);
+    let Search { first, best: lower, nodes } = lower::search(matrices, budget, watch)?;
     watch.check()?;
     // without an eigenvalue to compare with, the ladder of bounds leads down from the thresholds alone
     let least = thresholds.iter().min().cloned().unwrap_or_else(Exact::zero);
-    let known = lower.clone().unwrap_or_else(|| Lower::of_one(least / Exact::from_integer(4.into())));
-    let upper = upper::bound(matrices, &known, thresholds, budget, watch)?;
-    Ok(RadiusBounds { lower, upper })
+    let known = first.unwrap_or_else(|| Lower::of_one(least / Exact::from_integer(4.into())));
+    let upper = upper::bound(matrices, &known, thresholds, budget - nodes, watch)?;
+    Ok(RadiusBounds { lower, upper: upper.after(nodes) })
 }

@@ -12,7 +12,7 @@ use num_integer::Integer;
 use num_traits::{FromPrimitive, One, Zero};
 
 use super::lower::Lower;
-use super::matrices::{ExactMatrix, multiply, product, row_norm};
+use super::matrices::{ExactMatrix, multiply, price, product, row_norm};
 use crate::math::exact::{Exact, above, binary, rounded};
 use crate::math::functions::{pow, sqrt};
 use crate::watch::{Stopped, Watch};
@@ -30,11 +30,6 @@ const GAPS: [f64; 16] = [1.0, 0.5, 0.3, 0.2, 0.1, 0.05, 0.02, 0.01, 0.005, 0.002
 /// The 2n-point schemes come to 28 for n = 16. Half of it leaves those from n = 8 on wider intervals; twice of it takes
 /// eight times as long and more, as the fractions grow.
 const MAX_TURNED: usize = 28;
-/// Size of the matrices a product of which counts as one of the budget; larger ones count as many times as they take
-/// longer.
-/// It is that of the 16-point scheme. Half and twice of it let eight times as few or as many products of larger ones be
-/// looked at.
-const USUAL_SIZE: usize = 14;
 /// Of what a coordinate is a multiple: one over this.
 /// Coordinates of half or twice as many steps are as good; finer ones make longer fractions.
 const DIGITS: f64 = 4096.0;
@@ -55,6 +50,11 @@ pub struct Upper {
 }
 
 impl Upper {
+    /// The bound of a search in which so many products were looked at for something else.
+    pub(super) fn after(self, nodes: u64) -> Self {
+        Self { nodes: self.nodes + nodes, ..self }
+    }
+
     /// Whether the joint spectral radius is known to be below `x`.
     pub fn stays_below(&self, x: &Exact) -> bool {
         self.exact.as_ref().map_or_else(|| binary(self.value) < *x, |bound| bound < x)
@@ -269,11 +269,6 @@ impl Family {
         let norms = products.iter().map(|matrix| norm(matrix, self.n));
         pow(norms.fold(0.0, f64::max), 1.0 / length)
     }
-}
-
-/// As how many products one of this size counts.
-pub(super) fn price(n: usize) -> u64 {
-    (n.pow(3) as u64).div_ceil(USUAL_SIZE.pow(3) as u64)
 }
 
 fn norm(matrix: &[f64], n: usize) -> f64 {

@@ -2,7 +2,7 @@
 
 use num_traits::{One, Signed};
 
-use super::lower::{self, Lower};
+use super::lower::{self, Lower, Search};
 use super::matrices::of_residual;
 use super::norms::{Certificate, certificates};
 use super::reduction::Reduction;
@@ -63,19 +63,23 @@ impl Smoothness {
         let matrices = of_residual(&symbol.residual, symbol.arity);
         // limits are C^k when the radius is below d^(K-1-k)
         let threshold = |k: i64| threshold(symbol, most - 1 - k);
-        let lower = lower::bound(&matrices);
+        let Search { first, best, nodes } = lower::search(&matrices, budget, watch)?;
+        let first = first.unwrap_or_else(|| lower::of_mean(&matrices));
+        let lower = best.unwrap_or_else(|| first.clone());
         let thresholds: Vec<Exact> = (0..most).map(threshold).collect();
-        let upper = upper::bound(&matrices, &lower, &thresholds, budget, watch)?;
+        let upper = upper::bound(&matrices, &first, &thresholds, budget - nodes, watch)?.after(nodes);
         let by_radius = (0..most).rev().find(|&k| upper.stays_below(&threshold(k)));
         let by_norms = certificates.iter().filter_map(|c| i64::try_from(c.k).ok()).max();
         let proved_c = by_radius.max(by_norms).unwrap_or(-1);
         let disproved_c = disproved(symbol, &lower, most);
         let holder = [exponent(symbol, &over(&upper), -1.0), exponent(symbol, &binary(lower.value), 1.0)];
-        let disproved_c = disproved_c.filter(|_| is_stable);
+        // where differences do not shrink a scheme diverges, whether its shifts are stable or not
+        let diverges = disproved_c == Some(0);
+        let disproved_c = disproved_c.filter(|_| is_stable || diverges);
         let left = budget.saturating_sub(upper.nodes);
         let radius = Some(Radius { lower, upper, holder });
         let found = Self { certificates, proved_c, disproved_c, is_stable, reduction: None, radius };
-        match if is_stable { None } else { Reduction::of(symbol) } {
+        match if is_stable || diverges { None } else { Reduction::of(symbol) } {
             Some(reduction) => found.with(reduction, left, watch),
             None => Ok(found),
         }
@@ -88,7 +92,7 @@ impl Smoothness {
         let proved_c = if self.proved_c < 0 { -1 } else { self.proved_c.max(stable.proved_c) };
         let radius = self.radius.zip(stable.radius).map(|(own, of_stable)| {
             let Radius { lower, upper, holder: [least, _] } = own;
-            let upper = Upper { nodes: upper.nodes + of_stable.upper.nodes, ..upper };
+            let upper = upper.after(of_stable.upper.nodes);
             Radius { lower, upper, holder: [least.max(of_stable.holder[0]), of_stable.holder[1]] }
         });
         Ok(Self { proved_c, disproved_c: stable.disproved_c, reduction: Some(reduction), radius, ..self })

@@ -5,7 +5,8 @@
 //! around each of the `d^2` cells that it becomes map samples of polynomials of a degree below K to such samples. On
 //! what is left they have a joint spectral radius rho. Limits are C^k for all k < K with `rho < d^-k`, and have the
 //! Hoelder exponent `-log_d(rho)` as far as that is below K; where shifts of the basic limit function are stable, which
-//! is so where the scheme interpolates, they are not C^k where `rho >= d^-k`, nor for k = K.
+//! is so where the scheme interpolates, they are not C^k where `rho >= d^-k`, nor for k = K. Where `rho >= 1` schemes
+//! diverge, whatever their shifts are like, as differences do not shrink.
 //!
 //! Coordinates of what is left are the values outside a triangle of points, less those of the polynomial through the
 //! points of the triangle. Weights are taken for the fractions with small denominators that they are next to.
@@ -76,7 +77,8 @@ impl Quotient {
         let is_stable = proved_c >= 0 && interpolates(&mask, d);
         let lower = radius.lower.as_ref().filter(|_| is_stable);
         let rough = lower.and_then(|lower| (0..order).find(|&k| lower.reaches(&threshold(k))));
-        let disproved_c = is_stable.then(|| i64::from(rough.unwrap_or(order)));
+        let diverges = radius.lower.as_ref().is_some_and(|lower| lower.reaches(&threshold(0)));
+        let disproved_c = if diverges { Some(0) } else { is_stable.then(|| i64::from(rough.unwrap_or(order))) };
         let exponent = |radius: f64| -ln(radius) / ln(f64::from(d));
         let over = radius.upper.exact.as_ref().map_or(radius.upper.value, rounded);
         // some roundings of logarithms and their quotient

@@ -3,10 +3,10 @@
 use std::fmt::Write;
 
 use super::{
-    AnalysisAnswer, ChangingAnswer, MaskAnswer, MatricesAnswer, MatrixAnswer, ScanAnswer, SchemeAnswer,
-    SmoothnessAnswer,
+    AnalysisAnswer, ChangingAnswer, LevelBoundAnswer, MaskAnswer, MatricesAnswer, MatrixAnswer, ScanAnswer,
+    SchemeAnswer, SmoothnessAnswer,
 };
-use crate::wire::surface_analysis::{BoundaryAnswer, SurfaceAnswer};
+use crate::wire::surface_analysis::{BoundaryAnswer, InputSurveyAnswer, SurfaceAnswer};
 use crate::wire::tube_analysis::TubeAnswer;
 
 /// Widest matrices that are written out; wider ones do not fit on a page, and the JSON has them.
@@ -62,7 +62,21 @@ fn of_scheme(text: &mut String, scheme: &SchemeAnswer) -> Written {
     if let Some(matrices) = &scheme.matrices {
         of_matrices(text, matrices)?;
     }
-    Ok(())
+    let Some(input) = &scheme.input else { return Ok(()) };
+    of_levels(text, &input.bounds, input.bounds_refused.as_deref(), &input.warnings)
+}
+
+/// How close the levels of an input come to its limit, and what is to be known of it.
+fn of_levels(text: &mut String, bounds: &[LevelBoundAnswer], refused: Option<&str>, warnings: &[String]) -> Written {
+    text.push_str("\n## The input\n\n");
+    if let Some(reason) = refused {
+        writeln!(text, "- distances of its levels from the limit are not known: {reason}")?;
+    } else {
+        text.push_str("| Level | At most so far from the limit, model units |\n|---|---|\n");
+        bounds.iter().try_for_each(|of| writeln!(text, "| {} | {} |", of.level, number(of.bound)))?;
+        text.push('\n');
+    }
+    warnings.iter().try_for_each(|warning| writeln!(text, "- warning: {warning}"))
 }
 
 fn verdict(proved_c: i64, disproved_c: Option<i64>) -> String {
@@ -103,7 +117,7 @@ fn of_smoothness(text: &mut String, smoothness: &SmoothnessAnswer) -> Written {
 }
 
 fn of_changing(text: &mut String, changing: &ChangingAnswer) -> Written {
-    let ChangingAnswer { arity, levels, rate, exponentials, static_limit, conclusion, .. } = changing;
+    let ChangingAnswer { arity, levels, rate, exponentials, static_limit, conclusion, input, .. } = changing;
     write!(text, "# A curve scheme of arity {arity} whose mask follows alpha\n\n")?;
     match conclusion.proved_c {
         -1 => writeln!(text, "Nothing is concluded for its limits.")?,
@@ -126,6 +140,9 @@ fn of_changing(text: &mut String, changing: &ChangingAnswer) -> Written {
     text.push_str("\n## Levels\n\n| Level | alpha | Sum rules | Distance from the static limit |\n|---|---|---|---|\n");
     for (h, level) in levels.iter().enumerate() {
         writeln!(text, "| {h} | {} | {} | {:.3e} |", number(level.alpha), level.sum_rules, level.distance)?;
+    }
+    if let Some(input) = input {
+        of_levels(text, &input.bounds, input.bounds_refused.as_deref(), &input.warnings)?;
     }
     text.push_str("\n# The static limit\n\n");
     of_scheme(text, static_limit)
@@ -150,7 +167,28 @@ fn of_surface(text: &mut String, surface: &SurfaceAnswer) -> Written {
         let weights: Vec<String> = of.limit_mask.iter().map(|(name, w)| format!("{name} {}", number(*w))).collect();
         writeln!(text, "- valence {}: {}", of.valence, weights.join(", "))?;
     }
-    assumptions.iter().try_for_each(|assumption| writeln!(text, "- assumption: {assumption}"))
+    assumptions.iter().try_for_each(|assumption| writeln!(text, "- assumption: {assumption}"))?;
+    surface.input.as_ref().map_or(Ok(()), |input| of_mesh(text, input))
+}
+
+/// What is found of a mesh: its levels, and its extraordinary points with what is known of them.
+fn of_mesh(text: &mut String, input: &InputSurveyAnswer) -> Written {
+    of_levels(text, &input.bounds, input.bounds_refused.as_deref(), &input.warnings)?;
+    let not_looked_at = "not looked at";
+    if !input.extraordinary.is_empty() {
+        text.push_str("\n| Extraordinary, of valence | Vertices | Faces | C1 |\n|---|---|---|---|\n");
+    }
+    for of in &input.extraordinary {
+        let c1 = of.c1.unwrap_or(not_looked_at);
+        writeln!(text, "| {} | {} | {} | {c1} |", of.valence, of.n_vertices, of.n_faces)?;
+    }
+    if !input.boundary.is_empty() {
+        text.push_str("\n| On the boundary, with faces | Vertices | C1 |\n|---|---|---|\n");
+    }
+    for of in &input.boundary {
+        writeln!(text, "| {} | {} | {} |", of.faces, of.n_vertices, of.c1.unwrap_or(not_looked_at))?;
+    }
+    Ok(())
 }
 
 fn of_boundaries(text: &mut String, boundaries: &[BoundaryAnswer]) -> Written {

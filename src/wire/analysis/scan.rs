@@ -21,7 +21,8 @@ pub struct ScanRequest {
     /// The last value, above the first.
     #[schema(schema_with = schema::end_of_scan)]
     pub to: WireLiteral,
-    /// Equal steps between them; 100 when left out.
+    /// Equal steps between them; 100 when left out. A parameter of whole numbers has no more steps than there are such
+    /// between the ends, and values are rounded down to them.
     #[schema(minimum = 1, maximum = 1000, default = 100)]
     pub steps: Option<u32>,
 }

@@ -291,3 +291,42 @@ fn the_theorems_of_the_first_paper_apply_where_their_hypotheses_hold() {
         assert!(level["distance"].as_f64().unwrap() <= bound, "level {h}: {level}, {bound}");
     }
 }
+
+/// At w = -1/2 the four-point scheme has unstable shifts and the radius 2, so that differences do not shrink: what the
+/// scheme with stable shifts is like says nothing of it.
+#[test]
+fn schemes_that_diverge_are_disproved_to_be_c0_whether_shifts_are_stable_or_not() {
+    for (w, stable) in [("-1/2", false), ("1/2", true), ("-1", true)] {
+        let answer = preset("four-point", &json!({ "w": w }));
+        assert_eq!(smoothness(&answer), (-1, Some(0)), "w = {w}");
+        assert_eq!(answer["smoothness"]["stable"], stable, "w = {w}");
+        assert!(answer["smoothness"].get("reduction").is_none(), "w = {w}");
+        assert!(numbers(&answer["smoothness"]["holder"])[1] <= 1e-9, "w = {w}: {answer}");
+    }
+    let wild = json!({ "word": "UCP", "parameters": { "delta": 1, "compensation": 5 } });
+    let surface = asked(&json!({ "plan": wild, "valences": [5], "boundaries": [] }));
+    assert_eq!(surface["regular"]["smoothness"]["disproved_c"], 0, "{}", surface["regular"]["smoothness"]);
+    assert_eq!(surface["valences"][0]["c1"], "disproved");
+}
+
+/// A larger budget never leaves a wider interval.
+#[test]
+fn intervals_only_get_narrower_with_more_nodes() {
+    for plan in [
+        json!({ "preset": "four-point", "parameters": { "w": "3/16" } }),
+        json!({ "preset": "two-n-point", "parameters": { "n": 3 } }),
+        json!({ "preset": "ternary-three-point", "parameters": { "alpha": "1/4" } }),
+    ] {
+        let mut before = [0.0, f64::INFINITY];
+        for nodes in [0, 10, 1000, 100_000, 300_000, 1_000_000] {
+            let answer = asked(&json!({ "plan": plan, "nodes": nodes }));
+            let found = numbers(&answer["smoothness"]["joint_spectral_radius"]);
+            assert!(
+                before[0] <= found[0] && found[0] <= found[1] && found[1] <= before[1],
+                "{plan}: {nodes} {found:?}"
+            );
+            assert!(answer["smoothness"]["nodes"].as_u64().unwrap() <= nodes, "{plan}: {nodes}");
+            before = [found[0], found[1]];
+        }
+    }
+}

@@ -59,3 +59,11 @@ fn questions_about_other_polygons_have_other_keys_and_scans_have_none() {
     scan["scan"] = json!({ "parameter": "eta", "from": 0, "to": "1/60", "steps": 2 });
     assert_eq!(refused(&scan)[0].pointer, "/input");
 }
+
+#[test]
+fn parameters_of_single_points_are_refused() {
+    let mut polygon = question(&json!({ "word": "UCP" }), true);
+    polygon["input"]["polygon"]["parameters"] = json!({ "alpha": [1, 1, 2, 1] });
+    let fault = &refused(&polygon)[0];
+    assert!(fault.pointer == "/input" && fault.detail.contains("parameters of their own"), "{fault:?}");
+}

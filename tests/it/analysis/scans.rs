@@ -57,6 +57,14 @@ fn whole_parameters_run_through_whole_numbers_and_words_have_scans_too() {
     let degrees = scan(&json!({ "preset": "b-spline" }), "degree", "1", "5", 4);
     let proved: Vec<&Value> = degrees["values"].as_array().unwrap().iter().map(|row| &row["proved_c"]).collect();
     assert_eq!(json!(proved), json!([0, 1, 2, 3, 4]));
+    for (k, found) in degrees["intervals"].as_array().unwrap().iter().enumerate() {
+        let k = u32::try_from(k).unwrap();
+        assert_eq!((&found["k"], &found["to"]["exact"]), (&json!(k), &json!("5")));
+        assert_eq!(found["from"]["exact"], (k + 1).to_string());
+    }
+    let by_default = json!({ "parameter": "n", "from": 1, "to": 4 });
+    let points = asked(&json!({ "plan": { "preset": "two-n-point" }, "scan": by_default }));
+    assert_eq!((&points["steps"], points["values"].as_array().unwrap().len()), (&json!(3), 4));
     // the kernel -1 has no average, and the scan goes on beside it
     let kernels = scan(&json!({ "word": "UCP", "parameters": { "delta": 0 } }), "kernel", "-3", "3", 6);
     let rows = kernels["values"].as_array().unwrap();
@@ -87,9 +95,9 @@ fn scans_that_cannot_be_are_refused_with_a_reason() {
         (scan("theta", json!(0), "1/60", 10), "/scan/parameter", "unknown parameter"),
         (
             json!({ "plan": { "preset": "b-spline" },
-                "scan": { "parameter": "degree", "from": 1, "to": 2, "steps": 2 } }),
-            "/scan/parameter",
-            "at 3/2",
+                "scan": { "parameter": "degree", "from": 1, "to": "5/2", "steps": 2 } }),
+            "/scan/to",
+            "whole number",
         ),
         (
             json!({ "plan": { "preset": "catmull-clark" }, "scan": { "parameter": "w", "from": 1, "to": 2 } }),
