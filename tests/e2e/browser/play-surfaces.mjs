@@ -315,8 +315,13 @@ async function checkTaking(player) {
     assert(camera.zoom > 1.1 && camera.azimuth_deg !== 35, `${format} looks from where the page looks`);
   }
   await page.click("#take [aria-label=Close]");
-  await page.click("#show-limit");
-  await page.click("#show-wireframe");
+  const hidden = ["limit", "wireframe", "surface", "net"];
+  for (const name of hidden) await page.click(`#show-${name}`);
+  await page.click("#take-open");
+  await page.waitForFunction(() => document.querySelector("#take-link")?.value);
+  await checkDownloads(player, ["png", "svg", "pdf"].filter((format) => formats.includes(format)));
+  await page.click("#take [aria-label=Close]");
+  for (const name of hidden.slice(2)) await page.click(`#show-${name}`);
 }
 
 // The permalink keeps where the page looks and how its picture is shaded.
