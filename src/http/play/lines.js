@@ -28,7 +28,9 @@ export function output(format) {
   }
   const names = { surface: "surface", wireframe: "wireframe", isolines: "isolines", extraordinary: "extraordinary" };
   const shown = Object.keys(names).filter((name) => show[name]);
-  return { ...size, ...limit, show: [...shown, ...(show.net ? ["control"] : [])], camera };
+  const all = [...shown, ...(show.net ? ["control"] : [])];
+  // a picture of nothing is refused
+  return { ...size, ...limit, show: all.length > 0 ? all : ["surface"], camera };
 }
 
 /** Rows of positions in one line each, so that a job can be read. */

@@ -50,7 +50,7 @@ async function checkStreams(origin) {
 // A signed link of a glTF with levels of detail opens its buffers as well, in a page that has no key.
 async function checkSigned({ browser, origin, binary }) {
   const data = mkdtempSync(join(tmpdir(), "planish-keys-"));
-  const run = (args, input) => execFileSync(binary, args, { input, encoding: "utf8" }).trim();
+  const run = (args, input) => execFileSync(binary, args, { input, encoding: "utf8", stdio: ["pipe", "pipe", "ignore"] }).trim();
   const key = run(["key", "add", "--data-dir", data, "--tenant", "acme"]);
   const { service, origin: shut } = await startService(binary, "--data-dir", data);
   const page = await browser.newPage({ viewport: { width: 600, height: 500 } });
