@@ -14,8 +14,7 @@ use super::problem::Problem;
 use super::reading::ReadJob;
 use super::{negotiate, reading, streaming};
 use crate::fault::{Fault, under};
-use crate::job::Form;
-use crate::job::Inquiry;
+use crate::job::{Form, Inquiry, Output};
 use crate::job::key::{Key, job};
 use crate::job::limits::Admitted;
 use crate::output::{FORMATS, Format, named};
@@ -163,18 +162,27 @@ pub(super) async fn check(app: &Arc<App>, peer: Peer, sent: Sent) -> Result<usiz
     let settle = |request: &mut JobRequest| negotiate::settle(&HeaderMap::new(), request);
     match reading::draft(app, peer, sent, usize::MAX, settle).await? {
         reading::Step::Complete(read) => {
+            fits_an_archive(&read.job.outputs)?;
             let n = read.job.outputs.len();
-            if let Some(at) = read.job.outputs.iter().position(|output| !read.job.details(output).is_empty()) {
-                let detail = "levels of detail have buffers of their own, which the archive of a batch does not hold; \
-                              leave it out, or post this job by itself";
-                return Err(Problem::invalid(vec![Fault::new(format!("/outputs/{at}/lod"), detail)]));
-            }
             let admitted = reading::admit(app, peer, read.job).await?;
             streaming::check_kept(app, &admitted)?;
             Ok(n)
         }
-        reading::Step::Search(search, ..) => Ok(search.n_outputs()),
+        reading::Step::Search(search, ..) => {
+            fits_an_archive(search.outputs())?;
+            Ok(search.outputs().len())
+        }
     }
+}
+
+/// Refuses outputs that refer to results of their own.
+fn fits_an_archive(outputs: &[Output]) -> Result<(), Problem> {
+    let Some(at) = outputs.iter().position(|output| output.format.details(&output.options).is_some()) else {
+        return Ok(());
+    };
+    let detail = "levels of detail have buffers of their own, which the archive of a batch does not hold; leave it \
+                  out, or post this job by itself";
+    Err(Problem::invalid(vec![Fault::new(format!("/outputs/{at}/lod"), detail)]))
 }
 
 /// Reads jobs for those who do them.

@@ -60,9 +60,9 @@ impl Search {
         input.bytes().saturating_add(size::of_most_steps(plan)).saturating_add(other)
     }
 
-    /// How many outputs the job has.
-    pub fn n_outputs(&self) -> usize {
-        self.checked.outputs.len()
+    /// The outputs of the job.
+    pub fn outputs(&self) -> &[Output] {
+        &self.checked.outputs
     }
 
     /// The key of the search, for whoever remembers answers and refusals.

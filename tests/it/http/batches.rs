@@ -143,6 +143,8 @@ fn a_fault_points_to_the_job_or_to_the_axis_and_nothing_is_begun() {
         wrong_template["template"]["input"]["mesh"]["faces"][0] = json!([0, 1]);
         let mut many = grid();
         many["grid"][0]["values"] = json!([0, 1, 2, 3, 4, 5, 6]);
+        let mut searched = detailed();
+        searched["levels"] = json!({ "tolerance": 0.1 });
         for (batch, pointers) in [
             (&list, &["/jobs/1/levels", "/jobs/2/analysis/plan/preset"][..]),
             (&wrong_axis, &["/grid/1/values/2"]),
@@ -150,6 +152,7 @@ fn a_fault_points_to_the_job_or_to_the_axis_and_nothing_is_begun() {
             (&many, &["/grid"]),
             (&json!({ "jobs": vec![mesh(1); 21] }), &["/jobs"]),
             (&json!({ "jobs": [5, detailed()] }), &["/jobs/0", "/jobs/1/outputs/0/lod"]),
+            (&json!({ "jobs": [searched] }), &["/jobs/0/outputs/0/lod"]),
             (
                 &json!({ "template": mesh(1), "grid": [{ "pointer": "/plan/nothing/delta", "values": [1] }] }),
                 &["/grid/0/pointer"],
