@@ -1,13 +1,15 @@
 """Renders every example job with the client that openapi-python-client makes of the OpenAPI document."""
 
+import io
 import json
 import sys
+import zipfile
 from pathlib import Path
 
 from planish_client import Client
-from planish_client.api.jobs import artifact, render
+from planish_client.api.jobs import archive, artifact, batch, list_batches, post_batch, render
 from planish_client.api.questions import estimate, validate
-from planish_client.models import JobRequest, ProblemAnswer, RenderFormat, RenderPreset
+from planish_client.models import BatchRequest, JobRequest, ProblemAnswer, RenderFormat, RenderPreset
 from planish_client.types import File
 
 FIRST = {
@@ -55,6 +57,33 @@ def posted(client):
     check(answer.parsed.payload.read().startswith(FIRST["image/png"]), "a file: the bytes are no picture")
 
 
+def batched(client, jobs):
+    """Has a list of jobs done, and a template with a grid, and reads their archives."""
+    template = {"input": {"polygon": {"points": [[0, 0], [1, 0], [1, 1]], "closed": True}},
+                "plan": {"preset": "four-point"}, "outputs": [{"format": "svg"}]}
+    axes = [{"pointer": "/levels", "values": [1, 2]}, {"pointer": "/plan/parameters/w", "values": [0, 0.05, "1/16"]}]
+    grid = {"template": {**template, "plan": {**template["plan"], "parameters": {}}}, "grid": axes}
+    for name, said, n in [("a list", {"jobs": jobs}, len(jobs)), ("a grid", grid, 6)]:
+        body = BatchRequest.from_dict(said)
+        check(body.to_dict() == said, f"{name}: the model of the batch is another batch")
+        answer = post_batch.sync_detailed(client=client, body=body, prefer="wait=60")
+        check(answer.status_code == 200, f"{name}: {answer.status_code} {answer.content[:500]!r}")
+        told = batch.sync(answer.parsed.id, client=client)
+        counts = told.counts
+        check(told.state == "done" and (counts.total, counts.done, len(told.items)) == (n, n, n), f"{name}: {told}")
+        listed = list_batches.sync(client=client)
+        check(told.id in [other.id for other in listed.batches], f"{name} is not listed")
+        file = archive.sync_detailed(told.id, client=client)
+        check(file.status_code == 200, f"{name}: {file.status_code} {file.content[:500]!r}")
+        with zipfile.ZipFile(io.BytesIO(file.content)) as results:
+            made = [output.bytes_ for item in told.items for output in item.outputs]
+            check(results.testzip() is None, f"{name}: a file of the archive is damaged")
+            check([info.file_size for info in results.infolist()][1:] == made, f"{name}: {results.namelist()}")
+    wrong = BatchRequest.from_dict({"jobs": [jobs[0], {**jobs[0], "levels": 60}]})
+    problem = post_batch.sync(client=client, body=wrong)
+    check(isinstance(problem, ProblemAnswer) and problem.errors[0].pointer == "/jobs/1/levels", "a fault has its place")
+
+
 def main():
     client = Client(base_url=sys.argv[1], timeout=60)
     n_jobs = n_results = 0
@@ -67,6 +96,8 @@ def main():
         check(told.valid and not told.errors, f"{file.stem}: {told.errors}")
         n_jobs += 1
     posted(client)
+    names = ["letters-chaikin-svg", "cube-faces-png"]
+    batched(client, [json.loads(Path(f"api/examples/jobs/{name}.json").read_text()) for name in names])
     wrong = JobRequest.from_dict({"input": {"polygon": {"points": [[0], [1]]}}, "plan": {"word": "P"}, "levels": 1})
     problem = render.sync(client=client, body=wrong)
     check(isinstance(problem, ProblemAnswer) and problem.errors[0].pointer == "/plan/word", "a problem has its type")

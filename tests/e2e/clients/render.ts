@@ -82,6 +82,23 @@ const told = await client.POST("/v1/render", {
   parseAs: "arrayBuffer",
 });
 check(told.response.headers.get("etag") === posted.response.headers.get("etag"), "a file has the key of its job");
+// batches: a list, and a template with a grid
+type Batch = components["schemas"]["BatchRequest"];
+const template: Job = { input, plan: { preset: "four-point", parameters: {} }, outputs: [{ format: "svg" }] };
+const batches: [Batch, number][] = [
+  [{ jobs: [{ ...template, levels: 1 }, { ...template, levels: 3 }] }, 2],
+  [{ template, grid: [{ pointer: "/levels", values: [1, 2] },
+                      { pointer: "/plan/parameters/w", values: [0, 0.05, "1/16"] }] }, 6],
+];
+for (const [body, n] of batches) {
+  const { data, error } = await client.POST("/v1/batches", { body, params: { header: { Prefer: "wait=60" } } });
+  check(data?.state === "done" && data.counts.done === n, `a batch: ${error?.detail ?? JSON.stringify(data)}`);
+  const path = { id: data?.id ?? "" };
+  const told = await client.GET("/v1/batches/{id}", { params: { path } });
+  check(told.data?.items?.length === n, `a batch has ${told.data?.items?.length} items, not ${n}`);
+  const zip = await client.GET("/v1/batches/{id}/archive.zip", { params: { path }, parseAs: "arrayBuffer" });
+  check(text(new Uint8Array(zip.data as ArrayBuffer).slice(0, 2)) === "PK", `an archive: ${zip.error?.detail}`);
+}
 const refusal = await client.POST("/v1/render", { body: { input, plan: { word: "X" }, levels: 1 } });
 check(refusal.error?.errors?.[0]?.pointer === "/plan/word", "a problem has its type");
 const presets = await client.GET("/v1/presets");
