@@ -169,7 +169,7 @@ pub(super) async fn forget_batch(State(app): State<Shared>, client: Client, Segm
     ),
     responses(
         (status = 200, description = "The events; the data of `state` and `done` is a `BatchAnswer`",
-            body = String, content_type = "text/event-stream",
+            body = serde_json::Value, content_type = "text/event-stream",
             example = "id: 4294968297\nevent: progress\ndata: {\"state\":\"running\",\"progress\":0.0}\n\n"),
         (status = 204, description = "The client has seen the end"),
     )

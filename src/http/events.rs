@@ -28,7 +28,7 @@ use crate::wire::standing::ProgressAnswer;
     ),
     responses(
         (status = 200, description = "The events; the data of `state` and `done` is a `JobAnswer`, that of `progress` \
-            state, progress and level", body = String, content_type = "text/event-stream",
+            state, progress and level", body = serde_json::Value, content_type = "text/event-stream",
             example = "id: 4294968297\nevent: progress\ndata: {\"state\":\"running\",\"progress\":0.0}\n\n"),
         (status = 204, description = "The client has seen the end"),
     )

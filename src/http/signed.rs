@@ -138,7 +138,7 @@ async fn shown(app: &Shared, client: &Client, mut headers: HeaderMap, uri: &Uri,
         ("Last-Event-ID" = Option<String>, Header, description = "The number of the last event that the client saw"),
     ),
     responses(
-        (status = 200, description = "The events, as those of /v1/jobs/{id}/events", body = String,
+        (status = 200, description = "The events, as those of /v1/jobs/{id}/events", body = serde_json::Value,
             content_type = "text/event-stream",
             example = "id: 4294968297\nevent: progress\ndata: {\"state\":\"running\",\"progress\":0.0}\n\n"),
         (status = 204, description = "The client has seen the end"),
@@ -163,7 +163,7 @@ pub(super) async fn signed_events(app: State<Shared>, client: Client, path: Name
         ("Last-Event-ID" = Option<String>, Header, description = "The number of the last event that the client saw"),
     ),
     responses(
-        (status = 200, description = "The events, as those of /v1/batches/{id}/events", body = String,
+        (status = 200, description = "The events, as those of /v1/batches/{id}/events", body = serde_json::Value,
             content_type = "text/event-stream",
             example = "id: 4294968297\nevent: progress\ndata: {\"state\":\"running\",\"progress\":0.0}\n\n"),
         (status = 204, description = "The client has seen the end"),

@@ -24,8 +24,8 @@ use crate::wire::read::weight;
 /// What is wrong with a job, and what its mesh is like: boundary loops, valences, degenerate faces, latitude lines.
 ///
 /// The whole job is looked at, as `/v1/render` would, and all its faults are told together; an input alone is looked at
-/// as one that is to be refined. Nothing is refined. A job that would be too large here is not valid here; only where the
-/// level of a tolerance is still to be searched for, which `/v1/estimate` does, that is left open.
+/// as one that is to be refined. Nothing is refined. A job that would be too large here is not valid here; only where
+/// the level of a tolerance is still to be searched for, which `/v1/estimate` does, that is left open.
 #[utoipa::path(
     post, path = "/v1/validate", tag = "questions", request_body = JobRequest,
     responses(

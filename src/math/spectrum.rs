@@ -3,8 +3,6 @@
 //! Source: Golub and Van Loan, Matrix Computations, 4th edition, sections 7.4 and 7.5: reduction to Hessenberg form by
 //! elimination, then QR steps with Francis' double shift.
 
-use std::cmp::Ordering;
-
 use crate::math::functions::sqrt;
 
 /// Most QR steps for one eigenvalue.
@@ -41,13 +39,17 @@ pub fn eigenvalues(matrix: &[f64], n: usize) -> Option<Vec<Eigenvalue>> {
         let entries: Vec<f64> = block.iter().flat_map(|i| block.iter().map(move |j| matrix[i * n + j])).collect();
         found.extend(of_block(&entries, block.len())?);
     }
-    // moduli that differ by rounding count as one, so that the order is that of the parts then
-    found.sort_by(|x, y| {
-        let (a, b) = (x.modulus(), y.modulus());
-        let close = (a - b).abs() <= 1e-13 * (a + b);
-        let by_parts = || y.re.total_cmp(&x.re).then(y.im.total_cmp(&x.im));
-        if close { by_parts() } else { b.partial_cmp(&a).unwrap_or(Ordering::Equal) }
-    });
+    found.sort_by(|x, y| y.modulus().total_cmp(&x.modulus()));
+    // moduli that differ by rounding from the largest of a run count as one, so that the order is that of the parts
+    // then
+    let mut left = found.as_mut_slice();
+    while let Some(first) = left.first() {
+        let most = first.modulus();
+        let count = left.iter().take_while(|x| most - x.modulus() <= 2e-13 * most).count().max(1);
+        let (run, rest) = left.split_at_mut(count);
+        run.sort_by(|x, y| y.re.total_cmp(&x.re).then(y.im.total_cmp(&x.im)));
+        left = rest;
+    }
     Some(found)
 }
 

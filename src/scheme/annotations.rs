@@ -36,8 +36,8 @@ fn upsampled(array: &[f64], topology: &Topology) -> Vec<f64> {
     array.iter().copied().chain(made).collect()
 }
 
-/// Returns the mean over the ends of edge `i`, or over the vertices of face `i - n_e`. The mean of equal numbers is that
-/// number, whatever a sum of them would be rounded to: what is the same everywhere stays so.
+/// Returns the mean over the ends of edge `i`, or over the vertices of face `i - n_e`. The mean of equal numbers is
+/// that number, whatever a sum of them would be rounded to: what is the same everywhere stays so.
 pub(super) fn mean(array: &[f64], topology: &Topology, i: usize) -> f64 {
     let n_e = topology.n_edges();
     if i < n_e {

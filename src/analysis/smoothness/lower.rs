@@ -94,8 +94,8 @@ pub(super) fn of_mean(matrices: &[ExactMatrix]) -> Lower {
     Lower::new(Vec::new(), Exact::ratio(1, i64::try_from(matrices.len()).unwrap_or(1)))
 }
 
-/// The best lower bounds of any matrices that products of up to half of a budget prove. A longer word takes the place of
-/// a shorter one where it proves more alone, so that larger budgets prove at least as much.
+/// The best lower bounds of any matrices that products of up to half of a budget prove. A longer word takes the place
+/// of a shorter one where it proves more alone, so that larger budgets prove at least as much.
 ///
 /// # Errors
 /// [`Stopped`].

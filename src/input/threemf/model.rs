@@ -11,8 +11,8 @@ use crate::input::transform::Transform;
 use crate::shape::frame::Unit;
 use crate::shape::topology::index;
 
-/// Bytes of a vertex, of a triangle, of a change of looks, of a property, of a colour and of an object, as they are kept
-/// in lists that grow.
+/// Bytes of a vertex, of a triangle, of a change of looks, of a property, of a colour and of an object, as they are
+/// kept in lists that grow.
 const POSITION: usize = GROWN * 24;
 const TRIANGLE: usize = GROWN * 12;
 const CHANGE: usize = GROWN * size_of::<(u32, TriangleLook)>();

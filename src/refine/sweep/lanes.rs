@@ -12,7 +12,8 @@ use crate::shape::topology::{Topology, index};
 pub(super) struct Uneven;
 
 /// The tags of a net whose faces all lie between two latitude and two longitude edges and whose vertices have one
-/// alpha. Seen from a patch, from a sample of the grid or from a vertex, latitude edges lie along every other direction.
+/// alpha. Seen from a patch, from a sample of the grid or from a vertex, latitude edges lie along every other
+/// direction.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub(super) struct Lanes {
     /// The bits of the alpha that all vertices carry, where they carry one.

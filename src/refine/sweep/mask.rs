@@ -81,8 +81,8 @@ impl Pass {
         }
     }
 
-    /// Adds a line, with the tables along each axis on which it occurs, where it is not smooth; none where points beside
-    /// it have other masks than elsewhere, or those on it where that is not looked at.
+    /// Adds a line, with the tables along each axis on which it occurs, where it is not smooth; none where points
+    /// beside it have other masks than elsewhere, or those on it where that is not looked at.
     fn add_line(&mut self, tables: Option<&[Option<&Table>]>) -> Option<()> {
         let masks = match self {
             Self::Up(masks) | Self::Push(masks) => masks,
@@ -103,8 +103,8 @@ impl Pass {
         Some(())
     }
 
-    /// By how many points of the refined grid a point looks around at most, where that does not begin anew. The push-back
-    /// looks at children of the coarse grid.
+    /// By how many points of the refined grid a point looks around at most, where that does not begin anew. The
+    /// push-back looks at children of the coarse grid.
     pub(super) fn radius(&self) -> Option<isize> {
         let planes = match self {
             Self::Up(_) => return None,

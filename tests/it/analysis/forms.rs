@@ -93,3 +93,27 @@ fn figures_have_derivatives_as_far_as_they_are_continuous() {
     }
     assert!(!drawn.contains("Third derivative"));
 }
+
+#[test]
+fn reports_tell_what_is_found_of_an_input() {
+    let square = json!({ "polygon": { "points": [[0, 0], [4, 0], [4, 4], [0, 4]], "closed": true } });
+    let report =
+        text(&json!({ "plan": { "preset": "four-point", "parameters": { "w": 1 } }, "input": square }), Form::Markdown);
+    assert!(report.contains("## The input") && report.contains("- warning: "), "{report}");
+    let spline = json!({ "plan": { "preset": "cubic-b-spline" }, "input": square });
+    assert!(
+        text(&spline, Form::Markdown)
+            .contains("| Level | At most so far from the limit, model units |\n|---|---|\n| 0 |")
+    );
+    let functions = json!({ "alpha": "pi/6", "kernel": "cos(alpha/2)", "delta": 0 });
+    let changing = json!({ "plan": { "word": "UCP", "parameters": functions }, "input": square, "nodes": 1000 });
+    assert_eq!(text(&changing, Form::Markdown).matches("## The input").count(), 1);
+    let tetrahedron = json!({ "mesh": {
+        "positions": [[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]],
+        "faces": [[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]]
+    } });
+    let report = text(&json!({ "plan": { "preset": "loop" }, "input": tetrahedron }), Form::Markdown);
+    for part in ["## The input", "| Extraordinary, of valence | Vertices | Faces | C1 |", "| 3 | 4 | 0 | proved |"] {
+        assert!(report.contains(part), "{part} is not in {report}");
+    }
+}

@@ -32,7 +32,9 @@ fn samples() -> Vec<Value> {
         "tangents": null, "parameters": { "alpha": [0, 0, 0, 0], "kernel": [1, 1, 1, 1],
         "compensation": [1, 1, 1, 1], "delta": [0, 0, 0, 0] } });
     let steered = json!({ "points": points, "closed": true, "tangents": [[1, 0], [0, 1], [-1, 0], [0, -1]],
-        "pinned": [0] });
+        "pinned": [0], "discrete_curvature": [0, 0, 0, 0], "warnings": [] });
+    let result = json!({ "positions": positions, "faces": faces, "normals": [], "ids": {}, "isolines": [],
+        "sections": [], "warnings": ["a"] });
     let word = json!({ "word": "UC", "parameters": {}, "ends": "clamped", "seed": 1 });
     let outputs = json!([{ "format": "json", "name": "a" }]);
     let text = json!({ "format": "off", "data": "OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n", "encoding": "text" });
@@ -43,6 +45,7 @@ fn samples() -> Vec<Value> {
         json!({ "input": { "mesh": tagged }, "plan": { "preset": "push-back" }, "levels": 1, "outputs": outputs }),
         json!({ "input": { "mesh": { "positions": positions, "faces": faces, "frames": [positions] } },
             "outputs": [{ "format": "json", "name": "a", "frame": 1 }] }),
+        json!({ "input": { "mesh": result }, "outputs": outputs }),
         json!({ "input": { "text": text, "weld": 0.0 }, "outputs": outputs }),
         json!({ "input": { "text": { "format": "obj", "data": "v 0 0 0\nv 1 0 0\nv 0 1 0\n\
             vt 0 0\nvt 1 0\nvt 0 1\nf 1/1 2/2 3/3\n", "mtl": "newmtl red\nKd 1 0 0\n" }, "material": look },
