@@ -195,3 +195,9 @@ export function toggled(list, edge, entry, of = (one) => one) {
   const rest = (list ?? []).filter((one) => !same(one));
   return rest.length === (list ?? []).length ? [...rest, entry] : rest;
 }
+
+/** Puts a list of a mesh in place, or away where it is empty. */
+export function setList(mesh, name, list) {
+  if (list.length > 0) mesh[name] = list;
+  else delete mesh[name];
+}

@@ -4,9 +4,9 @@ import { at, count, h, notice, say, tool, warn, write } from "./dom.js";
 import { handle } from "./hand.js";
 import { Net, tags } from "./cage.js";
 import { Hard } from "./hard.js";
-import { edgesOf, extraordinary, lineThrough, normalsOf, toggled, trianglesOf, wiresOf } from "./mesh.js";
+import { edgesOf, extraordinary, lineThrough, normalsOf, setList, toggled, trianglesOf, wiresOf } from "./mesh.js";
 import { partOf, trianglesAt, turn } from "./part.js";
-import { numbersSection, pictureSection } from "./told.js";
+import { FILES, HINTS, TOOLS, numbersSection, pictureSection } from "./told.js";
 import { output } from "./lines.js";
 import { Refiner } from "./refiner.js";
 import { meshOf } from "./service.js";
@@ -20,21 +20,6 @@ const MOST_FACES = 300_000;
 const LARGEST_PART = 0.5;
 /** Angle in degrees beyond which an edge looks hard where the mesh has tags of sharpness, or is shown unrefined. */
 const HARD = 30;
-
-const TOOLS = [
-  ["move", "Move", "Move vertices"], ["crease", "Crease", "Tap edges to make them sharp, or smooth again"],
-  ["corner", "Corner", "Tap vertices to make them corners"],
-  ["latitude", "Latitude", "Tap an edge: its line becomes a ring around a tube, which comes to a circle"],
-  ["longitude", "Longitude", "Tap an edge: its line runs along the tube"],
-  ["hole", "Hole", "Tap faces to leave them out"],
-];
-const FILES = "OBJ, PLY, STL, OFF, glTF, GLB or JSON; or drop it here";
-const HINTS = {
-  move: "Drag an orange point: the surface follows. Drag beside it to turn it.",
-  crease: "Tap an edge to make it sharp.",
-  corner: "Tap a vertex to make it a corner.", latitude: "Tap an edge of a ring around the tube.",
-  longitude: "Tap an edge along the tube.", hole: "Tap a face to leave it out.",
-};
 
 export class Surfaces {
   #viewer;
@@ -406,9 +391,4 @@ export class Surfaces {
     else return false;
     return true;
   }
-}
-
-function setList(mesh, name, list) {
-  if (list.length > 0) mesh[name] = list;
-  else delete mesh[name];
 }

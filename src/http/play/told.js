@@ -4,6 +4,24 @@ import { count, h, settled, short } from "./dom.js";
 import { analysed, render } from "./service.js";
 import { changed, job, state, view } from "./state.js";
 
+/** The tools of surfaces: their names, what their buttons say, and what they are for. */
+export const TOOLS = [
+  ["move", "Move", "Move vertices"], ["crease", "Crease", "Tap edges to make them sharp, or smooth again"],
+  ["corner", "Corner", "Tap vertices to make them corners"],
+  ["latitude", "Latitude", "Tap an edge: its line becomes a ring around a tube, which comes to a circle"],
+  ["longitude", "Longitude", "Tap an edge: its line runs along the tube"],
+  ["hole", "Hole", "Tap faces to leave them out"],
+];
+/** What can be dropped. */
+export const FILES = "OBJ, PLY, STL, OFF, glTF, GLB or JSON; or drop it here";
+/** What to do with each tool. */
+export const HINTS = {
+  move: "Drag an orange point: the surface follows. Drag beside it to turn it.",
+  crease: "Tap an edge to make it sharp.",
+  corner: "Tap a vertex to make it a corner.", latitude: "Tap an edge of a ring around the tube.",
+  longitude: "Tap an edge along the tube.", hole: "Tap a face to leave it out.",
+};
+
 /** How long a surface stays as it is before its numbers and pictures are asked for. Half of it asks for more that
     nobody reads; twice of it is felt as waiting. */
 const CALM_MS = 350;
