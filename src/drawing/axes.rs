@@ -115,11 +115,22 @@ impl Axes {
         Text { label, at, size_px: self.size_px, anchor, level, turn_deg: 0.0, color: INK }
     }
 
-    /// Ticks as many as there is room for: one each five letters of width.
+    /// Ticks as many as there is room for: one each five letters of width, fewer where labels would meet.
     fn x_ticks(&self) -> Vec<Tick> {
         #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a few ticks")]
         let room = (self.frame[2] / (5.0 * self.size_px)) as usize;
-        ticks(self.x.low, self.x.high, room.clamp(2, MOST))
+        let fits = |found: &[Tick]| {
+            found.windows(2).all(|pair| {
+                let [a, b] = [&pair[0], &pair[1]].map(|tick| self.place([tick.value, self.y.low])[0]);
+                let [left, right] = [&pair[0], &pair[1]].map(|tick| tick.label.width(self.size_px));
+                b - a >= 0.5 * (left + right + self.size_px)
+            })
+        };
+        let found = (2..=room.clamp(2, MOST)).rev().map(|most| ticks(self.x.low, self.x.high, most));
+        found
+            .into_iter()
+            .find(|found| fits(found))
+            .unwrap_or_else(|| ticks(self.x.low, self.x.high, 2).into_iter().take(1).collect())
     }
 
     /// One each two and a half lines of height.

@@ -93,15 +93,19 @@ fn text(label: Label, at: Point, size_px: f32) -> Item {
 /// Colours of a bar: enough that steps between them cannot be seen, and twice of it would only be longer.
 const STEPS: u16 = 256;
 
+/// Share of the size of the font down to which what is written at a bar becomes smaller; a third cannot be read.
+const LEAST_SHARE: f32 = 0.5;
+
 /// A bar of colours with a scale at its right: `low` at the bottom, `high` at the top of a rectangle (left, top, width,
 /// height, pixels) that holds the bar alone. `color` is that of a share of the way from one to the other. What the
-/// numbers are stands above.
+/// numbers are stands above. What is written ends before `end`, smaller where that is needed.
 pub fn color_bar(
     [left, top, width, height]: [f32; 4],
     [low, high]: [f64; 2],
     color: impl Fn(f64) -> Color,
     label: Option<Label>,
     size_px: f32,
+    end: f32,
 ) -> Vec<Item> {
     let shares = (0..STEPS).rev().map(|i| (f64::from(i) + 0.5) / f64::from(STEPS));
     let pixels = shares.flat_map(color).collect();
@@ -111,13 +115,18 @@ pub fn color_bar(
     #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a few ticks")]
     let room = (height / (2.5 * size_px)) as usize;
     let mut texts = Vec::new();
-    for tick in ticks(low, high, room.clamp(2, 9)) {
+    let fitted = |widest: f32, start: f32| size_px * ((end - start) / widest.max(1.0)).clamp(LEAST_SHARE, 1.0);
+    let found = ticks(low, high, room.clamp(2, 9));
+    let widest = found.iter().map(|tick| tick.label.width(size_px)).fold(0.0, f32::max);
+    let small_px = fitted(widest, right + 0.6 * size_px);
+    for tick in found {
         #[expect(clippy::cast_possible_truncation, reason = "pixel coordinates need no more than the precision of f32")]
         let y = bottom - ((tick.value - low) / (high - low)) as f32 * height;
         runs.push(vec![[right, y], [right + 0.3 * size_px, y]]);
-        texts.push(text(tick.label, [right + 0.6 * size_px, y], size_px));
+        texts.push(text(tick.label, [right + 0.6 * size_px, y], small_px));
     }
     if let Some(label) = label {
+        let size_px = fitted(label.width(size_px), left);
         texts.push(text(label, [left, top - 1.1 * size_px], size_px));
     }
     let frame = Stroke { cap: Cap::Butt, ..Stroke::solid(0.07 * size_px, INK) };

@@ -12,35 +12,49 @@ pub struct Tick {
     pub label: Label,
 }
 
-/// Digits before or after the point up to which numbers are written out; beyond it stands a power of ten. Twice of it
-/// does not fit beside an axis, half of it writes thousands as powers.
-const WRITTEN_OUT: i32 = 5;
+/// Digits before the point, and after it, up to which numbers are written out; beyond them stands a power of ten, unless
+/// that is longer. Twice of it does not fit beside an axis, half of it writes thousands as powers.
+const WRITTEN_OUT: [i32; 2] = [6, 5];
+/// Digits of the longest number. Where a range is so small beside its numbers that these need more, as where they differ
+/// by rounding alone, one of them says it; twice of it would print all digits that a number has.
+const DIGITS: u32 = 10;
+/// Digits of a number that stands alone, which are exact.
+const DIGITS_ALONE: u32 = 15;
 
 /// The multiples of 1, 2 or 5 times a power of ten between two numbers: at most `most` of them, which is 2 or more,
-/// with the smallest such step. A range without extent, or one that is not finite, has at most its first end.
+/// with the smallest such step, all written in one form. A range without extent, or one that is not finite, has none.
 pub fn ticks(low: f64, high: f64, most: usize) -> Vec<Tick> {
     let most = most.max(2);
     if !(low.is_finite() && high.is_finite() && low < high && (high - low).is_finite()) {
         return Vec::new();
     }
     #[expect(clippy::cast_precision_loss, reason = "a few ticks")]
-    let least = (high - low) / most as f64;
-    let exponent = exponent(least);
-    let steps = (exponent - 1..=exponent + 2).flat_map(|e| [(1, e), (2, e), (5, e)]);
-    for (digit, exponent) in steps {
+    let least = exponent((high - low) / most as f64);
+    let greatest = exponent(low.abs().max(high.abs()));
+    let steps = || (least - 1..=greatest.max(least) + 2).flat_map(|e| [(1, e), (2, e), (5, e)]);
+    let within = |(digit, exponent): (i64, i32), digits: u32| {
         let step = number(digit, exponent);
         // the ends count where they are off by rounding alone
         let slack = 1e-9 * step;
         let [first, last] = [((low - slack) / step).ceil(), ((high + slack) / step).floor()];
-        #[expect(clippy::cast_precision_loss, reason = "a few ticks")]
-        let fits = step > 0.0 && last - first < most as f64 && first.abs().max(last.abs()) < 1e15;
-        if fits {
-            #[expect(clippy::cast_possible_truncation, reason = "checked to be below 1e15")]
-            let multiples = first as i64..=last as i64;
-            return multiples.filter_map(|i| tick(i * digit, exponent)).collect();
-        }
-    }
-    Vec::new()
+        #[expect(clippy::cast_precision_loss, reason = "a few ticks, and powers of ten that are exact")]
+        let (few, longest) = (last - first < most as f64, 10_i64.pow(digits) as f64);
+        let fits = step > 0.0 && few && first <= last && first.abs().max(last.abs()) < longest / number(digit, 0);
+        #[expect(clippy::cast_possible_truncation, reason = "checked to be below a power of ten")]
+        let multiples = || ((first as i64..=last as i64).map(|i| i * digit).collect(), exponent);
+        fits.then(multiples)
+    };
+    let usual = steps().find_map(|step| within(step, DIGITS));
+    let alone = || {
+        let (multiples, exponent): (Vec<i64>, i32) = steps().find_map(|step| within(step, DIGITS_ALONE))?;
+        Some((vec![multiples[multiples.len() / 2]], exponent))
+    };
+    let Some((multiples, exponent)) = usual.or_else(alone) else { return Vec::new() };
+    let tick = |(multiple, text): (&i64, String)| {
+        let label = Label::parse(&text.replace('-', "\u{2212}"), Weight::Regular).ok()?;
+        Some(Tick { value: number(*multiple, exponent), label })
+    };
+    multiples.iter().zip(written(&multiples, exponent)).filter_map(tick).collect()
 }
 
 /// The decimal exponent of a positive number.
@@ -54,37 +68,43 @@ fn number(digits: i64, exponent: i32) -> f64 {
     format!("{digits}e{exponent}").parse().unwrap_or(0.0)
 }
 
-fn tick(digits: i64, exponent: i32) -> Option<Tick> {
-    let value = number(digits, exponent);
-    let text = written(digits, exponent);
-    Some(Tick { value, label: Label::parse(&text.replace('-', "\u{2212}"), Weight::Regular).ok()? })
+/// These multiples of a power of ten: all as decimals, or all with the same power of ten and as many decimals before it.
+fn written(multiples: &[i64], exponent: i32) -> Vec<String> {
+    let zeros = (0..18).take_while(|&n| multiples.iter().all(|m| m % 10_i64.pow(n + 1) == 0)).count();
+    let is_zero = multiples.iter().all(|m| *m == 0);
+    #[expect(clippy::cast_possible_truncation, clippy::cast_possible_wrap, reason = "at most 18")]
+    let zeros = if is_zero { 0 } else { zeros as i32 };
+    let unit = 10_i64.pow(zeros.unsigned_abs());
+    let greatest = multiples.iter().map(|m| (m / unit).abs()).max().unwrap_or(0);
+    #[expect(clippy::cast_possible_wrap, reason = "at most 19 digits")]
+    let (n_digits, last) = (greatest.checked_ilog10().unwrap_or(0) as i32 + 1, exponent + zeros);
+    // the power of ten of the first digit of the greatest number
+    let power = last + n_digits - 1;
+    let [before, after] = [(power + 1).max(1), (-last).max(0)];
+    let are_short = before <= WRITTEN_OUT[0] && after <= WRITTEN_OUT[1];
+    let is_plain = is_zero || are_short || before + after <= n_digits + 4;
+    let text = |multiple: &i64| match multiple / unit {
+        0 => "0".to_owned(),
+        digits if is_plain => decimals(digits, last),
+        1 if n_digits == 1 => format!("10^{{{power}}}"),
+        -1 if n_digits == 1 => format!("-10^{{{power}}}"),
+        digits => format!("{}×10^{{{power}}}", decimals(digits, 1 - n_digits)),
+    };
+    multiples.iter().map(text).collect()
 }
 
-/// The number as decimals, or with a power of ten.
-fn written(mut digits: i64, mut exponent: i32) -> String {
-    if digits == 0 {
-        return "0".into();
+/// `digits 10^exponent` without a power.
+fn decimals(digits: i64, exponent: i32) -> String {
+    let sign = if digits < 0 { "-" } else { "" };
+    let digits = digits.abs();
+    if exponent >= 0 {
+        let zeros = if digits == 0 { 0 } else { usize::try_from(exponent).unwrap_or(0) };
+        return format!("{sign}{digits}{}", "0".repeat(zeros));
     }
-    if (-WRITTEN_OUT..0).contains(&exponent) {
-        let decimals = usize::try_from(-exponent).unwrap_or(0);
-        let unit = 10_i64.pow(exponent.unsigned_abs());
-        let sign = if digits < 0 { "-" } else { "" };
-        let (whole, rest) = (digits.abs() / unit, digits.abs() % unit);
-        return format!("{sign}{whole}.{rest:0decimals$}");
-    }
-    if (0..=WRITTEN_OUT).contains(&exponent) && digits.abs() < 100_000 {
-        return (digits * 10_i64.pow(exponent.unsigned_abs())).to_string();
-    }
-    while digits % 10 == 0 {
-        digits /= 10;
-        exponent += 1;
-    }
-    let lead = match digits {
-        1 => String::new(),
-        -1 => "-".into(),
-        digits => format!("{digits}×"),
-    };
-    format!("{lead}10^{{{exponent}}}")
+    let after = usize::try_from(-exponent).unwrap_or(0);
+    let text = format!("{digits:0>width$}", width = after + 1);
+    let (whole, rest) = text.split_at(text.len() - after);
+    format!("{sign}{whole}.{rest}")
 }
 
 #[cfg(test)]
@@ -99,11 +119,66 @@ mod tests {
     #[test]
     fn ticks_are_round_numbers() {
         assert_eq!(labels(0.0, 1.0, 6), "0 0.2 0.4 0.6 0.8 1.0");
+        assert_eq!(labels(0.0, 1.2e-6, 4), "0 0.5×10−6 1.0×10−6");
         assert_eq!(labels(-3.2, 7.9, 6), "−2 0 2 4 6");
         assert_eq!(labels(0.12, 0.13, 5), "0.120 0.125 0.130");
         assert_eq!(labels(0.0, 4e7, 5), "0 107 2×107 3×107 4×107");
         assert_eq!(labels(-1e-9, 1e-9, 3), "−10−9 0 10−9");
         assert_eq!(labels(0.0, 30_000.0, 4), "0 10000 20000 30000");
+    }
+
+    #[test]
+    fn numbers_that_differ_by_rounding_are_written_once() {
+        assert_eq!(labels(1.0, 1.0 + 4e-16, 6), "1");
+        assert_eq!(labels(0.25 - 1e-13, 0.25 + 1e-13, 6), "0.25");
+        assert_eq!(labels(999_999.999_9, 1_000_000.000_1, 3), "999999.9999 1000000.0000 1000000.0001");
+        assert_eq!(labels(1_000_000.001, 1_000_000.002, 4), "1000000.001 1000000.002");
+    }
+
+    /// The number that a text stands for.
+    fn read(text: &str) -> f64 {
+        let text = text.replace("×10^{", "e").replace("-10^{", "-1e").replace("10^{", "1e").replace('}', "");
+        text.parse().expect("a number")
+    }
+
+    proptest::proptest! {
+        #[test]
+        fn ticks_are_distinct_and_mean_what_they_say(
+            (digit, exponent) in (-9.999_f64..9.999, -300_i32..300), share in -14_i32..3, most in 2_usize..12,
+        ) {
+            let low: f64 = format!("{digit}e{exponent}").parse().expect("a number");
+            let high: f64 = low + low.abs() * format!("1e{share}").parse::<f64>().expect("a number");
+            let found = ticks(low, high, most);
+            proptest::prop_assert!(found.len() <= most);
+            proptest::prop_assert!(found.is_sorted_by(|a, b| a.value < b.value));
+            proptest::prop_assert!(high <= low || !found.is_empty() || share < -13, "{low:e} {high:e}");
+            let mut texts: Vec<String> = found.iter().map(|tick| tick.label.text()).collect();
+            proptest::prop_assert!(texts.iter().all(|text| text.chars().count() <= 22), "{texts:?}");
+            texts.sort();
+            texts.dedup();
+            proptest::prop_assert_eq!(texts.len(), found.len());
+            let slack = 1e-8 * (high - low);
+            for tick in &found {
+                proptest::prop_assert!(low - slack <= tick.value && tick.value <= high + slack);
+            }
+        }
+
+        #[test]
+        fn texts_say_the_multiples(first in -99_999_i64..99_999, step in 1_i64..500, exponent in -300_i32..290) {
+            let multiples = [first, first + step, first + 2 * step];
+            let texts = written(&multiples, exponent);
+            for (multiple, text) in multiples.into_iter().zip(&texts) {
+                proptest::prop_assert_eq!(read(text).to_bits(), (number(multiple, exponent) + 0.0).to_bits(), "{}", text);
+                proptest::prop_assert!(text.chars().count() <= 18, "{}", text);
+            }
+            // in one form: all with the same power, and as many decimals
+            let form = |text: &String| {
+                let (number, power) = text.split_once('×').unwrap_or((text, ""));
+                (number.split_once('.').map_or(0, |(_, after)| after.len()), power.to_owned())
+            };
+            let forms: Vec<_> = texts.iter().filter(|text| *text != "0" && text.contains('×')).map(form).collect();
+            proptest::prop_assert!(forms.windows(2).all(|pair| pair[0] == pair[1]), "{texts:?}");
+        }
     }
 
     #[test]

@@ -19,6 +19,8 @@ const LEAST_PX: [u32; 2] = [320, 200];
 const STRIP: f32 = 132.0;
 /// Left end and width of the bar, in units of line width.
 const BAR: [f32; 2] = [8.0, 22.0];
+/// Room that what is written leaves to the edge of the picture, in units of line width.
+const EDGE: f32 = 3.0;
 /// Share of the height that the bar takes.
 const TALL: f32 = 0.62;
 /// Size of the font, in units of line width, and least, pixels: below it letters cannot be read.
@@ -70,7 +72,9 @@ pub(super) fn beside(
         top = names.extent()[1] + 2.0 * margin;
         items.extend(names.items([margin, margin]));
     }
-    items.extend(scale.into_iter().flat_map(|scale| bar(scale, top, carried, options)));
+    #[expect(clippy::cast_precision_loss, reason = "pictures are bounded")]
+    let room = [top, width as f32];
+    items.extend(scale.into_iter().flat_map(|scale| bar(scale, room, carried, options)));
     let size = [width, options.size[1]];
     let strip = pixels(&Drawing { size, background: options.background, title: String::new(), items }, watch)?;
     let [left, right] = [options.size[0] - width, width].map(|width| 4 * width as usize);
@@ -82,8 +86,8 @@ pub(super) fn beside(
     Ok(all)
 }
 
-/// The bar of a scale below what takes so much of the strip.
-fn bar(scale: NumberScale, taken: f32, carried: &Attachments, options: &Options<'_>) -> Vec<Item> {
+/// The bar of a scale below what takes so much of a strip of this width, pixels both.
+fn bar(scale: NumberScale, [taken, width]: [f32; 2], carried: &Attachments, options: &Options<'_>) -> Vec<Item> {
     let unit = font_px(options) / FONT[0];
     #[expect(clippy::cast_precision_loss, reason = "pictures are bounded")]
     let height = options.size[1] as f32;
@@ -100,7 +104,8 @@ fn bar(scale: NumberScale, taken: f32, carried: &Attachments, options: &Options<
     };
     // names of channels may hold what cannot be set
     let label = Label::parse(&title(carried, options), Weight::Regular).ok();
-    color_bar([BAR[0] * unit, top, BAR[1] * unit, tall], [scale.low, scale.high], color, label, unit * FONT[0])
+    let (place, end) = ([BAR[0] * unit, top, BAR[1] * unit, tall], width - EDGE * unit);
+    color_bar(place, [scale.low, scale.high], color, label, unit * FONT[0], end)
 }
 
 /// Size of the font, pixels.
