@@ -41,9 +41,9 @@ pub(super) struct Order<'a> {
 
 impl ServerOptions {
     /// The service, where there is to be one.
-    pub(super) fn remote(&self) -> Result<Option<Remote>, CliError> {
+    pub(super) fn remote(&self, is_quiet: bool) -> Result<Option<Remote>, CliError> {
         let patience = Duration::from_secs(self.patience);
-        self.server.as_deref().map(|url| Remote::new(url, self.key.as_deref(), patience)).transpose()
+        self.server.as_deref().map(|url| Remote::new(url, self.key.as_deref(), patience, is_quiet)).transpose()
     }
 
     /// Has all inputs rendered, some at once; one that fails does not keep the others from being rendered.

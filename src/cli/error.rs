@@ -28,7 +28,7 @@ Exit codes:
     2  the command line, a setting or a variable is wrong; nothing was begun
     3  an input was refused: it is no job and no mesh, or what is asked of it cannot be done
     4  a limit is exceeded
-    5  something cannot be read or written, or a service gives no result
+    5  something cannot be read or written, an address cannot be listened on, or a service gives no result
   130  interrupted (SIGINT); 143 terminated (SIGTERM); no unfinished file is left
 Where several inputs fail in one way, the code is that of this way.";
 

@@ -3,15 +3,13 @@
 use std::time::Duration;
 
 use super::error::CliError;
-use super::remote::innermost;
+use super::remote::{client, innermost};
 
 /// Asks `GET /readyz`.
 pub(super) fn health(url: &str) -> Result<(), CliError> {
     let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build().map_err(CliError::other)?;
-    let answer = runtime.block_on(async {
-        let client = reqwest::Client::builder().timeout(Duration::from_secs(5)).no_proxy().build()?;
-        client.get(format!("{}/readyz", url.trim_end_matches('/'))).send().await
-    });
+    let client = client(url)?.timeout(Duration::from_secs(5)).build().map_err(CliError::other)?;
+    let answer = runtime.block_on(async { client.get(format!("{}/readyz", url.trim_end_matches('/'))).send().await });
     let status =
         answer.map_err(|error| CliError::other(format!("no answer from {url}: {}", innermost(&error))))?.status();
     if status.is_success() { Ok(()) } else { Err(CliError::other(format!("{url} answers {status}"))) }

@@ -1,13 +1,15 @@
 //! A service elsewhere that renders: asked over HTTP, again where it is busy, and followed where it takes longer.
 
+use std::sync::{Arc, Once};
 use std::time::Duration;
 
 use reqwest::header::{AUTHORIZATION, CONTENT_TYPE, LOCATION, RETRY_AFTER};
-use reqwest::{Client, RequestBuilder, Response, StatusCode};
+use reqwest::{Client, ClientBuilder, RequestBuilder, Response, StatusCode};
 use serde_json::Value;
 use tokio::time::{Instant, sleep};
 
 use super::error::{CliError, Kind};
+use crate::http::trust;
 
 /// Longest time between two questions, whatever the service asks for. Half of it asks a service that is to restart
 /// twice as often; twice of it notices late that it is back.
@@ -29,6 +31,14 @@ pub(super) struct Remote {
     url: String,
     key: Option<String>,
     patience: Duration,
+    /// Says once that it has to be asked again; nothing where nothing is to be said.
+    notes: Option<Arc<Once>>,
+}
+
+/// What makes a client for the service at this address.
+pub(super) fn client(url: &str) -> Result<ClientBuilder, CliError> {
+    let tls = if url.starts_with("https://") { trust::tls() } else { trust::none() };
+    Ok(Client::builder().no_proxy().tls_backend_preconfigured(tls.map_err(CliError::other)?))
 }
 
 /// Why a request has no answer.
@@ -47,23 +57,16 @@ impl From<CliError> for Failed {
 
 impl Remote {
     /// The service at an address, which is asked for `patience` before a job is given up.
-    pub(super) fn new(url: &str, key: Option<&str>, patience: Duration) -> Result<Self, CliError> {
-        if let Some(host) = url.strip_prefix("https://") {
-            let detail = format!(
-                "--server: {url} needs TLS, which this command does not speak; have a proxy on this machine do it, as \
-                 caddy reverse-proxy --from http://127.0.0.1:8081 --to https://{host} --change-host-header does, and \
-                 write --server http://127.0.0.1:8081"
-            );
+    pub(super) fn new(url: &str, key: Option<&str>, patience: Duration, is_quiet: bool) -> Result<Self, CliError> {
+        if !url.starts_with("http://") && !url.starts_with("https://") {
+            let detail = format!("--server: {url} is no address; write http://HOST:PORT or https://HOST");
             return Err(CliError::usage(detail));
         }
-        if !url.starts_with("http://") {
-            let detail = format!("--server: {url} is no address; write http://HOST:PORT");
-            return Err(CliError::usage(detail));
-        }
-        let client = Client::builder().read_timeout(SILENCE).connect_timeout(Duration::from_secs(10)).no_proxy();
+        let client = client(url)?.read_timeout(SILENCE).connect_timeout(Duration::from_secs(10));
         let client = client.build().map_err(CliError::other)?;
         let (url, key) = (url.trim_end_matches('/').to_owned(), key.map(str::to_owned));
-        Ok(Self { client, url, key, patience })
+        let notes = (!is_quiet).then(|| Arc::new(Once::new()));
+        Ok(Self { client, url, key, patience, notes })
     }
 
     /// The bytes that a job makes.
@@ -104,6 +107,10 @@ impl Remote {
             if begun.elapsed() + pause > self.patience {
                 let seconds = self.patience.as_secs();
                 return Err(CliError::files(format!("{} gave no result within {seconds} s: {why}", self.url)));
+            }
+            if let Some(notes) = &self.notes {
+                let (url, seconds) = (&self.url, self.patience.as_secs());
+                notes.call_once(|| eprintln!("planish: {url} is asked again, for up to {seconds} s: {why}"));
             }
             sleep(pause).await;
             wait = wait.saturating_mul(2);

@@ -65,7 +65,7 @@ impl RenderOptions {
         let pieces = pieces(&sources, &place, wanted, &self.options)?;
         let what = if pieces.len() > sources.len() { "outputs rendered" } else { "inputs rendered" };
         let mut progress = Progress::new(pieces.len(), self.quiet);
-        if let Some(remote) = self.server.remote()? {
+        if let Some(remote) = self.server.remote(self.quiet)? {
             let order = Order { pieces: &pieces, makes_folders: place.makes_folders(), options: &self.options };
             self.server.render(&remote, &order, &mut progress)?;
             return progress.end(what);

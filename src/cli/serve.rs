@@ -8,7 +8,7 @@ use super::error::CliError;
 use super::log::Log;
 use super::signals::Signals;
 use crate::config::{Given, Settings, memory};
-use crate::http::serve::{bind, serve as serve_http};
+use crate::http::serve::{StartError, bind, serve as serve_http};
 use crate::kept::keep_at_most;
 use crate::service::account::kept_buffers;
 
@@ -27,7 +27,7 @@ pub(super) fn serve(given: Given, file: Option<&Path>) -> Result<(), CliError> {
     let runtime = tokio::runtime::Builder::new_multi_thread().enable_all().build().map_err(CliError::other)?;
     let asked = OnceLock::new();
     let served = runtime.block_on(async {
-        let (listener, app) = bind(settings).await.map_err(CliError::other)?;
+        let (listener, app) = bind(settings).await.map_err(unstarted)?;
         let address = listener.local_addr().map_err(CliError::other)?;
         // asked for before anybody knows that the service is there
         let signals = Signals::new().map_err(CliError::other)?;
@@ -49,4 +49,15 @@ pub(super) fn serve(given: Given, file: Option<&Path>) -> Result<(), CliError> {
     }
     runtime.shutdown_background();
     served.map(drop)
+}
+
+/// Why the service did not start, with the code of its kind.
+fn unstarted(error: StartError) -> CliError {
+    match error {
+        StartError::Listen { .. } | StartError::Store { .. } | StartError::Bucket { .. } | StartError::Keys(_) => {
+            CliError::files(error)
+        }
+        StartError::NoKeys { .. } | StartError::NoSuchStore { .. } => CliError::usage(error),
+        StartError::Threads(_) => CliError::other(error),
+    }
 }

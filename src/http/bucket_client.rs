@@ -1,6 +1,5 @@
 //! How the bucket of a shared store is reached: HTTP/1.1, plain or over TLS with the certificates of the system.
 
-use std::sync::Arc;
 use std::time::Duration;
 
 use async_trait::async_trait;
@@ -12,8 +11,8 @@ use hyper_util::rt::TokioExecutor;
 use object_store::client::{
     HttpClient, HttpError, HttpErrorKind, HttpRequest, HttpRequestBody, HttpResponse, HttpResponseBody, HttpService,
 };
-use rustls::crypto::ring;
-use rustls::{ClientConfig, RootCertStore};
+
+use super::trust;
 
 /// How long a connection may take to come about: a tenth of a second is the other side of the world.
 /// Half of it gives up on busy stores; twice of it notices later that a machine is gone.
@@ -31,14 +30,7 @@ struct Connections(Client<HttpsConnector<Tcp>, HttpRequestBody>);
 /// # Errors
 /// When TLS cannot be set up.
 pub(super) fn connect() -> object_store::Result<HttpClient> {
-    let mut roots = RootCertStore::empty();
-    // a plain address needs none; a call over TLS says that it trusts nobody
-    roots.add_parsable_certificates(rustls_native_certs::load_native_certs().certs);
-    let tls = ClientConfig::builder_with_provider(Arc::new(ring::default_provider()))
-        .with_safe_default_protocol_versions()
-        .map_err(|error| object_store::Error::Generic { store: "S3", source: error.into() })?
-        .with_root_certificates(roots)
-        .with_no_client_auth();
+    let tls = trust::tls().map_err(|error| object_store::Error::Generic { store: "S3", source: error.into() })?;
     let mut tcp = Tcp::new();
     tcp.enforce_http(false);
     tcp.set_nodelay(true);

@@ -55,6 +55,7 @@ mod signed;
 mod stream;
 mod streaming;
 mod trace;
+pub(crate) mod trust;
 pub(crate) mod validate;
 mod variants;
 mod working;

@@ -297,8 +297,8 @@ fn health_tells_by_its_code_whether_a_service_is_ready() {
 fn a_service_that_cannot_start_says_why() {
     let taken = std::net::TcpListener::bind("127.0.0.1:0").unwrap();
     let address = taken.local_addr().unwrap().to_string();
-    fails(OTHER, &run(&["serve", "--listen", &address, "--cache-bytes", "0"]), &[&address, "--listen"]);
-    fails(OTHER, &run(&["serve", "--listen", "127.0.0.1:0", "--data-dir", "/dev/null/x"]), &["--data-dir"]);
+    fails(FILES, &run(&["serve", "--listen", &address, "--cache-bytes", "0"]), &[&address, "--listen"]);
+    fails(FILES, &run(&["serve", "--listen", "127.0.0.1:0", "--data-dir", "/dev/null/x"]), &["--data-dir"]);
     fails(USAGE, &run(&["serve", "--max-queue", "0"]), &["max_queue"]);
     fails(USAGE, &run(&["serve", "--cache-bytes", "lots"]), &["--cache-bytes", "64MiB"]);
     fails(USAGE, &run(&["serve", "--listen", "8080"]), &["--listen", "localhost:8080"]);

@@ -142,7 +142,7 @@ fn whatever_moment_it_is_killed_no_accepted_job_is_lost_and_no_byte_is_wrong() {
     let folder = Folder::new();
     let data = folder.path().join("data");
     let runtime = tokio::runtime::Builder::new_multi_thread().worker_threads(2).enable_all().build().unwrap();
-    let client = reqwest::Client::builder().no_proxy().build().unwrap();
+    let client = crate::http::server::client_builder().build().unwrap();
     let (mut accepted, mut n_checked, mut n_batches) = (BTreeMap::new(), 0, 0);
     for round in 0..kills {
         let mut service = Service::start(&data);
@@ -171,7 +171,7 @@ fn a_job_with_which_the_process_ends_six_times_is_given_up() {
     let folder = Folder::new();
     let data = folder.path().join("data");
     let runtime = tokio::runtime::Builder::new_multi_thread().worker_threads(2).enable_all().build().unwrap();
-    let client = reqwest::Client::builder().no_proxy().build().unwrap();
+    let client = crate::http::server::client_builder().build().unwrap();
     let mut poison = crate::http::jobs::endless();
     poison["outputs"] = json!([{ "format": "stats" }]);
     let batch = json!({ "jobs": [job(1), poison] });

@@ -141,8 +141,63 @@ fn patience_ends_and_keys_and_addresses_are_told_to_be_wrong() {
     // nobody listens there any more
     fails(FILES, &call(&url), &["no answer"]);
     fails(USAGE, &call("ftp://127.0.0.1"), &["--server"]);
-    let said = ["--server: https://planish.example needs TLS", "a proxy on this machine", "http://127.0.0.1:8081"];
-    fails(USAGE, &call("https://planish.example"), &said);
     let value: Value = serde_json::from_str(&fs::read_to_string(&job).unwrap()).unwrap();
     assert_eq!(value["levels"], 1, "the job is left alone");
+}
+
+/// A certificate of this machine, and a service that answers one request over TLS with it.
+fn sealed(answer: String) -> (String, u16, JoinHandle<()>) {
+    let made = rcgen::generate_simple_self_signed(vec!["localhost".to_owned()]).unwrap();
+    let key = rustls::pki_types::PrivatePkcs8KeyDer::from(made.signing_key.serialize_der());
+    let ring = std::sync::Arc::new(rustls::crypto::ring::default_provider());
+    let versions = rustls::ServerConfig::builder_with_provider(ring).with_safe_default_protocol_versions().unwrap();
+    let tls = versions.with_no_client_auth().with_single_cert(vec![made.cert.der().clone()], key.into()).unwrap();
+    let tls = std::sync::Arc::new(tls);
+    let listener = TcpListener::bind("127.0.0.1:0").unwrap();
+    let port = listener.local_addr().unwrap().port();
+    let serve = move || {
+        let (socket, _) = listener.accept().unwrap();
+        let connection = rustls::ServerConnection::new(tls).unwrap();
+        let mut stream = BufReader::new(rustls::StreamOwned::new(connection, socket));
+        let mut length = 0;
+        loop {
+            let mut line = String::new();
+            // a client that does not trust the certificate leaves
+            if stream.read_line(&mut line).unwrap_or(0) == 0 {
+                return;
+            }
+            let line = line.trim_end().to_ascii_lowercase();
+            if line.is_empty() {
+                break;
+            }
+            length = line.strip_prefix("content-length: ").map_or(length, |text| text.parse().unwrap());
+        }
+        stream.read_exact(&mut vec![0; length]).unwrap();
+        stream.get_mut().write_all(answer.as_bytes()).unwrap();
+        stream.get_mut().conn.send_close_notify();
+        stream.get_mut().flush().unwrap();
+    };
+    (made.cert.pem(), port, thread::spawn(serve))
+}
+
+#[test]
+fn a_service_is_asked_over_tls_where_its_certificate_is_trusted() {
+    let folder = Folder::new();
+    let job = saved(&folder, &with(mesh(1), "obj"));
+    let file = folder.path().join("trusted.pem");
+    let call = |port: u16| {
+        let url = format!("https://localhost:{port}");
+        let arguments = ["render", &job, "-o", "-", "--patience", "2", "--server", &url];
+        planish().args(arguments).env("SSL_CERT_FILE", &file).output().unwrap()
+    };
+    let answer = "HTTP/1.1 200 OK\r\ncontent-length: 4\r\nconnection: close\r\n\r\nv 1\n";
+    let (certificate, port, service) = sealed(answer.to_owned());
+    fs::write(&file, certificate).unwrap();
+    let made = call(port);
+    assert_eq!((made.status.success(), &*text(&made.stdout)), (true, "v 1\n"), "{}", text(&made.stderr));
+    service.join().unwrap();
+    // the certificate of another one is not that of this one
+    let (_, port, service) = sealed(answer.to_owned());
+    fails(FILES, &call(port), &["is asked again", "certificate"]);
+    drop(service);
 }

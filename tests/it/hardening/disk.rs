@@ -52,7 +52,7 @@ pub(super) async fn served<T>(tiers: Tiers, tell: impl AsyncFnOnce(&Server) -> T
     let served = tokio::spawn(serve(listener, app.clone(), async {
         let _ = stopped.await;
     }));
-    let client = reqwest::Client::builder().no_proxy().build().unwrap();
+    let client = crate::http::server::client_builder().build().unwrap();
     let server = Server { address, app, client };
     let told = tell(&server).await;
     stop.send(()).unwrap();

@@ -53,7 +53,7 @@ fn jobs_are_refused_while_the_disk_is_full_and_accepted_again_when_there_is_room
     let room = |bytes: Option<u64>| {
         let _ = prlimit(pid, Resource::Fsize, Rlimit { current: bytes, maximum: None }).unwrap();
     };
-    let client = reqwest::Client::builder().no_proxy().build().unwrap();
+    let client = crate::http::server::client_builder().build().unwrap();
     run(async {
         let post = async |levels| {
             let job = with(mesh(levels), "stl");

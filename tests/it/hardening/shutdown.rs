@@ -23,7 +23,7 @@ fn ending<F: Future<Output = ()>>(
         let served = tokio::spawn(serve(listener, app.clone(), async {
             let _ = stopped.await;
         }));
-        let client = reqwest::Client::builder().no_proxy().build().unwrap();
+        let client = crate::http::server::client_builder().build().unwrap();
         let told = tell(Server { address, app, client }, stop, served);
         tokio::time::timeout(PATIENCE, told).await.expect("the story has an end");
     });

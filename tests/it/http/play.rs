@@ -11,7 +11,7 @@ fn policy(answer: &Answer) -> Vec<String> {
 #[test]
 fn the_start_page_is_the_page_for_trying_it() {
     story(settings(), async |server| {
-        let client = reqwest::Client::builder().no_proxy().redirect(reqwest::redirect::Policy::none()).build().unwrap();
+        let client = crate::http::server::client_builder().redirect(reqwest::redirect::Policy::none()).build().unwrap();
         let start = Answer::of(client.get(server.url("/")).send().await.unwrap()).await;
         assert_eq!((start.status, start.header("location")), (307, "/play"));
         let page = server.get("/play").await.ok();
