@@ -104,7 +104,7 @@ fn seeds(target: &str) -> Vec<Vec<u8>> {
         "reader" => {
             let files = read(&here.join("../../api/examples/meshes"));
             found.extend(
-                (0_u8..6).flat_map(|choice| files.clone().into_iter().map(move |file| [vec![choice], file].concat())),
+                (0..planish::input::READERS.len() as u8).flat_map(|choice| files.clone().into_iter().map(move |file| [vec![choice], file].concat())),
             );
         }
         _ => {}
