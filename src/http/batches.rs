@@ -138,6 +138,9 @@ pub(super) async fn list_batches(State(app): State<Shared>, client: Client, RawQ
 pub(super) async fn cancel_batch(State(app): State<Shared>, client: Client, Segment(id): Segment) -> Response {
     let Some(batch) = parse(&client, &id) else { return unknown().into_response() };
     let status = if app.desk.cancel_batch(&batch) { StatusCode::ACCEPTED } else { StatusCode::OK };
+    if let Err(error) = app.desk.batch_written(&batch).await {
+        return Problem::from(error).into_response();
+    }
     let standing = app.desk.batch_standing(&batch).ok_or_else(unknown);
     standing.and_then(|standing| told(&app, client.peer(), status, &standing)).into_response()
 }
@@ -152,8 +155,9 @@ pub(super) async fn cancel_batch(State(app): State<Shared>, client: Client, Segm
     )
 )]
 pub(super) async fn forget_batch(State(app): State<Shared>, client: Client, Segment(id): Segment) -> Response {
-    if parse(&client, &id).is_some_and(|batch| app.desk.forget_batch(&batch)) {
-        return StatusCode::NO_CONTENT.into_response();
+    if let Some(batch) = parse(&client, &id).filter(|batch| app.desk.forget_batch(batch)) {
+        let written = app.desk.batch_written(&batch).await.map_err(Problem::from);
+        return written.map(|()| StatusCode::NO_CONTENT).into_response();
     }
     unknown().into_response()
 }

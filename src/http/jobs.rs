@@ -13,6 +13,7 @@ use super::problem::{self, Problem};
 use super::segment::Segment;
 use crate::fault::{Fault, shortened};
 use crate::job::key::Key;
+use crate::service::accepting::NotAccepted;
 use crate::service::job_key::JobKey;
 use crate::service::jobs::Standing;
 use crate::wire::standing::{JobAnswer, JobsAnswer};
@@ -73,6 +74,9 @@ pub(super) async fn list(State(app): State<Shared>, client: Client, RawQuery(que
 pub(super) async fn cancel(State(app): State<Shared>, client: Client, Segment(id): Segment) -> Response {
     let Some(job) = parse(&client, &id) else { return unknown().into_response() };
     let status = if app.desk.cancel(&job) { StatusCode::ACCEPTED } else { StatusCode::OK };
+    if let Err(error) = app.desk.jobs.written(job).await {
+        return Problem::from(NotAccepted::from(error)).into_response();
+    }
     app.desk.standing(&job).map_or_else(|| unknown().into_response(), |standing| told(status, &standing))
 }
 
@@ -86,8 +90,9 @@ pub(super) async fn cancel(State(app): State<Shared>, client: Client, Segment(id
     )
 )]
 pub(super) async fn forget(State(app): State<Shared>, client: Client, Segment(id): Segment) -> Response {
-    if parse(&client, &id).is_some_and(|job| app.desk.forget(&job)) {
-        return StatusCode::NO_CONTENT.into_response();
+    if let Some(job) = parse(&client, &id).filter(|job| app.desk.forget(job)) {
+        let written = app.desk.jobs.written(job).await.map_err(|error| Problem::from(NotAccepted::from(error)));
+        return written.map(|()| StatusCode::NO_CONTENT).into_response();
     }
     Problem::new(problem::NOT_FOUND, "there is no job of this id, or it is forgotten already").into_response()
 }
@@ -148,10 +153,14 @@ pub(super) fn located(mut response: Response, place: &str, waited: Option<u64>) 
 /// The page that a query asks for: before which number, and how many jobs.
 pub(super) fn page(query: &str) -> Result<(u64, usize), Fault> {
     let (mut before, mut limit) = (u64::MAX, PAGE);
+    let mut seen: Vec<String> = Vec::new();
     for (name, value) in form_urlencoded::parse(query.as_bytes()) {
+        let is_again = seen.iter().any(|before| *before == *name);
+        seen.push(name.to_string());
         let wrong = |detail: String| Fault::new(format!("?{}", shortened(&name)), detail);
         let number = value.parse().ok().filter(|_| value.bytes().all(|byte| byte.is_ascii_digit()));
         match (&*name, number) {
+            _ if is_again => return Err(wrong("it is given twice; give it once".to_owned())),
             ("cursor", Some(number)) => before = number,
             ("cursor", None) => return Err(wrong("it is no cursor; take \"next\" of the page before".to_owned())),
             ("limit", Some(number @ 1..=100)) => limit = usize::try_from(number).unwrap_or(LARGEST_PAGE),

@@ -111,6 +111,16 @@ impl Desk {
         left.map(|left| self.leave_all(batch, &left)).is_some()
     }
 
+    /// Waits until what is known of a batch, and of the jobs that it has left, is written for good.
+    ///
+    /// # Errors
+    /// [`NotAccepted::Unwritten`].
+    pub async fn batch_written(&self, batch: &JobKey) -> Result<(), NotAccepted> {
+        // records are written in the order of their changes, so that there is an end behind those of all jobs
+        self.jobs.written(*batch).await?;
+        Ok(self.batches.written(*batch).await?)
+    }
+
     fn leave_all(&self, batch: &JobKey, jobs: &[JobKey]) {
         for job in jobs.iter().filter(|job| self.jobs.leave(job, &batch.id)) {
             self.cancel(job);

@@ -146,6 +146,11 @@ impl Record {
         let doublings = self.starts.saturating_sub(2).min(MOST_STARTS);
         Duration::from_secs(if self.starts < 2 { 0 } else { FIRST_PAUSE_S << doublings })
     }
+
+    /// Whether results of the job that are not kept may be made for whoever asks for them: it goes on, or it is done.
+    pub fn may_be_made_again(&self) -> bool {
+        matches!(self.state, State::Active | State::Done)
+    }
 }
 
 /// Who wants a job of a tenant.

@@ -1,9 +1,10 @@
 //! The records themselves, and where they are found.
 
 use std::collections::{BTreeMap, BTreeSet, HashMap};
+use std::time::Duration;
 
 use super::attempt::Run;
-use super::record::Record;
+use super::record::{Holder, Record, State};
 use crate::job::key::Key;
 use crate::service::job_key::{JobKey, Tenant};
 
@@ -38,6 +39,21 @@ impl Table {
     /// The record of an attempt that goes on.
     pub(super) fn running(&mut self, run: &Run) -> Option<&mut Record> {
         self.records.get_mut(&run.job).filter(|record| record.number == run.number && record.is_active())
+    }
+
+    /// A job that goes on or is done is wanted by one more; tells its state. One that is done stays known for as long as
+    /// if it were done now. None where there is no such job.
+    pub(super) fn join(&mut self, job: &JobKey, holder: Holder, now: Duration) -> Option<State> {
+        let record = self.records.get_mut(job).filter(|record| record.may_be_made_again())?;
+        record.wanted.add(holder);
+        let state = record.state.clone();
+        if state == State::Done {
+            self.by_number.remove(&record.number);
+            (record.number, record.settled) = (self.next, Some(now));
+            self.by_number.insert(self.next, *job);
+            self.next += 1;
+        }
+        Some(state)
     }
 
     /// Forgets the oldest settled job.

@@ -116,10 +116,11 @@ impl Jobs {
     pub fn accept(&self, memory: impl Fn(u64) -> Result<Paid, Full>, new: New, again: bool) -> Result<Placed, Full> {
         let bytes = new.summary.record_bytes();
         let mut table = self.table();
-        let known = table.records.get_mut(&new.job);
-        if let Some(known) = known.filter(|known| known.is_active() || known.state == State::Done && !again) {
-            known.wanted.add(new.holder);
-            return Ok(Placed::Known(Box::new(known.clone())));
+        let known = table.records.get(&new.job);
+        if known.is_some_and(|known| known.is_active() || known.state == State::Done && !again) {
+            table.join(&new.job, new.holder, self.clock.now());
+            self.note(new.job);
+            return Ok(Placed::Known(Box::new(table.records[&new.job].clone())));
         }
         let memory = loop {
             if table.records.len() < MAX_RECORDS
@@ -241,15 +242,12 @@ impl Jobs {
         }
     }
 
-    /// A job that goes on or is done is wanted by one more; tells its state. None where there is no such job.
+    /// A job that goes on or is done is wanted by one more; tells its state. One that is done stays known for as long as
+    /// if it were done now. None where there is no such job.
     pub fn join(&self, job: &JobKey, holder: Holder) -> Option<State> {
-        let mut table = self.table();
-        let record = table.records.get_mut(job)?;
-        let is_joined = record.is_active() || record.state == State::Done;
-        is_joined.then(|| {
-            record.wanted.add(holder);
-            record.state.clone()
-        })
+        let state = self.table().join(job, holder, self.clock.now())?;
+        self.note(*job);
+        Some(state)
     }
 
     /// A batch wants a job no more; true when the job goes on and nobody else wants it.

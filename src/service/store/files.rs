@@ -203,7 +203,9 @@ fn refuse_foreign(root: &Path) -> io::Result<()> {
 pub(super) fn take_hold(root: &Path) -> io::Result<Vec<File>> {
     refuse_foreign(root)?;
     fs::create_dir_all(root).map_err(at("make", root))?;
-    hold(root)
+    let held = hold(root)?;
+    records::read_through(&root.join(RECORDS_FILE))?;
+    Ok(held)
 }
 
 /// Takes hold of a folder: locks the file `lock` in it and, where folders can be locked, the folder itself, so that

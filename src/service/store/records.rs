@@ -98,6 +98,17 @@ pub(super) fn refuse_damaged(path: &Path) -> io::Result<()> {
     }
 }
 
+/// Reads the records of a folder that is held, if there are any, so that damage shows before anything else is touched.
+pub(super) fn read_through(path: &Path) -> io::Result<()> {
+    if !path.exists() {
+        return Ok(());
+    }
+    RecordFile::open(path).map(drop).map_err(|error| match error {
+        StoreError::Io(error) => error,
+        error => io::Error::other(error),
+    })
+}
+
 fn damaged(path: &Path, error: &str) -> io::Error {
     let detail = format!(
         "the records of jobs in {} cannot be read: {error}; restore the file from a backup, or move it away to start \

@@ -201,7 +201,7 @@ fn damaged_records_are_refused_and_stay_as_they_are() {
     });
     let records = folder.path().join("data/jobs.redb");
     let whole = std::fs::read(&records).unwrap();
-    for damage in [Vec::new(), b"garbage".to_vec(), vec![0; whole.len()]] {
+    for damage in [Vec::new(), b"garbage".to_vec(), vec![0; whole.len()], whole[..whole.len() / 2].to_vec()] {
         std::fs::write(&records, &damage).unwrap();
         let before = files(folder.path());
         let told = refusal(lasting(&folder));
