@@ -59,8 +59,8 @@ impl CompareOptions {
         let is_picture = read_a.is_picture() || read_b.is_picture();
         let sides = [read_a.side(&a, is_picture)?, read_b.side(&b, is_picture)?];
         let comparison = Comparison::new(sides, asked).map_err(|faults| told(&faults))?;
-        if self.output.is_some() && !comparison.has_picture() {
-            return Err(CliError::refused("--output: only two pictures of one size have a picture of what differs"));
+        if self.output.is_some() && !is_picture {
+            return Err(CliError::refused("--output: only two pictures have a picture of what differs"));
         }
         let watch = Watch::new();
         let unmade = |error: RunError| match error {
@@ -68,7 +68,8 @@ impl CompareOptions {
             error => CliError::files(error),
         };
         let found = comparison.run(&KeepNothing, &watch).map_err(unmade)?;
-        if let Some(path) = &self.output {
+        // pictures of two sizes have none, as the answer says
+        if let Some(path) = self.output.as_ref().filter(|_| comparison.has_picture()) {
             to_new_file(path, |out| found.write_picture(out).map_err(|error| CliError::files(&error)))?;
         }
         let found = ComparisonAnswer::new(&found);

@@ -38,8 +38,9 @@ pub(crate) struct McpOptions {
 impl McpOptions {
     /// Serves until the client closes standard input.
     pub(super) fn serve(self) -> Result<(), CliError> {
-        if let Some(folder) = self.out.as_ref().filter(|folder| !folder.is_dir()) {
-            return Err(CliError::files(format!("--out: {} is no folder; make it first", folder.display())));
+        if let Some(folder) = &self.out {
+            let failed = |error| CliError::files(format!("--out: {} cannot be made: {error}", folder.display()));
+            std::fs::create_dir_all(folder).map_err(failed)?;
         }
         let runtime = tokio::runtime::Builder::new_multi_thread().worker_threads(1).enable_all().build();
         let runtime = runtime.map_err(CliError::other)?;

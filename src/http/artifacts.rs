@@ -21,6 +21,7 @@ use crate::job::key::Key;
 use crate::output::{FORMATS, Format};
 use crate::service::computation::Phase;
 use crate::service::job_key::Tenant;
+use crate::service::jobs::Record;
 use crate::service::peer::Peer;
 
 /// The bytes of an artifact: immutable, with a strong `ETag` and byte ranges.
@@ -137,9 +138,10 @@ pub(super) async fn made_again(app: &Arc<App>, peer: Peer, tenant: Tenant, key: 
     }
 }
 
-/// The request of a job with an artifact of this key, and the format of its first output.
+/// The request of a job with an artifact of this key, and the format of its first output. What a job has not made, as it
+/// failed or was cancelled, is not made because somebody looks for it.
 fn request_of(app: &App, tenant: Tenant, key: &Key) -> Option<(Bytes, &'static dyn Format)> {
-    if let Some(record) = app.desk.jobs.of_artifact(tenant, key) {
+    if let Some(record) = app.desk.jobs.of_artifact(tenant, key).filter(Record::may_be_made_again) {
         return Some((record.summary.request.clone(), record.summary.products.first()?.format));
     }
     let (batch, at) = app.desk.batches.of_artifact(tenant, key)?;

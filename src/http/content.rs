@@ -8,7 +8,7 @@ use super::problem::{self, Problem};
 use crate::fault::shortened;
 use crate::input::{self, READERS, Reader};
 use crate::output::Format;
-use crate::wire::query::says_nothing;
+use crate::wire::query::{BESIDE_THE_JOB, says_nothing};
 
 /// Types that programs send when nobody told them one: `curl --data-binary`, and pages that send a file of a kind that
 /// the browser does not know.
@@ -80,7 +80,7 @@ impl Kind {
     pub(super) fn notation(self, headers: &HeaderMap, takes: Takes<'_>, body: &[u8]) -> Result<Notation, Problem> {
         let reader = match self {
             Self::Job => {
-                says_nothing(takes.query()).map_err(Problem::invalid)?;
+                says_nothing(takes.query(), BESIDE_THE_JOB).map_err(Problem::invalid)?;
                 return Ok(Notation::Job);
             }
             Self::File(reader) => reader,

@@ -34,7 +34,7 @@ pub(super) async fn estimate(
 ) -> Response {
     let answer = async {
         let sent = body::collect(&app, &client, &headers, Takes::Jobs, body).await?;
-        says_nothing(query.as_deref().unwrap_or_default()).map_err(Problem::invalid)?;
+        says_nothing(query.as_deref().unwrap_or_default(), &[]).map_err(Problem::invalid)?;
         let read = reading::job(&app, client.peer(), sent, usize::MAX, |request| {
             negotiate::settle(&HeaderMap::new(), request)
         });

@@ -52,7 +52,7 @@ pub(super) fn stream(
     look: Look,
 ) -> Response {
     let seen = headers.get("last-event-id").and_then(|id| id.to_str().ok()).and_then(|id| id.trim().parse().ok());
-    let feed = Feed::new(seen, app.desk.now());
+    let feed = Feed::new(seen, app.desk.clock().now());
     if feed.has_seen_the_end(&*now) {
         return StatusCode::NO_CONTENT.into_response();
     }
@@ -102,7 +102,7 @@ impl Listener {
                 return None;
             }
             // an interest in a computation would stay with what is looked at
-            let event = self.feed.next((self.look)(&self.app).as_deref(), self.app.desk.now());
+            let event = self.feed.next((self.look)(&self.app).as_deref(), self.app.desk.clock().now());
             if let Some(event) = event {
                 return Some((Ok(event), self));
             }

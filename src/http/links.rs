@@ -72,7 +72,7 @@ pub(super) async fn link(
         Problem::invalid(vec![Fault::new(at, detail)])
     });
     let wanted = wanted.and_then(|job| {
-        says_nothing(&query).map_err(Problem::invalid)?;
+        says_nothing(&query, &["job", "keep"]).map_err(Problem::invalid)?;
         wanted_by((&client, &headers), &uri, &job, at)
     });
     let wanted = wanted.and_then(|wanted| Ok(Wanted { keep: streaming::asks_to_keep(Some(&query))?, ..wanted }));

@@ -17,9 +17,9 @@ use crate::service::tally::BOUNDS_MS;
 pub(super) async fn counted(State(app): State<Shared>, request: Request, next: Next) -> Response {
     let method = request.method().clone();
     let route = request.extensions().get::<MatchedPath>().map_or("none", MatchedPath::as_str).to_owned();
-    let begun = app.desk.now();
+    let begun = app.desk.clock().now();
     let response = next.run(request).await;
-    let (status, took) = (response.status().as_u16(), app.desk.now().saturating_sub(begun));
+    let (status, took) = (response.status().as_u16(), app.desk.clock().now().saturating_sub(begun));
     // the route, not the address: signatures and jobs do not belong into logs
     tracing::info!(%method, route, status, took_ms = took.as_secs_f64() * 1000.0, "answered");
     app.requests.count(&method, &route, response.status().as_u16());

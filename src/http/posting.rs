@@ -93,8 +93,14 @@ pub(super) async fn wait(ended: Option<watch::Receiver<bool>>, patience: Duratio
 /// What it says wrongly.
 pub(super) fn terms(query: &str, usual: Priority) -> Result<JobTerms, Vec<Fault>> {
     let (mut terms, mut faults) = (JobTerms { priority: usual, ..JobTerms::default() }, Vec::new());
+    let mut seen: Vec<String> = Vec::new();
     for (name, value) in form_urlencoded::parse(query.as_bytes()) {
-        let place = format!("?{name}");
+        let place = format!("?{}", shortened(&name));
+        if seen.iter().any(|before| *before == *name) {
+            faults.push(Fault::new(place, "it is given twice; give it once"));
+            continue;
+        }
+        seen.push(name.to_string());
         match &*name {
             "priority" => {
                 if let Some(priority) = Priority::ALL.into_iter().find(|priority| priority.name() == value) {
@@ -110,7 +116,7 @@ pub(super) fn terms(query: &str, usual: Priority) -> Result<JobTerms, Vec<Fault>
                 let known = ["priority", "queue_timeout_s", "run_timeout_s"];
                 let meant = did_you_mean(&name, known);
                 let detail = format!("it is unknown; {meant}known are {}", known.join(", "));
-                faults.push(Fault::new(format!("?{}", shortened(&name)), detail));
+                faults.push(Fault::new(place, detail));
             }
         }
     }

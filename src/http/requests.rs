@@ -47,6 +47,7 @@ impl Requests {
     fn again(&self, asked: Option<Asked>, parts: &request::Parts) -> Option<Response<Content>> {
         let asked = asked?;
         let answer = self.app.short.answer(&self.app.desk.tiers, &asked, parts)?;
+        self.app.desk.count_hit();
         self.app.requests.count(&parts.method, asked.route(), answer.status().as_u16());
         Some(answer.map(|bytes| Content::Whole(Full::new(bytes))))
     }

@@ -81,6 +81,7 @@ fn cors(settings: &Settings) -> CorsLayer {
             header::IF_NONE_MATCH,
             header::RANGE,
             header::IF_RANGE,
+            HeaderName::from_static("last-event-id"),
             HeaderName::from_static("prefer"),
             HeaderName::from_static("traceparent"),
         ])

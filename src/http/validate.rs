@@ -42,7 +42,7 @@ pub(super) async fn validate(
 ) -> Response {
     let answer = async {
         let sent = body::collect(&app, &client, &headers, Takes::Jobs, body).await?;
-        says_nothing(query.as_deref().unwrap_or_default()).map_err(Problem::invalid)?;
+        says_nothing(query.as_deref().unwrap_or_default(), &[]).map_err(Problem::invalid)?;
         let sent = match attached(&app, client.peer(), sent).await.map_err(Problem::faults) {
             Ok(sent) => sent,
             // an upload that is not here is a fault of the job like others

@@ -133,8 +133,11 @@ pub(super) async fn asked(app: &Arc<App>, peer: Peer, headers: &HeaderMap, sent:
         Err(sent) => sent,
     };
     let headers = headers.clone();
-    let read = reading::job(app, peer, sent, usize::MAX, move |request| negotiate::settle(&headers, request));
-    Ok(Asked::Render(Box::new(read.await?)))
+    // the answer about a job is JSON, whatever its outputs are: Accept chooses only where they say nothing
+    let settle = move |request: &mut JobRequest| {
+        if request.outputs.is_empty() { negotiate::settle(&headers, request) } else { Ok(()) }
+    };
+    Ok(Asked::Render(Box::new(reading::job(app, peer, sent, usize::MAX, settle).await?)))
 }
 
 /// Reads a job that was accepted before, whose first output had this format.

@@ -130,18 +130,22 @@ impl Desk {
 
     /// The artifact of a key, if it is in memory and was made for the tenant of this peer.
     pub fn at_hand(&self, key: &Key, peer: Peer) -> Option<Arc<Manifest>> {
-        self.tiers.at_hand(key).filter(|manifest| manifest.owners.contain(peer.tenant()))
+        let found = self.tiers.at_hand(key).filter(|manifest| manifest.owners.contain(peer.tenant()));
+        found.inspect(|_| self.count_hit())
+    }
+
+    /// Counts an artifact that was found in memory.
+    pub fn count_hit(&self) {
+        self.tally.looked(Found::Memory);
     }
 
     /// The artifact of a key, if it is kept anywhere and was made for the tenant of this peer.
     pub async fn find(self: &Arc<Self>, key: Key, peer: Peer) -> Option<Arc<Manifest>> {
-        let at_hand = self.at_hand(&key, peer);
-        let tier = if at_hand.is_some() { Found::Memory } else { Found::Disk };
-        let found = match at_hand {
-            Some(manifest) => Some(manifest),
-            None => self.tiers.find(&key).await.filter(|manifest| manifest.owners.contain(peer.tenant())),
-        };
-        self.tally.looked(if found.is_some() { tier } else { Found::Nowhere });
+        if let Some(manifest) = self.at_hand(&key, peer) {
+            return Some(manifest);
+        }
+        let found = self.tiers.find(&key).await.filter(|manifest| manifest.owners.contain(peer.tenant()));
+        self.tally.looked(if found.is_some() { Found::Disk } else { Found::Nowhere });
         found
     }
 
@@ -343,11 +347,6 @@ impl Desk {
     /// The clock of the service.
     pub fn clock(&self) -> Arc<dyn Clock> {
         self.clock.clone()
-    }
-
-    /// The time by the clock of the service.
-    pub fn now(&self) -> Duration {
-        self.clock.now()
     }
 
     /// Says that the service is to end: nobody waits for events any more, and where jobs outlast the process no further

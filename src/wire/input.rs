@@ -181,7 +181,11 @@ impl InputRequest {
         }
         let (place, entry) =
             if self.blob.is_some() { ("/blob", InputEntry::Blob) } else { ("/text", InputEntry::Text) };
-        let in_text = |found| under(place, found);
+        // no place in a file that was sent before is a place in the request
+        let in_text = |found: Vec<Fault>| match entry {
+            InputEntry::Blob => found.into_iter().map(|fault| Fault::new(place, fault.detail)).collect(),
+            _ => under(place, found),
+        };
         if let Some(file) = text.map(TextRequest::file).transpose().map_err(|fault| in_text(vec![fault]))?.or(file) {
             let Held { mesh, boundary, lines, vertices, told: (unit, up) } =
                 file.read(self.winding(), limits).map_err(in_text)?;

@@ -19,7 +19,7 @@ use crate::scheme::parameters::WORD_PARAMETERS;
 use crate::scheme::presets::PRESETS;
 
 /// What a query says that is no part of the job.
-const BESIDE_THE_JOB: &[&str] = &["keep"];
+pub const BESIDE_THE_JOB: &[&str] = &["keep"];
 /// Names of what is no field of the plan; the others of those without dots are such fields.
 const NAMES: [&str; 2] = ["levels", "format"];
 /// First names of those with dots, and their places in the job. The one output has the name `output` until the job is
@@ -57,21 +57,35 @@ pub fn job(query: &str) -> Result<Map<String, Value>, Vec<Fault>> {
     if faults.is_empty() { Ok(job) } else { Err(faults) }
 }
 
-/// Refuses what a query says of a job that says it itself; names of no place in a job are passed over.
+/// Refuses what a query says of a job that says it itself, and all other names but those `beside` the job, each once.
 ///
 /// # Errors
-/// All that it says, each with its place in the job.
-pub fn says_nothing(query: &str) -> Result<(), Vec<Fault>> {
-    let fault = |name: &str| {
-        let detail = match place(name).ok()?.as_slice() {
-            [first, rest @ ..] if first == "output" => format!("/outputs/0/{}", rest.join("/")),
-            all => format!("/{}", all.join("/")),
+/// All that it says, where it is something of a job with its place there.
+pub fn says_nothing(query: &str, beside: &[&str]) -> Result<(), Vec<Fault>> {
+    let mut seen: Vec<String> = Vec::new();
+    let mut fault = |name: &str| {
+        let detail = match place(name).as_deref() {
+            _ if seen.iter().any(|before| before == name) => "it is given twice; give it once".to_owned(),
+            _ if beside.contains(&name) => {
+                seen.push(name.to_owned());
+                return None;
+            }
+            Ok([first, rest @ ..]) if first == "output" => stands_beside(&format!("/outputs/0/{}", rest.join("/"))),
+            Ok(all) => stands_beside(&format!("/{}", all.join("/"))),
+            Err(_) if beside.is_empty() => "nothing is read from the query here; leave it out".to_owned(),
+            Err(_) => {
+                let meant = did_you_mean(name, beside.iter().copied());
+                format!("it is unknown; {meant}known are {}", beside.join(", "))
+            }
         };
-        let detail = format!("it stands beside a mesh file as the body; a job says it itself, at {detail}");
         Some(Fault::new(format!("?{}", shortened(name)), detail))
     };
     let faults: Vec<Fault> = form_urlencoded::parse(query.as_bytes()).filter_map(|(name, _)| fault(&name)).collect();
     if faults.is_empty() { Ok(()) } else { Err(faults) }
+}
+
+fn stands_beside(place: &str) -> String {
+    format!("it stands beside a mesh file as the body; a job says it itself, at {place}")
 }
 
 /// The job of a mesh file and a query.
