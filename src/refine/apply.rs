@@ -13,8 +13,7 @@ use crate::watch::{Stopped, Watch};
 /// Number of values that one thread processes at a time.
 const CHUNK: usize = 1 << 16;
 
-/// Applies the steps of a plan to a net and to all point sets that belong to it. If an operator fails, `net` is left
-/// as
+/// Applies the steps of a plan to a net and to all point sets that belong to it. If an operator fails, `net` is left as
 /// the net that the operator could not be applied to.
 ///
 /// # Errors

@@ -12,10 +12,8 @@ use crate::watch::{Stopped, Watch};
 
 impl Program {
     /// Replaces the points and vertex channels of a mesh that this program refined by their limits, and adds normals,
-    /// for
-    /// each of the two stencil tables that is given. Returns `None` if the mesh was not refined patch by patch, or if
-    /// a
-    /// vertex with faces has no normal.
+    /// for each of the two stencil tables that is given. Returns `None` if the mesh was not refined patch by patch, or
+    /// if a vertex with faces has no normal.
     ///
     /// # Errors
     /// [`Stopped`] when the watch says so.

@@ -8,8 +8,7 @@ pub struct Normals {
     /// One normal per vertex, `n x 3`. At a vertex with several sectors it is the direction of the sum of the sectors'
     /// normals, or zero if one of them has none.
     pub of_vertices: Numbers,
-    /// Normals by side at vertices with several sectors: the vertex, the vertex that follows it in a face on that
-    /// side,
+    /// Normals by side at vertices with several sectors: the vertex, the vertex that follows it in a face on that side,
     /// and the normal there; sorted.
     pub sides: Vec<([u32; 2], [f64; 3])>,
 }

@@ -47,8 +47,7 @@ fn of_mesh(net: &MeshNet, point: usize) -> Vec<u32> {
     sorted(vertices.collect())
 }
 
-/// Returns the ends of the polygon edge that contains point `point` of `n`, or the input point itself if they
-/// coincide;
+/// Returns the ends of the polygon edge that contains point `point` of `n`, or the input point itself if they coincide;
 /// empty if the refinement lost points at the ends, so that they do not divide evenly among the edges.
 fn of_polygon(polygon: &Polygon, n: usize, point: usize) -> Vec<u32> {
     let (edges, now) = if polygon.closed { (polygon.len(), n) } else { (polygon.len() - 1, n.saturating_sub(1)) };

@@ -1,6 +1,5 @@
 //! The program of a refinement: everything that depends only on connectivity, tags and plan, so that it can be reused
-//! for
-//! other positions of the same mesh.
+//! for other positions of the same mesh.
 
 use super::error::RefineError;
 use super::mesh::{carrying, numbers, refine_by_rows};
@@ -28,8 +27,7 @@ impl Program {
     }
 
     /// Refines a mesh with its channels, all by the same rows, and its face-corner values by the same scheme. The
-    /// program
-    /// must have been made for the same connectivity, tags, plan and steps.
+    /// program must have been made for the same connectivity, tags, plan and steps.
     ///
     /// # Errors
     /// [`RefineError`].

@@ -8,8 +8,7 @@ use crate::scheme::step_error::StepError;
 use crate::shape::topology::{NONE, index};
 use crate::watch::Watch;
 
-/// Number of rows made at a time. Half as many would query the watch twice as often; twice as many would only take
-/// more
+/// Number of rows made at a time. Half as many would query the watch twice as often; twice as many would only take more
 /// memory.
 const BLOCK: usize = 4096;
 
@@ -17,8 +16,7 @@ const BLOCK: usize = 4096;
 /// is not stored; its point takes the index of that value.
 ///
 ///
-/// The rows are those that [`Points::act`](super::Points::act) applies, in the same groups, so that their sums have
-/// the
+/// The rows are those that [`Points::act`](super::Points::act) applies, in the same groups, so that their sums have the
 /// same bits up to the sign of zeros.
 #[derive(Debug)]
 pub struct Recorder {
@@ -84,8 +82,7 @@ impl Recorder {
     }
 
     /// Records `points + rows x (anchor - children)` in three tables: the differences, their weighted sums where these
-    /// have
-    /// several terms, and the points.
+    /// have several terms, and the points.
     fn push_back(
         &mut self,
         source: &dyn RowSource,

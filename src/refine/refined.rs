@@ -59,10 +59,8 @@ impl RefinedMesh {
     }
 
     /// Creates the mesh of a net from points that are already in the documented order, `n x 3`, so that nothing has to
-    /// be
-    /// reordered. Of the connectivity, only the base and how its faces were split are used, not the topology before
-    /// the last
-    /// split. Channels and normals must be in the documented order, too.
+    /// be reordered. Of the connectivity, only the base and how its faces were split are used, not the topology before
+    /// the last split. Channels and normals must be in the documented order, too.
     pub fn documented(net: &MeshNet, points: Numbers) -> Self {
         Self::ordered(net, VertexOrder::documented(net), points)
     }
@@ -128,10 +126,8 @@ impl RefinedMesh {
     }
 
     /// Returns the vertex of `to` that corresponds to vertex `place` of `from`. Both are bases with the faces of this
-    /// mesh;
-    /// vertices are indexed in the documented order of their refinements: base vertices, inner points of edges, inner
-    /// points
-    /// of faces (the same in both).
+    /// mesh; vertices are indexed in the documented order of their refinements: base vertices, inner points of edges,
+    /// inner points of faces (the same in both).
     pub(super) fn across(&self, from: &Topology, to: &Topology, place: usize) -> usize {
         let inner = self.pieces - 1;
         let on_edges = from.n_vertices();
@@ -160,8 +156,7 @@ impl RefinedMesh {
     }
 
     /// Returns the sharp pieces of base edges: the edge, and the index of the piece in its direction. If the mesh has
-    /// limit
-    /// normals, only infinitely sharp edges count.
+    /// limit normals, only infinitely sharp edges count.
     pub(super) fn sharp_pieces(&self) -> impl Iterator<Item = (usize, usize)> + '_ {
         let sharp = self.sharpness.iter().flat_map(|sharpness| sharpness.edges());
         let least = if self.normals.is_some() { INFINITE_SHARPNESS } else { 0.0 };
@@ -186,8 +181,7 @@ impl RefinedMesh {
     }
 
     /// Returns the ends of sharp edge pieces as vertices of the refined `places`. Edges on seams are left out, as they
-    /// are
-    /// split there already.
+    /// are split there already.
     pub(super) fn sharp_places(&self, places: &Topology) -> Vec<[u32; 2]> {
         let ends = |(edge, piece): (usize, usize)| {
             let half_edge = self.base.halves(edge)[0];

@@ -1,6 +1,5 @@
 //! Refines face-corner values (texture coordinates and channels with seams) as meshes of their own, by the scheme of
-//! the
-//! mesh.
+//! the mesh.
 
 use std::borrow::Cow;
 use std::collections::{BTreeMap, BTreeSet};
@@ -53,8 +52,7 @@ impl RefinedPlaces {
 
 /// Refines everything of a mesh that has seams
 /// ([`Attachments::places`](crate::shape::attachments::Attachments::places)) by the steps of a plan; linearly
-/// interpolated
-/// values follow the upsamplings only.
+/// interpolated values follow the upsamplings only.
 ///
 /// # Errors
 /// [`RefineError`].
@@ -146,10 +144,8 @@ fn upsamplings(steps: &[Scheduled]) -> Vec<Scheduled> {
 }
 
 /// Returns the net of face-corner values before refinement. A place at a vertex that keeps its position keeps its
-/// value;
-/// sharp edges and vertices have the sharpness that they have in the mesh; seams are boundaries. Places have the
-/// parameters of their vertices, and edges the directions of those of the mesh. Perturbations are seeded by vertices
-/// of
+/// value; sharp edges and vertices have the sharpness that they have in the mesh; seams are boundaries. Places have the
+/// parameters of their vertices, and edges the directions of those of the mesh. Perturbations are seeded by vertices of
 /// the mesh, so that they agree on both sides of a seam.
 pub fn seam_net(mesh: &Mesh, seams: &Seams, plan: &Plan) -> MeshNet {
     let (places, vertices) = (&seams.topology, &mesh.topology);
@@ -211,8 +207,7 @@ fn carrying(net: MeshNet, mesh: &Mesh, seams: &Seams, plan: &Plan) -> MeshNet {
 
 /// Returns, for each place where a semi-sharp edge ends, the sharpness of the other semi-sharp edges at the same mesh
 /// vertex, which lie on a seam or beyond it. Sharpness is a property of the mesh: its decay averages over all edges at
-/// a
-/// vertex.
+/// a vertex.
 fn elsewhere(mesh: &Mesh, seams: &Seams, creases: &Sharp) -> Vec<(u32, f64)> {
     let (places, vertices) = (&seams.topology, &mesh.topology);
     let semi_sharp = |&&(_, sharpness): &&(u32, f64)| sharpness < INFINITE_SHARPNESS;

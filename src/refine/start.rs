@@ -29,8 +29,7 @@ pub fn mesh_net(mesh: &Mesh, plan: &Plan) -> MeshNet {
 }
 
 /// Returns the vertex parameters and edge directions of a mesh under a plan. The vertices of a closed latitude line of
-/// n
-/// vertices get the alpha `2 pi / n` if neither the plan nor the mesh gives one.
+/// n vertices get the alpha `2 pi / n` if neither the plan nor the mesh gives one.
 pub fn carried(mesh: &Mesh, plan: &Plan) -> (Option<Attributes>, Option<Directions>) {
     let (Some(latitude), Some(directions)) = (&plan.latitude, &mesh.directions) else {
         return (mesh.attributes.clone(), None);

@@ -12,8 +12,7 @@ use crate::watch::{Stage, Watch};
 
 /// Returns the net after all steps, as far as it is tracked (see [`MeshNet::after_splits`]), and all points in the
 /// documented order. Returns `None` if the steps have no sweep, or if a coordinate is no longer finite, so that
-/// refinement
-/// by rows can name the level.
+/// refinement by rows can name the level.
 ///
 /// # Errors
 /// [`RefineError`].

@@ -16,8 +16,7 @@ use crate::shape::topology::NONE;
 use crate::watch::{Stopped, Watch};
 
 /// Rows of a patch that are evaluated at a time, so that they stay with their neighbours in the cache of a core. With
-/// half
-/// as many, a tenth of all rows are gathered twice; with twice as many, patches of 512 pieces and more leave the
+/// half as many, a tenth of all rows are gathered twice; with twice as many, patches of 512 pieces and more leave the
 /// cache.
 pub(super) const BAND: usize = 32;
 
@@ -38,8 +37,7 @@ pub(crate) struct Evaluated<const W: usize> {
     /// One value per point, `n x W`.
     pub(crate) values: Numbers,
     /// Values by side at points with several sectors: the point, the point that follows it in a face on that side, and
-    /// the
-    /// value there; sorted.
+    /// the value there; sorted.
     pub(crate) sides: Vec<([u32; 2], [f64; W])>,
 }
 
@@ -154,8 +152,7 @@ impl<'a, const W: usize> Evaluation<'a, W> {
     }
 
     /// Returns the steps along a side, from the first to the last, for which the place lies in `rows`; `start` is the
-    /// row of
-    /// step 0.
+    /// row of step 0.
     pub(super) fn steps(&self, along: [isize; 2], start: isize, rows: &Range<isize>) -> Range<isize> {
         let n = self.n.cast_signed();
         match along[1] {

@@ -11,8 +11,7 @@ type Given = (usize, usize, [f64; 3]);
 
 impl OnDemand {
     /// Fills `out` with the sum, for each vertex in `range`, of the vectors of the shown faces around it, added in the
-    /// order of
-    /// the faces; `of_face` gives the vector of a face from its corners.
+    /// order of the faces; `of_face` gives the vector of a face from its corners.
     pub(crate) fn sums(
         &self,
         range: Range<usize>,

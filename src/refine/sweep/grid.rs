@@ -80,8 +80,7 @@ impl Size {
 }
 
 /// Prepares the passes of a round for grids of one size. After them, the points of the refined grid are correct that
-/// lie
-/// within it or at most `beyond` outside.
+/// lie within it or at most `beyond` outside.
 pub(super) fn flat_passes(passes: &[Pass], size: Size, beyond: isize) -> Vec<FlatPass> {
     let (mut beyond, mut wanted) = (beyond, [true; PLANES]);
     let mut flat: Vec<FlatPass> = Vec::new();
@@ -173,8 +172,7 @@ impl Planes {
     }
 
     /// Refines the grid once. Afterwards the planes hold the vertices, the edge points along the first and the second
-    /// axis,
-    /// and the face points, each at the cell whose lower left corner it belongs to.
+    /// axis, and the face points, each at the cell whose lower left corner it belongs to.
     pub(super) fn refine(&mut self, passes: &[FlatPass], size: Size, lines: &[GridLine]) {
         let len = size.len();
         self.now.iter_mut().chain(&mut self.next).for_each(|plane| at_least(plane, len));

@@ -7,8 +7,7 @@ use crate::shape::attributes::Attributes;
 use crate::shape::directions::{Direction, Directions};
 use crate::shape::topology::{Topology, index};
 
-/// The error for nets whose tags or vertex parameters vary from place to place, or whose plan uses them in a way that
-/// a
+/// The error for nets whose tags or vertex parameters vary from place to place, or whose plan uses them in a way that a
 /// sweep does not support.
 pub(super) struct Uneven;
 

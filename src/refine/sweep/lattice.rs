@@ -11,8 +11,7 @@ const QUADS: [[isize; 2]; 4] = [[1, 0], [0, 1], [-1, 0], [0, -1]];
 const TRIANGLES: [[isize; 2]; 6] = [[1, 0], [0, 1], [-1, 1], [-1, 0], [0, -1], [1, -1]];
 
 /// Returns the direction of a side of a patch, from its start to its end, rotated counter-clockwise by `turn`
-/// directions of
-/// the lattice; `turn` is at least -1.
+/// directions of the lattice; `turn` is at least -1.
 fn direction(tile: Tile, side: usize, turn: isize) -> [isize; 2] {
     match tile {
         Tile::Quad => QUADS[(side + 4).wrapping_add_signed(turn) % 4],
@@ -38,8 +37,7 @@ pub(super) struct Frame {
 
 impl Frame {
     /// Creates the frame at a corner of a patch with `n` pieces per side, for the face that is `turn` faces
-    /// counter-clockwise
-    /// around the corner from the patch itself.
+    /// counter-clockwise around the corner from the patch itself.
     pub(super) fn new(tile: Tile, n: usize, at: usize, turn: isize) -> Self {
         Self { corner: corner(tile, n, at), sides: [turn, turn + 1].map(|turn| direction(tile, at, turn)) }
     }
@@ -70,8 +68,7 @@ impl Frame {
 }
 
 /// Returns the places `[a, b]` of a face around one of its corners, without those on the edge to the next face: `a`
-/// steps
-/// along the first edge, from 1 to `reach`, and `b` along the other, within a face of `reach` pieces.
+/// steps along the first edge, from 1 to `reach`, and `b` along the other, within a face of `reach` pieces.
 pub(super) fn sector(tile: Tile, reach: usize) -> impl Iterator<Item = [usize; 2]> {
     (1..=reach).flat_map(move |a| (0..=last(tile, reach, a)).map(move |b| [a, b]))
 }
@@ -85,9 +82,8 @@ pub(super) fn last(tile: Tile, n: usize, a: usize) -> usize {
 }
 
 /// Returns how many cells around a vertex a star must have if the `halo` cells next to a patch are known. On the
-/// lattice
-/// of triangles, a point in the halo, next to the adjacent face, may be `halo` steps from the face beyond that one and
-/// thus farther from the vertex.
+/// lattice of triangles, a point in the halo, next to the adjacent face, may be `halo` steps from the face beyond that
+/// one and thus farther from the vertex.
 pub(super) fn reach(tile: Tile, halo: usize) -> usize {
     match tile {
         Tile::Quad => halo,

@@ -10,8 +10,7 @@ use crate::scheme::plan::{Plan, Scheduled};
 use crate::shape::tile::Tile;
 
 /// The masks on a line for each of the [`AXES`](super::lattice::AXES) along which patches have sides: of vertices and
-/// of
-/// edge points.
+/// of edge points.
 pub(super) type LineMasks = Vec<[Mask; 2]>;
 
 /// How one step computes the points of the planes.
@@ -83,8 +82,7 @@ impl Pass {
     }
 
     /// Adds a line, given its table for each axis on which it occurs, or `None` if the line is smooth. Returns `None`
-    /// if
-    /// points next to the line have other masks than elsewhere, or if points on it do in a pass that has no line
+    /// if points next to the line have other masks than elsewhere, or if points on it do in a pass that has no line
     /// masks.
     fn add_line(&mut self, tables: Option<&[Option<&Table>]>) -> Option<()> {
         let masks = match self {
@@ -107,8 +105,7 @@ impl Pass {
     }
 
     /// Returns the greatest distance, in points of the refined grid, at which the pass reads points; `None` for an
-    /// upsampling,
-    /// which reads the coarse grid. A push-back reads children of the coarse grid.
+    /// upsampling, which reads the coarse grid. A push-back reads children of the coarse grid.
     pub(super) fn radius(&self) -> Option<isize> {
         let planes = match self {
             Self::Up(_) => return None,
@@ -122,8 +119,7 @@ impl Pass {
     }
 
     /// Returns an upper bound of the factor by which values grow: the greatest value after the pass divided by the
-    /// greatest
-    /// value before it in the round.
+    /// greatest value before it in the round.
     pub(super) fn growth(&self) -> f64 {
         let of = |masks: &[Mask]| masks.iter().map(total).fold(1.0, f64::max);
         match self {
@@ -173,15 +169,13 @@ fn same(a: &Mask, b: &Mask) -> bool {
 }
 
 /// Returns the smallest number of cells beyond a patch that must be known so that as many are known after a round;
-/// `None`
-/// if it is greater than [`MAX_HALO`].
+/// `None` if it is greater than [`MAX_HALO`].
 pub(super) fn halo(tile: Tile, passes: &[Pass]) -> Option<usize> {
     (1..=MAX_HALO).find(|&halo| Known::new(tile, halo).suffices(passes))
 }
 
 /// The widest halo: that of four averages. Five averages would need five cells, and three rounds would be refined by
-/// rows
-/// before the sweep could begin, which does not pay.
+/// rows before the sweep could begin, which does not pay.
 const MAX_HALO: usize = 4;
 
 /// The points of a refined grid around a patch that are known.
@@ -220,9 +214,8 @@ impl Known {
         is_within(self.tile, PIECES, self.halo, at)
     }
 
-    /// Returns whether these passes compute all needed points of the refined grid from the points of the coarse grid
-    /// in the
-    /// patch and its halo.
+    /// Returns whether these passes compute all needed points of the refined grid from the points of the coarse grid in
+    /// the patch and its halo.
     fn suffices(mut self, passes: &[Pass]) -> bool {
         for pass in passes {
             let whole = |mask: &Mask, [i, j]: [isize; 2], has: &dyn Fn(usize, [isize; 2]) -> bool| {

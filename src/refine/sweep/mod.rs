@@ -1,15 +1,11 @@
 //! The fast path: refines quads and triangles patch by patch, straight into the documented order.
 //!
 //! A patch is a grid with a halo of cells around it. Triangles use the lower half of such a grid, whose cells are
-//! divided by
-//! diagonals. A round (an upsampling and the steps up to the next one) is a few flat loops over the planes of a grid.
-//! Where
-//! the grid is not regular around a vertex, small tables then overwrite the points that the loops computed; along
-//! boundaries and creases, masks of curves do. All masks and tables are read off the rows of the operators. As a
-//! symmetric
-//! sum does not depend on where a walk around a vertex begins, every point has the same bits as under the rows of the
-//! whole
-//! net.
+//! divided by diagonals. A round (an upsampling and the steps up to the next one) is a few flat loops over the planes
+//! of a grid. Where the grid is not regular around a vertex, small tables then overwrite the points that the loops
+//! computed; along boundaries and creases, masks of curves do. All masks and tables are read off the rows of the
+//! operators. As a symmetric sum does not depend on where a walk around a vertex begins, every point has the same bits
+//! as under the rows of the whole net.
 
 mod evaluate;
 mod fans;

@@ -44,8 +44,7 @@ impl Numbering {
     }
 
     /// Returns the index of a point of a patch. A patch is a base face if the base has only quads or only triangles,
-    /// else a
-    /// face of the first split of the base.
+    /// else a face of the first split of the base.
     pub(super) fn vertex(&self, patch: usize, place: [isize; 2]) -> u32 {
         let place = place.map(isize::cast_unsigned);
         match &self.quads {

@@ -26,9 +26,8 @@ pub(crate) struct Swept {
 }
 
 impl Sweep {
-    /// Refines points of `width` values, 1 to 4. Both the given and the returned points are in the documented order,
-    /// of the nets
-    /// where the sweep begins and where it ends.
+    /// Refines points of `width` values, 1 to 4. Both the given and the returned points are in the documented order, of
+    /// the nets where the sweep begins and where it ends.
     ///
     /// # Errors
     /// [`Stopped`] when the watch says so.
@@ -287,9 +286,8 @@ impl<const W: usize> Run<'_, W> {
         }
     }
 
-    /// Overwrites the points around a corner of the patch, which the loops computed as if the grid were regular, by
-    /// the points
-    /// of its star; `block` is the block after the round.
+    /// Overwrites the points around a corner of the patch, which the loops computed as if the grid were regular, by the
+    /// points of its star; `block` is the block after the round.
     fn overlay(&self, round: usize, block: Block, half_edge: u32, worker: &mut Worker<W>) {
         let sweep = self.sweep;
         let (size, surface) = (sweep.size(round, W), &sweep.surface);

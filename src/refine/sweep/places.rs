@@ -9,9 +9,8 @@ use crate::shape::tile::Tile;
 use crate::shape::topology::{NONE, Topology, index};
 
 /// Approximate number of vertices that are requested at a time: they take 1.5 MB as points and as much as bytes, and
-/// stay
-/// in the cache of a core. With half as many, points that neighbouring patches share are computed twice as often; with
-/// twice as many, points leave the cache before they are encoded.
+/// stay in the cache of a core. With half as many, points that neighbouring patches share are computed twice as often;
+/// with twice as many, points leave the cache before they are encoded.
 const STRETCH: usize = 1 << 16;
 
 /// The places of the vertices and faces of a refined mesh.
@@ -284,8 +283,7 @@ impl Places {
 
 impl Places {
     /// Returns the best end for a range of vertices that starts at `v`, so that no block of `rows` rows is refined for
-    /// two
-    /// ranges.
+    /// two ranges.
     pub(super) fn stretch(&self, v: usize, rows: usize) -> usize {
         let (edges, inside) = (self.base.n_vertices(), self.first_inner());
         let on_edge = self.n - 1;

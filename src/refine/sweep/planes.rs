@@ -4,8 +4,7 @@
 /// points or, on triangles, edge points along the diagonals.
 pub(super) const PLANES: usize = 4;
 
-/// A weight and the points whose symmetric sum it multiplies: the plane of each point, and its cell relative to that
-/// of
+/// A weight and the points whose symmetric sum it multiplies: the plane of each point, and its cell relative to that of
 /// the computed point.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct MaskGroup {

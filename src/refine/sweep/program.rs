@@ -19,16 +19,13 @@ use crate::shape::creases::INFINITE_SHARPNESS;
 use crate::shape::tile::Tile;
 use crate::shape::topology::Topology;
 
-/// Maximum number of cells of a grid in each direction: its planes of three coordinates take 1 MB, the size of a
-/// core's
-/// own cache. With half as many, a tenth more points are computed twice, in halos; with twice as many, the planes
-/// leave
+/// Maximum number of cells of a grid in each direction: its planes of three coordinates take 1 MB, the size of a core's
+/// own cache. With half as many, a tenth more points are computed twice, in halos; with twice as many, the planes leave
 /// the cache.
 const MOST_CELLS: usize = 64;
 
 /// Maximum number of kinds of lines, boundaries included, and of sharpnesses of vertices. Vertices at which lines meet
-/// in
-/// different ways have tables of their own in every round, 256 of them around four edges. With more kinds, the first
+/// in different ways have tables of their own in every round, 256 of them around four edges. With more kinds, the first
 /// rounds are refined by rows until only infinitely sharp edges are left.
 const MOST_LINES: usize = 4;
 
@@ -100,8 +97,7 @@ pub(crate) struct Outline<'a> {
 
 impl<'a> Outline<'a> {
     /// Returns the outline of the sweep of an unrefined net. Returns `None` if some step of the plan does not support
-    /// sweeps,
-    /// if tags or vertex parameters vary from place to place, or if all rounds would be refined by rows.
+    /// sweeps, if tags or vertex parameters vary from place to place, or if all rounds would be refined by rows.
     pub(crate) fn of(net: &MeshNet, plan: &Plan, steps: &'a [Scheduled]) -> Option<Self> {
         let numbered = plan.perturbation.is_some() || net.annotations.numbering.is_some();
         let cut = net.surroundings.is_some() || net.mesh.parent.is_some() || net.mesh.rounds > 0;
@@ -176,8 +172,7 @@ impl Sweep {
     }
 
     /// Returns whether all values computed from `start` are certain to be finite: they and all intermediate sums stay
-    /// below
-    /// the largest finite number.
+    /// below the largest finite number.
     pub(super) fn is_bounded(&self, start: &[f64]) -> bool {
         // twice the bound that is needed, to allow for rounding
         start.iter().all(|x| x.abs() * self.growth < 0.5 * f64::MAX)
@@ -224,8 +219,7 @@ impl Sweep {
     /// Returns the number of bytes that the sweep occupies, rounded up rather than down.
     pub(crate) fn bytes(&self) -> usize {
         /// Bytes per corner of the patches: their topology and that of the base, the sharpness of edges, and the
-        /// indices
-        /// of a patch's points in both orders.
+        /// indices of a patch's points in both orders.
         const CORNER: usize = 64;
         /// Bytes per point of a star and round, for its rows. Measured: 1,500 for UCCC, whose stencils are wide.
         const STAR_POINT: usize = 2048;
@@ -270,10 +264,8 @@ impl Sweep {
 }
 
 /// Returns the lines of a net, boundaries first, and the number of rounds after which they are known: zero, or the
-/// rounds
-/// until only infinite sharpness is left if the sharpness of an edge depends on its ends or there are too many
-/// different
-/// ones. Returns `None` if sharpness depends on more than the net itself.
+/// rounds until only infinite sharpness is left if the sharpness of an edge depends on its ends or there are too many
+/// different ones. Returns `None` if sharpness depends on more than the net itself.
 fn lines(net: &MeshNet) -> Option<(Vec<Line>, usize)> {
     let mut lines = vec![Line::Boundary];
     let Some(sharpness) = &net.sharpness else { return Some((lines, 0)) };

@@ -18,8 +18,7 @@ use crate::shape::check::{FaceList, Winding};
 use crate::shape::tile::Tile;
 use crate::shape::topology::{Topology, index};
 
-/// Cells on each side of the middle of the nets from which masks are read: two cells, the reach of masks, and one
-/// more.
+/// Cells on each side of the middle of the nets from which masks are read: two cells, the reach of masks, and one more.
 /// With half as many, butterfly schemes would have the masks of a boundary; twice as many would only take longer.
 pub(super) const RADIUS: usize = 3;
 
@@ -38,8 +37,7 @@ pub(super) enum Use {
 pub(super) struct Table {
     pub(super) is: Use,
     /// Planes and masks of the four points that belong to the cell in the middle; if there is a line, those of the
-    /// vertex in
-    /// the middle and of the point that follows it along the line.
+    /// vertex in the middle and of the point that follows it along the line.
     pub(super) masks: Vec<(usize, Mask)>,
     /// Planes and masks of points next to the line.
     pub(super) beside: Vec<(usize, Mask)>,
@@ -163,8 +161,7 @@ impl Sample {
     }
 
     /// Returns the mask of one row for a point of cell `at`, over the refined net if `places` are given, else over the
-    /// coarse
-    /// one.
+    /// coarse one.
     fn mask(&self, rows: &dyn RowSource, row: usize, at: [isize; 2], places: Option<&Vec<[isize; 2]>>) -> Option<Mask> {
         let mut table = Rows::default();
         rows.make(row..row + 1, &mut table);

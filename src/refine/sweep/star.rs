@@ -41,8 +41,7 @@ impl StarKind {
 }
 
 /// The numbering of the points of a star: the vertex, then for each face of the ring the points of its [`sector`], `a`
-/// steps along the face's first edge and `b` along its last one, and, if the faces do not close, the points of the
-/// last
+/// steps along the face's first edge and `b` along its last one, and, if the faces do not close, the points of the last
 /// edge.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct StarShape {
@@ -129,8 +128,7 @@ enum Stage {
 
 impl StarRound {
     /// Returns the tables of a round around a vertex of this kind, with `before` rounds before it; `None` if the
-    /// operators
-    /// cannot be applied there.
+    /// operators cannot be applied there.
     pub(super) fn of(
         kind: &StarKind,
         (tile, reach): (Tile, usize),

@@ -10,8 +10,7 @@ use crate::scheme::plan::Plan;
 use crate::shape::tile::Tile;
 
 /// A stencil of the value at a point: each sector around the point has functionals, and each functional is a weighted
-/// sum
-/// of points.
+/// sum of points.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Stencil<P> {
     /// For each sector and functional the points and their weights.
@@ -48,10 +47,8 @@ impl<P> Stencil<P> {
 
 impl Sweep {
     /// Returns the stencils of the points where the sweep ends. `find` returns the stencil of a vertex of a small net
-    /// that is
-    /// uniform for `rings` rings around the vertex. Returns `None` if `find` does, or if a stencil reaches beyond the
-    /// points
-    /// next to its own.
+    /// that is uniform for `rings` rings around the vertex. Returns `None` if `find` does, or if a stencil reaches
+    /// beyond the points next to its own.
     pub(crate) fn stencils<E>(
         &self,
         plan: &Plan,

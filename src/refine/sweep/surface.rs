@@ -29,8 +29,7 @@ pub(super) struct Surface {
     /// The patches: the faces of the base or, if some are not quads, the faces of its first split.
     pub(super) patches: Arc<Topology>,
     /// The kinds of sides that are not smooth: boundaries first, then sharp edges; `None` for those that are smooth
-    /// when the
-    /// sweep begins.
+    /// when the sweep begins.
     pub(super) lines: Vec<Option<Line>>,
     /// For each edge of the patches the index of its line, or 0 if it is not sharp; empty if no edge is sharp.
     line_of: Vec<u8>,
@@ -200,8 +199,7 @@ impl Surface {
 
     /// Calls `put([i, j], vertex)` for the points of a patch of `n` pieces and for those up to `halo` beyond it in its
     /// neighbours; `order` gives the documented indices at that level. Points beyond a boundary, or across a vertex
-    /// where the
-    /// grid is not regular, are left out.
+    /// where the grid is not regular, are left out.
     pub(super) fn gather(
         &self,
         order: &Numbering,
@@ -234,8 +232,8 @@ impl Surface {
     }
 
     /// Returns the documented index of a point of the patch of a half-edge, or of its neighbour across it: `along`
-    /// steps along
-    /// the side and `beside` steps away from it, negative in the neighbour. Patches have `n` pieces per side.
+    /// steps along the side and `beside` steps away from it, negative in the neighbour. Patches have `n` pieces per
+    /// side.
     pub(super) fn vertex_near(&self, order: &Numbering, half_edge: u32, n: usize, [along, beside]: [isize; 2]) -> u32 {
         let (inside, place) = if beside < 0 {
             (self.patches.twin(half_edge), [n.cast_signed() - along, -beside])

@@ -38,8 +38,7 @@ impl<const W: usize> Task<'_, W> {
 
 impl Sweep {
     /// Divides the patches into tasks of consecutive base faces, each with the points of the edges that appear there
-    /// first
-    /// and with the points inside the faces.
+    /// first and with the points inside the faces.
     pub(super) fn tasks<'a, const W: usize>(&self, points: &'a mut [[f64; W]]) -> Vec<Task<'a, W>> {
         let (base, order) = (&self.surface.base, &self.orders[1]);
         let on_edge = order.pieces() - 1;

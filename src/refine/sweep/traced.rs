@@ -32,8 +32,7 @@ impl Sweep {
     pub(crate) fn traced(&self, stencils: &Stencils, watch: &Watch) -> Result<Traced, Stopped> {
         let base = &self.surface.base;
         // for each point the bits of the index of its entry, counted from 1; if several patches compute a point, the
-        // entry of
-        // the one whose value is kept
+        // entry of the one whose value is kept
         let mut found = vec![[0.0]; self.n_points()];
         let (vertices, rest) = found.split_at_mut(base.n_vertices());
         let run = Evaluation::new(self, &[], stencils, NOTHING);

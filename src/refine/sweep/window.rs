@@ -12,10 +12,8 @@ use crate::shape::tile::Tile;
 use crate::watch::Watch;
 
 /// Maximum number of points of a band of rows, where a patch is so wide that a band is a single row of blocks. With
-/// half
-/// as many, blocks become smaller and their halos cost more for narrower patches; twice as many take twice the memory
-/// for
-/// wide ones.
+/// half as many, blocks become smaller and their halos cost more for narrower patches; twice as many take twice the
+/// memory for wide ones.
 const BAND: usize = 1 << 19;
 
 /// Minimum number of rows of a block after the last round; with half as many, halos cost half as much as the points.
@@ -49,16 +47,14 @@ pub(super) struct Window<'a> {
     /// Number of pieces of the patch's side.
     pieces: usize,
     /// Whether points on the diagonal of a triangle are needed. A block that holds no further points of the diagonal
-    /// than its
-    /// first one is not refined, so that its neighbours have to be.
+    /// than its first one is not refined, so that its neighbours have to be.
     is_diagonal: bool,
     points: &'a mut [[f64; 3]],
 }
 
 impl OnDemand {
     /// Creates a source of the points that a sweep computes from `start`, three coordinates for each point of the net
-    /// where
-    /// the sweep begins. After the watch says stop, all further points are zero.
+    /// where the sweep begins. After the watch says stop, all further points are zero.
     pub(crate) fn new(sweep: Sweep, start: Vec<f64>, watch: &Watch) -> Self {
         let n = sweep.orders[1].pieces();
         let sweep = sweep.with_blocks((BAND / n).max(LEAST_ROWS) / 2);
