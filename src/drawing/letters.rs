@@ -35,8 +35,8 @@ impl Text {
         [cos(angle), sin(angle)].map(|x| x as f32)
     }
 
-    /// Returns the transform from the frame of the text, whose baseline starts at the origin, to its place: `[a, b, c,
-    /// d, e, f]` maps `(x, y)` to `(a x + c y + e, b x + d y + f)`.
+    /// Returns the transform from the frame of the text, whose baseline starts at the origin, to its place:
+    /// `[a, b, c, d, e, f]` maps `(x, y)` to `(a x + c y + e, b x + d y + f)`.
     pub(super) fn frame(&self) -> [f32; 6] {
         let ([x, y], [left, down], [c, s]) = (self.at, self.offset(), self.cos_sin());
         [c, s, -s, c, x + c * left - s * down, y + s * left + c * down]

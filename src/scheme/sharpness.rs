@@ -120,8 +120,8 @@ impl Sharpness {
         &self.vertices
     }
 
-    /// Returns the sharpness after a split of `topology`, whose edge `e` becomes the edges `2 e` (at its start) and `2
-    /// e + 1`.
+    /// Returns the sharpness after a split of `topology`, whose edge `e` becomes the edges `2 e` (at its start) and
+    /// `2 e + 1`.
     ///
     /// Source: DeRose, Kass and Truong, SIGGRAPH 1998, 85-94; Chaikin's rule as in OpenSubdiv 3.5.
     pub fn split(&self, topology: &Topology, creasing: Creasing) -> Option<Self> {

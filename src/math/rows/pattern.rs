@@ -7,8 +7,8 @@ use super::table::{Rows, weighted};
 /// Minimum number of periods for which a pattern pays.
 const MIN_PERIODS: usize = 64;
 
-/// Periodic rows: row `first + period q + r` has the weights of residue `r` on consecutive old points, from `start +
-/// stride q` on.
+/// Periodic rows: row `first + period q + r` has the weights of residue `r` on consecutive old points, from
+/// `start + stride q` on.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Pattern {
     rows: Range<usize>,

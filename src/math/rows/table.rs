@@ -69,9 +69,10 @@ impl Rows {
         self.weights.push(weight);
     }
 
-    /// Groups the entries that `fill` adds to the current row: with a single weight w the term is `w x symmetric sum of
-    /// the points`, otherwise the symmetric sum of `weight x point`. A symmetric sum of 2, 4 or 6 members around a
-    /// centre has the same bits wherever the walk around the centre begins; others are summed in order.
+    /// Groups the entries that `fill` adds to the current row: with a single weight w the term is
+    /// `w x symmetric sum of the points`, otherwise the symmetric sum of `weight x point`. A symmetric sum of 2, 4 or 6
+    /// members around a centre has the same bits wherever the walk around the centre begins; others are summed in
+    /// order.
     #[inline]
     pub fn group(&mut self, fill: impl FnOnce(&mut Self)) {
         let start = self.indices.len();

@@ -155,8 +155,8 @@ fn face_mask(size: usize, f: f64) -> FaceMask {
     FaceMask { own: size / sum, vertices: f * f / sum, edges: 2.0 * f / sum }
 }
 
-/// Returns the action of C on a net without labels: the mean of the centroids of the faces around a vertex; `(1, 2, 1)
-/// / 4` on boundaries and creases.
+/// Returns the action of C on a net without labels: the mean of the centroids of the faces around a vertex;
+/// `(1, 2, 1) / 4` on boundaries and creases.
 fn plain_rows(net: MeshNet) -> Action {
     let n = net.mesh.n_vertices();
     let creases = Creases::of_net(&net, &net.mesh.base);

@@ -14,9 +14,9 @@ use crate::scheme::step::{Action, Step, Values};
 use crate::scheme::step_error::StepError;
 use crate::scheme::window::Window;
 
-/// A level of the d-ary scheme with m averages that reproduces circles sampled at the angle alpha: the mask `d sigma^m
-/// E / (sigma(1)^m E(1))` with `sigma = 1 + z + ... + z^(d-1)`, `E` having the coefficients `e[j] = sin((j+1) alpha/d)
-/// / sin(alpha/d)` for `0 <= j < d` and `e[2d-2-j] = e[j]`.
+/// A level of the d-ary scheme with m averages that reproduces circles sampled at the angle alpha: the mask
+/// `d sigma^m E / (sigma(1)^m E(1))` with `sigma = 1 + z + ... + z^(d-1)`, `E` having the coefficients
+/// `e[j] = sin((j+1) alpha/d) / sin(alpha/d)` for `0 <= j < d` and `e[2d-2-j] = e[j]`.
 #[derive(Debug)]
 pub struct Circle;
 

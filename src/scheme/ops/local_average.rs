@@ -28,8 +28,8 @@ impl Gains {
     }
 }
 
-/// Returns the first C after an upsampling of `parent`: each quad has the loop centre `(g h V + h E1 + g E2 + F) / ((1
-/// + g) (1 + h))` with the weights g, h of its vertex relative to its edge points.
+/// Returns the first C after an upsampling of `parent`: each quad has the loop centre
+/// `(g h V + h E1 + g E2 + F) / ((1 + g) (1 + h))` with the weights g, h of its vertex relative to its edge points.
 pub(super) fn rows(net: &MeshNet, parent: &Arc<Topology>, local: &Arc<MeshLocal>) -> Action {
     let directions = net.since.anchor.as_ref().and_then(|anchor| anchor.directions.clone());
     let gains = Gains { local: local.clone(), directions };

@@ -13,11 +13,11 @@ use crate::scheme::step::{Action, Step, Values};
 use crate::scheme::step_error::StepError;
 use crate::shape::topology::index;
 
-/// Loop after U: `E' = 3/8 (V1 + V2) + 1/8 (A + B)` with the opposite vertices A and B, `V' = (1 - N beta) V + beta
-/// sum` of the N neighbours, `beta = (5/8 - (3/8 + cos(2 pi/N)/4)^2) / N`; boundaries and creases: `E' = (V1 + V2)/2`,
-/// `V' = 3/4 V + 1/8 (A + B)` with the neighbours A and B along them; corners stay. At an edge of sharpness s below 1,
-/// the crease rule has the weight s, but 1 if both its halves stay sharp; a vertex whose rule changes in a level is a
-/// weighted mean of both rules.
+/// Loop after U: `E' = 3/8 (V1 + V2) + 1/8 (A + B)` with the opposite vertices A and B,
+/// `V' = (1 - N beta) V + beta sum` of the N neighbours, `beta = (5/8 - (3/8 + cos(2 pi/N)/4)^2) / N`; boundaries and
+/// creases: `E' = (V1 + V2)/2`, `V' = 3/4 V + 1/8 (A + B)` with the neighbours A and B along them; corners stay. At an
+/// edge of sharpness s below 1, the crease rule has the weight s, but 1 if both its halves stay sharp; a vertex whose
+/// rule changes in a level is a weighted mean of both rules.
 #[derive(Debug)]
 pub struct LoopSmoothing;
 

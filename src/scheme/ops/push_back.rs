@@ -22,8 +22,8 @@ use crate::scheme::window::steps;
 use crate::shape::tile::Tile;
 use crate::shape::topology::{NONE, Topology, index};
 
-/// P, the push-back towards the anchor: `D_i = delta (P_i - V_i)`; `V += D_i`, `E += omega/2 (D_1 + D_2)`, `F +=
-/// omega^2 / n sum D`.
+/// P, the push-back towards the anchor: `D_i = delta (P_i - V_i)`; `V += D_i`, `E += omega/2 (D_1 + D_2)`,
+/// `F += omega^2 / n sum D`.
 #[derive(Debug)]
 pub struct PushBack(Share);
 

@@ -22,8 +22,8 @@ impl FourPoint {
         Self { near: 0.5 + w, far: -w }
     }
 
-    /// Calls `add` for the point beyond `here`, opposite `there`; at the end of the line that is the reflection `2 here
-    /// - there`.
+    /// Calls `add` for the point beyond `here`, opposite `there`; at the end of the line that is the reflection
+    /// `2 here - there`.
     pub(in crate::scheme) fn beyond<P>(self, here: P, there: P, beyond: Option<P>, mut add: impl FnMut(P, f64))
     where
         P: Copy,
