@@ -1,4 +1,4 @@
-//! One step of a plan on a small polygon as matrices: one for each operator, and their product.
+//! One step of a plan on a small polygon as matrices: one per operator, and their product.
 
 use super::curve::{ExactStep, exact_steps};
 use crate::math::exact::{Exact, rounded};
@@ -23,7 +23,7 @@ pub struct Matrix {
     pub exact: Option<Vec<Vec<Exact>>>,
 }
 
-/// One operator.
+/// The matrix of one operator.
 #[derive(Debug, Clone, PartialEq)]
 pub struct StepMatrix {
     /// Its letter in words, where it has one.
@@ -47,7 +47,7 @@ pub struct StepMatrices {
     pub product: Matrix,
 }
 
-/// Why there are no matrices.
+/// The reason for which there are no matrices.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
 pub enum NoMatrices {
     /// There would be too many numbers.

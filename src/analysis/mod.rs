@@ -1,4 +1,4 @@
-//! Analysis: what can be said of a scheme and of the limit of a net, without ever refining a whole job.
+//! The analysis of schemes and of the limits of nets, without the refinement of a whole job.
 
 pub mod circles;
 pub mod curve;

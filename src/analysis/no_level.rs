@@ -1,9 +1,9 @@
-//! Why no level can be given for a tolerance.
+//! The reasons for which no level is known for a tolerance.
 
 use crate::refine::RefineError;
 use crate::watch::Stopped;
 
-/// Why no level can be given for a tolerance.
+/// The reason for which no level is known for a tolerance.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum NoLevel {
     /// No distance to the limit is known that is small enough: why, and what helps.

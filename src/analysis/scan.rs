@@ -1,4 +1,4 @@
-//! Parameter studies: what is proved of a scheme at each value of a parameter, and between which values.
+//! Parameter studies: the properties proved of a scheme at each value of a parameter, and the ranges that follow.
 
 use std::collections::BTreeMap;
 use std::ops::Bound::{Excluded, Unbounded};
@@ -23,7 +23,7 @@ const HALVINGS: u32 = 16;
 /// twice as long for schemes with many.
 pub const MOST_BETWEEN: u32 = 256;
 
-/// A parameter and the values that it runs through.
+/// A parameter and the range of its values.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Scan {
     /// The plan, whose value of the parameter does not count.
@@ -40,7 +40,7 @@ pub struct Scan {
     pub is_whole: bool,
 }
 
-/// What was found at all values.
+/// The results at all values.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Scanned {
     /// One row for each value of the scan, in ascending order.
@@ -58,7 +58,7 @@ pub struct Row {
     pub found: Found,
 }
 
-/// What is known of the scheme at one value.
+/// The result for the scheme at one value.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Found {
     /// What is proved and disproved of the scheme.

@@ -1,4 +1,4 @@
-//! What a plan comes to as a curve scheme: one mask, or the masks of its levels and the one that they come close to.
+//! A plan as a curve scheme: one mask, or the masks of its levels and the mask to which they converge.
 
 use crate::analysis::curve::{Cycle, ExactCycle, NoMask};
 use crate::analysis::smoothness::Symbol;

@@ -1,4 +1,4 @@
-//! Which theorems of Zhang and Wang (2002) apply to a plan whose masks change from level to level, and what they prove.
+//! The theorems of Zhang and Wang (2002) for plans whose masks change from level to level, and their conclusions.
 
 use num_traits::{Signed, Zero};
 
@@ -8,7 +8,7 @@ use crate::math::exact::Exact;
 use crate::math::functions::pow;
 use crate::math::number::Number;
 
-/// A theorem held against a plan.
+/// A theorem, applied to a plan.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Theorem {
     /// Where it is printed.

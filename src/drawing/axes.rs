@@ -4,48 +4,49 @@ use super::label::Label;
 use super::scene::{Anchor, Cap, Color, Item, Level, Mark, Point, Stroke, Text};
 use super::ticks::{Tick, ticks};
 
-/// Colour of the frame and of what is written at it.
+/// Colour of the frame and of its labels.
 const INK: Color = [51, 65, 85, 255];
-/// Colour of the grid; it must not be taken for a line of the plot.
+/// Colour of the grid; it must not be mistaken for a line of the plot.
 const GRID: Color = [226, 232, 240, 255];
-/// Most ticks of an axis: twice of it is a ruler, half of it leaves one to guess.
+/// Maximum number of ticks of an axis; twice as many would be a ruler, half as many too few to read values.
 const MOST: usize = 9;
 
 /// A range of numbers along a side of a plot.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Axis {
-    /// The number at the left, or at the bottom.
+    /// The value at the left or at the bottom.
     pub low: f64,
-    /// The number at the right, or at the top; greater than the other.
+    /// The value at the right or at the top; greater than `low`.
     pub high: f64,
-    /// What the numbers are.
+    /// The label that tells what the values are.
     pub label: Option<Label>,
 }
 
 /// A plot's axes.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Axes {
-    /// Left, top, width and height of what is inside of the frame, pixels.
+    /// Left, top, width and height of the area inside the frame, in pixels.
     pub frame: [f32; 4],
-    /// From left to right.
+    /// The horizontal axis, from left to right.
     pub x: Axis,
-    /// From the bottom to the top.
+    /// The vertical axis, from bottom to top.
     pub y: Axis,
-    /// Whether thin lines lead through the plot at the ticks.
+    /// Whether thin lines cross the plot at the ticks.
     pub grid: bool,
-    /// Size of what is written, pixels.
+    /// Font size, in pixels.
     pub size_px: f32,
 }
 
 impl Axis {
-    /// The share of the way from the low end to the high one.
+    /// Returns the position of a value as a fraction of the way from the low end to the high end.
     fn share(&self, value: f64) -> f64 {
         (value - self.low) / (self.high - self.low)
     }
 }
 
 impl Axes {
-    /// Room that ticks and labels want outside of the frame at a size of the font: left, top, right, bottom, pixels.
+    /// Returns the room that ticks and labels need outside the frame at a font size: left, top, right, bottom, in
+    /// pixels.
     pub fn margins(x: &Axis, y: &Axis, size_px: f32) -> [f32; 4] {
         let line = 1.8 * size_px;
         let labelled = |axis: &Axis| if axis.label.is_some() { line } else { 0.0 };
@@ -53,14 +54,14 @@ impl Axes {
         [widest + size_px + labelled(y), 0.7 * size_px, 1.2 * size_px, 2.0 * size_px + labelled(x)]
     }
 
-    /// Where a point of the plot stands, pixels.
+    /// Returns the position of a point of the plot, in pixels.
     pub fn place(&self, [x, y]: [f64; 2]) -> Point {
         let [left, top, width, height] = self.frame.map(f64::from);
         #[expect(clippy::cast_possible_truncation, reason = "pixel coordinates need no more than the precision of f32")]
         [left + self.x.share(x) * width, top + (1.0 - self.y.share(y)) * height].map(|pixel| pixel as f32)
     }
 
-    /// The grid, which belongs below the plot.
+    /// Returns the grid, which must be drawn before the plot.
     pub fn grid(&self) -> Item {
         let [left, top, width, height] = self.frame;
         let mut runs = Vec::new();
@@ -78,7 +79,7 @@ impl Axes {
         Item::lines("grid", runs, Stroke { cap: Cap::Butt, ..Stroke::solid(width_px, GRID) })
     }
 
-    /// The frame with ticks and labels, which belongs above the plot.
+    /// Returns the frame with ticks and labels, which must be drawn after the plot.
     pub fn items(&self) -> Vec<Item> {
         let [left, top, width, height] = self.frame;
         let [right, bottom] = [left + width, top + height];
@@ -115,7 +116,7 @@ impl Axes {
         Text { label, at, size_px: self.size_px, anchor, level, turn_deg: 0.0, color: INK }
     }
 
-    /// Ticks as many as there is room for: one each five letters of width, fewer where labels would meet.
+    /// Returns as many ticks as there is room for: one per five letters of width, fewer where labels would meet.
     fn x_ticks(&self) -> Vec<Tick> {
         #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a few ticks")]
         let room = (self.frame[2] / (5.0 * self.size_px)) as usize;
@@ -127,13 +128,11 @@ impl Axes {
             })
         };
         let found = (2..=room.clamp(2, MOST)).rev().map(|most| ticks(self.x.low, self.x.high, most));
-        found
-            .into_iter()
-            .find(|found| fits(found))
-            .unwrap_or_else(|| ticks(self.x.low, self.x.high, 2).into_iter().take(1).collect())
+        let alone = || ticks(self.x.low, self.x.high, 2).into_iter().take(1).collect();
+        found.into_iter().find(|found| fits(found)).unwrap_or_else(alone)
     }
 
-    /// One each two and a half lines of height.
+    /// Returns one tick per two and a half lines of height.
     fn y_ticks(&self) -> Vec<Tick> {
         #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a few ticks")]
         let room = (self.frame[3] / (2.5 * self.size_px)) as usize;

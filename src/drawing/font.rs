@@ -7,10 +7,10 @@ use std::sync::OnceLock;
 
 use ttf_parser::{Face, GlyphId};
 
-/// How heavy letters are.
+/// The weight of letters.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Weight {
-    /// For all but what follows.
+    /// For everything else.
     Regular,
     /// For titles and the letters of panels.
     Bold,
@@ -24,15 +24,15 @@ pub(super) const FAMILIES: &str = "DejaVu Sans, Bitstream Vera Sans, Verdana, sa
 
 /// Units of the design of both weights along the side of the square that holds an M.
 pub(super) const UNITS_PER_EM: f32 = 2048.0;
-/// Height of a capital letter, in sizes of the font; 1493 units in both weights.
+/// Height of a capital letter relative to the font size; 1493 units in both weights.
 pub(super) const CAPITAL: f32 = 1493.0 / UNITS_PER_EM;
-/// How far letters reach above the baseline, in sizes of the font.
+/// Height of letters above the baseline, relative to the font size.
 pub const ASCENT: f32 = 0.93;
-/// How far letters reach below the baseline, in sizes of the font.
+/// Depth of letters below the baseline, relative to the font size.
 pub const DESCENT: f32 = 0.24;
 
 impl Weight {
-    /// Bytes of the font's file.
+    /// Returns the bytes of the font file.
     pub(super) fn bytes(self) -> &'static [u8] {
         match self {
             Self::Regular => dejavu::sans::regular(),
@@ -40,25 +40,25 @@ impl Weight {
         }
     }
 
-    /// The font, read once.
+    /// Returns the font, which is parsed once.
     pub(super) fn face(self) -> &'static Face<'static> {
         static FACES: [OnceLock<Face<'static>>; 2] = [OnceLock::new(), OnceLock::new()];
         FACES[self as usize].get_or_init(|| Face::parse(self.bytes(), 0).expect("the bundled font is a font"))
     }
 
-    /// The glyph of a character that can be set: letters that are joined, turned around or stacked by rules of their
-    /// script cannot, and marks that combine with the letter before them cannot.
+    /// Returns the glyph of a character that can be set. Letters that their script joins, reverses or stacks, and
+    /// combining marks, cannot be set.
     pub(super) fn glyph(self, c: char) -> Option<GlyphId> {
         let plain = SETTABLE.iter().any(|range| range.contains(&c));
         self.face().glyph_index(c).filter(|_| plain)
     }
 
-    /// How far the glyph moves the pen, units of the design.
+    /// Returns the advance width of a glyph, in design units.
     pub(super) fn advance(self, glyph: GlyphId) -> f32 {
         f32::from(self.face().glyph_hor_advance(glyph).unwrap_or(0))
     }
 
-    /// Name in PDF.
+    /// Returns the name in PDF.
     pub(super) fn postscript_name(self) -> &'static str {
         match self {
             Self::Regular => "DejaVuSans",

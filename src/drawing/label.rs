@@ -1,17 +1,17 @@
-//! Labels: text with subscripts, superscripts and Greek letters, and the places of its glyphs.
+//! Labels: text with subscripts, superscripts and Greek letters, and the positions of its glyphs.
 
 use ttf_parser::GlyphId;
 
 use super::font::{UNITS_PER_EM, Weight};
 
-/// Size of subscripts and superscripts, in sizes of the text. The customary 0.7: half of it cannot be read in print.
+/// Size of subscripts and superscripts relative to the text. The customary 0.7; half of it is illegible in print.
 const SMALL: f32 = 0.7;
-/// How far subscripts stand below the baseline, in sizes of the text; twice of it would leave the line.
+/// Depth of subscripts below the baseline, relative to the text size; twice of it would leave the line.
 const LOWERED: f32 = 0.16;
-/// How far superscripts stand above the baseline, in sizes of the text; half of it would hide that they are raised.
+/// Height of superscripts above the baseline, relative to the text size; half of it would hardly look raised.
 const RAISED: f32 = 0.36;
 
-/// Text of which every letter can be set.
+/// Text all of whose characters can be set.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Label {
     weight: Weight,
@@ -25,19 +25,19 @@ pub(super) struct Piece {
     pub(super) script: Script,
 }
 
-/// Where letters stand.
+/// The vertical position of letters.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Script {
-    /// On the line.
+    /// On the baseline.
     Normal,
-    /// Small, below it.
+    /// A subscript: small, below the baseline.
     Sub,
-    /// Small, above it.
+    /// A superscript: small, above the baseline.
     Super,
 }
 
 impl Script {
-    /// Size of the letters and how far they are raised, in sizes of the text.
+    /// Returns the size of the letters and their rise, relative to the text size.
     fn scale_and_rise(self) -> (f32, f32) {
         match self {
             Self::Normal => (1.0, 0.0),
@@ -47,7 +47,7 @@ impl Script {
     }
 }
 
-/// A piece with its place from the start of the baseline, pixels, y downwards.
+/// A piece with its position relative to the start of the baseline, in pixels, y downwards.
 #[derive(Debug, Clone)]
 pub(super) struct PlacedPiece<'a> {
     pub(super) text: &'a str,
@@ -107,27 +107,27 @@ impl Label {
         Ok(writer.label)
     }
 
-    /// Whether it says nothing.
+    /// Returns whether the label is empty.
     pub fn is_empty(&self) -> bool {
         self.pieces.is_empty()
     }
 
-    /// How heavy its letters are.
+    /// Returns the weight of the letters.
     pub fn weight(&self) -> Weight {
         self.weight
     }
 
-    /// Its letters without their heights.
+    /// Returns the letters without their vertical positions.
     pub fn text(&self) -> String {
         self.pieces.iter().map(|piece| piece.text.as_str()).collect()
     }
 
-    /// Width at a size of the font, pixels both.
+    /// Returns the width at a font size, both in pixels.
     pub fn width(&self, size_px: f32) -> f32 {
         self.pieces(size_px).last().map_or(0.0, |piece| piece.at[0] + piece.width_px)
     }
 
-    /// The pieces with their places.
+    /// Returns the pieces with their positions.
     pub(super) fn pieces(&self, size_px: f32) -> impl Iterator<Item = PlacedPiece<'_>> {
         let mut x = 0.0;
         self.pieces.iter().map(move |piece| {
@@ -139,13 +139,13 @@ impl Label {
         })
     }
 
-    /// Width of some of its letters, all of one size, pixels both.
+    /// Returns the width of some letters at a size, both in pixels.
     pub(super) fn width_of(&self, text: &str, size_px: f32) -> f32 {
         let units: f32 = self.glyphs(text).map(|(_, glyph)| self.weight.advance(glyph)).sum();
         units * size_px / UNITS_PER_EM
     }
 
-    /// The characters of a piece with their glyphs.
+    /// Returns the characters of a piece with their glyphs.
     pub(super) fn glyphs(&self, text: &str) -> impl Iterator<Item = (char, GlyphId)> {
         text.chars().filter_map(|c| Some((c, self.weight.glyph(c)?)))
     }
@@ -175,7 +175,7 @@ pub fn wrapped(text: &str, weight: Weight, size_px: f32, width_px: f32) -> Resul
     Ok(lines)
 }
 
-/// What stands between spaces outside of braces.
+/// Returns the parts between spaces outside braces.
 fn words(text: &str) -> impl Iterator<Item = &str> {
     let mut depth = 0_usize;
     text.split(move |c: char| {
@@ -189,7 +189,7 @@ fn words(text: &str) -> impl Iterator<Item = &str> {
     .filter(|word| !word.is_empty())
 }
 
-/// Puts letters behind each other.
+/// Appends letters to a label.
 struct Writer {
     label: Label,
 }
@@ -199,7 +199,7 @@ impl Writer {
         Self { label: Label { weight, pieces: Vec::new() } }
     }
 
-    /// Puts the character or command that `text`, which is not empty, starts with, and returns what follows it.
+    /// Appends the character or command at the start of `text`, which is not empty, and returns the rest.
     fn one<'a>(&mut self, text: &'a str, script: Script) -> Result<&'a str, String> {
         let Some(command) = text.strip_prefix('\\') else {
             let c = text.chars().next().unwrap_or(' ');
@@ -240,7 +240,7 @@ impl Writer {
     }
 }
 
-/// The character of a command.
+/// Returns the character of a command.
 fn sign(name: &str) -> Option<char> {
     SIGNS.iter().find(|(known, _)| *known == name).map(|(_, c)| *c)
 }

@@ -1,47 +1,47 @@
-//! Legends: what the lines, marks and colours of a drawing mean.
+//! Legends, which explain the lines, marks and colours of a drawing.
 
 use super::label::Label;
 use super::scene::{Anchor, Cap, Color, Discs, Item, Level, Mark, Picture, Point, Stroke, Text};
 use super::ticks::ticks;
 
-/// Colour of what is written.
+/// Colour of the text.
 const INK: Color = [51, 65, 85, 255];
-/// Colour of the paper; what is below it shines through a little.
+/// Colour of the background, which is slightly translucent.
 const PAPER: Color = [255, 255, 255, 230];
-/// Colour of the edge.
+/// Colour of the border.
 const EDGE: Color = [203, 213, 225, 255];
 
-/// How an entry looks in the drawing.
+/// The sample of an entry, as it looks in the drawing.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Key {
     /// A line.
     Line(Stroke),
-    /// A disc; its centres do not count.
+    /// A disc; its centres are ignored.
     Disc(Discs),
     /// A colour.
     Area(Color),
 }
 
-/// A line of a legend.
+/// An entry of a legend.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Entry {
-    /// How it looks.
+    /// The sample.
     pub key: Key,
-    /// What it is.
+    /// The explanation.
     pub label: Label,
 }
 
 /// A legend.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Legend {
-    /// From the top.
+    /// The entries, from the top.
     pub entries: Vec<Entry>,
-    /// Size of what is written, pixels.
+    /// Font size, in pixels.
     pub size_px: f32,
 }
 
 impl Legend {
-    /// Width and height, pixels.
+    /// Returns width and height, in pixels.
     pub fn extent(&self) -> [f32; 2] {
         let widest = self.entries.iter().map(|entry| entry.label.width(self.size_px)).fold(0.0, f32::max);
         #[expect(clippy::cast_precision_loss, reason = "a few entries")]
@@ -49,7 +49,7 @@ impl Legend {
         [widest + 4.2 * self.size_px, (1.5 * n + 0.7) * self.size_px]
     }
 
-    /// The legend on paper of its own, with its upper left corner at a place.
+    /// Returns the legend with its background; the upper left corner is at the given point.
     pub fn items(&self, [left, top]: Point) -> Vec<Item> {
         let [width, height] = self.extent();
         let size = self.size_px;
@@ -71,7 +71,7 @@ impl Legend {
 }
 
 impl Key {
-    /// A sample, two letters wide, that starts at the left of a place.
+    /// Returns a sample, two letters wide, that starts at the given point.
     fn item(&self, [x, y]: Point, size: f32) -> Item {
         let mark = match self {
             Self::Line(stroke) => Mark::Lines(vec![vec![[x, y], [x + 2.2 * size, y]]], stroke.clone()),
@@ -90,7 +90,7 @@ fn text(label: Label, at: Point, size_px: f32) -> Item {
     Item::new("label", Mark::Text(Text { label, at, size_px, anchor, level, turn_deg: 0.0, color: INK }))
 }
 
-/// Colours of a bar: enough that steps between them cannot be seen, and twice of it would only be longer.
+/// Number of colours of a bar: enough that steps are invisible; twice as many would only make the file longer.
 const STEPS: u16 = 256;
 
 /// Share of the size of the font down to which what is written at a bar becomes smaller; a third cannot be read.

@@ -1,4 +1,4 @@
-//! Where the letters of a text stand, and their outlines.
+//! The positions and the outlines of the letters of a text.
 
 use ttf_parser::OutlineBuilder;
 
@@ -7,12 +7,12 @@ use super::scene::{Anchor, Level, Text};
 use crate::math::functions::{cos, sin};
 
 impl Text {
-    /// Width, pixels.
+    /// Returns the width, in pixels.
     pub fn width_px(&self) -> f32 {
         self.label.width(self.size_px)
     }
 
-    /// From the anchor to the start of the baseline, before the turn, pixels.
+    /// Returns the offset from the anchor to the start of the baseline before rotation, in pixels.
     pub(super) fn offset(&self) -> [f32; 2] {
         let capital = CAPITAL * self.size_px;
         let x = match self.anchor {
@@ -28,21 +28,21 @@ impl Text {
         [x, y]
     }
 
-    /// Cosine and sine of the turn.
+    /// Returns cosine and sine of the rotation.
     pub(super) fn cos_sin(&self) -> [f32; 2] {
         let angle = f64::from(self.turn_deg) * (std::f64::consts::PI / 180.0);
         #[expect(clippy::cast_possible_truncation, reason = "a direction needs no last digit")]
         [cos(angle), sin(angle)].map(|x| x as f32)
     }
 
-    /// From the frame of the text, in which the baseline starts at the origin, to its place: `[a, b, c, d, e, f]`
-    /// brings `(x, y)` to `(a x + c y + e, b x + d y + f)`.
+    /// Returns the transform from the frame of the text, whose baseline starts at the origin, to its place:
+    /// `[a, b, c, d, e, f]` maps `(x, y)` to `(a x + c y + e, b x + d y + f)`.
     pub(super) fn frame(&self) -> [f32; 6] {
         let ([x, y], [left, down], [c, s]) = (self.at, self.offset(), self.cos_sin());
         [c, s, -s, c, x + c * left - s * down, y + s * left + c * down]
     }
 
-    /// Traces the outlines of the letters, in the frame of the text.
+    /// Traces the outlines of the letters in the frame of the text.
     pub(super) fn outline(&self, to: &mut dyn OutlineBuilder) {
         let weight = self.label.weight();
         for piece in self.label.pieces(self.size_px) {
@@ -58,7 +58,7 @@ impl Text {
     }
 }
 
-/// Puts the outline of a glyph, in units of the design with y upwards, at its place.
+/// Transforms the outline of a glyph, in design units with y upwards, to its place.
 struct Placed<'a> {
     to: &'a mut dyn OutlineBuilder,
     at: [f32; 2],

@@ -12,10 +12,10 @@ use super::error::DrawError;
 use super::scene::{Cap, Color, Discs, Drawing, Group, Item, Mark, Picture, Point, Run, Stroke, Text};
 use crate::watch::Watch;
 
-/// Discs painted at once.
+/// Number of discs painted at a time.
 const BATCH: usize = 256;
 
-/// Rows of red, green, blue and alpha (straight), from the top.
+/// Returns rows of red, green, blue and alpha (straight), from the top.
 ///
 /// # Errors
 /// When the watch says stop, or there is no room for the pixels.
@@ -29,18 +29,18 @@ pub fn pixels(drawing: &Drawing, watch: &Watch) -> Result<Vec<u8>, DrawError> {
     Ok(canvas.pixmap.take_demultiplied())
 }
 
-/// What is painted on.
+/// The canvas that is painted.
 struct Canvas<'a> {
     pixmap: Pixmap,
     watch: &'a Watch,
 }
 
-/// How items of a group get onto the canvas.
+/// The transform and the clip of the items of a group.
 #[derive(Clone, Copy)]
 struct View<'a> {
-    /// From the group's pixels to those of the drawing.
+    /// Maps the group's pixels to those of the drawing.
     transform: Transform,
-    /// What may be painted on; all where there is none.
+    /// The area that may be painted; if `None`, everything.
     mask: Option<&'a Mask>,
 }
 
@@ -165,7 +165,7 @@ impl Canvas<'_> {
         self.items(&group.items, View { transform, mask: cut.as_ref() })
     }
 
-    /// What is inside of a path and of a mask.
+    /// Returns the intersection of the inside of a path with a mask.
     fn cut(&self, path: &Path, transform: Transform, mask: Option<&Mask>) -> Option<Mask> {
         let mut cut = mask.cloned().or_else(|| {
             let mut all = Mask::new(self.pixmap.width(), self.pixmap.height())?;
@@ -193,7 +193,7 @@ fn trace(path: &mut PathBuilder, run: &[Point]) {
     }
 }
 
-/// The outlines of letters as a path.
+/// Collects the outlines of letters as a path.
 struct Contours(PathBuilder);
 
 impl OutlineBuilder for Contours {

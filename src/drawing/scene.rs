@@ -1,28 +1,28 @@
-//! What a drawing consists of.
+//! The contents of a drawing.
 
 use super::label::Label;
 
-/// A place in the drawing, pixels, y downwards.
+/// A point of the drawing, in pixels, y downwards.
 pub type Point = [f32; 2];
-/// Red, green, blue and alpha: straight sRGB.
+/// A colour: red, green, blue and alpha, straight sRGB.
 pub type Color = [u8; 4];
-/// A polyline of two or more places; one that ends where it starts is closed.
+/// A polyline of two or more points; closed if it ends where it starts.
 pub type Run = Vec<Point>;
 
 /// Items over a background.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Drawing {
-    /// Width and height, pixels.
+    /// Width and height, in pixels.
     pub size: [u32; 2],
-    /// Colour behind everything.
+    /// The colour behind everything.
     pub background: Color,
-    /// What the drawing shows, for readers that hear it and for the heads of windows; empty when nothing is said.
+    /// A description of the drawing, for screen readers and window titles; may be empty.
     pub title: String,
-    /// What is painted, the first undermost.
+    /// The items, in painting order.
     pub items: Vec<Item>,
 }
 
-/// How the letters of a drawing are written where the bytes can hold text.
+/// How letters are written in formats that can hold text.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Lettering {
     /// As text, which can be searched and copied. SVG names the bundled font and leaves its letters to the viewer; PDF
@@ -32,71 +32,71 @@ pub enum Lettering {
     Outlines,
 }
 
-/// One thing to paint.
+/// An item to paint.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Item {
-    /// What kind of thing it is (`"curve"`, `"axis"`), for style sheets of SVG; empty for none.
+    /// The class of the item (`"curve"`, `"axis"`) for style sheets of SVG; may be empty.
     pub class: &'static str,
-    /// What it is, in words: SVG shows them where a pointer rests. Empty for nothing.
+    /// A description of the item, shown as a tooltip in SVG; may be empty.
     pub title: String,
-    /// How it looks.
+    /// The appearance of the item.
     pub mark: Mark,
 }
 
-/// How an item looks.
+/// The appearance of an item.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Mark {
     /// Polylines with round joins.
     Lines(Vec<Run>, Stroke),
-    /// What polygons, each closed by itself, lead around an odd number of times.
+    /// The areas that polygons enclose by the even-odd rule; each polygon is closed.
     Areas(Vec<Run>, Color),
-    /// Filled discs in a ring.
+    /// Filled discs with a ring.
     Discs(Discs),
     /// A line of text.
     Text(Text),
-    /// Pixels.
+    /// A raster image.
     Picture(Picture),
-    /// Items that are moved, scaled and cut together.
+    /// Items that are moved, scaled and clipped together.
     Group(Group),
 }
 
-/// How lines are drawn.
+/// The style of lines.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Stroke {
-    /// Width, pixels.
+    /// Width, in pixels.
     pub width_px: f32,
     /// Colour.
     pub color: Color,
-    /// Lengths of dashes and gaps in turn, pixels; empty for a solid line.
+    /// Alternating lengths of dashes and gaps, in pixels; empty for a solid line.
     pub dash: Vec<f32>,
-    /// How lines and dashes end.
+    /// The ends of lines and dashes.
     pub cap: Cap,
 }
 
 impl Stroke {
-    /// A solid line with round ends.
+    /// Creates a solid line with round ends.
     pub const fn solid(width_px: f32, color: Color) -> Self {
         Self { width_px, color, dash: Vec::new(), cap: Cap::Round }
     }
 }
 
-/// How lines and dashes end.
+/// The ends of lines and dashes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Cap {
-    /// In a half disc.
+    /// Rounded by a half disc.
     Round,
-    /// Where the line ends.
+    /// Cut off at the end of the line.
     Butt,
 }
 
-/// Discs of one look.
+/// Discs of the same appearance.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Discs {
-    /// Centres.
+    /// The centres.
     pub centres: Vec<Point>,
-    /// Radius of a disc with its ring, pixels.
+    /// Radius of a disc including its ring, in pixels.
     pub radius_px: f32,
-    /// Width of the ring, pixels; 0 for none.
+    /// Width of the ring, in pixels; 0 for none.
     pub ring_px: f32,
     /// Colour of the disc.
     pub color: Color,
@@ -107,37 +107,37 @@ pub struct Discs {
 /// A line of text.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Text {
-    /// What it says.
+    /// The text.
     pub label: Label,
-    /// Where the anchor stands.
+    /// The position of the anchor.
     pub at: Point,
-    /// Size of the font, pixels: the side of the square that holds an M.
+    /// Font size, in pixels: the size of the em square.
     pub size_px: f32,
-    /// Which end of the text stands at the anchor.
+    /// The horizontal position of the anchor in the text.
     pub anchor: Anchor,
-    /// Which height of the text stands at the anchor.
+    /// The vertical position of the anchor in the text.
     pub level: Level,
-    /// Turn about the anchor, degrees, clockwise.
+    /// Rotation about the anchor, in degrees, clockwise.
     pub turn_deg: f32,
     /// Colour.
     pub color: Color,
 }
 
-/// Which end of a text stands at its place.
+/// The horizontal position of the anchor in a text.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Anchor {
-    /// The left one.
+    /// The left end.
     Start,
     /// The middle.
     Middle,
-    /// The right one.
+    /// The right end.
     End,
 }
 
-/// Which height of a text stands at its place.
+/// The vertical position of the anchor in a text.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Level {
-    /// The line on which letters stand.
+    /// The baseline.
     Baseline,
     /// The middle of a capital letter.
     Middle,
@@ -145,56 +145,56 @@ pub enum Level {
     Top,
 }
 
-/// Pixels in a rectangle.
+/// A raster image in a rectangle.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Picture {
-    /// Columns and rows, pixels of the picture.
+    /// Number of columns and rows of the image.
     pub size: [u32; 2],
     /// Rows of red, green, blue and alpha (straight), from the top: `4 * columns * rows` bytes.
     pub pixels: Vec<u8>,
     /// Upper left corner of the rectangle.
     pub at: Point,
-    /// Width and height of the rectangle, pixels of the drawing.
+    /// Width and height of the rectangle, in pixels of the drawing.
     pub extent: [f32; 2],
 }
 
-/// Items that are moved, scaled and cut together: a place `p` of an item is seen at `shift + scale p`.
+/// Items that are moved, scaled and clipped together: a point `p` of an item is drawn at `shift + scale p`.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Group {
-    /// Where the origin of the items stands.
+    /// The position of the origin of the items.
     pub shift: Point,
-    /// Pixels of what the group stands in for each of its own; greater than 0.
+    /// Scale factor from the group's pixels to those outside; greater than 0.
     pub scale: f32,
-    /// Left, top, width and height of the rectangle outside of which nothing is seen, in pixels of the group.
+    /// Clip rectangle: left, top, width and height, in pixels of the group.
     pub clip: Option<[f32; 4]>,
-    /// What is painted, the first undermost.
+    /// The items, in painting order.
     pub items: Vec<Item>,
 }
 
 impl Item {
-    /// An item without a title.
+    /// Creates an item without a title.
     pub fn new(class: &'static str, mark: Mark) -> Self {
         Self { class, title: String::new(), mark }
     }
 
-    /// The same with a title.
+    /// Returns the item with a title.
     #[must_use]
     pub fn titled(self, title: impl Into<String>) -> Self {
         Self { title: title.into(), ..self }
     }
 
-    /// Lines of one look.
+    /// Creates lines of one style.
     pub fn lines(class: &'static str, runs: Vec<Run>, stroke: Stroke) -> Self {
         Self::new(class, Mark::Lines(runs, stroke))
     }
 
-    /// A filled rectangle: left, top, width, height.
+    /// Creates a filled rectangle: left, top, width, height.
     pub fn rectangle(class: &'static str, [x, y, width, height]: [f32; 4], color: Color) -> Self {
         let corners = vec![[x, y], [x + width, y], [x + width, y + height], [x, y + height]];
         Self::new(class, Mark::Areas(vec![corners], color))
     }
 
-    /// Text that stands upright.
+    /// Creates upright text.
     pub fn text(class: &'static str, label: Label, at: Point, size_px: f32, color: Color) -> Self {
         let (anchor, level) = (Anchor::Start, Level::Baseline);
         Self::new(class, Mark::Text(Text { label, at, size_px, anchor, level, turn_deg: 0.0, color }))
@@ -202,8 +202,8 @@ impl Item {
 }
 
 impl Drawing {
-    /// The drawing as an item of another: as large as it fits into a rectangle (left, top, width, height), in its
-    /// middle, with its background, and cut at its own edges.
+    /// Returns the drawing as an item of another one: as large as fits into a rectangle (left, top, width, height),
+    /// centred, with its background, and clipped at its own edges.
     pub fn into_group(self, [left, top, width, height]: [f32; 4]) -> Item {
         #[expect(clippy::cast_precision_loss, reason = "pictures have some thousand pixels a side")]
         let [w, h] = self.size.map(|side| side.max(1) as f32);

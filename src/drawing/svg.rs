@@ -40,12 +40,12 @@ pub fn svg(drawing: &Drawing, lettering: Lettering, out: &mut dyn Write, watch: 
     Ok(())
 }
 
-/// Writes items.
+/// Writes the items.
 struct Writer<'a, 'b> {
     page: &'a mut Page<'b>,
     lettering: Lettering,
     watch: &'a Watch,
-    /// Clips written so far; each has its number as its name.
+    /// Number of clips written so far; each clip is named by its index.
     n_clips: usize,
 }
 
@@ -262,7 +262,7 @@ impl Writer<'_, '_> {
     }
 }
 
-/// The outlines of letters as the commands of a path.
+/// Writes the outlines of letters as path commands.
 struct Contours<'a, 'b>(&'a mut Page<'b>);
 
 impl OutlineBuilder for Contours<'_, '_> {

@@ -1,4 +1,4 @@
-//! The analysis of a plan: a computation like a job, of which only the scheme matters.
+//! The analysis of a plan as a curve scheme: a computation like a job, which depends on the scheme only.
 
 use super::input::Input;
 use super::key::{self, Key};
@@ -14,49 +14,45 @@ use crate::fault::{Fault, under};
 use crate::scheme::plan::{Plan, PlanInput, Subject};
 use crate::watch::{Stopped, Watch};
 
-/// Products of matrices that the search for bounds looks at when nothing is said.
-/// It decides four-point schemes to 5e-4 of the end of their range, in some 10 ms. Half of it widens intervals by a
-/// third, twice of it takes twice as long.
+/// Default number of matrix products in the search for bounds. It decides four-point schemes to 5e-4 of the end of
+/// their range, in some 10 ms. Half as many widen intervals by a third; twice as many take twice as long.
 pub const DEFAULT_NODES: u64 = 100_000;
-/// Most products that may be asked for: a hundred times the usual number.
-/// Half of it leaves intervals wider, twice of it lets one request hold a thread for twice as long.
+/// Maximum number of matrix products that may be requested: a hundred times the default. Half as many leave intervals
+/// wider; twice as many let one request hold a thread twice as long.
 pub const MAX_NODES: u64 = 10_000_000;
-/// Most values of the basic limit function.
-/// It is four for each pixel of a wide figure. Half of it makes curves of long masks rougher; twice of it makes answers
-/// twice as long.
+/// Maximum number of values of the basic limit function: four per pixel of a wide figure. Half as many make curves of
+/// long masks rougher; twice as many make answers twice as long.
 pub const MAX_VALUES: u64 = 1 << 14;
-/// Products that take as long as a millisecond of one core. Measured: 11,000 and more with matrices of presets of few
-/// points, 746 with those of the 16-point scheme, 457 with those of the 32-point scheme.
-/// Half of it books twice the time that they take, twice of it half of it; smaller matrices are quicker.
+/// Number of matrix products per millisecond on one core. Measured: 11,000 and more with matrices of presets of few
+/// points, 746 with those of the 16-point scheme, 457 with those of the 32-point scheme. Half of it would book twice
+/// the time that large matrices take, twice of it half the time; smaller matrices are quicker.
 const NODES_A_MS: u64 = 400;
-/// Cubes of the residual's length that take as long as a millisecond: whether shifts are stable is decided by as many
-/// powers of polynomials as the residual has zeros.
-/// Measured on masks of 41, 67 and 129 entries of 17 digits: 0.2, 0.4 and 2.8 s. Half and twice of it are off by two.
+/// Cubes of the residual's length per millisecond: whether shifts are stable is decided by as many powers of
+/// polynomials as the residual has zeros. Measured on masks of 41, 67 and 129 entries of 17 digits: 0.2, 0.4 and 2.8 s.
+/// Half or twice of it would be off by a factor of two.
 const CUBES_A_MS: u64 = 700;
-/// Bytes of memory that an analysis takes at most: the exact matrices and their products.
-/// Measured as the largest resident memory of `planish analyse` over that of `planish --version`: 33 MiB for a word of
-/// 31 averages and a push-back, 30 MiB for a mask of 41 entries of 17 digits, 22 MiB for one of 129; presets take 5.
-/// Half of it is too little for these; twice of it lets half as many analyses run at once.
+/// Upper bound of the memory of an analysis in bytes: the exact matrices and their products. Measured as the largest
+/// resident memory of `planish analyse` above that of `planish --version`: 33 MiB for a word of 31 averages and a
+/// push-back, 30 MiB for a mask of 41 entries of 17 digits, 22 MiB for one of 129; presets take 5. Half of it would be
+/// too little for these; twice of it would let half as many analyses run at once.
 const BYTES: u64 = 48 << 20;
-/// Products of matrices at each value of a scan when nothing is said.
-/// Two hundred values take some seconds. Half of it leaves ends of ranges wider, twice of it takes twice as long where
-/// nothing is decided.
+/// Default number of matrix products at each value of a scan. Two hundred values take some seconds. Half as many leave
+/// ends of ranges wider; twice as many take twice as long where nothing is decided.
 pub const DEFAULT_SCAN_NODES: u64 = 10_000;
-/// Most values of a function that is plotted without a grid of its own: two for each pixel.
-/// Half of it shows corners where there are none; twice of it makes figures in lines twice as long.
+/// Maximum number of values of a function that is plotted without a grid of its own: two per pixel. Half as many show
+/// corners where there are none; twice as many make figures in lines twice as long.
 const PLOTTED: u64 = 1 << 10;
-/// Finest grid that is looked at for a plot: binary schemes have no finer one of so many values.
+/// Finest grid level for a plot; binary schemes have no finer one with so many values.
 const MAX_GRID: u32 = 10;
-/// Points of polygons whose levels are looked at in a millisecond, all searches together.
-/// It is what the bounds of tolerances take, of eight levels: some 60 ms for 16,000 points. Half of it books twice of
-/// what they take, twice of it half of it.
+/// Number of polygon points per millisecond whose levels all searches examine. The bounds of tolerances of eight levels
+/// take some 60 ms for 16,000 points. Half of it would book twice the time, twice of it half the time.
 const POINTS_A_MS: u64 = 250;
-/// Milliseconds of an analysis without its products: those that look for an eigenvalue, and choose a norm.
-/// Measured on masks of some ten entries: 5 to 10 ms. Half of it books scans of longer masks too short; twice of it
-/// lets fewer scans run at once.
+/// Milliseconds of an analysis apart from its matrix products, for the eigenvalues and the choice of a norm. Measured
+/// on masks of some ten entries: 5 to 10 ms. Half of it would book too little for scans of longer masks; twice of it
+/// would let fewer scans run at once.
 const BASE_MS: u64 = 10;
 
-/// What is asked about a plan.
+/// The analysis that a client requests for a plan.
 #[derive(Debug, Clone)]
 pub struct Analysis {
     asked: Asked,
@@ -70,59 +66,59 @@ enum Asked {
     Scan(Box<Scan>),
 }
 
-/// What is to be found out about a plan.
+/// The parts of an analysis that a client requests.
 #[derive(Debug, Clone, Default)]
 pub struct Wishes {
-    /// Products of matrices in the search for bounds, at each value where a parameter is scanned.
+    /// Maximum number of matrix products in the search for bounds; in a scan, at each value of the parameter.
     pub nodes: Option<u64>,
-    /// The steps of the grid of values of the basic limit function.
+    /// The number of refinement steps of the grid on which the basic limit function is evaluated.
     pub grid: Option<u32>,
-    /// The matrices of one step.
+    /// The matrices of one step, if requested.
     pub matrices: Option<MatricesWish>,
-    /// The parameter that is scanned.
+    /// The scan of a parameter, if requested.
     pub scan: Option<ScanWish>,
-    /// Polygons that are refined.
+    /// Polygons to be refined by the plan, if any.
     pub input: Option<Input>,
-    /// Whether functions are plotted: then the grid is as fine as a plot shows, where none is named.
+    /// Whether functions are plotted, for which the grid is as fine as a plot shows if none is requested.
     pub is_plotted: bool,
 }
 
-/// What an analysis has found.
+/// The result of an analysis.
 #[derive(Debug, Clone)]
 pub enum Findings<'a> {
-    /// Of one scheme.
+    /// The result for one scheme.
     Scheme(Box<SchemeFindings<'a>>),
-    /// Of the schemes for all values of a parameter.
+    /// The result for the schemes at all values of a parameter.
     Scan(&'a Scan, Scanned),
 }
 
-/// What is found of a scheme.
+/// The result of the analysis of one scheme.
 #[derive(Debug, Clone)]
 pub struct SchemeFindings<'a> {
-    /// Of the scheme, or of the one that those of the levels come close to.
+    /// The report on the scheme, or on the limit of the schemes of the levels.
     pub report: Report,
-    /// The schemes of the levels, where they change.
+    /// The schemes of the levels, if they change.
     pub levels: &'a [Level],
-    /// By what the distance of a level from the settled scheme is multiplied at the next.
+    /// The factor by which the distance of a level from the limit scheme changes from one level to the next.
     pub rate: Option<f64>,
     /// The largest k for which limits of the plan are proved to be C^k.
     pub proved_c: i64,
-    /// Values of the basic limit function, where they were asked for and there is one.
+    /// Values of the basic limit function, if requested and if it exists.
     pub values: Option<BasicFunction>,
     /// Values of its derivatives, as far as they are proved to be continuous.
     pub derivatives: Vec<BasicFunction>,
-    /// The matrices of one step, where they were asked for.
+    /// The matrices of one step, if requested.
     pub matrices: Option<FoundMatrices<'a>>,
-    /// The theorems of the first paper, where levels change.
+    /// The theorems of the first paper, if levels change.
     pub theorems: Vec<Theorem>,
-    /// How quickly levels come close to the settled scheme.
+    /// How quickly the levels converge to the limit scheme.
     pub decay: Option<Decay>,
-    /// What is found of the polygons, where some were given.
+    /// The result for the polygons, if any were given.
     pub survey: Option<PolygonSurvey>,
 }
 
 impl Analysis {
-    /// The analysis of a plan.
+    /// Creates the analysis of a plan.
     ///
     /// # Errors
     /// Every fault found, with pointers into the request.
@@ -157,12 +153,12 @@ impl Analysis {
         }
     }
 
-    /// The key of what it finds.
+    /// Returns the key of the result.
     pub fn key(&self) -> Key {
         self.key
     }
 
-    /// How many schemes are analysed, at most.
+    /// Returns an upper bound of the number of schemes analysed.
     fn schemes(&self) -> u64 {
         match &self.asked {
             Asked::Scheme { .. } => 1,
@@ -170,17 +166,17 @@ impl Analysis {
         }
     }
 
-    /// Units of work, at most.
+    /// Returns an upper bound of the work, in the units of the watch.
     pub fn work(&self) -> u64 {
         self.products() + self.surveyed().map_or(0, |_| curve::MAX_WORK)
     }
 
-    /// Products of matrices, at most.
+    /// Returns an upper bound of the number of matrix products.
     fn products(&self) -> u64 {
         self.nodes * self.schemes()
     }
 
-    /// Milliseconds on one core, roughly.
+    /// Returns the approximate time in milliseconds on one core.
     pub fn milliseconds(&self) -> u64 {
         let residual = match &self.asked {
             Asked::Scheme { study, .. } => study.settled.residual.len() as u64,
@@ -190,21 +186,21 @@ impl Analysis {
         self.products() / NODES_A_MS + BASE_MS * self.schemes() + residual.pow(3) / CUBES_A_MS + search
     }
 
-    /// Bytes of memory that it takes at most.
+    /// Returns an upper bound of the memory in bytes.
     pub fn bytes(&self) -> u64 {
         let input = self.surveyed().map_or(0, |on| on.input.bytes() + curve::search_bytes(on.input.n_points()));
         input.saturating_add(BYTES)
     }
 
-    /// The polygons that are asked about.
+    /// Returns the polygons of the request, if any.
     fn surveyed(&self) -> Option<&SurveyedPolygons> {
         if let Asked::Scheme { on, .. } = &self.asked { on.as_deref() } else { None }
     }
 
-    /// What can be said of the plan.
+    /// Runs the analysis.
     ///
     /// # Errors
-    /// [`Stopped`].
+    /// [`Stopped`] when the watch says so.
     pub fn run(&self, watch: &Watch) -> Result<Findings<'_>, Stopped> {
         match &self.asked {
             Asked::Scheme { study, grid, matrices, on } => {

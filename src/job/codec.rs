@@ -2,27 +2,27 @@
 
 use std::borrow::Cow;
 
-/// A value to be encoded. Every item starts with its tag and, where its length varies, that length.
+/// A value to be encoded. Every item starts with its tag, followed by its length if that varies.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Item<'a> {
     /// A whole number.
     Integer(u64),
-    /// A number; -0 is written as 0.
+    /// A number; -0 is encoded as 0.
     Number(f64),
     /// A text, UTF-8.
     Text(Cow<'a, str>),
-    /// Many numbers.
+    /// A list of numbers.
     Numbers(Cow<'a, [f64]>),
-    /// Many indices.
+    /// A list of indices.
     Indices(Cow<'a, [u32]>),
-    /// Bytes of a file.
+    /// The bytes of a file.
     Bytes(Cow<'a, [u8]>),
-    /// Several items.
+    /// A list of items.
     List(Vec<Item<'a>>),
 }
 
 impl Item<'_> {
-    /// A text of its own.
+    /// Creates a text item that owns its text.
     pub(super) fn text(text: &str) -> Self {
         Self::Text(text.to_owned().into())
     }

@@ -1,4 +1,4 @@
-//! Comparisons: what differs between two pictures, or between two shapes.
+//! Comparisons of two pictures, or of two shapes.
 
 use std::io::{self, Cursor, Write};
 use std::sync::Arc;
@@ -19,51 +19,50 @@ use crate::output::{Farthest, Measured};
 use crate::raster::{Difference, Measure, Pixels, difference};
 use crate::watch::Watch;
 
-/// Most pixels of a picture that is compared.
-/// Two of them with what is drawn of them take 700 MiB. Half of it refuses scans of a page at 600 dots an inch; twice
-/// of it takes twice the memory.
+/// Maximum number of pixels of a picture to compare. Two such pictures with their difference take 700 MiB. Half as many
+/// would refuse scans of a page at 600 dots per inch; twice as many would take twice the memory.
 const MOST_PIXELS: u64 = 1 << 26;
-/// Bytes a pixel of both pictures while they are compared: two colours of four channels, in which sixteen bits a
-/// channel may come, and the picture of their difference, which is then compressed.
+/// Bytes per pixel while two pictures are compared: two colours of four channels, possibly of sixteen bits each, and
+/// the picture of the difference, which is then compressed.
 const PIXEL_BYTES: u64 = 2 * 4 + 8 + 3 + 3;
-/// Pixels that are compared in a millisecond of one core, smoothed edges included (measured: 9,000 to 60,000).
-/// Half and twice of it book twice and half the time.
+/// Number of pixels compared per millisecond on one core, with smoothed edges (measured: 9,000 to 60,000). Half or
+/// twice of it would book twice or half the time.
 const PIXELS_A_MS: u64 = 10_000;
-/// Distances of points from a shape that are found in a millisecond of one core (measured: 150 to 900).
-/// Half and twice of it book twice and half the time.
+/// Number of distances from points to a shape per millisecond on one core (measured: 150 to 900). Half or twice of it
+/// would book twice or half the time.
 const QUERIES_A_MS: u128 = 300;
 
-/// The threshold of pictures where none is given: what pixelmatch has, too.
+/// The default threshold for pictures, the same as in pixelmatch.
 pub const USUAL_THRESHOLD: f64 = 0.1;
 
-/// One of the two that are compared.
+/// One of the two sides of a comparison.
 #[derive(Debug, Clone)]
 pub enum Side {
-    /// The refined shape of a job with one output of the format `stats`.
+    /// The refined shape of a job that has one output, of the format `stats`.
     Shape(Arc<Admitted>),
     /// A picture.
     Picture(PngFile),
 }
 
-/// A picture as a PNG file, of which the size is known.
+/// A PNG file whose size is known.
 #[derive(Debug, Clone)]
 pub struct PngFile {
     bytes: Arc<[u8]>,
     size: [u32; 2],
-    /// Whether this program drew it, so that its pixels mean something to the last bit.
+    /// Whether planish drew it, so that its pixels are exact.
     is_own: bool,
 }
 
-/// What is asked of a comparison.
+/// The tolerances of a comparison.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct Tolerances {
-    /// Of colours, 0 to 1; where it is left out, own pictures are compared by equality.
+    /// For colours, 0 to 1; if `None`, pictures drawn by planish are compared for equality.
     pub threshold: Option<f64>,
-    /// Of distances, model units.
+    /// For distances, in model units.
     pub tolerance: Option<f64>,
 }
 
-/// Two things to be compared.
+/// A comparison of two pictures or two shapes.
 #[derive(Debug)]
 pub struct Comparison {
     sides: Sides,
@@ -76,34 +75,34 @@ enum Sides {
     Shapes([Arc<Admitted>; 2], f64),
 }
 
-/// What a comparison has found.
+/// The result of a comparison.
 #[derive(Debug)]
 pub enum Compared {
-    /// Pictures of one size.
+    /// The result for pictures of equal size.
     Pixels {
-        /// What differs.
+        /// The differing pixels.
         difference: Difference,
-        /// Their width and height.
+        /// Width and height of both, in pixels.
         size: [u32; 2],
     },
-    /// Pictures of two sizes.
+    /// The sizes of two pictures of different size.
     Sizes([[u32; 2]; 2]),
-    /// Shapes.
+    /// The result for two shapes.
     Shapes {
         /// The statistics of each, as the format `stats` writes them.
         stats: [Vec<u8>; 2],
-        /// How far each is from the other at most.
+        /// The point of each shape that is farthest from the other.
         farthest: [Option<Farthest>; 2],
-        /// The distance that is allowed.
+        /// The permitted distance, in model units.
         tolerance: f64,
     },
 }
 
 impl PngFile {
-    /// A picture; `is_own` says whether this program drew it.
+    /// Reads a picture; `is_own` tells whether planish drew it.
     ///
     /// # Errors
-    /// A sentence, where the bytes are no PNG or have too many pixels.
+    /// A sentence, if the bytes are not a PNG or have too many pixels.
     pub fn new(bytes: Arc<[u8]>, is_own: bool) -> Result<Self, String> {
         let reader = ImageReader::with_format(Cursor::new(&*bytes), ImageFormat::Png);
         let (width, height) = reader.into_dimensions().map_err(|error| format!("it is no PNG: {error}"))?;
@@ -130,7 +129,7 @@ impl PngFile {
 }
 
 impl Comparison {
-    /// The comparison of two sides.
+    /// Creates the comparison of two sides.
     ///
     /// # Errors
     /// Every fault, with pointers below the request: sides of two kinds, and tolerances that do not belong to them.
@@ -181,27 +180,27 @@ impl Comparison {
         Ok(Self { sides, key })
     }
 
-    /// The key of what it finds.
+    /// Returns the key of the result.
     pub fn key(&self) -> Key {
         self.key
     }
 
-    /// The key of the picture of the difference.
+    /// Returns the key of the picture of the difference.
     pub fn picture_key(&self) -> Key {
         hashed(&Item::List(vec![Item::text("planish difference"), Item::text(&self.key.to_string())]))
     }
 
-    /// Whether it is one of two pictures of one size, which have a picture of their difference.
+    /// Returns whether both sides are pictures of equal size, so that there is a picture of their difference.
     pub fn has_picture(&self) -> bool {
         matches!(&self.sides, Sides::Pictures([a, b], _) if a.size == b.size)
     }
 
-    /// Pixels of the first picture; none where shapes are compared.
+    /// Returns the number of pixels of the first picture; 0 for shapes.
     pub fn pixels(&self) -> u64 {
         if let Sides::Pictures([a, _], _) = &self.sides { a.pixels() } else { 0 }
     }
 
-    /// Bytes of memory that it takes at most.
+    /// Returns an upper bound of the memory in bytes.
     pub fn bytes(&self) -> u128 {
         match &self.sides {
             Sides::Pictures(pictures, _) => {
@@ -216,7 +215,7 @@ impl Comparison {
         }
     }
 
-    /// Units of work, as the watch counts them.
+    /// Returns the work, in the units of the watch.
     pub fn work(&self) -> u128 {
         match &self.sides {
             Sides::Pictures(pictures, _) => pictures[0].size[1].into(),
@@ -228,7 +227,7 @@ impl Comparison {
         }
     }
 
-    /// Milliseconds on one core, roughly.
+    /// Returns the approximate time in milliseconds on one core.
     pub fn milliseconds(&self) -> u128 {
         match &self.sides {
             Sides::Pictures(pictures, _) => {
@@ -236,7 +235,7 @@ impl Comparison {
             }
             Sides::Shapes(shapes, _) => {
                 let of = |shape: &Arc<Admitted>| {
-                    // what is cut in many pieces takes longer, and is moved to where long work is done
+                    // a result that is cut into many pieces takes longer and is moved to the lane for long work
                     let queries = triangles(shape).saturating_mul(Measured::QUERIES);
                     shape.estimate().time_ms.saturating_add(queries / QUERIES_A_MS)
                 };
@@ -245,7 +244,7 @@ impl Comparison {
         }
     }
 
-    /// Compares.
+    /// Runs the comparison.
     ///
     /// # Errors
     /// [`RunError`].
@@ -272,10 +271,10 @@ impl Comparison {
 }
 
 impl Compared {
-    /// Writes the picture of the difference as PNG; nothing where there is none.
+    /// Writes the picture of the difference as PNG, if there is one.
     ///
     /// # Errors
-    /// When the bytes cannot be taken.
+    /// If the bytes cannot be written.
     pub fn write_picture(&self, out: &mut dyn Write) -> Result<(), RunError> {
         let Self::Pixels { difference, size: [width, height] } = self else { return Ok(()) };
         PngEncoder::new_with_quality(out, CompressionType::Fast, FilterType::Adaptive)
@@ -284,13 +283,13 @@ impl Compared {
     }
 }
 
-/// The triangles of what a job shows, at most; of a curve its segments.
+/// Returns an upper bound of the number of triangles that a job shows; for a curve, of its segments.
 fn triangles(admitted: &Arc<Admitted>) -> u128 {
     let last = admitted.estimate().forecast.levels.last().copied().unwrap_or_default();
     last.corners.max(last.vertices)
 }
 
-/// Why distances of a shape are not measured, if so.
+/// Returns why distances of a shape cannot be measured, or `None` if they can.
 fn unmeasurable(job: &Job) -> Option<&'static str> {
     match &*job.input {
         _ if !job.panels().is_empty() => Some("a figure is a picture; ask for it as png"),
@@ -301,7 +300,7 @@ fn unmeasurable(job: &Job) -> Option<&'static str> {
     }
 }
 
-/// The statistics of a shape, and its triangles.
+/// Returns the statistics and the triangles of a shape.
 fn measured(
     admitted: &Admitted,
     place: &str,

@@ -1,4 +1,4 @@
-//! Jobs whose level is known.
+//! Jobs with a known level.
 
 use std::sync::Arc;
 
@@ -16,7 +16,7 @@ use crate::refine::{held_levels, is_swept, swept_from};
 use crate::scheme::plan::{Plan, PlanInput, Scheduled};
 use crate::shape::frame::Frame;
 
-/// What is checked of a job before it is known how often its plan is applied.
+/// The parts of a job that are checked before its level is known.
 #[derive(Debug, Clone)]
 pub(super) struct Checked {
     pub(super) input: Arc<Input>,
@@ -24,28 +24,28 @@ pub(super) struct Checked {
     pub(super) plan: Plan,
     pub(super) outputs: Vec<Output>,
     pub(super) frame: Frame,
-    /// The job from whose surface pictures measure distances, where that is not the control net.
+    /// The job from whose surface pictures measure distances, if that is not the control net.
     pub(super) other: Option<Arc<Job>>,
 }
 
 /// A job whose parts are checked and fit each other.
 #[derive(Debug, Clone)]
 pub struct Job {
-    /// What is refined; no polygon where the job is a figure.
+    /// The input; no polygons if the job is a figure.
     pub input: Arc<Input>,
-    /// The entry of the request that holds it.
+    /// The entry of the request that holds the input.
     pub entry: InputEntry,
-    /// How.
+    /// The plan.
     pub plan: Plan,
-    /// How often the plan's cycle is applied.
+    /// Number of applications of the plan's cycle.
     pub levels: u32,
-    /// What was found, where the request left the level to be found.
+    /// The level that was found and its bound, if the request left the level open.
     pub reached: Option<Resolved>,
-    /// What is answered.
+    /// The outputs.
     pub outputs: Vec<Output>,
-    /// What the coordinates of the input mean.
+    /// The unit and up axis of the input's coordinates.
     pub frame: Frame,
-    /// The job from whose surface pictures measure distances, where that is not the control net.
+    /// The job from whose surface pictures measure distances, if that is not the control net.
     pub other: Option<Arc<Self>>,
     steps: Box<[Scheduled]>,
     keys: Vec<Key>,
@@ -55,29 +55,29 @@ pub struct Job {
     pub(super) films: Vec<Film>,
 }
 
-/// An output whose frames are those of jobs with plans of their own.
+/// An output whose frames come from jobs with plans of their own.
 #[derive(Debug, Clone)]
 pub(super) struct Film {
     /// The index of the output.
     pub(super) of: usize,
-    /// A job a frame, each with this output alone.
+    /// One job per frame, each with this output alone.
     pub(super) frames: Vec<Job>,
 }
 
 /// Pictures of jobs in a grid.
 #[derive(Debug, Clone)]
 pub struct Figure {
-    /// The jobs, each with an output for each of the figure, of the size that it has there.
+    /// The jobs, each with one output per output of the figure, at the size that it has there.
     pub panels: Vec<Job>,
-    /// Where they stand.
+    /// The layout of the panels.
     pub grid: Grid,
-    /// Whether all are framed by the box around all that they show.
+    /// Whether all panels are framed by the box around everything that they show.
     pub one_scale: bool,
 }
 
 impl Figure {
-    /// For each panel by which box it is framed, as the first panel that has the same one: all by one where they have
-    /// one scale, else those that lie on each other, and those that are alone by none but what they show themselves.
+    /// Returns for each panel the first panel with which it shares its box: panel 0 for all if they have one scale,
+    /// else for panels that overlay each other; `None` for single panels, which are framed by what they show.
     pub(super) fn framed_alike(&self) -> Vec<Option<usize>> {
         if self.one_scale {
             return vec![Some(0); self.panels.len()];
@@ -90,7 +90,7 @@ impl Figure {
         alike
     }
 
-    /// How an output lays it out.
+    /// Returns the layout of the figure in an output.
     ///
     /// # Errors
     /// Outputs that cannot hold a figure of this layout, with pointers into the request.
@@ -113,7 +113,7 @@ impl Figure {
 }
 
 impl Job {
-    /// A figure with these outputs.
+    /// Creates a figure with these outputs.
     ///
     /// # Errors
     /// Outputs that cannot hold a figure, with pointers into the request.
@@ -143,27 +143,27 @@ impl Job {
         })
     }
 
-    /// The jobs of its panels, where it is a figure.
+    /// Returns the jobs of the panels, if the job is a figure.
     pub fn panels(&self) -> &[Self] {
         self.figure.as_ref().map_or(&[], |figure| &figure.panels)
     }
 
-    /// Whether its mesh is refined patch by patch, for some output at least: not where all show limits.
+    /// Returns whether the mesh is refined patch by patch for at least one output, that is, not only limits are shown.
     pub fn is_swept(&self) -> bool {
         let as_refined = |output: &Output| surface::limit(&output.options) == [false; 2];
         let Input::Mesh(mesh) = &*self.input else { return false };
         self.outputs.iter().any(as_refined) && is_swept(mesh, &self.plan, &self.steps)
     }
 
-    /// How many levels of its mesh are refined by rows before the rest is refined patch by patch, for all outputs.
+    /// Returns how many levels of the mesh are refined by rows before the sweep, for all outputs.
     pub(super) fn swept_from(&self) -> Option<usize> {
         let Input::Mesh(mesh) = &*self.input else { return None };
         let as_refined = self.outputs.iter().all(|output| surface::limit(&output.options) == [false; 2]);
         if as_refined { swept_from(mesh, &self.plan, &self.steps) } else { None }
     }
 
-    /// How many levels are refined as whole nets before all outputs can be written while the rest is refined; none
-    /// where that cannot be done.
+    /// Returns how many levels are refined as whole nets before all outputs can be written while the rest is refined;
+    /// `None` if that is not possible.
     pub(super) fn held_levels(&self) -> Option<usize> {
         let Input::Mesh(mesh) = &*self.input else { return None };
         let (levels, tile) = held_levels(mesh, &self.plan, &self.steps)?;
@@ -174,7 +174,7 @@ impl Job {
         self.outputs.iter().all(streams).then_some(levels)
     }
 
-    /// The job at a level, or all its faults after those that were found before.
+    /// Creates the job at a level, or returns all faults, after those found before.
     pub(super) fn new(
         checked: Checked,
         levels: u32,
@@ -191,7 +191,7 @@ impl Job {
             Vec::new()
         });
         faults.extend(kernels::check(&input, entry, &plan, levels));
-        // limits of curves take a search for eigenvectors, which is made where nothing else is wrong
+        // limits of curves need a search for eigenvectors, which is done only if everything else is correct
         if let (Input::Polygons(polygons), true) = (&*input, faults.is_empty()) {
             let check = |output: &Output| curves::check_wanted(polygons, &plan, levels, output).err();
             faults.extend(outputs.iter().filter_map(|output| Some(output.fault(check(output)?))));
@@ -225,7 +225,7 @@ impl Job {
         })
     }
 
-    /// The job, with the frames of its films.
+    /// Returns the job with the frames of its films.
     pub(super) fn with_films(mut self, films: Vec<Film>) -> Self {
         for Film { of, frames } in &films {
             self.keys[*of] = key::film(frames.iter().map(|frame| frame.keys[0]));
@@ -234,50 +234,50 @@ impl Job {
         self
     }
 
-    /// The film that an output shows, if it is one.
+    /// Returns the film that an output shows, if it is one.
     pub(super) fn film(&self, output: &Output) -> Option<&Film> {
         let at = self.outputs.iter().position(|known| known.name == output.name)?;
         self.films.iter().find(|film| film.of == at)
     }
 
-    /// The operators in the order in which they are applied, each with the numbers of its place.
+    /// Returns the operators in the order of application, each with the values of its place.
     pub fn steps(&self) -> &[Scheduled] {
         &self.steps
     }
 
-    /// The keys of its outputs.
+    /// Returns the keys of the outputs.
     pub fn keys(&self) -> &[Key] {
         &self.keys
     }
 
-    /// The key of the refined mesh that an output shows, if it is one of its outputs.
+    /// Returns the key of the refined mesh that an output shows, if the output belongs to the job.
     pub(super) fn refined_key(&self, output: &Output) -> Option<Key> {
         let at = self.outputs.iter().position(|known| known.name == output.name)?;
         Some(self.refined_keys[at])
     }
 
-    /// The key of the whole job: over the names and keys of all outputs.
+    /// Returns the key of the whole job: over the names and keys of all outputs.
     pub fn id(&self) -> Key {
         key::job(self.outputs.iter().map(|output| output.name.as_str()).zip(&self.keys))
     }
 
-    /// Where its request has its parts, for the computation of one output.
+    /// Returns where the request has the parts of the job, for the computation of one output.
     pub fn entries(&self, output: &Output) -> JobEntries {
         JobEntries { input: self.entry, output: output.index }
     }
 
-    /// The keys of all results to which its outputs refer.
+    /// Returns the keys of all results to which the outputs refer.
     pub fn detail_keys(&self) -> impl Iterator<Item = Key> + '_ {
         self.details.iter().map(|detail| detail.key)
     }
 
-    /// The jobs of the results to which an output refers, by ascending levels.
+    /// Returns the jobs of the results to which an output refers, by ascending level.
     pub fn details(&self, output: &Output) -> Vec<Self> {
         let of = self.outputs.iter().position(|known| known.name == output.name);
         self.jobs(|detail| Some(detail.of) == of)
     }
 
-    /// The job of a result to which an output refers.
+    /// Returns the job of a result to which an output refers.
     pub fn detail(&self, key: &Key) -> Option<Self> {
         self.jobs(|detail| detail.key == *key).pop()
     }
@@ -290,12 +290,12 @@ impl Job {
         let (input, plan) = (self.input.clone(), self.plan.clone());
         let (entry, frame, outputs) = (self.entry, self.frame, Vec::new());
         let checked = Checked { input, entry, plan, outputs, frame, other: None };
-        // each was made when the job was
+        // each job was already made once when this job was checked
         wanted.filter_map(|detail| job_of(detail, &checked).ok()).collect()
     }
 }
 
-/// The results to which the outputs of a job at a level refer, as if each were the output of a job of its own.
+/// Returns the results to which the outputs of a job refer, as if each were the output of a job of its own.
 ///
 /// # Errors
 /// Levels beyond that of the job, or at which there is no such job.

@@ -1,4 +1,4 @@
-//! Figures: what they come to, and how they are made of their panels, one after another.
+//! Figures and moving pictures: their estimates, and their composition from panels or frames.
 
 use std::collections::HashMap;
 use std::io::Write;
@@ -21,11 +21,11 @@ use crate::output::{FormatError, Size};
 use crate::scheme::forecast::{Count, Forecast};
 use crate::watch::Watch;
 
-/// Bytes of a point of a curve that is written as lines, at most, as formats of lines say.
+/// Upper bound of the bytes of a curve's point that is written as lines, from the text formats.
 const VECTOR_BYTES: u128 = 160;
 
-/// What a figure comes to whose panels come to this: the sum of them, as their refined meshes are kept until all are
-/// drawn, and the pictures.
+/// Returns the estimate of a figure from those of its panels: their sum, as the refined meshes are kept until all
+/// panels are drawn, plus the pictures.
 pub(super) fn estimate(job: &Job, figure: &Figure, panels: &[Estimate]) -> Estimate {
     let last = |estimate: &Estimate| estimate.forecast.levels.last().copied().unwrap_or_default();
     let sum = panels.iter().map(last).fold(Count::default(), |sum, count| Count {
@@ -40,7 +40,7 @@ pub(super) fn estimate(job: &Job, figure: &Figure, panels: &[Estimate]) -> Estim
     let (mut outputs, mut held_bytes) = (Vec::with_capacity(job.outputs.len()), 0);
     for (output, key) in job.outputs.iter().zip(job.keys()) {
         let of = outputs.len();
-        // a point of a drawing has its place, and a disc where it is one of the polygon that was given
+        // a point in a drawing has its position, and a disc if it belongs to the control polygon
         let points = of_panels(|panel| panel.forecast.levels.iter().map(|count| count.vertices).sum());
         let own = panels.iter().map(|panel| panel.outputs[of].1.bytes()).fold(0, u128::saturating_add);
         let bytes = own.saturating_add(points.saturating_mul(VECTOR_BYTES));
@@ -58,12 +58,12 @@ pub(super) fn estimate(job: &Job, figure: &Figure, panels: &[Estimate]) -> Estim
         outputs,
         memory_bytes: of_panels(|panel| panel.memory_bytes).saturating_add(held_bytes),
         on_demand: false,
-        // a panel is looked at twice where it is framed like others
+        // a panel is visited twice if it is framed together with others
         time_ms: of_panels(|panel| panel.time_ms).saturating_add(time::milliseconds(0, &sizes)),
     }
 }
 
-/// Makes a figure: a pure function of its panels.
+/// Composes a figure; the result depends on its panels only.
 ///
 /// # Errors
 /// [`RunError`], of a panel with its place in the request.
@@ -115,7 +115,7 @@ pub(super) fn run(
     Ok(Report { warnings })
 }
 
-/// Makes a moving picture of the scenes of its frames, all framed alike: a pure function of them.
+/// Composes a moving picture of the scenes of its frames, all framed alike; the result depends on the frames only.
 ///
 /// # Errors
 /// [`RunError`].
@@ -146,7 +146,7 @@ pub(super) fn run_film(
     Ok(report)
 }
 
-/// Keeps work to the end of a figure, and offers it to whoever keeps it longer.
+/// Keeps work until the figure is finished, and offers it to a longer-lived store.
 #[derive(Debug)]
 struct Lasting<'a> {
     kept: &'a dyn KeepWork,

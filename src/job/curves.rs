@@ -1,4 +1,4 @@
-//! The polygons of a job, refined as one of its outputs wants them.
+//! Refines the polygons of a job as one of its outputs requires.
 
 use super::entry::{JobFault, JobPart};
 use super::error::RunError;
@@ -13,17 +13,17 @@ use crate::shape::polygon::Polygon;
 use crate::shape::source::Curve;
 use crate::watch::Watch;
 
-/// Whether an output wants points of the limit curve, and whether tangents.
+/// Returns whether an output needs points of the limit curve, and whether it needs tangents.
 fn wanted(output: &Output) -> [bool; 2] {
     [output.options.choice(POSITIONS.name) == Some(LIMIT), output.options.flag(TANGENTS.name)]
 }
 
-/// Whether an output wants limit points.
+/// Returns whether an output needs limit points.
 pub(super) fn moves_points(output: &Output) -> bool {
     wanted(output)[0]
 }
 
-/// Checks that the plan has for these polygons what an output wants of their limit.
+/// Checks that the plan can provide the limits of these polygons that an output needs.
 ///
 /// # Errors
 /// A fault below the output.
@@ -42,7 +42,7 @@ pub(super) fn check_wanted(polygons: &[Polygon], plan: &Plan, levels: u32, outpu
     Ok(())
 }
 
-/// The polygons of a job after its levels.
+/// Returns the polygons of a job after its levels.
 ///
 /// # Errors
 /// [`RunError`].
@@ -53,7 +53,7 @@ pub(super) fn refine_all(
     watch: &Watch,
 ) -> Result<Vec<Curve>, RunError> {
     let [wants_points, wants_tangents] = wanted(output);
-    // a scheme that turns tangents interpolates: its points are limit points, and it has its own tangents
+    // a scheme that turns tangents is interpolating: its points are limit points, and it provides tangents
     if !wants_points && !wants_tangents || plan.turns_tangents().is_some() {
         let refine = |(i, polygon): (usize, &Polygon)| {
             let curve = refine_polygon(polygon, plan, steps, watch);
@@ -78,13 +78,13 @@ pub(super) fn refine_all(
     polygons.iter().enumerate().map(refine).collect()
 }
 
-/// A polygon as it was given, as the curve that pictures show beside its refinement.
+/// Returns the control polygon as the curve that pictures show beside its refinement.
 pub(super) fn control(polygon: &Polygon) -> Curve {
     let points = polygon.points.clone();
     divided(Curve { points, dimension: polygon.dimension, closed: polygon.closed, tangents: None }, polygon)
 }
 
-/// Unit tangents; those of rational points are tangents of the projected curve, `(x' w - x w') / |x' w - x w'|`.
+/// Returns unit tangents; for rational points those of the projected curve, `(x' w - x w') / |x' w - x w'|`.
 fn tangents(polygon: &Polygon, points: &[f64], derivatives: &[f64]) -> Vec<f64> {
     let (width, kept) = (polygon.dimension, polygon.result_dimension());
     let mut tangents = Vec::with_capacity(points.len() / width * kept);
@@ -101,7 +101,7 @@ fn tangents(polygon: &Polygon, points: &[f64], derivatives: &[f64]) -> Vec<f64> 
     tangents
 }
 
-/// The curve of a result.
+/// Returns the curve of a result, after a check that its points are finite.
 fn finished(curve: Curve, polygon: &Polygon, shape: usize) -> Result<Curve, RunError> {
     let curve = divided(curve, polygon);
     if !polygon.rational || curve.points.iter().all(|x| x.is_finite()) {
@@ -111,7 +111,7 @@ fn finished(curve: Curve, polygon: &Polygon, shape: usize) -> Result<Curve, RunE
     Err(RunError::Impossible(JobFault::new(JobPart::Shape(shape), "", detail)))
 }
 
-/// The curve of a polygon, homogeneous points divided by their last coordinate.
+/// Returns the curve of a polygon, with homogeneous points divided by their last coordinate.
 fn divided(curve: Curve, polygon: &Polygon) -> Curve {
     if !polygon.rational {
         return curve;

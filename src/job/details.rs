@@ -8,10 +8,10 @@ use super::output::Output;
 pub(super) struct DetailOutput {
     /// The index of the output that refers to it.
     pub(super) of: usize,
-    /// How often the plan's cycle is applied.
+    /// Number of applications of the plan's cycle.
     pub(super) levels: u32,
-    /// The result as the output of a job of its own.
+    /// The result as the output of a separate job.
     pub(super) output: Output,
-    /// Its key.
+    /// The key of the result.
     pub(super) key: Key,
 }

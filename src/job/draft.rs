@@ -1,4 +1,4 @@
-//! Reading a job: its parts are checked and fitted to each other, as far as that goes without refining anything.
+//! Reads a job: checks its parts, and whether they fit each other, as far as no refinement is needed.
 
 use std::sync::Arc;
 
@@ -16,17 +16,17 @@ use crate::output::ShapeKind;
 use crate::scheme::plan::{Plan, PlanInput, Subject};
 use crate::shape::frame::Frame;
 
-/// What reading a job leads to.
+/// The result of reading a job.
 #[derive(Debug, Clone)]
 pub enum Draft {
-    /// The job.
+    /// A complete job.
     Job(Box<Job>),
-    /// The search for the level of the job.
+    /// A search for the level of a job.
     Search(Box<Search>),
 }
 
 impl Draft {
-    /// Resolves the plan for the input and checks all that can be checked without a search.
+    /// Resolves the plan for the input and checks everything that does not need a search.
     ///
     /// # Errors
     /// Every fault found, with pointers into the request.
@@ -104,7 +104,7 @@ impl Draft {
         }
     }
 
-    /// The faults of all but an input that is wrong itself, of which the kind alone is known.
+    /// Returns all faults of a request whose input is itself at fault, so that only its kind is known.
     pub fn faults_but_for_input(
         kind: ShapeKind,
         plan: Option<&PlanInput>,
@@ -119,7 +119,7 @@ impl Draft {
         faults
     }
 
-    /// Bytes that its input and its steps take in memory.
+    /// Returns the memory in bytes of the input and the steps.
     pub fn bytes(&self) -> u64 {
         match self {
             Self::Job(job) => job.bytes(),
@@ -128,13 +128,13 @@ impl Draft {
     }
 }
 
-/// Whether the format of an output can hold what its options make of a shape of this kind.
+/// Checks that the format of an output can hold a shape of this kind under its options.
 fn held(output: &Output, kind: ShapeKind) -> Result<(), Fault> {
     let held = (output.format.facts().holds)(kind, &output.options);
     held.map_err(|detail| output.fault(Fault::new("/format", detail)))
 }
 
-/// Why an output cannot show the frame that it names, or all frames where it names none.
+/// Returns why an output cannot show the frame that it names, or all frames if it names none.
 fn frame_fault(input: &Input, output: &Output) -> Option<Fault> {
     let detail = match (input.mesh(), output.frame) {
         (None, Some(_)) => "only meshes have frames; leave it out".to_owned(),

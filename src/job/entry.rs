@@ -1,4 +1,4 @@
-//! Where a request has the parts of its job, so that faults point at what the client wrote.
+//! Where a request holds the parts of its job, so that faults point at what the client wrote.
 
 use std::fmt;
 
@@ -20,8 +20,8 @@ pub enum InputEntry {
 }
 
 impl InputEntry {
-    /// The fault of a mesh or of the polygon number `shape`, with a pointer below the request. No pointer leads into a
-    /// file: there the sentence names the place.
+    /// Returns the fault of a mesh, or of polygon `shape`, with a pointer into the request. For files, the pointer
+    /// leads to the file as a whole, and the message names the place.
     pub fn fault(self, shape: usize, fault: Fault) -> Fault {
         match self {
             Self::Mesh => fault.under("/input/mesh"),
@@ -36,8 +36,8 @@ impl InputEntry {
     }
 }
 
-/// The fault of the output with an index among the outputs of a request. Where the request names none, as the format
-/// was chosen otherwise, it stands where they are missing.
+/// Returns the fault of an output with its index in the request. If the request names no outputs, because the format
+/// was chosen otherwise, the fault points at the missing list.
 pub(super) fn output_fault(index: Option<usize>, fault: Fault) -> Fault {
     match index {
         Some(index) => fault.under(&format!("/outputs/{index}")),
@@ -45,20 +45,21 @@ pub(super) fn output_fault(index: Option<usize>, fault: Fault) -> Fault {
     }
 }
 
-/// A part of a job that can be at fault while it is computed.
+/// A part of a job that may be at fault during the computation.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum JobPart {
     /// The plan.
     Plan,
-    /// The mesh, or the polygon of this number.
+    /// The mesh, or the polygon with this index.
     Shape(usize),
-    /// The output that is computed.
+    /// The output that is being computed.
     Output,
-    /// A place in the request as a whole.
+    /// The request as a whole.
     Request,
 }
 
-/// A fault that shows while a job is computed. Jobs share computations, and each request may have the part elsewhere.
+/// A fault found during the computation of a job. Jobs share computations, and requests may hold the part in different
+/// places.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct JobFault {
     /// The part at fault.
@@ -68,7 +69,7 @@ pub struct JobFault {
 }
 
 impl JobFault {
-    /// A fault of a part, at a pointer below it.
+    /// Creates a fault of a part, at a pointer below the part.
     pub(super) fn new(part: JobPart, pointer: impl Into<String>, detail: impl fmt::Display) -> Self {
         Self { part, fault: Fault::new(pointer, detail.to_string()) }
     }
@@ -80,17 +81,17 @@ impl fmt::Display for JobFault {
     }
 }
 
-/// Where one request has the parts of a job with one output.
+/// Where one request holds the parts of a job with one output.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct JobEntries {
     /// The entry of the input.
     pub input: InputEntry,
-    /// The index of the output; `None` where the request names no outputs.
+    /// The index of the output; `None` if the request names no outputs.
     pub output: Option<usize>,
 }
 
 impl JobEntries {
-    /// A fault of a computation, with a pointer below the request.
+    /// Returns a fault of a computation with a pointer into the request.
     pub fn fault(self, JobFault { part, fault }: JobFault) -> Fault {
         match part {
             JobPart::Plan => fault.under("/plan"),

@@ -1,4 +1,4 @@
-//! Why a computation of a job ends without a result.
+//! The reasons for which the computation of a job ends without a result.
 
 use super::entry::{JobFault, JobPart};
 use crate::analysis::limit::LimitError;
@@ -9,34 +9,34 @@ use crate::scheme::step_error::{About, StepError};
 use crate::shape::attributes::Attributes;
 use crate::watch::Stopped;
 
-/// Why a run ended without a result.
+/// The reason for which a run ended without a result.
 #[derive(Debug, thiserror::Error)]
 pub enum RunError {
-    /// It was asked to stop.
+    /// The watch asked the run to stop.
     #[error(transparent)]
     Stopped(Stopped),
-    /// The job turned out to be impossible: where, and why.
+    /// The job turned out to be impossible.
     #[error("{0}")]
     Impossible(JobFault),
-    /// The bytes could not be taken.
+    /// The result could not be written.
     #[error("writing the result failed: {0}")]
     Io(std::io::Error),
 }
 
 impl RunError {
-    /// The error of a fault with its place in the request.
+    /// Creates the error of a fault that points into the request.
     pub(super) fn of_request(fault: Fault) -> Self {
         Self::Impossible(JobFault { part: JobPart::Request, fault })
     }
 
-    /// The refusal of a job that was admitted as one that is refined while it is written, and cannot be.
+    /// Returns the error for a job that was admitted to be refined while it is written, but cannot be.
     pub(super) fn too_large() -> Self {
         let detail = "the faces around some vertex cannot be refined on their own, so that this level is too large; \
                       ask for fewer levels";
         Self::Impossible(JobFault::new(JobPart::Plan, "", detail))
     }
 
-    /// The error of a mesh whose limit an output asks for, by the option `wanted`.
+    /// Returns the error for a mesh whose limit an output needs because of the option `wanted`.
     pub(super) fn of_limit(error: LimitError, attributes: Option<&Attributes>, wanted: &str) -> Self {
         match error {
             LimitError::Refine(error) => Self::of_shape(error, attributes, 0),
@@ -44,9 +44,9 @@ impl RunError {
         }
     }
 
-    /// The error of refining a shape. A kernel without an average, or a compensation beyond its bound, stands at what
-    /// it was made of: the kernels or compensations of the points of the shape, else their alphas, else the function of
-    /// the plan.
+    /// Returns the error of the refinement of a shape. A kernel without an average, or a compensation beyond its bound,
+    /// is reported at its source: the kernels or compensations of the points of the shape, else their alphas, else the
+    /// plan's function.
     pub(super) fn of_shape(error: RefineError, attributes: Option<&Attributes>, shape: usize) -> Self {
         let name = match &error {
             RefineError::Stopped(stopped) => return Self::Stopped(*stopped),
@@ -55,7 +55,7 @@ impl RunError {
         };
         let arrays = attributes.map(Attributes::arrays).unwrap_or_default();
         let given = |wanted: &str| arrays.iter().any(|(name, array)| *name == wanted && array.is_some());
-        // along longitude lines there is the kernel of the points, too
+        // along longitude lines, points have a kernel, too
         let carried = if name == "compensation" { name } else { "kernel" };
         let (part, name) = match [carried, "alpha"].into_iter().find(|name| given(name)) {
             Some(carried) => (JobPart::Shape(shape), carried),

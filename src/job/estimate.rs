@@ -1,43 +1,43 @@
-//! What a job will come to, and why it is not taken on.
+//! The predicted cost of a job, and the refusals of jobs.
 
 use super::key::Key;
 use crate::fault::{Fault, under};
 use crate::output::Size;
 use crate::scheme::forecast::Forecast;
 
-/// Why a job is not taken on.
+/// The reason for which a job is refused.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Refusal {
-    /// It cannot be done.
+    /// The job is impossible.
     Impossible(Vec<Fault>),
-    /// It can be done, but not here.
+    /// The job exceeds the limits of this server.
     TooLarge {
-        /// The whole story: place, value, bound, remedy.
+        /// The full message: place, value, bound, remedy.
         detail: String,
-        /// The fault at its place in the request.
+        /// The faults at their places in the request.
         faults: Vec<Fault>,
     },
     /// The forecast of the job was stopped.
     Stopped,
 }
 
-/// What a job will come to.
+/// The predicted cost of a job.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Estimate {
-    /// Counts of every level.
+    /// The counts of every level.
     pub forecast: Forecast,
-    /// Key and size of each output, in their order.
+    /// Key and size of each output, in order.
     pub outputs: Vec<(Key, Size)>,
-    /// Bytes of memory while it runs; where it is refined while its result is written, those of the result excluded.
+    /// Memory in bytes during the run; without the result if the job is refined while it is written.
     pub memory_bytes: u128,
-    /// Whether it is refined while its result is written.
+    /// Whether the job is refined while its result is written.
     pub on_demand: bool,
-    /// Milliseconds on one core, roughly.
+    /// Approximate time in milliseconds on one core.
     pub time_ms: u128,
 }
 
 impl Estimate {
-    /// Bytes of memory while it runs and its result is kept.
+    /// Returns the memory in bytes while the job runs and its result is kept.
     pub fn kept_memory_bytes(&self) -> u128 {
         let result = self.outputs.iter().map(|(_, size)| size.bytes()).max().unwrap_or(0);
         self.memory_bytes.saturating_add(if self.on_demand { result } else { 0 })
@@ -45,17 +45,17 @@ impl Estimate {
 }
 
 impl Refusal {
-    /// The same of a panel of a figure.
+    /// Returns the refusal with the place of a figure's panel.
     pub(super) fn of_panel(self, n: usize) -> Self {
         self.within(&panel_place(n), &format!("panel {n} of the figure"))
     }
 
-    /// The same of the job from whose surface distances are measured.
+    /// Returns the refusal with the place of the job from whose surface distances are measured.
     pub(super) fn of_other(self) -> Self {
         self.within("/distance_to", "the surface from which distances are measured")
     }
 
-    /// The same of a part of a job that is a job itself.
+    /// Returns the refusal with the place and the name of a part of a job that is a job itself.
     fn within(self, place: &str, name: &str) -> Self {
         match self {
             Self::Impossible(faults) => Self::Impossible(under(place, faults)),
@@ -67,7 +67,7 @@ impl Refusal {
     }
 }
 
-/// Where a figure has the job of a panel.
+/// Returns the pointer to the job of panel `n` of a figure.
 pub fn panel_place(n: usize) -> String {
     format!("/figure/panels/{n}/job")
 }

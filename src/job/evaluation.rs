@@ -1,4 +1,4 @@
-//! Evaluations: values of the limit surface of a mesh at places on its faces, and the places closest to points.
+//! Evaluates the limit surface of a mesh at places on its faces, and finds the places closest to points.
 
 use std::sync::Arc;
 
@@ -16,36 +16,36 @@ use crate::solid::SolidError;
 use crate::solid::evaluate::{Closest, Jet, Place, closest, evaluate};
 use crate::watch::Watch;
 
-/// Most places of one evaluation. Half of it makes scans of a part two requests; twice of it makes answers of half a
-/// gigabyte.
+/// Maximum number of places of one evaluation. Half as many would make scans of a part two requests; twice as many
+/// would make answers of half a gigabyte.
 pub const MOST_PLACES: usize = 1_000_000;
-/// Most faults that are told.
+/// Maximum number of faults that are reported.
 const MOST_FAULTS: usize = 64;
-/// Bytes of memory of a place: it (24), where it stands in a face (24 twice), its values (208) and these as they are
-/// written (208).
+/// Memory of a place in bytes: the place (24), its positions in a face (24 twice), its values (208), and the same
+/// values as text (208).
 const PLACE_BYTES: u128 = 24 + 48 + 208 + 208;
-/// Bytes of memory of a face that is split while places in it are looked at: some sixteen faces around it and their
-/// quads, of 60 bytes a half-edge.
+/// Memory in bytes of a face that is split while places in it are evaluated: some sixteen faces around it and their
+/// quads, with 60 bytes per half-edge.
 const FACE_BYTES: u128 = 16 * 5 * 4 * 60;
-/// Bytes of a number as it is written, with its comma.
+/// Bytes of a number as text, with its comma.
 const NUMBER_BYTES: u128 = 26;
-/// Nanoseconds of a place in a bicubic piece, and of a ring around a vertex that is not regular; both together were
-/// measured on a cage of 498 quads: 5,000 a place with its share of rings. Half and twice of them book half and twice
+/// Nanoseconds per place in a bicubic piece, and per ring around an extraordinary vertex. Measured together on a
+/// control mesh of 498 quads: 5,000 per place with its share of rings. Half or twice of them would book half or twice
 /// the time.
 const PLACE_NS: u128 = 2_000;
 const RING_NS: u128 = 150_000;
-/// Bytes of memory of a point whose closest place is looked for: it (24), what is found (96 twice), ends that may be
-/// nearer (40), and the answer (64).
+/// Memory in bytes of a point whose closest place is searched for: the point (24), the results (96 twice), candidates
+/// that may be nearer (40), and the answer (64).
 const POINT_BYTES: u128 = 24 + 192 + 40 + 64;
-/// Bytes of memory of a bicubic piece with its box, and of a face beside a vertex that is not regular with sixteen
-/// faces around it and what its rings take while they are looked at.
+/// Memory in bytes of a bicubic piece with its box, and of a face at an extraordinary vertex with sixteen faces around
+/// it and its rings.
 const PIECE_BYTES: u128 = 700;
 const END_BYTES: u128 = 12_000;
-/// Nanoseconds for the closest place to a point (measured on a cage of 498 quads: 280,000 beside the surface, 710,000
-/// at ten times its size). Half and twice of it book half and twice the time.
+/// Nanoseconds to find the closest place to a point (measured on a control mesh of 498 quads: 280,000 near the surface,
+/// 710,000 at ten times its size). Half or twice of it would book half or twice the time.
 const POINT_NS: u128 = 500_000;
 
-/// What is asked of a place.
+/// A quantity to evaluate at each place.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Quantity {
     /// The position.
@@ -61,7 +61,7 @@ pub enum Quantity {
 }
 
 impl Quantity {
-    /// Numbers that it has.
+    /// Returns how many numbers the quantity has.
     fn n_numbers(self) -> u128 {
         match self {
             Self::Position | Self::Normal => 3,
@@ -82,7 +82,7 @@ impl Quantity {
     }
 }
 
-/// What is asked of the limit surface of a job's mesh.
+/// A request for values of the limit surface of a job's mesh.
 #[derive(Debug)]
 pub struct Evaluation {
     admitted: Arc<Admitted>,
@@ -92,7 +92,7 @@ pub struct Evaluation {
     key: Key,
 }
 
-/// What an evaluation has found.
+/// The result of an evaluation.
 #[derive(Debug)]
 pub struct Evaluated {
     /// The values at the places, in their order.
@@ -102,7 +102,8 @@ pub struct Evaluated {
 }
 
 impl Evaluation {
-    /// The evaluation of the mesh of a job under its plan at some places, and of the places closest to some points.
+    /// Creates the evaluation of the mesh of a job under its plan at some places, and at the places closest to some
+    /// points.
     ///
     /// # Errors
     /// Every fault, with a pointer below the request: no mesh, another scheme than Catmull-Clark, places that are not
@@ -156,17 +157,17 @@ impl Evaluation {
         Ok(Self { admitted, at, closest, values, key })
     }
 
-    /// The key of what it finds.
+    /// Returns the key of the result.
     pub fn key(&self) -> Key {
         self.key
     }
 
-    /// What is asked of each place.
+    /// Returns the quantities evaluated at each place.
     pub fn values(&self) -> &[Quantity] {
         &self.values
     }
 
-    /// Bytes of memory that it takes at most.
+    /// Returns an upper bound of the memory in bytes.
     pub fn bytes(&self) -> u128 {
         let places = self.at.len() as u128 * PLACE_BYTES;
         let faces = self.mesh().map_or(0, |mesh| mesh.topology.n_faces().min(self.at.len()) as u128);
@@ -182,19 +183,19 @@ impl Evaluation {
         2 * mesh + places + faces * FACE_BYTES + pieces + points + self.result_bytes()
     }
 
-    /// Bytes of the answer at most.
+    /// Returns an upper bound of the size of the answer in bytes.
     pub fn result_bytes(&self) -> u128 {
         let numbers: u128 = self.values.iter().map(|value| value.n_numbers()).sum();
         // a closest place has four numbers, its position three, and a distance
         4_096 + (self.at.len() as u128 * numbers + self.closest.len() as u128 * 8) * NUMBER_BYTES
     }
 
-    /// Units of work, as the watch counts them.
+    /// Returns the work, in the units of the watch.
     pub fn work(&self) -> u128 {
         (self.at.len() + self.closest.len()) as u128
     }
 
-    /// Milliseconds on one core, roughly.
+    /// Returns the approximate time in milliseconds on one core.
     pub fn milliseconds(&self) -> u128 {
         let Some(mesh) = self.mesh() else { return 0 };
         let cage = if self.closest.is_empty() { Cage::default() } else { Cage::of(mesh) };
@@ -208,7 +209,7 @@ impl Evaluation {
         self.admitted.job().input.mesh()
     }
 
-    /// Evaluates.
+    /// Runs the evaluation.
     ///
     /// # Errors
     /// [`RunError`].
@@ -231,8 +232,8 @@ impl Evaluation {
     }
 }
 
-/// How often faces with places are split, at most: in faces at vertices that may not be regular as often as the place
-/// next to a corner asks for.
+/// Returns an upper bound of the number of splits of faces with places: faces at possibly extraordinary vertices are
+/// split as often as the place nearest to a corner requires.
 fn rings(mesh: &Mesh, places: &[Place]) -> u128 {
     let topology = &mesh.topology;
     let mut is_regular: Vec<bool> =

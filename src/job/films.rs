@@ -1,4 +1,4 @@
-//! The frames of moving pictures whose plan changes: jobs of their own.
+//! The frames of moving pictures whose plan changes; each frame is a job of its own.
 
 use super::complete::{Checked, Film, Job};
 use super::fit::{faults_of, resolved};
@@ -9,14 +9,14 @@ use crate::scheme::plan::PlanInput;
 
 use super::output::Output;
 
-/// The outputs whose plan changes, by their index, if there are some.
+/// Returns the outputs whose plan changes, by index, or `None` if there are none.
 pub(super) fn asked(outputs: &[Output]) -> Option<Vec<(usize, Sweep)>> {
     let sweep = |(i, output): (usize, &Output)| Some((i, output.format.sweep(&output.options)?));
     let found: Vec<_> = outputs.iter().enumerate().filter_map(sweep).collect();
     (!found.is_empty()).then_some(found)
 }
 
-/// The frames of these outputs.
+/// Returns the frames of these outputs.
 ///
 /// # Errors
 /// A fault of each output that cannot have all its frames.
@@ -37,7 +37,7 @@ pub(super) fn of(
     if faults.is_empty() { Ok(films) } else { Err(faults) }
 }
 
-/// The frames of an output.
+/// Returns the frames of one output.
 ///
 /// # Errors
 /// A fault below the output.

@@ -1,4 +1,4 @@
-//! The level at which faces are about a pixel in the pictures of a job, for those who ask for it.
+//! Finds the level at which faces are about a pixel wide in the pictures of a job.
 
 use super::complete::Checked;
 use super::input::Input;
@@ -11,17 +11,17 @@ use crate::shape::polygon::Polygon;
 use crate::shape::topology::Topology;
 use crate::watch::Watch;
 
-/// Most faces, or points, that the level has. A picture of usual size has fewer pixels; the level must not depend on
-/// what a server allows, as the same job is to be the same picture everywhere.
-/// Half of it shows the faces of models seen from close by, twice of it takes twice the time and memory.
+/// Maximum number of faces, or points, of the level found. A picture of usual size has fewer pixels. The bound must not
+/// depend on the limits of a server, so that the same job gives the same picture everywhere. Half as many would show
+/// the faces of models seen from close by; twice as many would take twice the time and memory.
 const MOST_FACES: u128 = 1 << 21;
-/// Sides of faces on the last level, pixels, are between this and the same times the arity.
-/// Half of it refines beyond what is seen, twice of it shows the sides of faces in outlines.
+/// Lower bound in pixels of the mean side of faces on the last level; it is less than this times the arity. Half of it
+/// would refine beyond what is visible; twice of it would show the sides of faces in outlines.
 const SIDE_PX: f64 = 1.0;
-/// Most edges that are measured; of more, only some are, evenly spread: about 20 ms.
+/// Maximum number of edges to measure; of more edges, an evenly spread selection is measured in about 20 ms.
 const MOST_EDGES: usize = 1 << 17;
 
-/// The highest level whose faces, on the mean, are not less than a pixel wide in any of the pictures.
+/// Returns the highest level whose faces are on average at least a pixel wide in one of the pictures.
 ///
 /// # Errors
 /// A fault below the job, where an output has no pixels or the plan makes no smaller faces.
@@ -45,7 +45,7 @@ pub(super) fn level(checked: &Checked) -> Result<u32, Fault> {
         #[expect(clippy::cast_precision_loss, reason = "a ratio needs no last digit")]
         let parts = count as f64 / first.max(1) as f64;
         let parts = if checked.input.mesh().is_some() { parts.sqrt() } else { parts };
-        // not so for sides that are no numbers
+        // false for sides that are NaN
         let is_wide = widest / parts >= SIDE_PX;
         if count > MOST_FACES || !is_wide {
             break;
@@ -55,7 +55,7 @@ pub(super) fn level(checked: &Checked) -> Result<u32, Fault> {
     Ok(best)
 }
 
-/// The faces of a mesh, or the points of polygons, after so many levels.
+/// Returns the number of faces of a mesh, or of points of polygons, after `levels` levels.
 fn counted(checked: &Checked, levels: u32) -> Result<u128, Fault> {
     let steps = checked.plan.schedule(levels).map_err(|fault| fault.under("/plan"))?;
     let forecast = match &*checked.input {
@@ -70,7 +70,7 @@ fn counted(checked: &Checked, levels: u32) -> Result<u128, Fault> {
     Ok(if checked.input.mesh().is_some() { last.faces } else { last.vertices })
 }
 
-/// The points and some edges of the input.
+/// Returns the points and some edges of the input.
 fn outline(input: &Input) -> Result<Outline, Fault> {
     let edges = |topology: &Topology| {
         let stride = topology.n_edges().div_ceil(MOST_EDGES).max(1);

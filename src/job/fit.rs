@@ -1,4 +1,4 @@
-//! How the plan, the input and the outputs of a job fit.
+//! Checks how the plan, the input and the outputs of a job fit together.
 
 use super::complete::Checked;
 use super::input::Input;
@@ -10,7 +10,7 @@ use crate::output::{shows_distances, surface};
 use crate::scheme::forecast::check_delta;
 use crate::scheme::plan::{Plan, PlanInput, Subject};
 
-/// The faults in how plan, input and outputs fit that do not depend on the number of levels.
+/// Returns the faults in the fit of plan, input and outputs that do not depend on the number of levels.
 pub(super) fn faults_of(Checked { input, entry, plan, outputs, .. }: &Checked) -> Vec<Fault> {
     let mut faults = Vec::new();
     if let Input::Mesh(mesh) = &**input {
@@ -38,7 +38,7 @@ pub(super) fn faults_of(Checked { input, entry, plan, outputs, .. }: &Checked) -
     faults
 }
 
-/// The plan of an input; what some output refers to has to stay what it is.
+/// Resolves the plan of an input; properties to which some output refers must be preserved.
 pub(super) fn resolved(input: &Input, plan: Option<&PlanInput>, outputs: &[Output]) -> Result<Plan, Vec<Fault>> {
     let Some(plan) = plan else {
         return Ok(Plan::none(PlanInput::default().boundary, PlanInput::default().ends));
@@ -49,7 +49,7 @@ pub(super) fn resolved(input: &Input, plan: Option<&PlanInput>, outputs: &[Outpu
     Plan::resolve(plan, subject).map_err(|found| under("/plan", found))
 }
 
-/// Why distances cannot be measured from the surface of another job, if there is one.
+/// Returns why distances cannot be measured from the surface of another job, if one is given.
 pub(super) fn other_faults(Checked { outputs, frame, other, .. }: &Checked) -> Vec<Fault> {
     let Some(other) = other else { return Vec::new() };
     let fault = |place: &str, detail: &str| Some(Fault::new(format!("/distance_to{place}"), detail));

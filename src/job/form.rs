@@ -1,27 +1,27 @@
-//! The forms in which an analysis is answered.
+//! The forms of the answer to an analysis.
 
 use super::codec::Item;
 use super::key::{Key, hashed};
 
-/// How an analysis is answered.
+/// The form of the answer to an analysis.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Form {
-    /// Every number by its name.
+    /// Every value with its name.
     #[default]
     Json,
-    /// A report to read.
+    /// A report for people.
     Markdown,
-    /// A figure of one page in lines.
+    /// A figure of one page as vector graphics.
     Svg,
-    /// The same in pixels.
+    /// The same figure in pixels.
     Png,
 }
 
 impl Form {
-    /// All forms, the usual one first.
+    /// All forms; the first is the default.
     pub const ALL: [Self; 4] = [Self::Json, Self::Markdown, Self::Svg, Self::Png];
 
-    /// Its name in commands and keys.
+    /// Returns the name of the form in commands and keys.
     pub const fn name(self) -> &'static str {
         match self {
             Self::Json => "json",
@@ -31,12 +31,12 @@ impl Form {
         }
     }
 
-    /// The extension of its files.
+    /// Returns the extension of its files.
     pub const fn extension(self) -> &'static str {
         if matches!(self, Self::Markdown) { "md" } else { self.name() }
     }
 
-    /// The media type of its bytes.
+    /// Returns the media type.
     pub const fn media_type(self) -> &'static str {
         match self {
             Self::Json => "application/json",
@@ -46,12 +46,12 @@ impl Form {
         }
     }
 
-    /// Whether it shows functions, whose values it needs.
+    /// Returns whether the form plots functions and thus needs their values.
     pub const fn is_figure(self) -> bool {
         matches!(self, Self::Svg | Self::Png)
     }
 
-    /// The key of an analysis in the form: that of what it finds for the usual one.
+    /// Returns the key of an analysis in the form; for the default form, that of the result itself.
     pub(super) fn key(self, found: Key) -> Key {
         if self == Self::default() {
             return found;

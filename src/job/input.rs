@@ -10,18 +10,18 @@ use crate::shape::creases::INFINITE_SHARPNESS;
 use crate::shape::mesh::Mesh;
 use crate::shape::polygon::Polygon;
 
-/// What is refined.
+/// The input of a job.
 #[derive(Debug, Clone, PartialEq)]
 #[expect(clippy::large_enum_variant, reason = "a job has one input")]
 pub enum Input {
-    /// Polygons, refined alike.
+    /// Polygons that are refined alike.
     Polygons(Vec<Polygon>),
     /// A mesh.
     Mesh(Mesh),
 }
 
 impl Input {
-    /// Whether it is a mesh, and whether it is open (has ends or a boundary).
+    /// Returns whether the input is a mesh, and whether it is open (has ends or a boundary).
     pub fn kind(&self) -> (bool, bool) {
         match self {
             Self::Polygons(polygons) => (false, polygons.iter().any(|polygon| !polygon.closed)),
@@ -29,7 +29,7 @@ impl Input {
         }
     }
 
-    /// Number of points or vertices.
+    /// Returns the number of points or vertices.
     pub fn n_points(&self) -> usize {
         match self {
             Self::Polygons(polygons) => polygons.iter().map(Polygon::len).sum(),
@@ -37,7 +37,7 @@ impl Input {
         }
     }
 
-    /// The kind of the result, for formats.
+    /// Returns the kind of the result, for formats.
     pub fn shape_kind(&self) -> ShapeKind {
         match self {
             Self::Polygons(polygons) => {
@@ -47,12 +47,12 @@ impl Input {
         }
     }
 
-    /// The attachments of a mesh; polygons carry none.
+    /// Returns the attachments of a mesh; polygons have none.
     pub fn attachments(&self) -> &Attachments {
         self.mesh().map_or(Attachments::none(), |mesh| &mesh.attachments)
     }
 
-    /// A plan for it.
+    /// Resolves a plan for the input.
     ///
     /// # Errors
     /// Every fault of the plan, with pointers below it.
@@ -60,12 +60,12 @@ impl Input {
         Plan::resolve(plan, self.subject(plan))
     }
 
-    /// The mesh, if it is one.
+    /// Returns the mesh, if the input is one.
     pub fn mesh(&self) -> Option<&Mesh> {
         if let Self::Mesh(mesh) = self { Some(mesh) } else { None }
     }
 
-    /// Whether single points have parameters of their own.
+    /// Returns whether single points have parameters of their own.
     pub fn has_own_parameters(&self) -> bool {
         match self {
             Self::Polygons(polygons) => polygons.iter().any(|polygon| polygon.attributes.is_some()),
@@ -73,7 +73,7 @@ impl Input {
         }
     }
 
-    /// What a plan has to know of it.
+    /// Returns the properties of the input that matter to a plan.
     pub(super) fn subject(&self, input: &PlanInput) -> Subject {
         let (is_mesh, is_open) = self.kind();
         let mesh = self.mesh();

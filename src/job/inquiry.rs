@@ -1,4 +1,4 @@
-//! What is asked about a plan: as a scheme for curves or for surfaces, or about a tube.
+//! Questions about a plan: as a curve scheme, as a surface scheme, or on a tube.
 
 use super::analysis::Analysis;
 use super::form::Form;
@@ -14,15 +14,15 @@ use crate::scheme::presets::PRESETS;
 /// A question about a plan.
 #[derive(Debug)]
 pub enum Inquiry {
-    /// As a scheme for curves.
+    /// About the plan as a curve scheme.
     Curve(Box<Analysis>),
-    /// As a scheme for surfaces.
+    /// About the plan as a surface scheme.
     Surface(Box<SurfaceAnalysis>),
     /// About a straight tube with latitude lines.
     Tube(Box<TubeAnalysis>),
 }
 
-/// Whether a plan is one for meshes alone: a preset that refines nothing else, or a word that splits triangles.
+/// Returns whether a plan is for meshes only: a preset that refines nothing else, or a word that splits triangles.
 pub fn is_for_meshes(plan: &PlanInput) -> bool {
     let preset = PRESETS.iter().find(|preset| Some(preset.name) == plan.preset.as_deref());
     let splits = |(name, value): &(String, Literal)| {
@@ -32,7 +32,7 @@ pub fn is_for_meshes(plan: &PlanInput) -> bool {
 }
 
 impl Inquiry {
-    /// The key of the answer in a form.
+    /// Returns the key of the answer in a form.
     pub fn key(&self, form: Form) -> Key {
         let key = match self {
             Self::Curve(analysis) => analysis.key(),
@@ -42,7 +42,7 @@ impl Inquiry {
         form.key(key)
     }
 
-    /// Bytes of memory that it takes at most.
+    /// Returns an upper bound of the memory in bytes.
     pub fn bytes(&self) -> u64 {
         match self {
             Self::Curve(analysis) => analysis.bytes(),
@@ -51,7 +51,7 @@ impl Inquiry {
         }
     }
 
-    /// Units of work, at most.
+    /// Returns an upper bound of the work, in the units of the watch.
     pub fn work(&self) -> u64 {
         match self {
             Self::Curve(analysis) => analysis.work(),
@@ -60,7 +60,7 @@ impl Inquiry {
         }
     }
 
-    /// Milliseconds on one core, roughly.
+    /// Returns the approximate time in milliseconds on one core.
     pub fn milliseconds(&self) -> u64 {
         match self {
             Self::Curve(analysis) => analysis.milliseconds(),

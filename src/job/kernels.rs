@@ -1,4 +1,4 @@
-//! Which kernels and compensations of single points a plan takes.
+//! Checks kernels and compensations of single points against a plan.
 
 use super::entry::InputEntry;
 use super::input::Input;
@@ -8,8 +8,8 @@ use crate::scheme::operator::Role;
 use crate::scheme::plan::Plan;
 use crate::shape::attributes::Attributes;
 
-/// Kernels with which the first level has no average and compensations beyond their bound, with pointers into the
-/// request. Perturbed kernels are another number each level.
+/// Returns the faults, with pointers into the request, of kernels for which the first level has no average, and of
+/// compensations beyond their bound. Perturbed kernels differ at each level and are not checked here.
 pub(super) fn check(input: &Input, entry: InputEntry, plan: &Plan, levels: u32) -> Vec<Fault> {
     let has = |role: Role| plan.word.letters(levels).any(|letter| letter.facts().role == role);
     let perturbed = plan.perturbation.is_some_and(|perturbation| perturbation.amplitude != 0.0);
@@ -28,7 +28,7 @@ pub(super) fn check(input: &Input, entry: InputEntry, plan: &Plan, levels: u32) 
     }
 }
 
-/// The first of the kernels that points carry with which no average exists.
+/// Returns a fault for the first kernel of a point for which no average exists.
 fn without_average(attributes: &Attributes) -> Option<Fault> {
     let kernel = attributes.kernel.as_ref()?;
     let i = kernel.iter().position(|&kernel| !has_average(kernel))?;
@@ -37,7 +37,7 @@ fn without_average(attributes: &Attributes) -> Option<Fault> {
     Some(Fault::new(format!("/parameters/kernel/{i}"), detail))
 }
 
-/// The first of the compensations that points carry that is larger than any may be.
+/// Returns a fault for the first compensation of a point that exceeds the bound.
 fn too_large(attributes: &Attributes) -> Option<Fault> {
     let compensation = attributes.compensation.as_ref()?;
     let i = compensation.iter().position(|&value| value.abs() > MAX_COMPENSATION)?;

@@ -1,5 +1,5 @@
-//! Keys: what of a job enters them, and how they are written. Whatever has a field that is not hashed says so here, as
-//! it is taken apart exhaustively; enums enter by their names.
+//! The keys of results: which parts of a job enter them, and how they are written. Fields that are not hashed are named
+//! here, since all types are destructured exhaustively; enums enter by their names.
 
 use std::fmt;
 
@@ -24,7 +24,7 @@ use crate::shape::creases::INFINITE_SHARPNESS;
 use crate::shape::frame::Frame;
 use crate::shape::tile::Tile;
 
-/// Version of the results: raised whenever any artifact's bytes change.
+/// The version of the results, raised whenever the bytes of any artifact change.
 pub const RESULTS_VERSION: u32 = 14;
 
 /// Identity of an artifact, a job or a content: a BLAKE3 hash, written as 64 lowercase hexadecimal digits.
@@ -32,20 +32,20 @@ pub const RESULTS_VERSION: u32 = 14;
 pub struct Key([u8; 32]);
 
 impl Key {
-    /// The first of all keys in their order.
+    /// The least key in their order.
     pub const LEAST: Self = Self([0; 32]);
 
-    /// The key with these bytes.
+    /// Creates the key with these bytes.
     pub const fn from_bytes(bytes: [u8; 32]) -> Self {
         Self(bytes)
     }
 
-    /// The 32 bytes of the key.
+    /// Returns the 32 bytes of the key.
     pub const fn as_bytes(&self) -> &[u8; 32] {
         &self.0
     }
 
-    /// Reads 64 lowercase hexadecimal digits; anything else is no key.
+    /// Parses 64 lowercase hexadecimal digits; returns `None` for anything else.
     pub fn parse(text: &str) -> Option<Self> {
         let is_written = text.bytes().all(|digit| matches!(digit, b'0'..=b'9' | b'a'..=b'f'));
         let mut bytes = [0; 32];
@@ -65,15 +65,15 @@ impl fmt::Debug for Key {
     }
 }
 
-/// Key of the bytes themselves.
+/// Returns the key of the bytes themselves.
 pub fn content(bytes: &[u8]) -> Key {
     Key(*blake3::hash(bytes).as_bytes())
 }
 
-/// Keys of the outputs of a job: over the results version, the shape, the plan as far as it matters, the levels, and
-/// the output's format and options. Names of outputs, and the words in which the job was written, are not part of them.
-/// The shape is hashed once for all outputs. Beside each artifact's key stands that of the refined shape it shows.
-/// Pictures of distances from the surface of another job have the key of that surface in theirs.
+/// Returns the keys of the outputs of a job: over the results version, the shape, the used part of the plan, the
+/// levels, and the format and options of the output. Names of outputs, and the spelling of the job, do not enter. The
+/// shape is hashed once for all outputs. Each artifact's key comes with the key of the refined shape that it shows.
+/// Pictures of distances from the surface of another job include the key of that surface.
 pub(super) fn artifacts(
     (shape, frame): (&Input, Frame),
     (refined, levels): (&Plan, u32),
@@ -83,10 +83,10 @@ pub(super) fn artifacts(
     let Frame { unit, up } = frame;
     let whole = hashed(&input(shape, refined));
     let artifact = |output: &Output| {
-        // the name is the client's affair, and so is the place among the outputs
+        // the name, and the position among the outputs, are the client's choice
         let Output { name: _, format, options, frame: shown, description, index: _ } = output;
         let shape_key = match (shape.mesh(), shown) {
-            // as that of a mesh with these positions alone
+            // the same key as for a mesh with these positions alone
             (Some(alone), Some(_)) if !alone.frames.is_empty() => hashed(&mesh(&alone.at_frame(*shown), refined)),
             _ => whole,
         };
@@ -114,14 +114,14 @@ pub(super) fn artifacts(
     outputs.iter().map(artifact).unzip()
 }
 
-/// Key of a figure: over the keys of its panels at the sizes that they have in it, the layout, and the output.
+/// Returns the key of a figure: over the keys of its panels at their sizes, the layout, and the output.
 pub(super) fn figure(panels: impl Iterator<Item = Key>, (grid, one_scale): (&Grid, bool), output: &Output) -> Key {
     let Output { name: _, format, options, frame: _, description, index: _ } = output;
     let Grid { columns, title, letters, cells } = grid;
     let text = |text: &Option<String>| Item::List(text.iter().map(|text| Item::text(text)).collect());
     let mut panels = panels;
     let cell = |Cell { span, proportion: _, caption, layers }: &Cell| {
-        // the proportion is that of the size, which is in the keys of the panels
+        // the proportion follows from the size, which is in the keys of the panels
         let mut items: Vec<Item<'_>> = panels.by_ref().take(*layers).map(|key| Item::text(&key.to_string())).collect();
         items.extend([Item::Indices(span.to_vec().into()), text(caption)]);
         Item::List(items)
@@ -141,26 +141,26 @@ pub(super) fn figure(panels: impl Iterator<Item = Key>, (grid, one_scale): (&Gri
     hashed(&Item::List(items))
 }
 
-/// What the bytes say of their job, where they do.
+/// Returns the item of the description of the job in the bytes, if there is one.
 fn described(description: Option<&str>) -> Option<Item<'static>> {
     description.map(|text| Item::List(vec![Item::text("description"), Item::text(text)]))
 }
 
-/// Key of a moving picture: over the keys that its frames have as jobs of their own.
+/// Returns the key of a moving picture: over the keys that its frames have as jobs.
 pub(super) fn film(frames: impl Iterator<Item = Key>) -> Key {
     let frames = frames.map(|key| Item::text(&key.to_string())).collect();
     hashed(&Item::List(vec![Item::text("planish film"), Item::List(frames)]))
 }
 
-/// Latitude and longitude lines, where a picture shows them and the plan leaves them alone.
+/// Returns the item of latitude and longitude lines, if a picture shows them and the plan does not use them.
 fn shown_lines<'a>(shape: &'a Input, refined: &Plan, options: &Values) -> Option<Item<'a>> {
     let shown = crate::output::DIRECTIONS.iter().any(|direction| options.has("show", direction));
     let mesh = shape.mesh().filter(|_| shown && refined.latitude.is_none())?;
     mesh.directions.as_ref().map(lines)
 }
 
-/// Key of the program by which a mesh is refined, whatever its positions and the numbers that it carries: over its
-/// connectivity, what is tagged, the plan and the levels. `None` where single vertices or edges have a say.
+/// Returns the key of the program by which a mesh is refined, independent of positions and channels: over its
+/// connectivity, the tags, the plan and the levels. `None` if vertex parameters or edge directions matter.
 pub(super) fn program(input: &Input, refined: &Plan, levels: u32) -> Option<Key> {
     let mesh = input.mesh().filter(|mesh| mesh.attributes.is_none() && mesh.directions.is_none())?;
     let version = Item::Integer(u64::from(RESULTS_VERSION));
@@ -174,21 +174,21 @@ pub(super) fn hashed(item: &Item<'_>) -> Key {
     content(&bytes)
 }
 
-/// Key of a job: over the names and keys of its outputs, in order.
+/// Returns the key of a job: over the names and keys of its outputs, in order.
 pub fn job<'a>(outputs: impl Iterator<Item = (&'a str, &'a Key)>) -> Key {
     let entry = |(name, key): (&str, &Key)| Item::List(vec![Item::text(name), Item::text(&key.to_string())]);
     hashed(&Item::List(vec![Item::text("planish job"), Item::List(outputs.map(entry).collect())]))
 }
 
-/// Key of a search for the level of a tolerance: over the results version, the shape, the whole plan, the tolerance and
-/// where outputs have their points. Searches with the same key have the same answer.
+/// Returns the key of a search for the level of a tolerance: over the results version, the shape, the whole plan, the
+/// tolerance and the places of the outputs' points. Searches with the same key have the same answer.
 pub(super) fn search(shape: &Input, refined: &Plan, tolerance: f64, places: &[&str]) -> Key {
     let items = vec![
         Item::text("planish search"),
         Item::Integer(u64::from(RESULTS_VERSION)),
         input(shape, refined),
         plan(shape, refined, 1, true),
-        // plans that no operator perturbs are refused, too
+        // a plan with a perturbation is refused even if no operator uses it
         Item::Integer(u64::from(refined.perturbation.is_some())),
         Item::Number(tolerance),
         Item::List(places.iter().map(|place| Item::text(place)).collect()),
@@ -196,8 +196,8 @@ pub(super) fn search(shape: &Input, refined: &Plan, tolerance: f64, places: &[&s
     hashed(&Item::List(items))
 }
 
-/// Key of an analysis: over the results version, the masks, exactly where they are known so, what was asked for, and
-/// polygons with their own plan, if there are any.
+/// Returns the key of an analysis: over the results version, the masks (exact where known), the requested parts, and
+/// polygons with their plan, if there are any.
 pub(super) fn analysis(
     study: &Study,
     nodes: u64,
@@ -209,7 +209,7 @@ pub(super) fn analysis(
     // order and residual follow from the mask
     let Symbol { arity, first, mask, is_exact, order: _, residual: _ } = settled;
     let level = |level: &Level| {
-        // the rest follows from these and the settled scheme
+        // the other fields follow from these and the limit scheme
         let Level { alpha, mask: Mask { first, values }, order: _, distance: _, keeps_circles: _ } = level;
         let first = Item::Integer(i64::from(*first).cast_unsigned());
         Item::List(vec![Item::Number(*alpha), first, Item::Numbers(values.clone().into())])
@@ -232,8 +232,8 @@ pub(super) fn analysis(
     hashed(&Item::List(items))
 }
 
-/// Key of an analysis of a plan as a scheme for surfaces: over the results version, the plan at alpha = 0 without what
-/// its operators do not use, what was asked for, and the mesh with its own plan, if there is one.
+/// Returns the key of an analysis of a plan as a surface scheme: over the results version, the plan at alpha = 0
+/// without what its operators do not use, the requested parts, and the mesh with its plan, if there is one.
 pub(super) fn surface_analysis(
     settled: &Plan,
     follows_alpha: bool,
@@ -257,20 +257,20 @@ pub(super) fn surface_analysis(
     hashed(&Item::List(items))
 }
 
-/// Whether an output shows the limit, or names the scheme: those of the plan even where none of its levels was applied.
+/// Returns whether an output shows the limit or names the scheme, so that the whole plan matters even at level 0.
 fn shows_limit(output: &Output) -> bool {
     let of_limit = |(name, value): (&str, &Value)| name == TANGENTS.name || *value == Value::Choice(LIMIT);
     output.format.facts().tells_plan || output.options.unusual().any(of_limit)
 }
 
-/// Everything of a plan that can change the result, which shows so many levels or also the limit: what no operator uses
-/// is left out.
+/// Returns the item of everything in a plan that can change the result at `levels` levels, or the limit if that is
+/// shown; functions that no operator uses are left out.
 fn plan(input: &Input, refined: &Plan, levels: u32, shows_limit: bool) -> Item<'static> {
     let (is_mesh, is_open) = input.kind();
     plan_of(refined, levels, shows_limit, [is_mesh, is_open], rules(input, refined.rules))
 }
 
-/// The same for a shape that is a mesh or not, open or not, on which the scheme has these rules.
+/// Returns the item of a plan for a shape that is a mesh or not, open or not, under these rules of the scheme.
 pub(super) fn plan_of(
     refined: &Plan,
     levels: u32,
@@ -287,7 +287,7 @@ pub(super) fn plan_of(
         compensation,
         delta,
         boundary,
-        // some of them matter only to some shapes, and are given
+        // `rules` holds those that matter to the shape; they are passed separately
         rules: _,
         ends,
         perturbation,
@@ -348,7 +348,7 @@ pub(super) fn plan_of(
     Item::List(vec![letters(prefix), letters(cycle), Item::Integer(u64::from(levels)), Item::List(functions)])
 }
 
-/// The rules of meshes that are not the usual ones, as far as the mesh gives them something to do.
+/// Returns the items of the rules of meshes that differ from the defaults and matter to the mesh.
 fn rules(input: &Input, rules: Rules) -> Vec<(&'static str, Item<'static>)> {
     let Rules { creasing, triangles } = rules;
     let Input::Mesh(mesh) = input else { return Vec::new() };
@@ -374,7 +374,7 @@ fn expression(expression: &Expression) -> Item<'static> {
     Item::List(expression.code().iter().map(instruction).collect())
 }
 
-/// Options as they are written or left out makes no difference, so that new ones leave old keys alone.
+/// Options with default values are left out, so that new options do not change old keys.
 fn values(values: &Values) -> Item<'static> {
     let entry = |(name, value)| Item::List(vec![Item::text(name), self::value(value)]);
     Item::List(values.unusual().map(entry).collect())

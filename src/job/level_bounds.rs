@@ -1,19 +1,19 @@
-//! Levels and how close they come to the limit, as analyses tell them of inputs.
+//! Bounds of the distance of levels from the limit, for analyses of inputs.
 
 use crate::analysis::NoLevel;
 use crate::watch::Stopped;
 
-/// By what bounds are divided for the tolerance that asks for the next level.
-/// Most schemes divide by 4 a level, and bounds are up to 10 times what is true. Half of it asks for some levels twice;
-/// twice of it leaves out levels.
+/// The divisor of a bound that gives the tolerance for the next level. Most schemes divide distances by 4 per level,
+/// and bounds exceed the true distances by up to a factor of 10. Half of it would request some levels twice; twice of
+/// it would skip levels.
 const CLOSER: f64 = 2.0;
 
-/// Levels with their bounds, or why they are not known.
+/// Levels with their bounds, or the reason for which these are unknown.
 pub(super) type LevelBounds = Result<Vec<(u32, f64)>, String>;
 
-/// Bounds of the distance of levels from the limit, each within a tolerance that the one before does not meet, up to a
-/// level. `reach` finds the first level within a tolerance, and its bound; the first tolerance is four times the
-/// greatest of some coordinates, as any net is within its extent of its limit.
+/// Returns bounds of the distance of levels from the limit, up to a level; each is within a tolerance that the
+/// preceding level does not meet. `reach` finds the first level within a tolerance, and its bound. The first tolerance
+/// is four times the greatest of the coordinates, since any net is within its extent of its limit.
 pub(super) fn level_bounds<'a>(
     coordinates: impl Iterator<Item = &'a f64>,
     last: u32,
@@ -25,7 +25,7 @@ pub(super) fn level_bounds<'a>(
         match reach(tolerance) {
             Ok((level, bound)) => {
                 if found.last().is_some_and(|last| last.0 == level) {
-                    // a tolerance within the bound of a level may sharpen it
+                    // a tolerance within the bound of a level may sharpen that bound
                     found.pop();
                 }
                 found.push((level, bound));

@@ -1,26 +1,26 @@
-//! How often a plan is applied: so many times, or until the result is close to its limit.
+//! The number of levels of a job: a count, or a tolerance for the distance from the limit.
 
 use crate::analysis::curve::Reached;
 use crate::fault::Fault;
 use crate::scheme::plan::MAX_LEVELS;
 
-/// How often a plan is to be applied.
+/// The number of levels that a client requests.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Levels {
-    /// So many times.
+    /// A fixed number.
     Count(u64),
-    /// Until the result is known to be within this distance of the limit, model units.
+    /// As many as are needed to be within this distance of the limit, in model units.
     Tolerance(f64),
-    /// Until faces are about a pixel in the pictures that are asked for.
+    /// As many as make faces about a pixel wide in the requested pictures.
     Auto,
 }
 
-/// A level that a job left to be found.
+/// A level that was found for a job.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Resolved {
     /// The level.
     pub level: u32,
-    /// The result is at most this far from the limit, model units, where a tolerance was asked for.
+    /// Upper bound of the distance of the result from the limit in model units, if a tolerance was requested.
     pub bound: Option<f64>,
 }
 
@@ -30,7 +30,7 @@ impl From<Reached> for Resolved {
     }
 }
 
-/// Levels that are checked as far as that goes without the plan.
+/// Requested levels, checked as far as possible without the plan.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum CheckedLevels {
     Count(u32),
@@ -38,7 +38,7 @@ pub(super) enum CheckedLevels {
     Auto,
 }
 
-/// Checks the levels of a job that has a plan or not.
+/// Checks the requested levels of a job; `planned` tells whether it has a plan.
 ///
 /// # Errors
 /// A fault below the job.

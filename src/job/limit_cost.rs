@@ -1,4 +1,4 @@
-//! What limits of surfaces cost: rows and bytes.
+//! The cost of limits of surfaces in rows and bytes.
 
 use super::complete::Job;
 use super::input::Input;
@@ -9,9 +9,10 @@ use crate::scheme::forecast::Forecast;
 use crate::shape::attributes::Attributes;
 use crate::shape::tile::Tile;
 
-/// Rows that the limits of an output need at most, and bytes: the topology of the last level (48 a face), the class of
-/// a vertex and its new point (29), two tangents and a normal (72). A vertex that is followed by itself has weights of
-/// its own for the points around it (8 each); faces of such nets know their numbers and those of their edges (88).
+/// Returns upper bounds of the rows and bytes for the limits of an output: the topology of the last level (48 per
+/// face), the class of a vertex and its new point (29), two tangents and a normal (72). A vertex whose neighbourhood is
+/// treated individually has its own weights for the points around it (8 each); faces of such nets store their indices
+/// and those of their edges (88).
 pub(super) fn limit_surface(job: &Job, forecast: &Forecast) -> (u128, u128) {
     let count = forecast.levels.last().copied().unwrap_or_default();
     let needs = |output: &Output| {
@@ -31,8 +32,8 @@ pub(super) fn limit_surface(job: &Job, forecast: &Forecast) -> (u128, u128) {
     needs.fold((0, 0), |most, need| (most.0.max(need.0), most.1.max(need.1)))
 }
 
-/// What limits need beside their rows: around vertices that are not regular, all of them where they have numbers of
-/// their own or where faces are triangles.
+/// Returns the cost of limits apart from their rows: for extraordinary vertices, or for all vertices if they have
+/// parameters of their own or faces are triangles.
 pub(super) fn limit_patches(job: &Job, forecast: &Forecast) -> Cost {
     let Input::Mesh(mesh) = &*job.input else { return Cost::default() };
     let vertices = forecast.levels.last().map_or(0, |count| count.vertices);
@@ -49,7 +50,7 @@ pub(super) fn limit_patches(job: &Job, forecast: &Forecast) -> Cost {
     } else {
         vertices
     };
-    // the impulse is that of all least and largest numbers that vertices carry
+    // the discs are compared for the least and the greatest values of all vertex parameters
     let own_alpha = job.plan.latitude.as_ref().is_some_and(|latitude| latitude.own_alpha);
     let given = |attributes: &Attributes| attributes.arrays().iter().filter(|(_, array)| array.is_some()).count();
     let kinds = mesh.attributes.as_ref().map_or(0, given).max(usize::from(own_alpha));

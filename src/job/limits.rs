@@ -1,4 +1,4 @@
-//! Limits: what this server takes on, checked against the exact forecast before anything is allocated.
+//! The limits of a server, checked against the exact forecast before memory is allocated.
 
 use std::sync::Arc;
 
@@ -24,24 +24,24 @@ use crate::shape::mesh::Mesh;
 use crate::solid::Cage;
 use crate::watch::Watch;
 
-/// Bounds on one job.
+/// The limits of one job.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Limits {
-    /// Faces of a mesh at any level.
+    /// Maximum number of faces of a mesh at any level.
     pub max_faces: u64,
-    /// Points of all polygons, or vertices of a mesh, at any level.
+    /// Maximum number of points of all polygons, or of vertices of a mesh, at any level.
     pub max_vertices: u64,
-    /// Bytes of one result.
+    /// Maximum size of one result in bytes.
     pub max_output_bytes: u64,
-    /// Bytes of memory that one job may need while it runs.
+    /// Maximum memory of one job during its run, in bytes.
     pub max_job_bytes: u64,
-    /// Bytes of memory above which a job is refined while its result is written, where that can be done.
+    /// Memory in bytes above which a job is refined while its result is written, if possible.
     pub max_held_bytes: u64,
 }
 
-/// The same where nothing else is said: as much as the points of a million faces take and a binary result of them.
-/// Below, holding all points once takes about half the time of making those of vertices, edges and faces one after
-/// another; with twice of it a machine holds twice as much for jobs that could do without.
+/// Default of `max_held_bytes`: the memory of the points of a million faces and of a binary result with them. Below it,
+/// storing all points takes about half the time of computing those of vertices, edges and faces in turn; with twice of
+/// it, a machine stores twice as much for jobs that could do without.
 const MAX_HELD_BYTES: u64 = 256 << 20;
 
 impl Default for Limits {
@@ -56,10 +56,11 @@ impl Default for Limits {
     }
 }
 
-/// Most vertices or faces that are read: indices are 32 bits wide, and a net has up to four corners a vertex.
+/// Maximum number of vertices or faces that are read: indices have 32 bits, and a net has up to four corners per
+/// vertex.
 const MOST_READ: u64 = u32::MAX as u64 / 5;
 
-/// A job that was admitted; only [`Limits::admit`] makes one.
+/// A job that is within all limits; only [`Limits::admit`] creates one.
 #[derive(Debug, Clone)]
 pub struct Admitted {
     job: Job,
@@ -67,25 +68,25 @@ pub struct Admitted {
 }
 
 impl Admitted {
-    /// The job.
+    /// Returns the job.
     pub fn job(&self) -> &Job {
         &self.job
     }
 
-    /// The counts and the predicted cost of the job.
+    /// Returns the counts and the predicted cost of the job.
     pub fn estimate(&self) -> &Estimate {
         &self.estimate
     }
 }
 
 impl Limits {
-    /// Returns these bounds as they hold for mesh files.
+    /// Returns the limits for reading mesh files.
     pub fn reading(&self) -> ReadLimits {
         let [max_vertices, max_faces] = [self.max_vertices, self.max_faces].map(|n| n.min(MOST_READ));
         ReadLimits { max_vertices, max_faces }
     }
 
-    /// Admits a job, or says why not and what would be.
+    /// Admits a job, or returns why it is refused and what would be admitted.
     ///
     /// # Errors
     /// [`Refusal`].
@@ -93,7 +94,7 @@ impl Limits {
         self.admit_under(job, &Watch::new())
     }
 
-    /// Admits a job as [`Limits::admit`] does, as long as the watch says go on.
+    /// Admits a job like [`Limits::admit`], unless the watch says stop.
     ///
     /// # Errors
     /// [`Refusal`], which is [`Refusal::Stopped`] when the watch says stop.
@@ -102,7 +103,7 @@ impl Limits {
         Ok(Admitted { job, estimate })
     }
 
-    /// What a job will come to, within the limits.
+    /// Returns the estimate of a job that is within the limits.
     ///
     /// # Errors
     /// [`Refusal`].
@@ -110,7 +111,7 @@ impl Limits {
         self.estimate_under(job, &Watch::new())
     }
 
-    /// What a job will come to, within the limits, as long as the watch says go on.
+    /// Returns the estimate of a job that is within the limits, unless the watch says stop.
     ///
     /// # Errors
     /// [`Refusal`], which is [`Refusal::Stopped`] when the watch says stop.
@@ -178,7 +179,7 @@ impl Limits {
         self.with_films(job, self.with_other(job, estimate, watch)?, watch)
     }
 
-    /// What a figure will come to: its panels, and putting them together.
+    /// Returns the estimate of a figure: its panels, and their composition.
     fn estimate_figure(&self, job: &Job, figure: &Figure, watch: &Watch) -> Result<Estimate, Refusal> {
         let panels = figure.panels.iter().enumerate();
         let panels = panels.map(|(n, panel)| self.estimate_under(panel, watch).map_err(|refusal| refusal.of_panel(n)));
@@ -196,7 +197,7 @@ impl Limits {
         Ok(estimate)
     }
 
-    /// What a job will come to with the surface from which its pictures measure distances, held beside its own.
+    /// Adds to an estimate the surface from which pictures measure distances, which is stored beside the job's own.
     fn with_other(&self, job: &Job, mut estimate: Estimate, watch: &Watch) -> Result<Estimate, Refusal> {
         let Some(other) = &job.other else { return Ok(estimate) };
         let of_other = self.estimate_under(other, watch).map_err(Refusal::of_other)?;
@@ -216,11 +217,11 @@ impl Limits {
         Ok(estimate)
     }
 
-    /// What a job will come to with the frames of its films.
+    /// Adds to an estimate the frames of the job's films.
     fn with_films(&self, job: &Job, mut estimate: Estimate, watch: &Watch) -> Result<Estimate, Refusal> {
         for frame in job.films.iter().flat_map(|film| &film.frames) {
             let of_frame = self.estimate_under(frame, watch)?;
-            // each is refined to see what all show, and once more to be drawn
+            // each frame is refined once to find the common frame, and once more to be drawn
             let work = of_frame.forecast.work.saturating_mul(2);
             estimate.forecast.work = estimate.forecast.work.saturating_add(work);
             estimate.time_ms = estimate.time_ms.saturating_add(time::milliseconds(work, &[]));
@@ -256,7 +257,7 @@ impl Limits {
         }
     }
 
-    /// Whether a net is within the limits, of whose vertices each frame has its own.
+    /// Returns whether a net is within the limits; each frame counts its own vertices.
     fn fits(&self, job: &Job, count: &Count) -> bool {
         let vertices = count.vertices.saturating_mul(frames(job));
         count.faces <= self.max_faces.into() && vertices.max(count.unfolded) <= self.max_vertices.into()
@@ -266,7 +267,7 @@ impl Limits {
         let Some(level) = forecast.levels.iter().position(|count| !self.fits(job, count)) else {
             return if self.fits(job, &forecast.peak) { Ok(()) } else { Err(self.peak(job, forecast)) };
         };
-        // name the level asked for, as this is what the client wrote
+        // name the requested level, as this is what the client wrote
         let asked = forecast.levels.len() - 1;
         let count =
             if self.fits(job, &forecast.levels[asked]) { forecast.levels[level] } else { forecast.levels[asked] };
@@ -325,7 +326,7 @@ impl Limits {
         Err(self.too_large(job, forecast, &reason, fits))
     }
 
-    /// A refusal with the highest level that fits as its remedy.
+    /// Returns a refusal with the highest level that fits as its remedy.
     fn too_large(&self, job: &Job, forecast: &Forecast, reason: &str, fits: impl Fn(usize, &Count) -> bool) -> Refusal {
         let fitting = |&(level, count): &(usize, &Count)| self.fits(job, count) && fits(level, count);
         let fitting = forecast.levels.iter().enumerate().take_while(fitting).count();
@@ -342,7 +343,7 @@ impl Limits {
     }
 }
 
-/// What helps where a level is too large to be counted.
+/// Returns the remedy if a level is too large to be counted.
 fn fewer_levels(level: u32) -> String {
     match level {
         0 => "send a smaller mesh or a shorter prefix".to_owned(),
@@ -350,7 +351,7 @@ fn fewer_levels(level: u32) -> String {
     }
 }
 
-/// Whether the formats can count what there will be.
+/// Checks that the formats can hold so many vertices and faces.
 fn check_fits(job: &Job, counts: &Counts) -> Result<(), Refusal> {
     let fits = |output: &Output| output.format.fits(&output.shown(counts), &output.options);
     let fault = |output| Some(Output::fault(output, fits(output).err()?));
@@ -358,13 +359,13 @@ fn check_fits(job: &Job, counts: &Counts) -> Result<(), Refusal> {
     if faults.is_empty() { Ok(()) } else { Err(Refusal::Impossible(faults)) }
 }
 
-/// Frames that some output shows at once.
+/// Returns the number of frames that an output shows at once.
 fn frames(job: &Job) -> u128 {
     let all = job.input.mesh().map_or(1, |mesh| mesh.frames.len() as u128 + 1);
     if job.outputs.iter().any(|output| output.frame.is_none()) { all } else { 1 }
 }
 
-/// Counts of the net of a level as the writers see it: hidden faces left out.
+/// Returns the counts of the net of a level as writers see it, without hidden faces.
 fn counts(job: &Job, forecast: &Forecast, level: usize) -> Counts {
     let count = forecast.levels.get(level).copied().unwrap_or_default();
     let polygons = if let Input::Polygons(polygons) = &*job.input { polygons.len() as u128 } else { 1 };

@@ -1,4 +1,4 @@
-//! The matrices of one step, as a request asks for them.
+//! The matrices of one step that a client requests.
 
 use super::codec::Item;
 use crate::analysis::Study;
@@ -7,48 +7,46 @@ use crate::analysis::smoothness::{Powers, Report};
 use crate::fault::Fault;
 use crate::scheme::plan::Plan;
 
-/// Most points of the polygon.
-/// Matrices of more are not read by anybody. Half of it is enough for masks of up to nine entries only; twice of it
-/// makes answers four times as long.
+/// Maximum number of points of the polygon; larger matrices are unreadable. Half as many would suffice only for masks
+/// of up to nine entries; twice as many would make answers four times as long.
 pub(super) const MAX_POINTS: u32 = 16;
-/// Most powers of the local matrix.
-/// The eighth of a smooth scheme differs from the limit by 1/256. Half of it shows less of how they get there; twice of
-/// it has fractions of many digits.
+/// Maximum number of powers of the local matrix. The eighth power of a smooth scheme differs from the limit by 1/256.
+/// Half as many would show less of the convergence; twice as many would have fractions of many digits.
 pub(super) const MAX_POWERS: u32 = 8;
 
-/// Of which polygon matrices are asked for, and how many powers.
+/// The polygon whose matrices are requested, and the number of powers.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct MatricesWish {
-    /// Points of the polygon.
+    /// Number of points of the polygon.
     pub points: u32,
     /// Whether the last point is joined to the first.
     pub closed: bool,
-    /// Powers of the local matrix.
+    /// Number of powers of the local matrix.
     pub powers: u32,
 }
 
-/// Matrices that belong to a question.
+/// The matrices of a request, checked.
 #[derive(Debug, Clone)]
 pub(super) struct AskedMatrices {
     wish: MatricesWish,
     of_steps: StepMatrices,
 }
 
-/// Matrices that were found.
+/// The matrices that were found.
 #[derive(Debug, Clone)]
 pub struct FoundMatrices<'a> {
-    /// Points of the polygon.
+    /// Number of points of the polygon.
     pub points: u32,
     /// Whether it is closed.
     pub closed: bool,
-    /// Those of the operators, and their product.
+    /// The matrices of the operators, and their product.
     pub of_steps: &'a StepMatrices,
-    /// The powers of the local one.
+    /// The powers of the local matrix.
     pub powers: Powers,
 }
 
 impl AskedMatrices {
-    /// The matrices of the operators.
+    /// Computes the matrices of the operators.
     ///
     /// # Errors
     /// Every fault found, with pointers into the request.
@@ -70,14 +68,14 @@ impl AskedMatrices {
         Ok(Self { wish, of_steps })
     }
 
-    /// What they are for a report on the scheme.
+    /// Returns the matrices for a report on the scheme.
     pub(super) fn found(&self, report: &Report) -> FoundMatrices<'_> {
         let powers = Powers::of(&report.symbol, report.limit_mask.as_ref(), self.wish.powers);
         let MatricesWish { points, closed, .. } = self.wish;
         FoundMatrices { points, closed, of_steps: &self.of_steps, powers }
     }
 
-    /// What of them enters a key.
+    /// Returns the item of the request for a key.
     pub(super) fn item(&self) -> Item<'static> {
         let Self { wish: MatricesWish { points, closed, powers }, of_steps: StepMatrices { steps, product: _ } } = self;
         let of_one = |step: &StepMatrix| {

@@ -1,5 +1,5 @@
-//! What is asked of a mesh beside the scheme that refines it: how close levels come to the limit, what is
-//! extraordinary, and what is to be known of the plan's parameters.
+//! The survey of a mesh beside the analysis of its scheme: the distance of levels from the limit, extraordinary
+//! vertices, and warnings about the plan's parameters.
 
 use std::collections::BTreeMap;
 
@@ -12,31 +12,30 @@ use crate::scheme::plan::Plan;
 use crate::shape::mesh::Mesh;
 use crate::watch::{Stopped, Watch};
 
-/// Most levels of which bounds are told.
-/// Each comes four times as close as the one before, so that three tell how it goes on. Half of it tells less; twice of
-/// it takes sixty times as long.
+/// Maximum level for which bounds are given. Each level is four times as close as the one before, so that three show
+/// the trend. Half as many show less; twice as many take sixty times as long.
 const MAX_LEVEL: u32 = 3;
-/// Most faces of a mesh of which bounds are told.
-/// A level of them is looked at within a second. Half of it refuses common control meshes; twice of it takes twice as
-/// long.
+/// Maximum number of faces of a mesh for which bounds are given; a level of such a mesh takes less than a second. Half
+/// as many would refuse common control meshes; twice as many would take twice as long.
 const MAX_FACES: usize = 8192;
-/// A mesh, and its plan as it is.
+/// A mesh with its plan.
 #[derive(Debug)]
 pub(super) struct Surveyed {
     pub(super) input: Input,
     pub(super) plan: Plan,
 }
 
-/// What is found of a mesh.
+/// The result of the survey of a mesh.
 #[derive(Debug)]
 pub struct Survey {
-    /// Levels, and how far they are from the limit at most, model units; or why that is not known.
+    /// Levels with upper bounds of their distance from the limit in model units, or the reason for which there are
+    /// none.
     pub bounds: LevelBounds,
     /// Extraordinary vertices and faces, by valence.
     pub extraordinary: BTreeMap<usize, Extraordinary>,
-    /// Boundary vertices, by their number of faces.
+    /// Boundary vertices, by number of faces.
     pub on_boundary: BTreeMap<usize, Extraordinary>,
-    /// What is to be known, in sentences.
+    /// Warnings, as sentences.
     pub warnings: Vec<String>,
 }
 
@@ -46,7 +45,7 @@ impl Surveyed {
         self.input.mesh()
     }
 
-    /// What is found of the mesh.
+    /// Surveys the mesh.
     pub(super) fn survey(
         &self,
         study: &SurfaceStudy,
@@ -65,7 +64,8 @@ impl Surveyed {
         Ok(Some(Survey { bounds: self.bounds(mesh, watch)?, extraordinary, on_boundary, warnings }))
     }
 
-    /// Bounds of the distance of levels from the limit, each within a tolerance that the one before does not meet.
+    /// Returns bounds of the distance of levels from the limit; each is within a tolerance that the preceding level
+    /// does not meet.
     fn bounds(&self, mesh: &Mesh, watch: &Watch) -> Result<LevelBounds, Stopped> {
         if mesh.topology.n_faces() > MAX_FACES {
             let n = mesh.topology.n_faces();

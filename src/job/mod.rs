@@ -1,4 +1,4 @@
-//! The job: what is to be made, under which limits, by which key; pure, without I/O, clock or randomness.
+//! Jobs: their parts, limits and keys; pure, without I/O, clock or randomness.
 
 mod analysis;
 pub mod codec;

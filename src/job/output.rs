@@ -8,25 +8,25 @@ use crate::fault::Fault;
 use crate::math::parameter::Values;
 use crate::output::{Counts, Format, Size, description};
 
-/// One result that is asked for.
+/// One requested result.
 #[derive(Debug, Clone)]
 pub struct Output {
-    /// Name among the outputs of its job.
+    /// The name among the outputs of the job.
     pub name: String,
     /// The format.
     pub format: &'static dyn Format,
-    /// The format's options.
+    /// The options of the format.
     pub options: Values,
-    /// The frame of the mesh that it shows; all of them, or the only one, where none is named.
+    /// The frame of the mesh to show; if `None`, all frames, or the only one.
     pub frame: Option<usize>,
-    /// What the bytes say of their job, where they are to say it: printable ASCII characters.
+    /// The description of the job that the bytes contain, if requested; printable ASCII characters.
     pub description: Option<Arc<str>>,
-    /// The index of the output in the request; `None` where the request names no outputs.
+    /// The index of the output in the request; `None` if the request names no outputs.
     pub index: Option<usize>,
 }
 
 impl Output {
-    /// What of these counts the output shows: frames only where it names none.
+    /// Returns the part of the counts that the output shows: frames only if it names none.
     pub(super) fn shown<'a>(&self, counts: &'a Counts) -> Cow<'a, Counts> {
         match self.frame {
             Some(_) if counts.frames > 0 => Cow::Owned(Counts { frames: 0, ..counts.clone() }),
@@ -34,12 +34,12 @@ impl Output {
         }
     }
 
-    /// Bytes that it takes, of these counts.
+    /// Returns the size of the output for these counts.
     pub(super) fn size(&self, counts: &Counts) -> Size {
         self.described(self.format.size(&self.shown(counts), &self.options))
     }
 
-    /// The size of bytes that take so much without their description.
+    /// Returns the size including the description.
     pub(super) fn described(&self, bare: Size) -> Size {
         match &self.description {
             Some(text) => description::size(self.format.name(), text, bare),
@@ -47,7 +47,7 @@ impl Output {
         }
     }
 
-    /// A fault of this output, with a pointer below the request.
+    /// Returns a fault of this output with a pointer into the request.
     pub(super) fn fault(&self, fault: Fault) -> Fault {
         output_fault(self.index, fault)
     }

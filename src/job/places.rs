@@ -1,4 +1,4 @@
-//! Counts of what has seams.
+//! Counts the places of attributes with seams.
 
 use super::complete::Job;
 use crate::refine::seam_net;
@@ -6,7 +6,8 @@ use crate::scheme::forecast::{self, Count, Forecast, ForecastError};
 use crate::scheme::mesh_net::MeshNet;
 use crate::watch::Watch;
 
-/// Counts the places of what has seams, which are vertices of meshes of their own, at most `cap` each.
+/// Adds to a forecast the numbers of places of attributes with seams, which are vertices of separate meshes; at most
+/// `cap` each.
 ///
 /// # Errors
 /// [`ForecastError`].
@@ -28,7 +29,7 @@ pub(super) fn add_places(job: &Job, forecast: &mut Forecast, cap: u128, watch: &
         n += 1;
     }
     if n > 1 {
-        // nothing is refined on these
+        // these meshes are not refined
         add(&MeshNet::new(unfolded.clone(), &[], &[], job.plan.boundary), |count| &mut count.unfolded)?;
     } else {
         let levels = forecast.levels.iter_mut().chain([&mut forecast.peak]);

@@ -1,5 +1,5 @@
-//! What is asked of polygons beside the scheme that refines them: how close levels come to the limit, and what is to be
-//! known of the plan's parameters.
+//! The survey of polygons beside the analysis of their scheme: the distance of levels from the limit, and warnings
+//! about the plan's parameters.
 
 use super::input::Input;
 use super::level_bounds::{LevelBounds, level_bounds};
@@ -7,36 +7,35 @@ use crate::analysis::curve;
 use crate::scheme::plan::Plan;
 use crate::watch::{Stopped, Watch};
 
-/// Most levels of which bounds are told.
-/// Each comes four times as close as the one before as a rule. Half of it tells less; twice of it ends where rounding
-/// begins.
+/// Maximum level for which bounds are given. Each level is usually four times as close as the one before. Half as many
+/// show less; twice as many reach the limits of rounding.
 const MAX_LEVEL: u32 = 8;
-/// Most points of polygons of which bounds are told.
-/// Searches measure up to 16,384 points. Half of it refuses polygons that others draw; twice of it takes twice as long.
+/// Maximum number of points of polygons for which bounds are given; searches measure up to 16,384 points. Half as many
+/// would refuse polygons that can be drawn; twice as many would take twice as long.
 pub(super) const MAX_POINTS: usize = 16_384;
-/// Levels whose parameters are looked at.
-/// An alpha of 1e6 is below 1e-3 after as many. Half of it misses poles of functions behind larger ones; twice of it
-/// finds no more.
+/// Number of levels whose parameters are checked; an alpha of 1e6 is then below 1e-3. Half as many would miss poles of
+/// functions at small values; twice as many would find no more.
 pub(super) const LEVELS: u32 = 32;
 
-/// Polygons, and their plan as it is.
+/// Polygons with their plan.
 #[derive(Debug, Clone)]
 pub(super) struct SurveyedPolygons {
     pub(super) input: Input,
     pub(super) plan: Plan,
 }
 
-/// What is found of polygons.
+/// The result of the survey of polygons.
 #[derive(Debug, Clone)]
 pub struct PolygonSurvey {
-    /// Levels, and how far all polygons are from their limits at most, model units; or why that is not known.
+    /// Levels with upper bounds of the distance of all polygons from their limits in model units, or the reason for
+    /// which there are none.
     pub bounds: LevelBounds,
-    /// What is to be known, in sentences.
+    /// Warnings, as sentences.
     pub warnings: Vec<String>,
 }
 
 impl SurveyedPolygons {
-    /// What is found of the polygons.
+    /// Surveys the polygons.
     pub(super) fn survey(&self, watch: &Watch) -> Result<PolygonSurvey, Stopped> {
         let later = self.plan.schedule(LEVELS).err().map(|fault| fault.detail);
         let mut warnings: Vec<String> = later.into_iter().collect();

@@ -1,8 +1,8 @@
-//! What a computation says besides its bytes.
+//! The report of a computation besides its bytes.
 
-/// What a run has to say besides the bytes.
+/// The report of a run besides the bytes of its result.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct Report {
-    /// What the client should know about the result, in sentences.
+    /// Warnings to the client about the result, as sentences.
     pub warnings: Vec<String>,
 }

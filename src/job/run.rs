@@ -1,4 +1,4 @@
-//! Runs an admitted job: refine, then write one output.
+//! Runs an admitted job: refines its input and writes one output.
 
 use std::io::Write;
 
@@ -13,7 +13,7 @@ use crate::output::description::Describing;
 use crate::output::scene::Scene;
 use crate::watch::Watch;
 
-/// Computes one output of a job and writes its bytes to `out`: a pure function of the job.
+/// Computes one output of a job and writes its bytes to `out`; the result depends on the job only.
 ///
 /// # Errors
 /// [`RunError`].
@@ -21,8 +21,8 @@ pub fn run(admitted: &Admitted, output: &Output, out: &mut dyn Write, watch: &Wa
     run_keeping(admitted, output, &KeepNothing, out, watch)
 }
 
-/// Computes one output of a job as [`run`] does, from work that is kept of earlier computations as far as it is, and
-/// offers what it makes itself to later ones.
+/// Computes one output of a job like [`run`], reusing kept work of earlier computations, and offers its own work to
+/// later ones.
 ///
 /// # Errors
 /// [`RunError`].

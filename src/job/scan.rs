@@ -1,4 +1,4 @@
-//! Scans: a parameter of a plan and the values that it runs through, as a request has them.
+//! Scans of a plan's parameter over a range of values, as a client requests them.
 
 use num_traits::ToPrimitive;
 
@@ -15,24 +15,24 @@ use crate::scheme::parameters::WORD_PARAMETERS;
 use crate::scheme::plan::PlanInput;
 use crate::scheme::presets::PRESETS;
 
-/// Most steps of a scan.
-/// It is a value for each pixel of a figure. Half of it makes plots coarser; twice of it takes twice as long.
+/// Maximum number of steps of a scan: one value per pixel of a figure. Half as many make plots coarser; twice as many
+/// take twice as long.
 pub const MAX_STEPS: u32 = 1000;
-/// A parameter that is to be scanned, as it was written.
+/// A scan as a client requests it.
 #[derive(Debug, Clone)]
 pub struct ScanWish {
-    /// Its name.
+    /// The name of the parameter.
     pub parameter: String,
     /// Its first value.
     pub from: Literal,
     /// Its last value.
     pub to: Literal,
-    /// Steps between them.
+    /// The number of steps between them.
     pub steps: u32,
 }
 
-/// The scan of a parameter with so many products of matrices at each value, and at most so many in all; `study` says
-/// what a plan comes to.
+/// Creates the scan of a parameter with a number of matrix products at each value, and a maximum in all; `study`
+/// analyses the plan of one value.
 ///
 /// # Errors
 /// Every fault found, with pointers into the request.
@@ -76,11 +76,11 @@ pub(super) fn scan(
     if !faults.is_empty() {
         return Err(faults);
     }
-    // whole numbers are looked at once each
+    // each whole number is used once
     let span = if is_whole { (&to - &from).to_integer().to_u32().unwrap_or(u32::MAX) } else { u32::MAX };
     let steps = span.min(*steps);
     let scan = Scan { input: plan.clone(), parameter: parameter.clone(), from, to, steps, is_whole };
-    // what is wrong at the ends, or after the first step, is wrong with the question
+    // faults at the ends, or after the first step, are faults of the request
     for step in [0, 1, steps] {
         let value = scan.value(step);
         study(&scan.at(&value)).map_err(|found| misfits(&scan, &value.to_string(), found))?;
@@ -88,20 +88,21 @@ pub(super) fn scan(
     Ok(scan)
 }
 
-/// Whether a parameter of a plan has whole numbers for values.
+/// Returns whether a parameter of a plan takes whole numbers.
 fn is_whole(plan: &PlanInput, name: &str) -> bool {
     let preset = PRESETS.iter().find(|preset| Some(preset.name) == plan.preset.as_deref());
     let mut declared = preset.map_or(WORD_PARAMETERS, |preset| preset.parameters).iter();
     declared.any(|parameter| parameter.name == name && matches!(parameter.kind, Kind::Integer { .. }))
 }
 
-/// The exact value of an end, or the decimal next to one that is no fraction.
+/// Returns the exact value of an end of the range, or the shortest decimal near a value that is not a fraction.
 fn end(literal: &Literal) -> Option<Exact> {
     let decimal = |text: &str| Expression::parse(text, "").ok()?.value(0.0).ok().and_then(exact::written);
     exactly::literal(literal).or_else(|| if let Literal::Text(text) = literal { decimal(text) } else { None })
 }
 
-/// Faults of a plan with a value of the scanned parameter; those of the parameter are the scan's.
+/// Returns the faults of a plan at a value of the scanned parameter; faults of the parameter itself become those of the
+/// scan.
 fn misfits(scan: &Scan, value: &str, faults: Vec<Fault>) -> Vec<Fault> {
     let own = format!("/parameters/{}", scan.parameter);
     let placed = |fault: Fault| {
@@ -113,11 +114,11 @@ fn misfits(scan: &Scan, value: &str, faults: Vec<Fault>) -> Vec<Fault> {
     faults.into_iter().map(placed).collect()
 }
 
-/// The key of a scan: the plan as it was written, as the masks of all values are found only when it runs.
+/// Returns the key of a scan: over the plan as written, since the masks of all values are only computed when it runs.
 pub(super) fn key(scan: &Scan, nodes: u64) -> Key {
     // whether values are whole follows from the parameter
     let Scan { input, parameter, from, to, steps, is_whole: _ } = scan;
-    // boundary, ends and seed are those of inputs
+    // boundary, ends and seed matter to inputs only
     let PlanInput { preset, word, parameters, boundary: _, ends: _, seed: _ } = input;
     let mut others: Vec<_> = parameters.iter().filter(|(name, _)| name != parameter).collect();
     others.sort_by(|a, b| a.0.cmp(&b.0));
@@ -137,7 +138,7 @@ pub(super) fn key(scan: &Scan, nodes: u64) -> Key {
     hashed(&Item::List(items))
 }
 
-/// What was written for a parameter: numbers by their exact value where they have one.
+/// Returns the item of a literal; numbers enter by their exact value, if there is one.
 fn literal(written: &Literal) -> Item<'static> {
     match written {
         Literal::Null => Item::text("null"),

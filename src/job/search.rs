@@ -1,4 +1,4 @@
-//! The search for the level that meets a tolerance: a computation of its own, as it may take long.
+//! The search for the level that meets a tolerance, a separate computation since it may take long.
 
 use super::complete::{Checked, Job};
 use super::input::Input;
@@ -11,27 +11,27 @@ use crate::analysis::tolerance::{self, Placed};
 use crate::fault::Fault;
 use crate::watch::{Stopped, Watch};
 
-/// Why a search has found no level.
+/// The reason for which a search found no level.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum SearchError {
-    /// It was asked to stop.
+    /// The watch asked the search to stop.
     #[error(transparent)]
     Stopped(#[from] Stopped),
-    /// No level is known to be close enough: where in the job that was asked for, and why.
+    /// No level is known to be close enough; the fault names the place in the job and the reason.
     #[error("{0}")]
     Refused(Fault),
 }
 
-/// What a search takes at most.
+/// Upper bounds of the cost of a search.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct SearchCost {
-    /// Units of work, as [`Watch::done`] counts them.
+    /// Work, in the units of [`Watch::done`].
     pub work: u64,
-    /// Bytes.
+    /// Memory in bytes.
     pub bytes: u64,
 }
 
-/// A job that is checked but for the level that a tolerance asks for.
+/// A job that is checked except for the level, which a tolerance determines.
 #[derive(Debug, Clone)]
 pub struct Search {
     checked: Checked,
@@ -39,10 +39,10 @@ pub struct Search {
 }
 
 impl Search {
-    /// The search for the level of a tolerance.
+    /// Creates the search for the level of a tolerance.
     ///
     /// # Errors
-    /// A fault below the job, where it can be told at once that there is no such level.
+    /// A fault below the job, if it is known at once that there is no such level.
     pub(super) fn new(checked: Checked, tolerance: f64) -> Result<Self, Fault> {
         match &*checked.input {
             Input::Polygons(_) => {}
@@ -53,25 +53,25 @@ impl Search {
         Ok(Self { checked, tolerance })
     }
 
-    /// Bytes that its input and the steps of the job take in memory.
+    /// Returns the memory in bytes of the input and the steps of the job.
     pub fn bytes(&self) -> u64 {
         let Checked { input, plan, other, .. } = &self.checked;
         let other = other.as_ref().map_or(0, |other| other.bytes());
         input.bytes().saturating_add(size::of_most_steps(plan)).saturating_add(other)
     }
 
-    /// The outputs of the job.
+    /// Returns the outputs of the job.
     pub fn outputs(&self) -> &[Output] {
         &self.checked.outputs
     }
 
-    /// The key of the search, for whoever remembers answers and refusals.
+    /// Returns the key of the search, under which answers and refusals can be remembered.
     pub fn key(&self) -> Key {
         let Checked { input, plan, outputs, .. } = &self.checked;
         key::search(input, plan, self.tolerance, &place_names(input, outputs))
     }
 
-    /// The work and memory of the search, at most.
+    /// Returns upper bounds of the work and the memory of the search.
     pub fn cost(&self) -> SearchCost {
         match &*self.checked.input {
             input @ Input::Polygons(_) => {
@@ -81,7 +81,7 @@ impl Search {
         }
     }
 
-    /// The level that leads all outputs within the tolerance of their limit, and how close that is.
+    /// Finds the level at which all outputs are within the tolerance of their limit, and the bound of their distance.
     ///
     /// # Errors
     /// [`SearchError`], also when no level is known to be close enough.
@@ -97,7 +97,7 @@ impl Search {
         }
     }
 
-    /// The job at the level that was found.
+    /// Completes the job at the level that was found.
     ///
     /// # Errors
     /// Every fault that shows at this level, with pointers into the request.
@@ -119,13 +119,13 @@ impl From<NoLevel> for SearchError {
     }
 }
 
-/// By what the distance of curves from their limit is less than that of outputs: points that move to their limits go as
-/// far as the bound at most, so that their polygon is within twice the bound.
+/// Returns the factor by which curves must be closer to their limit than the tolerance: limit points are at most the
+/// bound away from their points, so that their polygon is within twice the bound.
 fn factor(outputs: &[Output]) -> f64 {
     if outputs.iter().any(curves::moves_points) { 2.0 } else { 1.0 }
 }
 
-/// Where the outputs of a mesh have its vertices.
+/// Returns the places of a mesh's vertices that outputs show.
 fn placed(outputs: &[Output]) -> Vec<Placed> {
     let moves = |output: &Output| crate::output::surface::limit(&output.options)[0];
     let limit = outputs.iter().any(moves).then_some(Placed::Limit);
@@ -133,7 +133,7 @@ fn placed(outputs: &[Output]) -> Vec<Placed> {
     refined.into_iter().chain(limit).collect()
 }
 
-/// Names of the places where outputs have their points, as far as a search depends on them.
+/// Returns the names of the places of points that outputs show, as far as a search depends on them.
 fn place_names(input: &Input, outputs: &[Output]) -> Vec<&'static str> {
     match input {
         Input::Polygons(_) if outputs.iter().any(curves::moves_points) => vec!["limit"],

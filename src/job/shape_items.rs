@@ -1,4 +1,4 @@
-//! What of a shape enters keys.
+//! The items of shapes for keys.
 
 use super::codec::Item;
 use super::input::Input;
@@ -16,7 +16,7 @@ use crate::shape::seams::{Seams, Uvs};
 use crate::shape::textures::{Filter, Texture};
 use crate::shape::topology::{Topology, index};
 
-/// The item of an input under a plan, which decides what of it is used.
+/// Returns the item of an input; the plan decides which parts matter.
 pub(super) fn input<'a>(input: &'a Input, plan: &Plan) -> Item<'a> {
     match input {
         Input::Polygons(polygons) => {
@@ -26,7 +26,7 @@ pub(super) fn input<'a>(input: &'a Input, plan: &Plan) -> Item<'a> {
     }
 }
 
-/// The item of a mesh.
+/// Returns the item of a mesh.
 pub(super) fn mesh<'a>(mesh: &'a Mesh, plan: &Plan) -> Item<'a> {
     let Mesh {
         positions,
@@ -39,7 +39,7 @@ pub(super) fn mesh<'a>(mesh: &'a Mesh, plan: &Plan) -> Item<'a> {
         attributes,
         directions,
         attachments,
-        // follows from the other vertices and the repairs
+        // `split_from` follows from the other vertices and the repairs
         split_from: _,
         repairs,
     } = mesh;
@@ -49,7 +49,7 @@ pub(super) fn mesh<'a>(mesh: &'a Mesh, plan: &Plan) -> Item<'a> {
         faces(topology),
         Item::Indices(corners.into()),
         Item::Indices(holes.into()),
-        // repairs are reported with the result, so that they belong to it
+        // repairs are reported with the result and thus belong to it
         Item::List(repairs.iter().map(repair).collect()),
     ];
     if !frames.is_empty() {
@@ -64,14 +64,14 @@ pub(super) fn mesh<'a>(mesh: &'a Mesh, plan: &Plan) -> Item<'a> {
     Item::List(items)
 }
 
-/// The item of latitude and longitude lines.
+/// Returns the item of latitude and longitude lines.
 pub(super) fn lines(directions: &Directions) -> Item<'static> {
     let edges = |direction| Item::Indices(directions.edges(direction).into());
     Item::List(vec![Item::text("lines"), edges(Direction::Latitude), edges(Direction::Longitude)])
 }
 
-/// The item of what is connected and tagged in a mesh without parameters and directions, its seams included,
-/// without any numbers of vertices.
+/// Returns the item of the connectivity and the tags of a mesh without vertex parameters and directions, including its
+/// seams, but without any values of vertices.
 pub(super) fn connectivity(mesh: &Mesh) -> Item<'_> {
     let count = |topology: &Topology| Item::Integer(topology.n_vertices() as u64);
     let mut items = vec![
@@ -93,7 +93,7 @@ pub(super) fn connectivity(mesh: &Mesh) -> Item<'_> {
     Item::List(items)
 }
 
-/// A repair by its kind and its numbers, whatever the sentence that tells of it.
+/// Returns the item of a repair: its kind and its numbers, independent of the message.
 fn repair(repair: &Repair) -> Item<'_> {
     let count = |n: usize| Item::Integer(n as u64);
     let some = |Faces { count, first }: &Faces| [Item::Integer(*count as u64), Item::Indices(first.clone().into())];
@@ -124,9 +124,10 @@ fn repair(repair: &Repair) -> Item<'_> {
     })
 }
 
-/// What a mesh carries, where there is any: a list for each kind that is given. Pairs of places count beside creases.
+/// Returns the item of the attachments, if there are any: a list for each kind. Pairs of places matter if there are
+/// creases.
 fn attachments(attachments: &Attachments, n_faces: usize, creased: bool) -> Option<Item<'_>> {
-    // the mesh of all seams follows from them
+    // the topology of all seams follows from them
     let Attachments { channels, groups, materials, looks, uvs, unfolded: _ } = attachments;
     let mut kinds = Vec::new();
     if !channels.is_empty() {
@@ -157,7 +158,7 @@ fn attachments(attachments: &Attachments, n_faces: usize, creased: bool) -> Opti
     (!kinds.is_empty()).then_some(Item::List(kinds))
 }
 
-/// The items of seams, three or four.
+/// Returns the three or four items of seams.
 fn seams(Seams { topology, corners, pairs, linear }: &Seams, creased: bool) -> Vec<Item<'_>> {
     let linear = Item::Integer(u64::from(*linear));
     let mut items = vec![linear, Item::Indices(corners.into()), faces(topology)];
@@ -167,7 +168,7 @@ fn seams(Seams { topology, corners, pairs, linear }: &Seams, creased: bool) -> V
     items
 }
 
-/// How a material looks, with the bytes of its picture.
+/// Returns the item of a material's appearance, with the bytes of its image.
 fn look<'a>(look: &'a Look) -> Item<'a> {
     let Look { color, metallic, roughness, double_sided, alpha, texture } = look;
     let mut items = Vec::new();
@@ -197,7 +198,7 @@ fn look<'a>(look: &'a Look) -> Item<'a> {
     Item::List(items)
 }
 
-/// What is sharp, if anything is.
+/// Returns the item of sharp edges or vertices, if there are any.
 fn sharp(name: &str, sharp: &Sharp) -> Option<Item<'static>> {
     let (indices, values): (Vec<u32>, Vec<f64>) = sharp.iter().copied().unzip();
     let item = || Item::List(vec![Item::text(name), Item::Indices(indices.into()), Item::Numbers(values.into())]);

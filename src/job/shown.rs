@@ -1,4 +1,4 @@
-//! From a job to the scene that an output shows.
+//! Builds the scene that an output of a job shows.
 
 use std::sync::{Arc, OnceLock};
 
@@ -21,10 +21,10 @@ use crate::shape::mesh::Mesh;
 use crate::shape::polygon::Polygon;
 use crate::watch::{Stage, Watch};
 
-/// What is done with the scene of a job.
+/// A consumer of the scene of a job.
 pub(super) type Show<'a> = &'a mut dyn FnMut(&Scene<'_>) -> Result<(), FormatError>;
 
-/// Makes the scene that an output shows of a job, refined while it is read where that is `on_demand`, and has it shown.
+/// Builds the scene that an output of a job shows, refined while it is read if `on_demand`, and passes it to `show`.
 ///
 /// # Errors
 /// [`RunError`].
@@ -44,7 +44,7 @@ pub(super) fn show(
     }
 }
 
-/// Shows how points are made, beside the shape as it was given.
+/// Shows the weights of the points, beside the control shape.
 fn weighed(job: &Job, output: &Output, watch: &Watch, show: Show<'_>) -> Result<Report, RunError> {
     let (weights, warnings) = weights::weigh(job, output, watch)?;
     let control: Box<dyn Control> = match &*job.input {
@@ -112,7 +112,7 @@ fn form(
     shown(&Scene { shape, control, warnings, frame, notes, weights: None, details: &details }, output, watch, show)
 }
 
-/// The surface of another job from which an output measures distances, refined.
+/// Refines the surface of another job from which an output measures distances.
 fn other_surface(
     job: &Job,
     output: &Output,
@@ -140,7 +140,7 @@ fn shown(scene: &Scene<'_>, output: &Output, watch: &Watch, show: Show<'_>) -> R
     Ok(Report { warnings: scene.warnings.iter().cloned().chain(scene.notes.take()).chain(left_out).collect() })
 }
 
-/// Polygons as they were given.
+/// The control polygons.
 #[derive(Debug)]
 struct ControlPolygons<'a> {
     polygons: &'a [Polygon],
@@ -153,7 +153,7 @@ impl Control for ControlPolygons<'_> {
     }
 }
 
-/// A mesh as it was given.
+/// The control mesh.
 #[derive(Debug)]
 struct ControlMesh<'a> {
     mesh: &'a Mesh,

@@ -1,4 +1,4 @@
-//! What an input holds in memory, once it is read.
+//! The memory of an input that was read.
 
 use std::mem::size_of;
 
@@ -17,23 +17,23 @@ use crate::shape::seams::Seams;
 use crate::shape::textures::Image;
 use crate::shape::topology::Topology;
 
-/// Bytes of a corner of a topology: its vertex, in a list that was read and may have room for two, its edge, the two
-/// corners of that edge, as if no edge had two, and its face, where faces are of several sizes.
+/// Bytes per corner of a topology: its vertex, in a list that may have twice the capacity, its edge, the two half-edges
+/// of that edge as if no edges were shared, and its face, if faces differ in size.
 const CORNER: usize = 2 * size_of::<u32>() + size_of::<u32>() + size_of::<[u32; 2]>();
-/// Bytes of the number of a face or vertex, in a list that may have room for two.
+/// Bytes of the index of a face or vertex, in a list that may have twice the capacity.
 const NUMBER: usize = 2 * size_of::<u32>();
 
 /// Bytes that any forecast takes: its lists of levels, and those of the outputs.
 const FORECAST: u64 = 1 << 20;
 
-/// Bytes of the steps of a plan at most, whatever its level.
+/// Returns the memory in bytes of the steps of a plan at the highest level.
 pub(super) fn of_most_steps(plan: &Plan) -> u64 {
     let letters = plan.word.prefix.len() + plan.word.cycle.len() * MAX_LEVELS as usize;
     (letters * size_of::<Scheduled>()) as u64
 }
 
 impl Job {
-    /// Bytes that its input and its steps take in memory.
+    /// Returns the memory in bytes of the input and the steps.
     pub(super) fn bytes(&self) -> u64 {
         let frames = self.films.iter().flat_map(|film| &film.frames);
         let frames = frames.map(|frame| (size_of_val(frame.steps()) + size_of::<Self>()) as u64).sum::<u64>();
@@ -42,8 +42,8 @@ impl Job {
         self.input.bytes() + size_of_val(self.steps()) as u64 + panels + other
     }
 
-    /// Bytes that the forecast of the job takes at most: lists over the parts of the input, and what it follows of the
-    /// net.
+    /// Returns an upper bound of the memory in bytes of the job's forecast: lists over the parts of the input, and the
+    /// part of the net that it follows.
     pub fn forecast_bytes(&self) -> u64 {
         let others = self.panels().iter().chain(self.other.as_deref());
         let of_others = others.map(Self::forecast_bytes).fold(0, u64::saturating_add);
@@ -57,7 +57,7 @@ impl Job {
 }
 
 impl Input {
-    /// Bytes that the input holds: at most a little more than it does, never less.
+    /// Returns the memory in bytes of the input: rounded up a little, never down.
     pub fn bytes(&self) -> u64 {
         let bytes = match self {
             Self::Polygons(polygons) => {
@@ -69,7 +69,7 @@ impl Input {
     }
 }
 
-/// Bytes of the entries that a list has room for.
+/// Returns the bytes of a list's capacity.
 fn list<T>(list: &Vec<T>) -> usize {
     list.capacity() * size_of::<T>()
 }
@@ -101,7 +101,7 @@ fn of_mesh(mesh: &Mesh) -> usize {
         repairs,
     } = mesh;
     let tags = list(corners) + list(semi_sharp_corners) + list(creases) + list(holes);
-    // a byte an edge and no more
+    // one byte per edge
     let directions = directions.as_ref().map_or(0, |_| topology.n_edges());
     let repairs = list(repairs) + repairs.iter().map(of_repair).sum::<usize>();
     let attributes = attributes.as_ref().map_or(0, of_attributes);
@@ -137,7 +137,7 @@ fn of_attachments(attachments: &Attachments) -> usize {
     };
     let numbers: usize = channels.iter().map(of_channel).sum();
     let uvs = uvs.as_ref().map_or(0, |uvs| list(&uvs.values) + of_seams(&uvs.seams));
-    // one that is alone has the places of all
+    // a single attribute with seams has the places of all
     let is_shared = attachments.places().count() < 2;
     let unfolded = unfolded.as_ref().filter(|_| !is_shared).map_or(0, |unfolded| of_topology(unfolded));
     let looks = list(looks) + images(looks).iter().map(|image| size_of::<Image>() + image.bytes().len()).sum::<usize>();

@@ -1,4 +1,4 @@
-//! Which inputs fit plans that turn tangents, and which plans fit inputs that give tangents.
+//! Checks that inputs fit plans that turn tangents, and that plans use the tangents of inputs.
 
 use super::entry::InputEntry;
 use super::input::Input;
@@ -8,7 +8,7 @@ use crate::scheme::ops::OPERATORS;
 use crate::scheme::plan::Plan;
 use crate::shape::polygon::Polygon;
 
-/// Every reason why plan and input do not fit, with pointers into the request.
+/// Returns every fault in the fit of plan and input, with pointers into the request.
 pub(super) fn check(input: &Input, entry: InputEntry, plan: &Plan) -> Vec<Fault> {
     let Input::Polygons(polygons) = input else { return Vec::new() };
     let mut faults = Vec::new();
@@ -30,7 +30,7 @@ pub(super) fn check(input: &Input, entry: InputEntry, plan: &Plan) -> Vec<Fault>
     faults
 }
 
-/// Why a plan that turns tangents cannot refine a polygon.
+/// Returns why a plan that turns tangents cannot refine a polygon.
 fn unfit(polygon: &Polygon, name: &str) -> Vec<Fault> {
     let mut faults = Vec::new();
     if polygon.rational {
@@ -54,7 +54,7 @@ fn unfit(polygon: &Polygon, name: &str) -> Vec<Fault> {
     faults
 }
 
-/// Tangents that a plan does not use.
+/// Returns faults for tangents that the plan does not use.
 fn unused(polygon: &Polygon) -> Vec<Fault> {
     let users: Vec<_> = OPERATORS.iter().filter(|op| op.facts().turns_tangents).map(|op| op.facts().name).collect();
     let detail = format!("tangents are used by the preset {} alone; use it, or leave them out", users.join(", "));

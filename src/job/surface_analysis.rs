@@ -1,4 +1,4 @@
-//! The analysis of a plan as a scheme for surfaces: a computation like a job, of which only the scheme matters.
+//! The analysis of a plan as a surface scheme: a computation like a job, which depends on the scheme only.
 
 use std::ops::RangeInclusive;
 
@@ -14,37 +14,33 @@ use crate::math::expression::Expression;
 use crate::scheme::plan::{Plan, PlanInput, Subject};
 use crate::watch::{Stopped, Watch};
 
-/// Valences that are looked at when nothing is said.
+/// The valences that are analysed by default.
 const DEFAULT_VALENCES: RangeInclusive<usize> = 3..=12;
-/// Numbers of faces at boundary vertices that are looked at when nothing is said.
+/// The numbers of faces at boundary vertices that are analysed by default.
 const DEFAULT_FACES: RangeInclusive<usize> = 1..=6;
-/// Most faces at a boundary vertex.
-/// Matrices grow with them, as there are no rotations to part them. Half of it would refuse fans that meshes have;
-/// twice of it takes eight times as long.
+/// Maximum number of faces at a boundary vertex. Without rotations to decompose them, the matrices grow with it. Half
+/// as many would refuse fans that meshes have; twice as many would take eight times as long.
 pub const MAX_FACES: usize = 24;
-/// The largest valence.
-/// Matrices have some dozens of rows for each Fourier index. Half of it would refuse poles of fine spheres; twice of it
-/// takes twice as long, and characteristic maps become so thin that proofs fail.
+/// Maximum valence. Matrices have some dozens of rows per Fourier index. Half as many would refuse poles of fine
+/// spheres; twice as many would take twice as long, and characteristic maps would become so thin that proofs fail.
 pub const MAX_VALENCE: usize = 50;
-/// Milliseconds that a vertex takes, for each of its edges.
-/// Measured for the usual 96 edges of a question: 0.04 with Catmull-Clark and Loop, 0.9 with degree 7, 1.9 with
-/// Kobbelt's scheme, whose characteristic maps are followed to the end of what is looked at. With half of it such
-/// schemes take longer than their share; with twice of it all wait longer.
+/// Milliseconds per vertex and edge. Measured for the default 96 edges: 0.04 with Catmull-Clark and Loop, 0.9 with
+/// degree 7, 1.9 with Kobbelt's scheme, whose characteristic maps are followed to the end. With half of it, such
+/// schemes would take longer than their share; with twice of it, all would wait longer.
 const MS_AN_EDGE: u64 = 2;
-/// Milliseconds that the radius of a regular scheme takes that is no spline and no product.
-/// Measured: 0.8 s with butterfly and with sqrt 3, most of it for the fractions of norms. With half of it they take
-/// longer than their share; with twice of it they wait longer.
+/// Milliseconds for the spectral radius of a regular scheme that is neither a spline nor a tensor product. Measured:
+/// 0.8 s with butterfly and with sqrt 3, mostly for the fractions of norms. With half of it, they would take longer
+/// than their share; with twice of it, they would wait longer.
 const MS_OF_RADIUS: u64 = 800;
-/// Milliseconds that bounds of distances from the limit take, roughly.
-/// Half a second a level of the largest meshes. With half of it searches take longer than their share; with twice of it
-/// they wait longer.
+/// Approximate milliseconds for bounds of distances from the limit: half a second per level of the largest meshes. With
+/// half of it, searches would take longer than their share; with twice of it, they would wait longer.
 const MS_OF_BOUNDS: u64 = 3000;
-/// Bytes of memory that an analysis takes at most: the largest star, its operators' rows and the blocks.
-/// It is reckoned from 2^18 points with some 200 bytes each. Half of it is enough for all presets; twice of it lets
-/// half as many analyses run at once.
+/// Upper bound of the memory of an analysis in bytes: the largest star, the rows of its operators and the blocks. It is
+/// derived from 2^18 points with some 200 bytes each. Half of it suffices for all presets; twice of it would let half
+/// as many analyses run at once.
 const BYTES: u64 = 64 << 20;
 
-/// What is asked about a plan on meshes.
+/// The analysis of a plan on meshes that a client requests.
 #[derive(Debug)]
 pub struct SurfaceAnalysis {
     study: SurfaceStudy,
@@ -56,35 +52,35 @@ pub struct SurfaceAnalysis {
     key: Key,
 }
 
-/// What an analysis has found.
+/// The result of an analysis.
 #[derive(Debug)]
 pub struct SurfaceFindings<'a> {
     /// The plan as a scheme.
     pub study: &'a SurfaceStudy,
-    /// Whether its levels differ from the one that was analysed, at alpha = 0.
+    /// Whether the levels differ from the level at alpha = 0, which was analysed.
     pub follows_alpha: bool,
-    /// How smooth limits of regular nets are.
+    /// The smoothness of limits on regular nets.
     pub smoothness: RegularSmoothness,
-    /// What is known of each valence, or why nothing is.
+    /// The report on each valence, or the reason for which there is none.
     pub valences: Vec<(usize, Result<ValenceReport, String>)>,
-    /// What is known of boundary vertices with each number of faces, or why nothing is.
+    /// The report on boundary vertices with each number of faces, or the reason for which there is none.
     pub boundaries: Vec<(usize, Result<BoundaryReport, String>)>,
-    /// What is found of the mesh, where one was given.
+    /// The survey of the mesh, if one was given.
     pub survey: Option<Survey>,
 }
 
-/// Which vertices are asked about.
+/// The vertices that are analysed.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct Around<'a> {
-    /// Valences of vertices inside.
+    /// Valences of interior vertices.
     pub valences: Option<&'a [u64]>,
     /// Numbers of faces at boundary vertices.
     pub boundaries: Option<&'a [u64]>,
 }
 
 impl SurfaceAnalysis {
-    /// The analysis of a plan around some vertices, with so many products of matrices in the search for bounds; on a
-    /// mesh around those that it has, if none are given.
+    /// Creates the analysis of a plan around some vertices, with a maximum number of matrix products in the search for
+    /// bounds; on a mesh, around its own vertices if none are given.
     ///
     /// # Errors
     /// Every fault found, with pointers into the request.
@@ -145,23 +141,23 @@ impl SurfaceAnalysis {
         Ok(Self { study, follows_alpha, valences, boundaries, surveyed, nodes, key })
     }
 
-    /// The key of what it finds.
+    /// Returns the key of the result.
     pub fn key(&self) -> Key {
         self.key
     }
 
-    /// Edges at all vertices that are looked at.
+    /// Returns the number of edges at all analysed vertices.
     fn edges(&self) -> u64 {
         self.valences.iter().chain(&self.boundaries).sum::<usize>() as u64
     }
 
-    /// Units of work, at most.
+    /// Returns an upper bound of the work, in the units of the watch.
     pub fn work(&self) -> u64 {
         let search = self.surveyed.as_ref().map_or(0, |_| tolerance::MAX_WORK);
         self.nodes + self.edges() + search
     }
 
-    /// Milliseconds on one core, roughly.
+    /// Returns the approximate time in milliseconds on one core.
     pub fn milliseconds(&self) -> u64 {
         let search = self.surveyed.as_ref().map_or(0, |_| MS_OF_BOUNDS);
         let regular = &self.study.regular;
@@ -170,17 +166,17 @@ impl SurfaceAnalysis {
         self.edges() * MS_AN_EDGE + radius + 10 + search
     }
 
-    /// Bytes of memory that it takes at most.
+    /// Returns an upper bound of the memory in bytes.
     pub fn bytes(&self) -> u64 {
         let mesh = self.surveyed.as_ref().and_then(Surveyed::mesh);
         let input = self.surveyed.as_ref().map_or(0, |surveyed| surveyed.input.bytes());
         mesh.map_or(0, tolerance::search_bytes).saturating_add(input).saturating_add(BYTES)
     }
 
-    /// What can be said of the plan.
+    /// Runs the analysis.
     ///
     /// # Errors
-    /// [`Stopped`].
+    /// [`Stopped`] when the watch says so.
     pub fn run(&self, watch: &Watch) -> Result<SurfaceFindings<'_>, Stopped> {
         let smoothness = self.study.smoothness(self.nodes, watch)?;
         let mut valences = Vec::with_capacity(self.valences.len());
@@ -208,7 +204,7 @@ impl SurfaceAnalysis {
     }
 }
 
-/// The numbers of a list, each once and in order.
+/// Checks a list of numbers; returns them ascending and without repetition.
 fn checked(asked: &[u64], name: &str, range: &RangeInclusive<usize>) -> Result<Vec<usize>, Vec<Fault>> {
     let mut found = Vec::with_capacity(asked.len().min(*range.end()));
     let mut faults = Vec::new();
@@ -228,7 +224,7 @@ fn checked(asked: &[u64], name: &str, range: &RangeInclusive<usize>) -> Result<V
     if faults.is_empty() { Ok(found) } else { Err(faults) }
 }
 
-/// The plan at alpha = 0, its functions being numbers.
+/// Returns the plan at alpha = 0, with its functions replaced by their values.
 fn settled(plan: &Plan) -> Result<Plan, String> {
     let number = |function: &Expression| match function.value(0.0) {
         Ok(value) => Ok(Expression::constant(value)),
@@ -245,7 +241,7 @@ fn settled(plan: &Plan) -> Result<Plan, String> {
     })
 }
 
-/// Whether levels differ from the one at alpha = 0.
+/// Returns whether levels differ from the level at alpha = 0.
 fn follows_alpha(plan: &Plan) -> bool {
     let in_kernel = plan.kernel.iter().any(|kernel| !kernel.is_constant());
     plan.alpha != 0.0 && (in_kernel || !plan.compensation.is_constant())

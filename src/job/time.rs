@@ -1,4 +1,4 @@
-//! What a job takes, made of what it does. The unit is a row of a table of weights, 100 ns.
+//! The time of a job, estimated from its work. The unit is a row of a weight table, 100 ns.
 //!
 //! The constants are measured on one core with a release build, and rounded up: a row of a refinement with its points
 //! 100 ns, a byte of a result 10 ns (pictures are counted by their pixels), drawing as `raster::Forecast` says.
@@ -9,17 +9,16 @@ use crate::output::{Counts, Size, surface};
 use crate::shape::mesh::Mesh;
 use crate::shape::topology::Topology;
 
-/// Rows in a millisecond.
+/// Rows per millisecond.
 const ROWS_A_MS: u128 = 10_000;
-/// Bytes of a result that are made in a millisecond.
+/// Bytes of a result written per millisecond.
 const BYTES_A_MS: u128 = 100_000;
-/// Rows for each pair of faces around a vertex, or of corners of a face, where limits are asked for and all vertices
-/// around it have discs with all of these faces, and rows over them; or where something is sharp, so that the walks
-/// around it from all its faces differ. A vertex of a disc takes some 50 ns to be found, in each of a few levels,
-/// twice with its row.
+/// Rows per pair of faces around a vertex, or of corners of a face, if limits are requested and all vertices around it
+/// have discs with all of these faces and rows over them, or if something is sharp, so that the walks from its faces
+/// differ. Finding a vertex of a disc takes some 50 ns, in each of a few levels, twice with its row.
 const ROWS_A_PAIR: u128 = 3;
 
-/// Rows besides those of the refinement: drawing, and the discs of limits.
+/// Returns the rows besides those of the refinement: for drawing, and for the discs of limits.
 pub(super) fn rows(job: &Job, counts: &Counts) -> u128 {
     let mesh = job.input.mesh();
     let drawn = job.outputs.iter().map(|output| output.format.work(mesh, counts, &output.options));
@@ -30,15 +29,15 @@ pub(super) fn rows(job: &Job, counts: &Counts) -> u128 {
     drawn.fold(limits.saturating_mul(pairs).saturating_mul(ROWS_A_PAIR), u128::saturating_add)
 }
 
-/// Milliseconds on one core, roughly.
+/// Returns the approximate time in milliseconds on one core.
 pub(super) fn milliseconds(rows: u128, sizes: &[Size]) -> u128 {
     let bytes = sizes.iter().fold(0, |sum: u128, size| sum.saturating_add(size.bytes()));
     rows / ROWS_A_MS + bytes / BYTES_A_MS + 1
 }
 
-/// Pairs of faces around a vertex, or of corners of a face, of all vertices and faces that have more than a few.
+/// Returns the number of pairs of faces around a vertex, or of corners of a face, over all large vertices and faces.
 fn pairs(topology: &Topology) -> u128 {
-    /// Most faces around a vertex that are counted with the other rows.
+    /// Maximum number of faces around a vertex that is covered by the other rows.
     const FEW: usize = 16;
     let square = |n: usize| if n > FEW { (n as u128).saturating_mul(n as u128) } else { 0 };
     let vertices = (0..topology.n_vertices()).map(|v| square(topology.ring(v).count()));

@@ -1,4 +1,4 @@
-//! What a plan makes of a straight tube whose rings are tagged as latitude lines: the limit radius, and its inverse.
+//! The limit of a straight tube whose rings are tagged as latitude lines: its radius, and the inverse problem.
 
 use super::analysis::{DEFAULT_NODES, MAX_NODES};
 use super::codec::Item;
@@ -11,29 +11,27 @@ use crate::math::functions::ratio;
 use crate::scheme::plan::{Carried, Plan, PlanInput, Subject};
 use crate::watch::{Stopped, Watch};
 
-/// Most vertices of a ring.
-/// Angles below 1e-6 leave a circle as it is, but for rounding. Half and twice of it are as good.
+/// Maximum number of vertices of a ring. Angles below 1e-6 change a circle by rounding errors only; half or twice of it
+/// would do as well.
 const MAX_VERTICES: u64 = 1_000_000;
-/// Milliseconds that it takes, roughly: most of them for the smoothness of the two curves.
-/// It only says how much is booked. With half of it long searches take longer than their share; with twice of it others
-/// wait longer.
+/// Approximate milliseconds, most of them for the smoothness of the two curves. With half of it, long searches would
+/// take longer than their share; with twice of it, others would wait longer.
 const MS: u64 = 50;
 
-/// Bytes of memory that it takes at most: two masks and the products of their matrices.
-/// It is as much as for other curves. Half of it is enough for words of a few averages; twice of it lets half as many
-/// analyses run at once.
+/// Upper bound of the memory in bytes: two masks and their matrix products, as much as for other curves. Half of it
+/// suffices for words of a few averages; twice of it would let half as many analyses run at once.
 const BYTES: u64 = 64 << 20;
 
-/// What is asked about a tube.
+/// The tube that a client asks about.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct TubeInput {
-    /// Vertices of a ring.
+    /// Number of vertices of a ring.
     pub vertices: u64,
-    /// How often a ring goes round, 1 but for stars.
+    /// Number of turns of a ring: 1, except for stars.
     pub turns: u64,
-    /// The radius of the control rings, model units.
+    /// The radius of the control rings, in model units.
     pub control_radius: Option<f64>,
-    /// The radius of the pipe that is wanted, model units.
+    /// The desired limit radius, in model units.
     pub limit_radius: Option<f64>,
 }
 
@@ -47,18 +45,18 @@ pub struct TubeAnalysis {
     key: Key,
 }
 
-/// What is found of a tube.
+/// The result for a tube.
 #[derive(Debug)]
 pub struct TubeFindings {
-    /// What was asked.
+    /// The tube of the request.
     pub asked: TubeInput,
-    /// The angle between neighbours on a ring, radians.
+    /// The angle between neighbours on a ring, in radians.
     pub theta: f64,
     /// The push-back factor of the plan.
     pub delta: f64,
-    /// The limit radius over the control radius.
+    /// The ratio of the limit radius to the control radius.
     pub factor: f64,
-    /// The push-back factor that makes the wanted radius of the control radius, where both are given.
+    /// The push-back factor that yields the desired radius from the control radius, if both are given.
     pub wanted_delta: Option<f64>,
     /// The curve scheme along latitude lines, at alpha = 0.
     pub along: Report,
@@ -67,7 +65,7 @@ pub struct TubeFindings {
 }
 
 impl TubeAnalysis {
-    /// The question about a tube under a plan.
+    /// Creates the question about a tube under a plan.
     ///
     /// # Errors
     /// Every fault found, with pointers into the request.
@@ -97,30 +95,30 @@ impl TubeAnalysis {
         Ok(Self { asked, tube, curves, nodes, key })
     }
 
-    /// The key of what it finds.
+    /// Returns the key of the result.
     pub fn key(&self) -> Key {
         self.key
     }
 
-    /// Units of work, at most.
+    /// Returns an upper bound of the work, in the units of the watch.
     pub fn work(&self) -> u64 {
         2 * self.nodes
     }
 
-    /// Milliseconds on one core, roughly.
+    /// Returns the approximate time in milliseconds on one core.
     pub fn milliseconds(&self) -> u64 {
         self.nodes / 200 + MS
     }
 
-    /// Bytes of memory that it takes at most.
+    /// Returns an upper bound of the memory in bytes.
     pub fn bytes(&self) -> u64 {
         BYTES
     }
 
-    /// What is found.
+    /// Runs the analysis.
     ///
     /// # Errors
-    /// [`Stopped`].
+    /// [`Stopped`] when the watch says so.
     pub fn run(&self, watch: &Watch) -> Result<TubeFindings, Stopped> {
         let [along, across] = &self.curves;
         let TubeInput { control_radius, limit_radius, .. } = self.asked;
@@ -159,7 +157,7 @@ impl TubeInput {
         faults
     }
 
-    /// Why no push-back factor leads from the control radius to the wanted one, where both are given.
+    /// Returns why no push-back factor yields the desired radius from the control radius, if both are given.
     fn without_delta(&self, tube: &StraightTube) -> Option<String> {
         let (wanted, control) = self.limit_radius.zip(self.control_radius)?;
         if !tube.pushes {
@@ -175,8 +173,8 @@ impl TubeInput {
     }
 }
 
-/// Key of a question about a tube: over the results version, the plan without what its operators do not use, and what
-/// was asked for.
+/// Returns the key of a question about a tube: over the results version, the plan without what its operators do not
+/// use, and the request.
 fn key(asked: &Plan, tube: &TubeInput, nodes: u64) -> Key {
     let TubeInput { vertices, turns, control_radius, limit_radius } = tube;
     let radius = |radius: &Option<f64>| Item::List(radius.iter().map(|radius| Item::Number(*radius)).collect());

@@ -1,4 +1,4 @@
-//! How many weights there may be.
+//! Upper bounds of the number of weights.
 
 use super::complete::Job;
 use super::input::Input;
@@ -8,17 +8,17 @@ use crate::scheme::operator::Role;
 use crate::shape::polygon::Polygon;
 use crate::shape::topology::Topology;
 
-/// Rows of a point in a step, at most: what of it is left over by the last upsampling, what it moves by, and itself.
+/// Maximum number of rows per point and step: the difference from the anchor, the displacement, and the point itself.
 const ROWS: u128 = 3;
-/// Entries for a point in a step of a mesh, at most, but for those that grow with the squares of valences and of sizes
-/// of faces. A ring of quads has 9, a vertex of butterfly schemes 13, a push-back with its three tables 2 + 4 + 2.
-/// Half of it would be passed by words over C and P; twice of it refuses results half as large as the limits.
+/// Maximum number of entries per point and step of a mesh, apart from those that grow with squares of valences and face
+/// sizes. A ring of quads has 9, a vertex of butterfly schemes 13, a push-back with its three tables 2 + 4 + 2. Half of
+/// it would be exceeded by words over C and P; twice of it would refuse results half as large as the limits.
 const MESH_ENTRIES: u128 = 16;
-/// How often the square of a valence or of the size of a face counts in a step, at most: for each of the edges around
-/// it a row over all of them, and once more with their opposite corners.
+/// Multiplicity of the square of a valence or face size in a step: for each of the edges around it a row over all of
+/// them, and once more with their opposite corners.
 const SQUARES: u128 = 4;
 
-/// Rows and entries of the weights of a job after so many levels, at most.
+/// Returns upper bounds of the rows and entries of the weights of a job after `level` levels.
 pub(super) fn most(job: &Job, forecast: &Forecast, level: usize) -> [u128; 2] {
     if !job.outputs.iter().any(|output| output.format.is_of_weights()) {
         return [0; 2];
@@ -34,12 +34,13 @@ pub(super) fn most(job: &Job, forecast: &Forecast, level: usize) -> [u128; 2] {
     let results = last.saturating_mul(1 + limits).saturating_add(split.saturating_mul(limits));
     let rows = points.saturating_mul(ROWS).saturating_add(results);
     let entries = points.saturating_mul(an_entry).saturating_add(n_steps.saturating_mul(apart));
-    // a result repeats a point, or is made of those around it
+    // a result is a copy of a point, or a sum over those around it
     let of_limits = results.saturating_add(apart).saturating_mul(1 + limits.min(1) * around.max(an_entry));
     [rows, entries.saturating_add(of_limits)]
 }
 
-/// Rows that follow for the limit of a point, its place and two tangents, and entries of each where nets are regular.
+/// Returns the number of rows for the limit of a point (its position and two tangents), and of entries of each in
+/// regular nets.
 fn limit_rows(job: &Job) -> [u128; 2] {
     let rows = |[positions, normals]: [bool; 2]| u128::from(positions) + 2 * u128::from(normals);
     let limits = job.outputs.iter().map(|output| rows(surface::limit(&output.options))).max().unwrap_or(0);
@@ -47,7 +48,7 @@ fn limit_rows(job: &Job) -> [u128; 2] {
     [limits, (2 * rings + 1).pow(2)]
 }
 
-/// Points of all nets up to a level, and steps; exact for the last level.
+/// Returns the number of points of all nets up to a level, and of steps; exact for the last level.
 fn made(job: &Job, forecast: &Forecast, level: usize) -> (u128, u128) {
     let n_steps = job.steps().iter().filter(|step| step.level as usize <= level).count() as u128;
     if level + 1 >= forecast.levels.len() {
@@ -55,15 +56,15 @@ fn made(job: &Job, forecast: &Forecast, level: usize) -> (u128, u128) {
     }
     let at = |step: u32| forecast.levels.get(step as usize).map_or(0, |count| count.vertices);
     let steps = job.steps().iter().filter(|step| step.level as usize <= level);
-    // between two operators there may be twice as many, as triangles have twice as many faces as vertices
+    // between two operators there may be twice as many points, as triangles have twice as many faces as vertices
     let points = steps.map(|step| at(step.level).saturating_mul(2)).fold(0, u128::saturating_add);
     (points, n_steps)
 }
 
-/// Entries for a point of polygons in a step, at most: those of the widest mask. And those in addition near their ends,
-/// where each entry that reaches beyond is reflected, perhaps several times.
+/// Returns upper bounds of the entries per point of polygons in a step, those of the widest mask, and of the additional
+/// entries near ends, where each entry beyond the end is reflected, perhaps several times.
 fn of_polygons(job: &Job, polygons: &[Polygon]) -> (u128, u128) {
-    /// What has no mask looks at so many points: a push-back with its tables, or the widest rule of a point at an end.
+    /// Number of points that a step without mask reads: a push-back with its tables, or the widest rule at an end.
     const LEAST: u128 = 8;
     let (mut duals, mut most) = (0, LEAST);
     for step in job.steps() {
@@ -79,7 +80,7 @@ fn of_polygons(job: &Job, polygons: &[Polygon]) -> (u128, u128) {
     (most + 2, apart.saturating_mul(most * most))
 }
 
-/// The sum of the squares of all valences and of the sizes of all faces.
+/// Returns the sum of the squares of all valences and face sizes.
 fn squares(topology: &Topology) -> u128 {
     let square = |n: usize| (n as u128).saturating_mul(n as u128);
     let vertices = (0..topology.n_vertices()).map(|v| square(topology.ring(v).count() + 1));

@@ -1,4 +1,4 @@
-//! The weights that make the points of a job's result of those of its input.
+//! The weights by which the points of a job's result depend on those of its input.
 
 use super::complete::Job;
 use super::curves;
@@ -16,8 +16,8 @@ use crate::shape::polygon::Polygon;
 use crate::shape::weights::Weights;
 use crate::watch::Watch;
 
-/// The weights of what an output shows of a job: applied in their order, they have the bits of its points. With them
-/// what the client should know, in sentences.
+/// Returns the weights of the points that an output shows, and warnings as sentences. Applied in order, the weights
+/// give the points with the same bits.
 ///
 /// # Errors
 /// [`RunError`].

@@ -1,4 +1,5 @@
-//! What computations leave for later ones: refined meshes, and programs of refinement. Results do not depend on it.
+//! Work of computations that later ones may reuse: refined meshes, and programs of refinement. Results do not depend on
+//! it.
 
 use std::fmt;
 use std::sync::Arc;
@@ -13,26 +14,26 @@ use crate::refine::{Program, RefinedMesh};
 use crate::shape::mesh::Mesh;
 use crate::watch::Watch;
 
-/// Something that a computation can take from an earlier one.
+/// Work that a computation can take over from an earlier one.
 #[derive(Debug, Clone)]
 pub enum Work {
-    /// How meshes with some connectivity and tags are refined by a plan.
+    /// The program by which meshes with some connectivity and tags are refined.
     Program(Arc<Program>),
-    /// A mesh, refined.
+    /// A refined mesh.
     Refined(Arc<Refined>),
 }
 
-/// A refined mesh, and what is to be said of it.
+/// A refined mesh with its warnings.
 #[derive(Debug)]
 pub struct Refined {
     /// The mesh.
     pub mesh: RefinedMesh,
-    /// What the client should know, in sentences.
+    /// Warnings to the client, as sentences.
     pub warnings: Vec<String>,
 }
 
 impl Work {
-    /// Bytes that it holds, a little more rather than less.
+    /// Returns the memory in bytes of the work, rounded up rather than down.
     pub fn bytes(&self) -> u64 {
         let bytes = match self {
             Self::Program(program) => program.bytes(),
@@ -42,16 +43,16 @@ impl Work {
     }
 }
 
-/// Where work is kept, if it is.
+/// A store of work that may be reused.
 pub trait KeepWork: fmt::Debug + Sync {
-    /// The work of a key, if it is still here.
+    /// Returns the work of a key, if it is still kept.
     fn find(&self, key: &Key) -> Option<Work>;
 
-    /// Offers work under a key; how long it stays is left open.
+    /// Offers work under a key; the store decides how long to keep it.
     fn keep(&self, key: Key, work: Work);
 }
 
-/// Keeps no work.
+/// A store that keeps nothing.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct KeepNothing;
 
@@ -63,7 +64,7 @@ impl KeepWork for KeepNothing {
     fn keep(&self, _key: Key, _work: Work) {}
 }
 
-/// The mesh of a job as an output shows it, refined now or before.
+/// Returns the mesh of a job as an output shows it, refined now or before.
 ///
 /// # Errors
 /// [`RunError`].
@@ -95,7 +96,7 @@ pub(super) fn refined(
     Ok(refined)
 }
 
-/// The program by which the mesh of a job is refined, made now or before.
+/// Returns the program by which the mesh of a job is refined, prepared now or before.
 fn program(job: &Job, mesh: &Mesh, kept: &dyn KeepWork) -> Arc<Program> {
     let key = key::program(&job.input, &job.plan, job.levels);
     if let Some(Work::Program(found)) = key.and_then(|key| kept.find(&key)) {

@@ -1,6 +1,6 @@
-//! Amounts as people read them.
+//! Formats numbers and byte counts for people.
 
-/// A number with its digits in groups of three.
+/// Returns a number with its digits in groups of three.
 pub fn thousands(n: u128) -> String {
     let digits = n.to_string();
     let mut grouped = String::new();
@@ -13,7 +13,7 @@ pub fn thousands(n: u128) -> String {
     grouped
 }
 
-/// A number of bytes in the unit that suits it.
+/// Returns a number of bytes in a suitable unit.
 pub fn in_bytes(n: u128) -> String {
     const UNITS: [&str; 6] = ["bytes", "KiB", "MiB", "GiB", "TiB", "PiB"];
     let unit = (0..UNITS.len() - 1).find(|&unit| n >> (10 * (unit + 1)) == 0).unwrap_or(UNITS.len() - 1);

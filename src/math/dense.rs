@@ -1,4 +1,4 @@
-//! Small dense matrices of f64: products, solutions, and bounds of spectral radii that hold with all roundings.
+//! Small dense matrices of f64: products, solutions, and rigorous bounds of resolvents that allow for rounding.
 
 /// A square matrix, row by row.
 #[derive(Debug, Clone, PartialEq)]
@@ -9,34 +9,34 @@ pub struct Dense {
     pub a: Vec<f64>,
 }
 
-/// Most squarings of a matrix whose powers are to shrink.
-/// 2^20 steps see a radius of 1 - 1e-5 shrink by e^-10. Half of it gives up where two eigenvalues are within 1 part in
-/// a hundred; twice of it finds nothing more, as roundings have added up.
+/// Maximum number of squarings of a matrix whose powers should decay. After 2^20 steps, a radius of 1 - 1e-5 has shrunk
+/// by e^-10. Half as many give up where two eigenvalues differ by less than 1 percent; twice as many find nothing more,
+/// as rounding errors have accumulated.
 const MAX_SQUARINGS: u32 = 20;
 
 impl Dense {
-    /// The matrix of zeros.
+    /// Creates the zero matrix.
     pub fn zero(n: usize) -> Self {
         Self { n, a: vec![0.0; n * n] }
     }
 
-    /// The entry in row i and column j.
+    /// Returns the entry in row i and column j.
     pub fn at(&self, i: usize, j: usize) -> f64 {
         self.a[i * self.n + j]
     }
 
-    /// The entry in row i and column j, to be changed.
+    /// Returns the entry in row i and column j for modification.
     pub fn at_mut(&mut self, i: usize, j: usize) -> &mut f64 {
         &mut self.a[i * self.n + j]
     }
 
-    /// The rows.
+    /// Returns the rows.
     pub fn rows(&self) -> impl Iterator<Item = &[f64]> {
         // a matrix without rows has no chunks either
         self.a.chunks_exact(self.n.max(1))
     }
 
-    /// The matrix with rows and columns exchanged.
+    /// Returns the transposed matrix.
     #[must_use]
     pub fn transposed(&self) -> Self {
         let mut other = Self::zero(self.n);
@@ -44,12 +44,12 @@ impl Dense {
         other
     }
 
-    /// The greatest sum of sizes in a row: the norm that belongs to the greatest size of a component.
+    /// Returns the maximum absolute row sum, the norm induced by the maximum norm.
     pub fn norm(&self) -> f64 {
         self.rows().map(|row| row.iter().map(|x| x.abs()).sum()).fold(0.0, f64::max)
     }
 
-    /// The product with a column.
+    /// Returns the product with a column.
     pub fn times_column(&self, x: &[f64]) -> Vec<f64> {
         self.rows().map(|row| row.iter().zip(x).map(|(a, x)| a * x).sum()).collect()
     }
@@ -68,8 +68,8 @@ impl Dense {
         product
     }
 
-    /// The solution x of `(A - shift) x = b` by elimination with the largest pivots; what would be divided by 0 is
-    /// divided by `tiny`, so that the solution points along an eigenvector where the shift is an eigenvalue.
+    /// Solves `(A - shift) x = b` by elimination with partial pivoting. Divisions by 0 are replaced by divisions by
+    /// `tiny`, so that the solution points along an eigenvector if the shift is an eigenvalue.
     pub fn solved(&self, shift: f64, b: &[f64], tiny: f64) -> Vec<f64> {
         let n = self.n;
         let (mut a, mut x) = (self.clone(), b.to_vec());
@@ -98,10 +98,10 @@ impl Dense {
         x
     }
 
-    /// A vector x with `A x = value x`, its largest component 1, by inverse iteration; the caller sees how well it
-    /// fits.
+    /// Returns an approximate eigenvector x, `A x = value x`, scaled to the largest component 1, by inverse iteration;
+    /// the caller must check how well it fits.
     pub fn eigenvector(&self, value: f64) -> Vec<f64> {
-        // three steps: each leaves of other directions a part as small as the value is exact
+        // three steps: each leaves of other directions a part as small as the error of the value
         (0..3).fold(pattern_free(self.n), |x, _| {
             let y = self.solved(value, &x, 1e-14 * self.norm().max(1e-300));
             let largest = y.iter().copied().fold(0.0, |most: f64, x| if x.abs() > most.abs() { x } else { most });
@@ -109,8 +109,8 @@ impl Dense {
         })
     }
 
-    /// A bound of `|(z - A)^-1|` for all |z| >= radius, where A is this matrix within `error` in the norm; `None` where
-    /// it is not found that all eigenvalues are smaller than the radius.
+    /// Returns a bound of `|(z - A)^-1|` for all |z| >= radius, where A is any matrix within `error` of this one in the
+    /// norm; `None` if it cannot be shown that all eigenvalues are smaller than the radius.
     ///
     /// With `M = A / radius` powers `M^K` are squared until their norm is below 1/2; then the sum of all powers is at
     /// most `product of (1 + |M^(2^j)|) / (1 - |M^K|)`.
@@ -122,7 +122,7 @@ impl Dense {
         let mut sum = 1.0;
         for _ in 0..MAX_SQUARINGS {
             let most = (size + error) * (1.0 + unit);
-            // false for what is not a number, too
+            // false for NaN, too
             if most < 0.5 {
                 return Some(sum / (1.0 - most) / radius * (1.0 + 64.0 * unit));
             }
@@ -138,7 +138,7 @@ impl Dense {
     }
 }
 
-/// Fixed numbers without a pattern that a matrix of symmetric origin could share.
+/// Returns fixed numbers without a symmetry that the matrix could share.
 fn pattern_free(n: usize) -> Vec<f64> {
     let mut state = 0x2545_F491_4F6C_DD1D_u64;
     let mut next = || {

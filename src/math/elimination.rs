@@ -8,7 +8,7 @@ use num_traits::{One, Zero};
 
 use crate::math::exact::Exact;
 
-/// The sign of the determinant of a square matrix, by elimination without fractions.
+/// Returns the sign of the determinant of a square matrix, by fraction-free elimination.
 ///
 /// Source: Bareiss, Mathematics of Computation 22 (1968), 565-578.
 pub fn determinant_sign(matrix: &[Vec<Exact>]) -> Ordering {
@@ -36,14 +36,14 @@ pub fn determinant_sign(matrix: &[Vec<Exact>]) -> Ordering {
     }
 }
 
-/// A row times the least common multiple of its denominators, which is positive.
+/// Returns a row multiplied by the least common multiple of its denominators, which is positive.
 fn cleared(row: &[Exact]) -> Vec<BigInt> {
     let common = row.iter().fold(BigInt::one(), |common, x| common.lcm(x.denom()));
     row.iter().map(|x| x.numer() * (&common / x.denom())).collect()
 }
 
-/// The vector `v` with `sum over j of v[j] matrix[j][k] = 0` for every k, up to its length; `None` unless there is
-/// exactly one.
+/// Returns the vector `v` with `sum over j of v[j] matrix[j][k] = 0` for every k, up to scale; `None` unless it is
+/// unique.
 pub fn left_null_vector(matrix: &[Vec<Exact>]) -> Option<Vec<Exact>> {
     let n = matrix.len();
     // the equations are the columns

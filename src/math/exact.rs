@@ -1,4 +1,4 @@
-//! Exact fractions: what a written number means before it is rounded.
+//! Exact fractions: the value of a written number before rounding.
 
 use num_bigint::BigInt;
 use num_rational::Ratio;
@@ -9,12 +9,12 @@ use crate::math::number::Number;
 /// A fraction of whole numbers of any size, in lowest terms.
 pub type Exact = Ratio<BigInt>;
 
-/// Most bits of numerator and denominator together of a number that counts as exactly known.
-/// Masks of 129 entries with 17 digits each come to a few hundred. Half of it calls long expressions inexact earlier,
-/// twice of it lets a request take four times as long with its fractions.
+/// Maximum number of bits of numerator and denominator together of an exactly known number. Masks of 129 entries with
+/// 17 digits each need a few hundred. Half as many would treat long expressions as inexact earlier; twice as many let
+/// the fractions of a request take four times as long.
 pub const MAX_BITS: u64 = 4096;
-/// Largest exponent of a power of ten, or of an exact power.
-/// Numbers of JSON have at most 308. Half of it leaves tiny ones inexact; twice of it has no numbers to serve.
+/// Largest exponent of a power of ten, or of an exact power. Numbers in JSON have at most 308; half of it would leave
+/// tiny ones inexact, and twice of it would serve no further numbers.
 const MAX_EXPONENT: i64 = 320;
 
 impl Number for Exact {
@@ -27,12 +27,12 @@ impl Number for Exact {
     }
 }
 
-/// The fraction, unless it has too many digits.
+/// Returns the fraction, or `None` if it has too many digits.
 pub fn bounded(x: Exact) -> Option<Exact> {
     (x.numer().bits() + x.denom().bits() <= MAX_BITS).then_some(x)
 }
 
-/// A decimal number as it is written: `12`, `0.05`, `1.5e-3`; `None` for anything else.
+/// Parses a decimal number: `12`, `0.05`, `1.5e-3`; `None` for anything else.
 pub fn decimal(text: &str) -> Option<Exact> {
     let (mantissa, exponent) = text.split_once(['e', 'E']).unwrap_or((text, "0"));
     let exponent: i64 = exponent.strip_prefix('+').unwrap_or(exponent).parse().ok()?;
@@ -45,34 +45,34 @@ pub fn decimal(text: &str) -> Option<Exact> {
     bounded(Exact::from(digits) * Exact::from(BigInt::from(10)).pow(i32::try_from(exponent).ok()?))
 }
 
-/// The number that the shortest decimal of `x` writes: 1/20 for 0.05. `None` unless finite.
+/// Returns the value of the shortest decimal of `x`: 1/20 for 0.05. `None` unless `x` is finite.
 pub fn written(x: f64) -> Option<Exact> {
     if x.is_finite() { decimal(&format!("{x:?}")) } else { None }
 }
 
-/// The number that `x` is, a fraction over a power of two; 0 unless finite.
+/// Returns the exact value of `x`, a fraction over a power of two; 0 unless `x` is finite.
 pub fn binary(x: f64) -> Exact {
     Exact::from_float(x).unwrap_or_else(Exact::zero)
 }
 
-/// The f64 next to a fraction.
+/// Returns the f64 nearest to a fraction.
 pub fn rounded(x: &Exact) -> f64 {
     x.to_f64().unwrap_or(0.0)
 }
 
-/// The largest f64 that is not above a fraction.
+/// Returns the largest f64 that is not above a fraction.
 pub fn below(x: &Exact) -> f64 {
     let near = rounded(x);
     if binary(near) > *x { near.next_down() } else { near }
 }
 
-/// The smallest f64 that is not below a fraction.
+/// Returns the smallest f64 that is not below a fraction.
 pub fn above(x: &Exact) -> f64 {
     let near = rounded(x);
     if binary(near) < *x { near.next_up() } else { near }
 }
 
-/// A whole power.
+/// Returns an integer power of a fraction; `None` if it is undefined or too large.
 pub fn power(x: &Exact, n: i64) -> Option<Exact> {
     if n.abs() > MAX_EXPONENT || (x.is_zero() && n < 0) || x.numer().bits() * n.unsigned_abs() > MAX_BITS {
         return None;
@@ -80,7 +80,7 @@ pub fn power(x: &Exact, n: i64) -> Option<Exact> {
     bounded(x.pow(i32::try_from(n).ok()?))
 }
 
-/// The square root, where it is a fraction itself.
+/// Returns the square root if it is a fraction.
 pub fn square_root(x: &Exact) -> Option<Exact> {
     if x.is_negative() {
         return None;
@@ -89,7 +89,7 @@ pub fn square_root(x: &Exact) -> Option<Exact> {
     (&root * &root == *x).then_some(root)
 }
 
-/// The fraction with the least denominator up to 10^6 that lies within `1e-11 |x|` of `x`, by continued fractions.
+/// Returns the fraction with the smallest denominator up to 10^6 within `1e-11 |x|` of `x`, by continued fractions.
 pub fn simple(x: f64) -> Option<Exact> {
     let (mut before, mut now) = ((0_i64, 1_i64), (1_i64, 0_i64));
     let mut rest = x.abs();

@@ -1,4 +1,4 @@
-//! Expressions without rounding: the exact value of a text, where it has one that is a fraction.
+//! Exact evaluation of expressions whose value is a fraction.
 
 use num_traits::{One, Signed, ToPrimitive, Zero};
 
@@ -6,13 +6,12 @@ use crate::math::exact::{self, Exact, bounded};
 use crate::math::expression::{Binary, Expression, ExpressionError, Sink, Unary, read};
 use crate::math::parameter::Literal;
 
-/// The exact value of an expression at `x` of its variable; `None` where it is no fraction, or one with too many
-/// digits.
+/// Returns the exact value of an expression at `x`; `None` if it is not a fraction, or one with too many digits.
 pub fn value(expression: &Expression, variable: &str, x: &Exact) -> Option<Exact> {
     of_text(expression.text(), variable, x)
 }
 
-/// The exact value of what was written for a number: the shortest decimal of a number of JSON, the value of a text.
+/// Returns the exact value of a literal number: of the shortest decimal of a JSON number, or of an expression.
 pub fn literal(written: &Literal) -> Option<Exact> {
     match written {
         Literal::Number(x) => exact::written(*x),
@@ -27,7 +26,7 @@ fn of_text(text: &str, variable: &str, x: &Exact) -> Option<Exact> {
     stack.values.pop()?
 }
 
-/// A stack of values that are known exactly, or not.
+/// A stack of values, each known exactly or not.
 struct Stack<'a> {
     x: &'a Exact,
     values: Vec<Option<Exact>>,
@@ -57,7 +56,7 @@ impl Sink for Stack<'_> {
     }
 }
 
-/// A function of a fraction, where its value is one.
+/// Returns the value of a function at a fraction if it is a fraction, too.
 fn of_one(op: Unary, x: Exact) -> Option<Exact> {
     let at_zero = |value: Exact| x.is_zero().then_some(value);
     let at_one = |value: Exact| x.is_one().then_some(value);

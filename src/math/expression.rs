@@ -17,20 +17,20 @@ pub use error::{ExpressionError, MAX_BYTES, MAX_DEPTH, MAX_INSTRUCTIONS};
 #[derive(Debug, Clone)]
 pub struct Expression {
     code: Vec<Instruction>,
-    /// Name of the variable; empty where it does not occur.
+    /// The name of the variable; empty if it does not occur.
     variable: &'static str,
-    /// What was written, for whoever reads it without rounding.
+    /// The text as written, for exact evaluation.
     text: Arc<str>,
 }
 
 impl PartialEq for Expression {
-    /// Expressions with the same values are one, however they were written.
+    /// Expressions with the same instructions are equal, however they were written.
     fn eq(&self, other: &Self) -> bool {
         self.code == other.code && self.variable == other.variable
     }
 }
 
-/// One step of the stack machine.
+/// One instruction of the stack machine.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Instruction {
     /// Pushes a number.
@@ -51,7 +51,7 @@ macro_rules! operations {
         pub enum $type { $(#[doc = concat!("`", $name, "`.")] $variant),* }
         impl $type {
             const ALL: &'static [(&'static str, Self)] = &[$(($name, Self::$variant)),*];
-            /// The name of the operation in expressions.
+            /// Returns the name of the operation in expressions.
             pub fn name(self) -> &'static str {
                 match self { $(Self::$variant => $name),* }
             }
@@ -77,7 +77,7 @@ operations! {
 }
 
 operations! {
-    /// Functions of two numbers. A number that is none does not vanish in a comparison.
+    /// Functions of two numbers. Comparisons propagate NaN.
     Binary(x, y) {
         Add = "+" => x + y, Subtract = "-" => x - y, Multiply = "*" => x * y, Divide = "/" => x / y,
         Power = "pow" => f::pow(x, y),
@@ -87,12 +87,12 @@ operations! {
 }
 
 impl Expression {
-    /// The expression that is always `value`.
+    /// Creates a constant expression.
     pub fn constant(value: f64) -> Self {
         Self { code: vec![Instruction::Constant(value + 0.0)], variable: "", text: format!("{:?}", value + 0.0).into() }
     }
 
-    /// The constant of a value that is written in another way, too.
+    /// Creates a constant expression that was written as `text`.
     pub fn written(value: f64, text: &str) -> Self {
         Self { text: text.into(), ..Self::constant(value) }
     }
@@ -111,12 +111,12 @@ impl Expression {
         Ok(Self { code, variable: if occurs { variable } else { "" }, text: text.into() })
     }
 
-    /// What was written.
+    /// Returns the text as written.
     pub fn text(&self) -> &str {
         &self.text
     }
 
-    /// The value at `x` of the variable.
+    /// Returns the value of the expression at `x`.
     ///
     /// # Errors
     /// [`ExpressionError::NotFinite`].
@@ -145,12 +145,12 @@ impl Expression {
         if value.is_finite() { Ok(value) } else { Err(not_finite) }
     }
 
-    /// The instructions, for the key.
+    /// Returns the instructions, for the key.
     pub fn code(&self) -> &[Instruction] {
         &self.code
     }
 
-    /// Whether the variable does not occur.
+    /// Returns whether the variable does not occur.
     pub fn is_constant(&self) -> bool {
         self.variable.is_empty()
     }
@@ -180,7 +180,7 @@ pub trait Sink {
     fn binary(&mut self, op: Binary) -> Result<(), ExpressionError>;
 }
 
-/// Reads a text that is not too long.
+/// Parses a text whose length was checked.
 ///
 /// # Errors
 /// [`ExpressionError`].
@@ -209,7 +209,7 @@ impl Sink for Vec<Instruction> {
     }
 }
 
-/// Appends an operation, folding it when its operands are constants.
+/// Appends an instruction; folds it if its operands are constants.
 fn emit(code: &mut Vec<Instruction>, instruction: Instruction) -> Result<(), ExpressionError> {
     let folded = match (instruction, code.as_slice()) {
         (Instruction::Unary(op), [.., Instruction::Constant(x)]) => Some((1, op.apply(*x))),
@@ -224,7 +224,7 @@ fn emit(code: &mut Vec<Instruction>, instruction: Instruction) -> Result<(), Exp
     } else {
         code.push(instruction);
     }
-    // the stack never holds more than the instructions, so this bounds it too
+    // the stack never holds more values than there are instructions, so this bounds it, too
     if code.len() > MAX_INSTRUCTIONS { Err(ExpressionError::TooLarge) } else { Ok(()) }
 }
 
@@ -245,7 +245,7 @@ impl<S: Sink> Parser<'_, S> {
         self.at += self.rest().iter().take_while(|b| b.is_ascii_whitespace()).count();
     }
 
-    /// Consumes the next byte when it is one of `wanted`.
+    /// Consumes the next byte if it is one of `wanted`.
     fn take(&mut self, wanted: &[u8]) -> Option<u8> {
         self.skip_space();
         let byte = *self.rest().first().filter(|b| wanted.contains(b))?;

@@ -1,4 +1,4 @@
-//! Numbers and weights: floor 0, which knows no nets.
+//! Numbers and weights, the lowest layer, which knows no nets.
 
 pub mod amounts;
 pub mod dense;

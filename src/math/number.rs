@@ -1,8 +1,8 @@
-//! What weights are made of: numbers that are rounded, or exact fractions.
+//! Number types for weights: rounded numbers or exact fractions.
 
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
-/// A number with the four operations, so that one formula gives weights of either kind.
+/// A number type with the four operations, so that one formula yields weights of either kind.
 pub trait Number:
     Clone
     + PartialEq
@@ -12,13 +12,13 @@ pub trait Number:
     + Div<Output = Self>
     + Neg<Output = Self>
 {
-    /// `a / b` for `b > 0`.
+    /// Returns `a / b` for `b > 0`.
     fn ratio(a: i64, b: i64) -> Self;
 
-    /// The f64 next to it.
+    /// Returns the nearest f64.
     fn real(&self) -> f64;
 
-    /// A whole number.
+    /// Returns a whole number.
     fn whole(n: i64) -> Self {
         Self::ratio(n, 1)
     }

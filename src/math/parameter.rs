@@ -1,14 +1,14 @@
-//! Parameters as data: what operators, presets and formats declare, what requests give, and what resolving them yields.
+//! Parameters as data: their declarations, the literals of requests, and the resolved values.
 
 pub mod read;
 mod resolve;
 
 use crate::math::expression::Expression;
 
-/// Longest name, characters.
+/// Maximum length of a name, in characters.
 pub const MAX_NAME: usize = 64;
 
-/// What a client wrote for one parameter, before its kind is known.
+/// The literal that a client wrote for one parameter, before its kind is known.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Literal {
     /// `null`.
@@ -38,44 +38,44 @@ impl Literal {
     }
 }
 
-/// One parameter: everything that the catalogue, the checks and the key need to know of it.
+/// The declaration of one parameter, for the catalogue, the checks and the key.
 #[derive(Debug, Clone, Copy)]
 pub struct Parameter {
     /// Name in requests.
     pub name: &'static str,
-    /// What may be written.
+    /// The values that may be written.
     pub kind: Kind,
     /// Unit of the value (`"radians"`, `"pixels"`), empty when it has none.
     pub unit: &'static str,
-    /// Value when the request leaves it out.
+    /// The value if the request leaves the parameter out.
     pub default: Default,
     /// One sentence for the catalogue.
     pub doc: &'static str,
 }
 
 impl Parameter {
-    /// A number in `[min, max]`, without a unit.
+    /// Declares a number in `[min, max]` without unit.
     pub const fn number(name: &'static str, [min, max]: [f64; 2], default: Default, doc: &'static str) -> Self {
         Self { name, kind: Kind::Number { min, max }, unit: "", default, doc }
     }
 
-    /// Whether leaving it out is a fault.
+    /// Returns whether the parameter must be given.
     pub fn is_required(&self) -> bool {
         matches!(self.default, Default::Required)
     }
 
-    /// One of some names, the first when it is left out.
+    /// Declares a choice among names; the first one is the default.
     pub const fn choice(name: &'static str, names: &'static [&'static str], doc: &'static str) -> Self {
         Self { name, kind: Kind::Choice(names), unit: "", default: Default::Text(names[0]), doc }
     }
 
-    /// A whole number in `[min, max]`, without a unit.
+    /// Declares a whole number in `[min, max]` without unit.
     pub const fn integer(name: &'static str, [min, max]: [i64; 2], default: f64, doc: &'static str) -> Self {
         Self { name, kind: Kind::Integer { min, max }, unit: "", default: Default::Number(default), doc }
     }
 }
 
-/// What may be written for a parameter.
+/// The kind of values that may be written for a parameter.
 #[derive(Debug, Clone, Copy)]
 pub enum Kind {
     /// A finite number or constant expression in `[min, max]`.
@@ -105,7 +105,7 @@ pub enum Kind {
         /// The variable that may be used, `alpha` or `valence`.
         variable: &'static str,
     },
-    /// One such expression, or a list of up to `most`, one for each average after an upsampling.
+    /// One such expression, or a list of up to `most`, one per average after an upsampling.
     Expressions {
         /// The variable that may be used.
         variable: &'static str,
@@ -121,7 +121,7 @@ pub enum Kind {
     Color,
     /// Three finite numbers.
     Vector,
-    /// Three finite numbers, not all 0; their length does not count.
+    /// Three finite numbers, not all 0; only their direction matters.
     Direction,
     /// An object with these fields.
     Group(&'static [Parameter]),
@@ -134,7 +134,7 @@ pub enum Kind {
     },
 }
 
-/// Default of a parameter, in the notation a client would use.
+/// The default of a parameter, in the notation of a client.
 #[derive(Debug, Clone, Copy)]
 pub enum Default {
     /// None: the value is [`Value::Absent`] unless given.
@@ -186,7 +186,7 @@ pub enum Value {
     Groups(Vec<Values>),
 }
 
-/// Resolved parameters: one value for each declaration, in its order.
+/// Resolved parameters: one value per declaration, in order.
 #[derive(Debug, Clone, PartialEq, std::default::Default)]
 pub struct Values(Vec<Entry>);
 
@@ -194,9 +194,9 @@ pub struct Values(Vec<Entry>);
 struct Entry {
     name: &'static str,
     value: Value,
-    /// Whether it is the value that the parameter has when it is left out.
+    /// Whether the value is the default.
     usual: bool,
-    /// What numbers were written as, for whoever reads them without rounding.
+    /// The literal of a number, for exact evaluation.
     written: Option<Literal>,
 }
 
@@ -208,18 +208,18 @@ impl PartialEq for Entry {
 }
 
 impl Values {
-    /// The values that differ from those of parameters left out, in the order of their declarations.
+    /// Returns the values that differ from the defaults, in the order of their declarations.
     pub fn unusual(&self) -> impl Iterator<Item = (&'static str, &Value)> {
         self.0.iter().filter(|entry| !entry.usual).map(|entry| (entry.name, &entry.value))
     }
 
-    /// The values but for one of a name.
+    /// Returns the values without the one of this name.
     #[must_use]
     pub fn without(&self, name: &str) -> Self {
         Self(self.0.iter().filter(|entry| entry.name != name).cloned().collect())
     }
 
-    /// The value of a declared parameter.
+    /// Returns the value of a declared parameter.
     pub fn get(&self, name: &str) -> &Value {
         self.0.iter().find(|entry| entry.name == name).map_or(&Value::Absent, |entry| &entry.value)
     }
@@ -229,7 +229,7 @@ impl Values {
         if let Value::Number(x) = self.get(name) { Some(*x) } else { None }
     }
 
-    /// What a number was written as, or the numbers of a list.
+    /// Returns the literal of a number or of a list of numbers.
     pub fn written(&self, name: &str) -> Option<&Literal> {
         self.0.iter().find(|entry| entry.name == name)?.written.as_ref()
     }
@@ -254,7 +254,7 @@ impl Values {
         if let Value::Name(x) = self.get(name) { Some(x) } else { None }
     }
 
-    /// Whether a list of choices contains `item`.
+    /// Returns whether a list of choices contains `item`.
     pub fn has(&self, name: &str, item: &str) -> bool {
         matches!(self.get(name), Value::Choices(items) if items.contains(&item))
     }
@@ -296,7 +296,7 @@ impl Values {
 }
 
 impl Kind {
-    /// What may be written, in words.
+    /// Describes in words what may be written.
     pub fn expected(&self) -> String {
         match self {
             Self::Number { min, max } => format!("a number or constant expression {}", range(*min, *max)),
@@ -319,7 +319,7 @@ impl Kind {
     }
 }
 
-/// The numbers between two bounds, in words.
+/// Describes the numbers between two bounds in words.
 fn range(min: f64, max: f64) -> String {
     match (min.is_finite(), max.is_finite()) {
         (true, true) => format!("from {min} to {max}"),

@@ -7,36 +7,36 @@ use crate::watch::{Stopped, Watch};
 /// A point or a vector of the plane.
 pub type Vector = [f64; 2];
 
-/// Points passed over between two questions whether to stop.
+/// Number of points processed between two checks of the watch.
 const BLOCK: usize = 65_536;
 
-/// Half the way from `a` to `b`; the whole might exceed the largest number.
+/// Returns half the vector from `a` to `b`; the whole vector might overflow.
 pub fn half_chord(a: Vector, b: Vector) -> Vector {
     [b[0] / 2.0 - a[0] / 2.0, b[1] / 2.0 - a[1] / 2.0]
 }
 
-/// The length of a vector, without overflow on the way.
+/// Returns the length of a vector without intermediate overflow.
 pub fn length(v: Vector) -> f64 {
     let most = v[0].abs().max(v[1].abs());
     if most > 0.0 { most * vector::length(v.map(|x| x / most)) } else { 0.0 }
 }
 
-/// The angle from one direction to another, counter-clockwise, radians in `(-pi, pi]`; opposite ones are pi apart.
+/// Returns the angle from one direction to another, counter-clockwise, in radians in `(-pi, pi]`; pi for opposite ones.
 pub fn angle(from: Vector, to: Vector) -> f64 {
     let cross = from[0] * to[1] - from[1] * to[0];
-    // adding 0 makes the 0 of opposite directions a positive one
+    // adding 0 turns the -0 of opposite directions into +0
     atan2(cross + 0.0, dot(from, to))
 }
 
-/// A vector rotated counter-clockwise by an angle, radians.
+/// Returns a vector rotated counter-clockwise by an angle in radians.
 pub fn rotated(v: Vector, angle: f64) -> Vector {
     let (s, c) = (sin(angle), cos(angle));
     [c * v[0] - s * v[1], s * v[0] + c * v[1]]
 }
 
-/// The tangent, at the middle one of three points, of the circle through them: the direction of `u/|u|^2 + v/|v|^2` for
-/// the chords `u` to it and `v` from it. Chords that cancel each other turn by +pi, so that the tangent is `u` turned
-/// left.
+/// Returns the tangent, at the middle of three points, of the circle through them: the direction of `u/|u|^2 + v/|v|^2`
+/// for the chords `u` to the middle and `v` from it. Opposite chords count as a turn by +pi, so that the tangent is `u`
+/// rotated to the left.
 pub fn circle_tangent(u: Vector, v: Vector) -> Option<Vector> {
     let (of_u, of_v) = (direction(u)?, direction(v)?);
     let (long_u, long_v) = (length(u), length(v));
@@ -45,12 +45,12 @@ pub fn circle_tangent(u: Vector, v: Vector) -> Option<Vector> {
     direction(plus(times(a, of_u), times(b, of_v))).or(Some([-of_u[1], of_u[0]]))
 }
 
-/// For each point of a polygon the nearest points before and after it that lie elsewhere.
+/// For each point of a polygon, the nearest points before and after it at a different position.
 #[derive(Debug)]
 pub struct Neighbours {
     n: usize,
     closed: bool,
-    /// Indices before and after, [`NONE`] where there is none; absent while no two neighbours lie at one place.
+    /// Indices before and after each point, or [`NONE`]; absent if no two neighbours coincide.
     nearest: Option<Vec<[u32; 2]>>,
 }
 
@@ -74,14 +74,14 @@ impl Neighbours {
             return Ok(Self { n, closed, nearest: None });
         }
         let mut found = vec![[NONE; 2]; n];
-        // where a closed polygon has only one place, no point has a neighbour
+        // if all points of a closed polygon coincide, no point has a neighbour
         let start = if closed { (0..n).find(|&i| !repeated((i + n - 1) % n)) } else { Some(0) };
         if let Some(start) = start {
             for k in 0..n {
                 if k % BLOCK == 0 {
                     watch.check()?;
                 }
-                // forwards for what stands before, backwards for what stands after
+                // forwards for the preceding points, backwards for the following ones
                 let (i, j) = ((start + k) % n, (start + n - 1 - k) % n);
                 if k > 0 || closed {
                     let (before, after) = ((i + n - 1) % n, (j + 1) % n);
@@ -93,7 +93,7 @@ impl Neighbours {
         Ok(Self { n, closed, nearest: Some(found) })
     }
 
-    /// The nearest point before point `i` that lies elsewhere.
+    /// Returns the nearest preceding point at a different position.
     pub fn before(&self, i: usize) -> Option<usize> {
         match &self.nearest {
             Some(found) => known(found[i][0]),
@@ -102,7 +102,7 @@ impl Neighbours {
         }
     }
 
-    /// The nearest point after point `i` that lies elsewhere.
+    /// Returns the nearest following point at a different position.
     pub fn after(&self, i: usize) -> Option<usize> {
         match &self.nearest {
             Some(found) => known(found[i][1]),
@@ -111,7 +111,7 @@ impl Neighbours {
         }
     }
 
-    /// The circle tangent at point `i`; `None` at the ends of an open polygon.
+    /// Returns the circle tangent at point `i`; `None` at the ends of an open polygon.
     pub fn tangent(&self, points: &[Vector], i: usize) -> Option<Vector> {
         let (before, after) = (points[self.before(i)?], points[self.after(i)?]);
         circle_tangent(half_chord(before, points[i]), half_chord(points[i], after))
@@ -126,9 +126,9 @@ fn known(i: u32) -> Option<usize> {
     (i != NONE).then_some(i as usize)
 }
 
-/// Unit tangents of a polygon: the circle tangent at each point; at the ends of an open polygon that of the neighbour
-/// mirrored about the chord to it, so that the curve ends in an arc of a circle. Two points alone have their chord's
-/// direction, one place alone has the first axis.
+/// Returns the unit tangents of a polygon: the circle tangent at each point; at the ends of an open polygon, the
+/// tangent of the neighbour reflected about the chord, so that the curve ends in a circular arc. Two points have the
+/// direction of their chord; if all points coincide, the tangent is the first axis.
 ///
 /// # Errors
 /// [`Stopped`] when the watch says so.

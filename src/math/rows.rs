@@ -1,4 +1,5 @@
-//! Weights as rows: which old points make each new one, and in what proportion. No coordinate is ever seen here.
+//! Weights as rows: the old points from which each new point is computed, and their weights. No coordinates are seen
+//! here.
 
 mod blend;
 mod group;

@@ -1,4 +1,4 @@
-//! When a loop is worth sharing among threads.
+//! Decides whether a loop is worth sharing among threads.
 
 /// Items below which a loop runs on the calling thread: one that reads a request waits for no pool then, neither until
 /// its threads are started nor behind a large job. Measured with a release build on one core, so many items take 2 us
@@ -7,7 +7,7 @@
 /// wait for a pool; at twice of it 0.1 ms could be saved at most, by four threads, where loops are not shared yet.
 const SMALL: usize = 16_384;
 
-/// Whether a loop over so many items runs on the calling thread.
+/// Returns whether a loop over `n` items runs on the calling thread.
 pub fn is_small(n: usize) -> bool {
     n < SMALL
 }

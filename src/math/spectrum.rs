@@ -5,10 +5,10 @@
 
 use crate::math::functions::sqrt;
 
-/// Most QR steps for one eigenvalue.
-/// Two or three do as a rule. Half of it gives up on rare matrices; twice of it changes nothing for others.
+/// Maximum number of QR steps per eigenvalue; two or three usually suffice. Half as many would give up on rare
+/// matrices; twice as many would help no others.
 const MAX_STEPS: usize = 60;
-/// Every so many steps without success the shift is another one, so that steps do not go in circles.
+/// Number of steps without success after which an exceptional shift is used, so that steps do not cycle.
 const ODD_SHIFT: usize = 10;
 
 /// An eigenvalue: real and imaginary part.
@@ -21,18 +21,18 @@ pub struct Eigenvalue {
 }
 
 impl Eigenvalue {
-    /// Its distance from 0.
+    /// Returns the absolute value.
     pub fn modulus(self) -> f64 {
         sqrt(self.re * self.re + self.im * self.im)
     }
 }
 
-/// The eigenvalues of an n x n matrix, row by row, the largest first: those of one modulus in the order of their real,
-/// then of their imaginary parts. `None` when the steps do not converge.
+/// Returns the eigenvalues of an n x n matrix, given row by row, by descending modulus, then by real and imaginary
+/// part. `None` if the steps do not converge.
 ///
-/// Where the entries that are not 0 leave rows that do not come of each other in turn, the matrix is one of blocks
-/// along a diagonal and entries on one side of it, whose eigenvalues are those of the blocks: each is looked at by
-/// itself, so that equal eigenvalues of two blocks are not blurred.
+/// If the pattern of nonzero entries is reducible, the matrix is block triangular up to a permutation, and its
+/// eigenvalues are those of the diagonal blocks. Each block is treated separately, so that equal eigenvalues of two
+/// blocks stay accurate.
 pub fn eigenvalues(matrix: &[f64], n: usize) -> Option<Vec<Eigenvalue>> {
     let mut found = Vec::with_capacity(n);
     for block in blocks(matrix, n) {
@@ -40,8 +40,7 @@ pub fn eigenvalues(matrix: &[f64], n: usize) -> Option<Vec<Eigenvalue>> {
         found.extend(of_block(&entries, block.len())?);
     }
     found.sort_by(|x, y| y.modulus().total_cmp(&x.modulus()));
-    // moduli that differ by rounding from the largest of a run count as one, so that the order is that of the parts
-    // then
+    // moduli that differ from the largest of a run by rounding only count as equal, so that the parts decide the order
     let mut left = found.as_mut_slice();
     while let Some(first) = left.first() {
         let most = first.modulus();
@@ -53,7 +52,7 @@ pub fn eigenvalues(matrix: &[f64], n: usize) -> Option<Vec<Eigenvalue>> {
     Some(found)
 }
 
-/// The indices of rows that come of each other in turn, each list ascending, by the first of each.
+/// Returns the strongly connected components of the pattern of nonzero entries, each ascending, by first index.
 fn blocks(matrix: &[f64], n: usize) -> Vec<Vec<usize>> {
     let reached = |from: usize, entry: &dyn Fn(usize, usize) -> f64| {
         let (mut seen, mut open) = (vec![false; n], vec![from]);
@@ -81,11 +80,12 @@ fn blocks(matrix: &[f64], n: usize) -> Vec<Vec<usize>> {
     found
 }
 
-/// The eigenvalues of one block, in any order.
+/// Returns the eigenvalues of one block, in any order.
 fn of_block(matrix: &[f64], n: usize) -> Option<Vec<Eigenvalue>> {
     let mut h = Hessenberg { a: matrix.to_vec(), n, negligible: 0.0 };
     h.reduce();
-    // where eigenvalues next to 0 keep the steps going, what is rounding of the largest entries is left out
+    // if eigenvalues near 0 keep the steps from converging, entries as small as rounding errors of the largest are
+    // dropped
     let negligible = f64::EPSILON * matrix.iter().fold(0.0, |most: f64, x| most.max(x.abs()));
     let second = Hessenberg { a: h.a.clone(), n, negligible };
     h.decompose().or_else(|| { second }.decompose())
@@ -94,7 +94,7 @@ fn of_block(matrix: &[f64], n: usize) -> Option<Vec<Eigenvalue>> {
 struct Hessenberg {
     a: Vec<f64>,
     n: usize,
-    /// What counts as 0 below the diagonal wherever it stands.
+    /// The absolute value up to which subdiagonal entries count as 0.
     negligible: f64,
 }
 
@@ -107,7 +107,7 @@ impl Hessenberg {
         self.a[i * self.n + j] = x;
     }
 
-    /// Makes everything below the first subdiagonal 0 by similarity transformations.
+    /// Reduces the matrix to Hessenberg form by similarity transformations.
     fn reduce(&mut self) {
         let n = self.n;
         for m in 1..n.saturating_sub(1) {
@@ -135,7 +135,7 @@ impl Hessenberg {
         }
     }
 
-    /// Splits off one or two eigenvalues after another from the end.
+    /// Splits off one or two eigenvalues at a time from the end.
     fn decompose(&mut self) -> Option<Vec<Eigenvalue>> {
         let norm: f64 = self.a.iter().map(|x| x.abs()).sum();
         let mut found = Vec::with_capacity(self.n);
@@ -161,7 +161,7 @@ impl Hessenberg {
         Some(found)
     }
 
-    /// The first row of the last block that does not fall apart.
+    /// Returns the first row of the last irreducible block.
     fn block(&mut self, end: usize, norm: f64) -> usize {
         for i in (1..end).rev() {
             let around = self.at(i - 1, i - 1).abs() + self.at(i, i).abs();
@@ -174,7 +174,7 @@ impl Hessenberg {
         0
     }
 
-    /// The eigenvalues of the two by two block at `i`.
+    /// Returns the eigenvalues of the 2 x 2 block at `i`.
     fn pair(&self, i: usize) -> [Eigenvalue; 2] {
         let [a, b, c, d] = [self.at(i, i), self.at(i, i + 1), self.at(i + 1, i), self.at(i + 1, i + 1)];
         let half = (a - d) / 2.0;
@@ -183,13 +183,13 @@ impl Hessenberg {
             let (re, im) = (f64::midpoint(a, d), sqrt(-square));
             return [Eigenvalue { re, im }, Eigenvalue { re, im: -im }];
         }
-        // the larger summand first, so that nothing cancels
+        // the larger summand first, to avoid cancellation
         let far = half + if half < 0.0 { -sqrt(square) } else { sqrt(square) };
         let near = if far == 0.0 { 0.0 } else { -b * c / far };
         [far, near].map(|x| Eigenvalue { re: d + x, im: 0.0 })
     }
 
-    /// A QR step with two shifts on the rows and columns from `start` to before `end`, which are three at least.
+    /// Performs a double-shift QR step on the rows and columns from `start` to before `end`, at least three.
     fn step(&mut self, start: usize, end: usize, odd: bool) {
         let last = end - 1;
         let (mut trace, mut determinant) = {
@@ -217,7 +217,7 @@ impl Hessenberg {
         }
     }
 
-    /// Applies the reflection that turns `v` into a multiple of the first unit vector, from both sides.
+    /// Applies from both sides the reflection that maps `v` to a multiple of the first unit vector.
     fn reflect(&mut self, k: usize, rows: usize, v: [f64; 3], start: usize, end: usize) {
         let length = sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
         if length == 0.0 {

@@ -24,32 +24,32 @@ pub fn times<const N: usize>(k: f64, a: [f64; N]) -> [f64; N] {
     a.map(|x| k * x)
 }
 
-/// The scalar product of two vectors.
+/// The dot product of two vectors.
 #[must_use]
 pub fn dot<const N: usize>(a: [f64; N], b: [f64; N]) -> f64 {
     (1..N).fold(a[0] * b[0], |sum, k| sum + a[k] * b[k])
 }
 
-/// The vector product of two vectors.
+/// The cross product of two vectors.
 #[must_use]
 #[inline]
 pub fn cross(a: Vector, b: Vector) -> Vector {
     [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
 }
 
-/// The length of a vector whose square is a number of normal size.
+/// Returns the length of a vector whose square neither overflows nor underflows.
 #[must_use]
 pub fn length<const N: usize>(a: [f64; N]) -> f64 {
     sqrt(dot(a, a))
 }
 
-/// The mean of some vectors; zero of none.
+/// Returns the mean of some vectors; zero if there are none.
 pub fn mean(all: impl Iterator<Item = Vector>) -> Vector {
     let (sum, n) = all.fold(([0.0; 3], 0.0), |(sum, n), x| (plus(sum, x), n + 1.0));
     times(1.0 / f64::max(n, 1.0), sum)
 }
 
-/// The square of the distance of a point from a segment.
+/// Returns the squared distance of a point from a segment.
 #[must_use]
 pub fn square_from_segment(p: Vector, [a, b]: [Vector; 2]) -> f64 {
     let along = minus(b, a);
@@ -59,12 +59,12 @@ pub fn square_from_segment(p: Vector, [a, b]: [Vector; 2]) -> f64 {
     dot(apart, apart)
 }
 
-/// Triangles whose height is less than this part of their longest side are taken for their sides.
-/// At it, the normal of a triangle still has about 12 digits. Half of it leaves them fewer by a bit; twice of it takes
-/// more triangles for their sides, which are never nearer, so that bounds hold.
+/// Triangles whose height is less than this fraction of their longest side are replaced by their sides. At this value
+/// the normal of a triangle still has about 12 digits. Half of it leaves slightly fewer digits; twice of it replaces
+/// more triangles by their sides, which are never nearer, so that bounds still hold.
 const THIN: f64 = 1e-4;
 
-/// The squared distance of a point from a triangle; of thin ones from their sides.
+/// Returns the squared distance of a point from a triangle; thin triangles are replaced by their sides.
 #[must_use]
 pub fn square_from_triangle(p: Vector, [a, b, c]: [Vector; 3]) -> f64 {
     let (ab, bc, ca) = (minus(b, a), minus(c, b), minus(a, c));
@@ -80,14 +80,14 @@ pub fn square_from_triangle(p: Vector, [a, b, c]: [Vector; 3]) -> f64 {
     [[a, b], [b, c], [c, a]].map(|side| square_from_segment(p, side)).into_iter().fold(f64::INFINITY, f64::min)
 }
 
-/// The distance of a point from a segment.
+/// Returns the distance of a point from a segment.
 #[must_use]
 pub fn from_segment(p: Vector, segment: [Vector; 2]) -> f64 {
     sqrt(square_from_segment(p, segment))
 }
 
-/// Divides a vector by its largest coordinate and returns the length that remains, which no square of it exceeds or
-/// loses; `None`, and nothing changes, where no coordinate is other than 0 or one is infinite.
+/// Divides a vector by its largest absolute coordinate and returns the remaining length, whose square neither overflows
+/// nor underflows; `None`, without a change, if all coordinates are 0 or one is infinite.
 pub fn reduce(v: &mut [f64]) -> Option<f64> {
     let largest = v.iter().fold(0.0, |most: f64, x| most.max(x.abs()));
     if largest == 0.0 || !largest.is_finite() {
@@ -97,17 +97,17 @@ pub fn reduce(v: &mut [f64]) -> Option<f64> {
     Some(sqrt(v.iter().map(|x| x * x).sum()))
 }
 
-/// A vector at length 1, whatever its length; `None` for one without a direction.
+/// Returns a vector scaled to length 1; `None` if it has no direction.
 #[must_use]
 pub fn direction<const N: usize>(mut v: [f64; N]) -> Option<[f64; N]> {
     let length = reduce(&mut v)?;
     Some(v.map(|x| x / length))
 }
 
-/// Squared lengths none of whose larger terms has overflowed or lost digits to underflow.
+/// Squared lengths for which no larger term has overflowed or lost digits to underflow.
 const SAFE: std::ops::RangeInclusive<f64> = 1e-200..=1e200;
 
-/// A vector at length 1, whatever its length; zero for one without a direction.
+/// Returns a vector scaled to length 1; zero if it has no direction.
 #[must_use]
 #[inline]
 pub fn unit<const N: usize>(v: [f64; N]) -> [f64; N] {

@@ -1,4 +1,4 @@
-//! Weights: numbers in f64, with their exact value beside them where it is known.
+//! Weights in f64, together with their exact value if it is known.
 
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
@@ -7,12 +7,12 @@ use num_traits::Zero;
 use crate::math::exact::{Exact, bounded};
 use crate::math::number::Number;
 
-/// A number in f64, rounded at every operation, and what it is without rounding as far as that is a fraction.
+/// A number in f64, rounded at every operation, and its exact value as long as that is a known fraction.
 #[derive(Debug, Clone)]
 pub struct Weight {
-    /// In f64.
+    /// The value in f64.
     pub value: f64,
-    /// Without rounding.
+    /// The exact value, if known.
     pub exact: Option<Exact>,
 }
 
@@ -48,7 +48,7 @@ macro_rules! operation {
             fn $function(self, other: Self) -> Self {
                 let value = self.value.$function(other.value);
                 let pair = self.exact.zip(other.exact);
-                // a divisor of 0 makes no fraction
+                // a divisor of 0 yields no fraction
                 let pair = pair.filter(|(_, y)| stringify!($function) != "div" || !y.is_zero());
                 Self { value, exact: pair.and_then(|(x, y)| bounded(x.$function(y))) }
             }

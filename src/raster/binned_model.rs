@@ -1,4 +1,4 @@
-//! The model projected, clipped and sorted into tiles, ready to be drawn tile by tile.
+//! The model after projection, clipping and sorting into tiles, ready to be drawn tile by tile.
 
 use rayon::prelude::*;
 
@@ -19,12 +19,12 @@ use crate::watch::{Stopped, Watch};
 #[derive(Debug, Clone, Copy)]
 struct ClippedPiece {
     corners: [Vertex; 3],
-    /// For each corner, the shares of the corners of the whole triangle.
+    /// For each corner, its barycentric coordinates in the whole triangle.
     shares: [[f64; 3]; 3],
     whole: u32,
 }
 
-/// What is drawn, tile by tile.
+/// Everything that is drawn, sorted by tile.
 #[derive(Debug)]
 pub(super) struct BinnedModel<'a> {
     model: &'a Model<'a>,
@@ -32,41 +32,41 @@ pub(super) struct BinnedModel<'a> {
     pub(super) grid: Grid,
     vertices: Vec<Vertex>,
     pieces: Vec<ClippedPiece>,
-    /// Of each run the triangles that show their outside, and those that show their inside.
+    /// For each run, the front-facing triangles and the back-facing ones.
     runs: Vec<[Bins; 2]>,
     pub(super) layers: Vec<Layer>,
-    /// `None` when the surface is not seen.
+    /// The lamps; `None` if the surface is not visible.
     pub(super) lamps: Option<Lamps>,
-    /// `None` where the surface has one colour.
+    /// The paint; `None` if the surface has a single colour.
     pub(super) paint: Option<Paint<'a>>,
-    /// `None` where the surface is lit.
+    /// The finish; `None` if the surface is lit.
     pub(super) finisher: Option<Finisher>,
 }
 
-/// Blends the normals of a triangle over its place in the picture.
+/// Interpolates the normals of a triangle over a tile.
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct Facet {
-    /// Unnormalised normal at pixel (0, 0) of the tile, and its growth to the right and down.
+    /// Unnormalised normal at pixel (0, 0) of the tile, and its increments to the right and down.
     base: Vec3f,
     right: Vec3f,
     down: Vec3f,
-    /// 1 where its inside is seen, else 0.
+    /// 1 if the back of the triangle is seen, else 0.
     pub(super) back: f32,
 }
 
 impl Facet {
-    /// The normal at a place in the tile, pixels; it has any length.
+    /// Returns the normal at a place in the tile, in pixels; its length is arbitrary.
     pub(super) fn normal(&self, [x, y]: [f32; 2]) -> Vec3f {
         std::array::from_fn(|k| self.base[k] + self.right[k] * x + self.down[k] * y)
     }
 }
 
-/// Sub-pixel steps a pixel.
+/// Number of sub-pixel steps per pixel.
 const STEP: f64 = STEPS as f64;
 
-/// Found in one run of triangles.
+/// The visible triangles of one run.
 struct Run {
-    /// Those that show their outside, and those that show their inside.
+    /// The front-facing triangles, and the back-facing ones.
     found: [Vec<Found>; 2],
     pieces: Vec<ClippedPiece>,
 }
@@ -93,7 +93,7 @@ impl<'a> BinnedModel<'a> {
         Ok(binned)
     }
 
-    /// Culls, clips and bins the triangles, in runs whose borders depend on their number only.
+    /// Culls, clips and bins the triangles, in runs whose boundaries depend on the number of triangles only.
     fn sort(&mut self, watch: &Watch) -> Result<(), Stopped> {
         let triangles = self.model.triangles;
         let run = triangles.len().div_ceil(64).max(8192);
@@ -132,7 +132,7 @@ impl<'a> BinnedModel<'a> {
         }
     }
 
-    /// Lists a triangle where it touches tiles, and says whether it does.
+    /// Lists a triangle in the tiles that it touches; returns whether there are any.
     fn admit_corners(&self, id: u32, corners: &[Vertex; 3], run: &mut Run) -> bool {
         let area = area(corners);
         let rect = TileRect::of(self.grid, touched(corners)).filter(|_| area != 0);
@@ -158,13 +158,13 @@ impl<'a> BinnedModel<'a> {
         }
     }
 
-    /// Whether a triangle may touch a tile.
+    /// Returns whether a triangle may touch a tile.
     pub(super) fn touches(&self, tile: usize) -> bool {
         self.runs.iter().flatten().any(|bins| bins.tile(tile).next().is_some())
     }
 
-    /// Numbers of the triangles that may touch a tile and that show their outside, or of those that show their inside,
-    /// without some that are farther than `depth`.
+    /// Returns the front-facing or the back-facing triangles that may touch a tile, without some that are farther than
+    /// `depth`.
     pub(super) fn tile(&self, tile: usize, is_back: bool, depth: f32) -> impl Iterator<Item = u32> + '_ {
         self.runs.iter().flat_map(move |bins| bins[usize::from(is_back)].tile_from(tile, depth))
     }
@@ -177,7 +177,7 @@ impl<'a> BinnedModel<'a> {
         (id as usize).checked_sub(self.model.triangles.len()).map(|i| &self.pieces[i])
     }
 
-    /// The corners of triangle number `id` in the picture.
+    /// Returns the corners of triangle `id` in the picture.
     pub(super) fn corners(&self, id: u32) -> [Vertex; 3] {
         match self.model.triangles.get(id as usize) {
             Some(&triangle) => self.placed(triangle),
@@ -185,7 +185,7 @@ impl<'a> BinnedModel<'a> {
         }
     }
 
-    /// Normals at the three corners of triangle number `id`.
+    /// Returns the normals at the three corners of triangle `id`.
     fn normals(&self, id: u32) -> [[f64; 3]; 3] {
         let whole = self.whole(id);
         let triangle = self.model.triangles[whole];
@@ -205,19 +205,19 @@ impl<'a> BinnedModel<'a> {
         shared(self.piece(id), normals)
     }
 
-    /// The triangle of the model of which triangle number `id` is, or is a piece of.
+    /// Returns the triangle of the model that triangle `id` is, or is a piece of.
     pub(super) fn whole(&self, id: u32) -> usize {
         self.piece(id).map_or(id, |piece| piece.whole) as usize
     }
 
-    /// What the paint has at the three corners of triangle number `id`.
+    /// Returns the paint values at the three corners of triangle `id`.
     fn painted(&self, paint: &Paint<'_>, id: u32) -> [[f64; 3]; 3] {
         let whole = self.whole(id);
         shared(self.piece(id), paint.corners(whole, self.model.triangles[whole]))
     }
 
-    /// How the normal of triangle number `id`, and its paint, vary over the tile at `origin`. In perspective, shares
-    /// are weighted by the depth stored, which is inverse to the distance.
+    /// Returns how the normal and the paint of triangle `id` vary over the tile at `origin`. In perspective, weights
+    /// are scaled by the stored depth, which is inverse to the distance.
     #[expect(clippy::cast_possible_truncation, reason = "light needs no more than the precision of f32")]
     pub(super) fn facet(&self, id: u32, origin: [i32; 2]) -> (Facet, Option<Tint>) {
         let corners = self.corners(id);
@@ -248,7 +248,7 @@ impl<'a> BinnedModel<'a> {
     }
 }
 
-/// What the corners of a piece have, given what those of its whole triangle have.
+/// Returns the values at the corners of a piece, interpolated from those of its whole triangle.
 fn shared(piece: Option<&ClippedPiece>, whole: [[f64; 3]; 3]) -> [[f64; 3]; 3] {
     match piece {
         None => whole,

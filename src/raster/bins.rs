@@ -1,7 +1,7 @@
-//! Bins: which items touch which tile, in the order of submission.
+//! Bins: the items that touch each tile, in the order of submission.
 
-/// Side of a tile, pixels: the depths of a tile (four samples of 4 bytes a pixel, 16 KB) stay in the first-level cache.
-/// At twice the side they do not; at half of it four times as many tiles list each large triangle.
+/// Side of a tile in pixels: the depths of a tile (four samples of 4 bytes per pixel, 16 KB) stay in the first-level
+/// cache. At twice the side they do not; at half of it, four times as many tiles list each large triangle.
 pub(super) const TILE: usize = 32;
 
 /// A rectangle of tiles; the bounds are included.
@@ -14,7 +14,8 @@ pub(super) struct TileRect {
 }
 
 impl TileRect {
-    /// The tiles that the pixels `left..=right` x `top..=bottom` touch, or `None` when they lie outside the picture.
+    /// Returns the tiles touched by the pixels `left..=right` x `top..=bottom`, or `None` if these lie outside the
+    /// picture.
     pub(super) fn of(grid: Grid, [left, top, right, bottom]: [i32; 4]) -> Option<Self> {
         if right < 0 || bottom < 0 || left > right || top > bottom {
             return None;
@@ -37,7 +38,7 @@ impl TileRect {
 #[expect(clippy::cast_possible_truncation, clippy::cast_possible_wrap, reason = "a tile is some dozen pixels wide")]
 const TILE_PX: i32 = TILE as i32;
 
-/// How many tiles a picture has.
+/// The numbers of columns and rows of tiles of a picture.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Grid {
     pub(super) columns: u16,
@@ -55,8 +56,8 @@ impl Grid {
     }
 }
 
-/// Items that touch more tiles than this are kept in one list for all, so that memory stays in proportion to the items.
-/// Half of it puts more items on the list that every tile reads; twice of it may take twice as many entries.
+/// Items that touch more tiles than this are kept in one common list, so that memory stays proportional to the items.
+/// Half of it would put more items on the list that every tile reads; twice of it may take twice as many entries.
 pub(super) const FEW_TILES: usize = 16;
 
 /// An item, the tiles that it touches, and its largest depth.
@@ -68,12 +69,12 @@ pub(super) struct Bins {
     starts: Vec<u32>,
     items: Vec<u32>,
     large: Vec<u32>,
-    /// The largest depth of the items of each tile, without the large ones.
+    /// The largest depth of the items of each tile, without the large items.
     nearest: Vec<f32>,
 }
 
 impl Bins {
-    /// Sorts what was found by tile; the order within a tile is kept.
+    /// Sorts items by tile; the order within a tile is kept.
     pub(super) fn sort(grid: Grid, found: &[Found]) -> Self {
         if found.is_empty() {
             return Self::default();
@@ -110,12 +111,12 @@ impl Bins {
         Self { starts, items, large, nearest }
     }
 
-    /// Every item that may touch tile number `tile` (rows of tiles from the top).
+    /// Returns every item that may touch tile `tile`; tiles are numbered row by row from the top.
     pub(super) fn tile(&self, tile: usize) -> impl Iterator<Item = u32> + '_ {
         self.tile_from(tile, 0.0)
     }
 
-    /// The items of [`Bins::tile`], or only the large ones where none of the others has a depth of `depth` or more.
+    /// Returns the items of [`Bins::tile`], or only the large ones if no other has a depth of at least `depth`.
     pub(super) fn tile_from(&self, tile: usize, depth: f32) -> impl Iterator<Item = u32> + '_ {
         let own = if self.starts.is_empty() || self.nearest[tile] < depth {
             0..0

@@ -1,4 +1,4 @@
-//! The camera: where it stands, how it frames a set of points, and where a point falls in the picture.
+//! The camera: its position, how it frames a set of points, and the projection of points to the picture.
 
 use rayon::prelude::*;
 
@@ -6,31 +6,31 @@ use crate::math::functions::{cos, sin, tan};
 use crate::math::sharing::is_small;
 use crate::math::vector::{Vector, cross, dot, minus, plus, reduce, times};
 
-/// How depth shrinks what is seen.
+/// The kind of projection.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Projection {
-    /// Far things look smaller.
+    /// Distant objects look smaller.
     Perspective,
     /// Parallel rays.
     Orthographic,
 }
 
-/// What a viewer asks for; [`Camera::framing`] fills in the rest.
+/// The view that a client requests; [`Camera::framing`] fills in the rest.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct View {
     /// Perspective or parallel rays.
     pub projection: Projection,
-    /// Turn about the up axis, radians; with up = y, 0 looks from +z and a quarter turn from +x.
+    /// Rotation about the up axis, in radians; with up = y, 0 looks from +z and a quarter turn from +x.
     pub azimuth_rad: f64,
-    /// Height above the horizon, radians.
+    /// Elevation above the horizon, in radians.
     pub elevation_rad: f64,
-    /// Vertical angle of view, radians (perspective only).
+    /// Vertical angle of view, in radians (perspective only).
     pub fov_rad: f64,
     /// Magnification about the centre of the picture; 1 fills it.
     pub zoom: f64,
-    /// Where the camera stands, model units. With it the angles do not count.
+    /// Position of the camera, in model units; if given, the angles are ignored.
     pub eye: Option<[f64; 3]>,
-    /// What stands in the centre of the picture, model units; otherwise the points are centred.
+    /// The point in the centre of the picture, in model units; if `None`, the points are centred.
     pub target: Option<[f64; 3]>,
     /// The direction that points up in the picture.
     pub up: [f64; 3],
@@ -52,34 +52,34 @@ impl Default for View {
     }
 }
 
-/// Share of the smaller side of the picture that stays free on each side.
-/// A matter of taste that every picture shares: half of it puts outlines at the edge, twice of it leaves a quarter of
-/// the picture empty. A change changes all pictures.
+/// Margin on each side of the picture, as a fraction of its smaller side. A matter of taste that all pictures share:
+/// half of it puts outlines at the edge, twice of it leaves a quarter of the picture empty. A change affects all
+/// pictures.
 const MARGIN: f64 = 0.06;
 
-/// A camera that looks at something. Pixel coordinates have their origin in the upper left corner, y downwards.
+/// A camera. Pixel coordinates have their origin in the upper left corner, with y downwards.
 #[derive(Debug, Clone, Copy)]
 pub struct Camera {
     pub(super) eye: Vector,
     pub(super) right: Vector,
     pub(super) up: Vector,
     pub(super) forward: Vector,
-    /// The direction that counts as up in the model.
+    /// The up direction of the model.
     pub(super) sky: Vector,
     pub(super) projection: Projection,
-    /// Pixels a model unit at distance one (perspective) or everywhere (orthographic).
+    /// Pixels per model unit, at distance one (perspective) or everywhere (orthographic).
     pub(super) focal_px: f64,
-    /// Width and height, pixels.
+    /// Width and height of the picture, in pixels.
     pub(super) size_px: [f64; 2],
-    /// Distance of the near plane (perspective), model units.
+    /// Distance of the near plane in model units (perspective).
     pub(super) near: f64,
-    /// Depth of the eye plane and its fall for each model unit (orthographic).
+    /// Depth of the plane through the eye, and its decrease per model unit (orthographic).
     pub(super) fall: [f64; 2],
-    /// Half the largest extent of what is framed, model units.
+    /// Half the largest extent of the framed points, in model units.
     pub(super) radius: f64,
 }
 
-/// What `one` finds of each of some points, joined, `none` being what there is of no point.
+/// Combines the results of `one` for all points; `none` is the result for no points.
 fn joined<T: Copy + Send + Sync>(
     points: &[&[Vector]],
     none: T,
@@ -96,7 +96,8 @@ fn joined<T: Copy + Send + Sync>(
         .reduce(|| none, join)
 }
 
-/// Centre and half the largest side of the bounding box of finite points; `([0, 0, 0], 1)` when there is none.
+/// Returns the centre and half the largest side of the bounding box of finite points; `([0, 0, 0], 1)` if there are
+/// none.
 fn bounds(points: &[&[Vector]]) -> (Vector, f64) {
     let none = ([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]);
     let join = |(a, b): (Vector, Vector), (c, d): (Vector, Vector)| {
@@ -114,13 +115,13 @@ fn bounds(points: &[&[Vector]]) -> (Vector, f64) {
     (centre, if radius > 1e-150 { radius.min(1e150) } else { 1.0 })
 }
 
-/// A vector at length one, whatever its length; `None` when it has no direction.
+/// Returns a vector scaled to length one; `None` if it has no direction.
 pub(super) fn unit(mut v: Vector) -> Option<Vector> {
     let length = reduce(&mut v)?;
     (length >= 1.0).then(|| times(1.0 / length, v))
 }
 
-/// Right, up and forward of a camera that looks from the angles of `view`.
+/// Returns right, up and forward of a camera at the angles of `view`.
 fn orbit(view: &View) -> [Vector; 3] {
     let sky = unit(view.up).unwrap_or([0.0, 1.0, 0.0]);
     let axis = if sky[0].abs() < 0.999 { [1.0, 0.0, 0.0] } else { [0.0, 0.0, -1.0] };
@@ -134,7 +135,7 @@ fn orbit(view: &View) -> [Vector; 3] {
     [right, minus(times(ce, sky), times(se, around)), times(-1.0, toward)]
 }
 
-/// Right, up and forward of a camera at `eye` that looks at `target`, or those of the angles when both coincide.
+/// Returns right, up and forward of a camera at `eye` that looks at `target`, or those of the angles if both coincide.
 fn aimed(view: &View, eye: Vector, target: Vector) -> [Vector; 3] {
     let Some(forward) = unit(minus(target, eye)) else { return orbit(view) };
     let sky = unit(view.up).unwrap_or([0.0, 1.0, 0.0]);
@@ -149,8 +150,8 @@ fn aimed(view: &View, eye: Vector, target: Vector) -> [Vector; 3] {
     [right, cross(right, forward), forward]
 }
 
-/// Largest values over points: how far they reach to the right, left, top and bottom, each lessened by
-/// `tangent x distance`, then forward and backward.
+/// Returns the extents of points to the right, left, top and bottom, each reduced by `tangent x distance`, then forward
+/// and backward.
 fn reach(points: &[&[Vector]], centre: Vector, [right, up, forward]: [Vector; 3], tangent: [f64; 2]) -> [f64; 6] {
     let none = [f64::NEG_INFINITY; 6];
     let join = |a: [f64; 6], b: [f64; 6]| [0, 1, 2, 3, 4, 5].map(|i| a[i].max(b[i]));
@@ -164,8 +165,8 @@ fn reach(points: &[&[Vector]], centre: Vector, [right, up, forward]: [Vector; 3]
 }
 
 impl Camera {
-    /// The camera that shows all of `points` as large as the picture of `width x height` pixels allows, seen as `view`
-    /// asks. Works for no point, one point and any finite coordinates.
+    /// Returns the camera that shows all of `points` as large as a picture of `width x height` pixels allows, under the
+    /// requested view. Works for any number of points and any finite coordinates.
     pub fn framing(view: &View, points: &[&[[f64; 3]]], width: u32, height: u32) -> Self {
         let (centre, radius) = bounds(points);
         let size_px = [f64::from(width.max(1)), f64::from(height.max(1))];
@@ -227,22 +228,22 @@ impl Camera {
         self.fall = [1.0, 0.999 / span];
     }
 
-    /// Where it stands, model units.
+    /// Returns the position of the camera, in model units.
     pub fn eye(&self) -> Vector {
         self.eye
     }
 
-    /// The direction in which it looks, of length one.
+    /// Returns the viewing direction, of length one.
     pub fn forward(&self) -> Vector {
         self.forward
     }
 
-    /// Pixels a model unit at distance one (perspective) or everywhere (orthographic).
+    /// Returns the pixels per model unit, at distance one (perspective) or everywhere (orthographic).
     pub fn scale(&self) -> f64 {
         self.focal_px
     }
 
-    /// Whether the camera is on the side of the plane through a point that `normal` points to.
+    /// Returns whether the camera is on the side of the plane through `point` to which `normal` points.
     pub fn is_before(&self, point: [f64; 3], normal: [f64; 3]) -> bool {
         let towards = match self.projection {
             Projection::Perspective => minus(self.eye, point),
@@ -251,12 +252,12 @@ impl Camera {
         dot(normal, towards) > 0.0
     }
 
-    /// The direction to the right in the picture, of length one.
+    /// Returns the direction to the right in the picture, of length one.
     pub fn right(&self) -> [f64; 3] {
         self.right
     }
 
-    /// Right and down in pixels times `w`, the divisor `w`, and the distance along the view, model units.
+    /// Returns right and down in pixels times `w`, the divisor `w`, and the distance along the view, in model units.
     pub(super) fn view(&self, point: Vector) -> [f64; 4] {
         let r = minus(point, self.eye);
         let z = dot(r, self.forward);
@@ -264,8 +265,8 @@ impl Camera {
         [self.focal_px * dot(r, self.right), -self.focal_px * dot(r, self.up), w, z]
     }
 
-    /// Where a point falls in the picture, pixels, and its nearness: a number that is linear over the picture and
-    /// larger for what is nearer. `None` where the point is not before the camera.
+    /// Returns the position of a point in the picture in pixels, and its nearness: a number that is linear over the
+    /// picture and larger for nearer points. `None` if the point is not in front of the camera.
     pub fn seen(&self, point: [f64; 3]) -> Option<[f64; 3]> {
         let seen = self.view(point);
         let nearness = match self.projection {
@@ -277,19 +278,20 @@ impl Camera {
         Some([x, y, nearness]).filter(|seen| seen.iter().all(|x| x.is_finite()))
     }
 
-    /// The point that parallel rays show at a pixel, in the plane through the eye.
+    /// Returns the point in the plane through the eye that parallel rays show at a pixel.
     pub fn unplaced(&self, [x, y]: [f64; 2]) -> [f64; 3] {
         let across = times((x - 0.5 * self.size_px[0]) / self.focal_px, self.right);
         minus(plus(self.eye, across), times((y - 0.5 * self.size_px[1]) / self.focal_px, self.up))
     }
 
-    /// Pixels that a model unit across the view takes at a point; `None` where the point is not before the camera.
+    /// Returns the size in pixels of a model unit across the view at a point; `None` if it is not in front of the
+    /// camera.
     pub fn unit_px(&self, point: [f64; 3]) -> Option<f64> {
         let [_, _, w, _] = self.view(point);
         (w > 0.0).then(|| self.focal_px / w)
     }
 
-    /// Depth as it is stored: linear over the picture, larger is nearer, above 0 and at most about 1.
+    /// Returns the depth as it is stored: linear over the picture, larger if nearer, above 0 and at most about 1.
     pub(super) fn depth(&self, z: f64) -> f64 {
         match self.projection {
             Projection::Perspective => self.near / z,
@@ -297,7 +299,8 @@ impl Camera {
         }
     }
 
-    /// `[c0, c2]`: moving a point of depth `d` nearer by one model unit adds about `c0 + c2 * d * d` to its depth.
+    /// Returns `[c0, c2]`: moving a point of depth `d` nearer by one model unit adds about `c0 + c2 * d * d` to its
+    /// depth.
     pub(super) fn nearer(&self) -> [f64; 2] {
         match self.projection {
             Projection::Perspective => [0.0, 1.0 / self.near],
@@ -305,7 +308,7 @@ impl Camera {
         }
     }
 
-    /// Pixel coordinates of `[X, Y]` divided by `w`.
+    /// Returns the pixel coordinates of `[X, Y]` divided by `w`.
     pub(super) fn pixel(&self, [x, y, w, _]: [f64; 4]) -> [f64; 2] {
         [0.5 * self.size_px[0] + x / w, 0.5 * self.size_px[1] + y / w]
     }

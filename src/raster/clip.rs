@@ -3,27 +3,26 @@
 use super::camera::{Camera, Projection};
 use super::project::GUARD;
 
-/// A corner of a clipped polygon: view coordinates and its place in the original triangle.
+/// A corner of a clipped polygon: its view coordinates and its barycentric coordinates in the original triangle.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Corner {
     /// See [`Camera::view`].
     pub(super) seen: [f64; 4],
-    /// Shares of the three original corners.
+    /// Barycentric coordinates in the original triangle.
     pub(super) shares: [f64; 3],
 }
 
 impl Camera {
-    /// Where the segment from `a` to `b` (model units) falls in the picture, pixel coordinates: the part in front of
-    /// the camera and within 2,048 pixels of the picture, if there is one.
+    /// Returns the segment from `a` to `b` (model units) in pixel coordinates: the part in front of the camera and
+    /// within 2,048 pixels of the picture, if there is one.
     pub fn segment(&self, a: [f64; 3], b: [f64; 3]) -> Option<[[f64; 2]; 2]> {
         let ends = segment(self, [self.view(a), self.view(b)])?.map(|end| self.pixel(end));
         ends.iter().flatten().all(|x| x.is_finite()).then_some(ends)
     }
 }
 
-/// How much farther than the near plane triangles are cut.
-/// Half of it still is more than rounding adds where corners are a billion times as far away; twice of it is not seen
-/// either.
+/// Factor of the distance of the clipping plane to that of the near plane. Half the margin is still more than rounding
+/// adds for corners a billion times as far away; twice of it would not be visible either.
 const DRAWN_IN: f64 = 1.0 + 1e-6;
 
 /// Signed distances from the planes: near, then left, right, top and bottom of the guard band; inside is not negative.

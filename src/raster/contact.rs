@@ -1,7 +1,7 @@
-//! The shadow where a model stands on the ground: soft, below what is near the ground, from no lamp in particular.
+//! The contact shadow of a model on the ground: soft, below parts near the ground, independent of the lamps.
 //!
-//! A map of the ground has the least height of the model over each cell. What is near the ground darkens the cell, and
-//! the map is smoothed twice: little for what touches, much for what stands higher.
+//! A map of the ground stores the smallest height of the model above each cell. Parts near the ground darken the cell,
+//! and the map is smoothed twice: a little for parts that touch the ground, more for parts that are higher.
 
 #![expect(clippy::cast_precision_loss, reason = "cells are counted in hundreds")]
 #![expect(clippy::cast_possible_truncation, reason = "light needs no more than the precision of f32")]
@@ -17,39 +17,37 @@ use crate::math::functions::{cos, sin};
 use crate::math::vector::{Vector, cross, dot, minus, plus, times};
 use crate::watch::{Stopped, Watch};
 
-/// When there is a shadow on the ground.
+/// When a model has a shadow on the ground.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Ground {
     /// Never.
     None,
-    /// Where the model stands on the ground: the centre of its surface is over the hull of what is near the ground, and
-    /// it is no flat sheet.
+    /// If the model stands on the ground: the centre of its surface is above the convex hull of its parts near the
+    /// ground, and it is not a flat sheet.
     Stood,
     /// Always.
     Always,
 }
 
-/// Cells along the side of the map.
-/// Half of it blurs the feet, twice of it takes four times as long.
+/// Number of cells along the side of the map. Half as many blur the feet; twice as many take four times as long.
 const CELLS: usize = 192;
-/// Fewest cells, for models of which many triangles lie over each other.
+/// Smallest number of cells, for models with many overlapping triangles.
 const FEWEST_CELLS: usize = 24;
-/// Places of triangles that are looked at before the map is made coarser: 30 ms.
-/// Half or twice of it makes maps of stacks of large triangles coarser or finer.
+/// Number of sampled places of triangles above which the map is made coarser: 30 ms. Half or twice of it makes maps of
+/// stacks of large triangles coarser or finer.
 const MOST_PLACES: u64 = 1 << 23;
-/// How far the shadow reaches beyond the model, as a share of half its longer side; what a picture leaves free beside
-/// the model is about as much.
+/// Reach of the shadow beyond the model, as a fraction of half its longer side; about as much as a picture's margin.
 const REACH: f64 = 0.3;
-/// Up to this height, in the same measure, things darken the ground.
-/// Half of it leaves the shadows of feet, twice of it makes that of the whole model.
+/// Height up to which parts darken the ground, in the same unit. Half of it leaves the shadows of feet only; twice of
+/// it makes a shadow of the whole model.
 const HIGH: f32 = 0.4;
-/// Up to this height they touch it.
+/// Height up to which parts touch the ground, in the same unit.
 const LOW: f32 = 0.1;
-/// How much is taken of the light below what touches the ground, and below what stands just over it.
-/// They are choices of looks: halves are hardly seen, and twice of them is night.
+/// Fractions of the light removed below parts that touch the ground, and below parts just above it. They are a matter
+/// of taste: halves are hardly visible, and twice of them is black.
 const DARK: [f32; 2] = [0.5, 0.36];
-/// Up to this share of its height the model counts as touching the ground when it is asked whether it stands.
-/// Half of it lets rough feet fall, twice of it lets balls of few faces stand on their edges.
+/// Height up to which the model touches the ground in the test whether it stands, as a fraction of its height. Half of
+/// it lets rough feet fall; twice of it lets balls of few faces stand on their edges.
 const SOLE: f64 = 0.03;
 /// A model lower than this share of its longer side is a sheet.
 const SHEET: f64 = 0.05;
@@ -62,27 +60,28 @@ const DIRECTIONS: usize = 16;
 /// The shadow of a model on the ground.
 #[derive(Debug)]
 pub(super) struct Shadow {
-    /// Origin and direction of the ray at the middle of the picture, and what a pixel to the right and down adds.
+    /// Origin and direction of the ray at the centre of the picture, and their increments per pixel to the right and
+    /// down.
     origin: [Vector; 3],
     ray: [Vector; 3],
     middle_px: [f64; 2],
-    /// The pixels that may see the map: left, top, right, bottom, without the last.
+    /// The pixels from which the map may be visible: left, top, right, bottom; the last two are excluded.
     reach_px: [usize; 4],
     cells: usize,
-    /// From 0 to 1, row after row.
+    /// The darkness of each cell, from 0 to 1, row after row.
     dark: Vec<f32>,
 }
 
 /// The shadow in a row of pixels.
 pub(super) struct ShadowRow<'a> {
     shadow: &'a Shadow,
-    /// Origin and direction of the ray at the left end, and what a pixel adds.
+    /// Origin and direction of the ray at the left end, and their increments per pixel.
     origin: [Vector; 2],
     ray: [Vector; 2],
 }
 
-/// The model over the ground in coordinates: two level directions and up, from its middle, in halves of its longer
-/// side.
+/// The model above the ground in coordinates of its own: two horizontal directions and up, from its centre, in units of
+/// half its longer side.
 struct Frame<'a> {
     axes: [Vector; 3],
     middle: Vector,
@@ -93,7 +92,7 @@ struct Frame<'a> {
 }
 
 impl Shadow {
-    /// That of a model, if there is one and the camera sees the ground from above.
+    /// Computes the shadow of a model, if it has one and the camera sees the ground from above.
     pub(super) fn of(
         model: &Model<'_>,
         camera: &Camera,
@@ -109,7 +108,7 @@ impl Shadow {
             return Ok(None);
         }
         let mut shadow = frame.seen(camera);
-        // seen from below or along it, the ground hides nothing and shows nothing
+        // from below, or along the ground, the shadow is not visible
         let is_above = match camera.projection {
             Projection::Perspective => shadow.origin[0][2] > 0.0,
             Projection::Orthographic => shadow.ray[0][2] < -1e-3,
@@ -124,7 +123,7 @@ impl Shadow {
         Ok(Some(shadow))
     }
 
-    /// The shadow in a row of the picture, if it reaches there.
+    /// Returns the shadow in a row of the picture, if it reaches that row.
     pub(super) fn row(&self, y: usize) -> Option<ShadowRow<'_>> {
         let [_, top, _, bottom] = self.reach_px;
         let down = y as f64 + 0.5 - self.middle_px[1];
@@ -133,7 +132,7 @@ impl Shadow {
         (y >= top && y < bottom).then(|| ShadowRow { shadow: self, origin: start(&self.origin), ray: start(&self.ray) })
     }
 
-    /// How dark the map is at a place, from -1 to 1.
+    /// Returns the interpolated darkness at a place of the map, whose coordinates range from -1 to 1.
     fn blended(&self, place: [f64; 2]) -> f32 {
         let last = self.cells as f64 - 1.0;
         let [u, v] = place.map(|u| ((0.5 * u + 0.5) * self.cells as f64 - 0.5).clamp(0.0, last));
@@ -148,7 +147,7 @@ impl Shadow {
 }
 
 impl ShadowRow<'_> {
-    /// How much of its light the ground at a pixel of the row lacks.
+    /// Returns the fraction of its light that the ground at a pixel of the row loses.
     pub(super) fn at(&self, x: usize) -> f32 {
         let [left, _, right, _] = self.shadow.reach_px;
         if x < left || x >= right {
@@ -164,11 +163,11 @@ impl ShadowRow<'_> {
     }
 }
 
-/// Triangles that a thread looks at together.
+/// Number of triangles that a thread processes at a time.
 const PART: usize = 1 << 14;
 
 impl<'a> Frame<'a> {
-    /// `None` where there is no extent.
+    /// Returns the frame of a model; `None` if the model has no extent.
     fn of(model: &Model<'a>, sky: Vector) -> Option<Self> {
         let aside = if sky[0].abs() < 0.9 { [1.0, 0.0, 0.0] } else { [0.0, 1.0, 0.0] };
         let right = unit(cross(sky, aside))?;
@@ -198,7 +197,7 @@ impl<'a> Frame<'a> {
         Some(Self { axes, middle, half, height: (high[2] - low[2]) / half, triangles: model.triangles, places })
     }
 
-    /// The camera in coordinates of the map, whose unit is half its side, and no map yet.
+    /// Returns the camera in coordinates of the map, whose unit is half its side, with an empty map.
     fn seen(&self, camera: &Camera) -> Shadow {
         let side = self.half * (1.0 + REACH);
         let turned = |v: Vector| self.axes.map(|axis| dot(axis, v) / side);
@@ -218,7 +217,7 @@ impl<'a> Frame<'a> {
         let box_of = |low: [f64; 2], high: [f64; 2]| {
             [low[0] as usize, low[1] as usize, high[0] as usize + 2, high[1] as usize + 2]
         };
-        // a map that reaches behind the camera may be seen anywhere
+        // a map that reaches behind the camera may be visible anywhere
         let reach_px = corners.iter().copied().collect::<Option<Vec<_>>>().map_or(all, |corners| {
             let least = |k: usize| corners.iter().map(|corner| corner[k]).fold(f64::INFINITY, f64::min);
             let most = |k: usize| corners.iter().map(|corner| corner[k]).fold(0.0, f64::max);
@@ -228,13 +227,13 @@ impl<'a> Frame<'a> {
         Shadow { origin, ray, middle_px, reach_px, cells: CELLS, dark: Vec::new() }
     }
 
-    /// The places of the corners of a triangle.
+    /// Returns the positions of the corners of a triangle.
     fn corners(&self, triangle: [u32; 3]) -> [[f32; 3]; 3] {
         triangle.map(|v| self.places[v as usize])
     }
 
-    /// The centre of the surface on the ground: the mean of the centres of its triangles, weighted by their areas,
-    /// added up in parts whose borders depend on the number of triangles only.
+    /// Returns the centroid of the surface projected to the ground: the mean of the centres of its triangles, weighted
+    /// by area, summed in parts whose boundaries depend on the number of triangles only.
     fn centre(&self) -> [f64; 2] {
         let of = |list: &[[u32; 3]]| {
             list.iter().fold([0.0; 3], |sum: Vector, &triangle| {
@@ -251,7 +250,7 @@ impl<'a> Frame<'a> {
         if area > 0.0 { [x / area, y / area] } else { [0.0; 2] }
     }
 
-    /// Whether the centre of the surface is over the hull of what touches the ground.
+    /// Returns whether the centroid of the surface is above the convex hull of the parts that touch the ground.
     fn is_stood_on(&self) -> bool {
         if self.height < 2.0 * SHEET {
             return false;
@@ -273,7 +272,7 @@ impl<'a> Frame<'a> {
         far.iter().all(|&far| far > FIRM)
     }
 
-    /// Coordinates of the corners of a triangle in cells of a map, and their heights, unless it stands too high.
+    /// Returns the corners of a triangle in cells of a map with their heights, unless the triangle is too high.
     fn over(&self, triangle: [u32; 3], cells: usize) -> Option<[[f32; 3]; 3]> {
         let places = self.corners(triangle);
         let half = 0.5 * cells as f32;
@@ -282,7 +281,7 @@ impl<'a> Frame<'a> {
         is_near.then(|| places.map(|[x, y, height]| [x * scale + half, y * scale + half, height]))
     }
 
-    /// Places at which triangles are looked at, at most.
+    /// Returns an upper bound of the number of places at which triangles are sampled.
     fn looks(&self, cells: usize) -> u64 {
         let of = |list: &[[u32; 3]]| -> u64 {
             let over = list.iter().filter_map(|&triangle| self.over(triangle, cells));
@@ -291,7 +290,7 @@ impl<'a> Frame<'a> {
         self.triangles.par_chunks(PART).map(of).sum()
     }
 
-    /// How much each cell lacks of its light.
+    /// Returns the fraction of its light that each cell loses.
     fn dark(&self, cells: usize, watch: &Watch) -> Result<Vec<f32>, Stopped> {
         let far = || vec![HIGH; cells * cells];
         let lower = |mut a: Vec<f32>, b: Vec<f32>| {
@@ -326,7 +325,7 @@ impl<'a> Frame<'a> {
     }
 }
 
-/// Into how many parts each side of a triangle is cut, so that no cell below it is missed.
+/// Returns the number of parts into which each side of a triangle is divided, so that no cell below it is missed.
 fn parts(corners: &[[f32; 3]; 3]) -> usize {
     let side = |a: &[f32; 3], b: &[f32; 3]| (a[0] - b[0]).abs().max((a[1] - b[1]).abs());
     let longest =
@@ -334,8 +333,7 @@ fn parts(corners: &[[f32; 3]; 3]) -> usize {
     (longest.ceil() as usize).max(1)
 }
 
-/// Lowers the cells below a triangle to its height there. What is smaller than a cell is one place: others stand
-/// beside.
+/// Lowers the cells below a triangle to its height there. A triangle smaller than a cell counts as a single place.
 fn lay(corners: &[[f32; 3]; 3], heights: &mut [f32], cells: usize) {
     let mut low = |[x, y, height]: [f32; 3]| {
         let [x, y] = [x, y].map(|u| (u.max(0.0) as usize).min(cells - 1));
@@ -357,7 +355,7 @@ fn lay(corners: &[[f32; 3]; 3], heights: &mut [f32], cells: usize) {
     }
 }
 
-/// The map after three means over squares of `2 reach + 1` cells, which come close to the bell of Gauss.
+/// Returns the map after three box filters of `2 reach + 1` cells, which approximate a Gaussian.
 fn smoothed(mut map: Vec<f32>, cells: usize, reach: usize) -> Vec<f32> {
     let share = 1.0 / (2 * reach + 1) as f32;
     for _ in 0..6 {
@@ -365,7 +363,7 @@ fn smoothed(mut map: Vec<f32>, cells: usize, reach: usize) -> Vec<f32> {
         for (y, row) in map.chunks(cells).enumerate() {
             for x in 0..cells {
                 let sum: f32 = row[x.saturating_sub(reach)..(x + reach + 1).min(cells)].iter().sum();
-                // turned over, so that rows are columns the next time
+                // transposed, so that rows are columns the next time
                 turned[x * cells + y] = sum * share;
             }
         }

@@ -1,4 +1,4 @@
-//! One tile: its samples, their light, a closer look at edges, and the lines over it.
+//! Draws one tile: its samples, their light, refined edges, and the lines on top.
 
 #![expect(clippy::cast_precision_loss, reason = "pixel numbers are small")]
 
@@ -16,10 +16,10 @@ use crate::watch::{Stopped, Watch};
 
 #[expect(clippy::cast_possible_truncation, reason = "a tile is some dozen pixels wide")]
 const SIDE: u32 = TILE as u32;
-/// Pixels of a tile.
+/// Number of pixels of a tile.
 const N: usize = TILE * TILE;
 
-/// Scratch memory of one thread.
+/// The scratch memory of one thread.
 pub(super) struct Desk {
     samples: Samples,
     fine: Fine,
@@ -29,22 +29,22 @@ pub(super) struct Desk {
     over: Vec<[f32; 4]>,
 }
 
-/// What is drawn of triangles that something is seen through: of those that show their inside the nearest, then of
-/// those that show their outside, each over what lies behind.
+/// The nearest samples of translucent triangles: first of back-facing ones, then of front-facing ones, each blended
+/// over what lies behind.
 struct Glass {
     samples: Samples,
     lighter: Lighter,
 }
 
-/// A tile that something touches.
+/// A drawn tile that something touches.
 #[derive(Debug)]
 pub(super) struct Drawn {
-    /// Linear light of the surface in each pixel, premultiplied by the share of the pixel that it covers, which stands
-    /// last; empty where there is none. From 0 to 65,535.
+    /// Linear light of the surface in each pixel from 0 to 65,535, premultiplied by the covered fraction of the pixel,
+    /// which is the last component; empty if there is no surface.
     pub(super) surface: Vec<[u16; 4]>,
-    /// The largest depth in each pixel, 0 where no sample is covered; as empty.
+    /// The largest depth in each pixel, 0 if no sample is covered; empty if there is no surface.
     pub(super) depth: Vec<f32>,
-    /// The same as `surface` of the lines over it.
+    /// Linear light of the lines on top, like `surface`.
     pub(super) over: Vec<[u16; 4]>,
 }
 
@@ -67,7 +67,7 @@ impl Desk {
         }
     }
 
-    /// Draws one tile; `None` when nothing touches it. Where `is_fine`, edges are looked at closely.
+    /// Draws one tile; returns `None` if nothing touches it. If `is_fine`, edges are refined.
     pub(super) fn draw(
         &mut self,
         model: &BinnedModel<'_>,
@@ -82,7 +82,7 @@ impl Desk {
         }
         self.samples.clear();
         let has_clear = self.glass.is_some();
-        // outsides mostly hide the insides behind them
+        // front faces mostly hide the back faces behind them
         for is_back in [false, true] {
             for (n, id) in model.tile(tile, is_back, self.samples.farthest()).enumerate() {
                 if n % 4096 == 4095 {
@@ -124,7 +124,7 @@ impl Desk {
         Ok(Some(drawn))
     }
 
-    /// Draws the pixels in which edges are seen once more, with more samples.
+    /// Draws the pixels with visible edges once more, with more samples.
     fn look_closely(
         &mut self,
         model: &BinnedModel<'_>,
@@ -156,7 +156,7 @@ impl Desk {
         Ok(())
     }
 
-    /// Draws the triangles that something is seen through over what lies behind them, with four samples a pixel.
+    /// Draws the translucent triangles over what lies behind them, with four samples per pixel.
     fn glaze(
         &mut self,
         model: &BinnedModel<'_>,
@@ -194,7 +194,7 @@ impl Desk {
         Ok(())
     }
 
-    /// Draws a layer of lines: first the coverage of all of them, then their colour once, so that joints do not show.
+    /// Draws a layer of lines: first the coverage of all lines, then their colour once, so that joints do not show.
     fn stroke(
         &mut self,
         model: &BinnedModel<'_>,
@@ -219,13 +219,13 @@ impl Desk {
     }
 }
 
-/// The light of the pixels of a tile.
+/// Accumulates the light of the pixels of a tile.
 struct Lighter {
-    /// Linear light of each pixel, premultiplied by the share that is lit.
+    /// Linear light of each pixel, premultiplied by the lit fraction.
     light: Vec<[f32; 4]>,
     facets: Facets,
     spots: Spots,
-    /// Pixels in which an edge is seen: something beside nothing, or parts of different light.
+    /// Pixels with a visible edge: partly covered, or with parts of different light.
     marks: Marks,
 }
 
@@ -236,8 +236,8 @@ impl Lighter {
         self.light.fill([0.0; 4]);
     }
 
-    /// Lights what is seen of the surface in a pixel, once for each triangle, at the centre of its samples there; where
-    /// it `IS_CLEAR` its alpha counts.
+    /// Lights the visible surface in a pixel, once per triangle, at the centroid of its samples; if `IS_CLEAR`, alpha
+    /// matters.
     fn add<const SAMPLES: usize, const IS_CLEAR: bool>(
         &mut self,
         model: &BinnedModel<'_>,
@@ -282,7 +282,7 @@ impl Lighter {
         }
     }
 
-    /// Adds the light of the waiting spots: their colours as they are where the surface has a finish.
+    /// Adds the light of the waiting spots; if the surface has a finish, their colours unchanged.
     fn finish(&mut self, model: &BinnedModel<'_>, lamps: &Lamps) {
         if model.finisher.is_some() {
             self.spots.show(&mut self.light, &mut self.marks);
@@ -292,29 +292,29 @@ impl Lighter {
     }
 }
 
-/// Alpha from which on a picture hides all that lies behind it, and is drawn with what is opaque; what has less than
-/// the rest to 1 is not there. It is half a step of a byte from 1: twice of it takes pixels of 254 for opaque, half of
-/// it is closer to what blending four pixels rounds.
+/// Alpha from which a texture hides everything behind it and is drawn with the opaque surfaces; below 1 minus this, it
+/// is invisible. It is half a byte step from 1: twice of the margin would treat pixels of 254 as opaque, half of it is
+/// closer to the rounding of a blend of four pixels.
 const OPAQUE: f32 = 1.0 - 0.5 / 255.0;
 
-/// How a triangle hides what lies behind it; without any that is clear, all hide it wholly.
+/// Returns how a triangle hides what lies behind it; without translucent triangles, all are opaque.
 fn hiding(model: &BinnedModel<'_>, id: u32, has_clear: bool) -> Hiding {
     model.paint.filter(|_| has_clear).map_or(Hiding::Wholly, |paint| paint.hiding(model.whole(id)))
 }
 
-/// How much a triangle hides of what lies behind it, by the place in the tile.
+/// Returns the opacity of a triangle as a function of the place in the tile.
 fn alphas<'a>(model: &'a BinnedModel<'_>, id: u32, origin: [i32; 2]) -> impl Fn([f32; 2]) -> f32 + 'a {
     let (_, tint) = model.facet(id, origin);
     let paint = model.paint.as_ref().zip(tint);
     move |place| paint.as_ref().map_or(1.0, |(paint, tint)| paint.alpha(model.whole(id), tint, place))
 }
 
-/// The samples that `owner` has, as bits.
+/// Returns the samples of `owner` as a bit set.
 fn held_by<const SAMPLES: usize>(owners: &[u32; SAMPLES], owner: u32) -> u32 {
     (0..SAMPLES).fold(0, |held, s| held | (u32::from(owners[s] == owner) << s))
 }
 
-/// The centre in the pixel of a set of sixteen samples, right and down, and its share of the pixel.
+/// Returns the centroid in the pixel of a set of sixteen samples, right and down, and its fraction of the pixel.
 fn fine_centre(held: u32) -> [f32; 3] {
     let (mut x, mut y, mut rest) = (0, 0, held);
     while rest != 0 {
@@ -326,7 +326,7 @@ fn fine_centre(held: u32) -> [f32; 3] {
     [x as f32 / (32.0 * n), y as f32 / (32.0 * n), n / FINE as f32]
 }
 
-/// For each set of four samples: its centre in the pixel, right and down, and its share of the pixel.
+/// For each set of four samples its centroid in the pixel, right and down, and its fraction of the pixel.
 const CENTRES: [[f32; 3]; 1 << SAMPLES] = {
     let mut centres = [[0.0; 3]; 1 << SAMPLES];
     let mut held = 1;
@@ -345,7 +345,7 @@ const CENTRES: [[f32; 3]; 1 << SAMPLES] = {
     centres
 };
 
-/// Light as whole numbers.
+/// Converts light to 16-bit integers.
 fn packed(light: &[[f32; 4]]) -> Vec<[u16; 4]> {
     // the first 16 digits after the point of a number from 1 to 2, which are those of its bits: no cast, so vector code
     let number = |x: f32| {

@@ -1,4 +1,4 @@
-//! What differs between two pictures of one size, pixel by pixel.
+//! The differences of two pictures of equal size, pixel by pixel.
 //!
 //! Pictures that should be the same to the bit are compared by equality. Others are compared as they are seen: by the
 //! distance of colours in YIQ (Y. Kotsarenko, F. Ramos, Programación Matemática y Software 2 (2010), 27-43), where
@@ -10,7 +10,7 @@ use rayon::prelude::*;
 use crate::math::functions::sqrt;
 use crate::watch::{Stopped, Watch};
 
-/// A picture: rows from the top, colours with alpha, not premultiplied.
+/// A picture: rows from the top, colours with straight alpha.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Pixels {
     /// Width and height.
@@ -19,36 +19,37 @@ pub struct Pixels {
     pub rgba: Vec<[u8; 4]>,
 }
 
-/// What counts as a difference.
+/// The measure of a difference.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Measure {
-    /// Any.
+    /// Any difference of bytes.
     Equality,
-    /// Colours further apart than this share, 0 to 1, of the distance of black and white, but for smoothed edges.
+    /// Colours whose distance exceeds this fraction, 0 to 1, of that of black and white; anti-aliased edges are
+    /// ignored.
     Seen(f64),
 }
 
-/// What differs.
+/// The differences of two pictures.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Difference {
-    /// Pixels that differ.
+    /// Number of pixels that differ.
     pub different: u64,
-    /// Pixels that are further apart than the threshold, and smooth an edge.
+    /// Number of pixels beyond the threshold that belong to anti-aliased edges.
     pub smoothed: u64,
-    /// The largest distance of colours as a share of that of black and white, smoothed edges included.
+    /// The largest distance of colours as a fraction of that of black and white, including anti-aliased edges.
     pub largest: f64,
-    /// Both pictures in one: grey where they are the same, red where they differ, yellow at smoothed edges.
+    /// A picture of the differences: grey where equal, red where different, yellow at anti-aliased edges.
     pub picture: Vec<[u8; 3]>,
 }
 
 /// The squared distance of black and white, weighted as [`apart`] does.
 const FARTHEST: f64 = 35215.0;
-/// What shows of the first picture where nothing differs. Half of it is hardly seen, twice of it hides faint yellow.
+/// Visibility of the first picture where nothing differs. Half of it is hardly visible; twice of it hides faint yellow.
 const FAINT: f64 = 0.1;
 const RED: [u8; 3] = [255, 0, 0];
 const YELLOW: [u8; 3] = [255, 255, 0];
 
-/// Compares two pictures of one size.
+/// Compares two pictures of equal size.
 ///
 /// # Errors
 /// [`Stopped`] when the watch says so.

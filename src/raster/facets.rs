@@ -1,15 +1,15 @@
-//! Facets of a tile, kept while the tile is lit: a triangle is mostly seen in several rows of pixels.
+//! A cache of facets while a tile is lit, since most triangles are visible in several rows of pixels.
 
 use super::binned_model::{BinnedModel, Facet};
 use super::paint::Tint;
 use super::triangle::NOBODY;
 
-/// Facets kept at once. Triangles of consecutive numbers mostly lie in the same tile, so their places differ.
-/// Half of it finds triangles of a few pixels less often; twice of it needs twice the second-level cache (36 KB now).
-/// Pictures are the same.
+/// Number of cached facets. Triangles with consecutive indices mostly lie in the same tile, so their slots differ. Half
+/// as many find triangles of a few pixels less often; twice as many need twice the second-level cache (36 KB now).
+/// Pictures do not depend on it.
 const KEPT: usize = 1024;
 
-/// Facets of triangles, each at the place that the last bits of its number name.
+/// Facets of triangles, each in the slot given by the last bits of its index.
 #[derive(Debug)]
 pub(super) struct Facets {
     owners: Vec<u32>,
@@ -25,12 +25,12 @@ impl Default for Facets {
 }
 
 impl Facets {
-    /// Forgets all, as another tile is lit.
+    /// Removes all facets, because another tile is lit.
     pub(super) fn clear(&mut self) {
         self.owners.fill(NOBODY);
     }
 
-    /// The facet of triangle number `owner` in the tile at `origin`, and how its paint varies where it has some.
+    /// Returns the facet of triangle `owner` in the tile at `origin`, with the variation of its paint, if it has any.
     pub(super) fn of(&mut self, model: &BinnedModel<'_>, owner: u32, origin: [i32; 2]) -> (&Facet, Option<&Tint>) {
         let place = owner as usize % KEPT;
         if self.owners[place] != owner {

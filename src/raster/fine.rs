@@ -1,4 +1,4 @@
-//! Closer looks: sixteen samples in those pixels of a tile where four would leave edges with steps.
+//! Refines edges: draws sixteen samples in those pixels of a tile where four would show steps.
 
 #![expect(clippy::cast_possible_truncation, reason = "edge functions are clamped and a tile is some dozen pixels wide")]
 #![expect(clippy::cast_possible_wrap, reason = "a tile is some dozen pixels wide")]
@@ -9,8 +9,8 @@ use super::bins::TILE;
 use super::project::{STEPS, Vertex};
 use super::triangle::{NOBODY, area, cover, slope, touched};
 
-/// Samples of a pixel that is looked at closely: an edge has 17 grey values.
-/// Half of it shows the steps of slanted edges at twice the size; twice of it takes twice the time in these pixels.
+/// Samples per refined pixel, so that an edge has 17 grey values. Half as many show steps of slanted edges at twice the
+/// size; twice as many take twice the time in these pixels.
 pub(super) const FINE: usize = 16;
 
 /// The row of the sample in each column, sixteenths of a pixel. Of many permutations the one whose counts come closest
@@ -35,7 +35,7 @@ const SHIFT: u32 = (STEPS / 32).trailing_zeros();
 const DECIDED: i64 = 1 << 29;
 const SIDE: i32 = TILE as i32;
 
-/// Pixels of a tile, a bit each.
+/// A set of pixels of a tile, one bit each.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Marks([u32; TILE]);
 
@@ -53,7 +53,7 @@ impl Marks {
         self.0.iter().all(|row| *row == 0)
     }
 
-    /// These pixels and those beside, above and below them.
+    /// Returns these pixels and those next to, above and below them.
     fn widened(&self) -> [u32; TILE] {
         std::array::from_fn(|y| {
             let row = self.0[y];
@@ -64,23 +64,23 @@ impl Marks {
     }
 }
 
-/// Depth and owner of sixteen samples in each of some pixels of a tile.
+/// Depth and owner of sixteen samples in some pixels of a tile.
 #[derive(Debug, Default)]
 pub(super) struct Fine {
     pixels: [u32; TILE],
-    /// How many of the pixels stand in the rows above each row.
+    /// For each row, the number of pixels in the rows above it.
     starts: [u32; TILE],
     depth: Vec<[f32; FINE]>,
     owner: Vec<[u32; FINE]>,
 }
 
-/// A triangle in a tile; edge functions are not negative inside.
+/// A triangle prepared for a tile; edge functions are not negative inside.
 struct Setup {
     /// Edge functions at the corner of the tile and their steps to the next pixel, right and down.
     edges: [i64; 3],
     right: [i64; 3],
     down: [i64; 3],
-    /// What is to be added to each at each sample.
+    /// The increments of the edge functions at each sample.
     samples: [[i32; FINE]; 3],
     /// Depth at the corner of the tile, and its growth.
     depth: f64,
@@ -90,8 +90,8 @@ struct Setup {
 }
 
 impl Fine {
-    /// Begins with no triangle, in the marked pixels and those beside them: an edge may cross a pixel and miss its four
-    /// samples.
+    /// Starts without triangles, in the marked pixels and their neighbours, since an edge may cross a pixel and miss
+    /// its four samples.
     pub(super) fn begin(&mut self, marks: &Marks) {
         self.pixels = marks.widened();
         let mut n = 0;
@@ -105,7 +105,7 @@ impl Fine {
         self.owner.resize(n as usize, [NOBODY; FINE]);
     }
 
-    /// The pixels, counted row by row, with the triangles seen at their samples.
+    /// Returns the pixels, numbered row by row, with the triangles visible at their samples.
     pub(super) fn pixels(&self) -> impl Iterator<Item = (u32, &[u32; FINE])> {
         let row = |(y, row): (usize, &u32)| {
             let mut row = *row;

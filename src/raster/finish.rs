@@ -1,4 +1,4 @@
-//! Finishes: how a surface looks where it is not lit like a plain material, so that its shape can be judged.
+//! Finishes: non-realistic shading that helps to judge the shape of a surface.
 
 #![expect(clippy::cast_possible_truncation, reason = "colours and directions need no more than the precision of f32")]
 
@@ -9,14 +9,14 @@ use super::shade::Vec3f;
 use crate::math::functions::atan2;
 use crate::math::vector::{cross, times};
 
-/// How a surface looks.
+/// The finish of a surface.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Finish {
-    /// Its colour, a little darker where it turns away, so that colours can be compared with a legend.
+    /// The colour, slightly darker where the surface turns away, so that it can be compared with a legend.
     Matt,
-    /// Its colour as it is.
+    /// The colour without shading.
     Bare,
-    /// Clay of its colour in a studio that moves with the camera.
+    /// Clay of this colour in a studio that moves with the camera.
     Matcap,
     /// The components of the unit normal in model coordinates, from -1 to 1, as red, green and blue (sRGB).
     Normals,
@@ -24,21 +24,20 @@ pub enum Finish {
     Stripes(Stripes),
 }
 
-/// Stripes or lines on a surface, of its colour and a dark one.
+/// Stripes or lines on a surface, in its colour and a dark one.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Stripes {
-    /// What they follow.
+    /// The pattern that the stripes follow.
     pub pattern: Pattern,
     /// The axis of the pattern in model coordinates, of any length but 0.
     pub axis: [f64; 3],
-    /// How many there are.
+    /// The number of stripes.
     pub count: f32,
     /// Width of isophotes, pixels.
     pub width_px: f32,
 }
 
-/// What stripes follow: the unit normal `n`, the unit direction of sight `d` and its mirror image `r = d - 2 (n . d)
-/// n`.
+/// What stripes follow: the unit normal `n`, the unit viewing direction `d`, and its reflection `r = d - 2 (n . d) n`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Pattern {
     /// `count` dark bands between the axis `a` and its opposite, equally high in `r . a`: dark where
@@ -57,7 +56,7 @@ const LINE_SHARE: f32 = 0.2;
 /// Linear light of dark stripes.
 const DARK: Vec3f = [0.012, 0.014, 0.02];
 
-/// A finish seen by a camera.
+/// A finish as seen by a camera.
 #[derive(Debug)]
 pub(super) struct Finisher {
     finish: Finish,
@@ -131,7 +130,7 @@ impl Finisher {
         }
     }
 
-    /// What a pattern follows, in steps of it.
+    /// Returns the value that a pattern follows, in steps of the pattern.
     fn measure(&self, stripes: &Stripes, n: Vec3f, ray: Vec3f) -> f32 {
         if stripes.pattern == Pattern::Isophotes {
             return stripes.count * dot(n, self.axes[0]);
@@ -145,7 +144,8 @@ impl Finisher {
         stripes.count * (atan2(x, y) / std::f64::consts::PI) as f32
     }
 
-    /// How bright a matt surface is, 0 to 1: mostly what faces the viewer, a little more from the upper left.
+    /// Returns the brightness of a matt surface, 0 to 1: greatest where it faces the viewer, with a little light from
+    /// the upper left.
     fn shade(&self, n: Vec3f, ray: Vec3f) -> f32 {
         let facing = positive(-dot(n, ray));
         let above =
@@ -174,7 +174,7 @@ impl Finisher {
 }
 
 impl Stripes {
-    /// How much of a pixel at `at` is dark, 0 to 1, over which the pattern grows by `wide`.
+    /// Returns the dark fraction, 0 to 1, of a pixel at `at` over which the pattern grows by `wide`.
     fn darkness(&self, at: f32, wide: f32) -> f32 {
         match self.pattern {
             Pattern::Zebra => 0.5 - 0.5 * stripes(at, wide),
@@ -208,7 +208,7 @@ fn dot(a: Vec3f, b: Vec3f) -> f32 {
     a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 }
 
-/// A vector at length one; what has no direction stays 0.
+/// Returns a vector scaled to length one; zero if it has no direction.
 fn normalized(v: Vec3f) -> Vec3f {
     let largest = v[0].abs().max(v[1].abs()).max(v[2].abs());
     if !(largest > 0.0 && largest < f32::INFINITY) {

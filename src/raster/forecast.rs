@@ -1,4 +1,4 @@
-//! What drawing triangles will take, from where they will stand in the picture: no pixel is looked at.
+//! Forecasts the work of drawing triangles from their positions in the picture, without drawing pixels.
 
 #![expect(clippy::cast_precision_loss, reason = "a forecast needs no last digit")]
 #![expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a forecast is clamped to what it can be")]
@@ -25,7 +25,7 @@ const SORTED_A_ROW: f64 = 2.0;
 /// twice as long as they may be.
 const CROSSED: f64 = 1.5;
 
-/// What was done, in rows.
+/// Returns the work done, in rows.
 pub(super) fn rows(done: Done) -> u64 {
     in_rows(done.pixels as f64, done.triangles as f64) as u64
 }
@@ -34,8 +34,8 @@ fn in_rows(pixels: f64, triangles: f64) -> f64 {
     pixels / PIXELS_A_ROW + triangles / TRIANGLES_A_ROW
 }
 
-/// A forecast of the work of drawing triangles, in rows of a table, 100 ns each. What others will hide counts in full,
-/// as it is looked at unless those are drawn before.
+/// A forecast of the work of drawing triangles, in rows of a weight table, 100 ns each. Hidden triangles count in full,
+/// since they are processed unless those in front are drawn before.
 #[derive(Debug, Clone, Copy)]
 pub struct Forecast {
     size_px: [f64; 2],
@@ -43,7 +43,7 @@ pub struct Forecast {
 }
 
 impl Forecast {
-    /// Nothing yet, for a picture of so many pixels.
+    /// Creates an empty forecast for a picture of this size.
     pub fn of([width, height]: [u32; 2]) -> Self {
         Self { size_px: [f64::from(width), f64::from(height)], rows: 0.0 }
     }
@@ -72,7 +72,7 @@ impl Forecast {
         self.add_parts(area, sides, parts, share[0] * share[1]);
     }
 
-    /// Adds the parts of a triangle of this area and these sides, of which a share lies in the picture.
+    /// Adds the parts of a triangle with this area and these sides, of which the fraction `share` lies in the picture.
     fn add_parts(&mut self, area: f64, sides: [f64; 2], parts: f64, share: f64) {
         let tile = TILE as f64;
         let [width, height] = sides.map(|side| side / parts.sqrt());
@@ -91,7 +91,7 @@ impl Forecast {
         self.rows += parts * each;
     }
 
-    /// The work, had `times` as many triangles like those been added.
+    /// Returns the work if `times` as many triangles like those were added.
     pub fn rows(&self, times: f64) -> u64 {
         (self.rows * times).clamp(0.0, u64::MAX as f64) as u64
     }

@@ -28,9 +28,9 @@ pub(super) struct Layer {
     segments: Vec<Segment>,
     runs: Vec<Bins>,
     half_px: f32,
-    /// Linear, premultiplied.
+    /// Linear light, premultiplied.
     pub(super) light: [f32; 4],
-    /// How much of it is seen behind a surface.
+    /// The opacity of lines behind a surface.
     hidden: f32,
 }
 
@@ -97,18 +97,18 @@ impl Layer {
         Ok(layer)
     }
 
-    /// Every segment that may touch a tile.
+    /// Returns every segment that may touch a tile.
     pub(super) fn tile(&self, tile: usize) -> impl Iterator<Item = &Segment> + '_ {
         self.runs.iter().flat_map(move |bins| bins.tile(tile)).map(|i| &self.segments[i as usize])
     }
 
-    /// Half the width of the lines, pixels.
+    /// Returns half the width of the lines, in pixels.
     pub(super) fn half_px(&self) -> f32 {
         self.half_px
     }
 
-    /// Raises `coverage` (`TILE x TILE`) to that of one segment. `seen(pixel, depth)` tells how much of a pixel of the
-    /// tile, 0 to 1, shows something of this depth.
+    /// Raises `coverage` (`TILE x TILE`) to that of one segment. `seen(pixel, depth)` returns the fraction of a pixel,
+    /// 0 to 1, in which something of this depth is visible.
     pub(super) fn cover(
         &self,
         segment: &Segment,
@@ -153,7 +153,7 @@ impl Layer {
     }
 }
 
-/// Where a line of half-width `reach` may touch the row at height `y`: from left to right.
+/// Returns the range from left to right in which a line of half-width `reach` may touch the row at height `y`.
 fn span([ax, ay, dx, dy]: [f32; 4], y: f32, reach: f32) -> [f32; 2] {
     let whole = [ax.min(ax + dx) - reach, ax.max(ax + dx) + reach];
     if dy.abs() < 1e-3 {

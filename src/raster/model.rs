@@ -1,4 +1,4 @@
-//! What is in a picture: triangles with their look, and lines.
+//! The content of a picture: triangles with their appearance, and lines.
 
 use super::finish::Finish;
 use super::paint::Paint;
@@ -6,71 +6,71 @@ use super::paint::Paint;
 /// Everything in one picture.
 #[derive(Debug, Clone, Copy)]
 pub struct Model<'a> {
-    /// Corners of triangles, model units.
+    /// Corners of triangles, in model units.
     pub positions: &'a [[f64; 3]],
     /// Three corners each, counter-clockwise seen from outside.
     pub triangles: &'a [[u32; 3]],
-    /// Directions that light sees.
+    /// Normals for shading.
     pub normals: Normals<'a>,
-    /// How triangles look.
+    /// The appearance of the triangles.
     pub surface: Surface<'a>,
-    /// Lines and discs, the first list undermost.
+    /// Lines and discs; the first list is drawn first.
     pub strokes: &'a [Strokes<'a>],
 }
 
-/// Normals of a surface, of length one or zero; where one is zero, that of the triangle's plane is taken.
+/// Unit normals for shading; a zero normal is replaced by that of the triangle's plane.
 #[derive(Debug, Clone, Copy)]
 pub enum Normals<'a> {
-    /// One a vertex, blended over the triangle.
+    /// One normal per vertex, interpolated over each triangle.
     Vertices(&'a [[f64; 3]]),
-    /// One a triangle.
+    /// One normal per triangle.
     Triangles(&'a [[f64; 3]]),
-    /// Normals of the planes of the triangles.
+    /// The normals of the triangles' planes.
     Planes,
 }
 
-/// How triangles look.
+/// The appearance of the triangles.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Surface<'a> {
-    /// Lit, in this sRGB colour; its alpha does not count.
+    /// Lit, in this sRGB colour; its alpha is ignored.
     Lit([u8; 4]),
-    /// Lit, in these colours.
+    /// Lit, in varying colours.
     Painted(Paint<'a>),
-    /// With a finish of its own, in this sRGB colour or in those of the paint.
+    /// With a finish, in this sRGB colour or in varying ones.
     Finished {
-        /// The colour, whose alpha does not count.
+        /// The colour; its alpha is ignored.
         color: [u8; 4],
-        /// Colours in its place.
+        /// Varying colours that replace it.
         paint: Option<Paint<'a>>,
-        /// How it looks.
+        /// The finish.
         finish: Finish,
     },
-    /// Not seen, but hiding the lines behind it.
+    /// Invisible, but hiding the lines behind it.
     Unseen,
 }
 
-/// Lines of one look; a line from a point to itself is a disc.
+/// Lines with a common appearance; a line from a point to itself is a disc.
 #[derive(Debug, Clone, Copy)]
 pub struct Strokes<'a> {
-    /// Ends, model units.
+    /// End points, in model units.
     pub positions: &'a [[f64; 3]],
-    /// Pairs of ends.
+    /// Pairs of end points.
     pub segments: &'a [[u32; 2]],
-    /// Width of the lines or diameter of the discs, pixels.
+    /// Width of the lines, or diameter of the discs, in pixels.
     pub width_px: f32,
-    /// Straight sRGB.
+    /// The colour, straight sRGB.
     pub color: [u8; 4],
-    /// What happens when lines stand closer than they are wide.
+    /// What happens where lines are closer than they are wide.
     pub crowding: Crowding,
-    /// How much of their colour is seen where the surface hides them, 0 to 1.
+    /// Opacity of the lines where the surface hides them, 0 to 1.
     pub hidden: f32,
 }
 
-/// What happens when lines stand closer than they are wide.
+/// What happens where lines are closer than they are wide.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Crowding {
-    /// They cover what is under them.
+    /// The lines cover what is below them.
     Keep,
-    /// They become fainter, so that the surface stays visible.
+    /// The lines become fainter, so that the surface stays visible.
     Fade,
 }

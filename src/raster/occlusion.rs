@@ -1,4 +1,4 @@
-//! Ambient occlusion: hollows get less light, told by the depths in the picture around each place.
+//! Ambient occlusion: hollows receive less light, estimated from the depths of the picture.
 //!
 //! On a coarser grid of at most 256 cells a side, so that the time is bounded, each cell asks some cells around it how
 //! high they stand over its tangent plane: the mean of the sines of those angles is what is hidden of the sky. It is
@@ -55,26 +55,26 @@ static AROUND: LazyLock<[[[f32; 2]; TAPS]; TURNS]> = LazyLock::new(|| {
     })
 });
 
-/// How much of the sky is seen from what stands in each cell.
+/// The fraction of ambient light that reaches each cell.
 #[derive(Debug)]
 pub(super) struct Occlusion {
     lens: Lens,
-    /// Pixels along the side of a cell.
+    /// Side of a cell, in pixels.
     cell_px: usize,
     size: [usize; 2],
-    /// Distance along the view in radii; infinite where nothing stands.
+    /// Distance along the view in radii of the model; infinite where there is nothing.
     distance: Vec<f32>,
-    /// Share of the light that is left.
+    /// The remaining fraction of the light.
     open: Vec<f32>,
 }
 
-/// From depths to places, in radii of the model.
+/// Converts depths to positions, in radii of the model.
 #[derive(Debug, Clone, Copy)]
 struct Lens {
     perspective: bool,
     /// The distance is the first over the depth (perspective), or the first less the second times the depth.
     depth: [f32; 2],
-    /// Pixels of the picture a radius, at distance one in perspective, and its inverse.
+    /// Pixels per radius of the model, in perspective at distance one, and its inverse.
     focal: [f32; 2],
     centre_px: [f32; 2],
 }
@@ -97,7 +97,7 @@ impl Lens {
         }
     }
 
-    /// Infinite where nothing stands.
+    /// Returns the distance of a depth; infinite where there is nothing.
     fn distance(&self, depth: f32) -> f32 {
         if depth <= 0.0 {
             f32::INFINITY
@@ -108,20 +108,20 @@ impl Lens {
         }
     }
 
-    /// The place at pixel coordinates and a distance: right, down, forward.
+    /// Returns the position at pixel coordinates and a distance: right, down, forward.
     fn point(&self, [x, y]: [f32; 2], distance: f32) -> Vec3f {
         let scale = if self.perspective { distance * self.focal[1] } else { self.focal[1] };
         [(x - self.centre_px[0]) * scale, (y - self.centre_px[1]) * scale, distance]
     }
 
-    /// Pixels of a radius at this distance.
+    /// Returns the size in pixels of a radius at this distance.
     fn pixels(&self, distance: f32) -> f32 {
         if self.perspective { self.focal[0] / distance } else { self.focal[0] }
     }
 }
 
 impl Occlusion {
-    /// That of a picture whose tiles are drawn.
+    /// Computes the occlusion of a picture whose tiles are drawn.
     pub(super) fn of(tiles: &[Option<Drawn>], grid: Grid, camera: &Camera, watch: &Watch) -> Result<Self, Stopped> {
         let [width, height] = camera.size_px.map(|side| side as usize);
         let mut cell_px = 1;
@@ -153,7 +153,7 @@ impl Occlusion {
         Ok(all)
     }
 
-    /// Distance in a cell, infinite outside.
+    /// Returns the distance in a cell; infinite outside the picture.
     fn distance(&self, x: isize, y: isize) -> f32 {
         let [columns, rows] = self.size;
         if x < 0 || y < 0 || x as usize >= columns || y as usize >= rows {
@@ -162,7 +162,7 @@ impl Occlusion {
         self.distance[y as usize * columns + x as usize]
     }
 
-    /// What stands in a cell.
+    /// Returns the position of the surface in a cell.
     fn point(&self, x: isize, y: isize) -> Vec3f {
         let place = [x, y].map(|cell| (cell as f32 + 0.5) * self.cell_px as f32);
         self.lens.point(place, self.distance(x, y))
@@ -197,7 +197,7 @@ impl Occlusion {
         (1.0 - STRENGTH * hidden / TAPS as f32).max(LEAST_OPEN)
     }
 
-    /// The normal toward the viewer, from the neighbours whose distances are the most alike.
+    /// Returns the normal toward the viewer, from the neighbours with the most similar distances.
     fn normal(&self, [x, y]: [isize; 2], at: Vec3f) -> Option<Vec3f> {
         let toward = |[i, j]: [isize; 2]| {
             let [before, after] = [self.distance(x - i, y - j), self.distance(x + i, y + j)];
@@ -211,7 +211,7 @@ impl Occlusion {
         (length > 0.0).then(|| normal.map(|c| c / length))
     }
 
-    /// The mean over the square of 16 cells around a cell, of those that stand about as far away.
+    /// Returns the mean over the 16 cells around a cell, restricted to similar distances.
     fn smoothed(&self, x: usize, y: usize) -> f32 {
         let [x, y] = [x, y].map(usize::cast_signed);
         let distance = self.distance(x, y);
@@ -228,8 +228,8 @@ impl Occlusion {
         sum / weight
     }
 
-    /// The share of light that is left of what has this depth at a pixel: blended from the cells around it that are
-    /// about as far away.
+    /// Returns the remaining fraction of light for a depth at a pixel, interpolated from the surrounding cells at
+    /// similar distances.
     pub(super) fn open(&self, [x, y]: [usize; 2], depth: f32) -> f32 {
         let [columns, rows] = self.size;
         if self.cell_px == 1 {

@@ -1,4 +1,4 @@
-//! Paint: colours that vary over a surface, from its vertices, its triangles or a pattern.
+//! Paint: colours that vary over a surface, given by vertices, triangles, corners, patterns or textures.
 
 #![expect(clippy::cast_possible_truncation, reason = "colours need no more than the precision of f32")]
 #![expect(clippy::cast_sign_loss, reason = "numbers of swatches are not negative")]
@@ -6,73 +6,72 @@
 use super::shade::{Vec3f, spread};
 use super::texels::Cover;
 
-/// Colours of a surface, linear light from 0 to 1.
+/// The colours of a surface, in linear light from 0 to 1.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Paint<'a> {
-    /// One a vertex, blended over the triangle.
+    /// One colour per vertex, interpolated over each triangle.
     Vertices(&'a [Vec3f]),
-    /// One a triangle.
+    /// One colour per triangle.
     Triangles(&'a [Vec3f]),
-    /// One at each corner of a triangle, blended over it.
+    /// One colour per triangle corner, interpolated over each triangle.
     Corners {
-        /// What there is to choose from.
+        /// The list of colours.
         colors: &'a [Vec3f],
-        /// For each triangle the colours of its corners.
+        /// For each triangle, the indices of the colours of its corners.
         corners: &'a [[u32; 3]],
     },
-    /// The colours of a table by numbers from 0 (the first of it) to 1 (the last), blended over the triangle before the
-    /// colour is looked up; what is beyond has the colour of the end.
+    /// Colours of a table, selected by numbers from 0 (its first colour) to 1 (its last), which are interpolated over
+    /// each triangle before the lookup; numbers outside are clamped.
     Scale {
-        /// The numbers, within a hundred.
+        /// The numbers; their absolute values are at most a hundred.
         shares: &'a [f32],
-        /// For each triangle the numbers of its corners; those of its vertices, where it is left out.
+        /// For each triangle, the indices of the numbers of its corners; if `None`, those of its vertices.
         corners: Option<&'a [[u32; 3]]>,
-        /// At least one colour.
+        /// The colour table, with at least one colour.
         table: &'a [Vec3f],
     },
-    /// Squares of two colours, their sides 1 in the plane of `places`: the first where both coordinates, rounded down,
-    /// are even or odd.
+    /// A checkerboard of unit squares in the plane of `places`: the first colour where both coordinates, rounded down,
+    /// are even or both are odd.
     Squares {
-        /// Places of corners in the plane.
+        /// The positions of corners in the plane.
         places: &'a [[f64; 2]],
-        /// For each triangle the places of its corners.
+        /// For each triangle, the indices of the positions of its corners.
         corners: &'a [[u32; 3]],
-        /// The colours.
+        /// The two colours.
         colors: [Vec3f; 2],
     },
-    /// Pictures.
+    /// Textures.
     Covers {
         /// Texture coordinates of corners.
         places: &'a [[f64; 2]],
-        /// For each triangle the places of its corners.
+        /// For each triangle, the indices of the texture coordinates of its corners.
         corners: &'a [[u32; 3]],
-        /// For each triangle the number of its swatch.
+        /// For each triangle, the index of its swatch.
         numbers: &'a [u32],
-        /// What there is to choose from, fewer than 2^24.
+        /// The list of swatches, fewer than 2^24.
         swatches: &'a [Swatch],
     },
 }
 
-/// A colour, and perhaps a picture that it is multiplied with.
+/// A colour, with an optional texture that it is multiplied with.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Swatch {
-    /// Linear light from 0 to 1.
+    /// The colour, in linear light from 0 to 1.
     pub color: Vec3f,
-    /// How much of what lies behind it is hidden, from 0 to 1; where the picture has an alpha, times that.
+    /// The opacity, from 0 to 1; multiplied by the alpha of the texture, if it has one.
     pub alpha: f32,
-    /// The alpha from which on it is there, and hides all that lies behind it; below, it is not there. Only pictures
-    /// with an alpha are cut.
+    /// The alpha from which the surface is opaque; below, it is invisible. Applies only to textures with alpha.
     pub cutoff: Option<f32>,
-    /// From 0, as plastic, to 1, as metal.
+    /// Metalness, from 0 (as plastic) to 1 (as metal).
     pub metal: f32,
-    /// From 0, as polished, to 1, as chalk; where nothing is said, highlights are those of plastic.
+    /// Roughness, from 0 (as polished) to 1 (as chalk); if `None`, highlights are those of plastic.
     pub roughness: Option<f32>,
-    /// The picture.
+    /// The texture.
     pub cover: Option<Cover>,
 }
 
 impl Swatch {
-    /// Whether its alpha differs from place to place.
+    /// Returns whether the alpha varies from place to place.
     fn is_patterned(&self) -> bool {
         self.cover.as_ref().is_some_and(|cover| cover.texels.has_alpha())
     }
@@ -81,29 +80,29 @@ impl Swatch {
 /// How a triangle hides what lies behind it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Hiding {
-    /// All of it.
+    /// The triangle is opaque.
     Wholly,
-    /// As its alpha says, everywhere alike.
+    /// The triangle has a constant alpha.
     Partly,
-    /// As its picture says.
+    /// The alpha varies with the texture.
     InPlaces,
-    /// Nothing: it is not seen.
+    /// The triangle is invisible.
     Never,
 }
 
-/// How paint varies over one triangle in a tile: of patterns and pictures the place, else the colour.
+/// The variation of paint over one triangle in a tile: of the position for patterns and textures, else of the colour.
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct Tint {
-    /// At pixel (0, 0) of the tile, to the right and down: sums over the corners, and of their weights.
+    /// Weighted sums over the corners at pixel (0, 0) of the tile, and their increments to the right and down.
     sums: [Vec3f; 3],
     weights: Vec3f,
-    /// What the corners have least and most, between which everything lies.
+    /// The minimum and maximum over the corners, to which values are clamped.
     low: Vec3f,
     high: Vec3f,
 }
 
 impl Paint<'_> {
-    /// What the corners of triangle number `id` have.
+    /// Returns the paint values at the corners of triangle `id`.
     pub(super) fn corners(&self, id: usize, triangle: [u32; 3]) -> [[f64; 3]; 3] {
         match self {
             Self::Vertices(colors) => triangle.map(|v| colors[v as usize].map(f64::from)),
@@ -115,7 +114,7 @@ impl Paint<'_> {
             }
             Self::Squares { places, corners, .. } => {
                 let places = corners[id].map(|place| places[place as usize]);
-                // moved by whole pairs of squares, so that f32 has room for the rest
+                // shifted by whole pairs of squares, to keep the precision of f32
                 let near = |k: usize| {
                     let least = places.iter().map(|place| place[k]).fold(f64::INFINITY, f64::min);
                     2.0 * (least / 2.0).floor()
@@ -133,13 +132,13 @@ impl Paint<'_> {
         }
     }
 
-    /// The swatch of triangle number `id`, where there are swatches.
+    /// Returns the swatch of triangle `id`, if there are swatches.
     fn swatch(&self, id: usize) -> Option<&Swatch> {
         let Self::Covers { numbers, swatches, .. } = self else { return None };
         swatches.get(numbers[id] as usize)
     }
 
-    /// How triangle number `id` hides what lies behind it.
+    /// Returns how triangle `id` hides what lies behind it.
     pub(super) fn hiding(&self, id: usize) -> Hiding {
         let Some(swatch) = self.swatch(id) else { return Hiding::Wholly };
         match swatch.alpha {
@@ -150,7 +149,7 @@ impl Paint<'_> {
         }
     }
 
-    /// How much triangle number `id` hides of what lies behind it, at a place in the tile, pixels.
+    /// Returns the opacity of triangle `id` at a place in the tile, in pixels.
     pub(super) fn alpha(&self, id: usize, tint: &Tint, place: [f32; 2]) -> f32 {
         let Some(swatch) = self.swatch(id) else { return 1.0 };
         let Some(cover) = swatch.cover.as_ref().filter(|_| swatch.is_patterned()) else { return swatch.alpha };
@@ -162,18 +161,18 @@ impl Paint<'_> {
         }
     }
 
-    /// Whether triangle number `id` is of metal, from 0 to 1, and how wide its highlights are.
+    /// Returns the metalness of triangle `id`, from 0 to 1, and the width of its highlights.
     pub(super) fn finish(&self, id: usize) -> [f32; 2] {
         self.swatch(id).map_or([0.0, spread(None)], |swatch| [swatch.metal, spread(swatch.roughness)])
     }
 
-    /// Whether something is seen through some triangle.
+    /// Returns whether any triangle is translucent.
     pub(super) fn has_clear(&self) -> bool {
         let is_clear = |swatch: &Swatch| swatch.alpha < 1.0 || swatch.is_patterned();
         matches!(self, Self::Covers { swatches, .. } if swatches.iter().any(is_clear))
     }
 
-    /// The colour at a place in the tile, pixels.
+    /// Returns the colour at a place in the tile, in pixels.
     pub(super) fn color(&self, tint: &Tint, place: [f32; 2]) -> Vec3f {
         let at = tint.at(place);
         let colors = match self {
@@ -195,7 +194,8 @@ impl Paint<'_> {
 }
 
 impl Tint {
-    /// That of a triangle whose corners have these values and these weights at pixel (0, 0), to the right and down.
+    /// Creates the variation over a triangle from the values of its corners and their weights at pixel (0, 0), right
+    /// and down.
     pub(super) fn new(values: &[[f64; 3]; 3], weights: &[Vec3f; 3]) -> Self {
         let values = values.map(|value| value.map(|x| x as f32));
         let mut tint = Self { low: values[0], high: values[0], ..Self::default() };
@@ -212,18 +212,18 @@ impl Tint {
         tint
     }
 
-    /// The value at a place in the tile, pixels; within the values of the corners, also where the triangle is too
-    /// narrow for f32.
+    /// Returns the value at a place in the tile, in pixels, clamped to the values of the corners, since narrow
+    /// triangles exceed the precision of f32.
     fn at(&self, [x, y]: [f32; 2]) -> Vec3f {
         let weight = self.weights[0] + self.weights[1] * x + self.weights[2] * y;
         std::array::from_fn(|k| {
             let value = (self.sums[0][k] + self.sums[1][k] * x + self.sums[2][k] * y) / weight;
-            // what is not a number is the least
+            // NaN becomes the minimum
             if value > self.low[k] { value.min(self.high[k]) } else { self.low[k] }
         })
     }
 
-    /// How far the first two values reach within a pixel.
+    /// Returns the extent of the first two values within a pixel.
     fn footprint(&self, place: [f32; 2]) -> [f32; 2] {
         let at = self.at(place);
         let weight = self.weights[0] + self.weights[1] * place[0] + self.weights[2] * place[1];
@@ -234,7 +234,7 @@ impl Tint {
     }
 }
 
-/// The colour at a share of a table from its first colour to its last, blended between the two that are next to it.
+/// Returns the colour at a fraction of a table, interpolated between the two nearest entries.
 fn looked_up(table: &[Vec3f], share: f32) -> Vec3f {
     let last = table.len() - 1;
     #[expect(clippy::cast_precision_loss, reason = "a table has some hundred colours")]
@@ -245,7 +245,8 @@ fn looked_up(table: &[Vec3f], share: f32) -> Vec3f {
     std::array::from_fn(|k| a[k] + rest * (b[k] - a[k]))
 }
 
-/// The mean over `[at - wide / 2, at + wide / 2]` of 1 where the number, rounded down, is even, and -1 else.
+/// Returns the mean over `[at - wide / 2, at + wide / 2]` of 1 where the number, rounded down, is even, and of -1
+/// elsewhere.
 pub(super) fn stripes(at: f32, wide: f32) -> f32 {
     // its integral from 0: up to 1 and down to 0 again
     let integral = |t: f32| 1.0 - (t - 2.0 * (0.5 * t).floor() - 1.0).abs();

@@ -4,18 +4,18 @@ use std::sync::LazyLock;
 
 use crate::math::functions::pow;
 
-/// A picture: rows from the top, four bytes a pixel (red, green, blue, alpha; sRGB, straight alpha).
+/// A picture: rows from the top, four bytes per pixel (red, green, blue, alpha; sRGB, straight alpha).
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Pixmap {
-    /// Pixels a row.
+    /// Number of pixels per row.
     pub width: u32,
-    /// Rows.
+    /// Number of rows.
     pub height: u32,
     /// `width x height x 4` bytes.
     pub bytes: Vec<u8>,
 }
 
-/// Linear light of an sRGB byte, 0 to 1. Source: IEC 61966-2-1 (1999).
+/// Returns the linear light of an sRGB byte, 0 to 1. Source: IEC 61966-2-1 (1999).
 pub(super) fn linear(byte: u8) -> f32 {
     let c = f64::from(byte) / 255.0;
     let light = if c <= 0.04045 { c / 12.92 } else { pow((c + 0.055) / 1.055, 2.4) };
@@ -48,7 +48,7 @@ impl Encoding {
         Self((0..).take(STEPS).map(byte).collect())
     }
 
-    /// The byte of a linear light; what is outside 0 to 1 is clamped, not-a-number gives 0.
+    /// Returns the byte of a linear light; values outside 0 to 1 are clamped, and NaN gives 0.
     #[expect(
         clippy::cast_possible_truncation,
         clippy::cast_sign_loss,
@@ -60,7 +60,7 @@ impl Encoding {
         self.0[i.min(STEPS - 1)]
     }
 
-    /// Straight sRGB bytes of a linear colour whose light is premultiplied by its alpha.
+    /// Returns the straight sRGB bytes of a linear colour premultiplied by its alpha.
     pub(super) fn pixel(&self, [r, g, b, a]: [f32; 4]) -> [u8; 4] {
         if a >= 0.9999 {
             return [self.byte(r), self.byte(g), self.byte(b), 255];
@@ -74,7 +74,7 @@ impl Encoding {
     }
 }
 
-/// Linear, premultiplied light of straight sRGB bytes.
+/// Returns the linear, premultiplied light of straight sRGB bytes.
 pub(super) fn premultiplied([r, g, b, a]: [u8; 4]) -> [f32; 4] {
     let alpha = f32::from(a) / 255.0;
     [linear(r) * alpha, linear(g) * alpha, linear(b) * alpha, alpha]

@@ -31,13 +31,13 @@ pub(super) const FAR_OUT: u32 = 32;
 /// A vertex in the picture.
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct Vertex {
-    /// Steps to the right, [`STEPS`] a pixel.
+    /// Horizontal position in sub-pixel steps, [`STEPS`] per pixel.
     pub(super) x: i32,
-    /// Steps down.
+    /// Vertical position in sub-pixel steps, downwards.
     pub(super) y: i32,
     /// Depth; larger is nearer.
     pub(super) depth: f32,
-    /// On which sides it lies outside.
+    /// The sides of the picture beyond which the vertex lies, as flags.
     pub(super) sides: u32,
 }
 
@@ -53,7 +53,7 @@ impl Camera {
     }
 }
 
-/// The vertex of a point in view coordinates (see [`Camera::view`]).
+/// Returns the vertex of a point in view coordinates (see [`Camera::view`]).
 pub(super) fn vertex(camera: &Camera, seen: [f64; 4]) -> Vertex {
     let behind = Vertex { sides: BEHIND, ..Vertex::default() };
     let [x, y] = camera.pixel(seen);
@@ -75,13 +75,13 @@ pub(super) fn vertex(camera: &Camera, seen: [f64; 4]) -> Vertex {
     Vertex { x: snapped(x), y: snapped(y), depth: camera.depth(seen[3]) as f32, sides }
 }
 
-/// Nearest step; shifted first, so that the cast rounds down on both sides of zero.
+/// Rounds to the nearest step; shifted first, so that the cast rounds down on both sides of zero.
 fn snapped(pixels: f64) -> i32 {
     let shift = 2.0 * GUARD;
     ((pixels + shift) * f64::from(STEPS) + 0.5) as i32 - (shift as i32) * STEPS
 }
 
-/// All vertices, in parallel.
+/// Returns all vertices, computed in parallel.
 pub(super) fn vertices(camera: &Camera, positions: &[[f64; 3]]) -> Vec<Vertex> {
     positions.par_iter().with_min_len(4096).map(|&p| vertex(camera, camera.view(p))).collect()
 }

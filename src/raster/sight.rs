@@ -1,4 +1,4 @@
-//! Which parts of lines triangles hide: exactly, not pixel by pixel.
+//! Determines exactly, not by pixels, which parts of lines triangles hide.
 //!
 //! Points are given as a camera sees them: two pixel coordinates, and a nearness that is linear over the picture and
 //! larger for what is nearer ([`super::Camera::seen`]). There triangles are flat and lines straight, so that what a
@@ -33,7 +33,7 @@ pub struct Sight<'a> {
 }
 
 impl<'a> Sight<'a> {
-    /// Looks at triangles; their corners are numbers of points.
+    /// Prepares triangles, whose corners are indices of points.
     pub fn new(points: &'a [Seen], triangles: &'a [[u32; 3]]) -> Self {
         let ends = |k: usize| {
             let none = (f64::INFINITY, f64::NEG_INFINITY);
@@ -45,7 +45,7 @@ impl<'a> Sight<'a> {
         Self { points, triangles, slack: SLACK * (far - near).max(0.0), grid }
     }
 
-    /// How many triangles are looked at for a line.
+    /// Returns the number of triangles that are tested against a line.
     pub fn n_candidates(&self, ends: [Seen; 2]) -> usize {
         self.grid.cells(bounds(ends)).map(|cell| self.grid.triangles(cell).len()).sum()
     }

@@ -1,4 +1,4 @@
-//! Pictures on surfaces: looked up in linear light, with smaller copies for where they are shown small.
+//! Textures: sampled in linear light, with mipmaps.
 
 #![expect(
     clippy::cast_precision_loss,
@@ -21,18 +21,18 @@ static LIGHT: LazyLock<[f32; 256]> = LazyLock::new(|| std::array::from_fn(|byte|
 /// Half of it blurs what is shown at its own size; twice of it lets fine patterns flicker.
 const MOST_A_PIXEL: f32 = 1.5;
 
-/// What lies beyond the sides of a picture.
+/// How a texture continues beyond its sides.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Beyond {
-    /// The picture again.
+    /// The texture is repeated.
     Repeat,
-    /// The picture turned over, then as it is, in turns.
+    /// The texture is repeated, every other time mirrored.
     Mirror,
-    /// The pixels along the side.
+    /// The border pixels are extended.
     Edge,
 }
 
-/// A picture and copies of it, each half as wide and high as the one before.
+/// A texture and its mipmaps, each half as wide and high as the one before.
 #[derive(Debug, PartialEq)]
 pub struct Texels(Vec<Copy>);
 
@@ -56,7 +56,7 @@ impl Texels {
         Self(copies)
     }
 
-    /// Whether some pixel may let something through.
+    /// Returns whether any pixel is not opaque.
     pub fn has_alpha(&self) -> bool {
         self.0.iter().any(|copy| !copy.alphas.is_empty())
     }
@@ -107,14 +107,14 @@ impl Copy {
     }
 }
 
-/// A picture as it is laid over a surface.
+/// A texture as it is mapped to a surface.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Cover {
-    /// The picture.
+    /// The texture.
     pub texels: Arc<Texels>,
     /// What lies beyond its sides: left and right, above and below.
     pub beyond: [Beyond; 2],
-    /// Whether the nearest pixel is shown, and no mean of four.
+    /// Whether the nearest pixel is shown instead of the mean of four.
     pub nearest: bool,
 }
 

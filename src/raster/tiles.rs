@@ -12,18 +12,18 @@ use super::occlusion::Occlusion;
 use super::pixmap::{ENCODING, Pixmap, premultiplied};
 use crate::watch::{Stopped, Watch};
 
-/// Largest width and height of a picture, pixels.
-/// With the guard beyond it, edge functions stay whole numbers below 2^31; twice of it would need wider ones.
+/// Maximum width and height of a picture in pixels. With the guard band, edge functions stay integers below 2^31; twice
+/// of it would need wider ones.
 pub const MAX_SIDE_PX: u32 = 8192;
 
-/// What a picture is drawn on, and how well.
+/// The background and the quality of a picture.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Look {
-    /// Colour behind everything, straight sRGB.
+    /// Background colour, straight sRGB.
     pub background: [u8; 4],
-    /// Whether edges are drawn with sixteen samples a pixel, and not four.
+    /// Whether edges are drawn with sixteen samples per pixel instead of four.
     pub is_fine: bool,
-    /// Whether less light falls into hollows.
+    /// Whether hollows receive less light.
     pub is_occluded: bool,
     /// When the model has a shadow on the ground, the level plane through its lowest point.
     pub shadow: Ground,
@@ -64,7 +64,7 @@ pub fn render(
     Ok(Pixmap { width, height, bytes })
 }
 
-/// All tiles, row by row.
+/// Draws all tiles, row by row.
 fn drawn(model: &BinnedModel<'_>, is_fine: bool, watch: &Watch) -> Result<Vec<Option<Drawn>>, Stopped> {
     let Grid { columns, rows } = model.grid;
     let tiles = (0..usize::from(columns) * usize::from(rows)).into_par_iter();
@@ -121,7 +121,7 @@ fn unpacked(light: [u16; 4]) -> [f32; 4] {
     light.map(|x| f32::from(x) * (1.0 / 65535.0))
 }
 
-/// Linear, premultiplied light over other.
+/// Composes linear, premultiplied light over other light.
 fn over(light: [f32; 4], under: [f32; 4]) -> [f32; 4] {
     std::array::from_fn(|k| light[k] + (1.0 - light[3]) * under[k])
 }

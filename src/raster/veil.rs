@@ -1,4 +1,4 @@
-//! What hides lines: the surface that stands before them.
+//! The visibility of lines behind the surface of a tile.
 
 use super::binned_model::BinnedModel;
 use super::triangle::{NOBODY, SAMPLES, Samples, slope};

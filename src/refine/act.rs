@@ -1,4 +1,4 @@
-//! Steps of a plan applied to a mesh, with errors that name its own vertices.
+//! Applies steps of a plan to a mesh and names vertices of the input in errors.
 
 use super::apply::{Points, advance};
 use super::error::RefineError;
@@ -7,7 +7,7 @@ use crate::scheme::mesh_net::MeshNet;
 use crate::scheme::plan::{Plan, Scheduled};
 use crate::watch::Watch;
 
-/// Applies steps to a net and its points; errors name the vertices of the input.
+/// Applies `steps` to `net` and `points` and returns the refined net and points; errors name vertices of the input.
 ///
 /// # Errors
 /// [`RefineError`].

@@ -1,4 +1,4 @@
-//! Points under refinement: what the actions of steps do to them.
+//! Applies the actions of refinement steps to the points of a net.
 
 use rayon::prelude::*;
 
@@ -10,11 +10,11 @@ use crate::scheme::stepper::{Net, Stepper};
 use crate::shape::topology::NONE;
 use crate::watch::{Stopped, Watch};
 
-/// Numbers that one thread takes at a time.
+/// Number of values that one thread processes at a time.
 const CHUNK: usize = 1 << 16;
 
-/// Takes steps of a plan with a net and all points that belong to it. After an error of an operator the net is the one
-/// to which it could not be applied.
+/// Applies the steps of a plan to a net and to all point sets that belong to it. If an operator fails, `net` is left as
+/// the net that the operator could not be applied to.
 ///
 /// # Errors
 /// [`RefineError`].
@@ -33,7 +33,7 @@ pub fn advance<'a, N: Net>(
     Ok(())
 }
 
-/// What actions of a level are applied to, and the watch that may stop them.
+/// The operand of the actions of one level, with the watch that may stop the computation.
 pub(super) struct AtLevel<'a, T> {
     pub(super) of: &'a mut T,
     pub(super) level: u32,
@@ -44,34 +44,34 @@ fn ensure(finite: bool, level: u32) -> Result<(), RefineError> {
     if finite { Ok(()) } else { Err(RefineError::NotFinite { level }) }
 }
 
-/// Points of a net, `n x width`, with those that entered the last U.
+/// The points of a net, `n x width`, together with the anchor: the points before the last upsampling.
 #[derive(Debug, Clone)]
 pub struct Points {
-    /// Their coordinates, point after point.
+    /// Coordinates, point after point; `n x width`.
     pub now: Vec<f64>,
     anchor: Vec<f64>,
-    /// Unit tangents, `n x width`, under plans that turn them.
+    /// Unit tangents, `n x width`; present only under plans that turn tangents.
     pub(super) tangents: Option<Vec<f64>>,
-    /// Coordinates a point.
+    /// Number of coordinates per point.
     pub width: usize,
 }
 
 impl Points {
-    /// Points before any step, `width` coordinates each.
+    /// Creates the points of the input, before any step, with `width` coordinates each.
     pub fn new(now: Vec<f64>, width: usize) -> Self {
         Self { now, anchor: Vec::new(), tangents: None, width }
     }
 
-    /// Applies an action of a level.
+    /// Applies one action of a level.
     ///
     /// # Errors
-    /// When the watch says stop, or a coordinate is no longer finite.
+    /// Fails if the watch says stop or a coordinate is no longer finite.
     pub fn act(&mut self, action: &Action, level: u32, watch: &Watch) -> Result<(), RefineError> {
         action.apply(&mut AtLevel { of: self, level, watch })
     }
 
-    /// All actions of one level. Blends of rows that repeat themselves are made in one sweep, without the points
-    /// between them.
+    /// Applies all actions of one level. Consecutive blends whose rows repeat a pattern are applied in one sweep,
+    /// without storing the points between them.
     pub(super) fn act_all(&mut self, actions: &[Action], level: u32, watch: &Watch) -> Result<(), RefineError> {
         let repeat = |action: &Action| action.rows().is_some_and(|rows| rows.pattern().is_some());
         let runs = actions.chunk_by(|a, b| repeat(a) && repeat(b) && matches!(b, Action::Blend(_)));
@@ -84,8 +84,8 @@ impl Points {
         })
     }
 
-    /// `points <- rows x points` for the rows of a run, one after another; on request what was there becomes the
-    /// anchor.
+    /// Applies the row tables of a run in turn: `points <- rows x points`. If `anchor` is set, the points before the
+    /// run become the anchor.
     fn blend(&mut self, anchor: bool, run: &[&dyn RowSource], level: u32, watch: &Watch) -> Result<(), RefineError> {
         let next = blend_run(run, &self.now, self.width, watch)?;
         let before = std::mem::replace(&mut self.now, next.points);
@@ -100,7 +100,7 @@ impl Points {
         ensure(finite(&self.now) && self.tangents.as_deref().is_none_or(finite), level)
     }
 
-    /// `points + rows x (anchor - children)`.
+    /// Adds the push-back: `points <- points + rows x (anchor - children)`.
     fn push_back(&mut self, rows: &dyn RowSource, children: &[u32], watch: &Watch) -> Result<(), Stopped> {
         let w = self.width;
         let mut differences = self.anchor.clone();

@@ -1,4 +1,4 @@
-//! Limits of meshes that were refined patch by patch.
+//! Evaluates limit positions and normals of meshes that were refined patch by patch.
 
 use rayon::prelude::*;
 
@@ -11,9 +11,9 @@ use crate::math::vector::{cross, direction, dot, length, plus};
 use crate::watch::{Stopped, Watch};
 
 impl Program {
-    /// A mesh that this program refined, with limits in the place of its points and numbers, or with normals, as far as
-    /// there are stencils of them. None where it was not refined patch by patch, or where a vertex with faces has no
-    /// normal.
+    /// Replaces the points and vertex channels of a mesh that this program refined by their limits, and adds normals,
+    /// for each of the two stencil tables that is given. Returns `None` if the mesh was not refined patch by patch, or
+    /// if a vertex with faces has no normal.
     ///
     /// # Errors
     /// [`Stopped`] when the watch says so.
@@ -50,7 +50,7 @@ impl Program {
             };
             refined.points = limits_of(&refined.points, 3)?;
             for (refined, channel) in refined.channels.iter_mut().zip(&refined.attachments.channels) {
-                // what has seams stays as it is
+                // channels with seams keep their values
                 if let RefinedChannel::Vertices(numbers) = refined {
                     *numbers = limits_of(numbers, channel.width)?;
                 }
@@ -60,25 +60,25 @@ impl Program {
     }
 }
 
-/// Normals that a thread looks at at a time at least.
+/// Minimum number of normals that one thread checks at a time.
 const CHUNK: usize = 4096;
 
-/// The sine of the least angle between two tangents that have a normal.
+/// The sine of the smallest angle between two tangents for which their cross product still gives a normal.
 const LEAST_SINE: f64 = 1e-9;
 
 fn first<const W: usize>(values: &[[f64; W]]) -> [f64; W] {
     values[0]
 }
 
-/// The rule of positions and of numbers that vertices carry: a vertex without faces stays.
+/// The rule for positions and vertex channels: a vertex without faces keeps its value.
 fn positions<const W: usize>() -> Rule<W> {
     Rule { of: first, join: first, alone: |point| point }
 }
 
-/// The rule of normals, of two tangents each; zero where these are none.
+/// The rule for normals, each from two tangents; zero where the tangents span no plane.
 const NORMALS: Rule<3> = Rule { of: |tangents| normal(tangents[0], tangents[1]), join: sum, alone: |_| [0.0; 3] };
 
-/// `t x u` at length one; zero for vectors whose sine is not above [`LEAST_SINE`].
+/// Returns `t x u` scaled to length one, or zero if the sine of their angle is not above [`LEAST_SINE`].
 #[inline]
 fn normal(t: [f64; 3], u: [f64; 3]) -> [f64; 3] {
     const SAFE: std::ops::RangeInclusive<f64> = 1e-100..=1e100;
@@ -94,12 +94,12 @@ fn normal(t: [f64; 3], u: [f64; 3]) -> [f64; 3] {
     if length(product) > LEAST_SINE { direction(product).unwrap_or_default() } else { [0.0; 3] }
 }
 
-/// Whether it stands for no normal.
+/// Returns whether `normal` is the zero vector, which stands for "no normal".
 fn is_zero(normal: &[f64; 3]) -> bool {
     normal.iter().all(|&x| x == 0.0)
 }
 
-/// The direction of the sum of the normals of some sectors; zero where one has none.
+/// Returns the direction of the sum of the sector normals, or zero if any sector has no normal.
 fn sum(sectors: &[[f64; 3]]) -> [f64; 3] {
     let none = sectors.iter().any(is_zero);
     let sum = || direction(sectors.iter().copied().fold([0.0; 3], plus));

@@ -1,4 +1,4 @@
-//! Meshes under refinement.
+//! Refines meshes by rows of whole nets, and attaches channels, texture coordinates and frames to the result.
 
 use std::sync::Arc;
 
@@ -16,13 +16,13 @@ use crate::shape::attachments::{Channel, Places};
 use crate::shape::mesh::Mesh;
 use crate::watch::Watch;
 
-/// Whether a mesh is refined patch by patch.
+/// Returns whether the vertices of `mesh` are refined patch by patch.
 pub fn is_swept(mesh: &Mesh, plan: &Plan, steps: &[Scheduled]) -> bool {
     Outline::of(&mesh_net(mesh, plan), plan, steps).is_some()
 }
 
-/// How many rounds a mesh and the values of its corners are refined by rows before all are refined patch by patch, at
-/// most; none where one of them is not.
+/// Returns the greatest number of rounds for which the vertices or face-corner values of a mesh are refined by rows
+/// before the sweep takes over, or `None` if any of them is not refined patch by patch.
 pub fn swept_from(mesh: &Mesh, plan: &Plan, steps: &[Scheduled]) -> Option<usize> {
     let before = Outline::of(&mesh_net(mesh, plan), plan, steps)?.before();
     mesh.attachments.places().try_fold(before, |before, Places { seams, .. }| {
@@ -30,7 +30,7 @@ pub fn swept_from(mesh: &Mesh, plan: &Plan, steps: &[Scheduled]) -> Option<usize
     })
 }
 
-/// Refines a mesh by rows of whole nets: the definition of what every other path makes.
+/// Refines a mesh by rows of whole nets. This path is the reference: every other path must give the same result.
 ///
 /// # Errors
 /// [`RefineError`].
@@ -45,7 +45,8 @@ pub fn refine_by_rows(
     Ok(assembled(mesh, &net, points.into_iter().map(|points| points.now).collect(), places))
 }
 
-/// What is refined of the vertices of a mesh: positions, then channels, then the positions of other frames.
+/// Returns the point sets that belong to the vertices of a mesh: positions, then channels without seams, then the
+/// positions of the other frames.
 pub fn numbers(mesh: &Mesh) -> Vec<Points> {
     let channels = mesh
         .attachments
@@ -57,12 +58,13 @@ pub fn numbers(mesh: &Mesh) -> Vec<Points> {
     std::iter::once(Points::new(mesh.positions.clone(), 3)).chain(channels).chain(frames).collect()
 }
 
-/// The refined mesh of a net, with its numbers as [`numbers`] has them, and what has seams.
+/// Assembles the refined mesh from its net, its values in the order of [`numbers`], and its refined face-corner
+/// values.
 pub fn assembled(mesh: &Mesh, net: &MeshNet, numbers: Vec<Vec<f64>>, places: Vec<RefinedPlaces>) -> RefinedMesh {
     carrying(mesh, net, RefinedMesh::new, numbers.into_iter().map(Into::into).collect(), places)
 }
 
-/// The refined mesh of a net with its numbers, in the order that `ordered` gives them.
+/// Assembles the refined mesh of a net; `ordered` builds a mesh from the net and one set of points.
 pub(super) fn carrying(
     mesh: &Mesh,
     net: &MeshNet,
@@ -82,7 +84,7 @@ pub(super) fn carrying(
     let refined = refined.carrying(mesh.attachments.clone(), channels, uvs);
     let frames: Vec<_> = numbers.map(|points| refined.moved(ordered(net, points))).collect();
     let refined = refined.with_frames(frames);
-    // a connectivity of its own tells no origins in the input
+    // vertices of the input have origins only if the base of the net is the input's own topology
     let stays = Arc::ptr_eq(&net.mesh.base, &mesh.topology);
     if stays { refined.split_from(mesh.split_from.clone()) } else { refined }
 }

@@ -1,4 +1,4 @@
-//! Refinement: applies a plan's steps to points. Nothing outside knows how a net is stored.
+//! Refinement: applies the steps of a plan to points. Other modules do not depend on how a net is stored.
 
 mod act;
 mod apply;

@@ -1,4 +1,4 @@
-//! The points of the input that make a point at which a refinement had to end.
+//! Traces the point at which a refinement failed back to points of the input.
 
 use crate::scheme::mesh_net::MeshNet;
 use crate::scheme::polygon_net::PolygonNet;
@@ -6,8 +6,7 @@ use crate::scheme::step_error::{About, StepError};
 use crate::shape::polygon::Polygon;
 use crate::shape::topology::index;
 
-/// The error of an operator on a net of a mesh; one about a value of a point with the vertices of the input that make
-/// it.
+/// Adds to an operator's error on the net of a mesh the vertices of the input from which the named point was made.
 pub(super) fn on_mesh(net: &MeshNet, mut error: StepError) -> StepError {
     if let About::Point { point, from, .. } = &mut error.about {
         *from = of_mesh(net, *point);
@@ -15,8 +14,8 @@ pub(super) fn on_mesh(net: &MeshNet, mut error: StepError) -> StepError {
     error
 }
 
-/// Names the points of the input in an error of an operator of this arity on the net of a polygon; compensations belong
-/// to the points that it makes.
+/// Adds to an operator's error on the net of a polygon the input points from which the named point was made.
+/// `arity` is that of the operator; compensations are indexed by the points that the operator makes.
 pub(super) fn on_polygon(polygon: &Polygon, net: &PolygonNet, arity: u32, mut error: StepError) -> StepError {
     if let About::Point { name, point, from } = &mut error.about {
         let ends = usize::from(!net.is_closed());
@@ -27,7 +26,8 @@ pub(super) fn on_polygon(polygon: &Polygon, net: &PolygonNet, arity: u32, mut er
     error
 }
 
-/// The vertices of the base around a vertex of a net, or around the point of an edge or a face of it.
+/// Returns the base vertices of the cell of a vertex of `net`, or of the cells around an edge point or face point of
+/// it.
 fn of_mesh(net: &MeshNet, point: usize) -> Vec<u32> {
     let topology = net.mesh.topology();
     let (n_v, n_e) = (topology.n_vertices(), topology.n_edges());
@@ -47,8 +47,8 @@ fn of_mesh(net: &MeshNet, point: usize) -> Vec<u32> {
     sorted(vertices.collect())
 }
 
-/// The ends of the edge of a polygon on which point `point` of `n` stands, or the point of the polygon there; none
-/// where points were lost on the way.
+/// Returns the ends of the polygon edge that contains point `point` of `n`, or the input point itself if they coincide;
+/// empty if the refinement lost points at the ends, so that they do not divide evenly among the edges.
 fn of_polygon(polygon: &Polygon, n: usize, point: usize) -> Vec<u32> {
     let (edges, now) = if polygon.closed { (polygon.len(), n) } else { (polygon.len() - 1, n.saturating_sub(1)) };
     if edges == 0 || now < edges || now % edges != 0 {

@@ -1,4 +1,4 @@
-//! Polygons under refinement.
+//! Refines polygons.
 
 use super::apply::Points;
 use super::error::RefineError;
@@ -11,7 +11,7 @@ use crate::shape::polygon::Polygon;
 use crate::shape::source::Curve;
 use crate::watch::Watch;
 
-/// Refines one polygon.
+/// Refines one polygon into a curve.
 ///
 /// # Errors
 /// [`RefineError`].
@@ -25,7 +25,7 @@ pub fn refine_polygon(
     Ok(Curve { points: points.now, dimension: polygon.dimension, closed: polygon.closed, tangents: points.tangents })
 }
 
-/// The net of a polygon after the steps, and its points.
+/// Refines a polygon and returns its net after the steps, and its points.
 ///
 /// # Errors
 /// [`RefineError`].

@@ -1,4 +1,5 @@
-//! The program of a refinement: what depends on connectivity, tags and plan, and serves all positions of a mesh alike.
+//! The program of a refinement: everything that depends only on connectivity, tags and plan, so that it can be reused
+//! for other positions of the same mesh.
 
 use super::error::RefineError;
 use super::mesh::{carrying, numbers, refine_by_rows};
@@ -11,22 +12,22 @@ use crate::scheme::plan::{Plan, Scheduled};
 use crate::shape::mesh::Mesh;
 use crate::watch::Watch;
 
-/// How a mesh is refined patch by patch, where it is.
+/// The sweeps of a mesh, where it is refined patch by patch.
 #[derive(Debug)]
 pub struct Program {
     points: Option<Sweep>,
-    /// The same of each thing with seams.
+    /// The sweep of each attribute with seams, in the order of `Attachments::places`.
     places: Vec<Option<Sweep>>,
 }
 
 impl Program {
-    /// The program of a mesh, whatever the positions of its vertices and the numbers that they carry.
+    /// Prepares the program of a mesh. It does not depend on the positions of the vertices or on their channels.
     pub fn of(mesh: &Mesh, plan: &Plan, steps: &[Scheduled]) -> Self {
         Self { points: Sweep::of(&mesh_net(mesh, plan), plan, steps), places: seam_sweeps(mesh, plan, steps) }
     }
 
-    /// Refines a mesh with its channels, all by the same rows, and the values of its corners by the same scheme. The
-    /// program has to be that of a mesh with the same connectivity and tags, of this plan and these steps.
+    /// Refines a mesh with its channels, all by the same rows, and its face-corner values by the same scheme. The
+    /// program must have been made for the same connectivity, tags, plan and steps.
     ///
     /// # Errors
     /// [`RefineError`].
@@ -48,23 +49,23 @@ impl Program {
         Ok(if steps.is_empty() { refined.with_tags(mesh.tags()) } else { refined })
     }
 
-    /// How the points are refined patch by patch, where they are.
+    /// Returns the sweep of the vertices, if they are refined patch by patch.
     pub(crate) fn points(&self) -> Option<&Sweep> {
         self.points.as_ref()
     }
 
-    /// Whether anything is refined patch by patch.
+    /// Returns whether the vertices or any face-corner values are refined patch by patch.
     pub fn is_swept(&self) -> bool {
         self.points.is_some() || self.places.iter().any(Option::is_some)
     }
 
-    /// Bytes that it holds, a little more rather than less.
+    /// Returns the number of bytes that the program occupies, rounded up rather than down.
     pub fn bytes(&self) -> usize {
         size_of::<Self>() + self.places.iter().chain([&self.points]).flatten().map(Sweep::bytes).sum::<usize>()
     }
 }
 
-/// Refines a mesh with its channels, all by the same rows, and the values of its corners by the same scheme.
+/// Refines a mesh with its channels, all by the same rows, and its face-corner values by the same scheme.
 ///
 /// # Errors
 /// [`RefineError`].

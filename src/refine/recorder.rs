@@ -1,4 +1,4 @@
-//! Refinement that records weights in the place of points.
+//! Records the weights of a refinement instead of applying them to points.
 
 use super::apply::AtLevel;
 use super::error::RefineError;
@@ -8,48 +8,51 @@ use crate::scheme::step_error::StepError;
 use crate::shape::topology::{NONE, index};
 use crate::watch::Watch;
 
-/// Rows that are made at a time. Half of it asks the watch twice as often; twice of it holds twice as many in vain.
+/// Number of rows made at a time. Half as many would query the watch twice as often; twice as many would only take more
+/// memory.
 const BLOCK: usize = 4096;
 
-/// The values of a refinement: points of the input, and rows over values before them. A row that repeats a value is
-/// none: its point has the number of that value.
+/// The values of a refinement: the points of the input, then rows over earlier values. A row that only copies a value
+/// is not stored; its point takes the index of that value.
+///
 ///
 /// The rows are those that [`Points::act`](super::Points::act) applies, in the same groups, so that their sums have the
-/// same bits, but for the sign of zeros.
+/// same bits up to the sign of zeros.
 #[derive(Debug)]
 pub struct Recorder {
     columns: usize,
     rows: Rows,
-    /// The first row of the last table.
+    /// The index of the first row of the last table.
     last: usize,
     now: Vec<u32>,
     anchor: Vec<u32>,
-    /// The rows of the results, which nothing else is made of.
+    /// The rows of the results, which no other row refers to.
     results: Rows,
 }
 
 impl Recorder {
-    /// A recorder of what is made of so many points of the input.
+    /// Creates a recorder over `columns` points of the input.
     pub fn new(columns: usize) -> Self {
         let (rows, results) = (Rows::default(), Rows::default());
         Self { columns, rows, last: 0, now: Vec::new(), anchor: Vec::new(), results }
     }
 
-    /// Goes on with a net of `n` points of the input, the first of which has the number `first`.
+    /// Starts a net whose `n` points are the input points `first..first + n`.
     pub fn begin(&mut self, first: usize, n: usize) {
         self.now = (first..first + n).map(index).collect();
         self.last = self.rows.len();
     }
 
-    /// Applies an action of a level.
+    /// Applies one action of a level.
     ///
     /// # Errors
-    /// When the watch says stop, or the action is no weighted sum, or there are too many rows to be numbered.
+    /// Fails if the watch says stop, if the action is not a weighted sum, or if there are more rows than 32 bits can
+    /// index.
     pub fn act(&mut self, action: &Action, level: u32, watch: &Watch) -> Result<(), RefineError> {
         action.apply(&mut AtLevel { of: self, level, watch })
     }
 
-    /// The number of the next row.
+    /// Returns the index of the value that the next row makes.
     fn next(&self, level: u32) -> Result<u32, RefineError> {
         let many = || StepError::new("there are more rows of weights than 32 bits number; ask for fewer levels");
         u32::try_from(self.columns + self.rows.len()).map_err(|_| RefineError::Step { level, error: many() })
@@ -78,8 +81,8 @@ impl Recorder {
         Ok(())
     }
 
-    /// `points + rows x (anchor - children)`, in three tables: the differences, their weighted sums where these have
-    /// several terms, and the points.
+    /// Records `points + rows x (anchor - children)` in three tables: the differences, their weighted sums where these
+    /// have several terms, and the points.
     fn push_back(
         &mut self,
         source: &dyn RowSource,
@@ -91,7 +94,7 @@ impl Recorder {
         for (&from, &child) in self.anchor.iter().zip(children) {
             differences.push(self.next(level)?);
             if child == NONE {
-                // nothing is known of it, which counts as 0
+                // a point without a child contributes no difference
                 self.rows.add(from, 0.0);
             } else {
                 self.rows.add(from, 1.0);
@@ -123,12 +126,12 @@ impl Recorder {
         Ok(())
     }
 
-    /// Takes the points of the net in another order.
+    /// Reorders the points of the net: the new point `i` is the old point `order[i]`.
     pub fn arrange(&mut self, order: impl Iterator<Item = usize>) {
         self.now = order.map(|at| self.now[at]).collect();
     }
 
-    /// Makes the points of the net results, as which they are no longer there for anything else.
+    /// Turns the points of the net into results; afterwards the net has no points.
     pub fn end(&mut self) {
         let first = index(self.columns + self.last);
         let last = self.rows.split_off(self.last);
@@ -141,7 +144,7 @@ impl Recorder {
         }
     }
 
-    /// Adds a result: row `r` of a table over the points of the net, or where it is empty a value.
+    /// Adds a result: row `r` of a table over the points of the net, or the value `instead` if that row is empty.
     pub fn add(&mut self, rows: &Rows, r: usize, instead: Option<u32>) {
         match instead.filter(|_| rows.row(r).0.is_empty()) {
             Some(value) => self.results.add(value, 1.0),
@@ -150,17 +153,17 @@ impl Recorder {
         self.results.end_row();
     }
 
-    /// The values that the points of the net are.
+    /// Returns the index of the value of each point of the net.
     pub fn points(&self) -> &[u32] {
         &self.now
     }
 
-    /// Number of results.
+    /// Returns the number of results.
     pub fn n_results(&self) -> usize {
         self.results.len()
     }
 
-    /// All rows, those of the results last.
+    /// Returns all rows; those of the results come last.
     pub fn finish(mut self) -> Rows {
         self.rows.append(&self.results);
         self.rows

@@ -1,4 +1,4 @@
-//! A refined mesh.
+//! A refined mesh with everything that it carries.
 
 use std::ops::Range;
 use std::sync::Arc;
@@ -16,11 +16,12 @@ use crate::shape::order::Order;
 use crate::shape::source::{FaceChunk, MeshSource};
 use crate::shape::topology::{Topology, index};
 
-/// A refined mesh: the values of its vertices, and the way from the order in which they are kept to the documented one.
+/// A refined mesh: the values of its vertices, and the map from the order in which they are stored to the documented
+/// one.
 #[derive(Debug)]
 pub struct RefinedMesh {
     pub(super) points: Numbers,
-    /// Normals of the limit, if there are any, in the same order.
+    /// Normals of the limit surface, if requested, in the order of the points.
     pub(super) normals: Option<Normals>,
     pub(super) base: Arc<Topology>,
     pub(super) order: VertexOrder,
@@ -28,38 +29,38 @@ pub struct RefinedMesh {
     pub(super) attachments: Arc<Attachments>,
     pub(super) channels: Vec<RefinedChannel>,
     pub(super) uvs: Option<Arc<RefinedPlaces>>,
-    /// The places of all seams together, before refinement.
+    /// The topology whose vertices are the places of all seams together, before refinement.
     pub(super) unfolded: Option<Arc<Topology>>,
-    /// The mesh in its other frames, without channels.
+    /// The mesh at its other frames, without channels.
     pub(super) frames: Vec<RefinedMesh>,
-    /// Edges that are still sharp, numbered in the order of construction.
+    /// Edges that are still sharp, indexed in the order of construction.
     sharpness: Option<Arc<Sharpness>>,
-    /// What is tagged of it, as long as it is the input.
+    /// The tags of the input, if no step was applied; otherwise empty.
     pub(super) tags: Tags,
-    /// For each of the last vertices of the input, which were added to it: the vertex it was split from.
+    /// For each of the last input vertices, which were added by splitting: the vertex that it was split from.
     pub(super) split_from: Arc<[u32]>,
-    /// Pieces of each edge of the base: those of edge `e` have the numbers `e x pieces ..` in its direction.
+    /// Number of pieces of each base edge: those of edge `e` have the indices `e x pieces ..` in its direction.
     pub(super) pieces: usize,
 }
 
 /// The refined values of a channel.
 #[derive(Debug)]
 pub(super) enum RefinedChannel {
-    /// Those of vertices, in the order of the points.
+    /// One value per vertex, in the order of the points.
     Vertices(Numbers),
-    /// Those of places.
+    /// One value per place, for a channel with seams.
     Places(Arc<RefinedPlaces>),
 }
 
 impl RefinedMesh {
-    /// The mesh of a net with its points in the order of construction, `n x 3`.
+    /// Creates the mesh of a net from its points in the order of construction, `n x 3`.
     pub fn new(net: &MeshNet, points: Numbers) -> Self {
         Self::ordered(net, VertexOrder::constructed(net), points)
     }
 
-    /// The mesh of a net with its points in the documented order already, `n x 3`: nothing will be gathered. Of the
-    /// connectivity only the base and how its faces were split matters, not the topology before the last split.
-    /// Channels and normals are to be in the documented order, too.
+    /// Creates the mesh of a net from points that are already in the documented order, `n x 3`, so that nothing has to
+    /// be reordered. Of the connectivity, only the base and how its faces were split are used, not the topology before
+    /// the last split. Channels and normals must be in the documented order, too.
     pub fn documented(net: &MeshNet, points: Numbers) -> Self {
         Self::ordered(net, VertexOrder::documented(net), points)
     }
@@ -85,7 +86,7 @@ impl RefinedMesh {
         }
     }
 
-    /// The same mesh with what it carries: for each channel its values, and the texture coordinates.
+    /// Returns the mesh with its attachments, the values of each channel, and the texture coordinates.
     pub(super) fn carrying(
         self,
         attachments: Arc<Attachments>,
@@ -95,37 +96,38 @@ impl RefinedMesh {
         Self { unfolded: attachments.unfolded.clone(), attachments, channels, uvs, ..self }
     }
 
-    /// This mesh at the points of another one of the same net.
+    /// Returns `other`, a mesh of the same net at other points, with the texture coordinates and seams of this one.
     #[must_use]
     pub fn moved(&self, other: Self) -> Self {
         Self { uvs: self.uvs.clone(), unfolded: self.unfolded.clone(), ..other }
     }
 
-    /// The same mesh with its other frames.
+    /// Returns the mesh with its other frames.
     #[must_use]
     pub fn with_frames(self, frames: Vec<Self>) -> Self {
         Self { frames, ..self }
     }
 
-    /// The same mesh with the tags of the input that it is.
+    /// Returns the mesh with the tags of the input; meant for an input that no step changed.
     #[must_use]
     pub(super) fn with_tags(self, tags: Tags) -> Self {
         Self { tags, ..self }
     }
 
-    /// The same mesh, of an input whose last vertices were split from these.
+    /// Returns the mesh with the vertices from which the last vertices of its input were split.
     #[must_use]
     pub(super) fn split_from(self, split_from: Arc<[u32]>) -> Self {
         Self { split_from, ..self }
     }
 
-    /// Position of vertex `v`, numbered in the documented order.
+    /// Returns the position of vertex `v`, indexed in the documented order.
     pub(super) fn position(&self, v: usize) -> [f64; 3] {
         self.points.as_chunks().0[self.order.place(v)]
     }
 
-    /// The vertex of `to` at a vertex of `from`, both meshes with the faces of this one, numbered in the documented
-    /// order: bases, inner points of their edges, inner points of the faces that they have in common.
+    /// Returns the vertex of `to` that corresponds to vertex `place` of `from`. Both are bases with the faces of this
+    /// mesh; vertices are indexed in the documented order of their refinements: base vertices, inner points of edges,
+    /// inner points of faces (the same in both).
     pub(super) fn across(&self, from: &Topology, to: &Topology, place: usize) -> usize {
         let inner = self.pieces - 1;
         let on_edges = from.n_vertices();
@@ -143,18 +145,18 @@ impl RefinedMesh {
         first + to.n_edges() * inner + inside
     }
 
-    /// Whether there are normals.
+    /// Returns whether the mesh has normals.
     pub(super) fn has_normals(&self) -> bool {
         self.normals.is_some()
     }
 
-    /// The normal of vertex `v`, zero where there is none.
+    /// Returns the normal of vertex `v`, or zero if it has none.
     pub(super) fn normal(&self, v: usize) -> [f64; 3] {
         self.normals.as_ref().map_or([0.0; 3], |normals| normals.of_vertices.as_chunks().0[self.order.place(v)])
     }
 
-    /// Sharp pieces of edges of the base: the edge, and the number of the piece in its direction. In the limit only
-    /// those are sharp that stay so for ever.
+    /// Returns the sharp pieces of base edges: the edge, and the index of the piece in its direction. If the mesh has
+    /// limit normals, only infinitely sharp edges count.
     pub(super) fn sharp_pieces(&self) -> impl Iterator<Item = (usize, usize)> + '_ {
         let sharp = self.sharpness.iter().flat_map(|sharpness| sharpness.edges());
         let least = if self.normals.is_some() { INFINITE_SHARPNESS } else { 0.0 };
@@ -163,12 +165,12 @@ impl RefinedMesh {
             .map(|&(e, _)| (e as usize / self.pieces, e as usize % self.pieces))
     }
 
-    /// The ends of a piece of an edge of one of the meshes with these faces.
+    /// Returns the ends of a piece of edge `edge` of `base`, a topology with the faces of this mesh.
     pub(super) fn piece(&self, base: &Topology, edge: usize, piece: usize) -> [u32; 2] {
         [piece, piece + 1].map(|at| self.along(base, edge, at))
     }
 
-    /// The vertex so many pieces along an edge of one of the meshes with these faces.
+    /// Returns the vertex that is `at` pieces along edge `edge` of `base`, a topology with the faces of this mesh.
     pub(super) fn along(&self, base: &Topology, edge: usize, at: usize) -> u32 {
         let [start, end] = base.ends(edge);
         match at {
@@ -178,7 +180,8 @@ impl RefinedMesh {
         }
     }
 
-    /// The ends of sharp edges as vertices of another mesh with these faces; what seams split is not split again.
+    /// Returns the ends of sharp edge pieces as vertices of the refined `places`. Edges on seams are left out, as they
+    /// are split there already.
     pub(super) fn sharp_places(&self, places: &Topology) -> Vec<[u32; 2]> {
         let ends = |(edge, piece): (usize, usize)| {
             let half_edge = self.base.halves(edge)[0];
@@ -190,7 +193,7 @@ impl RefinedMesh {
         self.sharp_pieces().filter_map(ends).collect()
     }
 
-    /// The shown faces in `range` of one of the meshes with these faces.
+    /// Writes the shown faces in `range` to `out`, with the vertices of a topology that has the faces of this mesh.
     pub(super) fn list(&self, base: &Topology, order: Option<&Order>, range: Range<usize>, out: &mut FaceChunk) {
         let runs = self.shown.runs(range);
         if let Some(order) = order {
@@ -200,13 +203,13 @@ impl RefinedMesh {
         runs.flatten().for_each(|f| out.push(base.face(f)));
     }
 
-    /// The same mesh with normals in the order of the points, if there are any.
+    /// Returns the mesh with normals in the order of the points, if there are any.
     #[must_use]
     pub fn with_normals(self, normals: Option<Normals>) -> Self {
         Self { normals, ..self }
     }
 
-    /// Bytes that it holds, but for the attachments of its input and what the allocator keeps free.
+    /// Returns the number of bytes that the mesh occupies, without the attachments of its input and spare capacity.
     pub fn bytes(&self) -> usize {
         let normals = self.normals.as_ref().map_or(0, Normals::bytes);
         let of_places = |places: &Arc<RefinedPlaces>| places.points.bytes() + places.base.bytes();
@@ -222,7 +225,7 @@ impl RefinedMesh {
         size_of::<Self>() + sharp + numbers + normals + uvs + frames + self.base.bytes() + self.order.bytes()
     }
 
-    /// Positions of all vertices in the documented order, model units.
+    /// Returns the positions of all vertices in the documented order, in model units.
     pub fn all_positions(&self) -> Vec<[f64; 3]> {
         let mut positions = Vec::new();
         self.positions(0..self.n_vertices(), &mut positions);

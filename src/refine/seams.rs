@@ -1,5 +1,5 @@
-//! Values of face corners under refinement, texture coordinates and channels: meshes of their own, refined by the
-//! scheme of the mesh.
+//! Refines face-corner values (texture coordinates and channels with seams) as meshes of their own, by the scheme of
+//! the mesh.
 
 use std::borrow::Cow;
 use std::collections::{BTreeMap, BTreeSet};
@@ -29,29 +29,30 @@ use crate::shape::seams::Seams;
 use crate::shape::topology::{Topology, index};
 use crate::watch::Watch;
 
-/// Refined values of corners: the places as vertices of a mesh with the faces of the mesh.
+/// Refined face-corner values: the places are the vertices of a mesh with the faces of the refined mesh.
 #[derive(Debug)]
 pub struct RefinedPlaces {
     /// Values of the places, `n_places x width`.
     pub(super) points: Numbers,
-    /// Numbers a place.
+    /// Number of values per place.
     pub(super) width: usize,
-    /// The places before refinement.
+    /// The topology of the places before refinement.
     pub(super) base: Arc<Topology>,
-    /// The order in which the values are kept.
+    /// The order in which the values are stored.
     pub(super) order: VertexOrder,
 }
 
 impl RefinedPlaces {
-    /// The values of a place, numbered in the documented order.
+    /// Returns the values of a place, indexed in the documented order.
     pub(super) fn row(&self, place: usize) -> &[f64] {
         let at = self.order.place(place);
         &self.points[self.width * at..self.width * (at + 1)]
     }
 }
 
-/// What of a mesh has seams ([`Attachments::places`](crate::shape::attachments::Attachments::places)), refined by the
-/// steps of a plan; what is linear follows upsamplings only.
+/// Refines everything of a mesh that has seams
+/// ([`Attachments::places`](crate::shape::attachments::Attachments::places)) by the steps of a plan; linearly
+/// interpolated values follow the upsamplings only.
 ///
 /// # Errors
 /// [`RefineError`].
@@ -64,19 +65,19 @@ pub fn refined_places(
     refined_places_by(&seam_sweeps(mesh, plan, steps), mesh, plan, steps, watch)
 }
 
-/// For each thing with seams how it is swept, where it is.
+/// Returns the sweep of each attribute with seams, or `None` for those that are not refined patch by patch.
 pub(super) fn seam_sweeps(mesh: &Mesh, plan: &Plan, steps: &[Scheduled]) -> Vec<Option<Sweep>> {
     let sweep =
         |places: Places<'_>| Sweep::of(&seam_net(mesh, places.seams, plan), plan, &followed(places.seams, steps));
     mesh.attachments.places().map(sweep).collect()
 }
 
-/// The steps that values of corners follow.
+/// Returns the steps that face-corner values follow: all steps, or linear upsamplings only.
 pub(super) fn followed<'a>(seams: &Seams, steps: &'a [Scheduled]) -> Cow<'a, [Scheduled]> {
     if seams.linear { upsamplings(steps).into() } else { steps.into() }
 }
 
-/// What of a mesh has seams, refined by these sweeps, or where there is none by rows.
+/// Refines everything of a mesh that has seams by the given sweeps, or by rows where there is no sweep.
 ///
 /// # Errors
 /// [`RefineError`].
@@ -99,7 +100,7 @@ pub(super) fn refined_places_by(
     mesh.attachments.places().zip(sweeps).map(refined).collect()
 }
 
-/// Refines what of a mesh has seams by rows of the whole net.
+/// Refines everything of a mesh that has seams by rows of the whole net.
 ///
 /// # Errors
 /// [`RefineError`].
@@ -123,7 +124,7 @@ fn by_rows(
     let (mut net, mut points) = (seam_net(mesh, seams, plan), Points::new(values.to_vec(), width));
     if seams.linear {
         for step in upsamplings(steps) {
-            // linear ones have no use for values of single vertices
+            // linear steps do not use per-vertex parameters
             let next = Stepper::new(plan).next_from(&net, &step, None).map_err(RefineError::at(&step))?;
             points.act(&next.action, step.level, watch)?;
             net = next.net;
@@ -135,17 +136,17 @@ fn by_rows(
     Ok(RefinedPlaces { points: points.now.into(), width, base: net.mesh.base, order })
 }
 
-/// Each upsampling of a plan as a linear one.
+/// Replaces each upsampling of a plan by linear upsampling and drops all other steps.
 fn upsamplings(steps: &[Scheduled]) -> Vec<Scheduled> {
     let operator = lettered('U').expect("U is an operator");
     let upsampling = steps.iter().filter(|step| step.letter.facts().role == Role::Upsample);
     upsampling.map(|step| Scheduled { letter: Letter { operator, ..step.letter.clone() }, ..step.clone() }).collect()
 }
 
-/// The net of values of corners before refinement. Places at vertices that keep their place keep theirs, sharp edges
-/// and vertices are as sharp as those of the mesh, and seams are boundaries. Places carry what their vertices carry,
-/// edges what those of the mesh carry, and perturbations go by the numbers in the mesh: on both sides of a seam the
-/// same.
+/// Returns the net of face-corner values before refinement. A place at a vertex that keeps its position keeps its
+/// value; sharp edges and vertices have the sharpness that they have in the mesh; seams are boundaries. Places have the
+/// parameters of their vertices, and edges the directions of those of the mesh. Perturbations are seeded by vertices of
+/// the mesh, so that they agree on both sides of a seam.
 pub fn seam_net(mesh: &Mesh, seams: &Seams, plan: &Plan) -> MeshNet {
     let (places, vertices) = (&seams.topology, &mesh.topology);
     let fixed = mesh_net(mesh, plan).tags.corners;
@@ -179,7 +180,8 @@ pub fn seam_net(mesh: &Mesh, seams: &Seams, plan: &Plan) -> MeshNet {
     if seams.linear { net } else { carrying(net, mesh, seams, plan) }
 }
 
-/// The net with what the vertices and edges of the mesh carry, and their numbers where perturbations go by them.
+/// Returns the net with the vertex parameters and edge directions of the mesh, and with the mesh's vertex numbering if
+/// the plan perturbs points.
 fn carrying(net: MeshNet, mesh: &Mesh, seams: &Seams, plan: &Plan) -> MeshNet {
     let (places, vertices) = (&seams.topology, &mesh.topology);
     let (attributes, directions) = carried(mesh, plan);
@@ -203,8 +205,9 @@ fn carrying(net: MeshNet, mesh: &Mesh, seams: &Seams, plan: &Plan) -> MeshNet {
     net
 }
 
-/// For the places where semi-sharp edges end, the other semi-sharp edges that end at the same vertex: on seams, and on
-/// the other side of them. Sharpness belongs to the mesh, and evens out around its vertices.
+/// Returns, for each place where a semi-sharp edge ends, the sharpness of the other semi-sharp edges at the same mesh
+/// vertex, which lie on a seam or beyond it. Sharpness is a property of the mesh: its decay averages over all edges at
+/// a vertex.
 fn elsewhere(mesh: &Mesh, seams: &Seams, creases: &Sharp) -> Vec<(u32, f64)> {
     let (places, vertices) = (&seams.topology, &mesh.topology);
     let semi_sharp = |&&(_, sharpness): &&(u32, f64)| sharpness < INFINITE_SHARPNESS;
@@ -225,11 +228,11 @@ fn elsewhere(mesh: &Mesh, seams: &Seams, creases: &Sharp) -> Vec<(u32, f64)> {
     sharp.into_iter().flat_map(beside).collect()
 }
 
-/// Of the pairs of places at one vertex: those that stay because an infinitely sharp edge ends at the other one, and
-/// those that are as sharp as semi-sharp edges make the other one, as they have none of their own. The latter stay
-/// wholly in the level that takes the last sharpness from the other one where the seam is semi-sharp for longer.
+/// Splits the pairs of places at one vertex: places that are fixed because an infinitely sharp edge ends at their
+/// partner, and places without sharp edges whose sharpness follows the semi-sharp edges at their partner. A following
+/// place is fixed in the level in which its partner loses its last sharpness, if the seam stays semi-sharp for longer.
 ///
-/// Source: OpenSubdiv 3.5, which calls such sharpness dependent; compared by numbers.
+/// Source: OpenSubdiv 3.5, which calls such sharpness dependent; checked by comparing values.
 fn following(seams: &Seams, creases: &Sharp) -> (Vec<u32>, Vec<(u32, u32)>) {
     let mut sharpest = BTreeMap::new();
     for &(e, sharpness) in creases {

@@ -1,14 +1,14 @@
-//! Which faces of a refined mesh are shown.
+//! The faces of a refined mesh that are shown, that is, not in holes.
 
 use std::ops::Range;
 
 use crate::shape::order::Order;
 use crate::shape::topology::Topology;
 
-/// The faces that are shown: runs of consecutive ones.
+/// The shown faces, stored as runs of consecutive faces.
 #[derive(Debug)]
 pub(super) struct Shown {
-    /// For each run its first number among the shown faces and its first face.
+    /// For each run, its first index among the shown faces, and its first face.
     runs: Vec<(usize, usize)>,
     /// Number of shown faces.
     pub(super) n: usize,
@@ -17,7 +17,7 @@ pub(super) struct Shown {
 }
 
 impl Shown {
-    /// The faces of a mesh with this base and order but those of hidden faces of the base, which are ascending.
+    /// Collects all faces but those that refine a face in `holes`; `holes` lists faces of the base, ascending.
     pub(super) fn new(base: &Topology, order: Option<&Order>, holes: &[u32]) -> Self {
         let all = order.map_or(base.n_faces(), Order::n_faces);
         let first = |f: usize| if f == base.n_faces() { all } else { order.map_or(f, |order| order.first_face(f)) };
@@ -37,7 +37,7 @@ impl Shown {
         Self { runs, n, n_half_edges }
     }
 
-    /// The number that face `face` has among the shown ones, or that of the first shown one after it.
+    /// Returns the index of `face` among the shown faces, or that of the next shown face if it is hidden.
     pub(super) fn number(&self, face: usize) -> usize {
         let run = self.runs.partition_point(|(_, first)| *first <= face);
         let end = self.runs.get(run).map_or(self.n, |(number, _)| *number);
@@ -45,7 +45,7 @@ impl Shown {
         number.min(end)
     }
 
-    /// The faces that the shown ones in `range` are, in runs of consecutive ones.
+    /// Returns the faces that are shown as `range`, in runs of consecutive faces.
     pub(super) fn runs(&self, range: Range<usize>) -> impl Iterator<Item = Range<usize>> + Clone {
         let first = self.runs.partition_point(|(number, _)| *number <= range.start).saturating_sub(1);
         let ends = self.runs.iter().skip(first + 1).map(|(number, _)| *number).chain([self.n]);
@@ -56,13 +56,13 @@ impl Shown {
         })
     }
 
-    /// Whether a face is shown.
+    /// Returns whether a face is shown.
     pub(super) fn has(&self, face: usize) -> bool {
         let number = self.number(face);
         number < self.n && self.face(number) == face
     }
 
-    /// The shown face of a number.
+    /// Returns the face that has index `shown` among the shown ones.
     pub(super) fn face(&self, shown: usize) -> usize {
         let run = self.runs.partition_point(|(first, _)| *first <= shown) - 1;
         let (first_shown, first) = self.runs[run];

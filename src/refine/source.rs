@@ -1,4 +1,4 @@
-//! A refined mesh as a source for the writers, in the documented order.
+//! Presents a refined mesh to the writers, in the documented order.
 
 use std::ops::Range;
 

@@ -1,4 +1,4 @@
-//! Nets and tangents before refinement.
+//! The nets and tangents with which a refinement starts.
 
 use std::sync::Arc;
 
@@ -13,14 +13,14 @@ use crate::shape::mesh::Mesh;
 use crate::shape::polygon::Polygon;
 use crate::watch::{Stopped, Watch};
 
-/// The net of a polygon before refinement.
+/// Returns the net of a polygon before refinement.
 pub fn polygon_net(polygon: &Polygon, plan: &Plan) -> PolygonNet {
     let attributes = polygon.attributes.clone().map(Arc::new);
     let pinned = polygon.pinned.as_slice().into();
     PolygonNet { pinned, attributes, ..PolygonNet::new(polygon.len(), polygon.closed, plan.ends, &polygon.corners) }
 }
 
-/// The net of a mesh before refinement.
+/// Returns the net of a mesh before refinement.
 pub fn mesh_net(mesh: &Mesh, plan: &Plan) -> MeshNet {
     let sharpness = Sharpness::of(&mesh.creases, &mesh.semi_sharp_corners);
     let net = MeshNet::new(mesh.topology.clone(), &mesh.corners, &mesh.holes, plan.boundary);
@@ -28,8 +28,8 @@ pub fn mesh_net(mesh: &Mesh, plan: &Plan) -> MeshNet {
     net.with_sharpness(sharpness, plan.rules).carrying(attributes, directions)
 }
 
-/// What the vertices and edges of a mesh carry under a plan: closed latitude lines of n vertices have the alpha
-/// `2 pi / n` where neither the plan nor the vertices give one.
+/// Returns the vertex parameters and edge directions of a mesh under a plan. The vertices of a closed latitude line of
+/// n vertices get the alpha `2 pi / n` if neither the plan nor the mesh gives one.
 pub fn carried(mesh: &Mesh, plan: &Plan) -> (Option<Attributes>, Option<Directions>) {
     let (Some(latitude), Some(directions)) = (&plan.latitude, &mesh.directions) else {
         return (mesh.attributes.clone(), None);
@@ -47,7 +47,7 @@ pub fn carried(mesh: &Mesh, plan: &Plan) -> (Option<Attributes>, Option<Directio
     (Some(attributes), Some(directions.clone()))
 }
 
-/// The tangents of a polygon in the plane: those given, or else those of circles through neighbours.
+/// Returns the unit tangents of a planar polygon: those given, or else those of circles through neighbouring points.
 pub(super) fn start_tangents(polygon: &Polygon, watch: &Watch) -> Result<Vec<f64>, Stopped> {
     match &polygon.tangents {
         Some(tangents) => Ok(tangents.clone()),

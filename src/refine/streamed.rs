@@ -1,4 +1,4 @@
-//! A refined mesh whose points are made when they are asked for, so that it takes the same memory at every level.
+//! A refined mesh whose points are computed on demand, so that its memory does not grow with the level.
 
 use std::ops::Range;
 
@@ -18,15 +18,16 @@ use crate::shape::source::{CarriedSource, FaceChunk, MeshSource, OnDemandSource,
 use crate::shape::tile::Tile;
 use crate::watch::{Stage, Watch};
 
-/// A refined mesh without points, and the sweep that makes them.
+/// A refined mesh that stores no points, and the sweep that computes them.
 #[derive(Debug)]
 pub struct StreamedMesh {
     shape: RefinedMesh,
     points: OnDemand,
 }
 
-/// How many levels of a mesh are refined as whole nets before its points can be made on demand, and what its faces will
-/// be; none where they cannot.
+/// Returns how many rounds of a mesh are refined as whole nets before its points can be computed on demand, and the
+/// tile of its faces; `None` if they cannot be.
+///
 ///
 /// Meshes that carry channels, texture coordinates or frames are not streamed.
 pub fn held_levels(mesh: &Mesh, plan: &Plan, steps: &[Scheduled]) -> Option<(usize, Tile)> {
@@ -38,7 +39,7 @@ pub fn held_levels(mesh: &Mesh, plan: &Plan, steps: &[Scheduled]) -> Option<(usi
 }
 
 impl StreamedMesh {
-    /// Refines a mesh as far as that is done before its points are asked for; none where they cannot be made on demand.
+    /// Refines a mesh by the steps that precede the sweep; returns `None` if its points cannot be computed on demand.
     ///
     /// # Errors
     /// [`RefineError`].

@@ -1,4 +1,4 @@
-//! Points of a net by a sweep, where its plan can be swept.
+//! Refines the points of a net by a sweep, where its plan allows one.
 
 use super::act::act_on;
 use super::apply::Points;
@@ -10,9 +10,9 @@ use crate::scheme::mesh_net::MeshNet;
 use crate::scheme::plan::{Plan, Scheduled};
 use crate::watch::{Stage, Watch};
 
-/// The net after all steps, as far as it is carried along (see [`MeshNet::after_splits`]), and all points in the
-/// documented order. `None` where there is no sweep of the steps, and where a coordinate is no longer finite, so that
-/// the rows of whole nets tell the level.
+/// Returns the net after all steps, as far as it is tracked (see [`MeshNet::after_splits`]), and all points in the
+/// documented order. Returns `None` if the steps have no sweep, or if a coordinate is no longer finite, so that
+/// refinement by rows can name the level.
 ///
 /// # Errors
 /// [`RefineError`].

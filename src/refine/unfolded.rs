@@ -1,5 +1,4 @@
-//! A refined mesh as what has seams sees it: a vertex for each place, so that vertices on seams are there more than
-//! once.
+//! A refined mesh with one vertex per place, so that vertices on seams occur once for each side.
 
 use std::ops::Range;
 use std::sync::Arc;
@@ -13,36 +12,36 @@ use crate::shape::order::Order;
 use crate::shape::source::{CarriedSource, FaceChunk, MeshSource, NormalSource, Origin, OriginSource, PlaceSource};
 use crate::shape::topology::{Topology, index};
 
-/// The faces are those of the mesh, in their order; vertices without a face are not there.
+/// The unfolded view of a mesh: its faces in their order, without the vertices that have no face.
 #[derive(Debug)]
 pub(super) struct Unfolded<'a> {
     mesh: &'a RefinedMesh,
     /// The places of all seams together, before refinement.
     base: Arc<Topology>,
-    /// Their documented order; `None` when it is that of the base.
+    /// The documented order of the places; `None` when it is that of the base.
     order: Option<Order>,
 }
 
 impl<'a> Unfolded<'a> {
-    /// That of a mesh, if anything of it has seams.
+    /// Returns the unfolded view of `mesh`, or `None` if nothing of it has seams.
     pub(super) fn of(mesh: &'a RefinedMesh) -> Option<Self> {
         let base = mesh.unfolded.clone()?;
         let order = mesh.order.order().map(|order| order.over(&base));
         Some(Self { mesh, base, order })
     }
 
-    /// The vertex of the mesh at a place.
+    /// Returns the vertex of the mesh at a place.
     fn vertex_at(&self, place: usize) -> usize {
         self.mesh.across(&self.base, &self.mesh.base, place)
     }
 
-    /// Rows of the places in `range`, found by the vertex each is at.
+    /// Writes to `out`, for each place in `range`, the row of the vertex at that place.
     fn gathered<T: Send>(&self, range: Range<usize>, row: impl Fn(usize) -> T + Sync, out: &mut Vec<T>) {
         let places = range.into_par_iter().with_min_len(4096);
         places.map(|place| row(self.vertex_at(place))).collect_into_vec(out);
     }
 
-    /// The values in `range` of something with seams of its own.
+    /// Writes the values of the places in `range` for an attribute whose seams may be only some of all seams.
     fn values_of(&self, places: &RefinedPlaces, range: Range<usize>, out: &mut Vec<f64>) {
         if Arc::ptr_eq(&self.base, &places.base) {
             return self.mesh.at(places).values(range, out);
@@ -119,7 +118,7 @@ impl NormalSource for Unfolded<'_> {
     }
 }
 
-/// Texture coordinates that are numbered like the vertices.
+/// Texture coordinates indexed like the vertices of the unfolded mesh.
 struct UnfoldedUvs<'a>(&'a Unfolded<'a>, &'a RefinedPlaces);
 
 impl PlaceSource for UnfoldedUvs<'_> {
@@ -158,14 +157,14 @@ impl OriginSource for Unfolded<'_> {
     }
 }
 
-/// Refined values of corners, with the faces of their mesh.
+/// Refined face-corner values, with the faces of their mesh.
 struct OfMesh<'a> {
     mesh: &'a RefinedMesh,
     places: &'a RefinedPlaces,
 }
 
 impl RefinedMesh {
-    /// Some of its values of corners as a source.
+    /// Presents some face-corner values of this mesh as a source for the writers.
     pub(super) fn at<'a>(&'a self, places: &'a RefinedPlaces) -> impl PlaceSource + 'a {
         OfMesh { mesh: self, places }
     }

@@ -1,4 +1,4 @@
-//! The order in which values of refined vertices are kept, and the way from there to the documented one.
+//! The order in which values of refined vertices are stored, and the map from there to the documented order.
 
 use std::ops::Range;
 use std::sync::Arc;
@@ -8,7 +8,7 @@ use rayon::prelude::*;
 use crate::scheme::mesh_net::MeshNet;
 use crate::shape::order::Order;
 
-/// Vertices that one thread takes at a time at least.
+/// Minimum number of vertices that one thread takes at a time.
 const CHUNK: usize = 4096;
 
 fn bytes(net: &MeshNet) -> usize {
@@ -17,55 +17,55 @@ fn bytes(net: &MeshNet) -> usize {
     parent + 2 * size_of::<u32>() * base.n_faces()
 }
 
-/// How the values of the vertices of a mesh are kept.
+/// The order in which the values of a mesh's vertices are stored.
 #[derive(Debug)]
 pub(super) struct VertexOrder {
-    /// The documented order; `None` when the mesh was not split since its base: then there is only one order.
+    /// The documented order; `None` when the mesh was not split since its base, so that both orders are the same.
     documented: Option<Order>,
-    /// Whether values are kept in the order of construction.
+    /// Whether values are stored in the order of construction.
     constructed: bool,
-    /// Bytes of the topology before the last split, and of what the order knows of each face of the base.
+    /// Size of the topology before the last split, and of what the order stores for each base face.
     bytes: usize,
 }
 
 impl VertexOrder {
-    /// Values in the order in which steps construct the vertices of a net.
+    /// The order of values stored as steps construct the vertices of a net.
     pub(super) fn constructed(net: &MeshNet) -> Self {
         let documented = net.mesh.order();
         Self { constructed: documented.is_some(), documented, bytes: bytes(net) }
     }
 
-    /// Values in the documented order already, so that nothing has to be gathered.
+    /// The order of values stored in the documented order already, so that nothing has to be reordered.
     pub(super) fn documented(net: &MeshNet) -> Self {
         Self { documented: net.mesh.order(), constructed: false, bytes: bytes(net) }
     }
 
-    /// Bytes that it holds besides the base.
+    /// Returns the number of bytes that the order occupies besides the base.
     pub(super) fn bytes(&self) -> usize {
         self.bytes
     }
 
-    /// Whether values are kept in the documented order.
+    /// Returns whether values are stored in the documented order.
     pub(super) fn is_documented(&self) -> bool {
         !self.constructed
     }
 
-    /// The documented order of vertices and faces; `None` when it is that of the base.
+    /// Returns the documented order of vertices and faces; `None` when it is that of the base.
     pub(super) fn order(&self) -> Option<&Order> {
         self.documented.as_ref()
     }
 
-    /// The way to where values are kept, where that is not their place in the documented order.
+    /// Returns the map to the stored order, if that differs from the documented order.
     fn way(&self) -> Option<&Order> {
         self.documented.as_ref().filter(|_| self.constructed)
     }
 
-    /// Where the values of a vertex are kept that has the number `v` in the documented order.
+    /// Returns where the values of the vertex with index `v` in the documented order are stored.
     pub(super) fn place(&self, v: usize) -> usize {
         self.way().map_or(v, |order| order.constructed(v) as usize)
     }
 
-    /// The points of the vertices in `range`, numbered in the documented order.
+    /// Writes the points of the vertices in `range`, indexed in the documented order, to `out`.
     pub(super) fn points<const W: usize>(&self, all: &[[f64; W]], range: Range<usize>, out: &mut Vec<[f64; W]>) {
         let Some(order) = self.way() else {
             out.clear();
@@ -80,7 +80,7 @@ impl VertexOrder {
         });
     }
 
-    /// Gathers values of any `width` in the documented order.
+    /// Writes the values of the vertices in `range`, `width` each, to `out` in the documented order.
     pub(super) fn values(&self, all: &[f64], width: usize, range: Range<usize>, out: &mut Vec<f64>) {
         let Some(order) = self.way() else {
             out.clear();

@@ -1,4 +1,4 @@
-//! Nets refined with weights in the place of points.
+//! Refines nets with weights instead of points.
 
 use std::ops::Range;
 
@@ -14,7 +14,7 @@ use crate::shape::mesh::Mesh;
 use crate::shape::polygon::Polygon;
 use crate::watch::Watch;
 
-/// Refines a mesh; returns the net after the steps.
+/// Refines a mesh, records its weights and returns the net after the steps.
 ///
 /// # Errors
 /// [`RefineError`].
@@ -29,7 +29,7 @@ pub fn weigh_mesh(
     weigh_net(recorder, mesh_net(mesh, plan), plan, steps, watch)
 }
 
-/// Refines the net of a mesh further; returns the net after the steps.
+/// Refines the net of a mesh further, records its weights and returns the net after the steps.
 ///
 /// # Errors
 /// [`RefineError`].
@@ -49,7 +49,7 @@ pub fn weigh_net(
     Ok(net)
 }
 
-/// The vertices of a net in the documented order, by their numbers in the order of construction.
+/// Returns the vertices of a net in the documented order, by their indices in the order of construction.
 pub fn documented(net: &MeshNet, n_vertices: usize) -> Vec<usize> {
     match net.mesh.order() {
         Some(order) => (0..order.n_vertices()).map(|v| order.constructed(v) as usize).collect(),
@@ -57,7 +57,8 @@ pub fn documented(net: &MeshNet, n_vertices: usize) -> Vec<usize> {
     }
 }
 
-/// Refines a polygon whose points are these of the input; returns the net after the steps.
+/// Refines a polygon whose points are the input points `points`, records its weights and returns the net after the
+/// steps.
 ///
 /// # Errors
 /// [`RefineError`].

@@ -1,4 +1,5 @@
-//! The mesh that entered the last upsampling, and how the points made there lie between its vertices.
+//! The anchor, that is, the mesh that entered the last upsampling, and how the points made by the upsampling depend on
+//! it.
 
 use std::sync::Arc;
 
@@ -9,52 +10,53 @@ use crate::shape::tile::Tile;
 use crate::shape::tiling::{Ancestor, Tiling};
 use crate::shape::topology::{Topology, index};
 
-/// The mesh that entered the last U.
+/// The mesh that entered the last upsampling, towards which a push-back pushes.
 #[derive(Debug, Clone)]
 pub struct Anchor {
-    /// Its topology.
+    /// The topology of the mesh.
     pub topology: Arc<Topology>,
-    /// Its quads, where it had other faces and the arity was above 2: then each face was split into quads first.
+    /// The mesh split into quads, if it had other faces and the arity was above 2: such faces are split into quads
+    /// first.
     pub quads: Option<Arc<Topology>>,
-    /// Into what its faces were split.
+    /// The tile into which its faces were split.
     pub tile: Tile,
-    /// Pieces of an edge, of its own or of the quads.
+    /// Number of pieces of each edge, of the mesh or of `quads`.
     pub pieces: u32,
-    /// Its vertices that keep their place.
+    /// Its corners, which keep their position.
     pub corners: Arc<[u32]>,
-    /// Sharpness of its edges and of its other vertices; `None` when all were smooth.
+    /// Sharpness of its edges and semi-sharp vertices; `None` if all are smooth.
     pub sharpness: Option<Arc<Sharpness>>,
     /// Directions of its edges along latitude and longitude lines.
     pub directions: Option<Arc<Directions>>,
-    /// Where the net was put into another order since: for each vertex its number at the U.
+    /// For each vertex its index just after the upsampling; `None` if the net was not reordered since.
     pub order: Option<Arc<[u32]>>,
-    /// Whether vertices were lost since.
+    /// Whether vertices were lost since the upsampling.
     pub lost: bool,
 }
 
-/// What a vertex was made of by the last U.
+/// The kind of cell from which the last upsampling made a vertex.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Label {
-    /// A vertex, V.
+    /// A vertex, labelled V.
     Vertex,
-    /// Points of an edge, E.
+    /// An edge, labelled E.
     Edge,
-    /// Points inside a face, F.
+    /// A face, labelled F.
     Face,
 }
 
 impl Anchor {
-    /// The topology that was split at last.
+    /// Returns the topology that the upsampling split last.
     pub fn parent(&self) -> &Arc<Topology> {
         self.quads.as_ref().unwrap_or(&self.topology)
     }
 
-    /// Pieces that each of its edges became.
+    /// Returns the number of pieces that each edge of the mesh became.
     pub fn pieces_of_an_edge(&self) -> usize {
         if self.quads.is_some() { 2 * self.pieces as usize } else { self.pieces as usize }
     }
 
-    /// The sharpness of the net after the U.
+    /// Returns the sharpness of the net after the upsampling.
     pub(super) fn sharpness_after(&self, creasing: Creasing) -> Option<Arc<Sharpness>> {
         let before = self.sharpness.as_ref()?;
         let after = if self.pieces_of_an_edge() == 2 {
@@ -65,12 +67,12 @@ impl Anchor {
         after.map(Arc::new)
     }
 
-    /// Whether every edge got its middle and every face its centre.
+    /// Returns whether each edge got a midpoint and each face a centre.
     fn is_halving(&self) -> bool {
         self.tile == Tile::Quad && self.pieces == 2
     }
 
-    /// The label of the vertex with this number at the U.
+    /// Returns the label of the vertex with index `v` just after the upsampling.
     pub fn label(&self, v: usize) -> Label {
         let parent = self.parent();
         let (n_v, n_e) = (self.topology.n_vertices(), self.topology.n_edges());
@@ -86,15 +88,15 @@ impl Anchor {
             let inner = if self.quads.is_none() { self.pieces as usize - 1 } else { 1 };
             return label(n_e * inner);
         }
-        // the halves of the mesh's own edges come first among those of the quads
+        // the midpoints of the mesh's own edges come first among the edge points of the quads
         match self.tiling().ancestor(v) {
             Ancestor::Edge(edge, _) if edge < 2 * n_e => Label::Edge,
             _ => Label::Face,
         }
     }
 
-    /// The weight of the vertex with this number in the first average after the U: `f^2` for V, `f` for E, 1 for F;
-    /// where triangles were split `f` for V, 1 else.
+    /// Returns the weight of a vertex in the first average after the upsampling: `f^2` for V, `f` for E, 1 for F; on
+    /// triangles `f` for V, else 1. `v` is the index just after the upsampling.
     pub fn weight(&self, v: usize, f: f64) -> f64 {
         match (self.tile, self.label(v)) {
             (Tile::Quad, Label::Vertex) => f * f,
@@ -107,9 +109,9 @@ impl Anchor {
         Tiling::new(self.parent(), self.tile, self.pieces as usize)
     }
 
-    /// Calls `add(vertex, share)` for the vertices of which the U made the vertex with this number: linearly along
-    /// edges, bilinearly in quads, by area in triangles, all alike at the centres of faces. All shares are multiplied
-    /// by the first, second or third scale if it is a V, E or F.
+    /// Calls `add(vertex, share)` for the anchor vertices from which the upsampling made vertex `v`: linear along
+    /// edges, bilinear in quads, barycentric in triangles, equal at face centres. All shares are multiplied by the
+    /// first, second or third scale if `v` is a V, E or F.
     pub fn shares(&self, v: usize, scales: [f64; 3], mut add: impl FnMut(u32, f64)) {
         let scale = match self.label(v) {
             Label::Vertex => scales[0],
@@ -147,7 +149,7 @@ impl Anchor {
     }
 }
 
-/// Adds the shares of a vertex of the quads: a vertex of the mesh, the middle of an edge or the centre of a face.
+/// Adds the shares of a vertex of the quads: a vertex of the mesh, an edge midpoint or a face centre.
 fn halved(topology: &Topology, v: usize, weight: f64, add: &mut impl FnMut(u32, f64)) {
     let (n_v, n_e) = (topology.n_vertices(), topology.n_edges());
     if v < n_v {

@@ -1,4 +1,4 @@
-//! What the vertices, edges and faces of a mesh carry, which only words over U, C and P look at.
+//! Data on the vertices, edges and faces of a mesh that only words over U, C and P use.
 
 use std::sync::Arc;
 
@@ -7,19 +7,20 @@ use crate::shape::directions::Directions;
 use crate::shape::numbering::Numbering;
 use crate::shape::topology::Topology;
 
-/// Parameters of vertices, directions of edges, and numbers of all of them. A D leaves none of them.
+/// Vertex parameters, edge directions, and the indices in the whole net. D discards all of them.
 #[derive(Debug, Clone, Default)]
 pub struct Annotations {
-    /// Parameters that vertices carry.
+    /// The vertex parameters.
     pub attributes: Option<Arc<Attributes>>,
     /// Directions of edges along latitude and longitude lines.
     pub directions: Option<Arc<Directions>>,
-    /// Numbers in the whole net, where the net is only a part of it.
+    /// The indices in the whole net, if this net is a part of one.
     pub numbering: Option<Arc<Numbering>>,
 }
 
 impl Annotations {
-    /// After an upsampling of a topology, which has to halve edges and make quads where there are annotations.
+    /// Returns the annotations after an upsampling of `entered`, which must halve edges and make quads if there are
+    /// any.
     pub(super) fn after_split(&self, entered: &Topology) -> Self {
         let upsampled = |attributes: &Arc<Attributes>| Arc::new(attributes.changed(|array| upsampled(array, entered)));
         Self {
@@ -30,14 +31,14 @@ impl Annotations {
     }
 }
 
-/// The numbers that vertices carry after an upsampling of arity 2.
+/// Returns the values of the vertices after an upsampling of arity 2.
 fn upsampled(array: &[f64], topology: &Topology) -> Vec<f64> {
     let made = (0..topology.n_edges() + topology.n_faces()).map(|i| mean(array, topology, i));
     array.iter().copied().chain(made).collect()
 }
 
 /// Returns the mean over the ends of edge `i`, or over the vertices of face `i - n_e`. The mean of equal numbers is
-/// that number, whatever a sum of them would be rounded to: what is the same everywhere stays so.
+/// exactly that number, so that constant parameters stay constant.
 pub(super) fn mean(array: &[f64], topology: &Topology, i: usize) -> f64 {
     let n_e = topology.n_edges();
     if i < n_e {

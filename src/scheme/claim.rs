@@ -1,30 +1,30 @@
-//! What presets claim of themselves, for the catalogue and for the test that holds all of it against the analysis.
+//! Properties that presets claim, for the catalogue and for a test that checks them against the analysis.
 
-/// What holds of a preset for some values of its parameters. Numbers are constant expressions, which may use the
+/// A property of a preset for some range of its parameters. Numbers are constant expressions, which may use the
 /// parameter that is named first in `at`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Claim {
-    /// For which values of the parameters it holds, in words; empty where it does for all.
+    /// The range of the parameters in words; empty if the claim holds for all values.
     pub range: &'static str,
-    /// Values of parameters at which it is tested, one set after another, each with the parameter of the expressions
-    /// first.
+    /// Parameter values at which the claim is tested, one set after another; the parameter of the expressions comes
+    /// first in each set.
     pub at: &'static [&'static [(&'static str, &'static str)]],
     /// The largest k for which limits are C^k.
     pub smoothness: &'static str,
     /// The width of the support of the basic limit function.
     pub support: &'static str,
-    /// The largest degree of polynomials that are limits of their own samples.
+    /// The largest degree of polynomials that the scheme reproduces.
     pub reproduction_degree: &'static str,
-    /// For schemes on meshes, of which all of the above is said where nothing is extraordinary: the least and the
-    /// greatest valence of vertices, or of faces where these take their place, at which limits are C^1. `None` where
-    /// the claim is one of curves, or of a scheme that is not C^1 anywhere.
+    /// For schemes on meshes, whose other claims hold on regular meshes: the least and the greatest valence, of
+    /// vertices or of faces in their place, at which limits are C^1. `None` for claims on curves, and for schemes that
+    /// are not C^1 anywhere.
     pub valences: Option<[u32; 2]>,
-    /// Whether it is one of meshes.
+    /// Whether this is a claim on meshes.
     pub is_of_meshes: bool,
 }
 
 impl Claim {
-    /// A claim with expressions for smoothness, width of the support, and degree of reproduction.
+    /// Creates a claim on curves from expressions for smoothness, support width and degree of reproduction.
     pub(super) const fn new(
         range: &'static str,
         at: &'static [&'static [(&'static str, &'static str)]],
@@ -33,7 +33,7 @@ impl Claim {
         Self { range, at, smoothness, support, reproduction_degree, valences: None, is_of_meshes: false }
     }
 
-    /// A claim of meshes, with the valences at which limits are C^1.
+    /// Creates a claim on meshes, with the range of valences at which limits are C^1.
     pub(super) const fn on_meshes(
         range: &'static str,
         at: &'static [&'static [(&'static str, &'static str)]],

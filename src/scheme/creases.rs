@@ -1,4 +1,4 @@
-//! The rules at vertices and edges that are not smooth: along creases, at corners, and while sharpness becomes less.
+//! The rules for vertices and edges that are not smooth: creases, corners, and the decay of sharpness.
 
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -8,35 +8,35 @@ use super::sharpness::{Sharpness, edges_at};
 use super::tags::Tags;
 use crate::shape::topology::{Topology, index};
 
-/// How a vertex comes about.
+/// The rule that gives a vertex its new position.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Rule {
-    /// By the scheme's rule for smooth vertices; so do darts, the ends of single creases.
+    /// The scheme's rule for smooth vertices; also used for darts, the ends of single creases.
     Smooth,
-    /// By the curve rule along these two edges.
+    /// The curve rule along these two edges.
     Crease([u32; 2]),
-    /// It stays.
+    /// The vertex keeps its position.
     Corner,
 }
 
-/// The rule of a vertex before a level, that after it, and the weight of the first.
+/// The rules of a vertex before and after a level, and the weight of the first one.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Blend {
-    /// By the sharpness that enters the level.
+    /// The rule according to the sharpness before the level.
     pub before: Rule,
-    /// By the sharpness that leaves it.
+    /// The rule according to the sharpness after the level.
     pub after: Rule,
-    /// Weight of `before`, from 0 to 1; that of `after` is what is missing to 1.
+    /// Weight of `before`, from 0 to 1; `after` has the remaining weight.
     pub weight: f64,
 }
 
 impl Blend {
-    /// One rule alone.
+    /// Returns a blend of one rule only.
     fn one(rule: Rule) -> Self {
         Self { before: rule, after: rule, weight: 1.0 }
     }
 
-    /// How vertex `v` of a topology comes about, be it set apart by creases, tagged, on the boundary, or none of these.
+    /// Returns the rules of vertex `v` of a topology, according to creases, tags and the boundary.
     #[inline]
     pub(super) fn of(v: usize, topology: &Topology, tags: &Tags, creases: Option<&Creases>) -> Self {
         if tags.is_corner(v) || topology.is_isolated(v) {
@@ -46,7 +46,7 @@ impl Blend {
         creases.and_then(|creases| creases.vertex(v)).unwrap_or_else(usual)
     }
 
-    /// The rules with their weights; one alone where both agree.
+    /// Returns the rules with their weights; a single one if both agree.
     #[inline]
     pub fn rules(&self) -> impl Iterator<Item = (Rule, f64)> + use<> {
         let blended = self.before != self.after && self.weight < 1.0;
@@ -56,20 +56,19 @@ impl Blend {
     }
 }
 
-/// The vertices and edges of a topology that sharpness sets apart.
+/// The vertices and edges of a topology whose rules differ because of sharpness.
 ///
-/// Source: DeRose, Kass and Truong, SIGGRAPH 1998, 85-94; fractional sharpness and the blend of rules as
-/// OpenSubdiv 3.5 has them.
+/// Source: DeRose, Kass and Truong, SIGGRAPH 1998, 85-94; fractional sharpness and blended rules as in OpenSubdiv 3.5.
 #[derive(Debug, Clone)]
 pub struct Creases {
     vertices: Vec<(u32, Blend)>,
     before: Arc<Sharpness>,
-    /// Edges of a sharpness below 1 both of whose halves stay sharp, as their neighbours sharpen them; ascending.
+    /// Edges of a sharpness below 1 both of whose halves stay sharp because of their neighbours; ascending.
     kept: Vec<u32>,
 }
 
 impl Creases {
-    /// What sets the vertices and edges apart that entered the last U of a net; `None` when nothing does.
+    /// Returns the creases of the net that entered the last upsampling; `None` if it is smooth.
     pub fn of_parent(net: &MeshNet) -> Option<Self> {
         let anchor = net.since.anchor.as_ref()?;
         let before = anchor.sharpness.as_ref()?;
@@ -77,7 +76,7 @@ impl Creases {
         Some(Self::of(&anchor.topology, before, &after))
     }
 
-    /// What sets the vertices and edges of a net apart whose explicit topology this is; `None` when nothing does.
+    /// Returns the creases of a net whose explicit topology is `topology`; `None` if it is smooth.
     pub fn of_net(net: &MeshNet, topology: &Topology) -> Option<Self> {
         let sharpness = net.sharpness.as_ref()?;
         Some(Self::of(topology, sharpness, &After { sharpness: Some(sharpness), pieces: None }))
@@ -105,45 +104,45 @@ impl Creases {
         Self { vertices: apart.into_iter().filter_map(blend).collect(), before: before.clone(), kept }
     }
 
-    /// The rules of vertex `v`; `None` where the usual one applies: smooth inside, the curve rule on the boundary.
+    /// Returns the rules of vertex `v`, or `None` for the usual one: smooth inside, the curve rule on the boundary.
     pub fn vertex(&self, v: usize) -> Option<Blend> {
         let at = self.vertices.binary_search_by_key(&index(v), |&(v, _)| v).ok()?;
         Some(self.vertices[at].1)
     }
 
-    /// How far edge `e` follows the curve rule: 0 not at all, 1 alone. That is 1 where both halves stay sharp, else its
-    /// sharpness, at most 1.
+    /// Returns the weight of the curve rule at edge `e`, from 0 to 1: 1 if both halves stay sharp, else the sharpness,
+    /// at most 1.
     pub fn edge(&self, e: usize) -> f64 {
         if self.kept.binary_search(&index(e)).is_ok() { 1.0 } else { self.before.edge(e).min(1.0) }
     }
 
-    /// The vertices that are set apart, ascending.
+    /// Returns the vertices with rules of their own, ascending.
     pub fn vertices(&self) -> &[(u32, Blend)] {
         &self.vertices
     }
 }
 
-/// What is sharp after a level.
+/// The sharpness after a level.
 struct After<'a> {
-    /// The sharpness there; `None` when all is smooth.
+    /// The sharpness after the level; `None` if everything is smooth.
     sharpness: Option<&'a Sharpness>,
-    /// Pieces that the level makes of each edge, in order; `None` where edges stay as they are.
+    /// Number of pieces into which the level divides each edge, in order; `None` if edges stay whole.
     pieces: Option<usize>,
 }
 
 impl After<'_> {
-    /// The sharpness of what the level makes of an edge, at its end 0 or 1.
+    /// Returns the sharpness of the piece of edge `e` at its end 0 or 1.
     fn edge(&self, e: u32, end: usize) -> f64 {
         let piece = self.pieces.map_or(e as usize, |d| d * e as usize + end * (d - 1));
         self.sharpness.map_or(0.0, |sharpness| sharpness.edge(piece))
     }
 
-    /// Whether semi-sharp edges end at a vertex that are not among the edges of the net.
+    /// Returns whether semi-sharp edges outside the net end at vertex `v`.
     fn is_sharp_beside(&self, v: u32) -> bool {
         self.sharpness.is_some_and(|sharpness| sharpness.is_sharp_beside(v))
     }
 
-    /// The sharpness of a vertex.
+    /// Returns the sharpness of vertex `v`.
     fn vertex(&self, v: usize) -> f64 {
         self.sharpness.map_or(0.0, |sharpness| sharpness.vertex(v))
     }
@@ -152,11 +151,11 @@ impl After<'_> {
 /// The sharp edges around a vertex.
 #[derive(Default)]
 struct Around {
-    /// Sharp edges, at most three of them: before and after the level.
+    /// Sharp edges before and after the level, at most three of each.
     sharp: [Vec<u32>; 2],
-    /// Whether the vertex itself is sharp: before and after the level.
+    /// Whether the vertex itself is sharp before and after the level.
     corner: [bool; 2],
-    /// Sum and number of the sharpnesses that vanish in the level.
+    /// Sum and number of the sharpness values that vanish in the level.
     vanishing: (f64, f64),
 }
 

@@ -4,7 +4,7 @@ use super::operator::{Facts, Operator};
 use super::settings::Settings;
 use crate::math::parameter::{Parameter, Value};
 
-/// One letter of a word: an operator and the values of the parameters that it declares.
+/// One letter of a word: an operator and the values of its parameters.
 #[derive(Debug, Clone)]
 pub struct Letter {
     /// The operator.
@@ -14,7 +14,7 @@ pub struct Letter {
 }
 
 impl Letter {
-    /// An operator with the usual values.
+    /// Returns an operator with the default values.
     pub fn plain(operator: &'static dyn Operator) -> Self {
         Self { operator, settings: Settings::usual(operator.facts().parameters) }
     }
@@ -26,12 +26,12 @@ impl Letter {
         self
     }
 
-    /// What holds of its operator.
+    /// Returns the facts of its operator.
     pub fn facts(&self) -> &'static Facts {
         self.operator.facts()
     }
 
-    /// Whether it moves the points of a polygon by half a step.
+    /// Returns whether the letter moves the points of a polygon by half a step.
     pub fn shifts(&self) -> bool {
         self.operator.window(&self.settings, 0).is_some_and(|window| window.shifts())
     }

@@ -1,4 +1,4 @@
-//! Values of single points at an upsampling: from the parameters that they carry, and from perturbations that decay.
+//! Values of single points at an upsampling, from vertex parameters and from decaying perturbations.
 
 use std::sync::Arc;
 
@@ -6,8 +6,8 @@ use super::step_error::{About, StepError};
 use crate::math::expression::Expression;
 use crate::shape::attributes::{Attributes, between};
 
-/// Largest size of a compensation: beyond it lies a pole of the function, and coordinates lose all digits.
-/// At 1e12 four of the 16 digits of a coordinate are left. Half and twice of it leave a bit more or less.
+/// Maximum absolute value of a compensation. Beyond it lies a pole of the function; at 1e12, four of the 16 digits of a
+/// coordinate are left. Half or twice the bound leaves slightly more or fewer.
 pub const MAX_COMPENSATION: f64 = 1e12;
 
 /// A decaying perturbation at one upsampling.
@@ -15,14 +15,15 @@ pub const MAX_COMPENSATION: f64 = 1e12;
 pub struct Noise {
     /// Amplitude at this upsampling: `c gamma^h`.
     pub amplitude: f64,
-    /// Seed of the plan.
+    /// The seed of the plan.
     pub seed: u64,
     /// Number h of upsamplings before this one.
     pub upsamplings: u32,
 }
 
 impl Noise {
-    /// The perturbation of element `i`: 0 for vertices, 1 for edges, 2 for faces as `operation`. Uniform in `[-c, c)`.
+    /// Returns the perturbation of element `i`, uniform in `[-c, c)`; `operation` is 0 for vertices, 1 for edges, 2 for
+    /// faces.
     pub(super) fn at(&self, operation: u64, i: u64) -> f64 {
         let mixed = [u64::from(self.upsamplings), operation, i].iter().fold(mix(self.seed), |x, y| mix(x ^ y));
         #[expect(clippy::cast_precision_loss, reason = "53 bits are exact")]
@@ -39,36 +40,36 @@ fn mix(x: u64) -> u64 {
     z ^ z >> 31
 }
 
-/// From what local values are computed at an upsampling.
+/// The functions and numbers from which local values are computed at an upsampling.
 #[derive(Debug, Clone, Copy)]
 pub struct Sources<'a> {
-    /// Kernel of the first average, in alpha.
+    /// Kernel of the first average, as a function of alpha.
     pub kernel: &'a Expression,
-    /// Kernel along longitude lines, where it differs.
+    /// Kernel along longitude lines, if it differs.
     pub kernel_longitude: Option<&'a Expression>,
-    /// Compensation, in alpha.
+    /// Compensation, as a function of alpha.
     pub compensation: &'a Expression,
-    /// Push-back factor.
+    /// Push-back factor, as a function of the valence.
     pub delta: &'a Expression,
-    /// The plan's alpha at this upsampling.
+    /// The plan's alpha at this upsampling, in radians.
     pub alpha: f64,
-    /// The alpha of the compensation.
+    /// The alpha at which the compensation is evaluated, in radians.
     pub compensation_alpha: f64,
-    /// Whether the compensation has an alpha of its own, which latitude lines then have, too.
+    /// Whether the compensation has an alpha of its own, which then also holds on latitude lines.
     pub compensates_apart: bool,
-    /// By what the alpha of points is multiplied at this upsampling.
+    /// The factor by which the alpha of points is multiplied at this upsampling.
     pub scale: f64,
     /// Whether a push-back follows, which uses the compensations.
     pub pushes_back: bool,
-    /// Perturbation, if any.
+    /// The perturbation, if any.
     pub noise: Option<Noise>,
 }
 
 impl Sources<'_> {
-    /// The compensation of a point, computed at `alpha` if it does not come of carried ones.
+    /// Checks the compensation of a point; `alpha` is where it was computed, or `None` if it was interpolated.
     ///
     /// # Errors
-    /// Beyond [`MAX_COMPENSATION`] where a push-back uses it.
+    /// If it exceeds [`MAX_COMPENSATION`] and a push-back uses it.
     pub(super) fn bounded(&self, point: usize, value: f64, alpha: Option<f64>) -> Result<f64, StepError> {
         if !self.pushes_back || value.abs() <= MAX_COMPENSATION {
             return Ok(value);
@@ -78,7 +79,7 @@ impl Sources<'_> {
     }
 }
 
-/// Values of the points that entered the last upsampling, and of the points made on the edges between them.
+/// Values of the points that entered the last upsampling, and of the points that it made on edges.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Local {
     /// Kernel of each vertex.
@@ -91,8 +92,8 @@ pub struct Local {
 }
 
 impl Local {
-    /// The local values at an upsampling of a polygon with `n` control points and so many edges that carry these
-    /// parameters; `None` when all points have the plan's.
+    /// Returns the local values at an upsampling of a polygon with `n` control points and `edges` edges; `None` if all
+    /// points have the values of the plan.
     pub(super) fn of(
         [n, edges]: [usize; 2],
         attributes: Option<&Attributes>,
@@ -131,7 +132,7 @@ impl Local {
         Ok(Some(Arc::new(Self { kernel, delta, compensation, arity })))
     }
 
-    /// Compensation of the point `j / d` of the way along edge `e`; beyond the ends that of the last edge.
+    /// Returns the compensation of the point at `j / d` of edge `e`; beyond the ends, that of the last edge.
     pub(super) fn compensation(&self, e: isize, j: isize) -> f64 {
         let inner = self.arity as usize - 1;
         let edges = self.compensation.len() / inner;
@@ -140,7 +141,7 @@ impl Local {
     }
 }
 
-/// Whether an average exists with this kernel: its weights add up to a multiple of `1 + f`.
+/// Returns whether an average exists with this kernel; its weights add up to a multiple of `1 + f`.
 pub fn has_average(kernel: f64) -> bool {
     (1.0 + kernel).abs() >= 1e-9
 }
@@ -153,15 +154,15 @@ pub(super) fn finite<E: std::fmt::Display>(name: &str, i: usize, value: Result<f
     }
 }
 
-/// The refusal of a kernel of a point, in the net that entered the last upsampling or, beyond its points, that came of
-/// it, with which no average exists.
+/// Returns the error for a kernel value of a point with which no average exists. `point` is an index in the net that
+/// entered the last upsampling or, beyond its points, in the net after it.
 pub(super) fn no_average(name: &'static str, point: usize, value: f64) -> StepError {
     let why = "where no average exists, as its weights add up to 0; it is any number but -1";
     StepError::about(About::Point { name, point, from: Vec::new() }, format!("{value}, {why}"))
 }
 
-/// The refusal of a compensation of a point, in the net that came of the last upsampling, beyond its bound; with its
-/// alpha, where it is a function of that.
+/// Returns the error for a compensation beyond its bound, of a point in the net after the last upsampling; with its
+/// alpha if the compensation is a function of it.
 fn large_compensation(point: usize, value: f64, alpha: Option<f64>) -> StepError {
     let (why, remedy) = match alpha {
         Some(alpha) => (format!(" (alpha = {alpha}), a pole of the function"), "choose another alpha there"),

@@ -1,4 +1,4 @@
-//! Values of single vertices of a mesh at an upsampling: parameters that they carry, perturbations, latitude lines.
+//! Values of single vertices of a mesh at an upsampling: vertex parameters, perturbations, latitude lines.
 
 use std::sync::Arc;
 
@@ -7,32 +7,32 @@ use super::local::{Sources, finite, has_average, no_average};
 use super::step_error::StepError;
 use crate::shape::topology::Topology;
 
-/// Values at the vertices that entered the last upsampling, and at the points made on edges and in faces.
+/// Values of the vertices that entered the last upsampling, and of the points that it made on edges and in faces.
 #[derive(Debug, Clone, PartialEq)]
 pub struct MeshLocal {
     /// Kernel of each vertex.
     pub kernel: Vec<f64>,
-    /// Kernel of each vertex along longitude lines, where it differs.
+    /// Kernel of each vertex along longitude lines, if it differs.
     pub kernel_longitude: Option<Vec<f64>>,
-    /// Push-back factor of each vertex, where vertices have their own.
+    /// Push-back factor of each vertex, if vertices have their own.
     pub delta: Option<Vec<f64>>,
-    /// Compensation of the points of edges, then of those of faces.
+    /// Compensation of the edge points, then of the face points.
     pub compensation: Vec<f64>,
-    /// Weight `omega / (8 (1 + f))` of the curve rule along latitude lines, of the same points; empty without such
+    /// Weight `omega / (8 (1 + f))` of the curve rule along latitude lines at the same points; empty without such
     /// lines.
     pub curve_weight: Vec<f64>,
 }
 
 impl MeshLocal {
-    /// Returns the kernel where all vertices have the same, along all edges.
+    /// Returns the kernel if all vertices have the same one along all edges.
     pub(super) fn common_kernel(&self) -> Option<f64> {
         let first = *self.kernel.first()?;
         let mut all = self.kernel.iter().chain(self.kernel_longitude.iter().flatten());
         all.all(|kernel| kernel.to_bits() == first.to_bits()).then_some(first)
     }
 
-    /// The local values at an upsampling of `parent`, whose vertices and edges carry `annotations`; `None` when all
-    /// vertices have the plan's.
+    /// Returns the local values at an upsampling of `parent`, whose cells have `annotations`; `None` if all vertices
+    /// have the values of the plan.
     pub(super) fn of(
         annotations: &Annotations,
         parent: &Topology,

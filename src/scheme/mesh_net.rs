@@ -1,4 +1,4 @@
-//! A mesh as the operators see it.
+//! The state of a mesh as operators see it, without coordinates.
 
 use std::sync::Arc;
 
@@ -18,35 +18,35 @@ use crate::shape::topology::Topology;
 /// The state of a mesh under refinement.
 #[derive(Debug, Clone)]
 pub struct MeshNet {
-    /// Its connectivity.
+    /// The connectivity.
     pub mesh: SplitMesh,
-    /// Corners, holes and the boundary.
+    /// Corners, holes and the boundary rule.
     pub tags: Tags,
-    /// Sharpness of its edges and of its other vertices; `None` when all are smooth.
+    /// Sharpness of edges and of semi-sharp vertices; `None` if all are smooth.
     pub sharpness: Option<Arc<Sharpness>>,
-    /// Rules of the scheme.
+    /// The rules of the scheme.
     pub rules: Rules,
-    /// What its vertices, edges and faces carry.
+    /// Vertex parameters, edge directions and indices in a whole net.
     pub annotations: Annotations,
-    /// What happened since the last U.
+    /// The state since the last upsampling.
     pub since: SinceUpsampling,
-    /// The whole net, where the net is only a part of it and the split of its faces depends on the others.
+    /// Properties of the whole net, if this net is a part of it and its split depends on the other faces.
     pub surroundings: Option<Surroundings>,
 }
 
-/// What a mesh remembers of its last U.
+/// The state of a mesh since its last upsampling.
 #[derive(Debug, Clone, Default)]
 pub struct SinceUpsampling {
-    /// What entered it.
+    /// The mesh that entered the upsampling.
     pub anchor: Option<Anchor>,
-    /// Values of single vertices there.
+    /// Values of single vertices at the upsampling.
     pub local: Option<Arc<MeshLocal>>,
-    /// Number of D since.
+    /// Number of D since the upsampling.
     pub duals: u32,
 }
 
 impl MeshNet {
-    /// The net of a control mesh with tagged corners and holes.
+    /// Creates the net of a control mesh with tagged corners and holes.
     pub fn new(topology: Arc<Topology>, corners: &[u32], holes: &[u32], boundary: Boundary) -> Self {
         Self {
             tags: Tags::new(&topology, corners, holes, boundary),
@@ -59,7 +59,7 @@ impl MeshNet {
         }
     }
 
-    /// The same net with parameters of its vertices and directions of its edges.
+    /// Returns the net with vertex parameters and edge directions.
     #[must_use]
     pub fn carrying(self, attributes: Option<Attributes>, directions: Option<Directions>) -> Self {
         let tags = self.tags.and(attributes.is_some(), "parameters of vertices");
@@ -68,14 +68,14 @@ impl MeshNet {
         Self { tags, annotations: Annotations { attributes, directions, ..self.annotations }, ..self }
     }
 
-    /// The same net with sharp edges and vertices, and the rules of a scheme.
+    /// Returns the net with sharp edges and vertices, and the rules of a scheme.
     #[must_use]
     pub fn with_sharpness(self, sharpness: Option<Sharpness>, rules: Rules) -> Self {
         let tags = self.tags.and(sharpness.is_some(), "creases");
         Self { tags, sharpness: sharpness.map(Arc::new), rules, ..self }
     }
 
-    /// The net after an upsampling of the topology in `anchor`, with the values of its vertices there.
+    /// Returns the net after an upsampling of the anchor's topology, with the values of its vertices.
     pub(super) fn after_split(&self, anchor: Anchor, local: Option<Arc<MeshLocal>>) -> Self {
         Self {
             mesh: self.mesh.after_split(&anchor),
@@ -88,9 +88,8 @@ impl MeshNet {
         }
     }
 
-    /// The net after so many more splits of its faces into such ones, all edges halved, of which only what is carried
-    /// along is known: the base and how its faces were split, tags, and sharp edges, each of which becomes less sharp
-    /// as a whole.
+    /// Returns the net after `splits` more splits of its faces that halve all edges. Only the base, the number of
+    /// splits, the tags and the sharp edges are tracked; the sharpness of an edge decays equally along the whole edge.
     #[must_use]
     pub fn after_splits(&self, tile: Tile, splits: usize) -> Self {
         let halves = |sharpness: Option<Sharpness>, _| sharpness.and_then(|sharpness| sharpness.pieces(2));
@@ -100,7 +99,7 @@ impl MeshNet {
         Self { mesh, tags: self.tags.clone(), sharpness, rules: self.rules, annotations, since, surroundings: None }
     }
 
-    /// The net of a topology that came of a D, with what entered the last U.
+    /// Returns the net of a topology that D made, with the anchor of the last upsampling.
     pub(super) fn after_dual(&self, topology: Topology, anchor: Option<Anchor>) -> Self {
         Self {
             tags: self.tags.after_dual(&topology),
@@ -113,7 +112,7 @@ impl MeshNet {
         }
     }
 
-    /// The net of a topology that a step with a connectivity of its own made, with the vertices that keep their place,
+    /// Returns the net of a topology that a step with a connectivity of its own made; `corners` are its corners,
     /// ascending.
     pub(super) fn after_rebuild(&self, topology: Topology, corners: Vec<u32>) -> Self {
         let mesh = SplitMesh::new(Arc::new(topology), self.mesh.rounds + 1);

@@ -1,5 +1,5 @@
-//! Schemes: words over operators, presets that spell them, and what they do to a net's connectivity and weights.
-//! Coordinates are never seen here, except by steps that are not linear.
+//! Schemes: words over operators, presets that spell them, and their effect on connectivity and weights. Only steps
+//! that are not linear see coordinates.
 
 pub mod anchor;
 pub mod annotations;

@@ -1,4 +1,4 @@
-//! Parameters of words, which presets share, and what their values mean.
+//! The parameters of words, which presets share, and the meaning of their values.
 
 use std::ops::RangeInclusive;
 
@@ -7,13 +7,13 @@ use crate::math::expression::Expression;
 use crate::math::parameter::{Default, Kind, Parameter, Values};
 use crate::shape::tile::Tile;
 
-/// The weight of a vertex in averages of triangles with which `UC` is Loop's scheme at regular vertices.
-/// Any other value is another scheme, which is no box spline.
+/// The weight of a vertex in averages of triangles for which `UC` is Loop's scheme at regular vertices. With any other
+/// value the scheme is not a box spline.
 pub const DEFAULT_MU: f64 = 0.25;
-/// Arities that are offered.
+/// The arities that are offered.
 pub const ARITIES: RangeInclusive<i64> = 2..=8;
 
-/// The arity of an upsampling, and of what averages as many points.
+/// The arity of an upsampling, and of operators that average as many points.
 pub const ARITY: Parameter = Parameter {
     name: "arity",
     kind: Kind::Integer { min: *ARITIES.start(), max: *ARITIES.end() },
@@ -22,7 +22,7 @@ pub const ARITY: Parameter = Parameter {
     doc: "New points for each old one.",
 };
 
-/// The averages within an operator.
+/// The number of averages within an operator.
 pub const AVERAGES: Parameter = Parameter {
     name: "averages",
     kind: Kind::Integer { min: 0, max: 12 },
@@ -40,7 +40,7 @@ pub const MASK: Parameter = Parameter {
     doc: "Entries of the mask.",
 };
 
-/// Where a mask begins.
+/// The index of the first entry of a mask.
 pub const FIRST: Parameter = Parameter {
     name: "first",
     kind: Kind::Integer { min: -128, max: 128 },
@@ -49,7 +49,7 @@ pub const FIRST: Parameter = Parameter {
     doc: "Index of the first entry.",
 };
 
-/// The alpha of the first U.
+/// The alpha of the first U, in radians.
 pub const ALPHA: Parameter = Parameter {
     name: "alpha",
     kind: Kind::Number { min: -1e6, max: 1e6 },
@@ -86,7 +86,7 @@ pub const DELTA: Parameter = Parameter {
           with split triangle 6).",
 };
 
-/// The alpha of the compensation, where it differs.
+/// The alpha of the compensation, if it differs.
 pub const COMPENSATION_ALPHA: Parameter = Parameter {
     name: "compensation_alpha",
     kind: Kind::Number { min: -1e6, max: 1e6 },
@@ -96,7 +96,7 @@ pub const COMPENSATION_ALPHA: Parameter = Parameter {
           on closed latitude lines is 2 pi / n. An alpha that points carry beats both.",
 };
 
-/// Into what the faces of a mesh are split.
+/// The tile into which the faces of a mesh are split.
 pub const SPLIT: Parameter = Parameter {
     name: "split",
     kind: Kind::Choice(&["quad", "triangle"]),
@@ -141,18 +141,18 @@ pub const PERTURBATION: Parameter = Parameter {
           meshes in words over U, C and P with split quad.",
 };
 
-/// Into what the faces of a mesh are split.
+/// Returns the tile into which the faces of a mesh are split.
 pub(super) fn tile(values: &Values) -> Tile {
     if values.choice("split") == Some("triangle") { Tile::Triangle } else { Tile::Quad }
 }
 
-/// Amplitude and decay, if a perturbation is given.
+/// Returns amplitude and decay of the perturbation, if one is given.
 pub(super) fn perturbation(values: &Values) -> Option<[f64; 2]> {
     let group = values.group("perturbation")?;
     Some([group.number("amplitude")?, group.number("decay")?])
 }
 
-/// Parameters of a plan given as a word.
+/// The parameters of a plan that is given as a word.
 pub const WORD_PARAMETERS: &[Parameter] =
     &[ALPHA, KERNEL, KERNEL_LONGITUDE, COMPENSATION, COMPENSATION_ALPHA, DELTA, LATITUDE_RULE, PERTURBATION, SPLIT, MU];
 
@@ -166,7 +166,7 @@ pub const KERNEL_LONGITUDE: Parameter = Parameter {
           with latitude tags only.",
 };
 
-/// What latitude tags do.
+/// The effect of latitude tags.
 pub const LATITUDE_RULE: Parameter = Parameter {
     name: "latitude_rule",
     kind: Kind::Choice(&["difference", "position", "isotropic"]),
@@ -177,7 +177,7 @@ pub const LATITUDE_RULE: Parameter = Parameter {
           alpha to 2 pi / n on closed lines of n vertices.",
 };
 
-/// What latitude tags do, as an operator needs it.
+/// Returns the rule for latitude tags.
 pub(super) fn latitude_rule(values: &Values) -> LatitudeRule {
     match values.choice("latitude_rule") {
         Some("position") => LatitudeRule::Position,
@@ -186,7 +186,7 @@ pub(super) fn latitude_rule(values: &Values) -> LatitudeRule {
     }
 }
 
-/// An expression, or 1 where there is none.
+/// Returns the expression of a parameter, or the constant 1 if it is not given.
 pub(super) fn expression(values: &Values, name: &str) -> Expression {
     values.expression(name).cloned().unwrap_or_else(|| Expression::constant(1.0))
 }

@@ -1,8 +1,8 @@
-//! Which points of a polygon were vertices before the last upsampling.
+//! Tells which points of a polygon are children of vertices of the last upsampling.
 
 use super::window::steps;
 
-/// Which control points are children of vertices.
+/// The position of the children of vertices among the control points.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Phase {
     /// Arity of the last U.
@@ -12,13 +12,14 @@ pub struct Phase {
 }
 
 impl Phase {
-    /// The index `j` of control point 0, counted so that vertices stand at the multiples of the arity.
+    /// Returns the index `j` of control point 0, counted so that children of vertices lie at the multiples of the
+    /// arity.
     pub(super) fn start(self) -> isize {
         let (d, offset) = (steps(self.arity), steps(self.offset));
         -((d - offset) % d)
     }
 
-    /// The phase when the first control point moves by so many steps.
+    /// Returns the phase after the first control point moved by `by` steps.
     pub(super) fn moved(self, by: i32) -> Self {
         let by = by.rem_euclid(self.arity.cast_signed()).unsigned_abs();
         Self { offset: (self.offset + by) % self.arity, ..self }

@@ -16,11 +16,10 @@ use crate::math::expression::Expression;
 use crate::math::parameter::Literal;
 use crate::shape::tile::Tile;
 
-/// Most levels of any plan.
-/// Sizes are refused long before for schemes that multiply points; a word without upsampling takes a level as one pass.
-/// Half and twice of it halve and double what such a word may cost.
+/// Maximum number of levels of a plan. Schemes that multiply points reach the size limits long before; for a word
+/// without upsampling, a level is one pass, and twice as many levels cost twice as much.
 pub const MAX_LEVELS: u32 = 64;
-/// What a client writes as a plan.
+/// A plan as a client writes it, unresolved.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct PlanInput {
     /// Name of a preset.
@@ -37,52 +36,52 @@ pub struct PlanInput {
     pub seed: u64,
 }
 
-/// What a plan is to be applied to.
+/// The properties of the input to which a plan is applied.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Subject {
-    /// Polygons or a mesh.
+    /// Whether it is a mesh rather than polygons.
     pub is_mesh: bool,
     /// Whether it has ends (an open polygon) or a boundary.
     pub is_open: bool,
-    /// What a D could not carry along, if anything.
+    /// The tags that D could not carry, if any.
     pub tags: Option<&'static str>,
-    /// What refers to single faces or vertices of the input, which a connectivity of its own could not carry along.
+    /// Data on single faces or vertices of the input that a scheme with its own connectivity could not carry, if any.
     pub attached: Option<&'static str>,
     /// Whether edges are sharp.
     pub creased: bool,
-    /// What a mesh carries that only words over U, C and P look at, if anything.
+    /// The data on a mesh that only words over U, C and P use, if any.
     pub carried: Option<Carried>,
-    /// What has a sharpness between smooth and infinitely sharp, if anything.
+    /// Items of a sharpness between smooth and infinitely sharp, if any.
     pub semi_sharp: Option<&'static str>,
-    /// Whose alpha its points have.
+    /// Where the alpha of points comes from.
     pub alpha: AlphaOf,
-    /// Number and size of the first face that is no triangle, if there is one.
+    /// Index and size of the first face that is not a triangle, if there is one.
     pub other_face: Option<(usize, usize)>,
 }
 
-/// Whose alpha points have.
+/// Where the alpha of points comes from.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum AlphaOf {
-    /// That of the plan, or of latitude lines, some of them at least.
+    /// At least some points have the alpha of the plan or of latitude lines.
     #[default]
     Plan,
-    /// All carry their own.
+    /// All points have their own alpha.
     Points,
 }
 
-/// What a mesh carries that only words over U, C and P look at.
+/// Data on a mesh that only words over U, C and P use.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Carried {
     /// Parameters of vertices.
     Parameters,
-    /// Tags of longitude lines alone.
+    /// Tags of longitude lines only.
     Longitude,
-    /// Tags of latitude lines, perhaps of longitude lines, too.
+    /// Tags of latitude lines, possibly with longitude lines.
     Latitude,
 }
 
 impl Carried {
-    /// Its name, for messages.
+    /// Returns the name of the data, for messages.
     pub fn name(self) -> &'static str {
         match self {
             Self::Parameters => "parameters of vertices",
@@ -96,18 +95,18 @@ impl Carried {
 pub struct Plan {
     /// The operators.
     pub word: Word,
-    /// Parameter spacing that enters the first U, radians.
+    /// The alpha that enters the first U, in radians.
     pub alpha: f64,
-    /// Parameter spacing of the compensation, where it differs: then latitude lines have it, too. Points that carry an
-    /// alpha of their own have that.
+    /// The alpha of the compensation in radians, if it differs; it also holds on latitude lines. Points with an alpha
+    /// of their own ignore it.
     pub compensation_alpha: Option<f64>,
-    /// Kernels of the first, second, ... average after a U, in alpha.
+    /// Kernels of the first, second, ... average after a U, as functions of alpha.
     pub kernel: Vec<Expression>,
     /// Weight of a vertex in averages of triangles.
     pub mu: f64,
-    /// Compensation function, in alpha.
+    /// Compensation, as a function of alpha.
     pub compensation: Expression,
-    /// Push-back factor, in valence.
+    /// Push-back factor, as a function of the valence.
     pub delta: Expression,
     /// Boundary rule of meshes.
     pub boundary: Boundary,
@@ -117,18 +116,18 @@ pub struct Plan {
     pub ends: Ends,
     /// Decaying perturbation, if any.
     pub perturbation: Option<Perturbation>,
-    /// What latitude and longitude tags do; `None` where they are not looked at.
+    /// The effect of latitude and longitude tags; `None` if they are not used.
     pub latitude: Option<Latitude>,
 }
 
-/// What latitude and longitude tags do.
+/// The effect of latitude and longitude tags.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Latitude {
-    /// What odd points of latitude lines follow.
+    /// The rule for odd points of latitude lines.
     pub rule: LatitudeRule,
-    /// Kernel along longitude lines, where it differs.
+    /// Kernel along longitude lines, if it differs.
     pub kernel_longitude: Option<Expression>,
-    /// Whether each closed line of n vertices has the alpha `2 pi / n`, as the plan does not give one.
+    /// Whether each closed line of n vertices has the alpha `2 pi / n`, because the plan does not give one.
     pub own_alpha: bool,
 }
 
@@ -143,24 +142,24 @@ pub struct Perturbation {
     pub seed: u64,
 }
 
-/// One operator with the numbers of its place in the plan.
+/// One operator with the values of its place in the plan.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Scheduled {
     /// The operator.
     pub letter: Letter,
     /// The level it belongs to: 0 for the prefix, then 1, 2, ...
     pub level: u32,
-    /// Parameter spacing that entered the last upsampling, radians.
+    /// The alpha that entered the last upsampling, in radians.
     pub alpha: f64,
-    /// Parameter spacing of the compensation at this step, radians.
+    /// The alpha of the compensation at this step, in radians.
     pub compensation_alpha: f64,
-    /// By what the upsamplings before divided alpha: the factor of the alphas that points carry.
+    /// The factor by which preceding upsamplings reduced alpha, applied to the alpha of single points.
     pub scale: f64,
-    /// Number of upsamplings before.
+    /// Number of preceding upsamplings.
     pub upsamplings: u32,
-    /// Whether it is an upsampling that a push-back follows before the next one.
+    /// Whether this is an upsampling that is followed by a push-back before the next upsampling.
     pub pushed_back: bool,
-    /// Whether it is the first average since an upsampling.
+    /// Whether this is the first average since an upsampling.
     pub first: bool,
     /// Value of the kernel.
     pub kernel: f64,
@@ -169,7 +168,7 @@ pub struct Scheduled {
 }
 
 impl Perturbation {
-    /// The perturbation at the upsampling after this many.
+    /// Returns the perturbation at the upsampling after `upsamplings` others.
     pub fn at(&self, upsamplings: u32) -> Noise {
         let amplitude = (0..upsamplings).fold(self.amplitude, |c, _| c * self.decay);
         Noise { amplitude, seed: self.seed, upsamplings }
@@ -177,7 +176,7 @@ impl Perturbation {
 }
 
 impl Plan {
-    /// The plan that does nothing, for conversions.
+    /// Returns the plan that does nothing, for conversions.
     pub fn none(boundary: Boundary, ends: Ends) -> Self {
         let one = Expression::constant(1.0);
         Self {
@@ -196,20 +195,20 @@ impl Plan {
         }
     }
 
-    /// The name of the operator that turns tangents along with points of the plane, if there is one; such a plan is not
-    /// linear.
+    /// Returns the name of the operator that turns tangents along with points of the plane, if there is one; such a
+    /// plan is not linear.
     pub fn turns_tangents(&self) -> Option<&'static str> {
         let mut all = self.word.prefix.iter().chain(&self.word.cycle).map(Letter::facts);
         all.find(|facts| facts.turns_tangents).map(|facts| facts.name)
     }
 
-    /// Whether it makes meshes smooth, applied often enough: with linear interpolation alone it does not.
+    /// Returns whether the plan smooths meshes; linear interpolation alone does not.
     pub fn smooths(&self) -> bool {
         self.word.prefix.iter().chain(&self.word.cycle).any(|letter| letter.facts().smooths)
     }
 
-    /// Whether it splits faces into quads and smooths so that regular pieces of its limit surface are bicubic, on each
-    /// level alike.
+    /// Returns whether the plan splits faces into quads and smooths them so that regular pieces of its limit surface
+    /// are bicubic, in the same way on each level.
     pub fn is_bicubic(&self) -> bool {
         let Word { prefix, cycle } = &self.word;
         let halves = |letter: &Letter| {
@@ -219,7 +218,7 @@ impl Plan {
         prefix.is_empty() && matches!(&cycle[..], [first, second] if halves(first) && second.facts().bicubic)
     }
 
-    /// The scheme of OpenSubdiv that it is on each level alike, if it is one.
+    /// Returns the scheme of OpenSubdiv that the plan equals on each level, if it is one.
     pub fn standard(&self) -> Option<Standard> {
         let Word { prefix, cycle } = &self.word;
         let is_plain = prefix.is_empty() && self.perturbation.is_none() && self.latitude.is_none();
@@ -232,18 +231,18 @@ impl Plan {
         let tile = if standard == Standard::Loop { Tile::Triangle } else { Tile::Quad };
         let settings = &first.settings;
         let halves = first.facts().role == Role::Upsample && settings.arity() == 2 && settings.tile() == tile;
-        // two upsamplings in a row are no scheme of its own
+        // two upsamplings in a row are not a scheme of OpenSubdiv
         let is_one = (standard == Standard::Bilinear) == (cycle.len() == 1);
         (halves && is_one).then_some(standard)
     }
 
-    /// Into what the faces of a mesh are split.
+    /// Returns the tile into which the faces of a mesh are split.
     pub fn tile(&self) -> Tile {
         let triangles = self.word.letters(1).any(|letter| letter.settings.tile() == Tile::Triangle);
         if triangles { Tile::Triangle } else { Tile::Quad }
     }
 
-    /// From what an upsampling computes the values of single points.
+    /// Returns the functions from which an upsampling computes the values of single points.
     pub fn sources(&self, step: &Scheduled) -> Option<Sources<'_>> {
         let kernel = self.kernel.first()?;
         let noise = self.perturbation.map(|perturbation| perturbation.at(step.upsamplings));

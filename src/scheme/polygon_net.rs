@@ -1,4 +1,4 @@
-//! A polygon as the operators see it: how many points, how its ends go on, which points are vertices of the last U.
+//! The state of a polygon as operators see it: its number of points, its ends, and the children of vertices.
 
 use std::sync::Arc;
 
@@ -16,28 +16,28 @@ use crate::shape::topology::index;
 /// The state of a polygon under refinement.
 #[derive(Debug, Clone)]
 pub struct PolygonNet {
-    /// Stored points.
+    /// Number of stored points.
     pub n: usize,
-    /// How it goes on.
+    /// How the polygon is extended beyond its stored points.
     pub extent: Extent,
     /// Number of D since the last U (or since the start).
     pub duals: u32,
     /// After a U of arity d: control point `i` is a vertex if `(i + offset) % d == 0`; `None` before any U.
     pub phase: Option<Phase>,
-    /// Control points that keep their place, ascending.
+    /// Corners, which keep their position, ascending.
     pub corners: Arc<[u32]>,
-    /// Control points whose tangents stay, ascending; only steps that turn tangents move them along.
+    /// Control points whose tangents stay fixed, ascending; only steps that turn tangents keep track of them.
     pub pinned: Arc<[u32]>,
-    /// What entered the last U.
+    /// The polygon that entered the last U.
     pub anchor: Option<PolygonAnchor>,
-    /// Parameters that control points carry.
+    /// The parameters of control points.
     pub attributes: Option<Arc<Attributes>>,
     /// Values of single points at the last U.
     pub local: Option<Arc<Local>>,
 }
 
 impl PolygonNet {
-    /// The net of a control polygon.
+    /// Creates the net of a control polygon.
     pub fn new(n: usize, closed: bool, ends: Ends, corners: &[u32]) -> Self {
         let extent = match (closed, ends) {
             (true, _) => Extent::Closed,
@@ -57,35 +57,35 @@ impl PolygonNet {
         }
     }
 
-    /// Whether the polygon is closed.
+    /// Returns whether the polygon is closed.
     pub fn is_closed(&self) -> bool {
         self.extent == Extent::Closed
     }
 
-    /// Number of control points: the stored ones less the two end points of [`Extent::Half`].
+    /// Returns the number of control points: the stored ones without the two end points of [`Extent::Half`].
     pub fn n_control(&self) -> usize {
         if self.extent == Extent::Half { self.n - 2 } else { self.n }
     }
 
-    /// Index of control point 0 among the stored points.
+    /// Returns the index of control point 0 among the stored points.
     pub fn first(&self) -> usize {
         usize::from(self.extent == Extent::Half)
     }
 
-    /// Whether control point `i` is a child of a vertex of the last U.
+    /// Returns whether control point `i` is a child of a vertex of the last U.
     pub fn is_vertex(&self, i: isize) -> bool {
         let on = |phase: Phase| (i + steps(phase.offset)).rem_euclid(steps(phase.arity)) == 0;
         self.phase.is_none_or(on)
     }
 
-    /// The net after an average that moved it by so many half steps: with natural ends points were lost.
+    /// Returns the net after an average that moved it by `by` half steps; with natural ends, points were lost.
     pub(super) fn shifted(self, by: u32) -> Self {
         let lost = self.extent == Extent::Natural;
         let anchor = self.anchor.map(|anchor| PolygonAnchor { lost: lost || anchor.lost, ..anchor });
         Self { duals: self.duals + by, anchor, ..self }
     }
 
-    /// The net as what enters an upsampling.
+    /// Returns the net as the anchor of an upsampling.
     pub(super) fn as_anchor(&self) -> PolygonAnchor {
         PolygonAnchor {
             n: self.n,
@@ -97,13 +97,14 @@ impl PolygonNet {
         }
     }
 
-    /// The labels after an upsampling of this net: vertices stand at the multiples of the arity.
+    /// Returns the phase after an upsampling of this net.
     pub(super) fn phase_after(&self, arity: u32) -> Phase {
         let start = Window::upsample(arity).land(self.n as u128, self.extent).start;
         Phase { arity, offset: 0 }.moved(start)
     }
 
-    /// Weight of control point `i` in the first average after a U: `f`, or the point's own kernel, at vertices, 1 else.
+    /// Returns the weight of control point `i` in the first average after a U: `f`, or the point's own kernel, at
+    /// vertices, else 1.
     pub(super) fn weight(&self, i: isize, f: f64, first: bool) -> f64 {
         if !self.is_vertex(i) {
             return 1.0;
@@ -113,29 +114,29 @@ impl PolygonNet {
         local.kernel[(i + phase.start()).div_euclid(d).rem_euclid(n).unsigned_abs()]
     }
 
-    /// Whether all its points but those near the ends have the same rules, those of single points (in the first average
-    /// after an upsampling and in push-backs) included.
+    /// Returns whether all points away from the ends have the same rules; values of single points matter in the first
+    /// average after an upsampling and in push-backs.
     pub(super) fn is_uniform(&self, first: bool) -> bool {
         self.corners.is_empty() && (self.local.is_none() || !first)
     }
 
-    /// After how many points the labels of the last upsampling repeat themselves.
+    /// Returns the period in points with which the labels of the last upsampling repeat.
     pub(super) fn period(&self) -> usize {
         self.phase.map_or(1, |phase| phase.arity as usize)
     }
 
-    /// Number of a control point that is within reach, cyclically where the polygon is closed.
+    /// Returns the index of a control point, modulo the number of control points.
     pub fn control(&self, i: isize) -> usize {
         i.rem_euclid(self.n_control().cast_signed()).unsigned_abs()
     }
 
-    /// Whether control point `i` keeps its place.
+    /// Returns whether control point `i` is a corner, which keeps its position.
     pub fn is_corner(&self, i: usize) -> bool {
         self.corners.binary_search(&index(i)).is_ok()
     }
 
-    /// The net after an operator with this window, and where its points come from. Labels, counts of D and the anchor
-    /// are left as they are.
+    /// Returns the net after an operator with this window, and the sources of its points. Labels, the number of D and
+    /// the anchor are left unchanged.
     pub(super) fn land(&self, window: Window) -> Result<(Self, Preimages), StepError> {
         let landing = window.land(self.n as u128, self.extent);
         let n = usize::try_from(landing.n).unwrap_or(usize::MAX);
@@ -155,10 +156,10 @@ impl PolygonNet {
         Ok((Self { n, extent: landing.extent, corners, phase, attributes, ..self.clone() }, preimages))
     }
 
-    /// Adds `weight x` control point `i` to a row, `i` taken beyond the ends by the extent's rule.
+    /// Adds `weight x` control point `i` to a row; beyond the ends, `i` is resolved by the extent's rule.
     ///
     /// # Panics
-    /// When `i` lies outside a polygon with natural ends.
+    /// If `i` lies outside a polygon with natural ends.
     pub fn add(&self, i: isize, weight: f64, rows: &mut Rows) {
         let n = self.n_control().cast_signed();
         let (mut i, mut weight) = (i, weight);
@@ -180,7 +181,7 @@ impl PolygonNet {
     }
 }
 
-/// The refusal of natural ends that leave too few points.
+/// Returns the error for natural ends that leave too few points.
 pub(super) fn too_few_points(n: usize) -> StepError {
     let found = format!("natural ends leave {n} points; at least 2 must remain");
     StepError::about(About::Ends, format!("{found}: give more points or use clamped ends"))

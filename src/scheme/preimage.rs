@@ -1,25 +1,25 @@
-//! Where the points of a polygon come from under an operator with a window.
+//! The old points from which an operator with a window makes the points of a polygon.
 
-/// Of what the stored points of a net are made.
+/// The sources of the stored points of a net.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Preimages {
     pub(super) n: usize,
-    /// The last stored point of the old net, when the two ends stay where they are.
+    /// The last stored point of the old net, if both ends keep their position.
     pub(super) ends: Option<usize>,
     pub(super) start: isize,
 }
 
-/// Of what one stored point is made.
+/// The source of one stored point.
 #[derive(Debug, Clone, Copy)]
 pub(super) enum Preimage {
-    /// It is this stored end point of the old net.
+    /// The stored end point of the old net with this index.
     End(usize),
-    /// It has this index `j` in the window.
+    /// The point with this index `j` in the window.
     Point(isize),
 }
 
 impl Preimages {
-    /// Of what the stored point of this row is made.
+    /// Returns the source of the stored point of a row.
     pub(super) fn of(&self, row: usize) -> Preimage {
         match self.ends {
             Some(_) if row == 0 => Preimage::End(0),

@@ -1,17 +1,16 @@
-//! Where schemes with a parameter have the smoothness they are known for, recognised by their masks.
+//! Recognises schemes with a parameter by their masks, and tells where they have the smoothness they are known for.
 
 use crate::math::mask::Mask;
 
-/// Entries that differ by less count as equal.
-/// It is 4,500 times the rounding of 1 and far below the digits with which ranges are known. Half and twice of it
-/// decide otherwise only within that of an end.
+/// Entries that differ by less count as equal. It is 4,500 times the rounding error of 1 and far below the precision
+/// with which the ranges are known; half or twice the value matters only that close to an end of a range.
 const SAME: f64 = 1e-12;
-/// Where the four-point scheme ceases to be C1: the real root of `32 w^3 + 4 w - 1`.
+/// The tension at which the four-point scheme ceases to be C1: the real root of `32 w^3 + 4 w - 1`.
 ///
 /// Source: Hechler, Moessner and Reif, Constructive Approximation 30 (2009).
 const FOUR_POINT_C1: f64 = 0.192_729_249_264_812;
 
-/// The scheme of a mask, where it is one of those known here.
+/// Returns the range of the scheme with this mask, if it is one of those known here.
 pub fn of(arity: u32, mask: &Mask) -> Option<Range> {
     match arity {
         2 => four_point(mask),
@@ -20,7 +19,7 @@ pub fn of(arity: u32, mask: &Mask) -> Option<Range> {
     }
 }
 
-/// A parameter of a known scheme, and where the scheme has the smoothness it is known for.
+/// A parameter of a known scheme, and the range in which the scheme has the smoothness it is known for.
 #[derive(Debug)]
 pub struct Range {
     scheme: &'static str,
@@ -28,26 +27,26 @@ pub struct Range {
     value: f64,
     least: f64,
     most: f64,
-    /// The range and what holds there, in words.
+    /// The range and what holds in it, in words.
     says: &'static str,
 }
 
 impl Range {
-    /// Whether the parameter lies in the range, its ends included.
+    /// Returns whether the parameter lies in the range, ends included.
     pub fn holds(&self) -> bool {
         self.least - SAME <= self.value && self.value <= self.most + SAME
     }
 
-    /// A sentence that names the range, where the parameter lies outside it.
+    /// Returns a sentence that names the range if the parameter lies outside it.
     pub fn warning(&self) -> Option<String> {
         let Self { scheme, parameter, says, .. } = self;
-        // the mask knows the value but for rounding
+        // the mask determines the value up to rounding
         let value = (self.value * 1e12).round() / 1e12;
         (!self.holds()).then(|| format!("{scheme}: {parameter} = {value} lies outside {says}"))
     }
 }
 
-/// Whether the mask is symmetric about 0 with these entries from the middle outwards.
+/// Returns whether the mask is symmetric about 0 with these entries from the middle outwards.
 fn is(mask: &Mask, entries: &[f64]) -> bool {
     let reach = i32::try_from(entries.len()).unwrap_or(0);
     let inside = mask.first > -reach && mask.last() < reach;

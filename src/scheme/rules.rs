@@ -1,19 +1,19 @@
-//! Rules that presets and plans choose for meshes.
+//! Rules for meshes that presets and plans choose.
 
 use super::sharpness::Creasing;
 
-/// What Catmull-Clark does at edges beside triangles.
+/// The rule of Catmull-Clark at edges of triangles.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum TriangleRule {
-    /// What it does everywhere.
+    /// The usual rule.
     #[default]
     Catmark,
-    /// Face points count more, so that triangles in a mesh of quads dent it less.
+    /// Face points of triangles have greater weight, so that triangles in a mesh of quads dent it less.
     Smooth,
 }
 
 impl TriangleRule {
-    /// Its name in requests.
+    /// Returns the name of the rule in requests.
     pub fn name(self) -> &'static str {
         match self {
             Self::Catmark => "catmark",
@@ -25,26 +25,26 @@ impl TriangleRule {
 /// Rules that a preset chooses for meshes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Rules {
-    /// How sharpness becomes less.
+    /// How sharpness decays.
     pub creasing: Creasing,
-    /// What happens beside triangles.
+    /// The rule at edges of triangles.
     pub triangles: TriangleRule,
 }
 
-/// What odd points of latitude lines follow.
+/// The rule for odd points of latitude lines.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum LatitudeRule {
-    /// Differences of their even neighbours.
+    /// They follow the displacements of their even neighbours.
     #[default]
     Difference,
-    /// Places of their even neighbours.
+    /// They follow the positions of their even neighbours.
     Position,
-    /// Nothing: the tags are not looked at.
+    /// The tags are ignored.
     Isotropic,
 }
 
 impl LatitudeRule {
-    /// Its name.
+    /// Returns the name of the rule in requests.
     pub fn name(self) -> &'static str {
         match self {
             Self::Difference => "difference",

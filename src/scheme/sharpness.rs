@@ -1,4 +1,4 @@
-//! Sharpness of edges and vertices, and how it becomes less from level to level.
+//! Sharpness of edges and vertices, and how it decays from level to level.
 
 use std::sync::Arc;
 
@@ -36,23 +36,23 @@ impl Creasing {
 pub struct Sharpness {
     edges: Sharp,
     vertices: Sharp,
-    /// Boundary vertices that stay while the sharp edges inside keep another one.
+    /// Boundary vertices that stay fixed while the sharp edges inside fix another one: the vertex, and that other one.
     following: Arc<[(u32, u32)]>,
-    /// Semi-sharp edges that end at a vertex and are not there: by vertex.
+    /// Sharpness of semi-sharp edges outside the net that end at one of its vertices, by vertex.
     elsewhere: Arc<[(u32, f64)]>,
 }
 
-/// How many edges of the input are still sharp after some levels, at most.
+/// Upper bounds of what is still sharp after some levels.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Remaining {
-    /// Edges.
+    /// Number of edges of the input.
     pub edges: u128,
-    /// Corners of faces at the ends of these edges.
+    /// Number of face corners at the ends of these edges.
     pub corners: u128,
 }
 
-/// Levels after which no semi-sharp edge is left.
-/// It is the largest finite sharpness, of which each level takes at least one; fewer would forget sharp edges.
+/// Number of levels after which no semi-sharp edge is left: the largest finite sharpness, which decays by at least one
+/// per level.
 const LAST: usize = 10;
 
 fn lookup(sharp: &Sharp, i: usize) -> f64 {
@@ -64,65 +64,66 @@ fn less(sharpness: f64) -> f64 {
 }
 
 impl Sharpness {
-    /// The sharpness of edges and vertices, both ascending and above 0; `None` when everything is smooth.
+    /// Creates the sharpness from edges and vertices, both ascending and above 0; `None` if everything is smooth.
     pub fn of(edges: &Sharp, vertices: &Sharp) -> Option<Self> {
         let any = !edges.is_empty() || !vertices.is_empty();
         any.then(|| Self { edges: edges.clone(), vertices: vertices.clone(), ..Self::default() })
     }
 
-    /// Adds vertices on the boundary that stay, fully or in part, while the sharp edges that end there keep another
-    /// such vertex.
+    /// Adds boundary vertices that stay fixed, fully or in part, while the sharp edges that end at another such vertex
+    /// fix that vertex.
     #[must_use]
     pub fn following(self, following: Vec<(u32, u32)>) -> Self {
         Self { following: following.into(), ..self }
     }
 
-    /// Adds semi-sharp edges that end at vertices and are not among the edges of the net, as those on the other side of
-    /// a seam: pairs of a vertex and a sharpness, by ascending vertex. They count under [`Creasing::Chaikin`], and for
-    /// vertices that follow others.
+    /// Adds semi-sharp edges outside the net that end at its vertices, such as those on the other side of a seam: pairs
+    /// of a vertex and a sharpness, by ascending vertex. They matter under [`Creasing::Chaikin`], and for vertices that
+    /// follow others.
     #[must_use]
     pub fn beside(self, elsewhere: Vec<(u32, f64)>) -> Self {
         Self { elsewhere: elsewhere.into(), ..self }
     }
 
-    /// Vertices that follow others: the vertex, then the other.
+    /// Returns the vertices that follow others, each with the other vertex.
     pub fn followers(&self) -> &[(u32, u32)] {
         &self.following
     }
 
-    /// Whether vertices follow no others, and no sharp edges beside the net count.
+    /// Returns whether the sharpness depends on the net alone: no vertex follows another, and no edges outside matter.
     pub fn is_of_the_net_alone(&self) -> bool {
         self.following.is_empty() && self.elsewhere.is_empty()
     }
 
-    /// Whether semi-sharp edges end at vertex `v` that are not among the edges of the net.
+    /// Returns whether semi-sharp edges outside the net end at vertex `v`.
     pub fn is_sharp_beside(&self, v: u32) -> bool {
         self.elsewhere.binary_search_by_key(&v, |&(v, _)| v).is_ok()
     }
 
-    /// Sharpness of edge `e`; boundary edges have none of their own.
+    /// Returns the sharpness of edge `e`; boundary edges have none of their own.
     pub fn edge(&self, e: usize) -> f64 {
         lookup(&self.edges, e)
     }
 
-    /// Sharpness of vertex `v`.
+    /// Returns the sharpness of vertex `v`.
     pub fn vertex(&self, v: usize) -> f64 {
         lookup(&self.vertices, v)
     }
 
-    /// All sharp edges, ascending.
+    /// Returns all sharp edges, ascending.
     pub fn edges(&self) -> &Sharp {
         &self.edges
     }
 
-    /// All sharp vertices that do not simply keep their place, ascending.
+    /// Returns all semi-sharp vertices, ascending.
     pub fn vertices(&self) -> &Sharp {
         &self.vertices
     }
 
-    /// The sharpness after a split of `topology`, whose edge `e` becomes the edges `2 e` (at its start) and `2 e + 1`.
+    /// Returns the sharpness after a split of `topology`, whose edge `e` becomes the edges `2 e` (at its start) and
+    /// `2 e + 1`.
     ///
-    /// Source: DeRose, Kass and Truong, SIGGRAPH 1998, 85-94; Chaikin's rule as OpenSubdiv 3.5 has it.
+    /// Source: DeRose, Kass and Truong, SIGGRAPH 1998, 85-94; Chaikin's rule as in OpenSubdiv 3.5.
     pub fn split(&self, topology: &Topology, creasing: Creasing) -> Option<Self> {
         let vertices = self.vertices.iter().map(|&(v, sharpness)| (v, less(sharpness)));
         let vertices = vertices.filter(|&(_, sharpness)| sharpness > 0.0).collect();
@@ -153,8 +154,8 @@ impl Sharpness {
         self.next(edges, vertices, elsewhere)
     }
 
-    /// The sharpness after a split whose edge `e` becomes the edges `d e`, `d e + 1`, ..., in order: what is infinitely
-    /// sharp stays so, the rest becomes less once.
+    /// Returns the sharpness after a split whose edge `e` becomes the edges `d e`, `d e + 1`, ..., in order: infinite
+    /// sharpness stays, any other decays once.
     pub fn pieces(&self, d: usize) -> Option<Self> {
         let vertices = self.vertices.iter().map(|&(v, sharpness)| (v, less(sharpness)));
         let pieces = |&(e, sharpness): &(u32, f64)| (0..d).map(move |at| (index(e as usize * d + at), less(sharpness)));
@@ -163,13 +164,13 @@ impl Sharpness {
         self.next(edges, vertices.filter(|&(_, sharpness)| sharpness > 0.0).collect(), Vec::new())
     }
 
-    /// What is left after a split: vertices keep their numbers, so that those that follow do so still.
+    /// Returns the sharpness after a split; vertices keep their indices, so that followers stay valid.
     fn next(&self, edges: Sharp, vertices: Sharp, elsewhere: Vec<(u32, f64)>) -> Option<Self> {
         let any = !edges.is_empty() || !vertices.is_empty() || !elsewhere.is_empty();
         any.then(|| Self { edges, vertices, following: self.following.clone(), elsewhere: elsewhere.into() })
     }
 
-    /// Both ends of every sharp edge, by vertex, then by edge.
+    /// Returns both ends of every sharp edge, by vertex, then by edge.
     fn ends(&self, topology: &Topology) -> Vec<End> {
         let ends = |&(e, sharpness): &(u32, f64)| {
             let [a, b] = topology.ends(e as usize);
@@ -180,7 +181,7 @@ impl Sharpness {
         ends
     }
 
-    /// How many edges are still sharp, at most, after 0, 1, ... levels; the last entry is for all that follow.
+    /// Returns upper bounds of what is still sharp after 0, 1, ... levels; the last entry holds for all later levels.
     pub fn remaining(&self, topology: &Topology, creasing: Creasing) -> [Remaining; LAST + 1] {
         let mut remaining = [Remaining::default(); LAST + 1];
         let finite = self.edges.iter().map(|&(_, s)| s).filter(|&s| s < INFINITE_SHARPNESS);
@@ -199,7 +200,7 @@ impl Sharpness {
     }
 }
 
-/// One end of a sharp edge, and the half of the edge that is there after a split.
+/// One end of a sharp edge, and the half of the edge at this end after a split.
 #[derive(Debug, Clone, Copy)]
 struct End {
     vertex: u32,
@@ -207,7 +208,7 @@ struct End {
     sharpness: f64,
 }
 
-/// Chaikin's rule for the halves around one vertex: the ends with the sharpness of their halves.
+/// Applies Chaikin's rule around one vertex; returns the ends with the sharpness of their halves.
 fn chaikin(around: &[End]) -> impl Iterator<Item = (End, f64)> + '_ {
     let semi_sharp = |end: &&End| end.sharpness < INFINITE_SHARPNESS;
     let (sum, n) = around.iter().filter(semi_sharp).fold((0.0, 0.0), |(sum, n), end| (sum + end.sharpness, n + 1.0));
@@ -222,7 +223,7 @@ fn chaikin(around: &[End]) -> impl Iterator<Item = (End, f64)> + '_ {
     })
 }
 
-/// The edges at vertex `v`, counter-clockwise; on the boundary from boundary to boundary.
+/// Returns the edges at vertex `v`, counter-clockwise; on the boundary from boundary edge to boundary edge.
 pub(super) fn edges_at(topology: &Topology, v: usize) -> impl Iterator<Item = u32> + '_ {
     let ring = topology.ring(v);
     ring.flat_map(|half_edge| {

@@ -1,4 +1,4 @@
-//! What one operator does to one net: the net that follows and the weights that lead to it.
+//! The result of applying one operator to a net: the next net and the action on its points.
 
 use std::fmt;
 use std::sync::Arc;
@@ -12,12 +12,12 @@ use crate::math::rows::RowSource;
 use crate::shape::topology::NONE;
 use crate::watch::{Stopped, Watch};
 
-/// The numbers an operator works with at one place of a plan.
+/// The values with which an operator is applied at one place of a plan.
 #[derive(Debug, Clone, Copy)]
 pub struct Values<'a> {
-    /// The values of the parameters of its letter.
+    /// The values of the letter's parameters.
     pub settings: &'a Settings,
-    /// Parameter spacing that entered the last upsampling, radians.
+    /// The alpha that entered the last upsampling, in radians.
     pub alpha: f64,
     /// Value of the kernel for this average.
     pub kernel: f64,
@@ -25,13 +25,13 @@ pub struct Values<'a> {
     pub mu: f64,
     /// Value of the compensation function.
     pub compensation: f64,
-    /// Push-back factor, an expression in the valence.
+    /// The push-back factor, an expression in the valence.
     pub delta: &'a Expression,
-    /// Whether it is the first average since the last upsampling.
+    /// Whether this is the first average since the last upsampling.
     pub first: bool,
-    /// What odd points of latitude lines follow.
+    /// The rule for odd points of latitude lines.
     pub latitude_rule: LatitudeRule,
-    /// From what upsamplings compute values of single points; `None` when all have the plan's.
+    /// The functions from which upsamplings compute the values of single points; `None` if all have those of the plan.
     pub sources: Option<Sources<'a>>,
 }
 
@@ -40,68 +40,68 @@ pub struct Values<'a> {
 pub struct Step<Net> {
     /// The net after the step.
     pub net: Net,
-    /// How its points come about.
+    /// The action on its points.
     pub action: Action,
 }
 
-/// How the points of a step come about.
+/// The action of a step on the points of a net.
 #[derive(Debug)]
 pub enum Action {
     /// `points <- rows x points`.
     Blend(Box<dyn RowSource>),
-    /// The points are remembered as the anchor, then blended.
+    /// The points become the anchor, then are blended by `points <- rows x points`.
     BlendFromAnchor(Box<dyn RowSource>),
-    /// `points <- points + rows x (anchor - children)`; `children[i]` is the point that came of anchor point `i`.
+    /// `points <- points + rows x (anchor - children)`; `children[i]` is the child of anchor point `i`.
     PushBack {
-        /// One row for each point, over the anchor's points.
+        /// One row for each point, over the points of the anchor.
         rows: Box<dyn RowSource>,
-        /// For each anchor point its child; [`NONE`] where a net was cut out of a closed
-        /// mesh and D lost it at the cut, so that the difference is not known.
+        /// The child of each anchor point; [`NONE`] where a net was cut out of a closed mesh and D lost the point at
+        /// the cut, so that the difference is unknown.
         children: Arc<[u32]>,
     },
-    /// Points and tangents are turned into the next ones, by a step that is not linear.
+    /// A nonlinear step maps points and tangents.
     Map(Box<dyn PointMap>),
-    /// One after another.
+    /// Several actions, one after another.
     Sequence(Vec<Action>),
 }
 
-/// What a new point is made of.
+/// The kind of a term of a new point.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Source {
     /// A point before the step.
     Point(u32),
     /// A point of the anchor.
     Anchor(u32),
-    /// A point that a net lost where it was cut out of a closed mesh: nothing is known of it.
+    /// A point that was lost where the net was cut out of a closed mesh, so that its position is unknown.
     Lost,
 }
 
-/// What an action is applied to: the points of a net, or rows of weights in their place.
+/// The operand of an action: the points of a net, or rows of weights that stand for them.
 pub trait Operand {
-    /// Why an action cannot be applied.
+    /// The error of an action that cannot be applied.
     type Error;
 
-    /// `points <- rows x points`; with `anchor` the points before become the anchor.
+    /// Sets `points <- rows x points`; if `anchor` is set, the points before become the anchor.
     ///
     /// # Errors
     /// Those of the operand.
     fn blend(&mut self, rows: &dyn RowSource, anchor: bool) -> Result<(), Self::Error>;
 
-    /// `points <- points + rows x (anchor - children)`, see [`Action::PushBack`].
+    /// Sets `points <- points + rows x (anchor - children)`, see [`Action::PushBack`].
     ///
     /// # Errors
     /// Those of the operand.
     fn push_back(&mut self, rows: &dyn RowSource, children: &[u32]) -> Result<(), Self::Error>;
 
-    /// Turns points and tangents into the next ones.
+    /// Maps points and tangents by a nonlinear step.
     ///
     /// # Errors
-    /// Those of the operand, among them that it has no coordinates.
+    /// Those of the operand; in particular if it has no coordinates.
     fn map(&mut self, map: &dyn PointMap) -> Result<(), Self::Error>;
 }
 
 impl Action {
-    /// Applies the action: the one place that tells what its variants mean.
+    /// Applies the action; this is the only place that defines the meaning of its variants.
     ///
     /// # Errors
     /// Those of the operand.
@@ -115,7 +115,7 @@ impl Action {
         }
     }
 
-    /// The rows of a blend.
+    /// Returns the rows of a blend, or `None` for other actions.
     pub fn rows(&self) -> Option<&dyn RowSource> {
         match self {
             Self::Blend(rows) | Self::BlendFromAnchor(rows) => Some(&**rows),
@@ -123,7 +123,7 @@ impl Action {
         }
     }
 
-    /// The rows of a linear step, whatever they are applied to; `None` where there is none or more than one table.
+    /// Returns the rows of a blend or a push-back; `None` if there is not exactly one table.
     pub fn table(&self) -> Option<&dyn RowSource> {
         match self {
             Self::PushBack { rows, .. } => Some(&**rows),
@@ -131,13 +131,13 @@ impl Action {
         }
     }
 
-    /// Whether the points before the step become the anchor.
+    /// Returns whether the points before the step become the anchor.
     pub fn sets_anchor(&self) -> bool {
         matches!(self, Self::BlendFromAnchor(_))
     }
 
-    /// The weights with which a linear step with a table makes point number `point`, given the row of the point there:
-    /// what [`Points::act`](crate::refine::Points::act) computes for all points at once.
+    /// Calls `each` with the terms of point `point` and their weights in a linear step, given the point's row: the sum
+    /// that [`Points::act`](crate::refine::Points::act) computes for all points at once.
     pub fn weights(&self, point: u32, (indices, weights): (&[u32], &[f64]), mut each: impl FnMut(Source, f64)) {
         let entries = indices.iter().zip(weights);
         let Self::PushBack { children, .. } = self else {
@@ -152,9 +152,9 @@ impl Action {
     }
 }
 
-/// A step that is not linear: the one kind that sees coordinates, those of points in the plane and of their tangents.
+/// A nonlinear step on points of the plane and their tangents, the only kind of step that sees coordinates.
 pub trait PointMap: fmt::Debug + Send + Sync {
-    /// The next points and their unit tangents, from points and unit tangents, one for each.
+    /// Returns the next points and their unit tangents; there is one tangent per point.
     ///
     /// # Errors
     /// [`Stopped`] when the watch says so.

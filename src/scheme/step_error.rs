@@ -1,52 +1,51 @@
-//! Why an operator cannot be applied: a sentence, which stands where the operator or the rule does, and what it is
-//! about.
+//! The reason for which an operator cannot be applied: a sentence, and the part of the request that it concerns.
 
 use std::borrow::Cow;
 use std::fmt;
 
-/// Most points of the input that a sentence names.
-/// Half of it tells less of where to look; twice of it makes sentences twice as long.
+/// Maximum number of input points that a message names. Fewer would tell less of where to look; more would make
+/// messages too long.
 const MOST: usize = 8;
 
-/// Why an operator cannot be applied.
+/// The reason for which an operator cannot be applied.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[error("{about}{sentence}")]
 pub struct StepError {
-    /// What it is about.
+    /// The part of the request that the error concerns.
     pub about: About,
-    /// What is wrong, and what helps.
+    /// What is wrong, and the remedy.
     sentence: Cow<'static, str>,
 }
 
-/// What an error is about, so that others can point there.
+/// The part of a request that an error concerns.
 #[derive(Debug, Clone, PartialEq)]
 pub enum About {
-    /// The operators of the plan and what they are applied to.
+    /// The operators of the plan, or the net to which they are applied.
     Plan,
-    /// Faces that are to be split into triangles.
+    /// Faces that cannot be split into triangles.
     Triangles,
-    /// An upsampling that does not halve edges, or makes no quads.
+    /// An upsampling that does not halve edges, or does not make quads.
     Halves,
     /// The end rule of open polygons.
     Ends,
-    /// A value of a single point: the sentence goes on with it.
+    /// A value of a single point; the sentence continues with the value.
     Point {
-        /// Which value.
+        /// The name of the value.
         name: &'static str,
-        /// The point in the net of which it is a value.
+        /// The index of the point in the net.
         point: usize,
-        /// The points of the input that make it, or between which it lies, ascending, where they are known.
+        /// The input points that make the point, or between which it lies, ascending; empty if they are not known.
         from: Vec<u32>,
     },
 }
 
 impl StepError {
-    /// An error that is about the plan.
+    /// Creates an error that concerns the plan.
     pub fn new(sentence: impl Into<Cow<'static, str>>) -> Self {
         Self { about: About::Plan, sentence: sentence.into() }
     }
 
-    /// An error that is about something else than the plan.
+    /// Creates an error that concerns `about`.
     pub(super) fn about(about: About, sentence: impl Into<Cow<'static, str>>) -> Self {
         Self { about, sentence: sentence.into() }
     }

@@ -1,4 +1,4 @@
-//! The one way to take a step of a plan, on polygons and on meshes.
+//! Applies the steps of a plan to polygons and to meshes.
 
 use super::local::Sources;
 use super::mesh_net::MeshNet;
@@ -37,24 +37,24 @@ pub struct Stepper<'a> {
 }
 
 impl<'a> Stepper<'a> {
-    /// The stepper of a plan.
+    /// Creates the stepper of a plan.
     pub fn new(plan: &'a Plan) -> Self {
         Self { plan }
     }
 
-    /// The net after a scheduled step of the plan, and how its points come about.
+    /// Returns the net after a scheduled step of the plan, and the action on its points.
     ///
     /// # Errors
-    /// When the operator cannot be applied to this net.
+    /// If the operator cannot be applied to this net.
     pub fn next<N: Net>(self, net: &N, step: &Scheduled) -> Result<Step<N>, StepError> {
         self.next_from(net, step, self.plan.sources(step))
     }
 
-    /// Takes a step in which upsamplings compute the values of single points from `sources`; from none, all points have
-    /// the values of the plan.
+    /// Takes a step in which upsamplings compute the values of single points from `sources`; if that is `None`, all
+    /// points have the values of the plan.
     ///
     /// # Errors
-    /// When the operator cannot be applied to this net.
+    /// If the operator cannot be applied to this net.
     pub fn next_from<N: Net>(
         self,
         net: &N,

@@ -1,18 +1,18 @@
-//! What has to be known of a whole mesh to refine a part of it.
+//! Properties of a whole mesh that are needed to refine a part of it.
 
 use crate::shape::topology::Topology;
 
-/// Into how many pieces the faces of a part are split depends on all faces of the mesh.
+/// Properties of the whole mesh on which the split of a part depends.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub struct Surroundings {
     /// Whether all faces are quads.
     pub quads: bool,
-    /// Whether four faces are around each inner vertex, but for those between two faces.
+    /// Whether each interior vertex has valence 4, apart from those between two faces.
     pub regular: bool,
 }
 
 impl Surroundings {
-    /// Returns what a whole mesh has.
+    /// Returns the properties of a whole mesh.
     pub fn of(topology: &Topology) -> Self {
         let regular = |v: usize| {
             let n = topology.ring(v).take(5).count();
@@ -21,12 +21,12 @@ impl Surroundings {
         Self { quads: topology.is_quads(), regular: (0..topology.n_vertices()).all(regular) }
     }
 
-    /// After an upsampling into quads, which puts vertices in the middle of faces that are none.
+    /// Returns the properties after an upsampling into quads, which puts a vertex into the middle of every other face.
     pub(super) fn after_split(self) -> Self {
         Self { quads: true, regular: self.regular && self.quads }
     }
 
-    /// After a D, under which vertices and faces change places.
+    /// Returns the properties after a D, which exchanges vertices and faces.
     pub(super) fn after_dual(self) -> Self {
         Self { quads: self.regular, regular: self.quads }
     }

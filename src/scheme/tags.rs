@@ -1,23 +1,23 @@
-//! What a client marks on a mesh for its connectivity: corners, holes, and what happens at the boundary.
+//! The corners, holes and boundary rule of a mesh.
 
 use std::sync::Arc;
 
 use crate::shape::topology::{Topology, index};
 
-/// Boundary rule of meshes.
+/// The boundary rule of meshes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Boundary {
-    /// Boundary curves by the curve rule; vertices with one face keep their place.
+    /// Boundaries follow the curve rule; boundary vertices with one face keep their position.
     #[default]
     EdgeAndCorner,
-    /// Boundary curves by the curve rule.
+    /// Boundaries follow the curve rule.
     EdgeOnly,
     /// As `EdgeOnly`, and faces that touch the boundary are not shown.
     None,
 }
 
 impl Boundary {
-    /// Its name in requests.
+    /// Returns the name of the rule in requests.
     pub fn name(self) -> &'static str {
         match self {
             Self::EdgeAndCorner => "edge-and-corner",
@@ -30,20 +30,20 @@ impl Boundary {
 /// The tags of a net.
 #[derive(Debug, Clone)]
 pub struct Tags {
-    /// Vertices that keep their place, ascending; they are vertices of the base.
+    /// Corners, which keep their position, ascending; indices of vertices of the base.
     pub corners: Arc<[u32]>,
     /// Base faces that are not shown, ascending.
     pub holes: Arc<[u32]>,
-    /// Boundary rule.
+    /// The boundary rule.
     pub boundary: Boundary,
     /// Whether the boundary is where the net was cut out of a closed mesh, so that D loses no vertices there.
     pub cut: bool,
-    /// What the client tagged that D would lose, if anything.
+    /// The kind of tags that D would lose, if there are any.
     pub lost_by_dual: Option<&'static str>,
 }
 
 impl Tags {
-    /// The tags of a control mesh.
+    /// Creates the tags of a control mesh.
     pub(super) fn new(topology: &Topology, corners: &[u32], holes: &[u32], boundary: Boundary) -> Self {
         let holes = hidden(topology, holes, boundary);
         let lost_by_dual = if !corners.is_empty() {
@@ -56,30 +56,30 @@ impl Tags {
         Self { corners: fixed(topology, corners, boundary), holes, boundary, cut: false, lost_by_dual }
     }
 
-    /// Adds that something else was tagged, if it was.
+    /// Records that another kind of tags that D would lose is present, if `any`.
     pub(super) fn and(self, any: bool, what: &'static str) -> Self {
         Self { lost_by_dual: self.lost_by_dual.or(any.then_some(what)), ..self }
     }
 
-    /// After a D that made this topology.
+    /// Returns the tags after a D that made this topology.
     pub(super) fn after_dual(&self, topology: &Topology) -> Self {
         let corners = fixed(topology, &[], self.boundary);
         Self { corners, holes: Arc::default(), boundary: self.boundary, cut: self.cut, lost_by_dual: None }
     }
 
-    /// After a step with a connectivity of its own, which knows where the corners went; ascending.
+    /// Returns the tags after a step with a connectivity of its own; `corners` are its corners, ascending.
     pub(super) fn after_rebuild(&self, corners: Vec<u32>) -> Self {
         Self { corners: corners.into(), ..self.clone() }
     }
 
-    /// Whether vertex `v` keeps its place.
+    /// Returns whether vertex `v` is a corner, which keeps its position.
     #[inline]
     pub fn is_corner(&self, v: usize) -> bool {
         !self.corners.is_empty() && self.corners.binary_search(&index(v)).is_ok()
     }
 }
 
-/// Tagged corners and, where the boundary rule says so, boundary vertices with one face.
+/// Returns the tagged corners and, if the boundary rule demands it, boundary vertices with one face.
 fn fixed(topology: &Topology, corners: &[u32], boundary: Boundary) -> Arc<[u32]> {
     let mut fixed = corners.to_vec();
     if boundary == Boundary::EdgeAndCorner {
@@ -92,7 +92,7 @@ fn fixed(topology: &Topology, corners: &[u32], boundary: Boundary) -> Arc<[u32]>
     fixed.into()
 }
 
-/// Tagged holes and, where the boundary is not interpolated, faces that touch it.
+/// Returns the tagged holes and, if the boundary rule is `None`, faces that touch the boundary.
 fn hidden(topology: &Topology, holes: &[u32], boundary: Boundary) -> Arc<[u32]> {
     let mut hidden = holes.to_vec();
     if boundary == Boundary::None {

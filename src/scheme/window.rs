@@ -2,7 +2,7 @@
 
 use super::extent::Extent;
 
-/// Arity and reach of an operator: new point `j` is made of the old points `i` with `first <= j - d i <= last`.
+/// Arity and reach of an operator: new point `j` depends on the old points `i` with `first <= j - d i <= last`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Window {
     /// Arity d.
@@ -13,7 +13,7 @@ pub struct Window {
     pub last: i32,
 }
 
-/// An arity or a part of one as a signed number of steps.
+/// Converts an arity, or a part of one, to a signed number of steps.
 #[expect(clippy::cast_possible_wrap, reason = "arities are at most 8")]
 pub(crate) const fn steps(n: u32) -> isize {
     n as isize
@@ -22,35 +22,36 @@ pub(crate) const fn steps(n: u32) -> isize {
 /// A polygon after an operator.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Landing {
-    /// Stored points.
+    /// Number of stored points.
     pub n: u128,
-    /// How they go on.
+    /// How the polygon is extended beyond them.
     pub extent: Extent,
-    /// The `j` of the first control point.
+    /// The index `j` of the first control point.
     pub start: i32,
 }
 
 impl Window {
-    /// U of arity d.
+    /// Returns the window of U of arity d.
     pub const fn upsample(arity: u32) -> Self {
         let reach = arity.cast_signed() - 1;
         Self { arity, first: -reach, last: reach }
     }
 
-    /// The mean of `width` neighbours; of an even number the extra one stands after the point, or before it.
+    /// Returns the window of the mean of `width` neighbours; if that is even, the extra one follows or precedes the
+    /// point.
     pub const fn mean(width: u32, before: bool) -> Self {
         let spare = width.cast_signed() - 1;
         let back = if before { spare - spare / 2 } else { spare / 2 };
         Self { arity: 1, first: back - spare, last: back }
     }
 
-    /// Whether it moves points by half a step.
+    /// Returns whether the operator moves points by half a step.
     pub fn shifts(&self) -> bool {
         self.arity == 1 && (self.first + self.last) % 2 != 0
     }
 
-    /// The polygon of `n` stored points after the operator. With the centre of reflection at `c`, the new one lies at
-    /// `d c + (first + last) / 2`: on a point, or half a step before one.
+    /// Returns the polygon of `n` stored points after the operator. If the centre of reflection is at `c`, the new one
+    /// lies at `d c + (first + last) / 2`: on a point, or half a step before one.
     pub fn land(&self, n: u128, extent: Extent) -> Landing {
         let d = u128::from(self.arity);
         let width = u128::from(self.last.abs_diff(self.first));

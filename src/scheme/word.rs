@@ -7,19 +7,18 @@ use super::parameters::{ARITIES, ARITY};
 use crate::fault::did_you_mean;
 use crate::math::parameter::Value;
 
-/// Longest text of a word, bytes.
-/// It has room for [`MAX_LETTERS`] letters of four bytes. Half of it refuses long words written out; twice of it admits
-/// none that are not too long anyway, but for spelling.
+/// Maximum length of a word's text in bytes: [`MAX_LETTERS`] letters of four bytes each. Half as many would refuse long
+/// words written out; twice as many would admit only other spellings.
 pub const MAX_BYTES: usize = 256;
-/// Most letters of the prefix of a word, and of its cycle, after powers are written out.
-/// Each average is a pass over the mesh at every level, so that twice of it takes twice as long; half of it refuses
-/// words of more than 32 letters.
+/// Maximum number of letters of the prefix of a word, and of its cycle, after powers are written out. Each average is a
+/// pass over the mesh at every level, so that twice as many take twice as long; half as many would refuse words of more
+/// than 32 letters.
 pub const MAX_LETTERS: usize = 64;
-/// Deepest nesting of groups.
-/// Half of it refuses groups nested five deep; twice of it holds no more letters, and only uses more of the stack.
+/// Maximum nesting depth of groups. Half of it would refuse groups nested five deep; twice of it would use more of the
+/// stack for no more letters.
 pub const MAX_DEPTH: usize = 8;
 
-/// The operator of a letter.
+/// Returns the operator of a letter.
 pub fn lettered(letter: char) -> Option<&'static dyn Operator> {
     OPERATORS.iter().copied().find(|op| op.facts().letter == Some(letter))
 }
@@ -33,24 +32,24 @@ pub struct Word {
     pub cycle: Vec<Letter>,
 }
 
-/// Why a text is no word.
+/// The reason for which a text is not a word.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub enum WordError {
-    /// Nothing to apply.
+    /// The word is empty.
     #[error("the word is empty; write at least one operator ({known})", known = known())]
     Empty,
-    /// Longer than [`MAX_BYTES`].
+    /// The text is longer than [`MAX_BYTES`].
     #[error("the word has {0} bytes, at most {MAX_BYTES} are allowed; use powers such as (UC)^3")]
     TooLong(usize),
-    /// More than [`MAX_LETTERS`] once written out.
+    /// The word has more than [`MAX_LETTERS`] letters once written out.
     #[error(
         "the word has more than {MAX_LETTERS} letters once its powers are written out; ask for more levels instead"
     )]
     TooManyLetters,
-    /// Nested deeper than [`MAX_DEPTH`].
+    /// Groups are nested deeper than [`MAX_DEPTH`].
     #[error("groups are nested deeper than {MAX_DEPTH}; write them out")]
     TooDeep,
-    /// A letter that is no operator.
+    /// A letter is not an operator.
     #[error(
         "\"{letter}\" at character {at} is no operator; {meant}known are {known}",
         meant = meant(*letter), known = known()
@@ -58,15 +57,15 @@ pub enum WordError {
     UnknownLetter {
         /// The letter.
         letter: char,
-        /// Its place, from 1.
+        /// Its position, counted from 1.
         at: usize,
     },
-    /// Something else was expected.
+    /// A different character was expected.
     #[error("expected {expected} at character {at}")]
     Expected {
-        /// What would be right.
+        /// The expected text.
         expected: &'static str,
-        /// The place, from 1.
+        /// The position, counted from 1.
         at: usize,
     },
     /// An arity that no operator offers.
@@ -77,7 +76,7 @@ pub enum WordError {
     },
 }
 
-/// The letter in the other case, where that is an operator.
+/// Suggests the letter in the other case if that is an operator.
 fn meant(letter: char) -> String {
     let known: Vec<String> = OPERATORS.iter().filter_map(|op| op.facts().letter).map(String::from).collect();
     did_you_mean(&letter.to_string(), known.iter().map(String::as_str))
@@ -88,7 +87,7 @@ fn known() -> String {
 }
 
 impl Word {
-    /// Reads a word. Without a trailing group the whole word is the cycle.
+    /// Parses a word. Without a trailing group the whole word is the cycle.
     ///
     /// # Errors
     /// [`WordError`] naming the place.
@@ -108,12 +107,12 @@ impl Word {
         })
     }
 
-    /// The word with these letters repeated.
+    /// Creates the word that repeats these letters.
     pub fn cycle(cycle: Vec<Letter>) -> Self {
         Self { prefix: Vec::new(), cycle }
     }
 
-    /// All letters of the prefix and `levels` cycles, in time order.
+    /// Returns all letters of the prefix and of `levels` cycles, in order of application.
     pub fn letters(&self, levels: u32) -> impl Iterator<Item = Letter> + '_ {
         let cycles = (0..levels).flat_map(|_| self.cycle.iter());
         self.prefix.iter().chain(cycles).cloned()
@@ -134,7 +133,7 @@ impl Parser<'_> {
         WordError::Expected { expected, at: self.at + 1 }
     }
 
-    /// Items up to the end or a closing parenthesis; a group without a power is the cycle and must come last.
+    /// Parses items up to the end or a closing parenthesis; a group without a power is the cycle and must come last.
     fn items(&mut self, depth: usize) -> Result<(Vec<Letter>, Option<Vec<Letter>>), WordError> {
         if depth > MAX_DEPTH {
             return Err(WordError::TooDeep);

@@ -1,5 +1,5 @@
-//! What a mesh carries besides its shape: channels of numbers on its vertices or corners, and names
-//! on its faces.
+//! What a mesh carries besides its shape: channels on its vertices or corners, groups and materials of faces, and
+//! texture coordinates.
 
 use std::sync::Arc;
 
@@ -10,67 +10,67 @@ use super::seams::{Seams, SeamsInput, Uvs, UvsInput, joint};
 use super::topology::Topology;
 use crate::fault::{Fault, token, under};
 
-/// Most channels of a mesh.
+/// Maximum number of channels of a mesh.
 pub const MAX_CHANNELS: usize = 64;
 
-/// Most numbers that a vertex carries in one channel.
+/// Maximum number of values per vertex in one channel.
 pub const MAX_WIDTH: usize = 4;
 
-/// Most numbers that a vertex carries in all channels together.
+/// Maximum number of values per vertex in all channels together.
 pub const MAX_TOTAL_WIDTH: usize = 128;
 
-/// Longest name of a channel, bytes.
+/// Maximum length of a channel's name, in bytes.
 const MAX_NAME: usize = 48;
 
-/// The channel that formats know as the colour of a vertex: sRGB, 0 to 1, with or without alpha.
+/// The channel that file formats treat as the colour of a vertex: sRGB from 0 to 1, with or without alpha.
 pub const COLOR: &str = "color";
 
-/// Names of PLY properties that stand for something else.
+/// Names of PLY properties that have another meaning.
 const TAKEN: &[&str] =
     &["x", "y", "z", "nx", "ny", "nz", "s", "t", "red", "green", "blue", "alpha", "origin", "origin_dimension"];
 
-/// The attribute of glTF that tells origins, `_ORIGIN`, of whatever width.
+/// The glTF attribute that holds origins, `_ORIGIN`, reserved at any width.
 const ORIGIN: &str = "origin";
 
-/// Numbers on vertices, or on face corners, that are refined like positions.
+/// Values on vertices, or on face corners, that are refined like positions.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Channel<S = Seams> {
     /// The name: a letter, then letters, digits and underscores.
     pub name: String,
-    /// Numbers a vertex, 1 to 4.
+    /// Number of values per vertex, 1 to 4.
     pub width: usize,
-    /// `n x width`, vertex after vertex, or place after place where there are seams.
+    /// The values, `n x width`: vertex after vertex, or place after place if the channel has seams.
     pub values: Vec<f64>,
-    /// Where the values stand, if not one at each vertex.
+    /// The corners at which the values stand, if there is not one row per vertex.
     pub seams: Option<S>,
 }
 
 /// A channel as a client gives it, unchecked.
 pub type ChannelInput = Channel<SeamsInput>;
 
-/// Values at places of their own: texture coordinates, or a channel with seams.
+/// Values at places: texture coordinates, or a channel with seams.
 #[derive(Debug, Clone, Copy)]
 pub struct Places<'a> {
-    /// Numbers a place.
+    /// Number of values per place.
     pub width: usize,
     /// `n_places x width`.
     pub values: &'a [f64],
-    /// The places.
+    /// The places at which the values stand.
     pub seams: &'a Seams,
 }
 
 impl<S> Channel<S> {
-    /// Numbers of vertices, `n_vertices x width`.
+    /// A channel with one row of values per vertex, `n_vertices x width`.
     pub fn of_vertices(name: &str, width: usize, values: Vec<f64>) -> Self {
         Self { name: name.to_owned(), width, values, seams: None }
     }
 
-    /// Whether it is the colour of the vertices.
+    /// Returns whether the channel is the colour of the vertices.
     pub fn is_color(&self) -> bool {
         self.name == COLOR
     }
 
-    /// One name for each of its numbers: its own, or its own with `_0`, `_1`, ... behind it where there are several.
+    /// Returns one name per value: the channel's name, followed by `_0`, `_1`, ... if there are several values.
     pub fn number_names(&self) -> Vec<String> {
         if self.width == 1 {
             return vec![self.name.clone()];
@@ -79,7 +79,7 @@ impl<S> Channel<S> {
     }
 }
 
-/// What a client gives along with a mesh, unchecked.
+/// What a client gives with a mesh, unchecked.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct AttachmentsInput {
     /// Channels.
@@ -88,7 +88,7 @@ pub struct AttachmentsInput {
     pub groups: Vec<FaceSet>,
     /// Materials of faces.
     pub materials: Vec<FaceSet>,
-    /// How the first of these materials look.
+    /// The appearance of the first of these materials.
     pub looks: Vec<Look>,
     /// Texture coordinates.
     pub uvs: Option<UvsInput>,
@@ -103,15 +103,15 @@ pub struct Attachments {
     pub groups: Labels,
     /// Materials of faces.
     pub materials: Labels,
-    /// How each material looks; empty where nothing is said of any.
+    /// The appearance of each material; empty if none is given.
     pub looks: Vec<Look>,
     /// Texture coordinates.
     pub uvs: Option<Uvs>,
-    /// The mesh with a vertex for each place of all that has seams together, if anything has.
+    /// The topology with one vertex per place of all seams together; `None` if nothing has seams.
     pub unfolded: Option<Arc<Topology>>,
 }
 
-/// Nothing at all.
+/// The attachments of a mesh that carries nothing.
 static NONE: Attachments = Attachments {
     channels: Vec::new(),
     groups: Labels::NONE,
@@ -122,32 +122,32 @@ static NONE: Attachments = Attachments {
 };
 
 impl Attachments {
-    /// Nothing at all.
+    /// Returns the attachments of a mesh that carries nothing.
     pub fn none() -> &'static Self {
         &NONE
     }
 
-    /// Whether there is nothing.
+    /// Returns whether the mesh carries nothing.
     pub fn is_empty(&self) -> bool {
         self == Self::none()
     }
 
-    /// Whether faces have names.
+    /// Returns whether faces have groups or materials.
     pub fn names_faces(&self) -> bool {
         !self.groups.is_empty() || !self.materials.is_empty()
     }
 
-    /// Whether some faces have a name that others have not.
+    /// Returns whether faces differ in their groups or materials.
     pub fn tells_faces_apart(&self) -> bool {
         self.groups.differ() || self.materials.differ()
     }
 
-    /// The colour of the vertices, if there is one, and its number among the channels.
+    /// Returns the colour channel of the vertices, if there is one, with its index.
     pub fn color(&self) -> Option<(usize, &Channel)> {
         self.channels.iter().enumerate().find(|(_, channel)| channel.is_color())
     }
 
-    /// What has seams: texture coordinates, then channels.
+    /// Returns everything that has seams: texture coordinates, then channels.
     pub fn places(&self) -> impl Iterator<Item = Places<'_>> + Clone {
         let uvs = self.uvs.iter().map(|Uvs { values, seams }| Places { width: 2, values, seams });
         uvs.chain(self.channels.iter().filter_map(|Channel { width, values, seams, .. }| {
@@ -155,17 +155,17 @@ impl Attachments {
         }))
     }
 
-    /// How the faces of a material look, as far as that is said.
+    /// Returns the appearance of a material, with the defaults for whatever is not given.
     pub fn look(&self, material: Option<usize>) -> Look {
         material.and_then(|material| self.looks.get(material)).cloned().unwrap_or_default()
     }
 
-    /// Numbers that a vertex carries in all channels.
+    /// Returns the number of values per vertex in all channels.
     pub fn width(&self) -> usize {
         self.channels.iter().map(|channel| channel.width).sum()
     }
 
-    /// Checks what comes with a mesh that was given with `n_vertices` vertices.
+    /// Checks the attachments of a mesh that was given with `n_vertices` vertices.
     ///
     /// # Errors
     /// Every fault found, with a pointer below the mesh.
@@ -201,7 +201,7 @@ impl Attachments {
     }
 }
 
-/// The channel on the mesh that was checked, whose vertices may have been split.
+/// Transfers a channel to the checked mesh, whose vertices may have been split.
 fn of_parts(channel: ChannelInput, Checked { topology, split_from, turned }: &Checked) -> Result<Channel, Vec<Fault>> {
     let Channel { name, width, mut values, seams } = channel;
     if let Some(seams) = seams {
@@ -237,7 +237,7 @@ fn check_channels(channels: &[ChannelInput], n: usize) -> Vec<Fault> {
     faults
 }
 
-/// Why a channel cannot stand behind others on a mesh of `n` vertices, if so.
+/// Returns why a channel cannot follow the channels `before` on a mesh of `n` vertices, or `None` if it can.
 pub fn check_channel(channel: &ChannelInput, before: &[ChannelInput], n: usize) -> Option<String> {
     check_name(&channel.name)
         .or_else(|| check_clash(channel, before))

@@ -1,17 +1,17 @@
-//! Parameters that points carry along.
+//! Parameters of a scheme that vary from point to point.
 
 use crate::fault::Fault;
 
-/// Parameters that points carry: for each control point a number, where the parameter is given at all.
+/// Vertex parameters: one number per control point for each parameter that is given.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Attributes {
-    /// Parameter spacing, radians, before it is divided by the arities of the levels.
+    /// The parameter step, in radians, before it is divided by the arities of the levels.
     pub alpha: Option<Vec<f64>>,
-    /// Kernel.
+    /// The kernel value.
     pub kernel: Option<Vec<f64>>,
-    /// Compensation.
+    /// The compensation value.
     pub compensation: Option<Vec<f64>>,
-    /// Push-back factor.
+    /// The push-back factor.
     pub delta: Option<Vec<f64>>,
 }
 
@@ -26,7 +26,7 @@ impl Attributes {
         ]
     }
 
-    /// These parameters with other numbers: each array changed alike.
+    /// Returns the parameters with each array replaced by its image under `change`.
     #[must_use]
     pub fn changed(&self, change: impl Fn(&[f64]) -> Vec<f64>) -> Self {
         let change = |array: &Option<Vec<f64>>| array.as_deref().map(&change);
@@ -38,7 +38,7 @@ impl Attributes {
         }
     }
 
-    /// The numbers of the points after an upsampling: linear interpolation.
+    /// Returns the parameters of the points after an upsampling, by linear interpolation.
     #[must_use]
     pub fn upsampled(&self, arity: u32, closed: bool) -> Self {
         self.changed(|array| {
@@ -56,14 +56,14 @@ impl Attributes {
     }
 }
 
-/// The number `j / d` of the way along edge `e`.
+/// Returns the value at the fraction `j / d` of edge `e`.
 pub fn between(array: &[f64], e: usize, j: u32, d: u32) -> f64 {
     let next = array[(e + 1) % array.len()];
     (f64::from(d - j) * array[e] + f64::from(j) * next) / f64::from(d)
 }
 
 impl Attributes {
-    /// Checks that every array given has one number a point.
+    /// Checks that every given array has one finite number per point.
     ///
     /// # Errors
     /// Faults with pointers below the parameters.

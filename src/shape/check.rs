@@ -1,4 +1,4 @@
-//! Face lists, and checks of them.
+//! Face lists and their checks.
 
 use rayon::prelude::*;
 
@@ -67,7 +67,7 @@ impl FaceList {
         &self.vertices
     }
 
-    /// The same faces with other vertices at their corners.
+    /// Returns the same faces with other vertices at their corners, given face after face.
     pub(super) fn with_vertices(&self, vertices: Vec<u32>) -> Self {
         Self { starts: self.starts.clone(), vertices }
     }
@@ -77,20 +77,20 @@ impl FaceList {
     }
 }
 
-/// What to do with faces whose winding disagrees with their neighbours'.
+/// How to treat faces whose winding disagrees with that of their neighbours.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Winding {
-    /// They are a fault.
+    /// They are refused.
     #[default]
     Refuse,
-    /// They are turned to agree with the lowest face of their component.
+    /// They are reversed to agree with the lowest face of their component.
     Repair,
 }
 
-/// What to do with faces that are no manifold.
+/// How to treat faces that do not form a manifold.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum NonManifold {
-    /// They are a fault.
+    /// They are refused.
     #[default]
     Refuse,
     /// They are cut into manifold pieces.
@@ -99,8 +99,8 @@ pub enum NonManifold {
     SplitCrowded,
 }
 
-/// Turns faces so that neighbours run along their edges in opposite directions. Returns those that were turned. Faces
-/// that are cut later are turned as far as that can be done.
+/// Reverses faces so that neighbours run along their common edge in opposite directions, and returns the reversed
+/// faces. Under [`NonManifold::Split`], conflicts that remain are left for the cut.
 ///
 /// # Errors
 /// As [`Topology::of_faces`](super::topology::Topology::of_faces).
@@ -121,8 +121,8 @@ pub fn oriented(
     Ok(turned)
 }
 
-/// Reports the first of some faults, and how many there are. The others are not kept: their sentences would be longer
-/// than what they speak of.
+/// Reports the first of some faults, and the number of the others, which are not kept: their messages would be longer
+/// than the input.
 fn report(mut faults: impl Iterator<Item = Fault>) -> Result<(), Vec<Fault>> {
     let first: Vec<Fault> = faults.by_ref().take(MAX_REPORTED).collect();
     let more = faults.count();
@@ -136,7 +136,7 @@ fn report(mut faults: impl Iterator<Item = Fault>) -> Result<(), Vec<Fault>> {
     Err(faults)
 }
 
-/// Checks the vertices of each face by themselves; faces that are cut later may visit a vertex again.
+/// Checks the vertices of each face; a face that will be cut later may visit a vertex more than once.
 pub(super) fn check_faces(n_vertices: usize, faces: &FaceList, non_manifold: NonManifold) -> Result<(), Vec<Fault>> {
     let check = |f: usize| -> Option<Fault> {
         let face = faces.face(f);
@@ -172,10 +172,10 @@ pub(super) fn check_faces(n_vertices: usize, faces: &FaceList, non_manifold: Non
     report(wrong.into_iter().filter_map(|f| check(f as usize)))
 }
 
-/// One side of an edge: the edge as (lower vertex, higher vertex), then the corner.
+/// A side of a face: its edge as (lower vertex, higher vertex), then its half-edge.
 pub(super) type Side = ((u32, u32), u32);
 
-/// All sides, those of one edge next to each other, by ascending corner: sorted into the lower vertices, then at each.
+/// Returns all sides, grouped by edge and ascending by half-edge, by a bucket sort over the lower vertices.
 pub(super) fn sides(n_vertices: usize, faces: &FaceList) -> Vec<Side> {
     let all = || {
         (0..faces.len()).flat_map(|f| {
@@ -204,22 +204,22 @@ pub(super) fn sides(n_vertices: usize, faces: &FaceList) -> Vec<Side> {
     sides
 }
 
-/// The sides of each edge.
+/// Returns the sides of each edge as one slice.
 pub(super) fn groups(sides: &[Side]) -> impl Iterator<Item = &[Side]> {
     sides.chunk_by(|a, b| a.0 == b.0)
 }
 
-/// Whether a side runs from the lower vertex to the higher one.
+/// Returns whether a side runs from the lower vertex to the higher one.
 pub(super) fn forward(faces: &FaceList, side: &Side) -> bool {
     faces.vertices[side.1 as usize] == side.0.0
 }
 
-/// The face of a half-edge.
+/// Returns the face of a half-edge.
 pub(super) fn owner(faces: &FaceList, half_edge: u32) -> usize {
     faces.starts.partition_point(|&start| start <= half_edge) - 1
 }
 
-/// Checks that each edge has two faces at most.
+/// Checks that each edge has at most two faces.
 pub(super) fn check_edges(faces: &FaceList, sides: &[Side]) -> Result<(), Vec<Fault>> {
     let crowded = groups(sides).filter(|group| group.len() > 2).map(|group| {
         let ((a, b), half_edge) = group[2];
@@ -232,7 +232,7 @@ pub(super) fn check_edges(faces: &FaceList, sides: &[Side]) -> Result<(), Vec<Fa
     report(crowded)
 }
 
-/// Turns faces so that neighbours agree, or reports why they do not. Returns the faces turned.
+/// Reverses faces so that neighbours agree, or reports why they do not; returns the reversed faces.
 pub(super) fn orient(faces: &mut FaceList, sides: &[Side], winding: Winding) -> Result<Vec<u32>, Vec<Fault>> {
     let disagree = |group: &[Side]| group.len() == 2 && forward(faces, &group[0]) == forward(faces, &group[1]);
     let wrong: Vec<&[Side]> = groups(sides).filter(|group| disagree(group)).collect();
@@ -264,8 +264,8 @@ pub(super) fn orient(faces: &mut FaceList, sides: &[Side], winding: Winding) -> 
 /// A neighbouring face, whether it runs along the common edge in the same direction, and that edge.
 type Neighbour = (usize, bool, (u32, u32));
 
-/// The faces to turn so that all agree with the lowest face of their component, by a search over neighbours, and the
-/// first two neighbours that cannot agree.
+/// Returns the faces to reverse so that all agree with the lowest face of their component, found by a search over
+/// neighbours, and a fault for the first two neighbours that cannot agree.
 pub(super) fn turns(faces: &FaceList, sides: &[Side]) -> (Vec<u32>, Option<Fault>) {
     let mut neighbours: Vec<Vec<Neighbour>> = vec![Vec::new(); faces.len()];
     for group in groups(sides).filter(|group| group.len() == 2) {

@@ -1,17 +1,17 @@
-//! The topology of faces that pass the checks.
+//! Builds the topology of faces that pass the checks.
 
 use super::check::{FaceList, NonManifold, Side, Winding, check_edges, check_faces, groups, orient, sides};
 use super::topology::{Faces, NONE, Topology, index};
 use crate::fault::Fault;
 
-/// A topology with what was changed to get it.
+/// A topology, and how the input was changed to obtain it.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Checked {
     /// The topology of the faces.
     pub topology: Topology,
     /// For each vertex appended by splitting fans apart: the vertex it was split from.
     pub split_from: Vec<u32>,
-    /// Faces that were turned.
+    /// The faces that were reversed.
     pub turned: Vec<u32>,
 }
 
@@ -38,11 +38,11 @@ impl Topology {
         Ok(Checked { topology, split_from, turned })
     }
 
-    /// The topology of some of its faces, in this order, and for each vertex there the one that it is here; ascending,
-    /// but for those that are added where fans are split apart.
+    /// Returns the topology of some faces, in the given order, and the vertex of this topology for each of its
+    /// vertices; these are ascending except for vertices added by splitting fans apart.
     ///
     /// # Errors
-    /// None are known, as a part of an oriented manifold is one.
+    /// None are known, since a part of an oriented manifold is an oriented manifold.
     pub fn part(&self, faces: &[u32]) -> Result<(Self, Vec<u32>), Vec<Fault>> {
         let mut vertices: Vec<u32> = faces.iter().flat_map(|&f| self.face(f as usize)).copied().collect();
         vertices.sort_unstable();
@@ -55,7 +55,8 @@ impl Topology {
         Ok((topology, vertices))
     }
 
-    /// Finds each vertex's first corner; splits vertices with several fans. Returns the origins of the added vertices.
+    /// Finds the first half-edge of each vertex, and splits vertices with several fans; returns the origins of added
+    /// vertices.
     pub(super) fn part_fans(&mut self) -> Vec<u32> {
         let mut seen = vec![false; self.n_half_edges()];
         let mut split_from = Vec::new();
@@ -84,7 +85,8 @@ impl Topology {
         split_from
     }
 
-    /// The first corner, counter-clockwise, of the fan that holds `half_edge`: at the boundary, or `half_edge` itself.
+    /// Returns the first half-edge, counter-clockwise, of the fan of `half_edge`: at the boundary, or `half_edge`
+    /// itself.
     fn fan_start(&self, half_edge: u32) -> u32 {
         let mut at = half_edge;
         loop {
@@ -100,7 +102,7 @@ impl Topology {
     }
 }
 
-/// For each half-edge of a manifold the one on the other side of its edge, or [`NONE`].
+/// Returns the opposite half-edge of each half-edge of a manifold, or [`NONE`].
 fn opposites(n_half_edges: usize, sides: &[Side]) -> Vec<u32> {
     let mut opposite = vec![NONE; n_half_edges];
     for group in groups(sides).filter(|group| group.len() == 2) {
@@ -110,7 +112,7 @@ fn opposites(n_half_edges: usize, sides: &[Side]) -> Vec<u32> {
     opposite
 }
 
-/// The topology of checked faces whose half-edges have these opposite ones, but for [`Topology::part_fans`].
+/// Builds the topology of checked faces from their opposite half-edges, without the work of [`Topology::part_fans`].
 pub(super) fn connect(n_vertices: usize, faces: FaceList, opposite: &[u32]) -> Topology {
     let n_half_edges = faces.vertices.len();
     let mut edge_of = vec![NONE; n_half_edges];

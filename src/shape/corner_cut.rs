@@ -1,5 +1,5 @@
-//! The connectivity of Doo and Sabin: a vertex for each corner of a face, a face for each face, edge and vertex; in
-//! closed form and in parallel, but for the first step of an open mesh.
+//! The connectivity of Doo-Sabin subdivision: one vertex per face corner, and one face per face, edge and vertex, in
+//! closed form and in parallel, except for the first step of an open mesh.
 //!
 //! Order. Vertices: face by face, corner by corner; the first step of an open mesh appends for each boundary edge, in
 //! their order, a vertex near its start and one near its end, then the corners that stay. Faces: first one for each
@@ -14,7 +14,7 @@ use super::connect::Checked;
 use super::topology::{Faces, NONE, Topology, index};
 use crate::fault::Fault;
 
-/// Sizes below which a loop is not worth sharing.
+/// Loops shorter than this run on a single thread.
 const GRAIN: usize = 1024;
 
 impl Topology {
@@ -54,8 +54,8 @@ impl Topology {
         Self::of_faces(n, faces, Winding::Refuse).map(|Checked { topology, .. }| topology)
     }
 
-    /// What a first step puts in the place of the boundary vertex `v`: a corner that stays, or the two new vertices
-    /// beside it on the boundary, first the one before it.
+    /// Returns the vertices that replace the boundary vertex `v` in a first step: the fixed corner, or the two new
+    /// vertices next to it on the boundary, the preceding one first.
     pub fn cut_corners_first_at(&self, v: u32, fixed: &[u32]) -> Option<Vec<u32>> {
         let [onward, from] = self.boundary_edges(v as usize)?;
         let rim = BoundaryRank::of(self);
@@ -64,15 +64,15 @@ impl Topology {
         Some(corner.unwrap_or_else(|| vec![first + 2 * rim.rank(from) + 1, first + 2 * rim.rank(onward)]))
     }
 
-    /// The topology after a step of Doo and Sabin: each inner edge and each inner vertex gets a face. Vertices that no
-    /// face has are left out; inner vertices have at least 3 faces, boundary vertices at most 2.
+    /// Returns the topology after a step of Doo-Sabin subdivision, in which each inner edge and each inner vertex gets
+    /// a face. Vertices without faces are left out; inner vertices have at least 3 faces, boundary vertices at most 2.
     #[must_use]
     pub fn cut_corners(&self) -> Self {
         CornerCut::of(self).topology()
     }
 }
 
-/// Boundary edges, ascending.
+/// The boundary edges, ascending.
 #[derive(Debug)]
 struct BoundaryRank(Vec<u32>);
 
@@ -90,12 +90,13 @@ impl BoundaryRank {
     }
 }
 
-/// One step and the numbers of its parts.
+/// One step, with the numbering of its parts.
 struct CornerCut<'a> {
     old: &'a Topology,
-    /// Number of each edge's face among those of edges, where not all edges have one.
+    /// For each edge, the rank of its face among the edge faces; `None` if every edge has a face.
     rank: Option<Vec<u32>>,
-    /// First corner of each vertex's face, counted from the first corner of these faces, and their sum.
+    /// First half-edge of each vertex face, relative to the first half-edge of all vertex faces; the last entry is
+    /// their total.
     starts: Vec<u32>,
     n_edge_faces: usize,
 }
@@ -118,19 +119,19 @@ impl<'a> CornerCut<'a> {
         Self { old, rank, starts, n_edge_faces: old.n_edges() - n_boundary }
     }
 
-    /// First corner of the face of an inner edge.
+    /// Returns the first half-edge of the face of an inner edge.
     #[inline]
     fn edge_face(&self, e: u32) -> u32 {
         let rank = self.rank.as_ref().map_or(e, |rank| rank[e as usize]);
         index(self.old.n_half_edges()) + 4 * rank
     }
 
-    /// First corner of the faces of vertices.
+    /// Returns the first half-edge of the vertex faces.
     fn first_vertex_face(&self) -> u32 {
         index(self.old.n_half_edges() + 4 * self.n_edge_faces)
     }
 
-    /// The edge of the new net that crosses an inner edge at the end where an outgoing corner lies.
+    /// Returns the new edge that crosses an inner edge at the end where the half-edge `outgoing` starts.
     #[inline]
     fn crossing(&self, outgoing: u32) -> u32 {
         let e = self.old.edge(outgoing);
@@ -151,7 +152,7 @@ impl<'a> CornerCut<'a> {
         }
     }
 
-    /// Sizes of the faces: those of the old ones, 4 for each edge, the number of faces around each vertex.
+    /// Returns the sizes of the faces: those of the old faces, 4 per edge, and the number of faces around each vertex.
     fn faces(&self) -> Faces {
         let old = self.old;
         let quads = old.is_quads() && self.starts.windows(2).all(|pair| matches!(pair[1] - pair[0], 0 | 4));
@@ -171,7 +172,7 @@ impl<'a> CornerCut<'a> {
         Faces::Mixed { starts, owner }
     }
 
-    /// Vertex and edge at each corner.
+    /// Returns the vertex and the edge of each half-edge.
     fn corners(&self) -> (Vec<u32>, Vec<u32>) {
         let old = self.old;
         let n_c = index(old.n_half_edges());
@@ -186,7 +187,7 @@ impl<'a> CornerCut<'a> {
         let of_vertex = |v: usize| {
             let shown = self.starts[v + 1] > self.starts[v];
             let ring = shown.then(|| old.ring(v)).into_iter().flatten();
-            // the edge onward crosses the one to the predecessor, which is left by the next corner of the ring
+            // the edge to the next vertex crosses the edge before, which the next half-edge of the ring leaves
             ring.map(|half_edge| (half_edge, self.crossing(old.twin(old.previous(half_edge)))))
         };
         let of_vertices: Vec<(u32, u32)> =
@@ -200,7 +201,8 @@ impl<'a> CornerCut<'a> {
         rayon::join(|| vertices.collect(), || edges.collect())
     }
 
-    /// Corners on each edge: along the sides of the old faces, then across both ends of each inner edge.
+    /// Returns the half-edges of each edge: along the sides of the old faces, then across both ends of each inner
+    /// edge.
     fn edges(&self) -> Vec<[u32; 2]> {
         let old = self.old;
         let along = (0..index(old.n_half_edges())).into_par_iter().with_min_len(GRAIN).map(|half_edge| {
@@ -219,7 +221,7 @@ impl<'a> CornerCut<'a> {
         along.chain(across).collect()
     }
 
-    /// The corner of a vertex's face at the new vertex of an outgoing corner, or [`NONE`] on the boundary.
+    /// Returns the half-edge of the vertex face at the new vertex of `outgoing`, or [`NONE`] on the boundary.
     fn around(&self, outgoing: u32) -> u32 {
         let v = self.old.vertex(outgoing) as usize;
         if self.starts[v + 1] == self.starts[v] {
@@ -229,7 +231,8 @@ impl<'a> CornerCut<'a> {
         self.first_vertex_face() + self.starts[v] + index(place)
     }
 
-    /// First outgoing corner of each new vertex: in its face, or on the boundary over the edge between its two faces.
+    /// Returns the first outgoing half-edge of each new vertex: in its face, or on the boundary over the edge between
+    /// its faces.
     fn outgoing(&self) -> Vec<u32> {
         let old = self.old;
         let first = |half_edge: u32| {

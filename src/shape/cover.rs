@@ -1,4 +1,4 @@
-//! A look for the faces that have none: what a job says of all its faces.
+//! Gives the appearance that a job sets for all faces to the faces that have none.
 
 use super::attachments::AttachmentsInput;
 use super::labels::{FaceSet, MAX_LABELS};
@@ -9,8 +9,9 @@ use crate::fault::Fault;
 const NAME: &str = "material";
 
 impl AttachmentsInput {
-    /// Gives a look to the faces, of `n_faces`, that are in no material, which come into one of their own behind the
-    /// others, and to materials of which nothing but the name is said; tells whether there are such faces.
+    /// Applies a look to materials without one, and to the faces without material, which get a new material after the
+    /// others.
+    /// `n_faces` is the number of faces. Returns whether there are such faces.
     ///
     /// # Errors
     /// Numbers beyond 0 to 1, a picture without texture coordinates, and no room for a material, with pointers below
@@ -50,7 +51,7 @@ impl AttachmentsInput {
         Ok(true)
     }
 
-    /// A name that no material has.
+    /// Returns a name that no material has.
     fn free_name(&self) -> String {
         let is_free = |name: &String| self.materials.iter().all(|set| set.name != *name);
         let numbered = (2_usize..).map(|number| format!("{NAME}-{number}"));

@@ -6,16 +6,17 @@ use super::indices::MAX_REPORTED;
 use super::topology::{Topology, index};
 use crate::fault::Fault;
 
-/// Sharpness from which on an edge or vertex counts as infinitely sharp.
+/// The sharpness from which an edge or vertex counts as infinitely sharp.
 ///
 /// Source: OpenSubdiv 3.5, class `Sdc::Crease`.
 pub const INFINITE_SHARPNESS: f64 = 10.0;
 
-/// Sharpness of edges or vertices: index and value above 0, ascending; whatever is infinitely sharp has
+/// The sharpness of edges or vertices: index and value above 0, ascending by index; infinite sharpness is stored as
 /// [`INFINITE_SHARPNESS`].
 pub type Sharp = Vec<(u32, f64)>;
 
-/// What is sharp of a mesh, as a client tags it: ascending, above 0, [`INFINITE_SHARPNESS`] where it is infinite.
+/// The sharp edges and vertices of a mesh as a client tags them: ascending, values above 0, at most
+/// [`INFINITE_SHARPNESS`].
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Tags {
     /// Ends and sharpness of edges.
@@ -24,14 +25,14 @@ pub struct Tags {
     pub corners: Sharp,
 }
 
-/// The sharpness of what a client tags, with the place of its first tag.
+/// The sharpness of each tagged item, with the position of its first tag in the request.
 type Tagged<K> = BTreeMap<K, (usize, f64)>;
 
-/// Sharp edges as pairs of vertices, checked as far as that needs no faces.
+/// Sharp edges as pairs of vertices; whether the edges exist is not checked yet.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Pairs(Tagged<(u32, u32)>);
 
-/// The sharpness of a request as it is meant, or why it is none.
+/// Normalizes a sharpness of a request, or returns why it is invalid.
 fn sharpness(value: f64) -> Result<f64, String> {
     if value.is_finite() && value >= 0.0 {
         Ok(value.min(INFINITE_SHARPNESS) + 0.0)
@@ -49,8 +50,8 @@ fn vertex(v: u64, n: usize, place: &str, faults: &mut Vec<Fault>) -> Option<u32>
     found
 }
 
-/// Checks the sharpness of vertices or edges, which stand in the list `list`: `known` finds what a tag means, at this
-/// place, or adds faults, and names it.
+/// Checks the sharpness of vertices or edges in the list at `list`. `known` resolves a tag at a place to its key and
+/// name, or adds faults.
 fn check<T, K: Ord + Copy>(
     list: &str,
     tags: &[(T, f64)],
@@ -93,7 +94,7 @@ pub(super) fn check_corners(corners: &[(u64, f64)], n: usize, faults: &mut Vec<F
 }
 
 impl Pairs {
-    /// Checks the sharpness of edges, except whether the edges exist.
+    /// Checks the sharpness of edges, but not whether the edges exist.
     pub(super) fn check(creases: &[([u64; 2], f64)], n: usize, faults: &mut Vec<Fault>) -> Self {
         let known = |ends: &[u64; 2], place: &str, faults: &mut Vec<Fault>| {
             let [a, b] = [0, 1].map(|j| vertex(ends[j], n, &format!("{place}/edge/{j}"), faults));
@@ -103,10 +104,10 @@ impl Pairs {
         Self(check("/creases", creases, known, faults))
     }
 
-    /// The sharp edges of a topology. Boundary edges are infinitely sharp whatever their tag says, so they are left
+    /// Returns the sharp edges of a topology. Boundary edges are infinitely sharp whatever their tag, so they are left
     /// out.
     ///
-    /// `split_from` holds for each vertex from `n` on the one that it was split from.
+    /// `split_from` holds, for each vertex from `n` on, the vertex that it was split from.
     pub(super) fn edges(&self, topology: &Topology, n: usize, split_from: &[u32]) -> Result<Sharp, Vec<Fault>> {
         if self.0.is_empty() {
             return Ok(Vec::new());

@@ -1,13 +1,13 @@
-//! Faces that are no manifold, cut into pieces that are.
+//! Cuts faces that do not form a manifold into manifold pieces.
 //!
-//! The rule. Along each edge its faces are paired in the order of their numbers: each face with the first one before it
-//! that has no partner yet and runs along the edge in the other direction; no face with itself. What has no partner is
-//! a boundary. Then each vertex is split into one for each fan of faces that stay neighbours around it.
+//! The rule. The faces of each edge are paired in the order of their indices: each face with the first earlier one that
+//! is still unpaired and runs along the edge in the other direction, but never with itself. Unpaired sides become
+//! boundaries. Then each vertex is split into one vertex per fan of faces that stay connected around it.
 //!
-//! Faces that wind around an edge or a vertex may still meet themselves there. So where more than two sides join the
-//! same two vertices after the split, all of them become boundaries, and where a face visits a vertex again, so do its
-//! two sides at each later visit, and vertices are split again. Two sides that then join the same two vertices are
-//! paired. Then no two sides of different edges join the same two vertices: the faces by themselves tell the pieces.
+//! Faces that wind around an edge or a vertex may still meet themselves there. So if more than two sides join the same
+//! two vertices after the split, all of them become boundaries; if a face visits a vertex again, so do its two sides at
+//! each later visit; then vertices are split again. Two sides that afterwards join the same two vertices are paired. As
+//! a result, no two edges join the same two vertices, so the faces alone determine the pieces.
 
 use super::check::{FaceList, NonManifold, Side, Winding, check_faces, forward, groups, orient, owner, sides, turns};
 use super::connect::{Checked, connect};
@@ -16,8 +16,8 @@ use super::topology::{NONE, Topology, index};
 use crate::fault::Fault;
 
 impl Topology {
-    /// The topology of faces that need be no manifold, with what was cut. A manifold is given as
-    /// [`Topology::of_faces`] gives it, under [`NonManifold::Refuse`] nothing else is.
+    /// Builds the topology of faces that need not form a manifold, and records what was cut. For a manifold, and always
+    /// under [`NonManifold::Refuse`], the result is that of [`Topology::of_faces`].
     ///
     /// # Errors
     /// As [`Topology::of_faces`]; under [`NonManifold::Split`] those of faces of fewer than three vertices and of missing
@@ -44,8 +44,9 @@ impl Topology {
     }
 }
 
-/// Vertices that a cut may add for each face, and beyond that. Meshes that are wrong here and there take far less than
-/// one a face; with three, faces over the same few vertices take more memory than was booked for their text.
+/// Number of vertices that a cut may add per face, in addition to [`ADDED`]. Meshes with local defects need far less
+/// than one per face; with three, faces over the same few vertices would take more memory than is booked for their
+/// text.
 const ADDED_A_FACE: usize = 2;
 const ADDED: usize = 1000;
 
@@ -85,7 +86,7 @@ fn cut(n_vertices: usize, mut faces: FaceList, winding: Winding) -> Result<(Chec
     Ok((Checked { topology, split_from, turned }, repairs))
 }
 
-/// What keeps faces from being a manifold, kind by kind.
+/// Records why the faces do not form a manifold, by kind of defect.
 fn misfits(faces: &FaceList, sides: &[Side]) -> Vec<Repair> {
     let ends = |group: &[Side]| [group[0].0.0, group[0].0.1];
     let opposed = |group: &&[Side]| group.len() == 2 && forward(faces, &group[0]) == forward(faces, &group[1]);
@@ -101,16 +102,16 @@ fn misfits(faces: &FaceList, sides: &[Side]) -> Vec<Repair> {
     crowded.map(Repair::Crowded).into_iter().chain(opposed.map(Repair::Opposed)).chain(repeating).collect()
 }
 
-/// For each half-edge the one that it is paired with along its edge, or [`NONE`].
+/// Returns the half-edge that each half-edge is paired with along its edge, or [`NONE`].
 fn pairs(faces: &FaceList, sides: &[Side]) -> Vec<u32> {
     let mut opposite = vec![NONE; faces.n_half_edges()];
     for group in groups(sides) {
-        // the sides that wait for a partner, all of one direction, and how many of them have one
+        // the sides that wait for a partner, all in one direction, and how many of them have been paired
         let (mut waiting, mut taken): (Vec<&Side>, usize) = (Vec::new(), 0);
         for side in group {
             match waiting.get(taken) {
                 Some(first) if forward(faces, first) != forward(faces, side) => {
-                    // if the first is of the same face, so are all that wait
+                    // if the first waiting side is of the same face, so are all the others
                     if owner(faces, first.1) != owner(faces, side.1) {
                         join(&mut opposite, first.1, side.1);
                         taken += 1;
@@ -128,7 +129,7 @@ fn join(opposite: &mut [u32], a: u32, b: u32) {
     opposite[b as usize] = a;
 }
 
-/// Pairs the two sides that join the same two vertices, which are split already. Whether there are such.
+/// Pairs the two unpaired sides that join the same two vertices after the split; returns whether there are any.
 fn rejoin(sides: &[Side], opposite: &mut [u32]) -> bool {
     let mut is_joined = false;
     for group in groups(sides) {
@@ -143,8 +144,8 @@ fn rejoin(sides: &[Side], opposite: &mut [u32]) -> bool {
     is_joined
 }
 
-/// Makes boundaries of the sides of faces, whose vertices are split already, that still meet themselves. Whether there
-/// are such.
+/// Turns the sides at which faces still meet themselves after the split into boundaries; returns whether there are
+/// any.
 fn part(faces: &FaceList, sides: &[Side], opposite: &mut [u32]) -> bool {
     let mut parted = Vec::new();
     for group in groups(sides).filter(|group| group.len() > 2) {

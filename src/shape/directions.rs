@@ -9,7 +9,7 @@ use crate::fault::Fault;
 /// The direction of an edge.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Default)]
 pub enum Direction {
-    /// None in particular.
+    /// No direction.
     #[default]
     Untagged,
     /// Along a latitude line: around the axis.
@@ -43,8 +43,8 @@ pub struct Line {
 }
 
 impl Directions {
-    /// Directions from tagged pairs of vertices; `None` when there are none. Of a vertex that was split into several
-    /// (`split_from`, from vertex `n` on) all parts are meant.
+    /// Builds directions from tagged pairs of vertices; `None` if there are no tags. A tag on a vertex that was split
+    /// (`split_from`, for vertices from `n` on) applies to all of its copies.
     ///
     /// # Errors
     /// Every fault, with a pointer below the mesh: vertices out of range, pairs that are no edge, edges of both
@@ -97,7 +97,7 @@ impl Directions {
         if faults.is_empty() { Ok(Some(Self(directions))) } else { Err(faults) }
     }
 
-    /// Takes the directions of edges in the order of their numbers.
+    /// Creates directions from those of all edges, in order.
     pub fn of_edges(directions: Vec<Direction>) -> Self {
         Self(directions)
     }
@@ -108,7 +108,7 @@ impl Directions {
         self.0[e as usize]
     }
 
-    /// Whether some edge runs along a latitude line.
+    /// Returns whether any edge runs along a latitude line.
     pub fn any_latitude(&self) -> bool {
         self.0.contains(&Direction::Latitude)
     }
@@ -118,8 +118,8 @@ impl Directions {
         (0..index(self.0.len())).filter(|&e| self.of(e) == direction).collect()
     }
 
-    /// The directions after an upsampling of arity 2: halves inherit; the edge from the point of a longitude edge to
-    /// the face point is a latitude edge, and the other way round.
+    /// Returns the directions after an upsampling of arity 2: both halves of an edge inherit its direction; the edge
+    /// from the edge point of a longitude edge to the face point is a latitude edge, and vice versa.
     ///
     /// Source: Zhang and Wang 2002, section 3, rules (1) to (3).
     #[must_use]
@@ -133,7 +133,7 @@ impl Directions {
         Self(halves.chain(spokes).collect())
     }
 
-    /// For each vertex its two latitude edges, where there are exactly two.
+    /// Returns, for each vertex with exactly two latitude edges, these edges.
     pub fn latitude_pairs(&self, topology: &Topology) -> Vec<Option<[u32; 2]>> {
         let mut found = vec![(0, [NONE; 2]); topology.n_vertices()];
         for e in self.edges(Direction::Latitude) {
@@ -148,8 +148,8 @@ impl Directions {
         found.into_iter().map(|(count, pair)| (count == 2).then_some(pair)).collect()
     }
 
-    /// The latitude lines, each from its lowest edge on; vertices with another number of latitude edges than two end
-    /// them.
+    /// Returns the latitude lines, each found from its lowest edge; lines end at vertices whose number of latitude
+    /// edges is not two.
     pub fn lines(&self, topology: &Topology) -> Vec<Line> {
         let pairs = self.latitude_pairs(topology);
         let mut seen = vec![false; self.0.len()];
@@ -159,7 +159,7 @@ impl Directions {
             let [a, b] = topology.ends(next as usize);
             Some((next, if a == v { b } else { a }))
         };
-        // the vertices that follow edge `start` beyond its end `v`, and whether the walk came back to that edge
+        // the vertices beyond the end `v` of edge `start`, and whether the walk returned to that edge
         let walk = |seen: &mut [bool], start: u32, v: u32| {
             let (mut vertices, mut at) = (Vec::new(), (start, v));
             while let Some((edge, v)) = onward(at.0, at.1) {
@@ -180,7 +180,7 @@ impl Directions {
             let (mut after, closed) = walk(&mut seen, start, second);
             let mut before = Vec::new();
             if closed {
-                // the walk came back to the first vertex before it met the first edge again
+                // the walk reached the first vertex again before it met the first edge
                 after.pop();
             } else {
                 before = walk(&mut seen, start, first).0;

@@ -1,15 +1,15 @@
-//! Boundary edges that lie where others do: what files that double vertices leave of a closed surface.
+//! Finds coincident boundary edges, which files with duplicated vertices leave in a closed surface.
 
 use super::mesh::Mesh;
 use super::repairs::{Edges, Repair};
 use super::topology::index;
 
-/// The places of the two ends of an edge as bits, the lower first.
+/// The positions of the two ends of an edge as bits, the lower first.
 type Place = [[u64; 3]; 2];
 
 impl Mesh {
-    /// The boundary edges that lie where others do, if there are any: the mesh is refined with gaps along them. Edges
-    /// that were cut apart here are none of them, as their ends were given as the same vertices.
+    /// Returns the boundary edges that coincide with others, if any; refinement opens gaps along them. Edges that were
+    /// cut apart on reading do not count, as their ends were given as the same vertices.
     pub fn doubled_boundary(&self) -> Option<Repair> {
         let topology = &self.topology;
         let place = |v: u32| self.positions.as_chunks::<3>().0[v as usize].map(|x| (x + 0.0).to_bits());

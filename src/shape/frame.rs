@@ -1,6 +1,6 @@
-//! What the coordinates of an input mean in the world: their unit of length, and which axis points up.
+//! The unit of length and the up axis of an input's coordinates.
 
-/// Unit of length of an input.
+/// The unit of length of an input.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Unit {
     /// Metres.
@@ -74,13 +74,13 @@ pub struct Frame {
 }
 
 impl Frame {
-    /// Whether it is metres with y up, of which files need not tell.
+    /// Returns whether the frame is the default, metres with y up, which files need not state.
     pub fn is_default(&self) -> bool {
         *self == Self::default()
     }
 
-    /// What files say about it in comments: unit and axis as they are named in requests, where they are not the
-    /// defaults.
+    /// Returns the comment lines that files carry about the frame: unit and axis, named as in requests, if they differ
+    /// from the defaults.
     pub fn remarks(&self) -> Vec<String> {
         let unit = (self.unit != Unit::default()).then(|| format!("unit {}", self.unit.name()));
         let up = (self.up != Up::default()).then(|| format!("up {}", self.up.name()));

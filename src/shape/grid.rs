@@ -1,10 +1,11 @@
 //! The documented order of a mesh that was split into quads: base vertices, then the points on base edges, then those
 //! inside base faces, each base face a grid. Independent of the order in which the splits were carried out.
 //!
-//! With `n` pieces an edge, the product of those of all splits (even where some face is no quad): an edge has `n - 1`
-//! inner points in the direction of its first appearance; a quad has `(n-1) x (n-1)`, row by row (origin at corner 0,
-//! first axis towards corner 1); any other face has its centre, then each spoke from the midpoint of edge 0, 1, ... to
-//! the centre, then the inside of the quad at corner 0, 1, ..., row by row. Faces stand by base face, row by row.
+//! With `n` pieces per edge, the product over all splits (even if some face is not a quad): an edge has `n - 1` inner
+//! points in the direction of its first appearance; a quad has `(n-1) x (n-1)`, row by row (origin at corner 0, first
+//! axis towards corner 1); any other face has its centre, then each spoke from the midpoint of edge 0, 1, ... to the
+//! centre, then the inside of the quad at corner 0, 1, ..., row by row. Faces are ordered by base face, then row by
+//! row.
 
 use std::ops::Range;
 use std::sync::Arc;
@@ -22,34 +23,34 @@ pub struct Grid {
     base: Arc<Topology>,
     /// The topology before the last split.
     parent: Arc<Topology>,
-    /// Pieces of an edge at each split.
+    /// Number of pieces per edge at each split.
     pieces: Arc<[u32]>,
-    /// Pieces of a base edge.
+    /// Number of pieces of a base edge.
     n: usize,
     /// Whether all splits have arity 2.
     is_binary: bool,
     /// Whether all base faces are quads.
     is_quads: bool,
-    /// First inner vertex of each base face, counted from the first inner vertex of all.
+    /// For each base face the offset of its first inner vertex, from the first inner vertex of all faces.
     inner: Vec<u32>,
 }
 
-/// A place inside a base face.
+/// A position inside a base face.
 #[derive(Debug, Clone, Copy)]
 enum FacePosition {
-    /// Of a quad: `(i, j)`, `0 <= i, j <= n`.
+    /// In a quad: `(i, j)`, `0 <= i, j <= n`.
     Quad(usize, usize),
-    /// Of the quad at one corner of another face: corner, `(i, j)`, `0 <= i, j <= n / 2`.
+    /// In the quad at one corner of another face: corner, `(i, j)`, `0 <= i, j <= n / 2`.
     Sector(usize, usize, usize),
-    /// On the spoke from the midpoint of an edge (0) to the centre (`n / 2`).
+    /// On the spoke from the midpoint of an edge (position 0) to the centre (position `n / 2`).
     Spoke(usize, usize),
-    /// The centre of a face that is no quad.
+    /// At the centre of a face that is not a quad.
     Centre,
 }
 
 impl Grid {
-    /// The order of `base` after splits with so many pieces an edge each, `parent` being the topology before the last
-    /// of them. Where some face of the base is no quad, the first split has 2 pieces an edge.
+    /// Returns the order of `base` after splits with `pieces` pieces per edge; `parent` is the topology before the last
+    /// split. If some base face is not a quad, the first split has 2 pieces per edge.
     ///
     /// With no split, which a base of quads may have, the order is that of the base.
     pub fn new(base: Arc<Topology>, parent: Arc<Topology>, pieces: Arc<[u32]>) -> Self {
@@ -60,13 +61,13 @@ impl Grid {
         Self { base, parent, pieces, n, is_binary, is_quads, inner }
     }
 
-    /// The order of another base with the same faces after the same splits.
+    /// Returns the order of another base with the same faces after the same splits.
     #[must_use]
     pub(super) fn over(&self, base: &Arc<Topology>) -> Self {
         Self::new(base.clone(), base.clone(), self.pieces.clone())
     }
 
-    /// Pieces of a base edge.
+    /// Number of pieces of a base edge.
     pub fn pieces(&self) -> usize {
         self.n
     }
@@ -75,7 +76,7 @@ impl Grid {
         self.n
     }
 
-    /// Pieces of half an edge, where there are faces that are no quads.
+    /// Number of pieces of half an edge; meaningful where a base face is not a quad.
     fn half(&self) -> usize {
         self.n / 2
     }
@@ -84,7 +85,7 @@ impl Grid {
         self.pieces.len()
     }
 
-    /// Faces of the base faces whose corners add up to this number: a quarter of a grid for each.
+    /// Returns the number of faces in base faces with `corners` corners in all: a quarter of a grid per corner.
     fn faces_of(&self, corners: usize) -> usize {
         corners * self.n * self.n / 4
     }
@@ -139,12 +140,12 @@ impl Grid {
         }
     }
 
-    /// The base face that face `f` came from.
+    /// Returns the base face that contains face `f`.
     pub fn base_face(&self, f: usize) -> usize {
         self.base.face_of(index(4 * f / (self.n * self.n)))
     }
 
-    /// The cell of the base in which vertex `v`, numbered in the documented order, arose.
+    /// Returns the base cell in which vertex `v`, indexed in the documented order, arose.
     pub fn origin(&self, v: usize) -> Origin {
         let on_edges = self.base.n_vertices();
         if v < on_edges {
@@ -156,12 +157,12 @@ impl Grid {
         Origin { dimension: 2, cell: index(self.face_around(v)) }
     }
 
-    /// First face of base face `f`.
+    /// Returns the first face of base face `f`.
     pub fn first_face(&self, f: usize) -> usize {
         self.faces_of(self.base.half_edges(f).start as usize)
     }
 
-    /// Point `at` (0 to n) on the side of a corner, counted from the corner.
+    /// Returns point `at` (0 to n) on the side that starts at `corner`, counted from the corner.
     fn on_side(&self, corner: u32, at: usize) -> u32 {
         let n = self.n();
         if at == 0 {
@@ -215,8 +216,8 @@ impl Grid {
         }
     }
 
-    /// The vertex at `[i, j]` of a patch, from 0 to its pieces in both directions: where all base faces are quads, of
-    /// that face, else of that face of the base's first split.
+    /// Returns the vertex at `[i, j]` of a patch, each from 0 to the pieces of its side. A patch is a base face if all
+    /// base faces are quads, else a face of the base's first split.
     pub fn patch_vertex(&self, patch: usize, [i, j]: [usize; 2]) -> u32 {
         if self.is_quads {
             return self.quad_vertex(patch, i, j);
@@ -230,7 +231,7 @@ impl Grid {
         }
     }
 
-    /// The number of vertex `v` in the order of construction (see [`Topology::split`]).
+    /// Returns the index of vertex `v` in the order of construction (see [`Topology::split`]).
     pub fn constructed(&self, v: usize) -> u32 {
         let on_edges = self.base.n_vertices();
         if v < on_edges {
@@ -249,7 +250,7 @@ impl Grid {
         self.constructed_in_face(f, v - self.first_inner() - self.inner[f] as usize)
     }
 
-    /// Calls `each` with the number of each vertex in `range` in the order of construction.
+    /// Calls `each` with the index in the order of construction of each vertex in `range`.
     pub fn each_constructed(&self, range: Range<usize>, mut each: impl FnMut(u32)) {
         let inside = self.first_inner();
         (range.start..range.end.min(inside)).for_each(|v| each(self.constructed(v)));
@@ -269,13 +270,14 @@ impl Grid {
         self.inner.partition_point(|&first| first <= inner) - 1
     }
 
-    /// The number of inner vertex `inner` of a base face.
+    /// Returns the constructed index of inner vertex `inner` of a base face.
     fn constructed_in_face(&self, f: usize, inner: usize) -> u32 {
         let place = self.place(f, inner);
         if self.is_binary { self.constructed_inside(f, place) } else { self.descended(f, place) }
     }
 
-    /// Inner point `at` of base edge `edge`: it arose as the middle of a piece of the edge.
+    /// Returns the constructed index of inner point `at` of a base edge, which arose as the midpoint of a piece of the
+    /// edge.
     fn constructed_on_edge(&self, edge: usize, at: usize) -> u32 {
         let level = self.splits() - at.trailing_zeros() as usize;
         let odd = at >> at.trailing_zeros();
@@ -283,7 +285,7 @@ impl Grid {
         index(self.vertices_at(level - 1) + edge * pieces + odd / 2)
     }
 
-    /// Number of vertices after `level` splits, from Euler's count of the base.
+    /// Returns the number of vertices after `level` splits, by counting cells from those of the base.
     fn vertices_at(&self, level: usize) -> usize {
         let (mut v, mut e, mut f) = (self.base.n_vertices(), self.base.n_edges(), self.base.n_faces());
         let mut corners = self.base.n_half_edges();
@@ -333,7 +335,8 @@ impl Grid {
         }
     }
 
-    /// The vertex at the origin of a parent's cell (`i`, `j` even), on its sides at the origin (one odd), or inside it.
+    /// Returns the vertex at the origin of a parent's cell (`i`, `j` even), on its sides at the origin (one odd), or
+    /// inside it.
     fn constructed_at(&self, cell: usize, i: usize, j: usize) -> u32 {
         let edge_points = index(self.parent.n_vertices());
         let origin = index(4 * cell);
@@ -345,7 +348,7 @@ impl Grid {
         }
     }
 
-    /// The first face of a base edge and the place there of the edge's inner point `at`.
+    /// Returns the first face of a base edge and the position in it of the edge's inner point `at`.
     fn beside(&self, edge: usize, at: usize) -> (usize, FacePosition) {
         let corner = self.base.halves(edge)[0];
         let f = self.base.face_of(corner);
@@ -360,7 +363,7 @@ impl Grid {
         }
     }
 
-    /// The number of a place of a base face after splits of any arity.
+    /// Returns the constructed index of a position in a base face after splits of any arity.
     fn descended(&self, f: usize, place: FacePosition) -> u32 {
         let (n, half, first) = (self.n, self.half(), self.base.half_edges(f).start as usize);
         let (pieces, n, face, place) = match place {
@@ -383,7 +386,7 @@ fn inner_vertices(size: usize, n: usize) -> usize {
     if size == 4 { (n - 1) * (n - 1) } else { 1 + size * (half - 1) + size * (half - 1) * (half - 1) }
 }
 
-/// Interleaves the bits of `i` (even places) and `j` (odd places): the number of a cell after repeated splits.
+/// Interleaves the bits of `i` (even positions) and `j` (odd positions): the index of a cell after repeated splits.
 fn morton(i: usize, j: usize) -> usize {
     fn spread(x: usize) -> usize {
         let x = x as u64;

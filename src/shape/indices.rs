@@ -2,11 +2,11 @@
 
 use crate::fault::Fault;
 
-/// Most faults of a kind reported one by one; the rest are counted, or left out.
+/// Maximum number of faults of a kind that are reported one by one; the others are counted or left out.
 pub(super) const MAX_REPORTED: usize = 20;
 
-/// Indices of points or faces, as `what` says, that a shape has so many of, ascending and each once. The list is at
-/// `place`.
+/// Checks a client's list of indices, given at `place`, against the number of points or faces (`what`) of a shape;
+/// returns them ascending and without repetition.
 pub(super) fn check_indices(
     place: &str,
     what: &str,

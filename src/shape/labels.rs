@@ -1,4 +1,4 @@
-//! Names on faces: groups and materials.
+//! Groups and materials of faces.
 
 use std::collections::BTreeSet;
 
@@ -6,28 +6,28 @@ use super::topology::{NONE, index};
 use crate::fault::Fault;
 use crate::fault::shortened;
 
-/// Most groups, and most materials, of a mesh.
+/// Maximum number of groups, and of materials, of a mesh.
 pub const MAX_LABELS: usize = 256;
 
-/// Longest name, bytes.
+/// Maximum length of a name, in bytes.
 pub const MAX_NAME: usize = 64;
 
-/// Some faces under one name, as a client gives them.
+/// A named set of faces, as a client gives it.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct FaceSet {
     /// The name.
     pub name: String,
-    /// Faces, counted from 0.
+    /// The faces, counted from 0.
     pub faces: Vec<u64>,
 }
 
-/// Names on faces, at most one a face.
+/// Named sets of faces; each face has at most one name.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct Labels {
     /// The names, in the order in which they were given.
     pub names: Vec<String>,
-    /// For each input face the number of its name, or [`NONE`]; empty where there is no name, or where all faces have
-    /// the one that there is, as those have that come of them under any scheme.
+    /// For each input face the index of its name, or [`NONE`]. Empty if there are no names, or if all faces have the
+    /// only name; then so do all faces of any refinement.
     pub of_faces: Vec<u32>,
 }
 
@@ -40,12 +40,12 @@ impl Labels {
         self.names.is_empty()
     }
 
-    /// Whether some faces have a name that others have not.
+    /// Returns whether faces differ in their names.
     pub fn differ(&self) -> bool {
         !self.of_faces.is_empty()
     }
 
-    /// The number of the name of input face `f`, if it has one.
+    /// Returns the index of the name of input face `f`, if it has one.
     pub fn number(&self, f: u32) -> Option<usize> {
         if !self.differ() {
             return (!self.is_empty()).then_some(0);
@@ -54,12 +54,12 @@ impl Labels {
         (label != NONE).then_some(label as usize)
     }
 
-    /// The name of input face `f`, if it has one.
+    /// Returns the name of input face `f`, if it has one.
     pub fn name(&self, f: u32) -> Option<&str> {
         self.number(f).map(|label| self.names[label].as_str())
     }
 
-    /// Bytes of all names.
+    /// Returns the total length of all names, in bytes.
     pub fn name_bytes(&self) -> usize {
         self.names.iter().map(String::len).sum()
     }
@@ -119,7 +119,7 @@ fn check_name(name: &str, again: bool) -> Option<String> {
     again.then(|| format!("the name \"{}\" is taken; list all its faces in one place", shortened(name)))
 }
 
-/// Input faces of one group and one material.
+/// The input faces of one group and one material.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct LabelledFaces {
     /// Number of the group, if any.
@@ -130,7 +130,8 @@ pub struct LabelledFaces {
     pub runs: Vec<std::ops::Range<u32>>,
 }
 
-/// The parts of a mesh with `n_faces` input faces, by first appearance; without names one part with all faces.
+/// Divides a mesh with `n_faces` input faces by group and material, in order of first appearance; without names there
+/// is one part with all faces.
 pub fn by_labels(groups: &Labels, materials: &Labels, n_faces: usize) -> Vec<LabelledFaces> {
     let mut parts: Vec<LabelledFaces> = Vec::new();
     let mut numbers = std::collections::BTreeMap::new();

@@ -1,21 +1,21 @@
-//! Lines of a grid: rows of vertices whose numbers are evenly spaced but for the two at the ends.
+//! Lines of a grid: rows of vertices whose indices are evenly spaced except at the two ends.
 
 use super::topology::index;
 
-/// The numbers of the `n + 1` vertices along a line of a grid.
+/// The indices of the `n + 1` vertices along a line of a grid.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Line {
     n: usize,
     first: u32,
     last: u32,
-    /// The number of the vertex after the first.
+    /// The index of the vertex after the first.
     second: u32,
-    /// How much is added from one to the next between the ends, modulo 2^32.
+    /// The increment between consecutive inner vertices, modulo 2^32.
     step: u32,
 }
 
 impl Line {
-    /// The line with `n` pieces whose vertices have these numbers by their place, 0 to `n`. Those at 1 to `n - 1` are
+    /// Creates a line with `n` pieces from the indices of its vertices 0 to `n`. Those of vertices 1 to `n - 1` are
     /// evenly spaced.
     pub(super) fn new(n: usize, vertex: impl Fn(usize) -> u32) -> Self {
         let second = if n > 1 { vertex(1) } else { 0 };
@@ -31,14 +31,14 @@ impl Line {
         }
     }
 
-    /// The vertex at a place that is neither the first nor the last.
+    /// Returns the vertex at a position other than the first and the last.
     fn between(&self, i: usize) -> u32 {
         self.second.wrapping_add(self.step.wrapping_mul(index(i - 1)))
     }
 }
 
-/// Writes the quads between a line and the next of `n` lines with `n` pieces each, row by row, from quad `first` on, as
-/// many as `out` holds. They start at the lower line, and are counter-clockwise.
+/// Fills `out` with quads, row by row from quad `first`: row `j` lies between lines `j` and `j + 1`, which have `n`
+/// pieces. Each quad starts at the lower line and is counter-clockwise.
 pub(super) fn quads(n: usize, first: usize, mut out: &mut [[u32; 4]], line: impl Fn(usize) -> Line) {
     let (mut j, mut from) = (first / n, first % n);
     let mut lower = line(j);
@@ -73,8 +73,8 @@ fn row_of_quads(lower: &Line, upper: &Line, from: usize, row: &mut [[u32; 4]]) {
     }
 }
 
-/// Writes the triangles between a line and the next of `n` lines, of which line `j` has `n - j` pieces, row by row,
-/// from triangle `first` of row `row` on, as many as `out` holds: upward and downward ones in turn.
+/// Fills `out` with triangles, row by row from triangle `first` of row `row`: row `j` lies between line `j`, which has
+/// `n - j` pieces, and the next. Upward and downward triangles alternate.
 pub(super) fn triangles(n: usize, [row, first]: [usize; 2], mut out: &mut [[u32; 3]], line: impl Fn(usize) -> Line) {
     let (mut j, mut from) = (row, first);
     let mut lower = line(j);
@@ -97,7 +97,7 @@ fn row_of_triangles(lower: &Line, upper: &Line, from: usize, row: &mut [[u32; 3]
         }
     };
     let to = from + row.len();
-    // pairs of an upward and a downward triangle with no vertex at an end of a line
+    // pairs of an upward and a downward triangle without a vertex at an end of a line
     let pairs = from.div_ceil(2).max(1)..(to / 2).min(upper.n.saturating_sub(1));
     if pairs.is_empty() {
         (from..to).zip(row).for_each(|(k, out)| *out = triangle(k));

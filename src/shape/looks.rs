@@ -1,17 +1,16 @@
-//! How materials look: the metallic-roughness model of glTF 2.0, as far as each says something.
+//! The appearance of materials: the part of the metallic-roughness model of glTF 2.0 that a client gives.
 
 use std::sync::Arc;
 
 use super::textures::{Image, Texture};
 use crate::fault::{Fault, under};
 
-/// What faces are shown as by formats with materials, where nothing is said: a calm blue, linear light, for
-/// [`Look::color`].
+/// The default [`Look::color`] in formats with materials: a calm blue, in linear light.
 pub const PLAIN: [f32; 4] = [0.3, 0.47, 0.65, 1.0];
-/// The same for [`Look::metallic`] and [`Look::roughness`]; both sides are seen.
+/// The default [`Look::metallic`] and [`Look::roughness`]; both sides are visible.
 pub const PLAIN_SURFACE: [f32; 2] = [0.0, 0.5];
 
-/// How the faces of a material look; what is left out is left to whoever shows it.
+/// The appearance of the faces of a material; what is `None` is left to the viewer.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Look {
     /// Red, green, blue and alpha, sRGB from 0 to 1; alpha is linear.
@@ -20,27 +19,27 @@ pub struct Look {
     pub metallic: Option<f64>,
     /// From 0, as a mirror, to 1, as chalk.
     pub roughness: Option<f64>,
-    /// Whether faces are seen from their inside, too.
+    /// Whether faces are visible from behind, too.
     pub double_sided: Option<bool>,
-    /// What alpha does; left out, what the alpha of the colour needs.
+    /// How alpha is used; if `None`, as the alpha of the colour requires.
     pub alpha: Option<Alpha>,
-    /// A picture that is multiplied with the colour.
+    /// A texture that is multiplied with the colour.
     pub texture: Option<Texture>,
 }
 
-/// What alpha does.
+/// How alpha is used.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Alpha {
-    /// Nothing: all is opaque.
+    /// Alpha is ignored: everything is opaque.
     Opaque,
-    /// What has at least this alpha is opaque, the rest is not there.
+    /// Points with at least this alpha are opaque, others invisible.
     Mask(f64),
-    /// It says how much hides what lies behind.
+    /// Alpha is the opacity with which the surface covers what lies behind.
     Blend,
 }
 
 impl Alpha {
-    /// Its name.
+    /// Returns the name of the mode in requests.
     pub fn name(self) -> &'static str {
         match self {
             Self::Opaque => "opaque",
@@ -51,21 +50,21 @@ impl Alpha {
 }
 
 impl Look {
-    /// Whether nothing is said.
+    /// Returns whether nothing is given.
     pub fn is_silent(&self) -> bool {
         *self == Self::default()
     }
 
-    /// What alpha does, said or not: faces whose colour lets something through are blended.
+    /// Returns how alpha is used; by default, faces with a translucent colour are blended.
     pub fn alpha(&self) -> Alpha {
         let is_opaque = self.color.is_none_or(|color| color[3] >= 1.0);
         self.alpha.unwrap_or(if is_opaque { Alpha::Opaque } else { Alpha::Blend })
     }
 
-    /// Checks all numbers; `has_uvs` says whether the mesh has texture coordinates.
+    /// Checks all values; `has_uvs` tells whether the mesh has texture coordinates.
     ///
     /// # Errors
-    /// Numbers beyond 0 to 1, and a picture that nothing says where to lay.
+    /// Values outside 0 to 1, and a texture on a mesh without texture coordinates.
     pub(super) fn check(&self, has_uvs: bool) -> Vec<Fault> {
         let Self { color, metallic, roughness, double_sided: _, alpha, texture } = self;
         let within = |place: String, x: f64| {
@@ -87,7 +86,7 @@ impl Look {
     }
 }
 
-/// The different pictures of some looks, in their order.
+/// Returns the distinct images of some looks, in order of first use.
 pub fn images(looks: &[Look]) -> Vec<&Arc<Image>> {
     let mut found: Vec<&Arc<Image>> = Vec::new();
     for texture in looks.iter().filter_map(|look| look.texture.as_ref()) {

@@ -17,76 +17,76 @@ use crate::fault::{Fault, under};
 /// A checked control mesh.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Mesh {
-    /// Coordinates, `n_vertices x 3`, model units.
+    /// Coordinates of the vertices, `n_vertices x 3`, in model units.
     pub positions: Vec<f64>,
-    /// Other positions of the same vertices, each `n_vertices x 3`, model units: frame 0 is `positions`, frame `k` the
-    /// entry `k - 1`.
+    /// Positions of the same vertices in other frames, each `n_vertices x 3`, in model units: frame 0 is `positions`,
+    /// frame `k` is entry `k - 1`.
     pub frames: Arc<[Vec<f64>]>,
-    /// Connectivity.
+    /// The connectivity of the faces.
     pub topology: Arc<Topology>,
-    /// Vertices that keep their place, ascending: those that are infinitely sharp.
+    /// Corners: infinitely sharp vertices, which keep their position; ascending.
     pub corners: Vec<u32>,
-    /// Sharpness of the other sharp vertices.
+    /// Sharpness of the semi-sharp vertices.
     pub semi_sharp_corners: Sharp,
     /// Sharpness of interior edges.
     pub creases: Sharp,
     /// Faces that are refined but not shown, ascending.
     pub holes: Vec<u32>,
-    /// Parameters that its vertices carry.
+    /// Vertex parameters.
     pub attributes: Option<Attributes>,
-    /// Directions of its edges along latitude and longitude lines.
+    /// Directions of the edges along latitude and longitude lines.
     pub directions: Option<Directions>,
     /// What the mesh carries besides its shape.
     pub attachments: Arc<Attachments>,
-    /// For each of its last vertices, which were not in the input: the vertex of the input it was split from.
+    /// For each of the last vertices, which were added by splitting: the vertex of the input that it was split from.
     pub split_from: Arc<[u32]>,
-    /// What was changed or is worth knowing.
+    /// The repairs of the mesh, and notes on it.
     pub repairs: Vec<Repair>,
 }
 
-/// What a client gives of a mesh, unchecked.
+/// A mesh as a client gives it, unchecked.
 #[derive(Debug, Clone, Default)]
 pub struct MeshInput {
     /// Positions of the vertices.
     pub positions: Vec<[f64; 3]>,
-    /// Other positions of the same vertices.
+    /// Positions of the same vertices in other frames.
     pub frames: Vec<Vec<[f64; 3]>>,
     /// Faces.
     pub faces: FaceList,
-    /// Vertex and sharpness.
+    /// Sharp vertices and their sharpness.
     pub corners: Vec<(u64, f64)>,
-    /// The ends of edges and their sharpness.
+    /// The ends of sharp edges, and their sharpness.
     pub creases: Vec<([u64; 2], f64)>,
     /// Faces that are refined but not shown.
     pub holes: Vec<u64>,
-    /// Parameters that vertices carry.
+    /// Vertex parameters.
     pub attributes: Option<Attributes>,
     /// The ends of edges along latitude lines.
     pub latitude: Vec<[u64; 2]>,
     /// The ends of edges along longitude lines.
     pub longitude: Vec<[u64; 2]>,
-    /// What to do with inconsistent winding.
+    /// How to treat inconsistent winding.
     pub winding: Winding,
-    /// What to do with faces that are no manifold.
+    /// How to treat faces that do not form a manifold.
     pub non_manifold: NonManifold,
     /// What the mesh carries besides its shape.
     pub attachments: AttachmentsInput,
-    /// What its reader says of it, in sentences.
+    /// Notes of the file reader, as sentences.
     pub notes: Vec<String>,
-    /// What was repaired before.
+    /// Repairs made before the check.
     pub repairs: Vec<Repair>,
 }
 
 impl Mesh {
-    /// What was changed or is worth knowing, in sentences.
+    /// Returns the repairs and notes as sentences.
     pub fn warnings(&self) -> Vec<String> {
         self.repairs.iter().map(Repair::to_string).collect()
     }
 
-    /// The mesh as it stands in one of its frames, without the others; as it is where no frame is named.
+    /// Returns the mesh at one of its frames, without the others; without a frame, the mesh itself.
     ///
     /// # Panics
-    /// When there is no such frame.
+    /// If there is no such frame.
     pub fn at_frame(&self, frame: Option<usize>) -> Cow<'_, Self> {
         let Some(frame) = frame.filter(|_| !self.frames.is_empty()) else { return Cow::Borrowed(self) };
         let mut alone = Self { frames: Arc::default(), ..self.clone() };
@@ -96,7 +96,7 @@ impl Mesh {
         Cow::Owned(alone)
     }
 
-    /// What is sharp of it.
+    /// Returns the sharp edges and vertices of the mesh.
     pub fn tags(&self) -> Tags {
         let creases = self.creases.iter().map(|&(e, sharpness)| (self.topology.ends(e as usize), sharpness));
         let fixed = self.corners.iter().map(|&v| (v, INFINITE_SHARPNESS));
@@ -145,7 +145,7 @@ impl Mesh {
             return Err(faults);
         }
         let coordinates = |points: Vec<[f64; 3]>| {
-            // room for all at once: lists that grow take three times their size
+            // reserves the memory at once, since growing lists take up to three times their size
             let mut all: Vec<f64> = Vec::with_capacity(3 * (points.len() + checked.split_from.len()));
             all.extend(points.into_iter().flatten().map(|x| x + 0.0));
             let parts = checked.split_from.iter().map(|&from| 3 * from as usize);
@@ -179,7 +179,7 @@ impl Mesh {
     }
 }
 
-/// The sharpness of vertices, of which those that were split have theirs in all parts, those from `n` on included.
+/// Extends the sharpness of vertices to the copies that were split from them, which have the indices from `n` on.
 fn on_all_parts(mut corners: Sharp, n: usize, split_from: &[u32]) -> Sharp {
     let known: BTreeMap<u32, f64> = corners.iter().copied().collect();
     let sharp = |(part, from)| known.get(from).map(|&sharpness| (index(part), sharpness));
@@ -187,7 +187,7 @@ fn on_all_parts(mut corners: Sharp, n: usize, split_from: &[u32]) -> Sharp {
     corners
 }
 
-/// One number a vertex; those of vertices that were split go on to all parts.
+/// Checks the vertex parameters and extends them to the copies of vertices that were split.
 fn check_attributes(attributes: &Attributes, n: usize, split_from: &[u32]) -> Result<Attributes, Vec<Fault>> {
     attributes.check(n).map_err(|faults| under("/parameters", faults))?;
     Ok(attributes.changed(|array| {
@@ -196,8 +196,8 @@ fn check_attributes(attributes: &Attributes, n: usize, split_from: &[u32]) -> Re
     }))
 }
 
-/// Most frames of a mesh: each takes some hundred bytes of a document that tells of them, and a target of its own in
-/// what shows them.
+/// Maximum number of frames of a mesh: each takes some hundred bytes of a document that describes it, and a morph
+/// target in viewers.
 pub const MAX_FRAMES: usize = 1024;
 
 fn check_frames(frames: &[Vec<[f64; 3]>], n: usize) -> Vec<Fault> {

@@ -1,4 +1,4 @@
-//! Shapes: polygons and meshes as they are given, and the flat topology that operators read.
+//! Shapes: polygons and meshes as clients give them, and the flat topology that operators read.
 
 pub mod attachments;
 pub mod attributes;

@@ -1,25 +1,25 @@
-//! Numbers that the vertices, edges and faces of a part of a net have in the whole net, level after level.
+//! The indices of a part's vertices, edges and faces in the whole net, level after level.
 
 use super::split::ROW_BY_ROW;
 use super::topology::Topology;
 
-/// For the vertices, edges and faces of a net that is part of a larger one their numbers there, modulo 2^64.
+/// The indices that the vertices, edges and faces of a part of a net have in the whole net, modulo 2^64.
 ///
-/// Perturbations go by these numbers. Those after an upsampling of arity 2 follow in closed form, as
-/// [`Topology::split`] numbers: with `V`, `E`, `F`, `C` vertices, edges, faces and corners of the whole net, vertex v
-/// stays v, edge e makes vertex `V + e` and the edges `2 e`, `2 e + 1` in its direction, face f makes vertex
-/// `V + E + f`, corner c makes edge `2 E + c` and a face. So a part can be followed through levels whose whole nets
-/// nobody could make; where their numbers go beyond 64 bits the definition is only continued.
+/// Perturbations are seeded by these indices. After an upsampling of arity 2 they follow in closed form, as in
+/// [`Topology::split`]: with `V`, `E`, `F`, `C` the numbers of vertices, edges, faces and corners of the whole net,
+/// vertex v remains v, edge e makes vertex `V + e` and the edges `2 e`, `2 e + 1` in its direction, face f makes vertex
+/// `V + E + f`, and corner c makes edge `2 E + c` and a face. So a part can be followed through levels at which the
+/// whole net would be too large; beyond 64 bits the indices wrap around.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Numbering {
     whole: Counts,
     vertices: Vec<u64>,
     faces: Vec<Face>,
-    /// For each corner the edge to the next of its face.
+    /// For each half-edge its edge in the whole net.
     sides: Vec<Side>,
 }
 
-/// Counts of the whole net.
+/// Numbers of cells of the whole net.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 struct Counts {
     vertices: u64,
@@ -31,21 +31,21 @@ struct Counts {
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 struct Face {
     number: u64,
-    /// The number of its first corner in the whole net.
+    /// The index of the face's first half-edge in the whole net.
     start: u64,
-    /// Which of its corners there is the first one here.
+    /// The position in the whole net's face of the half-edge that is the first one here.
     turn: u32,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 struct Side {
     edge: u64,
-    /// Whether it runs in the edge's direction in the whole net.
+    /// Whether the side runs in the direction that the edge has in the whole net.
     forward: bool,
 }
 
 impl Numbering {
-    /// The numbers of a whole net.
+    /// Returns the numbering of a whole net.
     pub fn of(topology: &Topology) -> Self {
         let whole = Counts {
             vertices: topology.n_vertices() as u64,
@@ -63,23 +63,23 @@ impl Numbering {
         Self { whole, vertices: (0..whole.vertices).collect(), faces: faces.map(face).collect(), sides }
     }
 
-    /// The number of vertex `v`.
+    /// Returns the index of vertex `v` in the whole net.
     pub fn vertex(&self, v: usize) -> u64 {
         self.vertices[v]
     }
 
-    /// The number of edge `e` of the part, whose topology is given.
+    /// Returns the index in the whole net of edge `e` of the part, whose topology is given.
     pub fn edge(&self, topology: &Topology, e: usize) -> u64 {
         self.sides[topology.halves(e)[0] as usize].edge
     }
 
-    /// The number of face `f`.
+    /// Returns the index of face `f` in the whole net.
     pub fn face(&self, f: usize) -> u64 {
         self.faces[f].number
     }
 
-    /// Returns the numbering of a part of this part, whose topology is given: of these vertices, and of the faces
-    /// from these half-edges on.
+    /// Returns the numbering of a part of this part, whose topology is given: of the given vertices, and of the faces
+    /// that start at the given half-edges.
     #[must_use]
     pub fn part(&self, topology: &Topology, vertices: &[u32], corners: &[u32]) -> Self {
         let mut part = Self {
@@ -103,18 +103,18 @@ impl Numbering {
         part.with_vertices(self, vertices)
     }
 
-    /// This part with other vertices: each has its number in `of`.
+    /// Replaces the vertices by the given vertices of `of`.
     fn with_vertices(self, of: &Self, vertices: &[u32]) -> Self {
         Self { vertices: vertices.iter().map(|&v| of.vertices[v as usize]).collect(), ..self }
     }
 
-    /// Returns the numbering of a net with the same faces whose vertices are these vertices of the part.
+    /// Returns the numbering of a net with the same faces whose vertices are the given vertices of the part.
     #[must_use]
     pub fn with_origins(&self, origins: &[u32]) -> Self {
         self.clone().with_vertices(self, origins)
     }
 
-    /// Returns the numbering after an upsampling of arity 2 of the part, whose topology before that is given.
+    /// Returns the numbering after an upsampling of arity 2; `topology` is that of the part before it.
     #[must_use]
     pub fn split(&self, topology: &Topology) -> Self {
         let whole = self.whole;
@@ -152,7 +152,7 @@ impl Numbering {
                 };
                 let sides = [half(along, false), spoke(here, true), spoke(there, false), half(back, true)];
                 let is_quad = topology.half_edges(f).len() == 4;
-                // the quads of a quad keep its orientation, those of other faces start at their vertex
+                // the child quads of a quad keep its orientation, those of other faces start at their vertex
                 let first = if is_quad { half_edge - topology.half_edges(f).start } else { 0 };
                 split.sides.extend((0..4).map(|at| sides[((at + 4 - first) % 4) as usize]));
                 let (start, j) = here;
@@ -164,7 +164,7 @@ impl Numbering {
         split
     }
 
-    /// A corner of face `f` in the whole net: the first corner of the face, and how many follow up to this one.
+    /// Returns a corner of face `f` in the whole net: the first half-edge of the face, and the offset from it.
     fn corner(&self, topology: &Topology, f: usize, half_edge: u32) -> (u64, u32) {
         let (face, range) = (self.faces[f], topology.half_edges(f));
         (face.start, (half_edge - range.start + face.turn) % (range.end - range.start))

@@ -1,4 +1,4 @@
-//! The documented order of a split mesh, whatever the split.
+//! The documented order of a split mesh, for any kind of split.
 
 use std::ops::Range;
 use std::sync::Arc;
@@ -21,10 +21,11 @@ pub enum Order {
 }
 
 impl Order {
-    /// The order of `base` after splits with so many pieces an edge each, `parent` being the topology before the last.
+    /// Returns the order of `base` after splits with `pieces` pieces per edge; `parent` is the topology before the
+    /// last split.
     ///
     /// # Panics
-    /// When there is no split: then the order is that of the base.
+    /// If there is no split: then the order is that of the base.
     pub fn new(base: Arc<Topology>, parent: Arc<Topology>, tile: Tile, pieces: Arc<[u32]>) -> Self {
         match tile {
             Tile::Quad => Self::Quads(Grid::new(base, parent, pieces)),
@@ -32,7 +33,7 @@ impl Order {
         }
     }
 
-    /// The order of another base with the same faces after the same splits; of its construction it knows nothing.
+    /// Returns the order of another base with the same faces after the same splits, without an order of construction.
     #[must_use]
     pub fn over(&self, base: &Arc<Topology>) -> Self {
         match self {
@@ -57,7 +58,7 @@ impl Order {
         }
     }
 
-    /// Vertices of each face.
+    /// Number of vertices per face.
     pub fn face_size(&self) -> usize {
         match self {
             Self::Quads(_) => 4,
@@ -65,7 +66,7 @@ impl Order {
         }
     }
 
-    /// The base face that face `f` came from.
+    /// Returns the base face that contains face `f`.
     pub fn base_face(&self, f: usize) -> usize {
         match self {
             Self::Quads(grid) => grid.base_face(f),
@@ -73,7 +74,7 @@ impl Order {
         }
     }
 
-    /// The cell of the base in which vertex `v`, numbered in the documented order, arose.
+    /// Returns the base cell in which vertex `v`, indexed in the documented order, arose.
     pub fn origin(&self, v: usize) -> Origin {
         match self {
             Self::Quads(grid) => grid.origin(v),
@@ -112,7 +113,7 @@ impl Order {
         }
     }
 
-    /// Calls `each` with the number of each vertex in `range` in the order of construction.
+    /// Calls `each` with the index in the order of construction of each vertex in `range`.
     pub fn each_constructed(&self, range: Range<usize>, each: impl FnMut(u32)) {
         match self {
             Self::Quads(grid) => grid.each_constructed(range, each),
@@ -120,7 +121,7 @@ impl Order {
         }
     }
 
-    /// The number of vertex `v` in the order of construction.
+    /// Returns the index of vertex `v` in the order of construction.
     pub fn constructed(&self, v: usize) -> u32 {
         match self {
             Self::Quads(grid) => grid.constructed(v),
@@ -129,10 +130,12 @@ impl Order {
     }
 }
 
-/// Faces that a thread lists at a time: a megabyte. With half of it nothing changes; short lists are no work for two.
+/// Number of faces that a thread writes at a time: one megabyte. Half as many make no difference; shorter lists are not
+/// worth two threads.
 const PIECE: usize = 1 << 16;
 
-/// Calls `list(first, faces)` for consecutive pieces of the places of faces, the first of which is `first`.
+/// Divides the slots of faces into pieces and calls `list(first, faces)` for each, in parallel; the first face is
+/// `first`.
 fn pieces<const N: usize>(first: usize, places: &mut [u32], list: impl Fn(usize, &mut [[u32; N]]) + Sync) {
     let faces = places.as_chunks_mut().0;
     if faces.len() <= PIECE {

@@ -1,9 +1,9 @@
-//! Pairing of triangles into quads where there is one way to do it.
+//! Pairs triangles into quads where the pairing is unambiguous.
 //!
-//! Each inner edge between two triangles is a candidate: without it they are a quad. It counts when the quad is nearly
-//! flat and convex, with corners between 30 and 150 degrees. The candidates are taken in the order of how square their
-//! quads are. Where another candidate of one of its triangles is as good, nothing tells which of them is meant, and all
-//! their triangles stay as they are.
+//! Each inner edge between two triangles is a candidate: without it they form a quad. A candidate is valid if the quad
+//! is nearly flat and convex, with corners between 30 and 150 degrees. Candidates are taken in the order of how square
+//! their quads are. If another candidate of one of its triangles is equally good, the pairing is ambiguous, and the
+//! triangles of both stay as they are.
 
 use super::check::FaceList;
 use super::topology::{NONE, index};
@@ -19,28 +19,28 @@ const SAME: f64 = 1e-6;
 /// An inner edge whose two triangles make a quad.
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct Candidate {
-    /// Lower triangle, then higher one.
+    /// The lower triangle, then the higher one.
     faces: [u32; 2],
-    /// Place in each triangle from which the edge runs.
+    /// The position in each triangle at which the edge starts.
     places: [u32; 2],
-    /// Largest cosine of a corner, 0 for a rectangle.
+    /// The largest absolute cosine of a corner; 0 for a rectangle.
     skew: f64,
 }
 
 /// Faces after pairing.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct Paired {
-    /// The faces: each quad stands where its lower triangle stood.
+    /// The faces; each quad takes the place of its lower triangle.
     pub faces: FaceList,
-    /// For each face the old one, or the lower of two.
+    /// For each face the old face, or the lower of the two.
     pub kept: Vec<u32>,
-    /// For each corner of the faces the old corner (faces one after another) that it was.
+    /// For each corner of the faces, the old corner it was (corners of all faces, one after another).
     pub corners: Vec<u32>,
     /// Number of quads that were made.
     pub made: usize,
 }
 
-/// Pairs triangles of an oriented manifold; `may_join(f, g)` forbids pairs whose faces have to stay apart.
+/// Pairs triangles of an oriented manifold; `may_join` tells whether the faces at a diagonal may be joined.
 pub fn pair(positions: &[[f64; 3]], faces: &FaceList, may_join: impl Fn(Diagonal) -> bool) -> Paired {
     let mut candidates = candidates(positions, faces);
     candidates.retain(|candidate| may_join(candidate.diagonal(faces)));
@@ -49,14 +49,14 @@ pub fn pair(positions: &[[f64; 3]], faces: &FaceList, may_join: impl Fn(Diagonal
     join(faces, &candidates, &partner)
 }
 
-/// The edge that would vanish.
+/// The edge that a pairing would remove.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Diagonal {
     /// The two faces at the edge, the lower first.
     pub faces: [u32; 2],
-    /// The places of its two ends in the lower face.
+    /// The positions of its two ends in the lower face.
     pub lower: [u32; 2],
-    /// The places of the same two ends in the higher face.
+    /// The positions of the same two ends in the higher face.
     pub higher: [u32; 2],
     /// The two ends of the edge.
     pub ends: [u32; 2],
@@ -73,7 +73,7 @@ impl Candidate {
     }
 }
 
-/// Candidates between triangles, by ascending edge.
+/// Returns the candidates between triangles, by ascending edge.
 fn candidates(positions: &[[f64; 3]], faces: &FaceList) -> Vec<Candidate> {
     let mut sides: Vec<([u32; 2], u32, u32, bool)> = Vec::new();
     for f in (0..faces.len()).filter(|&f| faces.face(f).len() == 3) {
@@ -99,16 +99,16 @@ fn candidates(positions: &[[f64; 3]], faces: &FaceList) -> Vec<Candidate> {
     found
 }
 
-/// The quad of two triangles: it starts at the end of the shared edge and runs round the first triangle, then the
-/// other.
+/// Returns the quad of two triangles: it starts at the end of the shared edge and runs around the first triangle, then
+/// around the other.
 fn quad(faces: &FaceList, [f, g]: [u32; 2], [j, k]: [u32; 2]) -> [u32; 4] {
     let (face, other) = (faces.face(f as usize), faces.face(g as usize));
     let at = |face: &[u32], j: u32| face[j as usize % 3];
     [at(face, j + 1), at(face, j + 2), at(face, j), at(other, k + 2)]
 }
 
-/// The largest cosine of a corner of the quad `(a, b, c, d)` with the diagonal `(a, c)`; nothing where it is bent, not
-/// convex, or too sharp.
+/// Returns the largest absolute cosine of a corner of the quad `(a, b, c, d)` with the diagonal `(a, c)`; `None` if the
+/// quad is bent, not convex, or too skewed.
 fn skew([a, b, c, d]: [[f64; 3]; 4]) -> Option<f64> {
     let first = direction(cross(minus(b, a), minus(c, a)))?;
     let second = direction(cross(minus(c, a), minus(d, a)))?;
@@ -128,7 +128,7 @@ fn skew([a, b, c, d]: [[f64; 3]; 4]) -> Option<f64> {
     (largest <= MOST_SKEW).then_some(largest)
 }
 
-/// For each face the candidate that pairs it.
+/// Returns the candidate that pairs each face, or [`NONE`].
 fn choose(candidates: &[Candidate], n_faces: usize) -> Vec<u32> {
     let mut of_face: Vec<[u32; 3]> = vec![[NONE; 3]; n_faces];
     for (i, candidate) in candidates.iter().enumerate() {

@@ -5,7 +5,7 @@ use super::indices::{MAX_REPORTED, check_indices};
 use crate::fault::{Fault, under};
 use crate::math::vector::reduce;
 
-/// Most coordinates a point may have.
+/// Maximum number of coordinates of a point.
 pub const MAX_DIMENSION: usize = 4;
 
 /// A control polygon: `points` holds `n x dimension` coordinates in model units.
@@ -13,19 +13,19 @@ pub const MAX_DIMENSION: usize = 4;
 pub struct Polygon {
     /// Coordinates, point after point.
     pub points: Vec<f64>,
-    /// Coordinates a point, 1 to 4.
+    /// Number of coordinates per point, 1 to 4.
     pub dimension: usize,
     /// Whether the last point is joined to the first.
     pub closed: bool,
-    /// Indices of points that keep their place, ascending.
+    /// Indices of corners, which keep their position; ascending.
     pub corners: Vec<u32>,
-    /// Whether points are homogeneous: the last coordinate is a weight, by which the others are divided at the end.
+    /// Whether points are homogeneous: the last coordinate is a weight, and results are divided by it.
     pub rational: bool,
     /// Unit tangents, `n x dimension`, if they are given.
     pub tangents: Option<Vec<f64>>,
-    /// Indices of points whose tangents stay, ascending.
+    /// Indices of points whose tangents stay fixed, ascending.
     pub pinned: Vec<u32>,
-    /// Parameters that points carry, if any.
+    /// Vertex parameters, if any.
     pub attributes: Option<Attributes>,
 }
 
@@ -62,7 +62,7 @@ impl Polygon {
         })
     }
 
-    /// The polygon with homogeneous points.
+    /// Returns the polygon with homogeneous points.
     ///
     /// # Errors
     /// When there is no coordinate besides the weight, or a weight is 0.
@@ -79,30 +79,30 @@ impl Polygon {
         }
     }
 
-    /// The polygon with parameters of its points.
+    /// Returns the polygon with vertex parameters.
     ///
     /// # Errors
-    /// When there is not one number a point.
+    /// If a parameter does not have one number per point.
     pub fn carrying(self, attributes: Attributes) -> Result<Self, Vec<Fault>> {
         attributes.check(self.len()).map_err(|faults| under("/parameters", faults))?;
         Ok(Self { attributes: Some(attributes), ..self })
     }
 
-    /// The polygon with tangents of its points, of any length but 0, and with the points whose tangents stay.
+    /// Returns the polygon with tangents, of any length but 0, and with the points whose tangents stay fixed.
     ///
     /// # Errors
-    /// When there is not one tangent a point, one has no direction or another dimension than the points, or a pinned
+    /// If there is not one tangent per point, if a tangent has no direction or the wrong dimension, or if a pinned
     /// point does not exist.
     pub fn steered(self, tangents: Option<&[Vec<f64>]>, pinned: &[u64]) -> Result<Self, Vec<Fault>> {
         let mut faults = Vec::new();
         let mut pinned = check_indices("/pinned", "point", pinned, ("polygon", self.len()), &mut faults);
-        // at the ends of an open polygon tangents stay in any case
+        // at the ends of an open polygon, tangents stay fixed in any case
         pinned.retain(|&i| self.closed || i > 0 && i as usize + 1 < self.len());
         let tangents = tangents.map(|tangents| self.directions(tangents, &mut faults));
         if faults.is_empty() { Ok(Self { tangents, pinned, ..self }) } else { Err(faults) }
     }
 
-    /// Vectors scaled to length 1, one a point.
+    /// Scales one vector per point to length 1.
     fn directions(&self, tangents: &[Vec<f64>], faults: &mut Vec<Fault>) -> Vec<f64> {
         if tangents.len() != self.len() {
             let detail = format!("{} tangents for {} points; give one a point", tangents.len(), self.len());
@@ -131,7 +131,7 @@ impl Polygon {
         directions
     }
 
-    /// Coordinates of a point of the result.
+    /// Returns the number of coordinates of a point of the result.
     pub fn result_dimension(&self) -> usize {
         self.dimension - usize::from(self.rational)
     }

@@ -1,4 +1,4 @@
-//! Repairs of a mesh before it is checked: merged vertices, triangles paired into quads. Each is recorded.
+//! Repairs a mesh before it is checked by merging vertices and pairing triangles into quads; each repair is recorded.
 
 use std::collections::BTreeSet;
 
@@ -14,10 +14,9 @@ use super::weld::{Welded, weld, weld_faces};
 use crate::fault::Fault;
 
 impl MeshInput {
-    /// Merges vertices that are at most `distance` (model units) apart, and leaves out faces that come to nothing.
+    /// Merges vertices that are at most `distance` (model units) apart, and removes faces that collapse.
     ///
-    /// A mesh with faults that have nothing to do with it is given back as it is, for [`super::mesh::Mesh::new`] to
-    /// refuse.
+    /// A mesh with unrelated faults is returned unchanged, so that [`super::mesh::Mesh::new`] refuses it.
     ///
     /// # Errors
     /// A distance that cannot be used, at `/weld`; a face that would meet a vertex twice.
@@ -63,8 +62,8 @@ impl MeshInput {
         Ok(self)
     }
 
-    /// Merges vertices at equal places, as files of some formats are read where nothing is said. Edges that have more
-    /// than two faces only then, as where bodies touch, are cut.
+    /// Merges vertices at equal positions, the default for some file formats. If only the merging gives edges more than
+    /// two faces, as where bodies touch, the mesh is cut at these edges.
     ///
     /// # Errors
     /// As [`Self::welded`].
@@ -76,7 +75,7 @@ impl MeshInput {
         Ok(if is_joined { welded.parted_where_crowded() } else { welded })
     }
 
-    /// Has edges with more than two faces cut, which welding has made.
+    /// Requests a cut at edges with more than two faces, which welding has made.
     #[must_use]
     pub fn parted_where_crowded(mut self) -> Self {
         let n = crowded(self.positions.len(), &self.faces);
@@ -91,7 +90,7 @@ impl MeshInput {
         self
     }
 
-    /// Gives each corner of each face a vertex of its own; what goes by vertices is not there.
+    /// Gives each face corner a vertex of its own; only for meshes without data on vertices.
     #[must_use]
     pub fn parted(mut self) -> Self {
         self.positions = self.faces.vertices().iter().map(|&v| self.positions[v as usize]).collect();
@@ -99,9 +98,10 @@ impl MeshInput {
         self
     }
 
-    /// Joins pairs of triangles into quads where there is one way to do it; faces are turned first as `winding` says.
+    /// Joins pairs of triangles into quads where the pairing is unambiguous; faces are first reversed according to
+    /// `winding`.
     ///
-    /// A mesh with faults is given back as it is, for [`super::mesh::Mesh::new`] to refuse.
+    /// A mesh with faults is returned unchanged, so that [`super::mesh::Mesh::new`] refuses it.
     #[must_use]
     pub fn paired(mut self) -> Self {
         let mut faces = self.faces.clone();
@@ -137,7 +137,7 @@ impl MeshInput {
         self
     }
 
-    /// For each face the numbers of its group and its material, from 1; 0 where there is none.
+    /// Returns, for each face, the indices of its group and its material, counted from 1; 0 for none.
     fn names(&self) -> Vec<[usize; 2]> {
         let mut names = vec![[0; 2]; self.faces.len()];
         for (kind, sets) in [&self.attachments.groups, &self.attachments.materials].into_iter().enumerate() {
@@ -151,8 +151,8 @@ impl MeshInput {
         names
     }
 
-    /// Takes other faces, for each of which `kept` names the old one, ascending; holes, groups and materials
-    /// follow, and values of corners, where `corners` names the old corner of each new one.
+    /// Replaces the faces; `kept` names the old face of each new one, ascending, and `corners` the old corner of each
+    /// new one. Holes, groups, materials and face-corner values are adapted.
     fn refaced(&mut self, faces: FaceList, kept: &[u32], corners: &[u32]) {
         seams(&mut self.attachments).for_each(|seams| seams.follow(&self.faces, &faces, corners));
         let mut image = vec![NONE; self.faces.len()];
@@ -160,7 +160,7 @@ impl MeshInput {
         let moved = |face: u64| match usize::try_from(face).ok().and_then(|f| image.get(f)) {
             Some(&NONE) => None,
             Some(&new) => Some(u64::from(new)),
-            // there is no such face, neither before nor after
+            // there is no such face, neither before nor after; the check reports it
             None => Some(face),
         };
         let sets = self.attachments.groups.iter_mut().chain(&mut self.attachments.materials);
@@ -171,7 +171,7 @@ impl MeshInput {
     }
 }
 
-/// Number of edges with more than two faces; 0 for faces with vertices that are not there.
+/// Returns the number of edges with more than two faces, or 0 if some face has vertices that do not exist.
 fn crowded(n_vertices: usize, faces: &FaceList) -> usize {
     if faces.vertices().iter().any(|&v| v as usize >= n_vertices) {
         return 0;
@@ -179,14 +179,14 @@ fn crowded(n_vertices: usize, faces: &FaceList) -> usize {
     groups(&sides(n_vertices, faces)).filter(|group| group.len() > 2).count()
 }
 
-/// The seams of all that has some.
+/// Returns the seams of all attributes that have any.
 fn seams(attachments: &mut AttachmentsInput) -> impl Iterator<Item = &mut SeamsInput> {
     let uvs = attachments.uvs.iter_mut().map(|uvs| &mut uvs.seams);
     uvs.chain(attachments.channels.iter_mut().filter_map(|channel| channel.seams.as_mut()))
 }
 
-/// Takes the numbers of the vertices that stayed; where merged ones carry others, all stay with the corners of the
-/// faces, which have the vertices from before, and vertices become seams.
+/// Reduces a channel to the vertices that were kept. If merged vertices have different values, all values stay at the
+/// corners of `faces`, which still have the old vertices, and the channel gets seams.
 fn weld_channel(ChannelInput { width, values, seams, .. }: &mut ChannelInput, faces: &FaceList, welded: &Welded) {
     if let Some(seams) = seams {
         return seams.join(*width, values, faces, welded);
@@ -203,11 +203,11 @@ fn weld_channel(ChannelInput { width, values, seams, .. }: &mut ChannelInput, fa
     }
 }
 
-/// The parameters in which merged vertices differ from those that stayed, each with the first such pair.
+/// Returns the parameters in which merged vertices differ from those that were kept, each with the first such pair.
 fn lost_parameters(attributes: &Attributes, welded: &Welded) -> Option<Repair> {
     let image = welded.image.iter().enumerate();
     let merged = image.map(|(v, &new)| (v, welded.kept[new as usize] as usize));
-    // both zeros are the same parameter
+    // zeros of both signs are equal
     let differ =
         |array: &[f64], from: usize, into: usize| (array[from] + 0.0).to_bits() != (array[into] + 0.0).to_bits();
     let first = |(name, array): (&'static str, Option<&[f64]>)| {

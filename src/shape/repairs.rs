@@ -1,75 +1,74 @@
-//! What was done to a mesh before it was refined, as values; their sentences are written where they are shown.
+//! Records of what was done to a mesh before it was refined; `Display` writes them as sentences.
 
 use std::fmt;
 
 use super::topology::index;
 
-/// Most entries of a repair that are named one by one.
+/// Maximum number of items of a repair that are named one by one.
 const NAMED: usize = 20;
 const VERTICES: [&str; 2] = ["vertex", "vertices"];
 
 /// One repair of a mesh, or a note on it.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Repair {
-    /// What the reader of its file left out, in a sentence.
+    /// A note of the file reader on what it left out, as a sentence.
     Read(String),
-    /// Vertices were merged: how many, and the first of them with those that they were merged into.
+    /// Vertices were merged.
     Welded {
-        /// How many.
+        /// Number of merged vertices.
         merged: usize,
-        /// The first of them, by their old numbers.
+        /// The first merged vertices, each with the vertex that it was merged into, by their old indices.
         pairs: Vec<[u32; 2]>,
     },
-    /// Merged vertices carried other parameters than those that stayed: each parameter with the first such pair.
+    /// Merged vertices had other parameters than those that were kept: each parameter with the first such pair.
     LostParameters(Vec<(&'static str, [usize; 2])>),
-    /// Faces were left out, as welding left them no area.
+    /// Faces were removed, as welding left them without area.
     LeftOut(Faces),
-    /// Faces were turned to agree with their neighbours.
+    /// Faces were reversed to agree with their neighbours.
     Turned(Faces),
     /// Pairs of triangles were joined into quads.
     Paired {
-        /// How many pairs.
+        /// Number of pairs.
         pairs: usize,
-        /// Triangles that are left.
+        /// Number of triangles left.
         left: usize,
     },
-    /// Edges with more than two faces, where the mesh was cut.
+    /// Edges with more than two faces, at which the mesh was cut.
     Crowded(Edges),
-    /// Edges along which two faces run in the same direction, where the mesh was cut.
+    /// Edges along which two faces run in the same direction, at which the mesh was cut.
     Opposed(Edges),
-    /// Faces that visit a vertex again, which was split.
+    /// Faces that visit a vertex more than once; the vertex was split.
     Repeating(Faces),
-    /// Vertices that joined several fans of faces, from which others were split: how many were added, and the first of
-    /// them, each with the one that it was split from.
+    /// Vertices that joined several fans of faces were split.
     Split {
-        /// How many.
+        /// Number of added vertices.
         added: usize,
-        /// The first of them.
+        /// The first added vertices, each with the vertex that it was split from.
         first: Vec<[u32; 2]>,
     },
-    /// Edges of the boundary that lie where others do.
+    /// Boundary edges that coincide with others.
     Doubled(Edges),
 }
 
 impl Repair {
-    /// Vertices from number `n` on that were split from these.
+    /// Records the vertices from index `n` on, which were split from the given ones.
     pub(super) fn split(n: usize, split_from: &[u32]) -> Option<Self> {
         let first = (n..).zip(split_from).take(NAMED).map(|(added, &from)| [index(added), from]).collect();
         (!split_from.is_empty()).then_some(Self::Split { added: split_from.len(), first })
     }
 }
 
-/// Some edges: how many, and the ends of the first of them.
+/// Some edges: their number, and the ends of the first of them.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Edges {
-    /// How many.
+    /// Number of edges.
     pub count: usize,
-    /// The ends of the first of them.
+    /// The ends of the first edges.
     pub first: Vec<[u32; 2]>,
 }
 
 impl Edges {
-    /// The edges with these ends; `None` where there are none.
+    /// Records the edges with these ends; `None` if there are none.
     pub(super) fn some(mut ends: impl Iterator<Item = [u32; 2]>) -> Option<Self> {
         let first: Vec<[u32; 2]> = ends.by_ref().take(NAMED).collect();
         (!first.is_empty()).then(|| Self { count: first.len() + ends.count(), first })
@@ -83,27 +82,27 @@ impl fmt::Display for Edges {
     }
 }
 
-/// The first of some things, with an ellipsis where there are more.
+/// Joins the first of some items, with an ellipsis if there are more.
 fn listed(first: &[String], count: usize) -> String {
     format!("{}{}", first.join(", "), if count > first.len() { ", ..." } else { "" })
 }
 
-/// "edge" or "edges" and the like, with their number.
+/// Returns a number with its noun in the singular or plural.
 fn counted(n: usize, [one, many]: [&str; 2]) -> String {
     format!("{n} {}", if n == 1 { one } else { many })
 }
 
-/// Some faces: how many, and the first of them.
+/// Some faces: their number, and the first of them.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Faces {
-    /// How many.
+    /// Number of faces.
     pub count: usize,
-    /// The first of them.
+    /// The first faces.
     pub first: Vec<u32>,
 }
 
 impl Faces {
-    /// These faces; `None` where there are none.
+    /// Records these faces; `None` if there are none.
     pub(super) fn some(faces: &[u32]) -> Option<Self> {
         let first = faces.iter().take(NAMED).copied().collect();
         (!faces.is_empty()).then_some(Self { count: faces.len(), first })

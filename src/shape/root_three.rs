@@ -1,5 +1,5 @@
-//! The connectivity of the sqrt 3 split of triangles: a vertex in each face, every inner edge flipped; in closed form
-//! and in parallel.
+//! The connectivity of the sqrt 3 split of triangles: a new vertex in each face, and every inner edge flipped; in
+//! closed form and in parallel.
 //!
 //! Order. Vertices: the old ones, then one for each face, in its order; where boundary edges are cut in three, the
 //! vertex of a face at the boundary is the one next to the start of its boundary edge, and those next to the ends
@@ -11,10 +11,10 @@ use rayon::prelude::*;
 
 use super::topology::{Faces, NONE, Topology, index};
 
-/// Sizes below which a loop is not worth sharing.
+/// Loops shorter than this run on a single thread.
 const GRAIN: usize = 1024;
 
-/// What a sqrt 3 split does to boundary edges.
+/// How a sqrt 3 split treats boundary edges.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum BoundarySplit {
     /// They stay whole: the first of two steps.
@@ -47,11 +47,11 @@ impl Topology {
     }
 }
 
-/// One split: the net before, and the boundary corners whose edges are cut.
+/// One split: the topology before it, and the boundary half-edges whose edges are cut.
 struct RootThree<'a> {
     old: &'a Topology,
     boundary: BoundarySplit,
-    /// Corners on the boundary edges that are cut, by edge.
+    /// The half-edges of the boundary edges that are cut, by edge.
     cut: Vec<u32>,
 }
 
@@ -67,7 +67,7 @@ impl<'a> RootThree<'a> {
         Self { old, boundary, cut }
     }
 
-    /// The boundary corner of the face of a corner, if its edge is cut.
+    /// Returns the boundary half-edge of the face of `half_edge`, if its edge is cut.
     #[inline]
     fn cut_in(&self, half_edge: u32) -> Option<u32> {
         if self.cut.is_empty() {
@@ -77,24 +77,24 @@ impl<'a> RootThree<'a> {
         corners.find(|&half_edge| self.old.twin(half_edge) == NONE)
     }
 
-    /// Place of a boundary corner among those that are cut.
+    /// Returns the rank of a boundary half-edge among those that are cut.
     fn rank(&self, half_edge: u32) -> u32 {
         let edge = self.old.edge(half_edge);
         index(self.cut.partition_point(|&other| self.old.edge(other) < edge))
     }
 
-    /// The vertex next to the start of the cut edge of a face, or the vertex of a face without one.
+    /// Returns the new vertex of a face or, if it has a cut edge, the one next to the start of that edge.
     #[inline]
     fn vertex_of(&self, half_edge: u32) -> u32 {
         index(self.old.n_vertices() + self.old.face_of(half_edge))
     }
 
-    /// The vertex next to the end of a cut edge.
+    /// Returns the new vertex next to the end of a cut edge.
     fn second(&self, cut: u32) -> u32 {
         index(self.old.n_vertices() + self.old.n_faces()) + self.rank(cut)
     }
 
-    /// The vertex of a face as it is seen from one of its inner edges.
+    /// Returns the new vertex of a face that is connected across the inner edge `half_edge`.
     #[inline]
     fn centre(&self, half_edge: u32) -> u32 {
         match self.cut_in(half_edge) {
@@ -103,7 +103,7 @@ impl<'a> RootThree<'a> {
         }
     }
 
-    /// The new triangle at a corner.
+    /// Returns the new triangle at a half-edge.
     #[inline]
     fn triangle(&self, half_edge: u32) -> [u32; 3] {
         let old = self.old;
@@ -117,18 +117,19 @@ impl<'a> RootThree<'a> {
         }
     }
 
-    /// The edge between a corner's vertex and the vertex of its face, as the triangle across the edge before it has it.
+    /// Returns the edge from the start of a half-edge to the new vertex of its face, as the triangle across the edge
+    /// before has it.
     #[inline]
     fn spoke(&self, half_edge: u32) -> u32 {
         index(self.old.n_edges()) + half_edge
     }
 
-    /// The second spoke at the vertex opposite a cut edge, to the new vertex next to the edge's end.
+    /// Returns the second spoke at the vertex opposite a cut edge, to the new vertex next to the edge's end.
     fn extra_spoke(&self, cut: u32) -> u32 {
         index(self.old.n_edges() + self.old.n_half_edges()) + self.rank(cut)
     }
 
-    /// The spoke at a corner to the centre that the inner edge of `from`, of the same face, sees.
+    /// Returns the spoke at a half-edge to the new vertex that belongs to the inner edge `from` of the same face.
     #[inline]
     fn spoke_seen(&self, half_edge: u32, from: u32) -> u32 {
         match self.cut_in(half_edge) {
@@ -137,8 +138,8 @@ impl<'a> RootThree<'a> {
         }
     }
 
-    /// Edges of the new triangle at a corner. Those of inner old edges cross them, a boundary edge keeps its number,
-    /// and so does the middle third of one that is cut.
+    /// Returns the edges of the new triangle at a half-edge. The flipped edge of an inner edge takes its index, and so
+    /// do a whole boundary edge and the middle third of one that is cut.
     #[inline]
     fn sides(&self, half_edge: u32) -> [u32; 3] {
         let old = self.old;
@@ -150,7 +151,7 @@ impl<'a> RootThree<'a> {
         }
     }
 
-    /// Corners on each edge.
+    /// Returns the half-edges of each edge.
     fn edges(&self) -> Vec<[u32; 2]> {
         let old = self.old;
         let crossing = (0..old.n_edges()).into_par_iter().with_min_len(GRAIN).map(|e| {
@@ -162,23 +163,24 @@ impl<'a> RootThree<'a> {
             .with_min_len(GRAIN)
             .map(|half_edge| self.on_spoke(half_edge));
         let extra = self.cut.par_iter().map(|&cut| {
-            // from the vertex opposite to the second new vertex: seen from across, and from the middle triangle
+            // from the vertex opposite the cut edge to its second new vertex: in the triangle across, and in the
+            // middle triangle
             [3 * old.twin(old.next(cut)), 3 * cut + 1]
         });
         crossing.chain(spokes).chain(extra).collect()
     }
 
-    /// Corners on a spoke; the first runs towards the vertex of the face unless there is only the other.
+    /// Returns the half-edges of a spoke; the first runs towards the new vertex, unless only the other one exists.
     #[inline]
     fn on_spoke(&self, half_edge: u32) -> [u32; 2] {
         let old = self.old;
         let before = old.previous(half_edge);
         match self.cut_in(half_edge) {
-            // at the start of a cut edge: a boundary edge now
+            // at the start of a cut edge, the spoke is a boundary edge
             Some(cut) if cut == half_edge => [3 * old.twin(before), NONE],
-            // at its end: a boundary edge towards the end
+            // at its end, the spoke is a boundary edge towards the end
             Some(cut) if old.next(cut) == half_edge => [3 * half_edge + 2, NONE],
-            // at the third vertex, to the first new vertex: the middle triangle has it, too
+            // at the third vertex, to the first new vertex: the middle triangle has this spoke, too
             Some(cut) => [3 * cut + 2, 3 * half_edge + 2],
             None => {
                 let towards = if old.twin(before) == NONE { 3 * before + 1 } else { 3 * old.twin(before) };
@@ -187,7 +189,7 @@ impl<'a> RootThree<'a> {
         }
     }
 
-    /// First outgoing corner of each vertex.
+    /// Returns the first outgoing half-edge of each vertex.
     fn outgoing(&self) -> Vec<u32> {
         let old = self.old;
         let kept = |v: usize| {
@@ -198,7 +200,7 @@ impl<'a> RootThree<'a> {
             if self.boundary == BoundarySplit::Whole || old.twin(half_edge) != NONE {
                 return 3 * half_edge;
             }
-            // the boundary goes on to the first new vertex: the triangle beyond the edge before has that edge
+            // the boundary continues to the first new vertex, along an edge of the triangle across the edge before
             3 * old.twin(old.previous(half_edge))
         };
         let of_face = |f: usize| {

@@ -1,5 +1,5 @@
-//! Values of face corners, such as texture coordinates: a mesh of their own whose vertices are the places that corners
-//! share, and whose boundaries are the seams.
+//! Values of face corners, such as texture coordinates: a mesh of their own, whose vertices are the places that corners
+//! share and whose boundaries are the seams.
 
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -10,16 +10,16 @@ use super::topology::{NONE, Topology, index};
 use super::weld::Welded;
 use crate::fault::Fault;
 
-/// Where values of corners are interpolated linearly (sharp), as OpenSubdiv means it.
+/// Where face-corner values are interpolated linearly, in the terms of OpenSubdiv.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Interpolation {
-    /// Nowhere.
+    /// Nowhere: the values are smooth everywhere.
     None,
-    /// At corners: places with one face.
+    /// At corners, that is, places with one face.
     CornersOnly,
-    /// And where three regions or more meet; where two meet, both are as sharp as either.
+    /// At corners, and where three or more regions meet; where two meet, both are as sharp as the sharper one.
     CornersPlus1,
-    /// And where a seam ends inside, and beside a corner where two regions meet.
+    /// As before, and where a seam ends inside, and next to a corner where two regions meet.
     CornersPlus2,
     /// Along all boundaries and seams.
     Boundaries,
@@ -28,38 +28,38 @@ pub enum Interpolation {
     All,
 }
 
-/// Which values the corners of faces have, as a client gives it, unchecked.
+/// Which values the corners of faces have, as a client gives them, unchecked.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct SeamsInput {
-    /// For each face of the mesh the values at its corners, in their order.
+    /// For each face of the mesh the indices of the values at its corners, in order.
     pub faces: FaceList,
-    /// Where they are linear.
+    /// Where the values are interpolated linearly.
     pub interpolation: Interpolation,
 }
 
 /// Texture coordinates as a client gives them, unchecked.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct UvsInput {
-    /// Values, `n x 2`.
+    /// The texture coordinates, `n x 2`.
     pub values: Vec<[f64; 2]>,
     /// The corners that have them.
     pub seams: SeamsInput,
 }
 
 impl SeamsInput {
-    /// The values of vertices, each at the corners of its vertex.
+    /// Assigns the values of vertices to the corners of faces.
     pub(super) fn of_vertices(faces: &FaceList) -> Self {
         Self { faces: faces.clone(), interpolation: Interpolation::None }
     }
 
-    /// Whether there is a value for each corner of these faces.
+    /// Returns whether there is a value for each corner of these faces.
     pub(super) fn fits(&self, faces: &FaceList) -> bool {
         let sizes = |faces: &FaceList| (0..faces.len()).map(|f| faces.face(f).len()).collect::<Vec<_>>();
         sizes(&self.faces) == sizes(faces)
     }
 
-    /// Joins equal values, `n x width`, at vertices that were merged; where they differ, a seam stays. The faces have
-    /// the vertices from before.
+    /// Joins equal values, `n x width`, at merged vertices; where they differ, a seam stays. `faces` have the vertices
+    /// from before the merging.
     pub(super) fn join(&mut self, width: usize, values: &[f64], faces: &FaceList, welded: &Welded) {
         let n = values.len() / width;
         if !self.fits(faces) || self.faces.vertices().iter().any(|&value| value as usize >= n) {
@@ -80,14 +80,14 @@ impl SeamsInput {
         self.faces = self.faces.with_vertices(joined.collect());
     }
 
-    /// Follows faces that were turned. What does not fit is left for [`Seams::new`] to refuse.
+    /// Reverses the values of faces that were reversed. Values that do not fit are left for [`Seams::new`] to refuse.
     pub(super) fn turn(&mut self, faces: &FaceList, turned: &[u32]) {
         if self.fits(faces) {
             turned.iter().for_each(|&f| self.faces.reverse(f as usize));
         }
     }
 
-    /// Follows other faces, whose corners were the old ones that `corners` names.
+    /// Adapts the values to new faces; `corners` names the old corner of each new corner.
     pub(super) fn follow(&mut self, before: &FaceList, after: &FaceList, corners: &[u32]) {
         if !self.fits(before) {
             return;
@@ -96,7 +96,7 @@ impl SeamsInput {
         self.faces = (0..after.len()).map(|f| new.by_ref().take(after.face(f).len()).collect::<Vec<_>>()).collect();
     }
 
-    /// Whether two faces have the same values at both ends of the edge between them.
+    /// Returns whether two faces have the same values at both ends of the edge between them.
     pub(super) fn joins(&self, diagonal: Diagonal) -> bool {
         let value = |f: u32, j: u32| self.faces.face(f as usize)[j as usize];
         let [f, g] = diagonal.faces;
@@ -105,31 +105,32 @@ impl SeamsInput {
     }
 }
 
-/// Where checked values of corners stand: faces and their corners are those of the mesh.
+/// The places of checked face-corner values; faces and their corners are those of the mesh.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Seams {
-    /// The places as vertices; an edge is inside where both faces have the same values at both ends.
+    /// The topology with the places as vertices; an edge is inner if both faces have the same values at both ends.
     pub topology: Arc<Topology>,
-    /// Places that keep their value whatever the mesh does, ascending.
+    /// Places that keep their value in any case, ascending.
     pub corners: Vec<u32>,
-    /// Both places of each vertex that has two, where creases within the region of one sharpen the other, too.
+    /// Both places of each vertex with two places, under rules by which creases in the region of one sharpen the
+    /// other.
     pub pairs: Vec<[u32; 2]>,
     /// Whether the values are linear everywhere.
     pub linear: bool,
 }
 
-/// Checked texture coordinates.
+/// Checked texture coordinates, by place.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Uvs {
-    /// `n_places x 2`: first to last coordinate, place after place.
+    /// The texture coordinates of the places, `n_places x 2`.
     pub values: Vec<f64>,
     /// The places.
     pub seams: Seams,
 }
 
 impl Seams {
-    /// Checks the values of the corners of a mesh, `n x width`, and gives those of places, `n_places x width`. `turned`
-    /// are faces whose vertices were reversed since they were given.
+    /// Checks the face-corner values of a mesh, `n x width`, and returns the values of places, `n_places x width`.
+    /// `turned` are the faces whose vertices were reversed since they were given.
     ///
     /// # Errors
     /// Numbers of faces and corners that differ from those of the mesh, values that do not exist or are not finite,
@@ -169,7 +170,7 @@ impl Seams {
         Ok((Self { topology: Arc::new(topology), corners, pairs, linear }, values))
     }
 
-    /// Where the values are linear, in the first of the words that mean it on this mesh.
+    /// Returns where the values are linear, as the first term that has this meaning on the given mesh.
     pub fn interpolation(&self, mesh: &Topology) -> Interpolation {
         const WORDS: [Interpolation; 5] = [
             Interpolation::None,
@@ -187,7 +188,7 @@ impl Seams {
             let vertex = self.vertex(place, mesh);
             vertex.into_iter().for_each(|vertex| at_vertex[vertex as usize].push(place));
         }
-        // each place has a value of its own by now
+        // each place counts as a value of its own here
         let value_of: Vec<u32> = (0..index(n_places)).collect();
         let differing = |word: &Interpolation| {
             let kept = corners(&self.topology, mesh, &at_vertex, &value_of, *word);
@@ -199,12 +200,12 @@ impl Seams {
         WORDS.into_iter().min_by_key(differing).unwrap_or_default()
     }
 
-    /// The vertex of the mesh at a place.
+    /// Returns the vertex of the mesh at a place.
     pub fn vertex(&self, place: u32, mesh: &Topology) -> Option<u32> {
         self.topology.ring(place as usize).next().map(|half_edge| mesh.vertex(half_edge))
     }
 
-    /// Edges of the mesh on whose sides the values differ, ascending.
+    /// Returns the edges of the mesh across which the values differ, ascending.
     pub fn edges(&self, mesh: &Topology) -> Vec<u32> {
         let differs = |&e: &usize| {
             let [first, second] = mesh.halves(e);
@@ -214,7 +215,8 @@ impl Seams {
     }
 }
 
-/// The mesh with a vertex for each place in all of these together: an edge is inside where it is inside in each.
+/// Returns the topology with one vertex per place of all given seams together: an edge is inner if it is inner in
+/// each.
 ///
 /// # Errors
 /// Never, as its places have no more faces than those of each.
@@ -228,7 +230,7 @@ pub fn joint(sets: &[&Seams], mesh: &Topology) -> Result<Arc<Topology>, Vec<Faul
     Fans { mesh, joined }.topology().map(|(topology, _)| Arc::new(topology))
 }
 
-/// The number of the value at each corner.
+/// Returns the index of the value at each corner.
 fn corner_values(
     faces: &FaceList,
     (width, values): (usize, &[f64]),
@@ -269,10 +271,10 @@ fn corner_values(
     if faults.is_empty() { Ok(found) } else { Err(faults) }
 }
 
-/// Runs of neighbouring corners around a vertex that belong together.
+/// Runs of adjacent corners around a vertex that share a place.
 struct Fans<'a, J> {
     mesh: &'a Topology,
-    /// Whether both faces at an edge that has two belong together there.
+    /// Whether both faces at an inner edge share their places there.
     joined: J,
 }
 
@@ -281,7 +283,7 @@ impl<J: Fn(u32) -> bool> Fans<'_, J> {
         self.mesh.twin(half_edge) != NONE && (self.joined)(half_edge)
     }
 
-    /// The mesh whose vertices are the places, and the place of each corner.
+    /// Returns the topology whose vertices are the places, and the place of each corner.
     fn topology(&self) -> Result<(Topology, Vec<u32>), Vec<Fault>> {
         let (place_of_corner, n_places) = self.places();
         let places = |f: usize| self.mesh.half_edges(f).map(|half_edge| place_of_corner[half_edge as usize]);
@@ -290,8 +292,8 @@ impl<J: Fn(u32) -> bool> Fans<'_, J> {
         Ok((checked.topology, place_of_corner))
     }
 
-    /// The place of each corner, and how many there are: numbered vertex by vertex, at a vertex by first appearance, so
-    /// that without seams they have the numbers of the vertices that have faces.
+    /// Returns the place of each corner, and the number of places. Places are numbered by vertex, then by first
+    /// appearance, so that without seams they have the indices of the vertices with faces.
     fn places(&self) -> (Vec<u32>, usize) {
         let mut places = vec![NONE; self.mesh.n_half_edges()];
         let mut order: Vec<u32> = (0..index(places.len())).collect();
@@ -325,10 +327,11 @@ impl<J: Fn(u32) -> bool> Fans<'_, J> {
     }
 }
 
-/// The places that an interpolation keeps, and those where one value stands in two fans of a vertex.
+/// Returns the places that an interpolation keeps, and those where one value occurs in two fans of a vertex.
 ///
-/// Source: OpenSubdiv 3.5, compared by numbers; but where two values take turns around a vertex it takes the second for
-/// a new one when it comes again, and so parts the value that its order of faces makes the second.
+/// Source: OpenSubdiv 3.5, checked by comparing values. It differs where two values alternate around a vertex:
+/// OpenSubdiv takes the second one as new when it recurs, and so splits the value that comes second in its order of
+/// faces.
 fn corners(
     topology: &Topology,
     mesh: &Topology,

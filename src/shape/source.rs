@@ -1,4 +1,4 @@
-//! Results as sources: curves as they are, meshes chunk by chunk in the documented order.
+//! Results as sources for writers: curves as a whole, meshes chunk by chunk in the documented order.
 
 use std::ops::Range;
 
@@ -11,11 +11,11 @@ use super::topology::index;
 pub struct Curve {
     /// Coordinates, `n x dimension`.
     pub points: Vec<f64>,
-    /// Coordinates a point, 1 to 4.
+    /// Number of coordinates per point, 1 to 4.
     pub dimension: usize,
     /// Whether the last point is joined to the first.
     pub closed: bool,
-    /// Unit tangents, `n x dimension`, where they are known; a row of zeros where there is none.
+    /// Unit tangents, `n x dimension`, if they are known; a row of zeros where there is none.
     pub tangents: Option<Vec<f64>>,
 }
 
@@ -33,7 +33,7 @@ impl Curve {
 
 /// A mesh as a source: vertices and faces in the documented order. Hidden faces (holes) are already left out.
 ///
-/// What is filled into `out` replaces what it held before.
+/// Methods that fill `out` replace its content.
 pub trait MeshSource: CarriedSource + OriginSource + std::fmt::Debug + Sync {
     /// Returns the number of vertices.
     fn n_vertices(&self) -> usize;
@@ -50,25 +50,25 @@ pub trait MeshSource: CarriedSource + OriginSource + std::fmt::Debug + Sync {
     /// Fills `out` with the faces in `range`, counter-clockwise seen from outside.
     fn faces(&self, range: Range<usize>, out: &mut FaceChunk);
 
-    /// Returns the positions of all vertices where they are in memory in this order, so that nothing has to be copied.
+    /// Returns the positions of all vertices if they are in memory in this order, so that nothing has to be copied.
     fn held_positions(&self) -> Option<&[[f64; 3]]> {
         None
     }
 
-    /// Returns the same mesh as a source that makes positions when they are asked for, if it is one.
+    /// Returns this mesh as a source that computes positions on demand, if it is one.
     fn on_demand(&self) -> Option<&dyn OnDemandSource> {
         None
     }
 
-    /// Returns the same mesh in its other frames, which differ in positions and normals only.
+    /// Returns the mesh at its other frames, which differ in positions and normals only.
     fn frames(&self) -> Vec<&dyn MeshSource> {
         Vec::new()
     }
 }
 
-/// What a mesh carries besides vertices and faces; a mesh that carries nothing implements none of it.
+/// What a mesh carries besides vertices and faces; a mesh that carries nothing needs no method of this trait.
 pub trait CarriedSource {
-    /// Returns the normals that the mesh brings; without them they are left to the writer.
+    /// Returns the normals of the mesh, if it has any; otherwise they are left to the writer.
     fn normals(&self) -> Option<&dyn NormalSource> {
         None
     }
@@ -78,69 +78,69 @@ pub trait CarriedSource {
         Attachments::none()
     }
 
-    /// Fills `out` with the numbers that the vertices in `range` carry in channel number `channel`, vertex after
-    /// vertex; with none where the channel has seams.
+    /// Fills `out` with the values of the vertices in `range` in channel `channel`, vertex after vertex; empty if the
+    /// channel has seams.
     fn channel(&self, _channel: usize, _range: Range<usize>, out: &mut Vec<f64>) {
         out.clear();
     }
 
-    /// Returns the numbers of channel number `channel` where it has seams, so that they do not stand at vertices.
+    /// Returns the values of channel `channel` at its places, if it has seams.
     fn channel_places(&self, _channel: usize) -> Option<Box<dyn PlaceSource + '_>> {
         None
     }
 
-    /// Returns the texture coordinates, two numbers a place.
+    /// Returns the texture coordinates, two values per place.
     fn uvs(&self) -> Option<Box<dyn PlaceSource + '_>> {
         None
     }
 
-    /// Returns the same mesh with a vertex for each place of all that has seams together, so that all of it is numbered
-    /// like the vertices; `None` where it is already.
+    /// Returns the mesh with one vertex per place of all seams together, so that all attributes are indexed like the
+    /// vertices; `None` if they are already.
     fn unfolded(&self) -> Option<Box<dyn MeshSource + '_>> {
         None
     }
 
-    /// Returns the ends of the interior edges that are still sharp, where the mesh brings normals those that stay so.
+    /// Returns the ends of inner edges that are still sharp or, if the mesh has limit normals, of those that stay
+    /// sharp.
     fn sharp_edges(&self) -> Vec<[u32; 2]> {
         Vec::new()
     }
 
-    /// Returns what is sharp of a mesh that stands as it was given; nothing of what a plan has refined.
+    /// Returns the tags of a mesh that is still as it was given; empty for a refined mesh.
     fn tags(&self) -> Tags {
         Tags::default()
     }
 }
 
-/// A mesh whose positions are made whenever they are asked for. Some are made together: who asks for ranges that end
-/// where this says has each made once. What is said of faces holds where all are quads.
+/// A mesh whose positions are computed on demand. Some are computed together: ranges that end where `stretch` proposes
+/// compute each only once. The methods for faces require that all faces are quads.
 pub trait OnDemandSource: Sync {
-    /// Where a range of vertices that starts at `vertex` ends best.
+    /// Returns the best end of a range of vertices that starts at `vertex`.
     fn stretch(&self, vertex: usize) -> usize;
 
-    /// Where a range of shown faces that starts at `face` ends best.
+    /// Returns the best end of a range of shown faces that starts at `face`.
     fn stretch_of_faces(&self, face: usize) -> usize;
 
     /// Fills `out` with the positions (model units) at the corners of the shown faces in `range`.
     fn corners(&self, range: Range<usize>, out: &mut Vec<[[f64; 3]; 4]>);
 
-    /// Fills `out` with the sum of what the shown faces around each vertex in `range` give, in the order of the faces;
-    /// `of_face` gives it for the positions at the corners of a face.
+    /// Fills `out`, for each vertex in `range`, with the sum of `of_face` over the shown faces around it, in the order
+    /// of the faces; `of_face` maps the corner positions of a face to a vector.
     fn sums(&self, range: Range<usize>, of_face: &dyn Fn([[f64; 3]; 4]) -> [f64; 3], out: &mut Vec<[f64; 3]>);
 }
 
-/// Unit normals of vertices, zero where they are undefined.
+/// Unit normals of vertices; zero where undefined.
 pub trait NormalSource {
     /// Fills `out` with the normals of the vertices in `range`.
     fn of_vertices(&self, range: Range<usize>, out: &mut Vec<[f64; 3]>);
 
-    /// The normal of a vertex on the side of the face in which `next` follows it, where normals differ from side to
-    /// side.
+    /// Returns the normal of a vertex on the side of the face in which `next` follows it, if normals differ by side.
     fn on_side(&self, vertex: u32, next: u32) -> Option<[f64; 3]>;
 }
 
-/// Values of face corners: they stand at places of their own, as a vertex on a seam has several.
+/// Values of face corners, indexed by place: a vertex on a seam has several places.
 pub trait PlaceSource: Sync {
-    /// Number of places.
+    /// Returns the number of places.
     fn n_places(&self) -> usize;
 
     /// Fills `out` with the values of the places in `range`, place after place.
@@ -149,57 +149,58 @@ pub trait PlaceSource: Sync {
     /// Fills `out` with the places at the half-edges of the faces in `range`.
     fn faces(&self, range: Range<usize>, out: &mut FaceChunk);
 
-    /// Whether places are numbered like the vertices.
+    /// Returns whether places are indexed like the vertices.
     fn follow_vertices(&self) -> bool {
         false
     }
 }
 
-/// The cells of the input that the vertices and faces of a mesh came of. A mesh that stands as it was given has the
-/// cells of the input for its own.
+/// The input cells from which the vertices and faces of a mesh arose. The default methods are those of the input
+/// itself.
 pub trait OriginSource {
-    /// Numbers of vertices, edges and faces of the input, hidden ones included.
+    /// Returns the numbers of vertices, edges and faces of the input, hidden ones included.
     fn input_cells(&self) -> [usize; 3];
 
-    /// The cell of the input that vertex `vertex` came of.
+    /// Returns the input cell from which vertex `vertex` arose.
     fn vertex_origin(&self, vertex: usize) -> Origin {
         Origin { dimension: 0, cell: index(vertex) }
     }
 
-    /// The input face that shown face `face` came of.
+    /// Returns the input face from which shown face `face` arose.
     fn face_origin(&self, face: usize) -> u32 {
         index(face)
     }
 
-    /// The shown faces that came of input face `face`: consecutive ones, none where it is hidden.
+    /// Returns the shown faces that arose from input face `face`: a range, empty if the face is hidden.
     fn faces_of(&self, face: usize) -> Range<usize> {
         face..face + 1
     }
 
-    /// Fills `out` with the vertices along edge `edge` of the input, from its start to its end, and says whether a face
-    /// beside it is shown; what it held before is dropped. Edges that did not stay have no vertices.
+    /// Fills `out` with the vertices along input edge `edge`, from its start to its end, and returns whether a face
+    /// next to it is shown. An edge that refinement did not keep has no vertices.
     fn isoline(&self, _edge: usize, out: &mut Vec<u32>) -> bool {
         out.clear();
         false
     }
 }
 
-/// The cell of the input in which a vertex arose.
+/// The input cell in which a vertex arose.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Origin {
     /// 0 for a vertex, 1 for an edge, 2 for a face.
     pub dimension: u8,
-    /// Its number; edges are numbered by first appearance when faces are scanned in order, half-edge by half-edge.
+    /// The index of the cell; edges are numbered by first appearance when faces are scanned in order, half-edge by
+    /// half-edge.
     pub cell: u32,
 }
 
-/// Some consecutive faces, one after another in `vertices`. Where all have equally many vertices, as after every split,
-/// nothing is kept for each of them besides these.
+/// Consecutive faces, stored one after another in `vertices`. If all have the same size, as after every split, no
+/// further data per face is stored.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct FaceChunk {
-    /// Vertices of every face, as long as all have equally many; 0 where they have not, or where there is none.
+    /// The number of vertices of every face if all faces have the same size; otherwise, and without faces, 0.
     size: u32,
-    /// Vertices of each face, where they have not equally many.
+    /// The number of vertices of each face if sizes differ.
     sizes: Vec<u32>,
     /// Vertex indices, face after face.
     pub vertices: Vec<u32>,
@@ -216,17 +217,17 @@ impl FaceChunk {
         self.vertices.is_empty()
     }
 
-    /// Number of vertices of face `i` of these.
+    /// Returns the number of vertices of face `i`.
     pub fn size(&self, i: usize) -> usize {
         self.sizes.get(i).copied().unwrap_or(self.size) as usize
     }
 
-    /// Vertices of the largest face, 0 where there is none.
+    /// Returns the number of vertices of the largest face, 0 if there is none.
     pub fn largest(&self) -> usize {
         self.sizes.iter().copied().max().unwrap_or(self.size) as usize
     }
 
-    /// Drops all faces, keeps the memory.
+    /// Removes all faces and keeps the memory.
     pub fn clear(&mut self) {
         self.size = 0;
         self.sizes.clear();
@@ -246,17 +247,17 @@ impl FaceChunk {
         self.vertices.extend_from_slice(vertices);
     }
 
-    /// Makes it `n` faces of `size` vertices each and gives their places, which are to be written: what stands there is
-    /// of no meaning.
+    /// Resizes to `n` faces of `size` vertices each and returns their slots, whose content is unspecified and must be
+    /// overwritten.
     pub fn places(&mut self, size: usize, n: usize) -> &mut [u32] {
         self.sizes.clear();
         self.size = if n == 0 { 0 } else { u32::try_from(size).expect("a face has fewer than 2^32 vertices") };
-        // only what was never there is filled with zeros
+        // only newly allocated slots are filled with zeros
         self.vertices.resize(size * n, 0);
         &mut self.vertices
     }
 
-    /// The faces, one slice each.
+    /// Returns the faces, one slice each.
     pub fn iter(&self) -> impl ExactSizeIterator<Item = &[u32]> {
         let mut rest = self.vertices.as_slice();
         (0..self.len()).map(move |i| {
@@ -266,7 +267,7 @@ impl FaceChunk {
         })
     }
 
-    /// The faces as rows of `N` vertices, where all have so many.
+    /// Returns the faces as rows of `N` vertices, if all have that size.
     pub fn rows<const N: usize>(&self) -> Option<&[[u32; N]]> {
         (self.size as usize == N).then(|| self.vertices.as_chunks().0)
     }

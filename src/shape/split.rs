@@ -1,10 +1,10 @@
-//! The quad split of a topology: every face of n vertices becomes n quads, all in closed form and in parallel.
+//! The quad split of a topology: every face of n vertices becomes n quads, in closed form and in parallel.
 
 use rayon::prelude::*;
 
 use super::topology::{Faces, NONE, Topology, index};
 
-/// Where the child quad of a corner of a four-sided face stands among the four: row by row.
+/// The position of a corner's child quad among the four children of a quad, which are ordered row by row.
 pub(super) const ROW_BY_ROW: [u32; 4] = [0, 1, 3, 2];
 
 impl Topology {
@@ -48,7 +48,8 @@ impl Topology {
         }
     }
 
-    /// The vertices of the child quad of a corner: its vertex, edge point, face point, edge point before.
+    /// Returns the vertices of the child quad of a corner: its vertex, edge point, face point, and the edge point
+    /// before.
     #[inline]
     pub fn child_quad(&self, half_edge: u32) -> [u32; 4] {
         let (n_v, n_e) = (index(self.n_vertices()), index(self.n_edges()));
@@ -57,7 +58,7 @@ impl Topology {
         [self.vertex(half_edge), n_v + self.edge(half_edge), n_v + n_e + face, n_v + before]
     }
 
-    /// Child corner `i` (0 to 3, counted from the vertex) in the child quad of `half_edge`.
+    /// Returns half-edge `i` (0 to 3, counted from the vertex) of the child quad of `half_edge`.
     #[inline]
     fn child(&self, half_edge: u32, i: u32) -> u32 {
         let range = self.half_edges(self.face_of(half_edge));
@@ -69,14 +70,14 @@ impl Topology {
         }
     }
 
-    /// The corner whose child quad has number `child`: the inverse of `child`.
+    /// Returns the half-edge whose child quad has index `child`: the inverse of `child`.
     #[inline]
     pub fn parent_half_edge(&self, child: u32) -> u32 {
         let range = self.half_edges(self.face_of(child));
         if range.end - range.start == 4 { range.start + ROW_BY_ROW[(child - range.start) as usize] } else { child }
     }
 
-    /// Edges of the child quad of a corner, in the order of [`Topology::child_quad`].
+    /// Returns the edges of the child quad of a corner, in the order of [`Topology::child_quad`].
     #[inline]
     fn child_edges(&self, half_edge: u32) -> [u32; 4] {
         let n_e = index(self.n_edges());
@@ -92,7 +93,7 @@ impl Topology {
         ]
     }
 
-    /// Corners on half `half & 1` of edge `half / 2`.
+    /// Returns the half-edges on half `half & 1` of edge `half / 2`.
     #[inline]
     fn half_corners(&self, half: usize) -> [u32; 2] {
         let [first, second] = self.halves[half / 2];

@@ -1,24 +1,24 @@
-//! Pictures that surfaces are covered with, as they came: their bytes are kept, and never changed.
+//! Images for textures, whose bytes are kept unchanged.
 
 use std::sync::Arc;
 
 use crate::fault::Fault;
 
-/// Most pixels of a picture: 8,192 x 8,192. Drawing takes some bytes for each. Half of it would refuse what game assets
-/// have; twice of it takes gigabytes for one picture.
+/// Maximum number of pixels of an image: 8,192 x 8,192. Drawing takes some bytes per pixel. Half as many would refuse
+/// images of common game assets; twice as many would take gigabytes for one image.
 const MOST_PIXELS: u64 = 1 << 26;
 
-/// How a picture is compressed.
+/// The compression of an image.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum ImageKind {
-    /// Without loss, PNG.
+    /// Lossless, PNG.
     Png,
-    /// With loss, JPEG.
+    /// Lossy, JPEG.
     Jpeg,
 }
 
 impl ImageKind {
-    /// The media type of such a picture.
+    /// Returns the media type of such an image.
     pub fn media_type(self) -> &'static str {
         match self {
             Self::Png => "image/png",
@@ -27,7 +27,7 @@ impl ImageKind {
     }
 }
 
-/// A picture in a file of its own.
+/// An encoded image file.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Image {
     kind: ImageKind,
@@ -36,10 +36,10 @@ pub struct Image {
 }
 
 impl Image {
-    /// The picture in a file, of which no more than the head is read.
+    /// Reads an image file, of which only the header is parsed.
     ///
     /// # Errors
-    /// A sentence: the bytes are no PNG and no JPEG, or have more pixels than are allowed.
+    /// A sentence, if the bytes are neither PNG nor JPEG, or have more pixels than allowed.
     pub fn new(bytes: Vec<u8>) -> Result<Self, String> {
         let known = png_size(&bytes).map(|size| (ImageKind::Png, size));
         let known = known.or_else(|| jpeg_size(&bytes).map(|size| (ImageKind::Jpeg, size)));
@@ -52,30 +52,32 @@ impl Image {
         Ok(Self { kind, size, bytes })
     }
 
-    /// How it is compressed.
+    /// Returns the compression of the image.
     pub fn kind(&self) -> ImageKind {
         self.kind
     }
 
-    /// Width and height, pixels.
+    /// Returns width and height in pixels.
     pub fn size(&self) -> [u32; 2] {
         self.size
     }
 
-    /// The bytes of the file.
+    /// Returns the bytes of the file.
     pub fn bytes(&self) -> &[u8] {
         &self.bytes
     }
 }
 
-/// Width and height of a PNG, where it is one. Source: ISO/IEC 15948 (2004), sections 5.2 and 11.2.2.
+/// Returns the width and height of a PNG, or `None` for other bytes. Source: ISO/IEC 15948 (2004), sections 5.2,
+/// 11.2.2.
 fn png_size(bytes: &[u8]) -> Option<[u32; 2]> {
     let rest = bytes.strip_prefix(b"\x89PNG\r\n\x1a\n")?;
     let word = |at: usize| rest.get(at..at + 4)?.try_into().ok().map(u32::from_be_bytes);
     (rest.get(4..8)? == b"IHDR").then_some([word(8)?, word(12)?])
 }
 
-/// Width and height of a JPEG, where it is one: those of its first frame. Source: ITU-T T.81 (1992), annex B.
+/// Returns the width and height of a JPEG's first frame, or `None` for other bytes. Source: ITU-T T.81 (1992), annex
+/// B.
 fn jpeg_size(bytes: &[u8]) -> Option<[u32; 2]> {
     let mut rest = bytes.strip_prefix(&[0xff, 0xd8])?;
     loop {
@@ -83,7 +85,7 @@ fn jpeg_size(bytes: &[u8]) -> Option<[u32; 2]> {
         if mark != 0xff {
             return None;
         }
-        // fill bytes may stand before a marker
+        // a marker may be preceded by fill bytes
         if kind == 0xff {
             rest = &rest[1..];
             continue;
@@ -97,40 +99,40 @@ fn jpeg_size(bytes: &[u8]) -> Option<[u32; 2]> {
     }
 }
 
-/// What lies beyond the sides of a picture.
+/// How a texture continues beyond its image.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Wrap {
-    /// The picture again.
+    /// The image is repeated.
     #[default]
     Repeat,
-    /// The picture turned over, then as it is, in turns.
+    /// The image is repeated, every other time mirrored.
     MirroredRepeat,
-    /// The pixels along the side.
+    /// The pixels on the border are extended.
     ClampToEdge,
 }
 
-/// How a picture looks where its pixels are larger, or smaller, than those it is shown with.
+/// How a texture is sampled where its pixels are larger, or smaller, than those of the screen.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Filter {
-    /// The pixel that is nearest.
+    /// The nearest pixel.
     Nearest,
-    /// A mean of the four that are nearest.
+    /// The mean of the four nearest pixels.
     Linear,
-    /// The nearest pixel of the smaller copy whose pixels fit best.
+    /// The nearest pixel of the best mipmap level.
     NearestMipmapNearest,
-    /// A mean of the four nearest of that copy.
+    /// The mean of the four nearest pixels of the best mipmap level.
     LinearMipmapNearest,
-    /// A mean of the nearest pixels of two copies.
+    /// The mean of the nearest pixels of two mipmap levels.
     NearestMipmapLinear,
-    /// A mean of the four nearest of two copies.
+    /// The mean of the four nearest pixels of two mipmap levels.
     LinearMipmapLinear,
 }
 
-/// Every wrap with its name.
+/// All wrap modes with their names.
 pub const WRAPS: [(&str, Wrap); 3] =
     [("repeat", Wrap::Repeat), ("mirrored-repeat", Wrap::MirroredRepeat), ("clamp-to-edge", Wrap::ClampToEdge)];
 
-/// Every filter with its name; larger pixels know the first two only.
+/// All filters with their names; only the first two are for magnification.
 pub const FILTERS: [(&str, Filter); 6] = [
     ("nearest", Filter::Nearest),
     ("linear", Filter::Linear),
@@ -141,43 +143,43 @@ pub const FILTERS: [(&str, Filter); 6] = [
 ];
 
 impl Wrap {
-    /// Its name.
+    /// Returns the name of the wrap mode.
     pub fn name(self) -> &'static str {
         WRAPS.iter().find(|(_, wrap)| *wrap == self).map_or("", |(name, _)| name)
     }
 }
 
 impl Filter {
-    /// Its name.
+    /// Returns the name of the filter.
     pub fn name(self) -> &'static str {
         FILTERS.iter().find(|(_, filter)| *filter == self).map_or("", |(name, _)| name)
     }
 }
 
-/// A picture and how it is laid over a surface: texture coordinates 0 to 1 are its width and height, the second from
-/// its lower edge upwards.
+/// An image and how it is mapped to a surface: texture coordinates from 0 to 1 span its width and height, the second
+/// one from the lower edge upwards.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Texture {
-    /// The picture.
+    /// The image.
     pub image: Arc<Image>,
-    /// What lies beyond its sides: left and right, below and above.
+    /// The wrap modes in the horizontal and in the vertical direction.
     pub wrap: [Wrap; 2],
-    /// How it looks where its pixels are larger than those it is shown with; nearest or linear.
+    /// The filter for magnification, nearest or linear.
     pub magnify: Option<Filter>,
-    /// How it looks where they are smaller.
+    /// The filter for minification.
     pub minify: Option<Filter>,
 }
 
 impl Texture {
-    /// A picture that repeats, with filters left to whoever shows it.
+    /// Creates a repeating texture without filters, which are left to the viewer.
     pub fn new(image: Arc<Image>) -> Self {
         Self { image, wrap: [Wrap::Repeat; 2], magnify: None, minify: None }
     }
 
-    /// Checks what is said of it.
+    /// Checks the filters.
     ///
     /// # Errors
-    /// A filter for larger pixels that only smaller ones know.
+    /// If the magnification filter is one for minification only.
     pub fn check(&self) -> Result<(), Fault> {
         match self.magnify {
             None | Some(Filter::Nearest | Filter::Linear) => Ok(()),

@@ -1,4 +1,4 @@
-//! One face split `d x d`: its cells, the points inside it and the edges between the cells, as pure arithmetic.
+//! One face split `d x d`: its cells, inner points and inner edges, by arithmetic alone.
 //!
 //! A place is `[i, j]`: `i` steps from corner 0 towards corner 1 and `j` steps towards the last corner; of a quad
 //! `0 <= i, j <= d`, of a triangle `i + j <= d`. Rows are those of equal `j`. A triangle's row holds upward cells
@@ -15,7 +15,7 @@ pub enum Tile {
     Triangle,
 }
 
-/// A cell of a face: the lower left one of its places, and whether it is a downward triangle.
+/// A cell of a face: its lower left corner, and whether it is a downward triangle.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct Cell {
     at: [usize; 2],
@@ -23,33 +23,33 @@ pub(super) struct Cell {
 }
 
 impl Cell {
-    /// The cell of which an inner place is corner 0.
+    /// Returns the cell whose corner 0 is an inner place.
     pub(super) const fn at(at: [usize; 2]) -> Self {
         Self { at, down: false }
     }
 }
 
-/// Where a place of a face lies.
+/// The position of a place in a face.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum TilePosition {
     /// At this corner of the face.
     Corner(u32),
-    /// On the side from this corner to the next, so many steps from the corner.
+    /// On the side from this corner to the next, this many steps from the corner.
     Side(u32, usize),
-    /// Inside, with this number row by row.
+    /// Inside, with its index row by row.
     Inside(usize),
 }
 
-/// What a side of a cell is.
+/// The kind of a side of a cell.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Piece {
-    /// This piece, counted from 0, of the side from this corner of the face.
+    /// A piece, counted from 0, of the side that starts at this corner of the face.
     Outer(u32, usize),
     /// An edge inside the face.
     Inner(usize),
 }
 
-/// Rows of `n, n - 1, ..., 1` entries, numbered from 0 on.
+/// Rows of `n, n - 1, ..., 1` entries, numbered from 0.
 #[derive(Debug, Clone, Copy)]
 struct Stairs(usize);
 
@@ -58,12 +58,12 @@ impl Stairs {
         self.0 * (self.0 + 1) / 2
     }
 
-    /// Number of the first entry of a row.
+    /// Returns the index of the first entry of a row.
     const fn first(self, row: usize) -> usize {
         row * (2 * self.0 + 1 - row) / 2
     }
 
-    /// Column and row of an entry.
+    /// Returns column and row of an entry.
     const fn find(self, number: usize) -> [usize; 2] {
         // counted from the end, the last s rows hold s (s + 1) / 2 entries
         let left = self.len() - number;
@@ -73,7 +73,7 @@ impl Stairs {
 }
 
 impl Tile {
-    /// Sides of a face.
+    /// Number of sides of a face.
     pub const fn sides(self) -> u32 {
         match self {
             Self::Quad => 4,
@@ -81,7 +81,7 @@ impl Tile {
         }
     }
 
-    /// Edges at an interior vertex of a regular mesh.
+    /// The valence of an interior vertex of a regular mesh.
     pub const fn regular_valence(self) -> usize {
         match self {
             Self::Quad => 4,
@@ -89,7 +89,7 @@ impl Tile {
         }
     }
 
-    /// Points inside a face.
+    /// Number of points inside a face.
     pub const fn inner_vertices(self, d: usize) -> usize {
         match self {
             Self::Quad => (d - 1) * (d - 1),
@@ -97,7 +97,7 @@ impl Tile {
         }
     }
 
-    /// Edges inside a face.
+    /// Number of edges inside a face.
     pub const fn inner_edges(self, d: usize) -> usize {
         match self {
             Self::Quad => 2 * d * (d - 1),
@@ -105,7 +105,7 @@ impl Tile {
         }
     }
 
-    /// The cell with this number, row by row.
+    /// Returns the cell with this index, row by row.
     pub(super) const fn cell(self, d: usize, number: usize) -> Cell {
         match self {
             Self::Quad => Cell { at: [number % d, number / d], down: false },
@@ -116,7 +116,7 @@ impl Tile {
         }
     }
 
-    /// The row of the cell with this number, and which of its row it is.
+    /// Returns the row of the cell with this index, and its position in the row.
     pub(super) const fn row(self, d: usize, number: usize) -> [usize; 2] {
         match self {
             Self::Quad => [number / d, number % d],
@@ -128,7 +128,7 @@ impl Tile {
         }
     }
 
-    /// The number of a cell, row by row.
+    /// Returns the index of a cell, row by row.
     pub(super) const fn number(self, d: usize, cell: Cell) -> usize {
         let [i, j] = cell.at;
         match self {
@@ -137,7 +137,7 @@ impl Tile {
         }
     }
 
-    /// The places of the corners of a cell; of a triangle the first three count.
+    /// Returns the corners of a cell; for a triangle, only the first three are used.
     pub(super) const fn corners(self, cell: Cell) -> [[usize; 2]; 4] {
         let [i, j] = cell.at;
         match (self, cell.down) {
@@ -147,7 +147,7 @@ impl Tile {
         }
     }
 
-    /// Where a place lies.
+    /// Returns the position of a place in the face.
     pub(super) const fn place(self, d: usize, [i, j]: [usize; 2]) -> TilePosition {
         match self {
             Self::Quad => match (i, j) {
@@ -173,7 +173,7 @@ impl Tile {
         }
     }
 
-    /// The place of the inner point with this number.
+    /// Returns the place of the inner point with this index.
     pub const fn inside(self, d: usize, number: usize) -> [usize; 2] {
         match self {
             Self::Quad => [number % (d - 1) + 1, number / (d - 1) + 1],
@@ -184,7 +184,7 @@ impl Tile {
         }
     }
 
-    /// The place so many steps along the side from a corner to the next.
+    /// Returns the place that is `at` steps along the side from a corner to the next.
     pub(super) const fn along(self, d: usize, side: u32, at: usize) -> [usize; 2] {
         match (self, side) {
             (_, 0) => [at, 0],
@@ -195,7 +195,7 @@ impl Tile {
         }
     }
 
-    /// The cell at a piece of a side; the piece is its side of the same number.
+    /// Returns the cell at a piece of a side; the piece is the cell's side of the same index.
     pub(super) const fn at_side(self, d: usize, side: u32, piece: usize) -> Cell {
         let at = match (self, side) {
             (_, 0) => [piece, 0],
@@ -207,7 +207,7 @@ impl Tile {
         Cell { at, down: false }
     }
 
-    /// What side `side` of a cell is. Inside a triangle every edge belongs to one downward cell.
+    /// Returns what side `side` of a cell is. Inside a triangle every edge belongs to one downward cell.
     pub(super) fn side(self, d: usize, cell: Cell, side: u32) -> Piece {
         let [i, j] = cell.at;
         match self {
@@ -237,7 +237,7 @@ impl Tile {
         }
     }
 
-    /// The two cells at an inner edge with their sides; the edge runs as it does for the first.
+    /// Returns the two cells at an inner edge, with the sides that the edge is; it runs in the direction of the first.
     pub(super) fn at_edge(self, d: usize, edge: usize) -> [(Cell, u32); 2] {
         let up = |i: usize, j: usize| Cell { at: [i, j], down: false };
         match self {
@@ -263,7 +263,8 @@ impl Tile {
         }
     }
 
-    /// With `cells` cells a side of `step` steps each: a cell that has the place, and the place seen from that cell.
+    /// Returns a cell that contains the place, and the place relative to it; a face has `cells` cells of `step` steps
+    /// per side.
     pub(super) const fn enter(self, cells: usize, step: usize, [i, j]: [usize; 2]) -> (Cell, [usize; 2]) {
         let [a, b] = [i / step, j / step];
         match self {

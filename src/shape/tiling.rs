@@ -5,7 +5,7 @@ use rayon::prelude::*;
 use super::tile::{Cell, Piece, Tile, TilePosition};
 use super::topology::{Faces, NONE, Topology, index};
 
-/// The split of a topology in closed form: numbers of vertices, edges and faces after it, and where they came from.
+/// The split of a topology in closed form: the indices of vertices, edges and faces after it, and their origins.
 ///
 /// Vertices: those of the parent; then edge by edge its `d - 1` points in its direction; then face by face its inner
 /// points, row by row. Edges: edge by edge its `d` pieces, then those inside the faces. Faces: face by face its cells,
@@ -17,19 +17,19 @@ pub struct Tiling<'a> {
     pieces: usize,
 }
 
-/// Where a vertex after a split came from.
+/// The origin of a vertex after a split.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Ancestor {
     /// A vertex of the parent.
     Vertex(usize),
-    /// A point on an edge of the parent, so many steps from its start.
+    /// A point on an edge of the parent: the edge, and the steps from its start.
     Edge(usize, usize),
-    /// A point inside a face of the parent: steps towards corner 1, steps towards the last corner.
+    /// A point inside a face of the parent: the face, and the steps towards corner 1 and towards the last corner.
     Face(usize, [usize; 2]),
 }
 
 impl<'a> Tiling<'a> {
-    /// The split of `parent`, whose faces all have as many sides as `tile`, with so many pieces an edge.
+    /// Creates the split of `parent`, all of whose faces have as many sides as `tile`, into `pieces` pieces per edge.
     pub fn new(parent: &'a Topology, tile: Tile, pieces: usize) -> Self {
         Self { parent, tile, pieces }
     }
@@ -44,12 +44,12 @@ impl<'a> Tiling<'a> {
         self.parent.n_faces() * self.pieces * self.pieces
     }
 
-    /// Number of the first vertex inside a face.
+    /// Returns the index of the first vertex inside a face.
     fn first_inner(&self) -> usize {
         self.parent.n_vertices() + self.parent.n_edges() * (self.pieces - 1)
     }
 
-    /// Where a vertex came from.
+    /// Returns the origin of a vertex.
     #[inline]
     pub fn ancestor(&self, v: usize) -> Ancestor {
         let n_v = self.parent.n_vertices();
@@ -63,7 +63,7 @@ impl<'a> Tiling<'a> {
         }
     }
 
-    /// The vertex at a place of a face of the parent.
+    /// Returns the vertex at a place of a face of the parent.
     #[inline]
     pub fn vertex(&self, face: usize, place: [usize; 2]) -> u32 {
         let first = self.parent.half_edges(face).start;
@@ -81,7 +81,7 @@ impl<'a> Tiling<'a> {
         }
     }
 
-    /// The vertices of a face after the split; of a triangle the first three count.
+    /// Returns the vertices of a face after the split; for a triangle, only the first three are used.
     #[inline]
     pub fn face(&self, face: usize) -> [u32; 4] {
         let each = self.pieces * self.pieces;
@@ -89,7 +89,7 @@ impl<'a> Tiling<'a> {
         self.tile.corners(cell).map(|place| self.vertex(face / each, place))
     }
 
-    /// A corner of the parent's face, its side, and a place so many steps along an edge of the parent.
+    /// Returns the first face of an edge of the parent, and the place in it that is `at` steps along the edge.
     pub(super) fn along(&self, edge: usize, at: usize) -> (usize, [usize; 2]) {
         let half_edge = self.parent.halves(edge)[0];
         let face = self.parent.face_of(half_edge);
@@ -97,20 +97,20 @@ impl<'a> Tiling<'a> {
         (face, self.tile.along(self.pieces, side, at))
     }
 
-    /// Corner `corner` of a cell of a face.
+    /// Returns the half-edge at corner `corner` of a cell of a face.
     fn corner(&self, face: usize, cell: Cell, corner: u32) -> u32 {
         let number = face * self.pieces * self.pieces + self.tile.number(self.pieces, cell);
         index(number) * self.tile.sides() + corner
     }
 
-    /// The corner whose half-edge is this piece, counted along the half-edge of a corner of the parent.
+    /// Returns the half-edge that is piece `piece` of a half-edge of the parent.
     fn piece(&self, half_edge: u32, piece: usize) -> u32 {
         let face = self.parent.face_of(half_edge);
         let side = half_edge - self.parent.half_edges(face).start;
         self.corner(face, self.tile.at_side(self.pieces, side, piece), side)
     }
 
-    /// The edge at side `side` of a cell of a face.
+    /// Returns the edge at side `side` of a cell of a face.
     fn edge(&self, face: usize, cell: Cell, side: u32) -> u32 {
         let d = self.pieces;
         match self.tile.side(d, cell, side) {
@@ -124,7 +124,7 @@ impl<'a> Tiling<'a> {
         }
     }
 
-    /// The topology after the split.
+    /// Builds the topology after the split.
     pub fn topology(&self) -> Topology {
         let (parent, tile, d) = (self.parent, self.tile, self.pieces);
         let sides = tile.sides() as usize;

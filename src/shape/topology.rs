@@ -1,8 +1,7 @@
-//! Topology: which vertices, edges and faces meet, as flat arrays that are never edited. No coordinates.
+//! The connectivity of vertices, edges and faces as flat arrays that are never edited, without coordinates.
 //!
-//! A *half-edge* is one side of an edge: it belongs to one face and runs from a vertex of the face to the next one. Its
-//! number also stands for the place where the face has the vertex it starts at. Half-edges are numbered face after
-//! face.
+//! A *half-edge* is one side of an edge: it belongs to one face and runs from a vertex of the face to the next one. It
+//! also identifies the corner of the face at the vertex where it starts. Half-edges are numbered face after face.
 
 use std::mem;
 
@@ -10,7 +9,7 @@ use rayon::prelude::*;
 
 use crate::math::sharing::is_small;
 
-/// "There is none": the missing second half-edge of a boundary edge, the missing half-edge of an isolated vertex.
+/// Stands for "none": the missing second half-edge of a boundary edge, or the missing half-edge of an isolated vertex.
 pub const NONE: u32 = u32::MAX;
 
 /// Connectivity of an oriented 2-manifold with boundary; every vertex has at most one fan of faces.
@@ -18,19 +17,18 @@ pub const NONE: u32 = u32::MAX;
 pub struct Topology {
     pub(super) n_vertices: usize,
     pub(super) faces: Faces,
-    /// Vertex at each half-edge.
+    /// The vertex at which each half-edge starts.
     pub(super) vertices: Vec<u32>,
-    /// Edge from each half-edge to the next of its face.
+    /// The edge of each half-edge.
     pub(super) edge_of: Vec<u32>,
-    /// The half-edges whose half-edges lie on each edge; the first runs in the edge's direction, the second may be
-    /// [`NONE`].
+    /// The half-edges of each edge; the first one runs in the edge's direction, the second one may be [`NONE`].
     pub(super) halves: Vec<[u32; 2]>,
-    /// The first outgoing half-edge of each vertex in counter-clockwise order (on the boundary the one whose edge is a
+    /// The first outgoing half-edge of each vertex in counter-clockwise order (on the boundary the one on the outgoing
     /// boundary edge), or [`NONE`].
     pub(super) outgoing: Vec<u32>,
 }
 
-/// Where each face's half-edges are.
+/// The layout of the half-edges of faces.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(super) enum Faces {
     /// Face `f` has the half-edges `4 f .. 4 f + 4`.
@@ -41,14 +39,14 @@ pub(super) enum Faces {
     Mixed { starts: Vec<u32>, owner: Vec<u32> },
 }
 
-/// Number as an index; nets have fewer than 2^32 half-edges by the limits that admit them.
+/// Converts a count to an index; the limits on admission keep all counts of half-edges below 2^32.
 #[expect(clippy::cast_possible_truncation, reason = "the limits keep every count below 2^32")]
 pub(crate) const fn index(n: usize) -> u32 {
     n as u32
 }
 
 impl Topology {
-    /// Bytes that it holds.
+    /// Returns the number of bytes that the topology occupies.
     pub fn bytes(&self) -> usize {
         let Self { n_vertices: _, faces, vertices, edge_of, halves, outgoing } = self;
         let list = |list: &Vec<u32>| list.capacity() * size_of::<u32>();
@@ -81,7 +79,7 @@ impl Topology {
         self.vertices.len()
     }
 
-    /// Whether every face has four vertices.
+    /// Returns whether every face has four vertices.
     pub fn is_quads(&self) -> bool {
         match &self.faces {
             Faces::Quads => true,
@@ -90,7 +88,7 @@ impl Topology {
         }
     }
 
-    /// The first face that is no triangle, if there is one.
+    /// Returns the first face that is not a triangle, if there is one.
     pub fn first_other_than_triangle(&self) -> Option<usize> {
         match &self.faces {
             Faces::Triangles => None,
@@ -98,7 +96,7 @@ impl Topology {
         }
     }
 
-    /// The half-edges of face `f`.
+    /// Returns the half-edges of face `f`.
     #[inline]
     pub fn half_edges(&self, f: usize) -> std::ops::Range<u32> {
         match &self.faces {
@@ -108,14 +106,14 @@ impl Topology {
         }
     }
 
-    /// The vertices of face `f`, counter-clockwise.
+    /// Returns the vertices of face `f`, counter-clockwise.
     #[inline]
     pub fn face(&self, f: usize) -> &[u32] {
         let half_edges = self.half_edges(f);
         &self.vertices[half_edges.start as usize..half_edges.end as usize]
     }
 
-    /// The face of a half-edge.
+    /// Returns the face of a half-edge.
     #[inline]
     pub fn face_of(&self, half_edge: u32) -> usize {
         match &self.faces {
@@ -125,7 +123,7 @@ impl Topology {
         }
     }
 
-    /// The next half-edge of the same face.
+    /// Returns the next half-edge of the same face.
     #[inline]
     pub fn next(&self, half_edge: u32) -> u32 {
         match &self.faces {
@@ -144,7 +142,7 @@ impl Topology {
         }
     }
 
-    /// The previous half-edge of the same face.
+    /// Returns the previous half-edge of the same face.
     #[inline]
     pub fn previous(&self, half_edge: u32) -> u32 {
         match &self.faces {
@@ -163,65 +161,67 @@ impl Topology {
         }
     }
 
-    /// The vertex that a half-edge starts at.
+    /// Returns the vertex at which a half-edge starts.
     #[inline]
     pub fn vertex(&self, half_edge: u32) -> u32 {
         self.vertices[half_edge as usize]
     }
 
-    /// The edge of which a half-edge is one side.
+    /// Returns the edge of a half-edge.
     #[inline]
     pub fn edge(&self, half_edge: u32) -> u32 {
         self.edge_of[half_edge as usize]
     }
 
-    /// The one or two half-edges on edge `e`; the first runs in the edge's direction.
+    /// Returns the one or two half-edges of edge `e`; the first runs in the edge's direction, the second may be
+    /// [`NONE`].
     #[inline]
     pub fn halves(&self, e: usize) -> [u32; 2] {
         self.halves[e]
     }
 
-    /// The two ends of edge `e`, in its direction.
+    /// Returns the two ends of edge `e`, in its direction.
     #[inline]
     pub fn ends(&self, e: usize) -> [u32; 2] {
         let half_edge = self.halves[e][0];
         [self.vertex(half_edge), self.vertex(self.next(half_edge))]
     }
 
-    /// The end of edge `e` that is not its end `v`.
+    /// Returns the end of edge `e` other than `v`.
     #[inline]
     pub fn other_end(&self, e: usize, v: usize) -> u32 {
         let [from, to] = self.ends(e);
         if from as usize == v { to } else { from }
     }
 
-    /// Whether edge `e` has one face only.
+    /// Returns whether edge `e` has only one face.
     #[inline]
     pub fn is_boundary_edge(&self, e: usize) -> bool {
         self.halves[e][1] == NONE
     }
 
-    /// The half-edge on the other side of a half-edge's edge, or [`NONE`].
+    /// Returns the opposite half-edge on the same edge, or [`NONE`] on the boundary.
     #[inline]
     pub fn twin(&self, half_edge: u32) -> u32 {
         let [first, second] = self.halves[self.edge(half_edge) as usize];
         if first == half_edge { second } else { first }
     }
 
-    /// Outgoing half-edges of vertex `v`, counter-clockwise; on the boundary from boundary to boundary.
+    /// Returns the half-edges that leave vertex `v`, counter-clockwise; on the boundary from boundary edge to boundary
+    /// edge.
     #[inline]
     pub fn ring(&self, v: usize) -> Ring<'_> {
         let start = self.outgoing[v];
         Ring::from(self, start)
     }
 
-    /// Whether no face has vertex `v`.
+    /// Returns whether vertex `v` has no face.
     #[inline]
     pub fn is_isolated(&self, v: usize) -> bool {
         self.outgoing[v] == NONE
     }
 
-    /// The two boundary edges at vertex `v` (outgoing, incoming), if it lies on the boundary.
+    /// Returns the two boundary edges at vertex `v` (outgoing, incoming), if it lies on the boundary.
     pub fn boundary_edges(&self, v: usize) -> Option<[u32; 2]> {
         let start = self.outgoing[v];
         if start == NONE || self.twin(start) != NONE {
@@ -231,12 +231,13 @@ impl Topology {
         Some([self.edge(start), self.edge(self.previous(last))])
     }
 
-    /// Number of edges at vertex `v`.
+    /// Returns the valence of vertex `v`, the number of its edges.
     pub fn valence(&self, v: usize) -> usize {
         self.ring(v).count() + usize::from(self.boundary_edges(v).is_some())
     }
 
-    /// The faces within so many rings of the vertices that are `reached`, which those of these faces are then, too.
+    /// Returns for each face whether it lies within `rings` rings of the `reached` vertices, and marks the vertices of
+    /// these faces as reached, too.
     pub fn faces_within(&self, rings: usize, reached: &mut [bool]) -> Vec<bool> {
         let mut found = vec![false; self.n_faces()];
         let mut front: Vec<usize> = (0..reached.len()).filter(|&v| reached[v]).collect();
@@ -253,7 +254,7 @@ impl Topology {
         found
     }
 
-    /// Number of boundary edges, which is also the number of boundary vertices.
+    /// Returns the number of boundary edges, which is also the number of boundary vertices.
     pub fn n_boundary(&self) -> usize {
         let is_boundary = |half_edges: &&[u32; 2]| half_edges[1] == NONE;
         if is_small(self.n_edges()) {
@@ -262,7 +263,7 @@ impl Topology {
         self.halves.par_iter().filter(is_boundary).count()
     }
 
-    /// The boundary loops, each as its vertices with the mesh on the left, starting at the loop's lowest edge.
+    /// Returns the boundary loops as lists of vertices with the mesh on the left, each from the loop's lowest edge.
     pub fn boundary_loops(&self) -> Vec<Vec<u32>> {
         let mut seen = vec![false; self.n_edges()];
         let mut loops = Vec::new();
@@ -294,7 +295,7 @@ pub struct Ring<'a> {
 }
 
 impl<'a> Ring<'a> {
-    /// The ring that starts at an outgoing half-edge.
+    /// Creates the ring that starts at an outgoing half-edge.
     pub(super) fn from(topology: &'a Topology, start: u32) -> Self {
         Self { topology, start, at: start }
     }

@@ -1,10 +1,10 @@
 //! The documented order of a triangle mesh that was split: base vertices, then the points on base edges, then those
 //! inside base faces, row by row. Independent of the order in which the splits were carried out.
 //!
-//! With `n` pieces an edge: an edge has `n - 1` inner points in the direction of its first appearance; a triangle has
-//! `(n-1)(n-2)/2`, row by row (origin at corner 0, first axis towards corner 1). Faces stand by base face, row by row;
-//! a row holds upward and downward triangles from left to right. The upward one at `(i, j)` starts there and goes on to
-//! `(i + 1, j)`, `(i, j + 1)`; the downward one beside it starts at `(i + 1, j + 1)` and goes on to `(i, j + 1)`,
+//! With `n` pieces per edge: an edge has `n - 1` inner points in the direction of its first appearance; a triangle has
+//! `(n-1)(n-2)/2`, row by row (origin at corner 0, first axis towards corner 1). Faces are ordered by base face, then
+//! row by row; upward and downward triangles of a row alternate from left to right. The upward triangle at `(i, j)` has
+//! the vertices `(i, j)`, `(i + 1, j)`, `(i, j + 1)`; the downward one next to it has `(i + 1, j + 1)`, `(i, j + 1)`,
 //! `(i + 1, j)`.
 
 use std::sync::Arc;
@@ -21,31 +21,31 @@ pub struct TriangleGrid {
     base: Arc<Topology>,
     /// The topology before the last split.
     parent: Arc<Topology>,
-    /// Pieces of an edge at each split.
+    /// Number of pieces per edge at each split.
     pieces: Arc<[u32]>,
-    /// Pieces of a base edge.
+    /// Number of pieces of a base edge.
     n: usize,
 }
 
 impl TriangleGrid {
-    /// The order of `base` after splits with so many pieces an edge, `parent` being the topology before the last of
-    /// them.
+    /// Returns the order of `base` after splits with `pieces` pieces per edge; `parent` is the topology before the
+    /// last split.
     ///
     /// # Panics
-    /// When there is no split: then the order is that of the base.
+    /// If there is no split: then the order is that of the base.
     pub fn new(base: Arc<Topology>, parent: Arc<Topology>, pieces: Arc<[u32]>) -> Self {
         assert!(!pieces.is_empty(), "an unsplit mesh is in its own order");
         let n = pieces.iter().map(|&d| d as usize).product();
         Self { base, parent, pieces, n }
     }
 
-    /// The order of another base with the same faces after the same splits.
+    /// Returns the order of another base with the same faces after the same splits.
     #[must_use]
     pub(super) fn over(&self, base: &Arc<Topology>) -> Self {
         Self::new(base.clone(), base.clone(), self.pieces.clone())
     }
 
-    /// The base split at once, which numbers everything in the documented order.
+    /// Returns the base split in one step, which numbers everything in the documented order.
     fn whole(&self) -> Tiling<'_> {
         Tiling::new(&self.base, Tile::Triangle, self.n)
     }
@@ -60,13 +60,13 @@ impl TriangleGrid {
         self.whole().n_faces()
     }
 
-    /// The vertices of face `f`, numbered in the documented order.
+    /// Returns the vertices of face `f`, indexed in the documented order.
     pub fn face(&self, f: usize) -> [u32; 3] {
         let [a, b, c, _] = self.whole().face(f);
         [a, b, c]
     }
 
-    /// Writes the vertices of consecutive faces from face `f` on, as many as `out` holds.
+    /// Fills `out` with the vertices of consecutive faces from face `f` on.
     pub fn faces(&self, mut f: usize, mut out: &mut [[u32; 3]]) {
         let (n, whole) = (self.n, self.whole());
         while !out.is_empty() {
@@ -79,12 +79,12 @@ impl TriangleGrid {
         }
     }
 
-    /// The base face that face `f` came from.
+    /// Returns the base face that contains face `f`.
     pub fn base_face(&self, f: usize) -> usize {
         f / (self.n * self.n)
     }
 
-    /// The cell of the base in which vertex `v`, numbered in the documented order, arose.
+    /// Returns the base cell in which vertex `v`, indexed in the documented order, arose.
     pub fn origin(&self, v: usize) -> Origin {
         let (dimension, cell) = match self.whole().ancestor(v) {
             Ancestor::Vertex(v) => (0, v),
@@ -94,12 +94,12 @@ impl TriangleGrid {
         Origin { dimension, cell: index(cell) }
     }
 
-    /// First face of base face `f`.
+    /// Returns the first face of base face `f`.
     pub fn first_face(&self, f: usize) -> usize {
         f * self.n * self.n
     }
 
-    /// The number of vertex `v` in the order of construction (see [`Tiling`]).
+    /// Returns the index of vertex `v` in the order of construction (see [`Tiling`]).
     pub fn constructed(&self, v: usize) -> u32 {
         let (face, place) = match self.whole().ancestor(v) {
             Ancestor::Vertex(v) => return index(v),
@@ -112,8 +112,8 @@ impl TriangleGrid {
     }
 }
 
-/// Follows a place of a face with `n` pieces an edge through all splits but the last: the face before that one, and the
-/// place in it.
+/// Follows a place of a face with `n` pieces per edge through all splits but the last one; returns the face before the
+/// last split, and the place in it.
 pub(super) fn descended(
     tile: Tile,
     pieces: &[u32],

@@ -1,24 +1,25 @@
-//! Merging of vertices that lie at the same place or close to each other.
+//! Merges vertices that coincide or lie close to each other.
 
 use std::collections::HashMap;
 
 use super::check::FaceList;
 use super::topology::index;
 
-/// Pairs that are kept for the report.
+/// Number of merged pairs that are kept for the report.
 const MAX_PAIRS: usize = 5;
 
-/// Smallest distance of a weld, as a part of the largest coordinate: below it neighbouring numbers are further apart.
+/// Smallest distance of a weld relative to the largest coordinate; below it, adjacent floating-point numbers may be
+/// further apart.
 pub const LEAST_PART: f64 = 1e-12;
 
-/// Which vertices stay, and where the others went.
+/// The vertices that are kept, and the vertices that the others were merged into.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Welded {
-    /// For each old vertex the new one.
+    /// For each old vertex its new index.
     pub image: Vec<u32>,
-    /// For each new vertex the old one whose place it has, ascending.
+    /// For each new vertex the old vertex whose position it has; ascending.
     pub kept: Vec<u32>,
-    /// The first vertices that were merged: the vertex, then the one it was merged into, by their old numbers.
+    /// The first merged vertices, each with the vertex that it was merged into, by their old indices.
     pub pairs: Vec<[u32; 2]>,
 }
 
@@ -29,11 +30,11 @@ impl Welded {
     }
 }
 
-/// Merges each vertex, in their order, into the lowest vertex that stayed and lies at most `distance` (model units, 0
-/// or more) away; a vertex without such a neighbour stays. With 0 equal places are merged.
+/// Merges each vertex, in order, into the lowest kept vertex at most `distance` (model units, at least 0) away; a
+/// vertex without such a neighbour is kept. The distance 0 merges equal positions.
 ///
-/// Vertices are sorted into a grid of cells as wide as the distance, so that only the 27 cells around a vertex are
-/// looked at. Vertices that stay are further apart than the distance, hence few in a cell.
+/// Kept vertices are sorted into a grid of cells as wide as the distance, so that only the 27 cells around a vertex are
+/// searched. As kept vertices are further apart than the distance, a cell holds few of them.
 ///
 /// # Errors
 /// A distance that is no number of at least 0, or too small for the largest coordinate.
@@ -70,7 +71,7 @@ pub fn weld(positions: &[[f64; 3]], distance: f64) -> Result<Welded, String> {
     Ok(welded)
 }
 
-/// The cell of a place; without a distance each place is a cell of its own.
+/// Returns the cell of a position; with distance 0, each position is a cell of its own.
 #[expect(clippy::cast_possible_truncation, reason = "the least distance keeps quotients below 2^40")]
 fn cell(place: [f64; 3], distance: f64) -> [i64; 3] {
     place.map(|x| if distance > 0.0 { (x / distance).floor() as i64 } else { (x + 0.0).to_bits().cast_signed() })
@@ -82,18 +83,18 @@ fn neighbours(cell: [i64; 3], distance: f64) -> impl Iterator<Item = [i64; 3]> {
     reach().flat_map(plane).map(move |by| std::array::from_fn(|k| cell[k].saturating_add(by[k])))
 }
 
-/// Whether two places of neighbouring cells are at most `distance` apart.
+/// Returns whether two positions of neighbouring cells are at most `distance` apart.
 fn is_near(a: [f64; 3], b: [f64; 3], distance: f64) -> bool {
-    // divided first, so that squares of small numbers do not vanish; without a distance the cell is the place
+    // divides first so that squares of small numbers do not underflow; with distance 0 the cell is the position
     let part = |k: usize| if distance > 0.0 { (a[k] - b[k]) / distance } else { 0.0 };
     (0..3).map(|k| part(k) * part(k)).sum::<f64>() <= 1.0
 }
 
-/// The places of a face of merged vertices that stay without repeated neighbours, ascending; `None` where fewer than
-/// three different vertices are left.
+/// Returns the corners of a face over merged vertices that remain when repeated neighbours are removed, ascending;
+/// `None` if fewer than three distinct vertices remain.
 ///
 /// # Errors
-/// The vertex that the face meets twice, with others between: it is not one face any more.
+/// A vertex that the face visits twice, with others between, so that it is no longer one face.
 fn collapse(face: &[u32]) -> Result<Option<Vec<usize>>, u32> {
     let mut places: Vec<usize> = Vec::with_capacity(face.len());
     for (j, &v) in face.iter().enumerate() {
@@ -115,16 +116,16 @@ fn collapse(face: &[u32]) -> Result<Option<Vec<usize>>, u32> {
     }
 }
 
-/// The faces over merged vertices, for each the old face, and the faces that are gone.
+/// The faces over merged vertices, with the old face of each, and the faces that collapsed.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub struct WeldedFaces {
-    /// The faces that stay.
+    /// The remaining faces.
     pub faces: FaceList,
-    /// For each face that stays its old number, ascending.
+    /// The old index of each remaining face, ascending.
     pub kept: Vec<u32>,
-    /// For each corner that stays its old number, ascending.
+    /// The old index of each remaining corner, ascending.
     pub corners: Vec<u32>,
-    /// The old numbers of the faces that are gone.
+    /// The old indices of the faces that collapsed.
     pub gone: Vec<u32>,
 }
 

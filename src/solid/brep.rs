@@ -8,75 +8,77 @@ use crate::math::functions::ratio;
 use crate::math::vector::{Vector, length, minus};
 use crate::shape::topology::{NONE, index};
 
-/// A face.
+/// A face of a solid, bounded by edges.
 #[derive(Debug, Clone)]
 pub struct Face {
-    /// Its surface, seen from outside.
+    /// Its surface, oriented as seen from outside.
     pub surface: Surface,
-    /// Its edges counter-clockwise in (u, v), and whether each runs along.
+    /// Its edges counter-clockwise in (u, v), each with whether it runs in this direction.
     pub edges: Vec<(u32, bool)>,
-    /// The input faces that it came of, ascending.
+    /// The input faces from which the face arose, ascending.
     pub inputs: Vec<u32>,
-    /// Whether it is the limit surface itself, and no cap.
+    /// Whether the surface is exactly the limit surface, not a cap.
     pub is_exact: bool,
 }
 
-/// Where a face has an edge.
+/// The use of an edge by a side of a face.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Use {
     pub(super) face: u32,
     pub(super) side: usize,
-    /// The parameters of the side at the ends of the edge, in the direction of the side.
+    /// The parameters of the side at the two ends of the edge, in the direction of the side.
     pub(super) range: [f64; 2],
 }
 
-/// An edge.
+/// An edge of a solid.
 #[derive(Debug, Clone)]
 pub struct Edge {
-    /// The vertices at its ends.
+    /// The vertices at its two ends.
     pub ends: [u32; 2],
-    /// Its curve, from the first to the second.
+    /// Its curve, from the first vertex to the second.
     pub curve: Curve,
-    /// Whether the surface stays sharp there, or ends.
+    /// Whether the surface is infinitely sharp or ends at the edge.
     pub is_sharp: bool,
     pub(super) uses: Vec<Use>,
 }
 
-/// Faces that hang together.
+/// A connected set of faces.
 #[derive(Debug, Clone, Default)]
 pub struct Shell {
-    /// The faces, ascending.
+    /// Its faces, ascending.
     pub faces: Vec<u32>,
     /// Whether every edge has a face on both sides.
     pub is_closed: bool,
-    /// Whether the cage was inside out, so that its faces were turned.
+    /// Whether the control mesh was inside out, so that the faces were reversed.
     pub was_turned: bool,
-    /// Area, square model units.
+    /// Surface area, in square model units.
     pub area: f64,
-    /// The enclosed volume, cubic model units; 0 where it is open.
+    /// The enclosed volume in cubic model units; 0 if the shell is open.
     pub volume: f64,
-    /// Vertices - edges + faces.
+    /// The Euler characteristic: vertices - edges + faces.
     pub euler: i64,
 }
 
-/// The boundary of solids.
+/// The boundary representation of solids.
 #[derive(Debug, Clone, Default)]
 pub struct Brep {
-    /// Faces, those that are exact first.
+    /// The faces; exact ones come first.
     pub faces: Vec<Face>,
-    /// Edges.
+    /// The edges.
     pub edges: Vec<Edge>,
-    /// Positions of vertices, model units.
+    /// The positions of the vertices, in model units.
     pub vertices: Vec<Vector>,
-    /// The largest distance between what two faces say of a point of an edge, or an edge of its end, model units.
+    /// The largest distance at an edge between the positions that its two faces give, or between its end and the
+    /// vertex, in model units.
     pub gap: f64,
 }
 
-/// The vertices where edges begin and end.
+/// The vertices of the refinement at which edges of the solid begin and end.
 struct Joints {
     /// The patches at each edge of the refinement.
     users: Vec<[u32; 2]>,
-    /// Whether more than two edges meet at each vertex, or two of different faces, or a face has a corner there.
+    /// Whether each vertex separates edges: more than two edges meet there, two of different faces do, or a face has a
+    /// corner there.
     is_joint: Vec<bool>,
 }
 
@@ -125,10 +127,10 @@ struct Assembly<'a> {
     edges: &'a Edges,
     joints: Joints,
     brep: Brep,
-    /// The number of each vertex and edge of the refinement in the result, or [`NONE`].
+    /// The index of each vertex and edge of the refinement in the result, or [`NONE`].
     vertex: Vec<u32>,
     edge: Vec<u32>,
-    /// Shortest edge that readers can tell from a point, model units.
+    /// The length of the shortest edge that readers can distinguish from a point, in model units.
     shortest: f64,
 }
 
@@ -159,7 +161,7 @@ impl Brep {
         Ok(assembly.brep)
     }
 
-    /// Turns faces so that they are seen from their other side.
+    /// Reverses faces so that they are seen from their other side.
     pub(super) fn turn(&mut self, faces: &[u32]) {
         for &f in faces {
             let face = &mut self.faces[f as usize];
@@ -176,7 +178,7 @@ impl Brep {
         }
     }
 
-    /// The shells, in the order of their first faces, without what they measure.
+    /// Returns the shells, in the order of their first faces, without their measures.
     pub(super) fn shells(&self) -> Vec<Shell> {
         let mut parent: Vec<u32> = (0..index(self.faces.len())).collect();
         for pair in self.edges.iter().filter_map(|edge| edge.uses.first_chunk::<2>()) {
@@ -219,7 +221,8 @@ fn root(parent: &mut [u32], mut f: u32) -> u32 {
 }
 
 impl Assembly<'_> {
-    /// The edge of a run of pieces, which has this curve along the side of a face, and whether it runs along.
+    /// Returns the edge of a run of pieces whose curve lies along the side of a face, and whether it runs in this
+    /// direction.
     fn edge(&mut self, run: &[Step], curve: Curve, at: Use) -> Result<(u32, bool), SolidError> {
         let last = curve.points.len() - 1;
         let outer = [run[0].ends[0], run[run.len() - 1].ends[1]];
@@ -230,7 +233,7 @@ impl Assembly<'_> {
         let known = self.edge[run[0].edge as usize];
         if let Some(edge) = self.brep.edges.get_mut(known as usize) {
             edge.uses.push(at);
-            // a second use runs the other way, as neighbours agree on their orientation
+            // the second use runs in the opposite direction, as neighbours are consistently oriented
             let halfway = length(minus(edge.curve.middle(), curve.middle()));
             self.brep.gap = self.brep.gap.max(halfway);
             return Ok((known, false));
@@ -262,11 +265,12 @@ impl Assembly<'_> {
     }
 }
 
-/// Places of an edge at which the normals of its two faces are compared.
+/// Number of places of an edge at which the normals of its two faces are compared.
 const PLACES: usize = 9;
 
 impl Use {
-    /// Places of the edge in the surface of the face, in the direction of its side, some way off the ends.
+    /// Returns places of the edge in the surface of the face, in the direction of its side, at some distance from the
+    /// ends.
     pub(super) fn places(&self, surface: &Surface) -> Vec<[f64; 2]> {
         let [s, e] = self.range;
         let at = |k: usize| s + (e - s) * (0.02 + 0.96 * ratio(k, PLACES - 1));

@@ -1,4 +1,4 @@
-//! The way from a cage to its solid.
+//! Builds the solid of a control mesh.
 
 use super::brep::Brep;
 use super::certificate::Certificate;
@@ -17,25 +17,25 @@ use crate::scheme::plan::Plan;
 use crate::shape::mesh::Mesh;
 use crate::watch::Watch;
 
-/// The boundary of a solid, and what is known of it.
+/// The boundary of a solid, with its certificate.
 #[derive(Debug, Clone)]
 pub struct Solid {
     /// Its faces, edges and vertices.
     pub brep: Brep,
-    /// What is known of it.
+    /// The deviation from the limit surface, and how the faces meet.
     pub certificate: Certificate,
 }
 
-/// The solid of a cage under a plan whose regular pieces are bicubic. `labels` holds a number for each face of the
-/// cage: faces with different ones stay apart.
+/// Builds the solid of a control mesh under a plan whose regular pieces are bicubic. `labels` has a number for each
+/// face of the mesh: faces with different labels are not merged.
 ///
 /// # Errors
-/// [`SolidError`], also where the cage gives no solid as it is asked for.
+/// [`SolidError`], in particular if the mesh gives no solid of the requested kind.
 pub fn solid(mesh: &Mesh, plan: &Plan, request: &Request, labels: &[u32], watch: &Watch) -> Result<Solid, SolidError> {
     check(mesh, plan, request)?;
     let (size, middle) = extent(mesh);
     let refiner = Refiner::new(plan, watch)?;
-    // no more than what booked its memory counted on
+    // at most as many leaves as the memory was booked for
     let most = usize::try_from(Cage::of(mesh).forecast(request).leaves).unwrap_or(usize::MAX);
     let rounding = Rounding::of(mesh);
     let pieces = isolate(Level::of(mesh, plan), request, (request.tolerance * size, rounding, most), &refiner)?;
@@ -71,7 +71,7 @@ pub fn solid(mesh: &Mesh, plan: &Plan, request: &Request, labels: &[u32], watch:
     Ok(Solid { brep, certificate })
 }
 
-/// Refuses what is known to be no solid before anything is refined.
+/// Refuses before any refinement what is known not to give a solid.
 ///
 /// # Errors
 /// [`SolidError::Unfit`].
@@ -100,7 +100,7 @@ pub fn check(mesh: &Mesh, plan: &Plan, request: &Request) -> Result<(), SolidErr
     Ok(())
 }
 
-/// The largest side of the bounding box of a cage, and its middle.
+/// Returns the largest side of the bounding box of a control mesh, and its centre.
 fn extent(mesh: &Mesh) -> (f64, Vector) {
     let points: &[Vector] = mesh.positions.as_chunks().0;
     let bound = |start: f64, pick: fn(f64, f64) -> f64| {

@@ -1,4 +1,4 @@
-//! Caps: the last faces around a vertex that is not regular, and how far they are from the limit surface.
+//! Caps around extraordinary vertices, and their distance from the limit surface.
 
 use super::caps::{CapTable, Method};
 use super::distance::farthest;
@@ -11,17 +11,17 @@ use super::spline::Surface;
 use crate::math::functions::real;
 use crate::math::vector::{Vector, plus, times};
 
-/// How a deviation was found.
+/// How a deviation was determined.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Known {
-    /// It is proved to be a bound.
+    /// It is a proven bound.
     Certified,
     /// It is the largest of some samples.
     Sampled,
 }
 
 impl Known {
-    /// Its name in certificates.
+    /// Returns the name in certificates.
     pub fn name(self) -> &'static str {
         match self {
             Self::Certified => "certified",
@@ -30,21 +30,21 @@ impl Known {
     }
 }
 
-/// Caps of one sector, one a face.
+/// The caps of one sector, one per face.
 #[derive(Debug, Clone)]
 pub(super) struct Capped {
     pub(super) surfaces: Vec<Surface>,
-    /// Distance from the limit surface, model units.
+    /// Distance from the limit surface, in model units.
     pub(super) deviation: f64,
     pub(super) known: Known,
     /// Whether tangent planes agree across the edges between the caps.
     pub(super) is_tangent: bool,
 }
 
-/// The caps of a sector, or how far they are from the limit surface where that is more than the tolerance.
+/// Returns the caps of a sector, or their distance from the limit surface if it exceeds the tolerance.
 ///
 /// # Errors
-/// When the watch says stop.
+/// If the watch says stop.
 pub(super) fn caps(
     level: &Level,
     sector: &Sector,
@@ -64,7 +64,7 @@ pub(super) fn caps(
     Ok(if deviation <= tolerance { Ok(capped) } else { Err(deviation) })
 }
 
-/// Fitted caps of bidegree 5.
+/// Returns fitted caps of bidegree 5.
 fn fitted(table: &CapTable, ring: &[Vector], tolerance: f64) -> Result<Capped, f64> {
     let estimate = table.estimate(ring);
     if estimate > tolerance {
@@ -82,7 +82,8 @@ fn fitted(table: &CapTable, ring: &[Vector], tolerance: f64) -> Result<Capped, f
     Ok(Capped { surfaces, deviation: found.bound, known, is_tangent: true })
 }
 
-/// Bicubic patches with the exact data outside and Catmull-Clark limits and tangents at the vertex.
+/// Returns bicubic patches with the exact data on the outside, and with Catmull-Clark limits and tangents at the
+/// vertex.
 ///
 /// Source: C. Loop, S. Schaefer, ACM TOG 27 (2008), 8:1-8:11.
 fn approximate(level: &Level, sector: &Sector) -> Vec<super::net::Net> {
@@ -113,8 +114,8 @@ fn approximate(level: &Level, sector: &Sector) -> Vec<super::net::Net> {
 }
 
 impl Level {
-    /// The vertex of a closed sector and two rings around it: the vertex, then of each face its second and third corner
-    /// and the four vertices beyond them, from the spoke on.
+    /// Returns the vertex of a closed sector and its two-ring: the vertex, then for each face its second and third
+    /// corner and the four vertices beyond them, starting at the spoke.
     fn two_ring(&self, sector: &Sector) -> Vec<Vector> {
         let faces = sector.spokes.iter().flat_map(|&spoke| {
             let [beside, diagonal, before] = self.around(spoke);
@@ -130,8 +131,8 @@ impl Level {
         std::iter::once(self.start(sector.spokes[0])).chain(faces).collect()
     }
 
-    /// The three faces beyond a face that has a vertex alone with it: those beside its second and third side and the
-    /// one between, each as the half-edge that starts at the corner nearest to the vertex, along u.
+    /// Returns the three faces beyond a face at an isolated vertex: those across its second and third side and the one
+    /// between them, each as the half-edge that starts at the corner nearest to the vertex, along u.
     pub(super) fn around(&self, spoke: u32) -> [u32; 3] {
         let beside = self.topology.next(self.topology.twin(self.after(spoke, 1)));
         let diagonal = self.topology.twin(self.after(beside, 2));

@@ -1,4 +1,4 @@
-//! What is known of a solid: how far it is from the limit surface, and how its faces meet.
+//! The certificate of a solid: its distance from the limit surface, and how its faces meet.
 
 use super::brep::{Brep, Shell};
 use super::cap::Known;
@@ -7,32 +7,32 @@ use super::measure::Measure;
 use crate::math::functions::asin;
 use crate::math::vector::{Vector, cross, length, minus, unit};
 
-/// What is known of a solid.
+/// The certificate of a solid.
 #[derive(Debug, Clone)]
 pub struct Certificate {
-    /// The largest side of the bounding box of the cage, model units.
+    /// The largest side of the bounding box of the control mesh, in model units.
     pub size: f64,
-    /// Share of the area whose faces are the limit surface itself.
+    /// The fraction of the area whose faces are exactly the limit surface.
     pub exact_area_share: f64,
-    /// Largest distance between the surface and the limit surface, model units: that of rounding where all is exact.
+    /// The largest distance from the limit surface, in model units; if everything is exact, that of rounding errors.
     pub deviation: f64,
-    /// How that was found: sampled where it was so at any vertex.
+    /// How the deviation was determined; sampled if it was sampled at any vertex.
     pub known: Known,
-    /// Largest angle between the normals of two faces along an edge that is to be smooth, degrees.
+    /// The largest angle between the normals of two faces along a smooth edge, in degrees.
     pub worst_edge_angle_deg: f64,
-    /// The largest distance between what two faces say of a point of an edge, model units.
+    /// The largest distance at an edge between the positions that its two faces give, in model units.
     pub gap: f64,
-    /// Number of faces, edges and vertices.
+    /// The numbers of faces, edges and vertices.
     pub counts: [usize; 3],
-    /// Its shells.
+    /// The shells.
     pub shells: Vec<Shell>,
-    /// The vertices that are not regular, one entry a sector.
+    /// The isolated vertices, one entry per sector.
     pub vertices: Vec<Isolated>,
 }
 
 impl Certificate {
-    /// What holds of a boundary of a cage of this size whose exact faces are off by so much of rounding. Closed shells
-    /// that are inside out are turned.
+    /// Creates the certificate of a boundary representation; `rounding` is the deviation of its exact faces. Closed
+    /// shells that are inside out are reversed.
     pub(super) fn of(brep: &mut Brep, vertices: Vec<Isolated>, (size, origin): (f64, Vector), rounding: f64) -> Self {
         let measures: Vec<Measure> = brep.faces.iter().map(|face| Measure::of(&face.surface, origin)).collect();
         let mut shells = brep.shells();
@@ -66,12 +66,12 @@ impl Certificate {
         }
     }
 
-    /// The deviation in shares of the size of the cage.
+    /// Returns the deviation relative to the size of the control mesh.
     pub fn deviation_of_size(&self) -> f64 {
         if self.size > 0.0 { self.deviation / self.size } else { 0.0 }
     }
 
-    /// The certificate in a sentence.
+    /// Returns the certificate as a sentence.
     pub fn summary(&self) -> String {
         let [faces, ..] = self.counts;
         let closed = if self.is_closed() { "closed" } else { "open" };
@@ -85,29 +85,29 @@ impl Certificate {
         )
     }
 
-    /// Sum of what closed shells enclose, cubic model units.
+    /// Returns the total volume of closed shells, in cubic model units.
     pub fn volume(&self) -> f64 {
         self.shells.iter().fold(0.0, |sum, shell| sum + shell.volume)
     }
 
-    /// Area of all shells, square model units.
+    /// Returns the total area of all shells, in square model units.
     pub fn area(&self) -> f64 {
         self.shells.iter().fold(0.0, |sum, shell| sum + shell.area)
     }
 
-    /// Whether all shells are closed.
+    /// Returns whether all shells are closed.
     pub fn is_closed(&self) -> bool {
         self.shells.iter().all(|shell| shell.is_closed)
     }
 
-    /// Number of sectors whose caps do not agree in their tangent planes by construction.
+    /// Returns the number of sectors whose caps do not have common tangent planes by construction.
     pub fn n_not_tangent(&self) -> usize {
         self.vertices.iter().filter(|vertex| !vertex.is_tangent).count()
     }
 }
 
 impl Brep {
-    /// The largest angle between the normals of two faces along smooth edges, radians.
+    /// Returns the largest angle between the normals of two faces along smooth edges, in radians.
     fn worst_angle(&self) -> f64 {
         let mut worst = 0.0_f64;
         for edge in self.edges.iter().filter(|edge| !edge.is_sharp) {

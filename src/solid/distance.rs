@@ -1,5 +1,5 @@
-//! How far caps and the limit surface are from each other, at points of both: the limit surface as its exact pieces on
-//! the next levels.
+//! The distance between caps and the limit surface, sampled at points of both; the limit surface is given by its exact
+//! pieces on the next levels.
 
 use super::edges::Edges;
 use super::error::SolidError;
@@ -8,20 +8,19 @@ use super::spline::{Surface, of_cell};
 use crate::math::functions::ratio;
 use crate::math::vector::{Vector, cross, dot, length, minus};
 
-/// Rings of exact pieces around the vertex that are looked at. The distance is largest in the first two for valences to
-/// 6; half of them would miss that of high ones, twice takes twice as long.
+/// Number of rings of exact pieces around the vertex that are sampled. For valences up to 6 the distance is largest in
+/// the first two; half as many would miss that of high valences, twice as many take twice as long.
 const RINGS: usize = 4;
-/// Points a side of each piece.
+/// Number of points per side of each piece.
 const POINTS: usize = 6;
-/// Steps of Newton's method towards the foot of a point; each doubles the number of digits from a start that is right
-/// to a tenth.
+/// Number of Newton steps towards the foot of a point; each doubles the number of correct digits, starting from one.
 const STEPS: usize = 6;
 
-/// An exact piece of the limit surface beside a vertex.
+/// An exact piece of the limit surface next to a vertex.
 struct Piece {
     surface: Surface,
     ring: usize,
-    /// The number of its face among those around the vertex.
+    /// The index of its face among those around the vertex.
     face: usize,
     /// Its first corner in the parameters of its cap, and the length of its sides there.
     from: [f64; 2],
@@ -34,11 +33,11 @@ impl Piece {
     }
 }
 
-/// The largest distance of points of the limit surface from the caps of a sector, one a spoke, and of points of the
-/// caps from the limit surface. The level is that after the caps', and the spot that of the faces around the vertex.
+/// Returns the largest distance between points of the limit surface and the caps of a sector, one per spoke, in both
+/// directions. `level` is that after the caps', and `spot` that of the faces around the vertex.
 ///
 /// # Errors
-/// When the watch says stop.
+/// If the watch says stop.
 pub(super) fn farthest(
     caps: &[Surface],
     is_closed: bool,
@@ -52,7 +51,7 @@ pub(super) fn farthest(
         for (i, j) in (0..POINTS).flat_map(|i| (0..POINTS).map(move |j| (i, j))) {
             let uv = [i, j].map(|k| ratio(k, POINTS - 1));
             let there = from_caps(piece.surface.at(uv)[0], caps, piece.face, is_closed, piece.place(uv));
-            // off the sides, so that feet are on the piece of the same parameters nearly always
+            // off the sides, so that feet nearly always lie on the piece of the same parameters
             let uv = [i, j].map(|k| ratio(2 * k + 1, 2 * POINTS));
             let back = from_pieces(caps[piece.face].at(piece.place(uv))[0], &pieces, p, (caps.len(), is_closed), uv);
             farthest = farthest.max(there).max(back);
@@ -61,7 +60,7 @@ pub(super) fn farthest(
     Ok(farthest)
 }
 
-/// The pieces of all rings.
+/// Returns the pieces of all rings.
 fn pieces(
     (mut level, mut spot): (Level, Spot),
     refiner: &Refiner<'_>,
@@ -83,8 +82,8 @@ fn pieces(
     Ok(pieces)
 }
 
-/// The distance of a point of a cap from the limit surface: from the piece of the same parameters, or where its foot
-/// is on the side of that, from those around.
+/// Returns the distance of a point of a cap from the limit surface: from the piece of the same parameters or, if the
+/// foot is on a side of that piece, from those around it.
 fn from_pieces(point: Vector, pieces: &[Piece], own: usize, (n, is_closed): (usize, bool), uv: [f64; 2]) -> f64 {
     let (distance, foot) = from_cap(point, &pieces[own].surface, uv);
     if foot.iter().all(|&x| 0.0 < x && x < 1.0) {
@@ -99,7 +98,7 @@ fn from_pieces(point: Vector, pieces: &[Piece], own: usize, (n, is_closed): (usi
     others.fold(distance, f64::min)
 }
 
-/// The distance of a point from a cap, or from its neighbour where its foot lies beyond a spoke.
+/// Returns the distance of a point from a cap, or from the neighbouring cap if its foot lies beyond a spoke.
 fn from_caps(point: Vector, caps: &[Surface], i: usize, is_closed: bool, [u, v]: [f64; 2]) -> f64 {
     let n = caps.len();
     let (own, foot) = from_cap(point, &caps[i], [u, v]);
@@ -113,8 +112,8 @@ fn from_caps(point: Vector, caps: &[Surface], i: usize, is_closed: bool, [u, v]:
     own.min(on_next).min(on_before)
 }
 
-/// The distance of a point from a surface over the unit square, and the parameters of its foot, looked for from `at`
-/// on.
+/// Returns the distance of a point from a surface over the unit square, and the parameters of its foot, by a search
+/// from `at`.
 fn from_cap(point: Vector, surface: &Surface, mut at: [f64; 2]) -> (f64, [f64; 2]) {
     let mut least = (f64::INFINITY, at);
     for _ in 0..=STEPS {

@@ -1,21 +1,21 @@
-//! Edges of all levels of a refinement, and how they were halved: what neighbouring faces of different levels share.
+//! The edges of all levels of a refinement and their halves, which neighbouring faces of different levels share.
 
 use crate::shape::topology::{NONE, Topology, index};
 
-/// An edge of some level. Vertices and edges have numbers that hold on all levels.
+/// An edge of some level. Vertices and edges have indices that are valid on all levels.
 #[derive(Debug, Clone, Copy)]
 struct Edge {
-    /// The vertices that it joins.
+    /// The vertices at its ends.
     ends: [u32; 2],
-    /// The vertex in its middle one level on, or [`NONE`]; its half at the first end is `half`, the other `half + 1`.
+    /// Its midpoint on the next level, or [`NONE`]; the half at the first end is edge `half`, the other one `half + 1`.
     middle: u32,
     half: u32,
-    /// Whether a face of the surface that has it was split, so that its halves stand for it.
+    /// Whether a face of the surface at the edge was split, so that the halves replace it.
     is_split: bool,
     is_sharp: bool,
 }
 
-/// The edges of a refinement and the number of its vertices.
+/// The edges of a refinement, and its number of vertices.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Edges {
     all: Vec<Edge>,
@@ -34,7 +34,7 @@ pub(super) struct Step {
 }
 
 impl Edges {
-    /// The edges of a topology, numbered as there.
+    /// Creates the edges of a topology, with the same indices.
     pub(super) fn of(topology: &Topology) -> Self {
         let mut edges = Self { all: Vec::with_capacity(topology.n_edges()), n_vertices: index(topology.n_vertices()) };
         (0..topology.n_edges()).for_each(|e| {
@@ -43,13 +43,13 @@ impl Edges {
         edges
     }
 
-    /// Adds an edge.
+    /// Adds an edge and returns its index.
     pub(super) fn add(&mut self, ends: [u32; 2]) -> u32 {
         self.all.push(Edge { ends, middle: NONE, half: NONE, is_split: false, is_sharp: false });
         index(self.all.len() - 1)
     }
 
-    /// Adds a vertex.
+    /// Adds a vertex and returns its index.
     pub(super) fn add_vertex(&mut self) -> u32 {
         self.n_vertices += 1;
         self.n_vertices - 1
@@ -65,7 +65,7 @@ impl Edges {
         self.all.len()
     }
 
-    /// Halves an edge: the vertex in its middle, and its halves, that at its end `from` first.
+    /// Halves an edge; returns its midpoint and its halves, starting with the one at its end `from`.
     pub(super) fn halve(&mut self, edge: u32, from: u32) -> (u32, [u32; 2]) {
         let [a, b] = self.all[edge as usize].ends;
         if self.all[edge as usize].middle == NONE {
@@ -88,12 +88,13 @@ impl Edges {
         self.all[edge as usize].is_sharp = true;
     }
 
-    /// Whether an edge was marked as infinitely sharp.
+    /// Returns whether an edge was marked as infinitely sharp.
     pub(super) fn is_sharp(&self, edge: u32) -> bool {
         self.all[edge as usize].is_sharp
     }
 
-    /// Appends the pieces of a side that is this edge, from its end `from` on; `range` are the side's parameters there.
+    /// Appends the pieces of a side that is this edge, starting at its end `from`; the range holds the side's
+    /// parameters there.
     pub(super) fn steps(&self, edge: u32, from: u32, [s, e]: [f64; 2], out: &mut Vec<Step>) {
         let Edge { ends: [a, b], middle, half, is_split, .. } = self.all[edge as usize];
         let to = if from == a { b } else { a };

@@ -1,39 +1,39 @@
-//! What a solid takes, before anything is refined.
+//! The cost of a solid, before anything is refined.
 
 use super::caps::{VALENCES, cost};
 use super::request::{Continuity, Request};
 use crate::shape::creases::INFINITE_SHARPNESS;
 use crate::shape::mesh::Mesh;
 
-/// What decides about the size of the solid of a cage.
+/// The properties of a control mesh that decide about the size of its solid.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Cage {
-    /// Its faces.
+    /// Number of faces.
     pub faces: u128,
-    /// Corners of faces at vertices that may be irregular, and those of faces that are no quads.
+    /// Number of face corners at possibly irregular vertices, and of corners of faces that are not quads.
     pub irregular: u128,
-    /// Faces that semi-sharp edges and corners leave along themselves until they are smooth.
+    /// Number of faces that remain along semi-sharp edges and corners until these are smooth.
     pub semi_sharp: u128,
 }
 
-/// What a solid comes to, at most.
+/// Upper bounds of the size of a solid.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Forecast {
-    /// Bicubic faces before they are packed.
+    /// Number of bicubic faces before packing.
     pub leaves: u128,
-    /// Faces of the result.
+    /// Number of faces of the result.
     pub faces: u128,
 }
 
-/// Bytes of memory of a bicubic face: its net (384), numbers and edges on its level and the one before (200), what
-/// packing and joining know of its edges (100), its share of the control points of a packed face (4 points) and of
-/// boundary curves. Half of it is exceeded by solids whose faces are not packed.
+/// Memory of a bicubic face in bytes: its net (384), indices and edges on its level and the one before (200), edge data
+/// for packing and joining (100), its share of the control points of a packed face (4 points) and of boundary curves.
+/// Half of it is exceeded by solids whose faces are not packed.
 const LEAF_BYTES: u128 = 1_000;
-/// The same of a face of the result: 36 control points of 24 bytes, four curves with lists of their own.
+/// Memory of a face of the result in bytes: 36 control points of 24 bytes, four curves with lists of their own.
 const FACE_BYTES: u128 = 4_000;
 
 impl Cage {
-    /// Of a mesh.
+    /// Returns the properties of a mesh.
     pub fn of(mesh: &Mesh) -> Self {
         let topology = &mesh.topology;
         let mut is_tagged = vec![false; topology.n_vertices()];
@@ -51,15 +51,15 @@ impl Cage {
         Self {
             faces: topology.n_faces() as u128,
             irregular: at_vertices.sum::<u128>() + of_faces.sum::<u128>(),
-            // both sides of an edge, twice as many on each level and all levels together twice the last
+            // both sides of an edge; twice as many on each level, and all levels together twice the last
             semi_sharp: semi_sharp
                 .map(|sharpness| 16_u128 << (1..10).filter(|&s| sharpness > f64::from(s)).count())
                 .sum(),
         }
     }
 
-    /// What its solid comes to. Beside a vertex that is not regular a face leaves up to sixteen on the first two
-    /// levels, and three on each level that follows; these become one face each.
+    /// Returns upper bounds of the size of the solid. A face at an irregular vertex leaves up to sixteen faces on the
+    /// first two levels, and three on each later level; these become one face each.
     pub fn forecast(&self, request: &Request) -> Forecast {
         let levels = u128::from(request.max_level);
         let most = request.max_faces as u128;
@@ -71,21 +71,21 @@ impl Cage {
 }
 
 impl Forecast {
-    /// Bytes of memory, without those of the mesh and of what is written.
+    /// Returns the memory in bytes, without that of the mesh and of the output.
     pub fn bytes(&self) -> u128 {
         self.leaves.saturating_mul(LEAF_BYTES).saturating_add(self.faces.saturating_mul(FACE_BYTES))
     }
 }
 
-/// Operations for a bicubic face: splitting what it came of, its net, its area and volume. Measured: 5 us.
+/// Operations per bicubic face: the split of its parent, its net, its area and volume. Measured: 5 us.
 const LEAF_OPERATIONS: f64 = 6e3;
-/// Levels on which distances are estimated before one is small enough; the tolerance of 1e-9 takes more with valences
-/// above 6, that of 1e-5 half of it.
+/// Number of levels on which distances are estimated before one is small enough; a tolerance of 1e-9 takes more at
+/// valences above 6, a tolerance of 1e-5 half as many.
 const ESTIMATES: f64 = 10.0;
-/// Operations for looking at samples of four levels around a vertex, a face: 150 points with their feet.
+/// Operations per face to sample four levels around a vertex: 150 points with their feet.
 const SAMPLE_OPERATIONS: f64 = 1e6;
 
-/// Operations that the solid of a mesh takes, each about a nanosecond.
+/// Returns the number of operations for the solid of a mesh, each about a nanosecond.
 pub fn operations(mesh: &Mesh, request: &Request) -> f64 {
     #[expect(clippy::cast_precision_loss, reason = "a forecast")]
     let leaves = Cage::of(mesh).forecast(request).leaves as f64;

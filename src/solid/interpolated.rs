@@ -1,13 +1,13 @@
-//! Bicubic caps at vertices where the surface is not smooth all around: they go through points of the limit surface.
+//! Bicubic caps at vertices where the surface is not smooth all around; they interpolate points of the limit surface.
 
 use super::level::{Level, Sharpened, Spot};
 use super::net::{Net, bezier};
 use super::sector::{Kind, Sector};
 use crate::math::vector::{Vector, minus, plus, times};
 
-/// The caps of a sector: twelve points are those of the exact surface outside, the vertex is its limit, along spokes
-/// they go through the limit of the middle, or are exact where the spoke is sharp, and inside through that of the
-/// centre of the face. The spot is that of the sector on the next level.
+/// Returns the caps of a sector. Twelve points are those of the exact surface outside, and the vertex is its limit;
+/// along spokes the caps interpolate the limit of the midpoint, or are exact if the spoke is sharp, and inside they
+/// interpolate the limit of the face's centre. `spot` is that of the sector on the next level.
 pub(super) fn interpolated(level: &Level, sector: &Sector, (next, spot): &(Level, Spot)) -> Vec<Net> {
     let limit = level.limit(sector.spokes[0]);
     let children = spot.half_edges(next);
@@ -17,7 +17,7 @@ pub(super) fn interpolated(level: &Level, sector: &Sector, (next, spot): &(Level
         let before = level.topology.previous(spoke);
         let ends = [spoke, before].map(|side| level.topology.edge(side));
         let far = [level.start(level.after(spoke, 1)), level.start(before)];
-        // the middles of the two spokes in the child of the face
+        // the midpoints of the two spokes in the child of the face
         let middles = [next.after(child, 1), next.after(child, 3)];
         let exact = [[net[2][0], net[3][0]], [net[0][2], net[0][3]]];
         for side in 0..2 {
@@ -41,7 +41,7 @@ pub(super) fn interpolated(level: &Level, sector: &Sector, (next, spot): &(Level
     sector.spokes.iter().zip(&children).map(net).collect()
 }
 
-/// The point of a Bezier patch at (1/2, 1/2).
+/// Returns the point of a Bezier patch at (1/2, 1/2).
 fn middle(net: &Net) -> Vector {
     let weights = [0.125, 0.375, 0.375, 0.125];
     let cells =

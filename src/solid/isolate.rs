@@ -1,5 +1,5 @@
-//! Feature-adaptive refinement: faces whose surface is bicubic are taken as they are, those around other vertices are
-//! split until a cap there is close enough.
+//! Feature-adaptive refinement: faces with a bicubic surface are taken as they are; those around other vertices are
+//! split until a cap is close enough.
 //!
 //! Source: M. Niessner, C. Loop, M. Meyer, T. DeRose, ACM TOG 31 (2012), 6:1-6:11.
 
@@ -19,44 +19,44 @@ use super::spline::Surface;
 use crate::math::vector::{Vector, cross, length};
 use crate::shape::topology::index;
 
-/// A face of some level that stands for a part of the surface: corner 0 at (0, 0), side 0 along u.
+/// A face of some level that represents a part of the surface: corner 0 at (0, 0), side 0 along u.
 #[derive(Debug, Clone)]
 pub(super) struct Cell {
-    /// Its vertices and the edges from each to the next, by their numbers among those of all levels.
+    /// Its vertices and the edges from each to the next, by their indices on all levels.
     pub(super) corners: [u32; 4],
     pub(super) sides: [u32; 4],
-    /// The input face that it came of.
+    /// The input face from which it arose.
     pub(super) input: u32,
 }
 
-/// A face whose surface is bicubic, with its control net.
+/// A face with a bicubic surface, with its control net.
 #[derive(Debug, Clone)]
 pub(super) struct Leaf {
     pub(super) cell: Cell,
     pub(super) net: Net,
 }
 
-/// A face beside a vertex that is not regular.
+/// A face at an irregular vertex.
 #[derive(Debug, Clone)]
 pub(super) struct Cap {
     pub(super) cell: Cell,
     pub(super) surface: Surface,
 }
 
-/// A vertex that is not regular, as one sector around it tells.
+/// An irregular vertex, as seen from one of its sectors.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Isolated {
-    /// Its limit, model units.
+    /// Its limit, in model units.
     pub at: Vector,
-    /// Faces of the sector.
+    /// Number of faces of the sector.
     pub faces: usize,
-    /// What the surface is there.
+    /// The kind of the surface there.
     pub kind: Kind,
-    /// Levels of refinement before its caps.
+    /// Number of levels of refinement before its caps.
     pub level: u32,
-    /// Distance of the caps from the limit surface, rounding included, model units.
+    /// Distance of the caps from the limit surface including rounding, in model units.
     pub deviation: f64,
-    /// How that was found.
+    /// How the deviation was determined.
     pub known: Known,
     /// Whether tangent planes agree across the edges between its caps.
     pub is_tangent: bool,
@@ -69,24 +69,24 @@ pub(super) struct Pieces {
     pub(super) caps: Vec<Cap>,
     pub(super) vertices: Vec<Isolated>,
     pub(super) edges: Edges,
-    /// The last level that faces were taken of.
+    /// The last level from which faces were taken.
     pub(super) depth: u32,
 }
 
-/// What one level adds.
+/// The state of the isolation, to which each level adds pieces.
 struct Isolation<'a> {
     request: &'a Request,
-    /// Largest deviation, model units.
+    /// Largest permitted deviation, in model units.
     tolerance: f64,
     rounding: Rounding,
     refiner: &'a Refiner<'a>,
-    /// Most leaves.
+    /// Maximum number of leaves.
     most: usize,
     pieces: Pieces,
 }
 
-/// Least sine of the angle between the tangents at a smooth vertex. Half and twice of it differ in cages that are flat
-/// to nine digits, where normals are lost in rounding.
+/// Smallest sine of the angle between the tangents at a smooth vertex. Half or twice of it matters only for meshes that
+/// are flat to nine digits, where normals are lost in rounding.
 const LEAST_SINE: f64 = 1e-9;
 
 /// Refuses a smooth vertex whose tangents do not span a plane.
@@ -106,11 +106,11 @@ fn check_normal(sector: &Sector, surfaces: &[Surface]) -> Result<(), SolidError>
     Err(SolidError::at("", detail))
 }
 
-/// Splits a mesh until all of its surface is bicubic or capped within the tolerance, model units; of bicubic faces at
-/// most so many.
+/// Splits a mesh until all of its surface is bicubic or capped within the tolerance in model units, with a maximum
+/// number of bicubic faces.
 ///
 /// # Errors
-/// When that takes too many levels or faces, or the watch says stop.
+/// If that takes too many levels or faces, or the watch says stop.
 pub(super) fn isolate(
     (mut level, edges): (Level, Edges),
     request: &Request,
@@ -139,7 +139,7 @@ pub(super) fn isolate(
 }
 
 impl Isolation<'_> {
-    /// Takes the leaves and caps of a level; the faces that are left, and how far the worst caps there would be off.
+    /// Takes the leaves and caps of a level; returns the remaining faces, and the deviation of the worst caps there.
     fn take(&mut self, level: &Level, depth: u32) -> Result<(Vec<u32>, f64), SolidError> {
         let mut left = Vec::new();
         for f in (0..index(level.topology.n_faces())).filter(|&f| level.wanted[f as usize]) {
@@ -169,7 +169,8 @@ impl Isolation<'_> {
         Ok((left, farthest))
     }
 
-    /// Caps the faces of a level that are left, where caps are close enough; how far the worst of the others are off.
+    /// Caps the remaining faces of a level where caps are close enough; returns the deviation of the worst of the
+    /// others.
     fn cap(&mut self, level: &Level, depth: u32, left: &mut Vec<u32>) -> Result<f64, SolidError> {
         let mut seen = BTreeSet::new();
         let sectors: Vec<Sector> = left
@@ -195,7 +196,7 @@ impl Isolation<'_> {
         Ok(farthest)
     }
 
-    /// Adds the caps of a sector, and their faces to those that are capped.
+    /// Adds the caps of a sector, and its faces to the capped ones.
     fn put(&mut self, level: &Level, depth: u32, (sector, found): (&Sector, Capped), capped: &mut BTreeSet<u32>) {
         let Capped { surfaces, deviation, known, is_tangent } = found;
         self.pieces.vertices.push(Isolated {
@@ -232,7 +233,7 @@ impl Isolation<'_> {
         }
     }
 
-    /// Refuses a tolerance that rounding alone exceeds.
+    /// Refuses a tolerance that rounding errors alone exceed.
     fn check_rounding(&self, depth: u32) -> Result<(), SolidError> {
         let (rounding, tolerance) = (self.rounding.after(depth), self.tolerance);
         if rounding < tolerance {
@@ -257,7 +258,7 @@ impl Isolation<'_> {
     }
 }
 
-/// Whether caps can stand in all faces of a sector.
+/// Returns whether caps are possible in all faces of a sector.
 fn is_ready(level: &Level, sector: &Sector) -> bool {
     let lone = |&spoke: &u32| level.lone_irregular(index(level.topology.face_of(spoke))) == Some(spoke);
     sector.kind != Kind::Undecided && sector.spokes.iter().all(lone)

@@ -1,4 +1,4 @@
-//! One level of a refinement: the faces that are still to be split, with as many around them as their limits need.
+//! One level of a refinement: the faces that are still to be split, with the neighbours that their limits need.
 
 use std::sync::Arc;
 
@@ -16,14 +16,14 @@ use crate::shape::mesh::Mesh;
 use crate::shape::topology::{NONE, Topology, index};
 use crate::watch::Watch;
 
-/// How sharp an edge or a vertex is.
+/// The sharpness of an edge or a vertex, as far as it matters here.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Sharpened {
-    /// Not at all.
+    /// Smooth.
     No,
-    /// For some levels.
+    /// Sharp for some levels.
     Semi,
-    /// For ever.
+    /// Infinitely sharp.
     Ever,
 }
 
@@ -37,29 +37,29 @@ impl Sharpened {
     }
 }
 
-/// A part of a mesh at some level. Everything is right at the vertices of wanted faces and one ring around them; what
-/// lies farther out was cut off and is not looked at.
+/// A part of a mesh at some level. All data are valid at the vertices of wanted faces and in one ring around them; what
+/// lies farther out was cut off and is not used.
 #[derive(Debug, Clone)]
 pub(super) struct Level {
     /// The connectivity.
     pub(super) topology: Arc<Topology>,
-    /// Positions of its vertices, model units.
+    /// Positions of its vertices, in model units.
     pub(super) points: Vec<Vector>,
     sharpness: Option<Sharpness>,
-    /// Vertices that keep their place, ascending.
+    /// Corners, which keep their position; ascending.
     fixed: Vec<u32>,
     /// Input faces that are holes, ascending.
     holes: Arc<[u32]>,
-    /// The number of each vertex, and of each edge, among those of all levels.
+    /// The index on all levels of each vertex, and of each edge.
     pub(super) vertices: Vec<u32>,
     pub(super) edges: Vec<u32>,
-    /// The input face that each face came of.
+    /// The input face from which each face arose.
     pub(super) inputs: Vec<u32>,
-    /// Whether the surface has to be made of a face.
+    /// Whether the surface of each face is still to be made.
     pub(super) wanted: Vec<bool>,
 }
 
-/// A vertex and the edges at which faces around it begin, by their numbers among those of all levels.
+/// A vertex and the edges at which the faces around it begin, by their indices on all levels.
 #[derive(Debug, Clone)]
 pub(super) struct Spot {
     vertex: u32,
@@ -67,14 +67,14 @@ pub(super) struct Spot {
 }
 
 impl Spot {
-    /// The vertex that half-edges start at.
+    /// Returns the spot of the vertex at which the half-edges start.
     pub(super) fn of(level: &Level, half_edges: &[u32]) -> Self {
         let vertex = half_edges.first().map_or(NONE, |&first| level.vertices[level.topology.vertex(first) as usize]);
         let edge = |&half_edge: &u32| level.edges[level.topology.edge(half_edge) as usize];
         Self { vertex, spokes: half_edges.iter().map(edge).collect() }
     }
 
-    /// The half-edges at a level that holds the vertex with all faces around it.
+    /// Returns the half-edges at a level that contains the vertex with all faces around it.
     pub(super) fn half_edges(&self, level: &Level) -> Vec<u32> {
         let v = level.vertices.iter().position(|&v| v == self.vertex).unwrap_or_default();
         let edge = |half_edge: u32| level.edges[level.topology.edge(half_edge) as usize];
@@ -82,7 +82,7 @@ impl Spot {
         self.spokes.iter().filter_map(spoke).collect()
     }
 
-    /// All faces around the vertex at a level, ascending.
+    /// Returns all faces around the vertex at a level, ascending.
     fn faces(&self, level: &Level) -> Vec<u32> {
         let v = level.vertices.iter().position(|&v| v == self.vertex).unwrap_or_default();
         let mut faces: Vec<u32> = level.topology.ring(v).map(|spoke| index(level.topology.face_of(spoke))).collect();
@@ -91,17 +91,17 @@ impl Spot {
     }
 }
 
-/// Takes the steps of one level of a plan.
+/// Applies the steps of one level of a plan.
 #[derive(Debug)]
 pub(super) struct Refiner<'a> {
     plan: &'a Plan,
     steps: Vec<Scheduled>,
-    /// Asked between pieces of work.
+    /// The watch, asked between pieces of work.
     pub(super) watch: &'a Watch,
 }
 
 impl<'a> Refiner<'a> {
-    /// The refiner of a plan whose levels are all the same.
+    /// Creates the refiner of a plan whose levels are all the same.
     pub(super) fn new(plan: &'a Plan, watch: &'a Watch) -> Result<Self, SolidError> {
         let steps = plan.schedule(1).map_err(|fault| SolidError::at("", fault.detail))?;
         Ok(Self { plan, steps, watch })
@@ -109,7 +109,7 @@ impl<'a> Refiner<'a> {
 }
 
 impl Level {
-    /// The mesh as it was given, with its edges. Holes are not wanted.
+    /// Returns the control mesh with its edges. Holes are not wanted.
     pub(super) fn of(mesh: &Mesh, plan: &Plan) -> (Self, Edges) {
         let sharpness = Sharpness::of(&mesh.creases, &mesh.semi_sharp_corners);
         let topology = mesh.topology.clone();
@@ -131,7 +131,7 @@ impl Level {
         (level, edges)
     }
 
-    /// How sharp an edge is; boundary edges are so for ever.
+    /// Returns the sharpness of an edge; boundary edges are infinitely sharp.
     pub(super) fn edge_sharpened(&self, e: u32) -> Sharpened {
         if self.topology.is_boundary_edge(e as usize) {
             return Sharpened::Ever;
@@ -139,7 +139,7 @@ impl Level {
         self.sharpness.as_ref().map_or(Sharpened::No, |sharpness| Sharpened::of(sharpness.edge(e as usize)))
     }
 
-    /// How sharp a vertex is by itself.
+    /// Returns the sharpness of a vertex itself.
     pub(super) fn vertex_sharpened(&self, v: u32) -> Sharpened {
         if self.fixed.binary_search(&v).is_ok() {
             return Sharpened::Ever;
@@ -147,26 +147,26 @@ impl Level {
         self.sharpness.as_ref().map_or(Sharpened::No, |sharpness| Sharpened::of(sharpness.vertex(v as usize)))
     }
 
-    /// The position of the vertex that a half-edge starts at.
+    /// Returns the position of the vertex at which a half-edge starts.
     pub(super) fn start(&self, half_edge: u32) -> Vector {
         self.points[self.topology.vertex(half_edge) as usize]
     }
 
-    /// The half-edge so many after another one in its face.
+    /// Returns the half-edge that is `n` places after another one in its face.
     pub(super) fn after(&self, half_edge: u32, n: usize) -> u32 {
         (0..n).fold(half_edge, |half_edge, _| self.topology.next(half_edge))
     }
 
-    /// The next level of some faces and what lies around them: their children are wanted.
+    /// Returns the next level of some faces and their surroundings, in which their children are wanted.
     ///
     /// # Errors
-    /// When the watch says stop, or a coordinate is no longer finite.
+    /// If the watch says stop, or a coordinate is no longer finite.
     pub(super) fn refined(&self, split: &[u32], refiner: &Refiner<'_>, edges: &mut Edges) -> Result<Self, SolidError> {
         self.part_around(split)?.split(refiner, edges)
     }
 
-    /// The faces around a spot with those around them, and all edges and vertices numbered anew: a refinement of its
-    /// own, which leaves that of the surface alone.
+    /// Returns the faces around a spot with their surroundings, with new indices of edges and vertices: a separate
+    /// refinement that leaves that of the surface unchanged.
     pub(super) fn alone(&self, spot: &Spot) -> Result<(Self, Edges, Spot), SolidError> {
         let mut part = self.part_around(&spot.faces(self))?;
         let number = |all: &[u32], one: u32| all.iter().position(|&found| found == one).map_or(NONE, index);
@@ -176,21 +176,21 @@ impl Level {
         Ok((part, edges, spot))
     }
 
-    /// Some faces, ascending, with those around them, as a refinement of its own.
+    /// Returns some faces, ascending, with their surroundings, as a separate refinement.
     pub(super) fn taken_out(&self, faces: &[u32]) -> Result<(Self, Edges), SolidError> {
         let mut part = self.part_around(faces)?;
         let edges = part.renumber();
         Ok((part, edges))
     }
 
-    /// Numbers vertices and edges as in the topology.
+    /// Renumbers vertices and edges as in the topology.
     fn renumber(&mut self) -> Edges {
         self.vertices = (0..index(self.topology.n_vertices())).collect();
         self.edges = (0..index(self.topology.n_edges())).collect();
         Edges::of(&self.topology)
     }
 
-    /// The next level of the faces around a spot, and the spot there.
+    /// Returns the next level of the faces around a spot, and the spot there.
     pub(super) fn closer(
         &self,
         spot: &Spot,
@@ -202,7 +202,7 @@ impl Level {
         Ok((next, Spot { vertex: spot.vertex, spokes }))
     }
 
-    /// Faces that share a vertex with some, and these, ascending.
+    /// Returns the given faces and those that share a vertex with them, ascending.
     fn ring_of(&self, faces: &[u32]) -> Vec<u32> {
         let vertices = faces.iter().flat_map(|&f| self.topology.face(f as usize));
         let corners = vertices.flat_map(|&v| self.topology.ring(v as usize));
@@ -212,8 +212,8 @@ impl Level {
         ring
     }
 
-    /// Some faces, ascending, with those that share a vertex with them. Holes among these come with their own
-    /// neighbours: nobody wants their surface, but caps beside them depend on it.
+    /// Returns some faces, ascending, with those that share a vertex with them. Holes among these come with their own
+    /// neighbours: their surface is not wanted, but caps next to them depend on it.
     fn part_around(&self, faces: &[u32]) -> Result<Self, SolidError> {
         let mut around = self.ring_of(faces);
         if !self.holes.is_empty() {
@@ -252,7 +252,7 @@ impl Level {
         })
     }
 
-    /// The level after one split of all faces.
+    /// Returns the level after one split of all faces.
     fn split(self, refiner: &Refiner<'_>, edges: &mut Edges) -> Result<Self, SolidError> {
         let parent = self.topology;
         let net = MeshNet::new(parent.clone(), &self.fixed, &[], Boundary::EdgeOnly);

@@ -1,19 +1,19 @@
-//! Limits of vertices of a level.
+//! Limit positions of the vertices of a level.
 
 use super::level::Level;
 use super::sector::{Kind, Sector};
 use crate::math::functions::real;
 use crate::math::vector::{Vector, plus, times};
 
-/// Levels after which a vertex at the end of a sharp edge is its limit. The distance shrinks by 0.62 a level with
-/// twelve faces and by 0.66 with any number: to 1e-17 of the edges there. Half of it leaves 1e-9; twice of it changes
-/// nothing.
+/// Number of levels after which a vertex at the end of a sharp edge counts as its limit. The distance shrinks by 0.62
+/// per level with twelve faces and by 0.66 with any number: to 1e-17 of the edges there. Half as many leave 1e-9; twice
+/// as many change nothing.
 const DART_LEVELS: usize = 96;
 
 impl Level {
-    /// The limit of the vertex that a half-edge starts at, around which all faces are quads.
+    /// Returns the limit of the vertex at which a half-edge starts; all faces around it must be quads.
     ///
-    /// Source: M. Halstead, M. Kass, T. DeRose, SIGGRAPH 1993, 35-44; ends of sharp edges by following the refinement.
+    /// Source: M. Halstead, M. Kass, T. DeRose, SIGGRAPH 1993, 35-44; at ends of sharp edges, by repeated refinement.
     pub(super) fn limit(&self, half_edge: u32) -> Vector {
         let sector = self.sector(half_edge);
         let own = self.start(half_edge);
@@ -35,8 +35,8 @@ impl Level {
         }
     }
 
-    /// The limit of a vertex at which one sharp edge ends, the first of its sector: it and the ring of its faces
-    /// are followed from level to level, of which each has all that the next one needs.
+    /// Returns the limit of a vertex at which one sharp edge ends, the first of its sector, by refining the vertex and
+    /// the ring of its faces level by level; each level contains all that the next one needs.
     fn end_of_sharp_edge(&self, sector: &Sector) -> Vector {
         let (spokes, n) = (&sector.spokes, sector.spokes.len());
         let ring = |steps: usize| spokes.iter().map(|&spoke| self.start(self.after(spoke, steps))).collect();

@@ -4,8 +4,8 @@ use super::spline::Surface;
 use crate::math::functions::real;
 use crate::math::vector::{Vector, cross, dot, length, minus};
 
-/// Nodes on (-1, 1) and weights: five points, exact to degree 9, which the volume below a bicubic piece has.
-/// Source: M. Abramowitz, I. Stegun, Handbook of Mathematical Functions (1964), table 25.4.
+/// Nodes in (-1, 1) and weights: five points, exact to degree 9, which the volume below a bicubic piece has. Source: M.
+/// Abramowitz, I. Stegun, Handbook of Mathematical Functions (1964), table 25.4.
 const FIVE: &[[f64; 2]] = &[
     [-0.906_179_845_938_664, 0.236_926_885_056_189_1],
     [-0.538_469_310_105_683_1, 0.478_628_670_499_366_47],
@@ -25,17 +25,17 @@ const EIGHT: &[[f64; 2]] = &[
     [0.960_289_856_497_536_2, 0.101_228_536_290_376_26],
 ];
 
-/// What a face measures.
+/// The measures of a face.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub(super) struct Measure {
-    /// Its area.
+    /// Its area, in square model units.
     pub(super) area: f64,
-    /// The signed volume of the cone from a point to it.
+    /// The signed volume of the cone over it from a point, in cubic model units.
     pub(super) volume: f64,
 }
 
 impl Measure {
-    /// Area and volume of a surface; the cone is from `origin`.
+    /// Measures a surface; the apex of the cone is `origin`.
     pub(super) fn of(surface: &Surface, origin: Vector) -> Self {
         let rule = if surface.degree > 3 { EIGHT } else { FIVE };
         let mut sum = Self::default();

@@ -10,7 +10,7 @@ type Partial = [[Option<Vector>; 4]; 4];
 
 /// The corners of the face in its net, counter-clockwise.
 const CORNERS: [[usize; 2]; 4] = [[1, 1], [2, 1], [2, 2], [1, 2]];
-/// For each side the steps outwards and along it.
+/// For each side the direction outwards, and that along it.
 const OUTWARDS: [[isize; 2]; 4] = [[0, -1], [1, 0], [0, 1], [-1, 0]];
 const ALONG: [[isize; 2]; 4] = [[1, 0], [0, 1], [-1, 0], [0, -1]];
 
@@ -19,7 +19,7 @@ fn moved(at: [usize; 2], by: [isize; 2], times: isize) -> Option<[usize; 2]> {
     Some([i?, j?])
 }
 
-/// Bezier points over a cell of a uniform cubic B-spline: `B = C G C^T`.
+/// Returns the Bezier points over a cell of a uniform cubic B-spline: `B = C G C^T`.
 pub(super) fn bezier(net: &Net) -> Net {
     let across: Net = std::array::from_fn(|i| row(net[i]));
     let columns: Net = std::array::from_fn(|j| row(std::array::from_fn(|i| across[i][j])));
@@ -35,9 +35,9 @@ fn row([a, b, c, d]: [Vector; 4]) -> [Vector; 4] {
 }
 
 impl Level {
-    /// The control net of the face of a half-edge, whose start is the corner (0, 0) and whose side lies along u. Across
-    /// sides that stay sharp stand phantom points, `2 side - inside`. At the first corner the point outside both sides
-    /// may be anything where the corner is not regular.
+    /// Returns the control net of the face of a half-edge, whose start is the corner (0, 0) and whose side lies along
+    /// u. Across infinitely sharp sides lie phantom points, `2 side - inside`. At the first corner, the point outside
+    /// both sides is arbitrary if the corner is irregular.
     pub(super) fn net(&self, half_edge: u32) -> Net {
         let mut net = Partial::default();
         let sides: [u32; 4] = std::array::from_fn(|s| self.after(half_edge, s));
@@ -66,7 +66,8 @@ impl Level {
         net.map(|row| row.map(Option::unwrap_or_default))
     }
 
-    /// The point outside both sides at corner `s`, across the side that begins there and the next edge of the vertex.
+    /// Sets the point outside both sides at corner `s`, across the side that begins there and the next edge of the
+    /// vertex.
     fn put_diagonal(&self, side: u32, s: usize, net: &mut Partial) {
         let across = self.topology.next(self.topology.twin(side));
         if self.edge_sharpened(self.topology.edge(across)) == Sharpened::Ever {
@@ -80,7 +81,7 @@ impl Level {
     }
 }
 
-/// Puts phantom points across open sides, then those at corners between two of them.
+/// Sets phantom points across open sides, then those at corners between two of them.
 fn extend(open: [bool; 4], net: &mut Partial) {
     let mut reflect = |side: [usize; 2], outwards: [isize; 2]| {
         let (Some([a, b]), Some([c, d])) = (moved(side, outwards, -1), moved(side, outwards, 1)) else { return };

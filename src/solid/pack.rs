@@ -1,4 +1,4 @@
-//! Rectangles of bicubic faces that become one B-spline face each.
+//! Packs rectangles of bicubic faces into one B-spline face each.
 
 use std::collections::BTreeSet;
 
@@ -8,12 +8,11 @@ use super::net::Net;
 use super::request::Pack;
 use crate::shape::topology::{NONE, index};
 
-/// Most cells of a rectangle along a side.
-/// Half of it makes four times as many faces of large regular meshes; twice of it makes faces of a megabyte, which
-/// readers take long to intersect.
+/// Maximum number of cells along a side of a rectangle. Half as many make four times as many faces of large regular
+/// meshes; twice as many make faces of a megabyte, which readers take long to intersect.
 const MOST: usize = 64;
 
-/// A leaf in a rectangle, turned so that this corner of it is the first one there.
+/// A leaf in a rectangle, rotated so that the given corner comes first.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Placed {
     pub(super) leaf: u32,
@@ -24,37 +23,37 @@ pub(super) struct Placed {
 pub(super) type Rectangle = Vec<Vec<Placed>>;
 
 impl Placed {
-    /// The edge of a side: v = 0, u = 1, v = 1, u = 0.
+    /// Returns the edge of a side: v = 0, u = 1, v = 1, u = 0.
     pub(super) fn side(self, leaves: &[Leaf], s: usize) -> u32 {
         leaves[self.leaf as usize].cell.sides[(self.corner + s) % 4]
     }
 
-    /// The vertex at which a side begins.
+    /// Returns the vertex at which a side begins.
     pub(super) fn vertex(self, leaves: &[Leaf], s: usize) -> u32 {
         leaves[self.leaf as usize].cell.corners[(self.corner + s) % 4]
     }
 
-    /// The control net as it is turned.
+    /// Returns the control net, rotated accordingly.
     pub(super) fn net(self, leaves: &[Leaf]) -> Net {
         let turned = |net: Net| std::array::from_fn(|i| std::array::from_fn(|j| net[3 - j][i]));
         (0..self.corner).fold(leaves[self.leaf as usize].net, |net, _| turned(net))
     }
 }
 
-/// Leaves, by what may become one face.
+/// The leaves to be packed, with the restrictions on merging them.
 struct Packing<'a> {
     leaves: &'a [Leaf],
     edges: &'a Edges,
     pack: Pack,
-    /// For each input face the number of its labels.
+    /// The label of each input face.
     labels: &'a [u32],
-    /// For each edge the leaves at it, as four times the leaf and its side.
+    /// The leaves at each edge, as four times the leaf plus its side.
     beside: Vec<[u32; 2]>,
     used: Vec<bool>,
 }
 
-/// The rectangles of some leaves, from the first leaf on: each grows over its four sides in turn. `labels` holds a
-/// number for each input face; faces with different ones stay apart.
+/// Returns rectangles that cover some leaves, starting at the first leaf: each grows over its four sides in turn.
+/// `labels` has a number for each input face; faces with different labels are not merged.
 pub(super) fn rectangles(leaves: &[Leaf], edges: &Edges, pack: Pack, labels: &[u32]) -> Vec<Rectangle> {
     let mut beside = vec![[NONE; 2]; edges.len()];
     for (leaf, s) in (0..leaves.len()).flat_map(|leaf| (0..4).map(move |s| (leaf, s))) {
@@ -73,7 +72,7 @@ pub(super) fn rectangles(leaves: &[Leaf], edges: &Edges, pack: Pack, labels: &[u
 }
 
 impl Packing<'_> {
-    /// The leaf across a side of another one, if both may be in one rectangle.
+    /// Returns the leaf across a side of another one, if both may be in one rectangle.
     fn across(&self, at: Placed, s: usize) -> Option<Placed> {
         let edge = at.side(self.leaves, s);
         let places = self.beside[edge as usize];
@@ -96,7 +95,7 @@ impl Packing<'_> {
         self.labels.get(input as usize).copied().unwrap_or(NONE)
     }
 
-    /// The rectangle that grows from a leaf.
+    /// Returns the rectangle that grows from a leaf.
     fn grown(&mut self, leaf: u32) -> Rectangle {
         let first = Placed { leaf, corner: 0 };
         let mut rows: Rectangle = vec![vec![first]];
@@ -120,8 +119,8 @@ impl Packing<'_> {
         rows
     }
 
-    /// The leaves beyond a side of a rectangle, if they continue it and all vertices stay different; theirs are added.
-    /// Bands that close stop there, so that no face meets itself.
+    /// Returns the leaves beyond a side of a rectangle, if they continue it and all vertices stay distinct; their
+    /// vertices are added. Closed bands are cut, so that no face meets itself.
     fn line(&self, rows: &Rectangle, s: usize, vertices: &mut BTreeSet<u32>) -> Option<Vec<Placed>> {
         let across = |at: &Placed| self.across(*at, s);
         let columns = rows[0].len();
@@ -139,7 +138,7 @@ impl Packing<'_> {
             let edge = pair[0].side(self.leaves, far);
             edge == pair[1].side(self.leaves, near) && !self.edges.is_sharp(edge)
         };
-        // the outer vertices: where the outer side of each leaf begins, and where that of the last ends
+        // the outer vertices: the start of each leaf's outer side, and the end of the last one
         let mut outer: Vec<u32> = line.iter().flat_map(|at| [s, s + 1].map(|s| at.vertex(self.leaves, s))).collect();
         outer.sort_unstable();
         outer.dedup();

@@ -11,14 +11,14 @@ use crate::math::functions::real;
 pub(super) struct Patch {
     pub(super) surface: Surface,
     pub(super) sides: [Vec<Step>; 4],
-    /// The input faces that it came of, ascending.
+    /// The input faces from which it arose, ascending.
     pub(super) inputs: Vec<u32>,
-    /// Whether it is the limit surface itself.
+    /// Whether it is exactly the limit surface.
     pub(super) is_exact: bool,
 }
 
 impl Patch {
-    /// The face of a rectangle of leaves.
+    /// Returns the face of a rectangle of leaves.
     pub(super) fn of_rectangle(rows: &Rectangle, leaves: &[Leaf], edges: &Edges) -> Self {
         let (n, m) = (rows.len(), rows[0].len());
         let mut net = vec![vec![[0.0; 3]; n + 3]; m + 3];
@@ -56,7 +56,7 @@ impl Patch {
         Self { surface: Surface::of_uniform(&net), sides: [0, 1, 2, 3].map(side), inputs, is_exact: true }
     }
 
-    /// The face of a cap.
+    /// Returns the face of a cap.
     pub(super) fn of_cap(cap: Cap, edges: &Edges) -> Self {
         let side = |s: usize| {
             let mut steps = Vec::new();
@@ -66,7 +66,7 @@ impl Patch {
         Self { sides: [0, 1, 2, 3].map(side), surface: cap.surface, inputs: vec![cap.cell.input], is_exact: false }
     }
 
-    /// The boundary curves.
+    /// Returns the boundary curves.
     pub(super) fn curves(&self) -> [Curve; 4] {
         [0, 1, 2, 3].map(|s| self.surface.side(s))
     }

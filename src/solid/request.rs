@@ -1,40 +1,40 @@
-//! What is asked of a solid.
+//! The requested properties of a solid.
 
-/// What happens across the edges of caps.
+/// The continuity across the edges of caps.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Continuity {
-    /// Tangent planes agree: caps of bidegree 5.
+    /// Common tangent planes: caps of bidegree 5.
     Tangent,
-    /// Caps are bicubic; the angle between their tangent planes is told.
+    /// Bicubic caps; the certificate states the angle between their tangent planes.
     Bicubic,
 }
 
-/// Which bicubic faces become one B-spline face.
+/// Which bicubic faces are merged into one B-spline face.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Pack {
     /// None.
     Nothing,
-    /// Those of one input face.
+    /// Those of the same input face.
     Face,
     /// All that form a rectangle.
     Patch,
 }
 
-/// What is asked of a solid.
+/// The requested properties of a solid.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Request {
-    /// Largest distance from the limit surface, in shares of the largest side of the bounding box of the cage.
+    /// Largest distance from the limit surface, as a fraction of the largest side of the control mesh's bounding box.
     pub tolerance: f64,
-    /// What happens across the edges of caps.
+    /// The continuity across the edges of caps.
     pub continuity: Continuity,
-    /// Which bicubic faces become one.
+    /// Which bicubic faces are merged.
     pub pack: Pack,
-    /// Most faces of the result.
+    /// Maximum number of faces of the result.
     pub max_faces: usize,
-    /// Most levels of isolation.
+    /// Maximum number of levels of isolation.
     pub max_level: u32,
-    /// Shortest edge that can be told from a point, model units.
+    /// Length of the shortest edge that can be distinguished from a point, in model units.
     pub shortest: f64,
-    /// Whether all components have to be closed.
+    /// Whether all components must be closed.
     pub closed: bool,
 }

@@ -1,15 +1,15 @@
-//! What rounding adds to the distance between a solid and the limit surface.
+//! Bounds of the rounding errors in the distance between a solid and the limit surface.
 
 use crate::math::functions::real;
 use crate::shape::mesh::Mesh;
 
-/// Roundings of a mean besides one a term: those of its weights, of which each has a few.
+/// Roundings of a mean in addition to one per term: those of its weights, which have a few each.
 const OF_WEIGHTS: usize = 8;
-/// Roundings of a control point of a face besides those of the vertices that it is made of: at most two of phantom
-/// points, eight of the Bezier or clamped form, and one of the decimal text that a reader takes for it.
+/// Roundings of a control point of a face in addition to those of its vertices: at most two for phantom points, eight
+/// for the Bezier or clamped form, and one for the decimal text that a reader parses.
 const OF_FORMS: usize = 16;
-/// What coordinates of vertices are multiplied by in control points, and errors of coordinates in distances: phantom
-/// points weigh 2 + 1 = 3 along u and along v, and three coordinates are `sqrt(3)` as far as one: `9 sqrt(3) < 16`.
+/// The growth factor of coordinates of vertices in control points, and of errors of coordinates in distances: phantom
+/// points have weights 2 + 1 = 3 along u and along v, and three coordinates count `sqrt(3)` times: `9 sqrt(3) < 16`.
 const GROWTH: f64 = 16.0;
 
 /// Bounds the roundings of a cage's refinement: each vertex of a level is a mean of at most `n_terms` others, so its
@@ -18,14 +18,14 @@ const GROWTH: f64 = 16.0;
 /// `16 (l (n_terms + 8) + 16) 2^-53` times that coordinate.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Rounding {
-    /// The largest coordinate of the cage, model units.
+    /// The largest coordinate of the control mesh, in model units.
     largest: f64,
     n_terms: usize,
 }
 
 impl Rounding {
-    /// That of a cage. A vertex is a mean of the corners of the faces around it, which have four from the first level
-    /// on.
+    /// Returns the bounds of a control mesh. A vertex is a mean of the corners of the faces around it, which have four
+    /// from the first level on.
     pub(super) fn of(mesh: &Mesh) -> Self {
         let topology = &mesh.topology;
         let corners = |half_edge: u32| topology.half_edges(topology.face_of(half_edge)).len().max(4);
@@ -34,7 +34,8 @@ impl Rounding {
         Self { largest, n_terms: around.max().unwrap_or_default() }
     }
 
-    /// How far control points of faces of a level are from their places, and their decimal text, at most, model units.
+    /// Returns a bound of the error of control points of faces of a level, including their decimal text, in model
+    /// units.
     pub(super) fn after(&self, level: u32) -> f64 {
         let terms = real(self.n_terms + OF_WEIGHTS) * f64::from(level) + real(OF_FORMS);
         GROWTH * terms * 0.5 * f64::EPSILON * self.largest

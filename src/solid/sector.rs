@@ -1,27 +1,27 @@
-//! Sectors: the faces around a vertex between two edges that stay sharp for ever, and what the surface is there.
+//! Sectors: the faces around a vertex between two infinitely sharp edges, and the kind of the surface there.
 
 use super::level::{Level, Sharpened};
 use crate::shape::topology::NONE;
 
-/// What the surface is around a vertex, as far as the faces of one sector tell.
+/// The kind of the surface at a vertex, as seen from one sector.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Kind {
     /// Smooth, with faces all around.
     Smooth,
-    /// A vertex that keeps its place on a surface without sharp edges there.
+    /// A corner on a surface without sharp edges at it.
     Cone,
     /// The end of a sharp edge.
     Dart,
     /// A smooth curve along two sharp edges.
     Crease,
-    /// A vertex that keeps its place, or where three sharp edges meet.
+    /// A corner, or a vertex at which three sharp edges meet.
     Corner,
-    /// Not known yet: something is sharp for some levels.
+    /// Not known yet, as something is sharp for some levels.
     Undecided,
 }
 
 impl Kind {
-    /// Its name in certificates.
+    /// Returns the name in certificates.
     pub fn name(self) -> &'static str {
         match self {
             Self::Smooth => "smooth",
@@ -34,20 +34,20 @@ impl Kind {
     }
 }
 
-/// The faces around a vertex, counter-clockwise, from one edge that stays sharp to the next, or all of them.
+/// The faces around a vertex, counter-clockwise, from one infinitely sharp edge to the next, or all of them.
 #[derive(Debug, Clone)]
 pub(super) struct Sector {
     /// The half-edge of each face that starts at the vertex.
     pub(super) spokes: Vec<u32>,
-    /// Whether no sharp edge bounds it.
+    /// Whether no sharp edge bounds the sector.
     pub(super) is_closed: bool,
-    /// What the surface is there.
+    /// The kind of the surface there.
     pub(super) kind: Kind,
 }
 
 impl Sector {
-    /// Whether four regular faces, or what a crease or a corner leaves of them, meet here, so that the surface is
-    /// bicubic.
+    /// Returns whether four regular faces, or the part of them that a crease or corner leaves, meet here, so that the
+    /// surface is bicubic.
     pub(super) fn is_regular(&self) -> bool {
         let regular = match self.kind {
             Kind::Smooth => 4,
@@ -60,21 +60,23 @@ impl Sector {
 }
 
 impl Level {
-    /// The half-edge from the same vertex in the next face counter-clockwise, unless the edge between stays sharp.
+    /// Returns the half-edge from the same vertex in the next face counter-clockwise, unless the edge between is
+    /// infinitely sharp.
     fn onward(&self, half_edge: u32) -> Option<u32> {
         let before = self.topology.previous(half_edge);
         let sharp = self.edge_sharpened(self.topology.edge(before)) == Sharpened::Ever;
         (!sharp).then(|| self.topology.twin(before)).filter(|&next| next != NONE)
     }
 
-    /// The same in the next face clockwise.
+    /// Returns the half-edge from the same vertex in the next face clockwise, unless the edge between is infinitely
+    /// sharp.
     fn back(&self, half_edge: u32) -> Option<u32> {
         let sharp = self.edge_sharpened(self.topology.edge(half_edge)) == Sharpened::Ever;
         let twin = (!sharp).then(|| self.topology.twin(half_edge)).filter(|&twin| twin != NONE)?;
         Some(self.topology.next(twin))
     }
 
-    /// The sector of the face of a half-edge at the vertex where it starts.
+    /// Returns the sector of the face of a half-edge at the vertex where it starts.
     pub(super) fn sector(&self, half_edge: u32) -> Sector {
         let mut first = half_edge;
         let is_closed = loop {
@@ -94,13 +96,13 @@ impl Level {
         Sector { kind: self.kind(half_edge, is_closed), spokes, is_closed }
     }
 
-    /// The edges at the vertex where a half-edge starts that stay sharp.
+    /// Returns the infinitely sharp edges at the vertex where a half-edge starts.
     pub(super) fn sharp_edges_at(&self, half_edge: u32) -> Vec<u32> {
         let v = self.topology.vertex(half_edge) as usize;
         self.edges_at(v).filter(|&e| self.edge_sharpened(e) == Sharpened::Ever).collect()
     }
 
-    /// The edges at a vertex.
+    /// Returns the edges at a vertex.
     fn edges_at(&self, v: usize) -> impl Iterator<Item = u32> {
         self.topology.ring(v).flat_map(|half_edge| {
             let before = self.topology.previous(half_edge);
@@ -126,7 +128,7 @@ impl Level {
         }
     }
 
-    /// Whether a face is bicubic: its own corners and everything around them are regular.
+    /// Returns whether a face is bicubic: its corners and everything around them are regular.
     pub(super) fn is_leaf(&self, f: u32) -> bool {
         let half_edges = self.topology.half_edges(f as usize);
         half_edges.len() == 4
@@ -136,15 +138,15 @@ impl Level {
             })
     }
 
-    /// Whether all faces of a sector are quads.
+    /// Returns whether all faces of a sector are quads.
     pub(super) fn is_of_quads(&self, sector: &Sector) -> bool {
         let size = |&half_edge: &u32| self.topology.half_edges(self.topology.face_of(half_edge)).len();
         sector.spokes.iter().all(|spoke| size(spoke) == 4)
     }
 
-    /// The half-edge of a face at its only vertex that is not regular, if a cap can stand there: all else around the
-    /// face has to be regular, nothing sharp for some levels only, and all faces quads. Around a smooth vertex nothing
-    /// is sharp either: in the middle of a face with sharp sides, caps have to wait for another level.
+    /// Returns the half-edge of a face at its only irregular vertex, if a cap is possible there: all else around the
+    /// face must be regular, nothing semi-sharp, and all faces quads. Around a smooth vertex nothing may be sharp
+    /// either: in the middle of a face with sharp sides, caps have to wait for another level.
     pub(super) fn lone_irregular(&self, f: u32) -> Option<u32> {
         let half_edges = self.topology.half_edges(f as usize);
         if half_edges.len() != 4 {

@@ -4,7 +4,7 @@ use super::net::Net;
 use crate::math::functions::real;
 use crate::math::vector::{Vector, plus, times};
 
-/// Highest degree of a surface.
+/// Maximum degree of a surface.
 const MOST: usize = 5;
 
 /// A B-spline curve.
@@ -12,9 +12,9 @@ const MOST: usize = 5;
 pub struct Curve {
     /// The degree.
     pub degree: usize,
-    /// Its knots, ascending: the first and the last `degree + 1` times, the others once.
+    /// Its knots, ascending: the first and the last have multiplicity `degree + 1`, the others 1.
     pub knots: Vec<f64>,
-    /// Control points, `knots.len() + degree - 1` of them, model units.
+    /// Control points, `knots.len() + degree - 1` of them, in model units.
     pub points: Vec<Vector>,
 }
 
@@ -25,7 +25,7 @@ pub struct Surface {
     pub degree: usize,
     /// Number of pieces along u and v.
     pub spans: [usize; 2],
-    /// Control points, `points[i][j]`, `i` along u, `j` along v; as many as spans and degree together.
+    /// Control points, `points[i][j]`, `i` along u, `j` along v; `spans + degree` in each direction.
     pub points: Vec<Vec<Vector>>,
 }
 
@@ -34,14 +34,14 @@ fn between(t: f64, a: Vector, b: Vector) -> Vector {
 }
 
 impl Curve {
-    /// All knots, those at the ends as often as they count.
+    /// Returns all knots with their multiplicities.
     fn full(&self) -> Vec<f64> {
         let (first, last) = (self.knots[0], self.knots[self.knots.len() - 1]);
         let ends = |knot| std::iter::repeat_n(knot, self.degree);
         ends(first).chain(self.knots.iter().copied()).chain(ends(last)).collect()
     }
 
-    /// The polar value of the piece between full knots `span` and `span + 1` at `degree` arguments.
+    /// Returns the polar form of the piece between full knots `span` and `span + 1` at `degree` arguments.
     fn polar(&self, full: &[f64], span: usize, at: &[f64]) -> Vector {
         let d = self.degree;
         let mut points: Vec<Vector> = self.points[span - d..=span].to_vec();
@@ -54,7 +54,7 @@ impl Curve {
         points[0]
     }
 
-    /// The point halfway along its parameters.
+    /// Returns the point at the middle of the parameter range.
     pub(super) fn middle(&self) -> Vector {
         let middle = 0.5 * (self.knots[0] + self.knots[self.knots.len() - 1]);
         let full = self.full();
@@ -62,7 +62,7 @@ impl Curve {
         self.polar(&full, span, &vec![middle; self.degree])
     }
 
-    /// The piece over `[s, e]`, exactly: its control points are polar values at its own knots.
+    /// Returns the exact piece over `[s, e]`: its control points are polar values at its own knots.
     #[must_use]
     pub(super) fn piece(&self, [s, e]: [f64; 2]) -> Self {
         let inner = self.knots.iter().copied().filter(|&knot| s < knot && knot < e);
@@ -86,12 +86,12 @@ impl Curve {
 }
 
 impl Surface {
-    /// The Bezier surface of some control points.
+    /// Returns the Bezier surface of some control points.
     pub(super) fn bezier<const N: usize>(points: &[[Vector; N]; N]) -> Self {
         Self { degree: N - 1, spans: [1, 1], points: points.iter().map(|row| row.to_vec()).collect() }
     }
 
-    /// The surface of a uniform bicubic B-spline with the control points `net`, `spans + 3` each way.
+    /// Returns the surface of a uniform bicubic B-spline with the control points `net`, `spans + 3` in each direction.
     pub(super) fn of_uniform(net: &[Vec<Vector>]) -> Self {
         let rows: Vec<Vec<Vector>> = net.iter().map(|row| clamped(row)).collect();
         let spans = [rows.len() - 3, rows.first().map_or(0, Vec::len) - 3];
@@ -101,7 +101,7 @@ impl Surface {
         Self { degree: 3, spans, points }
     }
 
-    /// The surface with u and v exchanged, which is seen from its other side.
+    /// Returns the surface with u and v exchanged, which is seen from its other side.
     #[must_use]
     pub(super) fn transposed(&self) -> Self {
         let n = self.spans[1] + self.degree;
@@ -109,12 +109,12 @@ impl Surface {
         Self { degree: self.degree, spans: [self.spans[1], self.spans[0]], points }
     }
 
-    /// The knots along u or v.
+    /// Returns the knots along u or v.
     pub fn knots(&self, direction: usize) -> Vec<f64> {
         (0..=self.spans[direction]).map(real).collect()
     }
 
-    /// The boundary counter-clockwise: v = 0, u at its end, v at its end backwards, u = 0 backwards.
+    /// Returns a boundary curve; counter-clockwise: v = 0, u at its end, v at its end backwards, u = 0 backwards.
     pub(super) fn side(&self, side: usize) -> Curve {
         let column = |j: usize| self.points.iter().map(|row| row[j]).collect::<Vec<_>>();
         let (last, n) = (self.points.len() - 1, self.spans[1] + self.degree - 1);
@@ -130,12 +130,12 @@ impl Surface {
         Curve { degree: self.degree, knots: self.knots(side % 2), points }
     }
 
-    /// The length of the parameter range along a side.
+    /// Returns the length of the parameter range along a side.
     pub(super) fn length(&self, side: usize) -> f64 {
         real(self.spans[side % 2])
     }
 
-    /// The parameters of a point of a side.
+    /// Returns the parameters of a point of a side.
     pub(super) fn on_side(&self, side: usize, t: f64) -> [f64; 2] {
         let [u, v] = [self.length(0), self.length(1)];
         match side {
@@ -146,7 +146,7 @@ impl Surface {
         }
     }
 
-    /// The point at parameters with the derivatives along u and v.
+    /// Returns the point at some parameters, with the derivatives along u and v.
     pub(super) fn at(&self, [u, v]: [f64; 2]) -> [Vector; 3] {
         let ((i, bu), (j, bv)) = (self.basis(0, u), self.basis(1, v));
         let mut found = [[0.0; 3]; 3];
@@ -161,11 +161,12 @@ impl Surface {
         found
     }
 
-    /// The first control point that counts at a parameter, and the basis functions with their derivatives there.
+    /// Returns the first control point with an influence at a parameter, and the basis functions with their
+    /// derivatives.
     fn basis(&self, direction: usize, t: f64) -> (usize, [[f64; MOST + 1]; 2]) {
         let (spans, d) = (self.spans[direction], self.degree);
         let span = (1..spans).take_while(|&knot| t >= real(knot)).count();
-        // the knots are whole numbers between 0 and the number of pieces
+        // knots are whole numbers between 0 and the number of pieces
         let knot = |i: usize| real((span + i).saturating_sub(d).min(spans));
         let mut values = [0.0; MOST + 1];
         let mut lower = values;
@@ -190,7 +191,7 @@ impl Surface {
     }
 }
 
-/// The control points of a uniform cubic B-spline with clamped ends.
+/// Returns the control points of a uniform cubic B-spline with clamped ends.
 fn clamped(points: &[Vector]) -> Vec<Vector> {
     let n = points.len();
     let end = |a: Vector, b: Vector, c: Vector| {
@@ -202,7 +203,7 @@ fn clamped(points: &[Vector]) -> Vec<Vector> {
     [first, second].into_iter().chain(inner.iter().copied()).chain([before, last]).collect()
 }
 
-/// The Bezier surface of a cell.
+/// Returns the Bezier surface of a cell.
 pub(super) fn of_cell(net: &Net) -> Surface {
     Surface::bezier(&super::net::bezier(net))
 }

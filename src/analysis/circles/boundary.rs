@@ -1,4 +1,4 @@
-//! Where the rings that a line depends on end: at boundaries and creases all around a tube.
+//! Finds where the rings that a latitude line depends on end: at boundaries, and at creases all around a tube.
 
 use crate::shape::mesh::Mesh;
 

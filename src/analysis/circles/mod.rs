@@ -1,4 +1,4 @@
-//! Which latitude lines of a mesh become exact circles, and how large.
+//! Finds the latitude lines of a mesh that become exact circles, and their radii.
 //!
 //! A line is told exact when the rings around it, as far as the scheme reaches, are regular polygons of as many
 //! vertices on one axis that turn the same way, stars included, or end in a boundary or a crease, when every vertex of

@@ -1,8 +1,8 @@
-//! What is told of a latitude line.
+//! The limit of a latitude line, as it is reported.
 
 use crate::shape::directions::Line;
 
-/// What becomes of a latitude line.
+/// The limit of a latitude line.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Outlook {
     /// The line.

@@ -1,4 +1,4 @@
-//! What plans do to tubes: whether their words keep circles, and how far they reach along the axis.
+//! The effect of plans on tubes: whether their words preserve circles, and how far their stencils reach along the axis.
 
 use crate::scheme::letter::Letter;
 use crate::scheme::operator::Role;

@@ -1,4 +1,4 @@
-//! What is worth knowing of a plan whose parameters lie where its scheme need not converge, or need not be smooth.
+//! Warnings for plans whose parameters lie where the scheme may not converge, or may not be smooth.
 
 use super::cycle::{Cycle, NoMask};
 use crate::scheme::letter::Letter;

@@ -25,7 +25,7 @@ const PRODUCTS_A_ROW: u64 = 64;
 /// and twice of it only matter to functions that settle slower.
 const MAX_CHANGING: u32 = 128;
 
-/// Why the cycle of a plan is not a mask a level.
+/// The reason for which the cycle of a plan is not one mask per level.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum NoMask {
     /// There is nothing to repeat.

@@ -1,4 +1,4 @@
-//! How far a polygon is from its limit curve at most, by its second differences.
+//! Bounds the distance of a polygon from its limit curve by its second differences.
 //!
 //! A scheme that reproduces linear functions moves a polygon only by what bends it. With the polygon `p` after some
 //! levels, its piecewise linear curve `f`, the limit curve `F` in the same parameter and `D = max |p[i-1] - 2 p[i] +
@@ -33,7 +33,7 @@ const ROUNDING: f64 = 1e-9;
 /// finds levels that no plan may have.
 const MAX_LEVELS: usize = 64;
 
-/// Why second differences bound no distance.
+/// The reason for which second differences give no bound of the distance.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum NoBound {
     /// The plan is not one mask a level.
@@ -62,7 +62,7 @@ impl From<NoMask> for NoBound {
     }
 }
 
-/// What the levels of a plan do to second differences.
+/// The effect of the levels of a plan on second differences.
 #[derive(Debug)]
 pub struct Distances {
     changing: Vec<Cycle>,

@@ -1,4 +1,4 @@
-//! One application of a plan's cycle to polygons as one mask without rounding, in the limit alpha = 0.
+//! One application of a plan's cycle to polygons as one exact mask, in the limit alpha = 0.
 
 use num_traits::{One, Zero};
 
@@ -11,7 +11,7 @@ use crate::scheme::parameters::AVERAGES;
 use crate::scheme::plan::{Plan, Scheduled};
 use crate::scheme::window::Window;
 
-/// One application of a cycle without rounding: `q[j] = sum over i of a[j - d i] p[i]`.
+/// One exact application of a cycle: `q[j] = sum over i of a[j - d i] p[i]`.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ExactCycle {
     /// Arity d of the whole cycle.

@@ -1,4 +1,4 @@
-//! The single operators of a cycle on closed polygons without rounding, in the limit alpha = 0.
+//! The single operators of a cycle on closed polygons, exactly, in the limit alpha = 0.
 
 use num_traits::Zero;
 
@@ -7,8 +7,8 @@ use crate::math::exact::Exact;
 use crate::scheme::operator::Role;
 use crate::scheme::plan::Plan;
 
-/// What an operator does to a closed polygon: new points are `points` times those before it plus `coarse` times those
-/// that entered the last upsampling, one row for each new point.
+/// The exact effect of an operator on a closed polygon: new points are `points` times the points before it plus
+/// `coarse` times those that entered the last upsampling, one row per new point.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ExactStep {
     /// Weights of the points before it.

@@ -14,7 +14,7 @@ use crate::shape::source::Curve;
 use crate::shape::topology::index;
 use crate::watch::{Stopped, Watch};
 
-/// Why a polygon has no limit rows.
+/// The reason for which a polygon has no limit rows.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum NoLimit {
     /// The plan has none.

@@ -1,4 +1,4 @@
-//! What is known of the limit of refined polygons: its points and tangents, how far it is, whether there is one.
+//! The limits of refined polygons: their points and tangents, their distance, and whether they exist.
 
 mod convergence;
 mod cycle;

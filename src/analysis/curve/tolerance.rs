@@ -1,4 +1,4 @@
-//! The level at which polygons are within a tolerance of their limit curves.
+//! Finds the level at which polygons are within a tolerance of their limit curves.
 
 use super::distance::{Distances, NoBound};
 use super::limit::check;

@@ -1,4 +1,4 @@
-//! Bounds of what a limit may take.
+//! Bounds of the cost of a limit.
 
 /// Most vertices of a disc: about what three rings around a vertex of valence 1,500 have. Half as many would refuse
 /// half that valence; twice as many would take twice the time for each step of the search for tangents.

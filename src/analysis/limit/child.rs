@@ -1,4 +1,4 @@
-//! What takes the place of vertices, edges and faces in one step.
+//! The children of vertices, edges and faces in one step.
 //!
 //! Upsamplings keep vertices; the middle of an edge or a face becomes a vertex, or at odd arities the middle of a
 //! piece. A D makes a face of a vertex and a vertex of a face. A boundary vertex with m faces has no face in the dual

@@ -1,4 +1,4 @@
-//! Whether a plan has a limit, and how smooth that is where the net is regular.
+//! Decides whether a plan has a limit, and how smooth it is where the net is regular.
 
 use super::cost;
 use super::cycle::AHEAD;

@@ -1,4 +1,4 @@
-//! The cycle of a plan as its limit needs it: level by level on discs, until its numbers no longer change.
+//! The cycle of a plan for the computation of limits: level by level on discs, until its values no longer change.
 
 use std::sync::Arc;
 

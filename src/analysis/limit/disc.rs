@@ -1,4 +1,4 @@
-//! Disces: the faces around a vertex, an edge or a face, numbered in an order that depends on their connectivity only.
+//! Discs: the faces around a vertex, an edge or a face, numbered in an order that depends on their connectivity only.
 
 use std::sync::Arc;
 

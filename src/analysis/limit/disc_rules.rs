@@ -1,4 +1,4 @@
-//! What the nets of a cycle have in common, wherever a disc is cut out of them.
+//! The properties that all discs cut out of the nets of a cycle share.
 
 use crate::scheme::plan::Plan;
 use crate::scheme::rules::Rules;

@@ -1,4 +1,4 @@
-//! What takes the place of vertices, edges and faces under D, in whole nets.
+//! The children of vertices, edges and faces under D, in whole nets.
 
 use std::sync::Arc;
 

@@ -1,4 +1,4 @@
-//! Why there is no limit.
+//! The reasons for which there is no limit.
 
 use super::bounds::{
     MAX_DISC_VERTICES, MAX_DISCES, MAX_FOLLOWED_LEVELS, MAX_FOLLOWED_POINTS, MAX_LEVEL_POINTS, MAX_RINGS,
@@ -8,7 +8,7 @@ use crate::refine::RefineError;
 use crate::scheme::step_error::StepError;
 use crate::watch::Stopped;
 
-/// Why there is no limit.
+/// The reason for which there is no limit.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum Unlimited {
     /// It was asked to stop.
@@ -121,7 +121,7 @@ impl From<Unlimited> for NoLevel {
     }
 }
 
-/// Why a mesh could not be refined to its limit.
+/// The reason for which a mesh could not be refined to its limit.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum LimitError {
     /// It could not be refined.

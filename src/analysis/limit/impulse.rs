@@ -1,4 +1,4 @@
-//! Whether the limit of a cycle is continuous, and whether it is smooth, where nothing is extraordinary.
+//! Decides whether the limit of a cycle is continuous and smooth on regular nets.
 //!
 //! An impulse on a regular net is refined, and its differences are compared at two levels. Where they do not shrink
 //! clearly between these, as they may grow at first, or later, or somewhere else, they are followed through many more

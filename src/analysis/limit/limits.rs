@@ -1,4 +1,4 @@
-//! The limits of the vertices of a net.
+//! The limit positions of the vertices of a net.
 
 use std::fmt;
 

@@ -1,4 +1,4 @@
-//! Limit masks: the weights of a disc's points in the limit of its centre, and in two tangents there.
+//! Limit masks: the weights of a disc's points in the limit of its centre, and in the two tangents there.
 
 use std::collections::BTreeMap;
 use std::convert::Infallible;

@@ -1,4 +1,4 @@
-//! Meshes refined to their limits.
+//! Refines meshes and moves their vertices to the limit.
 
 use std::sync::Arc;
 

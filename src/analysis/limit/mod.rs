@@ -1,4 +1,4 @@
-//! Limit surfaces: where the vertices of a refined mesh end up, and the normals there.
+//! Limit surfaces: the limit positions of the vertices of a refined mesh, and the normals there.
 //!
 //! The limit of a vertex is that of its descendants: of itself under schemes that keep vertices, of the centre of the
 //! face that takes its place under dual ones. It is a weighted mean of the points around it. The weights are not typed

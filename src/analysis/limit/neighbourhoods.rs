@@ -1,4 +1,4 @@
-//! What limits ask of a refined net: what is around its vertices, and no order of construction.
+//! The neighbourhoods of a refined net's vertices that limits need, independent of the order of construction.
 
 use std::fmt;
 

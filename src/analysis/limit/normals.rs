@@ -1,4 +1,4 @@
-//! Normals of the limit, one for each sector of a vertex.
+//! Normals of the limit surface, one per sector of a vertex.
 
 use super::field::Field;
 use crate::math::vector::{cross, direction, length, plus};

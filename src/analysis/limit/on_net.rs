@@ -1,4 +1,4 @@
-//! The cycle of a plan on a net: what is known of a scheme before the masks of single vertices are looked for.
+//! The cycle of a plan on a net: the data of a scheme that do not depend on single vertices.
 
 use std::sync::Arc;
 

@@ -1,4 +1,4 @@
-//! How far a cycle reaches where nothing is extraordinary.
+//! Determines how far the stencils of a cycle reach on regular nets.
 
 use super::bounds::MAX_RINGS;
 use super::cycle::Cycle;

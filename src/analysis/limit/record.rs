@@ -1,4 +1,4 @@
-//! Local subdivision matrices: how the points around a child come of the points around its parent.
+//! Local subdivision matrices: the rows of the points around a child over the points around its parent.
 
 use std::cell::RefCell;
 

@@ -1,6 +1,6 @@
-//! What of a limit surface is asked for.
+//! The parts of a limit surface that are requested.
 
-/// What of the limit surface is asked for.
+/// The parts of the limit surface that are requested.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct LimitRequest {
     /// Limit positions instead of the refined ones.

@@ -1,4 +1,4 @@
-//! Rotations of what is around a vertex from level to level.
+//! Rotations of the neighbourhood of a vertex from level to level.
 //!
 //! A step that puts the middles of faces around a vertex, between its neighbours, rotates what is there: two such steps
 //! lead from the place of a neighbour to that of the next one. Where neighbours stand at the corners of a regular

@@ -1,4 +1,4 @@
-//! Sectors: the runs of faces around a vertex between edges that stay sharp for ever.
+//! Sectors: the runs of faces around a vertex between infinitely sharp edges.
 //!
 //! Such an edge is a boundary seen from both sides, so that the surface has a tangent plane on each side of it. A
 //! single sharp edge that ends at the vertex parts nothing.

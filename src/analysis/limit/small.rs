@@ -1,4 +1,4 @@
-//! Small matrices: the spaces of their largest eigenvalues.
+//! Small matrices and the eigenspaces of their largest eigenvalues.
 
 use crate::math::functions::{exp, ln, sqrt};
 

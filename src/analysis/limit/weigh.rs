@@ -1,4 +1,4 @@
-//! The weights of limits: what [`refine_mesh_to_limit`](super::refine_mesh_to_limit) sums, as rows.
+//! The weights of limits: the rows of the sums in [`refine_mesh_to_limit`](super::refine_mesh_to_limit).
 
 use super::error::{LimitError, Unlimited};
 use super::field::{Field, Functional};
@@ -15,7 +15,7 @@ use crate::shape::topology::index;
 use crate::shape::weights::{NormalProduct, NormalWeights};
 use crate::watch::Watch;
 
-/// Why limits have no weights.
+/// The reason for which limits have no weights.
 #[derive(Debug, thiserror::Error)]
 pub enum NoWeights {
     /// There is no limit, or it cannot be computed.

@@ -1,4 +1,4 @@
-//! The powers of the local matrix, whose rows come close to the limit mask.
+//! The powers of the local matrix, whose rows converge to the limit mask.
 
 use num_traits::Zero;
 

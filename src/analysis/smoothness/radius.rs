@@ -1,4 +1,4 @@
-//! Bounds of the joint spectral radius of any exact matrices, for schemes that are no curves.
+//! Bounds of the joint spectral radius of arbitrary exact matrices, for schemes other than those on curves.
 
 use num_traits::Zero;
 
@@ -8,7 +8,7 @@ use super::upper::{self, Upper};
 use crate::math::exact::Exact;
 use crate::watch::{Stopped, Watch};
 
-/// What is known of a joint spectral radius.
+/// The known bounds of a joint spectral radius.
 #[derive(Debug, Clone, PartialEq)]
 pub struct RadiusBounds {
     /// From below; `None` where no eigenvalue of a product is proved.

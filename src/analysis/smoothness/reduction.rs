@@ -1,4 +1,4 @@
-//! Schemes whose shifts are not stable, as combinations of the basic limit function of one whose are.
+//! Expresses schemes with unstable shifts by the basic limit function of a scheme with stable shifts.
 //!
 //! Where `a(z) = a~(z) q(z^d) / q(z)` with `q(1) = 1`, the products of the symbols along `z, z^(1/d), ...` telescope:
 //! the basic limit function of a is `sum of q[j] phi~(x - j)` with that of a~. As shifts to one side follow from their

@@ -1,4 +1,4 @@
-//! All that is said of one scheme.
+//! The full report on one scheme.
 
 use super::local::{Neighbourhood, Weights};
 use super::symbol::Symbol;
@@ -11,7 +11,7 @@ use crate::watch::{Stopped, Watch};
 /// Half of it hides curvature; twice of it plots what nobody looks at, and makes answers twice as long.
 const MAX_DERIVATIVES: usize = 3;
 
-/// All that is said of one scheme.
+/// The full report on one scheme.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Report {
     /// The mask and its factors.

@@ -1,4 +1,4 @@
-//! Whether the integer shifts of the basic limit function are stable, which is what upper bounds of smoothness rest on.
+//! Decides whether the integer shifts of the basic limit function are stable, as upper bounds of smoothness require.
 //!
 //! They are when the sub-symbols `sum over j of a[r + d j] z^j` have no common zero but 0, and the symbol does not
 //! vanish at all other d-th roots of the elements of a cycle of roots of unity under `z -> z^d`. With m = d^l - 1 these

@@ -1,4 +1,4 @@
-//! What bounds and certificates prove of smoothness.
+//! Conclusions on smoothness from bounds and certificates.
 
 use num_traits::{One, Signed};
 
@@ -19,7 +19,7 @@ use crate::watch::{Stopped, Watch};
 /// close to the end of a range.
 const MARGIN: f64 = 1e-6;
 
-/// What is known of the smoothness of limits.
+/// The conclusion on the smoothness of limits.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Smoothness {
     /// Certificates by norms.

@@ -1,4 +1,4 @@
-//! The blocks into which rotations and the reflection about a ray part the local subdivision matrix.
+//! The block decomposition of the local subdivision matrix by rotations and by the reflection about a ray.
 //!
 //! Values `v(s, p) = exp(2 pi i k (s + t_p) / n) u_p`, with the angle `t_p` of the point p as a fraction of a sector,
 //! are mapped to such values with the same index k. The reflection puts `conj(u)` of the mirrored point in the place of

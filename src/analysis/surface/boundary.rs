@@ -1,4 +1,4 @@
-//! Boundary vertices with any number of faces: eigenvalues, masks and the characteristic map of half a plane.
+//! Boundary vertices with any number of faces: eigenvalues, masks and the characteristic map of a half plane.
 //!
 //! A reflection exchanges the two outer rays, and parts the local matrix into the block of vectors that it keeps (even)
 //! and that of vectors that it turns round (odd). Limits have a tangent plane at the vertex when the eigenvalue 1 is
@@ -30,7 +30,7 @@ const NEXT: &str = "the next two eigenvalues are real and positive, one of vecto
 /// The statement about the characteristic map.
 const HALF_MAP: &str = "the characteristic map is regular and injective, and covers half a plane";
 
-/// An eigenvalue, and whether its eigenvector changes its sign under the reflection.
+/// An eigenvalue, and whether its eigenvector is odd under the reflection.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Sided {
     /// The eigenvalue.
@@ -39,7 +39,7 @@ pub struct Sided {
     pub is_odd: bool,
 }
 
-/// What is known of boundary vertices with some number of faces.
+/// The report on boundary vertices with some number of faces.
 #[derive(Debug, Clone)]
 pub struct BoundaryReport {
     /// The number of faces at the vertex.

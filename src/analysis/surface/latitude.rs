@@ -1,4 +1,4 @@
-//! What a plan does to points along and across latitude lines.
+//! The effect of a plan on points along and across latitude lines.
 
 use super::local::Applied;
 use super::regular::RegularMask;

@@ -1,4 +1,4 @@
-//! The mask of a scheme where nothing is extraordinary, and its factors.
+//! The mask of a scheme on regular nets, and its factors.
 //!
 //! In lattice coordinates the new point f is the sum over old points c of `a[f - d c] p[c]`; the symbol is
 //! `a(z) = sum a[k] z^k = d^2 product of (sigma_u / d)^m_u b(z)` over directions u, with

@@ -1,4 +1,4 @@
-//! Which polynomials a regular scheme keeps: those that are limits of their own samples.
+//! The polynomials that a regular scheme reproduces: those that are limits of their own samples.
 //!
 //! With old points c at the places c + s and new points f at (f + s)/d, linear polynomials say that
 //! `s = (sum of a[k] k over one residue class)/(d - 1)`. A degree is reproduced when the sums over each residue class r

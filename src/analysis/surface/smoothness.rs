@@ -1,4 +1,4 @@
-//! How smooth limits of regular nets are.
+//! The smoothness of limits of regular nets.
 
 use super::convergence::{LatticeCertificate, certificates};
 use super::quotient::Quotient;
@@ -9,7 +9,7 @@ use crate::math::exact::{Exact, binary};
 use crate::math::mask::Mask;
 use crate::watch::{Stopped, Watch};
 
-/// By what the smoothness of regular nets is proved.
+/// The method by which the smoothness of regular nets is proved.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Proof {
     /// The limit is a box spline.
@@ -20,7 +20,7 @@ pub enum Proof {
     Norms(Vec<LatticeCertificate>, Option<Box<Quotient>>),
 }
 
-/// How smooth limits of regular nets are.
+/// The smoothness of limits of regular nets.
 #[derive(Debug, Clone, PartialEq)]
 pub struct RegularSmoothness {
     /// The proof.

@@ -1,4 +1,4 @@
-//! What a plan comes to as a scheme for surfaces: its regular rule, and what is known of each valence.
+//! A plan as a surface scheme: its regular rule, and the report on each valence.
 
 use std::collections::BTreeMap;
 
@@ -27,7 +27,7 @@ const MAX_POINTS: usize = 512;
 /// Rules beside extraordinary vertices reach a ring farther at most. Half and twice of it decide alike.
 const MORE_RINGS: i32 = 2;
 
-/// A plan as a scheme for surfaces.
+/// A plan as a surface scheme.
 #[derive(Debug)]
 pub struct SurfaceStudy {
     applied: Applied,
@@ -35,7 +35,7 @@ pub struct SurfaceStudy {
     pub regular: RegularMask,
 }
 
-/// What is known of one valence.
+/// The report on one valence.
 #[derive(Debug, Clone)]
 pub struct ValenceReport {
     /// The number of edges at the vertex, or of corners of the face.

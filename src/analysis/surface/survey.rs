@@ -1,4 +1,4 @@
-//! What of a mesh is extraordinary under a scheme.
+//! The extraordinary vertices and faces of a mesh under a scheme.
 
 use std::collections::BTreeMap;
 

@@ -1,11 +1,11 @@
-//! Whether limits are C^1 at a middle, and what speaks for it.
+//! Decides whether limits are C^1 at an extraordinary point, with the evidence.
 
 use super::characteristic::{CharacteristicNet, Ring, RingProof, SLACK};
 use super::enclosure::{Enclosure, is_below, without_one};
 use super::spectrum::Spectrum;
 use crate::watch::{Stopped, Watch};
 
-/// What is known of a statement.
+/// How far a statement is decided.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Status {
     /// It holds, by a proof.
@@ -18,7 +18,7 @@ pub enum Status {
     Open,
 }
 
-/// A statement that decides about C^1, and what is known of it.
+/// A statement on which C^1 depends, and how far it is decided.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Criterion {
     /// The statement.

@@ -1,4 +1,4 @@
-//! Second differences of a net where it is regular, and how what is known of vertices spreads to the faces around.
+//! Second differences of a net where it is regular, and their propagation from vertices to the surrounding faces.
 
 use rayon::prelude::*;
 

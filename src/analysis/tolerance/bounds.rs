@@ -1,4 +1,4 @@
-//! Bounds of a search for a level, which refusals tell.
+//! The bounds of a search for a level, which refusals state.
 
 /// Most levels that are looked at.
 /// Level 16 has 2^32 times as many faces as the input, more than are numbered. Half of it refuses tolerances that are

@@ -1,4 +1,4 @@
-//! What a search may still do: until it is stopped, or its work is used up.
+//! The budget of a search: it ends when the watch says stop, or when its work is used up.
 
 use super::bounds::MAX_WORK;
 use crate::analysis::no_level::NoLevel;

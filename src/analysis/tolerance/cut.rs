@@ -1,4 +1,4 @@
-//! How far faces are from themselves cut into triangles.
+//! The distance of faces from their triangulations.
 
 use std::f64::consts::TAU;
 

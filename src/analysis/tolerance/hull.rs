@@ -1,4 +1,5 @@
-//! How far the limit of a face is from it where the net is not regular: as high as the points are that it depends on.
+//! Bounds the distance of a face from its limit at irregular places by the hull of the points on which the limit
+//! depends.
 
 use std::sync::OnceLock;
 

@@ -1,4 +1,4 @@
-//! The level at which a mesh is within a tolerance of its limit surface.
+//! Finds the level at which a mesh is within a tolerance of its limit surface.
 //!
 //! Where a net is regular, averages move vertices by multiples of second differences, which a level divides by 4
 //! ([`spline`], [`bend`]); elsewhere the limit lies in the hull of the points around ([`mod@bound`]). Further levels

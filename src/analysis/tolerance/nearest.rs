@@ -1,4 +1,4 @@
-//! How far points and small pieces of surfaces are from the faces of a net, however these are cut.
+//! The distance of points and small pieces of surfaces from the faces of a net, for any triangulation of these.
 
 use std::sync::{Arc, OnceLock};
 

@@ -1,6 +1,6 @@
-//! Where an output has its vertices.
+//! The positions of an output's vertices.
 
-/// Where the vertices of an output are.
+/// The positions of an output's vertices.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Placed {
     /// Where the levels put them.

@@ -1,4 +1,4 @@
-//! How far the limit of the faces of a net is from them, at most.
+//! Bounds the distance of the limit of a net's faces from the faces.
 
 use rayon::prelude::*;
 

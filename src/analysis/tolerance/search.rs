@@ -1,4 +1,4 @@
-//! The search for the first level that is within a tolerance.
+//! Searches for the first level that is within a tolerance.
 
 use super::bounds::{LEAST, MAX_FACES, MAX_LEVEL, MAX_WORK};
 use super::budget::Budget;

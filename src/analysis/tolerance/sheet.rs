@@ -1,4 +1,4 @@
-//! Sheets: the faces around a face, where they lie over its plane like a graph.
+//! Sheets: the faces around a face, if they are a graph over its plane.
 
 use crate::math::vector::{Vector, cross, dot, from_segment, length, minus, plus, times};
 use crate::shape::topology::{NONE, Topology};

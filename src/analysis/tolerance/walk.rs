@@ -1,4 +1,4 @@
-//! The way from level to level: the net that is looked at, and what is known of faces that are followed no longer.
+//! Proceeds from level to level with the current net, and with the bounds of faces that are no longer followed.
 
 use super::bend;
 use super::bound::{FOLLOWED_FACES, bound};

@@ -1,4 +1,4 @@
-//! The letters of a font that occur in a PDF file.
+//! The glyphs of a font that are embedded in a PDF file.
 
 use std::collections::BTreeMap;
 
@@ -11,19 +11,19 @@ use super::pack::packed;
 use crate::drawing::error::DrawError;
 use crate::drawing::font::{UNITS_PER_EM, WEIGHTS, Weight};
 
-/// Glyphs of one weight.
+/// The used glyphs of one weight.
 pub(super) struct Font {
     weight: Weight,
-    /// Numbers of glyphs in the file.
+    /// The indices of glyphs in the file.
     numbers: GlyphRemapper,
-    /// What each glyph means, and how far it moves the pen in thousandths of the size.
+    /// The character of each glyph, and its advance width in thousandths of the font size.
     glyphs: BTreeMap<u16, (char, f32)>,
 }
 
 const SYSTEM: SystemInfo<'static> = SystemInfo { registry: Str(b"Adobe"), ordering: Str(b"Identity"), supplement: 0 };
 
 impl Font {
-    /// A font of each weight of which nothing is used.
+    /// Creates a font of each weight without glyphs.
     pub(super) fn all() -> [Self; 2] {
         WEIGHTS.map(|weight| Self { weight, numbers: GlyphRemapper::new(), glyphs: BTreeMap::new() })
     }
@@ -32,7 +32,7 @@ impl Font {
         !self.glyphs.is_empty()
     }
 
-    /// Name within the page.
+    /// Returns the name within the page.
     pub(super) fn name(&self) -> &'static [u8] {
         match self.weight {
             Weight::Regular => b"F0",
@@ -40,7 +40,7 @@ impl Font {
         }
     }
 
-    /// The number of a glyph in the file, which from now on holds it.
+    /// Returns the index of a glyph in the file, which embeds it from now on.
     pub(super) fn number(&mut self, c: char, glyph: GlyphId) -> u16 {
         let number = self.numbers.remap(glyph.0);
         let width = self.weight.advance(glyph) * 1000.0 / UNITS_PER_EM;
@@ -48,7 +48,7 @@ impl Font {
         number
     }
 
-    /// Writes the font as an object `id`, with others of which `next` gives the numbers.
+    /// Writes the font as object `id`, with further objects whose ids `next` returns.
     pub(super) fn write(&self, pdf: &mut Pdf, id: Ref, next: &mut dyn FnMut() -> Ref) -> Result<(), DrawError> {
         let [cid, descriptor, file, meanings] = [next(), next(), next(), next()];
         let full = format!("{}+{}", self.tag(), self.weight.postscript_name());
@@ -97,7 +97,7 @@ impl Font {
             .font_file2(file);
     }
 
-    /// Six letters that tell fonts of different glyphs apart.
+    /// Returns six letters that distinguish subsets of the font.
     fn tag(&self) -> String {
         let mut rest = self
             .numbers

@@ -1,4 +1,4 @@
-//! Streams of bytes as PDF files hold them.
+//! Compressed streams for PDF files.
 
 use std::io::Write;
 
@@ -7,7 +7,7 @@ use flate2::write::ZlibEncoder;
 
 use crate::drawing::error::DrawError;
 
-/// Deflates bytes.
+/// Compresses bytes by deflate.
 pub(super) fn packed(bytes: &[u8]) -> Result<Vec<u8>, DrawError> {
     let mut encoder = ZlibEncoder::new(Vec::new(), Compression::default());
     encoder.write_all(bytes)?;

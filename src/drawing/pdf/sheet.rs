@@ -1,4 +1,4 @@
-//! The content of the page: the operators that draw, and what they refer to.
+//! The content of the page: its drawing operators, and the resources that they refer to.
 
 use std::collections::BTreeSet;
 
@@ -11,27 +11,27 @@ use crate::drawing::error::DrawError;
 use crate::drawing::scene::{Cap, Color, Discs, Drawing, Group, Item, Lettering, Mark, Picture, Point, Stroke, Text};
 use crate::watch::Watch;
 
-/// Points in a pixel: 96 pixels and 72 points are an inch.
+/// Points per pixel: 96 pixels and 72 points are an inch.
 pub(super) const POINTS: f32 = 0.75;
 
-/// What is drawn, and what is needed for it.
+/// The content of the page, with the resources that it needs.
 pub(super) struct Sheet<'a> {
-    /// Operators.
+    /// The drawing operators.
     pub(super) content: Vec<u8>,
-    /// Pictures by number.
+    /// The pictures, by index.
     pub(super) pictures: Vec<&'a Picture>,
-    /// Opacities other than that of what lets nothing through.
+    /// The opacities other than fully opaque.
     pub(super) alphas: BTreeSet<u8>,
     /// The weights of the font.
     pub(super) fonts: [Font; 2],
 }
 
-/// Name of a picture within the page.
+/// Returns the name of a picture within the page.
 pub(super) fn picture_name(i: usize) -> String {
     format!("I{i}")
 }
 
-/// Name of an opacity within the page.
+/// Returns the name of an opacity within the page.
 pub(super) fn alpha_name(alpha: u8) -> String {
     format!("A{alpha}")
 }
@@ -71,7 +71,7 @@ struct Artist<'a> {
     watch: &'a Watch,
 }
 
-/// A length to the nearest hundredth of a pixel, which has few digits.
+/// Rounds a length to hundredths of a pixel, to keep the file short.
 fn short(x: f32) -> f32 {
     (x * 100.0).round() / 100.0
 }
@@ -113,7 +113,7 @@ impl<'a> Artist<'a> {
         self.alpha(a);
     }
 
-    /// Fills the path that `trace` makes.
+    /// Fills the path that `trace` traces.
     fn filled(&mut self, color: Color, trace: impl FnOnce(&mut Content)) {
         self.content.save_state();
         self.fill_color(color);
@@ -162,7 +162,7 @@ impl<'a> Artist<'a> {
         Ok(())
     }
 
-    /// A ring that lets something through would show the disc below it, so it is drawn around the disc.
+    /// Draws discs; a translucent ring is drawn around the disc, since it would show the disc below it.
     fn discs(&mut self, discs: &Discs) -> Result<(), DrawError> {
         self.fill_color(discs.color);
         self.stroke_color(discs.ring);
@@ -223,13 +223,12 @@ impl<'a> Artist<'a> {
     }
 }
 
-/// A byte of a colour as a share of the whole, with few digits.
+/// Returns a colour byte as a fraction with few digits.
 fn share(byte: u8) -> f32 {
     (f32::from(byte) / 255.0 * 10_000.0).round() / 10_000.0
 }
 
-/// How far the inner points of a cubic that is a quarter of a circle stand from its ends, in radii:
-/// `4 (sqrt 2 - 1) / 3`.
+/// Distance of the inner control points of a cubic quarter circle from its ends, in radii: `4 (sqrt 2 - 1) / 3`.
 const QUARTER: f32 = 0.552_284_8;
 
 fn circle(content: &mut Content, [x, y]: Point, radius: f32) {
@@ -248,7 +247,7 @@ fn circle(content: &mut Content, [x, y]: Point, radius: f32) {
     content.close_path();
 }
 
-/// The outlines of letters as operators; PDF has cubics only.
+/// Writes the outlines of letters as operators; PDF has cubic curves only.
 struct Contours<'a> {
     content: &'a mut Content,
     at: Point,

@@ -1,10 +1,10 @@
-//! Dashes as lines of their own, made only where they can be seen.
+//! Splits dashed lines into separate lines, where they are visible.
 
 use tiny_skia::{Pixmap, Transform};
 
 use crate::drawing::scene::{Point, Run};
 
-/// Left, top, right and bottom of what is seen of a group, in its pixels, with room for the width of a line.
+/// Returns left, top, right and bottom of the visible part of a group, in its pixels, with room for the line width.
 pub(super) fn visible(pixmap: &Pixmap, transform: Transform, width_px: f32) -> [f32; 4] {
     #[expect(clippy::cast_precision_loss, reason = "pictures have some thousand pixels a side")]
     let [w, h] = [pixmap.width() as f32, pixmap.height() as f32];
@@ -12,11 +12,11 @@ pub(super) fn visible(pixmap: &Pixmap, transform: Transform, width_px: f32) -> [
     [left - width_px, top - width_px, left + w / transform.sx + width_px, top + h / transform.sy + width_px]
 }
 
-/// The dashes of a line. `pattern` has lengths of dashes and gaps in turn.
+/// Returns the dashes of a line; `pattern` alternates lengths of dashes and gaps.
 pub(super) fn dashes(run: &[Point], pattern: &[f32], seen: [f32; 4]) -> Vec<Run> {
     let period: f64 = pattern.iter().copied().map(f64::from).sum();
     let mut found: Vec<Run> = Vec::new();
-    // from the start of the line in the period, so that dashes go on around corners
+    // position in the period, which continues around corners
     let mut phase = 0.0;
     for pair in run.windows(2) {
         let [a, b] = [pair[0].map(f64::from), pair[1].map(f64::from)];
@@ -36,7 +36,7 @@ pub(super) fn dashes(run: &[Point], pattern: &[f32], seen: [f32; 4]) -> Vec<Run>
     found
 }
 
-/// The shares of a segment from `a` along `step` between which it is inside of the rectangle.
+/// Returns the range of parameters for which the segment from `a` along `step` is inside the rectangle.
 fn inside(a: [f64; 2], step: [f64; 2], [left, top, right, bottom]: [f32; 4]) -> Option<[f64; 2]> {
     let (mut from, mut to) = (0.0_f64, 1.0_f64);
     for (k, low, high) in [(0, left, right), (1, top, bottom)] {
@@ -55,7 +55,7 @@ fn inside(a: [f64; 2], step: [f64; 2], [left, top, right, bottom]: [f32; 4]) -> 
     (from < to).then_some([from, to])
 }
 
-/// The dashes between two lengths along a line.
+/// Returns the dashes between two lengths along a line.
 fn on(from: f64, to: f64, pattern: &[f32], period: f64) -> Vec<[f64; 2]> {
     #[expect(
         clippy::cast_possible_truncation,
@@ -79,7 +79,7 @@ fn on(from: f64, to: f64, pattern: &[f32], period: f64) -> Vec<[f64; 2]> {
     found
 }
 
-/// Adds a dash, or goes on with the last one where that ends at its start.
+/// Adds a dash, or extends the last one if that ends at its start.
 fn extend(found: &mut Vec<Run>, [start, end]: [[f64; 2]; 2]) {
     #[expect(clippy::cast_possible_truncation, reason = "pixel coordinates need no more than the precision of f32")]
     let [start, end] = [start, end].map(|place| place.map(|x| x as f32));

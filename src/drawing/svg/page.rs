@@ -1,13 +1,13 @@
-//! Text on its way into an SVG file.
+//! A buffer for the text of an SVG file.
 
 use std::io::{self, Write};
 
 use crate::drawing::scene::{Color, Point};
 
-/// Characters that are kept before they are written; twice of it takes memory, half of it calls.
+/// Number of characters buffered before they are written; twice as many take memory, half as many more calls.
 const LONG: usize = 65_536;
 
-/// Text on its way out.
+/// Text to be written.
 pub(super) struct Page<'a> {
     pub(super) text: String,
     out: &'a mut dyn Write,
@@ -18,7 +18,7 @@ impl<'a> Page<'a> {
         Self { text: String::new(), out }
     }
 
-    /// Whether it is time to write.
+    /// Returns whether the buffer should be written.
     pub(super) fn is_long(&self) -> bool {
         self.text.len() > LONG
     }
@@ -29,7 +29,7 @@ impl<'a> Page<'a> {
         Ok(())
     }
 
-    /// Writes what stands between tags or in an attribute. Characters that XML cannot hold become U+FFFD.
+    /// Appends text between tags or in an attribute, escaped. Characters that XML cannot hold become U+FFFD.
     pub(super) fn escaped(&mut self, text: &str) {
         for c in text.chars() {
             match c {
@@ -79,12 +79,12 @@ impl<'a> Page<'a> {
         }
     }
 
-    /// Writes `before`, then the value to the nearest hundredth without needless digits.
+    /// Appends `before`, then the value rounded to hundredths, without trailing zeros.
     pub(super) fn number(&mut self, before: &str, value: f32) {
         self.digits(before, value, 2);
     }
 
-    /// Writes `before`, then the value to the nearest millionth without needless digits.
+    /// Appends `before`, then the value rounded to millionths, without trailing zeros.
     pub(super) fn precise(&mut self, before: &str, value: f32) {
         self.digits(before, value, 6);
     }

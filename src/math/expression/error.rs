@@ -1,13 +1,13 @@
-//! The bounds of expressions, and why a text is none.
+//! The limits of expressions, and the errors of parsing and evaluating them.
 
-/// Longest text of an expression, bytes.
+/// Maximum length of an expression's text, in bytes.
 pub const MAX_BYTES: usize = 1024;
-/// Deepest nesting of parentheses, functions and signs.
+/// Maximum nesting depth of parentheses, functions and signs.
 pub const MAX_DEPTH: usize = 32;
-/// Most instructions of a compiled expression.
+/// Maximum number of instructions of a compiled expression.
 pub const MAX_INSTRUCTIONS: usize = 256;
 
-/// Why a text is no expression, or has no value.
+/// The reason for which a text is not an expression, or has no value.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum ExpressionError {
     /// The text is longer than [`MAX_BYTES`].
@@ -19,10 +19,10 @@ pub enum ExpressionError {
     /// More than [`MAX_INSTRUCTIONS`] after folding.
     #[error("the expression has more than {MAX_INSTRUCTIONS} operations; shorten it")]
     TooLarge,
-    /// Something else was expected at a character.
+    /// A different character was expected.
     #[error("expected {expected} at character {at} of \"{text}\"")]
     Expected {
-        /// What would be right.
+        /// The expected text.
         expected: &'static str,
         /// Position in characters, from 1.
         at: usize,
@@ -34,7 +34,7 @@ pub enum ExpressionError {
     UnknownName {
         /// The name, shortened.
         name: String,
-        /// What may be used.
+        /// The names that may be used.
         known: String,
     },
     /// A value that is not finite.

@@ -1,4 +1,4 @@
-//! Readers: from what a client wrote to a value of its kind, or a sentence that says what is wrong.
+//! Readers that convert literals to values of a kind, or explain what is wrong.
 
 use super::{Kind, Literal, MAX_NAME, Parameter, Value, Values, range};
 use crate::fault::{Fault, did_you_mean, shortened, under};
@@ -73,7 +73,7 @@ pub(super) fn expression(literal: &Literal, variable: &'static str) -> Result<Ex
     }
 }
 
-/// The entries of a list of 1 to so many, or the faults of all of them.
+/// Reads the entries of a list of 1 to `most`, or returns the faults of all of them.
 fn entries<T>(
     items: &[Literal],
     most: usize,
@@ -96,7 +96,7 @@ fn check_length(items: &[Literal], most: usize) -> Result<(), Vec<Fault>> {
     if (1..=most).contains(&n) { Ok(()) } else { Err(one(format!("{n} entries; expected 1 to {most}"))) }
 }
 
-/// The fault of a value, as all that is wrong.
+/// Returns a list with a single fault.
 pub(super) fn one(detail: String) -> Vec<Fault> {
     vec![Fault::new("", detail)]
 }
@@ -114,10 +114,10 @@ pub(super) fn numbers(items: &[Literal], most: usize) -> Result<Vec<f64>, Vec<Fa
     items.iter().enumerate().map(number).collect()
 }
 
-/// Red, green, blue and alpha of a text like `#f80`, `#ff8800` or `transparent`.
+/// Parses a colour such as `#f80`, `#ff8800` or `transparent` into red, green, blue and alpha.
 ///
 /// # Errors
-/// What is no such text.
+/// A description of a text that is not a colour.
 pub fn color(text: &str) -> Result<[u8; 4], String> {
     if text == "transparent" {
         return Ok([0; 4]);
@@ -139,7 +139,7 @@ pub(super) fn vector(items: &[Literal]) -> Result<[f64; 3], String> {
     Ok([finite(x)?, finite(y)?, finite(z)?])
 }
 
-/// A vector without its length: divided by its largest coordinate, so that multiples are equal.
+/// Reads a direction: a vector divided by its largest absolute coordinate, so that positive multiples are equal.
 pub(super) fn direction(items: &[Literal]) -> Result<[f64; 3], String> {
     let vector = vector(items)?;
     let largest = vector.iter().fold(0.0, |most: f64, x| most.max(x.abs()));

@@ -1,4 +1,4 @@
-//! From what a client wrote to the values of the parameters that something declares.
+//! Resolves literals to the values of declared parameters.
 
 use super::read::{
     choices, chosen, color, constant, direction, expression, expressions, groups, named, numbers, one, ranged, vector,
@@ -34,7 +34,7 @@ impl Values {
         if faults.is_empty() { Ok(Self(values)) } else { Err(faults) }
     }
 
-    /// The values of parameters that are all left out; required ones are absent.
+    /// Returns the values of parameters that are all left out; required ones are absent.
     pub fn usual(declared: &[Parameter]) -> Self {
         let entry = |parameter: &Parameter| {
             let value = parameter.value(None).unwrap_or(Value::Absent);
@@ -43,7 +43,7 @@ impl Values {
         Self(declared.iter().map(entry).collect())
     }
 
-    /// Sets the value of a parameter, if it is one of those declared.
+    /// Sets the value of a parameter if it is declared.
     pub fn set(&mut self, parameter: &Parameter, value: Value) {
         if let Some(entry) = self.0.iter_mut().find(|entry| entry.name == parameter.name) {
             let usual = parameter.value(None).is_ok_and(|usual| usual == value);
@@ -61,7 +61,7 @@ fn unknown(name: &str, declared: &[Parameter]) -> String {
 }
 
 impl Parameter {
-    /// What the numbers of a value were written as.
+    /// Returns the literals of the numbers of a value.
     fn written(&self, written: Option<&Literal>) -> Option<Literal> {
         match (self.kind, self.default, written) {
             (Kind::Number { .. } | Kind::Numbers { .. }, _, Some(literal)) => Some(literal.clone()),
@@ -71,7 +71,7 @@ impl Parameter {
         }
     }
 
-    /// The value for what was written, or for the default when nothing was.
+    /// Returns the value of a literal, or of the default if there is none.
     fn value(&self, written: Option<&Literal>) -> Result<Value, Vec<Fault>> {
         match (written, self.default) {
             (Some(literal), _) => self.kind.value(literal),

@@ -1,4 +1,4 @@
-//! Rows applied to points, block by block.
+//! Applies rows to points, block by block.
 
 use std::ops::Range;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -9,22 +9,22 @@ use super::source::RowSource;
 use super::table::{Rows, weighted};
 use crate::watch::{Stopped, Watch};
 
-/// Rows made and applied at a time: small enough for the cache, large enough to share among threads.
+/// Number of rows made and applied at a time: small enough for the cache, large enough to share among threads.
 const BLOCK: usize = 4096;
 
-/// Most tables that are applied in one sweep.
+/// Maximum number of tables that are applied in one sweep.
 pub const MAX_RUN: usize = 4;
 
-/// New points.
+/// The result of applying rows.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Blended {
-    /// Their coordinates, `n x width`, point after point.
+    /// Coordinates of the new points, `n x width`, point after point.
     pub points: Vec<f64>,
     /// Whether all coordinates are finite numbers.
     pub finite: bool,
 }
 
-/// `rows x points`: `points` is `n_columns x width`, the result `n_rows x width`, both point after point.
+/// Returns `rows x points`: `points` is `n_columns x width`, the result `n_rows x width`, both point after point.
 ///
 /// Blocks of rows are divided among threads; each sum is ordered, so any number of threads gives the same bits.
 ///
@@ -32,20 +32,20 @@ pub struct Blended {
 /// [`Stopped`] when the watch says so.
 ///
 /// # Panics
-/// When `points` has not `n_columns x width` coordinates, or `width` is not 1 to 4.
+/// If `points` does not have `n_columns x width` coordinates, or `width` is not 1 to 4.
 pub fn blend(source: &dyn RowSource, points: &[f64], width: usize, watch: &Watch) -> Result<Vec<f64>, Stopped> {
     blend_run(&[source], points, width, watch).map(|blended| blended.points)
 }
 
-/// One table after another, the first of `run` first, without holding the points between them: each block of new
-/// points is made of the few points between that it needs, which stay in the cache. The sums are those of one table at
-/// a time, bit for bit. It pays where all tables but the first have a pattern.
+/// Applies several tables in turn, the first of `run` first, without storing the points between them: each block of new
+/// points is computed from the few intermediate points that it needs, which stay in the cache. The sums have the same
+/// bits as with one table at a time. This pays if all tables but the first have a pattern.
 ///
 /// # Errors
 /// [`Stopped`] when the watch says so.
 ///
 /// # Panics
-/// When the sizes do not fit, `width` is not 1 to 4, or there is no table or more than [`MAX_RUN`].
+/// If the sizes do not fit, `width` is not 1 to 4, or the number of tables is not 1 to [`MAX_RUN`].
 pub fn blend_run(run: &[&dyn RowSource], points: &[f64], width: usize, watch: &Watch) -> Result<Blended, Stopped> {
     assert!((1..=MAX_RUN).contains(&run.len()), "a run has 1 to {MAX_RUN} tables, not {}", run.len());
     assert_eq!(points.len(), run[0].n_columns() * width, "the rows belong to another net");
@@ -68,7 +68,7 @@ fn blend_points<const W: usize>(run: &[&dyn RowSource], points: &[f64], watch: &
         watch.check()?;
         let start = block * BLOCK;
         fill(run, points, start, out.as_chunks_mut::<W>().0, rows);
-        // a sum of finite numbers that overflows stays infinite or NaN, so a sample of the sums would not do
+        // checks all sums, since a sample would not do: a sum that overflows stays infinite or NaN
         if !out.iter().fold(true, |finite, x| finite & x.is_finite()) {
             finite.store(false, Ordering::Relaxed);
         }
@@ -79,7 +79,7 @@ fn blend_points<const W: usize>(run: &[&dyn RowSource], points: &[f64], watch: &
     Ok(Blended { points: out, finite: finite.into_inner() })
 }
 
-/// Fills `out` with the points from `start` on of the net that follows after the tables of `run`.
+/// Fills `out` with the points from `start` on after the tables of `run`.
 fn fill<const W: usize>(
     run: &[&dyn RowSource],
     points: &[[f64; W]],
@@ -109,7 +109,7 @@ fn fill<const W: usize>(
     }
 }
 
-/// The rows of `range` of `last`, each made by itself, applied to the points that follow after the tables `before`.
+/// Applies the rows `range` of `last` one by one to the points after the tables `before`.
 fn fill_singly<const W: usize>(
     last: &dyn RowSource,
     before: &[&dyn RowSource],
@@ -127,7 +127,7 @@ fn fill_singly<const W: usize>(
         rows.apply(points, out);
         return;
     }
-    // the few rows near the ends, and what they need
+    // the few rows near the ends, and the points that they need
     let ends = std::mem::take(rows);
     for (r, target) in out.iter_mut().enumerate() {
         let (indices, weights) = ends.row(r);

@@ -1,7 +1,7 @@
 //! Sums of points around a centre whose bits do not depend on where the walk around the centre begins.
 
-/// The sum of `n` points around a centre: of 2 as `a + b`, of 4 as `(a0 + a2) + (a1 + a3)`, of 6 as the sum of the
-/// three opposite pairs in ascending order of each coordinate, of other numbers in order.
+/// Returns the sum of `n` points around a centre: of 2 as `a + b`, of 4 as `(a0 + a2) + (a1 + a3)`, of 6 as the sum of
+/// the three opposite pairs in ascending order of each coordinate, otherwise in order.
 ///
 /// Addition is commutative but not associative in floating point: opposite pairs stay pairs when the walk begins
 /// elsewhere or goes the other way around, so that neighbouring faces of a regular net compute a point that they share
@@ -25,7 +25,7 @@ fn add<const W: usize>(a: [f64; W], b: [f64; W]) -> [f64; W] {
     std::array::from_fn(|c| a[c] + b[c])
 }
 
-/// `(least + middle) + greatest`.
+/// Returns `(least + middle) + greatest`.
 #[inline]
 pub fn ascending_sum(a: f64, b: f64, c: f64) -> f64 {
     let (low, high) = ordered(a, b);

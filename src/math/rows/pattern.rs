@@ -1,14 +1,14 @@
-//! Rows that repeat themselves: described by one period of them.
+//! Periodic rows, described by one period.
 
 use std::ops::Range;
 
 use super::table::{Rows, weighted};
 
-/// Periods from which on rows that repeat themselves are worth looking for.
+/// Minimum number of periods for which a pattern pays.
 const MIN_PERIODS: usize = 64;
 
-/// Rows that repeat themselves: row `first + period q + r` has the weights of residue `r` on consecutive old points,
-/// from `start + stride q` on.
+/// Periodic rows: row `first + period q + r` has the weights of residue `r` on consecutive old points, from
+/// `start + stride q` on.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Pattern {
     rows: Range<usize>,
@@ -19,14 +19,14 @@ pub struct Pattern {
 /// The rows of one residue modulo the period.
 #[derive(Debug, Clone, PartialEq)]
 struct Residue {
-    /// The first old point of the first such row.
+    /// The first old point of the first of these rows.
     start: usize,
     weights: Vec<f64>,
 }
 
 impl Residue {
-    /// What the row `first` and the row `last`, which is `n` periods later, have in common, and by how much the old
-    /// points move on from period to period; none where they are not alike.
+    /// Returns the common residue of the row `first` and the row `last`, which is `n` periods later, and the shift of
+    /// old points per period; `None` if they do not match.
     fn of(first: (&[u32], &[f64]), last: (&[u32], &[f64]), n: usize) -> Option<(Self, usize)> {
         let ((indices, weights), (last_indices, last_weights)) = (first, last);
         let (&start, &last_start) = (indices.first()?, last_indices.first()?);
@@ -41,8 +41,8 @@ impl Residue {
 }
 
 impl Pattern {
-    /// The rows of `make` from `margin` on, as far as `margin` before the end, if they repeat themselves with the
-    /// period and each has consecutive points. Both ends of the range are looked at.
+    /// Finds the pattern of the rows of `make` without `margin` rows at each end, if they are periodic over consecutive
+    /// points. The rows at both ends of the range are compared.
     pub(super) fn find(n_rows: usize, period: usize, margin: usize, make: impl Fn(usize, &mut Rows)) -> Option<Self> {
         let periods = n_rows.checked_sub(2 * margin)? / period;
         if periods < MIN_PERIODS {
@@ -66,7 +66,7 @@ impl Pattern {
         })
     }
 
-    /// The same rows, with the period 1 where all residues are one.
+    /// Returns the same pattern with period 1 if all residues are equal.
     fn shortest(mut self) -> Self {
         let first = &self.residues[0];
         let alike = |(r, other): (usize, &Residue)| {
@@ -80,14 +80,15 @@ impl Pattern {
         self
     }
 
-    /// The part of `range` that it describes; an empty range at its end if there is none.
+    /// Returns the part of `range` that the pattern covers; an empty range at its end if there is none.
     pub(super) fn part_of(&self, range: &Range<usize>) -> Range<usize> {
         let start = self.rows.start.clamp(range.start, range.end);
         let part = start..self.rows.end.clamp(start, range.end);
         if part.is_empty() { range.end..range.end } else { part }
     }
 
-    /// The old points that the rows of `range` need, all of them within the pattern, and perhaps a few more.
+    /// Returns a range of old points that contains those needed by the rows of `range`, which must lie within the
+    /// pattern.
     pub(super) fn needs(&self, range: &Range<usize>) -> Range<usize> {
         let period = self.residues.len();
         let (first, last) = ((range.start - self.rows.start) / period, (range.end - 1 - self.rows.start) / period);
@@ -96,13 +97,13 @@ impl Pattern {
         start + first * self.stride..end + last * self.stride
     }
 
-    /// The rows from `start` on, all of them within the pattern, applied to `points`, of which the first is number
-    /// `offset`; each sum is made in the order in which the rows themselves would be.
+    /// Applies the rows from `start` on, which must lie within the pattern, to `points`, the first of which has index
+    /// `offset`; each sum is in the order of the rows themselves.
     pub(super) fn apply<const W: usize>(&self, start: usize, points: &[[f64; W]], offset: usize, out: &mut [[f64; W]]) {
         let (period, stride) = (self.residues.len(), self.stride);
         let before = start - self.rows.start;
         for (r, residue) in self.residues.iter().enumerate() {
-            // the first row of this residue that is not before the start
+            // the first row of this residue at or after the start
             let q = (before + period - 1 - r) / period;
             let Some(targets) = out.get_mut(q * period + r - before..).filter(|rest| !rest.is_empty()) else {
                 continue;
@@ -126,17 +127,17 @@ impl Pattern {
     }
 }
 
-/// As many windows of `K` points as there are targets, `stride` apart, each with the same weights.
+/// Applies the same weights to windows of `K` points, `stride` apart, one for each target.
 fn sweep<'a, const K: usize, const W: usize>(
     weights: [f64; K],
     points: &[[f64; W]],
     stride: usize,
     targets: impl Iterator<Item = &'a mut [f64; W]>,
 ) {
-    // a loop of known length for each coordinate stays in registers
+    // a loop of known length per coordinate stays in registers
     let sum = |points: &[[f64; W]; K], c: usize| (0..K).fold(-0.0, |sum, k| sum + weights[k] * points[k][c]);
     let fill = |(points, target): (&[[f64; W]; K], &mut [f64; W])| *target = std::array::from_fn(|c| sum(points, c));
     let windows = points.array_windows::<K>();
-    // a step that is known to be 1 makes the loop a simple one
+    // a stride that is known to be 1 makes the loop simple
     if stride == 1 { windows.zip(targets).for_each(fill) } else { windows.step_by(stride).zip(targets).for_each(fill) }
 }

@@ -1,4 +1,4 @@
-//! Tables of which rows are made when they are asked for.
+//! Tables whose rows are made on demand.
 
 use std::fmt;
 use std::ops::Range;
@@ -14,13 +14,13 @@ pub trait RowSource: fmt::Debug + Send + Sync {
     fn n_columns(&self) -> usize;
     /// Appends the rows of `range` to `out`.
     fn make(&self, range: Range<usize>, out: &mut Rows);
-    /// Returns the rows of the source that repeat themselves, if that is known.
+    /// Returns the pattern of the rows, if one is known.
     fn pattern(&self) -> Option<&Pattern> {
         None
     }
 }
 
-/// The rows that `make(row, table)` adds, one call a row.
+/// The rows that `make(row, table)` adds, one row per call.
 pub struct RowsBy<F> {
     n_rows: usize,
     n_columns: usize,
@@ -29,14 +29,14 @@ pub struct RowsBy<F> {
 }
 
 impl<F: Fn(usize, &mut Rows) + Send + Sync> RowsBy<F> {
-    /// A source of `n_rows` rows over `n_columns` old points.
+    /// Creates a source of `n_rows` rows over `n_columns` old points.
     pub fn new(n_rows: usize, n_columns: usize, make: F) -> Self {
         Self { n_rows, n_columns, pattern: None, make }
     }
 
-    /// The same source, which knows that all rows but `margin` at each end repeat themselves every `period` rows, the
-    /// indices higher by one number each time. Rows so few that it would not pay, or that do otherwise at either end of
-    /// these, are made one by one.
+    /// Returns the source with the knowledge that all rows except `margin` at each end repeat every `period` rows, with
+    /// indices shifted by a constant. If there are too few rows, or rows at either end do not match, they are made one
+    /// by one.
     #[must_use]
     pub fn repeating(self, period: usize, margin: usize) -> Self {
         let pattern = Pattern::find(self.n_rows, period, margin, &self.make);
@@ -71,7 +71,7 @@ impl<F: Fn(usize, &mut Rows) + Send + Sync> RowSource for RowsBy<F> {
     }
 }
 
-/// The whole table of a source.
+/// Makes the whole table of a source.
 pub fn collect(source: &dyn RowSource) -> Rows {
     let mut rows = Rows::default();
     source.make(0..source.n_rows(), &mut rows);

@@ -15,14 +15,14 @@ pub struct Rows {
     groups: Vec<Group>,
 }
 
-/// Entries of a row that are summed as one.
+/// Entries of a row that are summed as one term.
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct Group {
-    /// Its first entry.
+    /// Index of its first entry.
     start: usize,
     /// Number of entries.
     len: usize,
-    /// Whether all have the same weight.
+    /// Whether all entries have the same weight.
     alike: bool,
 }
 
@@ -33,7 +33,7 @@ pub struct Term<'a> {
     pub indices: &'a [u32],
     /// The weight of each.
     pub weights: &'a [f64],
-    /// Whether all weights are the same, so that the sum of the points is multiplied by it.
+    /// Whether all weights are equal, so that the sum of the points is multiplied by the weight.
     pub alike: bool,
 }
 
@@ -54,7 +54,7 @@ impl Rows {
         self.len() == 0
     }
 
-    /// Drops all rows, keeps the memory.
+    /// Removes all rows and keeps the memory.
     pub fn clear(&mut self) {
         self.starts.truncate(1);
         self.indices.clear();
@@ -62,16 +62,16 @@ impl Rows {
         self.groups.clear();
     }
 
-    /// Adds an entry to the row being made.
+    /// Adds an entry to the current row.
     #[inline]
     pub fn add(&mut self, index: u32, weight: f64) {
         self.indices.push(index);
         self.weights.push(weight);
     }
 
-    /// Makes one group of the entries that `fill` adds to the row being made: with one weight w the term
-    /// `w x symmetric sum of the points`, with several the symmetric sum of `weight x point`. A symmetric sum of 2, 4
-    /// or 6 members around a centre has the same bits wherever the walk around the centre begins; others are made in
+    /// Groups the entries that `fill` adds to the current row: with a single weight w the term is
+    /// `w x symmetric sum of the points`, otherwise the symmetric sum of `weight x point`. A symmetric sum of 2, 4 or 6
+    /// members around a centre has the same bits wherever the walk around the centre begins; others are summed in
     /// order.
     #[inline]
     pub fn group(&mut self, fill: impl FnOnce(&mut Self)) {
@@ -84,8 +84,7 @@ impl Rows {
         }
     }
 
-    /// Adds what row `r` of another table has to the row being made, in the same groups, over the points that have
-    /// these numbers here.
+    /// Adds row `r` of another table to the current row, in the same groups, with indices mapped by `number`.
     pub fn copy_row(&mut self, other: &Self, r: usize, number: impl Fn(u32) -> u32) {
         for term in other.terms(r) {
             self.group(|rows| {
@@ -96,7 +95,7 @@ impl Rows {
         }
     }
 
-    /// Takes the rows from row `r` on away, as a table of their own.
+    /// Removes the rows from row `r` on and returns them as a table.
     #[must_use]
     pub fn split_off(&mut self, r: usize) -> Self {
         let at = self.starts[r];
@@ -111,7 +110,7 @@ impl Rows {
         }
     }
 
-    /// Adds the rows of another table over the same points.
+    /// Appends the rows of another table over the same points.
     pub fn append(&mut self, other: &Self) {
         let at = self.indices.len();
         self.starts.extend(other.starts[1..].iter().map(|start| start + at));
@@ -120,41 +119,41 @@ impl Rows {
         self.groups.extend(other.groups.iter().map(|group| Group { start: group.start + at, ..*group }));
     }
 
-    /// Where each row starts among all entries, and their number.
+    /// Returns the index of the first entry of each row, then the number of entries.
     pub fn starts(&self) -> &[usize] {
         &self.starts
     }
 
-    /// The old points of all entries, row after row.
+    /// Returns the indices of the old points of all entries, row after row.
     pub fn indices(&self) -> &[u32] {
         &self.indices
     }
 
-    /// The weights of all entries, row after row.
+    /// Returns the weights of all entries, row after row.
     pub fn weights(&self) -> &[f64] {
         &self.weights
     }
 
-    /// Whether some entries are summed as one.
+    /// Returns whether any entries are summed as a group.
     pub fn has_groups(&self) -> bool {
         !self.groups.is_empty()
     }
 
-    /// Completes the row being made.
+    /// Completes the current row.
     #[inline]
     pub fn end_row(&mut self) {
         self.starts.push(self.indices.len());
     }
 
-    /// Indices and weights of row `r`.
+    /// Returns indices and weights of row `r`.
     #[inline]
     pub fn row(&self, r: usize) -> (&[u32], &[f64]) {
         let range = self.starts[r]..self.starts[r + 1];
         (&self.indices[range.clone()], &self.weights[range])
     }
 
-    /// `x R` for a row `x`: the weights of the `n` old points in a functional that has the weights `x` over the new
-    /// ones.
+    /// Returns `x R` for a row `x`: the weights over the `n` old points of the functional with weights `x` over the new
+    /// points.
     pub fn times_row(&self, x: &[f64], n: usize) -> Vec<f64> {
         let mut product = vec![0.0; n];
         for (r, &factor) in x.iter().enumerate() {
@@ -164,7 +163,7 @@ impl Rows {
         product
     }
 
-    /// `R y` for a column `y`: the new values for the old ones.
+    /// Returns `R y` for a column `y`: the new values computed from the old ones.
     pub fn times_column(&self, y: &[f64]) -> Vec<f64> {
         let value = |r: usize| {
             let (indices, weights) = self.row(r);
@@ -173,7 +172,7 @@ impl Rows {
         (0..self.len()).map(value).collect()
     }
 
-    /// The terms of row `r`, in the order in which they are summed.
+    /// Returns the terms of row `r`, in the order of summation.
     pub fn terms(&self, r: usize) -> impl Iterator<Item = Term<'_>> {
         let groups = &self.groups[self.groups.partition_point(|group| group.start < self.starts[r])..];
         let (mut at, end, mut groups) = (self.starts[r], self.starts[r + 1], groups.iter().peekable());
@@ -189,7 +188,7 @@ impl Rows {
         })
     }
 
-    /// `out[r] = sum of weight x points[index]`, for points of `W` coordinates each.
+    /// Computes `out[r] = sum of weight x points[index]` for points of `W` coordinates each.
     pub fn apply<const W: usize>(&self, points: &[[f64; W]], out: &mut [[f64; W]]) {
         let mut groups = self.groups.iter();
         let mut group = groups.next();
@@ -219,7 +218,7 @@ impl Rows {
     }
 }
 
-/// `sum of weight x point`, in order. The sum begins with -0, which changes no number that is added to it.
+/// Returns `sum of weight x point`, in order. The sum starts with -0, which changes no number that is added to it.
 #[inline]
 pub(super) fn weighted<'a, const W: usize>(pairs: impl Iterator<Item = (&'a f64, &'a [f64; W])>) -> [f64; W] {
     let mut sum = [-0.0; W];

@@ -1,4 +1,4 @@
-//! Values at refined points that are made of the points next to them: limits, and normals there.
+//! Evaluates stencils at refined points: limit positions and normals from the points next to each one.
 
 use std::ops::Range;
 
@@ -15,38 +15,40 @@ use crate::kept::Numbers;
 use crate::shape::topology::NONE;
 use crate::watch::{Stopped, Watch};
 
-/// Rows of a patch that are evaluated at a time: with their neighbours they stay in the cache of a core. Half of it
-/// gathers a tenth of all rows twice; twice of it leaves the cache from patches of 512 pieces on.
+/// Rows of a patch that are evaluated at a time, so that they stay with their neighbours in the cache of a core. With
+/// half as many, a tenth of all rows are gathered twice; with twice as many, patches of 512 pieces and more leave the
+/// cache.
 pub(super) const BAND: usize = 32;
 
-/// What is made of the functionals at a point.
+/// How the functionals at a point are combined into its value.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Rule<const W: usize> {
-    /// The value of a sector, of its functionals.
+    /// The value of one sector, from its functionals.
     pub(crate) of: fn(&[[f64; W]]) -> [f64; W],
-    /// The value of a point, of those of several sectors.
+    /// The value of a point with several sectors, from the values of the sectors.
     pub(crate) join: fn(&[[f64; W]]) -> [f64; W],
-    /// The value of a vertex without faces.
+    /// The value of a vertex without faces, from its position.
     pub(crate) alone: fn([f64; W]) -> [f64; W],
 }
 
-/// Values in the documented order.
+/// The values of all points, in the documented order.
 #[derive(Debug)]
 pub(crate) struct Evaluated<const W: usize> {
-    /// `n x W`.
+    /// One value per point, `n x W`.
     pub(crate) values: Numbers,
-    /// At points with several sectors: the point, the next one of a face there, and the value on that side; ascending.
+    /// Values by side at points with several sectors: the point, the point that follows it in a face on that side, and
+    /// the value there; sorted.
     pub(crate) sides: Vec<([u32; 2], [f64; W])>,
 }
 
 impl Sweep {
-    /// The values at the points where the sweep ends, given in the documented order.
+    /// Evaluates stencils at the points where the sweep ends, which are given in the documented order.
     ///
     /// # Errors
     /// [`Stopped`] when the watch says so.
     ///
     /// # Panics
-    /// When the points are not as many as those where the sweep ends.
+    /// If the number of points differs from that of the net where the sweep ends.
     pub(crate) fn evaluate<const W: usize>(
         &self,
         points: &[f64],
@@ -84,19 +86,19 @@ impl Sweep {
     }
 }
 
-/// What all patches have in common.
+/// The data that the evaluation of all patches shares.
 pub(super) struct Evaluation<'a, const W: usize> {
     sweep: &'a Sweep,
     points: &'a [[f64; W]],
     stencils: &'a Stencils,
     rule: Rule<W>,
-    /// Pieces of a patch's side.
+    /// Number of pieces of a patch's side.
     pub(super) n: usize,
-    /// The functionals of regular points over the rows of a band.
+    /// The masks of the functionals at regular points, over the buffer of a band.
     masks: Vec<FlatMask>,
 }
 
-/// The buffers of one thread: a band with a row more on each side, and a column more at each end.
+/// The buffers of one thread: a band, with one more row on each side and one more column at each end.
 #[derive(Default)]
 struct Buffers<const W: usize> {
     points: Vec<f64>,
@@ -119,12 +121,12 @@ impl<'a, const W: usize> Evaluation<'a, W> {
         Self { sweep, points, stencils, rule, n, masks }
     }
 
-    /// Where the point of a place of the patch stands in the buffers of a band that begins with this row.
+    /// Returns the index of a patch's place `[i, j]` in the buffers of a band whose first row is `first`.
     pub(super) fn at(&self, first: usize, [i, j]: [isize; 2]) -> usize {
         (j - first.cast_signed() + 1).unsigned_abs() * (self.n + 3) + (i + 1).unsigned_abs()
     }
 
-    /// Evaluates some rows of a patch.
+    /// Evaluates the points in some rows of a patch.
     fn band(&self, patch: usize, rows: Range<usize>, buffers: &mut Buffers<W>, task: &mut Task<'_, W>) {
         let len = (BAND + 2) * (self.n + 3);
         at_least(&mut buffers.points, len * W);
@@ -149,8 +151,8 @@ impl<'a, const W: usize> Evaluation<'a, W> {
         self.emit(patch, &rows, &buffers.values, task);
     }
 
-    /// The steps along a side, from the first to the last, at which a place lies in these rows: `start` is the row of
-    /// step 0.
+    /// Returns the steps along a side, from the first to the last, for which the place lies in `rows`; `start` is the
+    /// row of step 0.
     pub(super) fn steps(&self, along: [isize; 2], start: isize, rows: &Range<isize>) -> Range<isize> {
         let n = self.n.cast_signed();
         match along[1] {
@@ -160,7 +162,7 @@ impl<'a, const W: usize> Evaluation<'a, W> {
         }
     }
 
-    /// Gathers what there is at the points of the rows and of those beside them.
+    /// Gathers `of(v)` for the points in `rows` and in the rows next to them.
     pub(super) fn gather<T>(&self, patch: usize, rows: &Range<usize>, of: impl Fn(u32) -> T, buffer: &mut [T]) {
         let (order, surface, n) = (&self.sweep.orders[1], &self.sweep.surface, self.n);
         let tile = surface.tile;
@@ -201,7 +203,7 @@ impl<'a, const W: usize> Evaluation<'a, W> {
         }
     }
 
-    /// The value of one sector, of points that `point` gives.
+    /// Returns the value of one sector; `point` gives the points.
     fn value<P: Copy>(&self, sector: &[Vec<(P, f64)>], point: impl Fn(P) -> [f64; W]) -> [f64; W] {
         let sum = |weights: &Vec<(P, f64)>| {
             let add = |sum: [f64; W], &(p, weight): &(P, f64)| {
@@ -213,7 +215,7 @@ impl<'a, const W: usize> Evaluation<'a, W> {
         (self.rule.of)(&sector.iter().map(sum).collect::<Vec<_>>())
     }
 
-    /// The value of a point, and where it has several sectors that of each.
+    /// Returns the value of a point, and the values of its sectors if it has several.
     fn values<P: Copy>(&self, stencil: &Stencil<P>, point: impl Fn(P) -> [f64; W]) -> ([f64; W], Vec<[f64; W]>) {
         if let [sector] = stencil.sectors.as_slice() {
             return (self.value(sector, point), Vec::new());
@@ -222,7 +224,7 @@ impl<'a, const W: usize> Evaluation<'a, W> {
         ((self.rule.join)(&all), all)
     }
 
-    /// The points on lines, and their sides where an edge appears first.
+    /// Evaluates the points on lines; the patch in which an edge appears first also records their values by side.
     fn lines(&self, patch: usize, rows: &Range<usize>, buffers: &mut Buffers<W>) {
         let (order, surface, n) = (&self.sweep.orders[1], &self.sweep.surface, self.n);
         let reach = rows.start.cast_signed()..rows.end.cast_signed();
@@ -231,7 +233,8 @@ impl<'a, const W: usize> Evaluation<'a, W> {
             let Some(along) = &self.stencils.lines[line] else { continue };
             let stencil = &along[axis(surface.tile, side)];
             let frame = Frame::new(surface.tile, n, side, 0);
-            // boundaries have their faces to the left: a stencil is turned by half a turn on sides that run back
+            // stencils of boundaries have the faces on the left, so they are rotated by a half turn on sides that run
+            // backwards
             let turn = if frame.along() == AXES[axis(surface.tile, side)] { 1 } else { -1 };
             let owned = surface.patches.halves(surface.patches.edge(half_edge) as usize)[0] == half_edge;
             for steps in self.steps(frame.along(), frame.corner()[1], &reach) {
@@ -251,7 +254,7 @@ impl<'a, const W: usize> Evaluation<'a, W> {
         }
     }
 
-    /// The corners of the patch around which the grid is not regular.
+    /// Evaluates the corners of the patch around which the grid is not regular.
     fn stars(&self, patch: usize, rows: &Range<usize>, buffers: &mut Buffers<W>) {
         let surface = &self.sweep.surface;
         for (side, half_edge) in surface.patches.half_edges(patch).enumerate() {
@@ -272,7 +275,7 @@ impl<'a, const W: usize> Evaluation<'a, W> {
         }
     }
 
-    /// Writes the values of the rows where they belong.
+    /// Writes the values of the rows to their places in the documented order.
     pub(super) fn emit(&self, patch: usize, rows: &Range<usize>, values: &[[f64; W]], task: &mut Task<'_, W>) {
         let (order, surface, n) = (&self.sweep.orders[1], &self.sweep.surface, self.n);
         for j in rows.start.max(1)..rows.end.min(n) {

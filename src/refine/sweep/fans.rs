@@ -1,4 +1,4 @@
-//! Sums over the faces around points that are made on demand.
+//! Sums of vectors of the faces around vertices, for points that are computed on demand.
 
 use std::ops::Range;
 
@@ -6,12 +6,12 @@ use super::places::{Span, spans};
 use super::window::{OnDemand, Window};
 use crate::math::vector::plus;
 
-/// What faces around a vertex give: its place in the range, the face, and the vector.
+/// A contribution of a face to a vertex: the index of the vertex in the range, the face, and the vector.
 type Given = (usize, usize, [f64; 3]);
 
 impl OnDemand {
-    /// Fills `out` with the sum of what the shown faces around each of these vertices give, added in the order of the
-    /// faces; `of_face` gives it for the corners of a face.
+    /// Fills `out` with the sum, for each vertex in `range`, of the vectors of the shown faces around it, added in the
+    /// order of the faces; `of_face` gives the vector of a face from its corners.
     pub(crate) fn sums(
         &self,
         range: Range<usize>,
@@ -35,7 +35,7 @@ impl OnDemand {
         strips.sort_by_key(|(_, strip)| strip.patch);
         let mut given: Vec<Given> = Vec::new();
         self.windows(&strips, [0, 1], |at, strip, window| {
-            // each face of a strip lies between two of its vertices; around a corner there is one
+            // each face of a strip lies between two vertices of the strip; around a corner there is a single vertex
             let n_vertices = (strip.len - 1).max(1);
             for k in 0..strip.len {
                 let (cell, face) = (strip.place(k), places.face(strip.patch, strip.place(k)));
@@ -51,13 +51,13 @@ impl OnDemand {
     }
 }
 
-/// The sums of rows one after another, of which each shares faces with the next.
+/// Sums of consecutive rows of vertices; each row shares faces with the next one.
 #[derive(Default)]
 struct RowSums {
-    /// What the faces of the row above a span give.
+    /// The vectors of the faces in the row above a span.
     above: Vec<[f64; 3]>,
     below: Vec<[f64; 3]>,
-    /// The span whose faces `above` are.
+    /// The span to which `above` belongs.
     of: Option<Span>,
 }
 

@@ -1,4 +1,4 @@
-//! A patch, or a block of one, as planes of points that flat loops refine.
+//! A patch, or a block of one, stored as planes of points that are refined by flat loops.
 
 use std::ops::{Range, RangeInclusive};
 
@@ -7,22 +7,22 @@ use super::lattice::{AXES, after, cell};
 use super::mask::{LineMasks, Pass};
 use super::planes::{Mask, MaskGroup, PLANES};
 
-/// One pass at one size of grid.
+/// One pass, prepared for one size of grid.
 #[derive(Debug)]
 pub(super) struct FlatPass {
     is: FlatUse,
     planes: [FlatMask; PLANES],
-    /// Which planes are asked for afterwards.
+    /// Whether later passes read each plane.
     wanted: [bool; PLANES],
-    /// For each line that is not smooth the masks along each axis.
+    /// For each line the masks along each axis, or `None` where the line is smooth.
     lines: Vec<Option<Vec<[FlatLine; 2]>>>,
 }
 
-/// The mask of vertices, or of the points between them, on a line.
+/// The mask of vertices, or of edge points, on a line.
 #[derive(Debug)]
 struct FlatLine {
     groups: Vec<FlatGroup>,
-    /// The least and the greatest cell of its members, counted from that of the point.
+    /// The smallest and the largest cell offset of its members, from the cell of the point.
     reach: [[isize; 2]; 2],
 }
 
@@ -33,7 +33,7 @@ enum FlatUse {
     Push,
 }
 
-/// The size of a grid: `cells x cells` with a halo of cells around it, points of `width` numbers.
+/// The size of a grid: `cells x cells` plus a halo of `halo` cells on each side; points have `width` coordinates.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Size {
     pub(super) cells: usize,
@@ -42,23 +42,24 @@ pub(super) struct Size {
 }
 
 impl Size {
-    /// Points in a row.
+    /// Number of points in a row.
     pub(super) fn stride(self) -> usize {
         self.cells + 1 + 2 * self.halo
     }
 
-    /// Numbers of a plane.
+    /// Number of values in a plane.
     pub(super) fn len(self) -> usize {
         self.stride() * self.stride() * self.width
     }
 
-    /// Where the numbers of a cell's point begin; cells of the halo are negative or beyond.
+    /// Returns the index of the first value of a cell's point; cells in the halo are negative or greater than `cells`.
     pub(super) fn at(self, cell: [isize; 2]) -> usize {
         let [i, j] = cell.map(|x| x.cast_unsigned().wrapping_add(self.halo));
         (j * self.stride() + i) * self.width
     }
 
-    /// The numbers of the rows of a plane that hold points of the refined grid within it or up to `beyond` outside.
+    /// Returns the range of values in the rows of a plane with points of the refined grid, or at most `beyond` outside
+    /// it.
     fn rows(self, plane: usize, beyond: isize) -> Range<usize> {
         let odd = (plane >> 1 & 1).cast_signed();
         let halo = self.halo.cast_signed();
@@ -78,15 +79,15 @@ impl Size {
     }
 }
 
-/// The passes of a round on grids of a size, after which the points of the refined grid matter that lie within it or up
-/// to `beyond` outside.
+/// Prepares the passes of a round for grids of one size. After them, the points of the refined grid are correct that
+/// lie within it or at most `beyond` outside.
 pub(super) fn flat_passes(passes: &[Pass], size: Size, beyond: isize) -> Vec<FlatPass> {
     let (mut beyond, mut wanted) = (beyond, [true; PLANES]);
     let mut flat: Vec<FlatPass> = Vec::new();
     for pass in passes.iter().rev() {
         let radius = pass.radius().unwrap_or(0);
         if let Pass::Push(_) = pass {
-            // points between children look at the next ones
+            // odd points between children read the next child, too
             beyond += beyond & 1;
             flat.push(FlatPass::new(pass, size, beyond, wanted));
             beyond += (radius - 1).max(0);
@@ -120,7 +121,7 @@ impl FlatPass {
         Self { is, planes: std::array::from_fn(mask), wanted, lines }
     }
 
-    /// Whether the points of a plane stay, wherever they lie.
+    /// Returns whether no point of the plane moves, on lines either.
     fn keeps(&self, plane: usize) -> bool {
         let groups = self.planes[plane].groups.as_slice();
         let stays = |group: &FlatGroup| {
@@ -132,14 +133,14 @@ impl FlatPass {
     }
 }
 
-/// The least and the greatest cell of the members of a mask.
+/// Returns the smallest and the largest cell offset of the members of a mask.
 fn reach(mask: &Mask) -> [[isize; 2]; 2] {
     let members = || mask.iter().flat_map(|group| &group.members);
     let along = |axis: usize| members().map(move |(_, at)| at[axis]);
     [[0, 1].map(|axis| along(axis).min().unwrap_or(0)), [0, 1].map(|axis| along(axis).max().unwrap_or(0))]
 }
 
-/// A line on a grid: its number, the axis along which it runs, and a vertex on it.
+/// A line on a grid: its index, the axis along which it runs, and a vertex on it.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct GridLine {
     pub(super) line: usize,
@@ -147,7 +148,7 @@ pub(super) struct GridLine {
     pub(super) from: [isize; 2],
 }
 
-/// The points of a grid while it is refined: before a round only the first plane.
+/// The points of a grid under refinement; before a round only the first plane is used.
 #[derive(Debug, Default)]
 pub(super) struct Planes {
     pub(super) now: [Vec<f64>; PLANES],
@@ -155,7 +156,7 @@ pub(super) struct Planes {
     anchor: Vec<f64>,
 }
 
-/// Makes a buffer at least so long; what it held stays in it.
+/// Extends a buffer to at least `len` values and keeps its content.
 pub(super) fn at_least(buffer: &mut Vec<f64>, len: usize) {
     if buffer.len() < len {
         buffer.resize(len, 0.0);
@@ -163,15 +164,15 @@ pub(super) fn at_least(buffer: &mut Vec<f64>, len: usize) {
 }
 
 impl Planes {
-    /// The point at a place of the refined grid.
+    /// Returns the point at a place of the refined grid.
     pub(super) fn point<const W: usize>(&self, size: Size, place: [isize; 2]) -> [f64; W] {
         let (plane, cell) = cell(place);
         let at = size.at(cell);
         std::array::from_fn(|c| self.now[plane][at + c])
     }
 
-    /// Refines the grid once. The result lies in all planes: vertices, points of edges along the first and second axis,
-    /// points of faces, each at the cell to whose lower left it belongs.
+    /// Refines the grid once. Afterwards the planes hold the vertices, the edge points along the first and the second
+    /// axis, and the face points, each at the cell whose lower left corner it belongs to.
     pub(super) fn refine(&mut self, passes: &[FlatPass], size: Size, lines: &[GridLine]) {
         let len = size.len();
         self.now.iter_mut().chain(&mut self.next).for_each(|plane| at_least(plane, len));
@@ -223,8 +224,8 @@ impl Planes {
     }
 }
 
-/// Makes the points on a line, those beyond its ends, too, as far as what they are made of is in the grid: a block of a
-/// patch needs them.
+/// Computes the points on a line, including those beyond its ends whose stencils lie in the grid, because blocks of a
+/// patch need them.
 fn draw_line(pass: &FlatPass, source: &[&[f64]; PLANES], next: &mut [Vec<f64>; PLANES], size: Size, line: GridLine) {
     let Some(masks) = &pass.lines[line.line] else { return };
     for (point, mask) in masks[line.axis].iter().enumerate() {
@@ -238,7 +239,7 @@ fn draw_line(pass: &FlatPass, source: &[&[f64]; PLANES], next: &mut [Vec<f64>; P
     }
 }
 
-/// Steps along an axis after which a point from `start` on has all its members in the grid, if these reach so far.
+/// Returns the steps along an axis from `start` for which the stencil of the point, with this reach, lies in the grid.
 fn steps_on_line(axis: usize, start: [isize; 2], reach: [[isize; 2]; 2], size: Size) -> RangeInclusive<isize> {
     let [low, high] = [-size.halo.cast_signed(), (size.cells + size.halo).cast_signed()];
     let (mut least, mut most) = (-high - size.halo.cast_signed(), high + size.halo.cast_signed());

@@ -9,11 +9,11 @@ use multiversion::multiversion;
 
 use crate::math::rows::{ascending_sum, symmetric_sum};
 
-/// One group of a mask over a grid: a weight, and for each member the plane it lies in and its distance there.
+/// One group of a mask over a grid: a weight, and the plane and offset of each member.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct FlatGroup {
     pub(super) weight: f64,
-    /// Plane and distance, in numbers.
+    /// Plane and offset of each member, the offset in values.
     pub(super) members: Vec<(u8, isize)>,
 }
 
@@ -21,14 +21,14 @@ pub(super) struct FlatGroup {
 #[derive(Debug, Clone, PartialEq, Default)]
 pub(super) struct FlatMask {
     pub(super) groups: Vec<FlatGroup>,
-    /// Members of each group.
+    /// Number of members of each group.
     sizes: Vec<usize>,
-    /// Where sums are made: as far as they matter and all members lie in the planes.
+    /// The range in which sums are computed: where they are needed and all members lie in the planes.
     range: Range<usize>,
 }
 
 impl FlatMask {
-    /// A mask over planes of `len` numbers, of which the sums in `wanted` matter.
+    /// Creates a mask over planes of `len` values, whose sums are needed in the range `wanted`.
     pub(super) fn new(groups: Vec<FlatGroup>, len: usize, wanted: Range<usize>) -> Self {
         let distances = || groups.iter().flat_map(|group| &group.members).map(|&(_, distance)| distance);
         let low = distances().min().unwrap_or(0).min(0).unsigned_abs();
@@ -38,7 +38,7 @@ impl FlatMask {
         Self { sizes: groups.iter().map(|group| group.members.len()).collect(), groups, range }
     }
 
-    /// Sets `out[k]` to the sum over the groups for each k that matters, or adds it where `adds`.
+    /// Sets `out[k]` to the sum over the groups for each `k` in the range, or adds the sum if `adds` is set.
     pub(super) fn combine(&self, source: &[&[f64]; 4], out: &mut [f64], adds: bool) {
         let out = &mut out[self.range.clone()];
         let slice = |group: usize, member: usize| -> &[f64] {
@@ -60,7 +60,7 @@ impl FlatMask {
             ([2, 2], false) => two_pairs(out, [w(0), w(1)], [two(0), two(1)]),
             ([2, 2], true) => add_two_pairs(out, [w(0), w(1)], [two(0), two(1)]),
             ([4, 4], true) => add_two_quads(out, [w(0), w(1)], [four(0), four(1)]),
-            // group after group, which is the same sum as long as the first one begins it
+            // adding group by group gives the same sum as long as the first group starts it
             (sizes @ [_, rest @ ..], _)
                 if sizes.iter().all(|size| matches!(size, 1 | 2 | 4 | 6)) && (rest.is_empty() || !adds) =>
             {
@@ -216,7 +216,7 @@ fn add_two_quads(out: &mut [f64], w: [f64; 2], quads: [[&[f64]; 4]; 2]) {
     }
 }
 
-/// Groups of any number and size.
+/// Adds groups of any number and size.
 fn any(out: &mut [f64], groups: &[FlatGroup], source: &[&[f64]; 4], low: usize, adds: bool) {
     for (k, x) in out.iter_mut().enumerate() {
         let sum = sum_at(groups, source, low + k);
@@ -224,7 +224,7 @@ fn any(out: &mut [f64], groups: &[FlatGroup], source: &[&[f64]; 4], low: usize, 
     }
 }
 
-/// The sum over the groups at one place.
+/// Returns the sum over the groups at index `k`.
 pub(super) fn sum_at(groups: &[FlatGroup], source: &[&[f64]; 4], k: usize) -> f64 {
     let term = |group: &FlatGroup| {
         let member = |m: usize| {

@@ -1,4 +1,4 @@
-//! Latitude and longitude tags of nets that look the same everywhere.
+//! Latitude and longitude tags of nets whose tags look the same everywhere.
 
 use crate::scheme::mesh_net::MeshNet;
 use crate::scheme::plan::Plan;
@@ -7,23 +7,22 @@ use crate::shape::attributes::Attributes;
 use crate::shape::directions::{Direction, Directions};
 use crate::shape::topology::{Topology, index};
 
-/// What is said of a net that is tagged, or whose vertices carry what rules read, differently from place to place, or
-/// whose plan does more with that than a sweep can.
+/// The error for nets whose tags or vertex parameters vary from place to place, or whose plan uses them in a way that a
+/// sweep does not support.
 pub(super) struct Uneven;
 
-/// The tags of a net whose faces all lie between two latitude and two longitude edges and whose vertices have one
-/// alpha. Seen from a patch, from a sample of the grid or from a vertex, latitude edges lie along every other
-/// direction.
+/// The tags of a net all of whose faces have two latitude and two longitude edges in turn, and whose vertices have the
+/// same alpha. Around a patch or a vertex, latitude edges lie along every other direction.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub(super) struct Lanes {
-    /// The bits of the alpha that all vertices carry, where they carry one.
+    /// The bits of the alpha that all vertices share, if they have one.
     alpha: Option<u64>,
     /// Whether the first direction is that of longitude edges.
     pub(super) turned: bool,
 }
 
 impl Lanes {
-    /// Returns the lanes of a net, if it is tagged.
+    /// Returns the lanes of a net, or `None` if it has no tags.
     pub(super) fn of(net: &MeshNet, plan: &Plan) -> Result<Option<Self>, Uneven> {
         let (attributes, directions) = (net.annotations.attributes.as_deref(), net.annotations.directions.as_deref());
         let Some(directions) = directions else {
@@ -41,12 +40,12 @@ impl Lanes {
         if all { Ok(Some(Self { alpha, turned: false })) } else { Err(Uneven) }
     }
 
-    /// Returns the same lanes, seen from where the first direction is that of longitude edges or not.
+    /// Returns the same lanes with `turned` set: whether the first direction is that of longitude edges.
     pub(super) fn seen(self, turned: bool) -> Self {
         Self { turned, ..self }
     }
 
-    /// Returns a net with such tags, given for each of its edges whether it lies along an odd direction.
+    /// Returns the net with these tags; `is_odd` tells for each edge whether it lies along an odd direction.
     pub(super) fn carried(self, net: MeshNet, is_odd: impl Fn(usize) -> bool) -> MeshNet {
         let topology = &net.mesh.base;
         let direction = |e| if is_odd(e) == self.turned { Direction::Latitude } else { Direction::Longitude };
@@ -57,7 +56,7 @@ impl Lanes {
     }
 }
 
-/// Whether all faces are quads whose edges are latitude and longitude edges in turns, and no longitude edge lies on the
+/// Returns whether all faces are quads with latitude and longitude edges in turn, and no longitude edge lies on the
 /// boundary, where latitude lines would end.
 fn alternate(topology: &Topology, directions: &Directions) -> bool {
     let of_face = |f: usize| {

@@ -9,27 +9,27 @@ use crate::math::functions::ratio;
 use crate::scheme::plan::{Plan, Scheduled};
 use crate::shape::tile::Tile;
 
-/// The masks on a line along each of [`AXES`](super::lattice::AXES), as far as patches have such sides: of vertices
-/// and of points of edges.
+/// The masks on a line for each of the [`AXES`](super::lattice::AXES) along which patches have sides: of vertices and
+/// of edge points.
 pub(super) type LineMasks = Vec<[Mask; 2]>;
 
-/// How one step makes the points of the planes.
+/// How one step computes the points of the planes.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) enum Pass {
-    /// All planes from the coarse grid, which is the first plane.
+    /// Each plane is computed from the coarse grid, which is the first plane.
     Up([Mask; PLANES]),
-    /// All planes from all planes.
+    /// Each plane is computed from all planes.
     Blend {
-        /// Where everything is smooth.
+        /// The masks where everything is smooth.
         planes: [Mask; PLANES],
-        /// For each line the masks there, where that is not smooth.
+        /// For each line its masks, or `None` where the line is smooth.
         lines: Vec<Option<LineMasks>>,
     },
-    /// The mask of the differences between the coarse grid and its children is added to each plane.
+    /// The masks are applied to the differences between the coarse grid and its children, and added to each plane.
     Push([Mask; PLANES]),
 }
 
-/// The passes of a round on a net with such lines and lanes, or none where its rows are not those of masks.
+/// Returns the passes of a round on a net with these lines and lanes, or `None` if masks cannot express its rows.
 pub(super) fn passes(
     plan: &Plan,
     round: &[Scheduled],
@@ -42,7 +42,7 @@ pub(super) fn passes(
     let mut passes: Vec<Pass> = smooth.iter().map(Pass::smooth).collect::<Option<_>>()?;
     for line in lines {
         let axes = if tile == Tile::Quad { 2 } else { 3 };
-        // boundaries of lanes lie along latitude edges alone
+        // a net with lanes has boundaries along latitude edges only
         let occurs =
             |line: Line, axis: usize| line != Line::Boundary || lanes.is_none_or(|lanes| lanes.turned == (axis == 1));
         let along = |line: Line| {
@@ -81,8 +81,9 @@ impl Pass {
         }
     }
 
-    /// Adds a line, with the tables along each axis on which it occurs, where it is not smooth; none where points
-    /// beside it have other masks than elsewhere, or those on it where that is not looked at.
+    /// Adds a line, given its table for each axis on which it occurs, or `None` if the line is smooth. Returns `None`
+    /// if points next to the line have other masks than elsewhere, or if points on it do in a pass that has no line
+    /// masks.
     fn add_line(&mut self, tables: Option<&[Option<&Table>]>) -> Option<()> {
         let masks = match self {
             Self::Up(masks) | Self::Push(masks) => masks,
@@ -103,8 +104,8 @@ impl Pass {
         Some(())
     }
 
-    /// By how many points of the refined grid a point looks around at most, where that does not begin anew. The
-    /// push-back looks at children of the coarse grid.
+    /// Returns the greatest distance, in points of the refined grid, at which the pass reads points; `None` for an
+    /// upsampling, which reads the coarse grid. A push-back reads children of the coarse grid.
     pub(super) fn radius(&self) -> Option<isize> {
         let planes = match self {
             Self::Up(_) => return None,
@@ -117,8 +118,8 @@ impl Pass {
         distances.map(isize::abs).max()
     }
 
-    /// By which factor numbers grow at most: those after the pass, counted by the largest of all numbers before it in
-    /// the round.
+    /// Returns an upper bound of the factor by which values grow: the greatest value after the pass divided by the
+    /// greatest value before it in the round.
     pub(super) fn growth(&self) -> f64 {
         let of = |masks: &[Mask]| masks.iter().map(total).fold(1.0, f64::max);
         match self {
@@ -126,16 +127,16 @@ impl Pass {
             Self::Blend { planes, lines } => {
                 lines.iter().flatten().flatten().map(|masks| of(masks)).fold(of(planes), f64::max)
             }
-            // of differences of two numbers
+            // a difference of two values is at most twice as large
             Self::Push(masks) => 1.0 + 2.0 * of(masks),
         }
     }
 
-    /// The planes that have to be known before the pass, so that these are known after it.
+    /// Returns the planes that must be known before the pass so that the `wanted` planes are known after it.
     pub(super) fn reads(&self, wanted: [bool; PLANES]) -> [bool; PLANES] {
         let mut reads = [false; PLANES];
         match self {
-            // of the coarse grid
+            // reads the coarse grid
             Self::Up(_) => reads[0] = true,
             Self::Push(_) => {
                 reads = wanted;
@@ -152,12 +153,12 @@ impl Pass {
     }
 }
 
-/// The sum of the sizes of the weights of a mask.
+/// Returns the sum of the absolute values of the weights of a mask.
 fn total(mask: &Mask) -> f64 {
     mask.iter().map(|group| group.weight.abs() * ratio(group.members.len(), 1)).sum()
 }
 
-/// Whether two masks are the same but for the order of the members of their groups, which keeps opposite pairs.
+/// Returns whether two masks are equal up to the order of members in a group, which keeps opposite pairs.
 fn same(a: &Mask, b: &Mask) -> bool {
     let sorted = |mask: &Mask| {
         let mut mask = mask.clone();
@@ -167,25 +168,25 @@ fn same(a: &Mask, b: &Mask) -> bool {
     sorted(a) == sorted(b)
 }
 
-/// How many cells beyond a patch are to be known so that as many points are known there after a round: the least such
-/// number, if it is a small one.
+/// Returns the smallest number of cells beyond a patch that must be known so that as many are known after a round;
+/// `None` if it is greater than [`MAX_HALO`].
 pub(super) fn halo(tile: Tile, passes: &[Pass]) -> Option<usize> {
     (1..=MAX_HALO).find(|&halo| Known::new(tile, halo).suffices(passes))
 }
 
-/// The widest halo: that of four averages. A round with five would need five cells, and its first three levels would be
-/// refined elsewhere before it pays.
+/// The widest halo: that of four averages. Five averages would need five cells, and three rounds would be refined by
+/// rows before the sweep could begin, which does not pay.
 const MAX_HALO: usize = 4;
 
-/// Which points of a refined grid around a patch are known.
+/// The points of a refined grid around a patch that are known.
 struct Known {
     tile: Tile,
     halo: isize,
-    /// By plane and cell.
+    /// Whether each point is known, by plane and cell.
     points: Vec<bool>,
 }
 
-/// Pieces of the patch: as many as the least patch has whose neighbours touch, so that all corners differ.
+/// Pieces per side of the test patch: the smallest patch whose neighbours meet and whose corners are all distinct.
 const PIECES: isize = 2;
 
 impl Known {
@@ -213,8 +214,8 @@ impl Known {
         is_within(self.tile, PIECES, self.halo, at)
     }
 
-    /// Whether, with all points of the coarse grid in the patch and its halo, those of the refined one are known after
-    /// these passes.
+    /// Returns whether these passes compute all needed points of the refined grid from the points of the coarse grid in
+    /// the patch and its halo.
     fn suffices(mut self, passes: &[Pass]) -> bool {
         for pass in passes {
             let whole = |mask: &Mask, [i, j]: [isize; 2], has: &dyn Fn(usize, [isize; 2]) -> bool| {
@@ -240,7 +241,7 @@ impl Known {
         })
     }
 
-    /// All planes and cells, in order.
+    /// Returns all planes and cells, in order.
     fn places(&self) -> impl Iterator<Item = (usize, [isize; 2])> + use<> {
         let range = -self.halo..=PIECES + self.halo;
         (0..PLANES).flat_map(move |plane| {

@@ -1,11 +1,11 @@
-//! Refinement of quads and of triangles patch by patch, straight into the documented order: the fast path.
+//! The fast path: refines quads and triangles patch by patch, straight into the documented order.
 //!
-//! A patch is a grid with a halo of cells around it: of quads, or the lower half of such a grid, whose cells diagonals
-//! cut into triangles. A round (a U and the steps up to the next one) is a few
-//! flat loops over its planes of points; around vertices where the grid is not regular, small tables overwrite what the
-//! loops made there, and along boundaries and creases masks of curves do. All masks and tables are read off the rows of
-//! the operators. As symmetric sums do not depend on where a walk begins, every point has the bits that the rows of the
-//! whole net give it.
+//! A patch is a grid with a halo of cells around it. Triangles use the lower half of such a grid, whose cells are
+//! divided by diagonals. A round (an upsampling and the steps up to the next one) is a few flat loops over the planes
+//! of a grid. Where the grid is not regular around a vertex, small tables then overwrite the points that the loops
+//! computed; along boundaries and creases, masks of curves do. All masks and tables are read off the rows of the
+//! operators. As a symmetric sum does not depend on where a walk around a vertex begins, every point has the same bits
+//! as under the rows of the whole net.
 
 mod evaluate;
 mod fans;

@@ -1,4 +1,4 @@
-//! The documented numbers of the points of patches.
+//! The documented indices of the points of patches.
 
 use std::sync::Arc;
 
@@ -11,20 +11,20 @@ use crate::shape::topology::Topology;
 #[derive(Debug)]
 pub(super) struct Numbering {
     base: Arc<Topology>,
-    /// Pieces of an edge of the base.
+    /// Number of pieces of a base edge.
     pieces: usize,
-    /// The order of quads; triangles are numbered by arithmetic.
+    /// The order of a refined mesh of quads; `None` for triangles, whose indices are computed directly.
     quads: Option<Grid>,
 }
 
 impl Numbering {
-    /// The numbers after so many splits of a base.
+    /// Creates the numbering after `splits` splits of a base.
     pub(super) fn new(base: &Arc<Topology>, tile: Tile, splits: usize) -> Self {
         let quads = || Grid::new(base.clone(), base.clone(), vec![2; splits].into());
         Self { base: base.clone(), pieces: 1 << splits, quads: (tile == Tile::Quad).then(quads) }
     }
 
-    /// Pieces of an edge of the base.
+    /// Returns the number of pieces of a base edge.
     pub(super) fn pieces(&self) -> usize {
         self.pieces
     }
@@ -33,18 +33,18 @@ impl Numbering {
         Tiling::new(&self.base, Tile::Triangle, self.pieces)
     }
 
-    /// Number of vertices.
+    /// Returns the number of vertices.
     pub(super) fn n_vertices(&self) -> usize {
         self.quads.as_ref().map_or_else(|| self.triangles().n_vertices(), Grid::n_vertices)
     }
 
-    /// Number of points inside a face of the base.
+    /// Returns the number of points inside a base face.
     pub(super) fn inner_of(&self, face: usize) -> usize {
         self.quads.as_ref().map_or_else(|| Tile::Triangle.inner_vertices(self.pieces), |grid| grid.inner_of(face))
     }
 
-    /// The number of a point of a patch: of a face of the base where all of them are quads or triangles, else of that
-    /// face of the base's first split.
+    /// Returns the index of a point of a patch. A patch is a base face if the base has only quads or only triangles,
+    /// else a face of the first split of the base.
     pub(super) fn vertex(&self, patch: usize, place: [isize; 2]) -> u32 {
         let place = place.map(isize::cast_unsigned);
         match &self.quads {
@@ -53,11 +53,11 @@ impl Numbering {
         }
     }
 
-    /// The numbers of the points of a patch in one column and consecutive rows, from an inner point on.
+    /// Returns the indices of `n` points of a patch in one column and consecutive rows, from an inner point on.
     pub(super) fn rows(&self, patch: usize, [i, j]: [usize; 2], n: usize) -> impl Iterator<Item = u32> {
         let vertex = |j: usize| self.vertex(patch, [i, j].map(usize::cast_signed));
         let first = if n > 0 { vertex(j) } else { 0 };
-        // the rows of quads have all as many points, those of triangles one less each
+        // all rows of a quad have the same number of points, those of a triangle one less each
         let step = if n > 1 { vertex(j + 1).wrapping_sub(first) } else { 0 };
         let less = u32::from(self.quads.is_none());
         let next = move |&(at, step): &(u32, u32)| Some((at.wrapping_add(step), step.wrapping_sub(less)));

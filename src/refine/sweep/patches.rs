@@ -1,4 +1,4 @@
-//! Points refined by a sweep: every patch through all rounds, straight into the documented order.
+//! Refines points by a sweep: each patch through all rounds, straight into the documented order.
 
 use std::ops::RangeInclusive;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -16,24 +16,24 @@ use crate::shape::tile::Tile;
 use crate::shape::topology::{NONE, index};
 use crate::watch::{Stopped, Watch};
 
-/// Points in the documented order.
+/// Refined points in the documented order.
 #[derive(Debug)]
 pub(crate) struct Swept {
-    /// Their numbers, point after point.
+    /// The coordinates, point after point.
     pub(crate) points: Numbers,
-    /// Whether all are finite.
+    /// Whether all coordinates are finite.
     pub(crate) finite: bool,
 }
 
 impl Sweep {
-    /// Refines points of `width` numbers, 1 to 4, from the documented order where the sweep begins to that where it
-    /// ends.
+    /// Refines points of `width` values, 1 to 4. Both the given and the returned points are in the documented order, of
+    /// the nets where the sweep begins and where it ends.
     ///
     /// # Errors
     /// [`Stopped`] when the watch says so.
     ///
     /// # Panics
-    /// When the points are not as many as those of the net where the sweep begins.
+    /// If the number of points differs from that of the net where the sweep begins.
     pub(crate) fn refine(&self, start: &[f64], width: usize, watch: &Watch) -> Result<Swept, Stopped> {
         assert_eq!(start.len(), self.orders[0].n_vertices() * width, "the points belong to another net");
         match width {
@@ -76,7 +76,7 @@ impl Sweep {
     }
 }
 
-/// Whether all numbers are finite: a sum of them times zero is NaN as soon as one is not.
+/// Returns whether all values are finite: a sum of products with zero is NaN as soon as one value is not.
 fn all_finite(numbers: &[f64]) -> bool {
     let (lines, rest) = numbers.as_chunks::<16>();
     let mut sums = [0.0; 16];
@@ -86,16 +86,16 @@ fn all_finite(numbers: &[f64]) -> bool {
     sums.iter().all(|&sum| sum == 0.0) && rest.iter().all(|x| x.is_finite())
 }
 
-/// Where the points of blocks go.
+/// A consumer of the points of blocks.
 pub(super) trait Target<const W: usize> {
-    /// Whether any point of a block with so many cells along each side is wanted.
+    /// Returns whether any point of a block with `cells` cells per side is needed.
     fn wants(&self, block: Block, cells: usize) -> bool;
 
-    /// Takes the points of a block, which entered the last round with this size.
+    /// Receives the points of a block; `size` is that of the block's grid before the last round.
     fn take(&mut self, sweep: &Sweep, size: Size, block: Block, planes: &Planes);
 }
 
-/// What the patches of a sweep have in common.
+/// The data that all patches of a sweep share.
 pub(super) struct Run<'a, const W: usize> {
     pub(super) sweep: &'a Sweep,
     pub(super) flat: &'a Flat,
@@ -107,11 +107,12 @@ pub(super) struct Run<'a, const W: usize> {
 #[derive(Debug, Default)]
 pub(super) struct Worker<const W: usize> {
     planes: Planes,
-    /// Refined grids of patches that are refined further block by block, by depth.
+    /// Refined grids of patches that are refined further block by block; one grid per round.
     woven: Vec<Vec<f64>>,
-    /// For each vertex of the patches where the points of its star begin; [`NONE`] where they were not made yet.
+    /// For each vertex of the patches the index of the first point of its star; [`NONE`] if the star is not refined
+    /// yet.
     star_of: Vec<u32>,
-    /// The vertices whose stars were made.
+    /// The vertices whose stars are refined.
     starred: Vec<u32>,
     /// Points of stars, round after round.
     stars: Vec<[f64; W]>,
@@ -119,17 +120,17 @@ pub(super) struct Worker<const W: usize> {
     lines: Vec<GridLine>,
 }
 
-/// A part of a patch at a round: a grid whose first cell is at `at`.
+/// A part of a patch in some round: a grid whose first cell is at `at`.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Block {
     patch: usize,
     pub(super) at: [usize; 2],
-    /// Pieces of the patch's side.
+    /// Number of pieces of the patch's side.
     pub(super) pieces: usize,
 }
 
 impl Block {
-    /// Its part of a side of the patch: which of the side's vertices lie in its grid with so many cells.
+    /// Returns the range of vertices on a side of the patch that lie in the block, which has `cells` cells per side.
     fn on_side(self, tile: Tile, side: usize, cells: usize) -> Option<RangeInclusive<usize>> {
         let frame = Frame::new(tile, self.pieces, side, 0);
         let (start, along) = (frame.corner(), frame.along());
@@ -147,19 +148,19 @@ impl Block {
         (least <= most).then(|| least.unsigned_abs()..=most.unsigned_abs())
     }
 
-    /// A place of the patch, seen from the block.
+    /// Converts a place of the patch into one relative to the block.
     fn inside(self, place: [isize; 2]) -> [isize; 2] {
         [0, 1].map(|axis| place[axis] - self.at[axis].cast_signed())
     }
 
-    /// The block after a split.
+    /// Returns the block after a split, at the same part of the patch.
     fn refined(self) -> Self {
         Self { at: self.at.map(|at| 2 * at), pieces: 2 * self.pieces, ..self }
     }
 }
 
 impl<const W: usize> Worker<W> {
-    /// Forgets the stars of another task.
+    /// Discards the stars of the previous task.
     pub(super) fn begin(&mut self, sweep: &Sweep) {
         self.star_of.resize(sweep.surface.patches.n_vertices(), NONE);
         for v in self.starred.drain(..) {
@@ -170,7 +171,7 @@ impl<const W: usize> Worker<W> {
 }
 
 impl<const W: usize> Run<'_, W> {
-    /// Refines a patch.
+    /// Refines one patch and hands its points to `target`.
     pub(super) fn patch(
         &self,
         patch: usize,
@@ -192,7 +193,7 @@ impl<const W: usize> Run<'_, W> {
         self.descend(0, Block { patch, at: [0, 0], pieces: size.cells }, worker, target)
     }
 
-    /// Refines the star around a vertex through all rounds, if it has one and that was not done yet.
+    /// Refines the star around a vertex through all rounds, if the vertex has one and it was not refined yet.
     fn star(&self, v: usize, worker: &mut Worker<W>) {
         let sweep = self.sweep;
         let Some(kind) = sweep.surface.kind_of(v) else { return };
@@ -212,7 +213,7 @@ impl<const W: usize> Run<'_, W> {
         }
     }
 
-    /// Refines a block whose coarse grid is in the first plane through the rounds from `round` on.
+    /// Refines a block, whose coarse grid is in the first plane, through the rounds from `round` on.
     fn descend(
         &self,
         round: usize,
@@ -271,7 +272,7 @@ impl<const W: usize> Run<'_, W> {
         Ok(())
     }
 
-    /// The lines that lie in the grid of a block.
+    /// Collects the lines that cross the grid of a block.
     fn lines(&self, cells: usize, block: Block, lines: &mut Vec<GridLine>) {
         let surface = &self.sweep.surface;
         lines.clear();
@@ -285,8 +286,8 @@ impl<const W: usize> Run<'_, W> {
         }
     }
 
-    /// Overwrites what the loops made around a corner of a patch, in a block as it is after the round, by the points of
-    /// its star.
+    /// Overwrites the points around a corner of the patch, which the loops computed as if the grid were regular, by the
+    /// points of its star; `block` is the block after the round.
     fn overlay(&self, round: usize, block: Block, half_edge: u32, worker: &mut Worker<W>) {
         let sweep = self.sweep;
         let (size, surface) = (sweep.size(round, W), &sweep.surface);
@@ -340,10 +341,10 @@ impl<const W: usize> Target<W> for Task<'_, W> {
             let vertex = |steps: usize| order.vertex(block.patch, place(steps));
             let point = |steps: usize| planes.point(size, block.inside(place(steps)));
             let within = (*range.start()).max(1)..(*range.end() + 1).min(n);
-            // the patch where an edge appears first has its points
+            // the patch in which an edge appears first writes its points
             if !within.is_empty() && surface.patches.halves(surface.patches.edge(half_edge) as usize)[0] == half_edge {
                 let ends = [within.start, within.end - 1].map(|steps| vertex(steps) as usize);
-                // on a column inside a face of the base they are as far apart as it has points in a row
+                // on a column inside a base face, consecutive points are as far apart as a row of the face is long
                 let stride = (ends[0].abs_diff(ends[1]) / (within.len() - 1).max(1)).max(1);
                 let places = self.places(ends[0].min(ends[1]), stride * (within.len() - 1) + 1);
                 let places = places.into_iter().flatten().step_by(stride);

@@ -1,4 +1,4 @@
-//! Where the vertices and faces of the documented order stand on patches: the way back from a number to a place.
+//! Locates vertices and faces on patches: from an index in the documented order to a place.
 
 use std::ops::Range;
 use std::sync::Arc;
@@ -8,12 +8,12 @@ use super::surface::Surface;
 use crate::shape::tile::Tile;
 use crate::shape::topology::{NONE, Topology, index};
 
-/// Vertices that are asked for at a time, about: they take 1.5 MB as points and as much as bytes, and stay in the cache
-/// of a core. With half of it what neighbouring patches share is made twice as often; with twice of it points leave the
-/// cache before they are encoded.
+/// Approximate number of vertices that are requested at a time: they take 1.5 MB as points and as much as bytes, and
+/// stay in the cache of a core. With half as many, points that neighbouring patches share are computed twice as often;
+/// with twice as many, points leave the cache before they are encoded.
 const STRETCH: usize = 1 << 16;
 
-/// The places of a refined mesh.
+/// The places of the vertices and faces of a refined mesh.
 #[derive(Debug)]
 pub(super) struct Places {
     base: Arc<Topology>,
@@ -21,15 +21,15 @@ pub(super) struct Places {
     tile: Tile,
     /// Whether the patches are the faces of the base.
     is_whole: bool,
-    /// Pieces of an edge of the base.
+    /// Number of pieces of a base edge.
     n: usize,
-    /// Pieces of a patch's side.
+    /// Number of pieces of a patch's side.
     pub(super) pieces: usize,
-    /// For each face of the base, and beyond the last, how many vertices are inside those before.
+    /// For each base face, and for the end of the list, the number of vertices inside the faces before it.
     inner: Vec<usize>,
 }
 
-/// Consecutive vertices, or cells of consecutive faces, along a line of a patch.
+/// Consecutive vertices, or the cells of consecutive faces, along a line of a patch.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct Span {
     pub(super) patch: usize,
@@ -43,7 +43,7 @@ const ROW: [isize; 2] = [1, 0];
 const COLUMN: [isize; 2] = [0, 1];
 
 impl Span {
-    /// The place of its last vertex, the span having been cut to its length.
+    /// Returns the place of the last element of the span.
     pub(super) fn last(&self) -> [usize; 2] {
         self.place(self.len - 1)
     }
@@ -52,19 +52,19 @@ impl Span {
         std::array::from_fn(|axis| self.from[axis].wrapping_add_signed(self.step[axis] * k.cast_signed()))
     }
 
-    /// Whether it may lie on the diagonal side of a triangle.
+    /// Returns whether the span may lie on the diagonal side of a triangle.
     pub(super) fn is_diagonal(&self) -> bool {
         self.len == 1 || (self.step[0] != 0 && self.step[1] != 0)
     }
 
-    /// Whether it runs along a row towards its end.
+    /// Returns whether the span runs forwards along a row.
     pub(super) fn is_row(&self) -> bool {
         self.step == ROW
     }
 }
 
 impl Places {
-    /// Those after splits into `n` pieces an edge of the base.
+    /// Creates the places after splits that divide each base edge into `n` pieces.
     pub(super) fn new(surface: &Surface, n: usize) -> Self {
         let (base, patches) = (surface.base.clone(), surface.patches.clone());
         let (tile, half) = (surface.tile, n / 2);
@@ -80,12 +80,12 @@ impl Places {
         Self { base, patches, tile, is_whole, n, pieces: if is_whole { n } else { half }, inner }
     }
 
-    /// First vertex inside a face of the base.
+    /// Returns the first vertex inside a base face.
     fn first_inner(&self) -> usize {
         self.base.n_vertices() + self.base.n_edges() * (self.n - 1)
     }
 
-    /// The span on which a vertex and the next ones stand; none for a vertex of no face.
+    /// Returns the span of vertex `v` and the vertices after it; `None` if `v` has no face.
     pub(super) fn span(&self, v: usize) -> Option<Span> {
         let Some(beyond) = v.checked_sub(self.base.n_vertices()) else {
             let half_edge = self.patches.ring(v).next()?;
@@ -122,7 +122,7 @@ impl Places {
         Span { patch: first + (side + 1) % size, from: [0, back], step: [0, -1], len: back }
     }
 
-    /// The span inside a face, from its vertex of this number on.
+    /// Returns the span inside face `f` that starts at inner vertex `inner`.
     fn inside(&self, f: usize, inner: usize) -> Span {
         let (first, size) = (self.base.half_edges(f).start as usize, self.base.face(f).len());
         if size == 4 || self.is_whole {
@@ -143,7 +143,7 @@ impl Places {
         Span { patch: first + part, from: [i + 1, j + 1], step: ROW, len: spoke - i }
     }
 
-    /// The span of `len` points at most in a face of quads or triangles, as far as it stays in one patch.
+    /// Returns a span of at most `len` points in a quad or a triangle, cut where it leaves its patch.
     fn in_face(&self, f: usize, from: [usize; 2], step: [isize; 2], len: usize) -> Span {
         if self.is_whole {
             return Span { patch: f, from, step, len };
@@ -161,7 +161,7 @@ impl Places {
         Span { patch, from, step, len: len.min(here) }
     }
 
-    /// The cells of a face and the next ones, as far as they stand in a row of a patch.
+    /// Returns the cells of a face and of the next faces in the same row of a patch.
     pub(super) fn cells(&self, face: usize) -> Span {
         let n = self.n;
         let f = self.base.face_of(index(4 * face / (n * n)));
@@ -181,7 +181,7 @@ impl Places {
         Span { patch: first + part, from: [local % half, local / half], step: ROW, len: half - local % half }
     }
 
-    /// The number of the face at a cell of a patch.
+    /// Returns the index of the face at a cell of a patch.
     pub(super) fn face(&self, patch: usize, [i, j]: [usize; 2]) -> usize {
         let n = self.n;
         if self.is_whole {
@@ -197,7 +197,8 @@ impl Places {
         }
     }
 
-    /// Divides a span of vertices: what is inside its patch, and for the others spans of the cells around them.
+    /// Divides a span of vertices into parts inside the patch and, for vertices on its sides, spans of the cells
+    /// around them.
     pub(super) fn divide(
         &self,
         at: usize,
@@ -220,7 +221,7 @@ impl Places {
         }
     }
 
-    /// The cells around a vertex at a corner of its patch.
+    /// Returns the cells around a vertex at a corner of its patch.
     fn around_corner(&self, vertex: &Span) -> impl Iterator<Item = Span> {
         let [i, j] = vertex.from.map(|x| x > 0);
         let corner = [[0, 3], [1, 2]][usize::from(i)][usize::from(j)];
@@ -233,7 +234,7 @@ impl Places {
         })
     }
 
-    /// The cells on both sides of vertices on a side of their patch, one more than there are vertices.
+    /// Returns the cells on both sides of vertices on a side of their patch, one more cell than vertices on each side.
     fn beside(&self, span: &Span) -> impl Iterator<Item = Span> {
         let n = self.pieces;
         let [i, j] = span.from;
@@ -253,7 +254,8 @@ impl Places {
         std::iter::once(own).chain(beyond)
     }
 
-    /// The cells along a side of a patch around so many vertices, of which the first is so many steps along it.
+    /// Returns the cells along a side of a patch around `n_vertices` vertices, the first of which is `steps` steps
+    /// along it.
     fn strip(&self, (patch, side): (usize, usize), steps: usize, forward: bool, n_vertices: usize) -> Span {
         let first = if forward { steps - 1 } else { steps }.cast_signed();
         let [a, b] = [[first, 0], [first + 1, 1]].map(|place| self.frame(side).place(place));
@@ -262,17 +264,17 @@ impl Places {
         Span { patch, from, step, len: n_vertices + 1 }
     }
 
-    /// The point of a number on a side of a tile with `n` pieces.
+    /// Returns point `at` on a side of a tile with `n` pieces.
     fn at_side(&self, n: usize, side: usize, at: usize) -> [usize; 2] {
         Frame::new(self.tile, n, side, 0).place([at.cast_signed(), 0]).map(isize::cast_unsigned)
     }
 
-    /// Places of a patch counted from one of its sides.
+    /// Returns the frame at one of the sides of a patch.
     fn frame(&self, side: usize) -> Frame {
         Frame::new(self.tile, self.pieces, side, 0)
     }
 
-    /// Which side of which patch a half-edge is.
+    /// Returns the patch of a half-edge, and the side of it that the half-edge is.
     fn side(&self, half_edge: u32) -> (usize, usize) {
         let patch = self.patches.face_of(half_edge);
         (patch, (half_edge - self.patches.half_edges(patch).start) as usize)
@@ -280,7 +282,8 @@ impl Places {
 }
 
 impl Places {
-    /// Where a range of vertices from `v` on ends best, that no block of `rows` rows is made for two of them.
+    /// Returns the best end for a range of vertices that starts at `v`, so that no block of `rows` rows is refined for
+    /// two ranges.
     pub(super) fn stretch(&self, v: usize, rows: usize) -> usize {
         let (edges, inside) = (self.base.n_vertices(), self.first_inner());
         let on_edge = self.n - 1;
@@ -320,7 +323,7 @@ impl Places {
         inside + start + to
     }
 
-    /// Where a range of faces from `face` on ends best.
+    /// Returns the best end for a range of faces that starts at `face`.
     pub(super) fn stretch_of_faces(&self, face: usize, rows: usize) -> usize {
         let n = self.n;
         let f = self.base.face_of(index(4 * face / (n * n)));
@@ -341,7 +344,7 @@ impl Places {
     }
 }
 
-/// Consecutive spans that cover a range: each with where it begins in the range.
+/// Covers a range by consecutive spans, sorted by patch, each with its offset in the range.
 pub(super) fn spans(range: Range<usize>, mut span: impl FnMut(usize) -> Option<Span>) -> Vec<(usize, Span)> {
     let (mut spans, mut v) = (Vec::new(), range.start);
     while v < range.end {

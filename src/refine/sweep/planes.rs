@@ -1,16 +1,16 @@
-//! The planes of a refined grid, and the masks with which their points are made.
+//! The planes of a refined grid, and the masks that compute their points.
 
-/// The four planes of a refined grid: vertices, points of edges along the first and the second axis, and points of
-/// faces or, where faces are triangles, of edges along the diagonals.
+/// The number of planes of a refined grid: vertices, edge points along the first and along the second axis, and face
+/// points or, on triangles, edge points along the diagonals.
 pub(super) const PLANES: usize = 4;
 
-/// A weight and the points whose symmetric sum it belongs to: the plane of each, and its cell counted from that of the
-/// point that is made.
+/// A weight and the points whose symmetric sum it multiplies: the plane of each point, and its cell relative to that of
+/// the computed point.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct MaskGroup {
     pub(super) weight: f64,
     pub(super) members: Vec<(usize, [isize; 2])>,
 }
 
-/// What a point is made of, group after group.
+/// The weighted groups whose sum is a refined point.
 pub(super) type Mask = Vec<MaskGroup>;

@@ -1,4 +1,5 @@
-//! The sweep of a net through the rounds of a plan: what depends on connectivity and plan, not on points.
+//! Prepares the sweep of a net through the rounds of a plan: everything that depends on connectivity and plan, not on
+//! points.
 
 use std::sync::Arc;
 
@@ -18,56 +19,57 @@ use crate::shape::creases::INFINITE_SHARPNESS;
 use crate::shape::tile::Tile;
 use crate::shape::topology::Topology;
 
-/// Most cells of a grid in each direction: the planes of three coordinates take 1 MB with it, what a core has as its
-/// own cache. Half of it makes a tenth more points twice, in halos; twice of it leaves that cache.
+/// Maximum number of cells of a grid in each direction: its planes of three coordinates take 1 MB, the size of a core's
+/// own cache. With half as many, a tenth more points are computed twice, in halos; with twice as many, the planes leave
+/// the cache.
 const MOST_CELLS: usize = 64;
 
-/// Most kinds of lines, boundaries among them, and most sharpnesses of vertices: vertices where they meet in different
-/// ways have tables of their own in every round, 256 of them around four edges. With more the first rounds are taken by
-/// rows, until only infinitely sharp edges are left.
+/// Maximum number of kinds of lines, boundaries included, and of sharpnesses of vertices. Vertices at which lines meet
+/// in different ways have tables of their own in every round, 256 of them around four edges. With more kinds, the first
+/// rounds are refined by rows until only infinitely sharp edges are left.
 const MOST_LINES: usize = 4;
 
 /// The sweep of a net through the rounds of a plan.
 #[derive(Debug)]
 pub(crate) struct Sweep {
     pub(super) surface: Surface,
-    /// Cells known beyond a grid.
+    /// Number of cells known around a grid.
     pub(super) halo: usize,
-    /// Rounds that the net is refined elsewhere before.
+    /// Number of rounds by which the net is refined by rows before the sweep.
     before: usize,
-    /// Steps of these.
+    /// Number of steps in those rounds.
     steps_before: usize,
     pub(super) rounds: Vec<Round>,
-    /// The documented orders of the nets in which the sweep begins and ends.
+    /// The documented orders of the nets where the sweep begins and where it ends.
     pub(super) orders: [Numbering; 2],
-    /// Pieces of a patch's side where the sweep begins.
+    /// Number of pieces of a patch's side where the sweep begins.
     pub(super) first_pieces: usize,
-    /// By which factor numbers grow in all rounds together at most.
+    /// An upper bound of the factor by which values grow over all rounds.
     growth: f64,
 }
 
 /// The passes of a round on patches whose first side is a latitude edge, and on those whose first side is a longitude
-/// edge; where edges have no tags those of all patches.
+/// edge; on nets without tags, one list for all patches.
 type Turns = Vec<Vec<Pass>>;
 
-/// The passes of all rounds on grids of their sizes, for each of the [`Turns`].
+/// The passes of all rounds, prepared for their sizes of grids, for each of the [`Turns`].
 #[derive(Debug)]
 pub(super) struct Flat(Vec<Vec<Vec<FlatPass>>>);
 
 impl Flat {
-    /// The passes of each round on patches whose first side is a longitude edge, or is none.
+    /// Returns the passes of each round; `turned` tells whether the first side of the patch is a longitude edge.
     pub(super) fn of(&self, turned: bool) -> &[Vec<FlatPass>] {
         &self.0[usize::from(turned)]
     }
 }
 
-/// What depends on a round alone.
+/// The data of one round.
 #[derive(Debug)]
 pub(super) struct Round {
     passes: Arc<Turns>,
     /// The tables of each kind of star.
     pub(super) stars: Arc<Vec<StarRound>>,
-    /// Cells of the grids that enter it.
+    /// Number of cells per side of the grids before the round.
     pub(super) cells: usize,
 }
 
@@ -78,7 +80,7 @@ impl Round {
     }
 }
 
-/// What of a sweep is known before the mesh was looked at.
+/// The part of a sweep that can be determined without classifying the vertices of the mesh.
 #[derive(Debug)]
 pub(crate) struct Outline<'a> {
     tile: Tile,
@@ -87,15 +89,15 @@ pub(crate) struct Outline<'a> {
     rounds: Vec<&'a [Scheduled]>,
     passes: Vec<Arc<Turns>>,
     halo: usize,
-    /// Rounds that the net is refined elsewhere before.
+    /// Number of rounds by which the net is refined by rows before the sweep.
     before: usize,
-    /// How many of these make quads of other faces: one or none.
+    /// Number of those rounds that turn other faces into quads: zero or one.
     splits: usize,
 }
 
 impl<'a> Outline<'a> {
-    /// The outline of the sweep of a net that was not refined yet; none where some step of the plan does not work that
-    /// way, where tags or parameters differ from point to point, or where all rounds have to be refined elsewhere.
+    /// Returns the outline of the sweep of an unrefined net. Returns `None` if some step of the plan does not support
+    /// sweeps, if tags or vertex parameters vary from place to place, or if all rounds would be refined by rows.
     pub(crate) fn of(net: &MeshNet, plan: &Plan, steps: &'a [Scheduled]) -> Option<Self> {
         let numbered = plan.perturbation.is_some() || net.annotations.numbering.is_some();
         let cut = net.surroundings.is_some() || net.mesh.parent.is_some() || net.mesh.rounds > 0;
@@ -136,19 +138,20 @@ impl<'a> Outline<'a> {
 }
 
 impl Outline<'_> {
-    /// Rounds that the net is refined by rows before the sweep begins.
+    /// Returns the number of rounds by which the net is refined by rows before the sweep.
     pub(crate) fn before(&self) -> usize {
         self.before
     }
 
-    /// Into what all rounds split the faces.
+    /// Returns the tile into which each round splits the faces.
     pub(crate) fn tile(&self) -> Tile {
         self.tile
     }
 }
 
 impl Sweep {
-    /// The sweep of a net, where it has an [`Outline`] and the operators can be applied around each of its vertices.
+    /// Returns the sweep of a net, if it has an [`Outline`] and the operators can be applied around each of its
+    /// vertices.
     pub(crate) fn of(net: &MeshNet, plan: &Plan, steps: &[Scheduled]) -> Option<Self> {
         let Outline { tile, lines, lanes, rounds, passes, halo, before, splits } = Outline::of(net, plan, steps)?;
         let surface = Surface::new(net, tile, (&lines, lanes), before);
@@ -168,14 +171,14 @@ impl Sweep {
         Some(Self { surface, halo, before, steps_before, rounds: made, orders, first_pieces, growth })
     }
 
-    /// Whether all numbers that are made of these are known to be finite: they and all sums on the way stay far below
-    /// the largest number there is.
+    /// Returns whether all values computed from `start` are certain to be finite: they and all intermediate sums stay
+    /// below the largest finite number.
     pub(super) fn is_bounded(&self, start: &[f64]) -> bool {
-        // twice as much as needed, for what is rounded
+        // twice the bound that is needed, to allow for rounding
         start.iter().all(|x| x.abs() * self.growth < 0.5 * f64::MAX)
     }
 
-    /// The same sweep in blocks of at most so many cells, but not of fewer than it begins with.
+    /// Returns the sweep with blocks of at most `most_cells` cells, but at least as many as it begins with.
     pub(super) fn with_blocks(mut self, most_cells: usize) -> Self {
         for round in &mut self.rounds {
             round.cells = round.cells.min(most_cells.max(self.first_pieces));
@@ -183,59 +186,59 @@ impl Sweep {
         self
     }
 
-    /// Number of steps that the net has to be refined by before the sweep begins.
+    /// Returns the number of steps by which the net must be refined before the sweep.
     pub(crate) fn steps_before(&self) -> usize {
         self.steps_before
     }
 
-    /// The faces that are patches.
+    /// Returns the topology whose faces are the patches.
     pub(crate) fn patches(&self) -> &Arc<Topology> {
         &self.surface.patches
     }
 
-    /// Into what each round splits the faces.
+    /// Returns the tile into which each round splits the faces.
     pub(crate) fn tile(&self) -> Tile {
         self.surface.tile
     }
 
-    /// Whether steps look at latitude and longitude tags.
+    /// Returns whether steps read latitude and longitude tags.
     pub(crate) fn is_tagged(&self) -> bool {
         self.surface.is_tagged()
     }
 
-    /// Rounds of the sweep.
+    /// Returns the number of rounds of the sweep.
     pub(super) fn n_rounds(&self) -> usize {
         self.rounds.len()
     }
 
-    /// Rounds of the whole plan, each of which splits all faces.
+    /// Returns the number of rounds of the whole plan, each of which splits all faces.
     pub(crate) fn splits(&self) -> usize {
         self.before + self.rounds.len()
     }
 
-    /// Bytes that it holds, a little more rather than less.
+    /// Returns the number of bytes that the sweep occupies, rounded up rather than down.
     pub(crate) fn bytes(&self) -> usize {
-        /// Bytes a corner of the patches: their topology and that of the base, the sharpness of edges, and where the
-        /// points of a patch are, in both orders.
+        /// Bytes per corner of the patches: their topology and that of the base, the sharpness of edges, and the
+        /// indices of a patch's points in both orders.
         const CORNER: usize = 64;
-        /// Bytes a point of a star in each round: its rows. Measured: 1,500 for UCCC, which is wide.
+        /// Bytes per point of a star and round, for its rows. Measured: 1,500 for UCCC, whose stencils are wide.
         const STAR_POINT: usize = 2048;
         let stars: usize = (0..self.surface.kinds.len()).map(|kind| self.shape(kind).len()).sum();
         let corners = self.surface.patches.n_half_edges() + self.surface.base.n_vertices();
         size_of::<Self>() + CORNER * corners + STAR_POINT * stars * self.rounds.len()
     }
 
-    /// Pieces of a patch's side where the sweep ends.
+    /// Returns the number of pieces of a patch's side where the sweep ends.
     pub(super) fn patch_pieces(&self) -> usize {
         self.first_pieces << self.rounds.len()
     }
 
-    /// Number of points in which the sweep ends.
+    /// Returns the number of points of the net where the sweep ends.
     pub(crate) fn n_points(&self) -> usize {
         self.orders[1].n_vertices()
     }
 
-    /// The passes of each round for points of `width` numbers.
+    /// Prepares the passes of each round for points of `width` values.
     pub(super) fn flat(&self, width: usize) -> Flat {
         let flat = |(at, passes): (usize, &[Pass])| {
             let beyond = if at + 1 == self.rounds.len() { 0 } else { self.halo.cast_signed() };
@@ -247,12 +250,12 @@ impl Sweep {
         Flat(turns.map(of_turn).collect())
     }
 
-    /// The size of the grids that enter a round.
+    /// Returns the size of the grids before a round.
     pub(super) fn size(&self, round: usize, width: usize) -> Size {
         Size { cells: self.rounds[round].cells, halo: self.halo, width }
     }
 
-    /// The star around a vertex of this kind.
+    /// Returns the shape of the star around a vertex of this kind.
     pub(super) fn shape(&self, kind: usize) -> StarShape {
         let kind = &self.surface.kinds[kind];
         let tile = self.surface.tile;
@@ -260,9 +263,9 @@ impl Sweep {
     }
 }
 
-/// The lines of a net, boundaries first, and the rounds after which they are known: where the sharpness of an edge
-/// depends on its ends, or there are many different ones, when all that is sharp is infinitely sharp. None where that
-/// is not known beforehand.
+/// Returns the lines of a net, boundaries first, and the number of rounds after which they are known: zero, or the
+/// rounds until only infinite sharpness is left if the sharpness of an edge depends on its ends or there are too many
+/// different ones. Returns `None` if sharpness depends on more than the net itself.
 fn lines(net: &MeshNet) -> Option<(Vec<Line>, usize)> {
     let mut lines = vec![Line::Boundary];
     let Some(sharpness) = &net.sharpness else { return Some((lines, 0)) };
@@ -295,8 +298,9 @@ fn lines(net: &MeshNet) -> Option<(Vec<Line>, usize)> {
     Some((lines, if soft { most.ceil() as usize } else { 0 }))
 }
 
-/// What `make` gives for each round, with its number; rounds whose steps have the same numbers share it once
-/// the lines do not change any more. Lanes may have an alpha that the steps do not tell, so that all rounds differ.
+/// Returns the result of `make` for each round, with the round's index. Consecutive rounds with equal steps share a
+/// result once the lines no longer change. With lanes, nothing is shared, as the alpha of vertices is not part of the
+/// steps.
 fn each_round<T>(
     rounds: &[&[Scheduled]],
     (lines, lanes): (&[Line], Option<Lanes>),

@@ -1,4 +1,4 @@
-//! Small nets off which the masks of regular grids are read.
+//! Small nets from which the masks of regular grids are read.
 
 use std::collections::HashMap;
 use std::sync::Arc;
@@ -18,50 +18,50 @@ use crate::shape::check::{FaceList, Winding};
 use crate::shape::tile::Tile;
 use crate::shape::topology::{Topology, index};
 
-/// Cells on each side of the middle of the nets that masks are read off: as far as masks reach, two cells, and one
-/// more. With half of it the masks of butterfly schemes would be those of a boundary; twice of it only takes longer.
+/// Cells on each side of the middle of the nets from which masks are read: two cells, the reach of masks, and one more.
+/// With half as many, butterfly schemes would have the masks of a boundary; twice as many would only take longer.
 pub(super) const RADIUS: usize = 3;
 
 /// How a step uses a table.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Use {
-    /// All points from those of the coarse grid.
+    /// All points are computed from the coarse grid.
     Up,
-    /// All points from those before.
+    /// All points are computed from the points before the step.
     Blend,
-    /// Differences between the coarse grid and its children are added.
+    /// Rows of the differences between the coarse grid and its children are added.
     Push,
 }
 
 /// The masks of one step on one net.
 pub(super) struct Table {
     pub(super) is: Use,
-    /// Planes and masks: of the four points that belong to the cell in the middle, or where there is a line of the
-    /// vertex in the middle and of the point after it along the line.
+    /// Planes and masks of the four points that belong to the cell in the middle; if there is a line, those of the
+    /// vertex in the middle and of the point that follows it along the line.
     pub(super) masks: Vec<(usize, Mask)>,
-    /// Planes and masks of points beside the line.
+    /// Planes and masks of points next to the line.
     pub(super) beside: Vec<(usize, Mask)>,
 }
 
 /// A small net with a vertex in its middle, which may lie on a line along an axis.
 pub(super) struct Sample {
-    /// Cells on each side of the middle, which is also its place.
+    /// Number of cells on each side of the middle; also each coordinate of the middle.
     radius: isize,
     line: Option<(Line, usize)>,
     lanes: Option<Lanes>,
     topology: Arc<Topology>,
-    /// For each vertex its place.
+    /// The place of each vertex.
     coarse: Vec<[isize; 2]>,
 }
 
-/// How far to the left of a line along an axis through a point a place lies.
+/// Returns how far a place lies to the left of the line along an axis through `[through, through]`.
 fn side(axis: usize, through: isize, [i, j]: [isize; 2]) -> isize {
     let [a, b] = AXES[axis];
     a * (j - through) - b * (i - through)
 }
 
 impl Sample {
-    /// A net of so many cells on each side of the middle.
+    /// Creates a net with `radius` cells on each side of the middle.
     pub(super) fn new(tile: Tile, line: Option<(Line, usize)>, radius: usize) -> Self {
         let radius = radius.cast_signed();
         let cells = (0..2 * radius).flat_map(|j| (0..2 * radius).map(move |i| [i, j]));
@@ -88,22 +88,22 @@ impl Sample {
         Self { radius, line, lanes: None, topology: Arc::new(checked.topology), coarse }
     }
 
-    /// Returns the net with the tags of lanes.
+    /// Returns the sample with the tags of lanes.
     pub(super) fn with_lanes(self, lanes: Option<Lanes>) -> Self {
         Self { lanes, ..self }
     }
 
-    /// The vertex in the middle.
+    /// Returns the vertex in the middle.
     pub(super) fn middle(&self) -> u32 {
         index(self.coarse.iter().position(|&place| place == [self.radius; 2]).unwrap_or(0))
     }
 
-    /// The place of a vertex, counted from the middle.
+    /// Returns the place of a vertex relative to the middle.
     pub(super) fn off_middle(&self, v: u32) -> [isize; 2] {
         self.coarse[v as usize].map(|x| x - self.radius)
     }
 
-    /// The net under a plan.
+    /// Returns the net under a plan.
     pub(super) fn net(&self, plan: &Plan) -> MeshNet {
         let net = MeshNet::new(self.topology.clone(), &[], &[], Boundary::EdgeOnly);
         let is_odd = |e: usize| {
@@ -118,7 +118,7 @@ impl Sample {
         net.with_sharpness(Sharpness::of(&sharp, &Vec::new()), plan.rules)
     }
 
-    /// Where each point of the refined net lies on the refined grid.
+    /// Returns the place of each point of the refined net on the refined grid.
     fn places(&self, n: usize) -> Vec<[isize; 2]> {
         let topology = &self.topology;
         let sum = |vertices: &[u32]| {
@@ -130,7 +130,7 @@ impl Sample {
         vertices.chain(edges).chain(faces).take(n).collect()
     }
 
-    /// The masks of each step of a round around the middle.
+    /// Returns the masks of each step of a round around the middle, or `None` if masks cannot express one of them.
     pub(super) fn tables(&self, plan: &Plan, round: &[Scheduled]) -> Option<Vec<Table>> {
         let steps = steps(self.net(plan), plan, round)?;
         let places = self.places(steps.first()?.1.n_rows());
@@ -151,7 +151,8 @@ impl Sample {
         steps.iter().map(table).collect()
     }
 
-    /// Planes and cells of points beside the line, up to a cell away, on the side that boundaries have faces on.
+    /// Returns planes and cells of points next to the line, up to a cell away, on the side on which a boundary has its
+    /// faces.
     fn beside(&self) -> Vec<(usize, [isize; 2])> {
         let Some((_, axis)) = self.line else { return Vec::new() };
         let middle = 2 * self.radius;
@@ -159,7 +160,7 @@ impl Sample {
         near.filter(|&place| (1..=2).contains(&side(axis, middle, place))).map(cell).collect()
     }
 
-    /// The mask of one row for a point of the cell `at`, over the refined net where `places` are given, else over the
+    /// Returns the mask of one row for a point of cell `at`, over the refined net if `places` are given, else over the
     /// coarse one.
     fn mask(&self, rows: &dyn RowSource, row: usize, at: [isize; 2], places: Option<&Vec<[isize; 2]>>) -> Option<Mask> {
         let mut table = Rows::default();
@@ -177,7 +178,7 @@ impl Sample {
     }
 }
 
-/// How the steps of a round make their points, one table each; none where one of them does otherwise.
+/// Returns the rows of each step of a round and how they are used, or `None` if a step does not fit this form.
 pub(super) fn steps(mut net: MeshNet, plan: &Plan, round: &[Scheduled]) -> Option<Vec<(Use, Box<dyn RowSource>)>> {
     let mut tables = Vec::new();
     for step in round {

@@ -1,4 +1,4 @@
-//! The faces around a vertex where a grid is not regular, refined by tables of their own.
+//! Refines the faces around a vertex where the grid is not regular, by tables of their own.
 
 use std::collections::HashMap;
 use std::sync::Arc;
@@ -16,23 +16,23 @@ use crate::shape::check::{FaceList, Winding};
 use crate::shape::tile::Tile;
 use crate::shape::topology::{Topology, index};
 
-/// What of a vertex decides how the faces around it are refined.
+/// The properties of a vertex that decide how the faces around it are refined.
 #[derive(Debug, Clone, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub(super) struct StarKind {
-    /// Number of faces around it.
+    /// Number of faces around the vertex.
     pub(super) faces: usize,
-    /// Whether they lie all around it.
+    /// Whether the faces surround the vertex completely.
     pub(super) closed: bool,
-    /// The sharp edges among those at the vertex, counted from the first of its ring, and the bits of their sharpness.
+    /// The sharp edges at the vertex, by their index in the ring, with the bits of their sharpness.
     pub(super) sharp: Vec<(usize, u64)>,
-    /// The bits of its own sharpness, which is infinite where it keeps its place.
+    /// The bits of the sharpness of the vertex, which is infinite at corners.
     pub(super) corner: u64,
-    /// The tags of the net, seen from the first edge of its ring.
+    /// The tags of the net, as seen from the first edge of the ring.
     pub(super) lanes: Option<Lanes>,
 }
 
 impl StarKind {
-    /// What it is after so many rounds.
+    /// Returns the kind of the vertex after so many rounds.
     pub(super) fn after(&self, rounds: usize) -> Self {
         let left = |bits: u64| softened(f64::from_bits(bits), rounds).map(f64::to_bits);
         let sharp = self.sharp.iter().filter_map(|&(edge, sharpness)| Some((edge, left(sharpness)?))).collect();
@@ -40,40 +40,40 @@ impl StarKind {
     }
 }
 
-/// How the points of a star are numbered: the vertex, then for each face of its ring those of its [`sector`], `a` steps
-/// along the face's first edge and `b` along its last one, at last the points of the last edge where the faces do not
-/// close.
+/// The numbering of the points of a star: the vertex, then for each face of the ring the points of its [`sector`], `a`
+/// steps along the face's first edge and `b` along its last one, and, if the faces do not close, the points of the last
+/// edge.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct StarShape {
     pub(super) tile: Tile,
     pub(super) faces: usize,
     pub(super) closed: bool,
-    /// Cells around the vertex.
+    /// Number of cells around the vertex.
     pub(super) reach: usize,
 }
 
 impl StarShape {
-    /// Number of points.
+    /// Returns the number of points.
     pub(super) fn len(self) -> usize {
         let last = if self.closed { 0 } else { self.reach };
         1 + self.faces * self.sector() + last
     }
 
-    /// Points of a face.
+    /// Returns the number of points of a face.
     fn sector(self) -> usize {
         self.column(self.reach + 1)
     }
 
-    /// Points of a face in the columns before column `a`.
+    /// Returns the number of points of a face in the columns before column `a`.
     fn column(self, a: usize) -> usize {
         match self.tile {
             Tile::Quad => (a - 1) * (self.reach + 1),
-            // columns become shorter from `reach` points on
+            // column `a` has `reach + 1 - a` points
             Tile::Triangle => (a - 1) * (2 * self.reach + 2 - a) / 2,
         }
     }
 
-    /// The next face of the ring counter-clockwise, or the one before; none beyond a boundary.
+    /// Returns the next face of the ring counter-clockwise, or the previous one; `None` beyond a boundary.
     pub(super) fn neighbour(self, face: usize, next: bool) -> Option<usize> {
         match next {
             true if face + 1 < self.faces => Some(face + 1),
@@ -83,7 +83,7 @@ impl StarShape {
         }
     }
 
-    /// The number of the point `[a, b]` of a face of the ring.
+    /// Returns the index of the point `[a, b]` of a face of the ring.
     pub(super) fn point(self, face: usize, [a, b]: [usize; 2]) -> usize {
         let inside = |face: usize, a: usize, b: usize| 1 + face * self.sector() + self.column(a) + b;
         match (a, b) {
@@ -95,7 +95,7 @@ impl StarShape {
         }
     }
 
-    /// All points in order: the vertex, then face and `[a, b]`.
+    /// Returns all points in order, as face and `[a, b]`; the vertex is the first.
     pub(super) fn points(self) -> impl Iterator<Item = (usize, [usize; 2])> {
         let inside =
             (0..self.faces).flat_map(move |face| sector(self.tile, self.reach).map(move |place| (face, place)));
@@ -105,30 +105,30 @@ impl StarShape {
     }
 }
 
-/// What a round does to the points of a star.
+/// The tables of one round for the points of a star.
 #[derive(Debug)]
 pub(super) struct StarRound {
     stages: Vec<Stage>,
 }
 
-/// One step, with the points numbered anew that still matter after it.
+/// One step, restricted to the points that later steps need and renumbered accordingly.
 #[derive(Debug)]
 enum Stage {
-    /// From the points of the star.
+    /// Rows over the points of the star before the round.
     Up(Rows),
-    /// From the points before.
+    /// Rows over the points before the step.
     Blend(Rows),
-    /// To each point, numbered as before, rows of differences are added.
+    /// Rows over differences, which are added to the points; the points keep their indices.
     Push {
-        /// Pairs of a point of the star and of its child before the step.
+        /// For each difference the point of the star and its child before the step.
         differences: Vec<[u32; 2]>,
         rows: Rows,
     },
 }
 
 impl StarRound {
-    /// The tables of a round, with so many before it, around a vertex of this kind; none where the operators cannot be
-    /// applied there.
+    /// Returns the tables of a round around a vertex of this kind, with `before` rounds before it; `None` if the
+    /// operators cannot be applied there.
     pub(super) fn of(
         kind: &StarKind,
         (tile, reach): (Tile, usize),
@@ -152,7 +152,7 @@ impl StarRound {
                 Use::Push => {
                     let (mut before, mut anchors) = (Needed::of(needed.order.clone()), Needed::default());
                     let made = needed.rows(rows, |i| anchors.number(i));
-                    // vertices keep their numbers, so that a vertex is its own child
+                    // each vertex keeps its index in the refined net, so it is its own child
                     let differences = anchors.order.iter().map(|&v| [v, before.number(v)]).collect();
                     (Stage::Push { differences, rows: made }, before)
                 }
@@ -164,7 +164,7 @@ impl StarRound {
         Some(Self { stages })
     }
 
-    /// By which factor numbers grow in the round at most.
+    /// Returns an upper bound of the factor by which values grow in the round.
     pub(super) fn growth(&self) -> f64 {
         let largest = |rows: &Rows| {
             let total = |row: usize| rows.row(row).1.iter().map(|weight| weight.abs()).sum();
@@ -177,7 +177,7 @@ impl StarRound {
         self.stages.iter().map(of).product::<f64>()
     }
 
-    /// The points of the star after the round, from those before it.
+    /// Computes the points of the star after the round, in `work.now`, from those before it.
     pub(super) fn apply<const W: usize>(&self, star: &[[f64; W]], work: &mut StarWork<W>) {
         let StarWork { now, next, differences } = work;
         for stage in &self.stages {
@@ -200,7 +200,7 @@ impl StarRound {
     }
 }
 
-/// Buffers for stars.
+/// Buffers for the refinement of stars.
 #[derive(Debug, Default)]
 pub(super) struct StarWork<const W: usize> {
     /// The points after the last step.
@@ -214,7 +214,7 @@ fn fill<const W: usize>(rows: &Rows, from: &[[f64; W]], to: &mut Vec<[f64; W]>) 
     rows.apply(from, to);
 }
 
-/// Points of a net that matter, numbered in the order in which they were asked for.
+/// The points of a net that later steps need, numbered in the order in which they were requested.
 #[derive(Default)]
 struct Needed {
     order: Vec<u32>,
@@ -234,7 +234,7 @@ impl Needed {
         })
     }
 
-    /// The rows of these points, over points that `number` numbers anew.
+    /// Returns the rows of the needed points, with columns renumbered by `number`.
     fn rows(&self, source: &dyn RowSource, mut number: impl FnMut(u32) -> u32) -> Rows {
         let (mut made, mut row) = (Rows::default(), Rows::default());
         for &i in &self.order {
@@ -252,16 +252,16 @@ impl Needed {
     }
 }
 
-/// The faces around a vertex as a mesh of their own, whose vertices are numbered as the points of the star.
+/// The faces around a vertex as a separate mesh, whose vertices are numbered as the points of the star.
 pub(super) struct Disc {
     shape: StarShape,
     topology: Arc<Topology>,
-    /// Ring face and cell of each face.
+    /// The face index of each ring face and cell; quads only.
     cells: HashMap<(usize, [usize; 2]), usize>,
 }
 
 impl Disc {
-    /// The faces around a vertex of this kind, as far as `reach` cells; none where they are no surface.
+    /// Creates the faces around a vertex of this kind, `reach` cells wide; `None` if they are not a manifold.
     pub(super) fn new(kind: &StarKind, tile: Tile, reach: usize) -> Option<Self> {
         let shape = StarShape { tile, faces: kind.faces, closed: kind.closed, reach };
         let mut faces = FaceList::default();
@@ -287,12 +287,12 @@ impl Disc {
         checked.split_from.is_empty().then(|| Self { shape, topology: Arc::new(checked.topology), cells })
     }
 
-    /// How its vertices are numbered.
+    /// Returns the numbering of the vertices.
     pub(super) fn shape(&self) -> StarShape {
         self.shape
     }
 
-    /// The net under a plan.
+    /// Returns the net under a plan.
     pub(super) fn net(&self, kind: &StarKind, plan: &Plan) -> MeshNet {
         let on_edge = |edge: usize, at: usize| -> u32 {
             let (face, place) = if edge < kind.faces { (edge, [at, 0]) } else { (edge - 1, [0, at]) };
@@ -312,7 +312,7 @@ impl Disc {
         net.with_sharpness(Sharpness::of(&sharp, &semi_sharp), plan.rules)
     }
 
-    /// Tells for each edge whether it runs along an edge at the vertex whose number in the ring is odd.
+    /// Returns a predicate that tells whether an edge runs along a spoke with an odd index in the ring of the vertex.
     fn on_odd_spokes(&self) -> impl Fn(usize) -> bool + use<> {
         let edges = self.edges();
         let mut odd = vec![false; self.topology.n_edges()];
@@ -335,7 +335,7 @@ impl Disc {
         ends.flat_map(|(e, [a, b])| [([a, b], e), ([b, a], e)]).collect()
     }
 
-    /// The points of the refined disc that are the points of the star after the round.
+    /// Returns the points of the refined disc that are the points of the star after the round.
     fn next(&self) -> Vec<u32> {
         let (n_v, n_e) = (self.topology.n_vertices(), self.topology.n_edges());
         let edges = self.edges();

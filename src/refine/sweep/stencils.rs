@@ -1,4 +1,4 @@
-//! How values at refined points are made of the points next to them, read off small nets.
+//! Stencils of values at refined points over the points next to them, read off small nets.
 
 use super::lattice::sector;
 use super::line::Line;
@@ -9,29 +9,29 @@ use crate::scheme::mesh_net::MeshNet;
 use crate::scheme::plan::Plan;
 use crate::shape::tile::Tile;
 
-/// How a value at a point is made of points around it: each sector around the point has functionals, each of which is a
-/// weighted sum.
+/// A stencil of the value at a point: each sector around the point has functionals, and each functional is a weighted
+/// sum of points.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Stencil<P> {
     /// For each sector and functional the points and their weights.
     pub(crate) sectors: Vec<Vec<Vec<(P, f64)>>>,
-    /// The points that follow this one in the faces around it, and the sectors of these faces.
+    /// The points that follow the point in its faces, with the sectors of these faces.
     pub(crate) sides: Vec<(P, usize)>,
 }
 
 /// The stencils of the points of a refined net.
 #[derive(Debug)]
 pub(crate) struct Stencils {
-    /// Where the grid is regular, by the place counted from the point.
+    /// The stencil where the grid is regular, over places relative to the point.
     pub(super) regular: Stencil<[isize; 2]>,
-    /// For each line those along each axis, where it is not smooth by then.
+    /// For each line the stencils along each axis, or `None` where the line is smooth by then.
     pub(super) lines: Vec<Option<Vec<Stencil<[isize; 2]>>>>,
-    /// For each kind of star that of its vertex, by the points of the star that is one cell wide.
+    /// For each kind of star the stencil of its vertex, over the points of a star that is one cell wide.
     pub(super) stars: Vec<Stencil<usize>>,
 }
 
 impl<P> Stencil<P> {
-    /// The same with other names of points; none where one that takes part has no such name.
+    /// Renames the points of the stencil; returns `None` if a point with nonzero weight has no new name.
     fn named<Q>(self, name: impl Fn(P) -> Option<Q>) -> Option<Stencil<Q>> {
         let weights = |all: Vec<(P, f64)>| {
             let taking_part = all.into_iter().filter(|(_, weight)| *weight != 0.0);
@@ -46,9 +46,9 @@ impl<P> Stencil<P> {
 }
 
 impl Sweep {
-    /// The stencils of the points where the sweep ends: `find` gives that of a vertex of a small net, so many rings
-    /// away from where the net looks otherwise. None where `find` gives none, or where more than the points next to one
-    /// take part.
+    /// Returns the stencils of the points where the sweep ends. `find` returns the stencil of a vertex of a small net
+    /// that is uniform for `rings` rings around the vertex. Returns `None` if `find` does, or if a stencil reaches
+    /// beyond the points next to its own.
     pub(crate) fn stencils<E>(
         &self,
         plan: &Plan,

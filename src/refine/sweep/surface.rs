@@ -1,5 +1,5 @@
-//! The patches of a surface: quads or triangles in whose grids points are made, and what lies around their corners and
-//! on their sides.
+//! The patches of a surface, the quads or triangles on whose grids points are computed, with the vertices and lines at
+//! which they meet.
 
 use std::collections::HashMap;
 use std::ops::Range;
@@ -17,7 +17,7 @@ use crate::shape::directions::{Direction, Directions};
 use crate::shape::tile::Tile;
 use crate::shape::topology::{NONE, Topology, index};
 
-/// Vertices that one thread looks at at a time at least.
+/// Minimum number of vertices that one thread classifies at a time.
 const CHUNK: usize = 1024;
 
 /// The patches of a surface.
@@ -26,23 +26,23 @@ pub(super) struct Surface {
     pub(super) tile: Tile,
     /// The mesh that is refined.
     pub(super) base: Arc<Topology>,
-    /// The patches: its faces, or where some are no quads the faces of its first split.
+    /// The patches: the faces of the base or, if some are not quads, the faces of its first split.
     pub(super) patches: Arc<Topology>,
-    /// What sides of patches are that are not smooth: boundaries first, then sharp edges; none of those that are smooth
+    /// The kinds of sides that are not smooth: boundaries first, then sharp edges; `None` for those that are smooth
     /// when the sweep begins.
     pub(super) lines: Vec<Option<Line>>,
-    /// For each edge of the patches the number of its line, 0 where it has none of its own; empty where all are so.
+    /// For each edge of the patches the index of its line, or 0 if it is not sharp; empty if no edge is sharp.
     line_of: Vec<u8>,
-    /// For each vertex of the patches the number of its kind, [`NONE`] where the grid is regular.
+    /// For each vertex of the patches the index of its kind; [`NONE`] where the grid is regular.
     kind_of: Vec<u32>,
-    /// The kinds of the other vertices.
+    /// The kinds of vertices where the grid is not regular.
     pub(super) kinds: Vec<StarKind>,
-    /// The tags of the edges of the patches, where they are looked at.
+    /// The tags of the edges of the patches, if the plan uses them.
     lanes: Option<(Lanes, Arc<Directions>)>,
 }
 
 impl Surface {
-    /// The patches of a net that was not split yet, whose sharp edges lie on these lines, as they are after so many
+    /// Creates the patches of an unrefined net whose sharp edges lie on these lines, as they are after `before`
     /// rounds.
     pub(super) fn new(net: &MeshNet, tile: Tile, (lines, lanes): (&[Line], Option<Lanes>), before: usize) -> Self {
         let base = net.mesh.base.clone();
@@ -86,7 +86,7 @@ impl Surface {
         let mut kind_of: Vec<u32> = vertices.map(|v| if is_regular(v) { NONE } else { 0 }).collect();
         let mut kinds = Vec::new();
         let mut numbers: HashMap<StarKind, u32> = HashMap::new();
-        // most are smooth and told apart by their valence
+        // most vertices are smooth and differ only by their valence
         let mut smooth: Vec<u32> = Vec::new();
         for (v, entry) in kind_of.iter_mut().enumerate().filter(|(v, kind)| **kind == 0 && !patches.is_isolated(*v)) {
             let kind = self.kind(v, corner(v));
@@ -123,18 +123,18 @@ impl Surface {
         StarKind { faces, closed, sharp, corner: corner.to_bits(), lanes }
     }
 
-    /// The tags, seen from where a half-edge is the first direction.
+    /// Returns the tags as seen from a half-edge, whose direction is the first.
     fn lanes(&self, half_edge: u32) -> Option<Lanes> {
         let (lanes, directions) = self.lanes.as_ref()?;
         Some(lanes.seen(directions.of(self.patches.edge(half_edge)) == Direction::Longitude))
     }
 
-    /// Whether the first side of a patch is a longitude edge.
+    /// Returns whether the first side of a patch is a longitude edge.
     pub(super) fn is_turned(&self, patch: usize) -> bool {
         self.lanes(self.patches.half_edges(patch).start).is_some_and(|lanes| lanes.turned)
     }
 
-    /// Whether edges have tags.
+    /// Returns whether edges have tags.
     pub(super) fn is_tagged(&self) -> bool {
         self.lanes.is_some()
     }
@@ -147,23 +147,23 @@ impl Surface {
         self.line_of(edge).is_some()
     }
 
-    /// The kind of a vertex of the patches around which the grid is not regular.
+    /// Returns the kind of a vertex of the patches, or `None` where the grid is regular.
     pub(super) fn kind_of(&self, v: usize) -> Option<usize> {
         Some(self.kind_of[v]).filter(|&kind| kind != NONE).map(|kind| kind as usize)
     }
 
-    /// The number of the line on which a side of a patch lies, where it is not smooth.
+    /// Returns the index of the line on which a side of a patch lies, or `None` where it is smooth.
     pub(super) fn line(&self, half_edge: u32) -> Option<usize> {
         if self.patches.twin(half_edge) == NONE { Some(0) } else { self.line_of(self.patches.edge(half_edge)) }
     }
 
-    /// Everything that becomes less sharp, as lines: of edges and of vertices.
+    /// Returns everything whose sharpness decays, as lines: edges and vertices.
     pub(super) fn softening(&self) -> Vec<Line> {
         let corners = self.kinds.iter().map(|kind| Line::Crease(f64::from_bits(kind.corner)));
         self.lines.iter().copied().flatten().chain(corners).collect()
     }
 
-    /// The patches of consecutive base faces.
+    /// Returns the patches of consecutive base faces.
     pub(super) fn patches_of(&self, faces: Range<usize>) -> Range<usize> {
         if Arc::ptr_eq(&self.base, &self.patches) {
             return faces;
@@ -174,16 +174,16 @@ impl Surface {
         first(faces.start)..first(faces.end)
     }
 
-    /// Which side of which patch a half-edge is.
+    /// Returns the patch of a half-edge, and the side of it that the half-edge is.
     pub(super) fn side(&self, half_edge: u32) -> (usize, usize) {
         let sides = self.tile.sides();
         ((half_edge / sides) as usize, (half_edge % sides) as usize)
     }
 
-    /// The documented number of a point of a patch; `order` has the numbers at that level.
+    /// Returns the documented index of a point of a patch; `order` gives the indices at that level.
     fn vertex(&self, order: &Numbering, patch: usize, [i, j]: [isize; 2]) -> u32 {
         if self.is_whole(order) {
-            // the corners of the patches are all there is
+            // the corners are the only points of the patches
             let half_edges = self.patches.half_edges(patch);
             let corner =
                 if j == 0 { half_edges.start + u32::from(i > 0) } else { half_edges.end - 1 - u32::from(i > 0) };
@@ -192,14 +192,14 @@ impl Surface {
         order.vertex(patch, [i, j])
     }
 
-    /// Whether the patches are not divided at the level of these numbers.
+    /// Returns whether the patches are undivided at the level of this numbering.
     fn is_whole(&self, order: &Numbering) -> bool {
         order.pieces() == if Arc::ptr_eq(&self.base, &self.patches) { 1 } else { 2 }
     }
 
-    /// Calls `put([i, j], vertex)` for the points of a patch of `n` pieces and those up to `halo` beyond it that lie in
-    /// its neighbours; `order` has the documented numbers at that level. What lies beyond a boundary or across a vertex
-    /// where the grid is not regular is left out.
+    /// Calls `put([i, j], vertex)` for the points of a patch of `n` pieces and for those up to `halo` beyond it in its
+    /// neighbours; `order` gives the documented indices at that level. Points beyond a boundary, or across a vertex
+    /// where the grid is not regular, are left out.
     pub(super) fn gather(
         &self,
         order: &Numbering,
@@ -218,7 +218,7 @@ impl Surface {
                 let (neighbour, its) = self.side(twin);
                 let (here, there) = (Frame::new(tile, n, side, 0), Frame::new(tile, n, its, 0));
                 for depth in 1..=depths {
-                    // the lines of triangles across the side become shorter
+                    // on triangles, lines parallel to the side become shorter across it
                     for steps in if tile == Tile::Quad { 0 } else { depth }..=most {
                         let vertex = self.vertex(order, neighbour, there.place([most - steps, depth]));
                         put(here.place([steps, -depth]), vertex);
@@ -231,8 +231,9 @@ impl Surface {
         }
     }
 
-    /// The number of a point of a patch with `n` pieces, or of a neighbour across the side of a half-edge: so many
-    /// steps along the side and beside it.
+    /// Returns the documented index of a point of the patch of a half-edge, or of its neighbour across it: `along`
+    /// steps along the side and `beside` steps away from it, negative in the neighbour. Patches have `n` pieces per
+    /// side.
     pub(super) fn vertex_near(&self, order: &Numbering, half_edge: u32, n: usize, [along, beside]: [isize; 2]) -> u32 {
         let (inside, place) = if beside < 0 {
             (self.patches.twin(half_edge), [n.cast_signed() - along, -beside])
@@ -243,7 +244,8 @@ impl Surface {
         order.vertex(patch, Frame::new(self.tile, n, side, 0).place(place))
     }
 
-    /// The points beyond a corner of a patch, in the faces around it that have no side in common with the patch.
+    /// Calls `put` for the points beyond a corner of a patch, in the faces around it that share no side with the
+    /// patch.
     pub(super) fn gather_across(
         &self,
         order: &Numbering,
@@ -265,7 +267,7 @@ impl Surface {
         }
     }
 
-    /// The points of the star around a vertex, in the documented order at the level where patches have `n` pieces.
+    /// Calls `put` for the points of the star around a vertex, in order, at the level where patches have `n` pieces.
     pub(super) fn gather_star(
         &self,
         order: &Numbering,

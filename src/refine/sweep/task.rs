@@ -1,17 +1,17 @@
-//! Consecutive patches that one thread makes, and where their points go.
+//! Divides the patches into tasks for threads, and the result into the parts that they write.
 
 use std::ops::Range;
 
 use super::program::Sweep;
 
-/// Faces that one task makes, about: small enough that two threads end together, large enough that what neighbouring
-/// patches share of stars is made once. Half of it makes more stars twice, twice of it lets a thread wait longer.
+/// Approximate number of faces that one task refines: small enough that all threads finish together, large enough that
+/// few stars are refined twice. Half as many refine more stars twice; twice as many let threads wait longer.
 const TASK: usize = 1 << 14;
 
-/// Consecutive patches and where their points go.
+/// Consecutive patches and the parts of the result that hold their points.
 pub(super) struct Task<'a, const W: usize> {
     pub(super) patches: Range<usize>,
-    /// The documented numbers of the first of `edges` and of `inner`.
+    /// The documented indices of the first point of `edges` and of `inner`.
     starts: [usize; 2],
     pub(super) edges: &'a mut [[f64; W]],
     pub(super) inner: &'a mut [[f64; W]],
@@ -20,13 +20,13 @@ pub(super) struct Task<'a, const W: usize> {
 }
 
 impl<const W: usize> Task<'_, W> {
-    /// The places of points inside base faces from a documented number on.
+    /// Returns the slots of `n` points inside base faces, from a documented index on.
     pub(super) fn inside(&mut self, first: u32, n: usize) -> &mut [[f64; W]] {
         let first = first as usize - self.starts[1];
         &mut self.inner[first..first + n]
     }
 
-    /// The places of consecutive points that are no vertices of the base, if they are here.
+    /// Returns the slots of `n` consecutive points that are not base vertices, if they belong to this task.
     pub(super) fn places(&mut self, first: usize, n: usize) -> Option<&mut [[f64; W]]> {
         if let Some(at) = first.checked_sub(self.starts[1]) {
             return self.inner.get_mut(at..at + n);
@@ -37,8 +37,8 @@ impl<const W: usize> Task<'_, W> {
 }
 
 impl Sweep {
-    /// The patches of consecutive base faces, each with the points of the edges that appear there first and with those
-    /// inside.
+    /// Divides the patches into tasks of consecutive base faces, each with the points of the edges that appear there
+    /// first and with the points inside the faces.
     pub(super) fn tasks<'a, const W: usize>(&self, points: &'a mut [[f64; W]]) -> Vec<Task<'a, W>> {
         let (base, order) = (&self.surface.base, &self.orders[1]);
         let on_edge = order.pieces() - 1;

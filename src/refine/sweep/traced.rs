@@ -1,4 +1,4 @@
-//! The rows of values at refined points: what an evaluation sums, in the same order.
+//! The rows of values at refined points: the terms that an evaluation adds, in the same order.
 
 use std::ops::Range;
 
@@ -14,24 +14,25 @@ use crate::watch::{Stopped, Watch};
 /// Rows over the points where a sweep ends, in the documented order.
 #[derive(Debug)]
 pub(crate) struct Traced {
-    /// The rows: those of a point's first sector, one for each functional, then those of its others.
+    /// The rows of all points: for each point those of its first sector, one per functional, then those of its other
+    /// sectors.
     pub(crate) rows: Rows,
-    /// For each point its first row and its number of sectors; none of points without faces.
+    /// For each point its first row and its number of sectors; `None` for points without faces.
     pub(crate) of_points: Vec<Option<(usize, usize)>>,
 }
 
-/// The rule of what stands for a value: it is never computed.
+/// A placeholder for the rule of an evaluation, which is never applied.
 const NOTHING: Rule<1> = Rule { of: |_| [0.0], join: |_| [0.0], alone: |value| value };
 
 impl Sweep {
-    /// The rows that [`Sweep::evaluate`] sums at the points where the sweep ends.
+    /// Returns the rows that [`Sweep::evaluate`] adds up at the points where the sweep ends.
     ///
     /// # Errors
     /// [`Stopped`] when the watch says so.
     pub(crate) fn traced(&self, stencils: &Stencils, watch: &Watch) -> Result<Traced, Stopped> {
         let base = &self.surface.base;
-        // for each point the bits of the number of what was found there, counted from 1; where several patches make a
-        // point, it is that of the one whose value stays
+        // for each point the bits of the index of its entry, counted from 1; if several patches compute a point, the
+        // entry of the one whose value is kept
         let mut found = vec![[0.0]; self.n_points()];
         let (vertices, rest) = found.split_at_mut(base.n_vertices());
         let run = Evaluation::new(self, &[], stencils, NOTHING);
@@ -60,18 +61,18 @@ impl Sweep {
     }
 }
 
-/// What was found so far.
+/// The rows found so far.
 struct Trace<'a> {
     sweep: &'a Sweep,
     run: &'a Evaluation<'a, 1>,
     stencils: &'a Stencils,
     rows: Rows,
-    /// First row and number of sectors.
+    /// First row and number of sectors of each entry.
     entries: Vec<(usize, usize)>,
 }
 
 impl Trace<'_> {
-    /// Adds the rows of a point; returns their number as the bits of an f64.
+    /// Adds the rows of a point and returns the index of its entry as the bits of an f64.
     fn add<P: Copy>(&mut self, stencil: &Stencil<P>, point: impl Fn(P) -> u32) -> [f64; 1] {
         let first = self.rows.len();
         for weights in stencil.sectors.iter().flatten() {
@@ -84,7 +85,7 @@ impl Trace<'_> {
         [f64::from_bits(self.entries.len() as u64)]
     }
 
-    /// Finds what stands at the points of some rows of a patch, given the numbers of the points.
+    /// Adds the rows of the points in some rows of a patch, given the indices of the points.
     fn band(&mut self, patch: usize, rows: &Range<usize>, points: &[u32], numbers: &mut [[f64; 1]]) {
         let (surface, run, n) = (&self.sweep.surface, self.run, self.run.n);
         let place = |[i, j]: [isize; 2], [a, b]: [isize; 2]| points[run.at(rows.start, [i + a, j + b])];
@@ -92,7 +93,7 @@ impl Trace<'_> {
         for j in rows.clone() {
             for i in 0..=last(surface.tile, n, j) {
                 let here = [i, j].map(usize::cast_signed);
-                // what stands on lines and in stars is replaced
+                // entries on lines and in stars are replaced below
                 numbers[run.at(rows.start, here)] = self.add(&self.stencils.regular, |by| place(here, by));
             }
         }

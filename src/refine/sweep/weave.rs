@@ -1,8 +1,8 @@
-//! The planes of a refined grid woven into rows of points.
+//! Interleaves the planes of a refined grid into rows of points.
 
 use super::grid::{Planes, Size, at_least};
 
-/// A row of a refined grid: points of two planes in turn.
+/// A row of a refined grid, which takes its points from two planes alternately.
 pub(super) struct Row<'a, const W: usize> {
     even: &'a [[f64; W]],
     odd: &'a [[f64; W]],
@@ -16,13 +16,13 @@ impl<'a, const W: usize> Row<'a, W> {
         Self { even, odd }
     }
 
-    /// Copies the points from `start` on.
+    /// Copies the points from column `start` on to `out`.
     pub(super) fn copy(&self, start: usize, out: &mut [[f64; W]]) {
         interleave(&self.even[start / 2..], &self.odd[start / 2..], start % 2 == 1, out);
     }
 }
 
-/// Fills `out` with `even[0], odd[0], even[1], ...`, without the first of them where it `skips` one.
+/// Fills `out` with `even[0], odd[0], even[1], ...`, without the first one if `skips` is set.
 fn interleave<const W: usize>(even: &[[f64; W]], odd: &[[f64; W]], skips: bool, out: &mut [[f64; W]]) {
     let (even, odd, out) = match out.split_first_mut() {
         Some((first, rest)) if skips => {
@@ -41,7 +41,7 @@ fn interleave<const W: usize>(even: &[[f64; W]], odd: &[[f64; W]], skips: bool, 
     }
 }
 
-/// Weaves the planes into the grid that enters the next round.
+/// Interleaves the planes into the grid that is refined in the next round.
 pub(super) fn weave<const W: usize>(planes: &Planes, size: Size, fine: Size, out: &mut Vec<f64>) {
     at_least(out, fine.len());
     let halo = size.halo.cast_signed();

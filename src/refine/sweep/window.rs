@@ -1,4 +1,4 @@
-//! Points made when they are asked for: of every patch only the blocks that hold some of them are refined.
+//! Computes points on demand: of each patch only the blocks with requested points are refined.
 
 use std::ops::Range;
 use std::sync::{Mutex, PoisonError};
@@ -11,24 +11,25 @@ use super::weave::Row;
 use crate::shape::tile::Tile;
 use crate::watch::Watch;
 
-/// Points of a band of rows, at most, where a patch is so wide that a band has the rows of one row of blocks only. Half
-/// of it makes the halos of smaller blocks for narrower patches; twice of it takes twice the memory for wide ones.
+/// Maximum number of points of a band of rows, where a patch is so wide that a band is a single row of blocks. With
+/// half as many, blocks become smaller and their halos cost more for narrower patches; twice as many take twice the
+/// memory for wide ones.
 const BAND: usize = 1 << 19;
 
-/// Least rows of a block after the last round: with half of it halos cost half as much again as the points.
+/// Minimum number of rows of a block after the last round; with half as many, halos cost half as much as the points.
 const LEAST_ROWS: usize = 32;
 
-/// A window of more than so many points for each that is wanted is not made as one.
+/// A window with more than this many points per requested point is divided.
 const SPARSE: usize = 4;
 
-/// A sweep whose points are made when they are asked for, and forgotten.
+/// A sweep whose points are computed when they are requested, and not kept.
 #[derive(Debug)]
 pub(crate) struct OnDemand {
     sweep: Sweep,
     pub(super) places: Places,
     start: Vec<f64>,
     flat: Flat,
-    /// The buffers of threads that do not work now.
+    /// The buffers of threads that are idle.
     idle: Mutex<Vec<Buffers>>,
     watch: Watch,
 }
@@ -43,17 +44,17 @@ struct Buffers {
 pub(super) struct Window<'a> {
     low: [usize; 2],
     high: [usize; 2],
-    /// Pieces of the patch's side.
+    /// Number of pieces of the patch's side.
     pieces: usize,
-    /// Whether points on the diagonal of a triangle are wanted: a block that has no other than its first one is not
-    /// made, so that those beside it have to be.
+    /// Whether points on the diagonal of a triangle are needed. A block that holds no further points of the diagonal
+    /// than its first one is not refined, so that its neighbours have to be.
     is_diagonal: bool,
     points: &'a mut [[f64; 3]],
 }
 
 impl OnDemand {
-    /// The points that a sweep makes of `start`, those of the net where it begins, three numbers each. A computation
-    /// that was stopped gives zeros.
+    /// Creates a source of the points that a sweep computes from `start`, three coordinates for each point of the net
+    /// where the sweep begins. After the watch says stop, all further points are zero.
     pub(crate) fn new(sweep: Sweep, start: Vec<f64>, watch: &Watch) -> Self {
         let n = sweep.orders[1].pieces();
         let sweep = sweep.with_blocks((BAND / n).max(LEAST_ROWS) / 2);
@@ -62,27 +63,27 @@ impl OnDemand {
         Self { sweep, places, start, flat, idle: Mutex::default(), watch: watch.clone() }
     }
 
-    /// Number of points.
+    /// Returns the number of points.
     pub(crate) fn n_points(&self) -> usize {
         self.sweep.n_points()
     }
 
-    /// Where a range of points from `v` on ends best.
+    /// Returns the best end for a range of points that starts at `v`.
     pub(crate) fn stretch(&self, v: usize) -> usize {
         self.places.stretch(v, self.rows())
     }
 
-    /// Where a range of faces from `face` on ends best.
+    /// Returns the best end for a range of faces that starts at `face`.
     pub(crate) fn stretch_of_faces(&self, face: usize) -> usize {
         self.places.stretch_of_faces(face, self.rows())
     }
 
-    /// Rows of a block after the last round.
+    /// Returns the number of rows of a block after the last round.
     fn rows(&self) -> usize {
         2 * self.sweep.rounds.last().map_or(1, |round| round.cells)
     }
 
-    /// Fills `out` with the points of these numbers in the documented order.
+    /// Fills `out` with the points in `range`, in the documented order.
     pub(crate) fn points(&self, range: Range<usize>, out: &mut Vec<[f64; 3]>) {
         out.clear();
         out.resize(range.len(), [0.0; 3]);
@@ -90,7 +91,7 @@ impl OnDemand {
         let spans = spans(range.clone(), |v| {
             let span = self.places.span(v);
             if span.is_none() {
-                // a vertex of no face stays where it is
+                // a vertex without faces keeps its position
                 out[v - range.start] = start[v];
             }
             span
@@ -105,7 +106,7 @@ impl OnDemand {
         });
     }
 
-    /// Fills `out` with the points at the corners of faces in the documented order, range after range.
+    /// Fills `out` with the corner points of the faces in each of the ranges, in the documented order.
     pub(crate) fn corners(&self, ranges: impl Iterator<Item = Range<usize>> + Clone, out: &mut Vec<[[f64; 3]; 4]>) {
         out.clear();
         out.resize(ranges.clone().map(|range| range.len()).sum(), [[0.0; 3]; 4]);
@@ -128,7 +129,7 @@ impl OnDemand {
         });
     }
 
-    /// Makes the points of spans, sorted by their patches, and those so many steps before and after them in both
+    /// Computes the points of spans, sorted by patch, with those up to `beside` steps before and after them in both
     /// directions, and calls `each` for every span.
     pub(super) fn windows(
         &self,
@@ -163,7 +164,7 @@ impl OnDemand {
 }
 
 impl Window<'_> {
-    /// The two corners of the window around some spans, and how many points it has.
+    /// Returns the two corners of the window around some spans, and its number of points.
     fn around(spans: &[(usize, Span)], [before, after]: [usize; 2]) -> ([[usize; 2]; 2], usize) {
         let (mut low, mut high) = ([usize::MAX; 2], [0; 2]);
         for place in spans.iter().flat_map(|(_, span)| [span.from, span.last()]) {
@@ -179,13 +180,13 @@ impl Window<'_> {
         self.high[0] - self.low[0] + 1
     }
 
-    /// The points at the corners of a cell.
+    /// Returns the points at the corners of a cell.
     pub(super) fn cell(&self, [i, j]: [usize; 2]) -> [[f64; 3]; 4] {
         let (low, high) = (self.row([i, j]), self.row([i, j + 1]));
         [low[0], low[1], high[1], high[0]]
     }
 
-    /// The points of a row from a place on.
+    /// Returns the points of a row from a place on.
     pub(super) fn row(&self, [i, j]: [usize; 2]) -> &[[f64; 3]] {
         let width = self.width();
         &self.points[(j - self.low[1]) * width..][i - self.low[0]..width]
@@ -193,7 +194,7 @@ impl Window<'_> {
 }
 
 impl Target<3> for Window<'_> {
-    /// A block holds the points on all of its sides: those between two blocks are taken of one of them.
+    /// A block holds the points on all of its sides; a point between two blocks is taken from one of them.
     fn wants(&self, block: Block, cells: usize) -> bool {
         let pieces = self.pieces / block.pieces;
         [0, 1].into_iter().all(|axis| {

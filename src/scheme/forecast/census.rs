@@ -1,25 +1,25 @@
-//! Counts of a mesh and of what decides how they grow, for schemes that make a connectivity of their own.
+//! Counts of a mesh for the forecast of schemes that rebuild the connectivity.
 
 use super::count::Count;
 use crate::scheme::mesh_net::MeshNet;
 
-/// Counts of one mesh. Numbers saturate; nothing is allocated for them.
+/// The counts of one mesh; sums saturate, and nothing is allocated for the mesh.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Census {
-    /// Vertices, edges, faces and the sum of the sizes of the faces.
+    /// Numbers of vertices, edges and faces, and the sum of the sizes of the faces.
     pub count: Count,
-    /// Boundary edges, which are as many as boundary vertices.
+    /// Number of boundary edges, which is also that of boundary vertices.
     pub boundary: u128,
-    /// Vertices that keep their place.
+    /// Number of corners, which keep their position.
     pub corners: u128,
-    /// Vertices without a face.
+    /// Number of vertices without faces.
     pub isolated: u128,
-    /// Steps of such a scheme since the mesh was given.
+    /// Number of steps of such a scheme since the input.
     pub rounds: u32,
 }
 
 impl Census {
-    /// The counts of a net that is not split.
+    /// Returns the counts of a net that is not split.
     pub fn of(net: &MeshNet) -> Self {
         let topology = &net.mesh.base;
         Self {
@@ -31,15 +31,15 @@ impl Census {
         }
     }
 
-    /// Bytes of the topology while it is made: four numbers a corner, one of them on the way only, six an edge, and one
-    /// a vertex and a face.
+    /// Returns the size of the topology while it is built, in bytes: four numbers per corner (one of them temporary),
+    /// six per edge, and one per vertex and face.
     pub fn bytes(&self) -> u128 {
         let Count { vertices, edges, faces, corners, .. } = self.count;
         sum(&[(16, corners), (24, edges), (4, vertices), (4, faces)])
     }
 
-    /// The counts after a step with these vertices, faces, corners and largest face: the edges follow from the sizes of
-    /// the faces and the boundary.
+    /// Returns the counts after a step with these numbers of vertices, faces and corners and this largest face; the
+    /// number of edges follows from the corners and the boundary.
     #[must_use]
     pub fn after(&self, [vertices, faces, corners, largest_face]: [u128; 4], boundary: u128) -> Self {
         let edges = corners.saturating_add(boundary) / 2;
@@ -48,7 +48,7 @@ impl Census {
     }
 }
 
-/// A sum of products of counts with small factors.
+/// Returns the sum of products of counts with small factors.
 pub(in crate::scheme) fn sum(terms: &[(u128, u128)]) -> u128 {
     terms.iter().fold(0, |sum: u128, (factor, n)| sum.saturating_add(factor.saturating_mul(*n)))
 }

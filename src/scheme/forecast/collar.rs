@@ -26,21 +26,22 @@ use crate::shape::tile::Tile;
 use crate::shape::tiling::Tiling;
 use crate::shape::topology::{Topology, index};
 
-/// A net of which only what is near its boundary is explicit.
+/// A net of which only a collar along its boundary is explicit.
 #[derive(Debug)]
 pub(super) struct Collar {
     count: Count,
     isolated: u128,
     /// The faces near the boundary.
     net: Topology,
-    /// Whether a vertex lies on the boundary of the net, not only where the collar was cut off.
+    /// For each vertex of the collar whether it lies on the boundary of the net, not only on the cut edge of the
+    /// collar.
     real: Vec<bool>,
-    /// What lies beyond.
+    /// The sizes and valences beyond the collar.
     beyond: Sizes,
 }
 
 impl Collar {
-    /// The collar of a net whose counts are known, within so many layers of faces.
+    /// Creates the collar of a net with known counts, within `layers` layers of faces.
     ///
     /// # Errors
     /// None are known, but for those of [`Topology::of_faces`].
@@ -53,7 +54,7 @@ impl Collar {
         Ok(Self { count, isolated, net, real, beyond })
     }
 
-    /// The counts.
+    /// Returns the counts of the whole net.
     pub(super) fn count(&self) -> Count {
         let mut sizes = self.beyond.clone();
         sizes.add(&self.net, |_| false);
@@ -62,17 +63,17 @@ impl Collar {
         Count { largest_face: sizes.largest_face(), largest_fan, ..self.count }
     }
 
-    /// Numbers of corners that are explicit.
+    /// Returns the number of corners of the explicit part.
     pub(super) fn n_corners(&self) -> usize {
         self.net.n_half_edges()
     }
 
-    /// Whether all faces have so many vertices.
+    /// Returns whether all faces have `size` vertices.
     pub(super) fn are_all(&self, size: usize) -> bool {
         self.beyond.are_all(size) && (0..self.net.n_faces()).all(|f| self.net.face(f).len() == size)
     }
 
-    /// Keeps only so many layers of faces.
+    /// Shrinks the collar to `layers` layers of faces.
     pub(super) fn keep(&mut self, layers: u32) -> Result<(), StepError> {
         if let Some((net, real)) = near(&self.net, &self.real, layers, &mut self.beyond)? {
             (self.net, self.real) = (net, real);
@@ -80,12 +81,11 @@ impl Collar {
         Ok(())
     }
 
-    /// After a split with so many pieces an edge: into quads of faces of any size when it is 2, else of faces like
-    /// `tile`.
+    /// Splits the net into `pieces` pieces per edge: faces of any size into quads if that is 2, else faces like `tile`.
     pub(super) fn split(&mut self, tile: Tile, pieces: u32) {
         let halves = tile == Tile::Quad && pieces == 2;
         let split = if halves { self.net.split() } else { Tiling::new(&self.net, tile, pieces as usize).topology() };
-        // old vertices keep their numbers, and each boundary loop is all the net's or none of it
+        // old vertices keep their index, and a boundary loop belongs to the net's boundary as a whole or not at all
         let mut real = vec![false; split.n_vertices()];
         for round in split.boundary_loops() {
             let is_real = round.iter().any(|&v| self.real.get(v as usize) == Some(&true));
@@ -96,7 +96,7 @@ impl Collar {
         self.count = self.count.split(tile, pieces);
     }
 
-    /// After a D. Returns whether vertices were lost.
+    /// Applies D; returns whether vertices were lost.
     ///
     /// # Errors
     /// When there is no dual.
@@ -118,12 +118,12 @@ impl Collar {
         let isolated = (0..at_cut.len()).filter(|&v| known[v] && found.topology.is_isolated(v)).count() as u128;
         let real: Vec<bool> =
             known.iter().enumerate().map(|(v, &known)| known && found.topology.boundary_edges(v).is_some()).collect();
-        // vertices at the cut stand for faces, all of whose corners have faces there
+        // vertices on the cut become faces all of whose vertices exist
         self.beyond.faces.extend((0..at_cut.len()).filter(|&f| at_cut[f]).map(|f| net.face(f).len()));
         self.beyond.dual();
         let Count { vertices, faces, corners, .. } = self.count;
         let corners = corners - fan_sum - 2 * between_two;
-        // boundary edges have one side, the others two
+        // boundary edges have one side, others two
         let open = real.iter().filter(|&&real| real).count() as u128;
         let edges = open + (corners - open) / 2;
         self.count = Count { vertices: faces + split, edges, faces: vertices - lost, corners, ..Count::default() };
@@ -132,8 +132,8 @@ impl Collar {
     }
 }
 
-/// The faces within so many layers of the boundary and of vertices between two faces, and which of their vertices lie
-/// on the boundary; `None` when these are all. What is left out is added to `beyond`.
+/// Returns the faces within `layers` layers of the boundary and of vertices between two faces, and which of their
+/// vertices lie on the boundary; `None` if these are all faces. Adds what is left out to `beyond`.
 fn near(
     net: &Topology,
     real: &[bool],

@@ -1,42 +1,41 @@
-//! Counts of one net, and how operators change them.
+//! The counts of one net, and how operators change them.
 
 use crate::scheme::mesh_net::MeshNet;
 use crate::scheme::settings::Settings;
 use crate::shape::tile::Tile;
 use crate::shape::topology::index;
 
-/// Counts of one net.
+/// The counts of one net.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Count {
-    /// Points or vertices.
+    /// Number of points or vertices.
     pub vertices: u128,
-    /// Edges (of a polygon: pairs of neighbouring points).
+    /// Number of edges (of a polygon: pairs of neighbouring points).
     pub edges: u128,
-    /// Faces, hidden ones included; 0 for polygons.
+    /// Number of faces, hidden ones included; 0 for polygons.
     pub faces: u128,
     /// Sum of the sizes of all faces.
     pub corners: u128,
-    /// Hidden faces.
+    /// Number of hidden faces.
     pub hidden_faces: u128,
     /// Sum of the sizes of the hidden faces.
     pub hidden_corners: u128,
-    /// Vertices that are added, at most, where normals differ across sharp edges.
+    /// Upper bound of the number of vertices added where normals differ across sharp edges.
     pub split_vertices: u128,
-    /// Places with texture coordinates, where there are some.
+    /// Number of places with texture coordinates; 0 without them.
     pub uvs: u128,
-    /// Places of all channels with seams.
+    /// Number of places of all channels with seams.
     pub seamed: u128,
-    /// Vertices where there is one for each place of all that has seams; 0 where nothing has.
+    /// Number of vertices of the unfolded mesh, with one vertex per place of all seams together; 0 without seams.
     pub unfolded: u128,
-    /// Corners of the largest face that is shown; 0 without faces.
+    /// Size of the largest shown face; 0 without faces.
     pub largest_face: u128,
-    /// Corners of the largest face that a dual makes of a vertex: as many as it has faces, and two more at the
-    /// boundary.
+    /// Size of the largest face that D makes from a vertex: the number of its faces, plus two on the boundary.
     pub largest_fan: u128,
 }
 
 impl Count {
-    /// The counts of two nets together.
+    /// Returns the sum of the counts of two nets.
     pub(super) fn plus(self, other: Self) -> Self {
         Self {
             vertices: self.vertices.saturating_add(other.vertices),
@@ -54,7 +53,7 @@ impl Count {
         }
     }
 
-    /// The counts of a net.
+    /// Returns the counts of a net.
     pub(super) fn of_mesh(net: &MeshNet) -> Self {
         let sizes = net.tags.holes.iter().map(|&f| net.mesh.base.face(f as usize).len() as u128);
         let hidden_faces = net.tags.holes.len() as u128;
@@ -62,7 +61,7 @@ impl Count {
         net.mesh.pieces.iter().fold(count, |count, &pieces| count.split(net.mesh.tile, pieces))
     }
 
-    /// The counts of a net before its splits, hidden faces counted as if they were shown.
+    /// Returns the counts of a net before its splits, counting hidden faces as shown.
     pub(super) fn of_base(net: &MeshNet) -> Self {
         let topology = &net.mesh.base;
         let shown = (0..topology.n_faces()).filter(|&f| net.tags.holes.binary_search(&index(f)).is_err());
@@ -78,8 +77,8 @@ impl Count {
         }
     }
 
-    /// After a split with so many pieces an edge: of faces of any size into quads when it is 2, else of triangles or
-    /// quads alone.
+    /// Returns the counts after a split into `pieces` pieces per edge: of faces of any size into quads if that is 2,
+    /// else of triangles or quads only.
     pub(super) fn split(self, tile: Tile, pieces: u32) -> Self {
         if tile == Tile::Quad && pieces == 2 {
             return self.halved();
@@ -91,7 +90,7 @@ impl Count {
         let regular = match tile {
             _ if self.faces == 0 => 0,
             Tile::Quad => 4,
-            // where no edge is an inner one, new vertices lie on the boundary
+            // without inner edges, all new vertices lie on the boundary
             Tile::Triangle if pieces == 2 && self.corners == self.edges => 5,
             Tile::Triangle => 6,
         };
@@ -108,7 +107,8 @@ impl Count {
         }
     }
 
-    /// After a U of arity 2: V + E + F vertices, 2 E + (sum of sizes) edges, as many quads as there were corners.
+    /// Returns the counts after a U of arity 2: V + E + F vertices, 2 E + (sum of face sizes) edges, one quad per
+    /// corner.
     fn halved(self) -> Self {
         let four = |n: u128| n.saturating_mul(4);
         Self {
@@ -124,7 +124,7 @@ impl Count {
         }
     }
 
-    /// After a U on a mesh whose faces are all quads, or not.
+    /// Returns the counts after a U on a mesh; `is_quads` tells whether all its faces are quads.
     pub(super) fn upsampled(self, settings: &Settings, is_quads: bool) -> Self {
         let first = settings.pieces(is_quads) != settings.arity();
         let count = if first { self.halved() } else { self };

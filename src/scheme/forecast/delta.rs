@@ -1,4 +1,4 @@
-//! Where a push-back factor would have no value.
+//! Checks that the push-back factor has a value wherever it is needed.
 
 use std::sync::Arc;
 
@@ -9,7 +9,7 @@ use crate::scheme::plan::Plan;
 use crate::shape::tile::Tile;
 use crate::shape::topology::Topology;
 
-/// Checks that delta has a value at every valence that the first levels of a mesh can show it.
+/// Checks that delta has a value at every valence that occurs in the first levels of a mesh.
 ///
 /// # Errors
 /// A fault naming the valence.

@@ -35,7 +35,7 @@ const CORNER_BYTES: u128 = 96;
 /// counts.
 const LEAST_LAYERS: u32 = 2;
 
-/// Bytes that the forecast of a plan holds at most, for a mesh with so many corners of faces.
+/// Returns the memory in bytes that the forecast of a word takes at most, for a mesh with `n_corners` face corners.
 pub fn forecast_bytes(word: &Word, n_corners: usize) -> u128 {
     let has_dual = word.prefix.iter().chain(&word.cycle).any(|letter| letter.facts().children == Children::Dual);
     if has_dual { bound(n_corners) } else { 0 }
@@ -66,7 +66,7 @@ fn at(step: &Scheduled, error: StepError) -> ForecastError {
 }
 
 impl Duals<'_> {
-    /// The counts of every level.
+    /// Returns the counts of every level.
     pub(super) fn forecast(&self) -> Result<Forecast, ForecastError> {
         let mut tally = Forecast::new(Count::of_mesh(self.net));
         let first = self.steps.iter().position(is_split).unwrap_or(self.steps.len());
@@ -100,7 +100,7 @@ impl Duals<'_> {
                 let next =
                     if is_split(step) { count.upsampled(&step.letter.settings, net.mesh.is_quads()) } else { count };
                 self.fits(step, next.corners)?;
-                // connectivity depends on no value
+                // the connectivity does not depend on values
                 net = stepper.next_from(&net, step, None).map_err(|error| at(step, error))?.net;
                 count = Count::of_mesh(&net);
             }
@@ -153,7 +153,7 @@ impl Duals<'_> {
         Ok(())
     }
 
-    /// Notes a count within the cap; a P changes none, but needs all vertices that entered the last U.
+    /// Records a count and checks it against the cap. A P changes no count, but needs all vertices of the anchor.
     fn count(&self, step: &Scheduled, count: Count, lost: bool, tally: &mut Forecast) -> Result<(), ForecastError> {
         if count.vertices > self.cap || count.corners > self.cap.saturating_mul(8) {
             return Err(ForecastError::Cap { level: step.level, cap: self.cap });
@@ -165,14 +165,15 @@ impl Duals<'_> {
         Ok(())
     }
 
-    /// Whether what a net of so many corners takes may be held.
+    /// Checks that a net of `corners` corners may be held in memory.
     fn fits(&self, step: &Scheduled, corners: u128) -> Result<(), ForecastError> {
         let bytes = corners.saturating_mul(CORNER_BYTES);
         let bound = bound(self.net.mesh.base.n_half_edges());
         if bytes <= bound { Ok(()) } else { Err(ForecastError::Bytes { level: step.level, bytes, bound }) }
     }
 
-    /// Why faces after a D cannot be split into triangles: the first of them is known once they are made.
+    /// Returns the error for faces after a D that cannot be split into triangles; the faces are built to name the first
+    /// one.
     fn other_faces(&self, step: &Scheduled) -> ForecastError {
         let end = self.steps.iter().position(|other| std::ptr::eq(other, step)).map_or(self.steps.len(), |i| i + 1);
         let made = self.built(&self.steps[..end], &mut Forecast::new(Count::of_mesh(self.net)));
@@ -180,7 +181,7 @@ impl Duals<'_> {
     }
 }
 
-/// Whether each D comes right after an upsampling that makes quads, so far as connectivity goes.
+/// Returns whether each D comes right after an upsampling that makes quads, as far as connectivity is concerned.
 fn alone(steps: &[Scheduled]) -> bool {
     let mut after_split = false;
     steps.iter().all(|step| {
@@ -194,7 +195,7 @@ fn alone(steps: &[Scheduled]) -> bool {
     })
 }
 
-/// The layers of faces that have to be known before each step, from its end backwards.
+/// Returns the number of layers of faces that must be known before each step, computed from the end of the schedule.
 fn layers(steps: &[Scheduled]) -> Vec<u32> {
     let mut needed = LEAST_LAYERS;
     let mut layers: Vec<u32> = Vec::with_capacity(steps.len());

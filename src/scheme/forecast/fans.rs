@@ -25,7 +25,7 @@ use super::sizes::{Sizes, is_between_two};
 use crate::shape::tile::Tile;
 use crate::shape::topology::Topology;
 
-/// Counts of a net with those of its boundary.
+/// The counts of a net and of its boundary.
 #[derive(Debug)]
 pub(super) struct Fans {
     count: Count,
@@ -34,14 +34,14 @@ pub(super) struct Fans {
     between_two: u128,
     isolated: u128,
     sizes: Sizes,
-    /// The fans that there are.
+    /// The sizes of fans that occur.
     present: BTreeSet<usize>,
-    /// The fans before the last U, and its pieces.
+    /// The sizes of fans before the last U, and its number of pieces.
     before: (BTreeSet<usize>, u32),
 }
 
 impl Fans {
-    /// Counts the fans of a net whose counts are known.
+    /// Counts the fans of a net with known counts.
     pub(super) fn of(topology: &Topology, count: Count) -> Self {
         let on_boundary = (0..topology.n_vertices()).filter(|&v| topology.boundary_edges(v).is_some());
         let (mut present, mut fan_sum, mut boundary) = (BTreeSet::new(), 0, 0);
@@ -59,19 +59,19 @@ impl Fans {
         Self { count, boundary, fan_sum, between_two, isolated, sizes, present, before }
     }
 
-    /// The counts.
+    /// Returns the counts of the net.
     pub(super) fn count(&self) -> Count {
         let fan = self.present.last().map_or(0, |&fan| fan as u128 + 2);
         let largest_fan = self.sizes.largest_valence().max(fan);
         Count { largest_face: self.sizes.largest_face(), largest_fan, ..self.count }
     }
 
-    /// Whether all faces are quads.
+    /// Returns whether all faces are quads.
     pub(super) fn is_quads(&self) -> bool {
         self.sizes.are_all(4)
     }
 
-    /// After a split into quads with so many pieces an edge, of faces of any size when it is 2, else of quads.
+    /// Splits the net into quads with `pieces` pieces per edge; faces of any size if that is 2, else quads only.
     pub(super) fn split(&mut self, pieces: u32) {
         let fours = self.sizes.valences.contains(&4) || self.sizes.faces.contains(&4);
         let inner = pieces > 2 || self.count.edges > self.boundary;
@@ -89,7 +89,7 @@ impl Fans {
         self.boundary = self.boundary.saturating_mul(pieces);
     }
 
-    /// After a D right after a split. Returns whether vertices were lost.
+    /// Applies D right after a split; returns whether vertices were lost.
     pub(super) fn dual(&mut self) -> bool {
         let Count { vertices, faces, corners, .. } = self.count;
         let lost = self.isolated + self.boundary + self.between_two;
@@ -104,7 +104,7 @@ impl Fans {
         let kinds = [(fans.contains(&1), 1), (straight, 2), (fans.iter().any(|&fan| fan > 2), 3)];
         self.present = kinds.into_iter().filter_map(|(is, n)| is.then_some(n)).collect();
         let corners = corners - self.fan_sum - 2 * self.between_two;
-        // boundary edges have one side, the others two
+        // boundary edges have one side, others two
         let edges = touching + (corners - touching) / 2;
         self.count = Count { vertices: faces, edges, faces: vertices - lost, corners, ..Count::default() };
         self.fan_sum = 4 * touching - self.fan_sum;

@@ -10,7 +10,7 @@ use crate::scheme::plan::Scheduled;
 use crate::scheme::sharpness::Remaining;
 use crate::watch::Watch;
 
-/// The forecast of a mesh. Nets with duals are counted up to `cap` vertices.
+/// Returns the forecast of a mesh. Nets with duals are counted up to `cap` vertices.
 ///
 /// # Errors
 /// When an operator cannot be applied, the cap is passed, what has to be made of the net to count it takes more than
@@ -54,7 +54,7 @@ fn counted(net: &MeshNet, steps: &[Scheduled]) -> Forecast {
     tally
 }
 
-/// The forecast of a scheme that makes a connectivity of its own.
+/// Returns the forecast of a scheme that rebuilds the connectivity.
 fn rebuilt(net: &MeshNet, steps: &[Scheduled]) -> Forecast {
     let mut census = Census::of(net);
     let mut tally = Forecast::new(census.count);
@@ -68,8 +68,8 @@ fn rebuilt(net: &MeshNet, steps: &[Scheduled]) -> Forecast {
     Forecast { topology_bytes, ..tally }
 }
 
-/// Copies of vertices, at most, after some splits into so many pieces of an edge: one for each inner point of a sharp
-/// edge, and around its ends as many as there are faces.
+/// Returns an upper bound of the number of vertices copied along sharp edges after some splits into `pieces` pieces:
+/// one per inner point of a sharp edge, and one per face corner at its ends.
 fn split_vertices(sharp: &[Remaining], splits: usize, pieces: u128) -> u128 {
     let remaining = sharp[splits.min(sharp.len() - 1)];
     remaining.edges.saturating_mul(pieces - 1).saturating_add(remaining.corners)

@@ -1,4 +1,4 @@
-//! The forecast: exact counts of every level, before anything is allocated for them.
+//! The forecast: exact counts of every level, before any memory is allocated for them.
 
 mod census;
 mod collar;

@@ -1,4 +1,4 @@
-//! The forecast of polygons: their windows say all.
+//! The forecast of polygons, which follows from the windows of the operators.
 
 use super::count::Count;
 use super::tally::{Forecast, ForecastError};
@@ -7,7 +7,7 @@ use crate::scheme::operator::Role;
 use crate::scheme::plan::Scheduled;
 use crate::scheme::polygon_net::{PolygonNet, too_few_points};
 
-/// The forecast of several polygons refined alike.
+/// Returns the forecast of several polygons that are refined alike.
 ///
 /// # Errors
 /// When an operator cannot be applied to one of them.

@@ -1,4 +1,4 @@
-//! A forecast, collected step by step.
+//! A forecast that is collected step by step.
 
 use super::count::Count;
 use crate::scheme::operator::Children;
@@ -6,28 +6,28 @@ use crate::scheme::plan::Scheduled;
 use crate::scheme::step_error::StepError;
 use crate::watch::Stopped;
 
-/// Counts of every level of a job: entry 0 after the prefix, then one a level.
+/// The counts of every level of a job: entry 0 is that after the prefix, followed by one entry per level.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Forecast {
-    /// One entry a level.
+    /// One entry per level.
     pub levels: Vec<Count>,
-    /// The largest net met between operators.
+    /// The largest net between any two operators.
     pub peak: Count,
-    /// Rows of weights to be made in all: the unit of progress.
+    /// Total number of weight rows to compute, the unit of progress.
     pub work: u128,
-    /// Bytes of the topologies that a scheme of its own connectivity, or D, makes in its largest step.
+    /// Memory in bytes of the topologies in the largest step of D or of a scheme that rebuilds the connectivity.
     pub topology_bytes: u128,
 }
 
-/// Why there is no forecast.
+/// The reason for which there is no forecast.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum ForecastError {
     /// An operator cannot be applied.
     #[error("level {level}: {error}")]
     Step {
-        /// Where.
+        /// The level.
         level: u32,
-        /// Why.
+        /// The error of the operator.
         error: StepError,
     },
     /// A net with duals passes the cap.
@@ -38,19 +38,19 @@ pub enum ForecastError {
         /// The cap.
         cap: u128,
     },
-    /// What has to be made of a net to count it takes too many bytes.
+    /// Too many bytes are needed to count a net.
     #[error(
         "level {level}: to count what D leaves along the boundary takes {bytes} bytes; at most {bound} are allowed"
     )]
     Bytes {
         /// The first such level.
         level: u32,
-        /// The bytes.
+        /// The bytes needed.
         bytes: u128,
-        /// The bound.
+        /// The greatest number of bytes allowed.
         bound: u128,
     },
-    /// It was asked to stop.
+    /// The watch asked it to stop.
     #[error(transparent)]
     Stopped(#[from] Stopped),
 }
@@ -61,17 +61,17 @@ pub enum ForecastError {
 const DUAL_CORNER_BYTES: u128 = 40;
 
 impl Forecast {
-    /// The forecast of no steps; levels that have no operator repeat the one before.
+    /// Creates the forecast of no steps, which has one level.
     pub(super) fn new(start: Count) -> Self {
         Self { levels: vec![start], peak: start, work: 0, topology_bytes: 0 }
     }
 
-    /// The count after the last step.
+    /// Returns the counts after the last step.
     pub(super) fn last(&self) -> Count {
         self.levels.last().copied().unwrap_or_default()
     }
 
-    /// Adds a step after which there is so much.
+    /// Adds a step, with the counts after it.
     pub(super) fn step(&mut self, step: &Scheduled, count: Count) {
         self.work = self.work.saturating_add(count.vertices);
         if step.letter.facts().children == Children::Dual {

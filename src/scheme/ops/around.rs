@@ -1,14 +1,14 @@
-//! Refusals that several schemes on meshes have in common.
+//! Checks and errors that several mesh schemes share.
 
 use crate::scheme::step_error::StepError;
 use crate::shape::topology::Topology;
 
-/// Most vertices of a face, and most faces around a vertex: around one of n there are n new points of n weights.
-/// Half of it quarters what the largest face costs, and refuses faces of more than 512 vertices; twice of it takes four
-/// million weights for one face.
+/// Maximum number of vertices of a face, and of faces around a vertex: one of size n has n new points with n weights
+/// each. Half as many would quarter the cost of the largest face, and refuse faces of more than 512 vertices; twice as
+/// many take four million weights for one face.
 const MOST: usize = 1024;
 
-/// Whether a scheme can take all faces and vertices of a mesh.
+/// Checks that a scheme can handle the sizes of all faces and vertices of a mesh.
 ///
 /// # Errors
 /// The first face or vertex that is too large.
@@ -29,18 +29,18 @@ pub(in crate::scheme) fn check(scheme: &'static str, topology: &Topology) -> Res
     }
 }
 
-/// The refusal of a vertex that has two faces all around.
+/// Returns the error for an interior vertex with only two faces.
 pub(in crate::scheme) fn two_faces(scheme: &str, vertex: usize) -> StepError {
     let found = format!("all around vertex {vertex} there are only two faces; {scheme} needs at least three there");
     StepError::new(format!("{found}: remove the vertex or split the faces"))
 }
 
-/// The refusal of what a connectivity of its own cannot carry.
+/// Returns the error for tags that a scheme with a connectivity of its own cannot carry.
 pub(in crate::scheme) fn cannot_follow(scheme: &str, tags: &str) -> StepError {
     StepError::new(format!("{scheme} cannot carry {tags}, as its faces lie across several old ones; leave them out"))
 }
 
-/// The refusal of rules for a net that was just upsampled where it was not.
+/// Returns the error for rules that need a net right after an upsampling.
 pub(in crate::scheme) fn not_upsampled() -> StepError {
     StepError::new("these rules are for the points of an upsampling that halved all edges")
 }

@@ -50,7 +50,7 @@ impl Operator for Average {
     }
 
     fn spline(&self, settings: &Settings, mu: f64) -> Result<SplineStep, &'static str> {
-        // the one weight with which the symbol is that of a box spline
+        // the only weight for which the symbol is that of a box spline
         let even = settings.tile() == Tile::Quad || mu == DEFAULT_MU;
         if even { Ok(SplineStep::Mean) } else { Err("its C has another mu than 1/4") }
     }
@@ -66,7 +66,8 @@ impl Operator for Average {
             Preimage::End(end) => out.add(index(end), 1.0),
             Preimage::Point(j) if old.is_corner(old.control(j)) => old.add(j, 1.0, out),
             Preimage::Point(j) => {
-                // two D: the means of the pairs before and after, with the kernel as weight of vertices, and their mean
+                // two D: the means with the preceding and the following point, weighted by the kernel at vertices, and
+                // their mean
                 let [a, b, c] = triple(&[j - 1, j, j + 1].map(|i| old.weight(i, f, first)));
                 old.add(j - 1, a, out);
                 old.add(j, b, out);
@@ -96,14 +97,14 @@ impl Operator for Average {
     }
 }
 
-/// C on a mesh whose vertices are the V, E, F of a split.
+/// Returns the action of C on a mesh whose vertices are the V, E, F of a split.
 fn split_rows(net: MeshNet, parent: Arc<Topology>, f: f64) -> Action {
     let (n_v, n_e) = (parent.n_vertices(), parent.n_edges());
     let n = net.mesh.n_vertices();
     let creases = Creases::of_parent(&net);
     let rows = RowsBy::new(n, n, move |row, out: &mut Rows| {
         if row < n_v {
-            // edges are smooth or infinitely sharp here
+            // edges are either smooth or infinitely sharp here
             match Blend::of(row, &parent, &net.tags, creases.as_ref()).before {
                 Rule::Corner => out.add(index(row), 1.0),
                 Rule::Crease(edges) => curve_mask(f).add_edge_points(&parent, row, edges, out),
@@ -122,40 +123,40 @@ fn split_rows(net: MeshNet, parent: Arc<Topology>, f: f64) -> Action {
     Action::Blend(Box::new(rows))
 }
 
-/// Along creases and boundaries `(E + 2 f V + E) / (2 (1 + f))`.
+/// The mask of V on creases and boundaries: `(E + 2 f V + E) / (2 (1 + f))`.
 fn curve_mask(f: f64) -> RingMask {
     let sum = 2.0 * (1.0 + f);
     RingMask { own: 2.0 * f / sum, neighbours: 1.0 / sum }
 }
 
-/// `(N f^2 V + 2 f sum E + sum F) / (N (1 + f)^2)`.
+/// The mask of a smooth V: `(N f^2 V + 2 f sum E + sum F) / (N (1 + f)^2)`.
 fn vertex_mask(valence: usize, f: f64) -> VertexMask {
     let valence = ratio(valence, 1);
     let sum = valence * (1.0 + f) * (1.0 + f);
     VertexMask { own: valence * f * f / sum, edges: 2.0 * f / sum, faces: 1.0 / sum }
 }
 
-/// Along creases and boundaries `(f V1 + 2 E + f V2) / (2 (1 + f))`.
+/// The mask of E on creases and boundaries: `(f V1 + 2 E + f V2) / (2 (1 + f))`.
 fn curve_edge_mask(f: f64) -> EdgeMask {
     let sum = 2.0 * (1.0 + f);
     EdgeMask { own: 2.0 / sum, ends: Some(f / sum), faces: None, sides: None }
 }
 
-/// `(2 f^2 (V1 + V2) + 4 f E + 2 (F1 + F2) + f (Ea + Eb + Ec + Ed)) / (4 (1 + f)^2)`.
+/// The mask of a smooth E: `(2 f^2 (V1 + V2) + 4 f E + 2 (F1 + F2) + f (Ea + Eb + Ec + Ed)) / (4 (1 + f)^2)`.
 fn edge_mask(f: f64) -> EdgeMask {
     let sum = 4.0 * (1.0 + f) * (1.0 + f);
     EdgeMask { own: 4.0 * f / sum, ends: Some(2.0 * f * f / sum), faces: Some(2.0 / sum), sides: Some(f / sum) }
 }
 
-/// `(n F + f^2 sum V + 2 f sum E) / (n (1 + f)^2)`.
+/// The mask of F: `(n F + f^2 sum V + 2 f sum E) / (n (1 + f)^2)`.
 fn face_mask(size: usize, f: f64) -> FaceMask {
     let size = ratio(size, 1);
     let sum = size * (1.0 + f) * (1.0 + f);
     FaceMask { own: size / sum, vertices: f * f / sum, edges: 2.0 * f / sum }
 }
 
-/// C where there are no labels: the mean of the centroids of the faces around a vertex; boundaries and creases
-/// `(1, 2, 1) / 4`.
+/// Returns the action of C on a net without labels: the mean of the centroids of the faces around a vertex;
+/// `(1, 2, 1) / 4` on boundaries and creases.
 fn plain_rows(net: MeshNet) -> Action {
     let n = net.mesh.n_vertices();
     let creases = Creases::of_net(&net, &net.mesh.base);

@@ -77,7 +77,7 @@ impl Operator for ButterflyEdges {
     }
 }
 
-/// `1/2 (a + b) + 2w (c + d) - w (four far vertices)`, with 16 w as the strength.
+/// The mask of an edge point, `1/2 (a + b) + 2w (c + d) - w (four far vertices)`; `strength` is `16 w`.
 fn edge_mask(strength: f64) -> TriangleEdgeMask {
     let unit = strength / 16.0;
     TriangleEdgeMask { ends: 0.5, opposite: 2.0 * unit, far: Some(-unit) }
@@ -94,7 +94,7 @@ fn edge_row(net: &MeshNet, parent: &Topology, e: usize, strength: f64, out: &mut
         }
         return;
     }
-    // outgoing half-edges of the ends that need weights of their own
+    // outgoing half-edges of extraordinary ends
     let extraordinary = |v: u32| {
         let n = parent.ring(v as usize).count();
         n > 2 && n != 6 && parent.boundary_edges(v as usize).is_none()
@@ -108,7 +108,8 @@ fn edge_row(net: &MeshNet, parent: &Topology, e: usize, strength: f64, out: &mut
     rings.iter().flatten().for_each(|&half_edge| ring_row(parent, half_edge, strength / ratio(n_rings, 1), out));
 }
 
-/// The weight of neighbour `j` of an extraordinary vertex of valence `n`, counted from the other end of the edge.
+/// Returns the weight of neighbour `j` of an extraordinary vertex of valence `n`, counted from the other end of the
+/// edge.
 fn ring_weight(j: usize, n: usize) -> f64 {
     match (n, j) {
         (3, 0) => ratio(5, 12),
@@ -120,7 +121,7 @@ fn ring_weight(j: usize, n: usize) -> f64 {
     }
 }
 
-/// The edge point that an inner vertex makes of its ring, on the edge of one of its outgoing half-edges.
+/// Adds the edge point that an interior vertex predicts from its ring, on the edge of one of its outgoing half-edges.
 fn ring_row(parent: &Topology, outgoing: u32, scale: f64, out: &mut Rows) {
     let v = parent.vertex(outgoing);
     let n = parent.ring(v as usize).count();

@@ -15,8 +15,8 @@ use crate::shape::topology::{NONE, Topology, index};
 
 /// Catmull-Clark after U, for faces of any size: `F' = F`, `E' = E/2 + (F1 + F2)/4` (which is `(V1 + V2 + F1 + F2)/4`),
 /// `V' = (N-3)/N V + 2/N^2 sum E + 1/N^2 sum F`; boundaries and creases: `E' = E`, `V' = V/2 + (E1 + E2)/4`; corners
-/// stay. An edge of sharpness below 1 is that much of a crease, but wholly one where both its halves stay sharp; a
-/// vertex whose rule changes in a level is a mean of both.
+/// stay. At an edge of sharpness s below 1, the crease rule has the weight s, but 1 if both its halves stay sharp; a
+/// vertex whose rule changes in a level is a weighted mean of both rules.
 #[derive(Debug)]
 pub struct CatmullClark;
 
@@ -76,19 +76,20 @@ impl Operator for CatmullClark {
     }
 }
 
-/// `(N-3)/N V + 2/N^2 sum E + 1/N^2 sum F`.
+/// The mask of a smooth vertex: `(N-3)/N V + 2/N^2 sum E + 1/N^2 sum F`.
 fn vertex_mask(valence: usize) -> VertexMask {
     let n = ratio(valence, 1);
     VertexMask { own: (n - 3.0) / n, edges: 2.0 / (n * n), faces: 1.0 / (n * n) }
 }
 
-/// The mask of an edge point where each face point has the weight `faces`: 1/4 on smooth edges, 0 along creases.
+/// The mask of an edge point with the weight `faces` for each face point: 1/4 on smooth edges, 0 along creases.
 fn edge_mask(faces: f64) -> EdgeMask {
     let faces = Some(faces).filter(|&faces| faces != 0.0);
     EdgeMask { own: 1.0 - 2.0 * faces.unwrap_or(0.0), ends: None, faces, sides: None }
 }
 
-/// The weight of the face points under the triangle rule `smooth`: the mean of 0.47 for a triangle and 1/4 for others.
+/// Returns the weight of the face points under the triangle rule `smooth`: the mean of 0.47 per triangle and 1/4 per
+/// other face.
 ///
 /// Source: OpenSubdiv 3.5, class `Sdc::Scheme` of Catmull-Clark.
 fn smooth_weight(parent: &Topology, e: usize) -> f64 {

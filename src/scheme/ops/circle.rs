@@ -1,4 +1,4 @@
-//! A level of the d-ary circle scheme: a mask that follows alpha.
+//! A level of the d-ary circle scheme, whose mask depends on alpha.
 
 use super::masked::apply;
 use crate::math::functions::sin;
@@ -14,14 +14,14 @@ use crate::scheme::step::{Action, Step, Values};
 use crate::scheme::step_error::StepError;
 use crate::scheme::window::Window;
 
-/// A level of the d-ary scheme with m averages that reproduces circles of angle alpha a point: the mask
+/// A level of the d-ary scheme with m averages that reproduces circles sampled at the angle alpha: the mask
 /// `d sigma^m E / (sigma(1)^m E(1))` with `sigma = 1 + z + ... + z^(d-1)`, `E` having the coefficients
 /// `e[j] = sin((j+1) alpha/d) / sin(alpha/d)` for `0 <= j < d` and `e[2d-2-j] = e[j]`.
 #[derive(Debug)]
 pub struct Circle;
 
 impl Circle {
-    /// The mask at alpha, centred on 0 or half a step before it; `None` where it has a pole.
+    /// Returns the mask at alpha, centred at 0 or half a step before it; `None` where it has a pole.
     pub fn mask(arity: u32, averages: u32, alpha: f64) -> Option<Mask> {
         let angle = alpha / f64::from(arity);
         let term = |j: u32| {

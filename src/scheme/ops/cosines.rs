@@ -4,7 +4,7 @@ use std::f64::consts::PI;
 
 use crate::math::functions::{cos, ratio};
 
-/// `cos(2 pi i / n)`, exact where it is rational.
+/// Returns `cos(2 pi i / n)`, exact where it is rational.
 pub(super) fn cosine(i: usize, n: usize) -> f64 {
     match (12 * (i % n)).checked_div(n).filter(|_| (12 * (i % n)).is_multiple_of(n)) {
         Some(0) => 1.0,

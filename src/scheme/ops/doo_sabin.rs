@@ -1,4 +1,4 @@
-//! A level of Doo and Sabin.
+//! A level of Doo-Sabin subdivision.
 
 use std::collections::BTreeMap;
 
@@ -78,7 +78,7 @@ impl Operator for DooSabin {
         let inner = e.saturating_sub(b);
         let faces = sum(&[(1, f), (1, inner), (1, v.saturating_sub(b))]);
         let corners = sum(&[(2, c), (4, inner), (1, q)]).saturating_sub(sum(&[(2, b)]));
-        // all vertices inside have four faces
+        // all interior vertices have four faces
         let largest = count.largest_face.max(4);
         before.after([c, faces, corners, largest], sum(&[(2, b)]).saturating_sub(q))
     }
@@ -125,7 +125,7 @@ impl Operator for DooSabin {
     }
 }
 
-/// Where the corners of a net that is not the first go: each has one face, whose corner there is the new vertex.
+/// Returns the corners after a step that is not the first: each has one face, in whose corner the new vertex lies.
 fn later_corners(net: &MeshNet) -> Vec<u32> {
     let mut corners: Vec<u32> =
         net.tags.corners.iter().filter_map(|&v| net.mesh.base.ring(v as usize).next()).collect();
@@ -133,21 +133,21 @@ fn later_corners(net: &MeshNet) -> Vec<u32> {
     corners
 }
 
-/// The weights of faces by their size; those of quads are kept apart, where no table has to be searched.
+/// The weights of faces by size; those of quads are stored separately, so that no table is searched for them.
 #[derive(Debug)]
 struct Weights {
     quad: [f64; 4],
     others: BTreeMap<usize, Vec<f64>>,
 }
 
-/// The weights of Chaikin's scheme, which boundaries follow.
+/// The weights of Chaikin's scheme, which the boundary follows.
 const CHAIKIN: [f64; 2] = [0.75, 0.25];
 
 impl Weights {
     fn of(topology: &Topology) -> Self {
         let mut others = BTreeMap::from([(2, CHAIKIN.to_vec())]);
         for f in 0..topology.n_faces() {
-            // a half face of n vertices has n - 2 inside and as many reflected
+            // a half face of n vertices has n - 2 vertices inside and as many reflected ones
             let n = topology.face(f).len();
             for n in [n, 2 * n - 4].into_iter().filter(|&n| n != 4) {
                 others.entry(n).or_insert_with(|| (0..n).map(|i| weight(i, n)).collect());
@@ -162,13 +162,13 @@ impl Weights {
     }
 }
 
-/// Weight of the vertex `i` places from the corner in a face of `n` vertices, 3 or more.
+/// Returns the weight of the vertex `i` places from the corner in a face of `n` vertices, at least 3.
 fn weight(i: usize, n: usize) -> f64 {
     let own = if i == 0 { ratio(1, 4) } else { 0.0 };
     own + (3.0 + 2.0 * cosine(i, n)) / ratio(4 * n, 1)
 }
 
-/// The new vertex at a corner of a whole face.
+/// Adds the row of the new vertex at a corner of a whole face.
 #[inline]
 fn face_row(old: &Topology, weights: &Weights, half_edge: u32, out: &mut Rows) {
     let range = old.half_edges(old.face_of(half_edge));
@@ -177,7 +177,7 @@ fn face_row(old: &Topology, weights: &Weights, half_edge: u32, out: &mut Rows) {
     around.zip(weights).for_each(|(other, &weight)| out.add(old.vertex(other), weight));
 }
 
-/// The new vertex at a corner after the first step of an open mesh.
+/// Adds the row of the new vertex at a corner after the first step of an open mesh.
 fn later_row(old: &Topology, weights: &Weights, half_edge: u32, out: &mut Rows) {
     let is_boundary = |half_edge: u32| old.twin(half_edge) == NONE;
     let before = old.previous(half_edge);
@@ -199,14 +199,14 @@ fn later_row(old: &Topology, weights: &Weights, half_edge: u32, out: &mut Rows) 
     }
 }
 
-/// On a boundary edge, near one end; an edge that ends in a corner is half as long as the others.
+/// Adds the row of a vertex on a boundary edge, near one end; an edge that ends in a corner is half as long as others.
 fn boundary_row(old: &Topology, near: u32, far: u32, to_corner: bool, out: &mut Rows) {
     let share = if to_corner { 0.5 } else { CHAIKIN[1] };
     out.add(old.vertex(near), 1.0 - share);
     out.add(old.vertex(far), share);
 }
 
-/// Inside a half face whose boundary edge is `boundary`.
+/// Adds the row of a vertex inside a half face whose boundary edge is `boundary`.
 fn half_row(old: &Topology, weights: &Weights, half_edge: u32, boundary: u32, out: &mut Rows) {
     let end = old.next(boundary);
     let k = old.face(old.face_of(boundary)).len() - 2;
@@ -214,7 +214,7 @@ fn half_row(old: &Topology, weights: &Weights, half_edge: u32, boundary: u32, ou
     let axis = |i: usize| if k == 1 { 0.0 } else { cosine(2 * i + 1, 4 * k) / cosine(1, 4 * k) };
     let around = || std::iter::successors(Some(old.next(end)), |&other| Some(old.next(other))).take(k);
     let own = around().position(|other| other == half_edge).unwrap_or(0);
-    // the axis goes to itself, half as long; what is off the axis is weighed without and with its reflection
+    // the axis maps to itself at half the length; points off the axis are weighted directly and by their reflection
     let (mut centre, mut along) = (1.0, axis(own) / 2.0);
     for (i, other) in around().enumerate() {
         let weight = weights[own.abs_diff(i)] - weights[(own + i + 1) % (2 * k)];
@@ -226,7 +226,7 @@ fn half_row(old: &Topology, weights: &Weights, half_edge: u32, boundary: u32, ou
     out.add(old.vertex(end), 0.5 * centre + 0.5 * along);
 }
 
-/// The refusal of a corner that has no vertex after the step.
+/// Returns the error for a tagged corner that has no vertex after the step.
 fn inner_corner(v: usize) -> StepError {
     let kept = "doo-sabin, which makes faces of vertices, keeps corners only on the boundary where one face meets them";
     StepError::new(format!("vertex {v} is tagged as a corner; {kept}: leave the tag out"))

@@ -24,9 +24,8 @@ use crate::shape::connect::Checked;
 use crate::shape::tile::Tile;
 use crate::shape::topology::{Topology, index};
 
-/// Vertices whose rings one thread walks at a time.
-/// Half of it has twice as many parts to join; twice of it leaves threads of small meshes without work. Results are the
-/// same.
+/// Number of vertices whose rings one thread walks at a time. Half as many leave twice as many parts to join; twice as
+/// many leave threads idle on small meshes. Results do not depend on it.
 const PART: usize = 4096;
 
 /// D, the dual average: one new point for each edge of a curve, for each face of a mesh.
@@ -63,7 +62,7 @@ impl Operator for Dual {
     }
 
     fn window(&self, _: &Settings, duals: u32) -> Option<Window> {
-        // the first D looks forward, the second back, so that two of them are centred again
+        // the first D looks forward and the second one back, so that two of them are centred again
         Some(Window::mean(2, duals % 2 == 1))
     }
 
@@ -117,8 +116,8 @@ impl Operator for Dual {
     }
 }
 
-/// The weighted mean of the vertices of one face: weights f^2, f, 1 for V, E, F of the last U (of triangles f for V, 1
-/// else), equal ones when f is 1.
+/// Adds the weighted mean of the vertices of one face, with weights f^2, f, 1 for V, E, F of the last U (on triangles f
+/// for V, else 1); all are equal if f is 1.
 fn mean_of_face(face: &[u32], order: Option<&[u32]>, labels: Option<&Anchor>, f: f64, out: &mut Rows) {
     let constructed = |v: u32| order.map_or(v, |order| order[v as usize]);
     let Some(labels) = labels else {
@@ -130,7 +129,7 @@ fn mean_of_face(face: &[u32], order: Option<&[u32]>, labels: Option<&Anchor>, f:
     face.iter().for_each(|&v| out.add(constructed(v), weight(v) / sum));
 }
 
-/// The faces of a net in the documented order, with each vertex's number in the order of construction.
+/// The faces of a net in the documented order, with the index of each vertex in the order of construction.
 struct Ordered {
     faces: FaceList,
     order: Option<Arc<[u32]>>,
@@ -155,9 +154,9 @@ impl Ordered {
     }
 }
 
-/// The numbers at the last U of the vertices after a D or, where it puts faces in their place, of these. Numbers of the
-/// vertices or faces before are `known`; the dual has faces for the vertices `kept`, and `split_from` are the faces
-/// whose vertex there is one more.
+/// Returns the indices, as of the last U, of the vertices after a D, or of the vertices that become faces. `known`
+/// holds the indices of the vertices or faces before it; the dual has faces for the vertices `kept`, and `split_from`
+/// lists the faces that have an additional vertex.
 fn order_after(net: &MeshNet, known: &Arc<[u32]>, kept: &[u32], split_from: &[u32]) -> Arc<[u32]> {
     if net.since.duals.is_multiple_of(2) {
         if kept.len() == known.len() {
@@ -172,7 +171,7 @@ fn order_after(net: &MeshNet, known: &Arc<[u32]>, kept: &[u32], split_from: &[u3
     }
 }
 
-/// The faces of the dual in the documented order, and the vertices that they stand for.
+/// Returns the faces of the dual in the documented order, and the vertices from which they arise.
 fn dual_faces(ordered: &Ordered) -> Result<(FaceList, Vec<u32>), StepError> {
     Ok(match ordered.order {
         None => cycles(&ordered.topology),
@@ -180,16 +179,16 @@ fn dual_faces(ordered: &Ordered) -> Result<(FaceList, Vec<u32>), StepError> {
     })
 }
 
-/// The connectivity of the dual, with one vertex for each face and more where one joins several fans; it may have no
-/// faces.
+/// Returns the connectivity of the dual, with one vertex per face, and more for faces that join several fans; it may
+/// have no faces.
 ///
 /// # Errors
-/// When the dual is no manifold.
+/// If the dual is not a manifold.
 pub(in crate::scheme) fn dual(topology: &Topology) -> Result<Checked, StepError> {
     manifold(topology.n_faces(), cycles(topology).0)
 }
 
-/// For each interior vertex in order the cycle of its faces, counter-clockwise, starting at the lowest; and these
+/// Returns for each interior vertex, in order, the cycle of its faces, counter-clockwise from the lowest; and these
 /// vertices.
 fn cycles(explicit: &Topology) -> (FaceList, Vec<u32>) {
     let dual = |v: usize, (faces, kept): &mut (FaceList, Vec<u32>)| {
@@ -222,18 +221,18 @@ fn manifold(n_vertices: usize, faces: FaceList) -> Result<Checked, StepError> {
     Topology::of_faces(n_vertices, faces, Winding::Refuse).map_err(|faults| no_manifold(&faults))
 }
 
-/// The refusal of what D cannot carry.
+/// Returns the error for tags that D cannot carry.
 pub(in crate::scheme) fn cannot_carry(tags: &str) -> StepError {
     let both = format!("D cannot carry {tags}, nor can A of an even arity");
     StepError::new(format!("{both}: leave them out or use C, which is two D at once"))
 }
 
-/// The refusal of a mesh without interior vertices.
+/// Returns the error for a mesh without interior vertices.
 pub(in crate::scheme) fn no_interior() -> StepError {
     StepError::new("D needs a vertex all of whose faces meet in a full ring; this mesh has none")
 }
 
-/// The refusal of a mesh whose dual is no manifold, as when two faces share several edges.
+/// Returns the error for a mesh whose dual is not a manifold, for example because two faces share several edges.
 pub(in crate::scheme) fn no_manifold(faults: &[Fault]) -> StepError {
     let first = faults.first().map_or(String::new(), ToString::to_string);
     StepError::new(format!("D is not possible here, as the dual is no manifold ({first}); apply a U first"))

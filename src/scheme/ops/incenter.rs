@@ -1,4 +1,4 @@
-//! Incenter subdivision: a biarc on each edge, whose joint is inserted.
+//! Incenter subdivision: inserts the joint of a biarc on each edge.
 
 use std::sync::Arc;
 
@@ -16,13 +16,12 @@ use crate::scheme::step_error::StepError;
 use crate::scheme::window::Window;
 use crate::watch::{Stopped, Watch};
 
-/// Edges that one thread takes at a time.
-/// Half of it has twice as many blocks to join; twice of it leaves threads of small polygons without work. Results are
-/// the same.
+/// Number of edges that one thread processes at a time. Half as many leave twice as many blocks to join; twice as many
+/// leave threads idle on small polygons. Results do not depend on it.
 const BLOCK: usize = 4096;
-/// Turnings below this, radians, are what rounding leaves of none; their signs and their quotient would be noise.
-/// It is far above the rounding of a direction, 2e-16, and far below a turning that is seen. Half and twice of it
-/// decide otherwise only about turnings of a billionth.
+/// Turning angles below this, in radians, are rounding errors of 0, whose signs and quotients would be noise. It is far
+/// above the rounding error of a direction, 2e-16, and far below a visible turning; half or twice the value changes
+/// only the treatment of turnings of a billionth.
 const STRAIGHT: f64 = 1e-9;
 
 /// A level of incenter subdivision: points and unit tangents give points and unit tangents. On an edge of direction `e`
@@ -33,7 +32,7 @@ const STRAIGHT: f64 = 1e-9;
 pub struct Incenter;
 
 impl Incenter {
-    /// How far tangents follow the circle.
+    /// The fraction by which tangents are turned towards the circle.
     pub const MU: Parameter = Parameter {
         name: "mu",
         kind: Kind::Number { min: 0.0, max: 1.0 },
@@ -76,12 +75,12 @@ impl Operator for Incenter {
     }
 }
 
-/// The joints of the biarcs of all edges.
+/// The map that inserts the joints of the biarcs of all edges.
 #[derive(Debug)]
 struct Biarcs {
     closed: bool,
     mu: f64,
-    /// Points whose tangents stay, ascending.
+    /// Points whose tangents stay fixed, ascending.
     pinned: Arc<[u32]>,
 }
 
@@ -119,7 +118,7 @@ impl PointMap for Biarcs {
 }
 
 impl Biarcs {
-    /// Turns each tangent by mu of the angle to the circle tangent.
+    /// Turns each tangent by the fraction mu of the angle to the tangent of the circle.
     fn blend(&self, points: &[Vector], tangents: &mut [Vector], watch: &Watch) -> Result<(), Stopped> {
         if self.mu == 0.0 {
             return Ok(());
@@ -137,7 +136,7 @@ impl Biarcs {
     }
 }
 
-/// The point that is inserted between two points, and its tangent.
+/// Returns the point that is inserted between two points, and its tangent.
 fn joint(a: Vector, tangent_a: Vector, b: Vector, tangent_b: Vector) -> (Vector, Vector) {
     let half = half_chord(a, b);
     let Some(e) = direction(half) else {
@@ -147,7 +146,7 @@ fn joint(a: Vector, tangent_a: Vector, b: Vector, tangent_b: Vector) -> (Vector,
     let sum = turn_a + turn_b;
     let middle = plus(times(0.5, a), times(0.5, b));
     if turn_a.abs() < STRAIGHT && turn_b.abs() < STRAIGHT {
-        // the height of the arc of so small an angle over its chord
+        // the ratio of height to chord of an arc of so small an angle
         let height = length(half) * sum / 4.0;
         return (plus(middle, times(height, [e[1], -e[0]])), e);
     }
@@ -155,7 +154,7 @@ fn joint(a: Vector, tangent_a: Vector, b: Vector, tangent_b: Vector) -> (Vector,
     if !both(|turn| turn >= STRAIGHT) && !both(|turn| turn <= -STRAIGHT) {
         return (middle, rotated(e, (turn_a - turn_b) / 2.0));
     }
-    // tangents that both run against the edge meet at infinity
+    // tangents that both run against the edge would meet at infinity
     if sum.abs() > 2.0 * std::f64::consts::PI - STRAIGHT {
         return (middle, e);
     }

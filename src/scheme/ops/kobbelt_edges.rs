@@ -83,7 +83,7 @@ fn edge_row(net: &MeshNet, parent: &Topology, e: usize, out: &mut Rows) {
     }
 }
 
-/// What continues, beyond the interior vertex it leaves, the edge of an outgoing half-edge.
+/// Adds the point that continues the edge of an outgoing half-edge beyond the interior vertex that it leaves.
 fn beyond(parent: &Topology, outgoing: u32, out: &mut Rows) {
     let around = |half_edge: u32| parent.twin(parent.previous(half_edge));
     let across = around(around(outgoing));
@@ -105,8 +105,8 @@ fn beyond(parent: &Topology, outgoing: u32, out: &mut Rows) {
     }
 }
 
-/// The weights of neighbour `i` around a vertex of valence `n`, counted from the other end of the edge, and of the
-/// vertex opposite in the face after it, in the virtual point beyond that vertex.
+/// Returns the weights, in the virtual point beyond a vertex of valence `n`, of neighbour `i`, counted from the other
+/// end of the edge, and of the opposite vertex in the face after it.
 fn virtual_point(i: usize, n: usize) -> [f64; 2] {
     let taken = f64::from(i == 0 || i == 1 || i == n - 1);
     let neighbour = ratio(4, n) - taken;
@@ -114,7 +114,7 @@ fn virtual_point(i: usize, n: usize) -> [f64; 2] {
     [neighbour, ratio(taken, 9) - ratio(4, 9 * n)]
 }
 
-/// The vertex opposite the start of a half-edge of a quad; in other faces twice the centroid less that start.
+/// Adds the vertex opposite the start of a half-edge of a quad; in other faces, twice the centroid minus the start.
 fn opposite(parent: &Topology, half_edge: u32, weight: f64, out: &mut Rows) {
     let face = parent.face_of(half_edge);
     if parent.face(face).len() == 4 {

@@ -55,7 +55,7 @@ fn face_row(parent: &Topology, face: usize, out: &mut Rows) {
         let here = index(parent.n_vertices()) + parent.edge(side);
         let neighbour = parent.twin(side);
         if neighbour == NONE {
-            // E - E* is E[across] - E where E* is the reflection 2 E - E[across]
+            // E - E* is E[across] - E if E* is the reflection 2 E - E[across]
             out.add(here, share * 7.0 / 8.0);
             across(parent, side, share / 8.0, out);
         } else {
@@ -65,7 +65,7 @@ fn face_row(parent: &Topology, face: usize, out: &mut Rows) {
     }
 }
 
-/// What lies across its face from the edge of a corner.
+/// Adds the point that lies opposite an edge across the face.
 fn across(parent: &Topology, half_edge: u32, weight: f64, out: &mut Rows) {
     let n_v = index(parent.n_vertices());
     let face = parent.face_of(half_edge);

@@ -1,4 +1,4 @@
-//! P along latitude lines.
+//! The push-back P along latitude lines.
 //!
 //! The push-back moves everything with the compensation 1; then each odd point of a latitude line (the point of a
 //! latitude edge, or of a face between two longitude edges) follows its even neighbours a, b on the line, and those
@@ -26,27 +26,27 @@ enum Even {
     Edge(u32),
 }
 
-/// What an odd point follows: its even neighbours, and those beyond them where the line goes on.
+/// The stencil of an odd point: its even neighbours, and those beyond them if the line continues.
 struct Around {
     rule: FourPoint,
     near: [Even; 2],
     beyond: [Option<Even>; 2],
 }
 
-/// The latitude lines of a net: what stands where on them.
+/// The latitude lines of a net, and the points on them.
 #[derive(Debug)]
 pub(super) struct Lines {
     topology: Arc<Topology>,
     directions: Arc<Directions>,
     /// The two latitude edges of each vertex.
     latitude: Vec<Option<[u32; 2]>>,
-    /// The half-edges of each face that lie on its two longitude edges.
+    /// The half-edges of each face on its two longitude edges.
     longitude: Vec<Option<[u32; 2]>>,
     local: Arc<MeshLocal>,
 }
 
 impl Lines {
-    /// The lines of what entered the last U; `None` where nothing is tagged.
+    /// Returns the lines of the net that entered the last U; `None` if it has no tags.
     pub(super) fn of(anchor: &Anchor, local: &Arc<MeshLocal>) -> Option<Self> {
         let directions = anchor.directions.clone()?;
         let topology = anchor.topology.clone();
@@ -63,7 +63,7 @@ impl Lines {
         Some(Self { topology, directions, latitude, longitude, local: local.clone() })
     }
 
-    /// What the odd point `row` follows; `None` where the point is on no line.
+    /// Returns the stencil of the odd point `row`; `None` if the point is on no line.
     fn around(&self, row: usize) -> Option<Around> {
         let topology = &self.topology;
         let (n_v, n_e) = (topology.n_vertices(), topology.n_edges());
@@ -82,7 +82,7 @@ impl Lines {
         Some(Around { rule: FourPoint::new(self.local.curve_weight[made]), near, beyond })
     }
 
-    /// The vertex at the other end of the other latitude edge of `v`.
+    /// Returns the vertex at the other end of the other latitude edge of `v`.
     fn beyond_vertex(&self, v: u32, e: u32) -> Option<Even> {
         let pair = self.latitude[v as usize]?;
         let other = if pair[0] == e { pair[1] } else { pair[0] };
@@ -90,7 +90,7 @@ impl Lines {
         Some(Even::Vertex(if a == v { b } else { a }))
     }
 
-    /// The point of the other longitude edge of the face across a half-edge.
+    /// Returns the point of the other longitude edge of the face across a half-edge.
     fn beyond_edge(&self, half_edge: u32) -> Option<Even> {
         let twin = self.topology.twin(half_edge);
         if twin == NONE {
@@ -100,7 +100,7 @@ impl Lines {
         Some(Even::Edge(if pair[0] == twin { pair[1] } else { pair[0] }))
     }
 
-    /// The displacements of all points, over those of the vertices.
+    /// Returns the displacements of all points as rows over those of the vertices.
     pub(super) fn displacements(self: &Arc<Self>, deltas: Arc<[f64]>) -> RowsBy<impl Fn(usize, &mut Rows) + use<>> {
         let topology = &self.topology;
         let (n_v, n_e) = (topology.n_vertices(), topology.n_edges());
@@ -110,7 +110,7 @@ impl Lines {
             let push = |v: u32, weight: f64, out: &mut Rows| out.add(v, weight * deltas[v as usize]);
             let even = |even: Even, weight: f64, out: &mut Rows| match even {
                 Even::Vertex(v) => push(v, weight, out),
-                // along the faces, so that those of two edges are in the order of a ring
+                // in the direction of the faces, so that the vertices of two edges are in the order of a ring
                 Even::Edge(h) => {
                     [h, topology.next(h)].iter().for_each(|&h| push(topology.vertex(h), 0.5 * weight, out));
                 }
@@ -129,7 +129,7 @@ impl Lines {
         })
     }
 
-    /// Odd points where the curve rule has them among the even ones; all others stay.
+    /// Moves odd points by the curve rule over even ones; all others stay.
     pub(super) fn follows(self: &Arc<Self>) -> Action {
         let topology = &self.topology;
         let n_v = topology.n_vertices();
@@ -150,7 +150,7 @@ impl Lines {
 }
 
 impl Around {
-    /// Adds the row of an odd point, in symmetric sums where the line goes on at both ends; elsewhere it goes on by
+    /// Adds the row of an odd point, as symmetric sums if the line continues at both ends; otherwise it is extended by
     /// reflection.
     fn follow(&self, add: impl Fn(Even, f64, &mut Rows), out: &mut Rows) {
         let Self { rule, near: [a, b], beyond } = *self;

@@ -1,4 +1,4 @@
-//! C on meshes whose vertices have kernels of their own, or other ones along than across latitude lines.
+//! C on meshes whose kernel varies by vertex, or differs along longitude lines.
 
 use std::sync::Arc;
 
@@ -11,14 +11,14 @@ use crate::scheme::step::Action;
 use crate::shape::directions::{Direction, Directions};
 use crate::shape::topology::{Topology, index};
 
-/// Where the weights of vertices come from.
+/// The sources of vertex weights.
 struct Gains {
     local: Arc<MeshLocal>,
     directions: Option<Arc<Directions>>,
 }
 
 impl Gains {
-    /// The weight of vertex `v` against the point of its edge `e`.
+    /// Returns the weight of vertex `v` relative to the point of its edge `e`.
     fn of(&self, v: u32, e: u32) -> f64 {
         let longitude =
             self.local.kernel_longitude.as_ref().filter(|_| {
@@ -28,8 +28,8 @@ impl Gains {
     }
 }
 
-/// The first C after an upsampling of `parent`: each quad has the loop centre
-/// `(g h V + h E1 + g E2 + F) / ((1 + g) (1 + h))` with the weights g, h of its vertex against the points of its edges.
+/// Returns the first C after an upsampling of `parent`: each quad has the loop centre
+/// `(g h V + h E1 + g E2 + F) / ((1 + g) (1 + h))` with the weights g, h of its vertex relative to its edge points.
 pub(super) fn rows(net: &MeshNet, parent: &Arc<Topology>, local: &Arc<MeshLocal>) -> Action {
     let directions = net.since.anchor.as_ref().and_then(|anchor| anchor.directions.clone());
     let gains = Gains { local: local.clone(), directions };

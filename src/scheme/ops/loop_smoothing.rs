@@ -15,9 +15,9 @@ use crate::shape::topology::index;
 
 /// Loop after U: `E' = 3/8 (V1 + V2) + 1/8 (A + B)` with the opposite vertices A and B,
 /// `V' = (1 - N beta) V + beta sum` of the N neighbours, `beta = (5/8 - (3/8 + cos(2 pi/N)/4)^2) / N`; boundaries and
-/// creases: `E' = (V1 + V2)/2`, `V' = 3/4 V + 1/8 (A + B)` with the neighbours A and B along them; corners stay. An
-/// edge of sharpness below 1 is that much of a crease, but wholly one where both its halves stay sharp; a vertex whose
-/// rule changes in a level is a mean of both.
+/// creases: `E' = (V1 + V2)/2`, `V' = 3/4 V + 1/8 (A + B)` with the neighbours A and B along them; corners stay. At an
+/// edge of sharpness s below 1, the crease rule has the weight s, but 1 if both its halves stay sharp; a vertex whose
+/// rule changes in a level is a weighted mean of both rules.
 #[derive(Debug)]
 pub struct LoopSmoothing;
 
@@ -74,24 +74,24 @@ impl Operator for LoopSmoothing {
     }
 }
 
-/// Along creases and boundaries (1, 6, 1)/8, the cubic B-spline.
+/// The mask along creases and boundaries, (1, 6, 1)/8: the cubic B-spline.
 const CURVE_MASK: RingMask = RingMask { own: 0.75, neighbours: 0.125 };
 
-/// `(1 - N beta) V + beta sum` of the N neighbours.
+/// The mask of a smooth vertex: `(1 - N beta) V + beta sum` over the N neighbours.
 fn vertex_mask(valence: usize) -> RingMask {
     let beta = beta(valence);
     RingMask { own: 1.0 - ratio(valence, 1) * beta, neighbours: beta }
 }
 
-/// The mask of the point of an inner edge with a sharpness below 1, which is that much the middle.
+/// The mask of an inner edge point; a sharpness below 1 is the weight of the midpoint.
 fn edge_mask(sharpness: f64) -> TriangleEdgeMask {
     let smooth = 1.0 - sharpness;
     TriangleEdgeMask { ends: 0.5 * sharpness + 0.375 * smooth, opposite: 0.125 * smooth, far: None }
 }
 
-/// Loop's weight of each of the `valence` neighbours of an interior vertex.
+/// Returns Loop's weight of each of the `valence` neighbours of an interior vertex.
 fn beta(valence: usize) -> f64 {
-    // the value for six neighbours, where the limit is a box spline, is 1/16 without rounding
+    // for six neighbours, where the limit is a box spline, the value is exactly 1/16
     if valence == 6 {
         return 1.0 / 16.0;
     }

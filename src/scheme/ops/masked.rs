@@ -53,8 +53,8 @@ impl Operator for Masked {
     }
 }
 
-/// The net and the rows after a mask. Clamped ends stay where they are; where the mask is its own mirror image, they
-/// would do so of themselves.
+/// Returns the net and the rows after a mask. Clamped ends keep their position; with a symmetric mask, they would do so
+/// in any case.
 pub(super) fn apply(
     net: &PolygonNet,
     window: Window,

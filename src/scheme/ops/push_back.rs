@@ -22,7 +22,7 @@ use crate::scheme::window::steps;
 use crate::shape::tile::Tile;
 use crate::shape::topology::{NONE, Topology, index};
 
-/// P, the push-back towards what entered the last U: `D_i = delta (P_i - V_i)`; `V += D_i`, `E += omega/2 (D_1 + D_2)`,
+/// P, the push-back towards the anchor: `D_i = delta (P_i - V_i)`; `V += D_i`, `E += omega/2 (D_1 + D_2)`,
 /// `F += omega^2 / n sum D`.
 #[derive(Debug)]
 pub struct PushBack(Share);
@@ -50,7 +50,7 @@ static CIRCULAR: Facts = Facts {
     ..COMMON
 };
 
-/// What both have in common.
+/// The facts that both push-backs share.
 const COMMON: Facts = Facts {
     doc: "Pushes back towards the polygon or mesh that entered the last U. With D = delta (old - new) at each vertex: \
          vertices move by D, edge points by omega/2 (D1 + D2), face points of an n-gon by omega^2/n times the sum over \
@@ -63,7 +63,7 @@ const COMMON: Facts = Facts {
     ..Facts::USUAL
 };
 
-/// How a point between two vertices takes part in their displacements.
+/// How a point between two vertices shares in their displacements.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Share {
     /// `omega (d - j) / d` and `omega j / d`.
@@ -73,7 +73,7 @@ enum Share {
 }
 
 impl Share {
-    /// The share in the displacement of the vertex that is `steps` of `d` away from the other one.
+    /// Returns the share in the displacement of the vertex that is `steps` of `d` away from the other one.
     fn of(self, steps: isize, d: isize, values: &Values<'_>) -> f64 {
         let [_, linear]: [f64; 2] = between(steps as i64, d as i64);
         match self {
@@ -106,7 +106,7 @@ impl Operator for PushBack {
         legal(net.duals, anchor.lost, "natural ends")?;
         let delta = values.delta.value(f64::NAN).map_err(|error| no_delta(2, &error))?;
         let phase = net.phase.ok_or_else(no_anchor)?;
-        // control point k of the net has the index j = k + start, and vertices stand at the multiples of d
+        // control point k of the net has the index j = k + start, and vertices lie at the multiples of d
         let (d, start) = (steps(phase.arity), phase.start());
         let children = children_of(&anchor, net, d, start);
         let (last, first) = (net.n - 1, net.first().cast_signed());
@@ -147,7 +147,7 @@ impl Operator for PushBack {
             return Ok(Step { net: net.clone(), action });
         }
         let (omega, local, n_v) = (values.compensation, net.since.local.clone(), anchor.topology.n_vertices());
-        // of the points of edges and faces, where they have their own
+        // of edge points and face points, if they have their own
         let omega = move |place: usize| match &local {
             Some(local) if place >= n_v => local.compensation[place - n_v],
             _ => omega,
@@ -162,7 +162,7 @@ impl Operator for PushBack {
     }
 }
 
-/// For each stored point of the anchor its child; the end points of a dual polygon are their own.
+/// Returns the child of each stored point of the anchor; the end points of a dual polygon are their own children.
 fn children_of(anchor: &PolygonAnchor, net: &PolygonNet, d: isize, start: isize) -> Arc<[u32]> {
     let mut children = vec![0; anchor.n];
     children[anchor.n - 1] = index(net.n - 1);
@@ -174,7 +174,7 @@ fn children_of(anchor: &PolygonAnchor, net: &PolygonNet, d: isize, start: isize)
 }
 
 fn legal(duals: u32, lost: bool, to: &'static str) -> Result<(), StepError> {
-    // what no other input helps against first
+    // first the faults that no other input could avoid
     if duals % 2 == 1 {
         Err(odd_duals(duals))
     } else if lost {
@@ -184,7 +184,7 @@ fn legal(duals: u32, lost: bool, to: &'static str) -> Result<(), StepError> {
     }
 }
 
-/// The vertex of the net that came of each anchor vertex, or [`NONE`].
+/// Returns the child in the net of each anchor vertex, or [`NONE`].
 fn children(anchor: &Anchor) -> Arc<[u32]> {
     let n_v = anchor.topology.n_vertices();
     let mut children: Vec<u32> = (0..index(n_v)).collect();
@@ -199,8 +199,8 @@ fn children(anchor: &Anchor) -> Arc<[u32]> {
     children.into()
 }
 
-/// The push-back factor of each anchor vertex: 0 at corners, else the expression at its valence, as [`seen_valence`]
-/// has it; that of regular vertices on creases.
+/// Returns the push-back factor of each anchor vertex: 0 at corners, else the expression at the valence that
+/// [`seen_valence`] returns; on creases, at the regular valence.
 fn deltas(net: &MeshNet, anchor: &Anchor, delta: &Expression) -> Result<Vec<f64>, StepError> {
     let creases = Creases::of_parent(net);
     let mut known: BTreeMap<usize, f64> = BTreeMap::new();
@@ -231,8 +231,8 @@ fn deltas(net: &MeshNet, anchor: &Anchor, delta: &Expression) -> Result<Vec<f64>
     Ok(deltas)
 }
 
-/// The valence that expressions see: that of regular vertices (4, of triangles 6) on the boundary and at isolated
-/// vertices.
+/// Returns the valence at which expressions are evaluated: on the boundary and at isolated vertices the regular valence
+/// (4, on triangles 6).
 pub(in crate::scheme) fn seen_valence(topology: &Topology, tile: Tile, v: usize) -> usize {
     if topology.is_isolated(v) || topology.boundary_edges(v).is_some() {
         tile.regular_valence()
@@ -241,22 +241,22 @@ pub(in crate::scheme) fn seen_valence(topology: &Topology, tile: Tile, v: usize)
     }
 }
 
-/// The refusal of a push-back without an upsampling before it.
+/// Returns the error for a push-back without an upsampling before it.
 pub(in crate::scheme) fn no_anchor() -> StepError {
     StepError::new("P needs a U before it: it pushes back towards what entered the last U")
 }
 
-/// The refusal of a push-back in a dual net.
+/// Returns the error for a push-back in a dual net.
 pub(in crate::scheme) fn odd_duals(duals: u32) -> StepError {
     StepError::new(format!("P needs an even number of D since the last U; here it is {duals}"))
 }
 
-/// The refusal of a push-back where points were lost.
+/// Returns the error for a push-back after points were lost.
 pub(in crate::scheme) fn lost_points(to: &str) -> StepError {
     StepError::new(format!("P needs a child of every point that entered the last U; here some were lost to {to}"))
 }
 
-/// The refusal of a push-back factor that has no value at some valence.
+/// Returns the error for a push-back factor that has no value at some valence.
 fn no_delta(valence: usize, error: &ExpressionError) -> StepError {
     StepError::new(format!("delta: {error} (valence {valence})"))
 }

@@ -1,4 +1,4 @@
-//! C on split meshes of any arity, from the faces around each vertex.
+//! C on split meshes of any arity, computed from the faces around each vertex.
 
 use crate::math::functions::ratio;
 use crate::math::rows::{Rows, RowsBy, symmetric_sum};
@@ -8,20 +8,20 @@ use crate::scheme::mesh_net::MeshNet;
 use crate::scheme::step::Action;
 use crate::shape::topology::{Topology, index};
 
-/// What the faces around a vertex contribute.
+/// The contribution of each face around a vertex.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum Around {
-    /// The weighted mean of their vertices.
+    /// The weighted mean of its vertices.
     Faces,
-    /// With the neighbours A and B of P in a face: `mu P + (1 - mu)/2 (A + B)`, weighted.
+    /// `mu P + (1 - mu)/2 (A + B)`, weighted, with the neighbours A and B of P in the face.
     Neighbours {
         /// The weight of P.
         mu: f64,
     },
 }
 
-/// The mean of what the faces around a vertex contribute, with the weights that the kernel `f` gives to V, E and F;
-/// boundaries and creases follow the curve rule, corners stay.
+/// Returns the mean of the contributions of the faces around each vertex, with the weights that the kernel `f` gives to
+/// V, E and F; boundaries and creases follow the curve rule, corners stay.
 pub(super) fn rows(net: &MeshNet, around: Around, f: f64) -> Action {
     let n = net.mesh.n_vertices();
     let topology = net.mesh.topology();
@@ -42,9 +42,9 @@ pub(super) fn rows(net: &MeshNet, around: Around, f: f64) -> Action {
     Action::Blend(Box::new(rows))
 }
 
-/// The weights of vertices by what the last U made them of.
+/// The weights of vertices according to their labels at the last U.
 struct Weights {
-    /// `None` where there are no labels: all weights are 1.
+    /// The labels; `None` if there are none, so that all weights are 1.
     labels: Option<Anchor>,
     f: f64,
 }
@@ -60,7 +60,7 @@ impl Weights {
     }
 }
 
-/// The curve rule: the mean of the weighted means with either neighbour.
+/// Adds the row of the curve rule: the mean of the weighted means with either neighbour.
 fn crease_row(weights: &Weights, v: usize, [before, after]: [u32; 2], out: &mut Rows) {
     let [a, b, c] = [before, index(v), after].map(|v| weights.on_curves(v));
     let (first, second) = (2.0 * (a + b), 2.0 * (b + c));
@@ -80,11 +80,12 @@ fn faces_row(topology: &Topology, weights: &Weights, v: usize, out: &mut Rows) {
     }
 }
 
-/// Neighbours of one weight make a group. All sums are free of order around a vertex with six of them.
+/// Adds a row in which neighbours of equal weight form a group. Around a vertex with six neighbours, all sums are
+/// independent of order.
 fn neighbours_row(topology: &Topology, weights: &Weights, v: usize, mu: f64, out: &mut Rows) {
     let valence = topology.ring(v).count();
     let p = mu * weights.in_faces(index(v));
-    // of each face around the vertex: the weights of the vertex, of the neighbour before it and of the one after it
+    // for each face around the vertex: the weights of the vertex, of the preceding neighbour and of the following one
     let share = |half_edge: u32| {
         let neighbours = [topology.next(half_edge), topology.previous(half_edge)];
         let [q, r] = neighbours.map(|half_edge| 0.5 * (1.0 - mu) * weights.in_faces(topology.vertex(half_edge)));
@@ -93,7 +94,7 @@ fn neighbours_row(topology: &Topology, weights: &Weights, v: usize, mu: f64, out
     };
     let shares: Vec<[f64; 3]> = topology.ring(v).map(share).collect();
     out.add(index(v), symmetric_sum(valence, |k| [shares[k][0]])[0]);
-    // the neighbour on the edge before a face has weights of this face and of the one before
+    // the neighbour on the edge before a face has weights from this face and from the preceding one
     let neighbours = topology.ring(v).map(|half_edge| topology.vertex(topology.next(half_edge)));
     let total = |k: usize| shares[k][1] + shares[(k + valence - 1) % valence][2];
     let all: Vec<(u32, f64)> = neighbours.enumerate().map(|(k, neighbour)| (neighbour, total(k))).collect();

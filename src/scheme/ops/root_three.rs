@@ -102,18 +102,18 @@ impl Operator for RootThree {
     }
 }
 
-/// Boundaries are cut in the last of every [`Facts::boundary_every`] steps.
+/// Returns how boundaries are treated: they are cut in the last of every [`Facts::boundary_every`] steps.
 fn boundary(rounds: u32) -> BoundarySplit {
     if (rounds + 1).is_multiple_of(FACTS.boundary_every) { BoundarySplit::Thirds } else { BoundarySplit::Whole }
 }
 
-/// `(1 - a) p + a/n sum neighbours` with `a = (4 - 2 cos(2 pi/n))/9`.
+/// The mask of an interior vertex: `(1 - a) p + a/n sum neighbours` with `a = (4 - 2 cos(2 pi/n))/9`.
 fn vertex_mask(valence: usize) -> RingMask {
     let moved = (4.0 - 2.0 * cosine(1, valence)) / 9.0;
     RingMask { own: 1.0 - moved, neighbours: moved / ratio(valence, 1) }
 }
 
-/// On boundaries (4, 19, 4)/27, in every second step.
+/// The mask of a boundary vertex in every second step: (4, 19, 4)/27.
 fn curve_mask() -> RingMask {
     RingMask { own: ratio(19, 27), neighbours: ratio(4, 27) }
 }
@@ -127,14 +127,14 @@ fn vertex_row(net: &MeshNet, boundary: BoundarySplit, v: usize, out: &mut Rows) 
     }
 }
 
-/// Which end of an edge is near.
+/// The end of an edge that is nearer to a new point.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Near {
     Start,
     End,
 }
 
-/// A third of the way along a boundary edge: `(16 near + 10 far + 1 beyond)/27`, reflected at a corner.
+/// Adds the row of a point at a third of a boundary edge: `(16 near + 10 far + 1 beyond)/27`, reflected at a corner.
 fn third_row(net: &MeshNet, edge: u32, near: Near, out: &mut Rows) {
     let topology: &Topology = &net.mesh.base;
     let [start, end] = topology.ends(edge as usize);

@@ -119,7 +119,7 @@ impl Operator for Upsample {
     }
 }
 
-/// The refusal of a face that cannot be split into triangles.
+/// Returns the error for a face that cannot be split into triangles.
 pub(in crate::scheme) fn not_triangles(face: usize, size: usize) -> StepError {
     let found = format!("face {face} has {size} vertices, and only triangles are split into triangles");
     let remedy = "send a mesh of triangles, or use a scheme for any faces, such as catmull-clark or a word with \

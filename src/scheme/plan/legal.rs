@@ -1,4 +1,4 @@
-//! Which operators may follow which.
+//! Checks which operators may follow each other.
 
 use super::{Plan, Subject};
 use crate::math::parameter::Value;
@@ -13,7 +13,8 @@ use crate::shape::creases::INFINITE_SHARPNESS;
 use crate::shape::tile::Tile;
 
 impl Plan {
-    /// Whether every operator can follow those before it, in the prefix and the first two applications of the cycle.
+    /// Checks that every operator may follow those before it, in the prefix and the first two applications of the
+    /// cycle.
     pub(super) fn check_legal(&self, subject: Subject) -> Result<(), StepError> {
         let (mut upsampled, mut duals, mut lost) = (false, 0, false);
         let natural = !subject.is_mesh && subject.is_open && self.ends == Ends::Natural;
@@ -37,7 +38,7 @@ impl Plan {
                 if let Some(found) = other_than_halves(&letter) {
                     return Err(not_halves(carried.name(), &found));
                 }
-                // averages that move to the duals are refused for what they cannot carry
+                // averages that move to the dual net are refused below for the tags that they cannot carry
                 let known = letter.facts().pointwise || role == Role::Average;
                 if !known || letter.settings.tile() == Tile::Triangle {
                     return Err(useless(carried.name()));
@@ -77,7 +78,7 @@ impl Plan {
                     lost |= natural || dual && subject.is_mesh && subject.is_open;
                 }
                 Role::PushBack if !upsampled => return Err(no_anchor()),
-                // what no other input helps against first
+                // first the faults that no other input could avoid
                 Role::PushBack if duals % 2 == 1 => return Err(odd_duals(duals)),
                 Role::PushBack if lost => {
                     return Err(lost_points(match (natural, subject.is_mesh) {
@@ -96,7 +97,7 @@ impl Plan {
     }
 }
 
-/// How the U of a word differs from one that halves edges and makes quads, if it does.
+/// Returns how the U of a word differs from one that halves edges and makes quads, if it does.
 pub(super) fn other_than_halves(letter: &Letter) -> Option<String> {
     let is_upsampling = letter.facts().pointwise && letter.facts().role == Role::Upsample;
     let split = || (letter.settings.tile() == Tile::Triangle).then(|| "split triangle".to_owned());
@@ -104,18 +105,18 @@ pub(super) fn other_than_halves(letter: &Letter) -> Option<String> {
     if is_upsampling { split().or_else(arity) } else { None }
 }
 
-/// The refusal of what a scheme has no use for.
+/// Returns the error for tags that a scheme does not use.
 pub(super) fn useless(tags: &str) -> StepError {
     StepError::new(format!("this scheme knows no {tags}; leave them out or use a word over U, C and P"))
 }
 
-/// The refusal of what only upsamplings that halve edges and make quads have a use for.
+/// Returns the error for data that only upsamplings that halve edges and make quads can use.
 fn not_halves(what: &str, found: &str) -> StepError {
     let rule = format!("{what} act in words over U, C and P with arity 2 and split quad");
     StepError::about(About::Halves, format!("{rule}; here stands {found}: change it or leave them out"))
 }
 
-/// The refusal of sharpness between smooth and infinitely sharp where it is not known.
+/// Returns the error for a sharpness between smooth and infinitely sharp under a scheme that does not support it.
 fn semi_sharp(tags: &str) -> StepError {
     let most = INFINITE_SHARPNESS;
     let rule = format!("{tags} of a sharpness between 0 and {most} belong to catmull-clark and loop");

@@ -1,4 +1,4 @@
-//! From what a client wrote to a plan.
+//! Resolves a plan from a client's input.
 
 use super::legal::{other_than_halves, useless};
 use super::{AlphaOf, Carried, Latitude, Perturbation, Plan, PlanInput, Subject};
@@ -16,7 +16,7 @@ use crate::scheme::word::Word;
 use crate::shape::tile::Tile;
 
 impl Plan {
-    /// Resolves what a client wrote for a subject.
+    /// Resolves a client's input for a subject.
     ///
     /// # Errors
     /// Every fault, with pointers below the plan.
@@ -50,7 +50,7 @@ impl Plan {
         let perturbation = perturbation.map(|[amplitude, decay]| Perturbation { amplitude, decay, seed: input.seed });
         let lines_differ = latitude.as_ref().is_some_and(|latitude| latitude.own_alpha);
         let differs = |other: &f64| lines_differ || other.to_bits() != alpha.to_bits();
-        // alphas that points carry beat those of the plan
+        // the alpha of points takes precedence over that of the plan
         let compensation_alpha = compensation_alpha.filter(|other| subject.alpha == AlphaOf::Plan && differs(other));
         let plan = Self {
             word,
@@ -89,7 +89,7 @@ impl Plan {
         Ok(plan)
     }
 
-    /// Whether it is a word over U, C and P whose upsamplings halve edges and make quads.
+    /// Returns whether this is a word over U, C and P whose upsamplings halve edges and make quads.
     fn averages_halves(&self) -> bool {
         let mut letters = self.word.prefix.iter().chain(&self.word.cycle);
         letters.all(|letter| letter.facts().pointwise && letter.settings.halves())
@@ -104,7 +104,7 @@ impl Plan {
     }
 }
 
-/// What latitude and longitude tags change in a scheme: kernel and compensation that keep circles are its defaults.
+/// Adapts a scheme to latitude and longitude tags: by default, kernel and compensation then preserve circles.
 fn with_lines(spelling: Spelling, input: &PlanInput, subject: Subject) -> (Spelling, Option<Latitude>) {
     if subject.carried != Some(Carried::Latitude) || spelling.latitude_rule == LatitudeRule::Isotropic {
         return (spelling, None);
@@ -148,8 +148,7 @@ fn check_subject(preset: &Preset, subject: Subject) -> Result<(), Vec<Fault>> {
     Err(vec![Fault::new("/preset", format!("{} refines {kind}; {remedy}", preset.name))])
 }
 
-/// Vertices of meshes carry values of the kernel and its like: a preset that has no such parameters has no use for
-/// them.
+/// Checks that a preset has a kernel and similar parameters if vertices of the mesh have values for them.
 fn check_carried(preset: &Preset, subject: Subject) -> Result<(), Vec<Fault>> {
     let Some(carried) = subject.carried else { return Ok(()) };
     if preset.parameters.iter().any(|parameter| parameter.name == KERNEL.name) {
@@ -158,7 +157,7 @@ fn check_carried(preset: &Preset, subject: Subject) -> Result<(), Vec<Fault>> {
     Err(vec![Fault::new("/preset", useless(carried.name()).to_string())])
 }
 
-/// Both results, or the faults of both.
+/// Returns both results, or the faults of both.
 fn both<A, B>(a: Result<A, Vec<Fault>>, b: Result<B, Vec<Fault>>) -> Result<(A, B), Vec<Fault>> {
     match (a, b) {
         (Ok(a), Ok(b)) => Ok((a, b)),
@@ -166,7 +165,7 @@ fn both<A, B>(a: Result<A, Vec<Fault>>, b: Result<B, Vec<Fault>>) -> Result<(A, 
     }
 }
 
-/// On polygons two D next to each other are a C; one spelling of them makes one key.
+/// Replaces two adjacent D by a C, which they are on polygons, so that both spellings have the same key.
 fn pair_duals(letters: &mut Vec<Letter>) {
     let mut paired: Vec<Letter> = Vec::with_capacity(letters.len());
     for letter in letters.drain(..) {

@@ -1,4 +1,4 @@
-//! A plan written out: every operator of every level with its numbers.
+//! Writes out a plan: every operator of every level with its values.
 
 use super::{Plan, Scheduled};
 use crate::fault::Fault;
@@ -11,7 +11,7 @@ use crate::scheme::parameters::{ARITY, MU};
 use crate::shape::tile::Tile;
 
 impl Plan {
-    /// The operators of `levels` levels with their numbers.
+    /// Returns the operators of `levels` levels with their values.
     ///
     /// # Errors
     /// When a function has no value at some level; the fault names level and alpha.
@@ -103,7 +103,7 @@ impl Plan {
         Ok(value)
     }
 
-    /// What the weights of a triangle add up to where it is not 1: around and beside V in C, beside V in D.
+    /// Returns the sums of triangle weights that may differ from 1: around and next to V in C, next to V in D.
     fn triangle_sums(&self, kernel: f64, letter: &Letter) -> Vec<f64> {
         let mu = self.mu;
         if letter.facts().uses.contains(&MU.name) {

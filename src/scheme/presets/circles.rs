@@ -30,7 +30,7 @@ pub(super) const D_ARY_CIRCLE: Preset = Preset {
     spell,
 };
 
-/// The alpha of a scheme that keeps circles.
+/// Declares the alpha of a scheme that reproduces circles.
 pub(super) const fn angle(doc: &'static str) -> Parameter {
     Parameter { unit: "radians", ..Parameter::number("alpha", [-1e6, 1e6], Default::Required, doc) }
 }

@@ -33,7 +33,7 @@ pub(super) const TWO_N_POINT: Preset = Preset {
     },
 };
 
-/// The weight at offset 2j - 1, from exact integers, rounded once.
+/// Returns the weight at offset 2j - 1, computed from exact integers and rounded once.
 fn deslauriers_dubuc(n: u128, j: u128) -> Weight {
     let odds = (1..=n).flat_map(|i| [2 * i - 1, 2 * i - 1]);
     let twos = std::iter::repeat_n(2, usize::try_from(2 * n - 1).unwrap_or(0));

@@ -54,7 +54,7 @@ pub(super) const PUSH_BACK: Preset = Preset {
     },
 };
 
-/// A cycle with the functions of words over U, C and P that are given.
+/// Spells a cycle with the functions of words over U, C and P that are given.
 pub(in crate::scheme) fn with_functions(cycle: Vec<Letter>, values: &Values) -> Spelling {
     Spelling {
         alpha: values.number("alpha").unwrap_or(0.0),

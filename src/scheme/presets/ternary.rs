@@ -9,7 +9,7 @@ use crate::scheme::preset::{Preset, Refines, Spelling, mirrored, weight};
 
 const HUANG_TAN: &str = "Huang and Tan, Acta Electronica Sinica 49 (2021), 90-98";
 
-/// Parameters of rule (8).
+/// The parameters of rule (8).
 struct Blend {
     eta: Weight,
     theta: Weight,
@@ -46,7 +46,7 @@ fn ratio(a: i64, b: i64) -> Weight {
     Weight::ratio(a, b)
 }
 
-/// A number of usual size.
+/// Declares a number of usual magnitude.
 pub(super) const fn real(name: &'static str, default: Default, doc: &'static str) -> Parameter {
     Parameter::number(name, [-1e3, 1e3], default, doc)
 }
@@ -119,7 +119,7 @@ pub(super) const C4: Preset = Preset {
     },
 };
 
-/// The ternary B-spline of some degree: entries over `3^degree`, from the middle outwards.
+/// Declares the ternary B-spline of some degree: entries over `3^degree`, from the middle outwards.
 macro_rules! b_spline {
     (
         $constant:ident, $name:literal, $degree:literal, [$smoothness:literal, $support:literal],

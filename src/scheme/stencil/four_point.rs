@@ -1,4 +1,4 @@
-//! The four-point rule between two points of a line, which goes on by reflection where it ends.
+//! The four-point rule between two points of a line, which is extended by reflection at its ends.
 
 use crate::math::rows::Rows;
 use crate::scheme::tags::Tags;
@@ -7,9 +7,9 @@ use crate::shape::topology::Topology;
 /// The weights `(-w, 1/2 + w, 1/2 + w, -w)`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct FourPoint {
-    /// Weight of the two points between which the new one lies.
+    /// Weight of each of the two points next to the new one.
     pub near: f64,
-    /// Weight of those beyond them.
+    /// Weight of each of the two points beyond them.
     pub far: f64,
 }
 
@@ -22,8 +22,8 @@ impl FourPoint {
         Self { near: 0.5 + w, far: -w }
     }
 
-    /// Calls `add` for what lies beyond the point `here`, opposite `there`: a point, or where the line ends the
-    /// reflection `2 here - there`.
+    /// Calls `add` for the point beyond `here`, opposite `there`; at the end of the line that is the reflection
+    /// `2 here - there`.
     pub(in crate::scheme) fn beyond<P>(self, here: P, there: P, beyond: Option<P>, mut add: impl FnMut(P, f64))
     where
         P: Copy,
@@ -36,8 +36,8 @@ impl FourPoint {
         }
     }
 
-    /// Adds what lies along the boundary beyond one end of a boundary edge: beyond its second one if `onward`. At
-    /// corners the boundary ends.
+    /// Adds the point on the boundary beyond one end of a boundary edge, beyond its second end if `onward`. The
+    /// boundary ends at corners.
     pub(in crate::scheme) fn add_beyond(self, old: &Topology, tags: &Tags, e: usize, onward: bool, out: &mut Rows) {
         let [a, b] = old.ends(e);
         let (end, other) = if onward { (b, a) } else { (a, b) };

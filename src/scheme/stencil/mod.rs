@@ -1,7 +1,7 @@
-//! Masks of mesh schemes: weights by role, and the walks that give them to the points around a vertex, edge or face.
+//! Masks of mesh schemes: weights by role, and the walks that assign them to the points around a vertex, edge or face.
 //!
-//! A scheme is a function of valence, face size and kind that returns such masks; the walks know no scheme. Whoever
-//! needs the numbers alone reads them without a walk.
+//! A scheme is a function of valence, face size and kind that returns such masks; the walks know no scheme, and the
+//! weights can be read without a walk.
 
 mod four_point;
 mod quads;

@@ -1,10 +1,9 @@
-//! Masks on the vertices of a split into quads: those that were vertices (V), and the points of edges (E) and faces
-//! (F).
+//! Masks over the vertices of a split into quads: old vertices (V), edge points (E) and face points (F).
 
 use crate::math::rows::Rows;
 use crate::shape::topology::{Topology, index};
 
-/// Weights of a V, of each E and of each F around it.
+/// Weights of a V, and of each E and F around it.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct VertexMask {
     /// Weight of the vertex itself.
@@ -16,13 +15,13 @@ pub struct VertexMask {
 }
 
 impl VertexMask {
-    /// All weights multiplied by `scale`.
+    /// Returns the mask with all weights multiplied by `scale`.
     #[must_use]
     pub fn times(self, scale: f64) -> Self {
         Self { own: scale * self.own, edges: scale * self.edges, faces: scale * self.faces }
     }
 
-    /// Adds what lies around the interior vertex `v` of `parent`.
+    /// Adds the stencil of the interior vertex `v` of `parent`.
     #[inline]
     pub(in crate::scheme) fn add(self, parent: &Topology, v: usize, out: &mut Rows) {
         let n_v = index(parent.n_vertices());
@@ -34,21 +33,21 @@ impl VertexMask {
     }
 }
 
-/// Weights of an E and of what lies around it.
+/// Weights of an E and of the points around it.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct EdgeMask {
-    /// Weight of the edge's point itself.
+    /// Weight of the edge point itself.
     pub own: f64,
-    /// Weight of each of its two ends, where they take part.
+    /// Weight of each of the two ends; `None` if they do not take part.
     pub ends: Option<f64>,
-    /// Weight of the point of each of its two faces, where they take part.
+    /// Weight of each of the two adjacent face points; `None` if they do not take part.
     pub faces: Option<f64>,
-    /// Weight of the points of the four edges next to it in its faces, where they take part.
+    /// Weight of each of the four adjacent edge points in these faces; `None` if they do not take part.
     pub sides: Option<f64>,
 }
 
 impl EdgeMask {
-    /// Adds what lies around edge `e` of `parent`, which is an inner one where faces or sides take part.
+    /// Adds the stencil of edge `e` of `parent`, which must be an inner edge if faces or sides take part.
     #[inline]
     pub(in crate::scheme) fn add(self, parent: &Topology, e: usize, out: &mut Rows) {
         let n_v = index(parent.n_vertices());
@@ -68,10 +67,10 @@ impl EdgeMask {
     }
 }
 
-/// Weights of an F and of what lies around it.
+/// Weights of an F and of the points around it.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct FaceMask {
-    /// Weight of the face's point itself.
+    /// Weight of the face point itself.
     pub own: f64,
     /// Weight of each of its vertices.
     pub vertices: f64,
@@ -80,7 +79,7 @@ pub struct FaceMask {
 }
 
 impl FaceMask {
-    /// Adds what lies around a face of `parent`.
+    /// Adds the stencil of a face of `parent`.
     pub(in crate::scheme) fn add(self, parent: &Topology, face: usize, out: &mut Rows) {
         let n_v = index(parent.n_vertices());
         out.add(n_v + index(parent.n_edges() + face), self.own);

@@ -1,4 +1,4 @@
-//! Masks of a vertex and its neighbours, be it all of them or those along a curve.
+//! Masks of a vertex and its neighbours, all of them or those along a curve.
 
 use crate::math::rows::Rows;
 use crate::shape::topology::{Topology, index};
@@ -13,10 +13,10 @@ pub struct RingMask {
 }
 
 impl RingMask {
-    /// (1, 2, 1)/4, which makes cubic B-splines of points halfway.
+    /// The mask (1, 2, 1)/4, which turns linear upsampling into cubic B-splines.
     pub const CUBIC: Self = Self { own: 0.5, neighbours: 0.25 };
 
-    /// All weights multiplied by `scale`.
+    /// Returns the mask with all weights multiplied by `scale`.
     #[must_use]
     pub fn times(self, scale: f64) -> Self {
         Self { own: scale * self.own, neighbours: scale * self.neighbours }
@@ -34,7 +34,7 @@ impl RingMask {
         out.group(|out| edges.for_each(|e| out.add(old.other_end(e as usize, v), self.neighbours)));
     }
 
-    /// Adds vertex `v` and the points of these edges after a split into quads of `parent`.
+    /// Adds vertex `v` and the points of these edges after a split of `parent` into quads.
     #[inline]
     pub(in crate::scheme) fn add_edge_points(self, parent: &Topology, v: usize, edges: [u32; 2], out: &mut Rows) {
         let n_v = index(parent.n_vertices());

@@ -10,12 +10,12 @@ pub struct TriangleEdgeMask {
     pub ends: f64,
     /// Weight of the vertex opposite the edge in each of its triangles.
     pub opposite: f64,
-    /// Weight of each of the four far vertices, those opposite in the triangles beyond, where they take part.
+    /// Weight of each of the four far vertices, opposite in the adjacent triangles; `None` if they do not take part.
     pub far: Option<f64>,
 }
 
 impl TriangleEdgeMask {
-    /// Adds what lies around edge `e`; a far vertex that is missing is reflected.
+    /// Adds the stencil of edge `e`; a missing far vertex is replaced by reflection.
     pub(in crate::scheme) fn add(self, old: &Topology, e: usize, out: &mut Rows) {
         let halves = old.halves(e);
         let opposite = |half_edge| old.vertex(old.previous(half_edge));
@@ -34,7 +34,7 @@ fn add_far(old: &Topology, half_edge: u32, weight: f64, out: &mut Rows) {
     for (side, near, far) in [(onward, onward, half_edge), (back, half_edge, onward)] {
         let beyond = old.twin(side);
         if beyond == NONE {
-            // across the side from `near` to the opposite vertex lies near + opposite - far
+            // across the side from `near` to the opposite vertex, the reflected point is near + opposite - far
             out.add(old.vertex(near), weight);
             out.add(opposite, weight);
             out.add(old.vertex(far), -weight);

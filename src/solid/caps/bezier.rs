@@ -1,4 +1,4 @@
-//! Tensor products of Bernstein polynomials: values, derivatives, higher degrees and parts of their domain.
+//! Tensor products of Bernstein polynomials: values, derivatives, degree elevation and restriction.
 
 use crate::math::functions::{ratio, real, sqrt};
 use crate::math::vector::{dot, minus, plus, times};
@@ -7,12 +7,12 @@ use crate::math::vector::{dot, minus, plus, times};
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Net<const D: usize, const K: usize>(pub(super) [[[f64; D]; K]; K]);
 
-/// The number of ways to choose k of n things.
+/// The binomial coefficient n choose k.
 pub(super) fn choose(n: usize, k: usize) -> f64 {
     (0..k).fold(1.0, |ways, i| ways * real(n - i) / real(i + 1))
 }
 
-/// The Bernstein polynomials of degree `K - 1` at t.
+/// Returns the Bernstein polynomials of degree `K - 1` at t.
 pub(super) fn bernstein<const K: usize>(t: f64) -> [f64; K] {
     let mut values = [0.0; K];
     values[0] = 1.0;
@@ -25,7 +25,7 @@ pub(super) fn bernstein<const K: usize>(t: f64) -> [f64; K] {
     values
 }
 
-/// The sum of points, each times its weight, in their order.
+/// Returns the weighted sum of points, in their order.
 pub(super) fn weighted<const D: usize, const K: usize>(weights: &[f64; K], points: &[[f64; D]; K]) -> [f64; D] {
     let mut sum = [0.0; D];
     for (weight, point) in weights.iter().zip(points) {
@@ -36,7 +36,7 @@ pub(super) fn weighted<const D: usize, const K: usize>(weights: &[f64; K], point
     sum
 }
 
-/// The same curve of one degree more.
+/// Returns the curve elevated to a higher degree.
 pub(super) fn raised<const D: usize, const K: usize, const M: usize>(curve: &[[f64; D]; K]) -> [[f64; D]; M] {
     let (degree, more) = (M - 1, M - K);
     std::array::from_fn(|i| {
@@ -50,12 +50,12 @@ pub(super) fn raised<const D: usize, const K: usize, const M: usize>(curve: &[[f
 }
 
 impl<const D: usize, const K: usize> Net<D, K> {
-    /// The patch with columns and rows exchanged.
+    /// Returns the patch with u and v exchanged.
     pub(super) fn transposed(&self) -> Self {
         Self(std::array::from_fn(|a| std::array::from_fn(|b| self.0[b][a])))
     }
 
-    /// The same patch of another, higher degree in both directions.
+    /// Returns the patch elevated to a higher degree in both directions.
     pub(super) fn raised<const M: usize>(&self) -> Net<D, M> {
         let rows: [[[f64; D]; M]; K] = self.0.map(|row| raised(&row));
         let columns: [[[f64; D]; M]; M] =
@@ -63,7 +63,7 @@ impl<const D: usize, const K: usize> Net<D, K> {
         Net(columns).transposed()
     }
 
-    /// The point whose Bernstein values are given for both directions.
+    /// Returns the point with the given Bernstein values in both directions.
     pub(super) fn blend(&self, along: &[f64; K], across: &[f64; K]) -> [f64; D] {
         let mut sum = [0.0; D];
         for (weight, row) in along.iter().zip(&self.0) {
@@ -75,12 +75,12 @@ impl<const D: usize, const K: usize> Net<D, K> {
         sum
     }
 
-    /// The point at (u, v).
+    /// Returns the point at (u, v).
     pub(super) fn at(&self, [u, v]: [f64; 2]) -> [f64; D] {
         self.blend(&bernstein(u), &bernstein(v))
     }
 
-    /// The derivatives by u and by v at (u, v).
+    /// Returns the derivatives along u and along v at (u, v).
     pub(super) fn slopes(&self, [u, v]: [f64; 2]) -> [[f64; D]; 2] {
         let (along, across) = (bernstein(u), bernstein(v));
         let steep = |t| steepness::<K>(t);
@@ -88,10 +88,10 @@ impl<const D: usize, const K: usize> Net<D, K> {
     }
 }
 
-/// The derivatives of the Bernstein polynomials of degree `K - 1` at t.
+/// Returns the derivatives of the Bernstein polynomials of degree `K - 1` at t.
 fn steepness<const K: usize>(t: f64) -> [f64; K] {
     let degree = K - 1;
-    // the polynomials of one degree less stand at the weights that de Casteljau's scheme leaves
+    // the polynomials of the next lower degree, by de Casteljau's scheme
     let mut lower = [0.0; K];
     lower[0] = 1.0;
     for d in 1..degree {
@@ -116,7 +116,7 @@ const SPAN: [[f64; 4]; 4] = [
 ];
 
 impl<const D: usize> Net<D, 4> {
-    /// The patch of the middle span of a uniform bicubic spline with these control points.
+    /// Returns the patch of the middle span of a uniform bicubic spline with these control points.
     pub(super) fn of_spline(control: &[[[f64; D]; 4]; 4]) -> Self {
         let rows: [[[f64; D]; 4]; 4] = control.map(|row| SPAN.map(|weights| weighted(&weights, &row)));
         let turned = Net(rows).transposed();
@@ -124,17 +124,17 @@ impl<const D: usize> Net<D, 4> {
     }
 }
 
-/// The differences of neighbouring points of a curve.
+/// Returns the differences of consecutive control points of a curve.
 pub(super) fn differences<const D: usize>(curve: &[[f64; D]; 5]) -> [[f64; D]; 4] {
     std::array::from_fn(|k| minus(curve[k + 1], curve[k]))
 }
 
-/// Equally spaced numbers: n of the unit interval, with both of its ends.
+/// Returns n equally spaced numbers in the unit interval, including both ends.
 pub(super) fn spaced(n: usize) -> Vec<f64> {
     (0..n).map(|k| ratio(k, n - 1)).collect()
 }
 
-/// The coefficients of the part of a polynomial from a to b, as weights of its coefficients: `weights[i][k]`.
+/// Returns the restriction of polynomials to the interval from a to b, as weights of coefficients: `weights[i][k]`.
 pub(super) fn restriction<const K: usize>([a, b]: [f64; 2]) -> [[f64; K]; K] {
     std::array::from_fn(|i| {
         std::array::from_fn(|k| {
@@ -152,7 +152,8 @@ pub(super) fn restriction<const K: usize>([a, b]: [f64; 2]) -> [[f64; K]; K] {
 }
 
 impl<const D: usize, const K: usize> Net<D, K> {
-    /// The patch over a part of its domain, or any other product of curves' rules: `along` and `across` are weights.
+    /// Returns the patch after linear maps of its coefficients in both directions, for example its restriction to a
+    /// part.
     pub(super) fn mapped<const M: usize>(&self, along: &[[f64; K]; M], across: &[[f64; K]; M]) -> Net<D, M> {
         let rows: [[[f64; D]; M]; K] = self.0.map(|row| std::array::from_fn(|j| weighted(&across[j], &row)));
         Net(std::array::from_fn(|i| {
@@ -160,7 +161,7 @@ impl<const D: usize, const K: usize> Net<D, K> {
         }))
     }
 
-    /// The greatest length of a coefficient, which no point of the patch exceeds.
+    /// Returns the greatest length of a coefficient, which no point of the patch exceeds.
     pub(super) fn hull(&self) -> f64 {
         let longest = self.0.iter().flatten().map(|point| dot(*point, *point)).fold(0.0, f64::max);
         sqrt(longest)

@@ -1,4 +1,4 @@
-//! How far a cap is from the limit surface at most.
+//! Bounds the distance of a cap from the limit surface.
 
 use super::bezier::{restriction, weighted};
 use super::composed::TERMS;
@@ -10,33 +10,33 @@ use super::table::{CapTable, Residual};
 use crate::math::functions::sqrt;
 use crate::math::vector::{Vector, dot, length, minus};
 
-/// How a distance was found.
+/// How a distance was determined.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Method {
-    /// No two points that belong to each other are further apart.
+    /// It is a proven bound of the distance between corresponding points.
     Certified,
-    /// The largest distance at samples, times 1.1.
+    /// It is the largest distance at samples, times 1.1.
     Sampled,
 }
 
-/// How far a cap and the limit surface are apart, each from the other.
+/// The two-sided distance between a cap and the limit surface.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Deviation {
-    /// The distance, in units of the net.
+    /// The distance, in the units of the net.
     pub bound: f64,
-    /// How it was found.
+    /// How the distance was determined.
     pub method: Method,
 }
 
-/// What a bound counts for rounding, as part of the largest distance of the net from the limit point: 2^-38.
-/// Values pass through fewer than 40 refinements of fewer than 100 roundings each, which are means, and through sums of
-/// fewer than 200 terms whose weights add up to less than 50 in size: fewer than 2^14 roundings of 2^-53, with a factor
-/// of 2 to spare. Half of it would leave nothing to spare, twice of it is seen nowhere.
+/// The rounding allowance of a bound, as a fraction of the largest distance of the net from the limit point: 2^-38.
+/// Values pass through fewer than 40 refinements with fewer than 100 roundings each, which are means, and through sums
+/// of fewer than 200 terms whose absolute weights add up to less than 50: fewer than 2^14 roundings of 2^-53, with a
+/// factor of 2 to spare. Half of it would leave no margin; twice of it would not be noticed.
 const ROUNDING: f64 = 1.0 / 274_877_906_944.0;
 
 impl CapTable {
-    /// The distance between the cap of a two-ring and the limit surface: bounded everywhere for valences up to 12, at
-    /// samples beyond.
+    /// Returns the distance between the cap of a two-ring and the limit surface: a bound for valences up to 12, an
+    /// estimate from samples for higher ones.
     ///
     /// With the plane net that the tangents span taken off, the surface S over each cell of a ring and the cap P along
     /// the path of foot points are polynomials, whose coefficients bound `|S - P|`; the path misses the true foot
@@ -70,7 +70,7 @@ fn rounding(two_ring: &[Vector], limit: Vector) -> f64 {
     ROUNDING * far + 4.0 * f64::EPSILON * length(limit)
 }
 
-/// The greatest of a distance and those over the cells of one ring in one sector.
+/// Returns the maximum of `most` and of the distances over the cells of one ring in one sector.
 fn ring(rings: &Rings<3>, s: usize, cells: &[Cell], (patch, slopes): (&Patch<3>, &Slopes<3>), mut most: f64) -> f64 {
     let steepest = slopes.most();
     let leaves = LEAVES.map(|lower| rings.leaf(s, lower));
@@ -86,7 +86,7 @@ fn ring(rings: &Rings<3>, s: usize, cells: &[Cell], (patch, slopes): (&Patch<3>,
         }
         let neglected: f64 = cell.composed.neglected.iter().zip(&lengths).map(|(part, length)| part * length).sum();
         let along = sqrt(square) + neglected;
-        // slopes near the path are asked for only where those of the whole patch would tell
+        // slopes near the path are only computed if those of the whole patch do not suffice
         if along + steepest * cell.off > most {
             most = most.max(along + slopes.over(&cell.around).most() * cell.off);
         }
@@ -94,7 +94,7 @@ fn ring(rings: &Rings<3>, s: usize, cells: &[Cell], (patch, slopes): (&Patch<3>,
     most
 }
 
-/// The greatest distance inside the last ring.
+/// Returns the greatest distance inside the last ring.
 fn inside(proof: &Proof, rings: &Rings<3>, residual: &Residual) -> f64 {
     let net = rings.two_ring().into_iter().map(length).fold(0.0, f64::max);
     let part = restriction([0.0, proof.inside]);

@@ -1,54 +1,55 @@
-//! The characteristic net of a smooth vertex: the plane two-ring that a refinement only shrinks, by the factor lambda.
+//! The characteristic net of a smooth vertex: the planar two-ring that a refinement scales by the factor lambda.
 //! Source: J. Stam, SIGGRAPH 1998, 395-404.
 
 use super::rings::Rings;
 use crate::math::functions::{cos, ratio, sin, sqrt};
 use crate::math::vector::{dot, minus};
 
-/// Refinements after which the net is taken for the limit. The second eigenvalue of its block is less than 0.4 times
-/// the first, so that 40 reach round-off; half leaves 1e-8, twice change nothing.
+/// Number of refinements after which the net counts as the limit. The second eigenvalue of its block is less than 0.4
+/// times the first, so that 40 reach rounding errors; half as many leave 1e-8, twice as many change nothing.
 const STEPS: usize = 40;
 
-/// The cosine of `2 pi k / n`.
+/// Returns the cosine of `2 pi k / n`.
 pub(super) fn turn_cos(k: usize, n: usize) -> f64 {
     cos(2.0 * std::f64::consts::PI * ratio(k % n, n))
 }
 
-/// The sine of `2 pi k / n`.
+/// Returns the sine of `2 pi k / n`.
 pub(super) fn turn_sin(k: usize, n: usize) -> f64 {
     sin(2.0 * std::f64::consts::PI * ratio(k % n, n))
 }
 
-/// The largest eigenvalue of the refinement of waves that go k times around a vertex of valence n.
+/// Returns the largest eigenvalue of the subdivision matrix of valence n at frequency k.
 fn eigenvalue(k: usize, n: usize) -> f64 {
     let (c, half) = (turn_cos(k, n), turn_cos(k, 2 * n));
     (5.0 + c + half * sqrt(2.0 * (9.0 + c))) / 16.0
 }
 
-/// lambda, by which distances around a vertex of valence n shrink with each refinement.
+/// Returns lambda, the subdominant eigenvalue at valence n, by which distances around the vertex shrink in each
+/// refinement.
 pub(super) fn subdominant(n: usize) -> f64 {
     eigenvalue(1, n)
 }
 
-/// mu, the largest eigenvalue after lambda: by it the deviation of a cap shrinks with each refinement around its
-/// vertex, of valence n.
+/// Returns mu, the largest eigenvalue after lambda, by which the deviation of a cap at valence n shrinks in each
+/// refinement.
 pub fn decay(n: usize) -> f64 {
     if n < 5 { 0.25 } else { eigenvalue(2, n).max(0.25) }
 }
 
-/// A vector of the plane, multiplied as a complex number.
+/// Returns the product of two plane vectors as complex numbers.
 pub(super) fn turned(a: [f64; 2], b: [f64; 2]) -> [f64; 2] {
     [a[0] * b[0] - a[1] * b[1], a[0] * b[1] + a[1] * b[0]]
 }
 
-/// The sector 0 of a net, and the net of which it is a sector.
+/// Extends sector 0 of a net to all sectors by rotation.
 fn symmetric(sector: &[[f64; 2]], n: usize) -> Vec<[f64; 2]> {
     let turns = (0..n).map(|s| [turn_cos(s, n), turn_sin(s, n)]);
     let all = turns.flat_map(|turn| sector.iter().map(move |point| turned(turn, *point)));
     std::iter::once([0.0; 2]).chain(all).collect()
 }
 
-/// The characteristic net of valence n, with its first spoke from 0 to (1, 0).
+/// Returns the characteristic net of valence n, whose first spoke runs from 0 to (1, 0).
 pub(super) fn characteristic_net(n: usize) -> Rings<2> {
     let (c, s) = (turn_cos(1, n), turn_sin(1, n));
     let places = [[1.0, 0.0], [1.0, 1.0], [2.0, 0.0], [2.0, 1.0], [2.0, 2.0], [1.0, 2.0]];

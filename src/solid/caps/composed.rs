@@ -1,5 +1,5 @@
-//! Bernstein polynomials of degree 5 of polynomials of degree 2: what a patch is along a path through its domain, with
-//! coefficients that bound it everywhere.
+//! Bernstein polynomials of degree 5 composed with polynomials of degree 2: a patch along a path through its domain,
+//! with coefficients that bound it everywhere.
 
 use super::bezier::{bernstein, choose, restriction};
 use crate::math::dense::Dense;
@@ -7,18 +7,18 @@ use crate::math::functions::{cos, real, sqrt};
 
 /// The degree of the path in each variable.
 const PATH: usize = 2;
-/// Degree of a patch of degree 5 in both directions along a path: 2 times (5 + 5).
+/// The degree of a patch of bidegree 5 along a path: 2 times (5 + 5).
 const WHOLE: usize = 20;
 /// The degree of the short form in each variable.
 const SHORT: usize = 5;
-/// Coefficients of a short form, and Bernstein polynomials of a patch.
+/// Number of coefficients of a short form, and of Bernstein polynomials of a patch.
 pub(super) const TERMS: usize = (SHORT + 1) * (SHORT + 1);
 
-/// Bernstein coefficients of the two coordinates of a path through the domain of a patch, by two variables.
+/// Bernstein coefficients, in two variables, of the two coordinates of a path through the domain of a patch.
 pub(super) type Path = [[[f64; PATH + 1]; PATH + 1]; 2];
 
-/// A polynomial of two variables in the Bernstein basis, each coefficient times its binomials, so that products are
-/// plain ones. Where no coefficient is negative no product cancels: each step errs by one rounding, relatively.
+/// A polynomial of two variables in the scaled Bernstein basis, where products are plain products of coefficients. If
+/// no coefficient is negative, nothing cancels: each step has a relative error of one rounding.
 #[derive(Debug, Clone)]
 struct Scaled {
     degree: usize,
@@ -53,7 +53,7 @@ impl Scaled {
         Self { degree, terms }
     }
 
-    /// The six Bernstein polynomials of degree 5 of this one, whose values are in the unit interval.
+    /// Returns the six Bernstein polynomials of degree 5 of this polynomial, whose values lie in the unit interval.
     fn bernstein(&self, rest: &Self) -> [Self; 6] {
         let powers = |base: &Self| {
             let mut powers = vec![Self::one()];
@@ -69,18 +69,18 @@ impl Scaled {
     }
 }
 
-/// A patch along a path, as sums over its 36 points: short forms of degree 5, and what they neglect.
+/// A patch along a path, as sums over its 36 points: short forms of degree 5, and bounds of their errors.
 #[derive(Debug)]
 pub(super) struct Composed {
-    /// Coefficient k of the short form of Bernstein polynomial ab of the patch: `short[k][ab]`.
+    /// Coefficient k of the short form of the patch's Bernstein polynomial ab: `short[k][ab]`.
     pub(super) short: Vec<[f64; TERMS]>,
-    /// The most that the short form of each Bernstein polynomial of the patch errs by.
+    /// Bound of the error of each short form.
     pub(super) neglected: [f64; TERMS],
     /// Exact coefficients of degree 20 of each Bernstein polynomial of the patch.
     exact: Vec<Vec<f64>>,
 }
 
-/// The weights that lead from coefficients of a polynomial of some degree to those of degree [`WHOLE`].
+/// Returns the weights that elevate a polynomial of some degree to degree [`WHOLE`].
 fn raising(degree: usize) -> Vec<Vec<f64>> {
     let more = WHOLE - degree;
     let weight = |i: usize, j: usize| {
@@ -89,7 +89,7 @@ fn raising(degree: usize) -> Vec<Vec<f64>> {
     (0..=WHOLE).map(|i| (0..=degree).map(|j| weight(i, j)).collect()).collect()
 }
 
-/// Coefficients of degree 20 of a polynomial of lower degree, given by rows.
+/// Returns the coefficients of degree 20 of a polynomial of lower degree, given by rows.
 pub(super) fn raised_whole(degree: usize, terms: &[f64]) -> Vec<f64> {
     let raising = raising(degree);
     let width = degree + 1;
@@ -106,7 +106,7 @@ pub(super) fn raised_whole(degree: usize, terms: &[f64]) -> Vec<f64> {
 }
 
 impl Composed {
-    /// The patch along the path whose two coordinates have these Bernstein coefficients, all of the unit interval.
+    /// Composes the patch with the path whose coordinates have these Bernstein coefficients, all in the unit interval.
     pub(super) fn along(path: &Path) -> Self {
         let [first, second] = path.map(|coordinate| {
             let rest = coordinate.map(|row| row.map(|x| 1.0 - x));
@@ -128,7 +128,7 @@ impl Composed {
         Self { short, neglected, exact }
     }
 
-    /// The greatest distance between a plane polynomial of degree 20 and a plane patch along the path.
+    /// Returns the greatest distance between a planar polynomial of degree 20 and a planar patch along the path.
     pub(super) fn distance(&self, target: &[Vec<f64>; 2], patch: &[[f64; 2]; TERMS]) -> f64 {
         let mut most = 0.0_f64;
         for k in 0..target[0].len() {
@@ -141,13 +141,13 @@ impl Composed {
         sqrt(most)
     }
 
-    /// Forgets what only [`Composed::distance`] needs.
+    /// Discards the data that only [`Composed::distance`] needs.
     pub(super) fn without_exact(self) -> Self {
         Self { exact: Vec::new(), ..self }
     }
 }
 
-/// Short forms that agree with the Bernstein polynomials of a patch along a path at Chebyshev's points.
+/// Returns short forms that interpolate the Bernstein polynomials of a patch along a path at Chebyshev points.
 fn short_forms(path: &Path) -> Vec<[f64; TERMS]> {
     const N: usize = SHORT + 1;
     let nodes: [f64; N] = std::array::from_fn(|k| 0.5 - 0.5 * cos(std::f64::consts::PI * (real(k) + 0.5) / real(N)));
@@ -174,7 +174,7 @@ fn short_forms(path: &Path) -> Vec<[f64; TERMS]> {
     forms
 }
 
-/// The coefficients, in degree 5, of the part of a cubic from x to y.
+/// Returns the coefficients, of degree 5, of the restriction of a cubic to the interval from x to y.
 pub(super) fn part_of_cubic([x, y]: [f64; 2]) -> [[f64; 4]; SHORT + 1] {
     let part: [[f64; 4]; 4] = restriction([x, y]);
     std::array::from_fn(|i| {

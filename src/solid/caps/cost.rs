@@ -1,4 +1,4 @@
-//! What caps cost, for whoever books time and memory.
+//! The cost of caps, for booking time and memory.
 
 use super::composed::TERMS;
 use super::proof::{Cell, n_cells, n_rings};
@@ -9,11 +9,11 @@ use crate::math::functions::real;
 /// Numbers of operations, each about a nanosecond, and bytes.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Cost {
-    /// Operations of the table of a valence, once.
+    /// Operations to build the table of a valence, once.
     pub table_operations: f64,
     /// Bytes of that table, which is kept.
     pub table_bytes: usize,
-    /// Operations of the table that bounds are read off, once.
+    /// Operations to build the table from which bounds are read, once.
     pub proof_operations: f64,
     /// Bytes of that table, which is kept.
     pub proof_bytes: usize,
@@ -25,7 +25,7 @@ pub struct Cost {
     pub bound_operations: f64,
 }
 
-/// What caps of a valence cost.
+/// Returns the cost of caps of a valence.
 pub fn cost(valence: usize) -> Cost {
     let per_ring = |side: usize| rings_that_matter(valence) * LEAVES.len() * side * side;
     let (n, fitted, estimated) = (real(valence), real(per_ring(FITTED)), real(per_ring(ESTIMATED)));

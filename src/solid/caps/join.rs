@@ -1,5 +1,5 @@
-//! Patches of bidegree 5 that meet with one tangent plane along the spokes of a vertex: unfitted caps and what is free.
-//! Sources: J. Peters, CAGD 8 (1991); T. Hermann, J. Peters, T. Strotman, Computers and Graphics 35 (2011).
+//! Patches of bidegree 5 with common tangent planes along the spokes of a vertex: unfitted caps and their free
+//! parameters. Sources: J. Peters, CAGD 8 (1991); T. Hermann, J. Peters, T. Strotman, Computers and Graphics 35 (2011).
 
 use super::bezier::{Net, differences, raised};
 use super::characteristic::{subdominant, turn_cos, turn_sin};
@@ -7,17 +7,17 @@ use super::rings::Rings;
 use crate::math::functions::{cos, real, sqrt};
 use crate::math::vector::{minus, plus, times};
 
-/// What may be added to coefficients of one sector without breaking the joins: to the middle point of its first spoke,
-/// to the middle point of the ribbon across it, and to the coefficients (2, 2), (3, 2), (2, 3) and (3, 3).
+/// Number of free coefficients of one sector, which can be changed without breaking the joins: the middle point of its
+/// first spoke, the middle point of the ribbon across it, and the coefficients (2, 2), (3, 2), (2, 3) and (3, 3).
 pub(super) const FREE: usize = 6;
 
-/// Free parameters of each sector.
+/// The free parameters of a sector.
 pub(super) type Free<const D: usize> = [[f64; D]; FREE];
 
 /// The patch of one sector.
 pub(super) type Patch<const D: usize> = Net<D, 6>;
 
-/// The limit point of the vertex: `(N^2 V + 4 sum e + sum f) / (N (N + 5))`.
+/// Returns the limit point of the vertex: `(N^2 V + 4 sum e + sum f) / (N (N + 5))`.
 pub(super) fn limit<const D: usize>(rings: &Rings<D>) -> [f64; D] {
     let n = rings.valence();
     let mut sum = times(real(n * n), rings.centre);
@@ -27,7 +27,7 @@ pub(super) fn limit<const D: usize>(rings: &Rings<D>) -> [f64; D] {
     times(1.0 / real(n * (n + 5)), sum)
 }
 
-/// The two tangents of the limit surface at the vertex, which are the unit vectors on the characteristic net.
+/// Returns the two tangents of the limit surface at the vertex, which are the unit vectors on the characteristic net.
 /// Source: M. Halstead, M. Kass, T. DeRose, SIGGRAPH 1993, 35-44.
 pub(super) fn tangents<const D: usize>(rings: &Rings<D>) -> [[f64; D]; 2] {
     let n = rings.valence();
@@ -44,7 +44,7 @@ pub(super) fn tangents<const D: usize>(rings: &Rings<D>) -> [[f64; D]; 2] {
     })
 }
 
-/// The spokes as quartic curves, each with its first and second derivative at the vertex.
+/// The spokes as quartic curves, with their first and second derivatives at the vertex.
 struct Spokes<const D: usize> {
     curves: Vec<[[f64; D]; 5]>,
     slopes: Vec<[f64; D]>,
@@ -76,8 +76,8 @@ fn spokes<const D: usize>(rings: &Rings<D>, outside: &[Net<D, 4>], sigma: f64, f
     Spokes { curves, slopes, bends }
 }
 
-/// Twists of the patches at the vertex, such that those of neighbours add up to what the join asks for: the twists that
-/// the net suggests, and the shortest correction.
+/// Returns the twists of the patches at the vertex: those that the net suggests, with the smallest correction that
+/// makes the twists of neighbours add up as the join requires.
 fn twists<const D: usize>(rings: &Rings<D>, spokes: &Spokes<D>) -> Vec<[f64; D]> {
     let n = rings.valence();
     let (c, limit) = (turn_cos(1, n), limit(rings));
@@ -98,14 +98,15 @@ fn twists<const D: usize>(rings: &Rings<D>, spokes: &Spokes<D>) -> Vec<[f64; D]>
     (0..n).map(corrected).collect()
 }
 
-/// The shortest x with `x_s + x_(s-1) = b_s` is the sum of `share(k) b_(s-k)`; for even n there is one only if b has no
-/// alternating part.
+/// Returns the weight `share(k)` in the shortest solution x of `x_s + x_(s-1) = b_s`, the sum of `share(k) b_(s-k)`;
+/// for even n it exists only if b has no alternating part.
 fn share(k: usize, n: usize) -> f64 {
     let sign = if k.is_multiple_of(2) { 1.0 } else { -1.0 };
     if n.is_multiple_of(2) { sign * (real(n) - 1.0 - 2.0 * real(k)) / real(2 * n) } else { sign / 2.0 }
 }
 
-/// The derivatives across spoke s of the patches before and behind it, less what the spoke itself demands, in degree 5.
+/// Returns the cross derivatives along spoke s of the patches before and behind it, without the part along the spoke,
+/// in degree 5.
 fn ribbon<const D: usize>(s: usize, outside: &[Net<D, 4>], spokes: &Spokes<D>, twists: &[[f64; D]]) -> [[f64; D]; 6] {
     let n = outside.len();
     let (own, before) = (&outside[s].0, &outside[(s + n - 1) % n].0);
@@ -116,16 +117,17 @@ fn ribbon<const D: usize>(s: usize, outside: &[Net<D, 4>], spokes: &Spokes<D>, t
     raised(&[at, plus(at, slope), times(0.5, plus(exact(1), exact(2))), near_end, exact(3)])
 }
 
-/// The part of the derivative across a spoke that both patches share: `c (1 - u)^2` times its derivative along.
+/// Returns the part of the cross derivative that both patches at a spoke share: `c (1 - u)^2` times the derivative
+/// along it.
 fn shared<const D: usize>(spoke: &[[f64; D]; 5], c: f64) -> [[f64; D]; 6] {
     let steps = differences(spoke);
     let weights = [1.0, 3.0 / 5.0, 3.0 / 10.0, 1.0 / 10.0];
     std::array::from_fn(|k| steps.get(k).map_or([0.0; D], |step| times(4.0 * c * weights[k], *step)))
 }
 
-/// The patches around a vertex that continue the surface outside with one derivative, and along spoke s satisfy
-/// `p_v + q_u = 2 cos(2 pi / N) (1 - u)^2 p_u`, whatever is free: one patch a sector, linear in the net and in what is
-/// free. `sigma` is the length of the first leg of a spoke where tangents have length 1.
+/// Returns the patches around a vertex, one per sector, that continue the surface outside with one derivative and
+/// satisfy `p_v + q_u = 2 cos(2 pi / N) (1 - u)^2 p_u` along spoke s for any free parameters; they are linear in the
+/// net and in the free parameters. `sigma` is the length of the first leg of a spoke whose tangent has length 1.
 pub(super) fn join<const D: usize>(rings: &Rings<D>, sigma: f64, free: &[Free<D>]) -> Vec<Patch<D>> {
     let n = rings.valence();
     let outside: Vec<Net<D, 4>> = (0..n).map(|s| rings.outside(s)).collect();
@@ -150,7 +152,8 @@ pub(super) fn join<const D: usize>(rings: &Rings<D>, sigma: f64, free: &[Free<D>
         .collect()
 }
 
-/// One patch out of the surface outside, its two spokes, the derivatives across them, and what is free.
+/// Returns one patch from the surface outside, its two spokes, the cross derivatives along them, and the free
+/// parameters.
 fn sector<const D: usize>(
     outside: &Patch<D>,
     [low, left]: [&[[f64; D]; 6]; 2],
@@ -175,7 +178,7 @@ fn sector<const D: usize>(
     Net(p)
 }
 
-/// The length of the first leg of spokes where tangents have length 1: the leg at which the spokes of the
+/// Returns the length of the first leg of spokes whose tangents have length 1: the leg for which the spokes of the
 /// characteristic net would be cubic, times [`LEGS`].
 pub(super) fn first_leg(characteristic: &Rings<2>) -> f64 {
     let [_, x1, x2, x3] = characteristic.outside(0).0.map(|row| row[0][0]);
@@ -183,8 +186,8 @@ pub(super) fn first_leg(characteristic: &Rings<2>) -> f64 {
     cubic * LEGS[characteristic.valence()]
 }
 
-/// Factors of the first leg by valence, from 0 to 32: at them fitted caps of random vertices deviate least.
-/// They were looked for in steps of 0.02. At 0.1 more or less deviations are two to five times as large.
+/// Factors of the first leg by valence, from 0 to 32, for which fitted caps of random vertices deviate least, found in
+/// steps of 0.02. At 0.1 more or less, deviations are two to five times as large.
 const LEGS: [f64; 33] = [
     1.0, 1.0, 1.0, 1.0, 1.0, 0.9, 0.81, 0.72, 0.66, 0.6, 0.55, 0.51, 0.48, 0.44, 0.42, 0.4, 0.37, 0.35, 0.34, 0.32,
     0.3, 0.29, 0.28, 0.27, 0.26, 0.25, 0.24, 0.23, 0.22, 0.22, 0.21, 0.2, 0.2,

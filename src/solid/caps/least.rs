@@ -1,4 +1,4 @@
-//! Least squares of equations that repeat themselves around a vertex, one frequency at a time.
+//! Least squares for equations with rotational symmetry around a vertex, one frequency at a time.
 
 use super::characteristic::{turn_cos, turn_sin, turned};
 use crate::math::functions::{real, sqrt};
@@ -6,12 +6,13 @@ use crate::math::functions::{real, sqrt};
 /// A complex number.
 type Complex = [f64; 2];
 
-/// Columns that keep less than this part of the greatest length beside the columns before them are left out.
-/// Dependent ones keep about 1e-15, the least independent one of all valences 9e-3. Twice and half change nothing.
+/// Columns whose part orthogonal to the columns before them is less than this fraction of the greatest length are
+/// dropped. Dependent columns keep about 1e-15, the least independent one of all valences 9e-3. Twice or half of it
+/// changes nothing.
 const DEPENDENT: f64 = 1e-9;
 
-/// The best x of `sum over t and a of A[s - t][k][a] x[t][a][q] = b[s][k][q]`, for all s of n sectors and k of
-/// `b.len() / n` samples: A and b are `n x samples`, x is by sectors.
+/// Returns the least-squares solution x of `sum over t and a of A[s - t][k][a] x[t][a][q] = b[s][k][q]`, for all s of n
+/// sectors and k of `b.len() / n` samples: A and b are `n x samples`, x is by sectors.
 pub(super) fn least_squares<const A: usize, const Q: usize>(
     n: usize,
     a: &[[f64; A]],
@@ -20,7 +21,7 @@ pub(super) fn least_squares<const A: usize, const Q: usize>(
     let mut x = vec![[[0.0; Q]; A]; n];
     for m in 0..=n / 2 {
         let best: [[Complex; Q]; A] = best(&waves(n, m, a), &waves(n, m, b));
-        // other frequencies than 0 and n / 2 come in pairs of conjugates
+        // frequencies other than 0 and n / 2 occur in conjugate pairs
         let share = if m == 0 || 2 * m == n { 1.0 } else { 2.0 } / real(n);
         for (s, x) in x.iter_mut().enumerate() {
             let wave = [turn_cos(m * s, n), turn_sin(m * s, n)];
@@ -32,7 +33,7 @@ pub(super) fn least_squares<const A: usize, const Q: usize>(
     x
 }
 
-/// Columns of the amplitudes of frequency m in values that are given for all sectors.
+/// Returns columns with the amplitudes of frequency m of values that are given for all sectors.
 fn waves<const D: usize>(n: usize, m: usize, values: &[[f64; D]]) -> Vec<Vec<Complex>> {
     let n_samples = values.len() / n;
     let waves: Vec<Complex> = (0..n).map(|s| [turn_cos(m * s, n), -turn_sin(m * s, n)]).collect();
@@ -45,7 +46,7 @@ fn waves<const D: usize>(n: usize, m: usize, values: &[[f64; D]]) -> Vec<Vec<Com
     (0..D).map(|d| (0..n_samples).map(|k| amplitude(k, d)).collect()).collect()
 }
 
-/// The sum of `conjugate(a_k) b_k`.
+/// Returns the inner product, the sum of `conjugate(a_k) b_k`.
 fn product(a: &[Complex], b: &[Complex]) -> Complex {
     a.iter().zip(b).fold([0.0; 2], |sum, (a, b)| {
         [sum[0] + a[0] * b[0] + a[1] * b[1], sum[1] + a[0] * b[1] - a[1] * b[0]] //
@@ -59,7 +60,8 @@ fn without(column: &mut [Complex], factor: Complex, other: &[Complex]) {
     }
 }
 
-/// The x of least squares of `sum of columns a times x = column q of b`, by Gram and Schmidt, each column twice.
+/// Returns the least-squares solution x of `sum of columns a times x = column q of b`, by Gram-Schmidt with
+/// reorthogonalization.
 fn best<const A: usize, const Q: usize>(a: &[Vec<Complex>], b: &[Vec<Complex>]) -> [[Complex; Q]; A] {
     let mut units: Vec<Vec<Complex>> = Vec::with_capacity(A);
     let mut upper = [[[0.0; 2]; A]; A];

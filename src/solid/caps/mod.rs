@@ -1,5 +1,5 @@
-//! Caps: patches that close the surface around an extraordinary vertex, where it is bicubic nowhere, with one tangent
-//! plane along every edge and a statement of their distance from the limit surface.
+//! Caps: patches that close the surface around an extraordinary vertex, where it has no bicubic piece, with common
+//! tangent planes along every edge and a statement of their distance from the limit surface.
 
 mod bezier;
 mod bound;

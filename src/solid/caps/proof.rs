@@ -1,5 +1,5 @@
-//! What is known of all caps of one valence before any is made: how the plane cap runs under the leaves of each ring,
-//! and how much it is stretched.
+//! Facts about all caps of one valence, computed once: how the planar cap runs under the leaves of each ring, and how
+//! much it stretches distances.
 
 use super::bezier::Net;
 use super::characteristic::decay;
@@ -10,38 +10,38 @@ use super::samples::{foot, in_sector};
 use super::stretch::{Area, Slopes, Weights, weights};
 use crate::math::functions::{cos, ratio, real, sin};
 
-/// A cell of a leaf of one ring, in all sectors alike.
+/// A cell of a leaf of one ring; the same in all sectors.
 #[derive(Debug)]
 pub(super) struct Cell {
-    /// Which of the three leaves of the ring.
+    /// The index of the leaf among the three of the ring.
     pub(super) leaf: usize,
-    /// The weights that lead from a leaf's coefficients to those of the cell, of degree 5, along both directions.
+    /// The weights that map a leaf's coefficients to those of the cell, of degree 5, in both directions.
     pub(super) part: [[[f64; 4]; 6]; 2],
-    /// Patches along the path of foot points of this cell.
+    /// The Bernstein polynomials of a patch along the path of foot points of this cell.
     pub(super) composed: Composed,
-    /// How far in parameters the path is from the true foot points, at most.
+    /// Bound of the distance, in parameters, of the path from the true foot points.
     pub(super) off: f64,
-    /// Coefficients over an area that holds the path and the true foot points.
+    /// Weights of the coefficients over an area that contains the path and the true foot points.
     pub(super) around: Weights,
 }
 
-/// Facts of one valence that hold for all its caps.
+/// Facts about one valence that hold for all its caps.
 #[derive(Debug)]
 pub(super) struct Proof {
-    /// Cells of each ring, the outermost first.
+    /// The cells of each ring, the outermost first.
     pub(super) rings: Vec<Vec<Cell>>,
-    /// Foot points of what is inside all rings have parameters of at most so much.
+    /// Bound of the parameters of foot points inside all rings.
     pub(super) inside: f64,
 }
 
-/// What is inside the rings that are looked at one by one has shrunk to this part, at most. It is bounded by the hulls
-/// of its nets alone, which is up to a thousand times too much. At twice of it that outweighs the rings of valence 5;
-/// half takes one ring more. Around regular vertices nothing else is left.
+/// Returns the factor to which the part inside all examined rings must have shrunk. It is bounded by the hulls of its
+/// nets alone, which overestimates up to a thousand times. At twice of it, this outweighs the rings of valence 5; half
+/// of it takes one ring more. Around regular vertices nothing else is left.
 fn shrunk(n: usize) -> f64 {
     if n == 4 { 1e-10 } else { 1.5e-4 }
 }
 
-/// Rings of leaves that are looked at one by one.
+/// Returns the number of rings of leaves that are examined one by one.
 pub(super) fn n_rings(n: usize) -> usize {
     let (mut rings, mut left) = (1, decay(n));
     while left > shrunk(n) {
@@ -51,9 +51,10 @@ pub(super) fn n_rings(n: usize) -> usize {
     rings
 }
 
-/// Cells along each side of a leaf of a ring, 1 for the outermost. Paths of foot points are off by the cube of a cell's
-/// size, which caps of valence 3 feel most, since they are nearest to their surfaces. With these numbers bounds are at
-/// most 1.4 times what samples find; with one less in the outermost rings they are 1.5 times, with one more 1.2 times.
+/// Returns the number of cells along each side of a leaf of a ring, 1 for the outermost. The error of paths of foot
+/// points is proportional to the cube of a cell's size, which matters most at valence 3, whose caps are nearest to
+/// their surfaces. With these numbers bounds are at most 1.4 times what samples find; with one less in the outermost
+/// rings 1.5 times, with one more 1.2 times.
 pub(super) fn n_cells(n: usize, ring: usize) -> usize {
     match (n, ring) {
         (3, 1..=3) => 6 - ring,
@@ -64,7 +65,7 @@ pub(super) fn n_cells(n: usize, ring: usize) -> usize {
 }
 
 impl Proof {
-    /// The facts of a valence; `None` if the plane cap cannot be shown to be one-to-one.
+    /// Returns the facts of a valence; `None` if the planar cap cannot be shown to be one-to-one.
     pub(super) fn of(characteristic: &Rings<2>, plane: &Patch<2>) -> Option<Self> {
         let n = characteristic.valence();
         let plane_cap = PlaneCap::of(plane, n);
@@ -95,7 +96,7 @@ impl Proof {
 }
 
 impl Cell {
-    /// The cell of a leaf of the characteristic surface between the given sides, with its path of foot points.
+    /// Creates the cell of a leaf of the characteristic surface between the given sides, with its path of foot points.
     fn of(leaf: usize, surface: &Net<2, 4>, sides: [[f64; 2]; 2], path: &Path, plane: &PlaneCap) -> Self {
         let composed = Composed::along(path);
         let part = sides.map(part_of_cubic);
@@ -110,11 +111,11 @@ impl Cell {
     }
 }
 
-/// The plane cap of one sector.
+/// The planar cap of one sector.
 struct PlaneCap {
     points: [[f64; 2]; TERMS],
     slopes: Slopes<2>,
-    /// What it stretches distances by at least.
+    /// Lower bound of the factor by which it stretches distances.
     stretch: f64,
 }
 
@@ -125,8 +126,8 @@ impl PlaneCap {
         Self { points: std::array::from_fn(|k| points[k]), slopes, stretch: least_stretch(&slopes, n) }
     }
 
-    /// How far a path whose image misses by so much is from true foot points, in parameters. What is stretched least
-    /// anywhere tells where they are; what is stretched least there tells more.
+    /// Returns a bound, in parameters, of the distance of a path from the true foot points if its image is off by
+    /// `miss`. The least stretch anywhere locates them; the least stretch there gives a better bound.
     fn off(&self, path: &Path, miss: f64) -> f64 {
         let off = miss / self.stretch;
         let near = self.slopes.over(&weights(around(path, off)));
@@ -134,7 +135,7 @@ impl PlaneCap {
     }
 }
 
-/// The part of the square that no point of a path is further away from than a distance.
+/// Returns the part of the unit square within a distance of the points of a path.
 fn around(path: &Path, off: f64) -> Area {
     path.map(|coordinate| {
         let all = || coordinate.into_iter().flatten();
@@ -143,12 +144,12 @@ fn around(path: &Path, off: f64) -> Area {
     })
 }
 
-/// More than all roundings of a plane distance: its coefficients are below 4, and each passes through fewer than 2000
-/// roundings of 2^-53, the products of [`Composed`] included.
+/// Bound of all rounding errors of a planar distance: its coefficients are below 4, and each passes through fewer than
+/// 2000 roundings of 2^-53, including the products of [`Composed`].
 const ROUNDING: f64 = 1e-12;
 
-/// Coefficients of the path of foot points under a part of a leaf: it goes through nine of them, and is kept in the
-/// square.
+/// Returns the coefficients of the path of foot points under a part of a leaf: it interpolates nine of them, and is
+/// clamped to the unit square.
 fn path(
     plane: &Patch<2>,
     surface: &Net<2, 4>,
@@ -170,7 +171,7 @@ fn path(
     })
 }
 
-/// Coefficients of a path along the part of a cell's boundary that is the boundary of what is further inside.
+/// Returns the coefficients of a path along the part of a cell's boundary that bounds the region further inside.
 fn inner_side(leaf: usize, [i, j]: [usize; 2], path: &Path) -> Vec<f64> {
     let coefficients = |side: &dyn Fn(usize) -> [usize; 2]| {
         let points = (0..3).map(side);
@@ -183,11 +184,11 @@ fn inner_side(leaf: usize, [i, j]: [usize; 2], path: &Path) -> Vec<f64> {
     }
 }
 
-/// Parts along each side of the domain on which the stretch is bounded.
+/// Number of parts along each side of the domain on which the stretch is bounded.
 const PARTS: usize = 8;
 
-/// What the plane cap of one sector stretches the distance of any two parameters by at least, turned so that the
-/// sector's middle is the diagonal of the square.
+/// Returns a lower bound of the factor by which the planar cap of one sector stretches distances, rotated so that the
+/// middle of the sector is the diagonal of the square.
 fn least_stretch(slopes: &Slopes<2>, n: usize) -> f64 {
     let angle = std::f64::consts::PI * (0.25 - ratio(1, n));
     let turn = [cos(angle), sin(angle)];

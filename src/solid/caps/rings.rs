@@ -4,13 +4,13 @@ use super::bezier::Net;
 use crate::math::functions::real;
 use crate::math::vector::{plus, times};
 
-/// Points of the two-ring that belong to one sector, in the order of [`WITHIN`].
+/// Number of points of the two-ring in one sector, in the order of [`WITHIN`].
 pub(super) const PER_SECTOR: usize = 6;
 /// Places of the points of one sector: steps along its first and along its second spoke.
 const WITHIN: [[usize; 2]; PER_SECTOR] = [[1, 0], [1, 1], [2, 0], [2, 1], [2, 2], [1, 2]];
-/// Steps that are held along each spoke: refined two-rings reach as far.
+/// Number of steps stored along each spoke, as many as refined two-rings reach.
 const REACH: usize = 3;
-/// Places held of each sector: 1 to [`REACH`] steps along the first spoke, 0 to [`REACH`] along the second.
+/// Number of places stored per sector: 1 to [`REACH`] steps along the first spoke, 0 to [`REACH`] along the second.
 const HELD: usize = REACH * (REACH + 1);
 /// The lower corners of the three exact leaves of one ring, in steps of the refined net.
 pub(super) const LEAVES: [[usize; 2]; 3] = [[1, 0], [0, 1], [1, 1]];
@@ -20,7 +20,7 @@ pub(super) const LEAVES: [[usize; 2]; 3] = [[1, 0], [0, 1], [1, 1]];
 pub(super) struct Rings<const D: usize> {
     /// The vertex.
     pub(super) centre: [f64; D],
-    /// `HELD` points a sector; of a given two-ring those beyond two steps are zero and never read.
+    /// `HELD` points per sector; for a given two-ring, those beyond two steps are zero and never read.
     sectors: Vec<[[f64; D]; HELD]>,
 }
 
@@ -29,7 +29,7 @@ fn slot(u: usize, v: usize) -> usize {
 }
 
 impl<const D: usize> Rings<D> {
-    /// The rings whose points in steps (u, v) of sector s are told by a function.
+    /// Creates the rings from a function that returns the point at steps (u, v) of sector s.
     fn of(centre: [f64; D], n: usize, point: impl Fn(usize, usize, usize) -> [f64; D]) -> Self {
         let sector = |s| {
             let mut held = [[0.0; D]; HELD];
@@ -43,7 +43,7 @@ impl<const D: usize> Rings<D> {
         Self { centre, sectors: (0..n).map(sector).collect() }
     }
 
-    /// The two-ring of the vertex, then six points a sector.
+    /// Creates the rings of a two-ring: the vertex, then six points per sector.
     pub(super) fn of_two_ring(points: &[[f64; D]]) -> Self {
         let n = points.len() / PER_SECTOR;
         assert_eq!(points.len(), PER_SECTOR * n + 1, "a two-ring has a vertex and six points a sector");
@@ -54,18 +54,18 @@ impl<const D: usize> Rings<D> {
         Self::of(points[0], n, find)
     }
 
-    /// The two-ring, in the order in which it is given.
+    /// Returns the two-ring, in the order of [`Self::of_two_ring`].
     pub(super) fn two_ring(&self) -> Vec<[f64; D]> {
         let sector = |held: &[[f64; D]; HELD]| WITHIN.map(|[u, v]| held[slot(u, v)]);
         std::iter::once(self.centre).chain(self.sectors.iter().flat_map(sector)).collect()
     }
 
-    /// The valence of the vertex.
+    /// Returns the valence of the vertex.
     pub(super) fn valence(&self) -> usize {
         self.sectors.len()
     }
 
-    /// The point u steps along spoke s and v along the next: at least -1 each, and not both -1.
+    /// Returns the point u steps along spoke s and v along the next; each is at least -1, and not both are -1.
     pub(super) fn at(&self, s: usize, [u, v]: [isize; 2]) -> [f64; D] {
         let n = self.valence();
         match (usize::try_from(u), usize::try_from(v)) {
@@ -77,25 +77,25 @@ impl<const D: usize> Rings<D> {
         }
     }
 
-    /// The control points of the bicubic patch whose lower corner is at the given steps.
+    /// Returns the control points of the bicubic patch whose lower corner is at the given steps.
     fn control(&self, s: usize, [u, v]: [usize; 2]) -> [[[f64; D]; 4]; 4] {
         let step = |at: usize, i: usize| (at + i).cast_signed() - 1;
         let point = |i, j| if u + i + v + j == 0 { [0.0; D] } else { self.at(s, [step(u, i), step(v, j)]) };
         std::array::from_fn(|i| std::array::from_fn(|j| point(i, j)))
     }
 
-    /// The limit surface of one of the [`LEAVES`] of a refined net, as a bicubic net.
+    /// Returns the limit surface of one of the [`LEAVES`] of a refined net, as a bicubic net.
     pub(super) fn leaf(&self, s: usize, lower: [usize; 2]) -> Net<D, 4> {
         Net::of_spline(&self.control(s, lower))
     }
 
-    /// What the exact surface outside says of sector s: all coefficients but the one at the vertex continue it with
-    /// two derivatives.
+    /// Returns the exact data of the surface outside for sector s: all coefficients except the one at the vertex
+    /// continue it with two derivatives.
     pub(super) fn outside(&self, s: usize) -> Net<D, 4> {
         Net::of_spline(&self.control(s, [0, 0]))
     }
 
-    /// The net after one step of refinement: the vertex stays the centre.
+    /// Returns the net after one refinement with the same centre vertex.
     pub(super) fn refined(&self) -> Self {
         Self::of(self.refined_centre(), self.valence(), |s, u, v| self.child(s, [u, v]))
     }
@@ -111,14 +111,14 @@ impl<const D: usize> Rings<D> {
         sum
     }
 
-    /// The centre of the face whose lower corner is at the given steps.
+    /// Returns the centroid of the face whose lower corner is at the given steps.
     fn mean(&self, s: usize, [u, v]: [isize; 2]) -> [f64; D] {
         let low = plus(self.at(s, [u, v]), self.at(s, [u + 1, v]));
         let high = plus(self.at(s, [u, v + 1]), self.at(s, [u + 1, v + 1]));
         times(0.25, plus(low, high))
     }
 
-    /// The point of the refined net at the given steps: of a face, an edge, or a vertex with four neighbours.
+    /// Returns the point of the refined net at the given steps: a face point, an edge point, or a vertex of valence 4.
     fn child(&self, s: usize, at: [usize; 2]) -> [f64; D] {
         let [u, v] = at.map(|x| (x / 2).cast_signed());
         match at.map(|x| x % 2) {
@@ -136,7 +136,7 @@ impl<const D: usize> Rings<D> {
         }
     }
 
-    /// The new point of the edge that leads from the given steps in the given direction.
+    /// Returns the edge point of the edge that leads from the given steps in the given direction.
     fn on_edge(&self, s: usize, [u, v]: [isize; 2], [du, dv]: [isize; 2]) -> [f64; D] {
         let ends = plus(self.at(s, [u, v]), self.at(s, [u + du, v + dv]));
         let left = plus(self.at(s, [u + dv, v + du]), self.at(s, [u + 1, v + 1]));

@@ -1,4 +1,4 @@
-//! Samples of the limit surface around a vertex, ring by ring, and where the plane cap has the same point.
+//! Samples of the limit surface around a vertex, ring by ring, and the corresponding foot points on the planar cap.
 
 use super::bezier::{Net, bernstein};
 use super::join::Patch;
@@ -6,17 +6,17 @@ use super::rings::{LEAVES, Rings};
 use crate::math::functions::real;
 use crate::math::vector::minus;
 
-/// Steps of Newton's method for one foot point. From the parameters of the sample itself five reach round-off; half
-/// leaves errors that can be seen, twice changes nothing.
+/// Number of Newton steps for one foot point. Five reach rounding errors from the parameters of the sample itself; half
+/// as many leave visible errors, twice as many change nothing.
 const STEPS: usize = 10;
 
-/// The parameter of leaf coordinates (x, y) in the sector whose ring `depth` (1 is the outermost) holds the leaf.
+/// Returns the parameter in the sector of leaf coordinates (x, y) in the ring `depth`; 1 is the outermost.
 pub(super) fn in_sector(depth: usize, lower: [usize; 2], x: [f64; 2]) -> [f64; 2] {
     let size = (0..depth).fold(1.0, |size, _| size / 2.0);
     [(real(lower[0]) + x[0]) * size, (real(lower[1]) + x[1]) * size]
 }
 
-/// The parameters in the unit square at which a plane patch has the given point.
+/// Returns the parameters in the unit square at which a planar patch has the given point.
 pub(super) fn foot(patch: &Patch<2>, point: [f64; 2], start: [f64; 2]) -> [f64; 2] {
     let mut at = start;
     for _ in 0..STEPS {
@@ -29,7 +29,7 @@ pub(super) fn foot(patch: &Patch<2>, point: [f64; 2], start: [f64; 2]) -> [f64; 
     at
 }
 
-/// Pairs of parameters that belong together, the same in all sectors.
+/// Corresponding pairs of parameters, the same in all sectors.
 #[derive(Debug)]
 pub(super) struct Samples {
     depth: usize,
@@ -40,7 +40,7 @@ pub(super) struct Samples {
 }
 
 impl Samples {
-    /// Samples of `depth` rings, at the given parameters along each side of a leaf.
+    /// Creates samples of `depth` rings, at the given parameters along each side of a leaf.
     pub(super) fn of(characteristic: &Rings<2>, plane: &Patch<2>, depth: usize, within: &[f64]) -> Self {
         let mut samples = Self { depth, within: within.iter().map(|x| bernstein(*x)).collect(), feet: Vec::new() };
         let places = LEAVES.iter().flat_map(|lower| {
@@ -59,12 +59,12 @@ impl Samples {
         samples
     }
 
-    /// How many there are in one sector.
+    /// Returns the number of samples in one sector.
     pub(super) fn len(&self) -> usize {
         self.feet.len()
     }
 
-    /// The ring of a sample, 0 for the outermost.
+    /// Returns the ring of a sample; 0 is the outermost.
     pub(super) fn ring(&self, sample: usize) -> usize {
         sample / (LEAVES.len() * self.within.len() * self.within.len())
     }
@@ -92,7 +92,7 @@ impl Samples {
         }
     }
 
-    /// The point of a patch at the foot point of a sample.
+    /// Returns the point of a patch at the foot point of a sample.
     pub(super) fn on<const D: usize>(&self, patch: &Patch<D>, sample: usize) -> [f64; D] {
         let [along, across] = &self.feet[sample];
         patch.blend(along, across)

@@ -1,4 +1,4 @@
-//! How much patches stretch distances: at least, of plane caps, and at most, of any.
+//! Lower and upper bounds of the factor by which patches stretch distances.
 
 use super::bezier::{Net, restriction};
 use super::characteristic::turned;
@@ -9,10 +9,10 @@ use crate::math::vector::{dot, minus, plus, times};
 /// An interval of each of the two parameters.
 pub(super) type Area = [[f64; 2]; 2];
 
-/// Coefficients over some area, as weights of those over the unit square, along both parameters.
+/// Weights that map the coefficients over the unit square to those over some area, in both parameters.
 pub(super) type Weights = [[[f64; 6]; 6]; 2];
 
-/// The weights that lead to an area.
+/// Returns the weights of an area.
 pub(super) fn weights(area: Area) -> Weights {
     area.map(restriction::<6>)
 }
@@ -22,23 +22,23 @@ pub(super) fn weights(area: Area) -> Weights {
 pub(super) struct Slopes<const D: usize>([Patch<D>; 2]);
 
 impl<const D: usize> Slopes<D> {
-    /// The derivatives over the unit square.
+    /// Returns the derivatives over the unit square.
     pub(super) fn of(patch: &Patch<D>) -> Self {
         Self([by_first(patch), by_first(&patch.transposed()).transposed()])
     }
 
-    /// The same derivatives, with the coefficients that they have over an area.
+    /// Returns the derivatives with their coefficients over an area.
     pub(super) fn over(&self, [along, across]: &Weights) -> Self {
         Self(self.0.map(|net| net.mapped(along, across)))
     }
 
-    /// Pairs of coefficients, by the first parameter and by the second.
+    /// Returns pairs of coefficients: of the derivative by the first parameter and by the second.
     fn pairs(&self) -> impl Iterator<Item = ([f64; D], [f64; D])> {
         let [by_u, by_v] = &self.0;
         by_u.0.iter().flatten().copied().zip(by_v.0.iter().flatten().copied())
     }
 
-    /// A number that no two points of the area are further apart than, for each unit between their parameters: the
+    /// Returns an upper bound of the ratio of distances of points to distances of their parameters in the area: the
     /// greatest Frobenius norm of the derivative at any coefficient, which is convex and thus a bound between them.
     pub(super) fn most(&self) -> f64 {
         sqrt(self.pairs().map(|(u, v)| dot(u, u) + dot(v, v)).fold(0.0, f64::max))
@@ -59,7 +59,7 @@ impl Slopes<2> {
         self.pairs().map(eigenvalue).fold(f64::INFINITY, f64::min)
     }
 
-    /// The same with the turn that makes the derivative in the middle symmetric, which loses nothing there.
+    /// Returns the bound of [`Self::least`] for the rotation that makes the derivative in the middle symmetric.
     pub(super) fn least_straightened(&self) -> f64 {
         let middle = [0.5; 2];
         let [u, v] = self.0.map(|net| net.at(middle));
@@ -69,12 +69,12 @@ impl Slopes<2> {
     }
 }
 
-/// The derivative by the first parameter, in degree 5.
+/// Returns the derivative by the first parameter, in degree 5.
 fn by_first<const D: usize>(net: &Patch<D>) -> Patch<D> {
     let step = |i: usize, j: usize| minus(net.0[i + 1][j], net.0[i][j]);
     Net(std::array::from_fn(|i| {
         std::array::from_fn(|j| {
-            // of degree 4 and raised: coefficient i is i/5 of the one before, and the rest of its own
+            // derivative of degree 4, elevated: coefficient i is i/5 of the previous one plus the rest of its own
             let before = if i > 0 { times(real(i), step(i - 1, j)) } else { [0.0; D] };
             let own = if i < 5 { times(real(5 - i), step(i, j)) } else { [0.0; D] };
             plus(before, own)

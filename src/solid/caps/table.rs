@@ -1,4 +1,4 @@
-//! Caps at extraordinary vertices, fitted once a valence.
+//! Caps at extraordinary vertices, fitted once per valence.
 
 use std::ops::RangeInclusive;
 use std::sync::OnceLock;
@@ -13,39 +13,39 @@ use super::samples::Samples;
 use crate::math::functions::sqrt;
 use crate::math::vector::{Vector, dot, minus, plus, times};
 
-/// Valences for which there are caps.
-/// Memory and time of a table grow with the square of the valence: twice the greatest would take seconds, and angles
-/// between spokes become so small that isolation no longer shrinks deviations by more than a third a level.
+/// The valences for which there are caps. Memory and time of a table grow with the square of the valence: at twice the
+/// greatest, it would take seconds, and angles between spokes become so small that isolation no longer shrinks
+/// deviations by more than a third per level.
 pub const VALENCES: RangeInclusive<usize> = 3..=32;
 
-/// The greatest valence whose deviations are bounded; those of larger ones are sampled.
-/// More rings are to be looked at for larger ones, and whether their plane caps can be shown to be one-to-one was not
-/// looked into.
+/// The greatest valence whose deviations are bounded; those of higher ones are sampled. More rings would have to be
+/// examined for higher ones, and it was not studied whether their planar caps can be shown to be one-to-one.
 pub(super) const PROVED: usize = 12;
 
-/// Bezier points of a cap's patch: `patch[a][b]`, a along u and b along v.
+/// The Bezier points of a cap's patch: `patch[a][b]`, a along u and b along v.
 pub type CapPatch = [[Vector; 6]; 6];
 
-/// Sources of a two-ring whose effects are fitted: the points of sector 0 and the vertex. Others follow by rotation.
+/// Number of points of a two-ring whose effects are fitted: those of sector 0, and the vertex. Others follow by
+/// rotation.
 const SOURCES: usize = PER_SECTOR + 1;
 
-/// Samples along each side of a leaf that a cap is fitted to, ends included.
-/// Three let deviations grow by a tenth, nine take three times the time and gain less than a hundredth.
+/// Samples along each side of a leaf for the fit, including the ends. With three, deviations grow by a tenth; nine take
+/// three times the time and gain less than a hundredth.
 pub(super) const FITTED: usize = 5;
 
-/// What a square error of a ring counts beside one of the ring outside it.
-/// Half and twice let the largest deviation of most valences grow by up to a quarter.
+/// The weight of the squared errors of a ring relative to the next outer ring. Half or twice of it increases the
+/// largest deviation of most valences by up to a quarter.
 const RING_WEIGHT: f64 = 0.5;
 
-/// Samples along each side of a leaf at which the deviation is estimated, ends included.
-/// Four underestimate it by up to a sixth, thirteen take four times the time and find at most three hundredths more.
+/// Samples along each side of a leaf for estimates, including the ends. Four underestimate by up to a sixth; thirteen
+/// take four times the time and find at most three hundredths more.
 pub(super) const ESTIMATED: usize = 7;
 
-/// What estimates are multiplied by, since they look at samples only. On random vertices of valence 3 to 32 the largest
-/// deviation of 17 x 17 samples a leaf is at most 1.05 times theirs.
+/// The factor by which estimates are multiplied, since they consider samples only. On random vertices of valence 3 to
+/// 32, the largest deviation of 17 x 17 samples per leaf is at most 1.05 times theirs.
 const MARGIN: f64 = 1.1;
 
-/// What is free of the caps of one valence, as functions of the two-ring; the cap of the characteristic net.
+/// The free parameters of the caps of one valence as functions of the two-ring, and the cap of the characteristic net.
 #[derive(Debug)]
 pub struct CapTable {
     pub(super) valence: usize,
@@ -53,28 +53,28 @@ pub struct CapTable {
     pub(super) sigma: f64,
     /// The cap of the characteristic net.
     pub(super) plane: Vec<Patch<2>>,
-    /// What is free in sector s, as sums over the sources: `fit[s][parameter][source]`.
+    /// The free parameters of sector s, as sums over the sources: `fit[s][parameter][source]`.
     fit: Vec<[[f64; SOURCES]; FREE]>,
     samples: Samples,
     proof: OnceLock<Option<Proof>>,
 }
 
-/// A cap, and the two-ring less the plane net that it reproduces.
+/// A two-ring minus the planar net that its tangents span, with the cap of this residual.
 pub(super) struct Residual {
     /// The limit point of the vertex.
     pub(super) limit: Vector,
-    /// The tangents there.
+    /// The tangents at the vertex.
     pub(super) tangents: [Vector; 2],
-    /// What remains of the two-ring.
+    /// The residual of the two-ring.
     pub(super) rings: Rings<3>,
-    /// The cap of what remains.
+    /// The cap of the residual.
     pub(super) patches: Vec<Patch<3>>,
 }
 
 static TABLES: [OnceLock<CapTable>; 33] = [const { OnceLock::new() }; 33];
 
 impl CapTable {
-    /// The table of a valence, made when it is first asked for; `None` outside [`VALENCES`].
+    /// Returns the table of a valence, built on first use; `None` outside [`VALENCES`].
     pub fn of(valence: usize) -> Option<&'static Self> {
         let table = TABLES.get(valence).filter(|_| VALENCES.contains(&valence))?;
         Some(table.get_or_init(|| Self::fitted(valence)))
@@ -85,8 +85,7 @@ impl CapTable {
         Self::fitted_to(valence, rings_that_matter(valence), FITTED, weight)
     }
 
-    /// The table of a valence whose caps are nearest to samples of so many rings, so many along each side of a leaf,
-    /// each error times a weight.
+    /// Builds the table of a valence from samples of `depth` rings, with weighted errors.
     pub(super) fn fitted_to(
         valence: usize,
         depth: usize,
@@ -138,14 +137,13 @@ impl CapTable {
         MARGIN * sqrt(largest)
     }
 
-    /// What is proved of all caps of this valence, made when it is first asked for; `None` for valences beyond
-    /// [`PROVED`].
+    /// Returns the facts about all caps of this valence, computed on first use; `None` for valences beyond [`PROVED`].
     pub(super) fn proof(&self) -> Option<&Proof> {
         let make = || if self.valence <= PROVED { Proof::of(&self.characteristic, &self.plane[0]) } else { None };
         self.proof.get_or_init(make).as_ref()
     }
 
-    /// Divides a two-ring into its limit point, its tangent plane, and what remains with its cap.
+    /// Decomposes a two-ring into its limit point, its tangent plane, and a residual with its cap.
     pub(super) fn residual(&self, two_ring: &[Vector]) -> Residual {
         assert_eq!(two_ring.len(), PER_SECTOR * self.valence + 1, "a two-ring of valence {}", self.valence);
         let rings = Rings::of_two_ring(two_ring);
@@ -162,7 +160,7 @@ impl CapTable {
         Residual { limit, tangents, rings, patches }
     }
 
-    /// What is free in each sector.
+    /// Returns the free parameters of each sector.
     fn free(&self, two_ring: &[Vector]) -> Vec<Free<3>> {
         let n = self.valence;
         let sector = |s: usize| {
@@ -182,7 +180,8 @@ impl CapTable {
     }
 }
 
-/// Rings beyond which the residual has shrunk to less than a fiftieth, so that samples further inside find nothing new.
+/// Returns the number of rings until the residual has shrunk to less than a fiftieth; samples further inside find
+/// nothing new.
 pub(super) fn rings_that_matter(valence: usize) -> usize {
     let mut rings = 1;
     let mut left = decay(valence);
@@ -193,7 +192,8 @@ pub(super) fn rings_that_matter(valence: usize) -> usize {
     rings
 }
 
-/// The parameters that make caps of unit two-rings nearest to their limit surfaces, in the sense of least squares.
+/// Returns the parameters for which caps of unit two-rings are nearest to their limit surfaces in the least-squares
+/// sense.
 fn fit(n: usize, sigma: f64, samples: &Samples, weight: impl Fn(usize) -> f64) -> Vec<[[f64; SOURCES]; FREE]> {
     let unit = |at: usize| std::array::from_fn(|k| if k == at { 1.0 } else { 0.0 });
     let mut sources = vec![[0.0; SOURCES]; PER_SECTOR * n + 1];

@@ -1,13 +1,14 @@
-//! Boxes around parts of a surface, in a tree.
+//! A tree of bounding boxes around parts of a surface.
 
 use crate::math::functions::sqrt;
 use crate::math::vector::{Vector, length, minus};
 use crate::shape::topology::index;
 
-/// Most parts of a leaf. Half of it doubles the nodes; twice of it looks at more parts that are too far away.
+/// Maximum number of parts of a leaf. Half as many double the nodes; twice as many visit more parts that are too far
+/// away.
 const LEAF: usize = 4;
 
-/// A box along the axes.
+/// An axis-aligned box.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Bounds {
     low: Vector,
@@ -17,7 +18,7 @@ pub(super) struct Bounds {
 impl Bounds {
     const NOTHING: Self = Self { low: [f64::INFINITY; 3], high: [f64::NEG_INFINITY; 3] };
 
-    /// Around some points.
+    /// Returns the box around some points.
     pub(super) fn of(points: impl Iterator<Item = Vector>) -> Self {
         points.fold(Self::NOTHING, |all, point| all.with(Self { low: point, high: point }))
     }
@@ -29,20 +30,20 @@ impl Bounds {
         }
     }
 
-    /// The length of its diagonal.
+    /// Returns the length of the diagonal.
     pub(super) fn diagonal(&self) -> f64 {
         length(minus(self.high, self.low))
     }
 
-    /// The distance of a point.
+    /// Returns the distance of a point from the box.
     pub(super) fn distance(&self, point: Vector) -> f64 {
         let off = |k: usize| (self.low[k] - point[k]).max(point[k] - self.high[k]).max(0.0);
         sqrt((0..3).map(|k| off(k) * off(k)).sum())
     }
 }
 
-/// A node: parts `from..to` of the order. Its first half is the next node, its second the node `second`, which is 0
-/// where the node is a leaf.
+/// A node with the parts `from..to` of the order. Its first child is the next node, its second child the node `second`,
+/// or 0 if the node is a leaf.
 #[derive(Debug)]
 struct Node {
     bounds: Bounds,
@@ -51,7 +52,7 @@ struct Node {
     second: u32,
 }
 
-/// Boxes in a tree.
+/// A tree of boxes.
 #[derive(Debug)]
 pub(super) struct Tree {
     order: Vec<u32>,
@@ -59,7 +60,7 @@ pub(super) struct Tree {
 }
 
 impl Tree {
-    /// Of some boxes.
+    /// Builds the tree of some boxes.
     pub(super) fn of(all: &[Bounds]) -> Self {
         let mut tree = Self { order: (0..index(all.len())).collect(), nodes: Vec::new() };
         if !all.is_empty() {
@@ -68,7 +69,7 @@ impl Tree {
         tree
     }
 
-    /// The length of the diagonal of the box around all.
+    /// Returns the length of the diagonal of the box around all parts.
     pub(super) fn diagonal(&self) -> f64 {
         self.nodes.first().map_or(0.0, |all| all.bounds.diagonal())
     }
@@ -84,15 +85,15 @@ impl Tree {
         let longest = (1..3).fold(0, |k, other| if side(other) > side(k) { other } else { k });
         let middle = |&i: &u32| all[i as usize].low[longest] + all[i as usize].high[longest];
         let half = (to - from) / 2;
-        // equal ones are told apart by their numbers, so that the order has one meaning
+        // ties are broken by index, so that the order is unique
         self.order[from..to].select_nth_unstable_by(half, |a, b| middle(a).total_cmp(&middle(b)).then(a.cmp(b)));
         self.grow(all, from, from + half);
         self.nodes[here].second = index(self.nodes.len());
         self.grow(all, from + half, to);
     }
 
-    /// Visits parts whose leaf is nearer to a point than `visit` has left of the distance, nearer leaves first mostly;
-    /// `visit` takes what is left and gives it anew.
+    /// Visits parts whose leaf is nearer to a point than the current bound, mostly nearer leaves first; `visit` returns
+    /// the new bound.
     pub(super) fn visit(&self, point: Vector, mut visit: impl FnMut(u32) -> f64) {
         let mut most = f64::INFINITY;
         let mut waiting = vec![(0.0, 0_u32)];

@@ -1,4 +1,4 @@
-//! The place of the limit surface that is closest to a point.
+//! Finds the place of the limit surface that is closest to a point.
 
 use std::cmp::Ordering;
 
@@ -15,25 +15,26 @@ use crate::solid::error::SolidError;
 use crate::solid::level::Refiner;
 use crate::watch::Watch;
 
-/// Distances are told apart down to this share of the size of the surface. Half of it costs one quartering more where
-/// no minimum is certain; twice of it is the same for every use known.
+/// Resolution of distances relative to the size of the surface. Half of it costs one more quartering where no minimum
+/// is certain; twice of it would do for every known use.
 const RESOLUTION: f64 = 1e-9;
-/// Most quarterings for a point: points as far from much of the surface as from the closest place, such as the middle
-/// of a ball, would take any number. Half of it ends more of these early, twice of it takes them twice as long.
+/// Maximum number of quarterings for a point. Points at equal distance from much of the surface, such as the centre of
+/// a sphere, would take any number. Half as many end more of these early; twice as many take them twice as long.
 const QUARTERINGS: usize = 8_192;
-/// Points whose ends are looked at together. Half of it makes rings twice as often; twice of it takes twice the memory.
+/// Number of points whose ends are searched together. Half as many make rings twice as often; twice as many take twice
+/// the memory.
 const TOGETHER: usize = 1 << 16;
 
-/// The place that is closest to a point.
+/// The place closest to a point.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Closest {
-    /// The place: the lowest face of several that share it.
+    /// The place; on the lowest of several faces that share it.
     pub place: Place,
-    /// Its position, model units.
+    /// Its position, in model units.
     pub at: Vector,
-    /// How far the point is from it, model units.
+    /// Its distance from the point, in model units.
     pub distance: f64,
-    /// Whether every other place is known to be no nearer, by more than 1e-9 of the size of the surface.
+    /// Whether no other place is nearer by more than 1e-9 of the size of the surface.
     pub is_certain: bool,
 }
 
@@ -42,7 +43,7 @@ pub struct Closest {
 struct Best {
     square: Option<Square>,
     near: Near,
-    /// Quarterings that are left.
+    /// Number of quarterings left.
     left: usize,
     is_certain: bool,
 }
@@ -55,7 +56,7 @@ impl Best {
         is_certain: true,
     };
 
-    /// Takes what is nearer, or as near in a lower face.
+    /// Replaces the best place by one that is nearer, or equally near in a lower face.
     fn take(&mut self, square: Square, near: Near) {
         let order = near.distance.total_cmp(&self.near.distance);
         let is_lower = || self.square.is_none_or(|old| (square.face, square.corner) < (old.face, old.corner));
@@ -64,12 +65,12 @@ impl Best {
         }
     }
 
-    /// Takes a vertex, where it is nearer.
+    /// Replaces the best place by a vertex if that is nearer.
     fn take_vertex(&mut self, square: Square, (uv, at): ([f64; 2], Vector), point: Vector) {
         self.take(square, Near { uv, at, distance: length(minus(at, point)), is_settled: true });
     }
 
-    /// Looks for what is nearer in a piece; pieces of pieces are looked at in the order of their bounds.
+    /// Searches a piece for a nearer place; parts of the piece are visited in the order of their bounds.
     fn search(&mut self, square: Square, patch: &Patch, point: Vector, tolerance: f64) {
         let mut waiting = vec![(patch.at_least(point), patch.clone())];
         while let Some((at_least, patch)) = waiting.pop() {
@@ -93,7 +94,7 @@ impl Best {
     }
 }
 
-/// An end with the rings that were made of it.
+/// An end with the rings made so far.
 struct Rings<'a> {
     end: End,
     made: Vec<Ring>,
@@ -101,7 +102,7 @@ struct Rings<'a> {
 }
 
 impl Rings<'_> {
-    /// Looks for what is nearer in an end: the vertex, then ring by ring.
+    /// Searches an end for a nearer place: the vertex, then ring by ring.
     fn search(&mut self, square: Square, best: &mut Best, point: Vector, tolerance: f64) -> Result<(), SolidError> {
         best.take_vertex(square, self.end.vertex, point);
         for i in 0..MOST_RINGS {
@@ -165,7 +166,7 @@ pub fn closest(mesh: &Mesh, plan: &Plan, points: &[Vector], watch: &Watch) -> Re
     Ok(found)
 }
 
-/// The best place in bicubic pieces, and the ends that may have a better one.
+/// Returns the best place in bicubic pieces, and the ends that may have a better one.
 fn in_leaves(parts: &Parts, tree: &Tree, point: Vector, tolerance: f64) -> (Best, Vec<u32>) {
     let mut best = Best::NONE;
     let mut ends = Vec::new();
@@ -176,7 +177,7 @@ fn in_leaves(parts: &Parts, tree: &Tree, point: Vector, tolerance: f64) -> (Best
             match part {
                 Part::Leaf(patch) => best.search(*square, patch, point, tolerance),
                 Part::End(end) => {
-                    // any of its points bounds the distance
+                    // the distance of any of its points is an upper bound
                     best.take_vertex(*square, end.across, point);
                     ends.push((distance, number));
                 }
@@ -188,7 +189,7 @@ fn in_leaves(parts: &Parts, tree: &Tree, point: Vector, tolerance: f64) -> (Best
     (best, open.map(|(_, number)| number).collect())
 }
 
-/// What the ends have that is nearer: the number of a point and its best place, end after end.
+/// Returns the nearer places in ends: the index of a point and its best place, end after end.
 fn in_ends(
     parts: &Parts,
     refiner: &Refiner<'_>,

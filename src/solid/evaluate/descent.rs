@@ -1,4 +1,4 @@
-//! Values at places: from the input faces down to bicubic pieces.
+//! Evaluates places by descending from the input faces to bicubic pieces.
 
 use rayon::prelude::*;
 
@@ -13,21 +13,21 @@ use crate::solid::error::SolidError;
 use crate::solid::level::{Level, Refiner};
 use crate::watch::Watch;
 
-/// Levels after which every face is bicubic or has one vertex alone that is not regular: ten for the largest finite
-/// sharpness, one for faces that are no quads and one to part vertices.
+/// Number of levels after which every face is bicubic or has a single irregular vertex: ten for the largest finite
+/// sharpness, one for faces that are not quads, and one to separate vertices.
 const LEVELS: u32 = 12;
 
-/// A face of a level with the places that are in it.
+/// A face of a level, with the places in it.
 #[derive(Debug)]
 struct Cell {
     face: u32,
-    /// How many times as fast its parameters run as those of the input face.
+    /// The ratio of its parameters to those of the input face.
     scale: f64,
     queries: Vec<Query>,
 }
 
-/// A face that is split, with the places in each of its parts, whose parameters run `scale` times as fast as those of
-/// the input face.
+/// A face to be split, with the places in each of its parts, whose parameters run `scale` times as fast as those of the
+/// input face.
 #[derive(Debug)]
 struct Parts {
     face: u32,
@@ -36,7 +36,7 @@ struct Parts {
 }
 
 impl Cell {
-    /// The cell of a quad, split.
+    /// Splits the cell of a quad.
     fn split(self) -> Parts {
         let mut queries = vec![Vec::new(); 4];
         for (part, query) in self.queries.into_iter().map(halved) {
@@ -46,19 +46,19 @@ impl Cell {
     }
 }
 
-/// What becomes of a cell.
+/// The outcome of a cell.
 enum Outcome {
     Found(Vec<(u32, Jet)>),
     Split(Cell),
 }
 
-/// The limit surface of a mesh at some places, in their order, under a plan whose regular pieces are bicubic.
+/// Returns the limit surface of a mesh at some places, in order, under a plan whose regular pieces are bicubic.
 ///
-/// A place in a bicubic piece has the value of that piece. Faces at other vertices are split, as far as places in them
-/// ask for it: rings of bicubic pieces surround the vertex, each half as large in u and v as the one before.
+/// A place in a bicubic piece is evaluated in that piece. Faces at other vertices are split as far as their places
+/// require: rings of bicubic pieces surround the vertex, each half as large in u and v as the one before.
 ///
 /// # Errors
-/// When the watch says stop, a place is not on the mesh, or a coordinate is no longer finite.
+/// If the watch says stop, a place is not on the mesh, or a coordinate is no longer finite.
 pub fn evaluate(mesh: &Mesh, plan: &Plan, places: &[Place], watch: &Watch) -> Result<Vec<Jet>, SolidError> {
     if let Some((_, detail)) = places.iter().find_map(|place| place.fault(&mesh.topology)) {
         return Err(SolidError::at("", detail));
@@ -67,7 +67,7 @@ pub fn evaluate(mesh: &Mesh, plan: &Plan, places: &[Place], watch: &Watch) -> Re
     let (mut level, mut edges) = Level::of(mesh, plan);
     let mut found: Vec<Option<Jet>> = vec![None; places.len()];
     let (mut cells, others) = first(mesh, places);
-    // faces that are no quads have their squares on the level after
+    // faces that are not quads have their squares on the next level
     let mut joining = Some(others);
     for _ in 0..=LEVELS {
         watch.check()?;
@@ -89,7 +89,8 @@ pub fn evaluate(mesh: &Mesh, plan: &Plan, places: &[Place], watch: &Watch) -> Re
     found.into_iter().collect::<Option<Vec<_>>>().ok_or_else(lost)
 }
 
-/// The faces that places are in, ascending: quads with their places, and for each other face those of its squares.
+/// Returns the faces that contain places, ascending: quads with their places, and for each other face those of its
+/// squares.
 fn first(mesh: &Mesh, places: &[Place]) -> (Vec<Cell>, Vec<Parts>) {
     let mut order: Vec<u32> = (0..index(places.len())).collect();
     order.sort_by_key(|&i| places[i as usize].face);
@@ -111,7 +112,7 @@ fn first(mesh: &Mesh, places: &[Place]) -> (Vec<Cell>, Vec<Parts>) {
 }
 
 impl Level {
-    /// The values of a face that is bicubic or has one vertex alone that is not regular.
+    /// Evaluates a face that is bicubic or has a single irregular vertex.
     fn looked_at(&self, cell: Cell, refiner: &Refiner<'_>) -> Result<Outcome, SolidError> {
         if self.is_leaf(cell.face) {
             let net = self.net(self.topology.half_edges(cell.face as usize).start);
@@ -124,7 +125,7 @@ impl Level {
         }
     }
 
-    /// The next level of some quads and of some other faces, and the cells there.
+    /// Returns the next level of some quads and some other faces, with its cells.
     fn divided(
         &self,
         quads: Vec<Cell>,
@@ -136,7 +137,7 @@ impl Level {
         split.sort_by_key(|parts| parts.face);
         let faces: Vec<u32> = split.iter().map(|parts| parts.face).collect();
         let next = self.refined(&faces, refiner, edges)?;
-        // the children of these faces are the wanted ones, in the order of the faces
+        // the wanted faces are the children of these faces, in order
         let wanted = (0..index(next.topology.n_faces())).filter(|&f| next.wanted[f as usize]);
         let parts =
             split.into_iter().flat_map(|Parts { scale, queries, .. }| queries.into_iter().map(move |q| (scale, q)));

@@ -1,4 +1,4 @@
-//! Values in a face one of whose vertices is not regular: in the rings of bicubic pieces around it.
+//! Evaluates places in a face with one irregular vertex, in the rings of bicubic pieces around it.
 //!
 //! Source: J. Stam, SIGGRAPH 1998, 395-404 (the rings; here they are refined, which works for every kind of vertex).
 
@@ -9,48 +9,48 @@ use crate::solid::edges::Edges;
 use crate::solid::error::SolidError;
 use crate::solid::level::{Level, Refiner};
 
-/// Rings after which a place counts as the vertex: 2^-60 of the face is below the spacing of numbers next to 1. Half of
-/// it would show in positions at vertices of high valence, where a ring is two thirds of the one before; twice of it
-/// only costs time.
+/// Number of rings after which a place counts as the vertex: 2^-60 of the face is below the spacing of numbers near 1.
+/// Half of it would be visible in positions at vertices of high valence, where a ring is two thirds of the one before;
+/// twice of it only costs time.
 pub(super) const RINGS: u32 = 60;
-/// Where the quads of a corner stand among the four that a quad is split into, row by row.
+/// The positions of the corners' quads among the four quads of a split quad, which are ordered row by row.
 pub(super) const QUADRANTS: [usize; 4] = [0, 1, 3, 2];
 
-/// What is asked of a place: its number among all, and where it is in a face of some level.
+/// A place to evaluate: its index among all places, and its parameters in a face of some level.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Query {
     pub(super) number: u32,
     pub(super) uv: [f64; 2],
 }
 
-/// The part of a face that splitting it once puts a place in, row by row, and where it is there.
+/// Returns the part of a split face that contains a place, row by row, with its parameters there.
 pub(super) fn halved(query: Query) -> (usize, Query) {
     let bits = query.uv.map(|x| usize::from(x >= 0.5));
     let uv = [0, 1].map(|k| if bits[k] == 1 { 2.0 * query.uv[k] - 1.0 } else { 2.0 * query.uv[k] });
     (bits[0] + 2 * bits[1], Query { uv, ..query })
 }
 
-/// A face alone with what its limit needs, about one of its vertices, which is the origin of all rings.
+/// A single face with the neighbourhood that its limit needs; one of its vertices is the origin of all rings.
 #[derive(Debug, Clone)]
 pub(super) struct Rings {
     pub(super) level: Level,
     edges: Edges,
-    /// Which of the four corners of the face the vertex is.
+    /// The corner of the face at the vertex.
     pub(super) corner: usize,
-    /// Where the origin is, model units.
+    /// The position of the origin, in model units.
     pub(super) origin: Vector,
-    /// The directions of the coordinates, model units.
+    /// The directions of the coordinate axes, in model units.
     axes: [Vector; 3],
-    /// How many times as fast the parameters of the face run as those at the start.
+    /// The ratio of the parameters of the face to those at the start.
     pub(super) scale: f64,
 }
 
 impl Rings {
-    /// Of the face of a half-edge that starts at its only vertex that is not regular; its parameters run `scale` times
-    /// as fast as those of the input face.
+    /// Creates the rings in the face of a half-edge that starts at its only irregular vertex; its parameters run
+    /// `scale` times as fast as those of the input face.
     ///
     /// # Errors
-    /// When the face cannot be taken out.
+    /// If the face cannot be extracted.
     pub(super) fn of(level: &Level, half_edge: u32, scale: f64) -> Result<Self, SolidError> {
         let face = level.topology.face_of(half_edge);
         let corner = (half_edge - level.topology.half_edges(face).start) as usize;
@@ -60,13 +60,13 @@ impl Rings {
         Ok(rings)
     }
 
-    /// The half-edge of the face that starts at the vertex.
+    /// Returns the half-edge of the face that starts at the vertex.
     fn half_edge(&self) -> u32 {
         let face = self.face();
         self.level.topology.half_edges(face as usize).start + index(self.corner)
     }
 
-    /// The one face that is looked at.
+    /// Returns the only face whose surface is wanted.
     fn face(&self) -> u32 {
         self.level.wanted.iter().position(|&wanted| wanted).map_or(NONE, index)
     }
@@ -78,15 +78,15 @@ impl Rings {
         self.origin = plus(self.origin, self.direction(by));
     }
 
-    /// A direction of these coordinates in the model.
+    /// Converts a direction in these coordinates to the model.
     fn direction(&self, by: Vector) -> Vector {
         (0..3).fold([0.0; 3], |sum, k| plus(sum, times(by[k], self.axes[k])))
     }
 
-    /// Turns the coordinates so that the normal at the vertex becomes the third axis, or its opposite. Next to the
-    /// vertex heights over the tangent plane shrink faster than what runs along it, to 0.6 of that a ring at valence 3,
-    /// and would be lost in its rounding. Where no normal is known, that of the face comes closer to it from ring to
-    /// ring.
+    /// Rotates the coordinates so that the normal at the vertex becomes the third axis, or its opposite. Near the
+    /// vertex, heights above the tangent plane shrink faster than tangential distances, to 0.6 of those per ring at
+    /// valence 3, and would be lost in their rounding errors. If no normal is known, that of the face is used, which
+    /// converges to it from ring to ring.
     fn straighten(&mut self) {
         let normal = self.level.vertex_normal(self.half_edge()).or_else(|| self.facet());
         let Some([x, y, z]) = normal else { return };
@@ -102,24 +102,24 @@ impl Rings {
         self.axes = [0, 1, 2].map(|k| rows.map(|row| row[k]));
     }
 
-    /// The normal of the face that is looked at, of its diagonals.
+    /// Returns the normal of the face, from its diagonals.
     fn facet(&self) -> Option<Vector> {
         let corner = |steps| self.level.start(self.level.after(self.half_edge(), steps));
         direction(cross(minus(corner(2), corner(0)), minus(corner(3), corner(1))))
     }
 
-    /// A jet of these coordinates in the model.
+    /// Converts a jet in these coordinates to the model.
     fn in_model(&self, jet: Jet) -> Jet {
         jet.mapped(|at| plus(self.origin, self.direction(at)), |by| self.direction(by))
     }
 
-    /// The vertex.
+    /// Returns the jet of the vertex.
     pub(super) fn vertex(&self) -> Jet {
         self.in_model(self.level.vertex_jet(self.half_edge()))
     }
 
-    /// Goes one ring on: the half-edges of the four parts of the face before, row by row, of which that at the vertex
-    /// is the face now. The nets of the others are those of `level`.
+    /// Advances by one ring and returns the half-edges of the four parts of the previous face, row by row; the part at
+    /// the vertex becomes the current face. The nets of the others are those of `level`.
     pub(super) fn advance(&mut self, refiner: &Refiner<'_>) -> Result<[u32; 4], SolidError> {
         let mut next = self.level.refined(&[self.face()], refiner, &mut self.edges)?;
         let mut parts = [0; 4];
@@ -136,10 +136,10 @@ impl Rings {
 
 const AXES: [Vector; 3] = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
 
-/// The values at places of the face of a half-edge that starts at its only vertex that is not regular.
+/// Returns the values at places in the face of a half-edge that starts at its only irregular vertex.
 ///
 /// # Errors
-/// When the watch says stop.
+/// If the watch says stop.
 pub(super) fn isolated(
     level: &Level,
     half_edge: u32,

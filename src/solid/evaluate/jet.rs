@@ -4,21 +4,20 @@ use crate::math::functions::sqrt;
 use crate::math::vector::{Vector, cross, direction, dot, plus, times};
 use crate::solid::net::Net;
 
-/// A point of the limit surface with what is known of the surface there.
+/// A point of the limit surface with its derivatives, as far as they exist.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Jet {
-    /// The position, model units.
+    /// The position, in model units.
     pub at: Vector,
-    /// The derivatives along u and v, model units; none at vertices around which the surface is not bicubic.
+    /// The derivatives along u and v, in model units; `None` at vertices around which the surface is not bicubic.
     pub first: Option<[Vector; 2]>,
-    /// The second derivatives along u twice, u and v, and v twice, model units; none where there are no first ones.
+    /// The second derivatives (uu, uv, vv), in model units; `None` if there are no first derivatives.
     pub second: Option<[Vector; 3]>,
-    /// The unit normal, to the side from which the face is seen counter-clockwise; none where no tangent plane is
-    /// known.
+    /// The unit normal, on the side from which the face is counter-clockwise; `None` if no tangent plane is known.
     pub normal: Option<Vector>,
-    /// The principal curvatures, 1 / model units, the larger first: positive where the surface bends away from its
-    /// normal, as a sphere does whose normals point outwards. None where the surface has no second derivatives or no
-    /// tangent plane.
+    /// The principal curvatures, in 1 / model units, the larger first: positive where the surface bends away from its
+    /// normal, as for a sphere with outward normals. `None` if the surface has no second derivatives or no tangent
+    /// plane.
     pub principal: Option<[f64; 2]>,
 }
 
@@ -40,7 +39,7 @@ fn weighted(weights: [f64; 4], points: [Vector; 4]) -> Vector {
 }
 
 impl Jet {
-    /// Of a uniform bicubic B-spline whose parameters run `scale` times as fast as those of the face.
+    /// Returns the jet of a uniform bicubic B-spline whose parameters run `scale` times as fast as those of the face.
     pub(super) fn of(net: &Net, scale: f64, [u, v]: [f64; 2]) -> Self {
         let (along_u, along_v) = (basis(u), basis(v));
         // columns[k][i]: the k-th derivative along v of the curve i
@@ -53,7 +52,7 @@ impl Jet {
         Self { at: value(0, 0), first: Some(first), second: Some(second), normal, principal }
     }
 
-    /// The same surface in other coordinates: after a map of points, whose linear part maps directions.
+    /// Returns the jet in other coordinates: `at` maps points, and `direction`, its linear part, maps directions.
     pub(super) fn mapped(self, at: impl Fn(Vector) -> Vector, direction: impl Fn(Vector) -> Vector) -> Self {
         Self {
             at: at(self.at),
@@ -65,9 +64,9 @@ impl Jet {
     }
 }
 
-/// The principal curvatures of a surface with these derivatives and this normal.
+/// Returns the principal curvatures of a surface with these derivatives and this normal.
 fn principal([du, dv]: [Vector; 2], [duu, duv, dvv]: [Vector; 3], normal: Vector) -> Option<[f64; 2]> {
-    // lengths of their own for u and v keep the products within range
+    // scaling u and v separately keeps the products within range
     let [a, b] = [du, dv].map(|d| sqrt(dot(d, d)));
     let [du, dv] = [times(1.0 / a, du), times(1.0 / b, dv)];
     let f = dot(du, dv);
@@ -80,7 +79,7 @@ fn principal([du, dv]: [Vector; 2], [duu, duv, dvv]: [Vector; 3], normal: Vector
     found.iter().all(|k| k.is_finite()).then_some(found)
 }
 
-/// The direction of the normal of two tangents.
+/// Returns the unit normal of two tangents.
 pub(super) fn normal(along_u: Vector, along_v: Vector) -> Option<Vector> {
     direction(cross(direction(along_u)?, direction(along_v)?))
 }

@@ -1,10 +1,10 @@
-//! The one name of places that several faces share.
+//! The canonical name of places that several faces share.
 
 use super::place::{Place, squares};
 use crate::shape::topology::{Topology, index};
 
 impl Place {
-    /// The same place of the lowest face, of those that are shown, and there of the lowest corner.
+    /// Returns the same place in the lowest shown face, and there in the lowest corner.
     pub(super) fn lowest(self, topology: &Topology, is_shown: &[bool]) -> Self {
         let shared = self.on_side(topology).and_then(|(half_edge, t)| {
             let sharing: Vec<(u32, f64)> = if t <= 0.0 {
@@ -21,7 +21,7 @@ impl Place {
         shared.map_or(self, |(half_edge, t)| Self::on_half_edge(topology, half_edge, t)).in_lowest_corner(topology)
     }
 
-    /// The half-edge that it is on, and the share of it that is before it, less than 1; none inside of a face.
+    /// Returns the half-edge on which the place lies, and its parameter there, less than 1; `None` inside a face.
     fn on_side(self, topology: &Topology) -> Option<(u32, f64)> {
         let range = topology.half_edges(self.face as usize);
         let [u, v] = self.uv;
@@ -52,7 +52,7 @@ impl Place {
         Self { face: index(face), corner, uv }
     }
 
-    /// Of squares of one face that share it, in the first.
+    /// Names a place shared by several squares of one face by the first of them.
     fn in_lowest_corner(self, topology: &Topology) -> Self {
         let (n, [u, v], corner) = (squares(topology, self.face), self.uv, self.corner);
         match n {

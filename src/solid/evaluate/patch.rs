@@ -9,12 +9,12 @@ use crate::math::functions::sqrt;
 use crate::math::vector::{Vector, dot, length, minus, plus, square_from_triangle, times};
 use crate::solid::net::Net;
 
-/// A bicubic Bezier piece over a square of the parameters of a face.
+/// A bicubic Bezier piece over a square in the parameters of a face.
 #[derive(Debug, Clone)]
 pub(super) struct Patch {
-    /// Its control points, model units.
+    /// Its control points, in model units.
     pub(super) net: Net,
-    /// The parameters of its first corner, and the length of its sides there.
+    /// The parameters of its first corner, and the side length of its square.
     pub(super) from: [f64; 2],
     pub(super) size: f64,
 }
@@ -25,11 +25,11 @@ pub(super) struct Near {
     pub(super) uv: [f64; 2],
     pub(super) at: Vector,
     pub(super) distance: f64,
-    /// Whether it is a minimum as far as numbers can tell.
+    /// Whether it is a minimum to within rounding errors.
     pub(super) is_settled: bool,
 }
 
-/// The Bernstein polynomials of degree 3 and their first and second derivatives.
+/// Returns the Bernstein polynomials of degree 3 with their first and second derivatives.
 fn basis(t: f64) -> [[f64; 4]; 3] {
     let s = 1.0 - t;
     [
@@ -43,7 +43,7 @@ fn weighted(weights: [f64; 4], points: [Vector; 4]) -> Vector {
     (0..4).fold([0.0; 3], |sum, i| plus(sum, times(weights[i], points[i])))
 }
 
-/// Half the squared distance from a point, its gradient and its second derivatives along u, both and v.
+/// Half the squared distance from a point, with its gradient and its second derivatives (uu, uv, vv).
 struct Slope {
     at: Vector,
     square: f64,
@@ -69,8 +69,8 @@ impl Patch {
         Slope { at, square: dot(off, off), gradient: [dot(off, du), dot(off, dv)], second, lengths }
     }
 
-    /// The place of the piece to which Newton's method leads from its middle, never up and never out of the piece;
-    /// distances are told apart down to `tolerance`.
+    /// Returns the place to which Newton's method leads from the middle of the piece; steps never increase the distance
+    /// and never leave the piece. Distances are resolved down to `tolerance`.
     pub(super) fn descend(&self, point: Vector, tolerance: f64) -> Near {
         let mut uv = [0.5; 2];
         let mut here = self.slope(uv, point);
@@ -97,7 +97,7 @@ impl Patch {
         Near { uv, at: here.at, distance: sqrt(here.square), is_settled }
     }
 
-    /// What a point of the piece is nearer than this to the point, at least.
+    /// Returns a lower bound of the distance of the piece from a point.
     pub(super) fn at_least(&self, point: Vector) -> f64 {
         let (middle, [du, dv]) = self.plane();
         let off = self.off(middle, [du, dv]);
@@ -107,14 +107,14 @@ impl Patch {
         sqrt(square) - off
     }
 
-    /// The middle and the sides of the parallelogram that the piece is compared with.
+    /// Returns the centre and the sides of the parallelogram with which the piece is compared.
     fn plane(&self) -> (Vector, [Vector; 2]) {
         let [a, b, c, d] = [self.net[0][0], self.net[3][0], self.net[0][3], self.net[3][3]];
         let middle = times(0.25, plus(plus(a, b), plus(c, d)));
         (middle, [times(0.5, minus(plus(b, d), plus(a, c))), times(0.5, minus(plus(c, d), plus(a, b)))])
     }
 
-    /// How far control points are from those of the parallelogram at most.
+    /// Returns the largest distance of a control point from that of the parallelogram.
     fn off(&self, middle: Vector, [du, dv]: [Vector; 2]) -> f64 {
         let share = [-0.5, -1.0 / 6.0, 1.0 / 6.0, 0.5];
         let cells = (0..4).flat_map(|i| (0..4).map(move |j| (i, j)));
@@ -157,7 +157,7 @@ impl Patch {
         least > 0.0 && least * least > farthest * bend
     }
 
-    /// Its four quarters.
+    /// Returns the four quarters of the piece.
     pub(super) fn quarters(&self) -> [Self; 4] {
         let [low, high] = halves(&self.net);
         let quarters = [low, high].map(|half| halves(&transposed(&half)).map(|net| transposed(&net)));
@@ -170,13 +170,14 @@ impl Patch {
     }
 }
 
-/// Most steps of Newton's method, which doubles the digits that are right. With half of it some starts do not arrive
-/// and pieces are quartered instead; twice of it finds the same.
+/// Maximum number of Newton steps, each of which doubles the correct digits. With half as many, some starts do not
+/// converge and pieces are quartered instead; twice as many find the same.
 const STEPS: usize = 12;
-/// Halvings of a step that leads up.
+/// Maximum number of halvings of a step that increases the distance.
 const HALVINGS: usize = 8;
 
-/// The step to the minimum of the quadratic model, where it has one, else down along each direction by itself.
+/// Returns the step to the minimum of the quadratic model if it has one, else a descent step along each direction
+/// separately.
 fn step(here: &Slope, held: [bool; 2]) -> [f64; 2] {
     let Slope { gradient: [g, h], second: [a, b, c], lengths, .. } = *here;
     let alone = |g: f64, a: f64, square: f64| -g / if a > 0.0 { a } else { square.max(f64::MIN_POSITIVE) };
@@ -189,7 +190,7 @@ fn step(here: &Slope, held: [bool; 2]) -> [f64; 2] {
     [(b * h - c * g) / determinant, (b * g - a * h) / determinant]
 }
 
-/// The two halves of a net along its first index.
+/// Returns the two halves of a net along its first index.
 fn halves(net: &Net) -> [Net; 2] {
     let mid = |a: [Vector; 4], b: [Vector; 4]| [0, 1, 2, 3].map(|j| times(0.5, plus(a[j], b[j])));
     let [a, b, c, d] = *net;

@@ -1,5 +1,4 @@
-//! The limit surface as Bezier pieces, and ends: faces beside vertices that are not regular, whose pieces are made when
-//! they are asked for.
+//! The limit surface as Bezier pieces, and ends: faces at irregular vertices, whose pieces are made on demand.
 
 use super::boxes::Bounds;
 use super::isolated::{QUADRANTS, RINGS, Rings};
@@ -14,7 +13,7 @@ use crate::solid::error::SolidError;
 use crate::solid::level::{Level, Refiner};
 use crate::solid::net::bezier;
 
-/// A square of parameters of an input face.
+/// A square in the parameters of an input face.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Square {
     pub(super) face: u32,
@@ -24,12 +23,12 @@ pub(super) struct Square {
 }
 
 impl Square {
-    /// The place with some parameters of its face.
+    /// Returns the place with these parameters of the face.
     pub(super) fn place(&self, uv: [f64; 2]) -> Place {
         Place { face: self.face, corner: self.corner, uv }
     }
 
-    /// Its quarter, row by row.
+    /// Returns one of its quarters, counted row by row.
     fn quarter(self, part: usize) -> Self {
         let size = 0.5 * self.size;
         let by = |bit: usize| if bit == 1 { size } else { 0.0 };
@@ -47,18 +46,18 @@ impl Square {
 pub(super) enum Part {
     /// A bicubic piece.
     Leaf(Box<Patch>),
-    /// A face with a vertex that is not regular.
+    /// A face with an irregular vertex.
     End(Box<End>),
 }
 
-/// A face with a vertex that is not regular, from some ring on.
+/// A face with an irregular vertex, starting at some ring.
 #[derive(Debug, Clone)]
 pub(super) struct End {
     rings: Rings,
     square: Square,
-    /// The place and the limit of the vertex.
+    /// The parameters and the limit of the vertex.
     pub(super) vertex: ([f64; 2], Vector),
-    /// The place and the limit of the corner across from the vertex, around which the surface is bicubic.
+    /// The parameters and the limit of the opposite corner, around which the surface is bicubic.
     pub(super) across: ([f64; 2], Vector),
 }
 
@@ -66,15 +65,15 @@ pub(super) struct End {
 #[derive(Debug)]
 pub(super) struct Ring {
     pub(super) patches: Vec<Patch>,
-    /// What is left, around the vertex.
+    /// A box around the remaining part at the vertex.
     pub(super) rest: Bounds,
 }
 
 impl End {
-    /// The pieces of the next ring.
+    /// Returns the pieces of the next ring.
     ///
     /// # Errors
-    /// When the watch says stop.
+    /// If the watch says stop.
     pub(super) fn ring(&mut self, refiner: &Refiner<'_>) -> Result<Ring, SolidError> {
         let parts = self.rings.advance(refiner)?;
         let near = QUADRANTS[self.rings.corner];
@@ -85,7 +84,7 @@ impl End {
         Ok(Ring { patches, rest: self.bounds() })
     }
 
-    /// Of the face of a half-edge that starts at its only vertex that is not regular.
+    /// Creates the end of the face of a half-edge that starts at its only irregular vertex.
     fn of(level: &Level, half_edge: u32, square: Square) -> Result<Self, SolidError> {
         let rings = Rings::of(level, half_edge, 1.0)?;
         let at = bezier(&level.net(half_edge))[3][3];
@@ -97,13 +96,13 @@ impl End {
         Ok(Self { rings, square, vertex, across: (far, at) })
     }
 
-    /// A box around its surface: around the points that decide it, of which it is a mean.
+    /// Returns a box around its surface: around its control points, since each point is a mean of them.
     fn bounds(&self) -> Bounds {
         Bounds::of(self.rings.level.points.iter().map(|&point| plus(self.rings.origin, point)))
     }
 }
 
-/// Most rings of an end that are looked at.
+/// Maximum number of rings of an end that are examined.
 pub(super) const MOST_RINGS: usize = RINGS as usize;
 
 /// The parts of the limit surface with their squares and boxes.
@@ -116,10 +115,10 @@ pub(super) struct Parts {
 }
 
 impl Parts {
-    /// Of the faces of a mesh that are shown.
+    /// Returns the parts of the shown faces of a mesh.
     ///
     /// # Errors
-    /// When the watch says stop.
+    /// If the watch says stop.
     pub(super) fn of(mesh: &Mesh, plan: &Plan, refiner: &Refiner<'_>) -> Result<Self, SolidError> {
         let (mut level, mut edges) = Level::of(mesh, plan);
         let mut parts = Self { is_shown: level.wanted.clone(), ..Self::default() };
@@ -139,7 +138,7 @@ impl Parts {
         Ok(parts)
     }
 
-    /// Takes a face that is bicubic or has one vertex alone that is not regular; whether it is one.
+    /// Takes a face that is bicubic or has a single irregular vertex; returns whether it is one.
     fn take(&mut self, level: &Level, face: u32, square: Square) -> Result<bool, SolidError> {
         let (part, bounds) = if level.is_leaf(face) {
             let half_edge = level.topology.half_edges(face as usize).start;
@@ -160,7 +159,7 @@ impl Parts {
 }
 
 impl Level {
-    /// The next level of some faces, ascending, and the squares of their parts.
+    /// Returns the next level of some faces, ascending, with the squares of their parts.
     fn quartered(
         &self,
         split: &[(u32, Square)],

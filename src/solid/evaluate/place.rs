@@ -1,4 +1,4 @@
-//! Places on the faces of a cage.
+//! Places on the faces of a control mesh.
 
 use crate::shape::topology::Topology;
 
@@ -10,17 +10,17 @@ use crate::shape::topology::Topology;
 /// the corner before, and the centre of the face is at (1, 1).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Place {
-    /// The number of the face.
+    /// The index of the face.
     pub face: u32,
-    /// The corner whose square is meant; 0 on quads.
+    /// The corner whose square the place lies in; 0 on quads.
     pub corner: u32,
     /// u and v, 0 to 1.
     pub uv: [f64; 2],
 }
 
 impl Place {
-    /// What keeps it from being on a mesh, if anything does: which of its numbers (0 for the face, 1 for u, 2 for v, 3
-    /// for the corner), and a sentence.
+    /// Returns why the place is not on a mesh, or `None` if it is: the wrong number (0 for the face, 1 for u, 2 for v,
+    /// 3 for the corner), and a sentence.
     pub fn fault(&self, topology: &Topology) -> Option<(usize, String)> {
         let n_faces = topology.n_faces();
         if self.face as usize >= n_faces {
@@ -39,7 +39,7 @@ impl Place {
     }
 }
 
-/// How many squares of parameters a face has.
+/// Returns the number of parameter squares of a face.
 pub(super) fn squares(topology: &Topology, face: u32) -> u32 {
     match topology.half_edges(face as usize) {
         range if range.len() == 4 => 1,

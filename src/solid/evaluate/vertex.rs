@@ -9,27 +9,26 @@ use crate::solid::level::Level;
 use crate::solid::sector::{Kind, Sector};
 
 impl Level {
-    /// The limit of the vertex that a half-edge starts at, with the normal in its face. Derivatives along u and v do
-    /// not exist there: nearby they grow without bound, or vanish.
+    /// Returns the limit of the vertex at which a half-edge starts, with the normal in its face. Derivatives along u
+    /// and v do not exist there: nearby they grow without bound, or vanish.
     pub(super) fn vertex_jet(&self, half_edge: u32) -> Jet {
         let (at, normal) = (self.limit(half_edge), self.vertex_normal(half_edge));
         Jet { at, first: None, second: None, normal, principal: None }
     }
 
-    /// The normal at the vertex that a half-edge starts at, in its face, where one is known.
+    /// Returns the normal at the vertex at which a half-edge starts, in its face, if it is known.
     pub(super) fn vertex_normal(&self, half_edge: u32) -> Option<Vector> {
         let sector = self.sector(half_edge);
         let [t, s] = match (sector.kind, sector.spokes.len()) {
             (Kind::Smooth, _) => self.tangents_around(&sector),
-            // of other numbers of faces the surface has no tangent plane there in general
+            // with other numbers of faces, the surface generally has no tangent plane there
             (Kind::Crease, 3) => self.tangents_at_crease(&sector),
             _ => return None,
         };
         normal(t, s)
     }
 
-    /// Two tangents at a smooth vertex.
-    /// Source: M. Halstead, M. Kass, T. DeRose, SIGGRAPH 1993, 35-44.
+    /// Returns two tangents at a smooth vertex. Source: M. Halstead, M. Kass, T. DeRose, SIGGRAPH 1993, 35-44.
     fn tangents_around(&self, sector: &Sector) -> [Vector; 2] {
         let n = real(sector.spokes.len());
         let c = cos(2.0 * PI / n);
@@ -43,7 +42,7 @@ impl Level {
         })
     }
 
-    /// The tangents at a vertex of a crease or a boundary: along its first edge, and into the sector.
+    /// Returns the tangents at a vertex of a crease or a boundary: along its first edge, and into the sector.
     ///
     /// Weights of points across are the left eigenvector of the subdivision matrix of n faces for the eigenvalue
     /// `l = (5 + c + sqrt((9 + c)(1 + c))) / 16`, with `c = cos a`, `a = pi / n`: `(16 l - 4) sin(i a)` on inner edges,
