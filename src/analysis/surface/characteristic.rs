@@ -286,18 +286,18 @@ impl RingProof {
     /// The points of the next level that have a say on some cells.
     fn refined(&self, level: &BTreeMap<Point, [f64; 2]>, cells: &[Cell]) -> BTreeMap<Point, [f64; 2]> {
         let d = self.d;
-        let mut finer = BTreeMap::new();
-        for point in cells.iter().flat_map(|&cell| self.followed[0].around(cell)) {
-            finer.entry(point).or_insert_with(|| {
-                let (old, residue) = (point.map(|x| x.div_euclid(d)), point.map(|x| x.rem_euclid(d)));
-                let terms = self.rules.get(&residue).into_iter().flatten();
-                terms.fold([0.0; 2], |sum, (k, a)| {
-                    let p = level.get(&[old[0] - k[0], old[1] - k[1]]).copied().unwrap_or([f64::NAN; 2]);
-                    [sum[0] + a * p[0], sum[1] + a * p[1]]
-                })
-            });
-        }
-        finer
+        let mut points: Vec<Point> = cells.iter().flat_map(|&cell| self.followed[0].around(cell)).collect();
+        points.sort_unstable();
+        points.dedup();
+        let place = |point: Point| {
+            let (old, residue) = (point.map(|x| x.div_euclid(d)), point.map(|x| x.rem_euclid(d)));
+            let terms = self.rules.get(&residue).into_iter().flatten();
+            terms.fold([0.0; 2], |sum, (k, a)| {
+                let p = level.get(&[old[0] - k[0], old[1] - k[1]]).copied().unwrap_or([f64::NAN; 2]);
+                [sum[0] + a * p[0], sum[1] + a * p[1]]
+            })
+        };
+        points.into_iter().map(|point| (point, place(point))).collect()
     }
 
     fn cell(&self, cell: Cell, level: &BTreeMap<Point, [f64; 2]>, n: usize) -> Ring {
