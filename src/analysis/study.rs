@@ -1,11 +1,10 @@
 //! What a plan comes to as a curve scheme: one mask, or the masks of its levels and the one that they come close to.
 
-use crate::analysis::curve::{Cycle, ExactCycle, NoMask};
+use crate::analysis::curve::{Cycle, ExactCycle, NoMask, is_static};
 use crate::analysis::smoothness::Symbol;
 use crate::math::functions::{cos, sin, sqrt};
 use crate::math::mask::Mask;
 use crate::math::number::Number;
-use crate::scheme::letter::Letter;
 use crate::scheme::operator::Role;
 use crate::scheme::plan::Plan;
 use crate::watch::Watch;
@@ -31,8 +30,8 @@ const ZERO: f64 = 1e-12;
 const LAST: usize = 3;
 /// Below what a factor of distances, times powers of the arity, counts as below 1.
 /// Distances of functions with derivatives at 0 shrink by powers of 1/d, so that it is 1/2 at most, or 1 at least, up
-/// to the terms of higher order; roots of alpha come to 0.71. Half of it refuses C^k at the first k beyond the sum rules
-/// to the latter; twice of it would let 1 count.
+/// to the terms of higher order; roots of alpha come to 0.71. Half of it refuses the latter C^k at the first k beyond
+/// the sum rules; twice of it would let 1 count.
 const SHRINKS: f64 = 0.9;
 
 /// A plan as a curve scheme.
@@ -130,16 +129,6 @@ impl Study {
     }
 }
 
-/// Whether all levels have the same rules.
-fn is_static(plan: &Plan) -> bool {
-    let follows = |letter: &Letter| letter.facts().needs_alpha;
-    let in_alpha = plan.kernel.iter().any(|kernel| !kernel.is_constant())
-        || !plan.compensation.is_constant()
-        || plan.word.cycle.iter().any(follows);
-    let alphas = [plan.alpha, plan.compensation_alpha.unwrap_or(plan.alpha)];
-    !in_alpha || alphas.iter().all(|&alpha| alpha == 0.0)
-}
-
 fn levels(plan: &Plan, settled: &Cycle, watch: &Watch) -> Result<Vec<Level>, NoMask> {
     let mut found = Vec::new();
     for level in 0..MAX_LEVELS {
@@ -147,13 +136,12 @@ fn levels(plan: &Plan, settled: &Cycle, watch: &Watch) -> Result<Vec<Level>, NoM
         let steps = plan.schedule(level + 1).map_err(|fault| NoMask::NoValue(fault.detail))?;
         let alpha = steps.iter().find(|step| step.level == level + 1).map_or(0.0, |step| step.alpha);
         let distance = distance(&cycle, settled);
-        if distance <= SAME {
-            break;
-        }
         let order = Symbol::beside(cycle.arity, &cycle.mask).map_or(0, |symbol| symbol.order);
         let keeps_circles = keeps_circles(&cycle, alpha);
         found.push(Level { alpha, mask: cycle.mask, order, distance, keeps_circles });
     }
+    // only what comes after the last one that differs has settled
+    found.truncate(found.iter().rposition(|level| level.distance > SAME).map_or(0, |last| last + 1));
     Ok(found)
 }
 

@@ -314,6 +314,17 @@ fn what_is_concluded_of_levels_takes_sum_rules_or_a_rate() {
     assert_eq!(concluded("UDDDDD", "1+alpha^(1/10)/4", "0"), (5, 5, 4), "gamma = 0.93");
 }
 
+/// The first levels have whole turns, whose cosines are that of 0; the next ones do not.
+#[test]
+fn levels_that_equal_the_static_limit_by_chance_do_not_end_the_list() {
+    let answer = word("UC", &json!({ "kernel": "2+cos(alpha)", "alpha": "4*pi" }));
+    let distances: Vec<f64> =
+        answer["levels"].as_array().unwrap().iter().map(|level| level["distance"].as_f64().unwrap()).collect();
+    assert!(distances.len() > 10 && distances[..2].iter().all(|x| *x < 1e-12), "{distances:?}");
+    assert!(distances[2..5].iter().all(|x| *x > 1e-3), "{distances:?}");
+    assert_eq!((&answer["conclusion"]["sum_rules"], &answer["conclusion"]["proved_c"]), (&json!(2), &json!(1)));
+}
+
 /// At w = -1/2 the four-point scheme has unstable shifts and the radius 2, so that differences do not shrink: what the
 /// scheme with stable shifts is like says nothing of it.
 #[test]
