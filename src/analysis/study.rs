@@ -81,11 +81,12 @@ impl Study {
     }
 
     /// The largest k for which limits are proved to be C^k, where those of the settled scheme are C^proved, and its
-    /// differences shrink that prove C^contracts: C^proved where levels do not change. Else limits are C^k where masks come close to that of a scheme whose differences of order
-    /// k + 1 shrink, and levels have approximate sum rules of order k + 1: derivatives of the symbol at the other d-th
-    /// roots of 1, of order j and at level h, are `e(h, j)`, and the sum of `d^(h (k - j)) e(h, j)` over all levels is
-    /// finite for j up to k. With r sum rules at every level these are 0 for j < r, and with distances that shrink by
-    /// gamma the others are finite where `gamma d^(k - r) < 1`.
+    /// differences shrink that prove C^contracts: C^proved where levels do not change. Else limits are C^k where masks
+    /// come close to that of a scheme whose differences of order k + 1 shrink, and levels have approximate sum rules of
+    /// order k + 1: derivatives of the symbol at the other d-th roots of 1, of order j and at level h, are `e(h, j)`,
+    /// and the sum of `d^(h (k - j)) e(h, j)` over all levels is finite for j up to k. With r sum rules at every level
+    /// these are 0 for j < r, and with distances that shrink by gamma the others are finite where `gamma d^(k - r)` is
+    /// below 1.
     ///
     /// Source: Charina, Conti, Guglielmi and Protasov, Numerische Mathematik 135 (2017), 639-678, theorem 2.
     pub fn concluded(&self, proved: i64, contracts: i64) -> i64 {

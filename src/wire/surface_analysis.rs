@@ -244,8 +244,8 @@ pub struct EigenvalueAnswer {
 const WEIGHTS: &str = "weights are those of the scheme as it is written up to 2e-14 of their size";
 const ALPHA: &str = "the plan follows alpha; what is said holds for the scheme at alpha = 0, to which its levels come \
                      close";
-const TAGS: &str = "what is said of regular nets and of vertices holds where no edges are tagged as latitude or longitude \
-                    lines";
+const TAGS: &str = "what is said of regular nets and of vertices holds where no edges are tagged as latitude or \
+                    longitude lines";
 const GENERIC: &str = "C1 is meant for almost all nets: those whose tangents are not parallel";
 
 impl SurfaceAnswer {

@@ -82,8 +82,8 @@ impl Applied {
         Err(Unlimited::Unsettled)
     }
 
-    /// The rows around a middle of n sectors, up to a radius, in a net that is wide enough for them; `None` where
-    /// sectors are turned against those of the parents.
+    /// The rows around a middle of n sectors, up to a radius, in a net that is wide enough for them; `None` where a
+    /// vertex becomes a face or a face a vertex, or sectors are turned against those of the parents.
     pub(super) fn wide_enough(&self, n: usize, radius: i32, watch: &Watch) -> Result<Option<Local>, Unlimited> {
         let found = MARGINS.iter().find_map(|&margin| match self.local(n, radius, margin, watch) {
             Err(Unlimited::Reach) => None,
@@ -113,6 +113,9 @@ impl Applied {
             net = next.net;
         }
         watch.advance(net.mesh.n_vertices() as u64);
+        if matches!(centre, Centre::Vertex(_)) != self.kind.has_centre() {
+            return Ok(None);
+        }
         let topology = net.mesh.topology();
         let starts = starts(&topology, centre);
         if starts.len() != n {

@@ -205,9 +205,13 @@ impl SurfaceStudy {
 fn kinds(plan: &Plan) -> Vec<Kind> {
     let children = || plan.word.cycle.iter().map(|letter| letter.facts().children);
     let duals = children().filter(|children| *children == Children::Dual).count();
-    let quads =
-        if duals % 2 == 1 || children().any(|children| children == Children::Faces) { Kind::Dual } else { Kind::Quads };
-    if plan.tile() == Tile::Triangle { vec![Kind::Triangles] } else { vec![quads, Kind::Triangles] }
+    // which of both it is depends on where U and D stand, too
+    let quads = if duals % 2 == 1 || children().any(|children| children == Children::Faces) {
+        [Kind::Dual, Kind::Quads]
+    } else {
+        [Kind::Quads, Kind::Dual]
+    };
+    if plan.tile() == Tile::Triangle { vec![Kind::Triangles] } else { [&quads[..], &[Kind::Triangles]].concat() }
 }
 
 /// The least radius whose points come of no others, and of whose points all those that were read come, too.

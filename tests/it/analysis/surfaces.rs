@@ -354,6 +354,9 @@ fn arity_and_turn_follow_from_the_connectivity_at_every_kernel() {
         (word("UDDD", &json!({ "kernel": "1/10" })), 2, 1, true),
         (word("U3C", &json!({ "kernel": 5 })), 3, 1, false),
         (word("UCUDD", &json!({ "kernel": "1/3" })), 4, 1, false),
+        (word("UDUD", &json!({ "kernel": 2 })), 4, 1, true),
+        (word("DU", &json!({})), 2, 1, false),
+        (word("DUD", &json!({})), 2, 1, true),
     ] {
         let answer = surface(&plan, &[3, 5, 6, 8]);
         let found = (&answer["arity"], &answer["applications"], &answer["regular"]["dual"]);
