@@ -173,7 +173,7 @@ fn verdict(study: &Study, nodes: u64, watch: &Watch) -> Result<Verdict, Stopped>
     let disproved_c = smoothness.disproved_c.filter(|_| study.levels.is_empty());
     Ok(Verdict {
         order: study.settled.order,
-        proved_c: study.concluded(smoothness.proved_c),
+        proved_c: study.concluded(smoothness.proved_c, smoothness.contracts_c),
         disproved_c,
         holder: smoothness.radius.map(|radius| radius.holder),
     })

@@ -1,10 +1,11 @@
 //! A plan as a curve scheme: one mask, or the masks of its levels and the mask to which they converge.
 
-use crate::analysis::curve::{Cycle, ExactCycle, NoMask};
+use crate::analysis::curve::{Cycle, ExactCycle, NoMask, is_static};
 use crate::analysis::smoothness::Symbol;
 use crate::math::functions::{cos, sin, sqrt};
 use crate::math::mask::Mask;
-use crate::scheme::letter::Letter;
+use crate::math::number::Number;
+use crate::scheme::operator::Role;
 use crate::scheme::plan::Plan;
 use crate::watch::Watch;
 
@@ -24,6 +25,14 @@ const SAME: f64 = 1e-15;
 /// It is some thousand roundings; half of it misses zeros of long masks, twice of it takes one for a zero that is twice
 /// as far away.
 const ZERO: f64 = 1e-12;
+/// Levels whose distances from the settled scheme tell how these go on.
+/// Half of it takes one pair for a rule; twice of it counts levels of angles that are not small yet.
+const LAST: usize = 3;
+/// Below what a factor of distances, times powers of the arity, counts as below 1.
+/// Distances of functions with derivatives at 0 shrink by powers of 1/d, so that it is 1/2 at most, or 1 at least, up
+/// to the terms of higher order; roots of alpha come to 0.71. Half of it refuses the latter C^k at the first k beyond
+/// the sum rules; twice of it would let 1 count.
+const SHRINKS: f64 = 0.9;
 
 /// A plan as a curve scheme.
 #[derive(Debug, Clone, PartialEq)]
@@ -60,38 +69,65 @@ impl Study {
             return Err(NoMask::TooWide);
         }
         let exact = ExactCycle::settled(plan);
-        let exact = exact.and_then(|cycle| Symbol::exact(cycle.arity, cycle.first, &cycle.mask));
+        let pushes_back = plan.word.cycle.iter().any(|letter| letter.facts().role == Role::PushBack);
+        let exact = exact.and_then(|cycle| {
+            let symbol = Symbol::exact(cycle.arity, cycle.first, &cycle.mask)?;
+            // a push-back reaches as far whatever its parameters are
+            Some(if pushes_back { symbol.reaching(cycle.first, cycle.mask.len()) } else { symbol })
+        });
         let settled = exact.or_else(|| Symbol::beside(cycle.arity, &cycle.mask)).ok_or(NoMask::Unsettled)?;
         let levels = if is_static(plan) { Vec::new() } else { levels(plan, &cycle, watch)? };
         Ok(Self { settled, levels })
     }
 
-    /// The largest k for which limits are C^k when those of the settled scheme are C^proved: all of it where levels do
-    /// not change; else what the perturbation theorems say, which is C^1 at most, and that where every level has two
-    /// sum rules.
+    /// The largest k for which limits are proved to be C^k, where those of the settled scheme are C^proved, and its
+    /// differences shrink that prove C^contracts: C^proved where levels do not change. Else limits are C^k where masks
+    /// come close to that of a scheme whose differences of order k + 1 shrink, and levels have approximate sum rules of
+    /// order k + 1: derivatives of the symbol at the other d-th roots of 1, of order j and at level h, are `e(h, j)`,
+    /// and the sum of `d^(h (k - j)) e(h, j)` over all levels is finite for j up to k. With r sum rules at every level
+    /// these are 0 for j < r, and with distances that shrink by gamma the others are finite where `gamma d^(k - r)` is
+    /// below 1.
     ///
-    /// Source: Dyn and Levin, Journal of Mathematical Analysis and Applications 193 (1995), 594-621.
-    pub fn concluded(&self, proved: i64) -> i64 {
-        let most = i64::from(self.levels.iter().all(|level| level.order >= 2));
-        if self.levels.is_empty() { proved } else { proved.min(most) }
+    /// Source: Charina, Conti, Guglielmi and Protasov, Numerische Mathematik 135 (2017), 639-678, theorem 2.
+    pub fn concluded(&self, proved: i64, contracts: i64) -> i64 {
+        if self.levels.is_empty() {
+            return proved;
+        }
+        let gamma = self.slowest();
+        if gamma.is_some_and(|gamma| gamma >= 1.0) {
+            return -1;
+        }
+        let (rules, d) = (self.sum_rules(), f64::whole(self.settled.arity));
+        let has_rules = |k: i64| match u32::try_from(k - rules) {
+            Err(_) => true,
+            Ok(missing) => gamma.is_some_and(|gamma| (0..missing).fold(gamma, |x, _| x * d) < SHRINKS),
+        };
+        (0..=contracts).rev().find(|&k| has_rules(k)).unwrap_or(-1)
+    }
+
+    /// The least order of the sum rules of the levels and of the settled scheme.
+    pub fn sum_rules(&self) -> i64 {
+        let orders = self.levels.iter().map(|level| level.order).chain([self.settled.order]);
+        orders.min().and_then(|order| i64::try_from(order).ok()).unwrap_or(0)
+    }
+
+    /// The largest factor by which distances shrink at the last few levels that can be told from rounding.
+    fn slowest(&self) -> Option<f64> {
+        self.rates().take(LAST).reduce(f64::max)
+    }
+
+    /// By what the distances of levels from the settled scheme are divided at the next, the last ones first, as far as
+    /// they can be told from rounding.
+    fn rates(&self) -> impl Iterator<Item = f64> {
+        let pairs = self.levels.windows(2).map(|pair| (pair[0].distance, pair[1].distance));
+        pairs.rev().filter(|(_, next)| *next > 1e-9).map(|(before, next)| next / before)
     }
 
     /// By what the distance of a level from the settled scheme is divided at the next, as the last levels show that
     /// can be told from rounding.
     pub fn rate(&self) -> Option<f64> {
-        let pairs = self.levels.windows(2).map(|pair| (pair[0].distance, pair[1].distance));
-        pairs.rev().find(|(_, next)| *next > 1e-9).map(|(before, next)| next / before)
+        self.rates().next()
     }
-}
-
-/// Whether all levels have the same rules.
-fn is_static(plan: &Plan) -> bool {
-    let follows = |letter: &Letter| letter.facts().needs_alpha;
-    let in_alpha = plan.kernel.iter().any(|kernel| !kernel.is_constant())
-        || !plan.compensation.is_constant()
-        || plan.word.cycle.iter().any(follows);
-    let alphas = [plan.alpha, plan.compensation_alpha.unwrap_or(plan.alpha)];
-    !in_alpha || alphas.iter().all(|&alpha| alpha == 0.0)
 }
 
 fn levels(plan: &Plan, settled: &Cycle, watch: &Watch) -> Result<Vec<Level>, NoMask> {
@@ -101,13 +137,12 @@ fn levels(plan: &Plan, settled: &Cycle, watch: &Watch) -> Result<Vec<Level>, NoM
         let steps = plan.schedule(level + 1).map_err(|fault| NoMask::NoValue(fault.detail))?;
         let alpha = steps.iter().find(|step| step.level == level + 1).map_or(0.0, |step| step.alpha);
         let distance = distance(&cycle, settled);
-        if distance <= SAME {
-            break;
-        }
         let order = Symbol::beside(cycle.arity, &cycle.mask).map_or(0, |symbol| symbol.order);
         let keeps_circles = keeps_circles(&cycle, alpha);
         found.push(Level { alpha, mask: cycle.mask, order, distance, keeps_circles });
     }
+    // only what comes after the last one that differs has settled
+    found.truncate(found.iter().rposition(|level| level.distance > SAME).map_or(0, |last| last + 1));
     Ok(found)
 }
 

@@ -101,7 +101,7 @@ fn perturbed(study: &Study, converges: bool) -> Theorem {
         name: "Zhang and Wang 2002, theorem 3",
         applies: decay.is_some() && converges,
         because,
-        proves: "limits are continuous; that they are C1 where the static limit is takes two sum rules of every level \
-                 (Dyn and Levin 1995)",
+        proves: "limits are continuous; that they are as smooth as those of the static limit takes sum rules of every \
+                 level as well, see conclusion.theorem",
     }
 }

@@ -103,6 +103,8 @@ pub struct SchemeFindings<'a> {
     pub rate: Option<f64>,
     /// The largest k for which limits of the plan are proved to be C^k.
     pub proved_c: i64,
+    /// The least order of the sum rules of its levels.
+    pub sum_rules: i64,
     /// Values of the basic limit function, if requested and if it exists.
     pub values: Option<BasicFunction>,
     /// Values of its derivatives, as far as they are proved to be continuous.
@@ -210,7 +212,7 @@ impl Analysis {
                     Some(grid) => (report.basic_function(*grid, watch)?, report.derivatives(*grid, watch)?),
                     None => (None, Vec::new()),
                 };
-                let proved_c = study.concluded(report.smoothness.proved_c);
+                let proved_c = study.concluded(report.smoothness.proved_c, report.smoothness.contracts_c);
                 let (levels, rate) = (study.levels.as_slice(), study.rate());
                 let matrices = matrices.as_ref().map(|matrices| matrices.found(&report));
                 let converges = report.smoothness.proved_c >= 0;
@@ -221,6 +223,7 @@ impl Analysis {
                     levels,
                     rate,
                     proved_c,
+                    sum_rules: study.sum_rules(),
                     values,
                     derivatives,
                     matrices,

@@ -207,7 +207,7 @@ pub(super) fn analysis(
 ) -> Key {
     let Study { settled, levels } = study;
     // order and residual follow from the mask
-    let Symbol { arity, first, mask, is_exact, order: _, residual: _ } = settled;
+    let Symbol { arity, first: _, mask: _, is_exact, order: _, residual: _, reach: [from, to] } = settled;
     let level = |level: &Level| {
         // the other fields follow from these and the limit scheme
         let Level { alpha, mask: Mask { first, values }, order: _, distance: _, keeps_circles: _ } = level;
@@ -218,8 +218,8 @@ pub(super) fn analysis(
         Item::text("planish analysis"),
         Item::Integer(u64::from(RESULTS_VERSION)),
         Item::Integer(arity.cast_unsigned()),
-        Item::Integer(first.cast_unsigned()),
-        Item::List(mask.iter().map(|a| Item::text(&a.to_string())).collect()),
+        Item::Integer(from.cast_unsigned()),
+        Item::List((*from..=*to).map(|j| Item::text(&settled.at(j).to_string())).collect()),
         Item::Integer(u64::from(*is_exact)),
         Item::List(levels.iter().map(level).collect()),
         Item::Integer(nodes),

@@ -45,6 +45,7 @@ const BYTES: u64 = 64 << 20;
 pub struct SurfaceAnalysis {
     study: SurfaceStudy,
     follows_alpha: bool,
+    drops_tags: bool,
     valences: Vec<usize>,
     boundaries: Vec<usize>,
     surveyed: Option<Surveyed>,
@@ -59,6 +60,8 @@ pub struct SurfaceFindings<'a> {
     pub study: &'a SurfaceStudy,
     /// Whether the levels differ from the level at alpha = 0, which was analysed.
     pub follows_alpha: bool,
+    /// Whether what is said of vertices is said of the mesh without its latitude and longitude tags.
+    pub drops_tags: bool,
     /// The smoothness of limits on regular nets.
     pub smoothness: RegularSmoothness,
     /// The report on each valence, or the reason for which there is none.
@@ -123,7 +126,7 @@ impl SurfaceAnalysis {
                 return Err(faults);
             }
         };
-        let follows_alpha = follows_alpha(&plan);
+        let (follows_alpha, drops_tags) = (follows_alpha(&plan), plan.latitude.is_some());
         let surveyed = input.map(|input| Surveyed { input, plan });
         let of_mesh = surveyed.as_ref().and_then(Surveyed::mesh).map(|mesh| study.survey(&mesh.topology));
         let usual = || match of_mesh {
@@ -138,7 +141,7 @@ impl SurfaceAnalysis {
         let boundaries = faces.unwrap_or_else(on_boundary);
         let on = surveyed.as_ref().map(|surveyed| (&surveyed.input, &surveyed.plan));
         let key = key::surface_analysis(&settled, follows_alpha, [&valences, &boundaries], nodes, on);
-        Ok(Self { study, follows_alpha, valences, boundaries, surveyed, nodes, key })
+        Ok(Self { study, follows_alpha, drops_tags, valences, boundaries, surveyed, nodes, key })
     }
 
     /// Returns the key of the result.
@@ -199,8 +202,9 @@ impl SurfaceAnalysis {
             Some(surveyed) => surveyed.survey(&self.study, &smoothness, watch)?,
             None => None,
         };
-        let (study, follows_alpha) = (&self.study, self.follows_alpha);
-        Ok(SurfaceFindings { study, follows_alpha, smoothness, valences, boundaries, survey })
+        let Self { study, follows_alpha, drops_tags, .. } = self;
+        let (follows_alpha, drops_tags) = (*follows_alpha, *drops_tags);
+        Ok(SurfaceFindings { study, follows_alpha, drops_tags, smoothness, valences, boundaries, survey })
     }
 }
 

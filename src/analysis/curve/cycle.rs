@@ -3,6 +3,7 @@
 use crate::math::mask::Mask;
 use crate::refine::{Points, RefineError, advance};
 use crate::scheme::extent::Ends;
+use crate::scheme::letter::Letter;
 use crate::scheme::operator::Role;
 use crate::scheme::plan::{Plan, Scheduled};
 use crate::scheme::polygon_net::PolygonNet;
@@ -24,6 +25,10 @@ const PRODUCTS_A_ROW: u64 = 64;
 /// Cosines of an angle that is halved come four times as close at each level, so that some 25 levels settle them: half
 /// and twice of it only matter to functions that settle slower.
 const MAX_CHANGING: u32 = 128;
+/// Levels in a row that may equal the static limit by chance, as cosines of multiples of a whole turn do.
+/// It is those of angles up to 512 pi. Half of it takes 32 pi for settled; twice of it computes as many masks more of
+/// every plan that follows alpha.
+const COINCIDING: usize = 8;
 
 /// The reason for which the cycle of a plan is not one mask per level.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
@@ -113,13 +118,18 @@ impl Cycle {
     /// [`NoMask`].
     pub fn from_level(plan: &Plan, levels: u32, watch: &Watch) -> Result<(Vec<Self>, Self), NoMask> {
         let settled = Self::settled(plan, watch)?;
-        let mut changing = Vec::new();
+        if is_static(plan) {
+            return Ok((Vec::new(), settled));
+        }
+        let (mut changing, mut same) = (Vec::new(), 0);
         for level in levels..levels + MAX_CHANGING {
             let cycle = Self::of(plan, level, watch)?;
-            if cycle.distance(&settled) <= SAME {
+            same = if cycle.distance(&settled) <= SAME { same + 1 } else { 0 };
+            changing.push(cycle);
+            if same > COINCIDING {
+                changing.truncate(changing.len() - same);
                 return Ok((changing, settled));
             }
-            changing.push(cycle);
         }
         Err(NoMask::Unsettled)
     }
@@ -180,6 +190,16 @@ impl Cycle {
         let most = self.mask.last().max(other.mask.last());
         (least..=most).map(|j| (self.at(j.into()) - other.at(j.into())).abs()).fold(0.0, f64::max)
     }
+}
+
+/// Whether all levels of a plan have the same rules, as nothing follows alpha or alpha is 0.
+pub fn is_static(plan: &Plan) -> bool {
+    let follows = |letter: &Letter| letter.facts().needs_alpha;
+    let in_alpha = plan.kernel.iter().any(|kernel| !kernel.is_constant())
+        || !plan.compensation.is_constant()
+        || plan.word.cycle.iter().any(follows);
+    let alphas = [plan.alpha, plan.compensation_alpha.unwrap_or(plan.alpha)];
+    !in_alpha || alphas.iter().all(|&alpha| alpha == 0.0)
 }
 
 /// A small whole number as a real one.

@@ -18,7 +18,7 @@ pub struct ExactCycle {
     pub arity: i64,
     /// Index of the first entry.
     pub first: i64,
-    /// Entries of the mask a.
+    /// Entries of the mask a, those included that its operators reach with a weight of 0.
     pub mask: Vec<Exact>,
 }
 
@@ -174,8 +174,9 @@ impl State {
         let compensation = if compensated { exactly::value(&plan.compensation, "alpha", &zero)? } else { Exact::one() };
         let (d, points, anchor) = (self.last_arity, &self.points, &self.anchor);
         let displacement = |i: i64| &delta * (anchor.at(i) - points.at(d * i));
-        let first = anchor.first.min(points.first.div_euclid(d));
-        let last = anchor.last().max(points.last().div_euclid(d) + 1);
+        // vertices among the points, and those that entered
+        let first = anchor.first.min(-(-points.first).div_euclid(d));
+        let last = anchor.last().max(points.last().div_euclid(d));
         Points::made(d * first - (d - 1), d * last + (d - 1), |j| {
             let (i, part) = (j.div_euclid(d), j.rem_euclid(d));
             let [before, after] = between::<Exact>(part, d);

@@ -35,11 +35,20 @@ pub(super) struct Neighbourhood<'a> {
 
 impl<'a> Neighbourhood<'a> {
     pub(super) fn new(symbol: &'a Symbol) -> Self {
+        Self::within(symbol, [symbol.first, symbol.last()])
+    }
+
+    /// The points that operators with such a reach take together, be it with weights of 0.
+    pub(super) fn reached(symbol: &'a Symbol) -> Self {
+        Self::within(symbol, symbol.reach)
+    }
+
+    fn within(symbol: &'a Symbol, [first, last]: [i64; 2]) -> Self {
         let d = symbol.arity;
         // the fewest points with floor((n + last) / d) <= n before the place, and likewise after it
         let reach = |end: i64| (end - d).div_euclid(d - 1) + 1;
-        let first = -reach(symbol.last());
-        Self { symbol, first, last: reach(-symbol.first).max(first) }
+        let from = -reach(last);
+        Self { symbol, first: from, last: reach(-first).max(from) }
     }
 
     /// The eigenvalues of the local matrix, the largest first: as a factor sigma/d of the symbol stands for one

@@ -38,7 +38,7 @@ impl Report {
         let limit_mask = if smoothness.proved_c >= 0 { around.limit_mask() } else { None };
         watch.check()?;
         let tangent_mask = if smoothness.proved_c >= 1 { around.tangent_mask() } else { None };
-        let local_eigenvalues = around.eigenvalues();
+        let local_eigenvalues = Neighbourhood::reached(&symbol).eigenvalues();
         Ok(Self { symbol, smoothness, limit_mask, tangent_mask, local_eigenvalues })
     }
 

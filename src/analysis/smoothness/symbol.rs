@@ -35,6 +35,8 @@ pub struct Symbol {
     pub order: usize,
     /// Coefficients of the residual b.
     pub residual: Vec<Exact>,
+    /// The first and the last index that its operators reach, be it with a weight of 0.
+    pub reach: [i64; 2],
 }
 
 impl Symbol {
@@ -49,7 +51,7 @@ impl Symbol {
         {
             (residual, order) = (quotient, order + 1);
         }
-        Some(Self { arity, first, mask, is_exact: true, order, residual })
+        Some(Self::of_parts(arity, first, mask, true, order, residual))
     }
 
     /// The symbol of the scheme beside a rounded mask that has its sum rules exactly.
@@ -68,7 +70,7 @@ impl Symbol {
         }
         if order == 0 {
             let residual = exactly.iter().map(|a| a / Exact::whole(arity)).collect();
-            return Some(Self { arity, first, mask: exactly, is_exact: false, order, residual });
+            return Some(Self::of_parts(arity, first, exactly, false, order, residual));
         }
         let mut residual: Vec<Exact> = residual.into_iter().map(binary).collect();
         // what rounding took from the sum goes to the middle
@@ -76,7 +78,19 @@ impl Symbol {
         residual[middle] += missing;
         let mut mask: Vec<Exact> = residual.iter().map(|b| b * Exact::whole(arity)).collect();
         (0..order).for_each(|_| mask = averaged(&mask, arity));
-        Some(Self { arity, first, mask, is_exact: false, order, residual })
+        Some(Self::of_parts(arity, first, mask, false, order, residual))
+    }
+
+    fn of_parts(arity: i64, first: i64, mask: Vec<Exact>, is_exact: bool, order: usize, residual: Vec<Exact>) -> Self {
+        let last = first + i64::try_from(mask.len()).unwrap_or(1) - 1;
+        Self { arity, first, mask, is_exact, order, residual, reach: [first, last] }
+    }
+
+    /// The symbol of a word whose operators reach so many indices from `first` on.
+    #[must_use]
+    pub fn reaching(self, first: i64, width: usize) -> Self {
+        let last = first + i64::try_from(width).unwrap_or(1) - 1;
+        Self { reach: [first, last], ..self }
     }
 
     /// Index of the last entry.

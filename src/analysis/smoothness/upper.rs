@@ -115,12 +115,12 @@ fn families(matrices: &[ExactMatrix], lower: f64) -> Vec<Family> {
     let mut families = vec![
         Family::new("row sums", matrices),
         Family::new("column sums", &transposed),
-        Family::new("weighted row sums", &scaled(matrices)),
-        Family::new("weighted column sums", &scaled(&transposed)),
+        Family { norm: "weighted row sums", n, matrices: scaled(matrices) },
+        Family { norm: "weighted column sums", n, matrices: scaled(&transposed) },
     ];
     let turned = [("ellipsoidal row sums", matrices), ("ellipsoidal column sums", &transposed)];
     for (norm, all) in turned.into_iter().filter(|_| n <= MAX_TURNED) {
-        families.extend(in_ellipsoid(all, lower, n).map(|all| Family::new(norm, &all)));
+        families.extend(in_ellipsoid(all, lower, n).map(|matrices| Family { norm, n, matrices }));
     }
     let mut rated: Vec<(f64, Family)> = families.into_iter().map(|family| (family.trial(), family)).collect();
     rated.sort_by(|a, b| a.0.total_cmp(&b.0));
@@ -133,8 +133,8 @@ fn transpose(matrix: &ExactMatrix) -> ExactMatrix {
 }
 
 /// The matrices in coordinates that are stretched by the eigenvector of the sum of their sizes, so that no row stands
-/// out; `D^-1 T D` exactly, with powers of two in D.
-fn scaled(matrices: &[ExactMatrix]) -> Vec<ExactMatrix> {
+/// out: `D^-1 T D` row by row, with short numbers in D and one rounding an entry.
+fn scaled(matrices: &[ExactMatrix]) -> Vec<Vec<f64>> {
     let n = matrices[0].len();
     let mut stretch = vec![1.0; n];
     for _ in 0..32 {
@@ -151,21 +151,21 @@ fn scaled(matrices: &[ExactMatrix]) -> Vec<ExactMatrix> {
         }
         stretch = next.iter().zip(&stretch).map(|(x, s)| (x / most + s).max(1e-6) / 2.0).collect();
     }
-    let stretch: Vec<Exact> = stretch.iter().map(|&s| short(s)).collect();
-    let entry = |p: usize, (q, x): (usize, &Exact)| x * &stretch[q] / &stretch[p];
-    let row = |(p, row): (usize, &Vec<Exact>)| row.iter().enumerate().map(|cell| entry(p, cell)).collect();
-    matrices.iter().map(|matrix| matrix.iter().enumerate().map(row).collect()).collect()
+    let stretch: Vec<BigInt> = stretch.iter().map(|&s| coarse(s, true)).collect();
+    let entry = |p: usize, q: usize, x: &Exact| over(x.numer() * &stretch[q], x.denom() * &stretch[p]);
+    let row = |(p, row): (usize, &Vec<Exact>)| row.iter().enumerate().map(|(q, x)| entry(p, q, x)).collect::<Vec<_>>();
+    matrices.iter().map(|matrix| matrix.iter().enumerate().flat_map(row).collect()).collect()
 }
 
-/// A number with few digits near a positive one.
-fn short(x: f64) -> Exact {
-    let rounded = (x * DIGITS).round();
-    binary(if rounded == 0.0 { 1.0 / DIGITS } else { rounded / DIGITS })
+/// The f64 next to a fraction, whose common divisors nobody looks for.
+fn over(a: BigInt, b: BigInt) -> f64 {
+    rounded(&Exact::new_raw(a, b))
 }
 
-/// The matrices in coordinates in which an ellipsoid that they leave nearly invariant is a ball: `L^T T L^-T` exactly,
-/// with `P = L L^T` the limit of `P <- I + sum T^T P T / (d rho^2)` and short entries in L.
-fn in_ellipsoid(matrices: &[ExactMatrix], lower: f64, n: usize) -> Option<Vec<ExactMatrix>> {
+/// The matrices, row by row, in coordinates in which an ellipsoid that they leave nearly invariant is a ball:
+/// `L^T T L^-T` with one rounding an entry, where `P = L L^T` is the limit of `P <- I + sum T^T P T / (d rho^2)` and L
+/// has short entries.
+fn in_ellipsoid(matrices: &[ExactMatrix], lower: f64, n: usize) -> Option<Vec<Vec<f64>>> {
     let flat: Vec<Vec<f64>> = matrices.iter().map(|matrix| matrix.iter().flatten().map(rounded).collect()).collect();
     let identity = |k: usize| if k.is_multiple_of(n + 1) { 1.0 } else { 0.0 };
     let mut p: Vec<f64> = (0..n * n).map(identity).collect();
@@ -193,14 +193,14 @@ fn in_ellipsoid(matrices: &[ExactMatrix], lower: f64, n: usize) -> Option<Vec<Ex
     Some(matrices.iter().map(|t| in_coordinates(t, &to, &back, &determinant)).collect())
 }
 
-/// `U T adj(U) / det(U)`. Only the last step has fractions, as each of theirs looks for a common divisor.
-fn in_coordinates(t: &ExactMatrix, to: &WholeMatrix, back: &WholeMatrix, determinant: &BigInt) -> ExactMatrix {
+/// `U T adj(U) / det(U)`, row by row, of whole numbers up to the one rounding of each entry.
+fn in_coordinates(t: &ExactMatrix, to: &WholeMatrix, back: &WholeMatrix, determinant: &BigInt) -> Vec<f64> {
     let common = t.iter().flatten().fold(BigInt::one(), |common, x| common.lcm(x.denom()));
     let whole: WholeMatrix =
         t.iter().map(|row| row.iter().map(|x| x.numer() * (&common / x.denom())).collect()).collect();
     let under = common * determinant;
     let turned = product(&product(to, &whole), back);
-    turned.into_iter().map(|row| row.into_iter().map(|x| Exact::new(x, under.clone())).collect()).collect()
+    turned.into_iter().flatten().map(|x| over(x, under.clone())).collect()
 }
 
 /// A number in units of 1/4096; not 0 on the diagonal.

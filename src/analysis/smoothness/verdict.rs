@@ -26,6 +26,9 @@ pub struct Smoothness {
     pub certificates: Vec<Certificate>,
     /// The largest k for which limits are proved to be C^k, -1 where not even convergence is.
     pub proved_c: i64,
+    /// The largest k for which that is proved by the scheme's own differences, which shrink: such proofs carry over to
+    /// schemes that come close to it.
+    pub contracts_c: i64,
     /// The smallest k for which it is disproved that limits are C^k.
     pub disproved_c: Option<i64>,
     /// Whether the integer shifts of the basic limit function are proved to be stable.
@@ -55,7 +58,8 @@ impl Smoothness {
     pub fn of(symbol: &Symbol, budget: u64, watch: &Watch) -> Result<Self, Stopped> {
         let Some(most) = i64::try_from(symbol.order).ok().filter(|order| *order > 0) else {
             let (certificates, reduction, radius) = (Vec::new(), None, None);
-            return Ok(Self { certificates, proved_c: -1, disproved_c: Some(0), is_stable: false, reduction, radius });
+            let (proved_c, contracts_c, disproved_c) = (-1, -1, Some(0));
+            return Ok(Self { certificates, proved_c, contracts_c, disproved_c, is_stable: false, reduction, radius });
         };
         let is_stable = is_stable(symbol);
         let certificates = certificates(symbol);
@@ -78,7 +82,8 @@ impl Smoothness {
         let disproved_c = disproved_c.filter(|_| is_stable || diverges);
         let left = budget.saturating_sub(upper.nodes);
         let radius = Some(Radius { lower, upper, holder });
-        let found = Self { certificates, proved_c, disproved_c, is_stable, reduction: None, radius };
+        let (contracts_c, reduction) = (proved_c, None);
+        let found = Self { certificates, proved_c, contracts_c, disproved_c, is_stable, reduction, radius };
         match if is_stable || diverges { None } else { Reduction::of(symbol) } {
             Some(reduction) => found.with(reduction, left, watch),
             None => Ok(found),

@@ -188,40 +188,71 @@ fn ceil(a: i32, b: i32) -> i32 {
     -(-a).div_euclid(b)
 }
 
-/// How a regular scheme is followed on a ring.
+/// How a regular scheme is followed on rings, whatever the valence.
 #[derive(Debug)]
-pub(super) struct RingProof<'a> {
-    regular: &'a RegularMask,
-    /// The masks of the points and of the derivatives along x and y.
-    masks: [Polynomial; 3],
-    /// Bounds of the sums of sizes of their basic limit functions.
-    bounds: [f64; 3],
-    /// The radius at which the ring begins.
+pub(super) struct RingProof {
+    kind: Kind,
+    d: i32,
+    /// The weights of new points, by their place in the period: what leads to the old points, and their weights.
+    rules: BTreeMap<Point, Vec<(Point, f64)>>,
+    /// The points, and the derivatives along x and y.
+    followed: [Followed; 3],
+    /// The corners of the least box with all points that have a say on anything that is followed on a cell at (0, 0).
+    span: [Point; 2],
+    /// The radius at which the innermost ring begins.
     from: i32,
 }
 
-impl<'a> RingProof<'a> {
+/// What is followed on a ring.
+#[derive(Debug)]
+struct Followed {
+    /// The points that have a say on a cell at (0, 0), lower and upper.
+    around: [Vec<Point>; 2],
+    /// A bound of the sum of sizes of the basic limit functions.
+    bound: f64,
+}
+
+impl Followed {
+    fn of(mask: &Polynomial, d: i32, kind: Kind) -> Option<Self> {
+        let around = [false, true].map(|upper| influences(mask, d, kind, Cell { at: [0, 0], upper }));
+        Some(Self { around, bound: lebesgue_bound(mask, d)? })
+    }
+
+    /// The points that have a say on a cell.
+    fn around(&self, Cell { at: [x, y], upper }: Cell) -> impl Iterator<Item = Point> {
+        self.around[usize::from(upper)].iter().map(move |[i, j]| [x + i, y + j])
+    }
+}
+
+impl RingProof {
     /// For a regular scheme that converges to C^1 limits; `None` where bounds of the derivatives are not found.
-    pub(super) fn new(regular: &'a RegularMask) -> Option<Self> {
-        let (from, _) = ring(regular);
-        let masks = [regular.mask.clone(), derivative(regular, &[(0, 1)])?, derivative(regular, &[(1, 1)])?];
-        let [a, b, c] = [0, 1, 2].map(|i| lebesgue_bound(&masks[i], regular.arity));
-        Some(Self { regular, bounds: [a?, b?, c?], masks, from })
+    pub(super) fn new(regular: &RegularMask) -> Option<Self> {
+        let (kind, d, (from, _)) = (regular.kind, regular.arity, ring(regular));
+        let of = |mask: &Polynomial| Followed::of(mask, d, kind);
+        let along = |direction: usize| of(&derivative(regular, &[(direction, 1)])?);
+        let followed = [of(&regular.mask)?, along(0)?, along(1)?];
+        let mut rules: BTreeMap<Point, Vec<(Point, f64)>> = BTreeMap::new();
+        for (k, &a) in &regular.mask {
+            rules.entry(k.map(|x| x.rem_euclid(d))).or_default().push((k.map(|x| x.div_euclid(d)), a));
+        }
+        let mut span = [[i32::MAX; 2], [i32::MIN; 2]];
+        // derivatives are differences of a point and the next one along an axis
+        for (one, next) in followed.iter().zip([[0, 0], [1, 0], [0, 1]]) {
+            for point in one.around.iter().flatten() {
+                span[0] = [0, 1].map(|axis| span[0][axis].min(point[axis]));
+                span[1] = [0, 1].map(|axis| span[1][axis].max(point[axis] + next[axis]));
+            }
+        }
+        Some(Self { kind, d, rules, followed, span, from })
     }
 
-    /// The same on a ring that begins so many rings farther out.
-    #[must_use]
-    pub(super) fn farther(self, more: i32) -> Self {
-        Self { from: self.from + more, ..self }
-    }
-
-    /// What the net of an eigenvector is proved to be.
-    pub(super) fn of(&self, net: &CharacteristicNet, watch: &Watch) -> Result<Ring, Stopped> {
-        let (kind, d) = (self.regular.kind, self.regular.arity);
+    /// What the net of an eigenvector is proved to be, on a ring that begins so many rings farther out.
+    pub(super) fn of(&self, net: &CharacteristicNet, farther: i32, watch: &Watch) -> Result<Ring, Stopped> {
+        let (kind, d, from) = (self.kind, self.d, self.from + farther);
         let mut level: BTreeMap<Point, [f64; 2]> = BTreeMap::new();
-        let mut open = cells(kind, self.from, d * self.from);
+        let mut open = cells(kind, from, d * from);
         for cell in &open {
-            for point in influences(&self.masks[0], d, kind, *cell) {
+            for point in self.followed[0].around(*cell) {
                 match net.at(kind, point) {
                     Some(place) => level.insert(point, place),
                     None => return Ok(Ring::Open),
@@ -254,31 +285,32 @@ impl<'a> RingProof<'a> {
 
     /// The points of the next level that have a say on some cells.
     fn refined(&self, level: &BTreeMap<Point, [f64; 2]>, cells: &[Cell]) -> BTreeMap<Point, [f64; 2]> {
-        let (kind, d, mask) = (self.regular.kind, self.regular.arity, &self.masks[0]);
-        let mut by_residue: BTreeMap<Point, Vec<(Point, f64)>> = BTreeMap::new();
-        for (k, &a) in mask {
-            by_residue.entry(k.map(|x| x.rem_euclid(d))).or_default().push((k.map(|x| x.div_euclid(d)), a));
-        }
-        let mut finer = BTreeMap::new();
-        for point in cells.iter().flat_map(|&cell| influences(mask, d, kind, cell)) {
-            finer.entry(point).or_insert_with(|| {
-                let (old, residue) = (point.map(|x| x.div_euclid(d)), point.map(|x| x.rem_euclid(d)));
-                let terms = by_residue.get(&residue).into_iter().flatten();
-                terms.fold([0.0; 2], |sum, (k, a)| {
-                    let p = level.get(&[old[0] - k[0], old[1] - k[1]]).copied().unwrap_or([f64::NAN; 2]);
-                    [sum[0] + a * p[0], sum[1] + a * p[1]]
-                })
-            });
-        }
-        finer
+        let d = self.d;
+        let mut points: Vec<Point> = cells.iter().flat_map(|&cell| self.followed[0].around(cell)).collect();
+        points.sort_unstable();
+        points.dedup();
+        let place = |point: Point| {
+            let (old, residue) = (point.map(|x| x.div_euclid(d)), point.map(|x| x.rem_euclid(d)));
+            let terms = self.rules.get(&residue).into_iter().flatten();
+            terms.fold([0.0; 2], |sum, (k, a)| {
+                let p = level.get(&[old[0] - k[0], old[1] - k[1]]).copied().unwrap_or([f64::NAN; 2]);
+                [sum[0] + a * p[0], sum[1] + a * p[1]]
+            })
+        };
+        points.into_iter().map(|point| (point, place(point))).collect()
     }
 
     fn cell(&self, cell: Cell, level: &BTreeMap<Point, [f64; 2]>, n: usize) -> Ring {
-        let (kind, d) = (self.regular.kind, self.regular.arity);
-        let at = |p: Point| level.get(&p).copied().unwrap_or([f64::NAN; 2]);
+        let [from, to] = self.span.map(|p| [p[0] + cell.at[0], p[1] + cell.at[1]]);
+        let number = |[x, y]: Point| usize::try_from((x - from[0]) * (to[1] - from[1] + 1) + y - from[1]).unwrap_or(0);
+        let mut near = vec![[f64::NAN; 2]; number(to) + 1];
+        for x in from[0]..=to[0] {
+            level.range([x, from[1]]..=[x, to[1]]).for_each(|(&p, &place)| near[number(p)] = place);
+        }
+        let at = |p: Point| near[number(p)];
         let disc = |which: usize, value: &dyn Fn(Point) -> [f64; 2]| {
-            let found = influences(&self.masks[which], d, kind, cell).into_iter().map(value);
-            Disc::around(&found.collect::<Vec<_>>(), self.bounds[which])
+            let followed = &self.followed[which];
+            Disc::around(&followed.around(cell).map(value).collect::<Vec<_>>(), followed.bound)
         };
         let along = |u: Point| move |p: Point| minus(at([p[0] + u[0], p[1] + u[1]]), at(p));
         let (x, y) = (disc(1, &along([1, 0])), disc(2, &along([0, 1])));
@@ -292,7 +324,7 @@ impl<'a> RingProof<'a> {
         let place = disc(0, &at);
         // the cells lie within the half of a sector after its ray, or before the corner of a face; those of triangles
         // reach from ray to ray
-        let middle_of_cells = match kind {
+        let middle_of_cells = match self.kind {
             Kind::Quads => 0.5,
             Kind::Triangles => 1.0,
             Kind::Dual => -0.5,

@@ -7,6 +7,7 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
+use super::layout::Layout;
 use super::local::{Applied, MARGINS, MAX_POINTS};
 use super::sectors::{Kind, Point, SAME};
 use super::star::{Place, Star};
@@ -157,8 +158,9 @@ impl Applied {
             Beyond::Nothing => Fan::open(self, m, side),
             Beyond::Faces => Fan::creased(self, m, side),
         };
-        let (mut centre, mut record) = (Centre::Vertex(0), Record::new(Weights::Exact));
+        let (mut centre, mut record, mut layout) = (Centre::Vertex(0), Record::new(Weights::Exact), Layout::new());
         for step in &self.steps {
+            layout.add(&self.plan, &net, step)?;
             let next = Stepper::new(&self.plan).next(&net, step)?;
             record.add(next.action)?;
             centre = child(centre, step.letter.facts().children, [&net, &next.net], &record)?;
@@ -167,8 +169,14 @@ impl Applied {
         watch.advance(net.mesh.n_vertices() as u64);
         let Centre::Vertex(middle) = centre else { return Err(Unlimited::Lost) };
         let topology = net.mesh.topology();
+        let mut starts: Vec<u32> = topology.ring(middle as usize).collect();
+        if beyond == Beyond::Faces {
+            let n = starts.len();
+            let end = topology.vertex(topology.next(starts[0]));
+            let (turned, _) = layout.turned(kind, n, &old, end)?.ok_or(Unlimited::Unsettled)?;
+            starts.rotate_left((n - turned) % n);
+        }
         let reader = Reader { places: &old, record: &record };
-        let starts = reader.starts(&topology, middle, beyond)?;
         let mut wanted: BTreeMap<FanPlace, u32> = BTreeMap::from([(None, middle)]);
         for (s, &start) in starts.iter().take(m).enumerate() {
             for ([i, j], v) in grid(&topology, kind, start, radius) {
@@ -211,20 +219,6 @@ impl Reader<'_> {
         let rows: Vec<_> = (0..vertices.len()).map(row).collect();
         let known = rows.iter().flat_map(BTreeMap::values).all(|weight| weight.is_finite());
         if known { Ok(rows) } else { Err(Unlimited::Reach) }
-    }
-
-    /// The half-edges at which sectors around the child begin, that of ray 0 first.
-    fn starts(&self, topology: &Topology, middle: u32, beyond: Beyond) -> Result<Vec<u32>, Unlimited> {
-        let mut starts: Vec<u32> = topology.ring(middle as usize).collect();
-        if beyond == Beyond::Faces {
-            // the child on a ray comes of the first point on it more than any other does
-            let ends: Vec<u32> = starts.iter().map(|&start| topology.vertex(topology.next(start))).collect();
-            let weight = |row: &BTreeMap<FanPlace, f64>| row.get(&Some((0, [1, 0]))).copied().unwrap_or(0.0);
-            let weights: Vec<f64> = self.rows(&ends)?.iter().map(weight).collect();
-            let first = (0..weights.len()).fold(0, |best, k| if weights[k] > weights[best] { k } else { best });
-            starts.rotate_left(first);
-        }
-        Ok(starts)
     }
 }
 

@@ -3,10 +3,10 @@
 
 use std::collections::BTreeMap;
 
+use super::layout::Layout;
 use super::sectors::{Kind, Point};
 use super::star::{Star, sector, starts};
 use crate::analysis::limit::{Centre, Record, Unlimited, Weights, child};
-use crate::math::functions::{atan2, real, sqrt};
 use crate::scheme::plan::{Plan, Scheduled};
 use crate::scheme::stepper::Stepper;
 use crate::shape::topology::{Topology, index};
@@ -16,9 +16,6 @@ use crate::watch::Watch;
 /// Valence 50 with the widest words of the presets comes to a third of it. Half of it refuses long words at valence 50;
 /// twice of it takes twice the memory, some 100 bytes a point.
 pub(super) const MAX_POINTS: usize = 1 << 18;
-/// By how much of a sector a child's sectors may be turned against their parents' and still count as in line.
-/// Schemes keep directions, or turn by half a sector, which is far from both. Half and twice of it decide alike.
-const IN_LINE: f64 = 0.1;
 
 /// Rings around the points that are wanted, which are tried for those that they come of.
 /// Averages add half a ring each, so that 12 is enough for twenty. Half of it refuses the longest presets; twice of it
@@ -85,8 +82,8 @@ impl Applied {
         Err(Unlimited::Unsettled)
     }
 
-    /// The rows around a middle of n sectors, up to a radius, in a net that is wide enough for them; `None` where
-    /// sectors are turned against those of the parents.
+    /// The rows around a middle of n sectors, up to a radius, in a net that is wide enough for them; `None` where a
+    /// vertex becomes a face or a face a vertex, or sectors are turned against those of the parents.
     pub(super) fn wide_enough(&self, n: usize, radius: i32, watch: &Watch) -> Result<Option<Local>, Unlimited> {
         let found = MARGINS.iter().find_map(|&margin| match self.local(n, radius, margin, watch) {
             Err(Unlimited::Reach) => None,
@@ -107,22 +104,26 @@ impl Applied {
         let star = Star::new(self.kind, n, side);
         let net = star.net.clone();
         let mut net = if self.tagged { net.carrying(None, Some(star.latitude_lines(self.kind))) } else { net };
-        let (mut centre, mut record) = (star.centre, Record::new(Weights::Exact));
+        let (mut centre, mut record, mut layout) = (star.centre, Record::new(Weights::Exact), Layout::new());
         for step in &self.steps {
+            layout.add(&self.plan, &net, step)?;
             let next = Stepper::new(&self.plan).next(&net, step)?;
             record.add(next.action)?;
             centre = child(centre, step.letter.facts().children, [&net, &next.net], &record)?;
             net = next.net;
         }
         watch.advance(net.mesh.n_vertices() as u64);
+        if matches!(centre, Centre::Vertex(_)) != self.kind.has_centre() {
+            return Ok(None);
+        }
         let topology = net.mesh.topology();
         let starts = starts(&topology, centre);
         if starts.len() != n {
             return Err(Unlimited::Lost);
         }
         let reader = Reader { star: &star, record: &record };
-        let ring: Vec<u32> = starts.iter().map(|&start| first(&topology, self.kind, start)).collect();
-        let Some((turned, shrinks)) = reader.turned(self.kind, n, ring[0])? else { return Ok(None) };
+        let first = first(&topology, self.kind, starts[0]);
+        let Some((turned, shrinks)) = layout.turned(self.kind, n, &star.places, first)? else { return Ok(None) };
         let wanted = sector(&topology, self.kind, starts[(n - turned) % n], radius);
         if wanted.len() != self.kind.points(radius).len() {
             return Err(Unlimited::Reach);
@@ -180,25 +181,5 @@ impl Reader<'_> {
         let rows: Vec<Vec<Entry>> = (0..vertices.len()).map(row).collect();
         let known = rows.iter().flatten().all(|entry| entry.weight.is_finite());
         if known { Ok(rows) } else { Err(Unlimited::Reach) }
-    }
-
-    /// By how many sectors the first point of the child's ring lies after the ray, or the corner, of sector 0, and how
-    /// far away from the middle, in the distance of such points before; `None` where it lies between two.
-    fn turned(&self, kind: Kind, n: usize, first: u32) -> Result<Option<(usize, f64)>, Unlimited> {
-        let row = self.rows(&[first])?.swap_remove(0);
-        let mut sum = [0.0; 2];
-        for entry in &row {
-            let Some(point) = entry.point else { continue };
-            let place = kind.direction(n, entry.sector, point);
-            (0..2).for_each(|k| sum[k] += entry.weight * place[k]);
-        }
-        let sectors = atan2(sum[1], sum[0]) * real(n) / std::f64::consts::TAU;
-        let whole = sectors.round();
-        #[expect(clippy::cast_possible_truncation, reason = "at most half of the valence")]
-        let turned = (whole as i64).rem_euclid(i64::try_from(n).unwrap_or(1));
-        let size = |[x, y]: [f64; 2]| sqrt(x * x + y * y);
-        let shrinks = size(sum) / size(kind.direction(n, 0, [i32::from(kind.has_centre()), 0]));
-        let turned = usize::try_from(turned).unwrap_or(0);
-        Ok(((sectors - whole).abs() <= IN_LINE).then_some((turned, shrinks)))
     }
 }

@@ -16,6 +16,7 @@ mod enclosure;
 mod fan;
 mod iterated;
 mod latitude;
+mod layout;
 mod local;
 mod quotient;
 mod regular;

@@ -88,18 +88,17 @@ impl Quotient {
     }
 }
 
+/// The fraction that a weight is next to.
+pub(super) fn fraction(a: f64) -> Option<Exact> {
+    let near = exact::simple(a)?;
+    // dyadic weights are what they are
+    let is_near = rounded(&near).to_bits() == a.to_bits() || (rounded(&near) - a).abs() <= 1e-14;
+    Some(if is_near { near } else { binary(a) })
+}
+
 /// The mask as the fractions that its weights are next to.
 fn fractions(regular: &RegularMask) -> Option<ExactMask> {
-    let exactly = |a: f64| {
-        let near = exact::simple(a)?;
-        // dyadic weights are what they are
-        Some(if rounded(&near).to_bits() == a.to_bits() || (rounded(&near) - a).abs() <= 1e-14 {
-            near
-        } else {
-            binary(a)
-        })
-    };
-    regular.mask.iter().map(|(&k, &a)| Some((k, exactly(a)?))).collect()
+    regular.mask.iter().map(|(&k, &a)| Some((k, fraction(a)?))).collect()
 }
 
 /// The monomials x^i y^j of a degree below some order.
@@ -139,14 +138,16 @@ fn left_over(mask: &ExactMask, d: i32, e: Point, corners: &[Point], others: &[Po
     let [x, y] = corners[0];
     let order = corners.iter().map(|p| p[0] - x + p[1] - y).max().unwrap_or(0);
     let at = |f: Point, c: Point| mask.get(&[0, 1].map(|axis| e[axis] + f[axis] - d * c[axis])).cloned();
-    let cell = |f: Point, c: Point| {
-        let own = at(f, c).unwrap_or_else(Exact::zero);
-        let through = corners
-            .iter()
-            .filter_map(|&p| Some(lagrange(order, [p[0] - x, p[1] - y], [f[0] - x, f[1] - y]) * at(p, c)?));
-        own - through.sum::<Exact>()
+    let row = |&f: &Point| {
+        let lagrange = |p: &Point| lagrange(order, [p[0] - x, p[1] - y], [f[0] - x, f[1] - y]);
+        let shares: Vec<(Point, Exact)> = corners.iter().map(|p| (*p, lagrange(p))).collect();
+        let cell = |&c: &Point| {
+            let through = shares.iter().filter_map(|(p, share)| Some(share * at(*p, c)?));
+            at(f, c).unwrap_or_else(Exact::zero) - through.sum::<Exact>()
+        };
+        others.iter().map(cell).collect()
     };
-    others.iter().map(|&f| others.iter().map(|&c| cell(f, c)).collect()).collect()
+    others.iter().map(row).collect()
 }
 
 /// At a place the polynomial of a degree that is 1 at the point (i, j) of the triangle `i, j >= 0, i + j <= degree` and

@@ -1,7 +1,7 @@
 //! The smoothness of limits of regular nets.
 
 use super::convergence::{LatticeCertificate, certificates};
-use super::quotient::Quotient;
+use super::quotient::{Quotient, fraction};
 use super::regular::RegularMask;
 use super::verdict::Status;
 use crate::analysis::smoothness::{Report, Symbol};
@@ -35,13 +35,16 @@ pub struct RegularSmoothness {
 /// Masks of splines up to degree 20 are such. Half and twice of it only matter to those with 21 digits.
 const DYADIC: f64 = 1_048_576.0;
 
-/// The symbol of a curve's mask: of what it is exactly where its weights are fractions over a small power of two.
+/// The symbol of a curve's mask: of what it is exactly where its weights are fractions over a small power of two, or
+/// next to fractions with small denominators that sum to 1.
 pub(super) fn symbol(arity: i32, mask: &Mask) -> Option<Symbol> {
     if mask.values.iter().all(|a| (a * DYADIC).fract() == 0.0) {
         let exactly: Vec<Exact> = mask.values.iter().map(|&a| binary(a)).collect();
         return Symbol::exact(arity.into(), mask.first.into(), &exactly);
     }
-    Symbol::beside(arity.into(), mask)
+    let near: Option<Vec<Exact>> = mask.values.iter().map(|&a| fraction(a)).collect();
+    let near = near.and_then(|near| Symbol::exact(arity.into(), mask.first.into(), &near));
+    near.filter(|symbol| symbol.order > 0).or_else(|| Symbol::beside(arity.into(), mask))
 }
 
 /// The share of the products that matrices of surfaces may take, which are larger than those of curves.

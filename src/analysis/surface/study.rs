@@ -1,6 +1,7 @@
 //! A plan as a surface scheme: its regular rule, and the report on each valence.
 
 use std::collections::BTreeMap;
+use std::sync::OnceLock;
 
 use super::blocks::{Block, components, row};
 use super::boundary::BoundaryReport;
@@ -33,6 +34,8 @@ pub struct SurfaceStudy {
     applied: Applied,
     /// The rule of regular nets.
     pub regular: RegularMask,
+    /// How characteristic maps are followed, once that is asked for.
+    proof: OnceLock<Option<RingProof>>,
 }
 
 /// The report on one valence.
@@ -72,7 +75,7 @@ impl SurfaceStudy {
             match Applied::new(plan, kind, watch) {
                 Ok(applied) => {
                     let regular = RegularMask::of(&applied, watch)?;
-                    return Ok(Self { applied, regular });
+                    return Ok(Self { applied, regular, proof: OnceLock::new() });
                 }
                 Err(stopped @ Unlimited::Stopped(_)) => return Err(stopped),
                 Err(error) => failed = error,
@@ -134,18 +137,16 @@ impl SurfaceStudy {
             Ok::<_, Unlimited>((closed(kind, &local, farthest)?, local))
         };
         let d = self.regular.arity;
-        let mut proof = if smoothness.proved_c >= 1 { RingProof::new(&self.regular) } else { None };
+        let mut ring = None;
         let mut found = local(farthest)?;
         for more in 0..=MORE_RINGS {
             if more > 0 {
                 found = local(farthest + d * more)?;
             }
             if self.is_regular_beyond(valence, d * (from + more), &found.1) {
-                proof = proof.map(|proof| proof.farther(more));
+                let proof = || self.proof.get_or_init(|| RingProof::new(&self.regular)).as_ref();
+                ring = if smoothness.proved_c >= 1 { proof().map(|proof| (proof, more)) } else { None };
                 break;
-            }
-            if more == MORE_RINGS {
-                proof = None;
             }
         }
         let (radius, local) = found;
@@ -153,13 +154,7 @@ impl SurfaceStudy {
         let vector = spectrum.subdominant().map(|value| (value, spectrum.blocks[1].matrix.eigenvector(value)));
         let net = vector.as_ref().and_then(|(value, vector)| net(&spectrum, &local, *value, vector));
         let least_sine = net.as_ref().map(|net| net.least_sine(kind, farthest));
-        let case = Case {
-            spectrum: &spectrum,
-            regular: smoothness.is_c1(),
-            ring: proof.as_ref(),
-            net: net.as_ref(),
-            least_sine,
-        };
+        let case = Case { spectrum: &spectrum, regular: smoothness.is_c1(), ring, net: net.as_ref(), least_sine };
         let criteria = case.criteria(watch)?;
         let tangent_masks = vector.as_ref().map(|(value, right)| {
             let left = spectrum.blocks[1].matrix.transposed().eigenvector(*value);
@@ -210,9 +205,13 @@ impl SurfaceStudy {
 fn kinds(plan: &Plan) -> Vec<Kind> {
     let children = || plan.word.cycle.iter().map(|letter| letter.facts().children);
     let duals = children().filter(|children| *children == Children::Dual).count();
-    let quads =
-        if duals % 2 == 1 || children().any(|children| children == Children::Faces) { Kind::Dual } else { Kind::Quads };
-    if plan.tile() == Tile::Triangle { vec![Kind::Triangles] } else { vec![quads, Kind::Triangles] }
+    // which of both it is depends on where U and D stand, too
+    let quads = if duals % 2 == 1 || children().any(|children| children == Children::Faces) {
+        [Kind::Dual, Kind::Quads]
+    } else {
+        [Kind::Quads, Kind::Dual]
+    };
+    if plan.tile() == Tile::Triangle { vec![Kind::Triangles] } else { [&quads[..], &[Kind::Triangles]].concat() }
 }
 
 /// The least radius whose points come of no others, and of whose points all those that were read come, too.

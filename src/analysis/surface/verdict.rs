@@ -43,8 +43,9 @@ pub(super) struct Case<'a> {
     pub(super) spectrum: &'a Spectrum,
     /// Whether limits of regular nets are C^1.
     pub(super) regular: Status,
-    /// How the characteristic map is followed, where regular rules hold on its ring.
-    pub(super) ring: Option<&'a RingProof<'a>>,
+    /// How the characteristic map is followed, where regular rules hold on its ring, which begins so many rings farther
+    /// out than it has to.
+    pub(super) ring: Option<(&'a RingProof, i32)>,
     /// The net of the characteristic map.
     pub(super) net: Option<&'a CharacteristicNet>,
     /// The least sine of its corner angles.
@@ -146,12 +147,12 @@ impl Case<'_> {
     /// What is known of the characteristic map, with the error of its net where there is a proof of it.
     fn map(&self, error: Option<f64>, watch: &Watch) -> Result<Status, Stopped> {
         let sampled = if self.least_sine.is_some_and(|sine| sine > 0.0) { Status::Supported } else { Status::Open };
-        let (Some(net), Some(ring), Some(error)) = (self.net, self.ring, error) else { return Ok(sampled) };
+        let (Some(net), Some((ring, farther)), Some(error)) = (self.net, self.ring, error) else { return Ok(sampled) };
         // what the slack of a ring leaves room for, also where derivatives are short
         if self.regular != Status::Proved || error > SLACK / 1000.0 {
             return Ok(sampled);
         }
-        Ok(match ring.of(net, watch)? {
+        Ok(match ring.of(net, farther, watch)? {
             Ring::Proved => Status::Proved,
             Ring::Folded => Status::Disproved,
             Ring::Open => sampled,

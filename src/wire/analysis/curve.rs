@@ -54,6 +54,8 @@ pub struct LevelMaskAnswer {
 pub struct ConclusionAnswer {
     /// The largest k for which limits are C^k by the theorem, -1 where it says nothing.
     pub proved_c: i64,
+    /// The least order r of the sum rules of the levels that are listed and of the static limit.
+    pub sum_rules: i64,
     /// The theorem.
     pub theorem: &'static str,
     /// The theorems of the first paper, and what they prove here.
@@ -234,9 +236,10 @@ const ROUNDED: &str = "some weight is not known as a fraction: what is said hold
                        rounding, that has its sum rules exactly";
 const UNSTABLE: &str = "the shifts of the basic limit function are not proved to be stable, so that nothing is \
                         disproved and the upper end of the Hoelder exponent is no bound";
-const THEOREM: &str = "Dyn and Levin 1995: level schemes whose distances from a convergent static scheme have a finite \
-                       sum converge; where each of them has two sum rules, limits are C1 when those of the static \
-                       scheme are (Zhang and Wang 2002, theorem 3, as corrected)";
+const THEOREM: &str = "Charina, Conti, Guglielmi and Protasov 2017, theorem 2: limits of schemes that come close to a \
+                       static one whose differences prove C^k are C^k where they have approximate sum rules of order \
+                       k + 1; with r exact ones at each level, and distances that shrink by gamma, that is where k < r \
+                       or gamma arity^(k - r) < 1 (Zhang and Wang 2002, theorem 3, says it of k = 0)";
 
 impl ChangingAnswer {
     /// The answer about a plan whose static limit is known.
@@ -244,6 +247,7 @@ impl ChangingAnswer {
         let (input, static_limit) = (scheme.input, SchemeAnswer { input: None, ..scheme });
         let conclusion = ConclusionAnswer {
             proved_c: findings.proved_c,
+            sum_rules: findings.sum_rules,
             theorem: THEOREM,
             theorems: findings.theorems.iter().map(TheoremAnswer::new).collect(),
             decay: findings.decay.map(|Decay { c, gamma }| DecayAnswer { c, gamma }),

@@ -127,6 +127,7 @@ fn of_changing(text: &mut String, changing: &ChangingAnswer) -> Written {
     conclusion.assumptions.iter().try_for_each(|assumption| writeln!(text, "- assumption: {assumption}"))?;
     let keeps = if *exponentials { "reproduced by every level" } else { "not reproduced by every level" };
     writeln!(text, "- cos and sin with the spacing alpha: {keeps}")?;
+    writeln!(text, "- sum rules that every level has: {}", conclusion.sum_rules)?;
     if let Some(rate) = rate {
         writeln!(text, "- distances from the static limit shrink by {} a level", number(*rate))?;
     }

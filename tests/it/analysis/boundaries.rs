@@ -21,6 +21,19 @@ fn weights(mask: &Value, at: &str) -> Vec<f64> {
     mask[at].as_array().map_or(Vec::new(), |all| all.iter().map(|x| x.as_f64().unwrap()).collect())
 }
 
+/// Which ray of the child is which of its parent's does not depend on what averages weigh.
+#[test]
+fn sides_of_creases_have_the_rules_of_boundaries_at_every_kernel() {
+    for kernel in ["1/100", "1/3", "1", "100"] {
+        for word in ["UC", "UCP"] {
+            let parameters = json!({ "kernel": kernel, "delta": "1/2" });
+            for row in rows(&json!({ "word": word, "parameters": parameters }), &[2, 3, 5]) {
+                assert_eq!(row["crease"], true, "{word} at {kernel}: {row}");
+            }
+        }
+    }
+}
+
 /// Around m faces stands half of what stands around 2m: eigenvalues across the boundary are those of valence 2m.
 #[test]
 fn eigenvalues_of_loop_at_the_boundary_are_those_of_the_closed_formula() {

@@ -187,6 +187,9 @@ fn a_plan_that_follows_alpha_tells_its_levels_and_what_follows_from_their_limit(
         let answer = preset("c-b-spline", &json!({ "degree": degree, "alpha": "2*pi/5" }));
         assert_eq!(answer["exponentials"], true, "degree {degree}");
         assert_eq!(smoothness(&answer["static_limit"]), (degree - 1, Some(degree)));
+        // one sum rule less than the limit, and distances that shrink by 1/4
+        let conclusion = &answer["conclusion"];
+        assert_eq!((&conclusion["sum_rules"], &conclusion["proved_c"]), (&json!(degree - 1), &json!(degree - 1)));
     }
     for (arity, averages) in [(2, 1), (3, 1), (3, 2), (4, 2)] {
         let parameters = json!({ "arity": arity, "averages": averages, "alpha": 1 });
@@ -281,8 +284,8 @@ fn the_theorems_of_the_first_paper_apply_where_their_hypotheses_hold() {
     let (circle, secant) = ("cos(alpha/2)", "1/cos(alpha/2)");
     assert_eq!(applies(circle, secant, "1", "pi/6"), (vec![true, true, true], 1));
     assert_eq!(applies("10*cos(alpha/2)", "1", "4/5", "pi/4"), (vec![false, true, true], 1), "table 1, row e");
-    assert_eq!(applies(circle, secant, "-5/2", "pi/6"), (vec![true, false, true], 1), "the box has no such mask");
-    assert_eq!(applies(circle, secant, "-1/10", "pi/6"), (vec![true, true, true], 1), "that of other parameters");
+    assert_eq!(applies(circle, secant, "-5/2", "pi/6"), (vec![true, false, true], 2), "the box has no such mask");
+    assert_eq!(applies(circle, secant, "-1/10", "pi/6"), (vec![true, true, true], 3), "that of other parameters");
     let answer = word("UCP", &json!({ "alpha": "pi/6", "kernel": circle, "compensation": secant, "delta": 1 }));
     let (c, gamma) = (&answer["conclusion"]["decay"]["c"], &answer["conclusion"]["decay"]["gamma"]);
     let (c, gamma) = (c.as_f64().unwrap(), gamma.as_f64().unwrap());
@@ -290,6 +293,36 @@ fn the_theorems_of_the_first_paper_apply_where_their_hypotheses_hold() {
         let bound = c * planish::math::functions::pow(gamma, f64::from(h)) * (1.0 + 1e-9);
         assert!(level["distance"].as_f64().unwrap() <= bound, "level {h}: {level}, {bound}");
     }
+}
+
+/// With r sum rules at every level and distances that shrink by gamma, limits are C^k with those of the static limit
+/// where k < r, or gamma 2^(k - r) is below 1: levels that come too slowly keep less of it.
+#[test]
+fn what_is_concluded_of_levels_takes_sum_rules_or_a_rate() {
+    let concluded = |word: &str, kernel: &str, delta: &str| {
+        let parameters = json!({ "alpha": 1, "kernel": kernel, "compensation": 1, "delta": delta });
+        let answer = asked(&json!({ "plan": { "word": word, "parameters": parameters } }));
+        let conclusion = &answer["conclusion"];
+        let of_limit = answer["static_limit"]["smoothness"]["proved_c"].as_i64().unwrap();
+        (of_limit, conclusion["sum_rules"].as_i64().unwrap(), conclusion["proved_c"].as_i64().unwrap())
+    };
+    assert_eq!(concluded("UCP", "cos(alpha)", "-1/10"), (3, 2, 3), "gamma = 1/4");
+    assert_eq!(concluded("UCP", "1+alpha/4", "-1/10"), (3, 2, 2), "gamma = 1/2");
+    assert_eq!(concluded("UCP", "1+sqrt(alpha)/4", "-1/10"), (3, 2, 2), "gamma = 0.71");
+    assert_eq!(concluded("UD", "1+sqrt(alpha)/4", "0"), (1, 1, 1), "gamma = 0.71");
+    assert_eq!(concluded("UDDDDD", "1+alpha/4", "0"), (5, 5, 5), "gamma = 1/2");
+    assert_eq!(concluded("UDDDDD", "1+alpha^(1/10)/4", "0"), (5, 5, 4), "gamma = 0.93");
+}
+
+/// The first levels have whole turns, whose cosines are that of 0; the next ones do not.
+#[test]
+fn levels_that_equal_the_static_limit_by_chance_do_not_end_the_list() {
+    let answer = word("UC", &json!({ "kernel": "2+cos(alpha)", "alpha": "4*pi" }));
+    let distances: Vec<f64> =
+        answer["levels"].as_array().unwrap().iter().map(|level| level["distance"].as_f64().unwrap()).collect();
+    assert!(distances.len() > 10 && distances[..2].iter().all(|x| *x < 1e-12), "{distances:?}");
+    assert!(distances[2..5].iter().all(|x| *x > 1e-3), "{distances:?}");
+    assert_eq!((&answer["conclusion"]["sum_rules"], &answer["conclusion"]["proved_c"]), (&json!(2), &json!(1)));
 }
 
 /// At w = -1/2 the four-point scheme has unstable shifts and the radius 2, so that differences do not shrink: what the

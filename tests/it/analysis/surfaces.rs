@@ -324,6 +324,51 @@ fn rows_of_the_first_paper_are_c1_at_extraordinary_vertices() {
     }
 }
 
+/// The eigenvalues of index 1 of one D after a U, whose corners weigh f^2, its edges f and its middle 1: how far points
+/// come is no matter of these weights.
+#[test]
+fn arity_and_turn_follow_from_the_connectivity_at_every_kernel() {
+    for (kernel, f) in [("1/2", 0.5), ("1", 1.0), ("2", 2.0), ("10", 10.0)] {
+        let answer = surface(&word("UD", &json!({ "kernel": kernel })), &[3, 4, 5, 7]);
+        assert_eq!((&answer["arity"], &answer["applications"]), (&json!(2), &json!(1)), "{kernel}");
+        let values = [1.0, 2.0 * f + 1.0].map(|x| x / (2.0 * (f + 1.0)));
+        for curve in answer["regular"]["product"].as_array().unwrap() {
+            let found: Vec<f64> = curve["values"].as_array().unwrap().iter().map(|x| x.as_f64().unwrap()).collect();
+            let wanted = [values[0], values[1], values[1], values[0]];
+            assert!(found.len() == 4 && found.iter().zip(wanted).all(|(a, b)| (a - b).abs() < 1e-14), "{found:?}");
+        }
+        let disproved = if kernel == "1" { json!(2) } else { json!(1) };
+        assert_eq!(answer["regular"]["smoothness"]["disproved_c"], disproved, "corners are cut in other ratios");
+        for row in answer["valences"].as_array().unwrap() {
+            let n = row["valence"].as_f64().unwrap();
+            let wanted = (f * f + f * (1.0 + cos(2.0 * std::f64::consts::PI / n))) / ((1.0 + f) * (1.0 + f));
+            let mut of_index_1 = row["eigenvalues"].as_array().unwrap().iter().filter(|value| value["fourier"] == 1);
+            let is_found = of_index_1.any(|value| (value["value"].as_f64().unwrap() - wanted).abs() < 1e-12);
+            assert!(is_found, "{kernel} at {n}: {wanted}, {row}");
+        }
+    }
+    for (plan, arity, applications, dual) in [
+        (json!({ "preset": "sqrt-3" }), 3, 2, false),
+        (json!({ "preset": "kobbelt" }), 2, 1, false),
+        (json!({ "preset": "doo-sabin" }), 2, 1, true),
+        (word("UDDD", &json!({ "kernel": "1/10" })), 2, 1, true),
+        (word("U3C", &json!({ "kernel": 5 })), 3, 1, false),
+        (word("UCUDD", &json!({ "kernel": "1/3" })), 4, 1, false),
+        (word("UDUD", &json!({ "kernel": 2 })), 4, 1, true),
+        (word("DU", &json!({})), 2, 1, false),
+        (word("DUD", &json!({})), 2, 1, true),
+    ] {
+        let answer = surface(&plan, &[3, 5, 6, 8]);
+        let found = (&answer["arity"], &answer["applications"], &answer["regular"]["dual"]);
+        assert_eq!(found, (&json!(arity), &json!(applications), &json!(dual)), "{plan}");
+        for row in answer["valences"].as_array().unwrap() {
+            assert!(row.get("refused").is_none(), "{plan}: {row}");
+            let next = &row["eigenvalues"][1];
+            assert!(next["value"].as_f64().unwrap() > 0.0 && next["fourier"] == 1, "{plan}: {row}");
+        }
+    }
+}
+
 #[test]
 fn plans_that_follow_alpha_are_analysed_where_they_lead_to() {
     let follows = json!({ "kernel": "cos(alpha/2)", "compensation": "1/cos(alpha/2)", "alpha": 1, "delta": 1 });
@@ -391,4 +436,37 @@ fn a_mesh_is_told_its_extraordinary_points_and_how_close_levels_come() {
     let points = json!([[0, 0], [1, 0], [0, 1]]);
     let polygon = json!({ "plan": { "word": "UC" }, "input": { "polygon": { "points": points } }, "valences": [3] });
     assert_eq!(refused(&polygon)[0].pointer, "/input");
+}
+
+/// Lines that are tagged have rules of their own, along and across; what is said of vertices is said without them, and
+/// told to be.
+#[test]
+fn what_is_said_of_a_tagged_mesh_is_said_without_its_tags() {
+    let plan = word("UCP", &json!({ "delta": "1/2" }));
+    let lines: Vec<[usize; 2]> = (0..20).map(|v| [v, v - v % 5 + (v + 1) % 5]).collect();
+    let mesh = |tagged: bool| {
+        let points: Vec<[f64; 3]> = (0..20_u16)
+            .map(|v| {
+                let angle = 2.0 * std::f64::consts::PI * f64::from(v % 5) / 5.0;
+                [cos(angle), planish::math::functions::sin(angle), f64::from(v / 5)]
+            })
+            .collect();
+        let side =
+            |r: usize| (0..5).map(move |i| [5 * r + i, 5 * r + (i + 1) % 5, 5 * r + 5 + (i + 1) % 5, 5 * r + 5 + i]);
+        let mut faces: Vec<Vec<usize>> = (0..3).flat_map(side).map(Vec::from).collect();
+        faces.push((0..5).rev().collect());
+        faces.push((15..20).collect());
+        let mut mesh = json!({ "positions": points, "faces": faces });
+        if tagged {
+            mesh["latitude"] = json!(lines);
+        }
+        asked(&json!({ "plan": plan, "input": { "mesh": mesh }, "nodes": 1000 }))
+    };
+    let (tagged, plain) = (mesh(true), mesh(false));
+    // with tags the plan of the lines follows alpha, and comes to the same
+    assert_eq!(tagged["valences"], plain["valences"]);
+    assert_eq!(tagged["regular"], plain["regular"]);
+    let told = |answer: &Value| answer["assumptions"].to_string().contains("latitude");
+    assert!(told(&tagged) && !told(&plain), "{}", tagged["assumptions"]);
+    assert_eq!(tagged["input"]["extraordinary"], plain["input"]["extraordinary"]);
 }

@@ -50,6 +50,8 @@ fn plans() -> Vec<Value> {
     };
     let mut plans = vec![push("pi/3", 0.0, 1), push("pi/3", 0.5, 1), push("1", 1.0, 1), push("0", -0.1, 2)];
     plans.extend(["UC", "UCP", "UCC", "U3AA", "UUCPD(UC)"].map(|word| json!({ "word": word })));
+    // the first two levels equal the last ones
+    plans.push(json!({ "word": "UC", "parameters": { "kernel": "2+cos(alpha)", "alpha": "4*pi" } }));
     let presets = ["chaikin", "ternary-quadratic", "ternary-quartic", "ternary-quintic", "four-point"];
     plans.extend(presets.map(|preset| json!({ "preset": preset })));
     plans.push(json!({ "preset": "b-spline", "parameters": { "degree": 6 } }));

@@ -1,0 +1,66 @@
+//! Where the points around a child lie by the steps that make them alone, so that arity and turn follow from the
+//! connectivity and not from what averages weigh.
+
+use super::sectors::Kind;
+use super::star::Place;
+use crate::analysis::limit::{Record, Unlimited, Weights};
+use crate::math::functions::{atan2, real, sqrt};
+use crate::scheme::mesh_net::MeshNet;
+use crate::scheme::operator::Children;
+use crate::scheme::plan::{Plan, Scheduled};
+use crate::scheme::stepper::Stepper;
+use crate::shape::topology::index;
+
+/// By how much of a sector a child's sectors may be turned against their parents' and still count as in line.
+/// Schemes keep directions, or turn by half a sector, up to rounding. Half and twice of it decide alike.
+const IN_LINE: f64 = 0.1;
+
+/// The steps of a cycle that make other points than there were, at the kernel 1: they interpolate, or take means, in
+/// the same way whatever the parameters of a plan are.
+pub(super) struct Layout {
+    record: Record,
+}
+
+impl Layout {
+    /// Nothing yet.
+    pub(super) fn new() -> Self {
+        Self { record: Record::new(Weights::Exact) }
+    }
+
+    /// Writes down a step on a net, where it makes other points.
+    pub(super) fn add(&mut self, plan: &Plan, net: &MeshNet, step: &Scheduled) -> Result<(), Unlimited> {
+        if step.letter.facts().children == Children::Same {
+            return Ok(());
+        }
+        let plain = Scheduled { kernel: 1.0, ..step.clone() };
+        self.record.add(Stepper::new(plan).next(net, &plain)?.action)
+    }
+
+    /// By how many of n sectors the first point of the child's ring lies after the ray, or the corner, of sector 0, and
+    /// how far away from the middle, in the distance of such points before; `None` where it lies between two.
+    pub(super) fn turned(
+        &self,
+        kind: Kind,
+        n: usize,
+        places: &[Option<Place>],
+        first: u32,
+    ) -> Result<Option<(usize, f64)>, Unlimited> {
+        let origins: Vec<u32> = (0..index(places.len())).collect();
+        let row = self.record.matrix(&[first], &origins, places.len()).ok_or(Unlimited::Reach)?;
+        let (columns, weights) = row.row(0);
+        let mut sum = [0.0; 2];
+        for (&column, weight) in columns.iter().zip(weights) {
+            let Some((sector, point)) = places[column as usize] else { continue };
+            let place = kind.direction(n, sector, point);
+            (0..2).for_each(|k| sum[k] += weight * place[k]);
+        }
+        let sectors = atan2(sum[1], sum[0]) * real(n) / std::f64::consts::TAU;
+        let whole = sectors.round();
+        #[expect(clippy::cast_possible_truncation, reason = "at most half of the valence")]
+        let turned = (whole as i64).rem_euclid(i64::try_from(n).unwrap_or(1));
+        let size = |[x, y]: [f64; 2]| sqrt(x * x + y * y);
+        let shrinks = size(sum) / size(kind.direction(n, 0, [i32::from(kind.has_centre()), 0]));
+        let turned = usize::try_from(turned).unwrap_or(0);
+        Ok(((sectors - whole).abs() <= IN_LINE).then_some((turned, shrinks)))
+    }
+}
