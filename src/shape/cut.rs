@@ -31,16 +31,14 @@ impl Topology {
         if non_manifold == NonManifold::Refuse {
             return Self::of_faces(n_vertices, faces, winding).map(|checked| (checked, Vec::new()));
         }
-        match Self::of_faces(n_vertices, faces.clone(), winding) {
-            Ok(checked) => Ok((checked, Vec::new())),
-            Err(_) => {
-                if non_manifold == NonManifold::SplitCrowded {
-                    check_faces(n_vertices, &faces, NonManifold::Refuse)?;
-                    orient(&mut faces.clone(), &sides(n_vertices, &faces), winding)?;
-                }
-                cut(n_vertices, faces, winding)
-            }
+        if let Ok(checked) = Self::of_faces(n_vertices, faces.clone(), winding) {
+            return Ok((checked, Vec::new()));
         }
+        if non_manifold == NonManifold::SplitCrowded {
+            check_faces(n_vertices, &faces, NonManifold::Refuse)?;
+            orient(&mut faces.clone(), &sides(n_vertices, &faces), winding)?;
+        }
+        cut(n_vertices, faces, winding)
     }
 }
 
