@@ -1,13 +1,11 @@
 //! Points under refinement: what the actions of steps do to them.
 
-use std::sync::Arc;
-
 use rayon::prelude::*;
 
 use super::error::RefineError;
 use crate::math::rows::{MAX_RUN, RowSource, blend, blend_run};
 use crate::scheme::plan::{Plan, Scheduled};
-use crate::scheme::step::{Action, PointMap};
+use crate::scheme::step::{Action, Operand, PointMap};
 use crate::scheme::stepper::{Net, Stepper};
 use crate::shape::topology::NONE;
 use crate::watch::{Stopped, Watch};
@@ -35,6 +33,13 @@ pub fn advance<'a, N: Net>(
     Ok(())
 }
 
+/// What actions of a level are applied to, and the watch that may stop them.
+pub(super) struct AtLevel<'a, T> {
+    pub(super) of: &'a mut T,
+    pub(super) level: u32,
+    pub(super) watch: &'a Watch,
+}
+
 fn ensure(finite: bool, level: u32) -> Result<(), RefineError> {
     if finite { Ok(()) } else { Err(RefineError::NotFinite { level }) }
 }
@@ -57,22 +62,12 @@ impl Points {
         Self { now, anchor: Vec::new(), tangents: None, width }
     }
 
-    /// Does what an action of a level says.
+    /// Applies an action of a level.
     ///
     /// # Errors
     /// When the watch says stop, or a coordinate is no longer finite.
     pub fn act(&mut self, action: &Action, level: u32, watch: &Watch) -> Result<(), RefineError> {
-        match action {
-            Action::Blend(rows) => return self.blend(false, &[&**rows], level, watch),
-            Action::BlendFromAnchor(rows) => return self.blend(true, &[&**rows], level, watch),
-            Action::PushBack { rows, children } => self.push_back(&**rows, children, watch)?,
-            Action::Map(map) => self.map(&**map, watch)?,
-            Action::Sequence(actions) => {
-                return actions.iter().try_for_each(|action| self.act(action, level, watch));
-            }
-        }
-        let finite = |numbers: &[f64]| numbers.par_chunks(CHUNK).all(|chunk| chunk.iter().all(|x| x.is_finite()));
-        ensure(finite(&self.now) && self.tangents.as_deref().is_none_or(finite), level)
+        action.apply(&mut AtLevel { of: self, level, watch })
     }
 
     /// All actions of one level. Blends of rows that repeat themselves are made in one sweep, without the points
@@ -100,15 +95,13 @@ impl Points {
         ensure(next.finite, level)
     }
 
-    fn map(&mut self, map: &dyn PointMap, watch: &Watch) -> Result<(), Stopped> {
-        let tangents = self.tangents.as_ref().expect("plans with such a step start with tangents");
-        let (points, tangents) = map.apply(self.now.as_chunks().0, tangents.as_chunks().0, watch)?;
-        (self.now, self.tangents) = (points.into_flattened(), Some(tangents.into_flattened()));
-        Ok(())
+    fn ensure_finite(&self, level: u32) -> Result<(), RefineError> {
+        let finite = |numbers: &[f64]| numbers.par_chunks(CHUNK).all(|chunk| chunk.iter().all(|x| x.is_finite()));
+        ensure(finite(&self.now) && self.tangents.as_deref().is_none_or(finite), level)
     }
 
     /// `points + rows x (anchor - children)`.
-    fn push_back(&mut self, rows: &dyn RowSource, children: &Arc<[u32]>, watch: &Watch) -> Result<(), Stopped> {
+    fn push_back(&mut self, rows: &dyn RowSource, children: &[u32], watch: &Watch) -> Result<(), Stopped> {
         let w = self.width;
         let mut differences = self.anchor.clone();
         let chunks = differences.par_chunks_mut(CHUNK * w).zip(children.par_chunks(CHUNK));
@@ -131,5 +124,25 @@ impl Points {
             }
         });
         Ok(())
+    }
+}
+
+impl Operand for AtLevel<'_, Points> {
+    type Error = RefineError;
+
+    fn blend(&mut self, rows: &dyn RowSource, anchor: bool) -> Result<(), RefineError> {
+        self.of.blend(anchor, &[rows], self.level, self.watch)
+    }
+
+    fn push_back(&mut self, rows: &dyn RowSource, children: &[u32]) -> Result<(), RefineError> {
+        self.of.push_back(rows, children, self.watch)?;
+        self.of.ensure_finite(self.level)
+    }
+
+    fn map(&mut self, map: &dyn PointMap) -> Result<(), RefineError> {
+        let tangents = self.of.tangents.as_ref().expect("plans with such a step start with tangents");
+        let (points, tangents) = map.apply(self.of.now.as_chunks().0, tangents.as_chunks().0, self.watch)?;
+        (self.of.now, self.of.tangents) = (points.into_flattened(), Some(tangents.into_flattened()));
+        self.of.ensure_finite(self.level)
     }
 }

@@ -1,8 +1,9 @@
 //! Refinement that records weights in the place of points.
 
+use super::apply::AtLevel;
 use super::error::RefineError;
 use crate::math::rows::{RowSource, Rows};
-use crate::scheme::step::Action;
+use crate::scheme::step::{Action, Operand, PointMap};
 use crate::scheme::step_error::StepError;
 use crate::shape::topology::{NONE, index};
 use crate::watch::Watch;
@@ -40,23 +41,12 @@ impl Recorder {
         self.last = self.rows.len();
     }
 
-    /// Does what an action of a level says.
+    /// Applies an action of a level.
     ///
     /// # Errors
     /// When the watch says stop, or the action is no weighted sum, or there are too many rows to be numbered.
     pub fn act(&mut self, action: &Action, level: u32, watch: &Watch) -> Result<(), RefineError> {
-        match action {
-            Action::Blend(rows) => self.blend(&**rows, level, watch),
-            Action::BlendFromAnchor(rows) => {
-                self.anchor.clone_from(&self.now);
-                self.blend(&**rows, level, watch)
-            }
-            Action::PushBack { rows, children } => self.push_back((&**rows, children), level, watch),
-            Action::Sequence(actions) => actions.iter().try_for_each(|action| self.act(action, level, watch)),
-            Action::Map(_) => {
-                Err(RefineError::Step { level, error: StepError::new("points are turned here, not weighed") })
-            }
-        }
+        action.apply(&mut AtLevel { of: self, level, watch })
     }
 
     /// The number of the next row.
@@ -92,7 +82,8 @@ impl Recorder {
     /// several terms, and the points.
     fn push_back(
         &mut self,
-        (source, children): (&dyn RowSource, &[u32]),
+        source: &dyn RowSource,
+        children: &[u32],
         level: u32,
         watch: &Watch,
     ) -> Result<(), RefineError> {
@@ -173,5 +164,25 @@ impl Recorder {
     pub fn finish(mut self) -> Rows {
         self.rows.append(&self.results);
         self.rows
+    }
+}
+
+impl Operand for AtLevel<'_, Recorder> {
+    type Error = RefineError;
+
+    fn blend(&mut self, rows: &dyn RowSource, anchor: bool) -> Result<(), RefineError> {
+        if anchor {
+            self.of.anchor.clone_from(&self.of.now);
+        }
+        self.of.blend(rows, self.level, self.watch)
+    }
+
+    fn push_back(&mut self, rows: &dyn RowSource, children: &[u32]) -> Result<(), RefineError> {
+        self.of.push_back(rows, children, self.level, self.watch)
+    }
+
+    fn map(&mut self, _: &dyn PointMap) -> Result<(), RefineError> {
+        let error = StepError::new("points are turned here, not weighed");
+        Err(RefineError::Step { level: self.level, error })
     }
 }

@@ -76,7 +76,45 @@ pub enum Source {
     Lost,
 }
 
+/// What an action is applied to: the points of a net, or rows of weights in their place.
+pub trait Operand {
+    /// Why an action cannot be applied.
+    type Error;
+
+    /// `points <- rows x points`; with `anchor` the points before become the anchor.
+    ///
+    /// # Errors
+    /// Those of the operand.
+    fn blend(&mut self, rows: &dyn RowSource, anchor: bool) -> Result<(), Self::Error>;
+
+    /// `points <- points + rows x (anchor - children)`, see [`Action::PushBack`].
+    ///
+    /// # Errors
+    /// Those of the operand.
+    fn push_back(&mut self, rows: &dyn RowSource, children: &[u32]) -> Result<(), Self::Error>;
+
+    /// Turns points and tangents into the next ones.
+    ///
+    /// # Errors
+    /// Those of the operand, among them that it has no coordinates.
+    fn map(&mut self, map: &dyn PointMap) -> Result<(), Self::Error>;
+}
+
 impl Action {
+    /// Applies the action: the one place that tells what its variants mean.
+    ///
+    /// # Errors
+    /// Those of the operand.
+    pub fn apply<T: Operand>(&self, operand: &mut T) -> Result<(), T::Error> {
+        match self {
+            Self::Blend(rows) => operand.blend(&**rows, false),
+            Self::BlendFromAnchor(rows) => operand.blend(&**rows, true),
+            Self::PushBack { rows, children } => operand.push_back(&**rows, children),
+            Self::Map(map) => operand.map(&**map),
+            Self::Sequence(actions) => actions.iter().try_for_each(|action| action.apply(operand)),
+        }
+    }
+
     /// The rows of a blend.
     pub fn rows(&self) -> Option<&dyn RowSource> {
         match self {

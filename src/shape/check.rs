@@ -95,6 +95,8 @@ pub enum NonManifold {
     Refuse,
     /// They are cut into manifold pieces.
     Split,
+    /// Edges with more than two faces are cut, as where welding joins bodies that touch; all else is a fault.
+    SplitCrowded,
 }
 
 /// Turns faces so that neighbours run along their edges in opposite directions. Returns those that were turned. Faces

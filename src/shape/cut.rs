@@ -9,7 +9,7 @@
 //! two sides at each later visit, and vertices are split again. Two sides that then join the same two vertices are
 //! paired. Then no two sides of different edges join the same two vertices: the faces by themselves tell the pieces.
 
-use super::check::{FaceList, NonManifold, Side, Winding, check_faces, forward, groups, owner, sides, turns};
+use super::check::{FaceList, NonManifold, Side, Winding, check_faces, forward, groups, orient, owner, sides, turns};
 use super::connect::{Checked, connect};
 use super::repairs::{Edges, Faces, Repair};
 use super::topology::{NONE, Topology, index};
@@ -20,7 +20,8 @@ impl Topology {
     /// [`Topology::of_faces`] gives it, under [`NonManifold::Refuse`] nothing else is.
     ///
     /// # Errors
-    /// As [`Topology::of_faces`]; when faces are cut, of fewer than three vertices and missing vertices only.
+    /// As [`Topology::of_faces`]; under [`NonManifold::Split`] those of faces of fewer than three vertices and of missing
+    /// vertices only, under [`NonManifold::SplitCrowded`] all but those of edges with more than two faces.
     pub fn of_any_faces(
         n_vertices: usize,
         faces: FaceList,
@@ -32,7 +33,13 @@ impl Topology {
         }
         match Self::of_faces(n_vertices, faces.clone(), winding) {
             Ok(checked) => Ok((checked, Vec::new())),
-            Err(_) => cut(n_vertices, faces, winding),
+            Err(_) => {
+                if non_manifold == NonManifold::SplitCrowded {
+                    check_faces(n_vertices, &faces, NonManifold::Refuse)?;
+                    orient(&mut faces.clone(), &sides(n_vertices, &faces), winding)?;
+                }
+                cut(n_vertices, faces, winding)
+            }
         }
     }
 }

@@ -81,7 +81,7 @@ impl MeshInput {
     pub fn parted_where_crowded(mut self) -> Self {
         let n = crowded(self.positions.len(), &self.faces);
         if n > 0 {
-            self.non_manifold = NonManifold::Split;
+            self.non_manifold = NonManifold::SplitCrowded;
             let edges = if n == 1 { "edge" } else { "edges" };
             self.notes.push(format!(
                 "welding gives {n} {edges} more than two faces, as where bodies touch, so that the mesh is cut there; \

@@ -37,9 +37,6 @@ const OPTIONS: &[(&str, usize)] = &[
     ("-type", 1),
 ];
 
-/// Statements that say the same of every surface, or what is read elsewhere.
-const PASSED_OVER: &[&str] = &["illum", "Ni", "Ns", "Ka"];
-
 /// A library that is read.
 #[derive(Debug, Default)]
 pub(super) struct Library {
@@ -185,9 +182,7 @@ impl Entry {
             "Pm" => self.metallic = one(),
             "Pr" => self.roughness = one(),
             "map_Kd" => return self.picture(rest, folder),
-            // black light is none
-            "Ke" | "Ks" if !rest.contains(|c: char| c.is_ascii_digit() && c != '0') => {}
-            _ if PASSED_OVER.contains(&keyword) => {}
+            _ if says_nothing(keyword, rest) => {}
             _ => return Err(quoted(keyword)),
         }
         Ok(())
@@ -226,6 +221,20 @@ impl Entry {
         let [red, green, blue] = color.unwrap_or([1.0; 3]);
         let color = is_said.then(|| [red, green, blue, alpha.unwrap_or(1.0)]);
         Look { color, metallic: *metallic, roughness: *roughness, ..Look::default() }
+    }
+}
+
+/// Whether a statement leaves a surface as it would be without it: no light of its own and no highlight, all or none of
+/// the light from around, no refraction, and a model of lighting without mirrors and glass.
+fn says_nothing(keyword: &str, rest: &str) -> bool {
+    let all =
+        |values: &[f64]| rest.split_ascii_whitespace().all(|word| number(word).is_ok_and(|x| values.contains(&x)));
+    match keyword {
+        "Ke" | "Ks" => all(&[0.0]),
+        "Ka" => all(&[0.0]) || all(&[1.0]),
+        "Ni" => all(&[1.0]),
+        "illum" => all(&[0.0, 1.0, 2.0]),
+        _ => false,
     }
 }
 

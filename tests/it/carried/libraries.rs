@@ -15,7 +15,8 @@ const OBJ: &str = "mtllib some name.mtl\nv 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 2
                    vt 0 0\nvt 1 0\nvt 1 1\nvt 0 1\nusemtl red\nf 1/1 2/2 3/3 4/4\nusemtl of glass\nf 2/1 5/2 6/3 3/4\n";
 
 const MTL: &str = "# by hand\nnewmtl red\n\tKd 0.75 0.25 0\nKs 0.000 0 0\nNs 50\nillum 2\nPr 0.5\nPm 0.25\nd 1\n\
-                   newmtl of glass\nKd 1 1 1\nTr 0.75\nbump -bm 0.5 bumps.png\nKe 0 0.5 0\nnewmtl unused\nKd 2 x 0\n";
+                   newmtl of glass\nKd 1 1 1\nKa 1 1 1\nNi 1.5\nillum 4\nTr 0.75\nbump -bm 0.5 bumps.png\nKe 0 0.5 0\n\
+                   newmtl unused\nKd 2 x 0\n";
 
 /// A job on the file above with this library.
 fn with(mtl: &str) -> Value {
@@ -33,8 +34,8 @@ fn jobs_bring_the_library_of_an_obj_file_along() {
     let mut job = with(MTL);
     job["outputs"] = json!([{ "format": "json" }]);
     let (_, report) = render(&job).unwrap();
-    let left_out = "what libraries say of materials beyond this is left out: \"Ke\" (1), \"bump\" (1), \
-                    Kd without three numbers (1)";
+    let left_out = "what libraries say of materials beyond this is left out: \"Ke\" (1), \"Ni\" (1), \"Ns\" (1), \
+                    \"bump\" (1), \"illum\" (1), Kd without three numbers (1)";
     assert_eq!(report.warnings, [left_out]);
     // glass lets something through
     let gltf: Value = serde_json::from_str(&text(&with(MTL), &json!({ "format": "gltf" }))).unwrap();

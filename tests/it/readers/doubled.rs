@@ -296,3 +296,28 @@ fn bodies_that_touch_are_parted_again_where_nobody_asked_for_a_weld() {
         assert!(support::faults(welded)[0].detail.contains("\"non_manifold\": \"split\""), "{format}");
     }
 }
+
+/// A face that runs the wrong way is a fault of the file, with or without a body beside it.
+#[test]
+fn bodies_that_touch_are_not_cut_where_a_face_is_turned() {
+    let mut net = touching();
+    // away from the common edge, whose four faces say nothing of winding
+    let f = net.faces.iter().position(|face| !face.contains(&0) && !face.contains(&1)).expect("such a face");
+    net.faces[f].reverse();
+    let mut turned_back = nets::triangulated(net.clone());
+    turned_back.faces[2 * f..2 * f + 2].iter_mut().for_each(|face| face.reverse());
+    let apart = refined(&turned_back.input(), 1);
+    for format in ["glb", "gltf", "stl"] {
+        let written = json!({ "input": net.input(), "outputs": [{ "format": format }] });
+        let (bytes, _) = support::render(&written).expect("it is written");
+        let file = json!({ "format": format, "data": super::round_trips::base64(&bytes), "encoding": "base64" });
+        let plan = json!({ "preset": "catmull-clark" });
+        let mut job = json!({ "input": { "text": file }, "plan": plan, "levels": 1 });
+        let faults = support::faults(job.clone());
+        assert!(faults[0].detail.contains("in the same direction"), "{format}: {faults:?}");
+        assert!(faults[0].detail.contains("\"orient\": \"repair\""), "{format}: {faults:?}");
+        job["input"]["orient"] = json!("repair");
+        let found = support::json(job);
+        same_surface(&Net::of(&found), &Net::of(&apart), 1e-6).expect("both cubes");
+    }
+}
