@@ -133,6 +133,7 @@ export class Curves {
       const failed = (fault) => {
         if (name !== "main") this.#shapes.delete(name);
         this.#fault(name, fault);
+        this.draw();
       };
       this.#refiners.set(name, new Refiner(shown, failed, options));
     }

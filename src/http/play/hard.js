@@ -124,8 +124,8 @@ export class Hard {
 }
 
 /**
- * Faces by their corners: those of face `f` are `first[f]` up to `first[f + 1]`; `vertices` and `faceOf` name the vertex
- * and the face of each, and the corners at vertex `v` are `around.list[around.starts[v]]` up to those of the next.
+ * Faces by their corners: those of face `f` are `first[f]` up to `first[f + 1]`; `vertices` and `faceOf` name the
+ * vertex and the face of each, and the corners at vertex `v` are `around.list[around.starts[v]]` up to the next's.
  */
 function cornersOf(faces, n) {
   const first = new Uint32Array(faces.length + 1);

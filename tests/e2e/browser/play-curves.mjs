@@ -211,7 +211,8 @@ async function checkView(player, given) {
   assert(moved.some(([x, y], at) => Math.hypot(x - whole[at][0], y - whole[at][1]) > 50), "the view has moved");
   const other = await Player.open(given, { hash: new URL(page.url()).hash });
   for (const [at, [x, y]] of (await seen(other)).entries()) {
-    assert(Math.hypot(x - moved[at][0], y - moved[at][1]) < 0.1, `point ${at} is at ${x} ${y}, and was at ${moved[at]}`);
+    const [wasX, wasY] = moved[at];
+    assert(Math.hypot(x - wasX, y - wasY) < 0.1, `point ${at} is at ${x} ${y}, and was at ${wasX} ${wasY}`);
   }
   await other.page.waitForTimeout(600);
   assert.equal(other.page.url(), page.url(), "the address stays as it is");
@@ -247,14 +248,22 @@ async function checkFaults(player) {
   assert.match(told, /1\/0|zero|finite/);
   await field.fill("1/16");
   await page.waitForFunction(() => !document.querySelector("#panel .fault"));
+  // a second scheme that is refused has no curve
+  await page.click("#compare");
+  await page.locator(".curve.other").first().waitFor({ state: "attached" });
+  await page.selectOption("[data-scheme=other-scheme] select >> nth=0", "word");
+  await page.fill("input#other-scheme", "UXX");
+  await page.waitForSelector("[data-scheme=other-scheme] .fault");
+  await page.waitForFunction(() => !document.querySelector(".pane:not([hidden]) .curve.other"));
+  await page.click("#compare");
 }
 
 export async function checkCurves(given) {
   const player = await Player.open(given);
   // schemes whose rules are no weights have no stencils and no analysis
   player.expected.push(/422.*\/v1\/(analyses|render)/);
-  for (const check of [checkPoints, checkKeys, checkLevels, checkShow, checkWords, checkExamples, checkAnalysis, checkView,
-    checkFaults, checkSchemes]) await check(player, given);
+  for (const check of [checkPoints, checkKeys, checkLevels, checkShow, checkWords, checkExamples, checkAnalysis,
+    checkView, checkFaults, checkSchemes]) await check(player, given);
   await player.page.selectOption("#examples", "blob");
   await player.settled();
   await player.accessible("the page of curves");

@@ -169,8 +169,8 @@ export async function checkFrames(given) {
   return told.join(", ");
 }
 
-// While a vertex is dragged that part is drawn which moves: the picture is the one that is drawn as a whole at rest, and
-// stays as it is when the hand lets go, with edges that look hard, too.
+// While a vertex is dragged that part is drawn which moves: the picture is the one that is drawn as a whole at rest,
+// and stays as it is when the hand lets go, with edges that look hard, too.
 export async function checkParts(given) {
   for (const [show, kind] of [
     ["surface.net", "surface"], ["surface.net.wireframe.extraordinary", "surface"],
@@ -244,6 +244,7 @@ export async function screenshots(given) {
       await page.waitForTimeout(400);
       await player.settled();
       await page.waitForTimeout(900);
+      assert.equal(await player.notice(), "", "faults of curves stay with these");
       await shot("surfaces");
       await player.accessible(`surfaces at ${width}, ${colorScheme},`);
       await page.click("#take-open");
