@@ -1,5 +1,7 @@
 //! What a file is by its first bytes, where it is not what it is said to be.
 
+use super::sniff;
+
 /// How files begin that hold no mesh which is read here, and what they are. They are looked at where reading has
 /// failed, so that short beginnings do no harm.
 const FOREIGN: &[(&[u8], &str)] = &[
@@ -55,7 +57,8 @@ pub fn foreign(bytes: &[u8]) -> Option<&'static str> {
 /// The name of the reader of files that begin like these bytes.
 pub fn own(bytes: &[u8]) -> Option<&'static str> {
     let start = text_start(bytes);
-    OWN.iter().find(|(magic, _)| start.starts_with(magic)).map(|(_, name)| *name)
+    let magic = OWN.iter().find(|(magic, _)| start.starts_with(magic)).map(|(_, name)| *name);
+    magic.or_else(|| sniff::kind(bytes).filter(|&name| name == "obj"))
 }
 
 /// Whether the bytes begin like a text: without control characters but those between words.

@@ -69,6 +69,14 @@ fn elements(header: &Header, mut body: impl Body, limits: &ReadLimits) -> Result
     if named("face") > 0 && named("tristrips") > 0 {
         return Err("the header has faces and strips of triangles; give one of them".to_owned());
     }
+    let no_faces = named("face") + named("tristrips") == 0;
+    if let Some(name) = header.elements.iter().filter(|_| no_faces).find_map(faces_among_vertices) {
+        return Err(format!(
+            "the header has the list {} among the properties of \"vertex\"; a line \"element face\" with the number of \
+             faces is missing before it",
+            quoted(name)
+        ));
+    }
     for element in &header.elements {
         body.holds(element)?;
         match element.name.as_str() {
@@ -90,6 +98,12 @@ fn elements(header: &Header, mut body: impl Body, limits: &ReadLimits) -> Result
     let mesh = reading.finish(&header.names);
     // texture coordinates of vertices part them at seams, which were no boundaries before
     Ok(ReadMesh { vertices: is_parted.then_some(Vertices::Doubled), ..mesh })
+}
+
+/// The list of the corners of faces, where it stands among the properties of vertices.
+fn faces_among_vertices(element: &Element) -> Option<&str> {
+    let list = element.properties.iter().find(|property| property.holds_corners());
+    list.filter(|_| element.name == "vertex").map(|property| property.name.as_str())
 }
 
 struct Reading {
@@ -215,14 +229,13 @@ impl Reading {
     }
 
     fn faces(&mut self, element: &Element, body: &mut impl Body) -> Result<(), String> {
-        let is_indices = |p: &&Property| p.list.is_some() && (p.name == "vertex_indices" || p.name == "vertex_index");
-        if element.properties.iter().filter(is_indices).count() != 1 {
+        if element.properties.iter().filter(|p| p.holds_corners()).count() != 1 {
             return Err("the faces need one list \"vertex_indices\" (or \"vertex_index\")".to_owned());
         }
         self.mesh.expect_faces(element.count)?;
         let is_name = |p: &Property| p.list.is_none() && p.kind.is_whole() && NAMED.contains(&p.name.as_str());
         let is_uvs = |p: &Property| p.list.is_some() && p.name == "texcoord";
-        let others = element.properties.iter().filter(|p| !is_indices(p) && !is_uvs(p) && !is_name(p));
+        let others = element.properties.iter().filter(|p| !p.holds_corners() && !is_uvs(p) && !is_name(p));
         let others: Vec<String> = others.map(|property| quoted(&property.name)).collect();
         if !others.is_empty() {
             self.note(format!("properties of faces are left out: {}", others.join(", ")));
@@ -238,7 +251,7 @@ impl Reading {
                     self.name(&property.name, number, i);
                     continue;
                 }
-                let Some(sizes) = property.list.filter(|_| is_indices(&property) || is_uvs(property)) else {
+                let Some(sizes) = property.list.filter(|_| property.holds_corners() || is_uvs(property)) else {
                     body.pass(property)?;
                     continue;
                 };

@@ -16,7 +16,7 @@ use crate::analysis::limit::Cost;
 use crate::fault::Fault;
 use crate::input::ReadLimits;
 use crate::math::amounts::{in_bytes, thousands};
-use crate::output::{Counts, Size};
+use crate::output::{CAGE, Counts, Size};
 use crate::refine::{mesh_net, polygon_net};
 use crate::scheme::forecast::{self, Count, Forecast, ForecastError};
 use crate::scheme::step_error::About;
@@ -371,6 +371,7 @@ fn counts(job: &Job, forecast: &Forecast, level: usize) -> Counts {
     let polygons = if let Input::Polygons(polygons) = &*job.input { polygons.len() as u128 } else { 1 };
     let mesh = job.input.mesh();
     let makes_solid = job.outputs.iter().any(|output| output.format.makes_solid(&output.options));
+    let stays = job.levels == 0 || job.outputs.iter().any(|output| output.options.flag(CAGE));
     let tags = |mesh: &Mesh| mesh.creases.len() + mesh.corners.len() + mesh.semi_sharp_corners.len();
     Counts {
         kind: job.input.shape_kind(),
@@ -391,6 +392,6 @@ fn counts(job: &Job, forecast: &Forecast, level: usize) -> Counts {
         input_edges: mesh.map_or(0, |mesh| mesh.topology.n_edges()),
         cage: mesh.filter(|_| makes_solid).map(Cage::of).unwrap_or_default(),
         weights: weight_count::most(job, forecast, level),
-        tags: mesh.filter(|_| job.levels == 0).map_or(0, tags),
+        tags: mesh.filter(|_| stays).map_or(0, tags),
     }
 }

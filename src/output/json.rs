@@ -5,19 +5,21 @@ mod looks;
 mod row;
 mod sections;
 
+use std::borrow::Cow;
 use std::io::Write;
 
 use serde_json::Value;
 
 use crate::fault::Fault;
 use crate::math::parameter::{Default, Kind, Parameter, Values};
+use crate::output::control_source::ControlSource;
 use crate::output::counts::{Counts, ShapeKind};
 use crate::output::curvature;
 use crate::output::error::FormatError;
 use crate::output::format::{Content, Costs, Format, FormatFacts, Requirements};
 use crate::output::normals;
 use crate::output::numbers::{REAL, digits, real, reals, total};
-use crate::output::options::{IDS, ISOLINES, POSITIONS, TANGENTS};
+use crate::output::options::{CAGE, IDS, ISOLINES, POSITIONS, TANGENTS};
 use crate::output::positions::{Positions, unfit};
 use crate::output::scene::{Curve, MeshSource, Scene, Shape};
 use crate::output::sections::{SECTIONS, asked};
@@ -47,6 +49,16 @@ const EDGES: Parameter = Parameter {
     doc: "For each edge of the input mesh the vertices along it, from its start to its end. Meshes only.",
 };
 
+/// The option of the control mesh.
+const CONTROL: Parameter = Parameter {
+    name: CAGE,
+    kind: Kind::Flag,
+    unit: "",
+    default: Default::Flag(false),
+    doc: "The control mesh in place of what is made of it: all its faces, with the numbers of hidden ones as `holes`, \
+          its creases and corners, and what it carries. It goes with no other option. Meshes only.",
+};
+
 /// Most bytes of the entry of the warnings, and of what stands in it beside them.
 const WARNINGS: usize = 8_192;
 const WARNINGS_FRAME: usize = 64;
@@ -62,6 +74,8 @@ const WARNINGS_FRAME: usize = 64;
 /// `"isolines":[[...],...]` follows, the vertices along each edge of the input. With `sections` an entry
 /// `"sections":[[{"points":[...],"closed":...},...],...]` follows, a list of polylines for each plane.
 ///
+/// With `cage` it is the control mesh that is written, with `"holes":[...]` after its faces.
+///
 /// With warnings, an entry `"warnings":[...]` follows. Numbers are the shortest decimals that read back as the same
 /// f64; whole ones have no point, -0 is 0.
 #[derive(Debug)]
@@ -73,7 +87,7 @@ const FACTS: &FormatFacts = &FormatFacts {
     media_type: "application/json",
     content: Content::Json,
     doc: "JSON as in requests: all coordinates at full precision, polygons as they are",
-    parameters: &[POSITIONS, NORMALS, TANGENTS, CURVATURE, IDS, EDGES, SECTIONS],
+    parameters: &[POSITIONS, NORMALS, TANGENTS, CURVATURE, IDS, EDGES, SECTIONS, CONTROL],
     holds: |_, _| Ok(()),
     ..FormatFacts::USUAL
 };
@@ -93,6 +107,12 @@ impl Format for Json {
         let mut stream = Stream::new(out, watch);
         stream.bytes(b"{")?;
         match scene.shape {
+            Shape::Mesh(_) if options.flag(CAGE) => {
+                let Some(mesh) = scene.control.mesh() else {
+                    return Err(FormatError::Unfit("there is no control mesh; leave \"cage\" out".into()));
+                };
+                write_cage(&ControlSource(mesh), options, &mut stream)?;
+            }
             Shape::Mesh(mesh) => {
                 write_mesh(mesh, &mut stream)?;
                 if with_normals(options) {
@@ -128,6 +148,16 @@ impl Requirements for Json {
         if options.flag(ISOLINES) && curves {
             return Err(Fault::new("/isolines", "isolines are edges of meshes; leave it out"));
         }
+        if options.flag(CAGE) && curves {
+            return Err(Fault::new("/cage", "polygons have no control mesh; leave it out"));
+        }
+        let beside = || options.unusual().any(|(name, _)| name != CAGE);
+        if options.flag(CAGE) && beside() {
+            return Err(Fault::new(
+                "/cage",
+                "the control mesh is written as it was given; leave out what is beside it",
+            ));
+        }
         if asked(options) && curves {
             return Err(Fault::new("/sections", "planes cut meshes, curves have no sections; leave it out"));
         }
@@ -141,6 +171,7 @@ impl Requirements for Json {
 
 impl Costs for Json {
     fn size(&self, counts: &Counts, options: &Values) -> Size {
+        let counts = &of_shown(counts, options);
         let row = |dimension: u128| 2 + dimension * (REAL + 1);
         let asked = |name: &str| u128::from(options.flag(name));
         let content = match counts.kind {
@@ -164,11 +195,30 @@ impl Costs for Json {
                 let rows = [(counts.vertices, vectors * row(3)), (counts.faces, 2), (counts.half_edges, corner)];
                 let carried = carried::size(counts, options);
                 let sections = sections::size(counts, options);
-                total(&[(1, braces), rows[0], rows[1], rows[2], (1, carried), (1, sections)])
+                let holes = (asked(CAGE) * counts.faces, digits(counts.faces) + 1);
+                let braces = braces + asked(CAGE) * br#","holes":[]"#.len() as u128;
+                total(&[(1, braces), rows[0], rows[1], rows[2], holes, (1, carried), (1, sections)])
             }
         };
         Size::AtMost(content.saturating_add(WARNINGS as u128))
     }
+}
+
+/// Counts of what is written, at most: of a control mesh those of the input, each corner of which may have values.
+fn of_shown<'a>(counts: &'a Counts, options: &Values) -> Cow<'a, Counts> {
+    if !options.flag(CAGE) {
+        return Cow::Borrowed(counts);
+    }
+    let corners = 2 * counts.input_edges as u128;
+    let places = |n: u128| if n > 0 { corners } else { 0 };
+    Cow::Owned(Counts {
+        vertices: counts.control,
+        faces: counts.input_faces as u128,
+        half_edges: corners,
+        uvs: places(counts.uvs),
+        seamed: places(counts.seamed),
+        ..counts.clone()
+    })
 }
 
 /// The entry of the warnings, nothing when there are none; those that find no room are only counted.
@@ -196,6 +246,18 @@ fn write_mesh(mesh: &dyn MeshSource, stream: &mut Stream<'_>) -> Result<(), Form
     stream.bytes(br#"],"faces":["#)?;
     stream.faces(mesh, faces)?;
     stream.bytes(b"]")
+}
+
+/// Writes a control mesh, hidden faces included, with the numbers of these.
+fn write_cage(cage: &ControlSource<'_>, options: &Values, stream: &mut Stream<'_>) -> Result<(), FormatError> {
+    write_mesh(cage, stream)?;
+    let holes = cage.holes();
+    if !holes.is_empty() {
+        stream.bytes(br#","holes":["#)?;
+        stream.each(0..holes.len(), |i, out| carried::listed(holes[i].into(), i == 0, out))?;
+        stream.bytes(b"]")?;
+    }
+    carried::write(cage, options, stream)
 }
 
 fn write_normals(mesh: &dyn MeshSource, stream: &mut Stream<'_>, watch: &Watch) -> Result<(), FormatError> {

@@ -11,6 +11,9 @@ pub(super) const IDS: Parameter = Parameter {
     doc: "For each face of a mesh the input face it came of, for each vertex the input vertex, edge or face",
 };
 
+/// The option that has the control mesh in place of what is made of it.
+pub const CAGE: &str = "cage";
+
 /// The edges of the input on a refined mesh: an option of formats that write them, and what pictures show.
 pub(super) const ISOLINES: &str = "isolines";
 

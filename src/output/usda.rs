@@ -12,6 +12,7 @@ use self::attributes::{INDENT, On, attribute, comma, corners, entries, faces, nu
 use self::cage::Cage;
 use crate::fault::Fault;
 use crate::math::parameter::Values;
+use crate::output::control_source::ControlSource;
 use crate::output::counts::{Counts, ShapeKind};
 use crate::output::error::FormatError;
 use crate::output::format::{Content, Costs, Format, FormatFacts, Requirements};
@@ -93,7 +94,7 @@ impl Format for Usda {
         let cage = cage(scene, mesh, options);
         if let Some(cage) = &cage {
             tell_differences(scene, cage);
-            write_mesh(cage, Some(cage), &mut stream, watch)?;
+            write_mesh(&cage.source(), Some(cage), &mut stream, watch)?;
         } else {
             of_tags("usda", &mesh.tags()).into_iter().for_each(|sentence| scene.notes.add(sentence));
             write_polygons(mesh, options, &mut stream, watch)?;
@@ -211,7 +212,7 @@ fn begin(
         stream.bytes(format!("{INDENT}token {name} = \"{token}\"\n").as_bytes())?;
     }
     write_tags(&mesh.tags(), stream)?;
-    match cage.map(Cage::holes) {
+    match cage.map(Cage::source).as_ref().map(ControlSource::holes) {
         Some(holes @ [_, ..]) => numbers("int[] holeIndices", holes, stream, |&f, out| whole(out, f.into())),
         _ => Ok(()),
     }

@@ -20,8 +20,8 @@ impl Topology {
     /// under [`NonManifold::Refuse`], the result is that of [`Topology::of_faces`].
     ///
     /// # Errors
-    /// As [`Topology::of_faces`]; under [`NonManifold::Split`] those of faces of fewer than three vertices and of missing
-    /// vertices only, under [`NonManifold::SplitCrowded`] all but those of edges with more than two faces.
+    /// As [`Topology::of_faces`]; under [`NonManifold::Split`] those of faces of fewer than three vertices and of
+    /// missing vertices only, under [`NonManifold::SplitCrowded`] all but those of edges with more than two faces.
     pub fn of_any_faces(
         n_vertices: usize,
         faces: FaceList,

@@ -1,5 +1,6 @@
 //! What travels with a mesh: channels, groups, materials, origins, unit and up axis.
 
+mod cage;
 mod files;
 mod frames;
 mod glass;

@@ -193,6 +193,7 @@ fn options(format: &dyn Format) -> Vec<Value> {
             json!({ "format": name }),
             json!({ "format": name, "sections": planes() }),
             json!({ "format": name, "isolines": true }),
+            json!({ "format": name, "cage": true }),
         ],
         "svg" | "pdf" => vec![
             json!({ "format": name, "width": 32, "height": 24 }),

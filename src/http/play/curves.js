@@ -1,6 +1,7 @@
 // The stage for curves: one or two panes, the shapes that follow the control polygon, and its tools.
 
 import { at, count, h, say, tool, warn, write } from "./dom.js";
+import { output } from "./lines.js";
 import { Pane, View } from "./pane.js";
 import { comb, insert, nearestEdge, remove, rounded, tangentsOf, toggleCorner } from "./polygon.js";
 import { Refiner } from "./refiner.js";
@@ -38,6 +39,7 @@ export class Curves {
       },
     };
     this.#panes = [new Pane(this.#view, edit), new Pane(this.#view, edit)];
+    output.region = () => this.#region;
   }
 
   get #polygon() {
@@ -74,6 +76,13 @@ export class Curves {
     this.fit();
     if (kept) [this.#view.x, this.#view.y, this.#view.scale] = kept;
     view.curves = kept;
+  }
+
+  /** What is seen once the view was moved, null while all is. Pictures of curves in space look from elsewhere. */
+  get #region() {
+    if (!view.curves || this.#polygon.points.some((point) => point.length !== 2)) return null;
+    const [x, y, scale] = view.curves;
+    return { x, y, scale, size: this.#panes[0].size };
   }
 
   /** The shape of the job that is shown, as the service or its stencils answered it. */
@@ -124,6 +133,7 @@ export class Curves {
       const failed = (fault) => {
         if (name !== "main") this.#shapes.delete(name);
         this.#fault(name, fault);
+        this.draw();
       };
       this.#refiners.set(name, new Refiner(shown, failed, options));
     }

@@ -10,16 +10,31 @@ const LONGEST_ADDRESS = 8192;
 /** Formats whose surface is the limit, whatever the level is. */
 const EXACT = ["step"];
 
+/** The longer side of pictures, pixels, and the share of their shorter side that the service leaves free around. */
+const LONGEST = 1200;
+const MARGIN = 0.06;
+
+/** The size and the camera of a picture of the part of the plane that a pane shows. */
+function seen({ x, y, scale, size }) {
+  const factor = LONGEST / Math.max(...size);
+  const [width, height] = size.map((side) => Math.round(side * factor));
+  const free = 2 * MARGIN * Math.min(width, height);
+  const [right, up] = [width, height].map((side) => (side - free) / (2 * scale * factor));
+  const corner = (way) => [...[x + way * right, y + way * up].map((value) => Number(value.toPrecision(6))), 0];
+  return { width, height, camera: { box: { min: corner(-1), max: corner(1) } } };
+}
+
 /** The output of a format, as the picture on the page has it. */
 export function output(format) {
   const { show, mode } = state;
   const limit = mode === "surfaces" && show.limit && !EXACT.includes(format) ? { positions: "limit" } : {};
   if (!["svg", "png", "pdf"].includes(format)) return { format, ...limit };
-  const size = { format, width: 1200, height: 900 };
+  const size = { format, width: LONGEST, height: 0.75 * LONGEST };
   if (mode === "curves") {
     const shown = ["curve", ...(show.polygon ? ["control", "points"] : []), ...(show.samples ? ["vertices"] : []),
       ...(show.comb ? ["comb"] : [])];
-    return { ...size, show: shown };
+    const region = output.region?.();
+    return { ...size, ...(region ? seen(region) : {}), show: shown };
   }
   const camera = output.camera?.();
   if (format !== "png") {

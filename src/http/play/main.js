@@ -19,6 +19,7 @@ const stages = { curves: new Curves(failed), surfaces: null };
 let stage = null;
 let analysis = analysisSection();
 let panelOf = 0;
+let panelMode = null;
 let steps = 0;
 let pending = 0;
 let lastFault = null;
@@ -38,6 +39,7 @@ function failed(fault) {
 async function open(mode) {
   state.mode = mode;
   stage?.close();
+  failed(null);
   for (const name of ["curves", "surfaces"]) at(`mode-${name}`).setAttribute("aria-pressed", String(name === mode));
   const choice = at("examples");
   choice.replaceChildren(h("option", { value: "" }, "Choose …"),
@@ -96,7 +98,9 @@ async function panel() {
   // a newer panel is on its way
   if (now !== panelOf) return;
   const kept = document.activeElement?.id;
-  const top = at("panel").scrollTop;
+  // the panel of the other mode begins at its top
+  const top = panelMode === mode ? at("panel").scrollTop : 0;
+  panelMode = mode;
   at("panel").replaceChildren(...sections, shown(), ...(stage.sections?.() ?? []), analysis.section);
   at("panel").scrollTop = top;
   // fields that were wrong are others now

@@ -68,51 +68,6 @@ export function normalsOf(flat, triangles, out) {
 }
 
 /**
- * A mesh whose edges of more than `degrees` look hard: the corners of faces as vertices of their own, each with the
- * mean of the normals of those faces around its vertex that are no further turned from its own. `joined` has the
- * numbers of these faces: those of corner `c` are `list[starts[c]]` up to `list[starts[c + 1]]`.
- */
-export function hardened(flat, faces, degrees) {
-  const least = Math.cos(degrees * Math.PI / 180);
-  const own = faces.map((face) => normal(face.map((v) => [flat[3 * v], flat[3 * v + 1], flat[3 * v + 2]])));
-  const around = new Map();
-  faces.forEach((face, at) => face.forEach((v) => (around.get(v) ?? around.set(v, []).get(v)).push(at)));
-  const n = faces.reduce((sum, face) => sum + face.length, 0);
-  const [positions, normals] = [new Float32Array(3 * n), new Float32Array(3 * n)];
-  const split = [];
-  const [starts, list] = [new Uint32Array(n + 1), []];
-  let corner = 0;
-  faces.forEach((face, at) => {
-    const size = Math.hypot(...own[at]) || 1;
-    split.push(face.map((v) => {
-      let sum = [0, 0, 0];
-      for (const other of around.get(v)) {
-        const one = own[other];
-        if (other !== at && dot(one, own[at]) < least * size * Math.hypot(...one)) continue;
-        sum = sum.map((x, i) => x + one[i]);
-        list.push(other);
-      }
-      positions.set([flat[3 * v], flat[3 * v + 1], flat[3 * v + 2]], 3 * corner);
-      normals.set(sum, 3 * corner);
-      corner += 1;
-      starts[corner] = list.length;
-      return corner - 1;
-    }));
-  });
-  return { positions, normals, faces: split, joined: { starts, list } };
-}
-
-/** The area vector of a polygon in space (Newell). */
-function normal(corners) {
-  let sum = [0, 0, 0];
-  corners.forEach((a, i) => {
-    const more = cross(sub(a, corners[0]), sub(corners[(i + 1) % corners.length], corners[0]));
-    sum = sum.map((x, axis) => x + more[axis] / 2);
-  });
-  return sum;
-}
-
-/**
  * The line of edges through one: straight on through vertices of valence 4, and along boundaries, until it closes or
  * comes to another vertex.
  */

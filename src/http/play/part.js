@@ -21,7 +21,7 @@ export function partOf({ triangles, wires, around }, moved) {
 }
 
 /** For each vertex whether its normal changes with the vertices `moved`. */
-export function turnedBy({ triangles, around }, moved) {
+function turnedBy({ triangles, around }, moved) {
   const isTurned = new Uint8Array(around.starts.length - 1);
   for (const v of moved) {
     isTurned[v] = 1;

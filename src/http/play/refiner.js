@@ -55,7 +55,6 @@ function follow(net, points) {
 
 export class Refiner {
   #shown;
-  #failed;
   #options;
   #net = null;
   #faces = null;
@@ -72,9 +71,11 @@ export class Refiner {
    */
   constructor(shown, failed, options = {}) {
     this.#shown = shown;
-    this.#failed = failed;
     this.#options = options;
-    this.#requests = new Latest((job, key) => this.#fetch(job, key), failed);
+    // what was stopped tells of nothing any more
+    this.#requests = new Latest((job, key) => this.#fetch(job, key), (fault) => {
+      if (this.#wanted) failed(fault);
+    });
   }
 
   /** Whether an answer is on its way. */

@@ -52,8 +52,8 @@ export async function refined(job, options = {}) {
 /** What can be said of a scheme. */
 export const analysed = async (question) => (await ask("/v1/analyses", json(question))).json();
 
-/** What a file is read with: any plan, at level 0, has the service weld what it would weld before it refines. */
-const READ = "format=json&levels=0&preset=catmull-clark";
+/** What a file is read with: any plan has the service weld what it would weld before it refines; holes stay faces. */
+const READ = "format=json&output.cage=true&levels=0&preset=catmull-clark";
 
 /** The input of a job in a file that the browser has, by the service's readers, and what they warn of. */
 export async function meshOf(file) {

@@ -196,12 +196,12 @@ export class Surfaces {
     return state.surfaces.levels === 0 || creases?.length > 0 || corners?.length > 0;
   }
 
-  /** Shows a surface whose edges may be hard, which are found anew when a hand lets go. */
+  /** Shows a surface whose edges may be hard. */
   #showHard({ flat, faces, moved }) {
     const topology = this.#topology;
     topology.isTurned = false;
     const isPart = this.#isLive && moved && moved.length < LARGEST_PART * flat.length / 3;
-    const followed = isPart ? this.#hard.moved(flat, faces, topology, moved) : null;
+    const followed = isPart ? this.#hard.moved(flat, faces, moved) : null;
     this.#viewer.setSurface(followed ?? this.#hard.whole(flat, faces));
   }
 

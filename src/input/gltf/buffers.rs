@@ -37,6 +37,18 @@ const HARMLESS: &[&str] = &[
 /// What is said of files of the version before.
 const OLD: &str = "the file is glTF 1.0, which is built otherwise; 2.0 is read: convert it";
 
+/// Names of types of this implementation in the words of JSON.
+const PLAIN: &[(&str, &str)] = &[
+    ("expected index into child of root", "expected an index from 0"),
+    ("expected f32", "expected a number"),
+    ("expected f64", "expected a number"),
+    ("expected u32", "expected a whole number from 0"),
+    ("expected a sequence", "expected a list"),
+    ("expected an array", "expected a list"),
+    ("invalid type: sequence", "invalid type: list"),
+    ("invalid type: map", "invalid type: object"),
+];
+
 /// Whether a document is of version 1, where lists are objects.
 fn is_old(json: &[u8]) -> bool {
     let Ok(document) = serde_json::from_slice::<BTreeMap<String, &RawValue>>(json) else { return false };
@@ -77,8 +89,10 @@ impl<'a> Document<'a> {
         let json = json.strip_prefix(&[0xef, 0xbb, 0xbf]).unwrap_or(json);
         census::admit(json, room)?;
         // a text in the wrong place would be repeated in full
-        let no_gltf =
-            |error: serde_json::Error| format!("the document is no glTF: {}", fault::cut(&error.to_string(), 200));
+        let no_gltf = |error: serde_json::Error| {
+            let detail = PLAIN.iter().fold(error.to_string(), |detail, (word, plain)| detail.replace(word, plain));
+            format!("the document is no glTF: {}", fault::cut(&detail, 200))
+        };
         let no_root =
             |error| if is_old(json) { OLD.to_owned() } else { empty_scene(json).unwrap_or_else(|| no_gltf(error)) };
         let root = Root::from_slice(json).map_err(no_root)?;

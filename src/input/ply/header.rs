@@ -76,6 +76,13 @@ pub(super) struct Property {
     pub(super) list: Option<Scalar>,
 }
 
+impl Property {
+    /// Whether it is a list of the corners of faces.
+    pub(super) fn holds_corners(&self) -> bool {
+        self.list.is_some() && (self.name == "vertex_indices" || self.name == "vertex_index")
+    }
+}
+
 /// So many rows of the same properties.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(super) struct Element {

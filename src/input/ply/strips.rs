@@ -8,11 +8,10 @@ use crate::input::collect::{Collected, vertex_index};
 /// Takes the triangles of an element `tristrips`, counter-clockwise; those of which two corners are one vertex join
 /// strips, and are left out. Other properties are passed over.
 pub(super) fn read(element: &Element, body: &mut impl Body, mesh: &mut Collected) -> Result<(), String> {
-    let is_indices = |name: &str| name == "vertex_indices" || name == "vertex_index";
     let n = mesh.mesh.positions.len();
     for _ in 0..element.count {
         for property in &element.properties {
-            let list = property.list.filter(|_| is_indices(&property.name) && property.kind == Scalar::I32);
+            let list = property.list.filter(|_| property.holds_corners() && property.kind == Scalar::I32);
             let Some(sizes) = list else {
                 body.pass(property)?;
                 continue;

@@ -230,7 +230,7 @@ fn write_origins(mesh: &dyn MeshSource, stream: &mut Stream<'_>) -> Result<(), F
 }
 
 /// One number of a list, with a comma before all but the first.
-fn listed(n: u64, first: bool, out: &mut Vec<u8>) {
+pub(super) fn listed(n: u64, first: bool, out: &mut Vec<u8>) {
     if !first {
         out.push(b',');
     }

@@ -1,18 +1,15 @@
-//! A control mesh as a source: all its faces, hidden ones included, with what it carries.
-
-use std::ops::Range;
+//! A control mesh under a scheme that OpenSubdiv has, in the words of USD.
 
 use super::tokens;
+use crate::output::control_source::ControlSource;
 use crate::scheme::operator::Standard;
 use crate::scheme::plan::Plan;
 use crate::scheme::rules::TriangleRule;
 use crate::scheme::sharpness::Creasing;
 use crate::scheme::tags::Boundary;
-use crate::shape::attachments::Attachments;
-use crate::shape::creases::{INFINITE_SHARPNESS, Tags};
+use crate::shape::creases::INFINITE_SHARPNESS;
 use crate::shape::mesh::Mesh;
 use crate::shape::seams::{Interpolation, Seams};
-use crate::shape::source::{CarriedSource, FaceChunk, MeshSource, OriginSource, PlaceSource};
 
 /// A control mesh under a scheme that OpenSubdiv has.
 #[derive(Debug)]
@@ -68,95 +65,8 @@ impl<'a> Cage<'a> {
         carried.channels.iter().filter(|channel| differs(&channel.seams)).map(|channel| channel.name.as_str()).collect()
     }
 
-    /// The hidden faces, ascending.
-    pub(super) fn holes(&self) -> &[u32] {
-        &self.mesh.holes
-    }
-}
-
-impl MeshSource for Cage<'_> {
-    fn n_vertices(&self) -> usize {
-        self.mesh.topology.n_vertices()
-    }
-
-    fn n_faces(&self) -> usize {
-        self.mesh.topology.n_faces()
-    }
-
-    fn n_half_edges(&self) -> usize {
-        self.mesh.topology.n_half_edges()
-    }
-
-    fn positions(&self, range: Range<usize>, out: &mut Vec<[f64; 3]>) {
-        out.clear();
-        out.extend_from_slice(&self.mesh.positions.as_chunks().0[range]);
-    }
-
-    fn held_positions(&self) -> Option<&[[f64; 3]]> {
-        Some(self.mesh.positions.as_chunks().0)
-    }
-
-    fn faces(&self, range: Range<usize>, out: &mut FaceChunk) {
-        out.clear();
-        range.for_each(|f| out.push(self.mesh.topology.face(f)));
-    }
-}
-
-impl CarriedSource for Cage<'_> {
-    fn uvs(&self) -> Option<Box<dyn PlaceSource + '_>> {
-        let uvs = self.mesh.attachments.uvs.as_ref()?;
-        Some(Box::new(CagePlaces { seams: &uvs.seams, values: &uvs.values, width: 2 }))
-    }
-
-    fn channel_places(&self, channel: usize) -> Option<Box<dyn PlaceSource + '_>> {
-        let channel = &self.mesh.attachments.channels[channel];
-        let (values, width) = (&channel.values, channel.width);
-        Some(Box::new(CagePlaces { seams: channel.seams.as_ref()?, values, width }))
-    }
-
-    fn attachments(&self) -> &Attachments {
-        &self.mesh.attachments
-    }
-
-    fn channel(&self, channel: usize, range: Range<usize>, out: &mut Vec<f64>) {
-        out.clear();
-        let channel = &self.mesh.attachments.channels[channel];
-        if channel.seams.is_none() {
-            out.extend_from_slice(&channel.values[range.start * channel.width..range.end * channel.width]);
-        }
-    }
-
-    fn tags(&self) -> Tags {
-        self.mesh.tags()
-    }
-}
-
-impl OriginSource for Cage<'_> {
-    fn input_cells(&self) -> [usize; 3] {
-        let topology = &self.mesh.topology;
-        [topology.n_vertices(), topology.n_edges(), topology.n_faces()]
-    }
-}
-
-/// Values of the corners of a control mesh.
-struct CagePlaces<'a> {
-    seams: &'a Seams,
-    values: &'a [f64],
-    width: usize,
-}
-
-impl PlaceSource for CagePlaces<'_> {
-    fn n_places(&self) -> usize {
-        self.seams.topology.n_vertices()
-    }
-
-    fn values(&self, range: Range<usize>, out: &mut Vec<f64>) {
-        out.clear();
-        out.extend_from_slice(&self.values[range.start * self.width..range.end * self.width]);
-    }
-
-    fn faces(&self, range: Range<usize>, out: &mut FaceChunk) {
-        out.clear();
-        range.for_each(|f| out.push(self.seams.topology.face(f)));
+    /// The mesh, hidden faces included.
+    pub(super) fn source(&self) -> ControlSource<'a> {
+        ControlSource(self.mesh)
     }
 }

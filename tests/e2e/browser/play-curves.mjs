@@ -191,6 +191,51 @@ async function checkAnalysis(player) {
   await page.waitForFunction(() => !/C¹/.test(document.querySelector("#verdict").textContent));
 }
 
+// Where the points of the first pane are on it.
+const seen = (player) => player.page.locator(".pane:not([hidden]) .point").evaluateAll((all) => all.map((point) => (
+  point.getAttribute("transform").match(/[-\d.]+/g).map(Number))));
+
+// The permalink keeps where the page looks, and so do pictures: points stand in them where they stand on the page.
+async function checkView(player, given) {
+  const { page } = player;
+  await page.selectOption("#examples", "through");
+  await player.settled();
+  const whole = await seen(player);
+  await page.mouse.move(700, 420);
+  await page.mouse.wheel(0, -500);
+  const box = await page.locator(".pane svg").first().boundingBox();
+  await player.drag([box.x + 60, box.y + box.height - 60], [box.x + 110, box.y + box.height - 140]);
+  await page.waitForFunction(() => /view=/.test(location.hash));
+  await page.waitForTimeout(400);
+  const moved = await seen(player);
+  assert(moved.some(([x, y], at) => Math.hypot(x - whole[at][0], y - whole[at][1]) > 50), "the view has moved");
+  const other = await Player.open(given, { hash: new URL(page.url()).hash });
+  for (const [at, [x, y]] of (await seen(other)).entries()) {
+    const [wasX, wasY] = moved[at];
+    assert(Math.hypot(x - wasX, y - wasY) < 0.1, `point ${at} is at ${x} ${y}, and was at ${wasX} ${wasY}`);
+  }
+  await other.page.waitForTimeout(600);
+  assert.equal(other.page.url(), page.url(), "the address stays as it is");
+  await other.close();
+  await page.click("#take-open");
+  await page.selectOption("#take-format", "svg");
+  await page.waitForFunction(() => document.querySelector("#take-job").value.includes('"svg"'));
+  const job = await page.locator("#take-job").inputValue();
+  await page.click("#take [aria-label=Close]");
+  const headers = { "content-type": "application/json" };
+  const answer = await fetch(`${player.origin}/v1/render`, { method: "POST", headers, body: job });
+  const svg = await answer.text();
+  const factor = Number(svg.match(/ width="(\d+)"/)[1]) / box.width;
+  const drawn = [...svg.matchAll(/<circle cx="([-\d.]+)" cy="([-\d.]+)"/g)].map(([, x, y]) => [Number(x), Number(y)]);
+  assert.equal(drawn.length, moved.length, "each point is drawn");
+  for (const [at, [x, y]] of drawn.entries()) {
+    const [px, py] = moved[at].map((place) => place * factor);
+    assert(Math.hypot(x - px, y - py) < 2, `point ${at} is drawn at ${x} ${y} in place of ${px} ${py}`);
+  }
+  await page.click("#tool-fit");
+  await page.waitForFunction(() => !/view=/.test(location.hash));
+}
+
 // What a field says that the service refuses is told at the field, and goes with its cause.
 async function checkFaults(player) {
   const { page } = player;
@@ -202,15 +247,23 @@ async function checkFaults(player) {
   const told = await page.locator("[data-scheme=scheme] .fault").textContent();
   assert.match(told, /1\/0|zero|finite/);
   await field.fill("1/16");
-  await page.waitForFunction(() => !document.querySelector(".fault"));
+  await page.waitForFunction(() => !document.querySelector("#panel .fault"));
+  // a second scheme that is refused has no curve
+  await page.click("#compare");
+  await page.locator(".curve.other").first().waitFor({ state: "attached" });
+  await page.selectOption("[data-scheme=other-scheme] select >> nth=0", "word");
+  await page.fill("input#other-scheme", "UXX");
+  await page.waitForSelector("[data-scheme=other-scheme] .fault");
+  await page.waitForFunction(() => !document.querySelector(".pane:not([hidden]) .curve.other"));
+  await page.click("#compare");
 }
 
 export async function checkCurves(given) {
   const player = await Player.open(given);
   // schemes whose rules are no weights have no stencils and no analysis
   player.expected.push(/422.*\/v1\/(analyses|render)/);
-  for (const check of [checkPoints, checkKeys, checkLevels, checkShow, checkWords, checkExamples, checkAnalysis, checkFaults,
-    checkSchemes]) await check(player);
+  for (const check of [checkPoints, checkKeys, checkLevels, checkShow, checkWords, checkExamples, checkAnalysis,
+    checkView, checkFaults, checkSchemes]) await check(player, given);
   await player.page.selectOption("#examples", "blob");
   await player.settled();
   await player.accessible("the page of curves");

@@ -258,6 +258,14 @@ async function checkFiles(player) {
   assert.deepEqual([uvs.values.length, groups.length, materials.length], [6, 2, 2], "what the file carries is kept");
   await player.settled();
   await player.agrees();
+  // a face that the file hides stays a face, and can be shown again
+  await drop(player, "hole.obj", "v 0 0 0\nv 1 0 0\nv 2 0 0\nv 0 1 0\nv 1 1 0\nv 2 1 0\nv 0 2 0\nv 1 2 0\n"
+    + "f 1 2 5 4\nf 2 3 6 5\nf 4 5 8 7\nt hole 1/0/0 1\n");
+  await page.waitForFunction(() => window.planish.job().input.mesh.positions.length === 8);
+  const holed = await mesh(player);
+  assert.deepEqual([holed.faces.length, holed.holes], [3, [1]], "holes are kept");
+  await player.settled();
+  await player.agrees();
   await page.evaluate(() => {
     const dropped = new DataTransfer();
     dropped.items.add(new File(["nothing that is a mesh"], "notes.obj"));

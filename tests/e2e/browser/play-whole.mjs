@@ -169,12 +169,16 @@ export async function checkFrames(given) {
   return told.join(", ");
 }
 
-// While a vertex is dragged that part is drawn which moves: the picture is the one that is drawn as a whole at rest.
+// While a vertex is dragged that part is drawn which moves: the picture is the one that is drawn as a whole at rest,
+// and stays as it is when the hand lets go, with edges that look hard, too.
 export async function checkParts(given) {
-  for (const show of ["surface.net", "surface.net.wireframe.extraordinary", "net.isolines.surface.flat"]) {
+  for (const [show, kind] of [
+    ["surface.net", "surface"], ["surface.net.wireframe.extraordinary", "surface"],
+    ["net.isolines.surface.flat", "surface"], ["surface.net", "tagged"],
+  ]) {
     // as many pixels while something moves as at rest
     const options = { deviceScaleFactor: 2, viewport: { width: 900, height: 700 } };
-    const player = await opened(given, many.surface, { show, ...options });
+    const player = await opened(given, many[kind], { show, ...options });
     const { page } = player;
     const [x, y] = await vertexOn(page, many.vertex);
     const before = await page.evaluate(() => document.querySelector(".pane canvas").toDataURL());
@@ -193,9 +197,13 @@ export async function checkParts(given) {
       await new Promise((resolve) => setTimeout(resolve, 1500));
       return [moved, canvas.toDataURL()];
     }, [x, y]);
-    assert.notEqual(moved, before, `${show}: a drag is seen`);
-    assert(moved === rested, `${show}: the picture in parts is another than the whole`);
+    assert.notEqual(moved, before, `${kind}, ${show}: a drag is seen`);
+    assert(moved === rested, `${kind}, ${show}: the picture in parts is another than the whole`);
     await page.mouse.up();
+    await player.settled();
+    await page.waitForTimeout(1500);
+    const released = await page.evaluate(() => document.querySelector(".pane canvas").toDataURL());
+    assert(released === rested, `${kind}, ${show}: the picture changes when the hand lets go`);
     await player.close();
   }
   return "surfaces in parts";
@@ -236,6 +244,7 @@ export async function screenshots(given) {
       await page.waitForTimeout(400);
       await player.settled();
       await page.waitForTimeout(900);
+      assert.equal(await player.notice(), "", "faults of curves stay with these");
       await shot("surfaces");
       await player.accessible(`surfaces at ${width}, ${colorScheme},`);
       await page.click("#take-open");

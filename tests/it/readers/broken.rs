@@ -90,6 +90,10 @@ fn ply_headers() {
     check(&PLY.replace("float y", "float why"), "line 9: 3 rows of \"vertex\"; the file has room for 1 at most");
     let why = PLY.replace("float y", "float why") + &"0 ".repeat(20);
     check(&why, "the vertices have no property \"y\"; they need x, y and z");
+    let faceless = PLY.replace("element face 1\n", "") + &"0 ".repeat(20);
+    let missing = "the header has the list \"vertex_indices\" among the properties of \"vertex\"; a line \
+                   \"element face\" with the number of faces is missing before it";
+    check(&faceless, missing);
     let index = PLY.replace("vertex_indices", "corners") + &"0 ".repeat(20);
     check(&index, "the faces need one list \"vertex_indices\" (or \"vertex_index\")");
     let unknown = "line 2: \"elemnt\" belongs in no header; known are format, comment, obj_info, element (at most 64), \
@@ -262,6 +266,9 @@ fn gltf() {
     check("glTF\u{2}", "the file is binary; read it as glb");
     let found = sentences("gltf", b"{");
     assert!(found[0].starts_with("the document is no glTF: EOF while parsing"), "{found:?}");
+    let found = sentences("gltf", br#"{ "asset": { "version": "2.0" }, "scene": -1 }"#);
+    let told = "the document is no glTF: invalid type: integer `-1`, expected an index from 0 at line 1 column ";
+    assert!(found[0].starts_with(told), "{found:?}");
     check(r#"{"asset":{"version":"1.0"}}"#, "the file is glTF 1.0, which is built otherwise; 2.0 is read: convert it");
     let empty = r#"{"asset":{"version":"2.0"},"scene":0,"scenes":[{}]}"#;
     check(empty, "scene 0 has no nodes, so that nothing is in it; give it some, or leave it out");
