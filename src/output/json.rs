@@ -111,7 +111,7 @@ impl Format for Json {
                 let Some(mesh) = scene.control.mesh() else {
                     return Err(FormatError::Unfit("there is no control mesh; leave \"cage\" out".into()));
                 };
-                write_cage(&ControlSource(mesh), options, &mut stream)?;
+                write_cage(ControlSource(mesh), options, &mut stream)?;
             }
             Shape::Mesh(mesh) => {
                 write_mesh(mesh, &mut stream)?;
@@ -249,15 +249,15 @@ fn write_mesh(mesh: &dyn MeshSource, stream: &mut Stream<'_>) -> Result<(), Form
 }
 
 /// Writes a control mesh, hidden faces included, with the numbers of these.
-fn write_cage(cage: &ControlSource<'_>, options: &Values, stream: &mut Stream<'_>) -> Result<(), FormatError> {
-    write_mesh(cage, stream)?;
+fn write_cage(cage: ControlSource<'_>, options: &Values, stream: &mut Stream<'_>) -> Result<(), FormatError> {
+    write_mesh(&cage, stream)?;
     let holes = cage.holes();
     if !holes.is_empty() {
         stream.bytes(br#","holes":["#)?;
         stream.each(0..holes.len(), |i, out| carried::listed(holes[i].into(), i == 0, out))?;
         stream.bytes(b"]")?;
     }
-    carried::write(cage, options, stream)
+    carried::write(&cage, options, stream)
 }
 
 fn write_normals(mesh: &dyn MeshSource, stream: &mut Stream<'_>, watch: &Watch) -> Result<(), FormatError> {
