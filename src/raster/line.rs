@@ -34,11 +34,22 @@ pub(super) struct Layer {
     hidden: f32,
 }
 
+/// Discs lie over what stands before them by less than this many of their radii, so that one on a surface is whole where
+/// its centre is seen.
+/// Half of it lets slopes of 45 degrees bite into discs; twice of it lets discs behind thin bodies show through.
+const DISC_LIFT: f64 = 2.0;
+
 fn projected(camera: &Camera, strokes: &Strokes<'_>, [a, b]: [u32; 2]) -> Option<Segment> {
     let ends = [a, b].map(|i| camera.view(strokes.positions[i as usize]));
     let ends = clip::segment(camera, ends)?;
     let places = ends.map(|e| camera.pixel(e));
-    let depths = ends.map(|e| camera.depth(e[3]) as f32);
+    let half_px = if a == b { 0.5 * f64::from(strokes.width_px) } else { 0.0 };
+    let depths = ends.map(|e| {
+        let depth = camera.depth(e[3]);
+        let [constant, square] = camera.nearer();
+        let radius = half_px * e[2] / camera.scale();
+        (depth + (constant + square * depth * depth) * DISC_LIFT * radius) as f32
+    });
     let finite = places.iter().flatten().all(|x| x.is_finite()) && depths.iter().all(|d| d.is_finite());
     finite.then(|| Segment { ends: places.map(|p| p.map(|x| x as f32)), depths })
 }

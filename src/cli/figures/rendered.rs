@@ -41,7 +41,7 @@ pub(super) fn load(path: &Path) -> Result<JobRequest, CliError> {
 }
 
 /// Renders the pictures of a job; those that are in `folder` already, as the manifest tells, are left as they are.
-pub(super) fn render(path: &Path, known: &Manifest, folder: &Path) -> Result<Vec<Rendered>, CliError> {
+pub(super) fn render(path: &Path, known: &Manifest, folder: Option<&Path>) -> Result<Vec<Rendered>, CliError> {
     let request = load(path)?;
     let part = |of: Option<&std::ffi::OsStr>| of.unwrap_or_default().to_string_lossy().into_owned();
     let (stem, job) = (part(path.file_stem()), part(path.file_name()));
@@ -60,13 +60,18 @@ pub(super) fn render(path: &Path, known: &Manifest, folder: &Path) -> Result<Vec
         } else {
             format!("{stem}-{}.{extension}", asked.name)
         };
-        let same = known.figures.get(&name).filter(|entry| entry.key == key && entry.is_in(folder, &name));
-        made.push(if let Some(entry) = same {
+        let old = known.figures.get(&name).filter(|entry| entry.key == key);
+        let there = old.filter(|entry| folder.is_some_and(|folder| entry.is_in(folder, &name)));
+        made.push(if let Some(entry) = there {
             Rendered { name, entry: Entry { job: job.clone(), ..entry.clone() }, bytes: None }
         } else {
             let bytes = bytes(&admitted, i)?;
-            let numbers = all_numbers.get_or_insert_with(|| measured(&request)).clone();
-            let entry = Entry { job: job.clone(), key, hash: hash(&bytes), bytes: bytes.len(), numbers };
+            let hash = hash(&bytes);
+            let numbers = match old.filter(|entry| entry.hash == hash) {
+                Some(entry) => entry.numbers.clone(),
+                None => all_numbers.get_or_insert_with(|| measured(&request)).clone(),
+            };
+            let entry = Entry { job: job.clone(), key, hash, bytes: bytes.len(), numbers };
             Rendered { name, entry, bytes: Some(bytes) }
         });
     }

@@ -25,7 +25,8 @@ pub(crate) struct FigureOptions {
     /// tells, is not made again.
     #[arg(short, long, value_name = "DIR")]
     output: PathBuf,
-    /// Write no picture: end with 1 where one differs from that in the folder, or from its manifest.
+    /// Write no picture: render each anew, and end with 1 where one differs from that in the folder, or from its
+    /// manifest.
     #[arg(long)]
     check: bool,
     /// With --check: the folder for the report (report.md, report.html) on what differs; OUTPUT.report when left out.
@@ -54,7 +55,9 @@ impl FigureOptions {
         };
         let progress = Mutex::new(Progress::new(jobs.len(), self.quiet));
         let each = |path: &PathBuf| {
-            let rendered = render(path, &known, &self.output).and_then(|made| self.kept(made));
+            // a key tells the job, not the program that renders it: to check is to render anew
+            let rendered = render(path, &known, (!self.check).then_some(self.output.as_path()));
+            let rendered = rendered.and_then(|made| self.kept(made, &known));
             let (made, outcome) = match rendered {
                 Ok(made) => (made, Ok(())),
                 Err(error) => (Vec::new(), Err(error)),
@@ -84,14 +87,18 @@ impl FigureOptions {
         progress.end("inputs rendered")
     }
 
-    /// Writes the pictures that were made; where they are only looked at, they are kept for that.
-    fn kept(&self, mut made: Vec<Rendered>) -> Result<Vec<Rendered>, CliError> {
-        if !self.check {
-            for Rendered { name, bytes, .. } in &mut made {
-                if let Some(bytes) = bytes {
-                    put(&self.output.join(name), bytes)?;
-                    *bytes = Vec::new();
+    /// Writes the pictures that were made. Where they are only looked at, the bytes of those are kept that differ from
+    /// the folder or from its manifest.
+    fn kept(&self, mut made: Vec<Rendered>, known: &Manifest) -> Result<Vec<Rendered>, CliError> {
+        for Rendered { name, entry, bytes } in &mut made {
+            if self.check {
+                let old = known.figures.get(name);
+                if old.is_some_and(|old| old.hash == entry.hash && old.is_in(&self.output, name)) {
+                    *bytes = None;
                 }
+            } else if let Some(bytes) = bytes {
+                put(&self.output.join(name), bytes)?;
+                *bytes = Vec::new();
             }
         }
         Ok(made)
@@ -102,13 +109,11 @@ impl FigureOptions {
         let mut same = 0;
         let mut differences = Vec::new();
         for Rendered { name, entry, bytes } in made {
-            let old = known.figures.get(&name);
-            // the bytes of before are read where something is new; those that are damaged differ, too
-            if bytes.is_none() || old.is_some_and(|old| old.hash == entry.hash && old.is_in(&self.output, &name)) {
+            if bytes.is_none() {
                 same += 1;
                 continue;
             }
-            let before = old.map(|old| (old, fs::read(self.output.join(&name)).ok()));
+            let before = known.figures.get(&name).map(|old| (old, fs::read(self.output.join(&name)).ok()));
             let mut difference = Difference::new(&name, before, Some((&entry, bytes)));
             difference.together = self.together(&entry.job, &name)?;
             differences.push(difference);

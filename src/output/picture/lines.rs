@@ -23,8 +23,8 @@ const EXTRAORDINARY_DOT: [u8; 4] = [250, 204, 21, 255];
 const EXTRAORDINARY_RING: [u8; 4] = [30, 30, 30, 255];
 
 /// What of a control net is seen behind the surface.
-/// Half of it is lost in print, twice of it is taken for what lies before the surface.
-const FAINT: f32 = 0.2;
+/// Half of it leaves bare ticks beside what is seen in print, twice of it is taken for what lies before the surface.
+const FAINT: f32 = 0.3;
 
 /// Edges sharper than their neighbours.
 const CREASES: &str = "creases";

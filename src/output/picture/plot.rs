@@ -57,6 +57,10 @@ pub(crate) const TEXT_SIZE: Parameter = Parameter {
     doc: "By what the usual size of letters is multiplied, which keeps its proportion to the picture.",
 };
 
+/// Least usual size of letters, pixels: in panels of figures and other small pictures they can be read.
+/// In half of it they cannot; twice of it leaves no room for curves there.
+const LEAST_TEXT_PX: f32 = 9.0;
+
 /// How much smaller curves are beside their combs, so that usual teeth stay in the picture: they are an eighth of it
 /// long on each side. Longer teeth may leave it.
 const COMB_ZOOM: f64 = 0.8;
@@ -158,7 +162,8 @@ fn label(options: &Options<'_>, name: &str, weight: Weight) -> Result<Option<Lab
 impl Sheet {
     /// A sheet for these curves.
     pub(super) fn new(shown: &[&Curve], control: &[Curve], options: &Options<'_>) -> Result<Self, FormatError> {
-        let size_px = 15.0 * options.unit_px() * options.values.number(TEXT_SIZE.name).map_or(1.0, rounded);
+        let usual_px = (15.0 * options.unit_px()).max(LEAST_TEXT_PX);
+        let size_px = usual_px * options.values.number(TEXT_SIZE.name).map_or(1.0, rounded);
         let title = label(options, TITLE.name, Weight::Bold)?;
         let head = if title.is_some() { 2.2 * size_px } else { 0.0 };
         let plain = Self {

@@ -102,6 +102,23 @@ fn a_changed_job_is_told_with_before_after_difference_and_numbers() {
 }
 
 #[test]
+fn a_picture_that_the_program_renders_otherwise_than_before_differs() {
+    let folder = rendered();
+    // what a program of before rendered of the same job, under the same key
+    let before = render(&png(mesh(1), 64)).unwrap().0;
+    fs::write(folder.path().join("out/cube.png"), &before).unwrap();
+    let mut known = manifest(&folder);
+    known["figures"]["cube.png"]["hash"] = json!(planish::job::key::content(&before).to_string());
+    put(&folder, "out/manifest.json", &known);
+    let (code, said) = check(&folder, &[]);
+    assert_eq!(code, Some(OTHER), "{said}");
+    assert!(said.contains("cube.png: ") && said.contains("1 picture differs, 1 is as it was"), "{said}");
+    let report = folder.path().join("out.report");
+    assert_eq!(fs::read(report.join("before/cube.png")).unwrap(), before);
+    assert_eq!(fs::read(report.join("after/cube.png")).unwrap(), render(&png(mesh(2), 64)).unwrap().0);
+}
+
+#[test]
 fn new_gone_and_damaged_pictures_differ() {
     let folder = rendered();
     put(&folder, "jobs/new.json", &png(mesh(0), 64));
