@@ -96,7 +96,8 @@ macro_rules! settings {
         pub struct Given {
             $(
                 $(#[doc = $doc])+
-                #[arg(long, value_parser = |text: &str| <$type as Written>::read(text, $unit))]
+                #[arg(long, allow_negative_numbers = true)]
+                #[arg(value_parser = |text: &str| <$type as Written>::read(text, $unit))]
                 pub $name: Option<$type>,
             )*
         }

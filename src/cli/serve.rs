@@ -23,6 +23,11 @@ pub(super) fn serve(given: Given, file: Option<&Path>) -> Result<(), CliError> {
     if let Some(available) = available.filter(|available| *available < settings.max_memory_bytes) {
         tracing::warn!(available, budget = settings.max_memory_bytes, "max-memory-bytes is more than there is");
     }
+    if settings.cache_store != "s3" && !settings.s3_bucket.is_empty() {
+        tracing::warn!(bucket = settings.s3_bucket, "s3-bucket is without effect unless cache-store is s3");
+    }
+    #[cfg(target_os = "linux")]
+    let settings = Settings { max_connections: connections_within_files(settings.max_connections), ..settings };
     let patience = Duration::from_secs(settings.shutdown_timeout_s);
     let runtime = tokio::runtime::Builder::new_multi_thread().enable_all().build().map_err(CliError::other)?;
     let asked = OnceLock::new();
@@ -60,4 +65,32 @@ fn unstarted(error: StartError) -> CliError {
         StartError::NoKeys { .. } | StartError::NoSuchStore { .. } => CliError::usage(error),
         StartError::Threads(_) => CliError::other(error),
     }
+}
+
+/// Files that are open beside connections: those of the stores, of the runtime and of downloads from disk.
+/// Half of it is enough for a quiet service; twice of it takes a quarter of the usual 1,024 from connections once more.
+#[cfg(target_os = "linux")]
+const OTHER_FILES: u64 = 256;
+
+/// Asks the system for as many open files as connections need, so that their bound is met first: a connection beyond
+/// that takes the place of an idle one, a file beyond its limit lets nobody in. How many connections there may be.
+#[cfg(target_os = "linux")]
+fn connections_within_files(wanted: usize) -> usize {
+    use rustix::process::{Resource, Rlimit, getrlimit, setrlimit};
+    let files = u64::try_from(wanted).unwrap_or(u64::MAX).saturating_add(OTHER_FILES);
+    let Rlimit { current, maximum } = getrlimit(Resource::Nofile);
+    let Some(current) = current.filter(|current| *current < files) else { return wanted };
+    let asked = maximum.map_or(files, |maximum| files.min(maximum));
+    let raised = setrlimit(Resource::Nofile, Rlimit { current: Some(asked), maximum });
+    let granted = if raised.is_ok() { asked } else { current };
+    if granted >= files {
+        return wanted;
+    }
+    let connections = granted.saturating_sub(OTHER_FILES).max(granted / 2).max(1);
+    tracing::warn!(
+        files = granted,
+        connections,
+        "the limit on open files leaves room for fewer connections than max-connections; raise it (ulimit -n)"
+    );
+    usize::try_from(connections).unwrap_or(wanted)
 }

@@ -143,7 +143,9 @@ impl<R: Row> Shared<R> {
             drop(pending);
             let changes: Vec<_> = rows.keys().map(|row| (row.key(), (self.encoded)(row))).collect();
             let records = self.records().filter(|_| !changes.is_empty());
-            let written = records.map_or(Ok(()), |records| records.write(&changes)).map_err(|error| error.to_string());
+            let written = records.map_or(Ok(()), |records| records.write(&changes));
+            // without the words that a failure of the store begins with, which whoever waits adds
+            let written = written.map_err(|error| io::Error::from(error).to_string());
             if let Err(error) = &written {
                 tracing::warn!(error, records = rows.len(), "records of jobs could not be written");
             }

@@ -308,6 +308,43 @@ fn a_service_that_cannot_start_says_why() {
     fails(USAGE, &with("PLANISH_LOG", "inof"), &["PLANISH_LOG", "did you mean \"info\"?"]);
 }
 
+#[test]
+fn settings_that_cannot_be_or_do_nothing_are_told() {
+    fails(USAGE, &run(&["serve", "--threads", "-1"]), &["--threads", "\"-1\" is no whole number"]);
+    fails(USAGE, &run(&["serve", "--cache-bytes", "-3"]), &["--cache-bytes", "\"-3\" is no size"]);
+    let taken = std::net::TcpListener::bind("127.0.0.1:0").unwrap();
+    let address = taken.local_addr().unwrap().to_string();
+    let serve = ["serve", "--listen", &address, "--data-dir", ""];
+    let said = |more: &[&str]| text(&run(&[&serve[..], more].concat()).stderr);
+    let idle = "s3-bucket is without effect";
+    assert!(said(&["--s3-bucket", "farm"]).contains(idle));
+    assert!(!said(&[]).contains(idle));
+}
+
+/// Runs the service under a limit on open files, which a shell sets.
+#[cfg(target_os = "linux")]
+fn with_files(limit: &str) -> (Service, String) {
+    let mut command = Command::new("sh");
+    command.args(["-c", &format!("ulimit {limit}; exec \"$0\" \"$@\""), env!("CARGO_BIN_EXE_planish"), "serve"]);
+    command.args(["--listen", "127.0.0.1:0", "--data-dir", "", "--log", "error"]);
+    started(&mut command)
+}
+
+#[test]
+#[cfg(target_os = "linux")]
+fn the_limit_on_open_files_is_raised_or_else_bounds_connections_so_that_newcomers_are_answered() {
+    let (service, url) = with_files("-Sn 100");
+    let limits: Value = serde_json::from_str(&get(&url, "/v1/limits")).unwrap();
+    let most = limits.as_array().unwrap().iter().find(|limit| limit["name"] == "max_connections").unwrap();
+    assert_eq!(most["value"], 1024, "the system grants more when asked");
+    assert_eq!(ended(service), Some(0));
+
+    let (service, url) = with_files("-n 64");
+    let idle: Vec<_> = (0..100).map(|_| std::net::TcpStream::connect(&url).unwrap()).collect();
+    assert_eq!(get(&url, "/livez"), "alive\n", "beside {} idle connections", idle.len());
+    assert_eq!(ended(service), Some(0));
+}
+
 /// A service under its own process; ended when the test is.
 pub(crate) struct Service(pub(crate) Child);
 

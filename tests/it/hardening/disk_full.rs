@@ -57,7 +57,11 @@ fn jobs_are_refused_while_the_disk_is_full_and_accepted_again_when_there_is_room
     run(async {
         let post = async |levels| {
             let job = with(mesh(levels), "stl");
-            client.post(format!("{}/v1/jobs", service.url)).json(&job).send().await.unwrap().status().as_u16()
+            let answer = client.post(format!("{}/v1/jobs", service.url)).json(&job).send().await.unwrap();
+            let status = answer.status().as_u16();
+            let said = answer.text().await.unwrap();
+            assert!(said.matches("the store failed").count() <= 1, "told once: {said}");
+            status
         };
         assert_eq!(post(1).await, 202);
         for round in 0..2 {
