@@ -39,8 +39,7 @@ impl Draft {
     ) -> Result<Self, Vec<Fault>> {
         let mut faults = Vec::new();
         let given = plan;
-        let no_level = !outputs.is_empty() && outputs.iter().all(|output| output.format.is_of_limit());
-        let levels = levels.or(no_level.then_some(Levels::Count(0)));
+        let levels = levels.or(no_level(&outputs).then_some(Levels::Count(0)));
         let resolved = resolved(&input, plan, &outputs);
         let levels = levels::check(plan.is_some(), levels).unwrap_or_else(|fault| {
             faults.push(fault);
@@ -112,6 +111,7 @@ impl Draft {
         outputs: &[Output],
     ) -> Vec<Fault> {
         let subject = Subject { is_mesh: kind == ShapeKind::Mesh, ..Subject::default() };
+        let levels = levels.or(no_level(outputs).then_some(Levels::Count(0)));
         let mut faults: Vec<Fault> = levels::check(plan.is_some(), levels).err().into_iter().collect();
         faults.extend(outputs.iter().filter_map(|output| held(output, kind).err()));
         let resolved = plan.map(|plan| Plan::resolve(plan, subject).map_err(|found| under("/plan", found)));
@@ -152,4 +152,9 @@ fn frame_fault(input: &Input, output: &Output) -> Option<Fault> {
         _ => return None,
     };
     Some(output.fault(Fault::new("/frame", detail)))
+}
+
+/// Whether all outputs are of the limit, which no number of levels changes.
+fn no_level(outputs: &[Output]) -> bool {
+    !outputs.is_empty() && outputs.iter().all(|output| output.format.is_of_limit())
 }

@@ -127,11 +127,14 @@ fn what_has_no_values_is_refused_at_its_place() {
         let mut broken = asked(&json!([[0, 0, 0]]));
         broken["input"]["mesh"]["faces"][2][1] = 77.into();
         let many = vec![json!([0, 0, 0]); 1_000_001];
+        let mut far = asked(&json!([[0, 0, 0]]));
+        far["closest"] = json!([[0, 0, 9], [1e200, 0, 0]]);
         let cases = [
             (of_loop, "/plan", "Catmull-Clark"),
             (of_curve, "/input", "only meshes"),
             (nothing, "/values", "name some"),
             (broken, "/input/mesh/faces/2/1", "77"),
+            (far, "/closest/1", "at most 1e150"),
             (asked(&json!([])), "/at", "no place"),
             (asked(&json!(many)), "/at", "at most 1000000"),
             (asked(&json!([[0, 0, 0], [6, 0, 0]])), "/at/1/0", "the mesh has 6"),
