@@ -12,11 +12,11 @@ pub struct Tick {
     pub label: Label,
 }
 
-/// Digits before the point, and after it, up to which numbers are written out; beyond them stands a power of ten, unless
-/// that is longer. Twice of it does not fit beside an axis, half of it writes thousands as powers.
+/// Digits before the point, and after it, up to which numbers are written out; beyond them stands a power of ten,
+/// unless that is longer. Twice of it does not fit beside an axis, half of it writes thousands as powers.
 const WRITTEN_OUT: [i32; 2] = [6, 5];
-/// Digits of the longest number. Where a range is so small beside its numbers that these need more, as where they differ
-/// by rounding alone, one of them says it; twice of it would print all digits that a number has.
+/// Digits of the longest number. Where a range is so small beside its numbers that these need more, as where they
+/// differ by rounding alone, one of them says it; twice of it would print all digits that a number has.
 const DIGITS: u32 = 10;
 /// Digits of a number that stands alone, which are exact.
 const DIGITS_ALONE: u32 = 15;
@@ -68,7 +68,7 @@ fn number(digits: i64, exponent: i32) -> f64 {
     format!("{digits}e{exponent}").parse().unwrap_or(0.0)
 }
 
-/// These multiples of a power of ten: all as decimals, or all with the same power of ten and as many decimals before it.
+/// These multiples of a power of ten: all as decimals, or all with the same power of ten and as many decimals.
 fn written(multiples: &[i64], exponent: i32) -> Vec<String> {
     let zeros = (0..18).take_while(|&n| multiples.iter().all(|m| m % 10_i64.pow(n + 1) == 0)).count();
     let is_zero = multiples.iter().all(|m| *m == 0);
@@ -168,7 +168,7 @@ mod tests {
             let multiples = [first, first + step, first + 2 * step];
             let texts = written(&multiples, exponent);
             for (multiple, text) in multiples.into_iter().zip(&texts) {
-                proptest::prop_assert_eq!(read(text).to_bits(), (number(multiple, exponent) + 0.0).to_bits(), "{}", text);
+                proptest::prop_assert_eq!(read(text).to_bits(), (number(multiple, exponent) + 0.0).to_bits());
                 proptest::prop_assert!(text.chars().count() <= 18, "{}", text);
             }
             // in one form: all with the same power, and as many decimals

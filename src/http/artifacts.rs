@@ -138,8 +138,8 @@ pub(super) async fn made_again(app: &Arc<App>, peer: Peer, tenant: Tenant, key: 
     }
 }
 
-/// The request of a job with an artifact of this key, and the format of its first output. What a job has not made, as it
-/// failed or was cancelled, is not made because somebody looks for it.
+/// The request of a job with an artifact of this key, and the format of its first output. What a job has not made, as
+/// it failed or was cancelled, is not made because somebody looks for it.
 fn request_of(app: &App, tenant: Tenant, key: &Key) -> Option<(Bytes, &'static dyn Format)> {
     if let Some(record) = app.desk.jobs.of_artifact(tenant, key).filter(Record::may_be_made_again) {
         return Some((record.summary.request.clone(), record.summary.products.first()?.format));

@@ -43,11 +43,15 @@ pub(super) fn asks_to_keep(query: Option<&str>) -> Result<bool, Problem> {
 }
 
 /// Whether the result of a job is sent while it is made: it is large, the client did not say that it comes back later,
-/// and the first bytes come in time.
+/// and the first bytes come in time. A solid is kept where there is memory for it: it is whole before its first byte, most
+/// are far smaller than their forecast, and its certificate is to go along in a header.
 pub(super) fn streams(app: &App, admitted: &Admitted, (patience, said): (Duration, bool)) -> bool {
     let estimate = admitted.estimate();
     let comes_back = said && patience.is_zero();
     let in_time = estimate.on_demand || estimate.time_ms < patience.as_millis();
+    if admitted.job().outputs[0].format.is_of_limit() && check_kept(app, admitted).is_ok() {
+        return false;
+    }
     !comes_back && in_time && estimate.outputs[0].1.bytes() > app.settings.keep_at_most_bytes.into()
 }
 

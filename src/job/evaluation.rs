@@ -19,8 +19,8 @@ use crate::watch::Watch;
 /// Maximum number of places of one evaluation. Half as many would make scans of a part two requests; twice as many
 /// would make answers of half a gigabyte.
 pub const MOST_PLACES: usize = 1_000_000;
-/// Largest coordinate with which distances are found, as they are squared. Between it and the root of the largest number
-/// (1.3e154) is room for sums and products; a tenth of it would do for any part.
+/// Largest coordinate with which distances are found, as they are squared. Between it and the root of the largest
+/// number (1.3e154) is room for sums and products; a tenth of it would do for any part.
 const MOST_COORDINATE: f64 = 1e150;
 /// Maximum number of faults that are reported.
 const MOST_FAULTS: usize = 64;

@@ -34,8 +34,8 @@ pub(super) struct Layer {
     hidden: f32,
 }
 
-/// Discs lie over what stands before them by less than this many of their radii, so that one on a surface is whole where
-/// its centre is seen.
+/// Discs lie over what stands before them by less than this many of their radii, so that one on a surface is whole
+/// where its centre is seen.
 /// Half of it lets slopes of 45 degrees bite into discs; twice of it lets discs behind thin bodies show through.
 const DISC_LIFT: f64 = 2.0;
 

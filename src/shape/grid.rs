@@ -4,8 +4,7 @@
 //! With `n` pieces per edge, the product over all splits (even if some face is not a quad): an edge has `n - 1` inner
 //! points in the direction of its first appearance; a quad has `(n-1) x (n-1)`, row by row (origin at corner 0, first
 //! axis towards corner 1); any other face has its centre, then each spoke from the midpoint of edge 0, 1, ... to the
-//! centre, then the inside of the quad at corner 0, 1, ..., row by row. Faces are ordered by base face, then row by
-//! row.
+//! centre, then the inside of the quad at corner 0, 1, ..., row by row. Faces are ordered by base face, row by row.
 
 use std::ops::Range;
 use std::sync::Arc;

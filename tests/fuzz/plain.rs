@@ -103,9 +103,9 @@ fn seeds(target: &str) -> Vec<Vec<u8>> {
         "link" => found.extend(jobs().into_iter().map(|job| [vec![0], job].concat())),
         "reader" => {
             let files = read(&here.join("../../api/examples/meshes"));
-            found.extend(
-                (0..planish::input::READERS.len() as u8).flat_map(|choice| files.clone().into_iter().map(move |file| [vec![choice], file].concat())),
-            );
+            let choices = 0..u8::try_from(planish::input::READERS.len()).unwrap_or(u8::MAX);
+            let of_choice = |choice| files.iter().map(move |file| [&[choice], &file[..]].concat()).collect::<Vec<_>>();
+            found.extend(choices.flat_map(of_choice));
         }
         _ => {}
     }

@@ -41,8 +41,8 @@ impl Table {
         self.records.get_mut(&run.job).filter(|record| record.number == run.number && record.is_active())
     }
 
-    /// A job that goes on or is done is wanted by one more; tells its state. One that is done stays known for as long as
-    /// if it were done now. None where there is no such job.
+    /// A job that goes on or is done is wanted by one more; tells its state. One that is done stays known for as
+    /// long as if it were done now. None where there is no such job.
     pub(super) fn join(&mut self, job: &JobKey, holder: Holder, now: Duration) -> Option<State> {
         let record = self.records.get_mut(job).filter(|record| record.may_be_made_again())?;
         record.wanted.add(holder);

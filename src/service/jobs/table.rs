@@ -242,8 +242,8 @@ impl Jobs {
         }
     }
 
-    /// A job that goes on or is done is wanted by one more; tells its state. One that is done stays known for as long as
-    /// if it were done now. None where there is no such job.
+    /// A job that goes on or is done is wanted by one more; tells its state. One that is done stays known for as
+    /// long as if it were done now. None where there is no such job.
     pub fn join(&self, job: &JobKey, holder: Holder) -> Option<State> {
         let state = self.table().join(job, holder, self.clock.now())?;
         self.note(*job);

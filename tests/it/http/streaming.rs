@@ -133,3 +133,13 @@ fn what_fails_before_the_first_bytes_is_refused_and_what_fails_later_ends_the_co
         until("everything is given back", || long(server) == (0, 1)).await;
     });
 }
+
+#[test]
+fn a_solid_is_kept_and_its_certificate_goes_along_however_large_it_was_thought_to_be() {
+    story(small(), async |server| {
+        let solid = server.render(&with(mesh(0), "step")).await.ok();
+        assert!(solid.body.len() > 10_000, "{} bytes", solid.body.len());
+        assert!(solid.header("planish-warnings").contains("% of the area exact"), "{:?}", solid.headers);
+        assert_eq!(solid.header("cache-status"), "planish; fwd=miss; stored");
+    });
+}
