@@ -43,8 +43,8 @@ pub(super) fn asks_to_keep(query: Option<&str>) -> Result<bool, Problem> {
 }
 
 /// Whether the result of a job is sent while it is made: it is large, the client did not say that it comes back later,
-/// and the first bytes come in time. A solid is kept where there is memory for it: it is whole before its first byte, most
-/// are far smaller than their forecast, and its certificate is to go along in a header.
+/// and the first bytes come in time. A solid is kept where there is memory for it: it is whole before its first byte,
+/// most are far smaller than their forecast, and its certificate is to go along in a header.
 pub(super) fn streams(app: &App, admitted: &Admitted, (patience, said): (Duration, bool)) -> bool {
     let estimate = admitted.estimate();
     let comes_back = said && patience.is_zero();
