@@ -16,6 +16,7 @@ use crate::job::key::Key;
 use crate::service::accepting::NotAccepted;
 use crate::service::job_key::JobKey;
 use crate::service::jobs::Standing;
+use crate::wire::query::repeated;
 use crate::wire::standing::{JobAnswer, JobsAnswer};
 
 /// Jobs on a page where nothing else is said, and at most.
@@ -153,14 +154,13 @@ pub(super) fn located(mut response: Response, place: &str, waited: Option<u64>) 
 /// The page that a query asks for: before which number, and how many jobs.
 pub(super) fn page(query: &str) -> Result<(u64, usize), Fault> {
     let (mut before, mut limit) = (u64::MAX, PAGE);
-    let mut seen: Vec<String> = Vec::new();
+    if let Some(fault) = repeated(query).into_iter().next() {
+        return Err(fault);
+    }
     for (name, value) in form_urlencoded::parse(query.as_bytes()) {
-        let is_again = seen.iter().any(|before| *before == *name);
-        seen.push(name.to_string());
         let wrong = |detail: String| Fault::new(format!("?{}", shortened(&name)), detail);
         let number = value.parse().ok().filter(|_| value.bytes().all(|byte| byte.is_ascii_digit()));
         match (&*name, number) {
-            _ if is_again => return Err(wrong("it is given twice; give it once".to_owned())),
             ("cursor", Some(number)) => before = number,
             ("cursor", None) => return Err(wrong("it is no cursor; take \"next\" of the page before".to_owned())),
             ("limit", Some(number @ 1..=100)) => limit = usize::try_from(number).unwrap_or(LARGEST_PAGE),

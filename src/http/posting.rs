@@ -19,6 +19,7 @@ use crate::service::accepting::NotAccepted;
 use crate::service::job_key::{JobKey, JobTerms, Priority};
 use crate::service::jobs::{Holder, State as JobState};
 use crate::wire::posted::PostedJob;
+use crate::wire::query::repeated;
 use crate::wire::standing::JobAnswer;
 
 /// Longest time that a job may be given to wait or to run: a day. Half of it refuses night runs that begin at noon;
@@ -92,15 +93,9 @@ pub(super) async fn wait(ended: Option<watch::Receiver<bool>>, patience: Duratio
 /// # Errors
 /// What it says wrongly.
 pub(super) fn terms(query: &str, usual: Priority) -> Result<JobTerms, Vec<Fault>> {
-    let (mut terms, mut faults) = (JobTerms { priority: usual, ..JobTerms::default() }, Vec::new());
-    let mut seen: Vec<String> = Vec::new();
+    let (mut terms, mut faults) = (JobTerms { priority: usual, ..JobTerms::default() }, repeated(query));
     for (name, value) in form_urlencoded::parse(query.as_bytes()) {
         let place = format!("?{}", shortened(&name));
-        if seen.iter().any(|before| *before == *name) {
-            faults.push(Fault::new(place, "it is given twice; give it once"));
-            continue;
-        }
-        seen.push(name.to_string());
         match &*name {
             "priority" => {
                 if let Some(priority) = Priority::ALL.into_iter().find(|priority| priority.name() == value) {

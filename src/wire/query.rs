@@ -1,6 +1,7 @@
 //! Jobs as the query of an address says them, beside a mesh file: names with dots for the places in the job, and texts
 //! that are typed by what the job, presets, operators and formats declare.
 
+use std::collections::BTreeSet;
 use std::sync::LazyLock;
 
 use base64::Engine;
@@ -63,16 +64,10 @@ pub fn job(query: &str) -> Result<Map<String, Value>, Vec<Fault>> {
 /// # Errors
 /// All that it says, where it is something of a job with its place there.
 pub fn says_nothing(query: &str, beside: &[&str]) -> Result<(), Vec<Fault>> {
-    let mut seen: Vec<String> = Vec::new();
-    let mut fault = |name: &str| {
+    let fault = |name: &str| {
         let detail = match place(name).as_deref() {
-            // by which pages keep caches from answering
-            _ if name == "_" => return None,
-            _ if seen.iter().any(|before| before == name) => "it is given twice; give it once".to_owned(),
-            _ if beside.contains(&name) => {
-                seen.push(name.to_owned());
-                return None;
-            }
+            // by `_` pages keep caches from answering
+            _ if name == "_" || beside.contains(&name) => return None,
             Ok([first, rest @ ..]) if first == "output" => stands_beside(&format!("/outputs/0/{}", rest.join("/"))),
             Ok(all) => stands_beside(&format!("/{}", all.join("/"))),
             Err(_) if beside.is_empty() => "nothing is read from the query here; leave it out".to_owned(),
@@ -83,8 +78,17 @@ pub fn says_nothing(query: &str, beside: &[&str]) -> Result<(), Vec<Fault>> {
         };
         Some(Fault::new(format!("?{}", shortened(name)), detail))
     };
-    let faults: Vec<Fault> = form_urlencoded::parse(query.as_bytes()).filter_map(|(name, _)| fault(&name)).collect();
+    let mut faults = repeated(query);
+    faults.extend(form_urlencoded::parse(query.as_bytes()).filter_map(|(name, _)| fault(&name)));
     if faults.is_empty() { Ok(()) } else { Err(faults) }
+}
+
+/// Tells the names that a query gives again, a fault for each time.
+pub fn repeated(query: &str) -> Vec<Fault> {
+    let mut seen = BTreeSet::new();
+    let names = form_urlencoded::parse(query.as_bytes()).map(|(name, _)| name);
+    let again = names.filter(|name| !seen.insert(name.clone()));
+    again.map(|name| Fault::new(format!("?{}", shortened(&name)), "it is given twice; give it once")).collect()
 }
 
 fn stands_beside(place: &str) -> String {

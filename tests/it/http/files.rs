@@ -230,5 +230,19 @@ fn a_job_with_a_query_for_mesh_files_is_refused_and_not_answered_as_something_el
         server.get(&link).await.ok();
         server.get(&format!("{link}&_=17")).await.ok();
         assert_eq!(server.get(&format!("{link}&levels=3")).await.status, 422);
+        // what is unknown, or stands twice, is not passed over
+        let twice = [
+            server.post_text("/v1/render?keep=true&keep=true", &job[..], &told).await,
+            server.post_text("/v1/jobs?priority=batch&priority=batch", &job[..], &told).await,
+            server.get(&format!("{link}&keep=true&keep=true")).await,
+            server.get("/v1/jobs?limit=1&limit=2").await,
+        ];
+        for answer in twice {
+            let problem = answer.problem(422, "invalid-job");
+            assert!(problem["errors"][0]["detail"].as_str().unwrap().contains("given twice"), "{problem}");
+        }
+        let unknown = server.post_text("/v1/render?kepp=true", &job[..], &told).await;
+        let problem = unknown.problem(422, "invalid-job");
+        assert!(problem["errors"][0]["detail"].as_str().unwrap().contains("did you mean \"keep\"?"), "{problem}");
     });
 }
