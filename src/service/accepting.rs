@@ -1,4 +1,4 @@
-//! Accepting jobs, and what their clients may ask of them.
+//! Accepting, cancelling, resuming and forgetting jobs.
 
 use std::sync::Arc;
 use std::time::Duration;
@@ -14,17 +14,17 @@ use super::store::{Pin, StoreError};
 use super::under_way::Interest;
 use crate::job::JobEntries;
 
-/// How often jobs are looked through for those that have waited or been known for long enough.
-/// Half of it looks twice as often; twice of it is twice as late.
+/// Interval between checks for jobs that have waited too long for their turn or whose time to live has ended. Half of
+/// it would check twice as often; twice of it would act twice as late.
 const TICK: Duration = Duration::from_millis(500);
 
-/// Why a job is not accepted.
+/// The reason why a job is not accepted.
 #[derive(Debug, thiserror::Error)]
 pub enum NotAccepted {
-    /// Too many wait already, or there is no room for what is known of the job.
+    /// Too many jobs wait already, or there is no memory for the record of the job.
     #[error("too much is waiting already")]
     Busy(Busy),
-    /// It cannot be written down, so that it would not outlast the process.
+    /// The record cannot be written, so that the job would be lost when the process ends.
     #[error("the job cannot be written down: {0}")]
     Unwritten(String),
 }
@@ -46,14 +46,14 @@ impl Desk {
         move |bytes| self.peers.charge(&self.account.records, Kind::RecordBytes, peer, bytes)
     }
 
-    /// Keeps the uploads that a job needs, as far as they are here.
+    /// Pins the uploads that a job needs, as far as they are in the store.
     fn pins(&self, summary: &JobSummary) -> Vec<Arc<Pin>> {
         summary.blobs.iter().filter_map(|id| self.uploads.pin(id)).map(Arc::new).collect()
     }
 
-    /// Accepts a job: it is known and will be done, after a restart, too, where jobs outlast the process. A job that is
-    /// known already is the same job; one that failed or was cancelled is done once more. Where its results are all
-    /// there, `made` says what they are, and it is done at once.
+    /// Accepts a job: records it and puts it into the queue; if jobs outlast the process, it is done even after a
+    /// restart. A job that is active or done already is not done again; one that failed or was cancelled is. If all
+    /// results exist, `made` describes them, and the job is recorded as done.
     ///
     /// # Errors
     /// [`NotAccepted`].
@@ -82,7 +82,7 @@ impl Desk {
         let new = New { job, summary, terms, peer, holder, ticket, made, pins };
         let placed = self.jobs.accept(self.record_memory(peer), new, false).map_err(|_| busy())?;
         let Placed::New(run) = placed else { return Ok(self.jobs.written(job).await?) };
-        // goes on when its client leaves here
+        // a task of its own, which continues if the client disconnects here
         let desk = self.clone();
         let lined_up =
             tokio::spawn(
@@ -104,8 +104,8 @@ impl Desk {
         lined_up
     }
 
-    /// Makes a job of a computation that is under way already, so that it goes on without its request, which has what
-    /// may be at fault at `entries`.
+    /// Turns a computation under way into a job, so that it continues without the request that started it. `entries`
+    /// map faults to places in that request.
     ///
     /// # Errors
     /// [`NotAccepted`]; then the interest is dropped.
@@ -131,7 +131,7 @@ impl Desk {
         Ok(written.await.map_err(|error| NotAccepted::Unwritten(error.to_string()))??)
     }
 
-    /// A job of a computation that is under way, which ends with it.
+    /// Returns the run of a job whose only computation is under way already; the job ends with that computation.
     fn detached(
         self: &Arc<Self>,
         job: JobKey,
@@ -145,7 +145,7 @@ impl Desk {
         let new = New { job, summary, terms, peer, holder, ticket, made, pins };
         let run = match self.jobs.accept(self.record_memory(peer), new, true)? {
             Placed::New(run) => run,
-            // somebody else has just accepted it
+            // another request has accepted the job in the meantime
             Placed::Known(record) => return self.jobs.run(&record.job).map(|(run, _)| run).ok_or(Full),
         };
         let (desk, watched, computation) = (self.clone(), run.clone(), interest.computation.clone());
@@ -156,7 +156,7 @@ impl Desk {
         Ok(run)
     }
 
-    /// Keeps a record of a job whose results are there, so that what they refer to can be made.
+    /// Records a job whose results exist, so that the artifacts they refer to can be made.
     ///
     /// # Errors
     /// [`Busy`] when there is no room for the record.
@@ -167,33 +167,34 @@ impl Desk {
         put.map(drop).map_err(|_| self.pool.busy(Lane::Long))
     }
 
-    /// How a job stands, if it is known.
+    /// Returns the state and progress of a job, if the job is known.
     pub fn standing(&self, job: &JobKey) -> Option<Standing> {
         self.jobs.get(job).map(|record| self.standing_of(record))
     }
 
-    /// How the job of a record stands.
+    /// Returns the state and progress of the job of a record.
     pub fn standing_of(&self, record: Record) -> Standing {
         let ahead = if record.is_active() { self.queue.ahead(&record.job) } else { None };
         Standing::of(record, self.clock.now(), ahead)
     }
 
-    /// Cancels a job that goes on; what nobody else wants of it ends. False where nothing goes on.
+    /// Cancels an active job; computations that nobody else needs are stopped. Returns false if the job is not active.
     pub fn cancel(&self, job: &JobKey) -> bool {
         self.queue.withdraw(job);
         self.jobs.end(job, State::Cancelled, |_| true)
     }
 
-    /// Cancels and forgets a job. False where it is not known.
+    /// Cancels and forgets a job. Returns false if the job is not known.
     pub fn forget(&self, job: &JobKey) -> bool {
         self.queue.withdraw(job);
         self.jobs.remove(job)
     }
 
-    /// Takes up the jobs of an earlier process, those that may have ended it after a pause.
+    /// Puts the active jobs of an earlier process into the queue, and returns their number. A job that may have crashed
+    /// the process is queued only after a pause ([`Record::pause`]).
     ///
     /// # Errors
-    /// When their records cannot be read.
+    /// When the records cannot be read, or a job cannot be queued.
     pub async fn recover(self: &Arc<Self>) -> Result<usize, StoreError> {
         let memory = |bytes| self.peers.charge_self(&self.account.records, Kind::RecordBytes, bytes);
         let runs = self.jobs.recover(memory, |summary| self.pins(summary))?;
@@ -217,7 +218,8 @@ impl Desk {
         Ok(runs.len())
     }
 
-    /// Ends jobs that have waited too long for their turn, and forgets those that have been settled for long enough.
+    /// Fails jobs that have waited for their turn longer than they allow, and forgets jobs and batches that were
+    /// settled longer ago than the time to live.
     pub fn tidy(&self) {
         let (late, old) = self.jobs.overdue(self.terms.job_ttl);
         for job in late {
@@ -234,7 +236,7 @@ impl Desk {
         }
     }
 
-    /// Keeps jobs tidy for as long as the service lives.
+    /// Calls [`Desk::tidy`] at regular intervals, without end.
     pub async fn keep_tidy(&self) {
         loop {
             self.tidy();

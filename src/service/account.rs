@@ -1,9 +1,9 @@
-//! The account of memory: whoever holds bytes on behalf of a request takes them here before it allocates them.
+//! The memory account: code that allocates memory for a request first takes the bytes from a share here.
 //!
-//! The budget of the service is divided once, at the start, into shares that cannot eat each other: bodies while they
-//! arrive, requests while they are read, inputs of jobs that wait, records of jobs, answers on their way, the two lanes
-//! of computations, and the cache in memory. Whoever finds a share empty waits, or is told to come back; nobody
-//! allocates first.
+//! The memory budget of the service is divided once, at the start, into independent shares: request bodies while they
+//! arrive, requests while they are read, inputs of jobs, records of jobs, responses being sent, the two lanes of
+//! computations, and the memory cache. When a share is empty, the caller waits or the request is refused with a time to
+//! retry; nothing is allocated before its bytes are taken.
 
 use std::collections::VecDeque;
 use std::fmt;
@@ -12,7 +12,7 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use tokio::sync::oneshot;
 
-/// All shares of one service.
+/// The shares of one service.
 #[derive(Debug)]
 pub struct Account {
     /// Bodies of requests while they arrive and until they are read.
@@ -23,25 +23,25 @@ pub struct Account {
     pub inputs: Arc<Share>,
     /// Records of jobs that outlasted their request.
     pub records: Arc<Share>,
-    /// Answers on their way to clients.
+    /// Responses being sent to clients.
     pub answers: Arc<Share>,
     /// Computations of the short lane.
     pub short: Arc<Share>,
     /// Computations of the long lane.
     pub long: Arc<Share>,
-    /// What the cache in memory may hold, bytes.
+    /// Capacity of the memory cache in bytes.
     pub cache_bytes: u64,
-    /// What uploads may hold in memory, where nothing is kept on disk, bytes.
+    /// Memory for uploads in bytes, used if nothing is stored on disk.
     pub uploads_bytes: u64,
-    /// What work that is kept for later computations may hold, bytes.
+    /// Memory for intermediate work that later computations reuse, in bytes.
     pub work_bytes: u64,
 }
 
 impl Account {
     /// Divides `total` bytes: the cache gets `cache` bytes, but at most a quarter; a sixteenth each goes to reading,
-    /// answers, and the short lane; a thirty-second each to bodies and to inputs; a sixty-fourth to
-    /// [buffers that are kept](kept_buffers), and half as much each to records and to uploads; a ninety-sixth to kept
-    /// work; the long lane gets the rest, which is more than two fifths.
+    /// answers, and the short lane; a thirty-second each to bodies and to inputs; a sixty-fourth to [buffers that are
+    /// kept](kept_buffers), and half as much each to records and to uploads; a ninety-sixth to kept work; the long lane
+    /// gets the rest, which is more than two fifths.
     ///
     /// The parts are chosen so that the default of 12 GiB holds a job of 8 GiB, and reads a body of the default length,
     /// whose parsing may take 36 times its bytes.
@@ -58,24 +58,24 @@ impl Account {
         Self { bodies, reading, inputs, records, answers, short, long, cache_bytes, uploads_bytes, work_bytes }
     }
 
-    /// All shares, in the order of a request's way.
+    /// Returns all shares, in the order in which a request uses them.
     pub fn shares(&self) -> [&Arc<Share>; 7] {
         [&self.bodies, &self.reading, &self.inputs, &self.short, &self.long, &self.answers, &self.records]
     }
 }
 
-/// Bytes of a total that large buffers may take between computations: by default 192 MiB, the points of eight million
-/// faces. With half of it results of 16 million faces need no fresh pages either; with twice of it those of more than
-/// four million do.
+/// Returns how many bytes of a total large buffers may take between computations: by default 192 MiB, the points of
+/// eight million faces. Half of it would make results of more than four million faces need fresh pages; with twice of
+/// it, results of 16 million faces would not need any either.
 pub const fn kept_buffers(total: u64) -> u64 {
     total / 64
 }
 
-/// A part of the budget, with those who wait for it.
+/// A part of the memory budget, with a line of tasks that wait for bytes of it.
 pub struct Share {
-    /// Its name, one of a closed set.
+    /// The name, one of a closed set.
     pub name: &'static str,
-    /// Bytes it has in all.
+    /// The size in bytes.
     pub capacity: u64,
     state: Mutex<State>,
     refused: AtomicU64,
@@ -89,28 +89,28 @@ struct State {
 }
 
 impl State {
-    /// Takes those out of the line who wait no longer.
+    /// Removes waiters that have been dropped.
     fn forget_those_who_left(&mut self) {
         self.waiting.retain(|(_, grant)| !grant.is_closed());
     }
 }
 
-/// How a share stands.
+/// The usage of a share.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct ShareUsage {
     /// Bytes taken now.
     pub taken: u64,
-    /// Most bytes that were ever taken at once.
+    /// The largest number of bytes taken at once so far.
     pub most: u64,
-    /// How often somebody was refused.
+    /// Number of refusals so far.
     pub refused: u64,
 }
 
-/// The share has not so many bytes left.
+/// The share has too few bytes left.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Full;
 
-/// Bytes taken from a share; dropping them gives them back.
+/// Bytes taken from a share; dropping the value gives them back.
 pub struct Held {
     share: Arc<Share>,
     bytes: u64,
@@ -129,7 +129,7 @@ impl fmt::Debug for Held {
 }
 
 impl Share {
-    /// A share of so many bytes.
+    /// Creates a share of `capacity` bytes.
     pub fn new(name: &'static str, capacity: u64) -> Self {
         Self { name, capacity, state: Mutex::default(), refused: AtomicU64::new(0) }
     }
@@ -138,7 +138,7 @@ impl Share {
         self.state.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// Takes bytes at once; those who wait already come first.
+    /// Takes bytes without waiting; fails if others wait already, since they come first.
     ///
     /// # Errors
     /// [`Full`], which is counted.
@@ -153,7 +153,7 @@ impl Share {
         Err(Full)
     }
 
-    /// Takes bytes, waiting in line for them; more than the share has in all means all of it.
+    /// Takes bytes, waiting in line for them; a request for more than the capacity takes the whole share.
     pub async fn take(self: &Arc<Self>, bytes: u64) -> Held {
         let bytes = bytes.min(self.capacity);
         let granted = {
@@ -169,7 +169,7 @@ impl Share {
         granted.await.expect("a share outlives those who wait for it and drops no one")
     }
 
-    /// Counts bytes as taken where they are there.
+    /// Counts bytes as taken and returns true, if that many are left.
     fn book(&self, state: &mut State, bytes: u64) -> bool {
         let taken = state.taken.saturating_add(bytes);
         let fits = taken <= self.capacity;
@@ -180,7 +180,7 @@ impl Share {
         fits
     }
 
-    /// Gives bytes back, and gives them to whoever waits first.
+    /// Gives bytes back, and grants them to waiters in the order of arrival.
     fn give_back(self: &Arc<Self>, bytes: u64) {
         let mut state = self.state();
         state.taken -= bytes;
@@ -195,17 +195,17 @@ impl Share {
             granted.push((grant, Held { share: Arc::clone(self), bytes }));
         }
         drop(state);
-        // whoever left in this moment drops what it was given, which comes back here
+        // a waiter dropped in the meantime also drops its bytes, which gives them back
         granted.into_iter().for_each(|(grant, held)| drop(grant.send(held)));
     }
 
-    /// How it stands.
+    /// Returns the usage.
     pub fn usage(&self) -> ShareUsage {
         let state = self.state();
         ShareUsage { taken: state.taken, most: state.most, refused: self.refused.load(Ordering::Relaxed) }
     }
 
-    /// Whether less than a sixteenth of it is left, or somebody waits for it.
+    /// Returns whether less than a sixteenth of the share is left, or somebody waits for it.
     pub fn is_full(&self) -> bool {
         let state = self.state();
         state.taken > self.capacity - self.capacity / 16 || state.waiting.iter().any(|(_, grant)| !grant.is_closed())
@@ -213,17 +213,17 @@ impl Share {
 }
 
 impl Held {
-    /// Takes so many bytes more at once.
+    /// Takes `bytes` more, without waiting.
     ///
     /// # Errors
-    /// [`Full`]; what was held stays.
+    /// [`Full`]; the bytes held before are kept.
     pub fn grow(&mut self, bytes: u64) -> Result<(), Full> {
         let mut more = self.share.try_take(bytes)?;
         self.bytes += std::mem::take(&mut more.bytes);
         Ok(())
     }
 
-    /// Gives back what is held beyond so many bytes.
+    /// Gives back all but `bytes` of the bytes held.
     pub fn shrink_to(&mut self, bytes: u64) {
         let over = self.bytes.saturating_sub(bytes);
         self.bytes -= over;
@@ -232,7 +232,7 @@ impl Held {
         }
     }
 
-    /// Bytes held.
+    /// Returns the number of bytes held.
     pub fn bytes(&self) -> u64 {
         self.bytes
     }

@@ -1,4 +1,4 @@
-//! Doing batches: their jobs are put in line a few at a time, and what becomes of each is kept.
+//! Processing of batches: puts their jobs into the queue a few at a time, and records the result of each.
 
 use std::future::Future;
 use std::pin::Pin;
@@ -18,24 +18,25 @@ use super::peer::{Kind, Paid, Peer};
 use super::pool::Lane;
 use super::store::StoreError;
 
-/// How long is waited before a job is put in line again where that failed at the disk.
-/// Half of it asks a full disk twice as often; twice of it lets a batch stand for longer when the disk has room again.
+/// Pause before a job is put into the queue again after the disk failed to take its record. Half of it would retry on a
+/// full disk twice as often; twice of it would delay a batch longer after the disk has room again.
 const DISK_PAUSE: Duration = Duration::from_secs(5);
-/// How long is waited at least before something full is tried again.
-/// Half of it tries twice as often; twice of it leaves places empty for longer.
+/// Least pause before something full is tried again. Half of it would retry twice as often; twice of it would leave
+/// places empty for longer.
 const LEAST_PAUSE: Duration = Duration::from_millis(100);
 
-/// Reads the jobs of batches that were accepted.
+/// Reads single jobs of accepted batches.
 pub trait ReadItems: Send + Sync {
-    /// The id of a job of a batch, and what it is.
+    /// Reads job number `at` of a batch; returns its key and summary.
     fn item(self: Arc<Self>, batch: Batch, at: usize) -> Reading;
 }
 
-/// A job of a batch that is being read.
+/// The reading of one job of a batch, under way.
 pub type Reading = Pin<Box<dyn Future<Output = Result<(JobKey, JobSummary), Unreadable>> + Send>>;
 
 impl Desk {
-    /// Batches take half of the memory of records at most, one peer half of that: jobs always have the other half.
+    /// Returns a function that takes memory for the record of a batch. Batches take at most half of the memory of
+    /// records, one peer at most half of that, so that the other half is left to jobs.
     fn batch_memory(&self, peer: Peer) -> impl Fn(u64) -> Result<Paid, Full> + '_ {
         let capacity = self.account.records.capacity;
         let of_peer = if peer == Peer::SELF { capacity } else { capacity / 4 };
@@ -45,19 +46,20 @@ impl Desk {
         }
     }
 
-    /// Most bytes that the text of one job of a batch may have: an eighth of the memory of records, so that there is
-    /// room for it beside the batches, whatever else is kept.
+    /// Returns the maximum length of the text of one job in a batch, in bytes: an eighth of the memory of records, so
+    /// that its record fits beside those of the batches, whatever else is recorded.
     pub fn most_item_bytes(&self) -> u64 {
         self.account.records.capacity / 8
     }
 
-    /// Most bytes that a batch may have, with what is kept of its jobs.
+    /// Returns the maximum size of a batch in bytes, including the records of its items.
     pub fn most_batch_bytes(&self) -> u64 {
         self.account.records.capacity / 4
     }
 
-    /// Accepts a batch: it is known and its jobs will be done, after a restart, too, where jobs outlast the process.
-    /// One that is known already is the same batch; of one that failed or was cancelled, what is missing is done.
+    /// Accepts a batch: records it and starts its jobs; if jobs outlast the process, the batch continues after a
+    /// restart. A batch that is active or done already is not started again; of one that failed or was cancelled, the
+    /// missing jobs are done.
     ///
     /// # Errors
     /// [`NotAccepted`].
@@ -73,7 +75,7 @@ impl Desk {
         let ticket = self.peers.take(peer, Kind::Batch, 1, most, self.terms.most_jobs as u64).ok_or_else(busy)?;
         let new = NewBatch { batch, request: Arc::new(request), terms, peer, ticket };
         let begun = self.batches.accept(self.batch_memory(peer), new).map_err(|Full| busy())?;
-        // goes on when its client leaves here
+        // a task of its own, which continues if the client disconnects here
         let desk = self.clone();
         let written = tokio::spawn(async move {
             let written = desk.batches.written(batch).await;
@@ -87,36 +89,37 @@ impl Desk {
         Ok(written.await.map_err(|error| NotAccepted::Unwritten(error.to_string()))??)
     }
 
-    /// How a batch stands, if it is known.
+    /// Returns the state and progress of a batch, if the batch is known.
     pub fn batch_standing(&self, batch: &JobKey) -> Option<BatchStanding> {
         self.batches.get(batch).map(|batch| self.standing_of_batch(batch))
     }
 
-    /// How a batch stands that is known.
+    /// Returns the state and progress of a batch and its jobs.
     pub fn standing_of_batch(&self, batch: Batch) -> BatchStanding {
         let ids: Vec<_> = batch.items.iter().map(|item| item.job).collect();
         let tenant = batch.batch.tenant;
         BatchStanding::of(batch, |at| self.standing(&JobKey { tenant, id: ids[at]? }))
     }
 
-    /// Cancels a batch that goes on, and those of its jobs that nobody else wants. False where nothing goes on.
+    /// Cancels an active batch, and those of its jobs that nobody else wants. Returns false if the batch is not active.
     pub fn cancel_batch(&self, batch: &JobKey) -> bool {
         let left = self.batches.end(batch, None, State::Cancelled);
         left.map(|left| self.leave_all(batch, &left)).is_some()
     }
 
-    /// Cancels and forgets a batch. False where it is not known.
+    /// Cancels and forgets a batch. Returns false if the batch is not known.
     pub fn forget_batch(&self, batch: &JobKey) -> bool {
         let left = self.batches.remove(batch);
         left.map(|left| self.leave_all(batch, &left)).is_some()
     }
 
-    /// Waits until what is known of a batch, and of the jobs that it has left, is written for good.
+    /// Waits until the records of a batch, and of the jobs that it no longer wants, are written durably.
     ///
     /// # Errors
     /// [`NotAccepted::Unwritten`].
     pub async fn batch_written(&self, batch: &JobKey) -> Result<(), NotAccepted> {
-        // records are written in the order of their changes, so that there is an end behind those of all jobs
+        // records of jobs are written in the order of their changes, so waiting for this key waits for all jobs before
+        // it
         self.jobs.written(*batch).await?;
         Ok(self.batches.written(*batch).await?)
     }
@@ -127,10 +130,10 @@ impl Desk {
         }
     }
 
-    /// Takes up the batches of an earlier process.
+    /// Resumes the active batches of an earlier process, and returns their number.
     ///
     /// # Errors
-    /// When they cannot be read.
+    /// When the records cannot be read.
     pub fn recover_batches(&self) -> Result<usize, StoreError> {
         let runs = self.batches.recover(self.batch_memory(Peer::SELF))?;
         let n = runs.len();
@@ -138,7 +141,7 @@ impl Desk {
         Ok(n)
     }
 
-    /// Does batches, all at once, until the service ends.
+    /// Processes all started batches concurrently, until the service ends.
     pub async fn do_batches(self: Arc<Self>, reader: Arc<dyn ReadItems>) {
         let mut under_way = JoinSet::new();
         loop {
@@ -151,8 +154,8 @@ impl Desk {
         }
     }
 
-    /// How many jobs of a batch are in line or being done at once: enough to keep every place busy, and at most half of
-    /// those that its peer may have.
+    /// Returns the maximum number of jobs of one batch that are queued or running at once: enough to keep every place
+    /// busy, and at most half of those that its peer may have.
     fn window(&self) -> usize {
         let places = 2 * self.pool.places(Lane::Short) + 2;
         places.min(usize::try_from(self.terms.most_a_peer / 2).unwrap_or(usize::MAX)).max(1)
@@ -176,7 +179,7 @@ impl Desk {
         self.close_batch(&run);
     }
 
-    /// Settles an attempt whose jobs have all come to their end.
+    /// Settles an attempt at a batch after all its jobs have ended.
     fn close_batch(&self, run: &BatchRun) {
         let Some(batch) = self.batches.get(&run.batch).filter(Batch::is_active) else { return };
         let endings = batch.items.iter().filter_map(|item| item.ending.as_ref());
@@ -186,7 +189,7 @@ impl Desk {
         self.batches.end(&run.batch, Some(run), state);
     }
 
-    /// Has a job of a batch done, and keeps what becomes of it.
+    /// Processes one job of a batch and records its result; tries again as long as there is no room for the job.
     async fn do_item(self: Arc<Self>, run: BatchRun, at: usize, reader: Arc<dyn ReadItems>) {
         let mut ended = run.ended.clone();
         loop {
@@ -199,13 +202,16 @@ impl Desk {
             };
             tokio::select! {
                 () = self.clock.sleep(pause) => {}
-                // the record keeps its sender
+                // the record keeps the sender alive
                 _ = ended.wait_for(|ended| *ended) => return,
             }
         }
     }
 
-    /// As [`Desk::do_item`], unless there is no room for it now.
+    /// Tries once to process one job of a batch.
+    ///
+    /// # Errors
+    /// The time to wait before the next try, when there is no room for the job now.
     async fn try_item(
         self: &Arc<Self>,
         run: &BatchRun,
@@ -224,7 +230,7 @@ impl Desk {
             }
         };
         if read_before == Some(job.id) && self.jobs.get(&job).is_some_and(|known| !known.is_active()) {
-            // it came to its end as a job of this batch, in this process or an earlier one
+            // the job ended as part of this batch, in this process or an earlier one
             self.see_item(run, at, job, (&summary, peer)).await;
             return Ok(());
         }
@@ -244,7 +250,7 @@ impl Desk {
         Ok(())
     }
 
-    /// Waits for the end of a job of a batch.
+    /// Waits for the end of one job of a batch, and records its result.
     async fn see_item(self: &Arc<Self>, run: &BatchRun, at: usize, job: JobKey, (summary, peer): (&JobSummary, Peer)) {
         let mut over = run.ended.clone();
         let ended = self.jobs.get(&job).map(|record| record.ended.subscribe());
@@ -259,7 +265,7 @@ impl Desk {
             let outputs = record.summary.products.iter().cloned().zip(record.made.iter().cloned());
             Ending { state: record.state.clone(), outputs: outputs.collect() }
         } else {
-            // somebody has forgotten it, or it made room for others after its end
+            // the job was forgotten, or its record made room for others
             let made = self.all_kept(summary, peer).await;
             let state = if made.is_empty() { State::Cancelled } else { State::Done };
             let products = summary.products.iter().cloned();
@@ -268,7 +274,7 @@ impl Desk {
         self.batches.settle_item(run, at, ending);
     }
 
-    /// What is known of all outputs of a job, where all are kept; else nothing.
+    /// Returns what is known of all outputs of a job, if the stores have all of them; otherwise an empty list.
     pub async fn all_kept(self: &Arc<Self>, summary: &JobSummary, peer: Peer) -> Vec<Made> {
         let mut made = Vec::with_capacity(summary.products.len());
         for product in &summary.products {

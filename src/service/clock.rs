@@ -1,4 +1,4 @@
-//! Time, injected: the service asks a clock, so that tests can turn it.
+//! Time as a trait: the service reads an injected clock, so that tests can set the time.
 
 use std::fmt;
 use std::future::Future;
@@ -10,14 +10,14 @@ use tokio::sync::Notify;
 
 /// A clock.
 pub trait Clock: fmt::Debug + Send + Sync {
-    /// Time that passes evenly and never goes back, counted on from the wall clock as it stood at the start. What an
-    /// earlier process wrote down by the wall clock therefore lies before it.
+    /// Returns a monotonic time that starts at the wall-clock time of the process start. Wall-clock times recorded by
+    /// an earlier process therefore precede it.
     fn now(&self) -> Duration;
 
-    /// Time since 1970, for what has to be told across processes; may jump.
+    /// Returns the time since 1970, for times that several processes share; it may jump.
     fn wall(&self) -> Duration;
 
-    /// Waits until so much time has passed.
+    /// Waits for the given duration.
     fn sleep(&self, time: Duration) -> Pin<Box<dyn Future<Output = ()> + Send + '_>>;
 }
 
@@ -25,7 +25,7 @@ pub trait Clock: fmt::Debug + Send + Sync {
 #[derive(Debug)]
 pub struct Monotonic {
     start: Instant,
-    /// What the wall clock said then.
+    /// The wall-clock time at `start`, since 1970.
     wall: Duration,
 }
 
@@ -52,7 +52,7 @@ impl Clock for Monotonic {
     }
 }
 
-/// A clock that stands still until it is moved.
+/// A clock for tests, which moves only when told to.
 #[derive(Debug, Default)]
 pub struct Manual {
     nanos: AtomicU64,
@@ -80,7 +80,7 @@ impl Clock for Manual {
         let until = self.now().saturating_add(time);
         Box::pin(async move {
             loop {
-                // whoever moves the clock from here on is heard
+                // registered before the time is read, so that no advance is missed
                 let moved = self.moved.notified();
                 if self.now() >= until {
                     return;

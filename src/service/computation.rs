@@ -1,4 +1,4 @@
-//! One computation under way, shared by everyone who is interested in its result.
+//! One computation, shared by all requests and jobs that want its result.
 
 use std::collections::BTreeMap;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -15,54 +15,54 @@ use crate::job::key::Key;
 use crate::job::{JobFault, RunError};
 use crate::watch::{Stage, Watch};
 
-/// Where a computation stands.
+/// The phase of a computation.
 #[derive(Debug, Clone)]
 pub enum Phase {
-    /// Waiting for a turn.
+    /// The computation waits for its turn.
     Queued,
-    /// Under way.
+    /// The computation runs.
     Running,
-    /// Finished.
+    /// The computation has finished with a result.
     Done(Arc<Outcome>),
-    /// Ended without a result.
+    /// The computation has ended without a result.
     Failed(Failure),
 }
 
 impl Phase {
-    /// Whether nothing more will happen.
+    /// Returns whether the computation has ended.
     pub fn is_final(&self) -> bool {
         matches!(self, Self::Done(_) | Self::Failed(_))
     }
 }
 
-/// A result.
+/// The result of a computation.
 #[derive(Debug)]
 pub struct Outcome {
-    /// What is known of the bytes.
+    /// The manifest of the bytes.
     pub manifest: Arc<Manifest>,
-    /// The bytes themselves when no store could take them.
+    /// The bytes themselves, if no store could take them.
     pub loose: Option<Bytes>,
-    /// How long it took.
+    /// The durations of the stages.
     pub timings: Timings,
 }
 
-/// Why a computation ended without a result.
+/// The reason why a computation ended without a result.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Failure {
-    /// Nobody was interested any more, or it was cancelled.
+    /// Nobody was interested any more, or the computation was cancelled.
     Cancelled,
     /// The job turned out to be impossible.
     Impossible(JobFault),
-    /// It ran longer than a computation may.
+    /// The computation ran longer than this limit.
     TimedOut(Duration),
-    /// It turned out to be long, and there was no place for long work; come back after so much time.
+    /// The computation ran too long for the short lane, and the long lane had no place; retry after this duration.
     Busy(Duration),
     /// A fault of the service itself.
     Internal(String),
 }
 
 impl Failure {
-    /// Why a run failed that was given its time.
+    /// Converts the error of a run that did not exceed its time limit.
     pub(super) fn of(error: RunError) -> Self {
         match error {
             RunError::Stopped(_) => Self::Cancelled,
@@ -72,14 +72,14 @@ impl Failure {
     }
 }
 
-/// How long the stages of a computation took.
+/// The durations of the stages of a computation.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct Timings {
     /// Waiting for a turn.
     pub queue: Duration,
     /// Refining.
     pub refine: Duration,
-    /// Whether that was done by a sweep.
+    /// Whether the refinement was a sweep.
     pub swept: bool,
     /// Drawing.
     pub render: Duration,
@@ -87,24 +87,24 @@ pub struct Timings {
     pub encode: Duration,
 }
 
-/// A computation.
+/// A computation that waits, runs, or has ended.
 #[derive(Debug)]
 pub struct Computation {
     /// Key of the artifact being made.
     pub key: Key,
-    /// Its stop flag and progress.
+    /// The stop flag and the progress.
     pub watch: Watch,
-    /// Rows to be made in all.
+    /// Total work, in the units of the watch (rows).
     pub work: u128,
     phase: watch::Sender<Phase>,
-    /// How many interests of each tenant there are in it.
+    /// The number of interests of each tenant.
     interests: Mutex<BTreeMap<Tenant, usize>>,
     stopping: Notify,
     overdue: AtomicBool,
     stages: Arc<Stages>,
 }
 
-/// The moments at which stages began.
+/// The times at which stages began.
 #[derive(Debug)]
 struct Stages {
     clock: Arc<dyn Clock>,
@@ -119,7 +119,7 @@ impl Stages {
 }
 
 impl Computation {
-    /// A computation that waits for its turn, with one interest in it, of this tenant.
+    /// Creates a computation that waits for its turn, with one interest of this tenant.
     pub fn new(key: Key, tenant: Tenant, work: u128, clock: Arc<dyn Clock>) -> Self {
         let stages = Arc::new(Stages { clock, begun: Mutex::default() });
         stages.mark(None);
@@ -138,33 +138,33 @@ impl Computation {
         }
     }
 
-    /// Where it stands.
+    /// Returns the current phase.
     pub fn phase(&self) -> Phase {
         self.phase.borrow().clone()
     }
 
-    /// Says that it runs; it refines until it says what else it does.
+    /// Marks the computation as running; its stage is refinement until the watch reports another.
     pub fn begin(&self) {
         self.set(Phase::Running);
         self.watch.enter(Stage::Refine);
     }
 
-    /// Moves it on.
+    /// Sets the phase.
     pub fn set(&self, phase: Phase) {
         self.phase.send_replace(phase);
     }
 
-    /// Waits until nothing more will happen.
+    /// Waits for the end of the computation, and returns the final phase.
     pub async fn finished(&self) -> Phase {
         let mut receiver = self.phase.subscribe();
         let last = receiver.wait_for(Phase::is_final).await.map(|phase| phase.clone());
         last.unwrap_or_else(|_| self.phase())
     }
 
-    /// Share of the work done, from 0 to 1.
+    /// Returns the fraction of the work done, from 0 to 0.99.
     #[expect(clippy::cast_precision_loss, reason = "a share needs few digits")]
     pub fn progress(&self) -> f64 {
-        // refining is counted, drawing and writing are not: 1 is kept for the end
+        // only refinement counts its work, drawing and writing do not: 1 is left for the end
         (self.watch.done() as f64 / self.work.max(1) as f64).min(0.99)
     }
 
@@ -172,8 +172,8 @@ impl Computation {
         self.interests.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// One interest of a tenant more, and whether it had one before; `None` when nobody had one any more, so that the
-    /// computation is ending.
+    /// Adds an interest of a tenant; returns whether the tenant had one before. Returns `None` when no interest is
+    /// left, since the computation is ending then.
     pub fn join(&self, tenant: Tenant) -> Option<bool> {
         let mut interests = self.interests();
         if interests.is_empty() {
@@ -184,7 +184,7 @@ impl Computation {
         Some(*own > 1)
     }
 
-    /// One interest of a tenant less; true when that was the last of all.
+    /// Removes an interest of a tenant; returns true if it was the last of all.
     pub fn leave(&self, tenant: Tenant) -> bool {
         let mut interests = self.interests();
         let Some(own) = interests.get_mut(&tenant) else { return false };
@@ -195,45 +195,45 @@ impl Computation {
         interests.is_empty()
     }
 
-    /// The tenants that are interested in its result now.
+    /// Returns the tenants that are interested in the result now.
     pub fn owners(&self) -> Owners {
         self.interests().keys().copied().collect()
     }
 
-    /// Ends it, whether it waits or runs.
+    /// Ends the computation, whether it waits or runs.
     pub fn stop(&self) {
         self.watch.stop();
         self.stopping.notify_one();
     }
 
-    /// Comes true when it is to end; for the one task that has it made.
+    /// Waits for [`Computation::stop`]. Only one task may wait, the one that drives the computation.
     pub async fn stopped(&self) {
         self.stopping.notified().await;
     }
 
-    /// Ends it because it ran too long.
+    /// Ends the computation because it ran too long.
     pub fn run_out(&self) {
         self.overdue.store(true, Ordering::Release);
         self.watch.stop();
     }
 
-    /// Whether it ran too long.
+    /// Returns whether the computation ran too long.
     pub fn ran_out(&self) -> bool {
         self.overdue.load(Ordering::Acquire)
     }
 
-    /// How many are interested in its result.
+    /// Returns the number of interests in the result.
     pub fn n_interests(&self) -> usize {
         self.interests().values().sum()
     }
 
-    /// What it does now; nothing while it waits, or before it says so.
+    /// Returns the current stage; `None` while the computation waits.
     pub fn stage(&self) -> Option<Stage> {
         let begun = self.stages.begun.lock().unwrap_or_else(PoisonError::into_inner);
         begun.last().and_then(|(stage, _)| *stage)
     }
 
-    /// How long its stages took so far.
+    /// Returns the durations of the stages so far.
     pub fn timings(&self) -> Timings {
         let begun = self.stages.begun.lock().unwrap_or_else(PoisonError::into_inner);
         let ends = begun.iter().skip(1).map(|(_, end)| *end).chain([self.stages.clock.now()]);

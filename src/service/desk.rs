@@ -1,4 +1,4 @@
-//! The desk: finds an artifact, joins the computation that is making it, or has it made.
+//! The desk: finds an artifact, joins the computation that is making it, or starts one.
 
 use std::future::Future;
 use std::pin::pin;
@@ -27,75 +27,75 @@ use crate::job::key::Key;
 use crate::job::limits::Limits;
 use tokio::sync::watch;
 
-/// The desk of one service.
+/// The state of one service: its stores, threads, memory, jobs and counters.
 #[derive(Debug)]
 pub struct Desk {
-    /// What is taken on.
+    /// The limits of one job.
     pub limits: Limits,
-    /// Where artifacts are kept.
+    /// The stores of artifacts.
     pub tiers: Tiers,
-    /// Who computes.
+    /// The compute threads.
     pub pool: Pool,
-    /// The memory of the service.
+    /// The memory account.
     pub account: Account,
-    /// The answers on their way.
+    /// The artifacts in memory that are being sent.
     pub in_flight: InFlight,
     /// What each client holds.
     pub peers: Arc<Peers>,
-    /// What computations leave for later ones.
+    /// Intermediate work of computations that later ones reuse.
     pub work: KeptWork,
-    /// Jobs that outlast their request.
+    /// The records of jobs that outlast their request.
     pub jobs: Jobs,
-    /// Lists of jobs that are done one after the other.
+    /// The records of batches.
     pub batches: Batches,
-    /// Those of them that somebody has to do.
+    /// Batches that were accepted or resumed and are to be processed.
     pub(super) begun: Begun,
-    /// The jobs that wait for their turn.
+    /// The queue of jobs that wait for their turn.
     pub queue: Arc<dyn Queue>,
     /// The files that clients sent.
     pub uploads: Uploads,
-    /// What happened, counted.
+    /// Counters of computations, jobs and lookups.
     pub tally: Arc<Tally>,
-    /// How much is taken on, and for how long.
+    /// Limits on the amount and the duration of work.
     pub terms: Terms,
     pub(super) clock: Arc<dyn Clock>,
     under_way: Arc<UnderWay>,
-    /// Comes true when the service is to end.
+    /// Becomes true when the service is to end.
     pub(super) ending: watch::Sender<bool>,
 }
 
-/// Where jobs are kept that outlast their request, and where they wait.
+/// The records and the queue of jobs that outlast their request, and the uploads they use.
 #[derive(Debug)]
 pub struct JobKeeping {
-    /// What is known of them.
+    /// The records of jobs.
     pub jobs: Jobs,
-    /// What is known of lists of them.
+    /// The records of batches.
     pub batches: Batches,
-    /// Their line.
+    /// The queue of jobs.
     pub queue: Arc<dyn Queue>,
-    /// The files that they may name.
+    /// The uploads that jobs may name.
     pub uploads: Uploads,
 }
 
-/// How much work a desk takes on, and for how long.
+/// Limits on the amount and the duration of work of one desk.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Terms {
-    /// Longest time one computation may run.
+    /// Maximum running time of one computation.
     pub run_timeout: Duration,
-    /// Longest time a computation may hold a place in the short lane; it is begun again in the long lane then.
+    /// Maximum time of a computation in the short lane; after it the computation starts again in the long lane.
     pub short_time: Duration,
-    /// Most requests of one peer that wait at once, and most of its jobs that go on without their request.
+    /// Maximum number of waiting requests of one peer, and of its jobs that continue without their request.
     pub most_a_peer: u64,
-    /// Most requests that wait at once.
+    /// Maximum number of waiting requests of all peers.
     pub most_waiting: u64,
-    /// Most jobs that wait in a lane.
+    /// Maximum number of jobs that wait in a lane.
     pub most_jobs: usize,
-    /// How long a job is known after nothing more will happen to it.
+    /// How long the record of a job is kept after the job is settled.
     pub job_ttl: Duration,
 }
 
 impl Desk {
-    /// A desk.
+    /// Creates a desk.
     pub fn new(
         limits: Limits,
         tiers: Tiers,
@@ -128,7 +128,7 @@ impl Desk {
         }
     }
 
-    /// The artifact of a key, if it is in memory and was made for the tenant of this peer.
+    /// Returns the manifest of an artifact, if it is in memory and was made for the tenant of this peer.
     pub fn at_hand(&self, key: &Key, peer: Peer) -> Option<Arc<Manifest>> {
         let found = self.tiers.at_hand(key).filter(|manifest| manifest.owners.contain(peer.tenant()));
         found.inspect(|_| self.count_hit())
@@ -139,7 +139,7 @@ impl Desk {
         self.tally.looked(Found::Memory);
     }
 
-    /// The artifact of a key, if it is kept anywhere and was made for the tenant of this peer.
+    /// Returns the manifest of an artifact, if a store has it and it was made for the tenant of this peer.
     pub async fn find(self: &Arc<Self>, key: Key, peer: Peer) -> Option<Arc<Manifest>> {
         if let Some(manifest) = self.at_hand(&key, peer) {
             return Some(manifest);
@@ -160,7 +160,8 @@ impl Desk {
         self.compute_for(task, peer, ticket, |bytes| self.pool.line_up(lane, peer, bytes))
     }
 
-    /// As [`Desk::compute`], for a job that was accepted before: however many its peer has in line.
+    /// As [`Desk::compute`], for a job accepted earlier: not limited by the number of computations that its peer has in
+    /// line.
     ///
     /// # Errors
     /// [`Busy`] when the line is full.
@@ -193,13 +194,13 @@ impl Desk {
         Ok(interest)
     }
 
-    /// A ticket for one thing more that a peer holds, where it may.
+    /// Takes a ticket for one more thing that a peer holds, if the limits allow it.
     pub(super) fn ticket(&self, peer: Peer, kind: Kind) -> Option<Ticket> {
         let most_of_all = if kind == Kind::Waiting { self.terms.most_waiting } else { u64::MAX };
         self.peers.take(peer, kind, 1, self.terms.most_a_peer, most_of_all)
     }
 
-    /// Has a task made when its turn comes; what takes too long for the short lane is begun again in the long one.
+    /// Runs a task when its turn comes; if it takes too long for the short lane, it starts again in the long one.
     async fn see_through(
         self: Arc<Self>,
         computation: Arc<Computation>,
@@ -234,7 +235,7 @@ impl Desk {
         stored.into_iter().for_each(|manifest| self.persist(&manifest));
     }
 
-    /// Has a task made in a turn, for as long as the lane allows.
+    /// Runs a task in a turn, within the time limit of the lane.
     async fn take_turn(
         self: Arc<Self>,
         computation: &Arc<Computation>,
@@ -263,15 +264,15 @@ impl Desk {
         }
     }
 
-    /// Takes a finished computation off the list, then says so.
+    /// Removes an ended computation from the table, then publishes its final phase.
     fn finish(&self, computation: &Arc<Computation>, phase: Phase) {
         self.under_way.remove(computation);
         self.tally.computed(&phase);
         computation.set(phase);
     }
 
-    /// An outcome whose bytes, where no store has them, are paid for until the last answer has them: as an answer, or,
-    /// where these have no room, with the memory of their computation.
+    /// Charges the bytes of an outcome that no store has until the last response has sent them: to the share of
+    /// answers, or, if that has no room, by keeping the memory of the computation.
     fn lent(&self, mut outcome: Outcome, memory: Option<Memory>) -> Outcome {
         let Some(bytes) = outcome.loose.take() else { return outcome };
         let length = bytes.len() as u64;
@@ -285,8 +286,8 @@ impl Desk {
         outcome
     }
 
-    /// Computes into a store; where no store takes the bytes, keeps them for this answer alone. Computes again only
-    /// what the disk has lost.
+    /// Computes a result into a store; if no store takes the bytes, keeps them for this response only. Computes a
+    /// second time only if the disk has lost the bytes.
     fn make_stored(&self, computation: &Computation, task: &dyn Task) -> Result<Outcome, RunError> {
         let (key, about, work) = (computation.key, task.cost().result_bytes, self.work.of(&computation.owners()));
         let made = |buffer: &mut ResultBuffer<'_>| {
@@ -306,37 +307,38 @@ impl Desk {
         }
     }
 
-    /// Has an artifact that was just made brought to disk, in the background of its answer.
+    /// Offers a new artifact to the disk writer, which works in the background.
     fn persist(&self, manifest: &Arc<Manifest>) {
         self.tiers.persist(manifest);
     }
 
-    /// The lines that let nobody more in, and the shares of memory that refuse requests. Lanes whose memory is taken
-    /// are at work, and records leave for others.
+    /// Returns the names of the lines that are full and of the memory shares that refuse requests. The shares of the
+    /// lanes are left out, since a lane without free memory is at work, and so is that of records, since old records
+    /// make room.
     pub fn full(&self) -> Vec<&'static str> {
         let Account { bodies, inputs, answers, .. } = &self.account;
         let shares = [bodies, inputs, answers].into_iter().filter(|share| share.is_full()).map(|share| share.name);
         shares.chain(self.pool.full_lanes()).collect()
     }
 
-    /// What each store holds: its name and usage.
+    /// Returns the name and the usage of each store.
     pub fn stores(&self) -> Vec<(&'static str, Usage)> {
         let uploads = ("uploads", self.uploads.usage());
         self.tiers.usage().into_iter().chain([uploads]).collect()
     }
 
-    /// Computations under way or waiting.
+    /// Returns the number of computations that wait or run.
     pub fn n_under_way(&self) -> usize {
         self.under_way.len()
     }
 
-    /// Waits until no computation is under way or waiting, and, where jobs do not outlast the process, no job goes on.
+    /// Waits until no computation waits or runs and, if jobs do not outlast the process, no job is active.
     pub async fn idle(&self) {
         loop {
             if let Some(computation) = self.under_way.any() {
                 computation.finished().await;
             } else if let Some(job) = self.jobs.any_active().filter(|_| !self.jobs.last()) {
-                // its sender stays with the record, which is forgotten only when it has ended
+                // the record holds the sender, and is forgotten only after the end
                 let _ = job.ended.subscribe().wait_for(|ended| *ended).await;
             } else {
                 return;
@@ -344,41 +346,40 @@ impl Desk {
         }
     }
 
-    /// The clock of the service.
+    /// Returns the clock of the service.
     pub fn clock(&self) -> Arc<dyn Clock> {
         self.clock.clone()
     }
 
-    /// Says that the service is to end: nobody waits for events any more, and where jobs outlast the process no further
-    /// one has its turn.
+    /// Signals the end of the service: event streams end and, if jobs outlast the process, no further job starts.
     pub fn end(&self) {
         self.ending.send_replace(true);
     }
 
-    /// Comes true when the service is to end.
+    /// Waits for the signal that the service is to end.
     pub async fn ended(&self) {
-        // the sender is the desk's own
+        // the desk itself holds the sender
         let _ = self.ending.subscribe().wait_for(|ending| *ending).await;
     }
 
-    /// Whether the service is to end.
+    /// Returns whether the service is to end.
     pub fn is_ending(&self) -> bool {
         *self.ending.borrow()
     }
 
-    /// Ends every computation, for the end of the service.
+    /// Stops every computation, at the end of the service.
     pub fn stop(&self) {
         self.under_way.stop();
     }
 
-    /// Requests and jobs that wait for a computation.
+    /// Returns the number of interests of requests and jobs in computations.
     pub fn n_interests(&self) -> usize {
         self.under_way.n_interests()
     }
 }
 
-/// Waits for a computation, sets it aside when it runs too long for its lane, and stops it when it runs too long for
-/// any.
+/// Waits for a computation, sets it aside when it exceeds the time limit of its lane, and stops it when it exceeds the
+/// time limit of any computation.
 async fn until_overdue<T>(
     making: impl Future<Output = T>,
     computation: &Computation,

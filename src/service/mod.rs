@@ -1,4 +1,4 @@
-//! The service: finds, joins or makes artifacts; knows no HTTP.
+//! The service below HTTP: finds artifacts, joins computations under way, and computes what is missing.
 
 pub mod accepting;
 pub mod account;
