@@ -1,8 +1,8 @@
-//! What happened to artifacts on their way to and from the disk, counted.
+//! Counters of artifacts written to disk and read from it.
 
 use std::sync::atomic::{AtomicU64, Ordering};
 
-/// Counters that only grow; whoever reports them reads them.
+/// Counters that never decrease; reports read them.
 #[derive(Debug, Default)]
 pub struct DiskCounts {
     /// Artifacts that were written.
@@ -13,24 +13,24 @@ pub struct DiskCounts {
     pub dropped_unfit: AtomicU64,
     /// Artifacts that were not written because the disk failed, or because it was full and nothing was left to evict.
     pub dropped_failed: AtomicU64,
-    /// Artifacts that were not written because the shared store was away.
+    /// Artifacts that were not written because the shared store could not be reached.
     pub dropped_away: AtomicU64,
     /// Artifacts that were not written because the service ended first.
     pub dropped_at_end: AtomicU64,
-    /// Reads that were given up because other reads held all places, or the disk did not answer in time.
+    /// Reads that timed out, because other reads held all places or the disk did not answer in time.
     pub reads_given_up: AtomicU64,
     /// Reads that failed.
     pub reads_failed: AtomicU64,
-    /// Reads for which the shared store was away; what they looked for was computed.
+    /// Reads that failed because the shared store could not be reached; their artifacts were computed instead.
     pub reads_away: AtomicU64,
-    /// Large results that were taken back into memory because the disk did not take them.
+    /// Large results that were moved back into memory because the disk did not take them.
     pub taken_back: AtomicU64,
-    /// Large results that had to be computed again because the disk lost what it had taken.
+    /// Large results that had to be computed again because the disk lost bytes it had taken.
     pub lost: AtomicU64,
 }
 
 impl DiskCounts {
-    /// Names and values, in the order of the fields.
+    /// Returns the names and values, in the order of the fields.
     pub fn list(&self) -> [(&'static str, u64); 11] {
         let Self {
             written,
@@ -62,7 +62,7 @@ impl DiskCounts {
     }
 }
 
-/// Counts one more.
+/// Increments a counter.
 pub(super) fn count(counter: &AtomicU64) {
     counter.fetch_add(1, Ordering::Relaxed);
 }

@@ -1,4 +1,5 @@
-//! Doing jobs: whoever takes one from the queue reads its request again, and has its outputs made one after the other.
+//! Processing of jobs: takes jobs from the queue, reads their requests again, and makes their outputs one after the
+//! other.
 
 use std::future::Future;
 use std::pin::Pin;
@@ -14,38 +15,38 @@ use super::store::Manifest;
 use super::task::Task;
 use crate::job::JobFault;
 
-/// What a request asks to be made, in the order of its outputs.
+/// The tasks of a request, in the order of its outputs.
 pub type Tasks = Vec<Arc<dyn Task>>;
 
-/// Why a request that was accepted cannot be read now.
+/// The reason why the request of an accepted job cannot be read now.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Unreadable {
-    /// There is no room; come back after this time.
+    /// There is no room; retry after this duration.
     Later(Duration),
-    /// It never can; why.
+    /// The request can never be read, for this reason.
     Never(String),
 }
 
 /// Reads the requests of accepted jobs.
 pub trait ReadJobs: Send + Sync {
-    /// The tasks of a job.
+    /// Returns the tasks of a job.
     fn tasks<'a>(&'a self, record: &'a Record) -> Pin<Box<dyn Future<Output = Result<Tasks, Unreadable>> + Send + 'a>>;
 }
 
-/// How an attempt went on.
+/// The outcome of one output within an attempt at a job.
 enum Went {
-    /// An output was made, or was not.
+    /// The output was made or failed; the attempt continues.
     On(Made),
     /// The attempt is over.
     Over,
 }
 
-/// How long is waited at least before something full is tried again.
-/// Half of it tries twice as often; twice of it leaves places empty for longer.
+/// Least pause before something full is tried again. Half of it would retry twice as often; twice of it would leave
+/// places empty for longer.
 const LEAST_PAUSE: Duration = Duration::from_millis(100);
 
 impl Desk {
-    /// Does the jobs of a lane, one after the other, until the service ends.
+    /// Processes the jobs of a lane, one after the other. If jobs outlast the process, it stops when the service ends.
     pub async fn do_jobs(self: Arc<Self>, lane: Lane, reader: Arc<dyn ReadJobs>) {
         loop {
             let taken = tokio::select! {
@@ -60,14 +61,14 @@ impl Desk {
         }
     }
 
-    /// Does a job: all its outputs, as far as they can be made.
+    /// Processes a job: makes all its outputs, as far as they can be made.
     async fn do_job(self: &Arc<Self>, run: &Run, record: Record, reader: &dyn ReadJobs) {
         self.jobs.begin(run).await;
         let longest = record.terms.run_timeout_s.map(Duration::from_secs);
         let mut ended = run.ended.clone();
         tokio::select! {
             () = self.make_all(run, &record, reader) => {}
-            // the record keeps its sender
+            // the record keeps the sender alive
             _ = ended.wait_for(|ended| *ended) => {}
             () = self.clock.sleep(longest.unwrap_or_default()), if longest.is_some() => {
                 let seconds = longest.unwrap_or_default().as_secs();
@@ -96,7 +97,7 @@ impl Desk {
         self.close_run(run);
     }
 
-    /// Finds an output or has it made.
+    /// Finds an output, or computes it.
     async fn made(self: &Arc<Self>, run: &Run, at: usize, task: &Arc<dyn Task>) -> Went {
         let peer = self.jobs.get(&run.job).map_or(Peer::SELF, |record| record.peer);
         loop {
@@ -121,11 +122,12 @@ impl Desk {
         }
     }
 
-    /// How an attempt goes on after a computation.
+    /// Converts the final phase of a computation into the outcome of its output; settles the job if the attempt is
+    /// over.
     fn went(&self, run: &Run, phase: Phase, told: impl FnOnce(JobFault) -> String) -> Went {
         match phase {
             Phase::Done(outcome) => Went::On(made(&outcome)),
-            // it is taken up after the restart
+            // the job is resumed after the restart
             Phase::Failed(Failure::Cancelled) if self.is_ending() && self.jobs.last() => Went::Over,
             Phase::Failed(Failure::Cancelled) | Phase::Queued | Phase::Running => {
                 self.jobs.settle(run, State::Cancelled);
@@ -144,7 +146,7 @@ impl Desk {
         }
     }
 
-    /// Follows a job of one output whose computation is under way already, to its end.
+    /// Waits for the only output of a job, whose computation is under way already, and settles the job.
     pub(super) async fn see_single(&self, run: Run, computation: &Computation, told: impl FnOnce(JobFault) -> String) {
         let mut ended = run.ended.clone();
         let phase = tokio::select! {
@@ -157,7 +159,7 @@ impl Desk {
         }
     }
 
-    /// Settles an attempt of which every output was made or was not.
+    /// Settles an attempt whose outputs were all made or failed.
     fn close_run(&self, run: &Run) {
         let Some(record) = self.jobs.get(&run.job) else { return };
         let failed = record.made.iter().flatten().find_map(|made| match made {
@@ -168,13 +170,13 @@ impl Desk {
     }
 }
 
-/// What is told of an output that was there.
+/// Describes an output that a store had already.
 pub fn found(manifest: &Manifest) -> Made {
     let timings = Timings::default();
     Made::Done { bytes: manifest.length, warnings: manifest.warnings.clone(), timings }
 }
 
-/// What is told of an output that was made.
+/// Describes an output that was computed.
 pub fn made(outcome: &Outcome) -> Made {
     let Outcome { manifest, timings, .. } = outcome;
     Made::Done { bytes: manifest.length, warnings: manifest.warnings.clone(), timings: *timings }

@@ -1,43 +1,43 @@
-//! What names a job, and what a client says of its turn.
+//! The identity of a job, and what its client requests about its turn.
 
 use crate::job::key::{Key, content};
 
-/// Whose jobs, results, uploads and lists belong together. Computations have no tenant.
+/// The owner of jobs, results, uploads and batches, shared by all keys of one name. Computations have no tenant.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub struct Tenant(pub u64);
 
 impl Tenant {
-    /// All clients that do not say who they are, and those whose keys say that they share.
+    /// The tenant of all clients without a key, and of those whose keys are shared.
     pub const ANYONE: Self = Self(0);
 
-    /// The tenant of a name: the first 64 bits of the name's hash.
+    /// Returns the tenant of a name: the first 64 bits of the hash of the name.
     pub fn named(name: &str) -> Self {
         let hash = content(format!("tenant\n{name}").as_bytes());
         let number = hash.as_bytes().first_chunk().map_or(0, |first| u64::from_be_bytes(*first));
-        // zero is everybody's
+        // zero is `ANYONE`
         Self(number.max(1))
     }
 }
 
-/// A job of a tenant.
+/// The identity of a job: the tenant and the id.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub struct JobKey {
-    /// Whose it is.
+    /// The tenant.
     pub tenant: Tenant,
-    /// Its id.
+    /// The id.
     pub id: Key,
 }
 
-/// Bytes of a written key.
+/// Length of a job key in bytes.
 pub const JOB_KEY_BYTES: usize = 40;
 
 impl JobKey {
-    /// The job of clients that do not say who they are.
+    /// Returns the key of a job of clients without a key.
     pub fn of_anyone(id: Key) -> Self {
         Self { tenant: Tenant::ANYONE, id }
     }
 
-    /// The key as bytes: the tenant's number, big-endian, and the id.
+    /// Returns the key as bytes: the tenant's number, big-endian, and the id.
     pub fn to_bytes(self) -> [u8; JOB_KEY_BYTES] {
         let mut bytes = [0; JOB_KEY_BYTES];
         bytes[..8].copy_from_slice(&self.tenant.0.to_be_bytes());
@@ -45,28 +45,28 @@ impl JobKey {
         bytes
     }
 
-    /// Reads [`JobKey::to_bytes`] back.
+    /// Reads the bytes of [`JobKey::to_bytes`].
     pub fn from_bytes(bytes: &[u8]) -> Option<Self> {
         let (tenant, id) = bytes.split_first_chunk::<8>()?;
         Some(Self { tenant: Tenant(u64::from_be_bytes(*tenant)), id: Key::from_bytes(id.try_into().ok()?) })
     }
 }
 
-/// Which jobs come first.
+/// The priority of a job in the queue.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
 pub enum Priority {
-    /// Somebody waits for it.
+    /// Somebody waits for the job.
     #[default]
     Interactive,
-    /// It may stand back behind those that somebody waits for.
+    /// The job may wait for interactive ones.
     Batch,
 }
 
 impl Priority {
-    /// All of them, the first served first.
+    /// All priorities, the highest first.
     pub const ALL: [Self; 2] = [Self::Interactive, Self::Batch];
 
-    /// Its name.
+    /// Returns the name.
     pub fn name(self) -> &'static str {
         match self {
             Self::Interactive => "interactive",
@@ -75,13 +75,13 @@ impl Priority {
     }
 }
 
-/// What a client says of the turn of a job; never part of its key.
+/// What a client requests about the turn of a job; never part of the job's key.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct JobTerms {
-    /// Which jobs it stands behind.
+    /// The priority.
     pub priority: Priority,
-    /// Longest time it may wait for its turn, seconds.
+    /// Maximum time in the queue, in seconds.
     pub queue_timeout_s: Option<u64>,
-    /// Longest time from its turn to its end, seconds.
+    /// Maximum time from the turn of the job to its end, in seconds.
     pub run_timeout_s: Option<u64>,
 }

@@ -1,5 +1,5 @@
-//! The writer of records: one thread that writes all that has changed at once, so that jobs which come together share
-//! what a durable write takes. Tables of one store have a writer each.
+//! The writer of records: one thread per table, which writes all changed records in one transaction, so that jobs that
+//! arrive together share the cost of a durable write.
 
 use std::collections::BTreeMap;
 use std::fmt;
@@ -12,22 +12,21 @@ use tokio::sync::oneshot;
 
 use super::store::{Records, StoreError};
 
-/// How long the writer waits after a failure before it tries what is left again.
-/// Half of it asks a disk that is full twice as often; twice of it loses the state of more jobs in a crash, which are
-/// done once more then.
+/// Pause after a failed write before the remaining records are tried again. Half of it would retry on a full disk twice
+/// as often; twice of it would lose the state of more jobs in a crash, which are then done once more.
 const PAUSE: Duration = Duration::from_secs(1);
 
-/// How long a journal that is dropped lets its thread go on: half of the service's own time to end.
-/// Twice of it leaves nothing of that time for the rest; half of it loses the state of more jobs.
+/// How long a dropped journal waits for its thread: half of the service's own time to end. Twice of it would leave
+/// nothing of that time for the rest; half of it would lose the state of more jobs.
 const LAST_WAIT: Duration = Duration::from_secs(10);
 
-/// What names a record of a table.
+/// The identity of a record in a table.
 pub(super) trait Row: Copy + Ord + Send + 'static {
-    /// The key under which it is written; no two tables have one in common.
+    /// Returns the key of the record in the store; no two tables share a key.
     fn key(&self) -> Vec<u8>;
 }
 
-/// What is to be written of a row; nothing when it is to be removed.
+/// Encodes the record of a row; returns `None` if the record is to be removed.
 type Encoded<R> = dyn Fn(&R) -> Option<Vec<u8>> + Send + Sync;
 
 /// The writer of one table.
@@ -36,7 +35,7 @@ pub(super) struct Journal<R: Row> {
 }
 
 struct Shared<R> {
-    /// Let go of at the end.
+    /// The store of records; `None` after the thread has ended.
     records: Mutex<Option<Arc<dyn Records>>>,
     encoded: Box<Encoded<R>>,
     pending: Mutex<Pending<R>>,
@@ -44,7 +43,7 @@ struct Shared<R> {
 }
 
 struct Pending<R> {
-    /// The rows that have changed, each with those who wait until it is written.
+    /// The rows that have changed, each with the senders that report when it is written.
     rows: BTreeMap<R, Vec<oneshot::Sender<Result<(), String>>>>,
     closed: bool,
     ended: bool,
@@ -57,7 +56,8 @@ impl<R: Row> fmt::Debug for Journal<R> {
 }
 
 impl<R: Row> Journal<R> {
-    /// A writer; `encoded` tells what is to be written of a row.
+    /// Starts the writer of a table; `encoded` encodes the record of a row, or returns `None` if the record is to be
+    /// removed.
     pub(super) fn new(
         records: Arc<dyn Records>,
         encoded: impl Fn(&R) -> Option<Vec<u8>> + Send + Sync + 'static,
@@ -76,13 +76,13 @@ impl<R: Row> Journal<R> {
         Self { shared }
     }
 
-    /// Notes that a row has changed.
+    /// Marks a row as changed.
     pub(super) fn note(&self, row: R) {
         self.shared.pending().rows.entry(row).or_default();
         self.shared.changed.notify_all();
     }
 
-    /// Waits until what is known of a row now is written for good.
+    /// Waits until the current state of a row is written durably.
     pub(super) async fn written(&self, row: R) -> Result<(), StoreError> {
         let (told, written) = oneshot::channel();
         {
@@ -97,7 +97,7 @@ impl<R: Row> Journal<R> {
         written.map_err(|error| StoreError::Io(io::Error::other(error)))
     }
 
-    /// Tells every record that is written, those of other tables, too.
+    /// Calls `tell` with every record in the store, including those of other tables.
     pub(super) fn each(&self, tell: &mut dyn FnMut(&[u8])) -> Result<(), StoreError> {
         match self.shared.records() {
             Some(records) => records.each(&mut |_, record| tell(record)),
@@ -105,7 +105,7 @@ impl<R: Row> Journal<R> {
         }
     }
 
-    /// Writes what is left, at most so long, and nothing afterwards.
+    /// Writes the remaining changes, for at most `patience`; nothing is written afterwards.
     pub(super) fn close(&self, patience: Duration) {
         let mut pending = self.shared.pending();
         pending.closed = true;
@@ -122,17 +122,17 @@ impl<R: Row> Drop for Journal<R> {
 }
 
 impl<R: Row> Shared<R> {
-    /// Every change under this lock is complete before anything can panic.
+    /// Locks the pending changes. Every change under this lock is complete before anything can panic.
     fn pending(&self) -> MutexGuard<'_, Pending<R>> {
         self.pending.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// Where records are written, until the end.
+    /// Returns the store of records; `None` after the thread has ended.
     fn records(&self) -> Option<Arc<dyn Records>> {
         self.records.lock().unwrap_or_else(PoisonError::into_inner).clone()
     }
 
-    /// Writes what comes until the journal is closed.
+    /// Writes changes until the journal is closed.
     fn work(&self) {
         loop {
             let idle = |pending: &mut Pending<R>| pending.rows.is_empty() && !pending.closed;
@@ -144,7 +144,7 @@ impl<R: Row> Shared<R> {
             let changes: Vec<_> = rows.keys().map(|row| (row.key(), (self.encoded)(row))).collect();
             let records = self.records().filter(|_| !changes.is_empty());
             let written = records.map_or(Ok(()), |records| records.write(&changes));
-            // without the words that a failure of the store begins with, which whoever waits adds
+            // converted to drop the prefix of a store's failure, which `written` adds again
             let written = written.map_err(|error| io::Error::from(error).to_string());
             if let Err(error) = &written {
                 tracing::warn!(error, records = rows.len(), "records of jobs could not be written");
@@ -157,7 +157,7 @@ impl<R: Row> Shared<R> {
                 pending.ended = true;
                 self.changed.notify_all();
             } else if written.is_err() {
-                // who waits is told; what is known is written when the disk takes it
+                // waiters get the error, but the rows stay pending until the disk takes them
                 for row in rows.keys() {
                     pending.rows.entry(*row).or_default();
                 }

@@ -1,5 +1,5 @@
-//! Work of earlier computations in memory: programs of refinement and refined meshes, the least recently used leave
-//! first.
+//! Intermediate work of earlier computations in memory, refinement programs and refined meshes; the least recently used
+//! is evicted first.
 
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
@@ -7,11 +7,11 @@ use super::store::{Owners, Shelf, Usage, admit};
 use crate::job::key::{Key, content};
 use crate::job::{KeepWork, Work};
 
-/// Charged for an entry besides its bytes: its places in the maps and what the allocator rounds up.
-/// Half of it lets many tiny meshes take more than they may; twice of it holds fewer of them.
+/// Bytes charged for an entry besides its own: its places in the maps and what the allocator rounds up. Half of it
+/// would let many tiny meshes exceed the capacity; twice of it would hold fewer of them.
 const ENTRY_BYTES: u64 = 512;
 
-/// Work that is kept, bounded in bytes.
+/// Intermediate work of computations, bounded in bytes.
 #[derive(Debug)]
 pub struct KeptWork {
     shelf: Mutex<Shelf<Work>>,
@@ -19,33 +19,33 @@ pub struct KeptWork {
 }
 
 impl KeptWork {
-    /// Keeps so many bytes of work at most; nothing that takes more than half of them.
+    /// Creates an empty store of `capacity` bytes, which refuses entries of more than half of that.
     pub fn new(capacity: u64) -> Self {
         Self { shelf: Mutex::new(Shelf::new(capacity)), capacity }
     }
 
-    /// Every change under this lock is complete before anything can panic.
+    /// Locks the entries. Every change under this lock is complete before anything can panic.
     fn shelf(&self) -> MutexGuard<'_, Shelf<Work>> {
         self.shelf.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// What is held.
+    /// Returns the usage.
     pub fn usage(&self) -> Usage {
         self.shelf().usage()
     }
 }
 
-/// The work that was kept for the same tenants: what others have refined before makes nothing quicker, so that time
-/// does not tell of it.
+/// The work kept for one set of tenants. Work of other tenants is not reused, since the time saved would reveal what
+/// they have computed.
 #[derive(Debug)]
 pub struct WorkOf<'a> {
     kept: &'a KeptWork,
-    /// Goes into the keys, but where the tenants are everybody.
+    /// Prefix hashed into the keys; `None` for the public tenant.
     scope: Option<Key>,
 }
 
 impl KeptWork {
-    /// The work of these tenants.
+    /// Returns the work of these tenants.
     pub fn of(&self, owners: &Owners) -> WorkOf<'_> {
         let scope = (*owners != Owners::default()).then(|| content(format!("{owners:?}").as_bytes()));
         WorkOf { kept: self, scope }
@@ -78,7 +78,7 @@ impl KeepWork for KeptWork {
         if admit(cost, self.capacity).is_err() {
             return;
         }
-        let mut left = Vec::new(); // freed after the lock
+        let mut left = Vec::new(); // dropped after the lock is released
         let mut shelf = self.shelf();
         left.extend(shelf.remove(&key));
         while let Some((_, evicted)) = shelf.evict_for(cost) {

@@ -1,4 +1,4 @@
-//! Bytes on their way to clients: what they hold of the account comes back when the last of them is gone.
+//! Bytes being sent to clients: the memory charged for them is given back when the last reference is dropped.
 
 use std::collections::HashMap;
 use std::sync::{Arc, Mutex, PoisonError, Weak};
@@ -10,17 +10,17 @@ use super::peer::Paid;
 use super::store::Manifest;
 use crate::job::key::Key;
 
-/// Answers up to this length take nothing: with one a connection they are bounded by the connections.
-/// Twice of it may hold twice as much beside the account for each connection; half of it takes more small answers from
-/// the account.
+/// Responses up to this length are not charged to the account: with one response per connection, the number of
+/// connections bounds them. Twice of it would let each connection hold twice as much outside the account; half of it
+/// would charge more small responses.
 const FREE_BYTES: u64 = 64 << 10;
 
-/// Whether answers with an artifact in memory take nothing from the account.
+/// Returns whether responses with an artifact in memory are not charged to the account.
 pub fn is_free(manifest: &Manifest) -> bool {
     manifest.length <= FREE_BYTES
 }
 
-/// Bytes together with whatever pays for their memory.
+/// Bytes together with the guard that pays for their memory.
 #[derive(Debug)]
 pub struct Lent<T> {
     bytes: Bytes,
@@ -28,7 +28,7 @@ pub struct Lent<T> {
 }
 
 impl<T: Send + 'static> Lent<T> {
-    /// Lends bytes; what pays for them is dropped with their last part, wherever that is.
+    /// Combines bytes with the guard that pays for them; the guard is dropped with the last slice of the bytes.
     #[expect(clippy::new_ret_no_self, reason = "it is only ever an owner of bytes")]
     pub fn new(bytes: Bytes, paid: T) -> Bytes {
         Bytes::from_owner(Self { bytes, _paid: paid })
@@ -41,15 +41,16 @@ impl<T> AsRef<[u8]> for Lent<T> {
     }
 }
 
-/// The artifacts in memory that are being answered, each paid for once: while a client reads one, it may leave the
-/// cache, but not the memory.
+/// The artifacts in memory that are being sent, each charged once: while a client reads an artifact it may leave the
+/// cache, but still occupies memory.
 #[derive(Debug, Default)]
 pub struct InFlight {
     artifacts: Mutex<HashMap<Key, Weak<Paid>>>,
 }
 
 impl InFlight {
-    /// Pays for an artifact in memory as long as it is answered, with `pay`; `None` for small ones, which are free.
+    /// Charges an artifact in memory with `pay` for as long as it is being sent; returns `None` for small ones, which
+    /// are free.
     ///
     /// # Errors
     /// [`Full`].

@@ -1,5 +1,5 @@
-//! The line before a lane: each peer has a queue of its own, and the queues take turns, so that whoever asks for little
-//! does not wait behind whoever asks for much.
+//! The line before a lane: each peer has its own queue, and the queues take turns, so that a peer with few requests
+//! does not wait behind one with many.
 
 use std::collections::VecDeque;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
@@ -9,15 +9,15 @@ use tokio::sync::oneshot;
 use super::account::{Held, Share};
 use super::peer::Peer;
 
-/// The line is full, or the peer has too many in it.
+/// The line is full, or the peer has too many requests in it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct Crowded;
 
-/// A bounded number of places, and those who wait for one.
+/// A bounded number of places, and the requests that wait for one.
 #[derive(Debug)]
 pub(super) struct Line {
     state: Mutex<State>,
-    /// The memory of those who have a place.
+    /// The memory of the requests that have a place.
     share: Arc<Share>,
     most: usize,
     most_a_peer: usize,
@@ -39,7 +39,7 @@ struct Request {
     grant: oneshot::Sender<LinePlace>,
 }
 
-/// Somebody in line; leaves it when dropped.
+/// A request in line; it leaves the line when dropped.
 #[derive(Debug)]
 pub struct Waiting {
     line: Arc<Line>,
@@ -48,15 +48,15 @@ pub struct Waiting {
     granted: oneshot::Receiver<LinePlace>,
 }
 
-/// A place, with the memory that goes with it.
+/// A place, with the memory that belongs to it.
 #[derive(Debug)]
 pub(super) struct LinePlace {
     line: Arc<Line>,
-    /// Taken out by whoever needs it longer than the place.
+    /// The memory of the request; taken out if it is needed longer than the place.
     pub(super) memory: Option<Memory>,
 }
 
-/// The memory of a lane; given back, it goes to whoever waits for it.
+/// Memory of a lane; when it is given back, the line grants it to the next request.
 #[derive(Debug)]
 pub struct Memory {
     line: Arc<Line>,
@@ -64,7 +64,7 @@ pub struct Memory {
 }
 
 impl Memory {
-    /// Gives back what is held beyond so many bytes.
+    /// Gives back all but `bytes` of the memory.
     pub fn shrink_to(&mut self, bytes: u64) {
         self.held.iter_mut().for_each(|held| held.shrink_to(bytes));
         self.line.serve();
@@ -79,7 +79,8 @@ impl Drop for Memory {
 }
 
 impl Line {
-    /// A line before so many places, of at most `most` who wait, and `most_a_peer` of each peer.
+    /// Creates a line before `places` places, with at most `most` waiting requests, and at most `most_a_peer` of each
+    /// peer.
     pub(super) fn new(places: usize, share: Arc<Share>, most: usize, most_a_peer: usize) -> Arc<Self> {
         let state = State { free: places.max(1), n_waiting: 0, next_number: 0, queues: VecDeque::new() };
         Arc::new(Self { state: Mutex::new(state), share, most, most_a_peer })
@@ -89,12 +90,12 @@ impl Line {
         self.state.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// Joins the line for a place with so much memory; more than there is in all means all of it.
+    /// Joins the line for a place with `bytes` of memory; a request for more than the share has takes the whole share.
     pub(super) fn join(self: &Arc<Self>, peer: Peer, bytes: u64) -> Result<Waiting, Crowded> {
         self.join_behind(peer, bytes, self.most_a_peer)
     }
 
-    /// Joins the line however many its peer has in it.
+    /// Joins the line regardless of the number of requests that the peer has in it.
     pub(super) fn join_again(self: &Arc<Self>, peer: Peer, bytes: u64) -> Result<Waiting, Crowded> {
         self.join_behind(peer, bytes, usize::MAX)
     }
@@ -119,7 +120,7 @@ impl Line {
         Ok(Waiting { line: Arc::clone(self), peer, number, granted })
     }
 
-    /// Gives free places to those whose turn it is.
+    /// Grants free places to the next requests in turn.
     fn serve(self: &Arc<Self>) {
         loop {
             let mut state = self.state();
@@ -130,7 +131,7 @@ impl Line {
             else {
                 return;
             };
-            // who comes first but finds no memory keeps the others waiting: passed by, it might wait for ever
+            // the first request waits for its memory and holds up the others: overtaken, it might wait for ever
             let Ok(held) = self.share.try_take(bytes) else { return };
             let memory = Memory { line: Arc::clone(self), held: Some(held) };
             let (peer, mut queue) = state.queues.pop_front().expect("it was just looked at");
@@ -141,12 +142,12 @@ impl Line {
             state.n_waiting -= 1;
             state.free -= 1;
             drop(state);
-            // whoever left in this moment drops its place, which comes back
+            // a request that left in the meantime drops its place, which frees it again
             drop(request.grant.send(LinePlace { line: Arc::clone(self), memory: Some(memory) }));
         }
     }
 
-    /// Takes somebody who leaves out of the line.
+    /// Removes a request from the line.
     fn leave(self: &Arc<Self>, peer: Peer, number: u64) {
         let mut state = self.state();
         let Some(at) = state.queues.iter().position(|(other, _)| *other == peer) else { return };
@@ -162,12 +163,12 @@ impl Line {
         self.serve();
     }
 
-    /// How many wait.
+    /// Returns the number of waiting requests.
     pub(super) fn waiting(&self) -> usize {
         self.state().n_waiting
     }
 
-    /// Whether nobody more is let in.
+    /// Returns whether the line is full.
     pub(super) fn is_full(&self) -> bool {
         self.state().n_waiting >= self.most
     }

@@ -1,4 +1,4 @@
-//! Clients, told apart by the key that they show or by their network address, and what each may hold at once.
+//! Clients, identified by the key they show or by their network address, and limits on what each holds at once.
 
 use std::collections::HashMap;
 use std::net::{IpAddr, Ipv6Addr};
@@ -7,7 +7,7 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use super::account::{Full, Held, Share};
 use super::job_key::Tenant;
 
-/// A client as far as the service can tell, and the tenant for whom it asks.
+/// A client, and the tenant on whose behalf it acts.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub struct Peer {
     who: Who,
@@ -25,13 +25,13 @@ impl Peer {
     /// The service itself.
     pub const SELF: Self = Self::service(Tenant::ANYONE);
 
-    /// The service itself, on behalf of a tenant whose client is not there any more.
+    /// The service itself, on behalf of a tenant whose client has left.
     pub const fn service(tenant: Tenant) -> Self {
         Self { who: Who::Service, tenant }
     }
 
-    /// The client at an address: one IPv4 address, or the 64-bit network of an IPv6 address, as a single customer is
-    /// given at least that much of it.
+    /// Returns the client at an address: one IPv4 address, or the 64-bit network of an IPv6 address, since a single
+    /// customer gets at least that much of it.
     pub fn new(address: IpAddr) -> Self {
         let address = match address.to_canonical() {
             IpAddr::V6(v6) => IpAddr::V6(Ipv6Addr::from(u128::from(v6) >> 64 << 64)),
@@ -40,45 +40,45 @@ impl Peer {
         Self { who: Who::Address(address), tenant: Tenant::ANYONE }
     }
 
-    /// The client that shows a key of this number, which belongs to this tenant.
+    /// Returns the client that shows the key of this number, which belongs to this tenant.
     pub fn of_key(number: u64, tenant: Tenant) -> Self {
         Self { who: Who::Key(number), tenant }
     }
 
-    /// For whom it asks.
+    /// Returns the tenant on whose behalf the client acts.
     pub fn tenant(self) -> Tenant {
         self.tenant
     }
 }
 
-/// Something a peer may hold only so many of.
+/// A kind of thing of which a peer may hold a limited amount.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub enum Kind {
-    /// Requests that wait for a computation, joined ones included.
+    /// Requests that wait for a computation, including joined ones.
     Waiting,
-    /// Jobs that go on without their request.
+    /// Jobs that continue without their request.
     Detached,
     /// Computations of such jobs.
     Accepted,
     /// Requests for work that are being answered.
     InFlight,
-    /// Streams of events.
+    /// Event streams.
     Listening,
-    /// Bytes of bodies.
+    /// Bytes of request bodies.
     BodyBytes,
     /// Bytes of inputs of jobs that wait or run.
     InputBytes,
-    /// Bytes of answers that are on their way.
+    /// Bytes of responses being sent.
     AnswerBytes,
     /// Bytes of records of jobs.
     RecordBytes,
-    /// Batches under way.
+    /// Active batches.
     Batch,
     /// Bytes of records of batches.
     BatchBytes,
 }
 
-/// What all peers hold.
+/// The amounts that all peers hold, by kind.
 #[derive(Debug, Default)]
 pub struct Peers(Mutex<Table>);
 
@@ -88,7 +88,7 @@ struct Table {
     of_all: HashMap<Kind, u64>,
 }
 
-/// Something held by a peer, until it is dropped.
+/// An amount held by a peer until it is dropped.
 #[derive(Debug)]
 pub struct Ticket {
     peers: Arc<Peers>,
@@ -97,7 +97,7 @@ pub struct Ticket {
     amount: u64,
 }
 
-/// Bytes of a share, taken for a peer, until they are dropped.
+/// Bytes of a memory share, taken for a peer until they are dropped.
 #[derive(Debug)]
 pub struct Paid {
     _held: Held,
@@ -109,7 +109,7 @@ impl Peers {
         self.0.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// Takes an amount for a peer, if it then holds at most `most`, and all peers together at most `most_of_all`.
+    /// Takes an amount for a peer, if the peer then holds at most `most`, and all peers together at most `most_of_all`.
     pub fn take(self: &Arc<Self>, peer: Peer, kind: Kind, amount: u64, most: u64, most_of_all: u64) -> Option<Ticket> {
         let mut table = self.table();
         let held = table.of_peer.get(&(peer, kind)).copied().unwrap_or(0).saturating_add(amount);
@@ -122,7 +122,7 @@ impl Peers {
         Some(Ticket { peers: Arc::clone(self), peer, kind, amount })
     }
 
-    /// Takes bytes of a share for a peer, which gets half of it at most.
+    /// Takes bytes of a share for a peer, which may hold at most half of the share.
     ///
     /// # Errors
     /// [`Full`].
@@ -130,7 +130,8 @@ impl Peers {
         self.charge_under(share, kind, peer, bytes, (share.capacity / 2, u64::MAX))
     }
 
-    /// As [`Peers::charge`], for the service itself, which gets all of it: what was accepted before comes first.
+    /// As [`Peers::charge`], for the service itself, which may hold the whole share, since work accepted earlier comes
+    /// first.
     ///
     /// # Errors
     /// [`Full`].
@@ -138,7 +139,8 @@ impl Peers {
         self.charge_under(share, kind, Peer::SELF, bytes, (u64::MAX, u64::MAX))
     }
 
-    /// As [`Peers::charge`], for a peer that gets so much at most, and all peers together so much.
+    /// As [`Peers::charge`], for a peer that may hold at most `most` bytes, and all peers together at most
+    /// `most_of_all`.
     ///
     /// # Errors
     /// [`Full`].
@@ -154,19 +156,19 @@ impl Peers {
         Ok(Paid { _held: share.try_take(bytes)?, _ticket: ticket })
     }
 
-    /// How much of a kind all peers hold.
+    /// Returns the amount of a kind that all peers hold.
     pub fn held(&self, kind: Kind) -> u64 {
         self.table().of_all.get(&kind).copied().unwrap_or(0)
     }
 }
 
 impl Ticket {
-    /// Whose it is.
+    /// Returns the peer that holds the amount.
     pub(super) fn peer(&self) -> Peer {
         self.peer
     }
 
-    /// Takes more of the same, under the same bounds; what was held stays in any case.
+    /// Takes more of the same kind, within these limits, and returns whether it could; the amount held before is kept.
     pub fn grow(&mut self, amount: u64, most: u64, most_of_all: u64) -> bool {
         let Some(mut more) = self.peers.take(self.peer, self.kind, amount, most, most_of_all) else { return false };
         self.amount += std::mem::take(&mut more.amount);
