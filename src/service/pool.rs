@@ -1,5 +1,5 @@
-//! The compute threads: lanes, so that short work never waits behind long work, each with its places, its memory, and a
-//! line in which peers take turns.
+//! The compute threads, in lanes, so that short work never waits behind long work; each lane has its threads, places,
+//! memory, and a line in which peers take turns.
 
 use std::any::Any;
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -15,20 +15,21 @@ use super::peer::Peer;
 
 pub use super::line::{Memory, Waiting};
 
-/// Predicted milliseconds from which on work counts as long.
-/// Half of it sends more to the long lane, which may wait behind large jobs; twice of it makes requests in the short
-/// lane wait for each other up to twice as long.
+/// Predicted milliseconds from which work counts as long. Half of it would send more work to the long lane, where it
+/// may wait behind large jobs; twice of it would make requests in the short lane wait for each other up to twice as
+/// long.
 const LONG_MS: u128 = 250;
 
-/// How far compute threads stand back: at 10 they get a tenth of the time of others while these have work, and all of
-/// it else. At 5 it would be a third; at 19, a seventieth, other processes of the machine would starve them.
+/// Niceness of compute threads: at 10 they get a tenth of the CPU time of other threads while these have work, and all
+/// of it otherwise. At 5 it would be a third; at 19, a seventieth, so that other processes of the machine would starve
+/// them.
 #[cfg(target_os = "linux")]
 const COMPUTE_NICENESS: i32 = 10;
 
-/// Which line work waits in.
+/// A set of compute threads with its own line.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Lane {
-    /// Requests are parsed, checked and forecast.
+    /// Parsing, checking and forecasting of requests.
     Reading,
     /// Computations that are predicted to be quick.
     Short,
@@ -36,18 +37,18 @@ pub enum Lane {
     Long,
 }
 
-/// The pool was asked for more than it will queue.
+/// Refusal of work, since the line is full.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Busy {
-    /// When to come back, from the rate at which work was finished lately.
+    /// Time after which to retry, from the rate at which work was finished recently.
     pub retry_after: Duration,
 }
 
-/// Work panicked, with this message.
+/// A panic of the work, with its message.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Panicked(pub String);
 
-/// How many may wait.
+/// Maximum numbers of waiting requests.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Bounds {
     /// In each line.
@@ -56,13 +57,13 @@ pub struct Bounds {
     pub queue_a_peer: usize,
 }
 
-/// Threads and places in line.
+/// The lanes, with their threads and lines.
 #[derive(Debug)]
 pub struct Pool {
     reading: LaneState,
     short: LaneState,
     long: LaneState,
-    /// Places of streams that compute.
+    /// The places of streams that compute.
     pub(super) stream_places: Arc<Semaphore>,
     threads: usize,
 }
@@ -73,7 +74,7 @@ struct LaneState {
     line: Arc<Line>,
     places: usize,
     share: Arc<Share>,
-    /// Moving average of the time one piece of work takes, microseconds.
+    /// Moving average of the time of one piece of work, in microseconds.
     average_us: AtomicU64,
 }
 
@@ -85,18 +86,18 @@ pub struct Turn {
 }
 
 impl Turn {
-    /// The memory of the turn, whose place others may take.
+    /// Takes the memory out of the turn, whose place is given back.
     pub(super) fn into_memory(mut self) -> Option<Memory> {
         self.place.memory.take()
     }
 
-    /// Runs work on its threads and ends with it, whoever else has lost interest by then.
+    /// Runs work on the compute threads and waits for its end, even if nobody else needs the result by then.
     pub fn run<T: Send>(self, work: impl FnOnce() -> T + Send) -> T {
         self.threads.install(work)
     }
 
-    /// Runs work on its threads while the caller does something else. What nobody waits for any more is finished all
-    /// the same, in its place.
+    /// Runs work on the compute threads without blocking the caller. If the future is dropped, the work still runs to
+    /// its end and keeps its place until then.
     ///
     /// # Errors
     /// [`Panicked`].
@@ -104,7 +105,7 @@ impl Turn {
         self.spawn_keeping(work).await.map(|(outcome, _)| outcome)
     }
 
-    /// As [`Turn::spawn`], but the memory stays with the caller when the place is free again.
+    /// As [`Turn::spawn`], but the caller also gets the memory of the turn, which outlives the place.
     ///
     /// # Errors
     /// [`Panicked`].
@@ -125,7 +126,7 @@ impl Turn {
 }
 
 impl Pool {
-    /// A pool of `threads` threads a lane with the memory of `account`.
+    /// Creates a pool with `threads` threads per lane and the memory of `account`.
     ///
     /// # Errors
     /// When the threads cannot be started.
@@ -147,21 +148,22 @@ impl Pool {
         }
     }
 
-    /// The lane of a computation that is predicted to take so long and so much memory.
+    /// Returns the lane of a computation with this predicted time and memory.
     pub fn lane_of(&self, time_ms: u128, memory_bytes: u128) -> Lane {
         let is_short = time_ms < LONG_MS && memory_bytes <= u128::from(self.short.share.capacity);
         if is_short { Lane::Short } else { Lane::Long }
     }
 
-    /// A place in line for a turn with so much memory.
+    /// Joins the line of a lane for a turn with `memory_bytes` of memory.
     ///
     /// # Errors
-    /// [`Busy`] when the line is full, or this peer's part of it.
+    /// [`Busy`] when the line, or this peer's part of it, is full.
     pub fn line_up(&self, lane: Lane, peer: Peer, memory_bytes: u128) -> Result<Waiting, Busy> {
         self.lane(lane).line.join(peer, bytes(memory_bytes)).map_err(|_| self.busy(lane))
     }
 
-    /// As [`Pool::line_up`], for work that was let in before and may be waited for by others than its first peer.
+    /// As [`Pool::line_up`], for work that was admitted earlier and that more peers than the first may wait for: not
+    /// limited by the number of requests that the peer has in line.
     ///
     /// # Errors
     /// [`Busy`] when the line is full.
@@ -174,12 +176,12 @@ impl Pool {
         Turn { threads: Arc::clone(&self.lane(lane).threads), place: waiting.place().await }
     }
 
-    /// A refusal: come back when the line of this lane will have passed, at least a second from now.
+    /// Returns a refusal, with the time until the line of this lane will have passed, at least a second.
     pub fn busy(&self, lane: Lane) -> Busy {
         self.busy_behind(lane, 0)
     }
 
-    /// As [`Pool::busy`], where so many more wait for the line.
+    /// As [`Pool::busy`], if `more` pieces of work wait before the line.
     pub fn busy_behind(&self, lane: Lane, more: usize) -> Busy {
         let state = self.lane(lane);
         let waiting = state.line.waiting().saturating_add(more) as u64;
@@ -188,26 +190,26 @@ impl Pool {
         Busy { retry_after: Duration::from_micros(us).max(Duration::from_secs(1)) }
     }
 
-    /// How many computations a lane has places for.
+    /// Returns the number of places of a lane.
     pub fn places(&self, lane: Lane) -> usize {
         self.lane(lane).places
     }
 
-    /// Runs something small on the short lane's threads without standing in line.
+    /// Runs a small piece of work on the threads of the short lane without waiting in line.
     pub fn aside<T: Send>(&self, work: impl FnOnce() -> T + Send) -> T {
         self.short.threads.install(work)
     }
 
-    /// Runs work on threads of its own, as many as a lane has, which may wait for others.
+    /// Runs work on a new set of threads, as many as a lane has; such work may block.
     ///
     /// # Errors
     /// When the threads cannot be started.
     pub(super) fn spawn_apart(&self, work: impl FnOnce() + Send + 'static) -> Result<(), rayon::ThreadPoolBuildError> {
-        // threads end with what was spawned on them
+        // the threads end with the work spawned on them
         threads("stream", self.threads).map(|threads| threads.spawn(work))
     }
 
-    /// Remembers how long work in a lane took.
+    /// Records how long a piece of work in a lane took.
     pub fn finished(&self, lane: Lane, took: Duration) {
         let us = u64::try_from(took.as_micros()).unwrap_or(u64::MAX);
         let average = &self.lane(lane).average_us;
@@ -215,22 +217,22 @@ impl Pool {
         average.store(before - before / 8 + us / 8, Ordering::Relaxed);
     }
 
-    /// How many streams more may compute now.
+    /// Returns how many more streams may compute now.
     pub fn free_stream_places(&self) -> usize {
         self.stream_places.available_permits()
     }
 
-    /// Computations waiting in the short and in the long lane.
+    /// Returns the numbers of computations that wait in the short and in the long lane.
     pub fn waiting(&self) -> [usize; 2] {
         [&self.short, &self.long].map(|lane| lane.line.waiting())
     }
 
-    /// Requests that wait to be read.
+    /// Returns the number of requests that wait to be read.
     pub fn waiting_to_be_read(&self) -> usize {
         self.reading.line.waiting()
     }
 
-    /// The lanes whose lines let nobody more in.
+    /// Returns the names of the lanes whose lines are full.
     pub fn full_lanes(&self) -> Vec<&'static str> {
         let lanes = [("reading", &self.reading), ("short-lane", &self.short), ("long-lane", &self.long)];
         lanes.into_iter().filter(|(_, lane)| lane.line.is_full()).map(|(name, _)| name).collect()
@@ -261,7 +263,7 @@ fn threads(name: &'static str, n: usize) -> Result<rayon::ThreadPool, rayon::Thr
     builder.thread_name(move |i| format!("{name}-{i}")).start_handler(|_| stand_back()).build()
 }
 
-/// What a panic said.
+/// Returns the message of a panic.
 pub(super) fn panicked(panic: &(dyn Any + Send)) -> String {
     let text = panic.downcast_ref::<&str>().map(|text| (*text).to_owned());
     let text = text.or_else(|| panic.downcast_ref::<String>().cloned());
@@ -272,10 +274,10 @@ fn bytes(memory_bytes: u128) -> u64 {
     u64::try_from(memory_bytes).unwrap_or(u64::MAX)
 }
 
-/// Lets this thread compute only where those that answer requests leave time: the system may run more threads than it
-/// has cores, and a cached answer or a health check is a matter of microseconds.
+/// Lowers the priority of this thread below those that answer requests: there may be more threads than cores, and a
+/// cached response or a health check takes microseconds.
 fn stand_back() {
-    // the niceness of a thread is its own on Linux alone
+    // only Linux has a niceness per thread
     #[cfg(target_os = "linux")]
     if let Err(error) = rustix::process::nice(COMPUTE_NICENESS) {
         tracing::debug!(%error, "compute threads run at the usual priority");

@@ -1,4 +1,4 @@
-//! How many requests each client may send in a minute.
+//! Rate limits: how many requests each client may send per minute.
 
 use std::collections::HashMap;
 use std::sync::{Arc, Mutex, PoisonError};
@@ -7,49 +7,50 @@ use std::time::Duration;
 use super::clock::Clock;
 use super::peer::Peer;
 
-/// The time in which a client may send as many requests as it is allowed; so many may also come at once.
+/// The period of the rate limit; a client may also send all requests of one period at once.
 const WINDOW: Duration = Duration::from_mins(1);
-/// Most clients that are counted; one more takes the place of the one that has sent least lately, which then begins
-/// anew. Twice of it takes twice the memory, half a megabyte; half of it forgets clients sooner where there are many.
+/// Maximum number of clients counted; a further one replaces the one whose bucket is nearest to full, which starts anew
+/// with a full bucket. Twice as many would take twice the memory, half a megabyte; half as many would forget clients
+/// sooner when there are many.
 const MOST_CLIENTS: usize = 4096;
 
-/// Token buckets of clients. Each is kept as the time at which it is full again.
+/// Token buckets of clients, each stored as the time at which it is full again.
 #[derive(Debug)]
 pub struct Rates {
     full_at: Mutex<HashMap<Peer, Duration>>,
     clock: Arc<dyn Clock>,
 }
 
-/// What a client may still send.
+/// The state of a client's rate limit.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Quota {
-    /// Requests in a minute.
+    /// Requests per minute.
     pub limit: u64,
-    /// Requests that may come at once now.
+    /// Requests that the client may send at once now.
     pub remaining: u64,
-    /// Time until all of them may.
+    /// Time until the bucket is full.
     pub reset: Duration,
 }
 
-/// A client has sent too much: when it may come back, and what it may send then.
+/// Refusal of a client that has sent too many requests.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Exceeded {
-    /// Time until it may send one request.
+    /// Time until the client may send one request.
     pub retry_after: Duration,
-    /// What it may send.
+    /// The state of the rate limit.
     pub quota: Quota,
 }
 
 impl Rates {
-    /// Buckets that are all full.
+    /// Creates the rate limits, with all buckets full.
     pub fn new(clock: Arc<dyn Clock>) -> Self {
         Self { full_at: Mutex::default(), clock }
     }
 
-    /// Takes a request of a client that may send so many a minute.
+    /// Counts a request of a client that may send `per_minute` requests per minute.
     ///
     /// # Errors
-    /// [`Exceeded`]; then it is not counted.
+    /// [`Exceeded`]; then the request is not counted.
     pub fn take(&self, peer: Peer, per_minute: u64) -> Result<Quota, Exceeded> {
         let (now, each) = (self.clock.now(), share(per_minute));
         let mut buckets = self.full_at.lock().unwrap_or_else(PoisonError::into_inner);
@@ -72,7 +73,7 @@ impl Rates {
         Ok(quota(after))
     }
 
-    /// Gives a request back that cost nothing.
+    /// Uncounts a request that caused no work.
     pub fn give_back(&self, peer: Peer, per_minute: u64) {
         let mut buckets = self.full_at.lock().unwrap_or_else(PoisonError::into_inner);
         if let Some(full_at) = buckets.get_mut(&peer) {
@@ -80,18 +81,18 @@ impl Rates {
         }
     }
 
-    /// How many clients are counted.
+    /// Returns the number of clients counted.
     pub fn len(&self) -> usize {
         self.full_at.lock().unwrap_or_else(PoisonError::into_inner).len()
     }
 
-    /// Whether no client is counted.
+    /// Returns whether no client is counted.
     pub fn is_empty(&self) -> bool {
         self.len() == 0
     }
 }
 
-/// What one request takes of the window.
+/// Returns the time in which the bucket regains one request.
 fn share(per_minute: u64) -> Duration {
     Duration::from_nanos(60_000_000_000 / per_minute.max(1))
 }

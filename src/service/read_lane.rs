@@ -1,4 +1,4 @@
-//! Work on requests before they are jobs: in the lane for reading, for as long as their clients wait.
+//! Reading of requests in the lane for reading, for as long as their clients wait.
 
 use super::computation::Failure;
 use super::desk::Desk;
@@ -7,7 +7,7 @@ use super::pool::{Busy, Lane};
 use crate::watch::Watch;
 
 impl Desk {
-    /// Runs work on a request, which takes so much memory, when its turn comes. When the caller leaves, the work is
+    /// Runs work on a request in its turn, with `memory_bytes` of memory. If the future is dropped, the work is
     /// stopped.
     ///
     /// # Errors
@@ -33,7 +33,7 @@ impl Desk {
     }
 }
 
-/// Stops work when whoever waits for it leaves.
+/// Stops the work of a watch when dropped.
 #[derive(Debug)]
 pub(super) struct StopOnDrop(pub(super) Watch);
 
@@ -43,11 +43,11 @@ impl Drop for StopOnDrop {
     }
 }
 
-/// Why a request was not read.
+/// The reason why a request was not read.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Unread {
-    /// Too many wait to be read.
+    /// Too many requests wait to be read.
     Busy(Busy),
-    /// The work on it failed.
+    /// The work on the request failed.
     Failed(Failure),
 }

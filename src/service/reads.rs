@@ -1,4 +1,4 @@
-//! Reads from the disk: few at a time, so that a disk that hangs holds these few threads and no more.
+//! Reads from the disk, few at a time, so that a disk that hangs blocks only these few threads.
 
 use std::sync::Arc;
 use std::time::Duration;
@@ -8,11 +8,12 @@ use tokio::sync::Semaphore;
 use super::disk_counts::{DiskCounts, count};
 use super::store::StoreError;
 
-/// Most reads at a time. A solid disk gains little beyond four requests of a mebibyte each, and a turning one loses.
-/// Half of it leaves a solid disk idle; twice of it gains little and holds twice as many parts.
+/// Maximum number of concurrent reads. A solid-state disk gains little beyond four requests of a mebibyte each, and a
+/// spinning one loses. Half as many would leave a solid-state disk idle; twice as many would gain little and hold twice
+/// as many parts.
 const PLACES: usize = 4;
 
-/// The places of one disk.
+/// The reading places of one disk.
 #[derive(Debug)]
 pub(super) struct Reads {
     places: Arc<Semaphore>,
@@ -24,8 +25,8 @@ impl Reads {
         Self { places: Arc::new(Semaphore::new(PLACES)), counts }
     }
 
-    /// Reads on a thread that may block; `None` when it fails, or when no place and answer were had within `patience`.
-    /// A read that is given up keeps its place until the disk lets go of it.
+    /// Runs a read on a thread that may block. Returns `None` if it fails, or if there is no place or no result within
+    /// `patience`. A read that timed out keeps its place until the disk returns.
     pub(super) async fn read<T: Send + 'static>(
         &self,
         patience: Duration,

@@ -1,5 +1,5 @@
-//! A result being made: its bytes go to where they will be kept, and stay at hand when that place fails, so that they
-//! are computed once.
+//! The buffer of a result being made: its bytes go to the store that will keep them, and remain available if that store
+//! fails, so that they need not be computed again.
 
 use std::io::{self, Write};
 use std::sync::Arc;
@@ -12,8 +12,8 @@ use super::tiers::{Kept, Tiers};
 use super::writer::Waiting;
 use crate::job::key::Key;
 
-/// Bytes that a result may have in memory beyond what its estimate says.
-/// Half of it breaks off results whose estimate is short by more; twice of it lets each exceed its promise by 2 MiB.
+/// Memory of a result beyond its estimate, in bytes. Half of it would abort results whose estimate is short by more;
+/// twice of it would let each exceed its promise by 2 MiB.
 const SLACK_BYTES: u128 = 1 << 20;
 
 /// A result being made.
@@ -21,9 +21,9 @@ const SLACK_BYTES: u128 = 1 << 20;
 pub struct ResultBuffer<'a> {
     tiers: &'a Tiers,
     key: Key,
-    /// Where the bytes go, as long as that works.
+    /// The store's spool for the bytes, as long as it takes them.
     spool: Option<Box<dyn LargeSpool>>,
-    /// All bytes, where there is no spool.
+    /// All bytes, if there is no spool.
     bytes: Vec<u8>,
     about_bytes: u128,
     max_bytes: usize,
@@ -31,25 +31,26 @@ pub struct ResultBuffer<'a> {
 }
 
 impl<'a> ResultBuffer<'a> {
-    /// A buffer for about so many bytes: in memory when they fit there well, else on the disk.
+    /// Creates a buffer for about `about_bytes` bytes: in memory if that many are small for the memory cache, otherwise
+    /// on the disk.
     pub fn new(tiers: &'a Tiers, key: Key, about_bytes: u128) -> Self {
         Self { spool: tiers.spool(key, about_bytes), ..Self::in_memory(tiers, key, about_bytes) }
     }
 
-    /// A buffer in memory. It may have what the estimate of its job says, which is an upper bound that the job's memory
-    /// contains.
+    /// Creates a buffer in memory. It holds up to five quarters of the estimate, which is an upper bound already and
+    /// part of the job's memory, plus [`SLACK_BYTES`].
     pub fn in_memory(tiers: &'a Tiers, key: Key, about_bytes: u128) -> Self {
         let max_bytes = about_bytes.saturating_add(about_bytes / 4).saturating_add(SLACK_BYTES);
         let max_bytes = usize::try_from(max_bytes).unwrap_or(usize::MAX);
         Self { tiers, key, spool: None, bytes: Vec::new(), about_bytes, max_bytes, lost: false }
     }
 
-    /// Whether the disk lost bytes that it had taken, so that they have to be computed again.
+    /// Returns whether the disk lost bytes that it had taken, so that they have to be computed again.
     pub fn has_lost_bytes(&self) -> bool {
         self.lost
     }
 
-    /// Keeps the result where there is room for it.
+    /// Stores the result where there is room for it.
     ///
     /// # Errors
     /// When the disk [lost](Self::has_lost_bytes) bytes.
@@ -69,7 +70,7 @@ impl<'a> ResultBuffer<'a> {
         Ok(self.tiers.keep(Arc::new(Manifest::of(self.key, &bytes, description)), bytes))
     }
 
-    /// Takes what the disk has into memory, as it takes no more.
+    /// Moves the bytes from the disk into memory, since the disk takes no more.
     fn take_back(&mut self, spool: Box<dyn LargeSpool>, error: &StoreError) -> Result<(), StoreError> {
         tracing::warn!(key = %self.key, %error, "the disk does not take the result; it stays in memory");
         self.tiers.failed(error);
@@ -101,9 +102,9 @@ impl Write for ResultBuffer<'_> {
             return Err(io::Error::new(io::ErrorKind::FileTooLarge, detail));
         }
         if self.bytes.capacity() == 0 {
-            // a buffer that grows would be copied, and its pages touched, again and again
+            // a growing buffer would be copied, and its pages touched, again and again
             let room = usize::try_from(self.about_bytes).unwrap_or(0).clamp(bytes.len(), self.max_bytes);
-            let _ = self.bytes.try_reserve_exact(room); // where that fails, it grows all the same
+            let _ = self.bytes.try_reserve_exact(room); // without this memory the buffer grows instead
         }
         self.bytes.extend_from_slice(bytes);
         Ok(bytes.len())

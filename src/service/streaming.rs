@@ -1,4 +1,4 @@
-//! Results that go to their client while they are made, and are kept nowhere.
+//! Streamed results: sent to the client while they are made, and stored nowhere.
 
 use std::io::{self, Write};
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -20,19 +20,20 @@ use super::task::Task;
 use crate::job::{KeepWork, RunError};
 use crate::watch::Watch;
 
-/// Bytes that are sent at a time. Half of it wakes the connection twice as often; twice of it holds twice the memory.
+/// Size of a chunk in bytes. Half of it would wake the connection twice as often; twice of it would take twice the
+/// memory.
 const CHUNK_BYTES: usize = 256 << 10;
-/// Chunks that may wait for the client: 8 MiB, what a compute thread makes in two milliseconds. Half of it lets threads
-/// stand back for clients that are briefly late; twice of it holds twice the memory.
+/// Maximum number of chunks that wait for the client: 8 MiB, what a compute thread makes in two milliseconds. Half as
+/// many would make threads wait for clients that are briefly late; twice as many would take twice the memory.
 const CHUNKS: usize = 32;
 
-/// Bytes that a stream holds besides the memory of its task.
+/// Memory of a stream besides that of its task, in bytes.
 pub const STREAM_BYTES: u128 = (CHUNK_BYTES * (CHUNKS + 2)) as u128;
 
-/// A result on its way; dropping it stops the computation.
+/// A result being streamed; dropping it stops the computation.
 #[derive(Debug)]
 pub struct Streamed {
-    /// Time that passed before its turn came.
+    /// Time that the stream waited for its turn.
     pub queue: Duration,
     first: Option<Bytes>,
     chunks: mpsc::Receiver<Bytes>,
@@ -42,10 +43,10 @@ pub struct Streamed {
 }
 
 impl Streamed {
-    /// The next bytes; `None` at the end.
+    /// Returns the next bytes; `None` at the end.
     ///
     /// # Errors
-    /// Why the computation failed: what came before is not the whole then.
+    /// The failure of the computation; then the bytes sent before are incomplete.
     pub async fn next(&mut self) -> Result<Option<Bytes>, Failure> {
         if let Some(chunk) = self.first.take() {
             return Ok(Some(chunk));
@@ -60,11 +61,11 @@ impl Streamed {
 }
 
 impl Desk {
-    /// Has a task made whose bytes go to one client while they are made; comes true with the first of them.
+    /// Starts a task whose bytes go to one client while they are made; returns when the first bytes exist.
     ///
-    /// Whoever waits for its memory stands in the line of the long lane. The threads are the stream's own, so that no
-    /// lane waits for its client; no more streams compute at once than there are places in the long lane, and one that
-    /// waits for its client computes not.
+    /// A stream waits for its memory in the line of the long lane. It has its own threads, so that no lane waits for
+    /// its client. At most as many streams compute at once as the long lane has places; a stream that waits for its
+    /// client gives its place back.
     ///
     /// # Errors
     /// [`Unread`].
@@ -109,27 +110,27 @@ impl Desk {
     }
 }
 
-/// The way of bytes to their client.
+/// The writing end of a stream.
 struct Channel {
     sender: mpsc::Sender<Bytes>,
     chunk: Vec<u8>,
     places: Arc<Semaphore>,
-    /// The place in which this stream computes; given back while its client is waited for.
+    /// The place in which the stream computes; given back while the stream waits for its client.
     permit: Option<OwnedSemaphorePermit>,
     runtime: Handle,
     pace: Pace,
 }
 
-/// How long a stream may still compute.
+/// The computing time that a stream has left.
 struct Pace {
     clock: Arc<dyn Clock>,
-    /// Since when it has been computing.
+    /// The time from which computing has not yet been counted.
     since: Duration,
     left: Duration,
 }
 
 impl Pace {
-    /// Counts the time since it was last asked.
+    /// Counts the time since the last call; returns whether none is left.
     fn is_over(&mut self) -> bool {
         let now = self.clock.now();
         self.left = self.left.saturating_sub(now.saturating_sub(self.since));
@@ -144,7 +145,7 @@ impl Channel {
         self.send().map_err(RunError::Io)
     }
 
-    /// Sends what was gathered, and waits for the client where it has enough to read already.
+    /// Sends the current chunk, and waits if the client has not yet read those before.
     fn send(&mut self) -> io::Result<()> {
         if self.pace.is_over() {
             return Err(io::ErrorKind::TimedOut.into());

@@ -1,5 +1,5 @@
-//! What happened, counted: computations by how they ended, the time that their stages took, jobs by how they ended, and
-//! where results were found.
+//! Counters of the service: computations and jobs by how they ended, the durations of stages, and lookups by where the
+//! result was found.
 
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::Duration;
@@ -7,11 +7,11 @@ use std::time::Duration;
 use super::computation::{Failure, Phase, Timings};
 use super::jobs::State;
 
-/// The upper bounds of the buckets of a histogram, milliseconds: each about five times the one before, from what a
-/// cached lookup takes to the longest run.
+/// Upper bounds of the buckets of a histogram in milliseconds, each about five times the one before: from the time of a
+/// cached lookup to that of the longest run.
 pub const BOUNDS_MS: [u64; 9] = [1, 5, 20, 100, 500, 2_000, 10_000, 60_000, 300_000];
 
-/// How long something took, counted by buckets.
+/// A histogram of durations.
 #[derive(Debug, Default)]
 pub struct Histogram {
     buckets: [AtomicU64; BOUNDS_MS.len()],
@@ -29,14 +29,14 @@ impl Histogram {
         self.sum_us.fetch_add(us, Ordering::Relaxed);
     }
 
-    /// How many took at most as long as each bound, how many there were, and how long all took together.
+    /// Returns how many durations were at most each bound, how many there were, and their sum.
     pub fn read(&self) -> ([u64; BOUNDS_MS.len()], u64, Duration) {
         let buckets = std::array::from_fn(|at| self.buckets[at].load(Ordering::Relaxed));
         (buckets, self.count.load(Ordering::Relaxed), Duration::from_micros(self.sum_us.load(Ordering::Relaxed)))
     }
 }
 
-/// Where a result was found.
+/// The place where a lookup found a result.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Found {
     /// In memory.
@@ -47,7 +47,7 @@ pub enum Found {
     Nowhere,
 }
 
-/// Counters that only grow.
+/// Counters that never decrease.
 #[derive(Debug, Default)]
 pub struct Tally {
     computations: [AtomicU64; COMPUTATIONS.len()],
@@ -80,7 +80,7 @@ impl Tally {
         self.computations[at].fetch_add(1, Ordering::Relaxed);
     }
 
-    /// Counts a job that goes on no more.
+    /// Counts a job that was settled.
     pub(super) fn settled(&self, state: &State) {
         let at = match state {
             State::Done => 0,
@@ -90,7 +90,7 @@ impl Tally {
         self.jobs[at].fetch_add(1, Ordering::Relaxed);
     }
 
-    /// Counts a look for a result.
+    /// Counts a lookup of a result.
     pub(super) fn looked(&self, found: Found) {
         let at = match found {
             Found::Memory => 0,
@@ -100,22 +100,22 @@ impl Tally {
         self.found[at].fetch_add(1, Ordering::Relaxed);
     }
 
-    /// Computations by how they ended.
+    /// Returns the number of computations by how they ended.
     pub fn computations(&self) -> impl Iterator<Item = (&'static str, u64)> + '_ {
         named(&COMPUTATIONS, &self.computations)
     }
 
-    /// The time of each stage.
+    /// Returns the histogram of each stage.
     pub fn stages(&self) -> impl Iterator<Item = (&'static str, &Histogram)> {
         STAGES.into_iter().zip(&self.stages)
     }
 
-    /// Jobs by how they ended.
+    /// Returns the number of jobs by how they ended.
     pub fn jobs(&self) -> impl Iterator<Item = (&'static str, u64)> + '_ {
         named(&JOBS, &self.jobs)
     }
 
-    /// Looks for results by where they were found.
+    /// Returns the number of lookups by where the result was found.
     pub fn found(&self) -> impl Iterator<Item = (&'static str, u64)> + '_ {
         named(&FOUND, &self.found)
     }

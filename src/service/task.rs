@@ -1,4 +1,4 @@
-//! What the desk has made: anything that becomes bytes under a key, with its cost known beforehand.
+//! Tasks of the desk: anything that makes bytes under a key, at a cost known beforehand.
 
 use std::fmt;
 use std::io::Write;
@@ -11,28 +11,28 @@ use crate::job::limits::Admitted;
 use crate::job::{JobFault, KeepWork, Report, RunError, run_keeping};
 use crate::watch::Watch;
 
-/// What a computation will come to.
+/// The predicted cost of a computation.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Cost {
-    /// Bytes of memory while it runs.
+    /// Bytes of memory while the computation runs.
     pub memory_bytes: u128,
-    /// Milliseconds on one core, roughly.
+    /// Approximate milliseconds on one core.
     pub time_ms: u128,
     /// Units of work, as the watch counts them.
     pub work: u128,
-    /// Bytes of the result, at most.
+    /// Upper bound of the length of the result in bytes.
     pub result_bytes: u128,
 }
 
-/// A computation that can be made: a pure function from itself to bytes.
+/// A computation that makes bytes: a pure function of the task.
 pub trait Task: fmt::Debug + Send + Sync {
-    /// Key of the bytes.
+    /// Returns the key of the bytes.
     fn key(&self) -> Key;
 
-    /// What it will come to.
+    /// Returns the predicted cost.
     fn cost(&self) -> Cost;
 
-    /// Media type of the bytes.
+    /// Returns the media type of the bytes.
     fn media_type(&self) -> &str;
 
     /// Makes the bytes.
@@ -41,13 +41,13 @@ pub trait Task: fmt::Debug + Send + Sync {
     /// [`RunError`].
     fn run(&self, out: &mut dyn Write, kept: &dyn KeepWork, watch: &Watch) -> Result<Report, RunError>;
 
-    /// Where the request has what is at fault.
+    /// Converts a fault of the job into one that points into the request.
     fn fault(&self, fault: JobFault) -> Fault {
         fault.fault
     }
 }
 
-/// One output of a job.
+/// The task that makes one output of a job.
 #[derive(Debug)]
 pub struct Render {
     admitted: Arc<Admitted>,
@@ -57,7 +57,7 @@ pub struct Render {
 }
 
 impl Render {
-    /// The task that makes an output of a job, whose input takes so much memory.
+    /// Creates the task for output number `output` of a job; `input` is the memory of the job's input.
     pub fn new(admitted: Arc<Admitted>, output: usize, input: Option<Arc<Paid>>) -> Self {
         Self { admitted, output, _input: input }
     }

@@ -1,4 +1,4 @@
-//! The stores in use: a quick one in memory, and behind it, where there is one, a large one on disk.
+//! The stores in use: a quick one in memory and, if the service has one, a large one on disk.
 
 use std::io::Write;
 use std::sync::Arc;
@@ -13,38 +13,37 @@ use super::store::{Description, LargeSpool, Manifest, Memory, Pin, Store, StoreE
 use super::writer::{Trouble, Waiting, Writer};
 use crate::job::key::Key;
 
-/// Artifacts up to this size are brought from disk into memory when they are asked for.
-/// Half of it reads more artifacts from the disk each time; twice of it lets one artifact evict twice as many small
-/// ones.
+/// Artifacts up to this size are copied from disk into memory when they are requested. Half of it would read more
+/// artifacts from the disk each time; twice of it would let one artifact evict twice as many small ones.
 const PROMOTED_BYTES: u64 = 4 << 20;
-/// How long looking an artifact up may wait for the disk; after it the artifact is computed instead. A disk under load
-/// reads four mebibytes in this time.
-/// Half of it computes again what a busy disk has; twice of it waits longer than many results take to compute.
+/// Maximum time that a lookup waits for the disk; after it the artifact is computed instead. A disk under load reads
+/// four mebibytes in this time. Half of it would compute again what a busy disk has; twice of it would wait longer than
+/// many results take to compute.
 const LOOKUP_PATIENCE: Duration = Duration::from_secs(2);
-/// How long an answer waits for its next part; after it the answer is cut. Less than most clients wait.
-/// Half of it cuts more answers under load; twice of it is longer than some clients wait.
+/// Maximum time that a response waits for its next part; after it the response is cut off. It is less than most clients
+/// wait. Half of it would cut off more responses under load; twice of it is longer than some clients wait.
 const PART_PATIENCE: Duration = Duration::from_secs(10);
 
-/// Memory before disk.
+/// The memory store with the disk store behind it.
 #[derive(Debug)]
 pub struct Tiers {
     memory: Memory,
-    /// Results that are expected to be larger than this go to disk at once.
+    /// Results that are expected to be larger than this go to disk directly.
     small_bytes: u64,
     disk: Option<DiskTier>,
     counts: Arc<DiskCounts>,
 }
 
-/// A result that was made.
+/// A result that was made and stored.
 #[derive(Debug)]
 pub struct Kept {
-    /// What is known of the bytes.
+    /// The manifest of the bytes.
     pub manifest: Arc<Manifest>,
-    /// The bytes themselves when no store has them.
+    /// The bytes themselves, if no store has them.
     pub loose: Option<Bytes>,
 }
 
-/// The disk, its writer and its readers.
+/// The disk store with its writer and its readers.
 #[derive(Debug)]
 struct DiskTier {
     store: Arc<dyn Store>,
@@ -53,24 +52,24 @@ struct DiskTier {
 }
 
 impl Tiers {
-    /// The stores of a service.
+    /// Creates the stores of a service.
     pub fn new(memory_bytes: u64, disk: Option<Arc<dyn Store>>) -> Self {
         Self::with_clock(memory_bytes, disk, Arc::new(Monotonic::default()))
     }
 
-    /// The stores of a service, with a clock that times the disk.
+    /// Creates the stores of a service, with a clock that times the disk.
     pub fn with_clock(memory_bytes: u64, disk: Option<Arc<dyn Store>>, clock: Arc<dyn Clock>) -> Self {
         let counts = Arc::<DiskCounts>::default();
         let small_bytes = memory_bytes / 8;
         let disk = disk.map(|store| {
-            // what waits for the disk may hold an eighth of the memory cache beside it: any one small artifact fits
+            // the backlog may hold an eighth of the memory cache in addition to it, so that any one small artifact fits
             let writer = Writer::new(store.clone(), small_bytes, Arc::clone(&counts), clock);
             DiskTier { store, writer, reads: Reads::new(Arc::clone(&counts)) }
         });
         Self { memory: Memory::new(memory_bytes), small_bytes, disk, counts }
     }
 
-    /// The manifest of an artifact that is in memory: never blocks. A use here is a use on disk, too.
+    /// Returns the manifest of an artifact that is in memory; never blocks. Counts as a use on disk, too.
     pub fn at_hand(&self, key: &Key) -> Option<Arc<Manifest>> {
         if let Some(manifest) = self.memory.manifest(key).ok().flatten() {
             self.disk.as_ref().and_then(|disk| disk.touch(key));
@@ -82,7 +81,7 @@ impl Tiers {
         }
     }
 
-    /// All bytes of this very artifact, if it is in memory: never blocks. A use here is a use on disk, too.
+    /// Returns all bytes of this very artifact, if it is in memory; never blocks. Counts as a use on disk, too.
     pub fn whole_at_hand(&self, manifest: &Arc<Manifest>) -> Option<Bytes> {
         let bytes = self.memory.take(manifest)?;
         self.disk.as_ref().and_then(|disk| disk.touch(&manifest.key));
@@ -93,8 +92,9 @@ impl Tiers {
         self.disk.as_ref()?.writer.get(key)
     }
 
-    /// The manifest of an artifact wherever it is, another server's included where servers share a store; small ones
-    /// are brought into memory. A disk that fails or does not answer in time has nothing.
+    /// Returns the manifest of an artifact from any store, including artifacts that another server put into a shared
+    /// store. Small artifacts are copied into memory. If the disk fails or does not answer in time, the artifact counts
+    /// as missing.
     pub async fn find(&self, key: &Key) -> Option<Arc<Manifest>> {
         if let Some(manifest) = self.at_hand(key) {
             return Some(manifest);
@@ -112,7 +112,7 @@ impl Tiers {
         promoted.then_some(manifest)
     }
 
-    /// A verified part of an artifact that is in memory: never blocks.
+    /// Returns a verified part of an artifact that is in memory; never blocks.
     pub fn part_at_hand(&self, manifest: &Manifest, index: usize) -> Option<Bytes> {
         if let Some(part) = self.memory.part(manifest, index).ok().flatten() {
             return Some(part);
@@ -123,7 +123,7 @@ impl Tiers {
         }
     }
 
-    /// A verified part of an artifact; `None` when it is gone or was damaged, or the disk does not answer in time.
+    /// Returns a verified part of an artifact; `None` if it is gone or damaged, or if the disk does not answer in time.
     pub async fn part(&self, manifest: &Arc<Manifest>, index: usize) -> Option<Bytes> {
         match self.part_at_hand(manifest, index) {
             Some(part) => Some(part),
@@ -131,19 +131,19 @@ impl Tiers {
         }
     }
 
-    /// Keeps an artifact on disk, where it is there, for as long as somebody reads it.
+    /// Keeps an artifact on disk, if it is there, until the pin is dropped.
     pub fn pin(&self, key: &Key) -> Option<Pin> {
         Pin::new(&self.disk.as_ref()?.store, *key)
     }
 
-    /// Whether an artifact is on disk, or is about to be without memory of its own.
+    /// Returns whether an artifact is on disk, or waits in a temporary file to be stored there.
     pub fn is_on_disk(&self, key: &Key) -> bool {
         let stored = self.disk.as_ref().is_some_and(|disk| disk.touch(key).is_some());
         stored || matches!(self.waiting(key), Some(Waiting::Sealed(_)))
     }
 
-    /// A verified part of an artifact as it stands on disk; `None` when it is not there or was damaged, or the disk
-    /// does not answer in time.
+    /// Returns a verified part of an artifact on disk; `None` if it is missing or damaged, or if the disk does not
+    /// answer in time.
     pub async fn part_on_disk(&self, manifest: &Arc<Manifest>, index: usize) -> Option<Bytes> {
         let disk = self.disk.as_ref()?;
         let (store, waiting, of) = (disk.store.clone(), self.waiting(&manifest.key), Arc::clone(manifest));
@@ -158,14 +158,16 @@ impl Tiers {
         read.await.flatten()
     }
 
-    /// A place on the disk for a new artifact of about this size, where it does not fit into memory well.
+    /// Opens a spool on the disk for a new artifact of about this size, if it is too large for memory and the disk
+    /// takes it.
     pub(super) fn spool(&self, key: Key, about_bytes: u128) -> Option<Box<dyn LargeSpool>> {
         let large = about_bytes > u128::from(self.small_bytes);
         let disk = self.disk.as_ref().filter(|disk| large && disk.takes(&key))?;
         disk.store.large_spool(key)
     }
 
-    /// Keeps an artifact whose bytes are all there: in memory where it fits, else loose, and perhaps on disk later.
+    /// Stores an artifact whose bytes are complete: in memory if it fits; otherwise returns the bytes as loose, and
+    /// offers them to the disk writer.
     pub(super) fn keep(&self, manifest: Arc<Manifest>, bytes: Bytes) -> Kept {
         if let Ok(manifest) = self.memory.keep(Arc::clone(&manifest), bytes.clone()) {
             return Kept { manifest, loose: None };
@@ -174,8 +176,8 @@ impl Tiers {
         Kept { manifest, loose: Some(bytes) }
     }
 
-    /// Has an artifact that is in memory brought to disk, where there is one, so that it outlasts the process: later,
-    /// on the writer's threads, and unless these have too much to do.
+    /// Offers an artifact in memory to the disk writer, if there is a disk, so that the artifact outlasts the process.
+    /// The writer works in the background, and drops the artifact if its backlog is full.
     pub fn persist(&self, manifest: &Arc<Manifest>) {
         if self.disk.is_some()
             && let Some(bytes) = self.memory.whole(manifest)
@@ -184,19 +186,19 @@ impl Tiers {
         }
     }
 
-    /// Has an artifact written; says whether it will be.
+    /// Offers an artifact to the disk writer; returns whether it will be written.
     pub(super) fn offer(&self, waiting: &Waiting) -> bool {
         self.disk.as_ref().is_some_and(|disk| disk.writer.offer(waiting))
     }
 
-    /// Notes that the disk did not take the bytes of a computation.
+    /// Records that the disk did not take the bytes of a computation.
     pub(super) fn failed(&self, error: &StoreError) {
         if let Some(disk) = &self.disk {
             disk.writer.failed(error);
         }
     }
 
-    /// Removes an artifact everywhere. Blocks.
+    /// Removes an artifact from all stores. Blocks.
     ///
     /// # Errors
     /// When the disk fails.
@@ -205,42 +207,44 @@ impl Tiers {
         self.disk.as_ref().map_or(Ok(()), |disk| disk.store.remove(key))
     }
 
-    /// What each store holds: its name and usage.
+    /// Returns the name and the usage of each store.
     pub fn usage(&self) -> Vec<(&'static str, Usage)> {
         let disk = self.disk.as_ref().map(|disk| ("disk", disk.store.usage()));
         [Some(("memory", self.memory.usage())), disk].into_iter().flatten().collect()
     }
 
-    /// What happened on the way to and from the disk.
+    /// Returns the counters of the disk.
     pub fn disk_counts(&self) -> &DiskCounts {
         &self.counts
     }
 
-    /// Artifacts that wait for the disk, and the memory that they hold.
+    /// Returns the number of artifacts that wait for the disk, and the memory they hold in bytes.
     pub fn disk_backlog(&self) -> (usize, u64) {
         self.disk.as_ref().map_or((0, 0), |disk| disk.writer.backlog())
     }
 
-    /// Whether writes to disk fail, or one of them does not end; `None` when the last one succeeded, or failed more
-    /// than a minute ago. Never of a store that servers share: none of them would be ready then.
+    /// Reports failing or hanging writes to disk; `None` if the last write succeeded, or failed more than a minute ago.
+    /// Never reports a store that servers share, since none of them would be ready then.
     pub fn disk_trouble(&self) -> Option<Trouble> {
         self.disk.as_ref().filter(|disk| !disk.store.is_shared())?.writer.trouble()
     }
 
-    /// Ends the writing to disk: waits until all that waits is written, at most so long. Says whether it was. Nothing
-    /// is written afterwards but what a disk that hangs has begun; what drops the stores need not wait then.
+    /// Stops the disk writer: waits for its backlog to be written, for at most `patience`, and returns whether it was.
+    /// Afterwards nothing is written except writes that hang in the disk, and dropping the stores does not wait.
     pub fn close(&self, patience: Duration) -> bool {
         self.disk.as_ref().is_none_or(|disk| disk.writer.close(patience))
     }
 }
 
 impl DiskTier {
-    /// The manifest of an artifact, if it is there; counts as a use and never waits.
+    /// Returns the manifest of an artifact, if this process knows that the disk has it; counts as a use and never
+    /// waits.
     fn touch(&self, key: &Key) -> Option<Arc<Manifest>> {
         self.store.manifest(key).ok().flatten()
     }
 
-    /// The manifest of an artifact, if it is there; asks a store that others share, where it is not known here.
+    /// Returns the manifest of an artifact, if the disk has it; queries a shared store if the artifact is not known
+    /// here.
     async fn look_up(&self, key: &Key) -> Option<Arc<Manifest>> {
         let known = self.touch(key);
         if known.is_some() || !self.store.is_shared() {
@@ -250,13 +254,13 @@ impl DiskTier {
         self.reads.read(LOOKUP_PATIENCE, move || store.look_up(&key)).await.flatten()
     }
 
-    /// Whether a computation may write to it.
+    /// Returns whether a computation may write to the disk.
     fn takes(&self, key: &Key) -> bool {
         self.store.admit(key, 0).is_ok() && !self.writer.is_stuck()
     }
 }
 
-/// Copies an artifact into memory; false when its bytes turned out to be damaged.
+/// Copies an artifact into memory; returns false if its bytes are missing or damaged.
 fn promote(memory: &Memory, disk: &dyn Store, manifest: &Manifest) -> Result<bool, StoreError> {
     let mut spool = memory.spool(manifest.key)?;
     for index in 0..manifest.parts.len() {
