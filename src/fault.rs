@@ -1,4 +1,4 @@
-//! What is wrong, and where: the one shape of every refusal (leaf).
+//! Faults of requests: what is wrong, and where. This module depends on no other.
 
 use std::borrow::Cow;
 use std::fmt;
@@ -6,27 +6,27 @@ use std::fmt;
 /// One fault of a request: a JSON pointer to the place, and a sentence that names value, bound and remedy.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Fault {
-    /// JSON pointer (RFC 6901) into the request, or `?` and the name of a parameter of its query; empty for the whole.
+    /// JSON pointer (RFC 6901) into the request, or `?` and the name of a query parameter; empty for the whole request.
     pub pointer: String,
     /// What is wrong there and what would be right.
     pub detail: String,
-    /// Where in the detail a pointer to another place of the request begins, if there is one.
+    /// Byte position in the detail at which a pointer to another place of the request begins, if there is one.
     pub other: Option<usize>,
 }
 
 impl Fault {
-    /// A fault at `pointer`.
+    /// Creates a fault at `pointer`.
     pub fn new(pointer: impl Into<String>, detail: impl Into<String>) -> Self {
         Self { pointer: pointer.into(), detail: detail.into(), other: None }
     }
 
-    /// A fault at `pointer` whose sentence names another place, too: what comes before it, its pointer, what comes
-    /// after.
+    /// Creates a fault at `pointer` whose detail names another place, too: the text before that place, its pointer, and
+    /// the text after.
     pub fn with_other(pointer: impl Into<String>, [before, other, after]: [&str; 3]) -> Self {
         Self { other: Some(before.len()), ..Self::new(pointer, [before, other, after].concat()) }
     }
 
-    /// The same fault seen from one level further out: `prefix` is put before its pointers.
+    /// Returns the fault as seen from the enclosing value: `prefix` is put before its pointers.
     #[must_use]
     pub fn under(mut self, prefix: &str) -> Self {
         self.pointer.insert_str(0, prefix);
@@ -43,25 +43,25 @@ impl fmt::Display for Fault {
     }
 }
 
-/// Puts `prefix` before the pointer of every fault.
+/// Puts `prefix` before the pointers of every fault.
 pub fn under(prefix: &str, faults: Vec<Fault>) -> Vec<Fault> {
     faults.into_iter().map(|fault| fault.under(prefix)).collect()
 }
 
-/// Most characters of a name in a pointer: every name that can be right is shorter.
+/// Maximum number of characters of a name in a pointer: every valid name is shorter.
 const MOST_NAME: usize = 128;
 
-/// Escapes one reference token of a JSON pointer: `~` and `/`. Names that are too long to be right are cut.
+/// Escapes one reference token of a JSON pointer (`~` and `/`). Names that are too long to be valid are cut.
 pub fn token(name: &str) -> String {
     cut(name, MOST_NAME).replace('~', "~0").replace('/', "~1")
 }
 
-/// At most 40 characters of a client's text, for messages.
+/// Returns at most 40 characters of a client's text, for messages.
 pub fn shortened(text: &str) -> String {
     cut(text, 40).into_owned()
 }
 
-/// A text of at most so many characters, and an ellipsis where there were more.
+/// Returns a text of at most `most` characters, followed by an ellipsis if there were more.
 pub fn cut(text: &str, most: usize) -> Cow<'_, str> {
     match text.char_indices().nth(most) {
         Some((end, _)) => Cow::Owned(format!("{}…", &text[..end])),
@@ -69,11 +69,11 @@ pub fn cut(text: &str, most: usize) -> Cow<'_, str> {
     }
 }
 
-/// The known name that `given` was probably meant to be: the one that is spelled most like it, where at most a third of
-/// the letters differ, or one that begins with it.
-/// A quarter finds no `loop` for `lop`; half of them finds `obj` for `stl` misspelt as `otl`.
+/// Returns the known name that `given` was probably meant to be: the most similar one of which at most a third of the
+/// letters differ, or else one that begins with `given`. A limit of a quarter would find no `png` for `pn`; one of a
+/// half would find `loop` for `lot`.
 pub fn nearest<'a>(given: &str, known: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
-    // a text that is too long to be a name is not compared
+    // a text too long to be a name is not compared
     let given = given.char_indices().nth(MOST_NAME).is_none().then(|| given.to_lowercase())?;
     let letters = given.chars().count();
     let distance = |name: &'a str| {
@@ -85,7 +85,7 @@ pub fn nearest<'a>(given: &str, known: impl IntoIterator<Item = &'a str>) -> Opt
     known.into_iter().filter_map(distance).min().map(|(.., name)| name)
 }
 
-/// `did you mean "x"? ` for a name that is not known, or nothing where no known name is near.
+/// Returns `did you mean "x"? ` for an unknown name, or an empty text if no known name is near.
 pub fn did_you_mean<'a>(given: &str, known: impl IntoIterator<Item = &'a str>) -> String {
     nearest(given, known).map_or_else(String::new, |name| format!("did you mean \"{name}\"? "))
 }

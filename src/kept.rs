@@ -1,13 +1,14 @@
-//! Large buffers that are kept from one computation to the next: fresh pages cost more time than what is written there.
+//! Large buffers that are kept from one computation to the next, since fresh memory pages take more time than writing
+//! to them.
 
 use std::ops::{Deref, DerefMut};
 use std::sync::Mutex;
 
-/// Buffers below this size are left to the allocator, which keeps such memory itself. Half and twice of it change
-/// nothing that could be measured.
+/// Smallest buffer to keep, in bytes; the allocator keeps smaller ones itself. Half and twice of it made no measurable
+/// difference.
 const SMALLEST: usize = 1 << 20;
 
-/// What is kept, and how much may be.
+/// The kept buffers, and the maximum number of bytes to keep.
 struct Shelf {
     most: usize,
     buffers: Vec<Vec<f64>>,
@@ -25,7 +26,7 @@ impl Shelf {
     }
 }
 
-/// Keeps at most so many bytes from now on; nothing until this is called.
+/// Sets the maximum number of bytes to keep; initially nothing is kept.
 pub fn keep_at_most(most: usize) {
     let mut shelf = SHELF.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
     shelf.most = most;
@@ -34,7 +35,7 @@ pub fn keep_at_most(most: usize) {
     }
 }
 
-/// Numbers whose memory may have been used before, and may be used again once they are dropped.
+/// An array of numbers, whose memory may come from an earlier array and is kept for a later one on drop.
 #[derive(Debug, Default, PartialEq)]
 pub struct Numbers {
     buffer: Vec<f64>,
@@ -42,7 +43,7 @@ pub struct Numbers {
 }
 
 impl Numbers {
-    /// So many numbers, all of which are to be overwritten: what they are is left open.
+    /// Creates an array of `len` numbers with unspecified values, all of which the caller has to overwrite.
     pub fn to_overwrite(len: usize) -> Self {
         let mut numbers = Self { buffer: taken(len).unwrap_or_else(|| vec![0.0; len]), len };
         if cfg!(debug_assertions) {
@@ -53,13 +54,13 @@ impl Numbers {
 }
 
 impl Numbers {
-    /// Bytes of memory that they hold.
+    /// Returns the memory of the array in bytes.
     pub fn bytes(&self) -> usize {
         bytes(&self.buffer)
     }
 }
 
-/// The smallest kept buffer with room for so many numbers, unless that would leave half of it unused.
+/// Takes the smallest kept buffer with room for `len` numbers, unless more than half of it would be unused.
 fn taken(len: usize) -> Option<Vec<f64>> {
     let mut shelf = SHELF.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
     let fitting = shelf.buffers.iter().enumerate().filter(|(_, buffer)| (len..=2 * len).contains(&buffer.len()));
@@ -117,7 +118,7 @@ mod tests {
         let (first, second) = (Numbers::to_overwrite(len), Numbers::to_overwrite(len));
         let place = first.as_ptr();
         drop(first);
-        drop(second); // there is room for one
+        drop(second); // not kept: there is room for one
         let again = Numbers::to_overwrite(len - 1);
         assert_eq!((again.as_ptr(), again.len()), (place, len - 1));
         assert_eq!(taken(len), None);

@@ -1,10 +1,10 @@
-//! "Should I stop?": one atomic flag, asked between pieces of work.
+//! Cancellation and progress of a computation: one atomic flag that is checked between pieces of work.
 
 use std::fmt;
 use std::sync::atomic::{AtomicU8, AtomicU64, Ordering};
 use std::sync::{Arc, OnceLock};
 
-/// Handle of one computation, shared by whoever runs it and whoever may stop it.
+/// A handle to one computation, shared by the code that runs it and the code that may stop it.
 ///
 /// Long loops call [`Watch::check`] at least every 65,536 rows or once a tile, and [`Watch::advance`] by the work they
 /// finished, in the units of the forecast (rows). Clones share the state.
@@ -13,15 +13,15 @@ pub struct Watch(Arc<State>);
 
 #[derive(Default)]
 struct State {
-    /// Zero while it may go on, else [`STOPPED`] and [`SET_ASIDE`] as far as they hold.
+    /// Zero while the work may continue, otherwise a combination of [`STOPPED`] and [`SET_ASIDE`].
     halted: AtomicU8,
     done: AtomicU64,
     observer: OnceLock<Box<dyn Fn(Stage) + Send + Sync>>,
 }
 
-/// It is to end.
+/// Flag of work that is to end for good.
 const STOPPED: u8 = 1;
-/// It is to make room, and will be begun again.
+/// Flag of work that is to end for now and will start again later.
 const SET_ASIDE: u8 = 2;
 
 impl fmt::Debug for State {
@@ -30,7 +30,7 @@ impl fmt::Debug for State {
     }
 }
 
-/// What a computation is about to do; whoever watches it keeps the time, as jobs have no clock.
+/// A stage of a computation. The observer of a watch measures the time, since jobs have no clock.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Stage {
     /// Applying operators.
@@ -43,13 +43,13 @@ pub enum Stage {
     Encode,
 }
 
-/// The computation was asked to stop.
+/// The computation was stopped or set aside.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
 #[error("the computation was stopped")]
 pub struct Stopped;
 
 impl Watch {
-    /// A fresh watch: not stopped, no work done.
+    /// Creates a watch: not stopped, no work done.
     pub fn new() -> Self {
         Self::default()
     }
@@ -64,18 +64,18 @@ impl Watch {
         self.0.halted.fetch_or(SET_ASIDE, Ordering::Relaxed);
     }
 
-    /// Whether the work was set aside and not stopped.
+    /// Returns whether the work was set aside and not stopped.
     pub fn is_set_aside(&self) -> bool {
         self.0.halted.load(Ordering::Relaxed) == SET_ASIDE
     }
 
-    /// Lets work that was set aside be begun again from nothing; what was stopped stays stopped.
+    /// Lets work that was set aside start again from the beginning; stopped work remains stopped.
     pub fn begin_again(&self) {
         self.0.halted.fetch_and(!SET_ASIDE, Ordering::Relaxed);
         self.0.done.store(0, Ordering::Relaxed);
     }
 
-    /// Answers "go on" or [`Stopped`].
+    /// Checks whether the work may continue.
     ///
     /// # Errors
     /// [`Stopped`] after [`Watch::stop`] or [`Watch::set_aside`].
@@ -83,12 +83,12 @@ impl Watch {
         if self.0.halted.load(Ordering::Relaxed) == 0 { Ok(()) } else { Err(Stopped) }
     }
 
-    /// Has `observer` called at the start of every stage; the first observer stays.
+    /// Sets a function to be called at the start of every stage; only the first call has an effect.
     pub fn observe(&self, observer: impl Fn(Stage) + Send + Sync + 'static) {
         let _ = self.0.observer.set(Box::new(observer));
     }
 
-    /// Says that `stage` begins.
+    /// Reports that `stage` begins.
     pub fn enter(&self, stage: Stage) {
         if let Some(observer) = self.0.observer.get() {
             observer(stage);
@@ -100,7 +100,7 @@ impl Watch {
         self.0.done.fetch_add(work, Ordering::Relaxed);
     }
 
-    /// Units of work done so far.
+    /// Returns the units of work done so far.
     pub fn done(&self) -> u64 {
         self.0.done.load(Ordering::Relaxed)
     }

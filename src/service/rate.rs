@@ -73,7 +73,7 @@ impl Rates {
         Ok(quota(after))
     }
 
-    /// Uncounts a request that caused no work.
+    /// Takes back the count of a request that caused no work.
     pub fn give_back(&self, peer: Peer, per_minute: u64) {
         let mut buckets = self.full_at.lock().unwrap_or_else(PoisonError::into_inner);
         if let Some(full_at) = buckets.get_mut(&peer) {

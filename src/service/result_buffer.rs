@@ -38,7 +38,7 @@ impl<'a> ResultBuffer<'a> {
     }
 
     /// Creates a buffer in memory. It holds up to five quarters of the estimate, which is an upper bound already and
-    /// part of the job's memory, plus [`SLACK_BYTES`].
+    /// part of the job's memory, plus `SLACK_BYTES`.
     pub fn in_memory(tiers: &'a Tiers, key: Key, about_bytes: u128) -> Self {
         let max_bytes = about_bytes.saturating_add(about_bytes / 4).saturating_add(SLACK_BYTES);
         let max_bytes = usize::try_from(max_bytes).unwrap_or(usize::MAX);

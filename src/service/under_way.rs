@@ -1,4 +1,4 @@
-//! The computations under way, and who is interested in them.
+//! The table of computations under way, with the interests in them.
 
 use std::collections::HashMap;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
@@ -7,35 +7,35 @@ use super::computation::Computation;
 use super::peer::Ticket;
 use crate::job::key::Key;
 
-/// The computations that wait or run, by their keys.
+/// The computations that wait or run, by key.
 #[derive(Debug, Default)]
 pub(super) struct UnderWay(Mutex<HashMap<Key, Arc<Computation>>>);
 
-/// How an artifact came about, for `Cache-Status`.
+/// The origin of an artifact, for `Cache-Status`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Provenance {
-    /// It was there.
+    /// A store had the artifact.
     Hit,
-    /// It was made for this request.
+    /// The artifact was computed for this request.
     Made,
-    /// It was being made for another request of the same tenant.
+    /// The artifact was being computed for another request of the same tenant.
     Joined,
 }
 
-/// An interest in a computation; when the last one is dropped the computation stops.
+/// An interest in a computation; when the last one is dropped, the computation stops.
 #[derive(Debug)]
 pub struct Interest {
     /// The computation.
     pub computation: Arc<Computation>,
-    /// Whether it was under way already.
+    /// Whether the computation was under way already.
     pub provenance: Provenance,
     under_way: Arc<UnderWay>,
-    /// Counts as one of what its peer may have.
+    /// Counts this interest towards the limits of its peer.
     ticket: Ticket,
 }
 
 impl Interest {
-    /// Counts as something else from now on.
+    /// Replaces the ticket, so that the interest counts towards another limit.
     pub(super) fn count_as(&mut self, ticket: Ticket) {
         drop(std::mem::replace(&mut self.ticket, ticket));
     }
@@ -56,10 +56,10 @@ impl UnderWay {
         self.0.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// Joins the computation of a key, or begins it; it is counted by `ticket`.
+    /// Joins the computation of a key, or begins it. The interest counts towards the limit of `ticket`.
     ///
     /// # Errors
-    /// That of `begin`.
+    /// The error of `begin`.
     pub(super) fn join_or_begin<E>(
         self: &Arc<Self>,
         key: Key,
@@ -70,7 +70,7 @@ impl UnderWay {
         let tenant = ticket.peer().tenant();
         let running = computations.get(&key).and_then(|running| Some((running.clone(), running.join(tenant)?)));
         let (computation, provenance) = if let Some((computation, is_own)) = running {
-            // what others have made is nobody else's business
+            // a tenant must not learn what others compute
             (computation, if is_own { Provenance::Joined } else { Provenance::Made })
         } else {
             let computation = begin()?;
@@ -81,33 +81,33 @@ impl UnderWay {
         Ok(Interest { computation, provenance, under_way: self.clone(), ticket })
     }
 
-    /// Takes a computation off the list.
+    /// Removes a computation from the table.
     pub(super) fn remove(&self, computation: &Arc<Computation>) {
         remove(&mut self.computations(), computation);
     }
 
-    /// How many there are.
+    /// Returns the number of computations.
     pub(super) fn len(&self) -> usize {
         self.computations().len()
     }
 
-    /// How many interests there are in all of them.
+    /// Returns the number of interests in all computations.
     pub(super) fn n_interests(&self) -> usize {
         self.computations().values().map(|computation| computation.n_interests()).sum()
     }
 
-    /// Any of them.
+    /// Returns any of the computations.
     pub(super) fn any(&self) -> Option<Arc<Computation>> {
         self.computations().values().next().cloned()
     }
 
-    /// Ends all of them.
+    /// Stops all computations.
     pub(super) fn stop(&self) {
         self.computations().values().for_each(|computation| computation.stop());
     }
 }
 
-/// Takes a computation off the list, unless another one has its key by now.
+/// Removes a computation from the table, unless a newer one has the same key.
 fn remove(computations: &mut HashMap<Key, Arc<Computation>>, computation: &Arc<Computation>) {
     if computations.get(&computation.key).is_some_and(|current| Arc::ptr_eq(current, computation)) {
         computations.remove(&computation.key);

@@ -1,5 +1,5 @@
-//! Files that clients sent once, to be named by their content: kept apart from results, so that these do not push them
-//! out.
+//! Uploads: files that clients send once and then name by the hash of their content. They have a store of their own, so
+//! that results do not evict them.
 
 use std::io::{self, Write};
 use std::sync::Arc;
@@ -14,8 +14,8 @@ use super::reads::Reads;
 use super::store::{Description, Manifest, Owners, Pin, Spool, Store, StoreError, Usage};
 use crate::job::key::{Key, content};
 
-/// How long reading a part may wait for the disk: as long as answers wait for theirs.
-/// Half of it fails more jobs under load; twice of it is longer than some clients wait.
+/// Maximum time that reading a part waits for the disk, the same as for parts of responses. Half of it would fail more
+/// jobs under load; twice of it is longer than some clients wait.
 const PATIENCE: Duration = Duration::from_secs(10);
 
 /// The files that clients sent.
@@ -26,24 +26,24 @@ pub struct Uploads {
     begun: AtomicU64,
 }
 
-/// Nobody can tell at the moment whether an upload is there.
+/// The shared store did not answer whether it has an upload.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Unknown;
 
-/// A file on its way.
+/// A file being received.
 #[derive(Debug)]
 pub struct Upload(Box<dyn Spool>);
 
 impl Upload {
-    /// Takes the next bytes. Blocks.
+    /// Appends bytes. Blocks.
     ///
     /// # Errors
-    /// When the store does not take them; then it takes nothing more.
+    /// When the store does not take the bytes; then it takes nothing more.
     pub fn take(&mut self, bytes: &[u8]) -> io::Result<()> {
         self.0.write_all(bytes)
     }
 
-    /// Keeps the file, for good when it returns, under the hash of its bytes, for a tenant; beside others who have sent
+    /// Stores the file durably under the hash of its bytes, for a tenant, in addition to other tenants that have sent
     /// the same bytes. Blocks.
     ///
     /// # Errors
@@ -55,7 +55,7 @@ impl Upload {
 }
 
 impl Uploads {
-    /// Uploads in a store of their own.
+    /// Creates the uploads of a service, in a store of their own.
     pub fn new(store: Arc<dyn Store>) -> Self {
         Self { store, reads: Reads::new(Arc::<DiskCounts>::default()), begun: AtomicU64::new(0) }
     }
@@ -65,16 +65,16 @@ impl Uploads {
     /// # Errors
     /// When the store fails.
     pub fn begin(&self) -> Result<Upload, StoreError> {
-        // a name for the time until the content is known
+        // a temporary key until the content is known
         let number = self.begun.fetch_add(1, Ordering::Relaxed);
         self.store.spool(content(&number.to_le_bytes())).map(Upload)
     }
 
-    /// What is known of an upload, if it is here and this tenant has sent it; counts as a use. Waits only for a store
-    /// that servers share, where this one does not know of it.
+    /// Returns the manifest of an upload, if it is here and this tenant has sent it; counts as a use. Waits only if a
+    /// store that servers share has to be queried.
     ///
     /// # Errors
-    /// [`Unknown`]: the shared store does not tell whether it is there.
+    /// [`Unknown`] when the shared store does not answer.
     pub async fn find(&self, id: &Key, tenant: Tenant) -> Result<Option<Arc<Manifest>>, Unknown> {
         let is_his = |manifest: &Arc<Manifest>| manifest.content == *id && manifest.owners.contain(tenant);
         let here = self.store.manifest(id).ok().flatten().filter(is_his);
@@ -86,18 +86,18 @@ impl Uploads {
         Ok(found.filter(is_his))
     }
 
-    /// Keeps an upload here for as long as somebody needs it.
+    /// Keeps an upload here until the pin is dropped.
     pub fn pin(&self, id: &Key) -> Option<Pin> {
         Pin::new(&self.store, *id)
     }
 
-    /// A verified part of an upload; `None` when it is gone or was damaged, or the disk does not answer in time.
+    /// Returns a verified part of an upload; `None` if it is gone or damaged, or if the disk does not answer in time.
     pub async fn part(&self, manifest: &Arc<Manifest>, index: usize) -> Option<Bytes> {
         let (store, of) = (self.store.clone(), manifest.clone());
         self.reads.read(PATIENCE, move || store.part(&of, index)).await.flatten()
     }
 
-    /// All bytes of an upload, for which the caller has the memory.
+    /// Returns all bytes of an upload; the caller has taken the memory for them.
     pub async fn whole(&self, manifest: &Arc<Manifest>) -> Option<Vec<u8>> {
         let mut bytes = Vec::with_capacity(usize::try_from(manifest.length).ok()?);
         for index in 0..manifest.parts.len() {
@@ -106,12 +106,12 @@ impl Uploads {
         Some(bytes)
     }
 
-    /// What is held.
+    /// Returns the usage of the store.
     pub fn usage(&self) -> Usage {
         self.store.usage()
     }
 
-    /// Writes what has to outlast the process and lets go of the place. Blocks.
+    /// Writes what has to outlast the process, and closes the store. Blocks.
     pub fn close(&self) {
         self.store.close();
     }

@@ -1,5 +1,5 @@
-//! Compressed variants of artifacts: the bytes of an artifact in a content coding of HTTP, made once and kept under a
-//! key of their own like any artifact.
+//! Compressed variants: the bytes of an artifact in a content coding of HTTP, made once and kept under a key of their
+//! own like any artifact.
 
 use std::io::{self, Write};
 
@@ -12,23 +12,26 @@ use crate::job::key::{Key, content};
 use crate::job::{KeepWork, Report, RunError};
 use crate::watch::Watch;
 
-/// Version of the variants: raised when an encoder or its effort changes, so that one ETag never names two texts.
+/// Version of the variants: raised when an encoder or its effort changes, so that one ETag never names two different
+/// sequences of bytes.
 const VERSION: u32 = 1;
-/// Efforts, each the least beyond which the next takes twice the time or more for a tenth fewer bytes: decision 0023
+/// Efforts of the encoders: the next higher effort takes at least twice the time for a tenth fewer bytes. Decision 0023
 /// has the numbers.
 const ZSTD_LEVEL: i32 = 3;
 const BROTLI_QUALITY: u32 = 2;
 const GZIP_LEVEL: u32 = 2;
-/// How far back brotli refers, as a power of two: 4 MiB, which holds a whole result of the usual size. Half of it sees
-/// fewer repetitions in larger ones; twice of it takes twice the memory of an encoder.
+/// Window of brotli as a power of two: 4 MiB, which holds a whole result of the usual size. Half of it would miss
+/// repetitions in larger results; twice of it would double the memory of an encoder.
 const BROTLI_WINDOW_LOG: u32 = 22;
-/// Memory of an encoder beside its output, at most: that of brotli, whose tables and window are the largest.
+/// Upper bound of the memory of an encoder besides its output, in bytes: that of brotli, whose tables and window are
+/// the largest.
 const ENCODER_BYTES: u128 = 32 << 20;
-/// Bytes that are encoded between two looks at the watch.
-/// Half of it looks twice as often; twice of it stops twice as late, after some 10 ms.
+/// Bytes that are encoded between two checks of the watch. Half of it would check twice as often; twice of it would
+/// stop twice as late, after some 10 ms.
 const PIECE_BYTES: usize = 256 << 10;
-/// A variant is kept where it spares at least one part in so many: less is not worth its place in the cache. Half of it
-/// gives up pictures that shrink by a fifth; twice of it keeps variants for a sixteenth.
+/// A variant is kept if it is shorter than the artifact by at least this fraction, one part in `SPARED`: less is not
+/// worth its place in the cache. Half of the number would reject pictures that shrink by a fifth; twice of it would
+/// keep variants that spare a sixteenth.
 const SPARED: u64 = 8;
 
 /// A content coding of HTTP.
@@ -43,11 +46,11 @@ pub enum Coding {
 }
 
 impl Coding {
-    /// All of them; of those that a client likes equally it gets the first. The order is that of their speed: each
-    /// makes fewer bytes in less time than the one behind it, but for brotli on texts.
+    /// All codings; among those that a client accepts equally, the first is used. They are in the order of their speed:
+    /// each makes fewer bytes in less time than the next, except brotli on texts.
     pub const ALL: [Self; 3] = [Self::Zstd, Self::Brotli, Self::Gzip];
 
-    /// Its name in headers.
+    /// Returns the name in HTTP headers.
     pub fn name(self) -> &'static str {
         match self {
             Self::Zstd => "zstd",
@@ -56,7 +59,7 @@ impl Coding {
         }
     }
 
-    /// What it adds to an ETag.
+    /// Returns the suffix of the ETag of a variant.
     pub fn suffix(self) -> &'static str {
         match self {
             Self::Zstd => "-zst",
@@ -65,12 +68,13 @@ impl Coding {
         }
     }
 
-    /// Key of the variant of an artifact.
+    /// Returns the key of the variant of an artifact.
     pub fn key(self, artifact: &Key) -> Key {
         content(format!("planish variant {VERSION} {} of {artifact}", self.name()).as_bytes())
     }
 
-    /// The media type that a variant has in the stores: that of no format, so that it is never taken for a result.
+    /// Returns the media type of a variant in the stores: no format has it, so that a variant is never taken for a
+    /// result.
     fn media_type(self) -> &'static str {
         match self {
             Self::Zstd => "application/vnd.planish.variant+zstd",
@@ -79,7 +83,7 @@ impl Coding {
         }
     }
 
-    /// Bytes that are encoded in a millisecond, about.
+    /// Returns the approximate number of bytes encoded per millisecond.
     fn bytes_a_ms(self) -> u128 {
         match self {
             Self::Zstd => 70_000,
@@ -89,14 +93,14 @@ impl Coding {
     }
 }
 
-/// The bytes of a file in a coding; `None` where that does not pay.
+/// Returns the bytes of a file in a coding; `None` if that does not spare enough.
 pub fn encoded(coding: Coding, bytes: Bytes) -> Option<Vec<u8>> {
     let task = Compress::new(&content(&bytes), coding, vec![bytes]);
     let made = task.encoded(&Watch::default()).ok()?;
     (!made.is_full).then_some(made.bytes)
 }
 
-/// The compression of an artifact: empty where it does not pay.
+/// The compression of an artifact; its result is empty if it does not spare enough.
 #[derive(Debug)]
 pub struct Compress {
     key: Key,
@@ -106,18 +110,18 @@ pub struct Compress {
 }
 
 impl Compress {
-    /// The task that makes the variant of an artifact with these bytes.
+    /// Creates the task that makes the variant of an artifact with these bytes.
     pub fn new(artifact: &Key, coding: Coding, parts: Vec<Bytes>) -> Self {
         let length = parts.iter().map(|part| part.len() as u64).sum();
         Self { key: coding.key(artifact), coding, parts, length }
     }
 
-    /// Most bytes of a variant that pays.
+    /// Returns the maximum length of a variant that spares enough, in bytes.
     fn most(&self) -> u64 {
         self.length - self.length / SPARED
     }
 
-    /// Hands the bytes to an encoder.
+    /// Writes the bytes of the artifact to an encoder.
     fn feed(&self, encoder: &mut dyn Write, watch: &Watch) -> Result<(), RunError> {
         for piece in self.parts.iter().flat_map(|part| part.chunks(PIECE_BYTES)) {
             watch.check().map_err(RunError::Stopped)?;
@@ -126,7 +130,7 @@ impl Compress {
         Ok(())
     }
 
-    /// The encoded bytes, as far as they pay.
+    /// Returns the encoded bytes; none if they do not spare enough.
     fn encoded(&self, watch: &Watch) -> Result<Pays, RunError> {
         let sink = Pays { bytes: Vec::new(), most: usize::try_from(self.most()).unwrap_or(usize::MAX), is_full: false };
         match self.coding {
@@ -179,7 +183,7 @@ impl Task for Compress {
     }
 }
 
-/// Encoded bytes, as long as they pay; what comes after is counted out and forgotten.
+/// Output of an encoder, as long as it spares enough; beyond `most` bytes everything is dropped.
 struct Pays {
     bytes: Vec<u8>,
     most: usize,

@@ -1,5 +1,5 @@
-//! The disk writer: brings artifacts to disk on few threads of its own, from a bounded backlog that drops when it is
-//! full and never blocks.
+//! The disk writer: writes artifacts to disk on a few threads of its own, from a bounded backlog that never blocks and
+//! drops artifacts when it is full.
 
 use std::collections::{HashMap, VecDeque};
 use std::io::Write;
@@ -15,33 +15,33 @@ use super::disk_counts::{DiskCounts, count};
 use super::store::{Description, Manifest, Sealed, Store, StoreError};
 use crate::job::key::Key;
 
-/// Threads that write. Two, so that one long artifact does not hold up all small ones.
-/// One would let small artifacts wait behind a long one; four would share the same disk.
+/// Number of writing threads. One would let small artifacts wait behind a long one; four would share the same disk.
 const THREADS: usize = 2;
-/// Most artifacts waiting: what two threads write in a minute at a quarter of a second a sync and two syncs each.
-/// Half of it leaves artifacts of bursts unwritten sooner; twice of it lets them wait for two minutes.
+/// Maximum number of waiting artifacts: what two threads write in a minute at a quarter of a second a sync and two
+/// syncs each. Half as many would leave artifacts of bursts unwritten sooner; twice as many would wait for two minutes.
 const MAX_WAITING: usize = 256;
-/// Most of them in temporary files, whose bytes do not count towards the capacity of the disk store.
-/// Half of it leaves more artifacts unwritten; twice of it lets twice as much stand on the disk beyond the capacity.
+/// Maximum number of waiting artifacts in temporary files, whose bytes do not count towards the capacity of the disk
+/// store. Half as many would leave more artifacts unwritten; twice as many would let twice as much exceed the capacity
+/// on the disk.
 const MAX_SEALED: usize = 16;
-/// A disk that works for so long on one artifact counts as stuck: at 33 megabytes a second this is a gigabyte.
-/// Half of it calls disks stuck that write a gigabyte at less than 67 megabytes a second; twice of it notices after a
-/// minute.
+/// Time after which a write that has not ended marks the disk as stuck: at 33 megabytes a second this is a gigabyte.
+/// Half of it would call disks stuck that write a gigabyte at less than 67 megabytes a second; twice of it would notice
+/// after a minute.
 const STUCK: Duration = Duration::from_secs(30);
-/// How long after its last failure a disk counts as failing when nothing more is written: without traffic, which a
-/// service that is not ready may not get, no write could show that it has recovered.
-/// Half of it sends traffic back to a disk that may still fail; twice of it keeps a service out of use for longer.
+/// Time for which a disk counts as failing after its last failure, if nothing more is written: without traffic, which a
+/// service that is not ready may not get, no write could show that the disk has recovered. Half of it would send
+/// traffic back to a disk that may still fail; twice of it would keep a service out of use for longer.
 const MEMORY: Duration = Duration::from_mins(1);
-/// How long a writer that is dropped lets its threads go on: half of the service's own time to end.
-/// Twice of it leaves nothing of that time for the rest; half of it loses more writes.
+/// How long a dropped writer waits for its threads: half of the service's own time to end. Twice of it would leave
+/// nothing of that time for the rest; half of it would lose more writes.
 const LAST_WAIT: Duration = Duration::from_secs(10);
 
-/// An artifact on its way to the disk.
+/// An artifact that waits to be written to disk.
 #[derive(Debug, Clone)]
 pub(super) enum Waiting {
-    /// Its bytes are in memory.
+    /// An artifact whose bytes are in memory.
     Held(Arc<Manifest>, Bytes),
-    /// Its bytes are in a temporary file.
+    /// An artifact whose bytes are in a temporary file.
     Sealed(Arc<dyn Sealed>),
 }
 
@@ -53,7 +53,7 @@ impl Waiting {
         }
     }
 
-    /// Bytes of memory that are held until it is written.
+    /// Returns the memory held until the artifact is written, in bytes.
     fn held_bytes(&self) -> u64 {
         match self {
             Self::Held(_, bytes) => bytes.len() as u64,
@@ -73,14 +73,14 @@ impl Waiting {
     }
 }
 
-/// The disk does not do its work.
+/// A disk that fails or hangs.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Trouble {
-    /// How long this has been so.
+    /// Duration of the trouble so far.
     pub lasts: Duration,
-    /// Writes that failed since then.
+    /// Number of writes that failed in this time.
     pub failures: u64,
-    /// What the last one failed of.
+    /// The error of the last failed write, or how long a write has been hanging.
     pub reason: String,
 }
 
@@ -94,7 +94,7 @@ struct Shared {
     max_bytes: u64,
     counts: Arc<DiskCounts>,
     clock: Arc<dyn Clock>,
-    /// Held for moments only, never while the disk works.
+    /// Locked only briefly, never while the disk works.
     backlog: Mutex<Backlog>,
     changed: Condvar,
 }
@@ -102,13 +102,13 @@ struct Shared {
 #[derive(Debug, Default)]
 struct Backlog {
     line: VecDeque<Key>,
-    /// All that is in line or being written.
+    /// All artifacts that wait or are being written.
     waiting: HashMap<Key, Waiting>,
     held_bytes: u64,
     n_sealed: usize,
-    /// Since when each artifact is being written.
+    /// The start times of the writes under way.
     under_way: HashMap<Key, Duration>,
-    /// The last large artifact that could not be written: answers may still be reading it.
+    /// The last large artifact that could not be written: responses may still be reading it.
     given_up: Option<Arc<dyn Sealed>>,
     failing: Option<Failing>,
     threads: usize,
@@ -116,7 +116,7 @@ struct Backlog {
     ended: bool,
 }
 
-/// Writes that failed, without one between that succeeded.
+/// A series of failed writes without a successful one in between.
 #[derive(Debug)]
 struct Failing {
     since: Duration,
@@ -126,7 +126,7 @@ struct Failing {
 }
 
 impl Writer {
-    /// Starts the threads. No more than `max_bytes` of memory wait for the disk.
+    /// Starts the threads. The waiting artifacts hold at most `max_bytes` of memory.
     pub(super) fn new(store: Arc<dyn Store>, max_bytes: u64, counts: Arc<DiskCounts>, clock: Arc<dyn Clock>) -> Self {
         let (backlog, changed) = (Mutex::new(Backlog { threads: THREADS, ..Backlog::default() }), Condvar::new());
         let shared = Arc::new(Shared { store, max_bytes, counts, clock, backlog, changed });
@@ -141,8 +141,8 @@ impl Writer {
         Self(shared)
     }
 
-    /// Takes an artifact on, unless there is no room for it or the store cannot take it; says whether it did. An
-    /// artifact with the same bytes that waits already counts as taken. Never waits for the disk.
+    /// Adds an artifact to the backlog, unless there is no room for it or the store cannot take it; returns whether it
+    /// will be written. An artifact with the same bytes that waits already counts as added. Never waits for the disk.
     pub(super) fn offer(&self, waiting: &Waiting) -> bool {
         let Shared { store, counts, .. } = &*self.0;
         let manifest = waiting.manifest();
@@ -164,26 +164,26 @@ impl Writer {
         true
     }
 
-    /// What is known of an artifact that waits, or of the last large one that could not be written.
+    /// Returns an artifact that waits, or the last large one that could not be written.
     pub(super) fn get(&self, key: &Key) -> Option<Waiting> {
         let backlog = self.0.backlog();
         let given_up = || backlog.given_up.as_ref().filter(|sealed| sealed.manifest().key == *key);
         backlog.waiting.get(key).cloned().or_else(|| given_up().cloned().map(Waiting::Sealed))
     }
 
-    /// Artifacts that wait, and the memory that they hold.
+    /// Returns the number of waiting artifacts, and the memory they hold in bytes.
     pub(super) fn backlog(&self) -> (usize, u64) {
         let backlog = self.0.backlog();
         (backlog.waiting.len(), backlog.held_bytes)
     }
 
-    /// Notes that a write outside of the writer's threads failed.
+    /// Records the failure of a write outside the writer's threads.
     pub(super) fn failed(&self, error: &StoreError) {
         self.0.note(&mut self.0.backlog(), error);
     }
 
-    /// Whether writes fail, or one of them does not end; `None` after a write that succeeded, and some time after the
-    /// last one that failed.
+    /// Reports failing or hanging writes; `None` after a successful write, and when the last failure is older than
+    /// [`MEMORY`].
     pub(super) fn trouble(&self) -> Option<Trouble> {
         let (backlog, now) = (self.0.backlog(), self.0.clock.now());
         if let Some(Failing { since, last, failures, reason }) = &backlog.failing
@@ -197,14 +197,14 @@ impl Writer {
         (lasts >= STUCK).then_some(Trouble { lasts, failures: 0, reason })
     }
 
-    /// Whether a write does not end.
+    /// Returns whether a write hangs.
     pub(super) fn is_stuck(&self) -> bool {
         let (backlog, now) = (self.0.backlog(), self.0.clock.now());
         backlog.under_way.values().any(|&since| now.saturating_sub(since) >= STUCK)
     }
 
-    /// Takes nothing more on, and waits until all that waits is written and the store closed, at most so long; says
-    /// whether it was. What is left then is dropped, except for writes that are under way.
+    /// Closes the backlog, waits for at most `patience` until it is written and the store is closed, and returns
+    /// whether it was. Artifacts left then are dropped, except for writes under way.
     pub(super) fn close(&self, patience: Duration) -> bool {
         let mut backlog = self.0.backlog();
         backlog.closed = true;
@@ -257,12 +257,13 @@ impl Backlog {
 }
 
 impl Shared {
-    /// Every change under this lock is complete before anything can panic, so a poisoned lock guards sound values.
+    /// Locks the backlog. Every change under this lock is complete before anything can panic, so a poisoned lock guards
+    /// sound values.
     fn backlog(&self) -> MutexGuard<'_, Backlog> {
         self.backlog.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// Writes what comes until the writer is closed.
+    /// Writes artifacts until the writer is closed and its backlog is empty.
     fn work(&self) {
         while let Some((key, waiting)) = self.next() {
             let written = catch_unwind(AssertUnwindSafe(|| waiting.write(&*self.store)));
@@ -298,7 +299,7 @@ impl Shared {
         });
         let mut backlog = self.backlog();
         backlog.under_way.remove(key);
-        let mut left = (backlog.take(key), None); // files are removed after the lock
+        let mut left = (backlog.take(key), None); // dropped after the lock: a drop may remove files
         match (written, waiting) {
             (Ok(()), _) => backlog.failing = None,
             (Err(error), waiting) => {
