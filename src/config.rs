@@ -1,4 +1,5 @@
-//! Every setting: unit, default, range; read once at start from flags, environment, and a TOML file, in this order.
+//! The settings of a service, each with unit, default and range; read once at the start from flags, environment
+//! variables, and a TOML file, in this order of precedence.
 
 pub mod authority;
 mod error;
@@ -25,50 +26,50 @@ pub use levels::LogLevels;
 pub use origins::CorsOrigins;
 pub use written::seconds;
 
-/// Most bytes that a setting may name, 1 PiB: beyond the memory and the disks of one machine, and so small that sums
-/// of a thousand of them fit into 63 bits, which is what integers of TOML have.
+/// Maximum number of bytes in a setting, 1 PiB: beyond the memory and the disks of one machine, and so small that sums
+/// of a thousand of them fit into 63 bits, the size of TOML integers.
 const MOST_BYTES: u64 = 1 << 50;
-/// Least memory a service works with, 256 MiB: its shares then still hold a small job each.
+/// Minimum memory of a service, 256 MiB: its shares then still hold a small job each.
 const LEAST_MEMORY_BYTES: u64 = 256 << 20;
-/// Longest request body that can be allowed, 1 GiB: bodies are held in memory, and a gibibyte of JSON is read into
-/// several.
+/// Maximum of the setting for the length of request bodies, 1 GiB: bodies are held in memory, and a gibibyte of JSON is
+/// read into several.
 const MOST_BODY_BYTES: u64 = 1 << 30;
-/// Most jobs or connections that can be allowed: each connection has a file descriptor and its buffers, each job its
-/// request, and 65,536 of them are more than two lanes or one address can serve.
+/// Maximum of the settings for jobs and connections: each connection has a file descriptor and its buffers, each job
+/// its request, and 65,536 of them are more than two lanes or one address can serve.
 const MOST_WAITING: u64 = 1 << 16;
-/// Most requests a minute that can be allowed: 16,666 a second are more than one machine answers.
+/// Maximum of the setting for requests per minute: 16,666 a second are more than one machine answers.
 const MOST_REQUESTS: u64 = 1_000_000;
-/// Most jobs of a batch that can be allowed: how each of them stands is told with the batch, 10,000 of them in some
-/// megabytes.
+/// Maximum of the setting for jobs of a batch: a response about a batch has the state of each job, some megabytes for
+/// 10,000 jobs.
 const MOST_BATCH_ITEMS: u64 = 10_000;
-/// Most compute threads of a lane: more than machines have cores, and two lanes of them still fit under the usual
-/// limit on the threads of a process.
+/// Maximum number of compute threads per lane: more than machines have cores, and two lanes of them still fit under the
+/// usual limit on the threads of a process.
 const MOST_THREADS: u64 = 1024;
-/// Longest time that a setting may name, a day in seconds: what waits longer is no service any more, and clocks can
-/// add a day to any time without overflow.
+/// Maximum duration in a setting, a day in seconds: longer waits are of no use to a service, and clocks can add a day
+/// to any time without overflow.
 const MOST_SECONDS: u64 = 24 * 60 * 60;
-/// Most faces or vertices that can be allowed: indices are 32 bits wide.
+/// Maximum of the settings for faces and vertices: indices are 32 bits wide.
 const MOST_INDEXED: u64 = u32::MAX as u64;
 
-/// One setting as it is listed.
+/// One setting in the list of all settings.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Setting {
     /// The name; flags and keys of the file have dashes in place of underscores.
     pub name: &'static str,
-    /// The variable of the environment.
+    /// The environment variable.
     pub variable: &'static str,
-    /// The value, as it would be written.
+    /// The value, as a user would write it.
     pub value: String,
-    /// The smallest and the largest value, where it is a number.
+    /// The smallest and the largest value, if the setting is a number.
     pub range: Option<RangeInclusive<u64>>,
-    /// What the number counts.
+    /// The unit of the number.
     pub unit: &'static str,
-    /// What the setting does.
+    /// The meaning of the setting.
     pub doc: String,
 }
 
 impl Setting {
-    /// Its value and its range as people read them.
+    /// Returns the value and the range in readable form.
     pub fn told(&self) -> String {
         let amount = |n: u64| match (self.unit, shown(n, self.unit)) {
             ("bytes" | "", size) => size,
@@ -83,7 +84,7 @@ impl Setting {
     }
 }
 
-// Each entry is `name: type = default, in range, "VARIABLE", "unit";`, where only numbers have a range.
+// Each entry is `name: type = default, in range, "VARIABLE", "unit";`, and only numbers have a range.
 macro_rules! settings {
     (@range) => { None };
     (@range $range:expr) => { Some($range) };
@@ -105,16 +106,16 @@ macro_rules! settings {
         impl Given {
             /// The names of the settings.
             const NAMES: &[&'static str] = &[$(stringify!($name)),*];
-            /// Their variables, in the same order.
+            /// The environment variables of the settings, in the same order.
             const VARIABLES: &[&'static str] = &[$($env),*];
 
-            /// What was given here, and what was given there alone.
+            /// Returns these settings, completed by `other` where they have no value.
             #[must_use]
             pub fn or(self, other: Self) -> Self {
                 Self { $($name: self.$name.or(other.$name),)* }
             }
 
-            /// Reads the value of the setting of a name.
+            /// Sets the setting with this name to the value read from `text`.
             fn set(&mut self, name: &str, text: &str) -> Result<(), String> {
                 $(if name == stringify!($name) {
                     self.$name = Some(<$type as Written>::read(text, $unit)?);
@@ -136,13 +137,13 @@ macro_rules! settings {
         }
 
         impl Settings {
-            /// What was given, and of the rest the defaults.
+            /// Returns the given settings, completed by the defaults.
             fn of(given: Given) -> Self {
                 let default = Self::default();
                 Self { $($name: given.$name.unwrap_or(default.$name),)* }
             }
 
-            /// Every setting with its value, range and meaning.
+            /// Returns every setting with its value, range and meaning.
             pub fn list(&self) -> Vec<Setting> {
                 vec![$(Setting {
                     name: stringify!($name),
@@ -259,10 +260,10 @@ fn in_range(
 }
 
 impl Given {
-    /// The settings among the variables of the environment.
+    /// Reads the settings from environment variables.
     ///
     /// # Errors
-    /// [`ConfigError`]: a variable `PLANISH_...` that is no setting, or a value that is none.
+    /// [`ConfigError`] for a variable `PLANISH_...` that is not a setting, or for an invalid value.
     pub fn of_variables(variables: impl Iterator<Item = (OsString, OsString)>) -> Result<Self, ConfigError> {
         let mut given = Self::default();
         for (at, text) in variables::settings(variables, Self::VARIABLES)? {
@@ -272,7 +273,7 @@ impl Given {
         Ok(given)
     }
 
-    /// The settings of a TOML file.
+    /// Reads the settings from a TOML file.
     fn of_file(path: &Path) -> Result<Self, ConfigError> {
         let mut given = Self::default();
         for (key, text) in file::read(path)? {
@@ -289,7 +290,7 @@ impl Given {
 }
 
 impl Settings {
-    /// The settings from flags and environment (`given`) and, below them, a TOML file.
+    /// Returns the settings from flags and environment (`given`), completed by a TOML file and the defaults.
     ///
     /// # Errors
     /// [`ConfigError`].
@@ -297,7 +298,8 @@ impl Settings {
         Self::read_within(given, file, None)
     }
 
-    /// As [`Settings::read`], for a process that may use so much memory, which bounds the budget where none is given.
+    /// As [`Settings::read`], for a process with `available` bytes of memory, which bound the memory budget if no
+    /// setting does.
     ///
     /// # Errors
     /// [`ConfigError`].
@@ -309,7 +311,7 @@ impl Settings {
         Self::of(given).checked()
     }
 
-    /// The bounds on one job.
+    /// Returns the limits on one job.
     pub fn limits(&self) -> Limits {
         Limits {
             max_faces: self.max_faces.min(MOST_INDEXED),
@@ -320,7 +322,7 @@ impl Settings {
         }
     }
 
-    /// Compute threads a lane.
+    /// Returns the number of compute threads per lane.
     pub fn compute_threads(&self) -> usize {
         match self.threads {
             0 => std::thread::available_parallelism().map_or(1, std::num::NonZero::get),

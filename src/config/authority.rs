@@ -2,17 +2,18 @@
 
 use std::net::{IpAddr, Ipv6Addr};
 
-/// A host, and perhaps a port.
+/// A host with an optional port.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Authority<'a> {
-    /// The host: a name, or an address; those of IPv6 without their brackets.
+    /// The host: a name or an address; IPv6 addresses have no brackets.
     pub host: &'a str,
-    /// The port, where one is named.
+    /// The port, if given.
     pub port: Option<u16>,
 }
 
 impl<'a> Authority<'a> {
-    /// Reads `host [":" port]`; nothing else, so no empty host, no name of a user, and no port beyond 65,535.
+    /// Reads `host [":" port]`. Returns `None` for anything else, such as an empty host, user information, or a port
+    /// above 65,535.
     pub fn parse(text: &'a str) -> Option<Self> {
         let (host, after) = if let Some(rest) = text.strip_prefix('[') {
             rest.split_once(']').filter(|(host, _)| host.parse::<Ipv6Addr>().is_ok())?
@@ -20,7 +21,7 @@ impl<'a> Authority<'a> {
             let (host, after) = text.split_at(text.find(':').unwrap_or(text.len()));
             (!host.is_empty() && host.bytes().all(is_of_names)).then_some((host, after))?
         };
-        // a colon without a port is right, and means the port of the scheme
+        // a colon without a port is valid, and means the default port of the scheme
         let digits = if after.is_empty() { "" } else { after.strip_prefix(':')? };
         let port = match digits {
             "" => None,
@@ -30,13 +31,13 @@ impl<'a> Authority<'a> {
         Some(Self { host, port })
     }
 
-    /// Whether it is the machine itself: `localhost`, or an address like `127.0.0.1` or `::1`.
+    /// Returns whether the host is this machine: `localhost`, or an address like `127.0.0.1` or `::1`.
     pub fn is_loopback(&self) -> bool {
         self.host.eq_ignore_ascii_case("localhost") || self.host.parse().is_ok_and(|ip: IpAddr| ip.is_loopback())
     }
 }
 
-/// Whether a byte may stand in the name of a host.
+/// Returns whether a host name may contain a byte.
 fn is_of_names(byte: u8) -> bool {
     byte.is_ascii_alphanumeric() || b"-._~!$&'()*+,;=%".contains(&byte)
 }

@@ -1,44 +1,44 @@
-//! Why there are no settings.
+//! Errors of reading the settings.
 
 use std::ops::RangeInclusive;
 use std::path::PathBuf;
 
 use super::written::shown;
 
-/// Why there are no settings.
+/// The reason why the settings cannot be read.
 #[derive(Debug, thiserror::Error)]
 pub enum ConfigError {
-    /// The file could not be read.
+    /// The settings file could not be read.
     #[error("the settings file {path}: {error}", path = .path.display())]
     Unreadable {
         /// The file.
         path: PathBuf,
-        /// Why.
+        /// The I/O error.
         error: std::io::Error,
     },
-    /// The file is not what it should be.
+    /// The settings file is not valid TOML.
     #[error("the settings file {path}: {error}", path = .path.display())]
     Unfit {
         /// The file.
         path: PathBuf,
-        /// Where and why.
+        /// The position and the reason.
         error: Box<toml::de::Error>,
     },
-    /// Something that is named as a setting and is none.
+    /// A key or variable that is not a setting.
     #[error(
         "{place} is no setting{}; `planish serve --help` lists them",
         .near.as_ref().map_or_else(String::new, |name| format!("; did you mean {name}?"))
     )]
     Unknown {
-        /// What is named, and where.
+        /// The key or variable, and where it was found.
         place: String,
-        /// The setting that is named most like it.
+        /// The setting with the most similar name.
         near: Option<String>,
     },
-    /// A value that a setting cannot have.
+    /// An invalid value of a setting.
     #[error("{place}: {detail}")]
     Wrong {
-        /// The setting, and where it stands.
+        /// The setting, and where it was found.
         place: String,
         /// What is wrong with the value, and what would be right.
         detail: String,
@@ -57,14 +57,14 @@ pub enum ConfigError {
         value: u64,
         /// The smallest and the largest value.
         range: RangeInclusive<u64>,
-        /// What the setting counts; empty where it counts nothing.
+        /// The unit of the setting; empty if it has none.
         unit: &'static str,
         /// The environment variable of the setting.
         variable: &'static str,
     },
 }
 
-/// The unit after a number that is shown, where that does not have it already.
+/// Returns the unit to write after a number, unless the number is shown with its unit already.
 fn after(unit: &str) -> String {
     match unit {
         "" | "bytes" => String::new(),

@@ -8,10 +8,10 @@ use toml::{Table, Value};
 
 use super::error::ConfigError;
 
-/// Longest settings file, bytes: every setting with a page of comment stays far below.
+/// Maximum length of the settings file in bytes: every setting with a page of comment stays far below.
 const MOST_BYTES: u64 = 1 << 20;
 
-/// The keys of the settings file, each with its value as a flag would have it.
+/// Reads the keys of the settings file, each with its value in the form of a flag.
 pub(super) fn read(path: &Path) -> Result<Vec<(String, String)>, ConfigError> {
     let text = text(path).map_err(|error| ConfigError::Unreadable { path: path.to_owned(), error })?;
     let table: Table =
@@ -19,7 +19,7 @@ pub(super) fn read(path: &Path) -> Result<Vec<(String, String)>, ConfigError> {
     Ok(table.into_iter().map(|(key, value)| (key, flat(value))).collect())
 }
 
-/// A value as a flag would have it: a list with commas.
+/// Converts a value to the form of a flag; the entries of a list are separated by commas.
 fn flat(value: Value) -> String {
     match value {
         Value::String(text) => text,
@@ -34,12 +34,12 @@ fn flat(value: Value) -> String {
 
 fn text(path: &Path) -> io::Result<String> {
     let refused = |detail| io::Error::new(io::ErrorKind::InvalidInput, detail);
-    // asked before it is opened: the opening of a pipe waits for a writer
+    // checked before opening, since opening a pipe waits for a writer
     if !metadata(path)?.is_file() {
         return Err(refused("it is no regular file; name one that holds the settings"));
     }
     let mut text = String::new();
-    // a length is only a promise, so the reading itself is bounded
+    // the reading is bounded, since the length in the metadata may be wrong
     File::open(path)?.take(MOST_BYTES + 1).read_to_string(&mut text)?;
     if text.len() as u64 > MOST_BYTES {
         return Err(refused("it is longer than 1 MiB, the longest that is read; leave out what is no setting"));

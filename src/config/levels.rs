@@ -1,19 +1,19 @@
-//! How much the log says: the setting `log`.
+//! The setting `log`: the levels of log messages.
 
 use std::fmt;
 use std::str::FromStr;
 
 use crate::fault::{did_you_mean, shortened};
 
-/// The levels, from the most silent on.
+/// The log levels, from the fewest messages to the most.
 const LEVELS: [&str; 6] = ["off", "error", "warn", "info", "debug", "trace"];
 
-/// A level, or several: of all, and of single parts of the program, as in `warn,planish=debug`.
+/// A log level for everything, or several with those of single parts of the program, as in `warn,planish=debug`.
 #[derive(Clone, PartialEq, Eq)]
 pub struct LogLevels(String);
 
 impl LogLevels {
-    /// The levels with commas between.
+    /// Returns the levels, separated by commas.
     pub fn as_str(&self) -> &str {
         &self.0
     }
@@ -46,7 +46,7 @@ impl FromStr for LogLevels {
     }
 }
 
-/// As the setting is written.
+/// Writes the levels as in the setting.
 impl fmt::Debug for LogLevels {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(&self.0)

@@ -1,24 +1,24 @@
-//! The memory that this process may use: of the machine, and of the control groups that it is in.
+//! The memory that this process may use, according to the machine and the control groups of the process.
 
 use std::fs;
 use std::path::Path;
 
-/// What stays beside the budget: code, threads, buffers of the system's calls, and what an allocator leaves between its
-/// blocks, as docs/limits.md says. Half of it lets the system end the process under load; twice of it leaves memory
-/// unused.
+/// Memory outside the budget, in bytes: code, threads, buffers of the system's calls, and what an allocator leaves
+/// between its blocks, see docs/limits.md. Half of it would let the system end the process under load; twice of it
+/// would leave memory unused.
 const BESIDE: u64 = 512 << 20;
 
-/// Bytes that this process may use at most, if the system tells.
+/// Returns the maximum memory of this process in bytes, if the system tells.
 pub fn available() -> Option<u64> {
     within(Path::new("/"))
 }
 
-/// The budget where none is given: the usual one, or less where no more is there.
+/// Returns the default budget: the usual one, or less if less memory is available, but at least `least`.
 pub(super) fn budget(usual: u64, least: u64, available: Option<u64>) -> u64 {
     available.map_or(usual, |bytes| usual.min(bytes.saturating_sub(BESIDE.min(bytes / 4)).max(least)))
 }
 
-/// As [`available`], of a system whose files stand below `root`.
+/// As [`available`], with the system's files below `root`.
 fn within(root: &Path) -> Option<u64> {
     let machine = fs::read_to_string(root.join("proc/meminfo")).ok().and_then(|text| total(&text));
     let groups = fs::read_to_string(root.join("proc/self/cgroup")).unwrap_or_default();
@@ -26,14 +26,15 @@ fn within(root: &Path) -> Option<u64> {
     machine.into_iter().chain(limits).min()
 }
 
-/// The memory of the machine.
+/// Reads the memory of the machine in bytes.
 fn total(meminfo: &str) -> Option<u64> {
     let kibibytes = meminfo.lines().find_map(|line| line.strip_prefix("MemTotal:"))?;
     kibibytes.trim().strip_suffix("kB")?.trim().parse::<u64>().ok()?.checked_mul(1024)
 }
 
-/// The least limit of a group and those above it. A line is `0::/path` for version 2, `n:memory:/path` for version 1;
-/// within a container the path may be that of the host, and then the limit stands at the root.
+/// Returns the smallest limit of a control group and its ancestors. A line is `0::/path` for version 2,
+/// `n:memory:/path` for version 1; within a container the path may be that of the host, and then the limit is at the
+/// root.
 fn of_group(root: &Path, line: &str) -> Option<u64> {
     let mut parts = line.splitn(3, ':').skip(1);
     let (controllers, path) = (parts.next()?, parts.next()?);
@@ -52,7 +53,7 @@ fn of_group(root: &Path, line: &str) -> Option<u64> {
 mod tests {
     use super::*;
 
-    /// A system with these files.
+    /// Returns the memory available on a system with these files.
     fn system(name: &str, files: &[(&str, &str)]) -> Option<u64> {
         let root = std::env::temp_dir().join(format!("planish-memory-{}-{name}", std::process::id()));
         for (path, text) in files {

@@ -1,4 +1,4 @@
-//! Whose web pages may ask: the setting `cors-origins`.
+//! The setting `cors-origins`: which web pages may send requests.
 
 use std::fmt;
 use std::str::FromStr;
@@ -6,27 +6,27 @@ use std::str::FromStr;
 use super::authority::Authority;
 use crate::fault::shortened;
 
-/// Most origins of a list: each answer looks through all of them.
+/// Maximum number of origins in the list, since each response searches all of them.
 const MOST_ORIGINS: usize = 64;
 
-/// Web pages that may ask, by their origins.
+/// The web pages that may send requests, by their origins.
 #[derive(Clone, PartialEq, Eq, Default)]
 pub enum CorsOrigins {
-    /// Pages of the machine itself where the service listens on a loopback address; else none.
+    /// Pages of this machine if the service listens on a loopback address; otherwise none.
     #[default]
     Usual,
-    /// None.
+    /// No pages.
     None,
-    /// Pages of the machine itself: of any port of `localhost` and of loopback addresses.
+    /// Pages of this machine: any port of `localhost` and of loopback addresses.
     Loopback,
-    /// All.
+    /// All pages.
     Any,
     /// Pages of the origins in this list.
     Listed(Vec<String>),
 }
 
 impl CorsOrigins {
-    /// Whether pages of an origin may ask a service that listens on a loopback address, or on another.
+    /// Returns whether pages of an origin may send requests to a service that listens on `address`.
     pub fn allows(&self, origin: &str, address: std::net::IpAddr) -> bool {
         match self {
             Self::Usual => address.is_loopback() && is_loopback(origin),
@@ -37,7 +37,7 @@ impl CorsOrigins {
         }
     }
 
-    /// Reads entries of a list.
+    /// Reads the entries of the setting.
     fn of<'a>(entries: impl Iterator<Item = &'a str>) -> Result<Self, String> {
         let entries: Vec<&str> = entries.map(str::trim).take(MOST_ORIGINS + 1).collect();
         match entries.as_slice() {
@@ -53,7 +53,7 @@ impl CorsOrigins {
     }
 }
 
-/// An origin as browsers write it: in small letters, without the port that the scheme has anyway.
+/// Returns an origin as browsers write it: in lower case, without the default port of `http` or `https`.
 fn origin(entry: &str) -> Result<String, String> {
     let remedy = "write none, loopback, *, or origins like https://example.org or http://localhost:3000";
     let wrong = || format!("\"{}\" is no origin; {remedy}", shortened(entry));
@@ -83,7 +83,7 @@ impl FromStr for CorsOrigins {
     }
 }
 
-/// As the setting is written.
+/// Writes the origins as in the setting.
 impl fmt::Debug for CorsOrigins {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {

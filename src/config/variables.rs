@@ -1,21 +1,21 @@
-//! Settings from the variables of the environment.
+//! Settings from environment variables.
 
 use std::ffi::OsString;
 
 use super::error::ConfigError;
 use crate::fault::{nearest, shortened};
 
-/// How the variables of settings begin.
+/// The prefix of the variables of settings.
 const PREFIX: &str = "PLANISH_";
-/// What Kubernetes and Docker set by themselves where a service is called planish.
+/// Prefixes of variables that Kubernetes and Docker set for a service called planish.
 const OF_OTHERS: [&str; 2] = ["PLANISH_SERVICE_", "PLANISH_PORT"];
-/// The variables that name the settings file, and the key that commands show to a service.
+/// Variables that are not settings: the path of the settings file, and the key that commands show to a service.
 const BESIDE: [&str; 2] = ["PLANISH_CONFIG", "PLANISH_KEY"];
 
-/// The variables among these that are settings, each with the place of its setting in the list of `known` ones.
+/// Returns the variables that are settings, each as the index of its setting in `known` and the value.
 ///
 /// # Errors
-/// A variable that begins as one of a setting and is none.
+/// A variable with the prefix that is not a setting.
 pub(super) fn settings(
     variables: impl Iterator<Item = (OsString, OsString)>,
     known: &[&'static str],

@@ -1,4 +1,5 @@
-//! Settings as people write them: sizes with units, times, addresses; every refusal shows an example.
+//! Parsing of values in the form that users write: sizes with units, durations, addresses. Every error shows an
+//! example.
 
 use std::net::SocketAddr;
 use std::path::PathBuf;
@@ -8,7 +9,7 @@ use super::origins::CorsOrigins;
 use crate::fault::shortened;
 use crate::math::amounts::thousands;
 
-/// Units of sizes, largest first within their kind.
+/// Units of sizes in bytes, binary and decimal ones, the largest first within each kind.
 const SIZES: &[(&str, u64)] = &[
     ("PiB", 1 << 50),
     ("TiB", 1 << 40),
@@ -22,12 +23,12 @@ const SIZES: &[(&str, u64)] = &[
     ("kB", 1000),
     ("B", 1),
 ];
-/// Units of times, in seconds.
+/// Units of durations, in seconds.
 const TIMES: &[(&str, u64)] = &[("d", 86_400), ("h", 3600), ("min", 60), ("s", 1)];
 
-/// What the value of a setting can be.
+/// A type that the value of a setting can have.
 pub(super) trait Written: Sized {
-    /// Reads a value whose numbers count `unit`.
+    /// Reads a value; numbers count `unit`.
     fn read(text: &str, unit: &str) -> Result<Self, String>;
 }
 
@@ -91,10 +92,10 @@ impl Written for LogLevels {
     }
 }
 
-/// A time as people write it, in seconds.
+/// Reads a duration, with or without a unit, and returns it in seconds.
 ///
 /// # Errors
-/// What is wrong with it.
+/// What is wrong with the duration.
 pub fn seconds(text: &str) -> Result<u64, String> {
     u64::read(text, "seconds")
 }
@@ -103,8 +104,8 @@ fn wrong(text: &str, remedy: &str) -> String {
     format!("\"{}\" {remedy}", shortened(text))
 }
 
-/// A whole number, or one of at most 9 decimal places with a unit, in any case of letters; what is left below one of
-/// the smallest unit is dropped.
+/// Reads a whole number, or one of at most 9 decimal places with a unit, in upper or lower case. A fraction below one
+/// of the smallest unit is dropped.
 fn with_unit(text: &str, units: &[(&str, u64)]) -> Option<u64> {
     let text = text.trim();
     let (digits, unit) = text.split_at(text.find(|c: char| c.is_ascii_alphabetic()).unwrap_or(text.len()));
@@ -126,7 +127,7 @@ fn with_unit(text: &str, units: &[(&str, u64)]) -> Option<u64> {
     (mantissa.checked_mul(factor.into())? / places_factor).try_into().ok()
 }
 
-/// A number as messages and the help show it: sizes in the largest unit that gives a whole number.
+/// Formats a number for messages and the help; sizes are in the largest binary unit of which they are a multiple.
 pub(super) fn shown(n: u64, unit: &str) -> String {
     if !["bytes", "bytes a second"].contains(&unit) {
         return thousands(n.into());

@@ -1,4 +1,4 @@
-//! What is known of a key.
+//! One key as the service stores it, without the secret.
 
 use serde::Deserialize;
 use subtle::ConstantTimeEq;
@@ -8,8 +8,8 @@ use crate::fault::shortened;
 
 /// The name of the tenant whose keys share results, jobs and uploads with everybody who has such a key.
 pub const SHARED: &str = "shared";
-/// Longest name of a tenant, characters. Twice of it fits into no column of a list; half of it is too short for the
-/// names of hosts.
+/// Maximum length of the name of a tenant, in characters. Twice of it would fit into no column of a list; half of it is
+/// too short for the names of hosts.
 const MOST_NAME: usize = 32;
 
 /// What a key allows; each role also allows what those before it do.
@@ -25,7 +25,7 @@ pub enum Role {
 }
 
 impl Role {
-    /// Its name.
+    /// Returns the name.
     pub fn name(self) -> &'static str {
         match self {
             Self::Read => "read",
@@ -39,43 +39,43 @@ impl Role {
 #[derive(Debug, Clone, PartialEq, Eq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct KeyEntry {
-    /// Twelve hexadecimal digits, which the key begins with.
+    /// The id: twelve hexadecimal digits that are part of the key.
     pub id: String,
-    /// Whose results, jobs and uploads it opens.
+    /// The tenant whose results, jobs and uploads the key opens.
     pub tenant: String,
-    /// What it allows.
+    /// The role of the key.
     pub role: Role,
     /// Hash of the whole key, hexadecimal.
     pub hash: String,
-    /// What signs its links, hexadecimal.
+    /// Secret with which links are signed, hexadecimal.
     pub link: String,
-    /// When it was made, seconds since 1970.
+    /// Time of creation, in seconds since 1970.
     pub created: u64,
-    /// When it ends, seconds since 1970.
+    /// Time of expiry, in seconds since 1970.
     pub expires: Option<u64>,
-    /// Most requests a minute that ask for work, in place of the setting.
+    /// Maximum number of requests for work per minute, in place of the setting.
     pub requests_per_minute: Option<u64>,
-    /// Most such requests that are answered at once, in place of the setting.
+    /// Maximum number of requests for work that are answered at once, in place of the setting.
     pub in_flight: Option<u64>,
 }
 
 impl KeyEntry {
-    /// Whether this is the key, compared in a time that does not depend on where it differs.
+    /// Returns whether a token is this key, compared in a time that does not depend on where they differ.
     pub fn is(&self, token: &Token) -> bool {
         self.hash.as_bytes().ct_eq(token.hash().as_bytes()).into()
     }
 
-    /// Whether it has come to its end.
+    /// Returns whether the key has expired.
     pub fn has_expired(&self, now_s: u64) -> bool {
         self.expires.is_some_and(|end| end <= now_s)
     }
 
-    /// Its number, by which clients with keys are told apart.
+    /// Returns the id as a number, which identifies clients with keys.
     pub fn number(&self) -> u64 {
         u64::from_str_radix(&self.id, 16).unwrap_or(u64::MAX)
     }
 
-    /// What is wrong with it.
+    /// Returns what is wrong with the entry, if anything.
     pub(super) fn fault(&self) -> Option<String> {
         let is_hex = |text: &str, n| text.len() == n && text.bytes().all(|b| matches!(b, b'0'..=b'9' | b'a'..=b'f'));
         if !is_hex(&self.id, 12) {
@@ -88,7 +88,7 @@ impl KeyEntry {
     }
 }
 
-/// What is wrong with the name of a tenant.
+/// Returns what is wrong with the name of a tenant, if anything.
 pub fn tenant_fault(name: &str) -> Option<String> {
     let is_plain = |b| matches!(b, b'a'..=b'z' | b'0'..=b'9' | b'-');
     let is_fit = (1..=MOST_NAME).contains(&name.len()) && name.bytes().all(is_plain) && !name.starts_with('-');

@@ -1,4 +1,4 @@
-//! The file of keys in the data directory: read by a running service again and again, changed by `planish key`.
+//! The file of keys in the data directory: a running service reads it again and again, and `planish key` changes it.
 
 use std::fmt::Write as _;
 use std::fs::{self, File, OpenOptions};
@@ -9,34 +9,34 @@ use serde::Deserialize;
 
 use super::entry::KeyEntry;
 
-/// Its name in the data directory.
+/// Name of the file in the data directory.
 pub const KEYS_FILE: &str = "keys.toml";
-/// Most keys of a service. Twice of it is read in twice the time each second, half a millisecond; half of it is few for
-/// a service whose users have a key each.
+/// Maximum number of keys of a service. Twice as many would take twice the time to read each second, half a
+/// millisecond; half as many are few for a service whose users have a key each.
 pub const MOST_KEYS: usize = 1024;
-/// Longest file that is read, bytes: every key with half a page of comment.
+/// Maximum length of the file in bytes: every key with half a page of comment.
 const MOST_BYTES: u64 = 2 << 20;
 
-/// Why the keys cannot be had.
+/// The reason why the keys cannot be read or changed.
 #[derive(Debug, thiserror::Error)]
 pub enum KeyFileError {
-    /// It cannot be read or written.
+    /// The file cannot be read or written.
     #[error("the keys in {path}: {error}; choose another folder with --data-dir")]
     Files {
         /// The file.
         path: String,
-        /// Why.
+        /// The I/O error.
         error: io::Error,
     },
-    /// It is not what it should be.
+    /// The content of the file is invalid.
     #[error("the keys in {path}: {detail}; mend the file, or take it from a backup")]
     Unfit {
         /// The file.
         path: String,
-        /// Where and why.
+        /// The position and the reason.
         detail: String,
     },
-    /// The key that is to be added does not fit.
+    /// The change would exceed the maximum number of keys, or is refused for another reason.
     #[error("{0}")]
     Refused(String),
 }
@@ -55,12 +55,12 @@ struct Written {
 }
 
 impl KeyFile {
-    /// That of a data directory.
+    /// Returns the file of keys of a data directory, without opening it.
     pub fn of(data_dir: &Path) -> Self {
         Self { path: data_dir.join(KEYS_FILE) }
     }
 
-    /// Its keys; `None` where there is no file. A file without keys lets nobody in.
+    /// Reads the keys; `None` if there is no file. A file without keys lets nobody in.
     ///
     /// # Errors
     /// [`KeyFileError`].
@@ -85,7 +85,8 @@ impl KeyFile {
         Ok(Some(written.key))
     }
 
-    /// Changes the keys while nobody else does, and tells what `change` does; for good when it returns.
+    /// Changes the keys under a lock that excludes other changes, and returns the result of `change`; the new keys are
+    /// durable then.
     ///
     /// # Errors
     /// [`KeyFileError`]; then nothing is changed.
@@ -115,7 +116,7 @@ impl KeyFile {
         Ok(changed)
     }
 
-    /// Where it is.
+    /// Returns the path of the file.
     pub fn path(&self) -> &Path {
         &self.path
     }
@@ -129,7 +130,7 @@ impl KeyFile {
     }
 }
 
-/// How files are opened that only their owner, and the group of the service, may read.
+/// Returns the options to open files that only their owner may write, and only their owner and group may read.
 fn private() -> OpenOptions {
     let mut options = OpenOptions::new();
     options.create(true).write(true);
@@ -138,12 +139,12 @@ fn private() -> OpenOptions {
     options
 }
 
-/// The file as it is written: every text is of plain letters, which [`KeyEntry::fault`] checks.
+/// Returns the text of the file. The values need no escapes, since [`KeyEntry::fault`] allows only plain characters.
 fn text_of(keys: &[KeyEntry]) -> String {
     let mut text = "# Keys of planish, changed by `planish key`: hashes, no secrets. `link` signs links.\n".to_owned();
     for key in keys {
         let KeyEntry { id, tenant, role, hash, link, created, expires, requests_per_minute, in_flight } = key;
-        // writing to a text does not fail
+        // writing to a string does not fail
         let _ = write!(
             text,
             "\n[[key]]\nid = \"{id}\"\ntenant = \"{tenant}\"\nrole = \"{}\"\nhash = \"{hash}\"\nlink = \"{link}\"\n\

@@ -7,39 +7,40 @@ use base64::engine::general_purpose::URL_SAFE_NO_PAD;
 use hmac::{Hmac, KeyInit, Mac};
 use sha2::Sha256;
 
-/// Where signed links begin.
+/// Path prefix of signed links.
 pub const LINKS: &str = "/v1/r/";
-/// What opens a job whose glTF refers to buffers: this name behind the job. The names of the buffers take its place.
+/// File name after the job in a link to a glTF result with buffers; the links to the buffers have their names in its
+/// place.
 pub const MODEL: &str = "model.gltf";
-/// What the names of the buffers end with.
+/// Suffix of the names of the buffers.
 const BUFFER: &str = ".bin";
-/// What a link opens that is no job in the link itself.
+/// Prefixes of links to things that are stored under a name; all other links contain a job.
 const BY_NAME: [&str; 3] = ["jobs/", "batches/", "artifacts/"];
 
-/// A link that was signed: `/v1/r/{signature}/{expiry}/{rest}`.
+/// A signed link: `/v1/r/{signature}/{expiry}/{rest}`.
 ///
 /// The signature is the id of a key, a dot, and base64url of HMAC-SHA256 over the lines `GET`, the expiry and the rest
 /// of the path, by the link secret of the key. That secret belongs to one key of one tenant, so that both are signed as
 /// well.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Link {
-    /// The id of the key that signed it.
+    /// The id of the key that signed the link.
     pub id: String,
     signature: Vec<u8>,
-    /// When it ends, seconds since 1970.
+    /// Time of expiry, in seconds since 1970.
     pub expires: u64,
-    /// What it opens.
+    /// The rest of the path: what the link opens.
     pub rest: String,
 }
 
-/// Why an address is no signed link that opens something.
+/// The reason why an address is not a valid signed link.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum LinkFault {
-    /// It has not the form of one.
+    /// The path does not have the form of a signed link.
     Form,
-    /// Nobody who may has signed it, or it was altered.
+    /// The signature is wrong: no valid key signed the link, or the link was altered.
     Signature,
-    /// Its time is over.
+    /// The link has expired.
     Expired,
 }
 
@@ -49,13 +50,13 @@ fn mac(link_secret: &str, expires: u64, rest: &str) -> Hmac<Sha256> {
     mac
 }
 
-/// Whether a job stands in the rest of a link, which may have to be done.
+/// Returns whether the rest of a link contains a job, which may have to be computed.
 pub fn has_job(rest: &str) -> bool {
     !BY_NAME.iter().any(|place| rest.starts_with(place))
 }
 
 impl Link {
-    /// The path that opens `rest` until it ends.
+    /// Returns the path that opens `rest` until it expires.
     pub fn sign(id: &str, link_secret: &str, expires: u64, rest: &str) -> String {
         let signature = URL_SAFE_NO_PAD.encode(mac(link_secret, expires, rest).finalize().into_bytes());
         format!("{LINKS}{id}.{signature}/{expires}/{rest}")
@@ -78,7 +79,8 @@ impl Link {
         parts.ok_or(LinkFault::Form)
     }
 
-    /// What was signed: with a model its buffers, which stand beside it, so that a loader finds them.
+    /// Returns the rest that was signed: the signature of a model also opens its buffers, whose names a loader puts in
+    /// the place of the model's name.
     fn signed_rest(&self) -> Cow<'_, str> {
         match self.rest.split_once('/') {
             Some((job, file)) if has_job(&self.rest) && file.strip_suffix(BUFFER).is_some() => {
@@ -88,10 +90,11 @@ impl Link {
         }
     }
 
-    /// Checks it against the link secret of its key, in a time that does not depend on where the signature differs.
+    /// Checks the link against the link secret of its key, in a time that does not depend on where the signature
+    /// differs.
     ///
     /// # Errors
-    /// [`LinkFault::Signature`]; [`LinkFault::Expired`] where the signature is right.
+    /// [`LinkFault::Signature`]; [`LinkFault::Expired`] when the signature is right.
     pub fn check(&self, link_secret: &str, now_s: u64) -> Result<(), LinkFault> {
         let signed = mac(link_secret, self.expires, &self.signed_rest()).verify_slice(&self.signature);
         signed.map_err(|_| LinkFault::Signature)?;

@@ -1,5 +1,4 @@
-//! The keys that clients show: their secrets, the file in the data directory that has their hashes, and the links that
-//! they sign.
+//! The keys of clients: their secrets, the file in the data directory with their hashes, and the links they sign.
 
 mod entry;
 mod file;

@@ -1,22 +1,23 @@
-//! The secret of a key, and what is made of it.
+//! The secret of a key, and the hashes derived from it.
 
 use base64::Engine;
 use base64::engine::general_purpose::URL_SAFE_NO_PAD;
 use sha2::{Digest, Sha256};
 
-/// What every key begins with, so that people and scanners of repositories know one when they see it.
+/// Prefix of every key, by which people and secret scanners recognise one.
 const PREFIX: &str = "planish_";
-/// Bytes of a secret: 256 bits cannot be guessed, so that a plain hash protects them.
+/// Length of a secret in bytes: 256 bits cannot be guessed, so that a plain hash protects them.
 const SECRET_BYTES: usize = 32;
-/// Bytes of an id.
+/// Length of an id in bytes.
 const ID_BYTES: usize = 6;
-/// Longest text that is looked at as a key. Half of it is shorter than keys are; twice of it is hashed for nothing.
+/// Maximum length of a text that is examined as a key. Keys have 64 bytes, so half of it would leave no room; twice of
+/// it would be hashed for nothing.
 const MOST_TOKEN: usize = 128;
 
-/// Fills bytes with numbers that nobody can foretell; where that fails, says why.
+/// Fills bytes with unpredictable random numbers, or returns the reason why it cannot.
 pub type Random = fn(&mut [u8]) -> Result<(), String>;
 
-/// A key as its client shows it: `planish_`, its id, `_`, and its secret.
+/// A key as its client shows it: `planish_`, the id, `_`, and the secret.
 #[derive(Clone, PartialEq, Eq)]
 pub struct Token(String);
 
@@ -27,7 +28,7 @@ impl std::fmt::Debug for Token {
 }
 
 impl Token {
-    /// A new key.
+    /// Creates a new key.
     ///
     /// # Errors
     /// When the system has no random numbers.
@@ -38,30 +39,30 @@ impl Token {
         Ok(Self(format!("{PREFIX}{}_{}", hex::encode(id), URL_SAFE_NO_PAD.encode(secret))))
     }
 
-    /// Reads what a client shows; `None` where that is no key.
+    /// Reads a text that a client shows; `None` if it does not have the form of a key.
     pub fn parse(text: &str) -> Option<Self> {
         let (id, secret) = text.strip_prefix(PREFIX)?.split_once('_')?;
         let is_id = id.len() == 2 * ID_BYTES && id.bytes().all(|b| matches!(b, b'0'..=b'9' | b'a'..=b'f'));
         (is_id && !secret.is_empty() && text.len() <= MOST_TOKEN).then(|| Self(text.to_owned()))
     }
 
-    /// Its id, which is no secret.
+    /// Returns the id, which is not secret.
     pub fn id(&self) -> &str {
         self.0.get(PREFIX.len()..PREFIX.len() + 2 * ID_BYTES).unwrap_or_default()
     }
 
-    /// The whole key, to be told once.
+    /// Returns the whole key, which is shown once.
     pub fn tell(&self) -> &str {
         &self.0
     }
 
-    /// What is kept of it: SHA-256 of `planish key`, a line break, and the key, in hexadecimal.
+    /// Returns the hash that is stored: SHA-256 of `planish key`, a line break, and the key, in hexadecimal.
     pub fn hash(&self) -> String {
         self.hashed("planish key")
     }
 
-    /// What its links are signed with: SHA-256 of `planish link`, a line break, and the key, in hexadecimal. The key
-    /// itself cannot be found from it.
+    /// Returns the secret that signs links: SHA-256 of `planish link`, a line break, and the key, in hexadecimal. The
+    /// key cannot be computed from it.
     pub fn link_secret(&self) -> String {
         self.hashed("planish link")
     }
