@@ -131,7 +131,7 @@ impl Line {
             else {
                 return;
             };
-            // the first request waits for its memory and holds up the others: overtaken, it might wait for ever
+            // the first request waits for its memory and holds up the others: overtaken, it might wait forever
             let Ok(held) = self.share.try_take(bytes) else { return };
             let memory = Memory { line: Arc::clone(self), held: Some(held) };
             let (peer, mut queue) = state.queues.pop_front().expect("it was just looked at");

@@ -31,7 +31,7 @@ const ENCODER_BYTES: u128 = 32 << 20;
 const PIECE_BYTES: usize = 256 << 10;
 /// A variant is kept if it is shorter than the artifact by at least this fraction, one part in `SPARED`: less is not
 /// worth its place in the cache. Half of the number would reject pictures that shrink by a fifth; twice of it would
-/// keep variants that spare a sixteenth.
+/// keep variants that save a sixteenth.
 const SPARED: u64 = 8;
 
 /// A content coding of HTTP.
@@ -93,14 +93,14 @@ impl Coding {
     }
 }
 
-/// Returns the bytes of a file in a coding; `None` if that does not spare enough.
+/// Returns the bytes of a file in a coding; `None` if that does not save enough.
 pub fn encoded(coding: Coding, bytes: Bytes) -> Option<Vec<u8>> {
     let task = Compress::new(&content(&bytes), coding, vec![bytes]);
     let made = task.encoded(&Watch::default()).ok()?;
     (!made.is_full).then_some(made.bytes)
 }
 
-/// The compression of an artifact; its result is empty if it does not spare enough.
+/// The compression of an artifact; its result is empty if it does not save enough.
 #[derive(Debug)]
 pub struct Compress {
     key: Key,
@@ -116,7 +116,7 @@ impl Compress {
         Self { key: coding.key(artifact), coding, parts, length }
     }
 
-    /// Returns the maximum length of a variant that spares enough, in bytes.
+    /// Returns the maximum length of a variant that saves enough, in bytes.
     fn most(&self) -> u64 {
         self.length - self.length / SPARED
     }
@@ -130,7 +130,7 @@ impl Compress {
         Ok(())
     }
 
-    /// Returns the encoded bytes; none if they do not spare enough.
+    /// Returns the encoded bytes; none if they do not save enough.
     fn encoded(&self, watch: &Watch) -> Result<Pays, RunError> {
         let sink = Pays { bytes: Vec::new(), most: usize::try_from(self.most()).unwrap_or(usize::MAX), is_full: false };
         match self.coding {
@@ -183,7 +183,7 @@ impl Task for Compress {
     }
 }
 
-/// Output of an encoder, as long as it spares enough; beyond `most` bytes everything is dropped.
+/// Output of an encoder, as long as it saves enough; beyond `most` bytes everything is dropped.
 struct Pays {
     bytes: Vec<u8>,
     most: usize,
