@@ -115,7 +115,7 @@ mod tag {
     pub(super) const BUILD: u8 = 6;
     pub(super) const RESULTS_VERSION: u8 = 7;
     pub(super) const WARNING: u8 = 8;
-    /// Omitted if the owners are the default, [`Tenant::ANYONE`].
+    /// Omitted if the owners are the default, the tenant of all clients that do not identify themselves.
     pub(super) const OWNERS: u8 = 9;
 }
 
