@@ -1,7 +1,8 @@
 //! planish refines control polygons and control meshes by subdivision, analyses the schemes, and draws the results.
 //!
-//! The modules are floors, divided by blank lines: each imports only from floors above it in this list. Three are
-//! leaves, which all may use: `fault`, `kept` and `watch`. One import goes between neighbours: `cli` starts `http`.
+//! The modules form layers, separated by blank lines: each imports only from layers above it in this list. Three
+//! modules may be used by all others: `fault`, `kept` and `watch`. One import crosses within a layer: `cli` uses
+//! `http`, to start the service.
 
 pub mod fault;
 pub mod kept;

@@ -1,9 +1,9 @@
-//! The command line of planish.
+//! The binary `planish`: runs the command line.
 
 use std::process::ExitCode;
 
-/// Memory goes back to the system within ten seconds of being freed, by threads that do only this: the usual allocator
-/// of Linux kept gigabytes after a burst.
+/// The allocator returns freed memory to the system within ten seconds, by background threads: the default allocator of
+/// Linux kept gigabytes after a burst.
 #[cfg(not(windows))]
 #[global_allocator]
 static ALLOCATOR: tikv_jemallocator::Jemalloc = tikv_jemallocator::Jemalloc;

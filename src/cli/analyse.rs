@@ -1,4 +1,4 @@
-//! `planish analyse`: what can be said of a plan.
+//! `planish analyse`: the analysis of a plan.
 
 use std::path::PathBuf;
 
@@ -60,7 +60,7 @@ pub(crate) struct Question {
 }
 
 impl Question {
-    /// Prints what can be said, or writes it to a file.
+    /// Prints the result of the analysis, or writes it to a file.
     pub(super) fn analyse(&self) -> Result<(), CliError> {
         let watch = Watch::new();
         let form = self.form()?;
@@ -69,7 +69,7 @@ impl Question {
         let found = AnalysisAnswer::of(&analysis, &watch).map_err(CliError::other)?;
         let mut bytes = Vec::new();
         if form == Form::Json {
-            // for people; programs read either
+            // Indented for people; programs read either form.
             serde_json::to_writer_pretty(&mut bytes, &found).map_err(CliError::other)?;
             bytes.push(b'\n');
         } else {
@@ -141,7 +141,7 @@ fn parameter(text: &str) -> Result<(String, Literal), CliError> {
     Ok((name.to_owned(), value))
 }
 
-/// Whole numbers are written as numbers, everything else as text, whose value is exact.
+/// Reads a whole number as a number, and any other text as text, whose value is exact.
 fn one(text: &str) -> Literal {
     text.parse::<i32>().map_or_else(|_| Literal::Text(text.into()), |n| Literal::Number(n.into()))
 }

@@ -1,4 +1,4 @@
-//! `planish presets`, `operators` and `formats`: what there is, by name.
+//! `planish presets`, `operators` and `formats`: lists of presets, operators and formats, and their entries by name.
 
 use std::fmt::Write;
 
@@ -9,7 +9,7 @@ use crate::wire::catalogue::{
     ClaimEntry, FormatEntry, OperatorEntry, ParameterEntry, PresetEntry, formats, operators, presets, readers,
 };
 
-/// Prints all presets, or one.
+/// Prints a list of all presets, or the entry of one.
 pub(super) fn list_presets(name: Option<&str>) -> Result<(), CliError> {
     let all = presets();
     let row = |preset: &PresetEntry| (preset.name.to_owned(), preset.refines.join(", "), brief(preset.doc).to_owned());
@@ -20,7 +20,7 @@ pub(super) fn list_presets(name: Option<&str>) -> Result<(), CliError> {
     print(("preset", name), &all, |preset| preset.name.to_owned(), row, one)
 }
 
-/// A line about what a preset claims.
+/// Formats the claim of a preset as one line.
 fn claim(claim: &ClaimEntry) -> String {
     let ClaimEntry { range, at: _, smoothness, support, reproduction_degree, of: _, c1_valences } = claim;
     let range = if range.is_empty() { "Claims" } else { range };
@@ -31,7 +31,7 @@ fn claim(claim: &ClaimEntry) -> String {
     )
 }
 
-/// Prints all operators, or one.
+/// Prints a list of all operators, or the entry of one.
 pub(super) fn list_operators(letter: Option<&str>) -> Result<(), CliError> {
     let all = operators();
     let row = |operator: &OperatorEntry| {
@@ -43,7 +43,7 @@ pub(super) fn list_operators(letter: Option<&str>) -> Result<(), CliError> {
     print(("operator", letter), &all, |operator| operator.letter.to_string(), row, one)
 }
 
-/// Prints all formats that are written and the kinds of files that are read, or one format.
+/// Prints all output formats and all kinds of input files, or the entry of one format.
 pub(super) fn list_formats(name: Option<&str>) -> Result<(), CliError> {
     let all = formats();
     let row = |format: &FormatEntry| (format.name.to_owned(), format.holds.join(", "), format.doc.to_owned());
@@ -59,7 +59,7 @@ pub(super) fn list_formats(name: Option<&str>) -> Result<(), CliError> {
     Ok(())
 }
 
-/// Prints the entry of a name, or a row of each.
+/// Prints the entry with this name, or one row for each entry.
 fn print<T>(
     (what, name): (&str, Option<&str>),
     all: &[T],
@@ -79,7 +79,7 @@ fn print<T>(
     Err(CliError::usage(format!("there is no {what} \"{name}\"; {near}`planish {what}s` lists them")))
 }
 
-/// Rows of three columns.
+/// Formats rows of three columns.
 fn table(rows: &[(String, String, String)]) -> String {
     let width = |column: fn(&(String, String, String)) -> &String| rows.iter().map(|row| column(row).len()).max();
     let (first, second) = (width(|row| &row.0).unwrap_or(0), width(|row| &row.1).unwrap_or(0));
@@ -90,7 +90,7 @@ fn table(rows: &[(String, String, String)]) -> String {
     })
 }
 
-/// A text with a line for each parameter.
+/// Formats a text followed by one line for each parameter.
 fn page(text: &str, parameters: &[ParameterEntry]) -> String {
     parameters.iter().fold(format!("{text}\n"), |mut page, parameter| {
         let default = if parameter.required { "required".to_owned() } else { format!("default {}", parameter.default) };
@@ -100,7 +100,7 @@ fn page(text: &str, parameters: &[ParameterEntry]) -> String {
     })
 }
 
-/// The first sentence.
+/// Returns the first sentence or clause of a text.
 fn brief(doc: &str) -> &str {
     doc.split([':', ';', '.']).next().unwrap_or(doc)
 }

@@ -126,13 +126,13 @@ enum Command {
 }
 
 impl Cli {
-    /// The command line of this process.
+    /// Parses the command line of this process; exits with a message if it is wrong.
     pub fn from_command_line() -> Self {
         Self::from_arg_matches(&whole().get_matches()).unwrap_or_else(|error| error.exit())
     }
 }
 
-/// The command line; its help tells the default of every setting.
+/// Builds the command line, whose help shows the default of every setting.
 fn whole() -> clap::Command {
     let defaults = Settings::default().list();
     let with_defaults = |serve: clap::Command| {
@@ -145,7 +145,7 @@ fn whole() -> clap::Command {
     Cli::command().mut_subcommand("serve", with_defaults)
 }
 
-/// Runs a command.
+/// Runs a command and returns its exit code.
 pub fn run(cli: Cli) -> ExitCode {
     let done = match cli.command {
         Command::Serve { config, given } => serve::serve(*given, config.as_deref()),

@@ -1,4 +1,4 @@
-//! `planish compare`: what differs between two pictures, or between two shapes.
+//! `planish compare`: the differences between two pictures, or between two shapes.
 
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -41,17 +41,17 @@ pub(crate) struct CompareOptions {
     quiet: bool,
 }
 
-/// One of the two, as it was read.
+/// One of the two inputs, as it was read.
 enum Read {
     Picture(Vec<u8>),
     Job(Box<Loaded>),
 }
 
-/// The first bytes of a PNG.
+/// The first bytes of a PNG file.
 const PNG: &[u8] = b"\x89PNG\r\n\x1a\n";
 
 impl CompareOptions {
-    /// Prints what differs as JSON, and ends with 1 where something does.
+    /// Prints the differences as JSON, and fails with code 1 if there are any.
     pub(super) fn compare(&self) -> Result<(), CliError> {
         let asked = self.tolerances()?;
         let [a, b] = [&self.a, &self.b].map(|path| Source::of(path));
@@ -68,7 +68,7 @@ impl CompareOptions {
             error => CliError::files(error),
         };
         let found = comparison.run(&KeepNothing, &watch).map_err(unmade)?;
-        // pictures of two sizes have none, as the answer says
+        // Pictures of different sizes have no difference picture, as the answer says.
         if let Some(path) = self.output.as_ref().filter(|_| comparison.has_picture()) {
             to_new_file(path, |out| found.write_picture(out).map_err(|error| CliError::files(&error)))?;
         }
@@ -111,7 +111,7 @@ impl Read {
         }
     }
 
-    /// The side of the comparison: a picture, which jobs draw, or a refined shape.
+    /// Makes one side of the comparison: a picture, drawn from a job if necessary, or a refined shape.
     fn side(self, source: &Source, is_picture: bool) -> Result<Side, CliError> {
         let named = |error: CliError| error.about(source);
         let refused = |detail: String| CliError::refused(detail).about(source);
@@ -137,7 +137,7 @@ impl Read {
     }
 }
 
-/// A refusal, with flags for the fields that a request has.
+/// Converts faults to an error, with flags in place of JSON pointers.
 fn told(faults: &[Fault]) -> CliError {
     let flagged = |fault: &Fault| {
         let place = match fault.pointer.as_str() {

@@ -1,4 +1,4 @@
-//! `planish render --server`: jobs and mesh files to files, made by a service.
+//! `planish render --server`: renders jobs and mesh files to files on a remote service.
 
 use std::time::Duration;
 
@@ -32,7 +32,7 @@ pub(super) struct ServerOptions {
     parallel: u64,
 }
 
-/// What a service is to make, and whether folders are made for the files.
+/// The inputs that a service is to render, and whether missing folders are created for the files.
 pub(super) struct Order<'a> {
     pub(super) pieces: &'a [Piece],
     pub(super) makes_folders: bool,
@@ -40,13 +40,13 @@ pub(super) struct Order<'a> {
 }
 
 impl ServerOptions {
-    /// The service, where there is to be one.
+    /// Connects to the service named by the flags, if any.
     pub(super) fn remote(&self, is_quiet: bool) -> Result<Option<Remote>, CliError> {
         let patience = Duration::from_secs(self.patience);
         self.server.as_deref().map(|url| Remote::new(url, self.key.as_deref(), patience, is_quiet)).transpose()
     }
 
-    /// Has all inputs rendered, some at once; one that fails does not keep the others from being rendered.
+    /// Renders all inputs, several at once; the failure of one does not stop the others.
     pub(super) fn render(&self, remote: &Remote, order: &Order<'_>, progress: &mut Progress) -> Result<(), CliError> {
         let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build().map_err(CliError::other)?;
         let parallel = usize::try_from(self.parallel).unwrap_or(1);
@@ -62,7 +62,7 @@ impl ServerOptions {
 }
 
 impl Order<'_> {
-    /// Has one input rendered, and writes its file.
+    /// Renders one input on the service and writes its file.
     async fn made(&self, remote: &Remote, Piece { source, target, wanted }: &Piece) -> Result<(), CliError> {
         let (mut job, file) = self.options.told(source, *wanted)?;
         if !job["outputs"][0]["lod"].is_null() {

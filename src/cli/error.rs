@@ -1,25 +1,25 @@
-//! Why a command failed, and the code that it ends with.
+//! Errors of commands, and their exit codes.
 
 use std::fmt;
 
 use crate::fault::Fault;
 
-/// The kinds of failure; each is a code, so that scripts can tell them apart.
+/// The kinds of errors; the value of each is its exit code, so that scripts can tell them apart.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub(crate) enum Kind {
-    /// What no other kind is, and several inputs that failed in different ways.
+    /// None of the other kinds, or several inputs that failed in different ways.
     Other = 1,
-    /// The command line, a setting or a variable is wrong.
+    /// The command line, a setting or an environment variable is wrong.
     Usage = 2,
-    /// An input is no job and no mesh, or what it asks for cannot be done.
+    /// An input is neither a job nor a mesh, or its request is impossible.
     Refused = 3,
-    /// It can be done, but is beyond a limit.
+    /// The request is possible, but exceeds a limit.
     TooLarge = 4,
     /// Something cannot be read or written.
     Files = 5,
 }
 
-/// The codes that commands end with, as the help tells them.
+/// The exit codes, as the help shows them.
 pub(super) const CODES: &str = "\
 Exit codes:
     0  all is done
@@ -32,12 +32,12 @@ Exit codes:
   130  interrupted (SIGINT); 143 terminated (SIGTERM); no unfinished file is left
 Where several inputs fail in one way, the code is that of this way.";
 
-/// Why a command failed.
+/// The error of a command.
 #[derive(Debug)]
 pub(super) struct CliError {
-    /// The kind.
+    /// The kind, which determines the exit code.
     pub(super) kind: Kind,
-    /// What is wrong, one line for each thing; nothing where it was told already.
+    /// The error messages, one line each; empty if they were printed already.
     pub(super) details: Vec<String>,
 }
 
@@ -58,43 +58,43 @@ impl CliError {
         Self { kind, details: vec![text.to_string()] }
     }
 
-    /// Failures that were told already.
+    /// Creates an error whose messages were printed already.
     pub(super) fn told(kind: Kind) -> Self {
         Self { kind, details: Vec::new() }
     }
 
-    /// The failure with the name of what it is about before it.
+    /// Prefixes each message with the name of its subject.
     pub(super) fn about(mut self, subject: &impl fmt::Display) -> Self {
         self.details.iter_mut().for_each(|detail| detail.insert_str(0, &format!("{subject}: ")));
         self
     }
 
-    /// A failure that no other kind names.
+    /// Creates an error of no other kind.
     pub(super) fn other(text: impl fmt::Display) -> Self {
         Self::of(Kind::Other, &text)
     }
 
-    /// A wrong command line or setting.
+    /// Creates an error for a wrong command line or setting.
     pub(super) fn usage(text: impl fmt::Display) -> Self {
         Self::of(Kind::Usage, &text)
     }
 
-    /// An input that is refused.
+    /// Creates an error for a refused input.
     pub(super) fn refused(text: impl fmt::Display) -> Self {
         Self::of(Kind::Refused, &text)
     }
 
-    /// A limit that is exceeded.
+    /// Creates an error for an exceeded limit.
     pub(super) fn too_large(text: impl fmt::Display) -> Self {
         Self::of(Kind::TooLarge, &text)
     }
 
-    /// Something that cannot be read or written.
+    /// Creates an error for something that cannot be read or written.
     pub(super) fn files(text: impl fmt::Display) -> Self {
         Self::of(Kind::Files, &text)
     }
 
-    /// Faults, of the command line or of an input.
+    /// Creates an error from faults of the command line or of an input.
     pub(super) fn faults(kind: Kind, faults: &[Fault]) -> Self {
         Self { kind, details: faults.iter().map(ToString::to_string).collect() }
     }

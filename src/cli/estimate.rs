@@ -1,4 +1,4 @@
-//! `planish estimate`: what a job would come to.
+//! `planish estimate`: the predicted size and cost of a job.
 
 use std::path::PathBuf;
 

@@ -1,4 +1,4 @@
-//! `planish evaluate`: values of the limit surface of a mesh, and the places of it that are closest to points.
+//! `planish evaluate`: values of the limit surface of a mesh at given places, and the closest places to given points.
 
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -47,7 +47,7 @@ pub(crate) struct EvaluateOptions {
 }
 
 impl EvaluateOptions {
-    /// Prints the values as JSON.
+    /// Prints the values as JSON, or writes them to a file.
     pub(super) fn evaluate(&self) -> Result<(), CliError> {
         self.options.check()?;
         let request = self.request()?;
@@ -75,7 +75,7 @@ impl EvaluateOptions {
         }
     }
 
-    /// The questions of the file and the flags, as a request without a mesh.
+    /// Combines the questions of the file and of the flags into a request without a mesh.
     fn request(&self) -> Result<EvaluationRequest, CliError> {
         let mut whole = match &self.questions {
             None => json!({}),
@@ -107,7 +107,7 @@ impl EvaluateOptions {
     }
 }
 
-/// Numbers between commas.
+/// Parses comma-separated numbers.
 fn numbers(flag: &str, text: &str) -> Result<Value, CliError> {
     let number = |part: &str| part.trim().parse::<f64>().ok().filter(|x| x.is_finite());
     let found: Option<Vec<f64>> = text.split(',').map(number).collect();
@@ -118,7 +118,7 @@ fn numbers(flag: &str, text: &str) -> Result<Value, CliError> {
     })
 }
 
-/// A refusal, with flags for the fields that a request has.
+/// Converts faults to an error, with flags in place of JSON pointers.
 fn told(faults: &[Fault]) -> CliError {
     let flagged = |fault: &Fault| {
         let place = match fault.pointer.split_once('/') {

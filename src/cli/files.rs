@@ -1,5 +1,5 @@
-//! The files that a command writes: each is written beside its place under a name that ends in `.part` and put in place
-//! when all of its output is there, so that neither a failure nor a signal leaves a broken file.
+//! Writing of output files: each file is written beside its final path under a name that ends in `.part`, and renamed
+//! when the whole output is complete, so that neither a failure nor a signal leaves an incomplete file.
 
 use std::fs::{self, File};
 use std::io::{self, BufWriter, Write};
@@ -12,10 +12,10 @@ use tokio::runtime::Builder;
 use super::error::CliError;
 use super::signals::Signals;
 
-/// Writes a file that is put in its place when it is whole.
+/// Writes a file that appears under its name only when it is complete.
 ///
 /// # Errors
-/// Those of `write`, and where the file cannot be written.
+/// Those of `write`, and when the file cannot be written.
 pub(super) fn to_new_file(
     target: &Path,
     write: impl FnOnce(&mut dyn Write) -> Result<(), CliError>,
@@ -29,20 +29,20 @@ pub(super) fn to_new_file(
     files.finish().map_err(cannot)
 }
 
-/// Files that are written and not yet in place. Whoever holds the lock may be sure that none is made or put in place.
+/// Paths of files that are not renamed yet. While the lock is held, no file is created or renamed.
 static UNFINISHED: Mutex<Vec<PathBuf>> = Mutex::new(Vec::new());
-/// Whether signals are waited for.
+/// Set once the signal handling of this process is installed.
 static WATCHED: OnceLock<()> = OnceLock::new();
 
-/// The files of one output: the main one, and those that go beside it.
+/// The files of one output: the main file, and those beside it.
 #[derive(Debug, Default)]
 pub(super) struct Files {
-    /// Where each is written, and where it goes.
+    /// The temporary path and the final path of each file.
     written: Vec<(PathBuf, PathBuf)>,
 }
 
 impl Files {
-    /// Begins a file of the output.
+    /// Creates a file of the output.
     pub(super) fn create(&mut self, target: &Path) -> io::Result<File> {
         if WATCHED.set(()).is_ok() {
             watch()?;
@@ -57,7 +57,8 @@ impl Files {
         Ok(file)
     }
 
-    /// Puts all files in their places, the main one, which was begun first, last: it refers to the others.
+    /// Renames all files to their final paths; the main file, which was created first, comes last, because it refers to
+    /// the others.
     pub(super) fn finish(mut self) -> io::Result<()> {
         let mut unfinished = UNFINISHED.lock().unwrap_or_else(PoisonError::into_inner);
         while let Some((part, target)) = self.written.last() {
@@ -79,7 +80,7 @@ impl Drop for Files {
     }
 }
 
-/// Has unfinished files removed at a signal, which then ends the process.
+/// Starts a thread that, at the first signal, removes all unfinished files and ends the process.
 fn watch() -> io::Result<()> {
     let runtime = Builder::new_current_thread().enable_all().build()?;
     let signals = {
@@ -88,7 +89,7 @@ fn watch() -> io::Result<()> {
     };
     let wait = move || {
         let code = runtime.block_on(signals.first());
-        // held to the end, so that no file is begun any more
+        // The lock is held until the process ends, so that no further file is created.
         let unfinished = UNFINISHED.lock().unwrap_or_else(PoisonError::into_inner);
         unfinished.iter().for_each(|part| {
             let _ = fs::remove_file(part);

@@ -1,5 +1,5 @@
-//! The flags that say what a job says: made of the declarations of its input, its plan and the options of formats, so
-//! that each is written once.
+//! The flags for the fields of a job, generated from the declarations of its input, its plan and the options of
+//! formats, so that each is declared once.
 
 use clap::builder::{PossibleValue, StringValueParser, TypedValueParser};
 use clap::{Arg, ArgAction, ArgMatches, Command};
@@ -12,12 +12,12 @@ use crate::wire::catalogue::ParameterEntry;
 use crate::wire::fields::{Field, OutputField, Part, Takes, fields, output_fields};
 use crate::wire::written::{number, separator, written};
 
-/// Flags that say what a job says; on a job they take the place of what it says itself.
+/// The values of flags for fields of a job; they take precedence over the values in the job itself.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct JobFlags {
-    /// What they say of the input, the plan and the levels: the flag, the place in a job, the value.
+    /// Values for the input, the plan and the levels: the flag, the JSON pointer into the job, the value.
     pub(super) fields: Vec<(String, String, Value)>,
-    /// What they say of the output.
+    /// Values for options of the output.
     pub(super) options: Vec<(&'static str, Value)>,
 }
 
@@ -82,8 +82,8 @@ impl JobFlags {
         self.fields.push((format!("--{flag}"), pointer, value));
     }
 
-    /// Writes what the flags say of input, plan and levels into a job; a scheme that they name takes the place of the
-    /// whole plan.
+    /// Writes the values for the input, the plan and the levels into a job; a preset or word given by a flag replaces
+    /// the whole plan of the job.
     pub(super) fn onto(&self, job: &mut Value) {
         if self.fields.iter().any(|(_, pointer, _)| ["/plan/preset", "/plan/word"].contains(&pointer.as_str())) {
             job["plan"] = json!({});
@@ -94,18 +94,18 @@ impl JobFlags {
         }
     }
 
-    /// The flag that says something of a place.
+    /// Returns the flag that sets the field at `pointer`, if any.
     pub(super) fn says(&self, pointer: &str) -> Option<&str> {
         self.fields.iter().find(|(_, known, _)| known == pointer).map(|(flag, ..)| flag.as_str())
     }
 }
 
-/// The name of a field as flags have it.
+/// Converts the name of a field to the form used in flags.
 pub(super) fn dashed(name: &str) -> String {
     name.replace('_', "-")
 }
 
-/// What may be written for a parameter: as the preset declares it, else as words or other presets do.
+/// Returns the kind of values of a parameter: as the preset declares it, else as words or other presets do.
 fn declared(preset: Option<&str>, name: &str) -> Option<&'static Kind> {
     let own = PRESETS.iter().filter(|known| Some(known.name) == preset).flat_map(|preset| preset.parameters);
     let others = PRESETS.iter().flat_map(|preset| preset.parameters);
@@ -158,11 +158,11 @@ fn of_field(field: &Field) -> Arg {
     }
 }
 
-/// Flags with the name of an option of formats that mean something else: how close to the limit the levels are to get,
-/// and the limit of this run.
+/// Options of formats whose names belong to other flags: the target distance to the limit, and the limit of faces of
+/// this run.
 const TAKEN: &[&str] = &["tolerance", "max-faces"];
 
-/// The flag of an option of formats.
+/// Returns the flag for an option of formats.
 pub(super) fn flag(name: &str) -> String {
     let name = dashed(name);
     if TAKEN.contains(&name.as_str()) { format!("output-{name}") } else { name }
@@ -186,7 +186,7 @@ fn of_option(field: &OutputField) -> Arg {
     }
 }
 
-/// A flag that stands for `true` where nothing is said.
+/// Makes a flag whose value is `true` if it is given without a value.
 fn switch(arg: Arg) -> Arg {
     arg.num_args(0..=1)
         .require_equals(true)
@@ -195,7 +195,7 @@ fn switch(arg: Arg) -> Arg {
         .hide_possible_values(true)
 }
 
-/// What an option means, and what each format that knows it takes.
+/// Formats the help of an option: its meaning, and the values that each format with this option accepts.
 fn told(field: &OutputField) -> String {
     let mut ways: Vec<(Vec<&str>, String)> = Vec::new();
     for &(format, parameter) in &field.declared {
@@ -229,8 +229,7 @@ fn way(parameter: &Parameter) -> String {
     format!("{expects}{blank}{}{default}", entry.unit)
 }
 
-/// How the field of the input or the option of an output at a place in a job is written, where it is an object or a
-/// list of objects.
+/// Describes how an object or a list of objects at `pointer` is written in a flag; `None` if the field is neither.
 pub(super) fn way_of(pointer: &str) -> Option<String> {
     if let Some(name) = pointer.strip_prefix("/input/") {
         let field = fields().into_iter().find(|field| field.part == Part::Input && field.name == name)?;
@@ -253,7 +252,7 @@ fn names_of<'a>(names: impl Iterator<Item = &'a str>) -> String {
     format!("as name=value,name=value with the names {}", names.join(", "))
 }
 
-/// Texts that completions offer; what is given is checked with the job.
+/// Texts that shell completion offers; the given value itself is checked together with the job.
 #[derive(Debug, Clone)]
 struct Hint(Vec<String>);
 

@@ -1,4 +1,4 @@
-//! The files beside a mesh file on the command line: those in its folder and below, and no others.
+//! Reading of the files beside a mesh file on the command line: only from its folder and subfolders.
 
 use std::fs::File;
 use std::io::Read;
@@ -9,27 +9,27 @@ use crate::fault::shortened;
 use crate::input::Beside;
 use crate::math::amounts::in_bytes;
 
-/// Most bytes that are read beside one file, and that reading it may take beyond its weight. Scenes with pictures come
-/// to some hundred megabytes; half of it would refuse some of them, twice as much would fill the memory of small
-/// machines.
+/// Maximum number of bytes read beside one file, and of memory that reading it may take beyond its size. Scenes with
+/// pictures reach some hundred megabytes; half of it would refuse some of them, twice of it would fill the memory of
+/// small machines.
 const MOST_BYTES: u64 = 2 << 30;
 
-/// The folder of a file.
+/// The folder of an input file.
 #[derive(Debug)]
 pub(super) struct Folder {
     path: PathBuf,
-    /// Bytes that may still be read.
+    /// Number of bytes that may still be read.
     left: AtomicU64,
 }
 
 impl Folder {
-    /// The folder of the file at a path.
+    /// Returns the folder of the file at a path.
     pub(super) fn of(file: &Path) -> Self {
         let parent = file.parent().filter(|parent| !parent.as_os_str().is_empty());
         Self { path: parent.unwrap_or(Path::new(".")).to_owned(), left: AtomicU64::new(MOST_BYTES) }
     }
 
-    /// Opens a file of a relative name; links may lead to other files of the folder, and nowhere else.
+    /// Opens a file by its relative name. Links may lead to other files in the folder, but not out of it.
     fn open(&self, name: &str) -> Result<(File, u64), String> {
         let is_inside = !name.is_empty()
             && !name.starts_with('/')
@@ -58,7 +58,7 @@ impl Beside for Folder {
     }
 
     fn read(&self, name: &str, most: u64) -> Result<Vec<u8>, String> {
-        // some programs write names as Windows has them
+        // Some programs write names with the separators of Windows.
         let name = name.replace('\\', "/");
         let wrong = |detail: String| format!("\"{}\" beside the file cannot be read: {detail}", shortened(&name));
         let (file, length) = self.open(&name).map_err(wrong)?;

@@ -1,11 +1,11 @@
-//! `planish health`: asks a running service whether it is ready.
+//! `planish health`: checks whether a running service is ready.
 
 use std::time::Duration;
 
 use super::error::CliError;
 use super::remote::{client, innermost};
 
-/// Asks `GET /readyz`.
+/// Requests `GET /readyz`.
 pub(super) fn health(url: &str) -> Result<(), CliError> {
     let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build().map_err(CliError::other)?;
     let client = client(url)?.timeout(Duration::from_secs(5)).build().map_err(CliError::other)?;

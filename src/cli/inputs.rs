@@ -7,8 +7,8 @@ use std::path::{Path, PathBuf};
 use super::error::CliError;
 use crate::input;
 
-/// Most inputs of one command. A hundred thousand names are some ten megabytes, and more files than folders of meshes
-/// have; with half of it a large collection would have to be split, twice as many take a folder tree too many.
+/// Maximum number of inputs of one command. A hundred thousand names take some ten megabytes, and folders of meshes
+/// have fewer files; half of it would split large collections, twice of it would accept a folder tree named by mistake.
 const MOST_INPUTS: usize = 100_000;
 
 /// One input.
@@ -21,12 +21,12 @@ pub(super) enum Source {
 }
 
 impl Source {
-    /// What an argument that is no pattern names.
+    /// Returns the input named by an argument that is not a pattern.
     pub(super) fn of(argument: &Path) -> Self {
         if argument == Path::new("-") { Self::Standard } else { Self::File(argument.to_owned()) }
     }
 
-    /// The path of the file; that of standard input has only a stem.
+    /// Returns the path of the file; for standard input, a path that consists of a stem only.
     pub(super) fn path(&self) -> &Path {
         match self {
             Self::Standard => Path::new("stdin"),
@@ -34,12 +34,12 @@ impl Source {
         }
     }
 
-    /// The extension, as far as it is text.
+    /// Returns the extension, if it is valid text.
     pub(super) fn extension(&self) -> Option<&str> {
         self.path().extension().and_then(|extension| extension.to_str())
     }
 
-    /// All that it holds.
+    /// Reads the whole input.
     pub(super) fn read(&self) -> Result<Vec<u8>, CliError> {
         let mut bytes = Vec::new();
         let read = match self {
@@ -63,8 +63,8 @@ impl fmt::Display for Source {
     }
 }
 
-/// The inputs that arguments name, each once. What is no file and has `*`, `?` or `[` is a pattern, for shells that
-/// hand patterns on.
+/// Returns the inputs named by the arguments, without duplicates. An argument that is not an existing file and contains
+/// `*`, `?` or `[` is a pattern, for shells that do not expand patterns.
 pub(super) fn inputs(arguments: &[PathBuf]) -> Result<Vec<Source>, CliError> {
     let mut found: Vec<Source> = Vec::new();
     for argument in arguments {
@@ -83,7 +83,7 @@ pub(super) fn inputs(arguments: &[PathBuf]) -> Result<Vec<Source>, CliError> {
     Ok(found)
 }
 
-/// As [`inputs`], where folders stand for the jobs and mesh files in them, in the order of their names.
+/// Returns the inputs like [`inputs`], but expands folders to the jobs and mesh files in them, sorted by name.
 pub(super) fn jobs_and_meshes(arguments: &[PathBuf]) -> Result<Vec<Source>, CliError> {
     let mut all = Vec::new();
     for argument in arguments {
@@ -92,7 +92,7 @@ pub(super) fn jobs_and_meshes(arguments: &[PathBuf]) -> Result<Vec<Source>, CliE
     inputs(&all)
 }
 
-/// The jobs and mesh files in a folder, by their extensions, in the order of their names.
+/// Returns the jobs and mesh files in a folder, recognised by their extensions and sorted by name.
 fn within(folder: &Path) -> Result<Vec<PathBuf>, CliError> {
     let cannot = |error| CliError::files(format!("{}: cannot be read: {error}", folder.display()));
     let is_input = |path: &PathBuf| {
@@ -109,7 +109,7 @@ fn within(folder: &Path) -> Result<Vec<PathBuf>, CliError> {
     Ok(found)
 }
 
-/// The files that a pattern names, in the order of their names.
+/// Returns the files that match a pattern, sorted by name.
 fn matching(pattern: &str) -> Result<impl Iterator<Item = PathBuf>, CliError> {
     let paths = glob::glob(pattern).map_err(|error| CliError::usage(format!("the pattern {pattern}: {error}")))?;
     let files: Vec<PathBuf> = paths.flatten().filter(|path| path.is_file()).take(MOST_INPUTS + 1).collect();

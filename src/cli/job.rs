@@ -1,4 +1,4 @@
-//! Jobs of inputs: as they are written, or made of a mesh file and flags.
+//! Jobs from inputs: read from JSON, or made of a mesh file and flags.
 
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -39,32 +39,32 @@ pub(crate) struct JobOptions {
 /// A job that was read.
 #[derive(Debug)]
 pub(super) struct Loaded {
-    /// The job.
+    /// The request of the job.
     pub(super) request: JobRequest,
-    /// Whether it was made of a mesh file.
+    /// Whether the job was made of a mesh file.
     pub(super) is_file: bool,
-    /// What tells the format, where a flag does.
+    /// The flag that determines the format, if any.
     pub(super) format: Option<&'static str>,
 }
 
 /// The bytes of a mesh file, and their media type.
 pub(super) type MediaFile = (Vec<u8>, &'static str);
 
-/// The format of an output.
+/// Which output to render.
 #[derive(Debug, Clone, Copy)]
 pub(super) enum Wanted {
-    /// That of the job's only output.
+    /// The only output of the job.
     Only,
-    /// That of the job's output of this number, from 0.
+    /// The output of the job with this index.
     At(usize),
-    /// This one, named by a flag.
+    /// The format named by a flag.
     Named(&'static dyn Format),
-    /// This one, or another that has its extension and that the job asks for.
+    /// A requested output of the job with the same file extension as this format, else this format.
     Extension(&'static dyn Format),
 }
 
 impl JobOptions {
-    /// Checks what can be checked without an input.
+    /// Checks everything that does not depend on an input.
     pub(super) fn check(&self) -> Result<(), CliError> {
         let known: Vec<&str> = readers().iter().map(|reader| reader.name).chain(["job"]).collect();
         if let Some(kind) = self.input_format.as_deref().filter(|kind| !known.contains(kind)) {
@@ -76,7 +76,7 @@ impl JobOptions {
         let usage = |error: CliError| CliError { kind: Kind::Usage, ..error };
         let teller = Teller { flags: &self.flags, is_file: true, format: None };
         let request: JobRequest = read(job.to_string().as_bytes()).map_err(|error| usage(teller.unread(error)))?;
-        // whether a scheme fits its input only the input tells
+        // Whether a scheme fits its input depends on the input.
         let Some(plan) = request.plan.filter(|plan| plan.preset.is_some() || plan.word.is_some()) else {
             return Ok(());
         };
@@ -89,7 +89,7 @@ impl JobOptions {
             .map_err(under)
     }
 
-    /// Checks what the flags say of an output, where its format is known.
+    /// Checks the output options of the flags, if the format is known.
     pub(super) fn check_for(&self, wanted: Wanted) -> Result<(), CliError> {
         let (Wanted::Named(format) | Wanted::Extension(format)) = wanted else { return Ok(()) };
         let teller = Teller { flags: &self.flags, is_file: true, format: Some("--format") };
@@ -110,7 +110,7 @@ impl JobOptions {
         wrong.map_or(Ok(()), |faults| Err(CliError { kind: Kind::Usage, ..refused(faults) }))
     }
 
-    /// Writes what the flags say into an output.
+    /// Writes the output options of the flags into an output.
     fn flagged_output(&self, output: &mut OutputRequest) -> Result<(), CliError> {
         for (name, value) in &self.flags.options {
             output.set(name, serde_json::from_value(value.clone()).map_err(CliError::usage)?);
@@ -118,12 +118,12 @@ impl JobOptions {
         Ok(())
     }
 
-    /// The job of an input.
+    /// Reads an input and makes its job.
     pub(super) fn load(&self, source: &Source) -> Result<Loaded, CliError> {
         self.read(source, source.read()?)
     }
 
-    /// The kind of an input of which these are the bytes.
+    /// Returns the kind of an input with these bytes: from `--input-format`, the extension, or the contents.
     pub(super) fn kind(&self, source: &Source, bytes: &[u8]) -> Result<&str, CliError> {
         let by_name = || source.extension().and_then(input::of_extension).map(|reader| reader.name);
         match &self.input_format {
@@ -132,8 +132,8 @@ impl JobOptions {
         }
     }
 
-    /// The job of an input as JSON with its one output, and the mesh file that it is of with its media type: then the
-    /// job has no input yet.
+    /// Returns the job of an input as JSON with its one output. If the input is a mesh file, also returns its bytes and
+    /// media type; the job then has no mesh yet.
     pub(super) fn told(&self, source: &Source, wanted: Wanted) -> Result<(Value, Option<MediaFile>), CliError> {
         let bytes = source.read()?;
         let kind = self.kind(source, &bytes)?.to_owned();
@@ -150,7 +150,7 @@ impl JobOptions {
         Ok((job, is_file.then_some((bytes, media_type))))
     }
 
-    /// The job of an input of which these are the bytes.
+    /// Makes the job of an input with these bytes.
     pub(super) fn read(&self, source: &Source, bytes: Vec<u8>) -> Result<Loaded, CliError> {
         let kind = self.kind(source, &bytes)?;
         let is_file = kind != "job";
@@ -181,12 +181,13 @@ impl JobOptions {
         Ok(Loaded { request, is_file, format: None })
     }
 
-    /// Whether the flags ask for bytes that say of which job they are.
+    /// Returns whether the flags request outputs that contain the description of their job.
     fn describes(&self) -> bool {
         self.flags.options.iter().any(|(name, value)| *name == "describe" && *value == true)
     }
 
-    /// The job of a mesh file as text, where nothing beside the file may count; for outputs that describe it.
+    /// Returns the job of a mesh file as text, for outputs that describe their job; `None` if the mesh file may refer
+    /// to other files.
     fn text_of_file(&self, kind: &str, bytes: &[u8]) -> Result<Option<Arc<str>>, CliError> {
         let names_others: &[u8] = if kind == "obj" { b"\nmtllib " } else { b"\"uri\"" };
         if bytes.windows(names_others.len()).any(|part| part == names_others) {
@@ -195,7 +196,7 @@ impl JobOptions {
         Ok(Some(self.whole(of_file(kind, bytes))?.to_string().into()))
     }
 
-    /// A job with what the flags say.
+    /// Adds the values of the flags to a job.
     fn whole(&self, mut job: Value) -> Result<Value, CliError> {
         self.flags.onto(&mut job);
         if let Some(path) = &self.distance_to {
@@ -213,15 +214,15 @@ impl JobOptions {
     }
 }
 
-/// The job of a mesh file that is to stay as it is.
+/// Makes the JSON of a job whose input is the contents of a mesh file, and which has no plan.
 fn of_file(kind: &str, bytes: &[u8]) -> Value {
     let data = BASE64_STANDARD.encode(bytes);
     json!({ "input": { "text": { "format": kind, "data": data, "encoding": "base64" } } })
 }
 
 impl Loaded {
-    /// Leaves one output, of the format wanted: the job's first such one, or one of its own. Where nothing tells the
-    /// format it is the job's only output. The flags say their options.
+    /// Keeps one output only: the first requested output that fits `wanted`, else a new one. If nothing determines the
+    /// format, it is the job's only output. Then sets the output options of the flags.
     pub(super) fn choose(&mut self, wanted: Wanted, options: &JobOptions) -> Result<(), CliError> {
         let request = &mut self.request;
         let fits = |asked: &'static dyn Format| match wanted {
@@ -247,7 +248,7 @@ impl Loaded {
         options.flagged_output(&mut request.outputs[0])
     }
 
-    /// Names the usual output where there is none. The flags say the options of all that know them.
+    /// Adds the default output if the job requests none, and sets the output options of the flags in all outputs.
     pub(super) fn settle(&mut self, options: &JobOptions) -> Result<(), CliError> {
         let request = &mut self.request;
         if request.outputs.is_empty() {
@@ -256,7 +257,7 @@ impl Loaded {
         request.outputs.iter_mut().try_for_each(|output| options.flagged_output(output))
     }
 
-    /// Checks and admits the job.
+    /// Checks the job and admits it within the limits.
     pub(super) fn admit(self, options: &JobOptions, limits: &Limits) -> Result<Admitted, CliError> {
         let teller = Teller { flags: &options.flags, is_file: self.is_file, format: self.format };
         let job = self.request.resolve_within(&limits.reading()).map_err(|faults| teller.refused(faults))?;

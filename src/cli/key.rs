@@ -1,4 +1,4 @@
-//! `planish key`: the keys that a service lets in.
+//! `planish key`: the keys of clients that a service accepts.
 
 use std::fmt::Write;
 use std::path::PathBuf;
@@ -53,7 +53,7 @@ enum KeyCommand {
 }
 
 impl KeyOptions {
-    /// Does it.
+    /// Runs the subcommand.
     pub(super) fn run(self) -> Result<(), CliError> {
         let from_variables = Given::of_variables(std::env::vars_os()).map_err(CliError::usage)?;
         let given = Given { data_dir: self.data_dir, ..Given::default() }.or(from_variables);
@@ -89,7 +89,7 @@ impl KeyOptions {
     }
 }
 
-/// The last time that a file of TOML can hold.
+/// The latest time that a TOML file can hold.
 const LAST_S: u64 = i64::MAX as u64;
 
 fn add(file: &KeyFile, token: &Token, entry: KeyEntry) -> Result<(), CliError> {
@@ -129,16 +129,16 @@ fn list(file: &KeyFile) -> Result<(), CliError> {
         let ends = match key.expires {
             None => "never".to_owned(),
             Some(_) if key.has_expired(now_s) => "has ended".to_owned(),
-            // a minute that has begun counts, so that 90 d are told as such when they have just been given
+            // Rounded up to whole minutes, so that a key just made for 90 d shows 90 d.
             Some(end) => format!("in {}", days((end - now_s).next_multiple_of(60))),
         };
-        // writing to a text does not fail
+        // Writing to a string cannot fail.
         let _ = writeln!(text, "{:<14}{:<34}{:<8}{age:<14}{ends}", key.id, key.tenant, key.role.name());
     }
     answer(text.as_bytes())
 }
 
-/// A time in the largest unit that fits.
+/// Formats a duration in the largest suitable unit.
 fn days(time_s: u64) -> String {
     match time_s {
         0..120 => format!("{time_s} s"),
@@ -155,7 +155,7 @@ fn failed(error: KeyFileError) -> CliError {
     }
 }
 
-/// Seconds since 1970.
+/// Returns the current time in seconds since 1970.
 pub(super) fn now_s() -> u64 {
     SystemTime::now().duration_since(SystemTime::UNIX_EPOCH).unwrap_or_default().as_secs()
 }

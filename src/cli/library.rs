@@ -1,4 +1,4 @@
-//! The files beside an OBJ file: the library of its materials, and their textures.
+//! The files beside an OBJ file: its material library and the textures.
 
 use std::io::{self, Write};
 use std::path::Path;
@@ -9,17 +9,18 @@ use crate::output::{WITHOUT_LIBRARY, mtl};
 use crate::shape::attachments::Attachments;
 use crate::shape::looks::images;
 
-/// What goes beside an OBJ file.
+/// The files beside one OBJ file.
 #[derive(Debug)]
 pub(super) struct Library<'a> {
     carried: &'a Attachments,
     target: &'a Path,
-    /// What the names of all files begin with.
+    /// The common prefix of the file names.
     stem: String,
 }
 
 impl<'a> Library<'a> {
-    /// That of the first output of a job, where it is an OBJ that names none and whose materials look like something.
+    /// Returns the files beside the first output of a job, if the output is an OBJ that names no library itself and the
+    /// job has materials.
     pub(super) fn of(admitted: &'a Admitted, target: &'a Path) -> Option<Self> {
         let job = admitted.job();
         let output = &job.outputs[0];
@@ -32,12 +33,12 @@ impl<'a> Library<'a> {
         Some(Self { carried, target, stem: stem.chars().map(letter).collect() })
     }
 
-    /// The line that names the library.
+    /// Returns the line of the OBJ file that names the library.
     pub(super) fn line(&self) -> String {
         format!("mtllib {}.mtl\n", self.stem)
     }
 
-    /// The warnings of an OBJ file with this library beside it.
+    /// Replaces the warning about a missing library by warnings about what the library cannot hold.
     pub(super) fn warnings(&self, mut warnings: Vec<String>) -> Vec<String> {
         warnings.retain(|warning| warning != WITHOUT_LIBRARY);
         warnings.extend(mtl::unheld(self.carried));

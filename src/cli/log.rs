@@ -1,5 +1,5 @@
-//! The log of the service: a thread of its own writes it to standard error, and what nobody reads in time is dropped,
-//! so that a full pipe never holds a request.
+//! The log of the service. A separate thread writes it to standard error, and lines that are not read in time are
+//! dropped, so that a full pipe never blocks a request.
 
 use std::collections::VecDeque;
 use std::io::{self, Write};
@@ -13,15 +13,14 @@ use tracing_subscriber::fmt::MakeWriter;
 use crate::config::LogLevels;
 use crate::fault::cut;
 
-/// Most bytes of lines that wait to be written: some thousand of them, more than a reader that is alive falls behind
-/// by.
+/// Maximum total length of waiting lines in bytes: some thousand lines, more than a working reader falls behind.
 const MOST_BYTES: usize = 1 << 20;
-/// Longest wait at the end for lines to be written: a reader that is alive takes a mebibyte in a small part of it.
+/// Maximum wait at the end for lines to be written; a working reader takes a mebibyte in a small part of it.
 const PATIENCE: Duration = Duration::from_secs(1);
-/// Most characters of a panic's message, which may repeat what made it.
+/// Maximum length of a panic message in characters; a message may repeat the input that caused the panic.
 const MOST_MESSAGE: usize = 1000;
 
-/// Where lines are left to be written. When it is dropped, the lines that wait are given a moment.
+/// The queue of lines to be written. Dropping it waits up to [`PATIENCE`] for the waiting lines.
 #[derive(Debug)]
 pub(super) struct Log(Arc<Queue>);
 
@@ -34,23 +33,23 @@ struct Queue {
 #[derive(Debug, Default)]
 struct State {
     lines: VecDeque<Vec<u8>>,
-    /// Bytes of the lines.
+    /// Total length of the waiting lines in bytes.
     bytes: usize,
-    /// Lines that were dropped since it was last told.
+    /// Number of lines dropped since this was last reported.
     dropped: u64,
-    /// Whether a line was taken and is not written yet.
+    /// Whether a line was taken from the queue and is not written yet.
     is_writing: bool,
 }
 
 impl Log {
-    /// Starts the log of this process, and sends to it what panics say.
+    /// Starts the log of this process and redirects panic messages to it.
     pub(super) fn start(levels: &LogLevels, json: bool) -> io::Result<Self> {
         let queue = Arc::new(Queue::default());
         let worker = queue.clone();
         thread::Builder::new().name("log".to_owned()).spawn(move || worker.write_all(&mut io::stderr()))?;
         let filter = EnvFilter::new(levels.as_str());
         let subscriber = tracing_subscriber::fmt().with_env_filter(filter).with_writer(Lines(queue.clone()));
-        // a second subscriber in one process is refused, and the first goes on
+        // A second subscriber in one process is refused, and the first stays in use.
         let _ = if json { subscriber.json().try_init() } else { subscriber.try_init() };
         std::panic::set_hook(Box::new(|panic| {
             let text = cut(panic.payload_as_str().unwrap_or("no message"), MOST_MESSAGE);
@@ -61,7 +60,7 @@ impl Log {
         Ok(Self(queue))
     }
 
-    /// Says something whatever the level of the log is.
+    /// Logs a text regardless of the log level.
     pub(super) fn say(&self, text: &str) {
         self.0.push(format!("{text}\n").into_bytes());
     }
@@ -76,11 +75,11 @@ impl Drop for Log {
 
 impl Queue {
     fn state(&self) -> MutexGuard<'_, State> {
-        // nothing panics while it is held
+        // Nothing panics while the lock is held.
         self.state.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// Leaves a line to be written, or drops it where too much waits already.
+    /// Appends a line to the queue, or drops it if the queue is full.
     fn push(&self, line: Vec<u8>) {
         let mut state = self.state();
         if state.bytes + line.len() > MOST_BYTES {
@@ -92,7 +91,7 @@ impl Queue {
         self.changed.notify_all();
     }
 
-    /// Takes the next line when there is one.
+    /// Takes the next line, waiting until there is one.
     fn next(&self) -> Vec<u8> {
         let mut state = self.state();
         state.is_writing = false;
@@ -107,10 +106,11 @@ impl Queue {
         }
     }
 
-    /// Writes lines for as long as the process lives, and tells how many were dropped as soon as it has caught up.
+    /// Writes lines for as long as the process lives, and reports the number of dropped lines whenever the queue is
+    /// empty.
     fn write_all(&self, out: &mut impl Write) {
         loop {
-            // nobody can be told that the log cannot be written
+            // A failure to write the log cannot be reported anywhere.
             let _ = out.write_all(&self.next());
             let mut state = self.state();
             if state.lines.is_empty() && state.dropped > 0 {
@@ -123,7 +123,7 @@ impl Queue {
     }
 }
 
-/// Takes lines, each in one piece.
+/// A writer that appends each write to the queue as one line.
 #[derive(Debug, Clone)]
 struct Lines(Arc<Queue>);
 

@@ -1,4 +1,5 @@
-//! `planish mcp`: the tools of a language model's client, by the Model Context Protocol over standard input and output.
+//! `planish mcp`: a server of the Model Context Protocol over standard input and output, for clients of language
+//! models.
 
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -18,7 +19,7 @@ use crate::scheme::preset::Refines;
 use crate::scheme::presets::PRESETS;
 use crate::watch::Watch;
 
-/// What the client is told of all tools together; `SCHEME` stands for the name of one.
+/// The instructions for the client about all tools; `SCHEME` is replaced by the name of a preset.
 const INSTRUCTIONS: &str = "\
 planish refines control polygons and control meshes by subdivision schemes. A job is a JSON object with input, plan, \
 levels and outputs, as in {\"input\": {\"mesh\": {\"positions\": [[x,y,z], ...], \"faces\": [[0,1,2,3], ...]}}, \
@@ -49,13 +50,13 @@ impl McpOptions {
             let service = tools.serve(rmcp::transport::stdio()).await.map_err(CliError::other)?;
             service.waiting().await.map(drop).map_err(CliError::other)
         });
-        // a thread may still read standard input
+        // A thread may still be blocked reading standard input.
         runtime.shutdown_background();
         done
     }
 }
 
-/// The tools of one client.
+/// The tools for one client.
 #[derive(Debug, Clone)]
 struct Toolbox {
     out: Option<Arc<std::path::Path>>,

@@ -1,4 +1,4 @@
-//! The command line: the same jobs as over HTTP, by the same path, to the same bytes.
+//! The command line: runs the same jobs as the HTTP service, by the same code, with identical bytes as results.
 
 mod analyse;
 mod catalogue;

@@ -1,4 +1,4 @@
-//! What a command makes: an output of an input each, and where it goes.
+//! The outputs that a command makes: one output of an input each, with its target file.
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -11,7 +11,7 @@ use super::job::{JobOptions, Wanted};
 use super::targets::{Target, keep_apart};
 use crate::output;
 
-/// An output of an input, and its file; `None` is standard output.
+/// An output of an input, and its target file; `None` is standard output.
 #[derive(Debug, Clone)]
 pub(super) struct Piece {
     pub(super) source: Source,
@@ -19,12 +19,12 @@ pub(super) struct Piece {
     pub(super) wanted: Wanted,
 }
 
-/// One output of each input, of the same format or the only one; where a folder says no format, all outputs that jobs
-/// name.
+/// Returns one output of each input, of the same format or the input's only one; if the target is a folder and no
+/// format is given, returns all outputs that the jobs name.
 ///
 /// # Errors
-/// Where two outputs would go into one file, or one would take the place of an input; mesh files, which name no
-/// outputs, in a folder that says no format.
+/// When two outputs would have the same file, an output would overwrite an input, or a mesh file, which names no
+/// outputs, is to be rendered to a folder without a given format.
 pub(super) fn pieces(
     sources: &[Source],
     target: &Target,
@@ -43,15 +43,15 @@ pub(super) fn pieces(
     Ok(found)
 }
 
-/// The outputs that a job names, in a folder: under the name of the job with the extension of each, numbered where
-/// several have the same one.
+/// Returns the outputs that a job names, as files in a folder: the name of the job with the extension of each output,
+/// numbered if several have the same extension.
 fn named(source: &Source, folder: &Path, options: &JobOptions) -> Result<Vec<Piece>, CliError> {
     let stem = source.path().file_stem().unwrap_or_default().to_string_lossy();
     let piece = |name: String, wanted| {
         let target = Some(folder.join(name));
         Piece { source: source.clone(), target, wanted }
     };
-    // what cannot be read is told of in its turn, with what is wrong with it
+    // An unreadable input is reported later, when it is rendered.
     let unread = || vec![piece(stem.clone().into_owned(), Wanted::Only)];
     if matches!(source, Source::Standard) {
         return Err(no_format(source));
@@ -75,7 +75,7 @@ fn named(source: &Source, folder: &Path, options: &JobOptions) -> Result<Vec<Pie
     Ok(pieces.collect())
 }
 
-/// The extensions of the outputs that a job names; none where it is not told which they are.
+/// Returns the extensions of the outputs that a job names; empty if the job cannot be read or names an unknown format.
 fn extensions(job: &[u8]) -> Vec<&'static str> {
     #[derive(Deserialize)]
     struct Peek {

@@ -1,4 +1,4 @@
-//! What a command says while it goes through its inputs: one bar on a terminal, notes and failures as lines, a summary.
+//! Progress messages of a command: one bar on a terminal, a line for each note and failure, and a summary.
 
 use std::collections::BTreeMap;
 use std::io::{self, IsTerminal};
@@ -14,23 +14,23 @@ use super::told::flagged;
 use crate::math::amounts::thousands;
 use crate::watch::Watch;
 
-/// Parts of the bar for each input: as fine as a wide terminal shows.
+/// Number of steps of the bar for each input: as fine as a wide terminal shows.
 const PARTS: u64 = 500;
 
-/// The progress of a command over its inputs.
+/// The progress of a command through its inputs.
 #[derive(Debug)]
 pub(super) struct Progress {
     bar: Option<ProgressBar>,
     is_quiet: bool,
     inputs: usize,
-    /// Inputs that are behind it.
+    /// Number of inputs that are finished.
     past: u64,
     failed: BTreeMap<Kind, u64>,
     begun: Instant,
 }
 
 impl Progress {
-    /// Begins; the bar is shown where standard error is a terminal, unless nothing is to be said.
+    /// Starts the progress; the bar is shown if standard error is a terminal and the command is not quiet.
     pub(super) fn new(inputs: usize, is_quiet: bool) -> Self {
         let is_shown = io::stderr().is_terminal() && !is_quiet;
         let bar = is_shown.then(|| {
@@ -42,14 +42,14 @@ impl Progress {
         Self { bar, is_quiet, inputs, past: 0, failed: BTreeMap::new(), begun: Instant::now() }
     }
 
-    /// Says what happens to be known of an input.
+    /// Prints a note about an input, unless the command is quiet.
     pub(super) fn note(&self, source: &Source, text: &str) {
         if !self.is_quiet {
             self.say(&format!("planish: {source}: note: {}", flagged(text)));
         }
     }
 
-    /// Says a line.
+    /// Prints a line.
     pub(super) fn say(&self, line: &str) {
         match &self.bar {
             Some(bar) => bar.suspend(|| eprintln!("{line}")),
@@ -57,7 +57,7 @@ impl Progress {
         }
     }
 
-    /// Takes note of what became of an input.
+    /// Records the outcome of an input and prints its error, if any.
     pub(super) fn done(&mut self, source: &Source, outcome: Result<(), CliError>) {
         self.past += 1;
         if let Err(error) = outcome {
@@ -70,7 +70,7 @@ impl Progress {
         }
     }
 
-    /// Shows how far `task`, of so much work, is while it runs.
+    /// Runs `task`, which takes `work` units in total, and updates the bar from `watch` meanwhile.
     pub(super) fn during<T>(&self, watch: &Watch, work: u128, task: impl FnOnce() -> T) -> T {
         let Some(bar) = &self.bar else { return task() };
         let ended = AtomicBool::new(false);
@@ -89,7 +89,7 @@ impl Progress {
         })
     }
 
-    /// Ends with a summary, where there are several inputs, and with the kind of failure, if any.
+    /// Prints a summary if there are several inputs, and returns an error if any input failed.
     pub(super) fn end(self, what: &str) -> Result<(), CliError> {
         if let Some(bar) = &self.bar {
             bar.finish_and_clear();

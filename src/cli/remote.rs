@@ -1,4 +1,4 @@
-//! A service elsewhere that renders: asked over HTTP, again where it is busy, and followed where it takes longer.
+//! A client of a remote planish service: it retries while the service is busy, and polls jobs that take longer.
 
 use std::sync::{Arc, Once};
 use std::time::Duration;
@@ -11,41 +11,41 @@ use tokio::time::{Instant, sleep};
 use super::error::{CliError, Kind};
 use crate::http::trust;
 
-/// Longest time between two questions, whatever the service asks for. Half of it asks a service that is to restart
-/// twice as often; twice of it notices late that it is back.
+/// Maximum time between two requests, whatever the service asks for. Half of it would send twice as many requests to a
+/// service that is restarting; twice of it would notice late that the service is back.
 const MOST_WAIT: Duration = Duration::from_mins(1);
-/// Time after which a question is asked again where the service does not say; twice of it each time after.
+/// First delay of a retry if the service does not name one; each further delay is twice the last.
 const FIRST_WAIT: Duration = Duration::from_millis(500);
-/// How long one request waits for the result before the job is followed: proxies cut what takes a minute.
-/// Half of it asks twice as often; twice of it is cut by some proxies.
+/// Number of seconds that one request waits for the result before the job is polled; proxies cut requests that take a
+/// minute. Half of it would send twice as many requests; twice of it would be cut by some proxies.
 const HELD_S: u64 = 30;
-/// Longest silence of a service while it answers: what it holds back for a result, and some seconds.
+/// Maximum silence of a service during a response: the time that it waits for a result, and some seconds.
 const SILENCE: Duration = Duration::from_secs(HELD_S + 30);
-/// Most bytes of a refusal that are read.
+/// Maximum number of bytes read of an error response.
 const MOST_REFUSAL: usize = 1 << 20;
 
-/// A service.
+/// A remote service.
 #[derive(Debug, Clone)]
 pub(super) struct Remote {
     client: Client,
     url: String,
     key: Option<String>,
     patience: Duration,
-    /// Says once that it has to be asked again; nothing where nothing is to be said.
+    /// Prints the first retry only; `None` if the command is quiet.
     notes: Option<Arc<Once>>,
 }
 
-/// What makes a client for the service at this address.
+/// Returns a builder of an HTTP client for the service at this address.
 pub(super) fn client(url: &str) -> Result<ClientBuilder, CliError> {
     let tls = if url.starts_with("https://") { trust::tls() } else { trust::none() };
     Ok(Client::builder().no_proxy().tls_backend_preconfigured(tls.map_err(CliError::other)?))
 }
 
-/// Why a request has no answer.
+/// The reason why a request failed.
 enum Failed {
-    /// It may have one later, after so long where the service says so.
+    /// A temporary failure: the delay that the service asks for, if any, and the reason.
     ForNow(Option<Duration>, String),
-    /// It never will.
+    /// A permanent failure.
     ForGood(CliError),
 }
 
@@ -56,7 +56,7 @@ impl From<CliError> for Failed {
 }
 
 impl Remote {
-    /// The service at an address, which is asked for `patience` before a job is given up.
+    /// Creates a client of the service at `url`, which gives up a job after `patience`.
     pub(super) fn new(url: &str, key: Option<&str>, patience: Duration, is_quiet: bool) -> Result<Self, CliError> {
         if !url.starts_with("http://") && !url.starts_with("https://") {
             let detail = format!("--server: {url} is no address; write http://HOST:PORT or https://HOST");
@@ -69,7 +69,7 @@ impl Remote {
         Ok(Self { client, url, key, patience, notes })
     }
 
-    /// The bytes that a job makes.
+    /// Renders a job and returns the bytes of its result.
     pub(super) async fn render(&self, job: &Value) -> Result<Vec<u8>, CliError> {
         let body = job.to_string();
         let ask = || {
@@ -86,7 +86,7 @@ impl Remote {
         .await
     }
 
-    /// Sends a mesh file, and tells its id.
+    /// Uploads a mesh file and returns its id.
     pub(super) async fn upload(&self, bytes: &[u8], media_type: &str) -> Result<String, CliError> {
         let ask = || self.client.post(self.address("/v1/blobs")).header(CONTENT_TYPE, media_type).body(bytes.to_vec());
         let answer = self.patiently(async || whole(self.sent(ask()).await?).await).await?;
@@ -94,7 +94,7 @@ impl Remote {
         answer["id"].as_str().map(str::to_owned).ok_or_else(|| self.strange("an upload has no id"))
     }
 
-    /// Asks until there is an answer, for as long as patience lasts.
+    /// Repeats a request after temporary failures, until `patience` has passed.
     async fn patiently<T>(&self, ask: impl AsyncFn() -> Result<T, Failed>) -> Result<T, CliError> {
         let (begun, mut wait) = (Instant::now(), FIRST_WAIT);
         loop {
@@ -117,7 +117,7 @@ impl Remote {
         }
     }
 
-    /// Waits for the end of a job, and fetches its first result.
+    /// Polls a job until it ends, and fetches its first result.
     async fn followed(&self, place: &str) -> Result<Vec<u8>, Failed> {
         let begun = Instant::now();
         loop {
@@ -153,7 +153,7 @@ impl Remote {
         CliError::files(format!("{} answers as no planish does: {why}", self.url))
     }
 
-    /// The answer to a request, which is no refusal.
+    /// Sends a request and returns the response if its status is a success.
     async fn sent(&self, request: RequestBuilder) -> Result<Response, Failed> {
         let request =
             self.key.iter().fold(request, |request, key| request.header(AUTHORIZATION, format!("Bearer {key}")));
@@ -171,7 +171,7 @@ impl Remote {
     }
 }
 
-/// What a refusal says.
+/// The contents of an error response.
 struct Refused {
     slug: String,
     detail: String,
@@ -179,7 +179,7 @@ struct Refused {
 }
 
 impl Refused {
-    /// The kind of failure, as if it had been met here.
+    /// Returns the kind of error that the same problem would have locally.
     fn kind(&self, status: StatusCode) -> Kind {
         match (self.slug.as_str(), status.as_u16()) {
             ("too-large" | "body-too-long" | "timed-out", _) | (_, 413) => Kind::TooLarge,
@@ -193,7 +193,7 @@ impl Refused {
     }
 }
 
-/// Reads a problem, or what a proxy says in place of one.
+/// Reads a problem document, or the error response of a proxy.
 async fn refusal(mut response: Response) -> Refused {
     let (status, mut bytes) = (response.status(), Vec::new());
     while let Ok(Some(chunk)) = response.chunk().await {
@@ -214,7 +214,7 @@ async fn refusal(mut response: Response) -> Refused {
     Refused { slug, detail: detail.unwrap_or_else(|| format!("it answers {status}")), errors }
 }
 
-/// All bytes of an answer.
+/// Reads the whole body of a response.
 async fn whole(response: Response) -> Result<Vec<u8>, Failed> {
     Ok(response.bytes().await.map_err(|error| unheard(&error))?.to_vec())
 }
@@ -223,7 +223,7 @@ fn unheard(error: &reqwest::Error) -> Failed {
     Failed::ForNow(None, format!("no answer: {}", innermost(error)))
 }
 
-/// What an error comes from: those around it say only that there was one.
+/// Returns the message of the innermost cause of an error; the outer messages add nothing.
 pub(super) fn innermost(mut error: &dyn std::error::Error) -> String {
     while let Some(source) = error.source() {
         error = source;
@@ -231,13 +231,13 @@ pub(super) fn innermost(mut error: &dyn std::error::Error) -> String {
     error.to_string()
 }
 
-/// The seconds after which the service wants to be asked again.
+/// Returns the delay in the header `Retry-After`, in seconds.
 fn after(response: &Response) -> Option<Duration> {
     let seconds = response.headers().get(RETRY_AFTER)?.to_str().ok()?.trim().parse().ok()?;
     Some(Duration::from_secs(seconds))
 }
 
-/// Where the job of an answer stands, as a path of the service.
+/// Returns the path of the job in the header `Location`.
 fn place(response: &Response) -> Option<String> {
     let place = response.headers().get(LOCATION)?.to_str().ok()?;
     place.starts_with('/').then(|| place.to_owned())

@@ -1,4 +1,4 @@
-//! `planish render`: jobs and mesh files to files.
+//! `planish render`: renders jobs and mesh files to files.
 
 use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
@@ -21,9 +21,9 @@ use crate::job::{Report, RunError, run};
 use crate::output::{self, FORMATS, Format};
 use crate::watch::Watch;
 
-/// Most milliseconds, by the estimate, of a job that runs on the calling thread alone.
-/// A thread takes 25 us to be started (measured), and memory. With half of it more jobs start threads; with twice of it
-/// the longest of them wait for up to 4 ms more that other cores could have saved.
+/// Maximum estimated time of a job, in milliseconds, that runs on the calling thread alone. Starting a thread takes 25
+/// us (measured), and memory. Half of it would start threads for more jobs; with twice of it the longest such jobs
+/// would take up to 4 ms more than with several cores.
 const ALONE_MS: u128 = 4;
 
 /// What is rendered, and where to.
@@ -53,7 +53,7 @@ pub(crate) struct RenderOptions {
 }
 
 impl RenderOptions {
-    /// Renders all inputs; one that fails does not keep the others from being rendered.
+    /// Renders all inputs; the failure of one does not stop the others.
     pub(super) fn render(&self) -> Result<(), CliError> {
         self.options.check()?;
         let format = self.format.as_deref().map(known).transpose()?;
@@ -95,12 +95,12 @@ impl RenderOptions {
     }
 }
 
-/// A number of faces.
+/// Parses a number of faces.
 fn faces(text: &str) -> Result<u64, &'static str> {
     text.parse().map_err(|_| "it is no whole number; write it like 20000000")
 }
 
-/// The format of a name.
+/// Returns the format of this name.
 fn known(name: &str) -> Result<&'static dyn Format, CliError> {
     output::named(name).ok_or_else(|| {
         let names: Vec<&str> = FORMATS.iter().map(|format| format.name()).collect();
@@ -110,7 +110,7 @@ fn known(name: &str) -> Result<&'static dyn Format, CliError> {
     })
 }
 
-/// The format of the outputs.
+/// Determines the format of the outputs from the flag, or from the extension of the target.
 fn wanted(target: &Target, format: Option<&'static dyn Format>) -> Result<Wanted, CliError> {
     match (format, target.extension()) {
         (Some(format), _) => Ok(Wanted::Named(format)),
@@ -124,17 +124,17 @@ fn wanted(target: &Target, format: Option<&'static dyn Format>) -> Result<Wanted
     }
 }
 
-/// One input on its way to its output.
+/// The rendering of one input.
 struct Task<'a> {
     source: &'a Source,
-    /// The file to write, and whether folders are made for it; `None` is standard output.
+    /// The target file, and whether missing folders are created for it; `None` is standard output.
     target: Option<(&'a Path, bool)>,
     options: &'a JobOptions,
     progress: &'a Progress,
 }
 
 impl Task<'_> {
-    /// Renders a job; where it is the only one of the command and a short one, on the calling thread alone.
+    /// Renders a job. If it is the only one of the command and short, it runs on the calling thread alone.
     fn render(&self, loaded: Loaded, limits: &Limits, is_only: bool) -> Result<(), CliError> {
         let (is_file, format) = (loaded.is_file, loaded.format);
         let admitted = loaded.admit(self.options, limits)?;
@@ -173,7 +173,7 @@ impl Task<'_> {
         Ok(())
     }
 
-    /// Writes the results to which the output refers, which go beside its file.
+    /// Writes the files beside the output that it refers to.
     fn write_details(
         &self,
         admitted: &Admitted,
@@ -204,7 +204,7 @@ impl Task<'_> {
     }
 }
 
-/// Writes a file of an output, and its library.
+/// Writes the file of an output, and its material library.
 fn to_file(
     files: &mut Files,
     target: &Path,

@@ -1,4 +1,4 @@
-//! `planish reproduce`: renders artifacts again that say of which job they are, and compares the bytes.
+//! `planish reproduce`: renders files again from the job descriptions in them, and compares the bytes.
 
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -35,7 +35,7 @@ pub(crate) struct ReproduceOptions {
 }
 
 impl ReproduceOptions {
-    /// Says of each file whether it is made again to the byte, and ends with 1 where one is not.
+    /// Prints for each file whether it was reproduced exactly, and fails with code 1 if one was not.
     pub(super) fn reproduce(&self) -> Result<(), CliError> {
         let (mut is_same, mut worst) = (true, None);
         for source in &inputs(&self.files)? {
@@ -60,7 +60,7 @@ impl ReproduceOptions {
         }
     }
 
-    /// What is different when a file is made again; nothing where the bytes are the same.
+    /// Renders a file again and describes the difference; `None` if the bytes are the same.
     fn difference(&self, source: &Source) -> Result<Option<String>, CliError> {
         let bytes = source.read()?;
         let said = description(&bytes).ok_or_else(|| {
@@ -92,7 +92,7 @@ impl ReproduceOptions {
         Ok(Some(format!("differs from byte {same} on ({} bytes, made again {}){other}", given.len(), made.len())))
     }
 
-    /// The file of an upload that a job names.
+    /// Reads the file of an upload that a job names.
     fn upload(&self, id: &str) -> Result<MeshFile, CliError> {
         let needed = || CliError::refused(format!("its job names the upload {id}; give that file with --input"));
         let source = Source::of(self.input.as_ref().ok_or_else(needed)?);
@@ -107,7 +107,7 @@ impl ReproduceOptions {
     }
 }
 
-/// The bytes without the line that names the library of an OBJ on this command line's disk, which is no part of the
+/// Removes the line that names the material library of an OBJ file; `planish render` adds it, and it is not part of the
 /// artifact.
 fn without_library<'a>(given: &'a [u8], made: &[u8]) -> &'a [u8] {
     let end = given.iter().position(|byte| *byte == b'\n').map_or(0, |at| at + 1);

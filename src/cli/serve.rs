@@ -1,4 +1,4 @@
-//! `planish serve`: the service.
+//! `planish serve`: runs the service.
 
 use std::path::Path;
 use std::sync::OnceLock;
@@ -12,8 +12,8 @@ use crate::http::serve::{StartError, bind, serve as serve_http};
 use crate::kept::keep_at_most;
 use crate::service::account::kept_buffers;
 
-/// Serves until the process is asked to stop; from then on it takes no longer than the setting allows, whatever
-/// threads still wait for a disk that hangs.
+/// Serves until a signal asks the process to stop. Then each store and table gets what is left of the shutdown timeout
+/// to write its pending records, and threads that still wait for a disk are abandoned.
 pub(super) fn serve(given: Given, file: Option<&Path>) -> Result<(), CliError> {
     let given = given.or(Given::of_variables(std::env::vars_os()).map_err(CliError::usage)?);
     let available = memory::available();
@@ -34,7 +34,7 @@ pub(super) fn serve(given: Given, file: Option<&Path>) -> Result<(), CliError> {
     let served = runtime.block_on(async {
         let (listener, app) = bind(settings).await.map_err(unstarted)?;
         let address = listener.local_addr().map_err(CliError::other)?;
-        // asked for before anybody knows that the service is there
+        // Signals are caught before anybody is told that the service is there.
         let signals = Signals::new().map_err(CliError::other)?;
         tracing::info!(%address, cache = %app.settings.data_dir.display(), "planish is listening");
         log.say(&format!("planish is listening on http://{address}"));
@@ -56,7 +56,7 @@ pub(super) fn serve(given: Given, file: Option<&Path>) -> Result<(), CliError> {
     served.map(drop)
 }
 
-/// Why the service did not start, with the code of its kind.
+/// Converts the reason why the service did not start to an error of its kind.
 fn unstarted(error: StartError) -> CliError {
     match error {
         StartError::Listen { .. } | StartError::Store { .. } | StartError::Bucket { .. } | StartError::Keys(_) => {
@@ -67,13 +67,14 @@ fn unstarted(error: StartError) -> CliError {
     }
 }
 
-/// Files that are open beside connections: those of the stores, of the runtime and of downloads from disk.
-/// Half of it is enough for a quiet service; twice of it takes a quarter of the usual 1,024 from connections once more.
+/// Number of open files besides connections: those of the stores, of the runtime and of downloads from disk. Half of it
+/// is enough for a quiet service; twice of it would take another quarter of the usual 1,024 from connections.
 #[cfg(target_os = "linux")]
 const OTHER_FILES: u64 = 256;
 
-/// Asks the system for as many open files as connections need, so that their bound is met first: a connection beyond
-/// that takes the place of an idle one, a file beyond its limit lets nobody in. How many connections there may be.
+/// Raises the limit of open files to the number that connections need, and returns how many connections the granted
+/// limit allows. The limit of connections must be reached first: a connection beyond it replaces an idle one, but
+/// beyond the limit of files no client can connect.
 #[cfg(target_os = "linux")]
 fn connections_within_files(wanted: usize) -> usize {
     use rustix::process::{Resource, Rlimit, getrlimit, setrlimit};

@@ -1,4 +1,4 @@
-//! `planish completions` and `planish man`: what shells and readers of manuals need, made of the command line itself.
+//! `planish completions` and `planish man`: shell completions and manual pages, generated from the command line.
 
 use clap::Command;
 use clap_complete::Shell;
@@ -7,7 +7,7 @@ use super::error::CliError;
 use super::say::answer;
 use crate::fault::{did_you_mean, shortened};
 
-/// Prints the completions of a shell.
+/// Prints the completions for a shell.
 pub(super) fn completions(shell: Shell, mut command: Command) -> Result<(), CliError> {
     let mut text = Vec::new();
     clap_complete::generate(shell, &mut command, "planish", &mut text);

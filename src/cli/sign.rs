@@ -1,4 +1,4 @@
-//! `planish sign`: addresses that open one thing without a key.
+//! `planish sign`: signed links, which open one thing without a key.
 
 use std::io::Write;
 use std::path::PathBuf;
@@ -20,7 +20,7 @@ use crate::output::{FORMATS, named};
 use crate::wire::JobRequest;
 use crate::wire::read::{ReadError, read};
 
-/// Longest address that a service reads, and longest job in it, bytes.
+/// Maximum length of an address that a service accepts, and of a job in it, in bytes.
 const MOST_ADDRESS_BYTES: usize = 8 << 10;
 const MOST_JOB_BYTES: usize = 64 << 10;
 
@@ -94,7 +94,7 @@ fn check_extension(extension: &str) -> Result<(), CliError> {
     if is_known { Ok(()) } else { Err(CliError::usage(wrong())) }
 }
 
-/// The job and the extension of its format, as they stand in an address.
+/// Encodes a job, with the extension of its format, as part of an address.
 fn of_job(json: &[u8], format: Option<&str>) -> Result<String, CliError> {
     if json.len() > MOST_JOB_BYTES {
         let detail = format!("the job has {} bytes, and an address holds {MOST_JOB_BYTES}", json.len());
@@ -116,7 +116,7 @@ fn of_job(json: &[u8], format: Option<&str>) -> Result<String, CliError> {
     let mut deflated = DeflateEncoder::new(Vec::new(), Compression::best());
     let deflated = deflated.write_all(json).and_then(|()| deflated.finish()).map_err(CliError::other)?;
     let written = URL_SAFE_NO_PAD.encode(deflated);
-    // a loader looks beside the model for the buffers to which it refers
+    // A loader resolves the buffers of a model relative to its address.
     let refers = request.outputs.iter().any(|output| output.gives("lod"));
     Ok(if refers { format!("{written}/{MODEL}") } else { format!("{written}.{extension}") })
 }

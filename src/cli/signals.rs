@@ -5,20 +5,20 @@ use std::io;
 #[cfg(unix)]
 use tokio::signal::unix::{Signal, SignalKind, signal};
 
-/// Interrupts, terminations and hang-ups from the moment on when they were asked for.
+/// The signals SIGINT, SIGTERM and SIGHUP, caught since this was created.
 #[derive(Debug)]
 pub(super) struct Signals {
     #[cfg(unix)]
     interrupt: Signal,
     #[cfg(unix)]
     terminate: Signal,
-    /// A terminal that is closed; nothing where whoever started the process has it ignored.
+    /// SIGHUP, sent when the terminal is closed; `None` if the process was started with it ignored.
     #[cfg(unix)]
     hang_up: Option<Signal>,
 }
 
 impl Signals {
-    /// Signals no longer end the process by themselves from here on; within a runtime.
+    /// Starts to catch the signals, which no longer end the process by themselves. Must be called within a runtime.
     pub(super) fn new() -> io::Result<Self> {
         Ok(Self {
             #[cfg(unix)]
@@ -30,7 +30,7 @@ impl Signals {
         })
     }
 
-    /// Waits for the first signal, and gives the code that it ends a command with: 128 and its number.
+    /// Waits for the first signal and returns its exit code: 128 plus its number.
     #[cfg(unix)]
     pub(super) async fn first(mut self) -> u8 {
         let Self { interrupt, terminate, hang_up } = &mut self;
@@ -47,10 +47,10 @@ impl Signals {
         }
     }
 
-    /// Waits for the first signal, and gives the code that it ends a command with: 128 and its number.
+    /// Waits for the first signal and returns its exit code: 128 plus its number.
     #[cfg(not(unix))]
     pub(super) async fn first(self) -> u8 {
-        // without a signal there is nothing to wait for
+        // If the signal cannot be caught, there is nothing to wait for.
         if tokio::signal::ctrl_c().await.is_err() {
             std::future::pending::<()>().await;
         }
@@ -58,11 +58,11 @@ impl Signals {
     }
 }
 
-/// Whether the process was started with hang-ups ignored, as `nohup` does: `/proc` tells, where there is one.
+/// Returns whether the process was started with SIGHUP ignored, as `nohup` does, according to `/proc`, if it exists.
 #[cfg(unix)]
 fn ignores_hang_ups() -> bool {
     let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
     let ignored = status.lines().find_map(|line| line.strip_prefix("SigIgn:"));
-    // the lowest bit is that of signal 1
+    // The lowest bit belongs to signal 1, SIGHUP.
     ignored.and_then(|mask| u64::from_str_radix(mask.trim(), 16).ok()).is_some_and(|mask| mask & 1 == 1)
 }

@@ -1,11 +1,11 @@
-//! What an input is, by its first bytes, where its name does not tell.
+//! Detection of the kind of an input from its first bytes, for names that do not determine it.
 
 use crate::input;
 
-/// The name of the reader, `json` for the JSON of a mesh, or `job`.
+/// Returns the name of the reader, `json` for the JSON of a mesh, or `job`.
 ///
 /// # Errors
-/// A sentence, where the bytes are nothing that is known.
+/// A sentence, when the bytes are of no known kind.
 pub(super) fn sniffed(bytes: &[u8]) -> Result<&'static str, String> {
     if bytes.trim_ascii_start().starts_with(b"{") {
         return Ok(of_json(bytes));
@@ -24,7 +24,7 @@ pub(super) fn sniffed(bytes: &[u8]) -> Result<&'static str, String> {
     })
 }
 
-/// What a JSON object is.
+/// Returns the kind of an input that is a JSON object.
 fn of_json(bytes: &[u8]) -> &'static str {
     #[derive(serde::Deserialize)]
     struct Head {

@@ -1,4 +1,4 @@
-//! Where outputs go.
+//! The targets of outputs: standard output, files, folders and patterns.
 
 use std::collections::HashMap;
 use std::path::{Component, Path, PathBuf};
@@ -7,25 +7,26 @@ use super::error::CliError;
 use super::inputs::Source;
 use crate::output::{self, FORMATS, Format};
 
-/// What patterns take of the path of an input: the name without its extension, the name, and the folder.
+/// The placeholders of patterns for parts of the path of an input: the name without extension, the name, and the
+/// folder.
 const PLACEHOLDERS: [&str; 3] = ["stem", "name", "dir"];
 
-/// Where the outputs of a command go.
+/// The target of the outputs of a command.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(super) enum Target {
-    /// To standard output.
+    /// Standard output.
     Standard,
-    /// Into one file.
+    /// One file.
     File(PathBuf),
-    /// Into files of their own: a path with placeholders.
+    /// One file for each input: a path with placeholders.
     Pattern(String),
-    /// Into a folder, as the formats that jobs name.
+    /// A folder, with files in the formats that the jobs name.
     Folder(PathBuf),
 }
 
 impl Target {
-    /// What `-o` means for so many inputs, of which there may be more another time where they are `open`; `format` is
-    /// that of `--format`.
+    /// Interprets the argument of `-o` for the given number of inputs; `open` tells whether folders or patterns named
+    /// them, so that their number may change. `format` is the format of `--format`.
     pub(super) fn new(
         path: &Path,
         (inputs, open): (usize, bool),
@@ -61,12 +62,12 @@ impl Target {
         Ok(Self::Pattern(format!("{root}{folder}/{{stem}}.{}", format.extension())))
     }
 
-    /// Whether folders are made for the files where they are missing.
+    /// Returns whether missing folders are created for the files.
     pub(super) fn makes_folders(&self) -> bool {
         matches!(self, Self::Pattern(_) | Self::Folder(_))
     }
 
-    /// The extension of the files.
+    /// Returns the extension of the files, if the target determines it.
     pub(super) fn extension(&self) -> Option<&str> {
         let path = match self {
             Self::Standard | Self::Folder(_) => return None,
@@ -76,7 +77,7 @@ impl Target {
         path.extension().and_then(|extension| extension.to_str())
     }
 
-    /// The file of an input; `None` is standard output. A folder alone names none.
+    /// Returns the file of an input; `None` for standard output, and for a folder without a format.
     pub(super) fn of(&self, input: &Source) -> Option<PathBuf> {
         match self {
             Self::Standard | Self::Folder(_) => None,
@@ -86,7 +87,7 @@ impl Target {
     }
 }
 
-/// A pattern with the parts of a path in place of its placeholders; folders lead downwards only.
+/// Replaces the placeholders of a pattern by parts of a path; components such as `..` are removed from its folder.
 fn filled(pattern: &str, path: &Path) -> String {
     let inner = path.parent().into_iter().flat_map(Path::components);
     let inner: PathBuf = inner.filter(|part| matches!(part, Component::Normal(_))).collect();
@@ -103,14 +104,15 @@ fn filled(pattern: &str, path: &Path) -> String {
         .fold(first, |text, (name, rest)| text + &part(name).unwrap_or_default() + rest)
 }
 
-/// The format whose files have an extension, in any case of letters; of several the first, or the one of that name.
+/// Returns the format for a file extension, case-insensitively: the format of that name, else the first with that
+/// extension.
 pub(super) fn of_extension(extension: &str) -> Option<&'static dyn Format> {
     let extension = extension.to_ascii_lowercase();
     let by_extension = || FORMATS.iter().copied().find(|format| format.extension() == extension);
     output::named(&extension).or_else(by_extension)
 }
 
-/// Whether a pattern has known placeholders only, and one that tells inputs apart.
+/// Checks that all placeholders of a pattern are known.
 fn check(pattern: &str) -> Result<(), CliError> {
     let known = "{stem} (name without extension), {name} (name), {dir} (folder)";
     let names = pattern.split('{').skip(1).map(|rest| rest.split_once('}').map_or(rest, |(name, _)| name));
@@ -122,10 +124,10 @@ fn check(pattern: &str) -> Result<(), CliError> {
     Ok(())
 }
 
-/// Whether all files, each of an input, are different ones, and none is that of an input.
+/// Checks that all target files are different, and that none of them is an input.
 ///
 /// # Errors
-/// The first two inputs that would go into one file, or that whose place would be taken.
+/// Names the first two inputs with the same target file, or the input that would be overwritten.
 pub(super) fn keep_apart<'a>(files: impl Iterator<Item = (&'a Path, &'a Source)> + Clone) -> Result<(), CliError> {
     let mut taken: HashMap<PathBuf, &Source> = HashMap::new();
     for (target, input) in files.clone() {

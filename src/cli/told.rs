@@ -1,4 +1,4 @@
-//! Faults in the words of the command line: where a request has a pointer, it has a flag.
+//! Faults in terms of the command line: with flags in place of JSON pointers.
 
 use super::error::{CliError, Kind};
 use super::flags::{JobFlags, dashed, flag, way_of};
@@ -6,25 +6,25 @@ use crate::fault::Fault;
 use crate::job::limits::Refusal;
 use crate::wire::read::ReadError;
 
-/// Who says what a job is to be.
+/// Translates faults of a job to the command line.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Teller<'a> {
-    /// The flags.
+    /// The flags that were given.
     pub(super) flags: &'a JobFlags,
-    /// Whether the input is a mesh file, so that all else is said by flags.
+    /// Whether the input is a mesh file, so that everything else comes from flags.
     pub(super) is_file: bool,
-    /// What tells the format, where a flag does.
+    /// The flag that determines the format, if any.
     pub(super) format: Option<&'static str>,
 }
 
 impl Teller<'_> {
-    /// The refusal of an input.
+    /// Converts faults of an input to an error.
     pub(super) fn refused(&self, faults: Vec<Fault>) -> CliError {
         let faults: Vec<Fault> = faults.into_iter().map(|fault| self.told(fault)).collect();
         CliError::faults(Kind::Refused, &faults)
     }
 
-    /// The refusal of what is no job.
+    /// Converts the error of reading a job to an error of the command line.
     pub(super) fn unread(&self, error: ReadError) -> CliError {
         match error {
             ReadError::NotJson(detail) => CliError::refused(detail.replacen("the body is not", "it is not", 1)),
@@ -32,7 +32,7 @@ impl Teller<'_> {
         }
     }
 
-    /// The refusal of a job that cannot be done, or not here.
+    /// Converts the refusal of a job to an error of the command line.
     pub(super) fn not_admitted(&self, refusal: Refusal) -> CliError {
         match refusal {
             Refusal::Impossible(faults) => self.refused(faults),
@@ -44,7 +44,7 @@ impl Teller<'_> {
         }
     }
 
-    /// A fault with flags in place of pointers.
+    /// Replaces the JSON pointers in a fault by flags.
     pub(super) fn told(&self, fault: Fault) -> Fault {
         let Fault { pointer, mut detail, other } = fault;
         if let Some(at) = other {
@@ -64,7 +64,7 @@ impl Teller<'_> {
         }
     }
 
-    /// The flag of a place in a job; `None` where no flag says something of it.
+    /// Returns the flag for a JSON pointer into a job; `None` if no flag sets that field.
     fn flag(&self, pointer: &str) -> Option<String> {
         let mut parts = pointer.split('/').skip(1);
         let (part, name) = (parts.next().unwrap_or_default(), parts.next());
@@ -99,7 +99,7 @@ impl Teller<'_> {
         }
     }
 
-    /// The flag of an output, or of an option of it.
+    /// Returns the flag for an output, or for an option of it.
     fn option(&self, name: Option<&str>, inner: Option<&str>) -> Option<String> {
         match name {
             None | Some("format") => self.format.map(str::to_owned),
@@ -112,7 +112,7 @@ impl Teller<'_> {
     }
 }
 
-/// A sentence about a flag, which has no type of JSON.
+/// Rewrites a message about a JSON value as a message about a flag, which has no JSON type.
 fn in_flags(detail: &str) -> String {
     let kinds = ["invalid type: string ", "invalid value: string ", "invalid type: number "];
     let detail = kinds.iter().find_map(|kind| detail.strip_prefix(kind)).unwrap_or(detail);
@@ -124,7 +124,7 @@ fn in_flags(detail: &str) -> String {
         .replace("expected three numbers", "expected three numbers like 0,0,1")
 }
 
-/// What sentences say of the input, in flags.
+/// JSON fields of the input in remedies of messages, and the corresponding flags.
 const REMEDIES: [(&str, &str); 4] = [
     ("\"non_manifold\": \"split\"", "--non-manifold split"),
     ("\"orient\": \"repair\"", "--orient repair"),
@@ -132,7 +132,7 @@ const REMEDIES: [(&str, &str); 4] = [
     ("\"weld\": false", "--weld false"),
 ];
 
-/// A sentence with flags for the fields of the input that would help.
+/// Replaces JSON fields of the input in a message by flags.
 pub(super) fn flagged(text: &str) -> String {
     REMEDIES.iter().fold(text.to_owned(), |text, (field, flag)| text.replace(field, flag))
 }

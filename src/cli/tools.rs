@@ -1,4 +1,4 @@
-//! The tools that a language model's client may call: each a function from its arguments to texts and pictures.
+//! The tools for clients of language models: functions from JSON arguments to texts and pictures.
 
 use std::path::Path;
 
@@ -16,21 +16,21 @@ use crate::wire::catalogue::presets;
 use crate::wire::output::OutputRequest;
 use crate::wire::read::{ReadError, read};
 
-/// Longest text that is answered as it is, bytes: some ten thousand words, which is a good part of what a model reads
-/// at once. Half of it sends small meshes to files; twice of it fills the model's room with coordinates.
+/// Maximum length of a text answer in bytes: some ten thousand words, which is a good part of what a model reads at
+/// once. Half of it would send small meshes to files; twice of it would fill the context of the model with coordinates.
 const MOST_TEXT: usize = 64 << 10;
-/// Longest picture, bytes before base64: clients refuse messages of some megabytes. Half of it refuses pictures of
-/// 2,000 pixels a side; twice of it some clients do.
+/// Maximum size of a picture in bytes before base64; clients refuse messages of some megabytes. Half of it would refuse
+/// pictures of 2,000 pixels a side; with twice of it some clients would refuse the message.
 const MOST_PICTURE: usize = 4 << 20;
-/// Most faces and most bytes of memory of a job: seconds of work, as a client waits for its tools.
-/// Half of them refuses level 9 of a cube; twice of them lets a call take a minute.
+/// Maximum number of faces, and maximum memory of a job in bytes: they allow seconds of work, because a client waits
+/// for its tools. Half of them would refuse level 9 of a cube; twice of them would let a call take a minute.
 const MOST_FACES: u64 = 2_000_000;
 const MOST_MEMORY: u64 = 2 << 30;
-/// The directions of the four views: above, front, side, and from a corner; degrees.
+/// The four views: caption, azimuth and elevation in degrees.
 const VIEWS: [(&str, f64, f64); 4] =
     [("above", 0.0, 90.0), ("front", 0.0, 0.0), ("side", 90.0, 0.0), ("corner", 35.0, 25.0)];
 
-/// What a tool answers with.
+/// One item of the answer of a tool.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) enum Answered {
     /// A text.
@@ -39,18 +39,18 @@ pub(super) enum Answered {
     Picture(Vec<u8>),
 }
 
-/// What a tool said, or in a sentence why it could not.
+/// The answer of a tool, or its error as a sentence.
 type Said = Result<Vec<Answered>, String>;
 
 /// A tool.
 pub(super) struct ToolFacts {
-    /// Its name.
+    /// Name.
     pub(super) name: &'static str,
-    /// What it does.
+    /// Description for the model.
     pub(super) doc: &'static str,
-    /// The JSON schema of its arguments.
+    /// Returns the JSON schema of the arguments.
     pub(super) schema: fn() -> Value,
-    /// Calls it with its arguments and the folder for files.
+    /// Runs the tool with its arguments and the folder for files.
     pub(super) call: fn(Value, Option<&Path>, &Watch) -> Said,
 }
 
@@ -131,7 +131,7 @@ fn admitted(request: JobRequest, watch: &Watch) -> Result<Admitted, String> {
     })
 }
 
-/// The bytes of the only output of a job, and what is to be said of them.
+/// Makes the bytes of the only output of a job, with the report on them.
 fn made(admitted: &Admitted, watch: &Watch) -> Result<(Vec<u8>, Report), String> {
     let (output, mut bytes) = (&admitted.job().outputs[0], Vec::new());
     let report = run(admitted, output, &mut bytes, watch).map_err(|error| error.to_string())?;

@@ -1,4 +1,4 @@
-//! `planish validate`: what is wrong with jobs and mesh files, and what meshes are like.
+//! `planish validate`: checks jobs and mesh files, and describes their meshes.
 
 use std::path::PathBuf;
 
@@ -28,7 +28,8 @@ pub(crate) struct ValidateOptions {
 }
 
 impl ValidateOptions {
-    /// Prints what `POST /v1/validate` answers: of one input as it is there, of several a line each, with the `input`.
+    /// Prints the answer of `POST /v1/validate`: for one input as it is, for several inputs one line each, with the
+    /// name in `input`.
     pub(super) fn validate(&self) -> Result<(), CliError> {
         self.options.check()?;
         let sources = jobs_and_meshes(&self.inputs)?;
@@ -53,7 +54,7 @@ impl ValidateOptions {
         worst.map_or(Ok(()), |kind| Err(CliError::told(kind)))
     }
 
-    /// What is found of an input, as JSON.
+    /// Examines an input and returns the report as JSON.
     fn examined(&self, source: &Source) -> Result<Value, CliError> {
         let mut loaded = self.options.load(source)?;
         let purpose = loaded.request.asked();
@@ -66,7 +67,7 @@ impl ValidateOptions {
     }
 }
 
-/// What is found of an input that could not be read as a job or a mesh.
+/// Makes the report on an input that could not be read as a job or a mesh.
 fn of_refusal(error: &CliError) -> Value {
     let faults: Vec<Value> = error.details.iter().map(|detail| json!({ "pointer": "", "detail": detail })).collect();
     json!({ "valid": false, "errors": faults, "warnings": [] })

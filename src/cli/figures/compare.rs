@@ -1,4 +1,4 @@
-//! Two versions of a figure: what is different, as a picture and in numbers.
+//! The differences between two versions of a figure, as pictures and as numbers.
 
 use std::path::Path;
 
@@ -12,27 +12,27 @@ use crate::watch::Watch;
 use crate::wire::job::{FigureRequest, JobRequest, PanelRequest, SharedRequest};
 use crate::wire::output::OutputRequest;
 
-/// What is different between two versions of a figure.
+/// The differences between two versions of a figure.
 #[derive(Debug)]
 pub(super) struct Difference {
-    /// The name of the file.
+    /// Name of the file.
     pub(super) name: String,
-    /// The picture before, where there was one.
+    /// The old picture, if it exists.
     pub(super) before: Option<Vec<u8>>,
-    /// The picture now, where there is one.
+    /// The new picture, if it exists.
     pub(super) after: Option<Vec<u8>>,
-    /// Where they differ, as a PNG, where both are pictures in pixels of one size.
+    /// A PNG of the differences, if both versions are PNG pictures of the same size.
     pub(super) where_: Option<Vec<u8>>,
-    /// Pixels that differ, of how many, and how far their colours are apart at most, 0 to 1.
+    /// Number of different pixels, number of all pixels, and largest difference of colours from 0 to 1.
     pub(super) pixels: Option<(u64, u64, f64)>,
-    /// Numbers that differ: name, before, after.
+    /// The numbers that differ: name, old value, new value.
     pub(super) numbers: Vec<(String, Option<Value>, Option<Value>)>,
-    /// Both shapes from one camera, as a PNG, where both jobs are at hand.
+    /// A PNG of both shapes from one camera, if both jobs are available.
     pub(super) together: Option<Vec<u8>>,
 }
 
 impl Difference {
-    /// The difference of two versions, each with its bytes where they are at hand.
+    /// Compares two versions, each with its manifest entry and, if available, its bytes.
     pub(super) fn new(
         name: &str,
         before: Option<(&Entry, Option<Vec<u8>>)>,
@@ -55,7 +55,7 @@ impl Difference {
         Self { name: name.to_owned(), before, after, where_, pixels, numbers, together: None }
     }
 
-    /// What has become of the figure, in words.
+    /// Describes the difference in words.
     pub(super) fn told(&self) -> String {
         match (&self.before, &self.after, self.pixels) {
             (None, Some(_), _) => "new, or the file before is missing".to_owned(),
@@ -72,10 +72,11 @@ impl Difference {
     }
 }
 
-/// A picture of what differs, how many pixels do, of how many, and how far apart they are at most, 0 to 1.
+/// A PNG of the differences, with the number of different pixels, the number of all pixels, and the largest difference
+/// of colours from 0 to 1.
 type PixelsCompared = (Option<Vec<u8>>, (u64, u64, f64));
 
-/// Where two pictures in pixels differ, and how many pixels do; nothing where they are none, or not of one size.
+/// Compares two PNG pictures; `None` if either is not a PNG, or their sizes differ.
 fn pixels(before: &[u8], after: &[u8]) -> Option<PixelsCompared> {
     let side = |bytes: &[u8]| PngFile::new(bytes.into(), true).ok().map(Side::Picture);
     let comparison = Comparison::new([side(before)?, side(after)?], Tolerances::default()).ok()?;
@@ -87,8 +88,8 @@ fn pixels(before: &[u8], after: &[u8]) -> Option<PixelsCompared> {
     Some((written.then_some(picture), (difference.different, width * height, difference.largest)))
 }
 
-/// What two versions of a job show, side by side, from one camera framed by the box around both; nothing where one of
-/// them is a figure, or cannot be drawn.
+/// Draws both versions of a job side by side, from one camera framed by the box around both; `None` if either is a
+/// figure or cannot be drawn.
 pub(super) fn side_by_side(before: &Path, after: &Path, output: usize) -> Result<Option<Vec<u8>>, CliError> {
     let (before, after) = (load(before)?, load(after)?);
     if before.figure.is_some() || after.figure.is_some() {
@@ -111,7 +112,7 @@ pub(super) fn side_by_side(before: &Path, after: &Path, output: usize) -> Result
     Ok(drawn.and_then(|admitted| bytes(&admitted, 0)).ok())
 }
 
-/// The index of the output whose file has a name.
+/// Returns the index of the output whose file has this name.
 pub(super) fn output_of(job: &Job, stem: &str, name: &str) -> usize {
     let has = |output: &crate::job::Output| name == format!("{stem}-{}.{}", output.name, output.format.extension());
     job.outputs.iter().position(has).unwrap_or(0)

@@ -1,4 +1,4 @@
-//! What is known of rendered figures: one JSON file beside them, with its entries in the order of their names.
+//! The manifest of rendered figures: one JSON file beside them, with entries sorted by name.
 
 use std::collections::BTreeMap;
 use std::fs;
@@ -12,17 +12,17 @@ use crate::cli::error::CliError;
 use crate::cli::files::Files;
 use crate::job::key::{Key, RESULTS_VERSION, content};
 
-/// Name of the file.
+/// Name of the manifest file.
 const NAME: &str = "manifest.json";
-/// Most numbers that are kept of one figure: those of some six panels. Half of it leaves out panels of common figures;
-/// twice of it fills reports with numbers that nobody reads.
+/// Maximum number of measured numbers per figure: those of some six panels. Half of it would omit panels of common
+/// figures; twice of it would fill reports with numbers that nobody reads.
 const MOST_NUMBERS: usize = 128;
 
 /// All figures of a folder.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct Manifest {
-    /// Version of the results.
+    /// Results version.
     pub(super) results_version: u32,
     /// The figures, by the names of their files.
     pub(super) figures: BTreeMap<String, Entry>,
@@ -32,15 +32,15 @@ pub(super) struct Manifest {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct Entry {
-    /// The file of its job.
+    /// Name of the job file.
     pub(super) job: String,
-    /// The key of the result.
+    /// Key of the result.
     pub(super) key: String,
-    /// The BLAKE3 hash of its bytes.
+    /// BLAKE3 hash of the bytes.
     pub(super) hash: String,
-    /// How many these are.
+    /// Number of bytes.
     pub(super) bytes: usize,
-    /// What is measured of what it shows.
+    /// Measured numbers of the shapes shown.
     pub(super) numbers: BTreeMap<String, Value>,
 }
 
@@ -55,7 +55,7 @@ impl Manifest {
         folder.join(NAME)
     }
 
-    /// The manifest of a folder; `None` where there is none.
+    /// Reads the manifest of a folder; `None` if there is none.
     pub(super) fn read(folder: &Path) -> Result<Option<Self>, CliError> {
         let path = Self::path(folder);
         let cannot =
@@ -67,7 +67,7 @@ impl Manifest {
         }
     }
 
-    /// Writes it into a folder.
+    /// Writes the manifest into a folder.
     pub(super) fn write(&self, folder: &Path) -> Result<(), CliError> {
         let text = serde_json::to_string_pretty(self).map_err(CliError::other)?;
         put(&Self::path(folder), format!("{text}\n").as_bytes())
@@ -75,19 +75,19 @@ impl Manifest {
 }
 
 impl Entry {
-    /// Whether a folder has the bytes of the figure.
+    /// Returns whether a folder has a file of this name with the bytes of the figure.
     pub(super) fn is_in(&self, folder: &Path, name: &str) -> bool {
         fs::read(folder.join(name)).is_ok_and(|bytes| hash(&bytes) == self.hash)
     }
 }
 
-/// The hash of bytes, as manifests have it.
+/// Returns the hash of bytes in the form used in manifests.
 pub(super) fn hash(bytes: &[u8]) -> String {
     let key: Key = content(bytes);
     key.to_string()
 }
 
-/// Writes a file; folders are made for it where they are missing.
+/// Writes a file; creates missing folders.
 pub(super) fn put(path: &Path, bytes: &[u8]) -> Result<(), CliError> {
     let write = || {
         path.parent().map_or(Ok(()), fs::create_dir_all)?;
@@ -98,8 +98,8 @@ pub(super) fn put(path: &Path, bytes: &[u8]) -> Result<(), CliError> {
     write().map_err(|error| CliError::files(format!("cannot write {}: {error}", path.display())))
 }
 
-/// The single numbers, texts and flags of a JSON value by their places; matrices, and lists of more than four, are left
-/// out.
+/// Collects the numbers, texts and flags of a JSON value by their paths; skips matrices and lists of more than four
+/// items.
 pub(super) fn numbers(of: &str, value: &Value, found: &mut BTreeMap<String, Value>) {
     let place = |name: &str| if of.is_empty() { name.to_owned() } else { format!("{of} {name}") };
     match value {

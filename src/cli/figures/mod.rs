@@ -1,4 +1,4 @@
-//! `planish figures`: a folder of jobs to pictures, and what has changed of them.
+//! `planish figures`: renders a folder of jobs to pictures, and reports which of them have changed.
 
 mod compare;
 mod manifest;

@@ -1,4 +1,4 @@
-//! One job of a folder, and the pictures that it gives.
+//! The rendering of one job of a folder to its pictures.
 
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -20,15 +20,15 @@ use crate::wire::output::OutputRequest;
 /// A picture of a job.
 #[derive(Debug)]
 pub(super) struct Rendered {
-    /// The name of its file.
+    /// Name of the file.
     pub(super) name: String,
-    /// What is known of it.
+    /// Entry of the picture in the manifest.
     pub(super) entry: Entry,
-    /// Its bytes, where it was made anew.
+    /// The bytes, if the picture was rendered now.
     pub(super) bytes: Option<Vec<u8>>,
 }
 
-/// Reads the job of a file.
+/// Reads the job in a file.
 pub(super) fn load(path: &Path) -> Result<JobRequest, CliError> {
     let Loaded { mut request, is_file, .. } = JobOptions::default().load(&Source::File(path.to_owned()))?;
     if is_file {
@@ -40,7 +40,7 @@ pub(super) fn load(path: &Path) -> Result<JobRequest, CliError> {
     Ok(request)
 }
 
-/// Renders the pictures of a job; those that are in `folder` already, as the manifest tells, are left as they are.
+/// Renders the pictures of a job; skips pictures that `folder` has already with the same key in the manifest.
 pub(super) fn render(path: &Path, known: &Manifest, folder: Option<&Path>) -> Result<Vec<Rendered>, CliError> {
     let request = load(path)?;
     let part = |of: Option<&std::ffi::OsStr>| of.unwrap_or_default().to_string_lossy().into_owned();
@@ -83,13 +83,13 @@ fn is_picture(admitted: &Admitted, output: usize) -> bool {
     media_type.starts_with("image/") || media_type == "application/pdf"
 }
 
-/// Checks and admits a job.
+/// Checks a job and admits it within the default limits.
 pub(super) fn admitted(request: JobRequest) -> Result<Admitted, CliError> {
     let loaded = Loaded { request, is_file: false, format: None };
     loaded.admit(&JobOptions::default(), &Limits::default())
 }
 
-/// The bytes of an output.
+/// Renders an output and returns its bytes.
 pub(super) fn bytes(admitted: &Admitted, output: usize) -> Result<Vec<u8>, CliError> {
     let output = &admitted.job().outputs[output];
     let mut bytes = Vec::new();
@@ -104,7 +104,7 @@ pub(super) fn bytes(admitted: &Admitted, output: usize) -> Result<Vec<u8>, CliEr
     }
 }
 
-/// What is measured of the shapes that a job shows; nothing where they cannot be measured.
+/// Measures the shapes that a job shows; shapes that cannot be measured are skipped.
 fn measured(request: &JobRequest) -> BTreeMap<String, Value> {
     let mut found = BTreeMap::new();
     let panels = request.figure.iter().flat_map(|figure| &figure.panels).map(|panel| &panel.job);

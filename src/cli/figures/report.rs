@@ -1,4 +1,4 @@
-//! The report on figures that have changed: Markdown with its pictures beside it, and one HTML file that holds all.
+//! The report on changed figures: Markdown with its pictures in folders beside it, and a self-contained HTML file.
 
 use std::fmt::Write;
 use std::path::Path;
@@ -10,7 +10,8 @@ use super::compare::Difference;
 use super::manifest::put;
 use crate::cli::error::CliError;
 
-/// Most numbers that are told of a figure. Half of it hides what changes together; twice of it buries the pictures.
+/// Maximum number of changed numbers listed per figure. Half of it would hide changes that belong together; twice of it
+/// would bury the pictures.
 const MOST_NUMBERS: usize = 40;
 
 const STYLE: &str = "body{font:16px/1.5 system-ui,sans-serif;margin:2rem auto;max-width:80rem;padding:0 1rem;\
@@ -18,7 +19,7 @@ const STYLE: &str = "body{font:16px/1.5 system-ui,sans-serif;margin:2rem auto;ma
     .row{display:flex;flex-wrap:wrap;gap:1rem}table{border-collapse:collapse;margin:1rem 0}\
     td,th{border-bottom:1px solid #d5dbe3;padding:.2rem .8rem;text-align:left;font-variant-numeric:tabular-nums}";
 
-/// Pictures of a difference with their captions and the beginnings of their names.
+/// Returns the pictures of a difference: caption, file name, bytes.
 fn pictures(of: &Difference) -> Vec<(&'static str, String, &[u8])> {
     let stem = &of.name;
     let all = [
@@ -75,7 +76,7 @@ fn of_one(folder: &Path, of: &Difference, markdown: &mut String, html: &mut Stri
     Ok(())
 }
 
-/// The table of the numbers that have changed.
+/// Writes the table of the changed numbers.
 fn numbers(of: &Difference, markdown: &mut String, html: &mut String) {
     if of.before.is_none() || of.after.is_none() || of.numbers.is_empty() {
         return;

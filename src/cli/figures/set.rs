@@ -1,4 +1,4 @@
-//! A folder of jobs, rendered all together.
+//! Rendering and checking of all jobs of a folder.
 
 use std::collections::BTreeMap;
 use std::fs;
@@ -42,7 +42,7 @@ pub(crate) struct FigureOptions {
 }
 
 impl FigureOptions {
-    /// Renders the jobs, or checks what has become of their pictures.
+    /// Renders the jobs, or checks their pictures for changes.
     pub(crate) fn run(&self) -> Result<(), CliError> {
         let jobs = jobs(&self.jobs)?;
         let known = match (Manifest::read(&self.output)?, self.check) {
@@ -55,7 +55,7 @@ impl FigureOptions {
         };
         let progress = Mutex::new(Progress::new(jobs.len(), self.quiet));
         let each = |path: &PathBuf| {
-            // a key tells the job, not the program that renders it: to check is to render anew
+            // A key identifies the job, not the version of the renderer, so a check renders every picture anew.
             let rendered = render(path, &known, (!self.check).then_some(self.output.as_path()));
             let rendered = rendered.and_then(|made| self.kept(made, &known));
             let (made, outcome) = match rendered {
@@ -80,15 +80,15 @@ impl FigureOptions {
         if !self.quiet {
             progress.say(&format!("planish: {fresh} of {of} pictures were made, the others are as they were"));
         }
-        // what failed stays what it was
+        // If a job failed, its old entries stay in the manifest.
         let mut figures: BTreeMap<String, Entry> = if is_whole { BTreeMap::new() } else { known.figures };
         figures.extend(made.into_iter().map(|made| (made.name, made.entry)));
         Manifest { figures, ..Manifest::default() }.write(&self.output)?;
         progress.end("inputs rendered")
     }
 
-    /// Writes the pictures that were made. Where they are only looked at, the bytes of those are kept that differ from
-    /// the folder or from its manifest.
+    /// Writes the new pictures to the folder. In a check, writes nothing, and keeps only the bytes of pictures that
+    /// differ from the folder or its manifest.
     fn kept(&self, mut made: Vec<Rendered>, known: &Manifest) -> Result<Vec<Rendered>, CliError> {
         for Rendered { name, entry, bytes } in &mut made {
             if self.check {
@@ -104,7 +104,7 @@ impl FigureOptions {
         Ok(made)
     }
 
-    /// Tells what differs from the pictures in the folder.
+    /// Compares the new pictures with those in the folder, and writes a report if any differ.
     fn checked(&self, known: &Manifest, made: Vec<Rendered>) -> Result<(), CliError> {
         let mut same = 0;
         let mut differences = Vec::new();
@@ -142,7 +142,7 @@ impl FigureOptions {
         Err(CliError { details: lines, ..CliError::other("") })
     }
 
-    /// Both versions of what a job shows from one camera, where that of before is at hand and another one.
+    /// Draws the old and the new version of a job's shape from one camera, if the folder of old jobs has the job.
     fn together(&self, job: &str, name: &str) -> Result<Option<Vec<u8>>, CliError> {
         let Some(folder) = &self.before else { return Ok(None) };
         let (before, after) = (folder.join(job), self.jobs.join(job));
@@ -155,7 +155,7 @@ impl FigureOptions {
     }
 }
 
-/// The jobs of a folder, by their names.
+/// Returns the jobs of a folder, sorted by name.
 fn jobs(folder: &Path) -> Result<Vec<PathBuf>, CliError> {
     let cannot = |error: std::io::Error| CliError::files(format!("cannot read {}: {error}", folder.display()));
     let mut found = Vec::new();
@@ -172,7 +172,7 @@ fn jobs(folder: &Path) -> Result<Vec<PathBuf>, CliError> {
     Ok(found)
 }
 
-/// Refuses pictures of one name.
+/// Refuses two pictures of the same name.
 fn check_names(made: &[Rendered]) -> Result<(), CliError> {
     let mut seen: BTreeMap<&str, &str> = BTreeMap::new();
     for Rendered { name, entry, .. } in made {

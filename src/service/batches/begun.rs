@@ -1,4 +1,4 @@
-//! Batches on their way from those who accept them to those who do them.
+//! The hand-over of batches from the code that accepts them to the code that runs them.
 
 use std::collections::VecDeque;
 use std::sync::{Mutex, MutexGuard, PoisonError};
@@ -7,7 +7,7 @@ use tokio::sync::Notify;
 
 use super::record::BatchRun;
 
-/// The batches that somebody has to do.
+/// The batches that are to be run.
 #[derive(Debug, Default)]
 pub struct Begun {
     runs: Mutex<VecDeque<BatchRun>>,
@@ -19,13 +19,13 @@ impl Begun {
         self.runs.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// One more has to be done.
+    /// Adds a batch.
     pub fn put(&self, run: BatchRun) {
         self.runs().push_back(run);
         self.came.notify_one();
     }
 
-    /// The next one, when there is one; for one who asks at a time.
+    /// Takes the next batch, waiting until there is one. Only one caller may wait at a time.
     pub async fn next(&self) -> BatchRun {
         loop {
             let came = self.came.notified();

@@ -1,17 +1,17 @@
-//! Where in the text of a batch the texts of its jobs stand.
+//! The positions of the jobs in the text of a batch.
 
 use std::ops::Range;
 
 /// The jobs of a batch as parts of its text.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Layout {
-    /// One after the other.
+    /// A list: the range of the text of each job.
     List(Vec<Range<usize>>),
-    /// A template with a value of each axis in it: row by row, the last axis fastest.
+    /// A grid: a template filled with a value of each axis, row by row, the last axis fastest.
     Grid {
-        /// The template, in pieces.
+        /// The template in pieces.
         template: Vec<Piece>,
-        /// The axes in their order.
+        /// The axes in order.
         axes: Vec<Axis>,
     },
 }
@@ -19,25 +19,25 @@ pub enum Layout {
 /// A piece of a template.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Piece {
-    /// Text of the batch.
+    /// A range of the text of the batch.
     Text(Range<usize>),
-    /// Text that stands nowhere in the batch.
+    /// Text that does not occur in the batch.
     Written(String),
-    /// The value of an axis.
+    /// The value of the axis with this index.
     Value(usize),
 }
 
 /// An axis of a grid.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Axis {
-    /// The place in the template that it fills.
+    /// JSON pointer to the place in the template that the axis fills.
     pub pointer: String,
-    /// Where the text of each of its values stands.
+    /// The range of the text of each value.
     pub values: Vec<Range<usize>>,
 }
 
 impl Layout {
-    /// How many jobs there are; saturates.
+    /// Returns the number of jobs, saturating.
     pub fn n(&self) -> u128 {
         match self {
             Self::List(jobs) => jobs.len() as u128,
@@ -45,7 +45,7 @@ impl Layout {
         }
     }
 
-    /// Bytes of the texts of all jobs together; saturates.
+    /// Returns the total length of the texts of all jobs in bytes, saturating.
     pub fn bytes(&self) -> u128 {
         let (n, length) = (self.n(), |range: &Range<usize>| range.len() as u128);
         match self {
@@ -64,7 +64,7 @@ impl Layout {
         }
     }
 
-    /// Which value of each axis a job has; nothing for a list.
+    /// Returns the index of the value of each axis in a job; empty for a list.
     pub fn coordinates(&self, job: usize) -> Vec<usize> {
         let Self::Grid { axes, .. } = self else { return Vec::new() };
         let (mut left, mut found) = (job, vec![0; axes.len()]);
@@ -75,7 +75,7 @@ impl Layout {
         found
     }
 
-    /// The text of a job.
+    /// Returns the text of a job.
     pub fn text(&self, batch: &[u8], job: usize) -> Vec<u8> {
         let of = |range: &Range<usize>| batch.get(range.clone()).unwrap_or_default();
         match self {

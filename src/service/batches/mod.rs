@@ -1,4 +1,4 @@
-//! Batches: lists of jobs that are done one after the other, each known by its item; settled ones leave first.
+//! Batches: many jobs sent in one request; the oldest settled batches are removed first.
 
 mod begun;
 mod layout;

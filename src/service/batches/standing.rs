@@ -1,46 +1,46 @@
-//! How a batch stands now.
+//! The current status of a batch.
 
 use super::record::Batch;
 use crate::service::jobs::{Phase, Standing, State};
 
-/// Steps of a sequence number within an attempt: so many parts an item.
+/// Parts of a sequence number within an attempt: [`PARTS`] for each item; attempts are [`STEPS`] apart.
 const PARTS: u64 = 1000;
 const STEPS: u64 = 1 << 32;
 
-/// How many jobs of a batch stand where.
+/// The number of jobs of a batch in each phase.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Counts {
-    /// Of those that wait for their turn, or to be put in line.
+    /// Jobs that wait for their turn, or to be queued.
     pub queued: u64,
-    /// Of those that are being done.
+    /// Jobs that run.
     pub running: u64,
-    /// Of those whose outputs were all made.
+    /// Jobs whose outputs were all made.
     pub done: u64,
-    /// Of those that failed.
+    /// Jobs that failed.
     pub failed: u64,
-    /// Of those that were cancelled.
+    /// Jobs that were cancelled.
     pub cancelled: u64,
-    /// Of those whose results were there before.
+    /// Jobs whose results existed before; they are counted in one of the other fields as well.
     pub hits: u64,
 }
 
-/// How a batch stands.
+/// The status of a batch at one moment.
 #[derive(Debug, Clone)]
 pub struct BatchStanding {
-    /// What is known of it.
+    /// The record of the batch.
     pub batch: Batch,
-    /// Where it stands.
+    /// The phase of the batch.
     pub phase: Phase,
-    /// How its jobs stand that have been read and go on.
+    /// For each item, the status of its job if the job was read and has not ended.
     pub under_way: Vec<Option<Standing>>,
-    /// How many jobs stand where.
+    /// The number of jobs in each phase.
     pub counts: Counts,
-    /// Share of the work done, from 0 to 1, where every job counts as much.
+    /// Fraction of the work that is done, from 0 to 1, with the same weight for every job.
     pub progress: f64,
 }
 
 impl BatchStanding {
-    /// How a batch stands; `job` tells how a job of it does.
+    /// Returns the status of a batch; `job` returns the status of the job of an item.
     pub fn of(batch: Batch, job: impl Fn(usize) -> Option<Standing>) -> Self {
         let goes_on = |at: usize| batch.items[at].ending.is_none() && batch.items[at].job.is_some();
         let under_way: Vec<_> = (0..batch.items.len()).map(|at| if goes_on(at) { job(at) } else { None }).collect();
@@ -63,7 +63,7 @@ impl BatchStanding {
         Self { batch, phase, under_way, counts, progress }
     }
 
-    /// A number that grows with everything that happens to the batch, in this process and in those after it.
+    /// Returns a number that grows as the batch makes progress, in this process and in later ones.
     #[expect(
         clippy::cast_possible_truncation,
         clippy::cast_sign_loss,

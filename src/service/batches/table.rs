@@ -1,4 +1,4 @@
-//! The table of batches.
+//! The table of records of batches.
 
 use std::collections::{BTreeMap, BTreeSet, HashMap};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
@@ -19,20 +19,20 @@ use crate::service::journal::Journal;
 use crate::service::peer::{Paid, Peer};
 use crate::service::store::{Records, StoreError};
 
-/// Most batches known.
-/// Half of it forgets batches sooner; twice of it may take twice their share of the memory of records.
+/// Maximum number of batches. Half of it would forget batches sooner; twice of it may take twice their share of the
+/// memory for records.
 const MAX_BATCHES: usize = 1000;
 
-/// Finds the jobs in the text of a batch that was accepted; none where they cannot be told any more.
+/// Finds the jobs in the text of an accepted batch; `None` if the text can no longer be interpreted.
 pub type ReadLayout = fn(&Bytes) -> Option<Layout>;
 
-/// All batches.
+/// The records of all batches.
 #[derive(Debug)]
 pub struct Batches {
     table: Arc<Mutex<Table>>,
     clock: Arc<dyn Clock>,
     layout: ReadLayout,
-    /// Writes batches where they outlast the process.
+    /// Writes batches to durable storage, if there is any.
     journal: Option<Journal<Written>>,
 }
 
@@ -40,7 +40,7 @@ pub struct Batches {
 struct Table {
     batches: HashMap<JobKey, Batch>,
     by_number: BTreeMap<u64, JobKey>,
-    /// Keys of artifacts with the batches and the items that have them.
+    /// The artifacts of batches: tenant, key of the artifact, id of the batch, index of the item.
     by_artifact: BTreeSet<(Tenant, Key, Key, usize)>,
     next: u64,
 }
@@ -72,14 +72,14 @@ impl Table {
         Some(known)
     }
 
-    /// The batch of an attempt that goes on.
+    /// Returns the batch of an attempt that is still active.
     fn running(&mut self, run: &BatchRun) -> Option<&mut Batch> {
         self.batches.get_mut(&run.batch).filter(|batch| batch.number == run.number && batch.is_active())
     }
 }
 
 impl Batches {
-    /// A table whose batches outlast the process where there is a store for them.
+    /// Creates an empty table; if `records` is given, its batches outlast the process.
     pub fn new(records: Option<Arc<dyn Records>>, clock: Arc<dyn Clock>, layout: ReadLayout) -> Self {
         let table = Arc::new(Mutex::new(Table::default()));
         let journal = records.map(|records| {
@@ -117,10 +117,10 @@ impl Batches {
         }
     }
 
-    /// Waits until a batch is written for good; at once where nothing outlasts the process.
+    /// Waits until the current record of a batch is durable; returns at once if batches do not outlast the process.
     ///
     /// # Errors
-    /// When it cannot be written.
+    /// When the record cannot be written.
     pub async fn written(&self, batch: JobKey) -> Result<(), StoreError> {
         match &self.journal {
             Some(journal) => journal.written(Written::Batch(batch)).await,
@@ -128,12 +128,12 @@ impl Batches {
         }
     }
 
-    /// A batch, if it is known.
+    /// Returns a batch, if it is known.
     pub fn get(&self, batch: &JobKey) -> Option<Batch> {
         self.table().batches.get(batch).cloned()
     }
 
-    /// A batch of a tenant with an artifact of this key, and which of its jobs has it.
+    /// Returns a batch of the tenant that has this artifact, and the index of the item that has it.
     pub fn of_artifact(&self, tenant: Tenant, artifact: &Key) -> Option<(Batch, usize)> {
         let table = self.table();
         let (owner, key, id, at) = *table.by_artifact.range((tenant, *artifact, Key::LEAST, 0)..).next()?;
@@ -141,7 +141,8 @@ impl Batches {
         found.then(|| table.batches.get(&JobKey { tenant, id }).cloned().map(|batch| (batch, at))).flatten()
     }
 
-    /// So many batches of a tenant, the newest first, of those before a number; and whether there are more.
+    /// Returns the newest `n` batches of a tenant with numbers below `before`, newest first, and whether there are
+    /// more.
     pub fn page(&self, tenant: Tenant, before: u64, n: usize) -> (Vec<Batch>, bool) {
         let table = self.table();
         let own = table.by_number.range(..before).rev().filter(|(_, batch)| batch.tenant == tenant);
@@ -151,12 +152,12 @@ impl Batches {
         (page, is_more)
     }
 
-    /// Accepts a batch, unless it goes on or is done: none then. One that failed or was cancelled is begun again, with
-    /// those of its jobs that were not done. `memory` takes bytes for it; where it finds none, the oldest batches that
-    /// are settled are forgotten.
+    /// Accepts a batch; returns `None` if it is active or done already. A batch that failed or was cancelled is begun
+    /// again, with those of its jobs that were not done. `memory` allocates bytes for the record; if it fails, the
+    /// oldest settled batches are removed.
     ///
     /// # Errors
-    /// [`Full`] when there is no room beside the batches that go on.
+    /// [`Full`] if active batches leave no room.
     pub fn accept(&self, memory: impl Fn(u64) -> Result<Paid, Full>, new: NewBatch) -> Result<Option<BatchRun>, Full> {
         let mut table = self.table();
         let known = table.batches.get(&new.batch);
@@ -218,11 +219,11 @@ impl Batches {
         }
     }
 
-    /// Takes the batches of an earlier process up, and tells those that are not settled, the oldest first. Those for
-    /// which there is no room stay where they are written.
+    /// Loads the batches of an earlier process and returns the attempts of batches that are not settled, oldest first.
+    /// Batches for which there is no room are skipped and stay in durable storage.
     ///
     /// # Errors
-    /// When they cannot be read.
+    /// When the batches cannot be read.
     pub fn recover(&self, memory: impl Fn(u64) -> Result<Paid, Full>) -> Result<Vec<BatchRun>, StoreError> {
         let Some(journal) = &self.journal else { return Ok(Vec::new()) };
         let (mut kept, mut items) = (Vec::new(), HashMap::<JobKey, Vec<(usize, Item)>>::new());
@@ -255,7 +256,7 @@ impl Batches {
         Ok(runs)
     }
 
-    /// A batch of an earlier process; its attempt, if it was not settled, is a further one.
+    /// Restores a batch of an earlier process; an active batch gets a further attempt.
     fn revived(&self, kept: KeptBatch, request: BatchRequest, known: Vec<(usize, Item)>, memory: Paid) -> Batch {
         let KeptBatch { batch, number, attempts, terms, state, settled_s, n_outputs: _, text: _ } = kept;
         let (now, wall) = (self.clock.now(), self.clock.wall());
@@ -284,8 +285,8 @@ impl Batches {
         }
     }
 
-    /// An item was read, and is this job; `is_hit` says whether all its results were there. What was said of it before,
-    /// in this process or an earlier one, stays. False when the attempt is over.
+    /// Records the id of the job of an item; `is_hit` tells whether all its results existed already. An item with the
+    /// same id keeps what is recorded of it, even from an earlier process. Returns false if the attempt is over.
     pub fn read(&self, run: &BatchRun, at: usize, job: Key, is_hit: bool) -> bool {
         let mut table = self.table();
         let Some(item) = table.running(run).and_then(|batch| batch.items.get_mut(at)) else { return false };
@@ -297,7 +298,7 @@ impl Batches {
         true
     }
 
-    /// An item came to its end.
+    /// Records the end of an item.
     pub fn settle_item(&self, run: &BatchRun, at: usize, ending: Ending) {
         let ending = Arc::new(ending);
         let mut table = self.table();
@@ -308,8 +309,8 @@ impl Batches {
         self.note_items(run.batch, [at]);
     }
 
-    /// Ends a batch that goes on and, where an attempt is named, goes on with it: its jobs that have not come to their
-    /// end count as cancelled. Tells those of them that were read; none where nothing goes on.
+    /// Ends an active batch, or only the given attempt at it; items that have not ended become cancelled. Returns those
+    /// of their jobs that were read; `None` if no such batch is active.
     pub fn end(&self, batch: &JobKey, attempt: Option<&BatchRun>, state: State) -> Option<Vec<JobKey>> {
         let now = self.clock.now();
         let mut table = self.table();
@@ -330,7 +331,8 @@ impl Batches {
         Some(left)
     }
 
-    /// Forgets a batch; tells its jobs that were read and have not come to their end. None where it is not known.
+    /// Removes a batch; if it is active, returns its jobs that were read and have not ended. Returns `None` if the
+    /// batch is not known.
     pub fn remove(&self, batch: &JobKey) -> Option<Vec<JobKey>> {
         let forgotten = self.table().forget(batch)?;
         self.note_items(*batch, 0..forgotten.items.len());
@@ -338,14 +340,14 @@ impl Batches {
         Some(if forgotten.is_active() { forgotten.under_way() } else { Vec::new() })
     }
 
-    /// The batches that were settled longer ago than that.
+    /// Returns the batches settled at least `time_to_live` ago.
     pub fn overdue(&self, time_to_live: Duration) -> Vec<JobKey> {
         let now = self.clock.now();
         let is_old = |batch: &&Batch| batch.settled.is_some_and(|at| now.saturating_sub(at) >= time_to_live);
         self.table().batches.values().filter(is_old).map(|batch| batch.batch).collect()
     }
 
-    /// Writes what is not written yet, and nothing afterwards. Blocks, but no longer than that.
+    /// Writes all pending records, waiting at most `patience`, and nothing afterwards.
     pub fn close(&self, patience: Duration) {
         self.journal.iter().for_each(|journal| journal.close(patience));
     }

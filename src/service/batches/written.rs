@@ -1,4 +1,4 @@
-//! The binary form of batches and of their items: what outlasts the process.
+//! The binary form of batches and of their items in durable storage.
 
 use std::sync::Arc;
 use std::time::Duration;
@@ -14,10 +14,10 @@ use crate::service::journal::Row;
 const BATCH: [u8; 8] = *b"plnshbat";
 const ITEM: [u8; 8] = *b"plnshitm";
 const VERSION: u32 = 1;
-/// Written where a number is left out.
+/// Stands for an absent number.
 const NONE: u64 = u64::MAX;
 
-/// The fields in their order; those of outputs follow those of an item.
+/// Tags of the fields in their order; the fields of outputs follow those of an item.
 mod tag {
     pub(super) const BATCH: u8 = 1;
     pub(super) const STANDING: u8 = 2;
@@ -27,7 +27,7 @@ mod tag {
     pub(super) const JOB: u8 = 6;
 }
 
-/// What is written by itself: a batch, or what is known of one of its items.
+/// The key of a row in durable storage: a batch, or one item of a batch.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) enum Written {
     Batch(JobKey),
@@ -43,14 +43,14 @@ impl Row for Written {
     }
 }
 
-/// A row as it is read back.
+/// A decoded row.
 #[derive(Debug)]
 pub(super) enum Kept {
     Batch(Box<KeptBatch>),
     Item { batch: JobKey, at: usize, item: Item },
 }
 
-/// A batch as it is read back.
+/// A decoded batch.
 #[derive(Debug)]
 pub(super) struct KeptBatch {
     pub(super) batch: JobKey,
@@ -58,7 +58,7 @@ pub(super) struct KeptBatch {
     pub(super) attempts: u32,
     pub(super) terms: JobTerms,
     pub(super) state: State,
-    /// When it was settled, seconds since 1970.
+    /// Time at which the batch was settled, in seconds since 1970.
     pub(super) settled_s: Option<u64>,
     pub(super) n_outputs: u64,
     pub(super) text: Bytes,
@@ -83,7 +83,7 @@ fn state(number: u64, reason: String) -> Option<State> {
     })
 }
 
-/// The binary form of a batch that was settled at this time since 1970, if it was; its items have forms of their own.
+/// Encodes a batch without its items; `settled` is the time since 1970 at which the batch was settled, if it is.
 pub(super) fn encode(batch: &Batch, settled: Option<Duration>) -> Vec<u8> {
     let mut out = Writing::new(BATCH, VERSION, 256 + batch.request.text.len());
     out.field(tag::BATCH, &batch.batch.to_bytes());
@@ -99,7 +99,7 @@ pub(super) fn encode(batch: &Batch, settled: Option<Duration>) -> Vec<u8> {
     out.closed()
 }
 
-/// The binary form of an item.
+/// Encodes an item.
 pub(super) fn encode_item(batch: &JobKey, at: u32, item: &Item) -> Vec<u8> {
     let mut out = Writing::new(ITEM, VERSION, 256);
     out.field(tag::BATCH, &batch.to_bytes());
@@ -113,12 +113,12 @@ pub(super) fn encode_item(batch: &JobKey, at: u32, item: &Item) -> Vec<u8> {
     out.closed()
 }
 
-/// Whether a record of a store is that of a batch or of an item.
+/// Returns whether a stored record is the record of a batch or of an item.
 pub(super) fn is_of_batch(record: &[u8]) -> bool {
     record.starts_with(&BATCH) || record.starts_with(&ITEM)
 }
 
-/// Reads a binary form back; `None` when it is damaged or of another version.
+/// Decodes a record; returns `None` if it is damaged, of another version, or names an unknown format.
 pub(super) fn decode(bytes: &[u8]) -> Option<Kept> {
     if bytes.starts_with(&ITEM) {
         return decode_item(bytes);

@@ -1,4 +1,4 @@
-//! Jobs to be accepted, and attempts at them.
+//! Jobs to be accepted, and attempts to run them.
 
 use std::sync::Arc;
 
@@ -14,37 +14,37 @@ use crate::service::store::Pin;
 pub struct New {
     /// The job.
     pub job: JobKey,
-    /// What it is.
+    /// The description of the job.
     pub summary: JobSummary,
-    /// What was said of its turn.
+    /// The priority and the time limits of the job.
     pub terms: JobTerms,
-    /// Whose turn it takes.
+    /// The client whose turn the job takes.
     pub peer: Peer,
-    /// Who wants it.
+    /// The client or batch that wants the job.
     pub holder: Holder,
-    /// Counts it as one of the jobs that its peer may have under way; none for jobs that are done already.
+    /// The job's share of the jobs that its client may have under way; `None` for a job that is done already.
     pub ticket: Option<Ticket>,
-    /// What its outputs came to; empty for jobs that are still to be done.
+    /// The results of the job's outputs; empty for a job that is still to be done.
     pub made: Vec<Made>,
-    /// Keeps the uploads that it needs.
+    /// Pins on the uploads that the job needs.
     pub pins: Vec<Arc<Pin>>,
 }
 
-/// One attempt at a job.
+/// One attempt to run a job.
 #[derive(Debug, Clone)]
 pub struct Run {
     /// The job.
     pub job: JobKey,
     pub(super) number: u64,
-    /// Comes true when the attempt is over.
+    /// Becomes true when the attempt is over.
     pub ended: watch::Receiver<bool>,
 }
 
-/// What came of accepting a job.
+/// The result of accepting a job.
 #[derive(Debug)]
 pub enum Placed {
-    /// It is under way already, or done.
+    /// The job is under way already, or done.
     Known(Box<Record>),
-    /// It is to be done.
+    /// The job is to be done, in this attempt.
     New(Run),
 }

@@ -1,4 +1,5 @@
-//! The records of jobs that outlast their request: bounded in number and bytes; settled ones leave first.
+//! The records of jobs, which outlast their requests: bounded in number and bytes; the oldest settled ones are removed
+//! first.
 
 mod attempt;
 mod record;

@@ -1,4 +1,4 @@
-//! What is known of a job that was accepted.
+//! The record of an accepted job.
 
 use std::collections::BTreeSet;
 use std::sync::Arc;
@@ -18,42 +18,42 @@ use crate::service::pool::Lane;
 use crate::service::store::Pin;
 use crate::service::under_way::Interest;
 
-/// Charged for a record besides its request: its counts a level, its places in the maps.
-/// Half of it is less than a job of many levels takes; twice of it holds half as many records in their share.
+/// Estimated bytes of a record besides its request: its counts per level, its map entries. Half of it is less than a
+/// job of many levels takes; twice of it would hold half as many records in their share of memory.
 const RECORD_BYTES: u64 = 8 << 10;
-/// Charged for each output beside the first: its name, its key, how it was made, with a warning.
-/// Half of it is less than an output with a long name takes; twice of it refuses jobs of many outputs sooner.
+/// Estimated bytes of each output after the first: its name, its key, its result with a warning. Half of it is less
+/// than an output with a long name takes; twice of it would refuse jobs of many outputs sooner.
 const OUTPUT_BYTES: u64 = 1 << 10;
 
-/// How often a job is begun that never comes to an end because the process ends before.
-/// Half of it gives up jobs that two crashes of others have met; twice of it lets one job end the process twelve times.
+/// Maximum number of starts of a job without an end, because the process ended first. Half of it would fail jobs that
+/// happened to run during two crashes caused by others; twice of it would let one job end the process twelve times.
 pub(super) const MOST_STARTS: u32 = 6;
-/// How long a job that was begun twice without an end waits after the next start, seconds; twice as long after each
-/// further one. Half of it suspects more of the jobs that a process meets which is ended every second by something
-/// else; twice of it makes the last attempt wait for a quarter of a minute.
+/// Seconds that a job with two starts and no end waits before it is queued again; doubled for each further start. Half
+/// of it would suspect more of the jobs that run in a process that something else ends every second; twice of it would
+/// make the last attempt wait for a quarter of a minute.
 const FIRST_PAUSE_S: u64 = 1;
 
 /// One output of a job.
 #[derive(Debug, Clone)]
 pub struct Product {
-    /// Its name.
+    /// Name of the output.
     pub name: String,
-    /// The format of its bytes.
+    /// Format of the output's bytes.
     pub format: &'static dyn Format,
-    /// The key of its bytes.
+    /// Key of the output's bytes.
     pub key: Key,
 }
 
-/// What a job was predicted to come to.
+/// The predicted size and cost of a job.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct Predicted {
-    /// Points or vertices after the prefix, and after each level.
+    /// Number of points or vertices after the prefix, and after each level.
     pub vertices: Vec<u64>,
-    /// Faces of the result.
+    /// Number of faces of the result.
     pub faces: u64,
-    /// Memory while it runs, bytes.
+    /// Memory during the computation in bytes.
     pub memory_bytes: u64,
-    /// Time of one output on one core, milliseconds.
+    /// Time of one output on one core in milliseconds.
     pub time_ms: u64,
 }
 
@@ -70,66 +70,66 @@ impl From<&Estimate> for Predicted {
     }
 }
 
-/// What is known of a job without its input.
+/// The description of a job without its input.
 #[derive(Debug, Clone)]
 pub struct JobSummary {
-    /// Its outputs.
+    /// The outputs of the job.
     pub products: Vec<Product>,
-    /// What it was to come to.
+    /// The predicted size and cost.
     pub cost: Predicted,
-    /// How close to the limit it comes, where a tolerance was asked for.
+    /// The level chosen for a requested tolerance, with the bound of the distance from the limit.
     pub reached: Option<Resolved>,
-    /// Keys of the results to which its outputs refer.
+    /// Keys of further results that the outputs refer to.
     pub details: Vec<Key>,
-    /// The uploads that its request names.
+    /// Keys of the uploads that the request names.
     pub blobs: Vec<Key>,
-    /// The request as it was sent, from which its results can be made at any time.
+    /// The request as it was sent, from which the results can be made again at any time.
     pub request: Bytes,
 }
 
 impl JobSummary {
-    /// What a record of it takes.
+    /// Returns the estimated bytes of a record of this job.
     pub(super) fn record_bytes(&self) -> u64 {
         RECORD_BYTES + OUTPUT_BYTES * self.products.len().saturating_sub(1) as u64 + self.request.len() as u64
     }
 
-    /// The keys of its outputs and of all that they refer to.
+    /// Returns the keys of the outputs and of the results that they refer to.
     pub(super) fn artifacts(&self) -> impl Iterator<Item = Key> + '_ {
         self.products.iter().map(|product| product.key).chain(self.details.iter().copied())
     }
 }
 
-/// What became of an output.
+/// The result of an output.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Made {
-    /// It was made, or was there.
+    /// The output was made, or was stored already.
     Done {
-        /// Its length in bytes.
+        /// Length in bytes.
         bytes: u64,
-        /// What the client should know about it.
+        /// Warnings for the client.
         warnings: Vec<String>,
-        /// How long it took.
+        /// Time that the output took.
         timings: Timings,
     },
-    /// Why there is none.
+    /// The output could not be made, for this reason.
     Failed(String),
 }
 
-/// Whether a job goes on.
+/// The state of a job or a batch.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum State {
     /// It waits for its turn, or is being computed.
     Active,
     /// All outputs were made.
     Done,
-    /// Some output was not made, or all were not; why.
+    /// Not all outputs were made, for this reason.
     Failed(String),
     /// It was cancelled.
     Cancelled,
 }
 
 impl State {
-    /// That of a job which seems to end the process whenever it is begun.
+    /// Returns the state of a job during which the process has ended `starts` times, so that it seems to be the cause.
     pub(super) fn poisoned(starts: u32) -> Self {
         Self::Failed(format!(
             "it was begun {starts} times, and each time the process ended before it; look at the log and the memory of \
@@ -139,47 +139,48 @@ impl State {
 }
 
 impl Record {
-    /// Returns how long the job waits after a start of the process before it gets into line again: a job that ends the
-    /// process lets others come to their end, and one that only happened to run is not begun again by every process
-    /// that is as short-lived.
+    /// Returns how long the job waits after a start of the process before it is queued again. The pause lets other jobs
+    /// finish before a job that ends the process, and spares an innocent job further starts in short-lived processes.
     pub fn pause(&self) -> Duration {
         let doublings = self.starts.saturating_sub(2).min(MOST_STARTS);
         Duration::from_secs(if self.starts < 2 { 0 } else { FIRST_PAUSE_S << doublings })
     }
 
-    /// Whether results of the job that are not kept may be made for whoever asks for them: it goes on, or it is done.
+    /// Returns whether results of the job that are no longer stored may be made again on request: the job is active or
+    /// done.
     pub fn may_be_made_again(&self) -> bool {
         matches!(self.state, State::Active | State::Done)
     }
 }
 
-/// Who wants a job of a tenant.
+/// One party that wants a job.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Holder {
-    /// A client that has posted it.
+    /// A client that has posted the job.
     Client,
-    /// A batch of the tenant.
+    /// A batch of the same tenant.
     Batch(Key),
 }
 
-/// All who want a job of a tenant: a batch that is cancelled leaves the jobs that somebody has posted by themselves.
+/// All parties that want a job. When a batch is cancelled, jobs that a client has posted or another batch wants
+/// continue.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct Wanted {
-    /// Whether a client has posted it.
+    /// Whether a client has posted the job.
     pub is_posted: bool,
-    /// The batches.
+    /// The batches that want the job.
     pub batches: BTreeSet<Key>,
 }
 
 impl Wanted {
-    /// A job that one wants.
+    /// Returns the set of one party.
     pub(super) fn by(holder: Holder) -> Self {
         let mut wanted = Self::default();
         wanted.add(holder);
         wanted
     }
 
-    /// One more wants it.
+    /// Adds a party.
     pub(super) fn add(&mut self, holder: Holder) {
         match holder {
             Holder::Client => self.is_posted = true,
@@ -189,60 +190,60 @@ impl Wanted {
         }
     }
 
-    /// A batch wants it no more; true when nobody does now.
+    /// Removes a batch; returns true if nobody wants the job any more.
     pub(super) fn remove(&mut self, batch: &Key) -> bool {
         self.batches.remove(batch);
         self.batches.is_empty() && !self.is_posted
     }
 }
 
-/// One tenant's interest in the outputs of a job.
+/// The record of one tenant's job.
 #[derive(Debug, Clone)]
 pub struct Record {
     /// The job.
     pub job: JobKey,
-    /// Its place among all records: later ones have larger numbers.
+    /// Position among all records; later records have larger numbers.
     pub number: u64,
-    /// What the job is.
+    /// The description of the job.
     pub summary: Arc<JobSummary>,
-    /// How often it was queued.
+    /// Number of times that the job was queued.
     pub attempts: u32,
-    /// How often it was begun in processes that ended before it.
+    /// Number of starts of the job in processes that ended before it did, plus one while it runs.
     pub starts: u32,
-    /// Who wants it.
+    /// The parties that want the job.
     pub wanted: Wanted,
-    /// What was said of its turn.
+    /// The priority and the time limits of the job.
     pub terms: JobTerms,
-    /// Whose turn it takes.
+    /// The client whose turn the job takes.
     pub peer: Peer,
-    /// Whether it goes on.
+    /// The state of the job.
     pub state: State,
-    /// What became of each output.
+    /// The result of each output, once there is one.
     pub made: Vec<Option<Made>>,
-    /// The output that is being computed.
+    /// The index of the output that is being computed, and this job's interest in the computation.
     pub computing: Option<(usize, Arc<Interest>)>,
-    /// When it was queued, by the clock of the service.
+    /// Time at which the job was queued, by the clock of the service.
     pub queued: Duration,
-    /// When its turn came.
+    /// Time at which the job's turn came.
     pub begun: Option<Duration>,
-    /// When nothing more was to happen.
+    /// Time at which the job was settled.
     pub settled: Option<Duration>,
-    /// Comes true when nothing more will happen to this record.
+    /// Becomes true when nothing more will happen to this record.
     pub ended: Arc<watch::Sender<bool>>,
     pub(super) _memory: Arc<Paid>,
-    /// Keeps the uploads that it needs.
+    /// Pins on the uploads that the job needs.
     pub(super) pins: Vec<Arc<Pin>>,
-    /// One of the jobs that its peer may have under way.
+    /// The job's share of the jobs that its client may have under way.
     pub(super) ticket: Option<Arc<Ticket>>,
 }
 
 impl Record {
-    /// Whether it goes on.
+    /// Returns whether the job waits or runs.
     pub fn is_active(&self) -> bool {
         self.state == State::Active
     }
 
-    /// The lane of its longest computation.
+    /// Returns the lane of the job's longest computation; `lane_of` takes milliseconds and bytes.
     pub fn lane(&self, lane_of: impl Fn(u128, u128) -> Lane) -> Lane {
         lane_of(self.summary.cost.time_ms.into(), self.summary.cost.memory_bytes.into())
     }

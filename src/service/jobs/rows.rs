@@ -1,4 +1,4 @@
-//! The records themselves, and where they are found.
+//! The map of records with its indexes.
 
 use std::collections::{BTreeMap, BTreeSet, HashMap};
 use std::time::Duration;
@@ -8,12 +8,12 @@ use super::record::{Holder, Record, State};
 use crate::job::key::Key;
 use crate::service::job_key::{JobKey, Tenant};
 
-/// The records, by their jobs, their numbers and their artifacts.
+/// The records, with indexes by number and by artifact.
 #[derive(Debug, Default)]
 pub(super) struct Table {
     pub(super) records: HashMap<JobKey, Record>,
     pub(super) by_number: BTreeMap<u64, JobKey>,
-    /// Keys of artifacts with the ids of the jobs that have them.
+    /// The artifacts of jobs: tenant, key of the artifact, id of the job.
     pub(super) by_artifact: BTreeSet<(Tenant, Key, Key)>,
     pub(super) next: u64,
 }
@@ -36,13 +36,13 @@ impl Table {
         self.records.insert(job, record);
     }
 
-    /// The record of an attempt that goes on.
+    /// Returns the record of an attempt that is still active.
     pub(super) fn running(&mut self, run: &Run) -> Option<&mut Record> {
         self.records.get_mut(&run.job).filter(|record| record.number == run.number && record.is_active())
     }
 
-    /// A job that goes on or is done is wanted by one more; tells its state. One that is done stays known for as
-    /// long as if it were done now. None where there is no such job.
+    /// Adds a party to a job that is active or done and returns the job's state; `None` if there is no such job. A job
+    /// that is done counts as newly settled, so that its record is kept for the full time to live.
     pub(super) fn join(&mut self, job: &JobKey, holder: Holder, now: Duration) -> Option<State> {
         let record = self.records.get_mut(job).filter(|record| record.may_be_made_again())?;
         record.wanted.add(holder);
@@ -56,7 +56,7 @@ impl Table {
         Some(state)
     }
 
-    /// Forgets the oldest settled job.
+    /// Removes the oldest settled job.
     pub(super) fn forget_oldest(&mut self) -> Option<Record> {
         let oldest = self.by_number.values().find(|job| !self.records[*job].is_active()).copied()?;
         self.forget(&oldest)

@@ -1,4 +1,4 @@
-//! How a job stands now.
+//! The current status of a job.
 
 use std::time::Duration;
 
@@ -6,28 +6,29 @@ use super::record::{Made, Record, State};
 use crate::service::computation::{self, Computation, Timings};
 use crate::watch::Stage;
 
-/// Steps of a sequence number within an attempt: first those of places in line, then those of progress, then the end.
+/// Parts of a sequence number within an attempt: first one step per place in the queue, then the parts of progress,
+/// then the end; attempts are [`STEPS`] apart.
 const PLACES: u64 = 1000;
 const PARTS: u64 = 1000;
 const STEPS: u64 = 1 << 32;
 
-/// Where a job stands.
+/// The phase of a job or a batch.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Phase {
     /// It waits for its turn.
     Queued,
-    /// Some output is being computed, or was.
+    /// Some output is being computed, or was computed.
     Running,
     /// All outputs were made.
     Done,
-    /// Why not all were.
+    /// Not all outputs were made, for this reason.
     Failed(String),
     /// It was cancelled.
     Cancelled,
 }
 
 impl Phase {
-    /// That of a job or a batch in a state, of which some part has been begun, or none.
+    /// Returns the phase of a job or a batch from its state, and from whether any part of it has begun.
     pub fn of(state: &State, has_begun: bool) -> Self {
         match state {
             State::Active if has_begun => Self::Running,
@@ -38,33 +39,33 @@ impl Phase {
         }
     }
 
-    /// Whether nothing more will happen.
+    /// Returns whether nothing more will happen.
     pub fn is_settled(&self) -> bool {
         !matches!(self, Self::Queued | Self::Running)
     }
 }
 
-/// How a job stands.
+/// The status of a job at one moment.
 #[derive(Debug, Clone)]
 pub struct Standing {
-    /// What is known of it.
+    /// The record of the job.
     pub record: Record,
-    /// Where it stands.
+    /// The phase of the job.
     pub phase: Phase,
-    /// What the computation under way does.
+    /// The stage of the running computation.
     pub stage: Option<Stage>,
-    /// The level that is being made, where levels are made one after the other.
+    /// The level that is being made, if the computation makes levels one after another.
     pub level: Option<u32>,
-    /// Share of the work done, from 0 to 1.
+    /// Fraction of the work that is done, from 0 to 1.
     pub progress: f64,
-    /// How many jobs come before it, where it waits in line.
+    /// Number of jobs before it in the queue, if it waits.
     pub ahead: Option<usize>,
     /// Time spent so far on all outputs, and waiting.
     pub timings: Timings,
 }
 
 impl Standing {
-    /// How a job stands at a time of the clock; `ahead` tells how many come before it in line.
+    /// Returns the status of a job at the time `now`; `ahead` is the number of jobs before it in the queue.
     pub fn of(record: Record, now: Duration, ahead: Option<usize>) -> Self {
         let computing = record.computing.as_ref().map(|(_, interest)| interest.computation.clone());
         let has_begun = record.made.iter().any(Option::is_some)
@@ -77,7 +78,7 @@ impl Standing {
         Self { phase, stage, level: level.flatten(), progress, ahead, timings, record }
     }
 
-    /// A number that grows with everything that happens to the job, in this process and in those after it.
+    /// Returns a number that grows with every change of the job's status, in this process and in later ones.
     #[expect(
         clippy::cast_possible_truncation,
         clippy::cast_sign_loss,
@@ -95,7 +96,8 @@ impl Standing {
     }
 }
 
-/// The level that is under way when so much of the work is done, where a level takes as long as it has vertices.
+/// Returns the level that is being made after `fraction` of the work, assuming that a level takes time in proportion to
+/// its vertices.
 #[expect(clippy::cast_precision_loss, reason = "a share needs few digits")]
 fn level(vertices: &[u64], fraction: f64) -> Option<u32> {
     let made: f64 = vertices.iter().skip(1).map(|n| *n as f64).sum();

@@ -1,4 +1,4 @@
-//! The table of records.
+//! The table of records of jobs.
 
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
@@ -19,16 +19,16 @@ use crate::service::store::{Pin, Records, StoreError};
 use crate::service::tally::Tally;
 use crate::service::under_way::Interest;
 
-/// Most records held.
-/// With 8 KiB each they take 80 MiB. Half of it forgets jobs sooner; twice of it may take twice that.
+/// Maximum number of records. With 8 KiB each they take 80 MiB. Half of it would forget jobs sooner; twice of it may
+/// take twice that memory.
 const MAX_RECORDS: usize = 10_000;
-/// All records.
+/// The records of all jobs.
 #[derive(Debug)]
 pub struct Jobs {
     table: Arc<Mutex<Table>>,
     clock: Arc<dyn Clock>,
     tally: Arc<Tally>,
-    /// Writes records where they outlast the process.
+    /// Writes records to durable storage, if there is any.
     journal: Option<Journal<JobKey>>,
 }
 
@@ -39,7 +39,7 @@ impl Row for JobKey {
 }
 
 impl Jobs {
-    /// A table whose records outlast the process where there is a store for them.
+    /// Creates an empty table; if `records` is given, its records outlast the process.
     pub fn new(records: Option<Arc<dyn Records>>, clock: Arc<dyn Clock>) -> Self {
         let table = Arc::new(Mutex::new(Table::default()));
         let journal = records.map(|records| {
@@ -53,7 +53,7 @@ impl Jobs {
         Self { table, clock, tally: Arc::default(), journal }
     }
 
-    /// What happened to jobs and computations, counted.
+    /// Returns the counters of jobs and computations.
     pub fn tally(&self) -> &Arc<Tally> {
         &self.tally
     }
@@ -68,15 +68,15 @@ impl Jobs {
         }
     }
 
-    /// Whether records outlast the process.
+    /// Returns whether records outlast the process.
     pub fn last(&self) -> bool {
         self.journal.is_some()
     }
 
-    /// Waits until what is known of a job is written for good; at once where nothing outlasts the process.
+    /// Waits until the current record of a job is durable; returns at once if records do not outlast the process.
     ///
     /// # Errors
-    /// When it cannot be written.
+    /// When the record cannot be written.
     pub async fn written(&self, job: JobKey) -> Result<(), StoreError> {
         match &self.journal {
             Some(journal) => journal.written(job).await,
@@ -84,12 +84,12 @@ impl Jobs {
         }
     }
 
-    /// The record of a job.
+    /// Returns the record of a job.
     pub fn get(&self, job: &JobKey) -> Option<Record> {
         self.table().records.get(job).cloned()
     }
 
-    /// The record of a job of a tenant that has an artifact of this key.
+    /// Returns the record of a job of the tenant that has this artifact.
     pub fn of_artifact(&self, tenant: Tenant, artifact: &Key) -> Option<Record> {
         let table = self.table();
         let found = table.by_artifact.range((tenant, *artifact, Key::LEAST)..).next();
@@ -97,7 +97,8 @@ impl Jobs {
         table.records.get(&JobKey { tenant, id: *id }).cloned()
     }
 
-    /// So many records of a tenant, the newest first, of those before a number; and whether there are more.
+    /// Returns the newest `n` records of a tenant with numbers below `before`, newest first, and whether there are
+    /// more.
     pub fn page(&self, tenant: Tenant, before: u64, n: usize) -> (Vec<Record>, bool) {
         let table = self.table();
         let own = table.by_number.range(..before).rev().filter(|(_, job)| job.tenant == tenant);
@@ -107,12 +108,12 @@ impl Jobs {
         (page, is_more)
     }
 
-    /// Accepts a job, unless it is under way or done; `again` has it done again. One that failed or was cancelled takes
-    /// up where it was, as a further attempt. `memory` takes bytes for the record; where it finds none, the oldest jobs
-    /// that are settled are forgotten.
+    /// Accepts a job. A job that is active or done is only joined, unless `again` requests that a done job be done
+    /// again; a job that failed or was cancelled starts a further attempt. `memory` allocates bytes for the record; if
+    /// it fails, the oldest settled jobs are removed.
     ///
     /// # Errors
-    /// [`Full`] when there is no room beside the jobs that go on; then all is as it was, but for those.
+    /// [`Full`] if active jobs leave no room; then only settled jobs have been removed.
     pub fn accept(&self, memory: impl Fn(u64) -> Result<Paid, Full>, new: New, again: bool) -> Result<Placed, Full> {
         let bytes = new.summary.record_bytes();
         let mut table = self.table();
@@ -176,11 +177,11 @@ impl Jobs {
         }
     }
 
-    /// Takes the records of an earlier process up, and tells the jobs that are not settled, the oldest first. Those for
-    /// which there is no room stay where they are written.
+    /// Loads the records of an earlier process and returns the attempts of jobs that are not settled, oldest first.
+    /// Records for which there is no room are skipped and stay in durable storage.
     ///
     /// # Errors
-    /// When they cannot be read.
+    /// When the records cannot be read.
     pub fn recover(
         &self,
         memory: impl Fn(u64) -> Result<Paid, Full>,
@@ -217,15 +218,15 @@ impl Jobs {
         Ok(runs)
     }
 
-    /// The attempt at a job that goes on.
+    /// Returns the current attempt of an active job, with its record.
     pub fn run(&self, job: &JobKey) -> Option<(Run, Record)> {
         let record = self.get(job).filter(Record::is_active)?;
         let run = Run { job: *job, number: record.number, ended: record.ended.subscribe() };
         Some((run, record))
     }
 
-    /// Says that the turn of a job has come. That it has is written down, so that a job which ends the process again
-    /// and again is known by it; where it was begun before without an end, that is waited for.
+    /// Records that the turn of a job has come. The start is written to durable storage, so that a job that repeatedly
+    /// ends the process can be recognised; from the second start on, this waits for the write.
     pub async fn begin(&self, run: &Run) {
         let now = self.clock.now();
         let was_begun = {
@@ -242,24 +243,25 @@ impl Jobs {
         }
     }
 
-    /// A job that goes on or is done is wanted by one more; tells its state. One that is done stays known for as
-    /// long as if it were done now. None where there is no such job.
+    /// Adds a party to a job that is active or done and returns the job's state; `None` if there is no such job. A job
+    /// that is done counts as newly settled, so that its record is kept for the full time to live.
     pub fn join(&self, job: &JobKey, holder: Holder) -> Option<State> {
         let state = self.table().join(job, holder, self.clock.now())?;
         self.note(*job);
         Some(state)
     }
 
-    /// A batch wants a job no more; true when the job goes on and nobody else wants it.
+    /// Removes a batch from the parties that want a job; returns true if the job is active and nobody else wants it.
     pub fn leave(&self, job: &JobKey, batch: &Key) -> bool {
         let mut table = self.table();
         let left = table.records.get_mut(job).filter(|record| record.is_active());
         left.is_some_and(|record| record.wanted.remove(batch))
     }
 
-    /// Makes a job's interest in the computation of one of its outputs last as long as the job; false when it is over.
+    /// Ties an interest in the computation of an output to the job, so that it is dropped with it; returns false if the
+    /// attempt is over.
     pub fn attach(&self, run: &Run, output: usize, interest: Interest) -> bool {
-        let interest = Arc::new(interest); // dropped after the lock: an interest asks the desk
+        let interest = Arc::new(interest); // dropped after unlocking: its drop calls the desk
         let mut table = self.table();
         let Some(record) = table.running(run) else { return false };
         let before = record.computing.replace((output, interest.clone()));
@@ -268,7 +270,7 @@ impl Jobs {
         true
     }
 
-    /// Says what became of an output.
+    /// Records the result of an output.
     pub fn make(&self, run: &Run, output: usize, key: Key, made: Made) {
         let mut table = self.table();
         let Some(record) = table.running(run) else { return };
@@ -276,7 +278,7 @@ impl Jobs {
         if let Some(place) = record.made.get_mut(output) {
             *place = Some(made);
         }
-        // results of another version have other keys
+        // An output computed under another results version has another key than the record.
         if record.summary.products.get(output).is_some_and(|product| product.key != key) {
             let mut summary = (*record.summary).clone();
             let old = std::mem::replace(&mut summary.products[output].key, key);
@@ -288,12 +290,12 @@ impl Jobs {
         drop(before);
     }
 
-    /// Ends an attempt that goes on.
+    /// Ends an attempt that is still active.
     pub fn settle(&self, run: &Run, state: State) {
         self.end(&run.job, state, |record| record.number == run.number);
     }
 
-    /// Ends a job that goes on and is so; says whether there was one.
+    /// Ends a job if it is active and `is_so` holds for its record; returns whether it was ended.
     pub fn end(&self, job: &JobKey, state: State, is_so: impl Fn(&Record) -> bool) -> bool {
         let now = self.clock.now();
         let mut table = self.table();
@@ -311,16 +313,16 @@ impl Jobs {
         true
     }
 
-    /// Forgets a job; what goes on only for it ends. False when it was not known.
+    /// Removes a job; computations that only this job needs end. Returns false if the job was not known.
     pub fn remove(&self, job: &JobKey) -> bool {
         let removed = self.table().forget(job);
         let was_known = removed.is_some();
-        drop(removed); // after the lock: an interest asks the desk
+        drop(removed); // dropped after unlocking: dropping an interest calls the desk
         self.note(*job);
         was_known
     }
 
-    /// The jobs that wait for longer than they may, and those that were settled longer ago than that.
+    /// Returns the jobs that have waited longer than they may, and the jobs settled at least `time_to_live` ago.
     pub fn overdue(&self, time_to_live: Duration) -> (Vec<JobKey>, Vec<JobKey>) {
         let (now, table) = (self.clock.now(), self.table());
         let waits_too_long = |record: &&Record| {
@@ -334,23 +336,23 @@ impl Jobs {
         (jobs(&waits_too_long), jobs(&is_old))
     }
 
-    /// How many jobs are known.
+    /// Returns the number of jobs.
     pub fn len(&self) -> usize {
         self.table().records.len()
     }
 
-    /// Whether no job is known.
+    /// Returns whether there are no jobs.
     pub fn is_empty(&self) -> bool {
         self.len() == 0
     }
 
-    /// Any job that goes on.
+    /// Returns an arbitrary active job.
     pub fn any_active(&self) -> Option<Record> {
         self.table().records.values().find(|record| record.is_active()).cloned()
     }
 
-    /// Writes what is not written yet, and nothing afterwards. Blocks, but no longer than that. Jobs that run were not
-    /// what ended the process.
+    /// Writes all pending records, waiting at most `patience`, and nothing afterwards. It takes back the start of each
+    /// running job: this process ends regularly, not because of the job.
     pub fn close(&self, patience: Duration) {
         if let Some(journal) = &self.journal {
             for record in self.table().records.values_mut().filter(|record| record.is_active() && record.starts > 0) {
@@ -366,7 +368,7 @@ fn locked(table: &Mutex<Table>) -> MutexGuard<'_, Table> {
     table.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// A record of an earlier process; its attempt, if it was not settled, is a further one.
+/// Restores a record of an earlier process; an active job gets a further attempt, or fails if it was started too often.
 fn revived(kept: Kept, memory: Paid, now: Duration, wall: Duration) -> Record {
     let Kept { job, number, attempts, starts, is_posted, terms, state, made, settled_s, summary } = kept;
     let is_poison = state == State::Active && starts >= MOST_STARTS;

@@ -1,4 +1,4 @@
-//! The binary form of a record: what outlasts the process.
+//! The binary form of records of jobs in durable storage.
 
 use std::time::Duration;
 
@@ -13,10 +13,10 @@ use crate::service::job_key::{JobKey, JobTerms, Priority};
 
 const MAGIC: [u8; 8] = *b"plnshjob";
 const VERSION: u32 = 1;
-/// Written where a number is left out.
+/// Stands for an absent number.
 const NONE: u64 = u64::MAX;
 
-/// The fields in their order; those of the outputs follow, each under its own tag.
+/// Tags of the fields in their order; the fields of the outputs follow, each with a tag of its own.
 mod tag {
     pub(super) const JOB: u8 = 1;
     pub(super) const STANDING: u8 = 2;
@@ -36,7 +36,7 @@ mod tag {
     pub(super) const BLOBS: u8 = 16;
 }
 
-/// A record as it is read back.
+/// A decoded record.
 #[derive(Debug, Clone)]
 pub(super) struct Kept {
     pub(super) job: JobKey,
@@ -47,12 +47,12 @@ pub(super) struct Kept {
     pub(super) terms: JobTerms,
     pub(super) state: State,
     pub(super) made: Vec<Option<Made>>,
-    /// When it was settled, seconds since 1970.
+    /// Time at which the job was settled, in seconds since 1970.
     pub(super) settled_s: Option<u64>,
     pub(super) summary: JobSummary,
 }
 
-/// The binary form of a record that was settled at this time since 1970, if it was.
+/// Encodes a record; `settled` is the time since 1970 at which the job was settled, if it is.
 pub(super) fn encode(record: &Record, settled: Option<Duration>) -> Vec<u8> {
     let summary = &record.summary;
     let mut out = Writing::new(MAGIC, VERSION, 1024 + summary.request.len());
@@ -86,7 +86,7 @@ pub(super) fn encode(record: &Record, settled: Option<Duration>) -> Vec<u8> {
     out.closed()
 }
 
-/// Writes an output, and what became of it.
+/// Writes an output and its result.
 pub(in crate::service) fn output(out: &mut Writing, product: &Product, made: Option<&Made>) {
     out.field(tag::NAME, product.name.as_bytes());
     out.field(tag::FORMAT, product.format.name().as_bytes());
@@ -103,17 +103,17 @@ pub(in crate::service) fn output(out: &mut Writing, product: &Product, made: Opt
     }
 }
 
-/// Whether a record of a store is that of a job.
+/// Returns whether a stored record is the record of a job.
 pub(super) fn is_job(record: &[u8]) -> bool {
     record.starts_with(&MAGIC)
 }
 
-/// Reads the binary form back; `None` when it is damaged or of another version, or names a format that is unknown.
+/// Decodes a record; returns `None` if it is damaged, of another version, or names an unknown format.
 pub(super) fn decode(bytes: &[u8]) -> Option<Kept> {
     let mut fields = Fields::of(bytes, MAGIC, VERSION)?;
     let job = JobKey::from_bytes(fields.take(tag::JOB)?)?;
     let [number, attempts, state, settled, starts, is_posted] = match *fields.numbers(tag::STANDING)?.as_slice() {
-        // as it was written before starts were counted and there were batches
+        // The form of records before starts were counted and batches existed.
         [number, attempts, state, settled] => [number, attempts, state, settled, 0, 1],
         [number, attempts, state, settled, starts, is_posted] => [number, attempts, state, settled, starts, is_posted],
         _ => return None,
@@ -150,7 +150,7 @@ pub(super) fn decode(bytes: &[u8]) -> Option<Kept> {
     Some(Kept { job, number, attempts, starts, is_posted, terms, state, made, settled_s, summary })
 }
 
-/// Reads all outputs that are left.
+/// Reads all remaining outputs with their results.
 pub(in crate::service) fn outputs(fields: &mut Fields<'_>) -> Option<(Vec<Product>, Vec<Option<Made>>)> {
     let (mut products, mut made) = (Vec::new(), Vec::new());
     while !fields.is_empty() {

@@ -1,4 +1,4 @@
-//! What every queue can do.
+//! The interface of queues of jobs.
 
 use std::fmt::Debug;
 use std::future::Future;
@@ -8,63 +8,65 @@ use crate::service::job_key::{JobKey, Priority};
 use crate::service::peer::Peer;
 use crate::service::pool::Lane;
 
-/// What comes later.
+/// A boxed future.
 pub type Later<'a, T> = Pin<Box<dyn Future<Output = T> + Send + 'a>>;
 
-/// A job in line.
+/// A job in a queue.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Item {
     /// The job.
     pub job: JobKey,
-    /// The lane of its longest computation: short or long.
+    /// The lane of the job's longest computation: short or long.
     pub lane: Lane,
-    /// Which jobs it stands behind.
+    /// The priority of the job.
     pub priority: Priority,
-    /// Whose turn it takes.
+    /// The client whose turn the job takes.
     pub peer: Peer,
 }
 
-/// The queue does not take a job, for a reason of its own.
+/// The queue did not accept a job, for the given reason.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[error("the queue of jobs failed: {0}")]
 pub struct QueueError(pub String);
 
-/// Jobs that wait for their turns. Peers take turns within a priority; of eight turns the batch has at least one.
+/// Jobs that wait for their turns. Within a priority, clients take turns; while batch jobs wait, they get at least one
+/// turn in eight.
 pub trait Queue: Debug + Send + Sync {
-    /// Puts a job in line; one that is in line stays where it is.
+    /// Adds a job to the queue; a job that is in the queue already keeps its place.
     fn push(&self, item: Item) -> Later<'_, Result<(), QueueError>>;
 
-    /// The next job of a lane, when there is one.
+    /// Takes the next job of a lane, waiting until there is one.
     fn take(&self, lane: Lane) -> Later<'_, Leased>;
 
-    /// Takes a job out of the line, if it is there. One that was taken stays with whoever has it.
+    /// Removes a job from the queue, if it is there. A job that was taken out of the queue is not affected.
     fn withdraw(&self, job: &JobKey);
 
-    /// How many jobs of its lane come before a job in line.
+    /// Returns how many jobs of the same lane come before a job; `None` if the job is not in the queue.
     fn ahead(&self, job: &JobKey) -> Option<usize>;
 
-    /// How many wait in a lane.
+    /// Returns how many jobs wait in a lane.
     fn waiting(&self, lane: Lane) -> usize;
 }
 
-/// A job that was taken out of the queue. Dropped before it is [done](Leased::done), it is in line again, as the first.
+/// A job that was taken out of the queue. If it is dropped before [`done`](Leased::done), the job returns to the front
+/// of the queue.
 #[derive(Debug)]
 pub struct Leased {
-    /// The job.
+    /// The job and its place.
     pub item: Item,
-    /// The way back.
+    /// The handle that returns the job to the queue.
     pub lease: Box<dyn Lease>,
 }
 
 impl Leased {
-    /// Says that the job needs no turn any more.
+    /// Declares that the job needs no further turn.
     pub fn done(self) {
         self.lease.done();
     }
 }
 
-/// The way back of a job into its queue.
+/// The handle of a taken job; dropping it returns the job to its queue.
 pub trait Lease: Debug + Send {
-    /// Gives it up.
+    /// Ends the lease without returning the job to the queue.
     fn done(self: Box<Self>);
 }

@@ -1,4 +1,4 @@
-//! The queue of one process, in its memory.
+//! The queue of one process, in memory.
 
 use std::collections::{HashMap, VecDeque};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
@@ -10,18 +10,18 @@ use crate::service::job_key::{JobKey, Priority};
 use crate::service::peer::Peer;
 use crate::service::pool::Lane;
 
-/// Of so many turns the batch has one, when both wait. Half of it lets the batch take a quarter of all turns; twice of
-/// it makes the batch wait twice as long where somebody always waits.
+/// One turn in this many goes to batch jobs while interactive jobs wait, too. Half of it would give batch jobs a
+/// quarter of all turns; twice of it would make them wait twice as long while interactive jobs always wait.
 const TURNS_A_BATCH: u64 = 8;
 
-/// The queue of one process.
+/// The queue of one process. Clones share it.
 #[derive(Debug, Clone, Default)]
 pub struct Local(Arc<Shared>);
 
 #[derive(Debug, Default)]
 struct Shared {
     state: Mutex<State>,
-    /// Something came into the short, and into the long lane.
+    /// Notified when a job enters the short lane (first) or the long lane (second).
     came: [Notify; 2],
 }
 
@@ -31,10 +31,10 @@ struct State {
     known: HashMap<JobKey, Item>,
 }
 
-/// The lines of a lane.
+/// The waiting jobs of a lane.
 #[derive(Debug, Default)]
 struct Turns {
-    /// By priority, the queues of peers in the order of their turns; none is empty.
+    /// By priority, the non-empty queues of clients in the order of their turns.
     lines: [VecDeque<(Peer, VecDeque<JobKey>)>; 2],
     taken: u64,
 }
@@ -48,12 +48,13 @@ fn line_number(priority: Priority) -> usize {
 }
 
 impl Shared {
-    /// Every change under this lock is complete before anything can panic.
+    /// Locks the state, ignoring poisoning: every change under this lock is complete before anything can panic.
     fn state(&self) -> MutexGuard<'_, State> {
         self.state.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// Puts a job in line, as the last or as the first of all.
+    /// Adds a job that is not in the queue yet: at the front of its priority if `first`, else behind its client's other
+    /// jobs.
     fn put(&self, item: Item, first: bool) {
         let mut state = self.state();
         if state.known.insert(item.job, item).is_none() {
@@ -79,7 +80,7 @@ impl Shared {
         let job = state.lanes[lane_number(lane)].next()?;
         let item = state.known.remove(&job);
         if state.lanes[lane_number(lane)].len() > 0 {
-            // whoever waits beside this one has work, too
+            // Wakes a further waiter, because there is a job for it as well.
             self.came[lane_number(lane)].notify_one();
         }
         item
@@ -104,7 +105,7 @@ impl Turns {
         Some(job)
     }
 
-    /// How many come before a job, where no batch has a turn between.
+    /// Returns how many jobs come before a job, not counting the turns that batch jobs get before interactive ones.
     fn ahead(&self, item: &Item) -> Option<usize> {
         let at = line_number(item.priority);
         let before: usize = self.lines[..at].iter().flatten().map(|(_, queue)| queue.len()).sum();
@@ -156,7 +157,7 @@ impl Queue for Local {
     }
 }
 
-/// Puts a job that was taken and not done back into line.
+/// Returns a job to the front of the queue when it is dropped without [`done`](Lease::done).
 #[derive(Debug)]
 struct Back {
     queue: Arc<Shared>,

@@ -1,7 +1,7 @@
 //! The queue of jobs: keys only, in the order of their turns.
 //!
-//! It dispatches and is no record of truth: what a job is and how it stands is in its [record](super::jobs), and every
-//! record that is not settled is put into the queue again when the service starts.
+//! The queue only dispatches. The state of a job is in its [record](super::jobs), and every job whose record is not
+//! settled is queued again when the service starts.
 
 mod interface;
 mod local;

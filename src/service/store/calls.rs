@@ -1,5 +1,5 @@
-//! Calls to a store across a network, made by threads that may wait: each call ends in its time, and while the store is
-//! away one is made now and then instead of all.
+//! Calls to an object store over a network, for threads that may block. Every call has a time limit; during an outage
+//! calls fail at once, except one every few seconds that tests whether the store is back.
 
 use std::future::Future;
 use std::io;
@@ -17,34 +17,35 @@ use super::lock::lock;
 use crate::fault::cut;
 use crate::service::clock::Clock;
 
-/// How long a call may take in all, tries included: less than answers wait for a part.
-/// Half of it cuts a mebibyte off that comes at 250 kB/s; twice of it outlasts those who wait for it.
+/// Time limit of one call in total, retries included; it is shorter than the time a response waits for a part. Half of
+/// it would cut off a mebibyte that arrives at 250 kB/s; twice of it would outlast the waiting response.
 pub(super) const PATIENCE: Duration = Duration::from_secs(8);
-/// How long a look for an artifact may take: less than a request waits for it before it computes.
-/// Half of it gives up on stores that are a continent away and busy; twice of it outlasts the request's own patience.
+/// Time limit of a manifest lookup; it is shorter than the time a request waits for the lookup before it computes. Half
+/// of it would give up on busy stores on another continent; twice of it would outlast the request's own limit.
 pub(super) const LOOK: Duration = Duration::from_millis(1500);
-/// After a failure nothing is asked for so long; then one call tries.
-/// Half of it asks a store that is away twice as often, each time for a call's patience; twice of it goes without a
-/// store that is back for longer.
+/// Time after a failure during which calls fail at once; then one call is let through. Half of it would try an
+/// unreachable store twice as often, each time for up to the time limit of a call; twice of it would ignore a recovered
+/// store for longer.
 const PAUSE: Duration = Duration::from_secs(5);
-/// Most characters of a reason. Half of it cuts addresses off; twice of it is more than a line of a log shows.
+/// Maximum length of an error reason in characters. Half of it would cut off addresses; twice of it is more than one
+/// log line shows.
 const REASON: usize = 400;
 
-/// A store across a network.
+/// A client of an object store over a network.
 #[derive(Debug)]
 pub(super) struct Calls {
     objects: Arc<dyn ObjectStore>,
-    /// One thread of its own drives all calls, so that nothing else that waits holds them up.
+    /// The runtime whose single thread drives all calls, so that no other blocked task delays a call.
     runtime: Option<Runtime>,
     outage: Mutex<Option<Outage>>,
     clock: Arc<dyn Clock>,
 }
 
-/// The store does not answer.
+/// An outage: the store has not answered a call successfully since it began.
 #[derive(Debug)]
 struct Outage {
     since: Duration,
-    /// When the next call is let through.
+    /// The time at which the next call is let through.
     next: Duration,
     reason: String,
     refuses: bool,
@@ -56,18 +57,18 @@ impl Outage {
     }
 }
 
-/// What an object turned out to be.
+/// The result of fetching an object.
 #[derive(Debug)]
 pub(super) enum Fetched {
-    /// There is none.
+    /// There is no such object.
     Missing,
-    /// It has more bytes than anything that was put there.
+    /// The object is longer than anything this service writes under that name.
     TooLong,
-    /// Its bytes.
+    /// The bytes of the object.
     Bytes(Bytes),
 }
 
-/// What became of a call that the store answered.
+/// The outcome of a call that the store answered.
 enum Answer<T> {
     Done(T),
     Missing,
@@ -80,7 +81,7 @@ impl Calls {
         Ok(Self { objects, runtime: Some(runtime), outage: Mutex::default(), clock })
     }
 
-    /// The bytes of an object, if these are at most so many.
+    /// Fetches an object of at most `most` bytes.
     pub(super) fn get(&self, path: &Path, most: u64, patience: Duration) -> Result<Fetched, StoreError> {
         let path = path.clone();
         let answer = self.ask(patience, |objects| async move {
@@ -90,12 +91,12 @@ impl Calls {
         Ok(if let Answer::Done(fetched) = answer { fetched } else { Fetched::Missing })
     }
 
-    /// Puts an object where there is none; says whether there was none.
+    /// Creates an object unless one exists under this path; returns whether it was created.
     pub(super) fn create(&self, path: &Path, bytes: Bytes) -> Result<bool, StoreError> {
         self.put(path, bytes, PutMode::Create)
     }
 
-    /// Puts an object in place of whatever is there.
+    /// Writes an object, replacing any existing one.
     pub(super) fn replace(&self, path: &Path, bytes: Bytes) -> Result<(), StoreError> {
         self.put(path, bytes, PutMode::Overwrite).map(drop)
     }
@@ -112,7 +113,7 @@ impl Calls {
         }
     }
 
-    /// Removes an object, if it is there and that is allowed.
+    /// Deletes an object. A missing object or a refusal is not an error; a failure is only logged.
     pub(super) fn delete(&self, path: &Path) {
         let gone = path.clone();
         let deleted = self.ask(PATIENCE, |objects| async move {
@@ -129,12 +130,12 @@ impl Calls {
         }
     }
 
-    /// Whether the last call failed.
+    /// Returns whether the store is in an outage, that is, whether the last call failed.
     pub(super) fn is_away(&self) -> bool {
         lock(&self.outage).is_some()
     }
 
-    /// Has a call made on the runtime and waits for its end.
+    /// Runs a call on the runtime and blocks until it ends.
     fn ask<T, F>(
         &self,
         patience: Duration,
@@ -149,7 +150,7 @@ impl Calls {
         let calling = call(Arc::clone(&self.objects));
         if let Some(runtime) = &self.runtime {
             runtime.spawn(async move {
-                // nobody waits any more when the store is dropped
+                // The send fails only if the receiver is gone, and then nobody needs the answer.
                 let _ = tell.send(tokio::time::timeout(patience, calling).await);
             });
         }
@@ -168,7 +169,7 @@ impl Calls {
         Ok(answer)
     }
 
-    /// Lets a call through, unless the store failed a moment ago.
+    /// Lets a call through unless the store failed less than [`PAUSE`] ago.
     fn let_through(&self) -> Result<(), StoreError> {
         let now = self.clock.now();
         match &mut *lock(&self.outage) {
@@ -181,7 +182,7 @@ impl Calls {
         }
     }
 
-    /// Notes that the store is away.
+    /// Records a failed call as an outage and returns the error for the caller.
     fn away(&self, reason: String, refuses: bool) -> StoreError {
         let now = self.clock.now();
         let mut outage = lock(&self.outage);
@@ -196,18 +197,18 @@ impl Calls {
 impl Drop for Calls {
     fn drop(&mut self) {
         if let Some(runtime) = self.runtime.take() {
-            // a runtime that is dropped otherwise waits, which threads of another one may not
+            // Dropping a runtime blocks, which panics inside an async context; this shutdown does not block.
             runtime.shutdown_background();
         }
     }
 }
 
-/// Whether the store answered that this may not be done with these credentials.
+/// Returns whether the store answered that these credentials do not permit the operation.
 fn is_refusal(error: &Error) -> bool {
     matches!(error, Error::PermissionDenied { .. } | Error::Unauthenticated { .. })
 }
 
-/// What a call failed of, in a line without the store's own document: that names the id of the key.
+/// Describes an error in one line, without the XML document of the store, which contains the id of the access key.
 fn reason(error: &Error) -> String {
     match error {
         Error::PermissionDenied { .. } => return "access is denied".to_owned(),

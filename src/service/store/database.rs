@@ -1,15 +1,16 @@
-//! The databases of the embedded store: small, and kept from taking the service with them.
+//! Set-up of the databases of the embedded store: a small page cache, and a guard against their panics.
 
 use std::panic::{self, AssertUnwindSafe};
 
 use redb::{Builder, Database};
 
-/// Page cache of the database; its default would be a gigabyte.
-/// Half of it reads pages from the disk more often; twice of it takes 4 MiB more from results.
+/// Size of the database's page cache in bytes; the default would be a gigabyte. Half of it would read pages from the
+/// disk more often; twice of it would take 4 MiB more from results.
 const CACHE_BYTES: usize = 4 << 20;
 
-/// Over a damaged file the database may panic. That must not stop the service, so it counts as a failure of the index.
-/// The database itself is never dropped by such a panic: a second one on the way would end the process.
+/// Runs a database operation and turns a panic into an error: a damaged file may make the database panic, which must
+/// not stop the service. The closure must not drop the database while a panic unwinds, because a second panic during
+/// unwinding would abort the process.
 pub(super) fn guarded<T>(work: impl FnOnce() -> Result<T, redb::Error>) -> Result<T, String> {
     match panic::catch_unwind(AssertUnwindSafe(work)) {
         Ok(done) => done.map_err(|error| error.to_string()),

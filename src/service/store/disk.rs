@@ -1,13 +1,14 @@
-//! The operations on files that may wait or fail: one narrow place, so that another disk can stand in for the real one.
+//! The file operations of the embedded store that may block or fail, as a trait, so that tests can replace the real
+//! disk.
 
 use std::fmt::Debug;
 use std::fs::{self, File};
 use std::io::{self, Read, Seek, SeekFrom, Write};
 use std::path::Path;
 
-/// A disk. The operations that are not replaced are those of the machine.
+/// A disk. The default implementations use the file system of the machine.
 pub trait Disk: Debug + Send + Sync {
-    /// Writes `bytes` into `file`, `offset` bytes after its start.
+    /// Writes `bytes` to `file` at `offset` bytes from its start.
     ///
     /// # Errors
     /// When the disk fails; the same write may be tried again.
@@ -16,7 +17,7 @@ pub trait Disk: Debug + Send + Sync {
         file.write_all(bytes)
     }
 
-    /// Makes what was written into a file, or the names in a folder, last.
+    /// Flushes the contents of a file, or the entries of a directory, to durable storage.
     ///
     /// # Errors
     /// When the disk fails.
@@ -24,7 +25,7 @@ pub trait Disk: Debug + Send + Sync {
         file.sync_all()
     }
 
-    /// Gives a file another name, in place of whatever file has it.
+    /// Renames a file, replacing any file of the new name.
     ///
     /// # Errors
     /// When the disk fails.
@@ -32,7 +33,7 @@ pub trait Disk: Debug + Send + Sync {
         fs::rename(from, to)
     }
 
-    /// Reads up to `length` bytes of a file, from `offset` bytes after its start.
+    /// Reads up to `length` bytes of a file at `offset` bytes from its start.
     ///
     /// # Errors
     /// When the disk fails.
@@ -45,13 +46,13 @@ pub trait Disk: Debug + Send + Sync {
     }
 }
 
-/// The disk of the machine.
+/// The local disk of the machine.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct Local;
 
 impl Disk for Local {}
 
-/// Whether an operation failed because there is no room: removing something may help.
+/// Returns whether an operation failed for lack of space, so that removing files may help.
 pub(super) fn is_full(error: &io::Error) -> bool {
     matches!(error.kind(), io::ErrorKind::StorageFull | io::ErrorKind::QuotaExceeded)
 }

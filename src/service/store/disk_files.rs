@@ -1,10 +1,10 @@
-//! What every file of the embedded store has in common: how its failures are told, and how it is removed.
+//! Helpers for all files of the embedded store: error messages with the path, and removal.
 
 use std::fs;
 use std::io;
 use std::path::Path;
 
-/// Removes a file, if it is there. A folder of that name is not of this store and is left alone.
+/// Removes a file if it exists. A directory of that name does not belong to the store and is left alone.
 pub(super) fn remove_file(path: &Path) -> io::Result<()> {
     match fs::remove_file(path) {
         Err(error) if error.kind() == io::ErrorKind::NotFound => Ok(()),
@@ -16,7 +16,7 @@ pub(super) fn remove_file(path: &Path) -> io::Result<()> {
     }
 }
 
-/// Says what was being done and where when `error` came.
+/// Returns a function that adds the attempted operation and the path to an I/O error.
 pub(super) fn at(doing: &str, path: &Path) -> impl FnOnce(io::Error) -> io::Error {
     move |error| io::Error::new(error.kind(), format!("cannot {doing} {}: {error}", path.display()))
 }

@@ -1,4 +1,4 @@
-//! An artifact on its way to the disk: up to one part waits in memory, the rest in a temporary file.
+//! The writer of an artifact to disk: up to one part is buffered in memory, the rest is in a temporary file.
 
 use std::io::{self, Write};
 use std::sync::Arc;
@@ -13,16 +13,16 @@ use super::sealed::SealedFile;
 use super::shelf;
 use crate::job::key::{Key, content};
 
-/// Spool of the embedded store.
+/// The [`Spool`] and [`LargeSpool`] of the embedded store.
 #[derive(Debug)]
 pub(super) struct DiskSpool {
     store: Arc<DiskState>,
     key: Key,
-    /// The part being filled.
+    /// The bytes of the current, incomplete part.
     part: Vec<u8>,
     parts: Parts,
     tmp: Option<Tmp>,
-    /// Why nothing more is accepted: a write failed, so the bytes have a gap.
+    /// The error after which the spool accepts no more bytes: a write failed, so the bytes have a gap.
     failed: Option<StoreError>,
 }
 
@@ -31,7 +31,8 @@ impl DiskSpool {
         Self { store, key, part: Vec::new(), parts: Parts::default(), tmp: None, failed: None }
     }
 
-    /// Writes the waiting part to the file, making room for it where the disk is full, and hashes it.
+    /// Writes the buffered part to the temporary file and hashes it; if the disk is full, evicts artifacts to make
+    /// room.
     fn spill(&mut self) -> Result<(), StoreError> {
         if self.part.is_empty() {
             return Ok(());
@@ -126,7 +127,7 @@ impl Spool for DiskSpool {
     }
 }
 
-/// A length that fits into memory, as what it counts was there part by part.
+/// Converts a length to `usize`. It fits, because its bytes were in memory part by part.
 fn usize_of(length: u64) -> usize {
     usize::try_from(length).unwrap_or(usize::MAX)
 }

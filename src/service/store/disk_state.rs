@@ -1,4 +1,4 @@
-//! What the embedded store has in its folder, and who may change it.
+//! The state of the embedded store: the artifacts in its folder, and the locks for changing them.
 
 use std::collections::{HashMap, HashSet};
 use std::path::Path;
@@ -19,26 +19,29 @@ use super::shelf::{self, Shelf};
 use super::sweep::{self, Swept};
 use crate::job::key::Key;
 
-/// How often a computation asks whether it may evict for its bytes, and the pause between: a second at most, about as
-/// long as a disk takes for one durable write under load. After it the bytes stay in memory, and no turn is held up.
-/// Half of the time leaves more bytes in memory while evictions are written; twice of it holds turns for longer.
+/// Number of attempts of a computation to get the lock for evicting artifacts, with [`PAUSE`] between two of them: one
+/// second at most, about as long as one durable write takes on a disk under load. After that the bytes stay in memory,
+/// so that the compute thread is not held up. Half of the time would leave more bytes in memory while evictions are
+/// written; twice of it would hold compute threads for longer.
 const TRIES: u32 = 100;
 const PAUSE: Duration = Duration::from_millis(10);
 
-/// Shared with the open spools.
+/// The state of a store, shared with its open spools.
 #[derive(Debug)]
 pub(super) struct DiskState {
     pub(super) folder: Folder,
     pub(super) capacity: u64,
-    /// What is there, with its records. Held for moments only, never while the disk works.
+    /// The artifacts with their manifests, in order of use. Locked only for moments, never during disk operations.
     shelf: Mutex<Shelf<Arc<Manifest>>>,
-    /// Held by whoever changes the files of artifacts; taken before the shelf.
+    /// The index on disk. Its lock is held by whoever changes files of artifacts, and is taken before the lock of the
+    /// shelf.
     index: Mutex<Index>,
-    /// Keys that cannot be written, as a folder has the name of their artifact.
+    /// Keys whose artifact cannot be written, because a directory has the name of one of its files.
     occupied: Mutex<HashSet<Key>>,
 }
 
-/// Puts what was found on a shelf, in order of use; artifacts that the index does not know are the newest.
+/// Puts the artifacts found in the folder on a shelf, in order of use; artifacts missing from the index count as the
+/// most recently used.
 fn fill(
     folder: &Folder,
     swept: Swept,
@@ -55,7 +58,7 @@ fn fill(
     for manifest in found.into_iter().map(|found| found.manifest) {
         let cost = cost(manifest.length, manifest.encode().len());
         if shelf::admit(cost, capacity).is_err() {
-            folder.remove(&manifest.key)?; // the capacity was larger when it was committed
+            folder.remove(&manifest.key)?; // the capacity was larger when the artifact was committed
             continue;
         }
         while let Some((key, _)) = shelf.evict_for(cost) {
@@ -67,7 +70,7 @@ fn fill(
 }
 
 impl DiskState {
-    /// Opens the folder, sweeps what a crash left and evicts what is beyond the capacity.
+    /// Opens the folder, removes what a crash left behind, and evicts artifacts beyond the capacity.
     pub(super) fn open(disk: Arc<dyn Disk>, dir: &Path, capacity_bytes: u64) -> Result<Self, StoreError> {
         let folder = Folder::open(dir, disk)?;
         let mut swept = sweep::sweep(&folder)?;
@@ -82,18 +85,18 @@ impl DiskState {
         Ok(state)
     }
 
-    /// The manifest of `key` if it is here; counts as a use.
+    /// Returns the manifest of `key`, if the artifact is stored, and counts this as a use.
     pub(super) fn touch(&self, key: &Key) -> Option<Arc<Manifest>> {
         lock(&self.shelf).touch(key).cloned()
     }
 
-    /// Refuses what cannot be kept, before anything is written.
+    /// Refuses an artifact that cannot be stored, before any byte is written.
     pub(super) fn admit(&self, key: &Key, length: u64) -> Result<(), StoreError> {
         shelf::admit(length, self.capacity)?;
         if lock(&self.occupied).contains(key) { Err(self.occupied(key)) } else { Ok(()) }
     }
 
-    /// A part, verified; `None` when the artifact has no such part, is gone, or was found damaged.
+    /// Returns a part after verifying its hash; `None` if the artifact has no such part, is gone, or was found damaged.
     pub(super) fn part(&self, manifest: &Manifest, number: usize) -> Result<Option<Bytes>, StoreError> {
         if number >= manifest.parts.len() {
             return Ok(None);
@@ -104,33 +107,34 @@ impl DiskState {
         }
     }
 
-    /// Removes an artifact, if it is here.
+    /// Removes an artifact, if it is stored.
     pub(super) fn remove(&self, key: &Key) -> Result<(), StoreError> {
         self.discard(&mut lock(&self.index), key)?;
         Ok(())
     }
 
-    /// Keeps an artifact from leaving, if it is here.
+    /// Protects an artifact from eviction; returns whether it is stored.
     pub(super) fn pin(&self, key: &Key) -> bool {
         lock(&self.shelf).pin(key)
     }
 
-    /// Takes one pin back.
+    /// Undoes one [`pin`](Self::pin).
     pub(super) fn unpin(&self, key: &Key) {
         lock(&self.shelf).unpin(key);
     }
 
-    /// What is held and was seen.
+    /// Returns the counts and sizes of the store.
     pub(super) fn usage(&self) -> Usage {
         lock(&self.shelf).usage()
     }
 
-    /// The manifest of `key` if it is here with this content; counts as a use.
+    /// Returns the manifest of `key`, if the artifact is stored with this content, and counts this as a use.
     pub(super) fn held(&self, key: &Key, content: &Key) -> Option<Arc<Manifest>> {
         lock(&self.shelf).touch(key).filter(|held| held.content == *content).cloned()
     }
 
-    /// Makes two written and synced files an artifact: makes room, then gives them their names.
+    /// Turns two written and synced files into an artifact: evicts others to make room, then renames the files into
+    /// place.
     pub(super) fn keep(
         &self,
         manifest: Arc<Manifest>,
@@ -147,7 +151,7 @@ impl DiskState {
             if present.owners.with(&manifest.owners).is_none() {
                 return Ok(present);
             }
-            // the same bytes for further tenants: only what is known of them changes
+            // The bytes are the same and only the owners are new, so only the manifest is replaced.
             self.folder.describe(&key, record)?;
             if let Some(held) = lock(&self.shelf).touch_mut(&key) {
                 *held = Arc::clone(&manifest);
@@ -183,8 +187,8 @@ impl DiskState {
         StoreError::Occupied { path: self.folder.bytes(key).display().to_string() }
     }
 
-    /// Writes something; where the disk is full, evicts the least recently used artifacts until it fits. Gives up when
-    /// none is left, or when others change files for longer than a computation should wait.
+    /// Runs a write; while the disk is full, evicts the least recently used artifacts and tries again. Gives up if
+    /// nothing can be evicted, or if other threads hold the index for longer than a computation should wait.
     pub(super) fn with_room<T>(
         &self,
         need: u64,
@@ -203,7 +207,7 @@ impl DiskState {
         }
     }
 
-    /// The right to change files, if it can be had soon.
+    /// Locks the index, if that is possible within [`TRIES`] times [`PAUSE`].
     fn index_soon(&self) -> Option<MutexGuard<'_, Index>> {
         for _ in 0..TRIES {
             match self.index.try_lock() {
@@ -215,7 +219,8 @@ impl DiskState {
         None
     }
 
-    /// Evicts the least recently used artifacts, as the disk has no room for `need` bytes; false when none is left.
+    /// Evicts the least recently used artifacts until `need` bytes are freed; returns false if nothing could be
+    /// evicted.
     pub(super) fn make_room(&self, need: u64) -> Result<bool, StoreError> {
         self.evict(&mut lock(&self.index), need)
     }
@@ -232,7 +237,7 @@ impl DiskState {
         Ok(freed > 0)
     }
 
-    /// Removes an artifact; says whether it was here.
+    /// Removes an artifact; returns whether it was stored.
     fn discard(&self, index: &mut Index, key: &Key) -> Result<bool, StoreError> {
         let was_here = { lock(&self.shelf).remove(key) }.is_some();
         if was_here {
@@ -243,8 +248,9 @@ impl DiskState {
         Ok(was_here)
     }
 
-    /// Judges a part that could not be read, while no file changes: either it can be read after all, or the artifact
-    /// was evicted or replaced meanwhile, or it is damaged and goes.
+    /// Decides about a part that failed verification, while the lock of the index keeps all files unchanged: returns
+    /// the part if it can be read after all, `None` if the artifact was evicted or replaced in the meantime; otherwise
+    /// the artifact is damaged and is removed.
     fn part_again(&self, manifest: &Manifest, number: usize) -> Result<Option<Bytes>, StoreError> {
         let mut index = lock(&self.index);
         if lock(&self.shelf).peek(&manifest.key).is_none_or(|held| *held.parts != *manifest.parts) {
@@ -266,7 +272,7 @@ impl DiskState {
 }
 
 impl DiskState {
-    /// Writes the order of use and lets go of the folder; nothing is written afterwards. Blocks.
+    /// Writes the order of use and releases the folder; nothing is written afterwards. Blocks.
     pub(super) fn close(&self) {
         let mut index = lock(&self.index);
         if !index.is_closed() {

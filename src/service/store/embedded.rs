@@ -1,7 +1,7 @@
-//! A store in a folder of the local disk, for one process; what was committed survives it.
+//! A store in a folder of the local disk, used by one process; committed artifacts survive the process.
 //!
-//! An artifact exists if and only if its manifest does: bytes and manifest are written aside, synced, then renamed into
-//! place, bytes first. All else can be rebuilt from the manifests.
+//! An artifact exists if and only if its manifest does: the bytes and the manifest are written to temporary files,
+//! synced, then renamed into place, the bytes first. Everything else can be rebuilt from the manifests.
 
 use std::path::Path;
 use std::sync::Arc;
@@ -17,7 +17,7 @@ use super::manifest::Manifest;
 use super::records::{RECORDS_FILE, RecordFile};
 use crate::job::key::Key;
 
-/// The store as the settings name it.
+/// The entry of this store in the list of stores.
 pub(super) const KIND: StoreKind = StoreKind {
     name: "folder",
     in_folder: true,
@@ -31,16 +31,16 @@ pub(super) const KIND: StoreKind = StoreKind {
     records: |dir| Ok(Arc::new(RecordFile::open(&dir.join(RECORDS_FILE))?)),
 };
 
-/// Artifacts in a folder; every byte served was verified on the way. Clones share it.
+/// Artifacts in a folder. All bytes are verified when they are read. Clones share the store.
 #[derive(Debug, Clone)]
 pub struct Embedded {
     state: Arc<DiskState>,
 }
 
 impl Embedded {
-    /// Opens the store in `dir`, making the folder if need be: sweeps what a crash left, and removes the least recently
-    /// used artifacts until the rest fits into `capacity_bytes` (blocks and records included). No artifact may take
-    /// more than half of that.
+    /// Opens the store in `dir`, creating the folder if necessary: removes what a crash left behind, then evicts the
+    /// least recently used artifacts until the rest fits into `capacity_bytes` (whole disk blocks, including
+    /// manifests). No artifact may take more than half of the capacity.
     ///
     /// # Errors
     /// When another process uses the folder, or the disk fails.
@@ -48,7 +48,7 @@ impl Embedded {
         Self::open_on(Arc::new(Local), dir, capacity_bytes)
     }
 
-    /// Opens the store on a disk of its own kind.
+    /// Opens the store with another implementation of the disk operations.
     ///
     /// # Errors
     /// As [`open`](Self::open).
@@ -95,7 +95,7 @@ impl Store for Embedded {
         Some(Box::new(DiskSpool::new(Arc::clone(&self.state), key)))
     }
 
-    /// Writes the order of use and lets go of the folder.
+    /// Writes the order of use and releases the folder.
     fn close(&self) {
         self.state.close();
     }

@@ -1,33 +1,33 @@
-//! How a store fails.
+//! The errors of stores.
 
 use std::io;
 
 use super::disk;
 
-/// The store itself failed.
+/// An error of the store itself.
 #[derive(Debug, thiserror::Error)]
 pub enum StoreError {
-    /// More bytes than the store keeps of any one artifact.
+    /// The artifact is larger than the store accepts.
     #[error("the artifact is too large for the store: more than {capacity} bytes; raise --cache-bytes")]
     TooLarge {
-        /// Most bytes one artifact may have: half of what may be held.
+        /// Maximum size of one artifact in bytes: half of the capacity of the store.
         capacity: u64,
     },
-    /// Something that is no file has the name of the artifact.
+    /// Something that is not a file has the name of the artifact.
     #[error("a folder stands where the artifact would: {path}; remove it")]
     Occupied {
-        /// Where.
+        /// Path of what has the name of the artifact.
         path: String,
     },
-    /// There is no room, and all that is kept is needed by jobs or downloads.
+    /// There is no room, and everything stored is pinned by jobs or downloads.
     #[error("the store is full of what jobs and downloads need now; try again later, or give it more room")]
     InUse,
-    /// A store across a network does not answer, or refuses to.
+    /// A store over a network does not answer, or refuses access.
     #[error("the shared store is away: {reason}; it is asked again in some seconds")]
     Away {
-        /// Why the last call failed.
+        /// The reason why the last call failed.
         reason: String,
-        /// Whether it answered, and refused.
+        /// Whether the store answered and refused access.
         refuses: bool,
     },
     /// The disk or the index failed.
@@ -36,12 +36,12 @@ pub enum StoreError {
 }
 
 impl StoreError {
-    /// Whether there was no room on the disk: removing something may help.
+    /// Returns whether the disk was full, so that removing files may help.
     pub fn is_full(&self) -> bool {
         matches!(self, Self::Io(error) if disk::is_full(error))
     }
 
-    /// Copies a failure, so that it can be told once more.
+    /// Copies an error, so that it can be returned a second time.
     pub(super) fn again(&self) -> Self {
         match self {
             Self::TooLarge { capacity } => Self::TooLarge { capacity: *capacity },

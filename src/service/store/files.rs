@@ -1,4 +1,4 @@
-//! The folder of the embedded store: where each file stands, and how one gets there whole.
+//! The folder of the embedded store: the paths of its files, and how a file gets to its path complete.
 //!
 //! ```text
 //! lock                          held, like the folder itself, by the one process that uses the folder
@@ -11,7 +11,7 @@
 //! artifacts/ab/<64 hex>.manifest
 //! ```
 //!
-//! File names come from [`Key`]s and counters only, never from text of a request.
+//! File names are made of [`Key`]s and counters only, never of text from a request.
 
 use std::fs::{self, File, TryLockError};
 use std::io;
@@ -30,22 +30,22 @@ use super::records::{self, RECORDS_FILE};
 use crate::fault::shortened;
 use crate::job::key::{Key, content};
 
-/// What follows the key in the name of a manifest.
+/// Suffix of the name of a manifest file, after the key.
 pub(super) const MANIFEST_SUFFIX: &str = ".manifest";
 const TMP_SUFFIX: &str = ".tmp";
 
-/// The folder, held by this process alone.
+/// The folder of a store, locked by this process.
 #[derive(Debug)]
 pub(super) struct Folder {
     root: PathBuf,
     disk: Arc<dyn Disk>,
     n_tmp: AtomicU64,
-    /// Let go by the system when the files are closed, however the process ends.
+    /// The locked files. The operating system releases the locks when the files are closed, however the process ends.
     locks: Mutex<Vec<File>>,
 }
 
 impl Folder {
-    /// Makes the folder if need be and takes hold of it.
+    /// Creates the folder if necessary and locks it.
     pub(super) fn open(root: &Path, disk: Arc<dyn Disk>) -> io::Result<Self> {
         let locks = Mutex::new(take_hold(root)?);
         let make = |path: &Path| fs::create_dir_all(path).map_err(at("make", path));
@@ -56,7 +56,7 @@ impl Folder {
         Ok(folder)
     }
 
-    /// Lets go of the folder: another process may take it.
+    /// Releases the locks, so that another process can use the folder.
     pub(super) fn release(&self) {
         lock(&self.locks).clear();
     }
@@ -73,7 +73,7 @@ impl Folder {
         self.root.join("index.redb")
     }
 
-    /// Name of the folder of an artifact, one of 256.
+    /// Returns the name of the subfolder of an artifact, one of 256.
     pub(super) fn shard_name(key: &Key) -> String {
         format!("{:02x}", key.as_bytes()[0])
     }
@@ -90,7 +90,7 @@ impl Folder {
         self.shard(key).join(format!("{key}{MANIFEST_SUFFIX}"))
     }
 
-    /// A new, empty file for something of `key`.
+    /// Creates an empty temporary file for bytes of `key`.
     pub(super) fn create_tmp(&self, key: &Key) -> io::Result<Tmp> {
         let folder = self.tmp();
         fs::create_dir_all(&folder).map_err(at("make", &folder))?;
@@ -99,10 +99,11 @@ impl Folder {
         Ok(Tmp { path, file, disk: Arc::clone(&self.disk), placed: AtomicBool::new(false) })
     }
 
-    /// Makes two written and synced files the artifact of `key`. On failure nothing of it is left under its name.
+    /// Renames two written and synced files to the names of the artifact `key`. On failure neither name is left in
+    /// place.
     ///
-    /// One sync of the folder is enough for both names: until it returns nobody was told that the artifact exists, and
-    /// of bytes without a manifest, or a manifest without its bytes, the next start sweeps what is there.
+    /// One sync of the folder suffices for both names: before it returns, nobody has been told that the artifact
+    /// exists, and bytes without a manifest, or a manifest without its bytes, are removed at the next start.
     pub(super) fn place(&self, key: &Key, bytes: &Tmp, manifest: &Tmp) -> io::Result<()> {
         let shard = self.shard(key);
         if !shard.is_dir() {
@@ -115,30 +116,31 @@ impl Folder {
             .and_then(|()| manifest.rename(&self.manifest(key)))
             .and_then(|()| self.sync_folder(&shard));
         placed.inspect_err(|_| {
-            // The first error is the one to tell; the next start sweeps what stays.
+            // A failure of this clean-up is ignored: the first error is returned, and the next start removes the rest.
             let _ = remove_file(&self.manifest(key));
             bytes.withdraw(&self.bytes(key));
         })
     }
 
-    /// Gives an artifact that is there another manifest, written and synced.
+    /// Replaces the manifest of a stored artifact by another file, which is written and synced.
     pub(super) fn describe(&self, key: &Key, manifest: &Tmp) -> io::Result<()> {
         manifest.rename(&self.manifest(key))?;
         self.sync_folder(&self.shard(key))
     }
 
-    /// Whether something that is no file has the name of an artifact or of its manifest: neither can be written then.
+    /// Returns whether a directory has the name of an artifact or of its manifest, so that the artifact cannot be
+    /// written.
     pub(super) fn is_occupied(&self, key: &Key) -> bool {
         self.bytes(key).is_dir() || self.manifest(key).is_dir()
     }
 
-    /// Removes an artifact, its manifest first: without it the artifact does not exist.
+    /// Removes an artifact, its manifest first: without a manifest the artifact does not exist.
     pub(super) fn remove(&self, key: &Key) -> io::Result<()> {
         remove_file(&self.manifest(key))?;
         remove_file(&self.bytes(key))
     }
 
-    /// Makes removals from the folder of `key` last.
+    /// Makes removals from the subfolder of `key` durable.
     pub(super) fn sync(&self, key: &Key) -> io::Result<()> {
         match self.sync_folder(&self.shard(key)) {
             Err(error) if error.kind() == io::ErrorKind::NotFound => Ok(()),
@@ -146,7 +148,7 @@ impl Folder {
         }
     }
 
-    /// Makes the names in a folder last.
+    /// Makes the entries of a directory durable (on Unix; elsewhere it does nothing).
     fn sync_folder(&self, path: &Path) -> io::Result<()> {
         if cfg!(unix) {
             File::open(path).and_then(|folder| self.disk.sync(&folder)).map_err(at("sync", path))?;
@@ -154,14 +156,14 @@ impl Folder {
         Ok(())
     }
 
-    /// Reads a part; `None` unless its bytes have the hash in the manifest.
+    /// Reads a part; returns `None` if its bytes do not have the hash in the manifest.
     pub(super) fn read_part(&self, manifest: &Manifest, index: usize) -> io::Result<Option<Bytes>> {
         read_part(&*self.disk, &self.bytes(&manifest.key), manifest, index)
     }
 }
 
-/// Reads a part of an artifact from the file that has its bytes; `None` unless they have the hash in the manifest. What
-/// is there but is no file counts as damaged.
+/// Reads a part of an artifact from the file with its bytes; returns `None` if they do not have the hash in the
+/// manifest, if there is no such part or file, or if a directory has the name of the file.
 fn read_part(disk: &dyn Disk, path: &Path, manifest: &Manifest, index: usize) -> io::Result<Option<Bytes>> {
     let Some((start, length)) = parts::span(manifest, index) else { return Ok(None) };
     let bytes = match disk.read(path, start, length) {
@@ -173,12 +175,13 @@ fn read_part(disk: &dyn Disk, path: &Path, manifest: &Manifest, index: usize) ->
     Ok(sound.then(|| Bytes::from(bytes)))
 }
 
-/// What a folder of this store has in it; what a system puts into the root of a disk may stand beside it.
+/// Names of the files and folders of the embedded store, and names that operating systems put into the root of a disk,
+/// which may exist beside them.
 const OWN: [&str; 9] =
     ["lock", "index.redb", RECORDS_FILE, "tmp", "artifacts", "uploads", "keys.toml", "keys.lock", "keys.new"];
 const OF_SYSTEMS: [&str; 3] = ["lost+found", ".snapshot", ".DS_Store"];
 
-/// Refuses a folder that holds something else, or records that are damaged, before anything in it is touched.
+/// Refuses a folder with foreign contents, or with damaged records, before anything in it is changed.
 fn refuse_foreign(root: &Path) -> io::Result<()> {
     let entries = match fs::read_dir(root) {
         Ok(entries) => entries.collect::<Result<Vec<_>, _>>().map_err(at("list", root))?,
@@ -199,7 +202,7 @@ fn refuse_foreign(root: &Path) -> io::Result<()> {
     records::refuse_damaged(&root.join(RECORDS_FILE))
 }
 
-/// Makes a folder of the service if need be, and takes hold of it for as long as the files that it gives are open.
+/// Creates a folder of the service if necessary and locks it for as long as the returned files are open.
 pub(super) fn take_hold(root: &Path) -> io::Result<Vec<File>> {
     refuse_foreign(root)?;
     fs::create_dir_all(root).map_err(at("make", root))?;
@@ -208,8 +211,8 @@ pub(super) fn take_hold(root: &Path) -> io::Result<Vec<File>> {
     Ok(held)
 }
 
-/// Takes hold of a folder: locks the file `lock` in it and, where folders can be locked, the folder itself, so that
-/// removing the file does not let a second process in.
+/// Locks the file `lock` in a folder and, on systems that can lock folders, the folder itself, so that removing the
+/// lock file does not let a second process in.
 fn hold(root: &Path) -> io::Result<Vec<File>> {
     let path = root.join("lock");
     let file = File::options().create(true).truncate(false).write(true).open(&path).map_err(at("open", &path))?;
@@ -224,7 +227,7 @@ fn hold(root: &Path) -> io::Result<Vec<File>> {
         match folder.try_lock() {
             Ok(()) => held.push(folder),
             Err(TryLockError::WouldBlock) => return Err(busy()),
-            // some network file systems lock files only
+            // Some network file systems can lock files only.
             Err(TryLockError::Error(error)) => {
                 tracing::warn!(dir = %root.display(), %error, "the folder cannot be locked; only its lock file \
                     protects it");
@@ -234,7 +237,7 @@ fn hold(root: &Path) -> io::Result<Vec<File>> {
     Ok(held)
 }
 
-/// A file being written; removed again when it is dropped before it got its final name.
+/// A temporary file; it is removed when it is dropped before it was renamed to its final name.
 #[derive(Debug)]
 pub(super) struct Tmp {
     path: PathBuf,
@@ -244,7 +247,7 @@ pub(super) struct Tmp {
 }
 
 impl Tmp {
-    /// Writes `bytes`, `offset` bytes after the start.
+    /// Writes `bytes` at `offset` bytes from the start.
     pub(super) fn write(&mut self, offset: u64, bytes: &[u8]) -> io::Result<()> {
         self.disk.write(&mut self.file, offset, bytes).map_err(at("write", &self.path))
     }
@@ -253,12 +256,12 @@ impl Tmp {
         self.disk.sync(&self.file).map_err(at("sync", &self.path))
     }
 
-    /// Reads `length` bytes back, from `offset` bytes after the start.
+    /// Reads up to `length` bytes at `offset` bytes from the start.
     pub(super) fn read(&self, offset: u64, length: usize) -> io::Result<Vec<u8>> {
         self.disk.read(&self.path, offset, length).map_err(at("read", &self.path))
     }
 
-    /// Reads a part of the artifact whose bytes these are, as long as the file has not got its final name.
+    /// Reads a part of the artifact from this file, which must not have been renamed yet.
     pub(super) fn read_part(&self, manifest: &Manifest, index: usize) -> io::Result<Option<Bytes>> {
         read_part(&*self.disk, &self.path, manifest, index)
     }
@@ -269,7 +272,7 @@ impl Tmp {
         Ok(())
     }
 
-    /// Takes a final name back.
+    /// Takes back a rename to the final name `from`.
     fn withdraw(&self, from: &Path) {
         if self.placed.swap(false, Ordering::AcqRel) && fs::rename(from, &self.path).is_err() {
             let _ = remove_file(from);
@@ -280,13 +283,13 @@ impl Tmp {
 impl Drop for Tmp {
     fn drop(&mut self) {
         if !*self.placed.get_mut() {
-            // Nothing to do about a failure here: the next start sweeps the file.
+            // A failure can be ignored here: the next start removes the file.
             let _ = fs::remove_file(&self.path);
         }
     }
 }
 
-/// Whether a file in `tmp/` has a name that this store gives.
+/// Returns whether a name in `tmp/` has the form of the names that this store gives.
 pub(super) fn is_tmp_name(name: &str) -> bool {
     name.ends_with(TMP_SUFFIX) && name.get(..64).and_then(Key::parse).is_some()
 }
@@ -295,11 +298,11 @@ fn in_use(root: &Path) -> String {
     format!("{} is in use by another process; stop that one", root.display())
 }
 
-/// Bytes of a block; each file costs whole blocks.
-/// Where a file system has other blocks, usage is told wrong by at most one of them a file.
+/// Assumed block size of the file system in bytes; each file takes whole blocks. On a file system with other blocks the
+/// reported usage is off by at most one block per file.
 const BLOCK_BYTES: u64 = 4096;
 
-/// Bytes that an artifact of this length takes on the disk, with a record of this length.
+/// Returns the number of bytes on disk of an artifact of `length` bytes with a manifest of `record` bytes.
 pub(super) fn cost(length: u64, record: usize) -> u64 {
     let blocks = |bytes: u64| bytes.max(1).div_ceil(BLOCK_BYTES).saturating_mul(BLOCK_BYTES);
     blocks(length).saturating_add(blocks(record as u64))

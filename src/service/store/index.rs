@@ -1,7 +1,8 @@
 //! The order of use on disk: a hint that is read once, when the store opens, and written now and then.
 //!
-//! Nothing depends on it but the order of eviction. An index that is missing or cannot be read is made anew; an
-//! artifact it does not know counts as used when its manifest was written.
+//! Only the order of eviction depends on the index. If it is missing or unreadable, a new one is started; artifacts
+//! that it does not list count as more recently used than all others, ordered by the times at which their manifests
+//! were written.
 
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
@@ -13,24 +14,24 @@ use super::database::{builder, guarded};
 use super::shelf::Shelf;
 use crate::job::key::Key;
 
-/// Key of an artifact -> number of its last use.
+/// Maps the key of an artifact to the number of its last use.
 const USES: TableDefinition<'_, &[u8; 32], u64> = TableDefinition::new("last-use-1");
 
-/// Changes after which the order is written again.
-/// Half of it writes twice as often; twice of it loses the order of twice as many uses in a crash.
+/// Number of additions and removals after which the order is written again. Half of it would write twice as often;
+/// twice of it would lose the order of twice as many uses in a crash.
 const CHANGES_A_WRITE: u32 = 256;
 
-/// The file and what of it is out of date.
+/// The index file, and the changes that are not written to it yet.
 #[derive(Debug)]
 pub(super) struct Index {
     path: PathBuf,
-    /// `None` after a failure: the next write starts a new file.
+    /// The open database; `None` after a failure, and the next write starts a new file.
     database: Option<Database>,
-    /// Uses before this one are in the file; 0 when the file holds nothing of worth.
+    /// All uses with numbers below this one are in the file; 0 if the file has no valid contents.
     written: u64,
     removed: Vec<Key>,
     changes: u32,
-    /// Nothing is to be written any more.
+    /// Whether the index is closed for good, so that nothing is written any more.
     closed: bool,
 }
 
@@ -46,12 +47,12 @@ impl Index {
         (index, uses)
     }
 
-    /// Notes a new artifact.
+    /// Notes that an artifact was added.
     pub(super) fn note_added(&mut self) {
         self.changes += 1;
     }
 
-    /// Notes that an artifact is gone.
+    /// Notes that an artifact was removed.
     pub(super) fn note_removed(&mut self, key: Key) {
         self.changes += 1;
         if self.written > 0 {
@@ -59,17 +60,17 @@ impl Index {
         }
     }
 
-    /// Whether enough has changed for a write.
+    /// Returns whether there are enough changes for a write.
     pub(super) fn is_due(&self) -> bool {
         self.changes >= CHANGES_A_WRITE
     }
 
-    /// What [`write`](Self::write) must be told, taken from the shelf.
+    /// Collects from the shelf what [`write`](Self::write) needs.
     pub(super) fn pending<V>(&self, shelf: &Shelf<V>) -> Pending {
         Pending { uses: shelf.used_since(self.written).collect(), next_use: shelf.next_use() }
     }
 
-    /// Writes the order. A failure costs no artifact: it is logged, and the next write starts a new file.
+    /// Writes the order. A failure loses no artifact: it is logged, and the next write starts a new file.
     pub(super) fn write(&mut self, pending: &Pending) {
         self.changes = 0;
         let removed = std::mem::take(&mut self.removed);
@@ -103,12 +104,12 @@ impl Index {
         self.closed = true;
     }
 
-    /// Whether it was closed for good.
+    /// Returns whether the index is closed for good.
     pub(super) fn is_closed(&self) -> bool {
         self.closed
     }
 
-    /// Closing writes too, so it can fail as a write can.
+    /// Closes the database. Closing writes, so it can fail like a write.
     fn close(&mut self) {
         if let Some(database) = self.database.take()
             && let Err(error) = guarded(|| {
@@ -127,7 +128,7 @@ impl Drop for Index {
     }
 }
 
-/// Uses that are not in the file yet.
+/// The uses that are not in the file yet.
 #[derive(Debug)]
 pub(super) struct Pending {
     uses: Vec<(Key, u64)>,
@@ -148,7 +149,7 @@ fn read(database: &Database) -> Result<HashMap<Key, u64>, redb::Error> {
     Ok(uses)
 }
 
-/// An empty database in place of whatever was there.
+/// Creates an empty database, replacing the file at `path`, if any.
 fn create(path: &Path) -> Result<Database, redb::Error> {
     match fs::remove_file(path) {
         Err(error) if error.kind() != io::ErrorKind::NotFound => Err(error.into()),

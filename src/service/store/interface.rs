@@ -1,4 +1,4 @@
-//! What every store can do.
+//! The interface of stores.
 
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
@@ -12,24 +12,25 @@ use super::records::Records;
 use crate::job::key::Key;
 use crate::service::clock::Clock;
 
-/// A place where artifacts are kept. Bounded: the least recently used ones leave when there is no room.
+/// A bounded store of artifacts: the least recently used ones are evicted when there is no room.
 ///
-/// Calls may block, and the service makes them off the event loop, except those that say that they never wait.
+/// Calls may block, and the service makes them outside the event loop, except calls that are documented never to block.
 pub trait Store: std::fmt::Debug + Send + Sync {
-    /// The manifest of an artifact, if it is here. Counts as a use. Never waits for a disk or a network: a store keeps
-    /// its manifests in memory.
+    /// Returns the manifest of an artifact, if the store knows it, and counts this as a use. Never blocks on a disk or
+    /// a network: a store keeps its manifests in memory.
     ///
     /// # Errors
-    /// When the store itself fails. A damaged record is not an error: it is dropped and counted. A record of another
-    /// results version is dropped.
+    /// When the store itself fails. A damaged manifest is not an error: the artifact is removed and counted. An
+    /// artifact of another results version is treated as missing, unless its key is the hash of its bytes.
     fn manifest(&self, key: &Key) -> Result<Option<Arc<Manifest>>, StoreError>;
 
-    /// Whether other processes put artifacts here, too, so that [`Store::look_up`] finds more than [`Store::manifest`].
+    /// Returns whether other processes write to the store, too, so that [`Store::look_up`] may find more than
+    /// [`Store::manifest`].
     fn is_shared(&self) -> bool {
         false
     }
 
-    /// The manifest of an artifact as it stands in the store now, whoever put it there. Counts as a use.
+    /// Returns the current manifest of an artifact in the store, whichever process wrote it, and counts this as a use.
     ///
     /// # Errors
     /// When the store itself fails.
@@ -37,15 +38,16 @@ pub trait Store: std::fmt::Debug + Send + Sync {
         self.manifest(key)
     }
 
-    /// Part number `index` of an artifact, verified against its hash; `None` when the artifact is gone, was replaced by
-    /// other bytes, has no such part (an empty artifact has none at all), or was found damaged (then it is dropped and
-    /// counted, so that it will be computed again).
+    /// Returns part number `index` of an artifact after verifying its hash. Returns `None` if the artifact is gone, was
+    /// replaced by other bytes, has no such part (an empty artifact has no parts), or was found damaged; a damaged
+    /// artifact is removed and counted, so that it will be computed again.
     ///
     /// # Errors
     /// When the store itself fails.
     fn part(&self, manifest: &Manifest, index: usize) -> Result<Option<Bytes>, StoreError>;
 
-    /// A place to write a new artifact to. Nothing is visible before [`Spool::commit`]; a dropped spool leaves nothing.
+    /// Returns a writer for a new artifact. Nothing is visible before [`Spool::commit`]; a spool that is dropped leaves
+    /// nothing that can be read.
     ///
     /// The bytes in open spools do not count towards the capacity.
     ///
@@ -53,22 +55,23 @@ pub trait Store: std::fmt::Debug + Send + Sync {
     /// When the store itself fails.
     fn spool(&self, key: Key) -> Result<Box<dyn Spool>, StoreError>;
 
-    /// Removes an artifact, if it is here.
+    /// Removes an artifact, if it is stored.
     ///
     /// # Errors
     /// When the store itself fails.
     fn remove(&self, key: &Key) -> Result<(), StoreError>;
 
-    /// What the store holds and has seen.
+    /// Returns the counts and sizes of the store.
     fn usage(&self) -> Usage;
 
-    /// Keeps an artifact from leaving for others, once more each time; false when it is not here. Never waits.
+    /// Protects an artifact from eviction until a matching [`Store::unpin`]; pins are counted. Returns false if the
+    /// artifact is not stored. Never blocks.
     fn pin(&self, key: &Key) -> bool;
 
-    /// Takes one [`Store::pin`] back. Never waits.
+    /// Undoes one [`Store::pin`]. Never blocks.
     fn unpin(&self, key: &Key);
 
-    /// Refuses what cannot be kept, before anything is written. Never waits for a disk or a network.
+    /// Refuses an artifact that cannot be stored, before any byte is written. Never blocks on a disk or a network.
     ///
     /// # Errors
     /// [`StoreError::TooLarge`] or [`StoreError::Occupied`].
@@ -76,156 +79,158 @@ pub trait Store: std::fmt::Debug + Send + Sync {
         Ok(())
     }
 
-    /// A place for an artifact that does not fit into memory well, whose bytes can be had back when the store fails.
-    /// Without one the artifact is made in memory all the same, and kept only while it fits there.
+    /// Returns a writer for an artifact that is large for the memory, from which the bytes can be taken back if the
+    /// store fails. Without such a writer the artifact is made in memory, and kept only as long as it fits there.
     fn large_spool(&self, _key: Key) -> Option<Box<dyn LargeSpool>> {
         None
     }
 
-    /// Writes what has to outlast the process and lets go of the place; nothing is written afterwards.
+    /// Writes everything that has to outlast the process and releases the folder; nothing is written afterwards.
     fn close(&self) {}
 }
 
-/// An artifact being written.
+/// A writer of an artifact.
 ///
-/// A write that would make it [too large](StoreError::TooLarge) fails at once, with that error inside the
-/// [`std::io::Error`]; `StoreError::from` takes it out again. After a failed write the spool accepts nothing more.
+/// A write that would make the artifact [too large](StoreError::TooLarge) fails at once, with that error inside the
+/// [`std::io::Error`]; `StoreError::from` extracts it. After a failed write the spool accepts no more bytes.
 pub trait Spool: Write + Send + std::fmt::Debug {
     /// Makes the bytes written so far the artifact, durably, and returns its manifest.
     ///
-    /// When the same bytes are here already, those are kept and their manifest is returned; other bytes under the same
-    /// key are replaced, with a warning in the log.
+    /// If the same bytes are stored under the key already, they are kept and their manifest is returned, with the new
+    /// owners added; different bytes under the same key are replaced, with a warning in the log.
     ///
     /// # Errors
-    /// When the bytes cannot be kept (disk full, too large, an earlier write failed).
+    /// When the bytes cannot be stored (disk full, too large, an earlier write failed).
     fn commit(self: Box<Self>, description: Description) -> Result<Arc<Manifest>, StoreError>;
 
-    /// Makes the bytes written so far the artifact whose key is the hash of them (BLAKE3), as [`Spool::commit`] does.
+    /// Commits the bytes written so far, like [`Spool::commit`], under their BLAKE3 hash as the key.
     ///
     /// # Errors
     /// As [`Spool::commit`].
     fn commit_by_content(self: Box<Self>, description: Description) -> Result<Arc<Manifest>, StoreError>;
 }
 
-/// A large artifact being written, whose bytes are not lost when the store takes no more.
+/// A writer of a large artifact that gives the bytes back if the store accepts no more.
 pub trait LargeSpool: Send + std::fmt::Debug {
-    /// Takes some of these bytes; says how many. On failure it has taken none of them, and still has all before.
+    /// Takes some of `bytes` and returns how many. On failure none of them are taken, and all earlier bytes are kept.
     ///
     /// # Errors
-    /// When the bytes cannot be kept.
+    /// When the bytes cannot be stored.
     fn take(&mut self, bytes: &[u8]) -> Result<usize, StoreError>;
 
     /// Ends the writing: the bytes can be read from now on, but are not durable yet.
     ///
     /// # Errors
-    /// When the bytes cannot be kept; the spool still has all that it took.
+    /// When the bytes cannot be stored; the spool keeps all bytes that it has taken.
     fn seal(&mut self, description: Description) -> Result<Arc<dyn Sealed>, StoreError>;
 
-    /// Gives back all bytes that it took, verified, and leaves nothing in the store.
+    /// Gives back all bytes that the spool has taken, verified, and leaves nothing in the store.
     ///
     /// # Errors
     /// When bytes are lost.
     fn reclaim(self: Box<Self>) -> io::Result<Vec<u8>>;
 }
 
-/// A finished large artifact; dropped before it [settles](Self::settle), it leaves nothing.
+/// A completely written large artifact; if it is dropped before [`settle`](Self::settle), it leaves nothing in the
+/// store.
 pub trait Sealed: Send + Sync + std::fmt::Debug {
-    /// What is known of the bytes. Never waits.
+    /// Returns the manifest of the bytes. Never blocks.
     fn manifest(&self) -> &Arc<Manifest>;
 
-    /// A verified part, as long as the artifact has not settled: then the store has it.
+    /// Returns a verified part of an artifact that has not settled; after that the store serves the parts.
     ///
     /// # Errors
     /// When the store fails.
     fn part(&self, index: usize) -> Result<Option<Bytes>, StoreError>;
 
-    /// All bytes, verified.
+    /// Returns all bytes, verified.
     ///
     /// # Errors
     /// When the store fails or the bytes are damaged.
     fn whole(&self) -> Result<Vec<u8>, StoreError>;
 
-    /// Makes the bytes the artifact, durably. Where the store is full, the least recently used artifacts leave until
-    /// the bytes fit or none is left.
+    /// Makes the bytes the artifact, durably. If the disk is full, evicts the least recently used artifacts until the
+    /// bytes fit or nothing is left to evict.
     ///
-    /// When the same bytes are here already, those are kept; other bytes under the same key are replaced.
+    /// If the same bytes are stored under the key already, they are kept; different bytes under the same key are
+    /// replaced.
     ///
     /// # Errors
-    /// When the bytes cannot be kept.
+    /// When the bytes cannot be stored.
     fn settle(&self) -> Result<Arc<Manifest>, StoreError>;
 }
 
-/// What a store holds and has seen.
+/// The counts and sizes of a store.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct Usage {
-    /// Artifacts held.
+    /// Number of artifacts stored.
     pub artifacts: u64,
-    /// What they cost: their bytes, their manifests, and the rounding to whole blocks where there are blocks.
+    /// Bytes used: contents and manifests, rounded up to whole blocks on a disk.
     pub bytes: u64,
-    /// Most bytes that may be held.
+    /// Maximum number of bytes stored.
     pub capacity: u64,
-    /// Artifacts dropped to make room.
+    /// Number of artifacts evicted to make room.
     pub evicted: u64,
-    /// Artifacts found damaged and dropped.
+    /// Number of artifacts found damaged and removed.
     pub damaged: u64,
     /// Whether the store does not answer at the moment.
     pub away: bool,
 }
 
-/// What a store is for: each has a place of its own.
+/// The purpose of a store; each purpose has a place of its own.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Room {
     /// Results of computations.
     Results,
-    /// Files that clients sent.
+    /// Files uploaded by clients.
     Uploads,
 }
 
-/// The bucket of a store that servers share.
+/// The bucket of a store that several servers share.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct Bucket {
-    /// Its name.
+    /// Name of the bucket.
     pub name: String,
-    /// What the names of all objects begin with; may be empty.
+    /// Prefix of the names of all objects; may be empty.
     pub prefix: String,
-    /// Where the store answers; empty for that of the region.
+    /// Endpoint URL of the object store; empty for the default of the region.
     pub endpoint: String,
-    /// The region; empty for the usual one.
+    /// Region; empty for the default.
     pub region: String,
 }
 
-/// Where a store is opened.
+/// The location and the parameters of a store to be opened.
 #[derive(Debug, Clone)]
 pub struct Place {
-    /// The folder of the service.
+    /// Folder of the service.
     pub dir: PathBuf,
-    /// The bucket of the service.
+    /// Bucket of the service.
     pub bucket: Bucket,
-    /// What the store is for.
+    /// Purpose of the store.
     pub room: Room,
-    /// Bytes of room.
+    /// Capacity in bytes.
     pub capacity_bytes: u64,
-    /// Reaches the bucket.
+    /// Makes the HTTP client for the bucket.
     pub connect: Connect,
-    /// Tells the time.
+    /// The clock of the service.
     pub clock: Arc<dyn Clock>,
 }
 
-/// Makes a client that speaks HTTP: how is the affair of those who know HTTP.
+/// Makes the HTTP client of an object store. The `http` module implements it, so that stores do not depend on it.
 pub type Connect = fn() -> object_store::Result<object_store::client::HttpClient>;
 
 /// Opens a store.
 pub(super) type Open = fn(&Place) -> Result<Arc<dyn Store>, StoreError>;
 
-/// A kind of store.
+/// An implementation of [`Store`] that the settings can name.
 #[derive(Debug)]
 pub struct StoreKind {
-    /// Its name in the settings.
+    /// Name in the settings.
     pub name: &'static str,
-    /// Whether it keeps bytes in the folder of the service, and nothing without one.
+    /// Whether the store keeps its bytes in the folder of the service, so that it needs such a folder.
     pub in_folder: bool,
-    /// Opens it.
+    /// Opens a store of this kind.
     pub open: Open,
-    /// Opens what it keeps of small records, in a folder that is open already.
+    /// Opens the small records (of jobs and batches) in a folder whose store is already open.
     pub records: fn(&Path) -> Result<Arc<dyn Records>, StoreError>,
 }

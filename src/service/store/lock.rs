@@ -1,8 +1,9 @@
-//! How the locks of the stores are taken.
+//! Locking of the mutexes of the stores.
 
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
-/// Every change under these locks is complete before anything can panic, so a poisoned lock guards sound values.
+/// Locks a mutex and ignores poisoning: every change under these locks is complete before anything can panic, so the
+/// value of a poisoned mutex is consistent.
 pub(super) fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
     mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }

@@ -1,15 +1,15 @@
-//! The binary form of a manifest: fields in fixed order.
+//! Manifests of artifacts, and their binary form: fields in a fixed order.
 
 use crate::job::key::Key;
 use crate::service::fields::{Fields, Writing};
 use crate::service::job_key::Tenant;
 
-/// Bytes of one part; the last part of an artifact may be shorter.
-/// Half of it doubles the hashes of a manifest; twice of it doubles what is read and verified for a byte of a range.
-/// All manifests on disk have it: a change is a new format of the store.
+/// Number of bytes of one part; the last part of an artifact may be shorter. Half of it would double the hashes in a
+/// manifest; twice of it would double the bytes read and verified for a byte of a range. It is fixed in all manifests
+/// on disk: a change needs a new format of the store.
 pub const PART_BYTES: usize = 1 << 20;
 
-/// What is known of a stored artifact; its own record, from which the index can be rebuilt.
+/// The description of a stored artifact, written beside its bytes; the index can be rebuilt from the manifests.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Manifest {
     /// Key of the artifact.
@@ -18,33 +18,33 @@ pub struct Manifest {
     pub media_type: String,
     /// Length in bytes.
     pub length: u64,
-    /// BLAKE3 of all bytes.
+    /// BLAKE3 hash of all bytes.
     pub content: Key,
-    /// BLAKE3 of each part of [`PART_BYTES`].
+    /// BLAKE3 hash of each part of [`PART_BYTES`].
     pub parts: Vec<Key>,
-    /// Warnings of the computation, repeated with every answer.
+    /// Warnings of the computation, repeated in every response.
     pub warnings: Vec<String>,
-    /// Build that made the bytes; recorded, never hashed.
+    /// Build that made the bytes; for information, not part of any hash.
     pub build: String,
-    /// Results version under which they were made.
+    /// Results version under which the bytes were made.
     pub results_version: u32,
-    /// For whom they were made, or who sent them.
+    /// Tenants for whom the bytes were made, or who uploaded them.
     pub owners: Owners,
 }
 
-/// What the maker of an artifact says of it when it commits the bytes.
+/// The part of a manifest that the maker of an artifact provides when it commits the bytes.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Description {
     /// Media type of the bytes.
     pub media_type: String,
     /// Warnings of the computation.
     pub warnings: Vec<String>,
-    /// For whom they were made, or who sent them.
+    /// Tenants for whom the bytes were made, or who uploaded them.
     pub owners: Owners,
 }
 
 impl Description {
-    /// What was said of an artifact.
+    /// Copies the description out of a manifest.
     pub fn of(manifest: &Manifest) -> Self {
         Self {
             media_type: manifest.media_type.clone(),
@@ -54,18 +54,18 @@ impl Description {
     }
 }
 
-/// Most tenants that one artifact remembers. One more takes the place of the first, for whom the artifact would be made
-/// again. Twice of it makes manifests of popular artifacts twice as long, 4 KiB; half of it makes such artifacts again
-/// where more than 128 tenants share a service.
+/// Maximum number of tenants that a manifest lists. One more replaces the first, for whom the artifact would be made
+/// again. Twice of it would make manifests of popular artifacts twice as long, 4 KiB; half of it would make such
+/// artifacts again if more than 128 tenants share a service.
 const MOST_OWNERS: usize = 256;
 
-/// The tenants that may see an artifact: those for whom it was made, or who sent it. It is found under its key by them
-/// alone.
+/// The tenants that may see an artifact: those for whom it was made, or who uploaded it. Only they find it under its
+/// key.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Owners(Vec<Tenant>);
 
 impl Default for Owners {
-    /// Everybody who does not say who he is.
+    /// Returns the tenant of all clients that do not identify themselves.
     fn default() -> Self {
         Self(vec![Tenant::ANYONE])
     }
@@ -80,7 +80,7 @@ impl FromIterator<Tenant> for Owners {
 }
 
 impl Owners {
-    /// Whether a tenant is among them.
+    /// Returns whether a tenant is one of the owners.
     pub fn contain(&self, tenant: Tenant) -> bool {
         self.0.contains(&tenant)
     }
@@ -94,7 +94,7 @@ impl Owners {
         }
     }
 
-    /// These and those; `None` where these contain all of those already.
+    /// Returns the union of both lists of owners; `None` if `self` contains all of `others` already.
     pub(super) fn with(&self, others: &Self) -> Option<Self> {
         let mut all = self.clone();
         others.0.iter().for_each(|tenant| all.add(*tenant));
@@ -105,7 +105,7 @@ impl Owners {
 const MAGIC: [u8; 8] = *b"plnshman";
 const VERSION: u32 = 1;
 
-/// The fields, in the order in which they stand; the warnings follow, each under its own tag.
+/// Tags of the fields in their order; the warnings follow, each as a field of its own.
 mod tag {
     pub(super) const KEY: u8 = 1;
     pub(super) const MEDIA_TYPE: u8 = 2;
@@ -115,12 +115,12 @@ mod tag {
     pub(super) const BUILD: u8 = 6;
     pub(super) const RESULTS_VERSION: u8 = 7;
     pub(super) const WARNING: u8 = 8;
-    /// Left out where they are everybody.
+    /// Omitted if the owners are the default, the tenant of all clients that do not identify themselves.
     pub(super) const OWNERS: u8 = 9;
 }
 
 impl Manifest {
-    /// Its binary form.
+    /// Encodes the manifest in its binary form.
     pub fn encode(&self) -> Vec<u8> {
         let mut out = Writing::new(MAGIC, VERSION, 512 + self.parts.len() * 32);
         out.field(tag::KEY, self.key.as_bytes());
@@ -140,7 +140,7 @@ impl Manifest {
         out.closed()
     }
 
-    /// Reads the binary form back; `None` when it is damaged, of another version, or contradicts itself.
+    /// Decodes the binary form; returns `None` if it is damaged, of another version, or inconsistent.
     pub fn decode(bytes: &[u8]) -> Option<Self> {
         let mut fields = Fields::of(bytes, MAGIC, VERSION)?;
         let key = fields.hash(tag::KEY)?;

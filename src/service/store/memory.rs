@@ -1,4 +1,4 @@
-//! A store in memory: nothing survives the process, every call is quick.
+//! A store in memory: nothing survives the process, and no call waits for a disk or a network.
 
 use std::io::{self, Write};
 use std::mem;
@@ -14,18 +14,19 @@ use super::parts::{self, Parts};
 use super::shelf::{self, Shelf};
 use crate::job::key::{Key, content};
 
-/// Charged for an entry besides its bytes: the record, its strings, the places in the maps.
-/// Half of it lets many tiny artifacts take more than the cache may; twice of it holds fewer of them.
+/// Estimated bytes of an entry besides its contents and encoded manifest: structures, strings, map entries. Half of it
+/// would let many tiny artifacts take more memory than the cache may; twice of it would hold fewer of them.
 const ENTRY_BYTES: u64 = 512;
 
-/// Artifacts in memory, each one stretch of bytes; reads share them and copy nothing.
+/// Artifacts in memory, each one contiguous slice of bytes; reads share the slice without copying. Clones share the
+/// store.
 #[derive(Debug, Clone)]
 pub struct Memory {
     shelf: Arc<Mutex<Shelf<Held>>>,
     capacity: u64,
 }
 
-/// The bytes are hashed once, on the way in.
+/// A stored artifact. Its bytes were hashed before it was stored and are not verified again.
 #[derive(Debug)]
 struct Held {
     manifest: Arc<Manifest>,
@@ -33,26 +34,27 @@ struct Held {
 }
 
 impl Memory {
-    /// An empty store that may hold `capacity_bytes`, records included; no artifact may take more than half of it.
+    /// Creates an empty store for `capacity_bytes`, including manifests; no artifact may take more than half of it.
     pub fn new(capacity_bytes: u64) -> Self {
         Self { shelf: Arc::new(Mutex::new(Shelf::new(capacity_bytes))), capacity: capacity_bytes }
     }
 
-    /// All bytes of an artifact, if it is here; no use.
+    /// Returns all bytes of an artifact, if it is stored with the same content; does not count as a use.
     pub(in crate::service) fn whole(&self, manifest: &Manifest) -> Option<Bytes> {
         let shelf = lock(&self.shelf);
         let held = shelf.peek(&manifest.key).filter(|held| held.manifest.content == manifest.content);
         held.map(|held| held.bytes.clone())
     }
 
-    /// All bytes of this very artifact, if it is here; a use.
+    /// Returns all bytes of an artifact, if it is stored with this same manifest object; counts as a use.
     pub(in crate::service) fn take(&self, manifest: &Arc<Manifest>) -> Option<Bytes> {
         let mut shelf = lock(&self.shelf);
         let held = shelf.touch(&manifest.key).filter(|held| Arc::ptr_eq(&held.manifest, manifest));
         held.map(|held| held.bytes.clone())
     }
 
-    /// Keeps an artifact whose bytes are all there. Where the same bytes are here already, those stay.
+    /// Stores an artifact whose bytes are complete. If the same bytes are stored under the key already, they are kept
+    /// and the new owners are added.
     ///
     /// # Errors
     /// [`StoreError::TooLarge`], [`StoreError::InUse`].
@@ -62,7 +64,7 @@ impl Memory {
         shelf::admit(cost, self.capacity)?;
         let held = Held { manifest: Arc::clone(&manifest), bytes };
 
-        let mut left = Vec::new(); // freed after the lock
+        let mut left = Vec::new(); // freed after the lock is released
         let mut shelf = lock(&self.shelf);
         if let Some(present) = shelf.touch_mut(&key).filter(|present| present.manifest.content == manifest.content) {
             if let Some(owners) = present.manifest.owners.with(&manifest.owners) {
@@ -101,7 +103,7 @@ impl Store for Memory {
 
     fn remove(&self, key: &Key) -> Result<(), StoreError> {
         let removed = lock(&self.shelf).remove(key);
-        drop(removed); // the bytes are freed after the lock
+        drop(removed); // The bytes are freed after the lock is released.
         Ok(())
     }
 
@@ -123,7 +125,7 @@ struct MemorySpool {
     store: Memory,
     key: Key,
     bytes: Vec<u8>,
-    /// A write was refused, so the bytes have a gap.
+    /// Whether a write was refused, so that the bytes have a gap.
     refused: bool,
 }
 

@@ -1,4 +1,4 @@
-//! Stores: keys and bytes only, content addressed, verified part by part when read.
+//! Stores of artifacts: bytes under keys, split into parts whose hashes are verified on reading.
 
 mod calls;
 mod database;

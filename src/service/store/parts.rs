@@ -1,4 +1,4 @@
-//! The hashes of an artifact, taken while its bytes pass by.
+//! The hashes of an artifact and of its parts, computed while the bytes are written.
 
 use blake3::Hasher;
 use bytes::Bytes;
@@ -7,10 +7,10 @@ use rayon::prelude::*;
 use super::manifest::{Description, Manifest, PART_BYTES};
 use crate::job::key::{Key, RESULTS_VERSION, content};
 
-/// Recorded in every manifest.
+/// Name and version of this build, recorded in every manifest.
 const BUILD: &str = concat!("planish ", env!("CARGO_PKG_VERSION"));
 
-/// The hashes and the length of the parts seen so far.
+/// The hashes and the total length of the parts added so far.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Parts {
     whole: Hasher,
@@ -19,44 +19,44 @@ pub(super) struct Parts {
 }
 
 impl Parts {
-    /// The parts of bytes that are all there.
+    /// Hashes all parts of complete bytes.
     pub(super) fn of(bytes: &[u8]) -> Self {
         let mut parts = Self::default();
         bytes.chunks(PART_BYTES).for_each(|part| parts.push(part));
         parts
     }
 
-    /// Takes the next part: exactly [`PART_BYTES`], except for the last one.
+    /// Adds the next part: exactly [`PART_BYTES`] long, except for the last one.
     pub(super) fn push(&mut self, part: &[u8]) {
-        // a part after a short one would be looked for at another place: a fault of the caller, before anything is kept
+        // Readers would look for a part after a short one at a wrong offset, so a caller's error must stop here.
         assert!(self.length.is_multiple_of(PART_BYTES as u64), "only the last part may be short");
         self.whole.update(part);
         self.hashes.push(content(part));
         self.length += part.len() as u64;
     }
 
-    /// Bytes seen so far.
+    /// Returns the number of bytes added so far.
     pub(super) fn length(&self) -> u64 {
         self.length
     }
 
-    /// The hash of each part seen so far.
+    /// Returns the hash of each part added so far.
     pub(super) fn hashes(&self) -> &[Key] {
         &self.hashes
     }
 
-    /// BLAKE3 of all bytes seen so far.
+    /// Returns the BLAKE3 hash of all bytes added so far.
     pub(super) fn content(&self) -> Key {
         Key::from_bytes(*self.whole.finalize().as_bytes())
     }
 
-    /// The record of these bytes under `key`.
+    /// Makes the manifest of these bytes under `key`.
     pub(super) fn manifest(self, key: Key, description: Description) -> Manifest {
         let content = self.content();
         record(key, self.length, content, self.hashes, description)
     }
 
-    /// The record of these bytes under the hash of them.
+    /// Makes the manifest of these bytes under their hash as the key.
     pub(super) fn manifest_by_content(self, description: Description) -> Manifest {
         let key = self.content();
         self.manifest(key, description)
@@ -64,11 +64,12 @@ impl Parts {
 }
 
 impl Manifest {
-    /// What is known of bytes that are all there; called on a compute thread, whose neighbours hash as well.
+    /// Makes the manifest of complete bytes. It hashes in parallel on the thread pool of the compute thread that calls
+    /// it.
     pub fn of(key: Key, bytes: &[u8], description: Description) -> Self {
         let whole = || content(bytes);
         let (content, hashes) = if bytes.len() <= PART_BYTES {
-            // the only part is the whole
+            // The only part equals the whole.
             let only = whole();
             (only, vec![only; bytes.len().min(1)])
         } else {
@@ -84,14 +85,14 @@ fn record(key: Key, length: u64, content: Key, parts: Vec<Key>, description: Des
     Manifest { key, media_type, length, content, parts, warnings, build, results_version, owners }
 }
 
-/// Where part `index` starts and how many bytes it has; `None` when there is no such part.
+/// Returns the offset of part `index` and its length in bytes; `None` if there is no such part.
 pub(super) fn span(manifest: &Manifest, index: usize) -> Option<(u64, usize)> {
     let start = u64::try_from(index).ok()?.checked_mul(PART_BYTES as u64)?;
     let left = manifest.length.checked_sub(start).filter(|&left| left > 0)?;
     Some((start, usize::try_from(left).map_or(PART_BYTES, |left| left.min(PART_BYTES))))
 }
 
-/// Part `index` of an artifact whose bytes are all there; `None` when there is no such part.
+/// Returns part `index` of an artifact whose bytes are complete; `None` if there is no such part.
 pub(in crate::service) fn part_of(manifest: &Manifest, bytes: &Bytes, index: usize) -> Option<Bytes> {
     let (start, length) = span(manifest, index)?;
     let start = usize::try_from(start).ok()?;

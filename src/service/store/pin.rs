@@ -1,11 +1,11 @@
-//! Artifacts that must not leave: running jobs or open downloads need them.
+//! Pins: artifacts that must not be evicted, because running jobs or open downloads need them.
 
 use std::sync::Arc;
 
 use super::interface::Store;
 use crate::job::key::Key;
 
-/// Keeps an artifact in its store until it is dropped.
+/// Protects an artifact from eviction until it is dropped.
 #[derive(Debug)]
 pub struct Pin {
     store: Arc<dyn Store>,
@@ -13,7 +13,7 @@ pub struct Pin {
 }
 
 impl Pin {
-    /// Pins an artifact, if it is there. Never waits.
+    /// Pins an artifact; returns `None` if it is not stored. Never blocks.
     pub fn new(store: &Arc<dyn Store>, key: Key) -> Option<Self> {
         store.pin(&key).then(|| Self { store: store.clone(), key })
     }

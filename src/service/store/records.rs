@@ -1,4 +1,4 @@
-//! Small records by key that outlast the process: the store of bytes for what is known of jobs.
+//! A durable map of small records, such as those of jobs and batches; it knows their keys and bytes only.
 
 use std::fs::{self, File};
 use std::io::{self, Read};
@@ -12,21 +12,21 @@ use super::disk_files::{at, remove_file};
 use super::error::StoreError;
 use super::lock::lock;
 
-/// Where a folder has its records.
+/// Name of the file of records in a folder.
 pub(super) const RECORDS_FILE: &str = "jobs.redb";
 
-/// Key -> record.
+/// Maps a key to a record.
 const RECORDS: TableDefinition<'_, &[u8], &[u8]> = TableDefinition::new("records-1");
 
 /// Records by key. Calls may block.
 pub trait Records: std::fmt::Debug + Send + Sync {
-    /// Tells every record with its key.
+    /// Calls `tell` with the key and the bytes of every record.
     ///
     /// # Errors
     /// When the store fails.
     fn each(&self, tell: &mut dyn FnMut(&[u8], &[u8])) -> Result<(), StoreError>;
 
-    /// Writes records, and removes those of keys without one: all of it or nothing, and for good when it returns.
+    /// Writes records, and removes the keys without a record, in one transaction that is durable when this returns.
     ///
     /// # Errors
     /// When the store fails.
@@ -37,17 +37,18 @@ pub trait Records: std::fmt::Debug + Send + Sync {
 #[derive(Debug)]
 pub(super) struct RecordFile {
     path: PathBuf,
-    /// None after a failure, until it is opened again: a database that failed once, of a full disk for instance, takes
-    /// nothing more.
+    /// The open database; `None` after a failure, until the next operation opens it again: a database that has failed
+    /// once, for instance on a full disk, accepts nothing more.
     database: Mutex<Option<Database>>,
 }
 
 impl RecordFile {
-    /// Opens the file, or makes it; one that is no such file, or is damaged, is left as it is.
+    /// Opens the file, or creates it; a file that is damaged or not a database is left unchanged.
     pub(super) fn open(path: &Path) -> Result<Self, StoreError> {
         let damaged = |error: String| StoreError::Io(damaged(path, &error));
         if !path.exists() {
-            // made aside, so that no crash leaves half a file under its name
+            // The file is created under another name first, so that a crash leaves no incomplete file under its final
+            // name.
             let aside = path.with_extension("new");
             remove_file(&aside)?;
             guarded(|| Ok(builder().create(&aside).map(drop)?)).map_err(damaged)?;
@@ -55,12 +56,12 @@ impl RecordFile {
         }
         let database = guarded(|| Ok(builder().open(path)?)).map_err(damaged)?;
         let file = Self { database: Mutex::new(Some(database)), path: path.to_owned() };
-        // what is damaged shows now, and not when a record is asked for
+        // All records are read now, so that damage is found here and not at a later request.
         file.each(&mut |_, _| {}).map_err(|error| damaged(error.to_string()))?;
         Ok(file)
     }
 
-    /// Does something with the database, which is opened for it where it failed before.
+    /// Runs an operation on the database, which is opened again first if an earlier operation failed.
     fn with<T>(&self, work: impl FnOnce(&Database) -> Result<T, redb::Error>) -> Result<T, StoreError> {
         let mut held = lock(&self.database);
         let opened = match held.take() {
@@ -73,7 +74,7 @@ impl RecordFile {
         });
         done.map_err(|error| {
             if let Some(failed) = held.take() {
-                // closing writes too, so it may fail as well; what the next one opens is what lasts
+                // Closing writes, so it may fail as well; only what the next open finds in the file counts.
                 let _ = guarded(|| {
                     drop(failed);
                     Ok(())
@@ -84,10 +85,10 @@ impl RecordFile {
     }
 }
 
-/// What every file of records begins with.
+/// The first bytes of every redb file.
 const MAGIC: &[u8; 9] = b"redb\x1A\x0A\xA9\x0D\x0A";
 
-/// Refuses a file that does not begin as records do, without touching it; none is as good as one.
+/// Refuses an existing file that does not begin with [`MAGIC`], without changing it; a missing file is accepted.
 pub(super) fn refuse_damaged(path: &Path) -> io::Result<()> {
     let mut head = Vec::with_capacity(MAGIC.len());
     match File::open(path).and_then(|file| file.take(MAGIC.len() as u64).read_to_end(&mut head)) {
@@ -98,7 +99,7 @@ pub(super) fn refuse_damaged(path: &Path) -> io::Result<()> {
     }
 }
 
-/// Reads the records of a folder that is held, if there are any, so that damage shows before anything else is touched.
+/// Reads all records of a locked folder, if there are any, so that damage is found before anything else is changed.
 pub(super) fn read_through(path: &Path) -> io::Result<()> {
     if !path.exists() {
         return Ok(());

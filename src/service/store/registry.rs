@@ -1,8 +1,8 @@
-//! The stores that can stand behind the memory; the only place that lists them.
+//! The list of the stores that the settings can name; no other module lists them.
 
 use super::embedded;
 use super::interface::StoreKind;
 use super::s3;
 
-/// Every kind; the first is the usual one.
+/// Every kind of store; the first is the default.
 pub const STORES: &[StoreKind] = &[embedded::KIND, s3::KIND];

@@ -1,4 +1,4 @@
-//! The shared store in a bucket of S3, or of what speaks its protocol.
+//! The shared store in a bucket of S3, or of another object store with the same protocol.
 
 use std::fs::File;
 use std::io;
@@ -15,14 +15,16 @@ use super::interface::{Bucket, Connect, Store, StoreKind};
 use super::records::{RECORDS_FILE, RecordFile, Records};
 use super::shared::Shared;
 
-/// How often a call is tried again, within its own time. Half of it fails where one machine of the store restarts;
-/// twice of it has its time run out first.
+/// Maximum number of retries of a call within its time limit. Half of it would fail while one machine of the store
+/// restarts; with twice of it the time limit ends first.
 const RETRIES: usize = 2;
-/// Shortest and longest pause before a try: a machine of the store that is busy is given a moment, and all pauses
-/// together stay below a look's own time. Half of them ask a busy store twice as fast; twice of them outlast a look.
+/// Shortest and longest pause before a retry: they give a busy machine of the store some time, and all pauses together
+/// stay below the time limit of a lookup. Half of them would retry twice as fast on a busy store; twice of them would
+/// outlast a lookup.
 const PAUSES: (Duration, Duration) = (Duration::from_millis(50), Duration::from_millis(500));
 
-/// The store as the settings name it. What is known of jobs stays in the folder of the server that accepted them.
+/// The entry of this store in the list of stores. The records of jobs stay in the folder of the server that accepted
+/// them.
 pub(super) const KIND: StoreKind = StoreKind {
     name: "s3",
     in_folder: false,
@@ -36,7 +38,7 @@ pub(super) const KIND: StoreKind = StoreKind {
     },
 };
 
-/// Makes the clients of a bucket, and of those who give out its credentials.
+/// Makes the HTTP clients for the bucket and for the services that issue credentials.
 #[derive(Debug)]
 struct Connector(Connect);
 
@@ -46,7 +48,7 @@ impl HttpConnector for Connector {
     }
 }
 
-/// Records in a folder that nothing else holds.
+/// The records in a folder that this process has locked.
 #[derive(Debug)]
 struct HeldRecords {
     records: RecordFile,
@@ -63,8 +65,8 @@ impl Records for HeldRecords {
     }
 }
 
-/// A client of a bucket. Credentials come from the variables `AWS_...`, or from where a machine or a container of AWS
-/// gets its own; what is given here is stronger than the variables.
+/// Makes a client of a bucket. Credentials come from the environment variables `AWS_...`, or from the metadata services
+/// of AWS machines and containers; values in `bucket` take precedence over the variables.
 fn client(bucket: &Bucket, connect: Connect) -> Result<AmazonS3, StoreError> {
     if bucket.name.is_empty() {
         return Err(wrong("no bucket is given; name one with --s3-bucket"));
@@ -80,7 +82,7 @@ fn client(bucket: &Bucket, connect: Connect) -> Result<AmazonS3, StoreError> {
         .with_retry(retry)
         .with_http_connector(Connector(connect))
         .with_disable_tagging(true)
-        // one at a time, which every store knows
+        // Single deletions work on every store; bulk deletions do not.
         .with_disable_bulk_delete(true);
     if !bucket.region.is_empty() {
         builder = builder.with_region(&bucket.region);

@@ -1,4 +1,4 @@
-//! An artifact whose bytes are all in a temporary file: readable, and on its way to its name.
+//! A completely written artifact in a temporary file: it can be read, and can be renamed to its final name.
 
 use std::sync::Arc;
 
@@ -10,7 +10,7 @@ use super::files::{Tmp, cost};
 use super::interface::Sealed;
 use super::manifest::{Manifest, PART_BYTES};
 
-/// A finished spool of the embedded store.
+/// The [`Sealed`] of the embedded store.
 #[derive(Debug)]
 pub(super) struct SealedFile {
     store: Arc<DiskState>,
@@ -80,7 +80,8 @@ impl Sealed for SealedFile {
         let mut copy: Option<Self> = None;
         loop {
             match copy.as_ref().unwrap_or(self).place() {
-                // after a failed sync the system may take lost bytes for written ones: only a new file is sound
+                // After a failed sync the system may report lost bytes as written, so only a copy in a new file is
+                // safe.
                 Err(error) if error.is_full() && self.store.make_room(self.cost())? => copy = Some(self.copied()?),
                 placed => return placed,
             }

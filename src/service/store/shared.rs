@@ -1,4 +1,4 @@
-//! A store that servers share: artifacts as objects of a bucket.
+//! A store in a bucket that several servers share.
 //!
 //! ```text
 //! PREFIX/results/manifests/ab/<64 hex>   the manifest of the artifact of this key
@@ -6,9 +6,10 @@
 //! PREFIX/uploads/...                     the same for files that clients sent
 //! ```
 //!
-//! An artifact exists if and only if its manifest does, which is put last. Names of parts are hashes of bytes, so no
-//! two servers can put different bytes under one of them, and what is read is verified by the name that it was asked
-//! for. Objects leave by the rules of the bucket: an artifact of which a part has left is none any more.
+//! An artifact exists if and only if its manifest does, which is written last. Parts are named by the hashes of their
+//! bytes, so two servers cannot write different bytes under one name, and a part is verified against its name when it
+//! is read. Objects are removed by the lifecycle rules of the bucket: an artifact that has lost a part counts as
+//! missing.
 
 use std::sync::Arc;
 
@@ -22,17 +23,17 @@ use super::shared_spool::SharedSpool;
 use super::shared_state::State;
 use crate::job::key::Key;
 
-/// Artifacts in a bucket. Clones share it.
+/// Artifacts in a bucket. Clones share the store.
 #[derive(Debug, Clone)]
 pub struct Shared {
     state: Arc<State>,
 }
 
 impl Shared {
-    /// Opens the store in a bucket. One that does not answer is used as soon as it does.
+    /// Opens the store in a bucket. If the object store does not answer, this succeeds, and later calls try again.
     ///
     /// # Errors
-    /// When the bucket is not there, may not be used, or replaces objects though it is asked not to.
+    /// When the bucket does not exist, access is refused, or the object store ignores conditional writes.
     pub fn open(objects: Arc<dyn ObjectStore>, place: &Place) -> Result<Self, StoreError> {
         Ok(Self { state: Arc::new(State::open(objects, place)?) })
     }
@@ -68,7 +69,8 @@ impl Store for Shared {
         self.state.usage()
     }
 
-    /// Nothing leaves the bucket for others; what is pinned stays known here.
+    /// Keeps the manifest in the memory of this server. Objects in the bucket are never evicted, so they need no
+    /// protection.
     fn pin(&self, key: &Key) -> bool {
         self.state.pin(key)
     }

@@ -1,4 +1,5 @@
-//! An artifact on its way into a shared store: one part waits in memory, those before it are objects already.
+//! The writer of an artifact to the shared store: the current part is buffered in memory, earlier parts are objects
+//! already.
 
 use std::io::{self, Write};
 use std::sync::Arc;
@@ -12,15 +13,16 @@ use super::parts::Parts;
 use super::shared_state::State;
 use crate::job::key::{Key, content};
 
-/// Spool of the shared store. Dropped, it leaves parts that no manifest names, for the rules of the bucket to remove.
+/// The [`Spool`] of the shared store. If dropped, it leaves parts that no manifest names; the lifecycle rules of the
+/// bucket remove them.
 #[derive(Debug)]
 pub(super) struct SharedSpool {
     store: Arc<State>,
     key: Key,
-    /// The part being filled.
+    /// The bytes of the current, incomplete part.
     part: Vec<u8>,
     parts: Parts,
-    /// Why nothing more is accepted: a part was not put, so the bytes have a gap.
+    /// The error after which the spool accepts no more bytes: a part was not written, so the bytes have a gap.
     failed: Option<StoreError>,
 }
 
@@ -29,7 +31,7 @@ impl SharedSpool {
         Self { store, key, part: Vec::new(), parts: Parts::default(), failed: None }
     }
 
-    /// Puts the waiting part.
+    /// Writes the buffered part to the bucket.
     fn spill(&mut self) -> Result<(), StoreError> {
         if self.part.is_empty() {
             return Ok(());
@@ -51,7 +53,7 @@ impl SharedSpool {
         Ok(taken)
     }
 
-    /// All parts, put.
+    /// Writes the last part and returns the hashes of all parts.
     fn end(&mut self) -> Result<Parts, StoreError> {
         if let Some(failed) = self.failed.take() {
             return Err(failed);

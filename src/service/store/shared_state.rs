@@ -1,4 +1,4 @@
-//! What a server knows of the bucket that it shares, and how it reads and writes there.
+//! The state of the shared store in one server: remembered manifests, and reading and writing in the bucket.
 
 use std::io;
 use std::sync::{Arc, Mutex};
@@ -16,41 +16,41 @@ use super::parts;
 use super::shelf::{self, Shelf};
 use crate::job::key::{Key, RESULTS_VERSION, content};
 
-/// Most bytes of a manifest: enough for the parts of 16 GiB. A longer object is none of ours.
-/// Half of it keeps artifacts of 8 GiB; twice of it lets a foreign object take 2 MiB of memory.
+/// Maximum size of a manifest in bytes: enough for the parts of 16 GiB. A longer object was not written by this
+/// service. Half of it would limit artifacts to 8 GiB; twice of it would let a foreign object take 2 MiB of memory.
 const MANIFEST_BYTES: u64 = 1 << 20;
-/// Manifests that a server remembers may take so many bytes: some ten thousand of them.
-/// With half of it twice as many looks go to the store; twice of it takes 16 MiB more beside the account.
+/// Memory for remembered manifests in bytes, some ten thousand of them. With half of it twice as many lookups go to the
+/// object store; twice of it would take 16 MiB more beside the memory account.
 const REMEMBERED_BYTES: u64 = 16 << 20;
-/// Charged for a manifest besides its encoded bytes: the places in the maps.
-/// Half and twice of it let twice and half as many small ones be remembered.
+/// Estimated bytes of a remembered manifest besides its encoded form: map entries. Half or twice of it would let twice
+/// or half as many small ones be remembered.
 const ENTRY_BYTES: u64 = 512;
 
-/// Shared with the open spools.
+/// The state of a store, shared with its open spools.
 #[derive(Debug)]
 pub(super) struct State {
     calls: Calls,
-    /// What the names of all objects begin with.
+    /// Prefix of the names of all objects.
     root: String,
     capacity: u64,
-    /// Manifests that were seen or put; the bucket may have more, or no longer these.
+    /// Manifests that were read or written; the bucket may have others, and may have lost some of these.
     shelf: Mutex<Shelf<Arc<Manifest>>>,
     checked: Mutex<Checked>,
 }
 
-/// What is known of the store's conditional puts.
+/// Whether the object store supports conditional writes.
 #[derive(Debug, Clone)]
 enum Checked {
-    /// It has not answered yet.
+    /// Unknown: the object store has not answered yet.
     NotYet,
-    /// It refuses to replace what is there.
+    /// It does: a write that must not replace an object is refused if one exists.
     Sound,
-    /// It cannot be used.
+    /// It does not, or is unusable for the given reason.
     Unfit(String),
 }
 
 impl State {
-    /// Opens the store in a bucket. One that does not answer is used as soon as it does.
+    /// Opens the store in a bucket. If the object store does not answer, this succeeds, and later calls try again.
     pub(super) fn open(objects: Arc<dyn ObjectStore>, place: &Place) -> Result<Self, StoreError> {
         let room = match place.room {
             Room::Results => "results",
@@ -71,27 +71,27 @@ impl State {
         }
     }
 
-    /// The manifest of an artifact, if it is known here; counts as a use.
+    /// Returns the manifest of an artifact, if this server remembers it, and counts this as a use.
     pub(super) fn known(&self, key: &Key) -> Option<Arc<Manifest>> {
         lock(&self.shelf).touch(key).cloned()
     }
 
-    /// The manifest of an artifact as it stands in the bucket; known here from now on.
+    /// Reads the manifest of an artifact from the bucket and remembers it.
     pub(super) fn look_up(&self, key: &Key) -> Result<Option<Arc<Manifest>>, StoreError> {
         Ok(self.fetch(key)?.map(|manifest| self.remember(manifest)))
     }
 
-    /// Keeps a manifest known here, if it is.
+    /// Keeps a remembered manifest in memory; returns whether it is remembered.
     pub(super) fn pin(&self, key: &Key) -> bool {
         lock(&self.shelf).pin(key)
     }
 
-    /// Takes one pin back.
+    /// Undoes one [`pin`](Self::pin).
     pub(super) fn unpin(&self, key: &Key) {
         lock(&self.shelf).unpin(key);
     }
 
-    /// What is known here and was seen.
+    /// Returns the counts of the remembered manifests, the capacity, and whether the object store is in an outage.
     pub(super) fn usage(&self) -> Usage {
         let usage = lock(&self.shelf).usage();
         Usage { capacity: self.capacity, away: self.calls.is_away(), ..usage }
@@ -109,12 +109,12 @@ impl State {
         self.path("parts", hash)
     }
 
-    /// Refuses what is too large for one artifact.
+    /// Refuses an artifact of `length` bytes if it is too large.
     pub(super) fn admit(&self, length: u64) -> Result<(), StoreError> {
         shelf::admit(length, self.capacity)
     }
 
-    /// Makes sure that nothing is put before the store has shown that it keeps to its part.
+    /// Checks once whether the object store supports conditional writes; nothing is written before it has passed.
     pub(super) fn check(&self) -> Result<(), StoreError> {
         let checked = lock(&self.checked).clone();
         let checked = match checked {
@@ -131,8 +131,8 @@ impl State {
         }
     }
 
-    /// Puts the same object twice, and wants to be refused the second time. That it is not there before shows whether
-    /// the store tells what is missing from what is forbidden.
+    /// Creates the same object twice and expects a refusal the second time. The first read, of an object that cannot
+    /// exist yet, shows whether the object store distinguishes a missing object from a forbidden one.
     fn tried(&self) -> Result<Checked, StoreError> {
         let mut name = [0; 16];
         getrandom::fill(&mut name).map_err(io::Error::from)?;
@@ -154,8 +154,8 @@ impl State {
         Ok(Checked::Unfit(unfit.to_owned()))
     }
 
-    /// The manifest of an artifact as it stands in the bucket. One that is damaged is dropped and counted; one of
-    /// another results version is none.
+    /// Reads the manifest of an artifact from the bucket. A damaged manifest is deleted and counted; an artifact of
+    /// another results version is treated as missing.
     fn fetch(&self, key: &Key) -> Result<Option<Manifest>, StoreError> {
         let bytes = match self.calls.get(&self.manifest_path(key), MANIFEST_BYTES, LOOK)? {
             Fetched::Missing => return Ok(None),
@@ -167,7 +167,7 @@ impl State {
             self.drop_damaged(key, "its manifest is damaged");
             return Ok(None);
         };
-        // what is named by its own bytes is the same in every version
+        // An artifact whose key is the hash of its bytes is the same in every results version.
         Ok(Some(manifest).filter(|found| found.results_version == RESULTS_VERSION || found.content == *key))
     }
 
@@ -183,7 +183,7 @@ impl State {
         manifest
     }
 
-    /// A part, verified.
+    /// Reads a part and verifies its hash; deletes the manifest if the part is missing or damaged.
     pub(super) fn part(&self, manifest: &Manifest, index: usize) -> Result<Option<Bytes>, StoreError> {
         let (Some((_, length)), Some(hash)) = (parts::span(manifest, index), manifest.parts.get(index)) else {
             return Ok(None);
@@ -208,20 +208,21 @@ impl State {
         self.forget(key);
     }
 
-    /// Removes an artifact: without its manifest it is none. Its parts may be those of others and stay.
+    /// Removes an artifact by deleting its manifest. The parts stay, because other artifacts may share them.
     pub(super) fn forget(&self, key: &Key) {
         lock(&self.shelf).remove(key);
         self.calls.delete(&self.manifest_path(key));
     }
 
-    /// Puts a part. One that is there has the same bytes or was damaged, and by the bucket's rules its age begins anew.
+    /// Writes a part. An existing object has the same bytes or is damaged; writing it again also restarts its age for
+    /// the lifecycle rules of the bucket.
     pub(super) fn put_part(&self, hash: &Key, bytes: Bytes) -> Result<(), StoreError> {
         self.calls.replace(&self.part_path(hash), bytes)
     }
 
-    /// Puts the manifest of an artifact whose parts are all there. Where another server was first, the artifact is that
-    /// one's, and the tenants of both may see it; of two servers that say so at once one may not be heard, and its
-    /// tenant's artifact is made again then.
+    /// Writes the manifest of an artifact whose parts are all written. If another server has written the same artifact
+    /// first, its manifest is kept with the owners of both; if two servers add owners at once, one addition may be
+    /// lost, and the artifact is made again for that tenant.
     pub(super) fn enter(&self, manifest: Manifest) -> Result<Arc<Manifest>, StoreError> {
         let path = self.manifest_path(&manifest.key);
         let encoded = manifest.encode();
@@ -233,7 +234,8 @@ impl State {
         }
         let present = self.fetch(&manifest.key)?;
         if let Some(present) = present.filter(|present| present.content == manifest.content) {
-            // also where nobody is new: its age begins anew with that of its parts
+            // The manifest is written even without new owners, so that its age for the lifecycle rules restarts like
+            // that of its parts.
             let owners = present.owners.with(&manifest.owners).unwrap_or_else(|| present.owners.clone());
             return self.replace(&path, Manifest { owners, ..present });
         }

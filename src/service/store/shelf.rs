@@ -1,4 +1,4 @@
-//! Entries in order of use, bounded by what they cost: the least recently used leave first.
+//! A bounded map in order of use: the least recently used entries are evicted first.
 
 use std::collections::{BTreeMap, HashMap};
 
@@ -6,17 +6,18 @@ use super::error::StoreError;
 use super::interface::Usage;
 use crate::job::key::Key;
 
-/// Most entries one store holds, whatever its capacity: their records stay in memory, at about 500 bytes each.
-/// These are 256 MiB. Half and twice of it halve and double them, and the number of small artifacts that are kept.
+/// Maximum number of entries of one store, whatever its capacity: their manifests stay in memory, at about 500 bytes
+/// each, 256 MiB in all. Half or twice of it would halve or double that memory and the number of small artifacts kept.
 pub const MAX_ARTIFACTS: usize = 1 << 19;
 
-/// A bounded map that knows the order of use. Looking up, inserting and evicting cost `O(log n)`.
+/// A bounded map that knows the order of use. Looking up, inserting and evicting take `O(log n)`, plus the number of
+/// pinned entries that an eviction passes over.
 #[derive(Debug)]
 pub(in crate::service) struct Shelf<V> {
     entries: HashMap<Key, Entry<V>>,
-    /// Keys by their last use; uses are numbered from 1, each number once.
+    /// Keys by the number of their last use; uses are numbered from 1, and each number occurs once.
     order: BTreeMap<u64, Key>,
-    /// Keys of entries that must not leave, each with how often that was said.
+    /// Number of pins of each key that must not be evicted.
     pinned: HashMap<Key, usize>,
     next_use: u64,
     bytes: u64,
@@ -33,18 +34,18 @@ struct Entry<V> {
 }
 
 impl<V> Shelf<V> {
-    /// An empty shelf whose entries may cost `capacity` bytes together.
+    /// Creates an empty shelf for entries that cost `capacity` bytes in total.
     pub(in crate::service) fn new(capacity: u64) -> Self {
         let (entries, order, pinned) = (HashMap::new(), BTreeMap::new(), HashMap::new());
         Self { entries, order, pinned, next_use: 1, bytes: 0, capacity, evicted: 0, damaged: 0 }
     }
 
-    /// The value of `key`; counts as a use.
+    /// Returns the value of `key` and counts this as a use.
     pub(in crate::service) fn touch(&mut self, key: &Key) -> Option<&V> {
         self.touch_mut(key).map(|value| &*value)
     }
 
-    /// The value of `key`, to be changed by what costs nothing; counts as a use.
+    /// Returns the value of `key` for a change that does not affect its cost, and counts this as a use.
     pub(in crate::service) fn touch_mut(&mut self, key: &Key) -> Option<&mut V> {
         let entry = self.entries.get_mut(key)?;
         if entry.last_use + 1 < self.next_use {
@@ -56,12 +57,12 @@ impl<V> Shelf<V> {
         Some(&mut entry.value)
     }
 
-    /// The value of `key`, without a use.
+    /// Returns the value of `key` without counting a use.
     pub(in crate::service) fn peek(&self, key: &Key) -> Option<&V> {
         self.entries.get(key).map(|entry| &entry.value)
     }
 
-    /// Takes out the least recently used entry, unless an entry of this cost fits already.
+    /// Removes and returns the least recently used entry, unless an entry of this cost fits already.
     pub(in crate::service) fn evict_for(&mut self, cost: u64) -> Option<(Key, V)> {
         if self.has_room(cost) {
             return None;
@@ -69,12 +70,12 @@ impl<V> Shelf<V> {
         self.evict_oldest().map(|(key, _, value)| (key, value))
     }
 
-    /// Whether an entry of this cost fits.
+    /// Returns whether an entry of this cost fits.
     pub(in crate::service) fn has_room(&self, cost: u64) -> bool {
         self.bytes.saturating_add(cost) <= self.capacity && self.entries.len() < MAX_ARTIFACTS
     }
 
-    /// Keeps an entry from being evicted, once more each time; false when it is not here.
+    /// Protects an entry from eviction; pins are counted. Returns false if there is no such entry.
     pub(in crate::service) fn pin(&mut self, key: &Key) -> bool {
         let is_here = self.entries.contains_key(key);
         if is_here {
@@ -83,7 +84,7 @@ impl<V> Shelf<V> {
         is_here
     }
 
-    /// Takes one pin back.
+    /// Undoes one [`pin`](Self::pin).
     pub(in crate::service) fn unpin(&mut self, key: &Key) {
         if let Some(pins) = self.pinned.get_mut(key) {
             *pins -= 1;
@@ -93,7 +94,7 @@ impl<V> Shelf<V> {
         }
     }
 
-    /// Takes out the least recently used entry that is not pinned: its key, what it cost, its value.
+    /// Removes the least recently used entry that is not pinned; returns its key, its cost and its value.
     pub(in crate::service) fn evict_oldest(&mut self) -> Option<(Key, u64, V)> {
         let key = *self.order.values().find(|key| !self.pinned.contains_key(key))?;
         let cost = self.entries.get(&key)?.cost;
@@ -102,8 +103,8 @@ impl<V> Shelf<V> {
         Some((key, cost, value))
     }
 
-    /// Puts an entry in, as the most recently used one; gives back what it replaced.
-    /// The caller made room: see [`evict_for`](Self::evict_for).
+    /// Inserts an entry as the most recently used one and returns the entry that it replaces. The caller must have made
+    /// room with [`evict_for`](Self::evict_for).
     pub(in crate::service) fn insert(&mut self, key: Key, cost: u64, value: V) -> Option<V> {
         let replaced = self.remove(&key);
         let last_use = self.next_use;
@@ -114,7 +115,7 @@ impl<V> Shelf<V> {
         replaced
     }
 
-    /// Takes an entry out.
+    /// Removes an entry and returns its value.
     pub(in crate::service) fn remove(&mut self, key: &Key) -> Option<V> {
         let entry = self.entries.remove(key)?;
         self.order.remove(&entry.last_use);
@@ -127,17 +128,17 @@ impl<V> Shelf<V> {
         self.damaged += n;
     }
 
-    /// Keys used at or after use number `since`, each with the number of its last use, oldest first.
+    /// Returns the keys whose last use has the number `since` or a later one, with that number, oldest first.
     pub(in crate::service) fn used_since(&self, since: u64) -> impl Iterator<Item = (Key, u64)> {
         self.order.range(since..).map(|(&last_use, &key)| (key, last_use))
     }
 
-    /// The number the next use will have.
+    /// Returns the number that the next use will have.
     pub(in crate::service) fn next_use(&self) -> u64 {
         self.next_use
     }
 
-    /// What the shelf holds and has seen.
+    /// Returns the counts and sizes of the shelf.
     pub(in crate::service) fn usage(&self) -> Usage {
         Usage {
             artifacts: self.entries.len() as u64,
@@ -150,7 +151,7 @@ impl<V> Shelf<V> {
     }
 }
 
-/// Refuses what is larger than half of `capacity`: one artifact must not push out all others.
+/// Refuses an artifact larger than half of `capacity`: one artifact must not evict all others.
 pub(in crate::service) fn admit(cost: u64, capacity: u64) -> Result<(), StoreError> {
     let largest = capacity / 2;
     if cost > largest { Err(StoreError::TooLarge { capacity: largest }) } else { Ok(()) }

@@ -1,4 +1,4 @@
-//! The start of the embedded store: finds the artifacts in its folder, removes what is no whole artifact.
+//! Opening of the embedded store: finds the artifacts in its folder and removes incomplete ones.
 
 use std::collections::{HashMap, HashSet};
 use std::fs::{self, DirEntry, File, Metadata};
@@ -11,33 +11,33 @@ use super::files::{self, Folder, MANIFEST_SUFFIX};
 use super::manifest::{Manifest, PART_BYTES};
 use crate::job::key::{Key, RESULTS_VERSION};
 
-/// Most bytes of a manifest file; enough for the parts of a terabyte.
-/// Larger files are damaged or foreign; half of it still has the parts of half a terabyte.
+/// Maximum size of a manifest file in bytes; enough for the parts of a terabyte. Larger files are damaged or foreign;
+/// half of it would still hold the parts of half a terabyte.
 const MANIFEST_BYTES: u64 = 64 << 20;
 
-/// What a sweep found.
+/// The result of a sweep.
 #[derive(Debug, Default)]
 pub(super) struct Swept {
-    /// The whole artifacts, in no order.
+    /// The complete artifacts, in no order.
     pub(super) found: Vec<WholeArtifact>,
-    /// Artifacts removed because their record or their length was wrong.
+    /// Number of artifacts removed because their manifest or their length was wrong.
     pub(super) damaged: u64,
-    /// Left-overs and artifacts of another results version that were removed.
+    /// Number of removed temporary files, incomplete artifacts and artifacts of another results version.
     pub(super) removed: u64,
-    /// Keys of artifacts that cannot be written, as something that is no file has their name.
+    /// Keys whose artifact cannot be written, because something that is not a file has the name of one of its files.
     pub(super) occupied: HashSet<Key>,
 }
 
-/// A whole artifact.
+/// A complete artifact.
 #[derive(Debug)]
 pub(super) struct WholeArtifact {
-    /// Its record.
+    /// Its manifest.
     pub(super) manifest: Manifest,
-    /// When the record was written.
+    /// Time at which the manifest was written.
     pub(super) written: SystemTime,
 }
 
-/// Sweeps the folder. Files with names that the store does not give are left alone.
+/// Sweeps the folder. Files whose names the store does not use are left alone.
 pub(super) fn sweep(folder: &Folder) -> io::Result<Swept> {
     let mut swept = Swept::default();
     for entry in entries(&folder.tmp())? {
@@ -100,11 +100,11 @@ enum Verdict {
     LeftOver,
 }
 
-/// Judges a manifest beside bytes of this length. What the bytes hold is checked when they are read.
+/// Compares a manifest with the length of the bytes beside it. The bytes themselves are verified when they are read.
 fn judge(folder: &Folder, key: &Key, length: Option<u64>) -> Verdict {
     let Some(length) = length else { return Verdict::LeftOver };
     match read_manifest(&folder.manifest(key)) {
-        // what is named by its own bytes is the same in every version
+        // An artifact whose key is the hash of its bytes is the same in every results version.
         Some(manifest) if manifest.results_version != RESULTS_VERSION && manifest.content != *key => Verdict::LeftOver,
         Some(manifest) if manifest.key == *key && manifest.length == length => Verdict::Whole(manifest),
         _ => Verdict::Damaged,
