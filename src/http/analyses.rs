@@ -1,4 +1,4 @@
-//! POST /v1/analyses: what can be said of a plan.
+//! POST /v1/analyses: the analysis of a plan.
 
 use std::io::Write;
 use std::sync::Arc;
@@ -24,9 +24,9 @@ use crate::watch::Watch;
 use crate::wire::analysis::{AnalysisAnswer, AnalysisRequest};
 use crate::wire::read::{read, weight};
 
-/// Bytes of an answer at most: masks of 512 entries with the longest fractions, and the values of a fine grid.
-/// It only bounds what is booked beforehand. Half of it may be passed by masks of many digits; twice of it lets half as
-/// many analyses run.
+/// Upper bound of an answer in bytes: masks of 512 entries with the longest fractions, and the values of a fine grid.
+/// It bounds only the memory that is booked beforehand. Masks of many digits may exceed half of it; twice of it lets
+/// half as many analyses run.
 const ANSWER_BYTES: u128 = 4 << 20;
 
 /// Says what can be said of a plan for curves: mask, sum rules, support, certified smoothness, limit and tangent masks.
@@ -66,10 +66,11 @@ async fn answered(app: &Arc<App>, client: &Client, headers: &HeaderMap, body: Bo
     made(app, client, headers, task, form.extension()).await
 }
 
-/// The answer that a task makes, an artifact whose files have an extension: kept from before, or made now.
+/// Answers with the result of a task, found in the cache or computed now; `extension` completes the address of the
+/// artifact.
 ///
 /// # Errors
-/// Why there is none.
+/// The reason why there is no result.
 pub(super) async fn made(
     app: &Arc<App>,
     client: &Client,
@@ -82,7 +83,7 @@ pub(super) async fn made(
         return Ok(not_modified(&key, extension, tag));
     }
     if let Some(manifest) = app.desk.find(key, client.peer()).await {
-        // what turns out to be damaged has been dropped, and is made again
+        // a damaged artifact has been dropped from the store, and is computed again
         match whole(app, headers, Artifact::kept(manifest, client.peer()), (&key, extension)).await {
             Err(Lost::Gone) => {}
             answered => return Ok(answered?),
@@ -122,7 +123,7 @@ fn not_modified(key: &Key, extension: &str, tag: String) -> Response {
     (StatusCode::NOT_MODIFIED, headers).into_response()
 }
 
-/// An analysis under way.
+/// The task that computes an analysis in one form.
 #[derive(Debug)]
 pub(super) struct AnalysisTask(pub(super) Inquiry, pub(super) Form);
 

@@ -1,4 +1,4 @@
-//! Answers that carry an artifact: headers, and bytes part by part.
+//! Answers that carry an artifact: their headers, and their bytes part by part.
 
 use std::sync::Arc;
 use std::time::Duration;
@@ -23,61 +23,61 @@ use crate::service::store::{Manifest, PART_BYTES, Pin};
 use crate::service::under_way::Provenance;
 use crate::service::variant::Coding;
 
-/// An artifact to be answered.
+/// An artifact to be sent.
 #[derive(Debug)]
 pub(super) struct Artifact {
     pub(super) manifest: Arc<Manifest>,
-    /// The bytes, when no store has them.
+    /// The bytes, if no store has them.
     pub(super) loose: Option<Bytes>,
     pub(super) provenance: Provenance,
     pub(super) timings: Timings,
-    /// Who is answered.
+    /// The client of the answer.
     pub(super) peer: Peer,
-    /// In what form.
+    /// The form in which it is sent.
     pub(super) form: Form,
 }
 
-/// The form in which an artifact is answered.
+/// The form in which an artifact is sent.
 #[derive(Debug, Clone)]
 pub(super) enum Form {
-    /// As it is.
+    /// Uncompressed.
     Plain,
-    /// As it is, though its client likes a coding better that cannot be had now.
+    /// Uncompressed for now, as the variant that the client prefers is not available yet.
     PlainForNow,
-    /// By its variant in a coding.
+    /// A variant in a content coding.
     Coded(Coding, Arc<Manifest>),
 }
 
 impl Artifact {
-    /// An artifact that was there.
+    /// Creates the answer with an artifact from the cache.
     pub(super) fn kept(manifest: Arc<Manifest>, peer: Peer) -> Self {
         let (loose, provenance, timings) = (None, Provenance::Hit, Timings::default());
         Self { manifest, loose, provenance, timings, peer, form: Form::Plain }
     }
 
-    /// An artifact that was made, for this client or for others, too.
+    /// Creates the answer with an artifact that was computed, for this client or for another.
     pub(super) fn made(outcome: &Outcome, provenance: Provenance, peer: Peer) -> Self {
         let (manifest, loose) = (outcome.manifest.clone(), outcome.loose.clone());
         Self { manifest, loose, provenance, timings: outcome.timings, peer, form: Form::Plain }
     }
 
-    /// The coding of the answer.
+    /// Returns the content coding of the answer.
     pub(super) fn coding(&self) -> Option<Coding> {
         if let Form::Coded(coding, _) = self.form { Some(coding) } else { None }
     }
 
-    /// What is known of the bytes that are sent.
+    /// Returns the manifest of the bytes that are sent.
     pub(super) fn sent(&self) -> &Arc<Manifest> {
         if let Form::Coded(_, variant) = &self.form { variant } else { &self.manifest }
     }
 }
 
-/// Why the bytes of an artifact are not answered.
+/// The reason why the bytes of an artifact cannot be sent.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Lost {
     /// They were damaged, or have just left the cache.
     Gone,
-    /// Too many other answers are on their way.
+    /// Other answers have taken the memory.
     Crowded,
 }
 
@@ -93,10 +93,10 @@ impl From<Lost> for Problem {
     }
 }
 
-/// The headers of a request by which answers about artifacts differ.
+/// The request headers by which answers about artifacts differ.
 pub(super) const VARY: &str = "accept, accept-encoding";
 
-/// Headers that every answer about an artifact has.
+/// Returns the headers that every answer about an artifact has.
 pub(super) fn headers(found: &Artifact, address: &str) -> HeaderMap {
     let cache = match (found.provenance, &found.loose) {
         (Provenance::Hit, _) => "planish; hit",
@@ -121,19 +121,19 @@ pub(super) fn headers(found: &Artifact, address: &str) -> HeaderMap {
     headers
 }
 
-/// What is told of bytes, whether they are kept or not.
+/// The facts in the headers of a result, whether it is stored or not.
 pub(super) struct Head<'a> {
     pub(super) key: Key,
     pub(super) coding: Option<Coding>,
     pub(super) media_type: &'a str,
     pub(super) warnings: &'a [String],
-    /// `Cache-Status`.
+    /// The value of `Cache-Status`.
     pub(super) cache: &'static str,
     pub(super) timings: &'a Timings,
 }
 
 impl Head<'_> {
-    /// The headers that say it.
+    /// Returns the headers.
     pub(super) fn headers(&self) -> HeaderMap {
         let mut headers = HeaderMap::with_capacity(16);
         let mut put = |name: HeaderName, value: Result<HeaderValue, InvalidHeaderValue>| {
@@ -172,7 +172,7 @@ fn server_timing(timings: &Timings) -> String {
     )
 }
 
-/// Warnings as a list of quoted strings (RFC 8941), at most about 4 KiB of them.
+/// Formats warnings as a list of quoted strings (RFC 8941), with about 4 KiB at most.
 fn warnings(warnings: &[String]) -> String {
     let plain = |c: char| if matches!(c, ' '..='~') && c != '"' && c != '\\' { c } else { '\'' };
     let quoted = |text: &str| format!("\"{}\"", text.chars().map(plain).collect::<String>());
@@ -190,10 +190,10 @@ fn warnings(warnings: &[String]) -> String {
     listed.join(", ")
 }
 
-/// The artifact's bytes, or the part of them that was asked for.
+/// Returns the answer with the artifact's bytes, or with a range of them.
 ///
 /// # Errors
-/// [`Lost`], when that turns out before the answer has begun.
+/// [`Lost`], if the bytes are found missing before the answer begins.
 pub(super) async fn bytes(
     app: &Arc<App>,
     found: Artifact,
@@ -230,7 +230,8 @@ pub(super) async fn bytes(
     Ok(response)
 }
 
-/// The bytes `first ..= last`: the first part at once, so that damage is found before the answer begins.
+/// Returns the bytes `first ..= last` as a body. The first part is read at once, so that damage is found before the
+/// answer begins.
 async fn body(app: &Arc<App>, found: Artifact, first: u64, last: u64) -> Result<Body, Lost> {
     let slice = |bytes: &Bytes, start: u64| {
         let from = usize::try_from(first.saturating_sub(start)).unwrap_or(0);
@@ -256,7 +257,7 @@ async fn body(app: &Arc<App>, found: Artifact, first: u64, last: u64) -> Result<
         let start = at as u64 * part_bytes;
         let part = parts.part(at).await;
         let end = usize::try_from(last + 1 - start).unwrap_or(usize::MAX);
-        // an error ends the connection: a broken answer, but never a wrong byte
+        // an error breaks the connection: the answer may be cut, but no byte is wrong
         let part = part.map(|part| part.slice(..end.min(part.len())));
         Some((part.map_err(|_| std::io::Error::from(std::io::ErrorKind::InvalidData)), (parts, at + 1)))
     });
@@ -264,31 +265,30 @@ async fn body(app: &Arc<App>, found: Artifact, first: u64, last: u64) -> Result<
     Ok(Body::from_stream(futures_util::StreamExt::chain(head, tail)))
 }
 
-/// How long an answer waits for memory for its next part.
-/// Half of it cuts more answers under load; twice of it lets a client wait twice as long for an answer that is cut
-/// after all.
+/// Maximum time that an answer waits for the memory of its next part. Half of it cuts more answers under load; twice of
+/// it lets a client wait twice as long for an answer that is cut after all.
 const PART_PATIENCE: Duration = Duration::from_secs(10);
 
-/// The parts of an artifact, each paid for while a client has not read it.
+/// Reads the parts of an artifact; each is charged until the client has read it.
 pub(super) struct PartReader {
     app: Arc<App>,
     peer: Peer,
     manifest: Arc<Manifest>,
     from: Source,
-    /// What is being read does not leave the disk for others.
+    /// Keeps the artifact from being evicted from disk while it is read.
     _pin: Option<Pin>,
 }
 
-/// Where parts come from.
+/// The source of the parts.
 enum Source {
-    /// From an artifact in memory, which is paid for as a whole, or so small that it is free.
+    /// An artifact in memory, which is charged as a whole, or so small that it is free.
     Memory(Option<Arc<Paid>>),
-    /// From disk.
+    /// The disk.
     Disk,
 }
 
 impl PartReader {
-    /// The reader of an artifact for a client.
+    /// Creates the reader of an artifact for a client.
     ///
     /// # Errors
     /// [`Lost::Crowded`].
@@ -307,7 +307,7 @@ impl PartReader {
         Ok(Self { app: app.clone(), peer, manifest, from, _pin: pin })
     }
 
-    /// All parts.
+    /// Reads all parts.
     ///
     /// # Errors
     /// [`Lost`].
@@ -319,7 +319,7 @@ impl PartReader {
         Ok(parts)
     }
 
-    /// A part: from memory when that is paid for, else from disk, one part after the other.
+    /// Reads a part: from memory if the artifact is charged as a whole, else from disk, charged by itself.
     ///
     /// # Errors
     /// [`Lost`].

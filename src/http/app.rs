@@ -1,4 +1,4 @@
-//! What every handler knows.
+//! The state that all handlers share.
 
 use std::sync::{Arc, LazyLock};
 
@@ -12,28 +12,28 @@ use crate::config::Settings;
 use crate::service::desk::Desk;
 use crate::service::rate::Rates;
 
-/// What every handler knows.
+/// The state that all handlers share.
 #[derive(Debug)]
 pub struct App {
-    /// Finds and makes artifacts.
+    /// The desk, which finds and computes artifacts.
     pub desk: Arc<Desk>,
     /// The settings of this service.
     pub settings: Settings,
-    /// Who is let in.
+    /// The check of the clients' keys.
     pub gate: Arc<Gate>,
-    /// How much each client has asked for lately.
+    /// The recent number of requests of each client, for the limit per minute.
     pub rates: Rates,
-    /// The job that shows whether the service works.
+    /// The job that runs regularly to show whether the service works.
     pub canary: Arc<Canary>,
-    /// What was asked lately.
+    /// The keys of the results of recent requests.
     pub memo: Memo,
-    /// What was answered lately, and can be answered again without the router.
+    /// Recent answers that can be sent again without the router.
     pub short: Short,
-    /// What was answered, counted.
+    /// The numbers of answers, and of their bytes.
     pub(super) requests: Requests,
-    /// The connections that are open.
+    /// The open connections.
     pub connections: Arc<Connections>,
-    /// The OpenAPI document, written when it is first asked for.
+    /// The OpenAPI document, written at its first use.
     pub openapi: LazyLock<String>,
 }
 

@@ -1,4 +1,4 @@
-//! GET and HEAD /v1/batches/{id}/archive.zip: all results of a batch in one file, written while it is read.
+//! GET and HEAD /v1/batches/{id}/archive.zip: all results of a batch in one file, written while the client reads it.
 
 use std::io;
 use std::sync::Arc;
@@ -26,7 +26,7 @@ use crate::service::pool::Lane;
 use crate::service::store::Manifest;
 use crate::wire::archive::{Contents, contents};
 
-/// Booked for each file of an archive: its name, its place, and its entry in the list at the end.
+/// Memory booked for each file of an archive, in bytes: its name, its position, and its entry in the central directory.
 /// Half of it is less than a long name takes; twice of it lets half as many archives be read at once.
 const FILE_BYTES: u64 = 512;
 
@@ -100,22 +100,22 @@ fn answered(app: &Arc<App>, client: &Client, id: &str, headers: &HeaderMap) -> R
         _paid: paid,
     };
     let parts = stream::unfold(writing, |mut writing| async move {
-        // an error ends the connection: a broken answer, but never a wrong byte
+        // an error breaks the connection, so that a cut archive never looks complete
         let part = writing.next().await.transpose()?;
         Some((part, writing))
     });
     Ok((head, Body::from_stream(parts)).into_response())
 }
 
-/// An archive that is being written, as far as its client reads it: nothing is looked for or made before its turn.
+/// An archive that is written as fast as its client reads it; each result is looked up or computed only at its turn.
 struct Writing {
     app: Arc<App>,
     peer: Peer,
     tenant: Tenant,
     zip: Zip,
-    /// The first file, until it is written.
+    /// The bytes of `manifest.json`, until they are written.
     manifest: Option<Bytes>,
-    /// The keys of the other files, and their lengths.
+    /// The keys and lengths of the other files.
     files: Vec<(Key, u64)>,
     /// The checksums of the files that were begun.
     crcs: Vec<u32>,
@@ -124,16 +124,16 @@ struct Writing {
     _paid: Paid,
 }
 
-/// A file of which some parts are still to be sent.
+/// A file with parts still to be sent.
 enum Open {
-    /// The bytes that are left, where no store has them.
+    /// Bytes in memory that are sent as one part.
     Loose(Bytes),
-    /// A result that is kept, and its next part.
+    /// A stored result, the index of its next part, and the number of its parts.
     Kept(PartReader, usize, usize),
 }
 
 impl Writing {
-    /// The next bytes; none at the end.
+    /// Returns the next bytes, or `None` at the end.
     async fn next(&mut self) -> io::Result<Option<Bytes>> {
         match self.open.take() {
             Some(Open::Loose(bytes)) => return Ok(Some(bytes)),
@@ -162,7 +162,7 @@ impl Writing {
         Ok(is_end.then(|| self.zip.list(&self.crcs).into()))
     }
 
-    /// Opens a result and reads it once for its checksum, which stands before it.
+    /// Opens a result and reads it once for its checksum, which precedes it in the archive.
     async fn opened(&self, key: Key, length: u64) -> io::Result<(Open, u32)> {
         if let Some(manifest) = self.app.desk.find(key, self.peer).await
             && let Some(open) = self.kept(&manifest, length).await?
@@ -178,7 +178,7 @@ impl Writing {
         self.kept(&made.manifest, length).await?.ok_or_else(|| broken("a result of it was lost"))
     }
 
-    /// A result that is kept; none where its bytes turn out to be gone.
+    /// Opens a stored result; `None` if its bytes turn out to be lost.
     async fn kept(&self, manifest: &Arc<Manifest>, length: u64) -> io::Result<Option<(Open, u32)>> {
         if manifest.length != length {
             return Err(broken("a result of it has become another one"));

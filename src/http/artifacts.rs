@@ -65,7 +65,7 @@ async fn answered(app: &Arc<App>, client: &Client, file: &str, headers: &HeaderM
     let (id, extension) = file.split_once('.').ok_or_else(unknown)?;
     let key = Key::parse(id).ok_or_else(unknown)?;
     if let Some(manifest) = app.desk.find(key, client.peer()).await {
-        // what turns out to be damaged has been dropped, and is made again where its job is known
+        // a damaged artifact has been dropped from the store, and is computed again if its job is known
         match tell(app, &key, extension, headers, Artifact::kept(manifest, client.peer())).await? {
             Err(Lost::Gone) => {}
             answered => return Ok(answered?),
@@ -75,7 +75,7 @@ async fn answered(app: &Arc<App>, client: &Client, file: &str, headers: &HeaderM
     Ok(tell(app, &key, extension, headers, found).await??)
 }
 
-/// The answer about an artifact that was found.
+/// Returns the answer about an artifact that was found.
 async fn tell(
     app: &Arc<App>,
     key: &Key,
@@ -109,10 +109,10 @@ async fn tell(
     Ok(answer::bytes(app, found, head, range).await)
 }
 
-/// An artifact that is not kept: made again where its job, or a batch with it, is known.
+/// Computes an artifact again that is no longer stored, if its job, or a batch with this job, is known.
 ///
 /// # Errors
-/// An artifact that nobody knows, and whatever is wrong with its job now.
+/// An artifact whose job is unknown, and every reason to refuse the job now.
 pub(super) async fn made_again(app: &Arc<App>, peer: Peer, tenant: Tenant, key: &Key) -> Result<Artifact, Problem> {
     let Some((request, format)) = request_of(app, tenant, key) else {
         let detail = "this artifact is not kept here; send its job to /v1/render, and it will have this address";
@@ -122,7 +122,7 @@ pub(super) async fn made_again(app: &Arc<App>, peer: Peer, tenant: Tenant, key: 
     if let Asked::Render(read) = &mut asked
         && let Some(detail) = read.job.detail(key)
     {
-        // it is one to which a result of that job refers
+        // the key is that of a file to which a result of the job refers
         read.job = detail;
     }
     let work = asked.work(app, peer).await?;
@@ -138,8 +138,8 @@ pub(super) async fn made_again(app: &Arc<App>, peer: Peer, tenant: Tenant, key: 
     }
 }
 
-/// The request of a job with an artifact of this key, and the format of its first output. What a job has not made, as
-/// it failed or was cancelled, is not made because somebody looks for it.
+/// Returns the request of a job that made the artifact of this key, and the format of its first output. Artifacts that
+/// a job has not made, as it failed or was cancelled, are not computed because a client looks for them.
 fn request_of(app: &App, tenant: Tenant, key: &Key) -> Option<(Bytes, &'static dyn Format)> {
     if let Some(record) = app.desk.jobs.of_artifact(tenant, key).filter(Record::may_be_made_again) {
         return Some((record.summary.request.clone(), record.summary.products.first()?.format));

@@ -1,4 +1,4 @@
-//! Whether a batch that was sent can be done: its bounds, and each of its jobs.
+//! The checks of a batch before it is accepted: its bounds, and each of its jobs.
 
 use std::collections::BTreeSet;
 use std::sync::Arc;
@@ -19,21 +19,21 @@ use crate::service::peer::Peer;
 use crate::wire::batch::{layout, placed};
 use crate::wire::read::weight;
 
-/// The texts of all jobs of a batch have so many times the bytes that a body may have at most: by default 256 MiB, read
-/// in some seconds. Half of it refuses grids of templates that hold a large mesh sooner; twice of it checks for twice
-/// as long before the answer.
+/// Upper bound of the texts of all jobs of a batch, in multiples of the maximum length of a body: by default 256 MiB,
+/// read in some seconds. Half of it refuses grids of templates that hold a large mesh sooner; twice of it checks for
+/// twice as long before the answer.
 const MOST_BODIES: u64 = 8;
-/// Most outputs of all jobs of a batch: how it stands is 2 MiB of JSON then. Half of it refuses batches of 1,000 jobs
-/// with three outputs; twice of it tells 4 MiB to each listener.
+/// Maximum number of outputs of all jobs of a batch: its state is 2 MiB of JSON then. Half of it refuses batches of
+/// 1,000 jobs with three outputs; twice of it sends 4 MiB to each listener.
 const MOST_OUTPUTS: u64 = 4096;
-/// Faults after which no further job is looked at: more than one mends at once.
-/// Half and twice of it halve and double the time that a wrong batch takes.
+/// Number of faults after which no further job is checked: more than a client mends at once. Half or twice of it halves
+/// or doubles the time that a wrong batch takes.
 const MOST_FAULTS: usize = 50;
 
-/// Finds the jobs of a batch in its text, and its id: the hash of the texts of its jobs in their order.
+/// Finds the jobs of a batch in its text, and computes its id: the hash of the texts of its jobs in their order.
 ///
 /// # Errors
-/// What is no batch, or too large; 503 when too much is being read already.
+/// A body that is no batch, or a batch that is too large; 503 if too much is being read already.
 pub(super) async fn read(app: &Arc<App>, peer: Peer, sent: &Sent) -> Result<(Key, Layout), Problem> {
     let (text, most, bodies) = (sent.bytes.clone(), app.settings.max_batch_items, app.settings.max_body_bytes);
     let read = app.desk.read(peer, weight(sent.length()), move |_| {
@@ -49,7 +49,7 @@ pub(super) async fn read(app: &Arc<App>, peer: Peer, sent: &Sent) -> Result<(Key
     read.await?
 }
 
-/// Refuses what is too much before any of its jobs is made.
+/// Refuses a batch with too many jobs or bytes, before the text of any job is made.
 fn bounded(layout: &Layout, most: u64, most_bytes: u64) -> Result<(), Fault> {
     let (n, bytes) = (layout.n(), layout.bytes());
     let (place, factors) = match layout {
@@ -72,10 +72,10 @@ fn bounded(layout: &Layout, most: u64, most_bytes: u64) -> Result<(), Fault> {
     Ok(())
 }
 
-/// Checks every job of a batch, as it would be at its turn.
+/// Checks every job of a batch in the same way as when it is computed.
 ///
 /// # Errors
-/// All faults of its jobs, each at its place in the batch, and what is too large; 503 when too much is being read.
+/// All faults of its jobs, each with its place in the batch; a batch that is too large; 503 if too much is being read.
 pub(super) async fn checked(
     app: &Arc<App>,
     client: &Client,

@@ -1,4 +1,5 @@
-//! POST and GET /v1/batches, GET and DELETE /v1/batches/{id}, its events, and its cancelling: lists of jobs, and grids.
+//! POST and GET /v1/batches, GET and DELETE /v1/batches/{id}, its events and its cancellation: lists of jobs, and
+//! grids.
 
 use std::sync::Arc;
 
@@ -209,12 +210,12 @@ impl Followed for BatchStanding {
     }
 }
 
-/// The batch of a client that an address names.
+/// Parses the id of a batch, and combines it with the tenant of the client.
 pub(super) fn parse(client: &Client, id: &str) -> Option<JobKey> {
     Key::parse(id).map(|id| JobKey { tenant: client.tenant(), id })
 }
 
-/// The answer about a batch that nobody knows.
+/// Returns the answer about an unknown batch.
 pub(super) fn unknown() -> Problem {
     Problem::new(
         problem::NOT_FOUND,
@@ -226,7 +227,7 @@ fn answer(standing: &BatchStanding) -> BatchAnswer {
     BatchAnswer::new(standing, |product| address(product.key, product.format))
 }
 
-/// The answer that tells how a batch stands; a long one is paid for.
+/// Returns the answer with the state of a batch; its memory is charged to the client.
 fn told(app: &Arc<App>, peer: Peer, status: StatusCode, standing: &BatchStanding) -> Result<Response, Problem> {
     let text = Bytes::from(json!(answer(standing)).to_string());
     let (desk, busy) = (&app.desk, |_| app.desk.pool.busy(Lane::Reading));

@@ -1,4 +1,4 @@
-//! POST /v1/blobs, GET and HEAD /v1/blobs/{id}: mesh files that are sent once and named by their content.
+//! POST /v1/blobs, GET and HEAD /v1/blobs/{id}: mesh files that are uploaded once and named by their content.
 
 use std::sync::Arc;
 
@@ -29,12 +29,12 @@ use crate::wire::place::InputPlace;
 use crate::wire::posted::{NamedUpload, uploads_of};
 use crate::wire::text::MeshFile;
 
-/// Bytes that are written at once. Half of it goes to the disk twice as often; twice of it takes twice the memory of
-/// each upload.
+/// Number of bytes per write. Half of it goes to the disk twice as often; twice of it takes twice the memory of each
+/// upload.
 const PIECE_BYTES: usize = 1 << 20;
 const JSON: &str = "application/json";
 const PICTURE: &str = "image/png";
-/// The first bytes of a PNG.
+/// The signature of a PNG.
 const PICTURE_STARTS: &[u8] = b"\x89PNG\r\n\x1a\n";
 
 /// Keeps a mesh file, under the hash of its bytes; jobs name it as `input.blob`.
@@ -115,7 +115,7 @@ pub(super) async fn blob(
     }
 }
 
-/// The parts of an upload, one after the other, each paid for by what the answer holds.
+/// Streams the parts of an upload; two parts are charged for the whole answer.
 fn parts(app: &Arc<App>, peer: Peer, manifest: Arc<Manifest>) -> Option<Body> {
     let desk = &app.desk;
     let part = manifest.length.min(PART_BYTES as u64);
@@ -126,18 +126,18 @@ fn parts(app: &Arc<App>, peer: Peer, manifest: Arc<Manifest>) -> Option<Body> {
         if at >= manifest.parts.len() {
             return None;
         }
-        // an error ends the connection: a broken answer, but never a wrong byte
+        // an error breaks the connection: the answer may be cut, but no byte is wrong
         let part = app.desk.uploads.part(&manifest, at).await.ok_or(std::io::ErrorKind::InvalidData);
         Some((part.map_err(std::io::Error::from), (app, manifest, at + 1, held)))
     });
     Some(Body::from_stream(parts))
 }
 
-/// Keeps the file that a body holds.
+/// Stores the file in a body.
 async fn kept(app: &Arc<App>, client: &Client, headers: &HeaderMap, body: &mut Body) -> Result<Response, Problem> {
     let mut headers = headers.clone();
     if headers.get(header::CONTENT_TYPE).is_some_and(|named| named == PICTURE) {
-        // its first bytes tell
+        // the first bytes show that it is a PNG
         headers.remove(header::CONTENT_TYPE);
     }
     let (kind, coding) = content::of(&headers, Takes::Files(""))?;
@@ -177,7 +177,7 @@ async fn kept(app: &Arc<App>, client: &Client, headers: &HeaderMap, body: &mut B
     Ok(told(&manifest))
 }
 
-/// The upload with a piece more.
+/// Appends a piece to an upload.
 async fn written(mut upload: Upload, piece: Vec<u8>) -> Result<Upload, Problem> {
     let written = tokio::task::spawn_blocking(move || upload.take(&piece).map(|()| upload));
     written.await.map_err(|_| internal())?.map_err(|error| not_kept(error.into()))
@@ -188,20 +188,20 @@ fn internal() -> Problem {
     Problem::from(Unread::Failed(failure))
 }
 
-/// The refusal of a file that the store does not take.
+/// Returns the refusal of a file that the store does not take.
 fn not_kept(error: StoreError) -> Problem {
     match error {
         StoreError::TooLarge { capacity } => {
             let detail = format!("uploads may have {capacity} bytes here; send a smaller file, or raise uploads-bytes");
             Problem::new(problem::BODY_TOO_LONG, detail)
         }
-        // where the store is stands in the log
+        // the log names the store
         StoreError::Away { .. } => Problem::away(),
         other => Problem::new(problem::UNWRITTEN, other.to_string()),
     }
 }
 
-/// The media type under which a file is kept: what its sender says, or its first bytes.
+/// Returns the media type under which a file is stored: as declared by the client, or recognized by the first bytes.
 fn media_type_of(kind: Kind, headers: &HeaderMap, first: &[u8]) -> Result<&'static str, Problem> {
     if matches!(kind, Kind::Untold) && first.starts_with(PICTURE_STARTS) {
         return Ok(PICTURE);
@@ -212,7 +212,7 @@ fn media_type_of(kind: Kind, headers: &HeaderMap, first: &[u8]) -> Result<&'stat
     }
 }
 
-/// The name of the reader of files of a media type.
+/// Returns the name of the format of a media type.
 fn format_of(media_type: &str) -> &'static str {
     READERS.iter().find(|reader| reader.media_type == media_type).map_or("json", |reader| reader.name)
 }
@@ -233,15 +233,15 @@ fn written_id(key: &Key) -> String {
     format!("b3-{key}")
 }
 
-/// The key of an upload, by its id.
+/// Parses the id of an upload to its key.
 fn parse(id: &str) -> Option<Key> {
     Key::parse(id.strip_prefix("b3-")?)
 }
 
-/// A request together with the uploads that it names, each read into memory once.
+/// Adds the uploads that a job names, each read into memory once.
 ///
 /// # Errors
-/// An upload that is not here; 503 when there is no memory for it.
+/// An unknown upload; 503 if there is no memory for it.
 pub(super) async fn attached(app: &Arc<App>, peer: Peer, sent: Sent) -> Result<Sent, Problem> {
     if !sent.uploads.is_empty() || !matches!(sent.notation, Notation::Job | Notation::JobAs(_)) {
         return Ok(sent);
@@ -256,7 +256,7 @@ pub(super) async fn attached(app: &Arc<App>, peer: Peer, sent: Sent) -> Result<S
             Some(known) => known,
             None => Arc::new(read(app, peer, &named).await?),
         };
-        // every input reads its file by itself
+        // every input parses its file separately
         length += upload.file.bytes.len() as u64;
         if length > limit {
             return Err(too_long(length, limit));
@@ -266,7 +266,7 @@ pub(super) async fn attached(app: &Arc<App>, peer: Peer, sent: Sent) -> Result<S
     Ok(sent.with_uploads(all))
 }
 
-/// A mesh file that a job names, read into memory.
+/// Reads a mesh file that a job names into memory.
 async fn read(app: &Arc<App>, peer: Peer, named: &NamedUpload) -> Result<Attached, Problem> {
     let (id, manifest, bytes, paid) = loaded(app, peer, &named.id, &named.pointer()).await?;
     if manifest.media_type == PICTURE {
@@ -278,10 +278,10 @@ async fn read(app: &Arc<App>, peer: Peer, named: &NamedUpload) -> Result<Attache
     Ok(Attached::new(id, file, paid))
 }
 
-/// An upload that is named at a place of a request, with its bytes and the memory that they take.
+/// Reads an upload that is named at `place` of a request, and charges its memory.
 ///
 /// # Errors
-/// An upload that is not here; 503 when there is no memory for it, or the store that has it does not answer.
+/// An unknown upload; 503 if there is no memory for it, or the store that has it does not answer.
 pub(super) async fn loaded(
     app: &Arc<App>,
     peer: Peer,

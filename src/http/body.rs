@@ -1,5 +1,5 @@
-//! Request bodies: bounded in length, in silence and in slowness, with their memory taken from the account as they
-//! arrive and as they are inflated.
+//! Request bodies: bounded in length, in silence and in slowness; their memory is charged as they arrive and as they
+//! are inflated.
 
 use std::sync::Arc;
 use std::time::Duration;
@@ -28,24 +28,24 @@ use crate::wire::query::{job_of_file, job_text, read_as, text_as};
 use crate::wire::read::{ReadError, read};
 use crate::wire::text::MeshFile;
 
-/// Of a body that is refused, so much is read and forgotten at most.
-/// A client that is still sending reads no answer before it has sent all. Half of it cuts off more such clients; twice
-/// of it reads twice as much for nothing.
+/// Maximum number of bytes of a refused body that are read and discarded, as a client that is still sending reads no
+/// answer before it has sent everything. Half of it cuts off more such clients; twice of it reads twice as much for
+/// nothing.
 const DRAINED_BYTES: u64 = 64 << 20;
 
-/// The body of a request, with the memory it takes.
+/// The body of a request, with its memory.
 #[derive(Debug, Clone)]
 pub(super) struct Sent {
-    /// The body.
+    /// The inflated bytes.
     pub(super) bytes: Bytes,
-    /// How the request says what is asked for.
+    /// The form in which the request describes its job.
     pub(super) notation: Notation,
-    /// The uploads that it names, each with the input that does.
+    /// The uploads that the job names, each with the input that names it.
     pub(super) uploads: Vec<(InputPlace, Arc<Attached>)>,
     _charge: Option<Arc<Charge>>,
 }
 
-/// An upload in memory, with what pays for it.
+/// An upload in memory, with its charge.
 #[derive(Debug)]
 pub(super) struct Attached {
     pub(super) id: Key,
@@ -54,24 +54,24 @@ pub(super) struct Attached {
 }
 
 impl Attached {
-    /// A file under its id, with what pays for its memory.
+    /// Combines a file with its id and the charge for its memory.
     pub(super) fn new(id: Key, file: MeshFile, paid: Paid) -> Self {
         Self { id, file, _paid: paid }
     }
 }
 
 impl Sent {
-    /// A job that was sent before, or stands in an address; whoever kept it has its memory.
+    /// Creates the body of a job that was sent before, or that an address contains; its memory is charged elsewhere.
     pub(super) fn job(bytes: Bytes) -> Self {
         Self { bytes, notation: Notation::Job, uploads: Vec::new(), _charge: None }
     }
 
-    /// The same job, with an output of this format.
+    /// Returns the same job, with an output of this format.
     pub(super) fn drawn(self, format: &'static dyn Format) -> Self {
         Self { notation: Notation::JobAs(format), ..self }
     }
 
-    /// The request that the body, or the body and the query, say.
+    /// Parses the request in the body, or in the body and the query.
     ///
     /// # Errors
     /// [`ReadError`].
@@ -90,23 +90,23 @@ impl Sent {
         Ok(request)
     }
 
-    /// The same job with the uploads that it names.
+    /// Returns the same job with the uploads that it names.
     pub(super) fn with_uploads(self, uploads: Vec<(InputPlace, Arc<Attached>)>) -> Self {
         Self { uploads, ..self }
     }
 
-    /// Bytes of all that is to be read; a file counts as often as it is named.
+    /// Returns the number of bytes to be parsed; an upload counts as often as it is named.
     pub(super) fn length(&self) -> u64 {
         let files: u64 = self.uploads.iter().map(|(_, upload)| upload.file.bytes.len() as u64).sum();
         self.bytes.len() as u64 + files
     }
 
-    /// The uploads that it names.
+    /// Returns the ids of the uploads that the job names.
     pub(super) fn upload_ids(&self) -> Vec<Key> {
         self.uploads.iter().map(|(_, upload)| upload.id).collect()
     }
 
-    /// The text of the job, in a place of its own: a short request does not keep the buffer that it arrived in.
+    /// Returns a copy of the job's text as JSON, so that a short request does not keep the buffer in which it arrived.
     pub(super) fn text(&self) -> Bytes {
         match &self.notation {
             Notation::Job => Bytes::copy_from_slice(&self.bytes),
@@ -120,7 +120,7 @@ fn file(format: &str, bytes: &[u8]) -> MeshFile {
     MeshFile { format: format.to_owned(), bytes: bytes.to_vec(), beside: Arc::new(Alone) }
 }
 
-/// The bytes of a body that says it is JSON, or a mesh file where these are read.
+/// Reads a body that is JSON, or a mesh file if `takes` allows it.
 pub(super) async fn collect<B>(
     app: &Arc<App>,
     client: &Client,
@@ -144,7 +144,7 @@ where
     Ok(Sent { bytes: bytes.into(), notation, uploads: Vec::new(), _charge: Some(Arc::new(charge)) })
 }
 
-/// A body as it arrived.
+/// A body as it arrived, not inflated.
 struct Collected {
     bytes: Vec<u8>,
     charge: Charge,
@@ -152,7 +152,7 @@ struct Collected {
     coding: Coding,
 }
 
-/// Reads the rest of a refused body and forgets it: most clients read no answer before they have sent everything.
+/// Reads and discards the rest of a refused body, as most clients read no answer before they have sent everything.
 pub(super) async fn drain(mut body: impl Body<Data = Bytes> + Unpin, most: Duration) {
     let mut left = DRAINED_BYTES;
     let reading = async {
@@ -162,11 +162,11 @@ pub(super) async fn drain(mut body: impl Body<Data = Bytes> + Unpin, most: Durat
             left = rest;
         }
     };
-    // a client that takes longer than `most` has to do without the answer
+    // a client that takes longer than `most` does not get the answer
     let _ = tokio::time::timeout(most, reading).await;
 }
 
-/// The length that the client says the body has.
+/// Returns the length in the header `Content-Length`.
 pub(super) fn announced(headers: &HeaderMap) -> Option<u64> {
     headers.get(header::CONTENT_LENGTH)?.to_str().ok()?.parse().ok()
 }
@@ -190,7 +190,7 @@ where
     while let Some(data) = arriving.next().await? {
         let length = bytes.len() + data.len();
         if length > bytes.capacity() {
-            // twice as much each time, but no more than was announced
+            // the capacity doubles, but not beyond the announced length
             let most = announced(headers).and_then(|length| usize::try_from(length).ok()).unwrap_or(usize::MAX);
             let capacity = (2 * bytes.capacity()).min(most).max(length);
             charge.cover(app, client, capacity)?;
@@ -211,14 +211,14 @@ pub(super) struct Arriving<'a, B> {
 }
 
 impl<'a, B: Body<Data = Bytes> + Unpin> Arriving<'a, B> {
-    /// A body of so many bytes at most.
+    /// Wraps a body of at most `limit` bytes.
     pub(super) fn new(app: &App, body: &'a mut B, limit: u64) -> Self {
         let grace = Duration::from_secs(app.settings.body_timeout_s);
         let pace = Pace { grace, least_rate: app.settings.least_rate_bytes_s };
         Self { body, pace, start: Instant::now(), length: 0, limit }
     }
 
-    /// The next bytes; none at the end.
+    /// Returns the next bytes, or `None` at the end.
     ///
     /// # Errors
     /// A body that breaks off, is too long, or too slow.
@@ -239,7 +239,7 @@ impl<'a, B: Body<Data = Bytes> + Unpin> Arriving<'a, B> {
     }
 }
 
-/// The refusal of a body that stopped arriving, or arrives too slowly.
+/// Returns the refusal of a body that stopped arriving, or arrives too slowly.
 fn too_slow(pace: Pace, is_silent: bool) -> Problem {
     let seconds = pace.grace.as_secs();
     let detail = if is_silent {

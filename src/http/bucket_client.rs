@@ -1,4 +1,4 @@
-//! How the bucket of a shared store is reached: HTTP/1.1, plain or over TLS with the certificates of the system.
+//! The HTTP client for the bucket of a shared store: HTTP/1.1, plain or over TLS with the certificates of the system.
 
 use std::time::Duration;
 
@@ -14,18 +14,18 @@ use object_store::client::{
 
 use super::trust;
 
-/// How long a connection may take to come about: a tenth of a second is the other side of the world.
-/// Half of it gives up on busy stores; twice of it notices later that a machine is gone.
+/// Maximum time to establish a connection: a tenth of a second reaches the other side of the world. Half of it gives up
+/// on busy stores; twice of it notices later that a machine is gone.
 const CONNECT: Duration = Duration::from_secs(1);
-/// Connections that are kept between calls: as many as calls are made at once.
-/// Half of it connects anew under load; twice of it holds connections that nobody uses.
+/// Number of idle connections that are kept: as many as calls are made at once. Half of it connects anew under load;
+/// twice of it holds unused connections.
 const IDLE: usize = 16;
 
-/// A client, whose connections are kept.
+/// A client with a pool of connections.
 #[derive(Debug)]
 struct Connections(Client<HttpsConnector<Tcp>, HttpRequestBody>);
 
-/// A client for the shared store.
+/// Creates a client for the shared store.
 ///
 /// # Errors
 /// When TLS cannot be set up.

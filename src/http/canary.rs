@@ -1,4 +1,4 @@
-//! The canary: a small real job, computed every ten seconds on the compute threads, which shows that work gets done.
+//! The canary: a small real job that is computed every ten seconds on the compute threads, to show that they work.
 
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, Instant};
@@ -9,16 +9,14 @@ use crate::service::desk::Desk;
 use crate::watch::Watch;
 use crate::wire::JobRequest;
 
-/// Time between two runs.
-/// Half of it takes twice the computing for the same answer; twice of it leaves one run within [`STALE`], so that one
-/// late run makes the service not ready.
+/// Time between two runs. Half of it takes twice the computing for the same answer; twice of it leaves one run within
+/// [`STALE`], so that one late run makes the service not ready.
 const INTERVAL: Duration = Duration::from_secs(10);
-/// Age of the last success from which on the service is not ready.
-/// It is three intervals, so that two runs may fail or be late. Half of it allows none to be; twice of it notices a
-/// service that hangs after a minute.
+/// Age of the last success from which on the service is not ready: three intervals, so that two runs may fail or be
+/// late. Half of it allows no failure; twice of it notices a hanging service after a minute.
 pub(super) const STALE: Duration = Duration::from_secs(30);
 
-/// A cube, refined twice and drawn: it passes through operators, rasteriser and encoder.
+/// A cube, refined twice and drawn, which exercises operators, rasteriser and encoder.
 const JOB: &str = r#"{
   "input": { "mesh": {
     "positions": [[-1,-1,-1],[1,-1,-1],[1,1,-1],[-1,1,-1],[-1,-1,1],[1,-1,1],[1,1,1],[-1,1,1]],
@@ -27,12 +25,12 @@ const JOB: &str = r#"{
   "outputs": [{ "format": "png", "width": 64, "height": 64 }]
 }"#;
 
-/// When the canary job last succeeded, and how long it took.
+/// The time and the duration of the canary's last success.
 #[derive(Debug, Default)]
 pub struct Canary(Mutex<Option<(Instant, Duration)>>);
 
 impl Canary {
-    /// Age of the last success and its duration.
+    /// Returns age and duration of the last success.
     pub fn last_success(&self) -> Option<(Duration, Duration)> {
         let last = *self.0.lock().unwrap_or_else(PoisonError::into_inner);
         last.map(|(at, took)| (at.elapsed(), took))
@@ -63,7 +61,7 @@ fn admitted() -> Admitted {
     Limits::default().admit(job).expect("the canary job is small")
 }
 
-/// Reads, admits and runs the job, on the threads that it is called on.
+/// Reads, admits and runs the job on the calling threads; returns its duration.
 fn once() -> Result<Duration, crate::job::RunError> {
     let start = Instant::now();
     let job = admitted();

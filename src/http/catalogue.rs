@@ -1,4 +1,4 @@
-//! What can be asked for: presets, operators, formats, readers, limits.
+//! The catalogue of what clients can use: presets, operators, formats, readers, and the limits.
 
 use axum::Json;
 use axum::extract::State;

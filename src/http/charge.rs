@@ -1,4 +1,4 @@
-//! The memory of bodies: taken from the account, and from their peer's part of it, before it is allocated.
+//! The memory of request bodies: charged to the account, and to the peer's part of it, before it is allocated.
 
 use super::app::App;
 use super::client::Client;
@@ -7,13 +7,12 @@ use crate::service::account::Held;
 use crate::service::peer::{Kind, Ticket};
 use crate::service::pool::Lane;
 
-/// Bodies up to this length take nothing from the account: with one a connection they are bounded by the connections,
-/// and a small request gets in though large ones have taken all there is.
-/// Twice of it may hold twice as much beside the account for each connection; half of it lets more small requests wait
-/// for the account.
+/// Maximum length of bodies that are not charged, in bytes: as there is one per connection, the number of connections
+/// bounds them, and a small request is read although large ones have taken the whole share. Twice of it may hold twice
+/// as much uncharged memory for each connection; half of it lets more small requests wait for the account.
 const SHORT_BYTES: usize = 16 << 10;
 
-/// What a body takes from the account, and from its peer's part of it.
+/// The memory that is charged for a body, in the account and to its peer.
 #[derive(Debug, Default)]
 pub(super) struct Charge {
     memory: Option<Held>,
@@ -21,8 +20,7 @@ pub(super) struct Charge {
 }
 
 impl Charge {
-    /// Takes what a buffer of so many bytes needs in all, before it is allocated; short bodies are free, as there can
-    /// only be one a connection.
+    /// Raises the charge to a buffer of `bytes` bytes in total, before it is allocated; short bodies are free.
     pub(super) fn cover(&mut self, app: &App, client: &Client, bytes: usize) -> Result<(), Problem> {
         let more = (bytes as u64).saturating_sub(self.memory.as_ref().map_or(0, Held::bytes));
         if bytes <= SHORT_BYTES || more == 0 {

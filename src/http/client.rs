@@ -1,4 +1,4 @@
-//! The client that sent a request, which goes with it to the handlers.
+//! The client that sent a request, as an extension of the request for its handlers.
 
 use std::convert::Infallible;
 use std::sync::Arc;
@@ -18,45 +18,45 @@ pub(super) struct Client {
     pub(super) caller: Caller,
 }
 
-/// Who asks, and how far that is allowed.
+/// The identity of a client, and its permission.
 #[derive(Debug, Clone)]
 pub(super) struct Caller {
-    /// The key that the request shows or that signed its address; the address it comes from where there is none.
+    /// The key that the request shows or that signed its address; without a key, the IP address.
     pub(super) peer: Peer,
-    /// What the request shows.
+    /// The credentials of the request.
     pub(super) shown: Shown,
-    /// Why it is not answered.
+    /// The refusal, if the request is not permitted.
     pub(super) refused: Option<Problem>,
 }
 
-/// What a request shows of the right to ask.
+/// The credentials of a request.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Shown {
-    /// Nothing: there are no keys, or what it asks for is open to everybody.
+    /// None: the service has no keys, or the resource is public.
     Nothing,
-    /// A key with bounds of its own on requests a minute and at once, where it has these.
+    /// A key, with its own limits of requests per minute and of requests in flight, if it has any.
     Key(Option<u64>, Option<u64>),
-    /// A signed address that ends at this time, seconds since 1970, and the bounds of its key.
+    /// A signed address with its expiry, seconds since 1970, and the limits of its key as for [`Self::Key`].
     Link(u64, Option<u64>, Option<u64>),
 }
 
 impl Client {
-    /// Who it is.
+    /// Returns the peer for which the request counts.
     pub(super) fn peer(&self) -> Peer {
         self.caller.peer
     }
 
-    /// Whose jobs, results and uploads it sees.
+    /// Returns the tenant whose jobs, results and uploads the client sees.
     pub(super) fn tenant(&self) -> Tenant {
         self.peer().tenant()
     }
 
-    /// Whether nobody between the service and the client may keep what it is answered.
+    /// Returns whether shared caches must not store the answers to this client.
     pub(super) fn is_private(&self) -> bool {
         matches!(self.caller.shown, Shown::Key(..)) && self.tenant() != Tenant::ANYONE
     }
 
-    /// Says that the request has arrived whole.
+    /// Records that the request has arrived completely.
     pub(super) fn has_sent(&self) {
         self.connection.enter(Phase::Working);
     }

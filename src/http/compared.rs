@@ -1,4 +1,4 @@
-//! The two that a comparison names: artifacts, uploads and jobs, found or made.
+//! The two sides of a comparison: artifacts, uploads and jobs, found or computed.
 
 use std::any::Any;
 use std::sync::Arc;
@@ -28,23 +28,23 @@ use crate::wire::text::MeshFile;
 
 /// The media type of pictures that are compared.
 const PICTURE: &str = "image/png";
-/// The job of a mesh file that is compared as it stands.
+/// The job for a mesh file that is compared unrefined.
 const FILE: &[u8] = br#"{"input":{},"outputs":[{"format":"stats"}]}"#;
 
-/// What pays for the memory of a side, for as long as it is held.
+/// The charge for the memory of a side, as long as it is held.
 pub(super) type Booked = Arc<dyn Any + Send + Sync>;
 
-/// One of the two that are compared, with its memory.
+/// One side of a comparison, with the charge for its memory.
 #[derive(Debug)]
 pub(super) struct FoundSide {
     pub(super) side: Side,
     pub(super) paid: Booked,
 }
 
-/// The one that stands at a place of the request.
+/// Returns the side at `place` of the request.
 ///
 /// # Errors
-/// What is no such thing, with a pointer to it.
+/// An unknown or unsuitable side, with a pointer to it.
 pub(super) async fn side(app: &Arc<App>, peer: Peer, place: &str, named: &Value) -> Result<FoundSide, Problem> {
     let fault = |detail: String| Problem::invalid(vec![Fault::new(place, detail)]);
     match named {
@@ -74,7 +74,7 @@ pub(super) async fn side(app: &Arc<App>, peer: Peer, place: &str, named: &Value)
     }
 }
 
-/// What a file holds.
+/// The content of a file.
 enum Holds {
     Picture,
     /// A mesh in the format of this name.
@@ -95,7 +95,7 @@ fn picture(bytes: Vec<u8>, paid: Paid, is_own: bool) -> Result<FoundSide, String
     Ok(FoundSide { side, paid: Arc::new(paid) })
 }
 
-/// All bytes of an artifact, with their memory.
+/// Reads all bytes of an artifact, and charges their memory.
 async fn whole(app: &Arc<App>, peer: Peer, manifest: &Arc<Manifest>) -> Result<(Vec<u8>, Paid), Problem> {
     let limit = app.settings.max_body_bytes;
     if manifest.length > limit {
@@ -109,7 +109,7 @@ async fn whole(app: &Arc<App>, peer: Peer, manifest: &Arc<Manifest>) -> Result<(
     Ok((bytes, paid))
 }
 
-/// Memory for bytes that a peer has brought here.
+/// Charges memory for bytes to a peer.
 fn charged(app: &Arc<App>, peer: Peer, bytes: u64) -> Result<Paid, Problem> {
     let desk = &app.desk;
     let paid = desk.peers.charge(&desk.account.bodies, Kind::BodyBytes, peer, bytes);
@@ -126,7 +126,7 @@ async fn of_upload(app: &Arc<App>, peer: Peer, place: &str, id: &str) -> Result<
     }
 }
 
-/// A mesh file as it stands.
+/// Reads a mesh file unrefined.
 async fn of_file(
     app: &Arc<App>,
     peer: Peer,
@@ -146,7 +146,7 @@ async fn shape(app: &Arc<App>, peer: Peer, sent: Sent) -> Result<FoundSide, Prob
     Ok(FoundSide { side: Side::Shape(admitted), paid: input })
 }
 
-/// The picture that a job makes, or its refined shape.
+/// Returns the picture that a job draws, or its refined shape.
 async fn of_job(app: &Arc<App>, peer: Peer, job: &Value) -> Result<FoundSide, Problem> {
     let sent = Sent::job(job.to_string().into());
     let prepare = |request: &mut JobRequest| {
@@ -182,7 +182,7 @@ async fn of_job(app: &Arc<App>, peer: Peer, job: &Value) -> Result<FoundSide, Pr
     }
 }
 
-/// The refusal where bytes that were just there are gone.
+/// Returns the refusal because bytes have just left the cache.
 pub(super) fn lost() -> Problem {
     Problem::new(problem::GONE, "what is compared has just left the cache; ask again")
 }

@@ -1,4 +1,4 @@
-//! POST /v1/compare: what differs between two pictures, or between two shapes.
+//! POST /v1/compare: the differences between two pictures, or between two shapes.
 
 use std::io::Write;
 use std::sync::Arc;
@@ -25,10 +25,10 @@ use crate::watch::Watch;
 use crate::wire::comparison::{ComparisonAnswer, ComparisonRequest, DifferenceAnswer};
 use crate::wire::read::{read, weight};
 
-/// Bytes of an answer at most. It only bounds what is booked beforehand: half of it is still more than two boxes, four
-/// places and two hashes take.
+/// Upper bound of an answer in bytes. It bounds only the memory that is booked beforehand: half of it is still more
+/// than two boxes, four places and two hashes take.
 const ANSWER_BYTES: u128 = 4 << 10;
-/// Bytes of a pixel of the picture of a difference at most, and of what stands around the pixels.
+/// Upper bounds of the bytes per pixel of a difference picture, and of the bytes around the pixels.
 const PICTURE_BYTES: [u128; 2] = [4, 64 << 10];
 
 /// Compares two pictures, or two shapes.
@@ -87,7 +87,7 @@ async fn answered(app: &Arc<App>, client: &Client, headers: &HeaderMap, body: Bo
     Ok(response)
 }
 
-/// The first part of what a task makes, and whether it was there before.
+/// Returns the first part of a task's result, and whether it was in the cache.
 async fn made(app: &Arc<App>, peer: Peer, task: ComparisonTask) -> Result<(axum::body::Bytes, bool), Problem> {
     if let Some(manifest) = app.desk.find(task.key(), peer).await
         && let Some(bytes) = app.desk.tiers.part(&manifest, 0).await
@@ -121,7 +121,7 @@ enum Product {
     Picture,
 }
 
-/// A comparison under way.
+/// The task of a comparison.
 #[derive(Debug)]
 struct ComparisonTask {
     comparison: Arc<Comparison>,

@@ -1,4 +1,4 @@
-//! The connections that are open: how many there are, of whom, and which one makes room when there are too many.
+//! The open connections: their number in total and by peer, and the choice of one to close when there are too many.
 
 use std::collections::HashMap;
 use std::sync::atomic::{AtomicBool, AtomicU8, AtomicU64, Ordering};
@@ -10,15 +10,15 @@ use tokio::sync::Notify;
 use crate::service::clock::Clock;
 use crate::service::peer::Peer;
 
-/// What a connection is waiting for.
+/// What a connection is waiting for, in the order in which connections are closed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 #[repr(u8)]
 pub(super) enum Phase {
-    /// For its client to send a request, or the rest of one.
+    /// The client, to send a request or the rest of one.
     Listening,
-    /// For its client to read an answer.
+    /// The client, to read an answer.
     Blocked,
-    /// For the service.
+    /// The service.
     Working,
 }
 
@@ -43,21 +43,21 @@ struct Table {
 /// One connection.
 #[derive(Debug)]
 pub(super) struct Connection {
-    /// Whose it is.
+    /// The peer at the other end, by its IP address.
     pub(super) peer: Peer,
     number: u64,
     phase: AtomicU8,
-    /// When the phase began, microseconds of the clock.
+    /// When the phase began, in microseconds of the clock.
     since_us: AtomicU64,
     clock: Arc<dyn Clock>,
     closing: Notify,
     /// Whether a request is being answered.
     pub(super) serving: AtomicBool,
-    /// Whether the bytes that are written come from an answer of ours.
+    /// Whether the bytes being written belong to an answer of a handler, not of the HTTP library.
     pub(super) answering: AtomicBool,
 }
 
-/// An open connection, counted until it is dropped.
+/// An open connection, which is counted until this is dropped.
 #[derive(Debug)]
 pub(super) struct Open {
     pub(super) connection: Arc<Connection>,
@@ -65,7 +65,7 @@ pub(super) struct Open {
 }
 
 impl Connections {
-    /// At most so many connections, and so many of one peer.
+    /// Creates the table for at most `most` connections, and `most_a_peer` of one peer.
     pub(super) fn new(most: usize, most_a_peer: usize, clock: Arc<dyn Clock>) -> Arc<Self> {
         let counters = (AtomicU64::new(0), AtomicU64::new(0));
         Arc::new(Self { table: Mutex::default(), most, most_a_peer, clock, made_room: counters.0, refused: counters.1 })
@@ -75,9 +75,9 @@ impl Connections {
         self.table.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// Lets a connection in. Where there are too many, the one that has kept the service waiting for longest is closed
-    /// for it: of the same peer when this peer has its share, else of the peer that has most. `None` when all of them
-    /// wait for the service.
+    /// Admits a connection. If there are too many, the one that has kept the service waiting for longest is closed for
+    /// it: of the same peer if this peer has its maximum, else of the peer with the most connections. `None` if all of
+    /// them wait for the service.
     pub(super) fn enter(self: &Arc<Self>, peer: Peer) -> Option<Open> {
         let mut table = self.table();
         let own = table.of_peer.get(&peer).copied().unwrap_or(0);
@@ -108,24 +108,25 @@ impl Connections {
         Some(Open { connection, connections: Arc::clone(self) })
     }
 
-    /// How many are open.
+    /// Returns the number of open connections.
     pub fn len(&self) -> usize {
         self.table().open.len()
     }
 
-    /// Whether none is open.
+    /// Returns whether no connection is open.
     pub fn is_empty(&self) -> bool {
         self.len() == 0
     }
 
-    /// How many were closed to make room, and how many were not let in.
+    /// Returns how many connections were closed to make room, and how many were refused.
     pub fn crowding(&self) -> [u64; 2] {
         [&self.made_room, &self.refused].map(|counter| counter.load(Ordering::Relaxed))
     }
 }
 
 impl Table {
-    /// The connection that waits for its client for longest: one that listens before one that is not read.
+    /// Returns the connection to be closed, of this peer if one is given: one that waits for a request before one that
+    /// is not read, then of the peer with the most connections, then the one that has waited longest.
     fn slowest(&self, of: Option<Peer>) -> Option<Arc<Connection>> {
         let rank = |connection: &&Arc<Connection>| {
             let crowd = self.of_peer.get(&connection.peer).copied().unwrap_or(0);
@@ -151,26 +152,26 @@ impl Table {
 }
 
 impl Connection {
-    /// Says what the connection is waiting for from now on.
+    /// Sets what the connection is waiting for from now on.
     pub(super) fn enter(&self, phase: Phase) {
         if self.phase.swap(phase as u8, Ordering::Relaxed) != phase as u8 {
             self.since_us.store(micros(self.clock.now()), Ordering::Relaxed);
         }
     }
 
-    /// Says that a request has begun to arrive.
+    /// Records that a request has begun to arrive.
     pub(super) fn begin(&self) {
         self.phase.store(Phase::Listening as u8, Ordering::Relaxed);
         self.since_us.store(micros(self.clock.now()), Ordering::Relaxed);
     }
 
-    /// Says that the client has read on; what it may still have to send is another matter.
+    /// Records that the client has read bytes of an answer; a connection that waits for a request keeps its phase.
     pub(super) fn is_read(&self) {
         let (blocked, working) = (Phase::Blocked as u8, Phase::Working as u8);
         let _ = self.phase.compare_exchange(blocked, working, Ordering::Relaxed, Ordering::Relaxed);
     }
 
-    /// Comes true when the connection is to be closed for another.
+    /// Completes when the connection is to be closed for another.
     pub(super) async fn closed(&self) {
         self.closing.notified().await;
     }

@@ -1,4 +1,4 @@
-//! What the headers of a request say of its body: how it says what is asked for, and how it is coded on its way.
+//! What the headers of a request declare about its body: the form of the job, and the coding of the bytes.
 
 use std::sync::Arc;
 
@@ -10,73 +10,72 @@ use crate::input::{self, READERS, Reader};
 use crate::output::Format;
 use crate::wire::query::{BESIDE_THE_JOB, says_nothing};
 
-/// Types that programs send when nobody told them one: `curl --data-binary`, and pages that send a file of a kind that
-/// the browser does not know.
+/// Media types that clients send by default: `curl --data-binary`, and browsers for files of an unknown type.
 const UNTOLD: [&str; 2] = ["application/x-www-form-urlencoded", "application/octet-stream"];
 
-/// How a request says what is asked for.
+/// The form in which a request describes its job.
 #[derive(Debug, Clone)]
 pub(super) enum Notation {
-    /// Its body, or its address, holds the job.
+    /// The body, or the address, contains the job.
     Job,
-    /// As [`Self::Job`], without outputs: the format of the one is named beside it.
+    /// As [`Self::Job`], for a job without outputs: the only output has this format, which is named outside the job.
     JobAs(&'static dyn Format),
-    /// Its body is a mesh file, and the query of its address the rest of the job.
+    /// The body is a mesh file, and the query contains the rest of the job.
     File(&'static Reader, Arc<str>),
 }
 
-/// How the bytes of a body are coded.
+/// The content coding of a body.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Coding {
-    /// As they are.
+    /// No coding.
     Identity,
-    /// By gzip.
+    /// gzip.
     Gzip,
-    /// By Zstandard.
+    /// Zstandard.
     Zstd,
 }
 
-/// What a body is said to be.
+/// The declared kind of a body.
 #[derive(Debug, Clone, Copy)]
 pub(super) enum Kind {
-    /// A job.
+    /// A job as JSON.
     Job,
-    /// A mesh file of a reader.
+    /// A mesh file of this reader's format.
     File(&'static Reader),
-    /// A mesh file, if it shows by its first bytes of which kind.
+    /// Undeclared: a mesh file, if its first bytes show its format.
     Untold,
 }
 
-/// What a page reads.
+/// The kinds of bodies that a resource accepts.
 #[derive(Debug, Clone, Copy)]
 pub(super) enum Takes<'a> {
-    /// Jobs alone.
+    /// Jobs only.
     Jobs,
-    /// Jobs and mesh files; the query of the address says the rest of the job.
+    /// Jobs and mesh files; this is the query, which contains the rest of the job for a mesh file.
     Files(&'a str),
 }
 
 impl<'a> Takes<'a> {
-    /// What the query of the address says of the job.
+    /// Returns the query; it is empty if only jobs are accepted.
     fn query(self) -> &'a str {
         if let Self::Files(query) = self { query } else { "" }
     }
 }
 
-/// What the headers say.
+/// Reads kind and coding of the body from the headers.
 ///
 /// # Errors
-/// What is not read.
+/// A media type, content coding or transfer coding that is not supported.
 pub(super) fn of(headers: &HeaderMap, takes: Takes<'_>) -> Result<(Kind, Coding), Problem> {
     check_transfer_coding(headers)?;
     Ok((kind(headers, matches!(takes, Takes::Files(_)))?, coding(headers)?))
 }
 
 impl Kind {
-    /// The notation of a request with this body.
+    /// Returns the form in which the request describes its job, given the bytes of its body.
     ///
     /// # Errors
-    /// Bytes that do not show what they are.
+    /// Parameters in the query that are not known beside a job, and bytes of an unknown format.
     pub(super) fn notation(self, headers: &HeaderMap, takes: Takes<'_>, body: &[u8]) -> Result<Notation, Problem> {
         let reader = match self {
             Self::Job => {
@@ -90,7 +89,7 @@ impl Kind {
     }
 }
 
-/// Of the codings that a body may travel in, only `chunked` is read, and only alone.
+/// Refuses transfer codings other than a single `chunked`.
 fn check_transfer_coding(headers: &HeaderMap) -> Result<(), Problem> {
     let is_chunked = |value: &HeaderValue| value.as_bytes().trim_ascii().eq_ignore_ascii_case(b"chunked");
     let mut codings = headers.get_all(header::TRANSFER_ENCODING).iter();
@@ -106,7 +105,7 @@ fn check_transfer_coding(headers: &HeaderMap) -> Result<(), Problem> {
     }
 }
 
-/// The coding that `Content-Encoding` names; one alone, as nobody compresses twice.
+/// Returns the coding that `Content-Encoding` names; several codings in sequence are not supported.
 fn coding(headers: &HeaderMap) -> Result<Coding, Problem> {
     let named = text(headers, &header::CONTENT_ENCODING).unwrap_or_default();
     match named.as_str() {
@@ -134,7 +133,8 @@ fn kind(headers: &HeaderMap, takes_files: bool) -> Result<Kind, Problem> {
     }
 }
 
-/// The refusal of a body that says or shows no type that is read here; `body` is empty where it is not read yet.
+/// Returns the refusal of a body whose media type is neither declared nor recognized; `body` is empty if it is not read
+/// yet.
 fn unknown(headers: &HeaderMap, takes_files: bool, body: &[u8]) -> Problem {
     let said = match text(headers, &header::CONTENT_TYPE) {
         Some(named) => format!("Content-Type is {}", shortened(&named)),
@@ -152,7 +152,7 @@ fn unknown(headers: &HeaderMap, takes_files: bool, body: &[u8]) -> Problem {
     Problem::new(problem::MEDIA_TYPE, detail)
 }
 
-/// The values of a header in small letters, as one.
+/// Returns all values of a header, joined by commas, in lower case.
 fn text(headers: &HeaderMap, name: &HeaderName) -> Option<String> {
     let values: Vec<&str> = headers.get_all(name).iter().map(|value| value.to_str().unwrap_or("?").trim()).collect();
     (!values.is_empty()).then(|| values.join(", ").to_ascii_lowercase())

@@ -1,4 +1,4 @@
-//! The OpenAPI document: what the handlers say of themselves, and what they have in common.
+//! The OpenAPI document: the descriptions at the handlers, and the parts that they have in common.
 
 use axum::http::Method;
 use utoipa::OpenApi;
@@ -40,7 +40,7 @@ use crate::wire::query_parameters;
 )]
 pub(super) struct Document;
 
-/// Headers of answers, and what they say.
+/// Headers of answers, with their descriptions.
 const HEADERS: &[(&str, &str)] = &[
     ("ETag", "The artifact's key in quotes: a strong validator"),
     ("Content-Location", "The artifact's address, for GET"),
@@ -66,7 +66,7 @@ const HEADERS: &[(&str, &str)] = &[
 const RESULT: &[&str] =
     &["ETag", "Content-Location", "Cache-Status", "Server-Timing", "Planish-Warnings", "Content-Encoding", "Vary"];
 const KEPT: &[&str] = &["Cache-Control", "Accept-Ranges"];
-/// What every address may answer.
+/// Problems that every address may answer.
 const ANYWHERE: &[Kind] = &[
     problem::NOT_HTTP,
     problem::BAD_HOST,
@@ -76,7 +76,7 @@ const ANYWHERE: &[Kind] = &[
     problem::INTERNAL,
     problem::BUSY,
 ];
-/// What is wrong with bodies, and with the jobs in them.
+/// Problems of bodies, and of the jobs in them.
 const BODY: &[Kind] = &[
     problem::NOT_JSON,
     problem::NOT_CODED,
@@ -87,15 +87,15 @@ const BODY: &[Kind] = &[
     problem::INVALID,
     problem::TRANSFER_CODING,
 ];
-/// What becomes of jobs that are forecast.
+/// Problems of jobs that are forecast.
 const FORECAST: &[Kind] = &[problem::TOO_LARGE, problem::TIMED_OUT];
-/// What becomes of jobs that are computed.
+/// Problems of jobs that are computed.
 const COMPUTED: &[Kind] = &[problem::INVALID, problem::GONE, problem::CANCELLED];
 
 /// Adds to every operation what the handlers need not repeat.
 pub(super) fn completed(mut document: Api) -> Api {
     document.servers = Some(vec![ServerBuilder::new().url("/").description(Some("This server")).build()]);
-    // a key is shown where the server has keys
+    // a key is optional, as servers may have none
     let key =
         SecurityScheme::Http(HttpBuilder::new().scheme(HttpAuthScheme::Bearer).bearer_format("planish_...").build());
     document.components.get_or_insert_default().add_security_scheme("key", key);
@@ -119,7 +119,7 @@ pub(super) fn completed(mut document: Api) -> Api {
     document
 }
 
-/// Adds what becomes of requests that show no key, or ask for too much.
+/// Adds the problems of requests without a sufficient key, or in too great a number.
 fn let_in(method: &Method, path: &str, operation: &mut Operation) {
     match needed(method, path) {
         Need::Nothing => operation.security = Some(Vec::new()),
@@ -235,7 +235,8 @@ fn complete(path: &str, operation: &mut Operation) {
     }
 }
 
-/// Adds the mesh files that a body may be: those that say what they are, and those that show it.
+/// Adds the media types of mesh files to a body: those of the readers, and one for files that show their format by
+/// their first bytes.
 fn files(operation: &mut Operation) {
     let Some(RefOr::T(body)) = &mut operation.request_body else { return };
     for media_type in READERS.iter().map(|reader| reader.media_type).chain(["application/octet-stream"]) {
@@ -243,7 +244,7 @@ fn files(operation: &mut Operation) {
     }
 }
 
-/// The operation as HEAD: the same headers, no content.
+/// Returns the operation as HEAD: the same headers, no content.
 fn head(get: &Operation) -> Operation {
     let mut head = get.clone();
     head.operation_id = head.operation_id.map(|id| format!("{id}_head"));
@@ -258,7 +259,7 @@ fn head(get: &Operation) -> Operation {
     head
 }
 
-/// The answer of a status, if the handler named it.
+/// Returns the answer with a status, if the handler describes one.
 fn answer<'a>(operation: &'a mut Operation, status: &str) -> Option<&'a mut Response> {
     match operation.responses.responses.get_mut(status)? {
         RefOr::T(response) => Some(response),
@@ -278,11 +279,11 @@ fn header(doc: &str) -> Header {
     HeaderBuilder::new().schema(Some(text)).description(Some(doc)).build()
 }
 
-/// An answer that carries an artifact: bytes of any format, with these headers.
+/// Describes an answer that carries an artifact: bytes of any format, with these headers.
 fn bytes(operation: &mut Operation, status: &str, names: &[&str]) {
     headers(operation, status, names);
     let Some(response) = answer(operation, status) else { return };
-    // generators take an answer for what stands first; bytes it is whatever the format
+    // generated clients take the first media type as the answer's type, and bytes fit every format
     let kinds = [output::Content::Binary, output::Content::Packed, output::Content::Text, output::Content::Json];
     for kind in kinds {
         for format in FORMATS.iter().filter(|format| format.facts().content == kind) {
@@ -291,7 +292,8 @@ fn bytes(operation: &mut Operation, status: &str, names: &[&str]) {
     }
 }
 
-/// JSON is an object, text a string; of other bytes OpenAPI 3.1 says nothing, and generators know them as `binary`.
+/// Returns the schema of content: an object for JSON, a string for text. OpenAPI 3.1 has no schema for other bytes,
+/// which generators know as format `binary`.
 fn content(bytes: output::Content) -> Content {
     let of = |kind| ObjectBuilder::new().schema_type(SchemaType::new(kind));
     let schema = match bytes {
@@ -308,7 +310,7 @@ fn refused() -> Content {
     ContentBuilder::new().schema(Some(Ref::from_schema_name("ProblemAnswer"))).build()
 }
 
-/// Adds problems; those of the same status share an entry.
+/// Adds problems to an operation; those with the same status share an entry.
 fn refuse(operation: &mut Operation, kinds: &[Kind]) {
     for kind in kinds {
         let status = kind.status.as_u16().to_string();

@@ -1,4 +1,4 @@
-//! Bodies of requests that the OpenAPI document shows.
+//! Examples of request bodies in the OpenAPI document.
 
 use std::collections::BTreeMap;
 
@@ -11,7 +11,7 @@ use crate::wire::catalogue::presets;
 /// Examples by their names.
 type Examples = BTreeMap<String, RefOr<Example>>;
 
-/// Examples with a name and a summary each.
+/// Creates examples, each with a name and a summary.
 fn named<const N: usize>(examples: [(&str, &str, Value); N]) -> Examples {
     let example = |(name, summary, value): (&str, &str, Value)| {
         (name.to_owned(), ExampleBuilder::new().summary(summary).value(Some(value)).build().into())
@@ -19,7 +19,7 @@ fn named<const N: usize>(examples: [(&str, &str, Value); N]) -> Examples {
     examples.into_iter().map(example).collect()
 }
 
-/// Jobs that show the kinds of inputs, by name.
+/// Returns jobs with each kind of input, by name.
 pub(super) fn jobs() -> Examples {
     let tetrahedron = json!({ "positions": [[1, 1, 1], [1, -1, -1], [-1, 1, -1], [-1, -1, 1]],
         "faces": [[0, 1, 2], [0, 3, 1], [0, 2, 3], [1, 3, 2]] });
@@ -49,7 +49,7 @@ pub(super) fn jobs() -> Examples {
     named(jobs)
 }
 
-/// Batches of both kinds, by name.
+/// Returns batches of both kinds, by name.
 pub(super) fn batches() -> Examples {
     let square = json!({ "polygon": { "points": [[0, 0], [1, 0], [1, 1], [0, 1]], "closed": true } });
     let job = |levels| {
@@ -65,7 +65,7 @@ pub(super) fn batches() -> Examples {
     named(batches)
 }
 
-/// Questions about a scheme, by name.
+/// Returns requests for analyses, by name.
 pub(super) fn analyses() -> Examples {
     let preset = "four-point";
     let scan = json!({ "parameter": "w", "from": 0, "to": "1/4", "steps": 10 });
@@ -81,7 +81,7 @@ pub(super) fn analyses() -> Examples {
     named(questions)
 }
 
-/// Two levels of one curve.
+/// Returns a comparison of two levels of one curve.
 pub(super) fn comparisons() -> Examples {
     let square = json!({ "points": [[0, 0], [1, 0], [1, 1], [0, 1]], "closed": true });
     let job = |levels: u32| {
@@ -92,7 +92,7 @@ pub(super) fn comparisons() -> Examples {
     named([("levels", "Two levels of a curve", asked)])
 }
 
-/// Places on the limit surface of a cube.
+/// Returns an evaluation at places on the limit surface of a cube.
 pub(super) fn evaluations() -> Examples {
     let asked = json!({ "input": { "mesh": cube() }, "plan": { "preset": "catmull-clark" },
         "at": [[0, 0, 0], [0, 0.5, 0.25]], "values": ["position", "normal", "curvatures"] });

@@ -1,5 +1,5 @@
-//! Bodies that are read before their requests go to the router, so that the answer to a request that comes again needs
-//! none.
+//! Request bodies that are read before the router sees the request, so that the answer to a repeated request needs no
+//! router.
 
 use std::convert::Infallible;
 
@@ -15,7 +15,7 @@ use super::memo;
 use super::problem::Problem;
 use crate::job::key::Key;
 
-/// What came of reading a body, and the identity of its request.
+/// The result of reading a body, and the identity of its request.
 #[derive(Debug, Clone)]
 pub(super) struct Early {
     pub(super) sent: Result<Sent, Problem>,
@@ -23,7 +23,7 @@ pub(super) struct Early {
 }
 
 impl Early {
-    /// Reads the body of a request.
+    /// Reads the body of a request, and computes its identity.
     pub(super) async fn read<B>(app: &Shared, client: &Client, request: &request::Parts, body: B) -> Self
     where
         B: http_body::Body<Data = Bytes> + Unpin,

@@ -1,5 +1,5 @@
-//! POST /v1/estimate: exact counts, bytes (exact or at most), predicted cost, the key; runs nothing but the search for
-//! the level of a tolerance.
+//! POST /v1/estimate: exact counts, bytes (exact or an upper bound), predicted cost, and the key; computes nothing but
+//! the search for the level of a tolerance.
 
 use axum::body::Body;
 use axum::extract::{RawQuery, State};

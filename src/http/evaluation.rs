@@ -48,7 +48,7 @@ pub(super) async fn evaluate(State(app): State<Shared>, client: Client, headers:
 async fn answered(app: &Arc<App>, client: &Client, headers: &HeaderMap, body: Body) -> Result<Response, Problem> {
     let sent = body::collect(app, client, headers, Takes::Jobs, body).await?;
     let (bytes, peer) = (weight(sent.bytes.len() as u64), client.peer());
-    // what the body takes stays booked for the places that it holds
+    // the body stays charged while its places are in memory
     let text = sent.bytes.clone();
     let request = app.desk.read(peer, bytes, move |_| {
         let request: EvaluationRequest = read(&text)?;
@@ -71,7 +71,7 @@ async fn answered(app: &Arc<App>, client: &Client, headers: &HeaderMap, body: Bo
     answer
 }
 
-/// An evaluation under way.
+/// The task of an evaluation.
 #[derive(Debug)]
 struct EvaluationTask {
     evaluation: Evaluation,

@@ -1,4 +1,4 @@
-//! Events: what happens to a job or a batch, for those who listen.
+//! Server-sent events about a job or a batch.
 
 use std::convert::Infallible;
 use std::sync::Arc;
@@ -18,32 +18,32 @@ use crate::service::jobs::Phase;
 use crate::service::peer::{Kind, Paid, Ticket};
 use crate::service::pool::Lane;
 
-/// How long a stream is silent at most: half of what proxies usually allow. Half of it wakes idle connections twice as
-/// often; twice of it is cut by some proxies.
+/// Maximum silence of a stream: half of what proxies usually allow. Half of it wakes idle connections twice as often;
+/// twice of it is cut by some proxies.
 const HEARTBEAT: Duration = Duration::from_secs(15);
-/// How often a job is looked at for progress. Half of it tells more than eyes follow; twice of it makes bars jump.
+/// Interval of looking for progress. Half of it reports more than eyes follow; twice of it makes progress bars jump.
 const LOOK: Duration = Duration::from_millis(200);
-/// Booked for a stream at least: an event with 64 outputs, and the one before it that is still being sent.
-/// Half of it is less than that; twice of it lets half as many listen.
+/// Minimum memory booked for a stream, in bytes: an event with 64 outputs, and the one before it that is still being
+/// sent. Half of it is less than that; twice of it lets half as many clients listen.
 const STREAM_BYTES: u64 = 64 << 10;
 
-/// How something stands that is followed.
+/// The state of a job or batch that a client follows.
 pub(super) trait Followed {
-    /// A number that grows with everything that happens to it.
+    /// Returns a number that grows with every change.
     fn sequence(&self) -> u64;
-    /// Where it stands.
+    /// Returns the phase.
     fn phase(&self) -> &Phase;
-    /// The whole of it.
+    /// Returns the complete state as JSON, for the events `state` and `done`.
     fn whole(&self) -> Value;
-    /// How far it is.
+    /// Returns the progress as JSON, for the event `progress`.
     fn progress(&self) -> Value;
 }
 
-/// Tells how something stands now, as long as it is known.
+/// Returns the current state, or `None` if the job or batch has been forgotten.
 pub(super) type Look = Box<dyn Fn(&App) -> Option<Box<dyn Followed>> + Send + Sync>;
 
-/// The stream of events of something that stands so; `ended` comes true when nothing more will happen to it, and `look`
-/// tells how it stands at any time.
+/// Returns the event stream of a job or batch with the state `now`. `ended` becomes true when nothing more will happen
+/// to it, and `look` returns its state at any time.
 pub(super) fn stream(
     app: &Arc<App>,
     (client, headers): (&Client, &HeaderMap),
@@ -63,7 +63,7 @@ pub(super) fn stream(
             let body = Body::from_stream(stream::unfold(listener, Listener::next));
             let kind = [(header::CONTENT_TYPE, HeaderValue::from_static("text/event-stream"))];
             let kept = [(header::CACHE_CONTROL, HeaderValue::from_static("no-store"))];
-            // proxies that hold answers back would hold events back
+            // some proxies would buffer the events
             let unbuffered = [(HeaderName::from_static("x-accel-buffering"), HeaderValue::from_static("no"))];
             (kind, kept, unbuffered, body).into_response()
         }
@@ -81,7 +81,7 @@ struct Listener {
 }
 
 impl Listener {
-    /// A listener, where there is room for it: all of them have a quarter of the connections, one peer half of that.
+    /// Creates a listener if there is room: all listeners may have a quarter of the connections, one peer half of that.
     fn new(
         app: &Arc<App>,
         client: &Client,
@@ -95,13 +95,13 @@ impl Listener {
         Some(Self { app: app.clone(), look, feed, ended, _held: (ticket, paid) })
     }
 
-    /// The next event, when there is one.
+    /// Waits for the next event; `None` when the stream ends.
     async fn next(mut self) -> Option<(Result<String, Infallible>, Self)> {
         loop {
             if self.feed.is_done || self.app.desk.is_ending() {
                 return None;
             }
-            // an interest in a computation would stay with what is looked at
+            // only for this statement, as the state holds an interest in a computation
             let event = self.feed.next((self.look)(&self.app).as_deref(), self.app.desk.clock().now());
             if let Some(event) = event {
                 return Some((Ok(event), self));
@@ -116,12 +116,12 @@ impl Listener {
     }
 }
 
-/// What a client has been told.
+/// What a client has been sent.
 #[derive(Debug)]
 struct Feed {
-    /// The number of the last event that it saw.
+    /// The number of the last event that the client saw.
     seen: Option<u64>,
-    /// The last whole that it was told, and where that stood.
+    /// The last complete state that was sent, and its phase.
     told: Option<(Value, Phase)>,
     last_sent: Duration,
     is_done: bool,
@@ -136,7 +136,7 @@ impl Feed {
         standing.phase().is_settled() && self.seen.is_some_and(|seen| seen > standing.sequence())
     }
 
-    /// What is to be told at this time, of something that stands so, or is forgotten.
+    /// Returns the event to be sent at time `now`; `standing` is the current state, or `None` if it has been forgotten.
     fn next(&mut self, standing: Option<&dyn Followed>, now: Duration) -> Option<String> {
         let event = match standing {
             Some(standing) => self.changed(standing),
@@ -171,7 +171,7 @@ impl Feed {
         Some(told)
     }
 
-    /// The end of something that somebody has forgotten.
+    /// Returns the last event of a job or batch that has been forgotten.
     fn forgotten(&mut self) -> String {
         self.is_done = true;
         let number = self.seen.map_or(0, |seen| seen + 1);
@@ -181,7 +181,7 @@ impl Feed {
     }
 }
 
-/// An event as it is sent; JSON has no line breaks.
+/// Formats an event; serialized JSON has no line breaks.
 fn event(number: u64, name: &str, data: &Value) -> String {
     format!("id: {number}\nevent: {name}\ndata: {data}\n\n")
 }

@@ -1,4 +1,5 @@
-//! The gate: who asks, by the key that the request shows or that signed its address, and whether that key allows it.
+//! The gate: identifies a client by the key that its request shows or that signed its address, and checks that the key
+//! permits the request.
 
 use std::collections::HashMap;
 use std::path::Path;
@@ -14,28 +15,28 @@ use crate::service::clock::Clock;
 use crate::service::job_key::Tenant;
 use crate::service::peer::Peer;
 
-/// How often the keys are read again. Half of it reads twice as often; twice of it lets a revoked key work for a second
-/// more.
+/// Interval between two readings of the keys. Half of it reads twice as often; twice of it lets a revoked key work for
+/// a second longer.
 const READ_AGAIN: Duration = Duration::from_secs(1);
 
-/// What is open to everybody, whether there are keys or not: how the service is, and what it knows.
+/// Paths that are public whether there are keys or not: the state of the service, and its catalogue.
 const OPEN: [&str; 4] = ["/", "/livez", "/readyz", "/openapi.json"];
 const OPEN_BELOW: [&str; 6] = ["/docs", "/play", "/v1/presets", "/v1/operators", "/v1/formats", "/v1/readers"];
-/// Where a GET has a job done.
+/// Prefixes of paths where a GET computes a job.
 const WORKS_BELOW: [&str; 2] = ["/v1/render", "/kroki/"];
 
-/// What a request needs.
+/// The permission that a request needs.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Need {
-    /// Nothing.
+    /// None.
     Nothing,
     /// A key of this role, or of one that allows more.
     Role(Role),
-    /// A signature in the address, and behind it a job to be done, or not.
+    /// A signed address; `works` says whether the request computes a job.
     Signature { works: bool },
 }
 
-/// The keys that are let in; `None` where there are none at all, and everybody is.
+/// The valid keys by id; `None` if there is no key file, so that everybody is let in.
 type Ring = Option<HashMap<String, KeyEntry>>;
 
 /// The gate of a service.
@@ -47,10 +48,10 @@ pub struct Gate {
 }
 
 impl Gate {
-    /// The gate of a service whose keys stand in this folder, where it has one.
+    /// Opens the gate with the keys in this folder; an empty path means that there is none.
     ///
     /// # Errors
-    /// When there are keys that cannot be read: nobody should be let in by mistake.
+    /// When there are keys that cannot be read, so that nobody is let in by mistake.
     pub fn open(data_dir: &Path, clock: Arc<dyn Clock>) -> Result<Self, KeyFileError> {
         let file = (data_dir != Path::new("")).then(|| KeyFile::of(data_dir));
         let ring = file.as_ref().map(read).transpose()?.flatten();
@@ -61,18 +62,18 @@ impl Gate {
         self.ring.read().unwrap_or_else(PoisonError::into_inner).clone()
     }
 
-    /// Whether there are keys, so that who has none is not let in.
+    /// Returns whether there are keys, so that clients need one.
     pub fn is_shut(&self) -> bool {
         self.ring().is_some()
     }
 
-    /// How many keys there are.
+    /// Returns the number of keys.
     pub fn n_keys(&self) -> usize {
         self.ring().as_ref().as_ref().map_or(0, HashMap::len)
     }
 
-    /// Reads the keys again, for as long as the service lives. Keys that cannot be read, or whose file is gone, stay as
-    /// they were.
+    /// Reads the keys again at regular intervals, for as long as the service lives. If they cannot be read, or the file
+    /// is gone, the previous keys stay valid.
     pub async fn keep_current(&self) {
         let Some(file) = self.file.clone() else { return };
         let mut trouble = None;
@@ -105,7 +106,7 @@ impl Gate {
         }
     }
 
-    /// Who sends a request from an address, and whether that is allowed.
+    /// Identifies the client of a request, and checks its permission. `address` is the peer by IP address.
     pub(super) fn who(&self, request: &request::Parts, address: Peer) -> Caller {
         let caller = |peer, shown, refused| Caller { peer, shown, refused };
         let (need, ring) = (needed(&request.method, request.uri.path()), self.ring());
@@ -128,12 +129,13 @@ fn read(file: &KeyFile) -> Result<Ring, KeyFileError> {
     Ok(keys.map(|keys| keys.into_iter().map(|key| (key.id.clone(), key)).collect()))
 }
 
-/// The tenant of a key; its keys share with each other alone, unless it is the one that shares with everybody.
+/// Returns the tenant of a key. Keys of a tenant share with each other only, except those of the shared tenant, who
+/// share with everybody.
 fn tenant(key: &KeyEntry) -> Tenant {
     if key.tenant == SHARED { Tenant::ANYONE } else { Tenant::named(&key.tenant) }
 }
 
-/// What a request needs, by its method and address. What is not known here needs a key.
+/// Returns the permission that a request needs, by its method and path. Unknown paths need a key.
 pub(super) fn needed(method: &Method, path: &str) -> Need {
     let is_below = |place: &&str| path.strip_prefix(place).is_some_and(|rest| rest.is_empty() || rest.starts_with('/'));
     let reads = [Method::GET, Method::HEAD].contains(method);
@@ -141,7 +143,7 @@ pub(super) fn needed(method: &Method, path: &str) -> Need {
         let works = rest.splitn(3, '/').nth(2).is_some_and(has_job);
         return Need::Signature { works };
     }
-    // asked by browsers before the request itself, without its key
+    // browsers send OPTIONS before the request itself, without its key
     if *method == Method::OPTIONS || reads && (OPEN.contains(&path) || OPEN_BELOW.iter().any(is_below)) {
         return Need::Nothing;
     }
@@ -152,7 +154,7 @@ pub(super) fn needed(method: &Method, path: &str) -> Need {
     }
 }
 
-/// The key that a request shows.
+/// Checks the key in the header `Authorization`.
 fn shown<'a>(
     keys: &'a HashMap<String, KeyEntry>,
     headers: &HeaderMap,
@@ -180,7 +182,7 @@ fn shown<'a>(
     Ok((key, Shown::Key(key.requests_per_minute, key.in_flight)))
 }
 
-/// The key that has signed the address of a request.
+/// Checks the signature of the address of a request, and returns the key that made it.
 fn signed<'a>(
     keys: &'a HashMap<String, KeyEntry>,
     request: &request::Parts,
@@ -197,7 +199,7 @@ fn signed<'a>(
     let form = "the address is no signed one, /v1/r/{key id}.{signature}/{expiry}/{what it opens}; sign it again";
     let link = Link::parse(request.uri.path()).map_err(|_| refused(form))?;
     let altered = "the signature is not that of this address, or its key was revoked; have it signed again";
-    // without such a key as much is computed as with it
+    // the signature is computed even for an unknown key, so that timing does not show which keys exist
     let key = keys.get(&link.id);
     let checked = link.check(key.map_or("", |key| &key.link), now_s);
     let key = key.ok_or_else(|| refused(altered))?;

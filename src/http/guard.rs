@@ -1,4 +1,5 @@
-//! What every request passes: the checks of its host and of its key, and headers that keep browsers from guessing.
+//! The checks that every request passes, of its host and its key, and the headers that keep browsers from guessing
+//! media types.
 
 use std::time::Duration;
 
@@ -16,7 +17,8 @@ use crate::config::Settings;
 use crate::config::authority::Authority;
 use crate::fault::shortened;
 
-/// Every request names one host; on a loopback address only loopback names are answered, against DNS rebinding.
+/// Refuses requests that do not name exactly one host; on a loopback address it also refuses other than loopback names,
+/// against DNS rebinding.
 pub(super) async fn check_host(State(app): State<Shared>, request: Request, next: Next) -> Response {
     let (parts, body) = request.into_parts();
     match hosts(&parts, &app.settings) {
@@ -25,7 +27,7 @@ pub(super) async fn check_host(State(app): State<Shared>, request: Request, next
     }
 }
 
-/// Checks the host that the header names, and the one that an absolute address names in its place.
+/// Checks the host in the header `Host`, and the host of an absolute request target.
 pub(super) fn hosts(request: &request::Parts, settings: &Settings) -> Result<(), Problem> {
     let only_loopback = settings.listen.ip().is_loopback();
     let bad = |detail: &str| {
@@ -35,7 +37,7 @@ pub(super) fn hosts(request: &request::Parts, settings: &Settings) -> Result<(),
     let mut values = request.headers.get_all(header::HOST).iter();
     let header = match (values.next(), values.next()) {
         (Some(value), None) => Some(value.to_str().map_err(|_| bad("the header Host is no ASCII text"))?),
-        // before 1.1, HTTP knew no such header
+        // HTTP/1.0 did not require the header
         (None, _) if request.version < Version::HTTP_11 => None,
         (None, _) => return Err(bad("the request has no header Host")),
         (Some(_), Some(_)) => return Err(bad("the request has more than one header Host")),
@@ -52,7 +54,8 @@ pub(super) fn hosts(request: &request::Parts, settings: &Settings) -> Result<(),
     Ok(())
 }
 
-/// Refuses those whom the gate does not let in; what private clients get, nobody keeps for others.
+/// Refuses requests that the gate refused; replaces `public` by `private` in the Cache-Control of answers to private
+/// clients.
 pub(super) async fn check_key(State(app): State<Shared>, client: Client, request: Request, next: Next) -> Response {
     if let Some(problem) = client.caller.refused {
         if !request.headers().contains_key(header::EXPECT) {
@@ -72,7 +75,7 @@ pub(super) async fn check_key(State(app): State<Shared>, client: Client, request
     response
 }
 
-/// Headers of every answer.
+/// Adds the headers of every answer.
 pub(super) async fn headers(request: Request, next: Next) -> Response {
     let mut response = next.run(request).await;
     response.headers_mut().insert(header::X_CONTENT_TYPE_OPTIONS, HeaderValue::from_static("nosniff"));

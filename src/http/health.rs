@@ -1,4 +1,4 @@
-//! Whether the service lives, and whether it works.
+//! The endpoints that tell whether the process lives, and whether the service works.
 
 use std::sync::Arc;
 

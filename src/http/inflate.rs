@@ -1,5 +1,5 @@
-//! Bodies that come compressed: inflated in the lane for reading, piece by piece, no further than a body may be long,
-//! with the memory of what comes out taken from the account before it is there.
+//! Compressed request bodies: inflated piece by piece in the reading lane, up to the maximum length of a body; the
+//! memory of the inflated bytes is charged before it is allocated.
 
 use std::io::Read;
 use std::sync::Arc;
@@ -14,19 +14,19 @@ use super::problem::{self, Problem};
 use crate::math::amounts::in_bytes;
 use crate::watch::Watch;
 
-/// How far back Zstandard may refer, as a power of two: 8 MiB, what RFC 8878 asks of every decoder. Twice of it takes
-/// twice the memory of each body that is inflated; half of it refuses what `zstd -19` makes of large files.
+/// Maximum window of Zstandard, as a power of two: 8 MiB, which RFC 8878 asks of every decoder. Twice of it takes twice
+/// the memory of each body that is inflated; half of it refuses the output of `zstd -19` for large files.
 const WINDOW_LOG: u32 = 23;
-/// Memory of a decoder: its window, what it has not handed out yet, and its tables.
+/// Memory of a decoder in bytes: its window, its pending output, and its tables.
 const DECODER_BYTES: u64 = (1 << WINDOW_LOG) + (1 << 20);
-/// Bytes that are inflated at once, between which the bounds are looked at.
-/// Half of it asks twice as often; twice of it lets a bomb pass its bound by twice as much.
+/// Number of bytes inflated between two checks of the bounds. Half of it checks twice as often; twice of it lets a
+/// decompression bomb pass its bound by twice as much.
 const PIECE_BYTES: usize = 64 << 10;
 
-/// The bytes of a body as they were before they were compressed.
+/// Inflates a body.
 ///
 /// # Errors
-/// What is not of this coding, or comes to more than a body may have; 503 when too much is being read already.
+/// A body that is not in this coding, or is longer than the maximum; 503 if too much is being read already.
 pub(super) async fn inflated(
     app: &Arc<App>,
     client: &Client,
@@ -93,7 +93,7 @@ fn broken(error: &std::io::Error) -> Problem {
     Problem::new(problem::NOT_CODED, detail)
 }
 
-/// The refusal of a body that has so many bytes or more.
+/// Returns the refusal of a body with at least so many bytes.
 pub(super) fn too_long(length: u64, limit: u64) -> Problem {
     let limit = in_bytes(limit.into());
     let detail = format!(

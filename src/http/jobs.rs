@@ -1,4 +1,5 @@
-//! GET /v1/jobs, GET and DELETE /v1/jobs/{id}, POST /v1/jobs/{id}/cancel: how jobs stand, and their end.
+//! GET /v1/jobs, GET and DELETE /v1/jobs/{id}, POST /v1/jobs/{id}/cancel: the states of jobs, cancelling and
+//! forgetting.
 
 use std::sync::Arc;
 
@@ -19,8 +20,8 @@ use crate::service::jobs::Standing;
 use crate::wire::query::repeated;
 use crate::wire::standing::{JobAnswer, JobsAnswer};
 
-/// Jobs on a page where nothing else is said, and at most.
-/// Half of it asks more often; twice of it answers up to 4 MiB at once, for jobs of 64 outputs.
+/// Default number of jobs on a page; [`LARGEST_PAGE`] is the maximum. Half of it needs more requests; twice of it
+/// answers up to 4 MiB at once, for jobs of 64 outputs.
 const PAGE: usize = 50;
 const LARGEST_PAGE: usize = 100;
 
@@ -98,23 +99,23 @@ pub(super) async fn forget(State(app): State<Shared>, client: Client, Segment(id
     Problem::new(problem::NOT_FOUND, "there is no job of this id, or it is forgotten already").into_response()
 }
 
-/// The job of the client's tenant that an address names.
+/// Parses the id of a job, and combines it with the tenant of the client.
 pub(super) fn parse(client: &Client, id: &str) -> Option<JobKey> {
     Key::parse(id).map(|id| JobKey { tenant: client.tenant(), id })
 }
 
-/// The answer about a job that nobody knows.
+/// Returns the answer about an unknown job.
 pub(super) fn unknown() -> Problem {
     let detail = "there is no job of this id; send the job to /v1/jobs or /v1/render, it has the same id each time";
     Problem::new(problem::NOT_FOUND, detail)
 }
 
-/// How a job stands, for its clients.
+/// Returns the state of a job as clients see it.
 pub(super) fn answer(standing: &Standing) -> JobAnswer {
     JobAnswer::new(standing, |product| address(product.key, product.format))
 }
 
-/// The answer that tells how a job stands.
+/// Returns the answer with the state of a job.
 fn told(status: StatusCode, standing: &Standing) -> Response {
     let mut response = (status, axum::Json(answer(standing))).into_response();
     response.headers_mut().insert(header::CACHE_CONTROL, HeaderValue::from_static("no-cache"));
@@ -124,14 +125,14 @@ fn told(status: StatusCode, standing: &Standing) -> Response {
     response
 }
 
-/// How a job stands that was posted, with where it does; 202 as long as it goes on.
+/// Returns the answer to a posted job, with its state and location; 202 as long as it is under way.
 pub(super) fn accepted(app: &Arc<App>, job: &JobKey, waited: Option<u64>) -> Response {
     let Some(standing) = app.desk.standing(job) else { return unknown().into_response() };
     let status = if standing.phase.is_settled() { StatusCode::OK } else { StatusCode::ACCEPTED };
     located(told(status, &standing), &format!("/v1/jobs/{}", job.id), waited)
 }
 
-/// 202: the job goes on, and here is where.
+/// Returns the answer 202 with the location of a job that is under way.
 pub(super) fn later(app: &Arc<App>, job: &JobKey, waited: Option<u64>) -> Response {
     let Some(standing) = app.desk.standing(job) else { return unknown().into_response() };
     let mut response = located(told(StatusCode::ACCEPTED, &standing), &format!("/v1/jobs/{}", job.id), waited);
@@ -139,7 +140,7 @@ pub(super) fn later(app: &Arc<App>, job: &JobKey, waited: Option<u64>) -> Respon
     response
 }
 
-/// The answer with where something stands that was posted, and with the wait that was granted.
+/// Adds the location of a posted job or batch, and the wait that was granted, to an answer.
 pub(super) fn located(mut response: Response, place: &str, waited: Option<u64>) -> Response {
     let headers = response.headers_mut();
     if let Ok(location) = HeaderValue::try_from(place) {
@@ -151,7 +152,7 @@ pub(super) fn located(mut response: Response, place: &str, waited: Option<u64>) 
     response
 }
 
-/// The page that a query asks for: before which number, and how many jobs.
+/// Parses the query of a page: the number before which the page begins, and the number of jobs.
 pub(super) fn page(query: &str) -> Result<(u64, usize), Fault> {
     let (mut before, mut limit) = (u64::MAX, PAGE);
     if let Some(fault) = repeated(query).into_iter().next() {

@@ -1,5 +1,5 @@
-//! GET /v1/render and GET /kroki/{format}/{data}: jobs that stand in their addresses, for pictures of pages and loaders
-//! of models, which cannot post.
+//! GET /v1/render and GET /kroki/{format}/{data}: jobs in addresses, for images in pages and model loaders, which
+//! cannot send POST.
 
 use std::io::Read;
 use std::sync::Arc;
@@ -24,15 +24,14 @@ use crate::fault::{Fault, shortened};
 use crate::output::{self, FORMATS};
 use crate::wire::query::says_nothing;
 
-/// Most bytes of a job in an address, inflated.
-/// It is a promise of the interface. Half of it refuses meshes that still fit into an address; twice of it lets an
-/// address hold twice as much memory that no account knows.
+/// Maximum length of a job in an address, inflated, in bytes, which is a promise of the interface. Half of it refuses
+/// meshes that still fit into an address; twice of it lets an address hold twice as much uncharged memory.
 const MOST_JOB_BYTES: usize = 64 << 10;
-/// How long a page may keep the result of an address. The job decides the result, but a new version of planish may find
-/// another one: with a day pages learn of it the next day, and what they ask for again until then costs nothing; half
-/// or twice of it changes that time alone.
+/// Maximum time for which caches may store the result of an address. The job determines the result, but a new version
+/// of planish may change it: with a day, pages see that the next day, and repeated requests until then cost nothing;
+/// half or twice of it changes only that time.
 const CACHE_CONTROL: &str = "public, max-age=86400";
-/// Padding may be left out.
+/// Base64url, with or without padding.
 const BASE64: GeneralPurpose = GeneralPurpose::new(
     &URL_SAFE,
     GeneralPurposeConfig::new().with_decode_padding_mode(DecodePaddingMode::Indifferent),
@@ -115,7 +114,7 @@ pub(super) async fn kroki(
     answered(&app, &client, &headers, wanted()).await.unwrap_or_else(IntoResponse::into_response)
 }
 
-/// What an address asks for whose job is written like this, at this place.
+/// Decodes the job of an address; `at` is its place in the request, for faults.
 fn wanted_by((client, headers): (&Client, &HeaderMap), address: &Uri, job: &str, at: &str) -> Result<Wanted, Problem> {
     check_length(address)?;
     let sent = Sent::job(decoded(job, at)?);
@@ -123,7 +122,7 @@ fn wanted_by((client, headers): (&Client, &HeaderMap), address: &Uri, job: &str,
     Ok(Wanted { sent, identity: Some(identity), keep: false })
 }
 
-/// Refuses an address that is longer than what lets addresses through.
+/// Refuses an address that is longer than [`MOST_LINK_BYTES`].
 pub(super) fn check_length(address: &Uri) -> Result<(), Problem> {
     let length = address.path_and_query().map_or(0, |both| both.as_str().len());
     if length > MOST_LINK_BYTES {
@@ -133,7 +132,7 @@ pub(super) fn check_length(address: &Uri) -> Result<(), Problem> {
     Ok(())
 }
 
-/// The JSON of a job in an address.
+/// Decodes the JSON of a job in an address.
 fn decoded(job: &str, at: &str) -> Result<Bytes, Problem> {
     let wrong = |detail: String| Problem::invalid(vec![Fault::new(at, detail)]);
     let is_json = |bytes: &[u8]| bytes.trim_ascii_start().starts_with(b"{");
@@ -147,7 +146,7 @@ fn decoded(job: &str, at: &str) -> Result<Bytes, Problem> {
     inflated(ZlibDecoder::new(&bytes[..]), |error| wrong(format!("it is neither JSON nor compressed by zlib: {error}")))
 }
 
-/// The inflated JSON of a job in an address, bounded.
+/// Inflates the JSON of a job in an address, up to [`MOST_JOB_BYTES`].
 pub(super) fn inflated(inflating: impl Read, wrong: impl FnOnce(std::io::Error) -> Problem) -> Result<Bytes, Problem> {
     let mut json = Vec::new();
     inflating.take(MOST_JOB_BYTES as u64 + 1).read_to_end(&mut json).map_err(wrong)?;
@@ -158,7 +157,7 @@ pub(super) fn inflated(inflating: impl Read, wrong: impl FnOnce(std::io::Error) 
     Ok(json.into())
 }
 
-/// The answer to a request by an address: the result or a refusal, and nothing that could be taken for the result.
+/// Answers with the result or a refusal, and with no other status of success that could be taken for the result.
 pub(super) async fn answered(
     app: &Arc<App>,
     client: &Client,

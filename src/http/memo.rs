@@ -1,5 +1,5 @@
-//! What was asked lately: from the bytes of a request to the key of its result, so that a request that comes again is
-//! neither parsed nor checked again. It holds keys only; the result itself must still be at hand.
+//! The memo of recent requests: from the identity of a request to the key of its result, so that a repeated request is
+//! neither parsed nor checked again. It holds keys only; the result itself must still be in the cache.
 
 use std::collections::HashMap;
 use std::sync::{Arc, Mutex, PoisonError};
@@ -13,39 +13,38 @@ use crate::job::Resolved;
 use crate::job::key::{Key, content};
 use crate::service::job_key::Tenant;
 
-/// Longest request that is remembered, bytes.
-/// Twice of it compares and hashes longer requests for answers that take longer anyway; half of it reads more of the
-/// small ones again.
+/// Maximum length of a request that is remembered, in bytes. Twice of it hashes and compares longer requests for
+/// answers that take longer anyway; half of it parses more of the small ones again.
 const MAX_BYTES: usize = 64 << 10;
-/// Most requests remembered; when there are more, all are forgotten.
-/// Half of it forgets twice as often; twice of it may hold twice the memory.
+/// Maximum number of requests that are remembered; when it is reached, all are forgotten. Half of it forgets twice as
+/// often; twice of it may hold twice the memory.
 const MAX_REQUESTS: usize = 16_384;
 
-/// Requests whose jobs were admitted.
+/// The requests whose jobs were admitted, by their identity.
 #[derive(Debug, Default)]
 pub struct Memo(Mutex<HashMap<Key, Known>>);
 
-/// What is known of a request.
+/// What is remembered of a request.
 #[derive(Debug, Clone)]
 pub(super) struct Known {
-    /// Key of the result.
+    /// The key of the result.
     pub(super) key: Key,
-    /// Its address.
+    /// The address of the result.
     pub(super) address: Arc<str>,
-    /// What a tolerance led to.
+    /// The level and the bound that a tolerance or "auto" led to.
     pub(super) reached: Option<Resolved>,
 }
 
 impl Known {
-    /// What is known of a job with one output.
+    /// Creates the entry of a job with one output.
     pub(super) fn of(job: &Job) -> Self {
         let (key, output) = (job.keys()[0], &job.outputs[0]);
         Self { key, address: address(key, output.format).into(), reached: job.reached }
     }
 }
 
-/// The identity of a request: its tenant, its body, the query where that says a part of the job, and the header that
-/// can change their meaning.
+/// Returns the identity of a request: a hash of its tenant, its body, the query if that contains a part of the job, and
+/// `Accept`; `None` if the body is too long.
 pub(super) fn identity(tenant: Tenant, headers: &HeaderMap, notation: &Notation, body: &[u8]) -> Option<Key> {
     if body.len() > MAX_BYTES {
         return None;
@@ -58,13 +57,14 @@ pub(super) fn identity(tenant: Tenant, headers: &HeaderMap, notation: &Notation,
     Some(accepting(tenant, headers, bytes))
 }
 
-/// The identity of a request whose address says the job.
+/// Returns the identity of a request whose address contains the job.
 pub(super) fn link_identity(tenant: Tenant, headers: &HeaderMap, address: &str) -> Key {
-    // no body is as long as these letters say where its length would stand
+    // distinct from all identities of bodies: these letters, read as the length of a body, exceed every body
     accepting(tenant, headers, format!("address\n{address}\n").into_bytes())
 }
 
-/// The identity of what these bytes ask for, `Accept`, and the tenant: what others have asked for is not known.
+/// Returns the hash of these bytes, the tenant and `Accept`; with the tenant, no client learns what others have
+/// requested.
 fn accepting(tenant: Tenant, headers: &HeaderMap, mut bytes: Vec<u8>) -> Key {
     bytes.extend_from_slice(&tenant.0.to_le_bytes());
     for value in headers.get_all(header::ACCEPT) {
@@ -75,17 +75,17 @@ fn accepting(tenant: Tenant, headers: &HeaderMap, mut bytes: Vec<u8>) -> Key {
 }
 
 impl Memo {
-    /// What is known of a request.
+    /// Returns what is remembered of a request.
     pub(super) fn get(&self, request: &Key) -> Option<Known> {
         self.0.lock().unwrap_or_else(PoisonError::into_inner).get(request).cloned()
     }
 
-    /// How many requests are remembered.
+    /// Returns the number of remembered requests.
     pub fn len(&self) -> usize {
         self.0.lock().unwrap_or_else(PoisonError::into_inner).len()
     }
 
-    /// Whether no request is remembered.
+    /// Returns whether no request is remembered.
     pub fn is_empty(&self) -> bool {
         self.len() == 0
     }

@@ -1,4 +1,4 @@
-//! GET /metrics: what the service does and holds, for Prometheus.
+//! GET /metrics: the activity and the contents of the service, for Prometheus.
 
 use std::fmt::{Display, Write};
 
@@ -13,14 +13,14 @@ use crate::service::peer::Kind;
 use crate::service::pool::Lane;
 use crate::service::tally::BOUNDS_MS;
 
-/// Counts what the router answers, by the route that it took.
+/// Counts and logs the answers of the router, by route.
 pub(super) async fn counted(State(app): State<Shared>, request: Request, next: Next) -> Response {
     let method = request.method().clone();
     let route = request.extensions().get::<MatchedPath>().map_or("none", MatchedPath::as_str).to_owned();
     let begun = app.desk.clock().now();
     let response = next.run(request).await;
     let (status, took) = (response.status().as_u16(), app.desk.clock().now().saturating_sub(begun));
-    // the route, not the address: signatures and jobs do not belong into logs
+    // not the path, as signatures and jobs do not belong in logs
     tracing::info!(%method, route, status, took_ms = took.as_secs_f64() * 1000.0, "answered");
     app.requests.count(&method, &route, response.status().as_u16());
     response
@@ -36,13 +36,13 @@ pub(super) async fn metrics(State(app): State<Shared>) -> Response {
     ([(header::CONTENT_TYPE, "text/plain; version=0.0.4")], text(&app)).into_response()
 }
 
-/// A page of metrics being written.
+/// A page of metrics that is being written.
 #[derive(Default)]
 struct Page(String);
 
 impl Page {
     fn family(&mut self, name: &str, kind: &str, help: &str) {
-        // writing to a text does not fail
+        // writing to a string does not fail
         let _ = write!(self.0, "# HELP {name} {help}\n# TYPE {name} {kind}\n");
     }
 
@@ -52,7 +52,7 @@ impl Page {
         let _ = writeln!(self.0, "{name}{labels} {value}");
     }
 
-    /// One family with one label.
+    /// Writes a family with one label.
     fn by<'a, V: Display>(
         &mut self,
         (name, kind, help): (&str, &str, &str),
@@ -65,7 +65,7 @@ impl Page {
 }
 
 impl Page {
-    /// One family of one value.
+    /// Writes a family with one value.
     fn one(&mut self, (name, kind, help): (&str, &str, &str), value: impl Display) {
         self.family(name, kind, help);
         self.value(name, &[], value);

@@ -1,4 +1,4 @@
-//! The HTTP interface: one file a resource, listed in `routes`.
+//! The HTTP interface: one file per resource, with the routes in `routes`.
 
 mod address;
 mod analyses;

@@ -1,4 +1,4 @@
-//! What the client's headers ask for: a format, patience, a range, what it has already.
+//! Content negotiation by request headers: format, coding, waiting time, byte range, and conditional requests.
 
 use std::time::Duration;
 
@@ -13,19 +13,17 @@ use crate::service::variant::Coding;
 use crate::wire::JobRequest;
 use crate::wire::output::OutputRequest;
 
-/// Longest wait that is granted.
-/// It is a promise of the interface. Half of it sends more clients to ask again; twice of it holds connections for ten
-/// minutes.
+/// Maximum wait that is granted, which is a promise of the interface. Half of it makes more clients ask again; twice of
+/// it holds connections for ten minutes.
 pub(super) const MAX_WAIT: Duration = Duration::from_mins(5);
-/// Wait when none is named.
-/// It is a promise of the interface. Half of it answers 202 to more clients that would have had their result; twice of
-/// it is longer than many clients wait.
+/// Default wait, which is a promise of the interface. Half of it answers 202 to more clients that would have had their
+/// result; twice of it is longer than many clients wait.
 const DEFAULT_WAIT: Duration = Duration::from_secs(30);
 
-/// Settles what a job is answered with: the format that `Accept` asks for, where the job names no output.
+/// Adds an output in the format that `Accept` prefers if the job names none; else checks the format of the only output.
 ///
 /// # Errors
-/// 406 where `Accept` allows nothing that the input can be answered with, or not what the only output is.
+/// 406 if `Accept` allows no format for the input, or not the format of the only output.
 pub(super) fn settle(headers: &HeaderMap, request: &mut JobRequest) -> Result<(), Problem> {
     let accepted = accepted(headers);
     let format = match request.outputs.as_slice() {
@@ -37,7 +35,7 @@ pub(super) fn settle(headers: &HeaderMap, request: &mut JobRequest) -> Result<()
         [output] => output.format().and_then(output::named),
         _ => None,
     };
-    // what names no format, and several outputs, are refused for that
+    // an unknown format and several outputs are refused elsewhere, with their own faults
     let Some(format) = format.filter(|format| allowed(&accepted, format.media_type()) == 0) else { return Ok(()) };
     let (name, media_type) = (format.name(), format.media_type());
     let detail = format!(
@@ -47,21 +45,21 @@ pub(super) fn settle(headers: &HeaderMap, request: &mut JobRequest) -> Result<()
     Err(Problem::new(problem::NOT_ACCEPTABLE, detail))
 }
 
-/// What `Accept` says; without such a header, everything is allowed.
+/// Returns the values of `Accept`, joined; without such a header, everything is allowed.
 fn accepted(headers: &HeaderMap) -> String {
     let values = headers.get_all(header::ACCEPT).iter().filter_map(|value| value.to_str().ok());
     let accepted = values.collect::<Vec<_>>().join(",");
     if accepted.trim().is_empty() { "*/*".to_owned() } else { accepted }
 }
 
-/// The quality, in thousandths, that `Accept` gives to a media type: that of the entry that names it most precisely.
+/// Returns the quality, in thousandths, that `Accept` gives to a media type: that of the most precise matching entry.
 fn allowed(accepted: &str, media_type: &str) -> u32 {
     let matching = accepted.split(',').filter_map(|entry| accepts(entry, media_type));
     matching.max_by_key(|(precision, _)| *precision).map_or(0, |(_, quality)| quality)
 }
 
-/// The format that `Accept` asks for: of the highest quality, and among equals the usual one (glb for meshes, json for
-/// polygons) or the first in the catalogue.
+/// Returns the format that `Accept` prefers: of the highest quality, and among equals the default (glb for meshes, json
+/// for polygons) or the first in the catalogue.
 fn format(accepted: &str, request: &JobRequest) -> Result<&'static dyn Format, Problem> {
     let kind = request.shape_kind();
     let holds = |format: &&dyn Format| match &request.figure {
@@ -90,10 +88,10 @@ fn format(accepted: &str, request: &JobRequest) -> Result<&'static dyn Format, P
     Ok(candidates.next().expect("some format has the best quality"))
 }
 
-/// The form of an analysis that `Accept` asks for: of the highest quality, and among equals the first.
+/// Returns the form of an analysis that `Accept` prefers: of the highest quality, and among equals the first.
 ///
 /// # Errors
-/// 406 where `Accept` allows none.
+/// 406 if `Accept` allows none.
 pub(super) fn form(headers: &HeaderMap) -> Result<Form, Problem> {
     let accepted = accepted(headers);
     let quality = |form: &Form| allowed(&accepted, form.media_type());
@@ -104,8 +102,8 @@ pub(super) fn form(headers: &HeaderMap) -> Result<Form, Problem> {
     })
 }
 
-/// How precisely one entry of `Accept` names a media type (2 exactly, 1 its family, 0 anything), and its quality in
-/// thousandths.
+/// Returns how precisely an entry of `Accept` matches a media type (2 exactly, 1 by its type, 0 as `*/*`), with its
+/// quality in thousandths; `None` if it does not match.
 fn accepts(entry: &str, media_type: &str) -> Option<(u8, u32)> {
     let entry = entry.to_ascii_lowercase();
     let mut parts = entry.split(';').map(str::trim);
@@ -122,13 +120,13 @@ fn accepts(entry: &str, media_type: &str) -> Option<(u8, u32)> {
     Some((precision, said_quality(parts)?))
 }
 
-/// A weight of digits and a point.
+/// Parses a number of digits and a point only.
 fn weight(text: &str) -> Option<f64> {
     let is_plain = text.bytes().all(|byte| byte.is_ascii_digit() || byte == b'.');
     is_plain.then(|| text.parse().ok()).flatten()
 }
 
-/// How long the client wants to wait (`Prefer: wait=N`, `respond-async`), and whether it said so.
+/// Returns how long the client is willing to wait (`Prefer: wait=N`, `respond-async`), and whether it said so.
 pub(super) fn patience(headers: &HeaderMap) -> (Duration, bool) {
     let preferences = headers.get_all(HeaderName::from_static("prefer"));
     let preferences =
@@ -145,8 +143,7 @@ pub(super) fn patience(headers: &HeaderMap) -> (Duration, bool) {
     (DEFAULT_WAIT, false)
 }
 
-/// The ETag by which the client names the artifact, or a variant of it, as one that it has (`If-None-Match`, compared
-/// weakly as RFC 9110 says).
+/// Returns the ETag by which `If-None-Match` names the artifact or one of its variants, compared weakly (RFC 9110).
 pub(super) fn has_already(headers: &HeaderMap, key: &Key) -> Option<String> {
     let mut named = unwanted(headers).map(|tag| tag.strip_prefix("W/").unwrap_or(tag)).peekable();
     named.peek()?;
@@ -154,32 +151,31 @@ pub(super) fn has_already(headers: &HeaderMap, key: &Key) -> Option<String> {
     named.find_map(|tag| tags.iter().find(|known| *known == tag).cloned())
 }
 
-/// As [`has_already`], of an artifact that is kept here: the client may also want nothing of that (`If-None-Match: *`).
+/// As [`has_already`], for an artifact that is stored here, which `If-None-Match: *` matches as well.
 pub(super) fn has_kept(headers: &HeaderMap, key: &Key) -> Option<String> {
     has_already(headers, key).or_else(|| unwanted(headers).any(|tag| tag == "*").then(|| etag(key, None)))
 }
 
-/// The coding that the client likes best, unless it likes bytes as they are better (`Accept-Encoding`, RFC 9110,
-/// 12.5.3).
+/// Returns the coding that `Accept-Encoding` prefers, or `None` if it prefers uncompressed bytes (RFC 9110, 12.5.3).
 pub(super) fn coding(headers: &HeaderMap) -> Option<Coding> {
     let values = headers.get_all(header::ACCEPT_ENCODING).iter().filter_map(|value| value.to_str().ok());
     let entries: Vec<(&str, u32)> = values.flat_map(|value| value.split(',')).filter_map(liked).collect();
     let named = |name: &str| entries.iter().find(|(known, _)| known.eq_ignore_ascii_case(name)).map(|entry| entry.1);
     let quality = |coding: Coding| named(coding.name()).or_else(|| named("*")).unwrap_or(0);
     let best = Coding::ALL.into_iter().map(quality).max()?;
-    // bytes as they are need no permission, and what has quality 0 is not wanted
+    // `identity` needs no entry, and quality 0 forbids a coding
     let least = named("identity").unwrap_or(0).max(1);
     Coding::ALL.into_iter().find(|coding| quality(*coding) == best && best >= least)
 }
 
-/// One entry of `Accept-Encoding`: its name, and its quality in thousandths.
+/// Parses an entry of `Accept-Encoding`: its name, and its quality in thousandths.
 fn liked(entry: &str) -> Option<(&str, u32)> {
     let mut parts = entry.split(';').map(str::trim);
     let name = parts.next().filter(|name| !name.is_empty())?;
     Some((name, said_quality(parts)?))
 }
 
-/// The quality that parameters say, in thousandths; all of it where they say none.
+/// Returns the quality among the parameters, in thousandths; 1000 if there is none.
 fn said_quality<'a>(mut parts: impl Iterator<Item = &'a str>) -> Option<u32> {
     let said = parts.find_map(|part| part.strip_prefix("q=").or_else(|| part.strip_prefix("Q=")));
     let quality = said.map_or(Some(1.0), weight)?;
@@ -187,16 +183,16 @@ fn said_quality<'a>(mut parts: impl Iterator<Item = &'a str>) -> Option<u32> {
     Some((quality.clamp(0.0, 1.0) * 1000.0) as u32)
 }
 
-/// The entries of `If-None-Match`.
+/// Returns the entries of `If-None-Match`.
 fn unwanted(headers: &HeaderMap) -> impl Iterator<Item = &str> {
     let values = headers.get_all(header::IF_NONE_MATCH).iter().filter_map(|value| value.to_str().ok());
     values.flat_map(|value| value.split(',')).map(str::trim)
 }
 
-/// The bytes of an artifact that are asked for.
+/// The bytes of an artifact that a request asks for.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum ByteRange {
-    /// All of it.
+    /// All bytes.
     Whole,
     /// The bytes `first ..= last`.
     Bytes {
@@ -205,18 +201,18 @@ pub(super) enum ByteRange {
         /// Last byte.
         last: u64,
     },
-    /// Nothing that exists.
+    /// A range beyond the end, or an empty one.
     Beyond,
 }
 
-/// The part that `Range` asks for of so many bytes with this ETag; several ranges, other units and a foreign `If-Range`
-/// are answered with the whole.
+/// Returns the range that `Range` requests of an artifact with this ETag and length. Several ranges, other units and a
+/// different `If-Range` select the whole artifact.
 pub(super) fn range(headers: &HeaderMap, etag: &str, length: u64) -> ByteRange {
     let Some(range) = headers.get(header::RANGE).and_then(|value| value.to_str().ok()) else { return ByteRange::Whole };
     if headers.get(header::IF_RANGE).is_some_and(|value| value != etag) {
         return ByteRange::Whole;
     }
-    // the names of units know no small and large letters
+    // range units are case-insensitive
     let ranges = range.split_once('=').filter(|(unit, _)| unit.eq_ignore_ascii_case("bytes"));
     let Some((first, last)) = ranges.and_then(|(_, range)| range.split_once('-')) else { return ByteRange::Whole };
     match (position(first), position(last)) {
@@ -234,7 +230,7 @@ pub(super) fn range(headers: &HeaderMap, etag: &str, length: u64) -> ByteRange {
     }
 }
 
-/// A number of digits alone; what is beyond 64 bits is beyond every artifact.
+/// Parses a number of digits only; a number beyond 64 bits becomes `u64::MAX`, which is beyond every artifact.
 fn position(text: &str) -> Option<u64> {
     let is_number = !text.is_empty() && text.bytes().all(|byte| byte.is_ascii_digit());
     is_number.then(|| text.parse().unwrap_or(u64::MAX))

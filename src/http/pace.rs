@@ -1,21 +1,21 @@
-//! The least pace of a transfer: slow at first is fine, slow for ever is not.
+//! The minimum pace of a transfer: it may be slow at first, but not for ever.
 
 use std::time::Duration;
 
-/// How slow a transfer may be: for `grace` as slow as it likes, after that at `least_rate` on average.
+/// The minimum pace of a transfer: any pace for the time `grace`, then at least `least_rate` on average.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct Pace {
     /// Time that a transfer has in any case.
     pub(super) grace: Duration,
-    /// Bytes a second.
+    /// Minimum rate in bytes per second.
     pub(super) least_rate: u64,
 }
 
 impl Pace {
-    /// How long a transfer may have taken when so many bytes are through: `grace + bytes / least_rate`.
+    /// Returns the maximum duration of a transfer that has moved so many bytes: `grace + bytes / least_rate`.
     pub(super) fn allows(&self, bytes: u64) -> Duration {
         let millis = bytes.saturating_mul(1000) / self.least_rate.max(1);
-        // a day is longer than any transfer, and can be added to any time
+        // a day is longer than any transfer, and adding it to a time does not overflow
         self.grace.saturating_add(Duration::from_millis(millis)).min(Duration::from_hours(24))
     }
 }
@@ -30,7 +30,7 @@ mod tests {
         for seconds in [1, 15, 16, 60, 3600] {
             assert!(pace.allows(20_000 * seconds) > Duration::from_secs(seconds), "{seconds} s");
         }
-        // what the system holds for a client is read out at the least rate in about a minute
+        // the bytes that the system buffers for a client are read at the minimum rate in about a minute
         assert_eq!(pace.allows(1 << 20), Duration::from_secs(15 + 64));
         assert!(pace.allows(u64::MAX) <= Duration::from_hours(24), "any length can be added to any time");
     }

@@ -1,4 +1,4 @@
-//! Pages for people and their tools: the OpenAPI document, the reference, the kinds of problems.
+//! Pages for people and tools: the OpenAPI document, the reference, and the kinds of problems.
 
 use std::sync::OnceLock;
 
@@ -29,7 +29,7 @@ pub(super) async fn openapi(State(app): State<Shared>) -> Response {
         example = "<!doctype html>"))
 )]
 pub(super) async fn docs(State(app): State<Shared>) -> Response {
-    // the document is the same for as long as the process lives
+    // the document does not change while the process lives
     static PAGE: OnceLock<String> = OnceLock::new();
     let written = || reference::page(&serde_json::from_str(&app.openapi).unwrap_or_default());
     let policy = [(header::CONTENT_SECURITY_POLICY, reference::policy())];

@@ -1,4 +1,4 @@
-//! The page for trying it, `/play`: files that are part of the program, served from a closed list.
+//! The page `/play` for trying the service: files that are part of the program, served from a closed list.
 
 use std::collections::HashMap;
 use std::sync::{LazyLock, OnceLock};
@@ -15,7 +15,8 @@ use crate::fault::shortened;
 use crate::job::key::{Key, content};
 use crate::service::variant::{Coding, encoded};
 
-/// What the page may load: its own files and what the service answers. Pictures of the service are shown from blobs.
+/// The content security policy of the page: its own files and answers of the service. Pictures are shown from blob
+/// URLs.
 const POLICY: &str = "default-src 'none'; script-src 'self'; style-src 'self'; connect-src 'self'; \
                       img-src 'self' blob: data:; base-uri 'none'; form-action 'none'; frame-ancestors 'none'";
 
@@ -25,7 +26,7 @@ const SCRIPT: &str = "text/javascript; charset=utf-8";
 const JSON: &str = "application/json";
 const ICON: &str = "image/svg+xml";
 
-/// The page itself, by the name that no address has.
+/// The page itself, under the empty name, which no address below `/play/` has.
 const PAGE: (&str, &str, &str) = ("", HTML, include_str!("play/index.html"));
 
 /// The files that the page loads: name below `/play/`, media type, text.
@@ -77,7 +78,7 @@ const FILES: &[(&str, &str, &str)] = &[
     ("sheet.json", JSON, include_str!("../../api/examples/jobs/sheet-crease-png.json")),
 ];
 
-/// A file with what is made of it once: its key, and its bytes in each coding that was asked for.
+/// A file with its key, and its bytes in each coding that was requested so far.
 struct File {
     media_type: &'static str,
     bytes: Bytes,
@@ -91,7 +92,8 @@ impl File {
         Self { media_type, key: content(&bytes), bytes, coded: Default::default() }
     }
 
-    /// The bytes in the coding that a client likes best, with that coding; as they are where it does not pay.
+    /// Returns the bytes in the coding that the client prefers, with that coding; uncompressed if compression does not
+    /// pay.
     fn liked(&self, headers: &HeaderMap) -> (Option<Coding>, Bytes) {
         let coded = negotiate::coding(headers).and_then(|liked| {
             let place = Coding::ALL.iter().position(|coding| *coding == liked)?;
@@ -104,11 +106,11 @@ impl File {
     fn answer(&self, headers: &HeaderMap) -> Response {
         let fixed = [
             (header::CONTENT_TYPE, HeaderValue::from_static(self.media_type)),
-            // asked for again each time, so that a page is never made of files of two releases
+            // revalidated at each use, so that a page never mixes files of two releases
             (header::CACHE_CONTROL, HeaderValue::from_static("no-cache")),
             (header::VARY, HeaderValue::from_static("accept-encoding")),
             (header::CONTENT_SECURITY_POLICY, HeaderValue::from_static(POLICY)),
-            // pages of other origins load the element by its address; there is nothing private in these files
+            // pages of other origins load the element by its address; these files contain nothing private
             (header::ACCESS_CONTROL_ALLOW_ORIGIN, HeaderValue::from_static("*")),
             (HeaderName::from_static("cross-origin-resource-policy"), HeaderValue::from_static("cross-origin")),
         ];
@@ -151,7 +153,7 @@ pub(super) async fn file(Segment(name): Segment, headers: HeaderMap) -> Response
     Problem::new(problem::NOT_FOUND, detail).into_response()
 }
 
-/// The way to the page for trying it, for people: it is no operation of the interface.
+/// Redirects people from `/` to the page; this is no operation of the interface.
 pub(super) async fn index() -> Redirect {
     Redirect::temporary("/play")
 }
@@ -162,7 +164,7 @@ mod tests {
 
     use super::{FILES, HTML, PAGE, SCRIPT};
 
-    /// Names between quotation marks that follow these words.
+    /// Returns the quoted names that follow these words.
     fn named<'a>(text: &'a str, words: &[&str]) -> Vec<&'a str> {
         let after = |word: &&str| text.match_indices(*word).map(|(at, word)| &text[at + word.len()..]).collect();
         let places: Vec<&str> = words.iter().flat_map::<Vec<&str>, _>(after).collect();

@@ -1,4 +1,4 @@
-//! POST /v1/jobs: jobs with one or more outputs, done in their turn.
+//! POST /v1/jobs: jobs with one or more outputs, computed in a queue.
 
 use std::time::Duration;
 
@@ -22,8 +22,8 @@ use crate::wire::posted::PostedJob;
 use crate::wire::query::repeated;
 use crate::wire::standing::JobAnswer;
 
-/// Longest time that a job may be given to wait or to run: a day. Half of it refuses night runs that begin at noon;
-/// twice of it keeps jobs whose clients are long gone.
+/// Maximum time that a job may be given to wait or to run, in seconds: a day. Half of it refuses night runs that begin
+/// at noon; twice of it keeps jobs whose clients are long gone.
 const MOST_SECONDS: u64 = 24 * 60 * 60;
 
 /// Accepts a job with up to 64 outputs, or an analysis, and has it done in its turn.
@@ -74,7 +74,7 @@ pub(super) async fn post(
         }
         let (patience, said) = negotiate::patience(&headers);
         if said && !patience.is_zero() {
-            // the record itself would keep an interest in the computation
+            // a record would hold an interest in the computation
             wait(app.desk.jobs.get(&job).map(|record| record.ended.subscribe()), patience).await;
         }
         Ok::<_, Problem>(jobs::accepted(&app, &job, said.then_some(patience.as_secs())))
@@ -82,16 +82,16 @@ pub(super) async fn post(
     answer.await.into_response()
 }
 
-/// Waits for the end of something, at most so long.
+/// Waits for the end of a job or batch, for at most `patience`.
 pub(super) async fn wait(ended: Option<watch::Receiver<bool>>, patience: Duration) {
     let Some(mut ended) = ended else { return };
     let _ = tokio::time::timeout(patience, ended.wait_for(|ended| *ended)).await;
 }
 
-/// What the query says of the turn of a job; its priority is the usual one where it says none.
+/// Parses the terms of a job from the query; its priority defaults to `usual`.
 ///
 /// # Errors
-/// What it says wrongly.
+/// Every fault of the query.
 pub(super) fn terms(query: &str, usual: Priority) -> Result<JobTerms, Vec<Fault>> {
     let (mut terms, mut faults) = (JobTerms { priority: usual, ..JobTerms::default() }, repeated(query));
     for (name, value) in form_urlencoded::parse(query.as_bytes()) {

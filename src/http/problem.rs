@@ -1,4 +1,4 @@
-//! Errors: every refusal as problem+json (RFC 9457), with what to do.
+//! Errors: every refusal as problem+json (RFC 9457), with a remedy.
 
 use std::any::Any;
 use std::time::Duration;
@@ -18,19 +18,19 @@ use crate::service::read_lane::Unread;
 use crate::wire::answer::{FaultAnswer, ProblemAnswer};
 use crate::wire::read::ReadError;
 
-/// Most bytes of the faults that one answer lists: some hundred of them, more than a reader mends at once. With its
-/// detail, in which every character may be escaped by six, the whole answer stays below 64 KiB.
-/// Half and twice of it halve and double the faults that are listed; twice of it passes 64 KiB.
+/// Maximum number of bytes of the faults in one answer: some hundred faults, more than a client mends at once. With the
+/// detail, in which every character may be escaped by six, the whole answer stays below 64 KiB. Half or twice of it
+/// halves or doubles the listed faults; twice of it passes 64 KiB.
 const MOST_FAULT_BYTES: usize = 32 << 10;
-/// Most characters of a detail: a place and a sentence at their longest.
-/// Half of it may cut a sentence; twice of it, escaped, would pass 64 KiB with the faults.
+/// Maximum number of characters of a detail: a place and a sentence of maximum length. Half of it may cut a sentence;
+/// twice of it, escaped, would pass 64 KiB with the faults.
 const MOST_DETAIL: usize = 4000;
 
-/// When a shared store that did not answer is asked again: as long as it is left alone after a failure.
-/// Half of it asks in vain; twice of it waits longer than need be.
+/// Retry-After for a shared store that did not answer: as long as the service leaves it alone after a failure. Half of
+/// it makes clients ask in vain; twice of it makes them wait longer than necessary.
 const AGAIN: Duration = Duration::from_secs(5);
 
-/// A kind of problem: its slug, title and status, and a page's worth of explanation.
+/// A kind of problem: its slug, title and status, and the explanation on its page.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Kind {
     pub(super) slug: &'static str,
@@ -134,18 +134,18 @@ impl Problem {
         Self { kind, detail: detail.into(), errors: Vec::new(), retry_after: None }
     }
 
-    /// Where the store that servers share would have to answer, and does not.
+    /// Returns the refusal because a shared store does not answer.
     pub(super) fn away() -> Self {
         let detail = "the store that has the uploads does not answer; ask again";
         Self { retry_after: Some(AGAIN), ..Self::new(AWAY, detail) }
     }
 
-    /// Whether it is of this kind.
+    /// Returns whether the problem is of this kind.
     pub(super) fn is(&self, kind: Kind) -> bool {
         self.kind.slug == kind.slug
     }
 
-    /// The answer as it stands on the wire, where no router writes it; the connection ends with it.
+    /// Returns the answer as bytes of HTTP/1.1, for clients that the router does not answer; it closes the connection.
     fn written(self) -> Vec<u8> {
         let (status, retry_after) = (self.kind.status, self.retry_after);
         let body = serde_json::to_vec(&self.answer()).expect("a problem is plain text and numbers");
@@ -161,7 +161,7 @@ impl Problem {
         written
     }
 
-    /// The body, which is told in the log as well.
+    /// Returns the body of the answer, and logs it.
     fn answer(self) -> ProblemAnswer {
         let n_faults = self.errors.len();
         let errors = listed(self.errors);
@@ -182,7 +182,7 @@ impl Problem {
         answer
     }
 
-    /// A job that cannot be, with all its faults.
+    /// Returns the refusal of an invalid job, with all its faults.
     pub(super) fn invalid(errors: Vec<Fault>) -> Self {
         let detail = match errors.as_slice() {
             [one] => one.to_string(),
@@ -194,7 +194,7 @@ impl Problem {
 }
 
 impl Problem {
-    /// The same refusal of a request that names its places otherwise than a job.
+    /// Returns the same refusal with its places renamed by `name_of`, for requests that are not written as jobs.
     pub(super) fn at(self, name_of: impl Fn(&str) -> String) -> Self {
         let named = |fault: Fault| Fault { pointer: name_of(&fault.pointer), ..fault };
         let errors: Vec<Fault> = self.errors.into_iter().map(named).collect();
@@ -203,17 +203,17 @@ impl Problem {
 }
 
 impl Problem {
-    /// The same refusal of one job of a batch, with its faults at their places there.
+    /// Returns the refusal of a batch because of one of its jobs, with the faults at their places in the batch.
     pub(super) fn placed(self, job: usize, place: impl Fn(Fault) -> Fault) -> Self {
         let is_told = self.kind.slug == INVALID.slug || self.errors.is_empty() && self.retry_after.is_some();
         let detail = if is_told { self.detail } else { format!("job {job}: {}", self.detail) };
         Self { detail, errors: self.errors.into_iter().map(place).collect(), ..self }
     }
 
-    /// The faults of a job that cannot be.
+    /// Returns the faults of an invalid job.
     ///
     /// # Errors
-    /// Any other refusal, as it is.
+    /// The problem itself, if it is another one.
     pub(super) fn faults(self) -> Result<Vec<Fault>, Self> {
         if self.is(INVALID) && !self.errors.is_empty() { Ok(self.errors) } else { Err(self) }
     }
@@ -262,14 +262,14 @@ impl From<Unread> for Problem {
     fn from(unread: Unread) -> Self {
         match unread {
             Unread::Busy(busy) => busy.into(),
-            // reading has no parts that could be at fault
+            // reading has no outputs whose faults would need other pointers
             Unread::Failed(failure) => Self::of_failure(failure, |refused| refused.fault),
         }
     }
 }
 
 impl Problem {
-    /// The same refusal of a job that was accepted before.
+    /// Converts the refusal of a job that was accepted before: to be read again later, or never.
     pub(super) fn unreadable(self) -> Unreadable {
         match self.retry_after {
             Some(pause) => Unreadable::Later(pause),
@@ -277,13 +277,13 @@ impl Problem {
         }
     }
 
-    /// The answer to an address whose result is not there in time: nothing else than the result may be taken for it.
+    /// Returns the answer 503 of a GET whose result is not ready: a 2xx could be taken for the result.
     pub(super) fn unfinished() -> Self {
         let detail = "the result is being made and will be kept; ask again in 1 s";
         Self { retry_after: Some(Duration::from_secs(1)), ..Self::new(UNFINISHED, detail) }
     }
 
-    /// The refusal of a client that has sent more than it may.
+    /// Returns the refusal of a client that exceeds its quota.
     pub(super) fn quota(detail: String, retry_after: Duration) -> Self {
         Self { retry_after: Some(retry_after), ..Self::new(QUOTA, detail) }
     }
@@ -292,7 +292,7 @@ impl Problem {
         Self::new(CANCELLED, "the job was cancelled; send it again to have it queued again")
     }
 
-    /// Why a computation failed; `written` says where the request has what is at fault.
+    /// Converts the failure of a computation; `written` returns the place of a fault in the request.
     pub(super) fn of_failure(failure: Failure, written: impl FnOnce(JobFault) -> Fault) -> Self {
         match failure {
             Failure::Cancelled => Self::cancelled(),
@@ -329,14 +329,14 @@ impl IntoResponse for Problem {
             headers.insert(header::WWW_AUTHENTICATE, HeaderValue::from_static("Bearer realm=\"planish\""));
         }
         if is_coding {
-            // tells a client that it is the coding, not the type (RFC 9110, 12.5.3)
+            // says that the coding is refused, not the media type (RFC 9110, 12.5.3)
             headers.insert(header::ACCEPT_ENCODING, HeaderValue::from_static("gzip, zstd"));
         }
         (status, headers, body).into_response()
     }
 }
 
-/// The first faults, as many as fit into one answer.
+/// Returns the first faults, as many as fit into one answer.
 fn listed(faults: Vec<Fault>) -> Vec<FaultAnswer> {
     let mut left = MOST_FAULT_BYTES;
     let fitting = faults.into_iter().map(FaultAnswer::from).take_while(|fault| {
@@ -346,13 +346,13 @@ fn listed(faults: Vec<Fault>) -> Vec<FaultAnswer> {
     fitting.collect()
 }
 
-/// The answer where no route is.
+/// Returns the answer to a request without a route.
 pub(super) async fn no_such_page(uri: Uri) -> Problem {
     let path = shortened(uri.path());
     Problem::new(NOT_FOUND, format!("there is no page {path}; /openapi.json lists those that exist"))
 }
 
-/// The answer to a method that a page does not know.
+/// Returns the answer to a method that a route does not support.
 pub(super) async fn method_not_allowed(method: Method, uri: Uri) -> Problem {
     let path = shortened(uri.path());
     let posted = ["/v1/render", "/v1/estimate", "/v1/validate", "/v1/analyses", "/v1/compare", "/v1/evaluate"];
@@ -364,7 +364,7 @@ pub(super) async fn method_not_allowed(method: Method, uri: Uri) -> Problem {
     Problem::new(METHOD, format!("{path} does not know {}; {remedy}", shortened(method.as_str())))
 }
 
-/// What is written to a client that is not let in.
+/// Returns the bytes for a client whose connection is not admitted.
 pub(super) fn crowded() -> Vec<u8> {
     let busy = Problem {
         retry_after: Some(Duration::from_secs(1)),
@@ -373,7 +373,7 @@ pub(super) fn crowded() -> Vec<u8> {
     busy.written()
 }
 
-/// What is written in place of a refusal that the HTTP library made of bytes that it could not read as a request.
+/// Returns the bytes that replace the HTTP library's refusal of an invalid request.
 pub(super) fn unreadable(refusal: &[u8]) -> Vec<u8> {
     let is = |status: &[u8]| refusal.strip_prefix(b"HTTP/1.1 ").is_some_and(|rest| rest.starts_with(status));
     let problem = if is(b"431") {
@@ -389,7 +389,7 @@ pub(super) fn unreadable(refusal: &[u8]) -> Vec<u8> {
     problem.written()
 }
 
-/// The answer after a panic in a handler.
+/// Returns the answer after a panic in a handler.
 #[expect(clippy::needless_pass_by_value, reason = "the signature is that of the panic layer")]
 pub(super) fn panicked(panic: Box<dyn Any + Send>) -> Response {
     let text = panic.downcast_ref::<String>().map(String::as_str);

@@ -1,4 +1,4 @@
-//! What one client may ask for: requests for work in a minute, and such requests that are answered at once.
+//! The quotas of one client: requests for work per minute, and requests for work in flight.
 
 use std::time::Duration;
 
@@ -12,17 +12,17 @@ use crate::config::keys::Role;
 use crate::service::peer::{Kind, Peer, Ticket};
 use crate::service::rate::{Exceeded, Quota};
 
-/// A request that counts towards what its client may ask for, while it is answered.
+/// A request that counts against the quotas of its client while it is answered.
 #[derive(Debug, Default)]
 pub(super) struct Counted {
-    /// Who has sent it, and the requests a minute that it may send.
+    /// The client that sent the request, and its limit per minute.
     taken: Option<(Peer, u64)>,
     quota: Option<Quota>,
     in_flight: Option<Ticket>,
 }
 
 impl Counted {
-    /// Counts a request that asks for work; where its client has sent too much, it is refused.
+    /// Counts a request for work; sets `caller.refused` if its client exceeds a quota.
     pub(super) fn new(app: &App, caller: &mut Caller, request: &request::Parts) -> Self {
         let works = match needed(&request.method, request.uri.path()) {
             Need::Role(role) => role == Role::Render,
@@ -61,15 +61,15 @@ impl Counted {
         counted
     }
 
-    /// Gives the request back, as it was answered without any work.
+    /// Takes the request back from the quota per minute, as it was answered without any work.
     pub(super) fn give_back(self, app: &App) {
         if let Some((peer, per_minute)) = self.taken {
             app.rates.give_back(peer, per_minute);
         }
     }
 
-    /// Says in the headers of an answer what the client may still send, but where the answer was there and cost
-    /// nothing; the place among those that are answered at once is held by what is given back.
+    /// Adds the remaining quota to the headers of an answer; a cache hit is taken back from the quota instead. The
+    /// returned ticket is the request's place among those in flight.
     pub(super) fn told(mut self, app: &App, headers: &mut HeaderMap) -> Option<Ticket> {
         if headers.get("cache-status").is_some_and(|status| status == "planish; hit") {
             let in_flight = self.in_flight.take();

@@ -1,5 +1,5 @@
-//! From the body of a request to a job: read, checked and completed in the lane for reading, searched for where a
-//! tolerance is asked for.
+//! From the body of a request to a job: read, checked and completed in the reading lane, with a search for the level if
+//! a tolerance is requested.
 
 use std::io::Write;
 use std::sync::Arc;
@@ -24,40 +24,39 @@ use crate::watch::Watch;
 use crate::wire::JobRequest;
 use crate::wire::read::weight;
 
-/// Media type of what a search has found, which is no result of a job.
+/// Media type of the result of a search, which is stored like an artifact but is no result of a job.
 const SEARCH_MEDIA_TYPE: &str = "application/vnd.planish.search+json";
-/// What a search has found takes less than this.
-/// It only bounds what is booked beforehand: half of it is still far more than a level and a number need.
+/// Upper bound of the result of a search in bytes. It bounds only the memory booked beforehand; half of it is still far
+/// more than a level and a number need.
 const SEARCH_ANSWER_BYTES: u128 = 4 << 10;
-/// Searches that cannot come to more work than this begin in the short lane: 13 s at 100 ns a unit, which curves have.
-/// Half of it sends the searches of curves to the long lane; twice of it lets some of surfaces begin in the short one.
+/// Maximum work of searches that begin in the short lane: 13 s at 100 ns per unit, as on curves. Half of it sends the
+/// searches of curves to the long lane; twice of it lets some of surfaces begin in the short one.
 const SHORT_SEARCH: u128 = 1 << 27;
-/// What checking a draft that was searched for takes, as a share of its input.
-/// It is charged while keys and schedules are made; one part of two books more than that takes, one of four less than
-/// hashing a large input needs.
+/// Memory for completing a job after a search, in multiples of the size of its search. It is charged while keys and
+/// schedules are made. 2 is more than that takes; half of it is less than hashing a large input needs.
 const COMPLETING: u64 = 2;
 
-/// A request that was read.
+/// A job that was read from a request.
 #[derive(Debug)]
 pub(super) struct ReadJob {
     /// The job.
     pub(super) job: Job,
-    /// The memory of its input.
+    /// The memory of the job's input.
     pub(super) input: Arc<Paid>,
     /// The request as it was sent.
     pub(super) sent: Sent,
 }
 
-/// A request that is read as far as that goes without a search.
+/// A request that is read and checked as far as that is possible without a search.
 pub(super) enum Step {
     Complete(Box<ReadJob>),
     Search(Arc<Search>, Arc<Paid>, Sent),
 }
 
-/// Reads a job of so many outputs at most; `prepare` may name one where the request names none.
+/// Reads a job with at most `most_outputs` outputs; `prepare` may add one if the request names none.
 ///
 /// # Errors
-/// Whatever is wrong with the request; 503 when too much is being read already.
+/// Every fault of the request; 503 if too much is being read already.
 pub(super) async fn job(
     app: &Arc<App>,
     peer: Peer,
@@ -78,7 +77,7 @@ pub(super) async fn job(
     }
 }
 
-/// As [`job`], as far as that goes without a search.
+/// As [`job`], but leaves the search to the caller.
 ///
 /// # Errors
 /// As [`job`].
@@ -117,18 +116,18 @@ pub(super) async fn draft(
     step.await?
 }
 
-/// The refusal of something that takes more memory than there ever is for it.
+/// Returns the refusal of something that needs more memory than its whole share.
 pub(super) fn too_large(what: &str, needs: u64, has: u64) -> Problem {
     Problem::new(problem::TOO_LARGE, too_much(what, needs, has))
 }
 
-/// Says that something takes more memory than there ever is for it.
+/// Returns the message that something needs more memory than its whole share.
 pub(super) fn too_much(what: &str, needs: u64, has: u64) -> String {
     let (needs, has) = (in_bytes(needs.into()), in_bytes(has.into()));
     format!("{what} {needs} of memory; this server has {has} for that: send a smaller one, or raise --max-memory-bytes")
 }
 
-/// Admits a job, in the lane for reading, as some forecasts count for a while.
+/// Admits a job in the reading lane, as some forecasts take a while to count.
 pub(super) async fn admit(app: &Arc<App>, peer: Peer, job: Job) -> Result<Arc<Admitted>, Problem> {
     let limits = app.desk.limits;
     let bytes = job.forecast_bytes();
@@ -136,7 +135,7 @@ pub(super) async fn admit(app: &Arc<App>, peer: Peer, job: Job) -> Result<Arc<Ad
     Ok(Arc::new(admitted?))
 }
 
-/// The level that a tolerance leads to: kept from an earlier search, or searched for as other computations are made.
+/// Returns the level for a tolerance: stored from an earlier search, or searched for like any other computation.
 async fn reached(app: &Arc<App>, peer: Peer, search: &Arc<Search>, input: &Arc<Paid>) -> Result<Reached, Problem> {
     let task = Arc::new(SearchTask { search: search.clone(), _input: input.clone() });
     if let Some(manifest) = app.desk.find(task.key(), peer).await
@@ -151,13 +150,13 @@ async fn reached(app: &Arc<App>, peer: Peer, search: &Arc<Search>, input: &Arc<P
     let interest = app.desk.compute(task, peer)?;
     match interest.computation.finished().await {
         Phase::Done(outcome) => answered(&whole(app, &outcome).await?),
-        // what a search refuses is its answer
+        // a search has no outputs whose faults would need other pointers
         Phase::Failed(failure) => Err(Problem::of_failure(failure, |refused| refused.fault)),
         Phase::Queued | Phase::Running => Err(Problem::cancelled()),
     }
 }
 
-/// The bytes of a small outcome.
+/// Returns the bytes of an outcome that consists of one part.
 async fn whole(app: &Arc<App>, outcome: &Outcome) -> Result<axum::body::Bytes, Problem> {
     let bytes = match &outcome.loose {
         Some(bytes) => Some(bytes.clone()),
@@ -166,7 +165,7 @@ async fn whole(app: &Arc<App>, outcome: &Outcome) -> Result<axum::body::Bytes, P
     bytes.ok_or_else(|| super::answer::Lost::Gone.into())
 }
 
-/// What a search has found, as it is kept: refusals are remembered like results.
+/// The result of a search as it is stored; refusals are stored like results.
 #[derive(Debug, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 enum SearchAnswer {
@@ -200,7 +199,7 @@ impl Task for SearchTask {
     fn cost(&self) -> Cost {
         let cost = self.search.cost();
         let (work, memory_bytes) = (u128::from(cost.work), u128::from(cost.bytes));
-        // searches on curves mostly end in milliseconds; what does not is moved to the long lane
+        // searches on curves mostly end in milliseconds; longer ones are moved to the long lane
         let time_ms = if work <= SHORT_SEARCH { 1 } else { work / 10_000 };
         Cost { memory_bytes, time_ms, work, result_bytes: SEARCH_ANSWER_BYTES }
     }

@@ -9,7 +9,7 @@ use sha2::{Digest, Sha256};
 
 const STYLE: &str = include_str!("reference.css");
 
-/// What the page may load: nothing but its own style, which is named by its hash.
+/// Returns the content security policy of the page: it may load nothing; its own style is allowed by its hash.
 pub(super) fn policy() -> String {
     let style = STANDARD.encode(Sha256::digest(STYLE));
     format!(
@@ -17,7 +17,7 @@ pub(super) fn policy() -> String {
     )
 }
 
-/// The page that shows an OpenAPI document.
+/// Returns the page that shows an OpenAPI document.
 pub(super) fn page(document: &Value) -> String {
     let (mut nav, mut main) = (String::new(), String::new());
     let title = text_of(&document["info"], "title");
@@ -110,7 +110,7 @@ fn table(page: &mut String, title: &str, rows: impl Iterator<Item = (String, Str
     }
 }
 
-/// What a schema says of a value, in a few words.
+/// Describes the type of a schema in a few words, as HTML.
 fn kind(schema: &Value) -> String {
     if let Some(name) = schema["$ref"].as_str().and_then(|place| place.rsplit('/').next()) {
         return format!("<a href=\"#{}\">{}</a>", anchor(&format!("schema-{name}")), escaped(name));
@@ -136,7 +136,7 @@ fn entries(object: &Value) -> impl Iterator<Item = (&String, &Value)> {
     object.as_object().into_iter().flatten()
 }
 
-/// All operations but HEAD, which answers as GET does, without the bytes.
+/// Returns all operations except HEAD, which answers like GET without the bytes.
 fn operations(document: &Value) -> impl Iterator<Item = (&String, &String, &Value)> {
     let all = entries(&document["paths"]);
     let all = all.flat_map(|(path, verbs)| entries(verbs).map(move |(verb, of)| (path, verb, of)));
@@ -147,7 +147,7 @@ fn tag_of(operation: &Value) -> String {
     operation["tags"][0].as_str().unwrap_or("other").to_owned()
 }
 
-/// The tags in the order of the document, then others in the order in which operations first have them.
+/// Returns the tags in the order of the document, then others in the order of their first operation.
 fn tags(document: &Value) -> Vec<String> {
     let named = document["tags"].as_array().into_iter().flatten();
     let mut tags: Vec<String> = named.filter_map(|tag| tag["name"].as_str().map(str::to_owned)).collect();
@@ -171,12 +171,12 @@ fn anchor(text: &str) -> String {
     text.chars().map(|c| if c.is_ascii_alphanumeric() { c } else { '-' }).collect()
 }
 
-/// Text with its marks of HTML written out.
+/// Escapes the special characters of HTML.
 fn escaped(text: &str) -> String {
     text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
 }
 
-/// Paragraphs of Markdown, of which backticks and fences are known.
+/// Renders Markdown as HTML; only paragraphs, backticks and fences are supported.
 fn paragraphs(text: &str) -> String {
     let mut html = String::new();
     for (at, block) in text.split("```").enumerate() {

@@ -1,4 +1,4 @@
-//! POST /v1/render: one job, one output, the bytes now.
+//! POST /v1/render: one job with one output, answered with the bytes.
 
 use std::sync::Arc;
 use std::time::Duration;
@@ -82,18 +82,18 @@ pub(super) async fn render(
     answer.await.unwrap_or_else(IntoResponse::into_response)
 }
 
-/// A result that is wanted.
+/// A request for a result.
 #[derive(Debug)]
 pub(super) struct Wanted {
-    /// The request.
+    /// The body of the request.
     pub(super) sent: Sent,
-    /// Its identity.
+    /// The identity of the request.
     pub(super) identity: Option<Key>,
-    /// Whether the result is to be kept, however large it is.
+    /// Whether the result is to be stored, however large it is.
     pub(super) keep: bool,
 }
 
-/// The answer with the result of a job, or with where it will be.
+/// Answers with the result of a job, or with 202 and the location of the job.
 pub(super) async fn rendered(
     app: &Arc<App>,
     client: &Client,
@@ -116,7 +116,7 @@ pub(super) async fn rendered(
         if let Some(tag) = negotiate::has_kept(headers, &known.key) {
             return Ok(not_modified(&known, tag));
         }
-        // what turns out to be damaged has been dropped, and is made again
+        // a damaged artifact has been dropped from the store, and is computed again
         match whole(app, headers, Artifact::kept(manifest, client.peer()), &known).await {
             Err(Lost::Gone) => {}
             answered => {
@@ -135,7 +135,7 @@ pub(super) async fn rendered(
             said(known.reached, response.headers_mut());
             return Ok(response);
         }
-        // nothing came in time: the result is made for whoever comes back, where it can be kept
+        // no bytes came in time: the result is computed for a later request, if it can be stored
         streaming::check_kept(app, &admitted).map_err(|_| streaming::too_busy())?;
         patience.0 = Duration::ZERO;
     }
@@ -143,8 +143,8 @@ pub(super) async fn rendered(
     made(app, client, headers, patience, (admitted, input, sent), known).await
 }
 
-/// The answer to a job whose result refers to others: it is made or found as any, and its record is there afterwards,
-/// from which the others are made when they are asked for.
+/// Answers a job whose result refers to further files: it is computed or found like others, and a record of the job is
+/// kept, from which the files are computed when they are requested.
 async fn referring(
     app: &Arc<App>,
     client: &Client,
@@ -168,7 +168,7 @@ fn remember(app: &Arc<App>, request: Option<Key>, known: &Known) {
     }
 }
 
-/// The answer to a request that came before and whose result is at hand.
+/// Answers a repeated request whose result is in memory.
 async fn again(app: &Arc<App>, client: &Client, headers: &HeaderMap, request: Option<Key>) -> Option<Response> {
     let known = app.memo.get(&request?)?;
     let manifest = app.desk.at_hand(&known.key, client.peer())?;
@@ -178,7 +178,7 @@ async fn again(app: &Arc<App>, client: &Client, headers: &HeaderMap, request: Op
     whole(app, headers, Artifact::kept(manifest, client.peer()), &known).await.ok()
 }
 
-/// Has the artifact made, and answers with it or, when that takes too long, with where it will be.
+/// Computes the artifact, and answers with it or, if that takes longer than `patience`, with the location of the job.
 async fn made(
     app: &Arc<App>,
     client: &Client,
@@ -191,9 +191,9 @@ async fn made(
     let id = JobKey { tenant: client.tenant(), id: job.id() };
     let entries = job.entries(&job.outputs[0]);
     let summary = |sent: &Sent| working::summary(&admitted, sent);
-    // the others are made from the record
+    // the further files are computed from the record
     let refers = job.detail_keys().next().is_some();
-    // somebody else may have had it made while it was forecast
+    // another request may have computed it during the forecast
     if let Some(manifest) = app.desk.at_hand(&known.key, client.peer())
         && let Ok(response) = whole(app, headers, Artifact::kept(manifest.clone(), client.peer()), &known).await
     {
@@ -227,13 +227,13 @@ async fn whole(app: &Arc<App>, headers: &HeaderMap, found: Artifact, known: &Kno
     answer::bytes(app, found, head, ByteRange::Whole).await
 }
 
-/// Reads, checks and keys the job.
+/// Reads and checks the job, and computes its keys.
 pub(super) async fn read(app: &Arc<App>, client: &Client, headers: &HeaderMap, sent: Sent) -> Result<ReadJob, Problem> {
     let headers = headers.clone();
     reading::job(app, client.peer(), sent, 1, move |request| negotiate::settle(&headers, request)).await
 }
 
-/// What a tolerance or "auto" led to: the level, and of a tolerance how far from the limit the result is at most.
+/// Adds the level that a tolerance or "auto" resolved to, and for a tolerance the bound of the distance from the limit.
 fn said(reached: Option<Resolved>, headers: &mut HeaderMap) {
     let Some(reached) = reached else { return };
     headers.insert(HeaderName::from_static("planish-level"), reached.level.into());

@@ -1,4 +1,4 @@
-//! How often requests were answered, and with how many bytes.
+//! Counts of answered requests, and of the bytes of their answers.
 
 use std::collections::BTreeMap;
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -6,7 +6,8 @@ use std::sync::{Mutex, PoisonError};
 
 use axum::http::Method;
 
-/// Requests by method, route and status: closed sets all three, so that no client can make the table grow.
+/// The number of answers by method, route and status. All three are closed sets, so that no client can make the table
+/// grow.
 #[derive(Debug, Default)]
 pub(super) struct Requests {
     answers: Mutex<BTreeMap<(&'static str, String, u16), u64>>,
@@ -21,17 +22,17 @@ impl Requests {
         *table.entry((method.unwrap_or("other"), route.to_owned(), status)).or_default() += 1;
     }
 
-    /// Counts bytes of an answer.
+    /// Counts bytes of an answer's body.
     pub(super) fn sent(&self, bytes: usize) {
         self.sent_bytes.fetch_add(bytes as u64, Ordering::Relaxed);
     }
 
-    /// Bytes of all answers, without their heads.
+    /// Returns the number of bytes of all answers, without their headers.
     pub(super) fn sent_bytes(&self) -> u64 {
         self.sent_bytes.load(Ordering::Relaxed)
     }
 
-    /// Tells method, route, status and number of all that were counted, in their order.
+    /// Calls `tell` with method, route, status and count of each entry, in order.
     pub(super) fn each(&self, mut tell: impl FnMut(&str, &str, u16, u64)) {
         let table = self.answers.lock().unwrap_or_else(PoisonError::into_inner);
         table.iter().for_each(|((method, route, status), n)| tell(method, route, *status, *n));

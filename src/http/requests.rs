@@ -1,5 +1,4 @@
-//! The requests of one connection: answered the short way, or handed to the router together with the connection they
-//! came by.
+//! The requests of one connection: answered the short way, or passed to the router together with the connection.
 
 use std::convert::Infallible;
 use std::future::{Future, Ready, ready};
@@ -30,7 +29,7 @@ use super::short::Asked;
 use super::trace::Trace;
 use crate::service::peer::Ticket;
 
-/// Answers requests or hands them on, and keeps the state of their connection.
+/// The HTTP service of one connection, which also keeps the state of the connection.
 #[derive(Debug, Clone)]
 pub(super) struct Requests {
     app: Arc<App>,
@@ -43,7 +42,7 @@ impl Requests {
         Self { app, router, connection }
     }
 
-    /// The answer that was given before to what a plain request asks for.
+    /// Returns the remembered answer to a plain request, and counts it.
     fn again(&self, asked: Option<Asked>, parts: &request::Parts) -> Option<Response<Content>> {
         let asked = asked?;
         let answer = self.app.short.answer(&self.app.desk.tiers, &asked, parts)?;
@@ -52,7 +51,7 @@ impl Requests {
         Some(answer.map(|bytes| Content::Whole(Full::new(bytes))))
     }
 
-    /// The answer to a request whose body is not read yet.
+    /// Answers a request whose body has not been read.
     async fn answer(
         self,
         mut parts: request::Parts,
@@ -100,7 +99,7 @@ impl Service<Request<Incoming>> for Requests {
         connection.serving.store(true, Ordering::Relaxed);
         connection.answering.store(true, Ordering::Relaxed);
         connection.begin();
-        // a request whose body is still to come keeps the service waiting; see `body::collect`
+        // until its body has arrived, a request keeps the service waiting; see `body::collect`
         if request.body().is_end_stream() {
             connection.enter(Phase::Working);
         }
@@ -117,7 +116,7 @@ impl Service<Request<Incoming>> for Requests {
         }
         let (app, answer) = (self.app.clone(), self.clone().answer(parts, body, (caller, asked)));
         Either::Right(Box::pin(async move {
-            // every line of the log that the answer leaves has its id
+            // every log line of the request has its trace id
             let span = tracing::error_span!("request", trace_id = trace.id());
             let (mut response, in_flight) = trace.clone().within(answer).instrument(span).await;
             trace.told(response.headers_mut());
@@ -127,16 +126,16 @@ impl Service<Request<Incoming>> for Requests {
     }
 }
 
-/// What an answer contains.
+/// The body of an answer.
 #[derive(Debug)]
 enum Content {
-    /// Bytes that are all there.
+    /// Bytes that are all in memory.
     Whole(Full<Bytes>),
-    /// What the router answers.
+    /// A body from the router.
     Routed(Body),
 }
 
-/// The body of an answer; when it ends, so does the answer.
+/// The body of an answer with the resources that are released at its end.
 #[derive(Debug)]
 pub(super) struct Ending {
     content: Content,

@@ -1,4 +1,4 @@
-//! The router of a service: its routes, and what all answers have in common.
+//! The router of a service: its routes, and the layers that all requests pass.
 
 use std::sync::Arc;
 use std::time::Duration;
@@ -17,13 +17,13 @@ use super::document::{Document, completed};
 use super::{guard, metrics, problem, routes};
 use crate::config::{CorsOrigins, Settings};
 
-/// The OpenAPI document of the interface.
+/// Returns the OpenAPI document of the interface.
 pub fn document() -> openapi::OpenApi {
     let described = OpenApiRouter::with_openapi(Document::openapi()).merge(routes::all());
     completed(described.into_openapi())
 }
 
-/// The OpenAPI document as text, the way it is committed.
+/// Returns the OpenAPI document as text, in the form in which it is committed.
 ///
 /// # Panics
 /// Never: the document is plain data.
@@ -33,7 +33,7 @@ pub fn document_text() -> String {
     text
 }
 
-/// The router of a service.
+/// Creates the router of a service.
 pub fn router(app: Arc<App>) -> Router {
     let (router, _) = routes::all().split_for_parts();
     router
@@ -49,7 +49,7 @@ pub fn router(app: Arc<App>) -> Router {
         .with_state(app)
 }
 
-/// Pages of the origins that the settings name may ask; no cookies are involved.
+/// Returns the CORS layer: pages from the origins of the settings may send requests; cookies are not involved.
 fn cors(settings: &Settings) -> CorsLayer {
     let (origins, address) = (settings.cors_origins.clone(), settings.listen.ip());
     let origin = match origins {

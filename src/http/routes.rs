@@ -1,4 +1,4 @@
-//! The routes: one line a resource, whose file has its handlers.
+//! The routes: one line per resource, whose handlers are in the file of the same name.
 
 use axum::routing::get;
 use tower_http::compression::CompressionLayer;
@@ -11,10 +11,10 @@ use super::{
     links, metrics, pages, play, posting, render, signed, validate,
 };
 
-/// All routes and their descriptions.
+/// Returns all routes with their descriptions.
 pub(super) fn all() -> OpenApiRouter<Shared> {
-    // artifacts and files of pages have compressed variants with ETags of their own; other texts are compressed on
-    // their way
+    // artifacts and the files of pages have compressed variants with ETags of their own; other texts are compressed
+    // while they are sent
     let artifacts = OpenApiRouter::new()
         .routes(routes!(render::render, links::link))
         .routes(routes!(links::kroki))

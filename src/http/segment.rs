@@ -1,11 +1,11 @@
-//! The variable part of an address.
+//! The extractor of the variable part of a path.
 
 use axum::extract::{FromRequestParts, Path};
 use axum::http::request::Parts;
 
 use super::problem::{self, Problem};
 
-/// What stands in the last place of an address; one that is no text is the address of nothing.
+/// The last variable segment of a path as text; if it is not UTF-8, the request is answered with 404.
 #[derive(Debug)]
 pub(super) struct Segment(pub(super) String);
 

@@ -1,4 +1,4 @@
-//! The server: connections with timeouts on every silence, a cap on their number, and an orderly end.
+//! The server: connections with timeouts, a maximum number of them, and an orderly shutdown.
 
 use std::future::Future;
 use std::io::{self, Write};
@@ -47,15 +47,15 @@ use crate::service::uploads::Uploads;
 use crate::wire::batch::layout;
 use crate::wire::read::weight;
 
-/// Why the service did not start.
+/// The reason why the service did not start.
 #[derive(Debug, thiserror::Error)]
 pub enum StartError {
-    /// The address cannot be listened on.
+    /// The service cannot listen on the address.
     #[error("cannot listen on {address}: {error}; choose another with --listen")]
     Listen {
         /// The address.
         address: std::net::SocketAddr,
-        /// Why.
+        /// The cause.
         error: io::Error,
     },
     /// The data directory cannot be used.
@@ -66,21 +66,21 @@ pub enum StartError {
     Store {
         /// The directory.
         path: String,
-        /// Why.
+        /// The cause.
         error: crate::service::store::StoreError,
     },
     /// The bucket cannot be used.
     #[error("cannot keep results in the bucket \"{bucket}\": {error}; see --s3-bucket, --s3-endpoint and --s3-region")]
     Bucket {
-        /// Its name.
+        /// The name of the bucket.
         bucket: String,
-        /// Why.
+        /// The cause.
         error: crate::service::store::StoreError,
     },
-    /// The keys cannot be read.
+    /// The key file cannot be read.
     #[error(transparent)]
     Keys(#[from] KeyFileError),
-    /// Everybody in the network could have work done.
+    /// There are no keys, and the address is reachable from the network.
     #[error(
         "there are no keys, and {address} is no loopback address, so that everybody who reaches it could have work \
          done; make a key with `planish key add --data-dir {data_dir}`, or let everybody in with --without-keys true"
@@ -88,16 +88,16 @@ pub enum StartError {
     NoKeys {
         /// The address.
         address: std::net::SocketAddr,
-        /// Where the keys would be.
+        /// The data directory, where the keys would be.
         data_dir: String,
     },
-    /// No store has this name.
+    /// The settings name an unknown store.
     #[error(
         "there is no cache store \"{name}\"; give one of these with --cache-store: {}",
         STORES.iter().map(|kind| kind.name).collect::<Vec<_>>().join(", ")
     )]
     NoSuchStore {
-        /// The name.
+        /// The unknown name.
         name: String,
     },
     /// The compute threads cannot be started.
@@ -105,18 +105,17 @@ pub enum StartError {
     Threads(#[from] rayon::ThreadPoolBuildError),
 }
 
-/// Bytes of an answer that the system may hold for a client that does not read it. Twice as much is kept, and a write
-/// waits until a third is free: more than a round trip of a tenth of a second at 10 MB/s, and read out in about a
-/// minute at the least rate.
+/// Size of the socket's send buffer in bytes: what the system holds of an answer for a client that does not read it.
+/// The system allocates twice as much, and a write waits until a third is free: more than a round trip of a tenth of a
+/// second at 10 MB/s, and read in about a minute at the minimum rate.
 const SEND_BUFFER_BYTES: u32 = 512 << 10;
-/// Connections that the system may hold until they are accepted.
-/// The system may set a lower limit. Half of it refuses bursts half as large; twice of it lets as many more wait.
+/// Maximum number of connections that the system holds until they are accepted; the system may set a lower limit. Half
+/// of it refuses bursts half as large; twice of it lets as many more wait.
 const BACKLOG: u32 = 1024;
-/// How long a computation may hold a place in the short lane: four times the prediction from which on work counts as
-/// long.
+/// Maximum time of a computation in the short lane: four times the prediction from which on work counts as long.
 const SHORT_TIME: Duration = Duration::from_secs(1);
 
-/// Opens stores, threads and listener.
+/// Opens stores, compute threads and listener.
 ///
 /// # Errors
 /// [`StartError`].
@@ -124,7 +123,7 @@ pub async fn bind(settings: Settings) -> Result<(TcpListener, Arc<App>), StartEr
     bind_at(settings, Arc::new(Monotonic::default())).await
 }
 
-/// As [`bind`], by a clock of one's own.
+/// As [`bind`], with the given clock.
 ///
 /// # Errors
 /// [`StartError`].
@@ -145,14 +144,14 @@ pub async fn bind_at(mut settings: Settings, clock: Arc<dyn Clock>) -> Result<(T
         run_timeout: Duration::from_secs(settings.run_timeout_s),
         short_time: SHORT_TIME,
         most_a_peer: settings.max_queue_per_peer as u64,
-        // a quarter of the connections is kept for requests that wait for nothing
+        // a quarter of the connections is reserved for requests that do not wait
         most_waiting: (settings.max_connections - settings.max_connections / 4) as u64,
         most_jobs: settings.max_queue,
         job_ttl: Duration::from_secs(settings.job_ttl_s),
     };
     let connections = Connections::new(settings.max_connections, settings.max_connections_per_peer, clock.clone());
     let limits = settings.limits();
-    // no job is taken on that finds no memory even when it is alone
+    // a job is refused if it would not get its memory even when nothing else runs
     let limits = Limits { max_job_bytes: limits.max_job_bytes.min(account.long.capacity), ..limits };
     let batches = Batches::new(records.clone(), clock.clone(), |text| layout(text).ok());
     let (jobs, queue) = (Jobs::new(records, clock.clone()), Arc::new(queue::Local::default()));
@@ -184,10 +183,10 @@ pub async fn bind_at(mut settings: Settings, clock: Arc<dyn Clock>) -> Result<(T
     ))
 }
 
-/// What outlasts the service, as far as anything does: results, records of jobs, uploads.
+/// Stores of results, of job records, and of uploads; the first two are `None` if nothing is kept on disk.
 type Lasting = (Option<Arc<dyn Store>>, Option<Arc<dyn Records>>, Uploads);
 
-/// Opens what outlasts the service.
+/// Opens the stores of the settings.
 fn stores(settings: &Settings, account: &Account, clock: &Arc<dyn Clock>) -> Result<Lasting, StartError> {
     let name = &settings.cache_store;
     let kind = STORES.iter().find(|kind| kind.name == name);
@@ -226,9 +225,9 @@ fn stores(settings: &Settings, account: &Account, clock: &Arc<dyn Clock>) -> Res
     Ok((Some(store), records, Uploads::new(uploads)))
 }
 
-/// The longest body that the memory of the service is good for: half of the share of bodies, and so long that reading
-/// it takes no more than its share and three quarters of the 512 MiB that resident memory may be above the whole. That
-/// is 32 MiB of the default memory.
+/// Returns the maximum length of a body that the memory of the service allows: half of the share of bodies, and such
+/// that reading it takes no more than the share of reading and three quarters of the 512 MiB that resident memory may
+/// be above the total. That is 32 MiB with the default memory.
 fn longest_body(account: &Account) -> u64 {
     let room = account.reading.capacity + (384 << 20);
     (account.bodies.capacity / 2).min(room / (weight(1) - weight(0)))
@@ -242,7 +241,7 @@ fn listen(address: std::net::SocketAddr) -> io::Result<TcpListener> {
     socket.listen(BACKLOG)
 }
 
-/// Serves until `stop` comes true, then lets running requests end.
+/// Serves until `stop` completes, then lets running requests and jobs finish.
 pub async fn serve(listener: TcpListener, app: Arc<App>, stop: impl Future<Output = ()>) {
     let canary = tokio::spawn(canary::sing(app.canary.clone(), app.desk.clone()));
     let mut working = work(&app);
@@ -281,7 +280,8 @@ pub async fn serve(listener: TcpListener, app: Arc<App>, stop: impl Future<Outpu
     working.abort_all();
 }
 
-/// Those who do accepted jobs: one more in each lane than it has places, so that one waits while the others compute.
+/// Starts the background tasks: the workers of accepted jobs, one more in each lane than it has places, so that one
+/// waits while the others compute; the worker of batches; tidying; and rereading the keys.
 fn work(app: &Arc<App>) -> JoinSet<()> {
     let mut working = JoinSet::new();
     for lane in [Lane::Short, Lane::Long] {
@@ -297,7 +297,7 @@ fn work(app: &Arc<App>) -> JoinSet<()> {
     working
 }
 
-/// Tells a client that there is no place, as far as the system takes that at once: nobody waits for it.
+/// Answers a client that there is no free connection, as far as the system takes the bytes at once, without waiting.
 fn turn_away(stream: TcpStream) {
     if let Err(error) = stream.into_std().and_then(|mut stream| stream.write(&problem::crowded())) {
         tracing::debug!(%error, "a client that was not let in was not told");
@@ -306,7 +306,7 @@ fn turn_away(stream: TcpStream) {
 
 /// Answers the requests of a connection until either side closes it.
 fn attend(stream: TcpStream, open: Open, app: &Arc<App>, router: Router, graceful: &GracefulShutdown) {
-    // answers are written at once or in large parts; waiting for more would only delay them
+    // answers are written at once or in large parts, so that Nagle's algorithm would only delay them
     if let Err(error) = stream.set_nodelay(true) {
         tracing::debug!(%error, "TCP_NODELAY was not set");
     }

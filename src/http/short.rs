@@ -1,5 +1,5 @@
-//! The short way: a plain request whose answer the router has given before is answered again without it, with the same
-//! headers and bytes, as long as the very same artifact is in memory.
+//! The short way: a plain request that the router has answered before is answered again without the router, with the
+//! same headers and bytes, as long as the same artifact is in memory.
 
 use std::collections::HashMap;
 use std::sync::{Arc, Mutex, PoisonError};
@@ -15,34 +15,35 @@ use crate::service::store::Manifest;
 use crate::service::tiers::Tiers;
 use crate::service::variant::Coding;
 
-/// Most answers whose headers are remembered; when there are more, all are forgotten.
-/// Each takes about 2 KiB, and 6 KiB at most, with its warnings. Twice of it may hold 24 MiB; half of it forgets twice
-/// as often, and what is forgotten takes the long way once.
+/// Maximum number of answers whose headers are remembered; when it is reached, all are forgotten. Each takes about 2
+/// KiB, and 6 KiB at most, with its warnings. Twice of it may hold 24 MiB; half of it forgets twice as often, and a
+/// forgotten answer passes the router once.
 const MAX_ANSWERS: usize = 2048;
 
-/// Where artifacts have their addresses.
+/// The path of artifacts.
 const ARTIFACTS: &str = "/v1/artifacts/";
-/// Digits of a key.
+/// Hexadecimal digits of a key.
 const KEY_DIGITS: usize = 64;
 
-/// What a plain request asks for.
+/// The resource that a plain request names.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub(super) enum Asked {
-    /// The artifact of a key for a tenant, by its address, in the coding that is liked best.
+    /// The artifact of a key for a tenant, by its address, in the preferred coding.
     Artifact(Tenant, Key, Option<Coding>),
-    /// The result of a request of this [identity](super::memo::identity), in the coding that is liked best.
+    /// The result of a request with this [identity](super::memo::identity), in the preferred coding.
     Render(Key, Option<Coding>),
 }
 
-/// The answers that the router has given to plain requests.
+/// The remembered answers of the router to plain requests.
 #[derive(Debug, Default)]
 pub struct Short(Mutex<HashMap<Asked, Arc<Head>>>);
 
-/// Says of an answer that it is the whole of this artifact, which was there, and owes nothing for its memory.
+/// An extension of an answer: it consists of this whole artifact, which was in the cache, and its memory is not
+/// charged.
 #[derive(Debug, Clone)]
 pub(super) struct Plain(pub(super) Arc<Manifest>);
 
-/// The headers of an answer, the artifact they are about, and the origin of the page that asked.
+/// The headers of an answer, its artifact, and the origin of the page that sent the request.
 #[derive(Debug)]
 struct Head {
     manifest: Arc<Manifest>,
@@ -51,7 +52,7 @@ struct Head {
 }
 
 impl Asked {
-    /// The route that would have answered it.
+    /// Returns the route that would have answered the request.
     pub(super) fn route(self) -> &'static str {
         match self {
             Self::Artifact(..) => "/v1/artifacts/{file}",
@@ -59,7 +60,8 @@ impl Asked {
         }
     }
 
-    /// What a request of a tenant asks for by its address alone: an artifact, or the result of a job that stands in it.
+    /// Returns what a request of a tenant names by its address alone: an artifact, or the result of a job in the
+    /// address.
     pub(super) fn get(request: &request::Parts, tenant: Tenant) -> Option<Self> {
         let (address, headers) = (&request.uri, &request.headers);
         if request.method != Method::GET || !is_plain(headers) {
@@ -72,31 +74,31 @@ impl Asked {
         is_link(address).then(|| Self::Render(identity(), negotiate::coding(headers)))
     }
 
-    /// The result that a request asks for whose body and `Accept` have this identity.
+    /// Returns what a POST request names whose body and `Accept` have this identity.
     pub(super) fn render(request: &request::Parts, identity: Option<Key>) -> Option<Self> {
         let identity = identity.filter(|_| is_plain(&request.headers))?;
         Some(Self::Render(identity, negotiate::coding(&request.headers)))
     }
 }
 
-/// Whether none of the headers is there that the way through the router heeds when the result is at hand, but for those
-/// of a request's identity, `Accept-Encoding`, `Host`, and `Origin`.
+/// Returns whether a request has no header that would change its answer from the router when the result is in the
+/// cache, except `Accept-Encoding`, `Host`, `Origin` and the headers of the request's identity.
 fn is_plain(headers: &HeaderMap) -> bool {
     ![header::IF_NONE_MATCH, header::RANGE].iter().any(|name| headers.contains_key(name))
 }
 
 impl Short {
-    /// How many answers are remembered.
+    /// Returns the number of remembered answers.
     pub fn len(&self) -> usize {
         self.0.lock().unwrap_or_else(PoisonError::into_inner).len()
     }
 
-    /// Whether no answer is remembered.
+    /// Returns whether no answer is remembered.
     pub fn is_empty(&self) -> bool {
         self.len() == 0
     }
 
-    /// The answer to a request that names a host of ours, where the router has given it before.
+    /// Returns the remembered answer to a request, if its artifact is in memory. The caller has checked the host.
     pub(super) fn answer(&self, tiers: &Tiers, asked: &Asked, request: &request::Parts) -> Option<Response<Bytes>> {
         let head = self.0.lock().unwrap_or_else(PoisonError::into_inner).get(asked).cloned()?;
         let address = head.headers.get(header::CONTENT_LOCATION);
@@ -109,7 +111,7 @@ impl Short {
         Some(response)
     }
 
-    /// Remembers the answer that the router gave to a page of this origin, where it can be given again.
+    /// Remembers the router's answer to a page of this origin, if it can be sent again.
     pub(super) fn remember<B>(&self, asked: Asked, origin: Option<HeaderValue>, response: &mut Response<B>) {
         let Some(Plain(manifest)) = response.extensions_mut().remove() else { return };
         if response.status() != StatusCode::OK {

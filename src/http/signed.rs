@@ -1,4 +1,4 @@
-//! GET /v1/r/{signature}/{expiry}/...: what a signed address opens to whoever has it, until its time is over. The gate
+//! GET /v1/r/{signature}/{expiry}/...: resources that a signed address opens to everybody until it expires. The gate
 //! has checked the signature.
 
 use axum::extract::{Path, State};
@@ -21,10 +21,10 @@ use crate::fault::{Fault, shortened};
 use crate::job::key::Key;
 use crate::output::FORMATS;
 
-/// Longest time for which a page may keep the result of a signed address, seconds: as for other addresses of jobs.
+/// Maximum time for which caches may store the result of a signed address, in seconds: as for other addresses of jobs.
 const MOST_AGE_S: u64 = 86_400;
 
-/// What follows signature and expiry in a signed address, where that is one name.
+/// The path parameters of a signed address: signature, expiry, and one name.
 type Named = Result<Path<(String, String, String)>, axum::extract::rejection::PathRejection>;
 
 /// Renders the job of a signed address, and answers with the bytes: what `<img>` and `<model-viewer>` show without a
@@ -112,7 +112,7 @@ pub(super) async fn signed_model(
     }
 }
 
-/// The result of a job that stands in a signed address.
+/// Answers with the result of the job in a signed address.
 async fn shown(app: &Shared, client: &Client, mut headers: HeaderMap, uri: &Uri, job: &str) -> Response {
     let wanted = check_length(uri).and_then(|()| wanted_by(client, &mut headers, job));
     let response = answered(app, client, &headers, wanted).await;
@@ -216,7 +216,7 @@ fn no_text() -> Problem {
     Problem::new(problem::NOT_FOUND, "the address is no text in UTF-8; have it signed again")
 }
 
-/// What the rest of a signed address asks for. Its extension takes the place of `Accept`.
+/// Decodes the job in a signed address. The extension replaces the header `Accept`.
 fn wanted_by(client: &Client, headers: &mut HeaderMap, named: &str) -> Result<Wanted, Problem> {
     let wrong = |detail: String| Problem::invalid(vec![Fault::new("", detail)]);
     let (job, extension) = named.rsplit_once('.').unwrap_or((named, ""));

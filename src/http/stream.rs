@@ -1,5 +1,5 @@
-//! The stream of a connection: its client has to read answers at the least rate, and refusals that the HTTP library
-//! writes by itself leave as problems.
+//! The TCP stream of a connection: enforces the minimum rate at which the client reads answers, and replaces refusals
+//! of the HTTP library by problems.
 
 use std::io::{self, IoSlice};
 use std::pin::Pin;
@@ -15,16 +15,16 @@ use super::connections::{Connection, Phase};
 use super::pace::Pace;
 use super::problem;
 
-/// A stream that watches how fast it is read.
+/// A stream that watches how fast its client reads.
 #[derive(Debug)]
 pub(super) struct Watched {
     stream: TcpStream,
     connection: Arc<Connection>,
     pace: Pace,
-    /// Since when an answer is being written, and how many bytes of it the system has taken.
+    /// When the current answer began, and how many bytes of it the system has taken.
     answer: Option<(Instant, u64)>,
     alarm: Option<Pin<Box<Sleep>>>,
-    /// What is written in place of a refusal of the HTTP library, and how much of it was.
+    /// The bytes that replace a refusal of the HTTP library, and how many of them are written.
     instead: Option<(Vec<u8>, usize)>,
 }
 
@@ -33,7 +33,7 @@ impl Watched {
         Self { stream, connection, pace, answer: None, alarm: None, instead: None }
     }
 
-    /// Books what a write came to: the client may stay behind the least rate only for so long.
+    /// Records the result of a write; a client that stays behind the minimum rate causes an error.
     fn watch(&mut self, context: &mut Context<'_>, poll: Poll<io::Result<usize>>) -> Poll<io::Result<usize>> {
         let (since, taken) = self.answer.get_or_insert_with(|| (Instant::now(), 0));
         match poll {
@@ -54,8 +54,8 @@ impl Watched {
         }
     }
 
-    /// Whether the bytes to be written are no answer of ours, but a refusal that the library made of a request it could
-    /// not read; then a problem is prepared in their place.
+    /// Returns whether the bytes to be written are no answer of a handler, but the HTTP library's refusal of an invalid
+    /// request; then prepares the problem that replaces them.
     fn is_refusal(&mut self, bytes: &[u8]) -> bool {
         if self.instead.is_none() && !self.connection.answering.load(Ordering::Relaxed) {
             self.instead = Some((problem::unreadable(bytes), 0));
@@ -63,7 +63,7 @@ impl Watched {
         self.instead.is_some()
     }
 
-    /// Writes the problem, and says that `length` bytes were.
+    /// Writes the problem, and then reports that `length` bytes were written.
     fn write_instead(&mut self, context: &mut Context<'_>, length: usize) -> Poll<io::Result<usize>> {
         while let Some((bytes, at)) = self.instead.as_ref().filter(|(bytes, at)| *at < bytes.len()) {
             let poll = Pin::new(&mut self.stream).poll_write(context, &bytes[*at..]);
@@ -113,8 +113,8 @@ impl AsyncWrite for Watched {
 
     fn poll_flush(mut self: Pin<&mut Self>, cx: &mut Context<'_>) -> Poll<io::Result<()>> {
         let flushed = ready!(Pin::new(&mut self.stream).poll_flush(cx));
-        // what was written is out: the time until more is there is not the client's, and unless an answer goes on, the
-        // connection listens again
+        // everything is written: the time until more bytes are ready is not the client's, and unless an answer is still
+        // in progress, the connection waits for the next request
         self.answer = None;
         self.alarm = None;
         if !self.connection.serving.load(Ordering::Relaxed) {

@@ -1,4 +1,4 @@
-//! Large results, sent while they are made and kept nowhere.
+//! Large results that are sent while they are computed, and not stored.
 
 use std::io;
 use std::sync::Arc;
@@ -24,10 +24,10 @@ use crate::service::read_lane::Unread;
 use crate::service::task::{Render, Task};
 use crate::shape::mesh::Mesh;
 
-/// Whether a query asks to keep the result.
+/// Returns whether a query asks to store the result.
 ///
 /// # Errors
-/// What is neither yes nor no.
+/// A value of `keep` that is neither true nor false.
 pub(super) fn asks_to_keep(query: Option<&str>) -> Result<bool, Problem> {
     let pairs = query.unwrap_or_default().split('&');
     let asked =
@@ -42,9 +42,9 @@ pub(super) fn asks_to_keep(query: Option<&str>) -> Result<bool, Problem> {
     })
 }
 
-/// Whether the result of a job is sent while it is made: it is large, the client did not say that it comes back later,
-/// and the first bytes come in time. A solid is kept where there is memory for it: it is whole before its first byte,
-/// most are far smaller than their forecast, and its certificate is to go along in a header.
+/// Returns whether a result is sent while it is computed: it is large, the client did not ask for an asynchronous
+/// answer, and the first bytes are expected in time. A solid is stored if there is memory for it: it is complete before
+/// its first byte, most are far smaller than their forecast, and its certificate is sent in a header.
 pub(super) fn streams(app: &App, admitted: &Admitted, (patience, said): (Duration, bool)) -> bool {
     let estimate = admitted.estimate();
     let comes_back = said && patience.is_zero();
@@ -55,7 +55,7 @@ pub(super) fn streams(app: &App, admitted: &Admitted, (patience, said): (Duratio
     !comes_back && in_time && estimate.outputs[0].1.bytes() > app.settings.keep_at_most_bytes.into()
 }
 
-/// Refuses to keep a result for which there would be no memory when the disk does not take it.
+/// Refuses to store a result that would not fit into memory if the disk does not take it.
 ///
 /// # Errors
 /// [`problem::TOO_LARGE`].
@@ -72,16 +72,16 @@ pub(super) fn check_kept(app: &App, admitted: &Admitted) -> Result<(), Problem> 
     Err(Problem::new(problem::TOO_LARGE, detail))
 }
 
-/// The refusal of what cannot be made in time.
+/// Returns the refusal of a job that cannot be computed in time.
 pub(super) fn too_busy() -> Problem {
     Busy { retry_after: Duration::from_secs(1) }.into()
 }
 
-/// The answer that carries a result while it is made; it begins with the first bytes, so that a job that cannot be done
-/// is refused as usual. None where these do not come in time.
+/// Returns an answer that carries a result while it is computed, or `None` if the first bytes do not come within
+/// `patience`. The answer begins with the first bytes, so that a job that fails before them is refused as usual.
 ///
 /// # Errors
-/// Why there are none.
+/// The reason why there are no bytes.
 pub(super) async fn streamed(
     app: &Arc<App>,
     client: &Client,
@@ -115,7 +115,7 @@ pub(super) async fn streamed(
         headers.insert(header::CONTENT_LENGTH, bytes.into());
     }
     let chunks = stream::unfold(streamed, |mut streamed| async move {
-        // an error ends the connection: a broken answer, but never one that looks whole
+        // an error breaks the connection, so that a cut answer never looks complete
         let next = streamed.next().await.map_err(|failure| {
             tracing::warn!(?failure, "a result ended before its end");
             io::Error::other("the computation failed")

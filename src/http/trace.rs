@@ -1,4 +1,4 @@
-//! Traces (W3C Trace Context): the id under which the log, the answer and whoever asked know a request.
+//! Traces (W3C Trace Context): the id of a request in the log, in the answer and at the client.
 
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::SystemTime;
@@ -16,14 +16,14 @@ tokio::task_local! {
 /// The trace of a request.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(super) struct Trace {
-    /// 32 hexadecimal digits: those of the request where it names some, else new ones.
+    /// 32 hexadecimal digits: the trace id of the request if it has one, else a new one.
     id: String,
-    /// The flags that the request names, where it names a trace.
+    /// The flags of the request's trace, if it has one.
     flags: Option<String>,
 }
 
 impl Trace {
-    /// That of a request.
+    /// Reads the trace of a request, or starts a new one.
     pub(super) fn of(headers: &HeaderMap) -> Self {
         let named = headers.get(TRACEPARENT).and_then(|value| value.to_str().ok()).and_then(parsed);
         match named {
@@ -32,12 +32,12 @@ impl Trace {
         }
     }
 
-    /// The id.
+    /// Returns the trace id.
     pub(super) fn id(&self) -> &str {
         &self.id
     }
 
-    /// Says in an answer to a request that names a trace which part of it this was.
+    /// Adds the trace with a new span id to an answer, if the request had a trace.
     pub(super) fn told(&self, headers: &mut HeaderMap) {
         if let Some(flags) = &self.flags {
             let value = format!("00-{}-{}-{flags}", self.id, &new_id()[..16]);
@@ -45,30 +45,30 @@ impl Trace {
         }
     }
 
-    /// Does something as a part of this trace.
+    /// Runs a future as a part of this trace.
     pub(super) async fn within<T>(self, work: impl Future<Output = T>) -> T {
         CURRENT.scope(self, work).await
     }
 }
 
-/// The id of the request that is being answered; a new one where none is.
+/// Returns the trace id of the current request, or a new id outside requests.
 pub(super) fn current_id() -> String {
     CURRENT.try_with(|trace| trace.id.clone()).unwrap_or_else(|_| new_id())
 }
 
-/// The id and the flags of `version-id-parent-flags`; `None` where that is not what it should be.
+/// Returns id and flags of `version-id-parent-flags`, or `None` if the header is invalid.
 fn parsed(text: &str) -> Option<(&str, &str)> {
     let is_hex = |text: &str, n| text.len() == n && text.bytes().all(|b| matches!(b, b'0'..=b'9' | b'a'..=b'f'));
     let is_some = |text: &str| text.bytes().any(|b| b != b'0');
     let mut parts = text.split('-');
     let (version, id, parent, flags) = (parts.next()?, parts.next()?, parts.next()?, parts.next()?);
     let is_whole = is_hex(version, 2) && is_hex(id, 32) && is_hex(parent, 16) && is_hex(flags, 2);
-    // later versions may say more after the flags
+    // later versions may have more fields after the flags
     let is_known = version != "ff" && (version != "00" || parts.next().is_none());
     (is_whole && is_known && is_some(id) && is_some(parent)).then_some((id, flags))
 }
 
-/// 32 hexadecimal digits: distinct within and, by the start time, across processes.
+/// Returns 32 hexadecimal digits that are distinct within the process and, by the time, across processes.
 fn new_id() -> String {
     static COUNTER: AtomicU64 = AtomicU64::new(0);
     let count = COUNTER.fetch_add(1, Ordering::Relaxed);

@@ -1,22 +1,23 @@
-//! Whom calls over TLS trust: the certificates of the system.
+//! The certificates that outgoing TLS connections trust: those of the system.
 
 use std::sync::Arc;
 
 use rustls::crypto::ring;
 use rustls::{ClientConfig, RootCertStore};
 
-/// TLS that trusts the certificates of the system, or those of the file that `SSL_CERT_FILE` names.
+/// Returns a TLS configuration that trusts the certificates of the system, or of the file that `SSL_CERT_FILE` names.
 ///
 /// # Errors
 /// When TLS cannot be set up.
 pub(crate) fn tls() -> Result<ClientConfig, rustls::Error> {
     let mut roots = RootCertStore::empty();
-    // a plain address needs none; a call over TLS says that it trusts nobody
+    // errors are ignored: a plain address needs no certificates, and a TLS connection without them fails with its own
+    // error
     roots.add_parsable_certificates(rustls_native_certs::load_native_certs().certs);
     of(roots)
 }
 
-/// TLS that trusts nobody, for clients of plain addresses.
+/// Returns a TLS configuration that trusts no certificate, for clients of plain addresses.
 ///
 /// # Errors
 /// When TLS cannot be set up.

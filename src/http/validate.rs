@@ -1,4 +1,4 @@
-//! POST /v1/validate: what can be said of a job before anything is refined.
+//! POST /v1/validate: the checks of a job without refining anything.
 
 use axum::body::Body;
 use axum::extract::{RawQuery, State};
@@ -45,7 +45,7 @@ pub(super) async fn validate(
         says_nothing(query.as_deref().unwrap_or_default(), &[]).map_err(Problem::invalid)?;
         let sent = match attached(&app, client.peer(), sent).await.map_err(Problem::faults) {
             Ok(sent) => sent,
-            // an upload that is not here is a fault of the job like others
+            // an unknown upload is a fault of the job like others
             Err(Ok(faults)) => return Ok(axum::Json(report(Examined { faults, ..Examined::default() }))),
             Err(Err(problem)) => return Err(problem),
         };
@@ -71,7 +71,7 @@ pub(super) async fn validate(
     answer.await.into_response()
 }
 
-/// What was found of a job, as an answer.
+/// Returns the answer with the findings about a job.
 pub(crate) fn report(Examined { faults, input, plan, .. }: Examined) -> ValidateAnswer {
     let mut answer = ValidateAnswer {
         valid: faults.is_empty(),
@@ -86,7 +86,8 @@ pub(crate) fn report(Examined { faults, input, plan, .. }: Examined) -> Validate
     answer
 }
 
-/// The plan that latitude lines are judged by, or why it does not fit the input.
+/// Returns the plan for which latitude lines are checked (push-back if the job has none), or why it does not fit the
+/// input.
 fn judge(input: &Input, plan: Option<PlanInput>) -> Result<Plan, String> {
     let usual = || PlanInput { preset: Some("push-back".into()), ..PlanInput::default() };
     let plan = plan.unwrap_or_else(usual);

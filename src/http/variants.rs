@@ -1,5 +1,5 @@
-//! Answers in the content coding that their clients like best: from variants that are made when they are first asked
-//! for, and kept.
+//! Answers in the content coding that the client prefers, from variants of artifacts that are made at the first request
+//! and stored.
 
 use std::sync::Arc;
 use std::time::Duration;
@@ -14,20 +14,22 @@ use crate::service::computation::Phase;
 use crate::service::store::Manifest;
 use crate::service::variant::{Coding, Compress};
 
-/// Least bytes of an artifact that has variants: fewer fit into one packet with their headers.
-/// Half of it compresses for nothing; twice of it leaves small curves as long as they are.
+/// Minimum length of an artifact that has variants, in bytes: shorter ones fit into one packet with their headers. Half
+/// of it compresses for nothing; twice of it leaves small curves uncompressed.
 const LEAST_BYTES: u64 = 1 << 10;
-/// Most bytes of an artifact that has variants, which is what is kept unless the client asks for more: one of them
-/// takes about a second. Twice of it lets a client wait for two; half of it sends results as they are that are kept.
+/// Maximum length of an artifact that has variants, in bytes: the length up to which results are stored unless the
+/// client asks for more. Compressing it takes about a second. Twice of it lets a client wait for two; half of it sends
+/// some stored results uncompressed.
 const MOST_BYTES: u64 = 64 << 20;
 
-/// How long an answer waits for a variant that is being made; after it the client gets the bytes as they are, and the
-/// variant is finished for the next one. In this time some 50 MiB are compressed on a machine that is idle.
-/// Half of it sends more of the first answers as they are; twice of it makes clients of a machine that is busy wait
-/// twice as long for what is there already.
+/// Maximum time that an answer waits for a variant that is being made; then the client gets the uncompressed bytes, and
+/// the variant is finished for the next one. In this time some 50 MiB are compressed on an idle machine. Half of it
+/// sends more of the first answers uncompressed; twice of it makes clients of a busy machine wait twice as long for
+/// bytes that exist already.
 const PATIENCE: Duration = Duration::from_secs(1);
 
-/// An artifact in the coding that its client likes best; as it is where that does not pay, or cannot be had now.
+/// Returns an artifact in the coding that the client prefers; uncompressed if compression does not pay or cannot be had
+/// now.
 pub(super) async fn coded(app: &Arc<App>, headers: &HeaderMap, found: Artifact) -> Artifact {
     let Some(coding) = negotiate::coding(headers).filter(|_| has_variants(&found)) else { return found };
     let kept = match app.desk.find(coding.key(&found.manifest.key), found.peer).await {
@@ -42,7 +44,8 @@ pub(super) async fn coded(app: &Arc<App>, headers: &HeaderMap, found: Artifact) 
     Artifact { form, ..found }
 }
 
-/// Whether it is kept, neither short nor very long, and not compressed by its format.
+/// Returns whether an artifact has variants: it is stored, neither short nor very long, and not compressed by its
+/// format.
 fn has_variants(found: &Artifact) -> bool {
     let of_type = |media_type: &str| FORMATS.iter().find(|format| format.media_type() == media_type);
     let is_packed = |media_type| of_type(media_type).is_some_and(|format| format.facts().content == Content::Packed);
@@ -50,7 +53,7 @@ fn has_variants(found: &Artifact) -> bool {
     is_fit && found.loose.is_none() && !is_packed(&found.manifest.media_type)
 }
 
-/// The variant, made in its turn like any computation; what fails here is answered as it is.
+/// Computes a variant in the queue, like any other task; `None` on failure, and if it takes longer than [`PATIENCE`].
 async fn made(app: &Arc<App>, found: &Artifact, coding: Coding) -> Option<Arc<Manifest>> {
     let parts = PartReader::of(app, found.peer, found.manifest.clone()).ok()?.all().await.ok()?;
     let task = Arc::new(Compress::new(&found.manifest.key, coding, parts));
@@ -60,7 +63,7 @@ async fn made(app: &Arc<App>, found: &Artifact, coding: Coding) -> Option<Arc<Ma
         Ok(Phase::Done(outcome)) if outcome.loose.is_none() => Some(outcome.manifest.clone()),
         Ok(_) => None,
         Err(_) => {
-            // whoever asks next finds it
+            // the variant is finished for the next request
             tokio::spawn(async move { interest.computation.finished().await });
             None
         }

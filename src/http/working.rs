@@ -1,4 +1,4 @@
-//! Requests of jobs: what they ask to be made, when they come and whenever it is made.
+//! From the request of a job to its tasks, when it is posted and whenever it is computed.
 
 use std::future::Future;
 use std::pin::Pin;
@@ -36,13 +36,13 @@ const ANALYSIS: &str = "analysis";
 /// A job that was read.
 #[derive(Debug)]
 pub(super) enum Asked {
-    /// Results of refining something.
+    /// A job with outputs to be rendered.
     Render(Box<ReadJob>),
-    /// What can be said of a plan.
+    /// The analysis of a plan.
     Analysis(Arc<AnalysisTask>, Sent),
 }
 
-/// A job that was read, and admitted.
+/// A job that was read and admitted.
 #[derive(Debug)]
 pub(super) struct Work {
     pub(super) summary: JobSummary,
@@ -50,7 +50,7 @@ pub(super) struct Work {
 }
 
 impl Asked {
-    /// The id of the job.
+    /// Returns the id of the job.
     pub(super) fn id(&self) -> Key {
         match self {
             Self::Render(read) => read.job.id(),
@@ -58,10 +58,10 @@ impl Asked {
         }
     }
 
-    /// What is to be made, where this server takes it on.
+    /// Returns the tasks of the job, if it is within the limits of this server.
     ///
     /// # Errors
-    /// What is too much.
+    /// A job that exceeds a limit.
     pub(super) async fn work(self, app: &Arc<App>, peer: Peer) -> Result<Work, Problem> {
         match self {
             Self::Render(read) => {
@@ -87,7 +87,7 @@ impl Asked {
     }
 }
 
-/// What is known of an admitted job that was sent like this.
+/// Returns the summary of an admitted job, for its record.
 pub(super) fn summary(admitted: &Admitted, sent: &Sent) -> JobSummary {
     let job = admitted.job();
     let product = |(output, key): (&crate::job::Output, &Key)| Product {
@@ -105,7 +105,7 @@ pub(super) fn summary(admitted: &Admitted, sent: &Sent) -> JobSummary {
     }
 }
 
-/// Reads an analysis; what is none is given back.
+/// Reads an analysis; returns the body if it is no analysis.
 async fn analysis(app: &Arc<App>, peer: Peer, sent: Sent) -> Result<Result<Asked, Sent>, Problem> {
     let bytes = weight(sent.bytes.len() as u64);
     let of_lane = sent.clone();
@@ -126,14 +126,14 @@ async fn analysis(app: &Arc<App>, peer: Peer, sent: Sent) -> Result<Result<Asked
 /// Reads a job that a client sent.
 ///
 /// # Errors
-/// Whatever is wrong with it; 503 when too much is being read already.
+/// Every fault of the job; 503 if too much is being read already.
 pub(super) async fn asked(app: &Arc<App>, peer: Peer, headers: &HeaderMap, sent: Sent) -> Result<Asked, Problem> {
     let sent = match analysis(app, peer, sent).await? {
         Ok(analysis) => return Ok(analysis),
         Err(sent) => sent,
     };
     let headers = headers.clone();
-    // the answer about a job is JSON, whatever its outputs are: Accept chooses only where they say nothing
+    // the answer about a job is JSON, whatever its outputs are, so that `Accept` chooses a format only without outputs
     let settle = move |request: &mut JobRequest| {
         if request.outputs.is_empty() { negotiate::settle(&headers, request) } else { Ok(()) }
     };
@@ -143,23 +143,22 @@ pub(super) async fn asked(app: &Arc<App>, peer: Peer, headers: &HeaderMap, sent:
 /// Reads a job that was accepted before, whose first output had this format.
 ///
 /// # Errors
-/// Whatever is wrong with it now; 503 when too much is being read already.
+/// Every fault that the job has now; 503 if too much is being read already.
 pub(super) async fn asked_again(
     app: &Arc<App>,
     peer: Peer,
     request: Bytes,
     format: &'static dyn Format,
 ) -> Result<Asked, Problem> {
-    // the format is that of the artifact, whatever the request left to be negotiated
+    // `Accept` may have chosen the format at first
     let headers = HeaderMap::from_iter([(header::ACCEPT, HeaderValue::from_static(format.media_type()))]);
     asked(app, peer, &headers, Sent::job(request)).await
 }
 
-/// Checks a job of a batch, as far as that goes without searching for the level of a tolerance; tells how many outputs
-/// it has.
+/// Checks a job of a batch, except the search for the level of a tolerance; returns the number of its outputs.
 ///
 /// # Errors
-/// Whatever is wrong with it, or too much; 503 when too much is being read already.
+/// Every fault of the job, and exceeded limits; 503 if too much is being read already.
 pub(super) async fn check(app: &Arc<App>, peer: Peer, sent: Sent) -> Result<usize, Problem> {
     let Err(sent) = analysis(app, peer, sent).await? else { return Ok(1) };
     let settle = |request: &mut JobRequest| negotiate::settle(&HeaderMap::new(), request);
@@ -178,7 +177,7 @@ pub(super) async fn check(app: &Arc<App>, peer: Peer, sent: Sent) -> Result<usiz
     }
 }
 
-/// Refuses outputs that refer to results of their own.
+/// Refuses outputs that refer to further files.
 fn fits_an_archive(outputs: &[Output]) -> Result<(), Problem> {
     let Some(at) = outputs.iter().position(|output| output.format.details(&output.options).is_some()) else {
         return Ok(());
@@ -188,7 +187,7 @@ fn fits_an_archive(outputs: &[Output]) -> Result<(), Problem> {
     Err(Problem::invalid(vec![Fault::new(format!("/outputs/{at}/lod"), detail)]))
 }
 
-/// Reads jobs for those who do them.
+/// Reads jobs for the workers.
 #[derive(Debug)]
 pub(super) struct Reader(pub(super) Shared);
 
@@ -210,7 +209,7 @@ impl ReadItems for Reader {
         Box::pin(async move {
             let (app, peer, tenant) = (&self.0, batch.peer, batch.batch.tenant);
             let (desk, text) = (&app.desk, &batch.request.text);
-            // what is written of it has its memory from its record, later
+            // the memory of the job is charged to its own record later
             let booked = desk.peers.charge_self(&desk.account.bodies, Kind::BodyBytes, text.len() as u64);
             let _paid = booked.map_err(|_| Unreadable::Later(desk.pool.busy(Lane::Reading).retry_after))?;
             let text = batch.request.layout.text(text, at).into();

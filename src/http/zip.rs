@@ -1,15 +1,15 @@
-//! ZIP archives of files as they are: written from front to back, the same bytes for the same files.
+//! ZIP archives of uncompressed files, written from front to back; the same files give the same bytes.
 //!
-//! Every file is stored, with its length and its CRC-32 before it, at the time 1980-01-01 00:00. Whatever passes 4 GiB
-//! is written as ZIP64 (APPNOTE.TXT 6.3.10, 4.3 and 4.5.3).
+//! Every file is stored with its length and its CRC-32 before it, at the time 1980-01-01 00:00. Numbers beyond 32 bits
+//! are written as ZIP64 (APPNOTE.TXT 6.3.10, 4.3 and 4.5.3).
 
-/// A number that stands elsewhere, in a field of ZIP64.
+/// The value of a 32-bit field whose number is in a ZIP64 field.
 const ELSEWHERE: u32 = u32::MAX;
-/// 1980-01-01, the first day that there is.
+/// 1980-01-01, the earliest date of the format.
 const DAY: u16 = 1 << 5 | 1;
-/// Names are in UTF-8.
+/// The flag of names in UTF-8.
 const FLAGS: u16 = 1 << 11;
-/// The version that is needed to read it, as tenths.
+/// The version needed to extract, in tenths: without ZIP64, and with it as [`LARGE`].
 const PLAIN: u16 = 20;
 const LARGE: u16 = 45;
 
@@ -17,7 +17,7 @@ const LARGE: u16 = 45;
 #[derive(Debug)]
 pub(super) struct Zip {
     files: Vec<File>,
-    /// Where the list of files begins.
+    /// The offset of the central directory.
     end: u64,
 }
 
@@ -29,13 +29,13 @@ struct File {
 }
 
 impl File {
-    /// The field of ZIP64 with those of these numbers that need one.
+    /// Returns the ZIP64 field with those of these numbers that need it.
     fn extra(numbers: &[u64]) -> Vec<u8> {
         let large: Vec<u8> = numbers.iter().filter(|n| is_large(**n)).flat_map(|n| n.to_le_bytes()).collect();
         if large.is_empty() { large } else { [&[1, 0], &short(large.len()).to_le_bytes()[..], &large].concat() }
     }
 
-    /// What stands before the bytes of the file.
+    /// Returns the local file header.
     fn head(&self, crc: u32) -> Vec<u8> {
         let extra = Self::extra(&[self.length, self.length]);
         let mut out = b"PK\x03\x04".to_vec();
@@ -45,7 +45,7 @@ impl File {
         out
     }
 
-    /// What both the head of a file and its entry in the list say.
+    /// Returns the fields that the local header and the central directory share.
     fn facts(&self, crc: u32, extra: &[u8]) -> Vec<u8> {
         let version = if extra.is_empty() { PLAIN } else { LARGE };
         let (stored, midnight, name) = (0_u16, 0_u16, short(self.name.len()));
@@ -62,13 +62,13 @@ impl File {
         out
     }
 
-    /// What the list says of the file.
+    /// Returns the entry in the central directory.
     fn entry(&self, crc: u32) -> Vec<u8> {
         let extra = Self::extra(&[self.length, self.length, self.offset]);
         let mut out = b"PK\x01\x02".to_vec();
         out.extend(LARGE.to_le_bytes());
         out.extend(self.facts(crc, &extra));
-        // no comment, on the first disk, of no kind, without attributes
+        // comment length, disk number, internal and external attributes
         out.extend([0; 10]);
         out.extend(narrow(self.offset).to_le_bytes());
         out.extend(self.name.as_bytes());
@@ -78,7 +78,7 @@ impl File {
 }
 
 impl Zip {
-    /// The archive of these files: names, which are short, and lengths.
+    /// Creates the archive of files with these names, which are short, and lengths.
     pub(super) fn new(files: impl IntoIterator<Item = (String, u64)>) -> Self {
         let (mut all, mut offset) = (Vec::new(), 0);
         for (name, length) in files {
@@ -89,17 +89,17 @@ impl Zip {
         Self { files: all, end: offset }
     }
 
-    /// Bytes of the whole.
+    /// Returns the length of the archive in bytes.
     pub(super) fn length(&self) -> u64 {
         self.end + self.list(&vec![0; self.files.len()]).len() as u64
     }
 
-    /// What stands before the bytes of a file with this checksum.
+    /// Returns the local header of a file with this checksum.
     pub(super) fn head(&self, file: usize, crc: u32) -> Vec<u8> {
         self.files.get(file).map(|file| file.head(crc)).unwrap_or_default()
     }
 
-    /// What stands behind all files, with these checksums.
+    /// Returns the central directory and its end records, given the checksums of all files.
     pub(super) fn list(&self, crcs: &[u32]) -> Vec<u8> {
         let mut out: Vec<u8> = self.files.iter().zip(crcs).flat_map(|(file, crc)| file.entry(*crc)).collect();
         let (n, length) = (self.files.len() as u64, out.len() as u64);
@@ -132,12 +132,12 @@ fn is_large(number: u64) -> bool {
     number >= u64::from(ELSEWHERE)
 }
 
-/// A number in 32 bits, or that it stands elsewhere.
+/// Returns a number in 32 bits, or [`ELSEWHERE`] if it is too large.
 fn narrow(number: u64) -> u32 {
     u32::try_from(number).unwrap_or(ELSEWHERE)
 }
 
-/// A number in 16 bits, or that it stands elsewhere.
+/// Returns a number in 16 bits, or the maximum if it is too large.
 fn short(number: usize) -> u16 {
     u16::try_from(number).unwrap_or(u16::MAX)
 }
@@ -156,7 +156,7 @@ mod tests {
             head[31..],
             [&[1, 0, 16, 0], &(5_u64 << 30).to_le_bytes()[..], &(5_u64 << 30).to_le_bytes()].concat()
         );
-        // the second file is small, but stands far behind
+        // the second file is small, but its offset is large
         let second = 46 + 1 + 20;
         assert_eq!(list[second + 20..second + 28], [3, 0, 0, 0, 3, 0, 0, 0]);
         assert_eq!(list[second + 42..second + 46], [0xff; 4]);
