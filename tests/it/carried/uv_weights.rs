@@ -60,7 +60,7 @@ fn perturbed(n: usize) -> Vec<Case> {
 }
 
 /// Returns the tags of closed latitude lines of `k` vertices each, under both rules: with the alpha of the lines, with
-/// that of the plan, and with parameters of the vertices.
+/// that of the plan, perturbed, and with alpha or delta of the vertices.
 fn lines(k: usize, net: &Net) -> Vec<Case> {
     let n = net.positions.len();
     let tags = |along: bool| -> Vec<(usize, usize)> {

@@ -34,7 +34,8 @@ pub(super) fn run<T>(story: impl Future<Output = T>) -> T {
     runtime.0.as_ref().unwrap().block_on(told)
 }
 
-/// Creates a service over these stores that restarts no slow work in the long lane.
+/// Creates a service over these stores. Its short lane has the full time limit, so that slow machines restart nothing
+/// in the long lane.
 pub(super) async fn app(tiers: Tiers) -> (TcpListener, Arc<App>) {
     let (listener, mut app) = bind(settings()).await.unwrap();
     let desk = &mut Arc::get_mut(&mut app).expect("it does not serve yet").desk;
