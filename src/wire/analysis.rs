@@ -1,4 +1,4 @@
-//! Analyses: the question, and the answer with every number named.
+//! Requests for analyses, and their answers with every number named.
 
 mod bounds;
 mod curve;
@@ -77,7 +77,7 @@ pub struct AnalysisRequest {
 }
 
 impl AnalysisRequest {
-    /// Checks the question, which is to be answered in a form.
+    /// Checks the request; `form` is the form of its answer.
     ///
     /// # Errors
     /// Every fault found.
@@ -166,10 +166,10 @@ pub enum AnalysisAnswer {
 }
 
 impl AnalysisAnswer {
-    /// The answer to a question.
+    /// Runs an analysis and returns its answer.
     ///
     /// # Errors
-    /// [`Stopped`].
+    /// [`Stopped`] when the watch says so.
     pub fn of(inquiry: &Inquiry, watch: &Watch) -> Result<Self, Stopped> {
         Ok(match inquiry {
             Inquiry::Curve(analysis) => match analysis.run(watch)? {

@@ -1,4 +1,4 @@
-//! Answers: what the service says besides artifacts.
+//! Answers of the service other than artifacts.
 
 use serde::Serialize;
 use utoipa::ToSchema;
@@ -10,9 +10,11 @@ use crate::job::Resolved;
 use crate::job::limits::Estimate;
 use crate::output::Size;
 
-/// Most characters of a pointer: eight names that are too long to be right; nothing stands that deep.
+/// Maximum number of characters of a JSON pointer in an answer: eight names of the maximum length, deeper than any
+/// place of a request.
 const MOST_POINTER: usize = 1000;
-/// Most characters of the sentence about a fault: the longest list all presets or options there are, in half of them.
+/// Maximum number of characters of the sentence about a fault. The longest sentences list all presets or options, and
+/// take half as many.
 const MOST_DETAIL: usize = 2000;
 
 /// A problem (RFC 9457).
@@ -224,7 +226,7 @@ impl From<Outlook> for LatitudeLineAnswer {
     }
 }
 
-/// A count for JSON: what is beyond 2^64 - 1 is written as that.
+/// Converts a count for JSON; counts beyond 2^64 - 1 become 2^64 - 1.
 pub fn count(n: u128) -> u64 {
     u64::try_from(n).unwrap_or(u64::MAX)
 }
@@ -239,7 +241,7 @@ impl From<Size> for SizeAnswer {
 }
 
 impl EstimateAnswer {
-    /// The estimate of a job.
+    /// Creates the estimate of a job.
     pub fn new(job: &Job, estimate: &Estimate) -> Self {
         let level = |(level, c): (usize, &crate::scheme::forecast::Count)| LevelAnswer {
             level: level as u64,

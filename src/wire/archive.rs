@@ -1,4 +1,4 @@
-//! What is in the archive of a batch: its manifest, and the names of its files.
+//! The contents of the archive of a batch: the manifest, and the names of the files.
 
 use std::collections::BTreeSet;
 
@@ -10,29 +10,29 @@ use crate::job::key::Key;
 use crate::service::batches::{Axis, Batch, Layout};
 use crate::service::jobs::{Made, State};
 
-/// Most letters of a name that are taken over. Half of it cuts names that people give; twice of it makes paths that
-/// some systems do not take.
+/// Maximum number of characters that a file name takes over from the name of an output. Half as many would cut names
+/// that people choose; twice as many would make paths too long for some systems.
 const MOST_LETTERS: usize = 80;
-/// What some systems take for devices, whatever the extension is.
+/// File names that some systems reserve for devices, with any extension.
 const DEVICES: [&str; 4] = ["con", "prn", "aux", "nul"];
 
-/// What is in an archive.
+/// The contents of an archive.
 #[derive(Debug)]
 pub struct Contents {
-    /// Its first file.
+    /// The manifest, the first file of the archive.
     pub manifest: Vec<u8>,
-    /// The results, in the order of the jobs and of their outputs.
+    /// The results, in the order of jobs and outputs.
     pub files: Vec<ArchiveFile>,
 }
 
-/// A result in an archive.
+/// One result in an archive.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct ArchiveFile {
-    /// Its place in the archive.
+    /// The path of the file within the archive.
     pub name: String,
-    /// Its key.
+    /// The key of the artifact.
     pub key: Key,
-    /// Its length.
+    /// The length of the file in bytes.
     pub bytes: u64,
 }
 
@@ -77,7 +77,7 @@ struct OutputEntry<'a> {
     error: Option<&'a str>,
 }
 
-/// The archive of a batch that has come to its end.
+/// Returns the contents of the archive of a settled batch.
 ///
 /// # Panics
 /// Never: the manifest is plain text and numbers.
@@ -102,7 +102,7 @@ pub fn contents(batch: &Batch) -> Contents {
     Contents { manifest, files }
 }
 
-/// What the manifest says of a job; its results come to the files.
+/// Returns the manifest entry of one job, and appends its results to `files`.
 fn item<'a>(batch: &'a Batch, at: usize, files: &mut Vec<ArchiveFile>) -> ItemEntry<'a> {
     let item = &batch.items[at];
     let (mut taken, mut outputs) = (BTreeSet::new(), Vec::new());
@@ -133,7 +133,7 @@ fn item<'a>(batch: &'a Batch, at: usize, files: &mut Vec<ArchiveFile>) -> ItemEn
     }
 }
 
-/// A file name for an output that every system takes, and that no other output of its job has.
+/// Returns a file name for an output that is valid on every system and unique within its job.
 fn unique(name: &str, extension: &str, taken: &mut BTreeSet<String>) -> String {
     let stem = name.strip_suffix(extension).and_then(|name| name.strip_suffix('.')).unwrap_or(name);
     let safe = |letter: char| if letter.is_ascii_alphanumeric() || "-_.".contains(letter) { letter } else { '_' };
@@ -149,7 +149,7 @@ fn unique(name: &str, extension: &str, taken: &mut BTreeSet<String>) -> String {
     };
     let candidates = std::iter::once(stem.clone()).chain((2..).map(|n| format!("{stem}-{n}")));
     let mut names = candidates.map(|stem| format!("{stem}.{extension}"));
-    // some systems take small and large letters for the same
+    // some systems do not distinguish lower and upper case
     let free = names.find(|name| taken.insert(name.to_ascii_lowercase()));
     free.expect("there is always a further number")
 }

@@ -1,4 +1,4 @@
-//! Batches as clients write them: lists of jobs, or a template with a grid of values.
+//! Requests for batches: lists of jobs, or a template with a grid of values.
 
 use std::collections::HashMap;
 use std::ops::Range;
@@ -15,9 +15,8 @@ use super::read::{ReadError, read};
 use crate::fault::{Fault, shortened, token};
 use crate::service::batches::{Axis, Layout, Piece};
 
-/// Most axes of a grid.
-/// Half of it is as many as a figure shows at once; twice of it, with two values each, is more jobs than any server
-/// takes.
+/// Maximum number of axes of a grid. Half as many are what a figure shows at once; twice as many, with two values each,
+/// give more jobs than any server accepts.
 const MOST_AXES: usize = 8;
 
 /// A batch: a list of jobs, or a template and a grid.
@@ -48,7 +47,7 @@ pub struct AxisRequest {
     pub values: Vec<IgnoredAny>,
 }
 
-/// The same with the text of all values.
+/// The same request, with all values as JSON text.
 #[derive(Deserialize)]
 struct Texts<'a> {
     #[serde(borrow)]
@@ -68,7 +67,7 @@ struct AxisTexts<'a> {
 /// Finds the jobs in the text of a batch.
 ///
 /// # Errors
-/// [`ReadError`]: what is no batch, with a pointer to it.
+/// [`ReadError`] if the text is not a batch, with a pointer to the fault.
 pub fn layout(text: &Bytes) -> Result<Layout, ReadError> {
     let request: BatchRequest = read(text)?;
     let texts: Texts<'_> = serde_json::from_slice(text).map_err(|error| ReadError::NotJson(error.to_string()))?;
@@ -93,20 +92,20 @@ pub fn layout(text: &Bytes) -> Result<Layout, ReadError> {
     }
 }
 
-/// Where a part of a text stands in it.
+/// Returns the byte range of `part` within `text`.
 fn range(text: &[u8], part: &str) -> Range<usize> {
     let start = part.as_ptr().addr() - text.as_ptr().addr();
     start..start + part.len()
 }
 
-/// What an axis does to the template.
+/// The change that one axis makes to the template.
 struct Edit {
     axis: usize,
-    /// The text that goes; nothing where a field is added.
+    /// The byte range of the replaced text; empty if a field is added.
     replaced: Range<usize>,
-    /// What stands before the value: the name of a field that is added.
+    /// The text before the value: the name of an added field, else empty.
     before: String,
-    /// Whether that is added to an object without fields.
+    /// Whether the field is added to an object without fields.
     in_empty: bool,
 }
 
@@ -145,12 +144,13 @@ fn gridded(text: &[u8], template: &RawValue, axes: Vec<Axis>) -> Result<Layout, 
     Ok(Layout::Grid { template: pieces, axes })
 }
 
-/// Whether a pointer is that of an axis, or leads into its place.
+/// Whether a pointer equals the pointer of an axis or leads into its place.
 fn is_within(pointer: &str, axis: &Axis) -> bool {
     pointer.strip_prefix(axis.pointer.as_str()).is_some_and(|rest| rest.is_empty() || rest.starts_with('/'))
 }
 
-/// What the value of an axis replaces in the template; a field that is not there is added to its object.
+/// Returns the change that an axis makes to the template: it replaces the value at the pointer, or adds a missing field
+/// to its object.
 fn edit(text: &[u8], template: &RawValue, (axis, pointer): (usize, &str)) -> Result<Edit, String> {
     let tokens = pointer.strip_prefix('/').ok_or_else(|| {
         let pointer = shortened(pointer);
@@ -191,7 +191,7 @@ fn edit(text: &[u8], template: &RawValue, (axis, pointer): (usize, &str)) -> Res
     Ok(Edit { axis, replaced: range(text, at.get()), before: String::new(), in_empty: false })
 }
 
-/// A fault of one job of a batch, at its place in the batch.
+/// Moves the pointer of a job's fault to the place in the batch that the client wrote.
 pub fn placed(layout: &Layout, job: usize, fault: Fault) -> Fault {
     let Layout::Grid { axes, .. } = layout else { return fault.under(&format!("/jobs/{job}")) };
     let coordinates = layout.coordinates(job);

@@ -1,4 +1,4 @@
-//! Answers: how batches stand.
+//! Answers about the state of batches.
 
 use serde::Serialize;
 use utoipa::ToSchema;
@@ -35,7 +35,7 @@ pub struct BatchAnswer {
     pub items: Option<Vec<ItemAnswer>>,
 }
 
-/// How far a batch is: what an event of progress tells.
+/// The progress of a batch, as the data of a progress event.
 #[derive(Debug, Clone, Serialize)]
 pub struct BatchProgress {
     state: &'static str,
@@ -104,7 +104,7 @@ pub struct BatchesAnswer {
 }
 
 impl BatchAnswer {
-    /// How a batch stands, without its jobs.
+    /// Creates the answer without the items.
     pub fn brief(standing: &BatchStanding) -> Self {
         let (batch, id) = (&standing.batch, standing.batch.batch.id);
         let error = match &standing.phase {
@@ -124,7 +124,7 @@ impl BatchAnswer {
         }
     }
 
-    /// How a batch stands whose outputs have these addresses.
+    /// Creates the answer with the items; `href` returns the address of an output.
     pub fn new(standing: &BatchStanding, href: impl Fn(&Product) -> String) -> Self {
         let items = (0..standing.batch.items.len()).map(|at| ItemAnswer::new(standing, at, &href)).collect();
         Self { items: Some(items), ..Self::brief(standing) }
@@ -132,7 +132,7 @@ impl BatchAnswer {
 }
 
 impl BatchProgress {
-    /// How far a batch is.
+    /// Creates the progress of a batch.
     pub fn new(standing: &BatchStanding) -> Self {
         Self { state: state(&standing.phase), progress: standing.progress, counts: CountsAnswer::new(standing) }
     }
@@ -182,7 +182,7 @@ impl ItemAnswer {
     }
 }
 
-/// The name of how a job came to its end.
+/// Returns the name of the final state of a job; "running" if it is still active.
 pub fn ended(state: &State) -> &'static str {
     match state {
         State::Active => "running",

@@ -1,4 +1,4 @@
-//! The catalogue: operators, presets and formats with their parameters; readers.
+//! The catalogue of operators, presets and formats with their parameters, and of readers.
 
 use std::collections::BTreeMap;
 
@@ -153,7 +153,7 @@ pub struct ReaderEntry {
 }
 
 impl ParameterEntry {
-    /// What the catalogue says of a parameter.
+    /// Creates the catalogue entry of a parameter.
     pub(crate) fn new(parameter: &Parameter) -> Self {
         Self {
             name: parameter.name,
@@ -182,7 +182,7 @@ fn default(default: Default) -> Value {
     }
 }
 
-/// Whole numbers are written without a fraction.
+/// Converts a number to JSON, without a fraction if it is whole.
 fn number(x: f64) -> Value {
     #[expect(clippy::cast_possible_truncation, reason = "checked to be whole and small")]
     if x.fract() == 0.0 && x.abs() < 1e15 { json!(x as i64) } else { json!(x) }
@@ -267,22 +267,22 @@ impl FormatEntry {
     }
 }
 
-/// All presets.
+/// Returns all presets.
 pub fn presets() -> Vec<PresetEntry> {
     PRESETS.iter().map(|preset| PresetEntry::new(preset)).collect()
 }
 
-/// All operators that have a letter.
+/// Returns all operators that have a letter.
 pub fn operators() -> Vec<OperatorEntry> {
     OPERATORS.iter().filter_map(|operator| OperatorEntry::new(*operator)).collect()
 }
 
-/// All formats.
+/// Returns all formats.
 pub fn formats() -> Vec<FormatEntry> {
     FORMATS.iter().map(|format| FormatEntry::new(*format)).collect()
 }
 
-/// All readers of mesh files; the JSON of a mesh is read by the request itself.
+/// Returns all readers of mesh files, and `json`, which the request itself reads.
 pub fn readers() -> Vec<ReaderEntry> {
     let of = |&Reader { name, media_type, doc, .. }: &Reader| ReaderEntry { name, media_type, extension: name, doc };
     let doc = "A mesh as input.mesh has it, with all that belongs to it";

@@ -1,4 +1,4 @@
-//! Channels of numbers on vertices, or on corners of faces, as clients write them.
+//! Channels of numbers on vertices or on face corners, as clients write them.
 
 use std::fmt;
 
@@ -16,7 +16,7 @@ use super::{schema, whole};
 use crate::shape::attachments::{ChannelInput, MAX_CHANNELS, MAX_WIDTH};
 use crate::shape::seams::{Interpolation, SeamsInput};
 
-/// Channels by name: lists of numbers, or of lists of as many numbers each.
+/// Channels by name: lists of numbers, or of rows with the same number of entries each.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct ChannelsRequest(pub Vec<ChannelInput>);
 
@@ -26,7 +26,7 @@ impl<'de> Deserialize<'de> for ChannelsRequest {
     }
 }
 
-/// The schema of all channels.
+/// Returns the schema of all channels.
 pub(super) fn described() -> RefOr<Schema> {
     let entries = OneOfBuilder::new().item(schema::channel_rows()).item(CornerChannelRequest::schema());
     let properties = AdditionalProperties::from(RefOr::from(Schema::from(entries.build())));
@@ -61,7 +61,7 @@ impl<'de> Visitor<'de> for ChannelsVisitor {
     }
 }
 
-/// One channel.
+/// A channel on vertices or on face corners.
 enum ChannelRequest {
     Vertices(ChannelRows),
     Corners(CornerChannelRequest),
@@ -107,7 +107,7 @@ impl<'de> Visitor<'de> for ChannelVisitor {
     }
 }
 
-/// Rows of equal width, one after another; the width of none is 1.
+/// Rows of equal width, one after another; without rows the width is 1.
 #[derive(Debug, Clone)]
 struct ChannelRows {
     width: usize,
@@ -147,7 +147,7 @@ impl<'de> Visitor<'de> for RowsVisitor {
     }
 }
 
-/// One entry: a number, or a list of 1 to 4.
+/// One entry of a channel: a number, or a list of 1 to 4 numbers.
 #[derive(Default)]
 struct Row {
     numbers: [f64; MAX_WIDTH],

@@ -1,5 +1,5 @@
-//! Choices: values that are written as one of a few texts. By itself serde would also take `{"y": null}` for `"y"`, and
-//! call a number in place of a text no JSON at all.
+//! Choices: enumerations that are written as texts. Plain serde would also accept `{"y": null}` for `"y"`, and would
+//! report a number in place of a text as invalid JSON.
 
 use std::fmt;
 
@@ -7,8 +7,8 @@ use serde::de::{Error, Visitor};
 
 use crate::fault::{did_you_mean, shortened};
 
-/// Declares a choice: an enumeration, the text of each of its values, and how it is read; perhaps also what it means,
-/// which has values of the same names.
+/// Declares a choice: an enumeration, the text of each value, and its deserializer; with `means`, also the conversion
+/// into another enumeration with variants of the same names.
 macro_rules! choice {
     (
         $(#[doc = $about:literal])+
@@ -41,7 +41,7 @@ macro_rules! choice {
 }
 pub(super) use choice;
 
-/// Reads one of these texts.
+/// Reads one of the given texts and returns the value paired with it.
 pub(super) struct OneOf<T: 'static>(pub(super) &'static [(&'static str, T)]);
 
 impl<T: Copy> Visitor<'_> for OneOf<T> {

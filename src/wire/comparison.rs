@@ -1,4 +1,4 @@
-//! Comparisons: how they are asked for and answered.
+//! Requests for comparisons, and their answers.
 
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
@@ -62,7 +62,7 @@ choice! {
 }
 
 impl ComparisonRequest {
-    /// The tolerances, checked.
+    /// Checks the request and returns its tolerances.
     ///
     /// # Errors
     /// Every fault, with a pointer into the request.
@@ -230,7 +230,7 @@ impl ComparisonAnswer {
         outputs: Vec::new(),
     };
 
-    /// What was found.
+    /// Creates the answer from the result of a comparison.
     pub fn new(found: &Compared) -> Self {
         match found {
             Compared::Sizes(sizes) => Self { sizes: Some(*sizes), ..Self::NOTHING },

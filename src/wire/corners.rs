@@ -50,7 +50,8 @@ impl UvsRequest {
     }
 }
 
-/// Faces of 32-bit indices; one beyond them is beyond every mesh and every list of values, too.
+/// Converts faces to 32-bit indices; larger indices become `u32::MAX`, which is out of range in every mesh and every
+/// list of values.
 pub(super) fn face_list(faces: &[Vec<u64>]) -> FaceList {
     faces.iter().map(|face| face.iter().map(|&v| u32::try_from(v).unwrap_or(u32::MAX))).collect()
 }

@@ -1,4 +1,4 @@
-//! Schemas of parameters, from their declarations.
+//! Schemas of parameters, derived from their declarations.
 
 use utoipa::openapi::schema::AdditionalProperties;
 use utoipa::openapi::{Array, ArrayBuilder, Object, ObjectBuilder, OneOfBuilder, RefOr, Schema, Type};
@@ -6,7 +6,7 @@ use utoipa::openapi::{Array, ArrayBuilder, Object, ObjectBuilder, OneOfBuilder, 
 use super::schema::{COLOR_PATTERN, literal, of};
 use crate::math::parameter::{Default, Kind, MAX_NAME, Parameter};
 
-/// Adds a property for each parameter to the schema of the object that holds them.
+/// Adds a property for each declared parameter to the schema of an object.
 pub(super) fn with_all(object: ObjectBuilder, declared: &[Parameter]) -> ObjectBuilder {
     declared.iter().fold(object, |object, parameter| {
         let object = object.property(parameter.name, described(parameter));
@@ -14,15 +14,14 @@ pub(super) fn with_all(object: ObjectBuilder, declared: &[Parameter]) -> ObjectB
     })
 }
 
-/// The schema of an object with these parameters and no other fields.
+/// Returns the schema of an object with these parameters and no other fields.
 pub(super) fn object(declared: &[Parameter]) -> ObjectBuilder {
     with_all(of(Type::Object), declared).additional_properties(Some(AdditionalProperties::FreeForm(false)))
 }
 
-/// The schema of a parameter, with what it does, its unit and its default.
+/// Returns the schema of a parameter, whose description states its effect, its unit and its default.
 ///
-/// The default stands in the sentence alone: generators take a field with the keyword `default` for one that is always
-/// there.
+/// Only the description states the default: generators treat a field with the keyword `default` as always present.
 fn described(parameter: &Parameter) -> RefOr<Schema> {
     let mut doc = parameter.doc.trim_end_matches('.').to_owned();
     doc.push('.');
@@ -42,7 +41,7 @@ fn described(parameter: &Parameter) -> RefOr<Schema> {
     value(&parameter.kind, Some(&doc))
 }
 
-/// The schema of what may be written for a kind of parameter.
+/// Returns the schema of the values that a kind of parameter accepts.
 pub(super) fn value(kind: &Kind, doc: Option<&str>) -> RefOr<Schema> {
     match kind {
         Kind::Number { min, max } => number(*min, *max).description(doc).into(),
@@ -72,7 +71,7 @@ pub(super) fn value(kind: &Kind, doc: Option<&str>) -> RefOr<Schema> {
     }
 }
 
-/// A bound of a whole number; the widest is that of 64 bits.
+/// Converts the bound of a whole number, which has 64 bits at most, for the schema.
 fn whole(bound: i64) -> isize {
     isize::try_from(bound).expect("pointers have 64 bits")
 }
@@ -81,7 +80,7 @@ fn one_of(names: &[&'static str]) -> ObjectBuilder {
     of(Type::String).enum_values(Some(names.iter().copied()))
 }
 
-/// A number within bounds, or the text of an expression.
+/// Returns the schema of a number within bounds or the text of an expression.
 fn number(min: f64, max: f64) -> ObjectBuilder {
     let finite = |bound: f64| bound.is_finite().then_some(bound);
     literal().minimum(finite(min)).maximum(finite(max))

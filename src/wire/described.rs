@@ -1,4 +1,4 @@
-//! Descriptions: the job as text that an artifact holds, so that it can be made again.
+//! Descriptions: the text of a job within an artifact, from which the artifact can be made again.
 
 use std::fmt::Write;
 use std::sync::Arc;
@@ -10,28 +10,28 @@ use crate::fault::Fault;
 use crate::job::key::RESULTS_VERSION;
 use crate::math::amounts::in_bytes;
 
-/// Most bytes of a description. Programs that show a picture read it as a whole: half of it refuses meshes of some five
-/// thousand vertices, twice of it lets pictures be mostly text.
+/// Maximum length of a description in bytes. Programs that show a picture read it as a whole: half of it would refuse
+/// meshes of some five thousand vertices, twice of it would let pictures be mostly text.
 const MOST_BYTES: usize = 1 << 20;
-/// Most bytes of the request that is described, blanks and other outputs included.
-/// Half and twice of it read half and twice as much for what is then refused.
+/// Maximum length in bytes of the request that is described, with blanks and other outputs. Half or twice of it would
+/// read half or twice as much of a request that is refused afterwards.
 const MOST_SOURCE: usize = 4 * MOST_BYTES;
 
-/// What an artifact says of its job.
+/// The description of a job within its artifact.
 #[derive(Debug, Clone, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Description {
-    /// The version of the results by which it was made: others may make other bytes.
+    /// The version of the results that made the artifact; other versions may make other bytes.
     pub results_version: u32,
     /// The job, with one output.
     pub job: Value,
 }
 
-/// What the bytes of an output say of the job with this text: its fields by their names in the order of the alphabet,
-/// without what does not count (`spec`, the name of the output), and with no output but this one.
+/// Returns the description of a job with the text `source` for one output: the fields in alphabetical order, without
+/// those that do not change the bytes (`spec`, the name of the output), and with this output only.
 ///
 /// # Errors
-/// A fault at the output, where the job is too long or not known as text.
+/// A fault at `/describe` if the job is too long or its text is not known.
 pub(super) fn description(source: Option<&str>, mut output: Map<String, Value>) -> Result<Arc<str>, Fault> {
     let fault = |detail: String| Fault::new("/describe", detail);
     let source = source.ok_or_else(|| {
@@ -55,7 +55,7 @@ fn too_long(length: usize, most: usize) -> Fault {
     Fault::new("/describe", format!("the job has {length}, a description at most {most}; leave it out"))
 }
 
-/// JSON of printable ASCII characters alone.
+/// Escapes all characters of a JSON text but printable ASCII.
 fn ascii(json: &str) -> String {
     let mut text = String::with_capacity(json.len());
     for c in json.chars() {
@@ -64,7 +64,7 @@ fn ascii(json: &str) -> String {
         } else {
             let mut units = [0; 2];
             c.encode_utf16(&mut units).iter().for_each(|unit| {
-                // a text takes all that is written to it
+                // writing to a `String` cannot fail
                 let _ = write!(text, "\\u{unit:04x}");
             });
         }

@@ -1,4 +1,4 @@
-//! Evaluations: how they are asked for and answered.
+//! Requests for evaluations of the limit surface, and their answers.
 
 use std::fmt;
 
@@ -63,7 +63,7 @@ choice! {
     }
 }
 
-/// A place as it is written: a face, u, v and perhaps a corner.
+/// A place as clients write it: a face, u, v and optionally a corner.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PlaceRequest([f64; 4]);
 
@@ -97,12 +97,12 @@ impl<'de> Visitor<'de> for PlaceVisitor {
 }
 
 impl PlaceRequest {
-    /// The place with these numbers: face, u, v, corner.
+    /// Creates a place from face, u, v and corner.
     pub fn new(numbers: [f64; 4]) -> Self {
         Self(numbers)
     }
 
-    /// The place, or which of its numbers is none.
+    /// Returns the place, or the index of the first invalid number with the reason.
     fn resolve(self) -> Result<Place, (usize, String)> {
         let Self([face, u, v, corner]) = self;
         let whole = |entry: usize, x: f64, what: &str| {
@@ -115,10 +115,10 @@ impl PlaceRequest {
     }
 }
 
-/// The places of a list, or what is wrong with them, below the list.
+/// Converts a list of places.
 ///
 /// # Errors
-/// The first of all faults.
+/// The first fault, with a pointer below the request.
 pub fn places(written: &[PlaceRequest]) -> Result<Vec<Place>, Vec<Fault>> {
     let each = written.iter().enumerate();
     each.map(|(i, place)| {
@@ -128,17 +128,17 @@ pub fn places(written: &[PlaceRequest]) -> Result<Vec<Place>, Vec<Fault>> {
 }
 
 impl EvaluationRequest {
-    /// The job whose mesh and plan it names, as text.
+    /// Returns the JSON text of a job with the mesh and plan of the request.
     pub fn job(&self) -> String {
         let (input, plan) = (self.input.get(), self.plan.get());
         let spec = self.spec.map(|spec| format!("\"spec\":{spec},")).unwrap_or_default();
         format!("{{{spec}\"input\":{input},\"plan\":{plan},\"levels\":0,\"outputs\":[{{\"format\":\"stats\"}}]}}")
     }
 
-    /// What is answered of each place.
+    /// Returns the quantities to be evaluated at each place.
     ///
     /// # Errors
-    /// A request that asks for nothing.
+    /// A fault if the request names no place or no value.
     pub fn values(&self) -> Result<Vec<Quantity>, Vec<Fault>> {
         if self.at.is_empty() && self.closest.is_empty() {
             let detail = "there is no place; give some as [face, u, v], or points in \"closest\"";
@@ -180,7 +180,7 @@ pub struct ClosestAnswer {
     pub uncertain: usize,
 }
 
-/// A place as it is written, with the corner only where it is not 0.
+/// A place for an answer, serialized with the corner only if it is not 0.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct WrittenPlace(Place);
 
@@ -238,7 +238,7 @@ pub struct SurfaceValuesAnswer {
 }
 
 impl EvaluationAnswer {
-    /// What was found of these quantities.
+    /// Creates the answer with the requested quantities.
     pub fn new(found: &Evaluated, values: &[Quantity]) -> Self {
         let at = (!found.at.is_empty()).then(|| SurfaceValuesAnswer::new(&found.at, values));
         let closest = (!found.closest.is_empty()).then(|| ClosestAnswer {
@@ -281,7 +281,7 @@ impl SurfaceValuesAnswer {
     }
 }
 
-/// The numbers without a minus before 0.
+/// Replaces -0 by 0.
 fn plain<const N: usize>(numbers: [f64; N]) -> [f64; N] {
     numbers.map(|x| x + 0.0)
 }

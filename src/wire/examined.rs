@@ -1,4 +1,4 @@
-//! What is found of a request before anything is refined.
+//! The checks of a request before anything is refined.
 
 use crate::fault::Fault;
 use crate::job::limits::{Limits, Refusal};
@@ -6,21 +6,21 @@ use crate::job::{Draft, Input};
 use crate::scheme::plan::PlanInput;
 use crate::watch::Watch;
 
-/// What a request is found to be without refining anything.
+/// The result of checking a request without refining anything.
 #[derive(Debug, Default)]
 pub struct Examined {
-    /// Everything that is wrong.
+    /// All faults found.
     pub faults: Vec<Fault>,
-    /// The input, where that is right.
+    /// The input, if it is valid.
     pub input: Option<Input>,
-    /// The plan, unresolved, where there is one.
+    /// The plan, unresolved, if the request has one.
     pub plan: Option<PlanInput>,
-    /// What reading the request leads to, where nothing is wrong.
+    /// The draft of the job, if there are no faults.
     pub draft: Option<Draft>,
 }
 
 impl Examined {
-    /// What drafting a request with these parts has led to.
+    /// Combines the result of drafting a request with its input and plan.
     pub(super) fn of(draft: Result<Draft, Vec<Fault>>, input: Option<Input>, plan: Option<PlanInput>) -> Self {
         match draft {
             Ok(draft) => Self { faults: Vec::new(), input, plan, draft: Some(draft) },
@@ -28,7 +28,7 @@ impl Examined {
         }
     }
 
-    /// Adds why the job is not taken on within limits, where its level is known.
+    /// Adds the reasons why the job exceeds the limits, if its level is known.
     #[must_use]
     pub fn bounded(mut self, limits: &Limits, watch: &Watch) -> Self {
         let Some(Draft::Job(job)) = self.draft.take() else { return self };

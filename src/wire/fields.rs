@@ -1,5 +1,5 @@
-//! The fields of a job that a short text can give, for flags and for queries: read off the declarations of the job, so
-//! that no list of them is kept by hand.
+//! The fields of a job that a short text can give, for flags and queries. They are read from the schemas of the request
+//! and the declarations of the formats, so that no list has to be maintained.
 
 use serde_json::Value;
 use utoipa::{PartialSchema, ToSchema};
@@ -11,7 +11,7 @@ use super::written::{number, numbers, object, written};
 use crate::math::parameter::{Kind, Parameter};
 use crate::output::{FORMATS, description};
 
-/// The field that is an input by itself, where flags and queries stand beside a mesh file.
+/// The input field that names an upload. Flags and queries leave it out, because they accompany a mesh file.
 const UPLOAD: &str = "blob";
 
 /// The part of a job that has a field.
@@ -23,47 +23,47 @@ pub(crate) enum Part {
     Plan,
 }
 
-/// What a field takes.
+/// The values that a field accepts.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) enum Takes {
     /// `true` or `false`.
     Flag,
-    /// A text, or one of these texts where there are some.
+    /// A text; one of these if the list is not empty.
     Text(Vec<String>),
     /// A number.
     Number,
-    /// A whole number, or a number or a flag.
+    /// A whole number, or either a number or a flag.
     Scalar,
-    /// Numbers, or a text in their place.
+    /// A list of numbers, or a text in its place.
     Numbers,
-    /// An object of such fields.
+    /// An object with these fields.
     Object(Vec<Field>),
 }
 
 /// A field of the input or of the plan.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Field {
-    /// The part that has it.
+    /// The part of the job that has the field.
     pub(crate) part: Part,
     /// The name.
     pub(crate) name: String,
-    /// What it means.
+    /// The description.
     pub(crate) doc: String,
-    /// What it takes.
+    /// The values that the field accepts.
     pub(crate) takes: Takes,
 }
 
-/// An option of outputs, with the formats that know it: each declares it by itself.
+/// An option of outputs, with the declaration of each format that has it.
 #[derive(Debug, Clone)]
 pub(crate) struct OutputField {
     /// The name.
     pub(crate) name: &'static str,
-    /// The declarations, each with the format that makes it; at least one.
+    /// The declarations, each with the name of its format; at least one.
     pub(crate) declared: Vec<(&'static str, &'static Parameter)>,
 }
 
 impl Field {
-    /// The JSON of a text.
+    /// Converts a text to the JSON value of the field.
     pub(crate) fn value(&self, text: &str) -> Value {
         match &self.takes {
             Takes::Text(_) => text.into(),
@@ -78,26 +78,26 @@ impl Field {
 }
 
 impl OutputField {
-    /// What may be written; declarations of one name differ in their bounds only.
+    /// Returns the kind of the option; declarations of one name differ in their bounds only.
     pub(crate) fn kind(&self) -> &'static Kind {
         &self.declared[0].1.kind
     }
 
-    /// The JSON of a text.
+    /// Converts a text to the JSON value of the option.
     pub(crate) fn value(&self, text: &str) -> Value {
         written(self.kind(), text)
     }
 }
 
-/// The fields of the input and the plan of a job that take a text, a number, a flag or an object of those, in their
-/// order.
+/// Returns the fields of the input and the plan of a job that take a text, a number, a flag, numbers or an object of
+/// such values, in their order.
 pub(crate) fn fields() -> Vec<Field> {
     let is_short = |field: &Field| field.name != UPLOAD;
     let all = [of::<InputRequest>(Part::Input), of::<PlanRequest>(Part::Plan)].concat();
     all.into_iter().filter(is_short).collect()
 }
 
-/// The options of all formats, each name once, in the order of the formats.
+/// Returns the options of all formats, each name once, in the order of the formats.
 pub(crate) fn output_fields() -> Vec<OutputField> {
     let describes = description::described().map(|format| (format, &DESCRIBE)).collect();
     let mut found = vec![
@@ -113,7 +113,7 @@ pub(crate) fn output_fields() -> Vec<OutputField> {
     found
 }
 
-/// The simple fields of a part.
+/// Returns the fields of a part that a short text can give.
 fn of<T: ToSchema>(part: Part) -> Vec<Field> {
     let mut referred = Vec::new();
     T::schemas(&mut referred);
@@ -124,7 +124,7 @@ fn of<T: ToSchema>(part: Part) -> Vec<Field> {
     simple(part, declared, &referred)
 }
 
-/// Those of some properties that a short text can give.
+/// Returns the fields among `declared` that a short text can give; `referred` holds the schemas that they refer to.
 fn simple(part: Part, declared: Vec<(String, Value)>, referred: &[(String, Value)]) -> Vec<Field> {
     let mut found = Vec::new();
     for (name, schema) in declared {
@@ -139,7 +139,7 @@ fn simple(part: Part, declared: Vec<(String, Value)>, referred: &[(String, Value
     found
 }
 
-/// The properties of an object, or of all alternatives of one.
+/// Appends the properties of an object, or of all its alternatives.
 fn properties(schema: &Value, found: &mut Vec<(String, Value)>) {
     let own = schema["properties"].as_object().into_iter().flatten();
     found.extend(own.map(|(name, schema)| (name.clone(), schema.clone())));
@@ -150,12 +150,12 @@ fn alternatives(schema: &Value) -> impl Iterator<Item = &Value> {
     ["oneOf", "anyOf", "allOf"].into_iter().filter_map(|of| schema[of].as_array()).flatten()
 }
 
-/// What was met in the schema of a field.
+/// The facts gathered from the schema of a field.
 struct Met {
     doc: Option<String>,
     types: Vec<String>,
     choices: Vec<String>,
-    /// The properties of an object none of which has to be given.
+    /// The properties of an object schema without required properties.
     inner: Option<Vec<(String, Value)>>,
 }
 
@@ -177,7 +177,7 @@ impl Met {
         }
     }
 
-    /// What a field of these types takes; nothing where it is no simple one.
+    /// Returns the values that a field of these types accepts; `None` if a short text cannot give them.
     fn takes(&self, inner: Option<Vec<Field>>) -> Option<Takes> {
         let mut types: Vec<&str> = self.types.iter().map(String::as_str).filter(|name| *name != "null").collect();
         types.dedup();

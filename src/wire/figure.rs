@@ -1,4 +1,4 @@
-//! Where the panels of a figure stand, and which outputs their jobs have there.
+//! The layout of the panels of a figure, and the outputs of their jobs.
 
 use super::literal::WireLiteral;
 use super::output::{OutputRequest, output};
@@ -8,30 +8,30 @@ use crate::job::{Output, panel_place};
 use crate::math::parameter::Literal;
 use crate::output::figure::{Cell, Grid, MAX_COLUMNS, MAX_PANELS, MAX_TEXT, Sheet};
 
-/// What is said of a panel besides its job.
+/// The request of a panel without its job.
 #[derive(Debug)]
 pub(super) struct Panel {
-    /// Columns and rows.
+    /// Numbers of columns and rows that the panel spans.
     pub(super) span: Option<[u64; 2]>,
-    /// What stands below it.
+    /// The text below the panel.
     pub(super) caption: Option<String>,
-    /// Whether it lies on the one before it.
+    /// Whether the panel lies on the one before it.
     pub(super) overlay: bool,
-    /// The outputs of its job.
+    /// The outputs of the panel's job.
     pub(super) outputs: Vec<OutputRequest>,
 }
 
-/// A figure as far as it can be told without the jobs of its panels.
+/// A figure without the jobs of its panels.
 #[derive(Debug)]
 pub(super) struct Outline {
-    /// Where the panels stand.
+    /// The layout of the panels.
     pub(super) grid: Grid,
-    /// What each panel shows.
+    /// The output that each panel shows.
     shown: Vec<OutputRequest>,
 }
 
 impl Outline {
-    /// The outline of these panels, whose pictures all have a camera where one is given.
+    /// Creates the outline of these panels; if `camera` is given, all pictures use it.
     ///
     /// # Errors
     /// All faults, with pointers into the request.
@@ -46,7 +46,7 @@ impl Outline {
             let detail = format!("{n} panels; a figure has 1 to {MAX_PANELS}");
             return Err(vec![Fault::new("/figure/panels", detail)]);
         }
-        // as many columns as rows, or one more
+        // the least square that holds all panels
         let usual = (1..=MAX_COLUMNS).find(|side| (side * side) as usize >= n).unwrap_or(MAX_COLUMNS);
         let columns = columns.map_or(Some(usual), |given| u32::try_from(given).ok());
         let Some(columns) = columns.filter(|columns| (1..=MAX_COLUMNS).contains(columns)) else {
@@ -73,7 +73,7 @@ impl Outline {
         if faults.is_empty() { Ok(outline) } else { Err(faults) }
     }
 
-    /// The outputs of the job of panel `i`, one for each output of the figure, of the size that the panel has there.
+    /// Returns the outputs of the job of panel `i`, one for each output of the figure, in the size of the panel there.
     ///
     /// # Errors
     /// All faults, with pointers below the job.
@@ -93,7 +93,7 @@ impl Outline {
     }
 }
 
-/// What is wrong with something that is to be written.
+/// Returns the fault of a text of the figure, if any.
 fn text_fault(place: &str, text: Option<&str>, weight: Weight) -> Option<Fault> {
     let text = text?;
     if text.chars().count() > MAX_TEXT {
@@ -102,14 +102,14 @@ fn text_fault(place: &str, text: Option<&str>, weight: Weight) -> Option<Fault> 
     Label::parse(text, weight).err().map(|detail| Fault::new(place, detail))
 }
 
-/// What is wrong with a camera that all panels are to have.
+/// Returns the faults of a camera that all panels share, if any.
 fn shared_fault(camera: &WireLiteral) -> Option<Vec<Fault>> {
     let mut request = OutputRequest::of_format("png");
     request.set("camera", camera.clone());
     request.check().err().map(|found| under("/figure/shared", found))
 }
 
-/// What is wrong with a panel that lies on the one before it.
+/// Returns the faults of panel `i` as an overlay of the one before it.
 fn overlay_faults(i: usize, panel: &Panel) -> Vec<Fault> {
     let mut faults = Vec::new();
     if panel.overlay && i == 0 {
@@ -124,7 +124,7 @@ fn overlay_faults(i: usize, panel: &Panel) -> Vec<Fault> {
     faults
 }
 
-/// The cell of a panel, and what it shows.
+/// Returns the cell of panel `i`, and the output that it shows.
 fn cell(i: usize, panel: &Panel, columns: u32) -> Result<(Cell, OutputRequest), Vec<Fault>> {
     let mut faults = overlay_faults(i, panel);
     let [across, down] = panel.span.unwrap_or([1, 1]);

@@ -1,5 +1,5 @@
-//! Lists of a fixed length: serde by itself stops reading after the last entry it wants, and then calls a longer list
-//! broken text.
+//! Lists of a fixed length. Plain serde stops reading after the last expected entry, and then reports a longer list as
+//! invalid JSON.
 
 use std::fmt;
 use std::marker::PhantomData;
@@ -41,7 +41,7 @@ impl<'de, T: Deserialize<'de> + Copy + Default, const N: usize> Visitor<'de> for
     }
 }
 
-/// For a field that holds one such list.
+/// Reads a list of exactly `N` entries.
 pub(super) fn one<'de, D: Deserializer<'de>, T, const N: usize>(deserializer: D) -> Result<[T; N], D::Error>
 where
     T: Deserialize<'de> + Copy + Default,
@@ -49,7 +49,7 @@ where
     Fixed::deserialize(deserializer).map(|Fixed(entries)| entries)
 }
 
-/// For a field that holds a list of them.
+/// Reads a list of lists of exactly `N` entries.
 pub(super) fn list<'de, D: Deserializer<'de>, T, const N: usize>(deserializer: D) -> Result<Vec<[T; N]>, D::Error>
 where
     T: Deserialize<'de> + Copy + Default,
@@ -57,7 +57,7 @@ where
     Vec::<Fixed<T, N>>::deserialize(deserializer).map(unwrapped)
 }
 
-/// For a field that holds lists of them.
+/// Reads a list of lists of such lists.
 pub(super) fn lists<'de, D: Deserializer<'de>, T, const N: usize>(deserializer: D) -> Result<Vec<Vec<[T; N]>>, D::Error>
 where
     T: Deserialize<'de> + Copy + Default,
@@ -66,7 +66,7 @@ where
     Ok(lists.into_iter().map(unwrapped).collect())
 }
 
-/// The lists as they are, in the same place: their layout is that of their entries.
+/// Unwraps the lists in place: a wrapper has the layout of its entries.
 fn unwrapped<T, const N: usize>(lists: Vec<Fixed<T, N>>) -> Vec<[T; N]> {
     lists.into_iter().map(|Fixed(entries)| entries).collect()
 }

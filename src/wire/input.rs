@@ -112,40 +112,40 @@ choice! {
     }
 }
 
-/// What becomes of an input.
+/// The purpose of an input.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Purpose {
-    /// It is refined by a plan.
+    /// The input is refined by a plan.
     Refine,
-    /// It is converted or drawn as it is.
+    /// The input is converted or drawn as it is.
     Keep,
 }
 
 /// A checked input.
 #[derive(Debug, Clone)]
 pub struct Resolved {
-    /// What is refined.
+    /// The shape to be refined.
     pub input: Input,
-    /// The entry that holds it.
+    /// The field of the request that holds the input.
     pub entry: InputEntry,
-    /// The boundary rule that a mesh file asks for.
+    /// The boundary rule that the mesh file states, if any.
     pub boundary: Option<Boundary>,
-    /// What the coordinates mean: what the request says, else a mesh file.
+    /// The unit and the up axis of the coordinates: from the request, else from the mesh file.
     pub frame: Frame,
 }
 
 impl InputRequest {
-    /// The input of a job that has none.
+    /// Creates the input of a job without one.
     pub(super) fn missing() -> Self {
         Self { is_missing: true, ..Self::default() }
     }
 
-    /// What its coordinates mean.
+    /// Returns the unit and the up axis that the request states, else the defaults.
     pub fn frame(&self) -> Frame {
         Frame { unit: self.unit.map(Into::into).unwrap_or_default(), up: self.up.map(Into::into).unwrap_or_default() }
     }
 
-    /// Whether there is exactly one kind of input.
+    /// Whether exactly one kind of input is given.
     pub(super) fn is_one(&self) -> bool {
         let is_file = self.blob.is_some() || self.file.is_some();
         let given =
@@ -153,7 +153,7 @@ impl InputRequest {
         given.iter().filter(|given| **given).count() == 1
     }
 
-    /// Checks the input, with the defaults for what becomes of it; mesh files may be as large as `limits` say.
+    /// Checks the input, with the defaults for its purpose; `limits` bound the size of mesh files.
     ///
     /// # Errors
     /// All faults, with pointers below the input.
@@ -181,7 +181,7 @@ impl InputRequest {
         }
         let (place, entry) =
             if self.blob.is_some() { ("/blob", InputEntry::Blob) } else { ("/text", InputEntry::Text) };
-        // no place in a file that was sent before is a place in the request
+        // no pointer into a file that was uploaded earlier is a pointer into the request
         let in_text = |found: Vec<Fault>| match entry {
             InputEntry::Blob => found.into_iter().map(|fault| Fault::new(place, fault.detail)).collect(),
             _ => under(place, found),
@@ -193,14 +193,14 @@ impl InputRequest {
             let mesh = self.covered(if is_parted { mesh.parted() } else { mesh })?;
             let is_usual = self.weld.is_none() && purpose == Purpose::Refine;
             let may_cut = self.non_manifold != Some(NonManifoldRequest::Refuse);
-            // nobody has asked for edges of more than two faces that welding makes
+            // clients did not request the edges of more than two faces that default welding makes
             let mesh = match vertices {
                 Vertices::Doubled if is_usual && may_cut => mesh.joined().map_err(|fault| vec![fault])?,
                 Vertices::Doubled if is_usual => mesh.welded(0.0).map_err(|fault| vec![fault])?,
                 Vertices::Joined if is_usual && may_cut => mesh.parted_where_crowded(),
                 _ => mesh,
             };
-            // repairs leave faces out, or join them
+            // repairs remove or join faces, so that line numbers no longer match them
             let keeps_faces =
                 self.distance().is_none() && !self.pair_quads && !(is_usual && vertices == Vertices::Doubled);
             let lines = if keeps_faces { lines } else { Vec::new() };
@@ -227,12 +227,12 @@ impl InputRequest {
         self.orient.map(Into::into).unwrap_or_default()
     }
 
-    /// The distance within which vertices are merged, where it is given.
+    /// Returns the distance within which vertices are merged, if given.
     fn distance(&self) -> Option<f64> {
         if let Some(WeldRequest::Within(distance)) = self.weld { Some(distance) } else { None }
     }
 
-    /// The mesh with a look for the faces that have none, where the job says one.
+    /// Gives the job's material, if any, to the faces that have none.
     fn covered(&mut self, mut mesh: MeshInput) -> Result<MeshInput, Vec<Fault>> {
         let Some(material) = self.material.take() else { return Ok(mesh) };
         let in_material = |found| under("/material", found);
@@ -244,7 +244,7 @@ impl InputRequest {
         Ok(mesh)
     }
 
-    /// Repairs and checks a mesh: faults of the repairs, or those of the mesh.
+    /// Repairs and checks a mesh. The outer error holds the faults of the repairs, the inner one those of the mesh.
     fn mesh(&self, mut input: MeshInput, purpose: Purpose) -> Result<Result<Mesh, Vec<Fault>>, Vec<Fault>> {
         if let Some(non_manifold) = self.non_manifold {
             input.non_manifold = non_manifold.into();
@@ -262,7 +262,7 @@ impl InputRequest {
         }))
     }
 
-    /// Nothing is to be repaired by the places of vertices, of which a mesh with frames has several.
+    /// Refuses repairs that compare positions of vertices if the mesh has frames, and so several positions per vertex.
     fn keeps_vertices(&self, mesh: &MeshRequest) -> Result<(), Vec<Fault>> {
         let given = [("weld", self.distance().is_some()), ("pair_quads", self.pair_quads)];
         let fault = |(name, _)| {
@@ -274,7 +274,7 @@ impl InputRequest {
         if faults.is_empty() { Ok(()) } else { Err(faults) }
     }
 
-    /// Nothing is said that only meshes know.
+    /// Refuses fields that only meshes have.
     fn has_no_mesh(&self) -> Result<(), Vec<Fault>> {
         let mut faults = Vec::new();
         if self.orient.is_some() {
@@ -296,7 +296,7 @@ impl InputRequest {
     }
 }
 
-/// A fault of edges that welding may have made, which nobody asked for, with what keeps them apart.
+/// Adds the remedy `"weld": false` to a fault about edges with too many faces, which default welding may have made.
 fn told_of_weld(mut fault: Fault) -> Fault {
     if fault.detail.contains("at most 2 are allowed") {
         fault.detail.push_str(", and \"weld\": false joins no vertices");

@@ -119,7 +119,7 @@ pub struct SharedRequest {
 }
 
 impl JobRequest {
-    /// A figure with one output.
+    /// Creates the job of a figure with one output.
     pub fn of_figure(figure: FigureRequest, output: OutputRequest) -> Self {
         Self {
             spec: None,
@@ -134,12 +134,12 @@ impl JobRequest {
         }
     }
 
-    /// Whether an output is to say of which job it is.
+    /// Whether an output is to contain the description of its job.
     pub fn describes(&self) -> bool {
         self.outputs.iter().any(OutputRequest::describes)
     }
 
-    /// Puts the file of an upload where its name stands.
+    /// Attaches the file of an upload to the input at `place`, unless that has a file already.
     pub fn attach(&mut self, place: InputPlace, file: MeshFile) {
         let job = match (place.panel, &mut self.figure) {
             (None, _) => Some(self),
@@ -152,7 +152,7 @@ impl JobRequest {
         }
     }
 
-    /// What kind of result it has, as far as that can be told before it is checked.
+    /// Returns the kind of shape of the result, as far as the unchecked request tells.
     pub fn shape_kind(&self) -> ShapeKind {
         let first = self.input.polygon.iter().chain(self.input.polygons.iter().flatten()).next();
         match first {
@@ -164,7 +164,7 @@ impl JobRequest {
         }
     }
 
-    /// Checks the request as a whole, under the default limits on mesh files.
+    /// Checks the request as a whole, with the default limits on mesh files.
     ///
     /// # Errors
     /// As [`JobRequest::resolve_within`].
@@ -172,8 +172,7 @@ impl JobRequest {
         self.resolve_within(&ReadLimits::default())
     }
 
-    /// Checks the request as a whole and searches for the level of a tolerance; mesh files may be as large as `limits`
-    /// say.
+    /// Checks the request as a whole and searches for the level of a tolerance; `limits` bound the size of mesh files.
     ///
     /// # Errors
     /// All faults found.
@@ -189,7 +188,8 @@ impl JobRequest {
         search.complete(reached)
     }
 
-    /// Checks the request as a whole, but for the level of a tolerance; mesh files may be as large as `limits` say.
+    /// Checks the request as a whole, without the search for the level of a tolerance; `limits` bound the size of mesh
+    /// files.
     ///
     /// # Errors
     /// All faults found.
@@ -201,7 +201,7 @@ impl JobRequest {
         self.parts(purpose, limits).draft()
     }
 
-    /// The format of a job that names no output, unless something else chooses it.
+    /// Returns the default format of a job without outputs.
     pub fn usual_format(&self) -> &'static str {
         match self.shape_kind() {
             _ if self.figure.is_some() => "png",
@@ -210,8 +210,8 @@ impl JobRequest {
         }
     }
 
-    /// Checks the request as [`JobRequest::draft_within`], and tells what its parts are as far as these are right. The
-    /// input is looked at for what it is said to be for.
+    /// Checks the request as [`JobRequest::draft_within`] does, and also returns its input and plan if they are valid.
+    /// `purpose` selects the defaults for the input.
     pub fn examine(self, purpose: Purpose, limits: &ReadLimits) -> Examined {
         if self.figure.is_some() {
             return Examined::of(self.drawn_together(limits), None, None);
@@ -222,7 +222,7 @@ impl JobRequest {
         Examined::of(parts.draft(), input, plan)
     }
 
-    /// Checks a figure: its layout, then its panels at their sizes.
+    /// Checks a figure: first its layout, then its panels at their sizes.
     fn drawn_together(self, limits: &ReadLimits) -> Result<Draft, Vec<Fault>> {
         let mut faults = self.beside_figure();
         let outputs =
@@ -256,7 +256,7 @@ impl JobRequest {
         Job::of_figure(Figure { panels: jobs, ..figure }, outputs).map(|job| Draft::Job(Box::new(job)))
     }
 
-    /// The job of a panel with these outputs.
+    /// Creates the job of a panel with these outputs.
     fn of_panel(self, outputs: Vec<Output>, limits: &ReadLimits) -> Result<Job, Vec<Fault>> {
         if self.figure.is_some() {
             return Err(vec![Fault::new(
@@ -274,7 +274,7 @@ impl JobRequest {
         }
     }
 
-    /// The job of the surface from which distances are measured.
+    /// Creates the job of the surface from which distances are measured.
     fn other(self, limits: &ReadLimits) -> Result<Arc<Job>, Vec<Fault>> {
         if self.figure.is_some() {
             return Err(vec![Fault::new("/figure", "distances are measured from a surface; give the job of one")]);
@@ -283,7 +283,7 @@ impl JobRequest {
         self.of_panel(outputs(&[shape], 0, None)?, limits).map(Arc::new)
     }
 
-    /// What a figure says besides that it must not.
+    /// Returns the faults of fields that a figure must not have, and of an unknown `spec`.
     fn beside_figure(&self) -> Vec<Fault> {
         let said = [
             ("input", !self.input.is_missing),
@@ -301,13 +301,13 @@ impl JobRequest {
         said.into_iter().filter(|(_, is_said)| *is_said).map(|(name, _)| fault(name)).chain(unknown).collect()
     }
 
-    /// What is asked about the input before the outputs are settled: an input alone is looked at as one that is to be
-    /// refined.
+    /// Returns the purpose of the input before the outputs are settled: an input without outputs is treated as one to
+    /// be refined.
     pub fn asked(&self) -> Purpose {
         if self.outputs.is_empty() { Purpose::Refine } else { self.purpose() }
     }
 
-    /// What becomes of the input.
+    /// Returns the purpose of the input: refinement if there is a plan.
     fn purpose(&self) -> Purpose {
         if self.plan.is_some() { Purpose::Refine } else { Purpose::Keep }
     }
@@ -318,7 +318,7 @@ impl JobRequest {
         self.parts_for(outputs, purpose, limits)
     }
 
-    /// Checks each part but the outputs by itself.
+    /// Checks each part by itself, with outputs that are checked already.
     fn parts_for(self, outputs: Result<Vec<Output>, Vec<Fault>>, purpose: Purpose, limits: &ReadLimits) -> Parts {
         let mut faults = Vec::new();
         faults.extend(self.spec.filter(|spec| *spec != 1).map(unknown_spec));
@@ -330,7 +330,7 @@ impl JobRequest {
         let says_boundary = self.plan.as_ref().is_some_and(|plan| plan.boundary.is_some());
         let mut plan = self.plan.map(PlanRequest::resolve);
         let boundary = input.as_ref().and_then(|input| input.boundary);
-        // the plan's word on the boundary stands over the file's
+        // the boundary rule of the plan has precedence over the rule of the file
         if let (Some(plan), Some(boundary), false) = (&mut plan, boundary, says_boundary) {
             plan.boundary = boundary;
         }
@@ -338,10 +338,10 @@ impl JobRequest {
     }
 }
 
-/// The parts of a request, each checked by itself, and what is wrong with them.
+/// The parts of a request, each checked by itself, and their faults.
 struct Parts {
     faults: Vec<Fault>,
-    /// What the input is, where there is one.
+    /// The kind of shape of the input, if exactly one kind of input is given.
     kind: Option<ShapeKind>,
     input: Option<Resolved>,
     plan: Option<PlanInput>,
@@ -351,8 +351,8 @@ struct Parts {
 }
 
 impl Parts {
-    /// Fits the parts to each other. Where one is wrong, the others are looked at all the same, so that all faults come
-    /// together.
+    /// Checks that the parts fit each other. If one is invalid, the others are checked all the same, so that all faults
+    /// are reported together.
     fn draft(self) -> Result<Draft, Vec<Fault>> {
         let Self { mut faults, kind, input, plan, levels, outputs, other } = self;
         let found = match (input, kind) {

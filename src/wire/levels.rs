@@ -1,4 +1,4 @@
-//! How often a plan is applied, as clients write it.
+//! The number of levels, as clients write it.
 
 use std::fmt;
 
@@ -10,13 +10,13 @@ use utoipa::{PartialSchema, ToSchema};
 
 use crate::job::Levels;
 
-/// The levels of pictures whose faces are to be about a pixel.
+/// The text that chooses as many levels as make the faces of a picture about a pixel in size.
 const AUTO: &str = "auto";
 
-/// The most levels that can be asked for; each at least doubles what there is, so that none has more.
+/// Maximum number of levels. Each level at least doubles the number of elements, so that no job can have more.
 pub(super) const MOST_LEVELS: usize = 64;
 
-/// A number of levels, a tolerance, or what a picture can show: `4`, `{"tolerance": 0.01}` or `"auto"`.
+/// A number of levels, a tolerance, or as many levels as a picture can show: `4`, `{"tolerance": 0.01}` or `"auto"`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct LevelsRequest(pub Levels);
 
@@ -47,7 +47,7 @@ impl<'de> Visitor<'de> for LevelsVisitor {
 
     #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "it is whole and not negative")]
     fn visit_f64<E: Error>(self, levels: f64) -> Result<Levels, E> {
-        // what is larger is refused as what it is rounded to
+        // the cast saturates, and a number as large as that is refused later
         let is_whole = levels >= 0.0 && levels.fract() == 0.0;
         if is_whole { Ok(Levels::Count(levels as u64)) } else { Err(E::invalid_type(Unexpected::Float(levels), &self)) }
     }

@@ -1,4 +1,4 @@
-//! Free-form values of parameters and options.
+//! Values of any type for parameters and options.
 
 use std::fmt;
 
@@ -8,14 +8,14 @@ use serde_json::{Number, Value};
 use crate::fault::shortened;
 use crate::math::parameter::Literal;
 
-/// Most entries of one list or object among parameters.
+/// Maximum number of entries of one list among parameters.
 const MAX_ENTRIES: usize = 10_000;
 
-/// A [`Literal`] as it is read from JSON.
+/// A [`Literal`] read from JSON.
 #[derive(Debug, Clone, PartialEq)]
 pub struct WireLiteral(pub Literal);
 
-/// Named literals as they are read from a JSON object, in their order; a name may stand only once.
+/// Named literals read from a JSON object, in the order of the text; names must be unique.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct WireFields(pub Vec<(String, Literal)>);
 
@@ -31,7 +31,7 @@ impl<'de> Deserialize<'de> for WireFields {
     }
 }
 
-/// A value as JSON.
+/// Converts a literal to JSON.
 pub(super) fn written(value: &Literal) -> Value {
     match value {
         Literal::Null => Value::Null,
@@ -43,7 +43,7 @@ pub(super) fn written(value: &Literal) -> Value {
     }
 }
 
-/// The whole number that a number is, if it is one.
+/// Returns the integer equal to `x`, if there is one below 2^53 in magnitude.
 fn whole(x: f64) -> Option<i64> {
     #[expect(clippy::cast_possible_truncation, reason = "checked by its value")]
     let n = x as i64;
@@ -95,7 +95,7 @@ impl<'de> Visitor<'de> for LiteralVisitor {
             }
             items.push(item);
         }
-        // a list within a list would keep room for four where it has one
+        // a nested list of one item would otherwise keep a capacity of four
         items.shrink_to_fit();
         Ok(Literal::List(items))
     }
@@ -120,7 +120,7 @@ impl<'de> Visitor<'de> for FieldsVisitor {
     }
 }
 
-/// The fields of an object, each name once and so many `most`; `too_many` says that there are more.
+/// Reads the fields of an object, at most `most` and each name once; `too_many` is the error message for more fields.
 pub(super) fn fields<'de, A: MapAccess<'de>, T: Deserialize<'de>>(
     mut map: A,
     most: usize,

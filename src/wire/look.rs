@@ -1,4 +1,4 @@
-//! How faces look, as clients write it.
+//! The appearance of faces, as clients write it.
 
 use std::fmt;
 use std::sync::Arc;
@@ -15,10 +15,10 @@ use crate::math::parameter;
 use crate::shape::looks::Alpha;
 use crate::shape::textures::{Filter, Image, Texture, Wrap};
 
-/// What is multiplied with textures that are masked, where nothing else is said. Source: glTF 2.0, section 5.19.8.
+/// Default alpha cutoff of masked materials. Source: glTF 2.0, section 5.19.8.
 pub(crate) const USUAL_CUTOFF: f64 = 0.5;
 
-/// Declares an object that says how faces look, behind fields of its own.
+/// Declares an object with the fields of the appearance of faces after its own fields.
 macro_rules! looks {
     (
         $(#[doc = $about:literal])+
@@ -52,10 +52,11 @@ macro_rules! looks {
         }
 
         impl $name {
-            /// The look, whose numbers are unchecked; a picture is read once for all that share `images`.
+            /// Converts the request, without checking its numbers; pictures in `images` are shared, and new ones are
+            /// added there.
             ///
             /// # Errors
-            /// What is no mask or no picture.
+            /// An alpha cutoff without a mask, or a texture that is no picture.
             pub(super) fn look(
                 self,
                 images: &mut Vec<(String, std::sync::Arc<crate::shape::textures::Image>)>,
@@ -134,7 +135,7 @@ choice! {
     }
 }
 
-/// Reads a colour: 3 or 4 numbers, or a text as pictures have it.
+/// Reads a colour: 3 or 4 numbers, or a text in the notation of picture options.
 pub(super) fn color<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Option<[f64; 4]>, D::Error> {
     deserializer.deserialize_option(ColorVisitor)
 }
@@ -178,10 +179,10 @@ impl<'de> Visitor<'de> for ColorVisitor {
     }
 }
 
-/// What alpha does, where that is said.
+/// Returns the effect of alpha, if the request states one.
 ///
 /// # Errors
-/// A cutoff of what is not masked.
+/// An alpha cutoff without a mask.
 pub(super) fn alpha(mode: Option<AlphaModeRequest>, cutoff: Option<f64>) -> Result<Option<Alpha>, Fault> {
     match (mode, cutoff) {
         (Some(AlphaModeRequest::Mask), cutoff) => Ok(Some(Alpha::Mask(cutoff.unwrap_or(USUAL_CUTOFF)))),
@@ -193,10 +194,10 @@ pub(super) fn alpha(mode: Option<AlphaModeRequest>, cutoff: Option<f64>) -> Resu
 }
 
 impl TextureRequest {
-    /// The texture; a picture that is among `images` is not read again.
+    /// Converts the texture; a picture that is already in `images` is not decoded again.
     ///
     /// # Errors
-    /// What is no picture.
+    /// An image that is not a data URI of a picture.
     pub(super) fn resolve(self, images: &mut Vec<(String, Arc<Image>)>) -> Result<Texture, Fault> {
         let fault = |detail: String| Fault::new("/texture/image", detail);
         let known = images.iter().find(|(uri, _)| *uri == self.image).map(|(_, image)| image.clone());

@@ -21,13 +21,13 @@ looks! {
     }
 }
 
-/// The faces of materials, and how each looks; their numbers are unchecked.
+/// Returns the faces of all materials, and their looks, whose numbers are unchecked.
 ///
 /// # Errors
-/// What is no colour, no mask or no picture, with pointers below the mesh.
+/// Colours, masks and pictures that are invalid, with pointers below the mesh.
 pub(super) fn materials(requests: Vec<MaterialRequest>) -> Result<(Vec<FaceSet>, Vec<Look>), Vec<Fault>> {
     let (mut sets, mut looks, mut faults) = (Vec::new(), Vec::new(), Vec::new());
-    // pictures that several materials have are kept once
+    // several materials share one decoded picture
     let mut images: Vec<(String, Arc<Image>)> = Vec::new();
     for (i, mut request) in requests.into_iter().enumerate() {
         let set = FaceSet { name: std::mem::take(&mut request.name), faces: std::mem::take(&mut request.faces) };

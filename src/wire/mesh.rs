@@ -133,7 +133,7 @@ pub struct CreaseRequest {
 }
 
 impl MeshRequest {
-    /// The mesh, unchecked but for indices that are beyond every mesh.
+    /// Converts the request; only indices that no mesh can have are checked.
     ///
     /// # Errors
     /// Indices that are out of range, with pointers below the mesh.

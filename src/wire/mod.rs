@@ -1,4 +1,4 @@
-//! Request and answer types: the only serde of jobs; used by http and cli.
+//! Types of requests and answers, shared by `http` and `cli`; jobs have no other serde implementations.
 
 pub mod analysis;
 pub mod answer;

@@ -1,4 +1,4 @@
-//! Objects that are read from JSON objects alone: serde by itself would also take a list of the fields' values.
+//! Objects that are read from JSON objects only; plain serde would also accept a list of the fields' values.
 
 use std::fmt;
 use std::marker::PhantomData;
@@ -6,7 +6,7 @@ use std::marker::PhantomData;
 use serde::de::value::MapAccessDeserializer;
 use serde::de::{Deserialize, Deserializer, MapAccess, Visitor};
 
-/// A value that is written as an object.
+/// A value that is written as a JSON object.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Object<T>(pub T);
 
@@ -31,29 +31,29 @@ impl<'de, T: Deserialize<'de>> Visitor<'de> for ObjectVisitor<T> {
     }
 }
 
-/// For a field that holds an object.
+/// Reads a field that holds an object.
 pub(crate) fn one<'de, D: Deserializer<'de>, T: Deserialize<'de>>(deserializer: D) -> Result<T, D::Error> {
     Object::deserialize(deserializer).map(|Object(value)| value)
 }
 
-/// For a field that may hold an object.
+/// Reads a field that may hold an object.
 pub(crate) fn optional<'de, D: Deserializer<'de>, T: Deserialize<'de>>(deserializer: D) -> Result<Option<T>, D::Error> {
     Option::<Object<T>>::deserialize(deserializer).map(|value| value.map(|Object(value)| value))
 }
 
-/// For a field that may hold an object in a place of its own.
+/// Reads a field that may hold an object, into a box.
 pub(crate) fn optional_box<'de, D: Deserializer<'de>, T: Deserialize<'de>>(
     deserializer: D,
 ) -> Result<Option<Box<T>>, D::Error> {
     optional(deserializer).map(|value| value.map(Box::new))
 }
 
-/// For a field that holds a list of objects.
+/// Reads a field that holds a list of objects.
 pub(super) fn list<'de, D: Deserializer<'de>, T: Deserialize<'de>>(deserializer: D) -> Result<Vec<T>, D::Error> {
     Vec::<Object<T>>::deserialize(deserializer).map(unwrapped)
 }
 
-/// For a field that may hold a list of objects.
+/// Reads a field that may hold a list of objects.
 pub(super) fn optional_list<'de, D: Deserializer<'de>, T: Deserialize<'de>>(
     deserializer: D,
 ) -> Result<Option<Vec<T>>, D::Error> {

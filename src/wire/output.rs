@@ -1,4 +1,4 @@
-//! What a job asks for, as clients write it.
+//! The outputs of a job as clients write them.
 
 use serde::Deserialize;
 use serde_json::{Map, Value};
@@ -11,26 +11,27 @@ use crate::math::parameter::{Default, Kind, Literal, Parameter, Values};
 use crate::output::{self, Format, POSITIONS, description};
 use crate::shape::mesh::MAX_FRAMES;
 
-/// Most outputs of one job.
+/// Maximum number of outputs of one job.
 pub(crate) const MAX_OUTPUTS: usize = 64;
 
-/// One result: a `format`, a `name` (the format's when left out) and the format's options, see `/v1/formats`.
+/// One requested output: a `format`, a `name` (by default that of the format) and the options of the format, see
+/// `/v1/formats`.
 #[derive(Debug, Clone, Deserialize)]
 #[serde(transparent)]
 pub struct OutputRequest {
     fields: WireFields,
-    /// Whether the format was chosen otherwise, as the request names no outputs.
+    /// Whether the format was chosen outside the request, which names no outputs.
     #[serde(skip)]
     is_chosen: bool,
 }
 
 impl OutputRequest {
-    /// The output of a format with its default options, where the request names none.
+    /// Creates an output of a format with its default options, for a request without outputs.
     pub fn of_format(name: &str) -> Self {
         Self { fields: WireFields(vec![("format".into(), Literal::Text(name.into()))]), is_chosen: true }
     }
 
-    /// The output that tells of the shape that another shows, or of the refined shape where there is none.
+    /// Creates a `stats` output of the shape that another output shows, or of the refined shape if there is none.
     ///
     /// # Errors
     /// All faults of the other output, with pointers below it.
@@ -45,17 +46,17 @@ impl OutputRequest {
         Ok(shape)
     }
 
-    /// The output as JSON.
+    /// Returns the output as JSON.
     pub(crate) fn told(&self) -> Map<String, Value> {
         self.fields.0.iter().map(|(name, value)| (name.clone(), written(value))).collect()
     }
 
-    /// Whether the bytes are to say of which job they are.
+    /// Whether the bytes are to contain the description of their job.
     pub(crate) fn describes(&self) -> bool {
         self.fields.0.iter().any(|(name, value)| name == DESCRIBE.name && *value == Literal::Flag(true))
     }
 
-    /// Sets a field, whatever the request says of it.
+    /// Sets a field, also if the request gives it.
     pub(crate) fn set(&mut self, name: &str, WireLiteral(value): WireLiteral) {
         self.is_chosen = false;
         match self.fields.0.iter_mut().find(|(known, _)| known == name) {
@@ -64,14 +65,14 @@ impl OutputRequest {
         }
     }
 
-    /// Sets a field that the request says nothing of.
+    /// Sets a field unless the request gives it.
     pub(super) fn set_default(&mut self, name: &str, value: Literal) {
         if self.fields.0.iter().all(|(known, _)| known != name) {
             self.set(name, WireLiteral(value));
         }
     }
 
-    /// Checks it by itself.
+    /// Checks the output by itself.
     ///
     /// # Errors
     /// All faults, with pointers below the output.
@@ -79,12 +80,12 @@ impl OutputRequest {
         output(self, 0).map(drop)
     }
 
-    /// Whether it gives an option of this name.
+    /// Whether the request gives a field of this name.
     pub fn gives(&self, option: &str) -> bool {
         self.fields.0.iter().any(|(name, _)| name == option)
     }
 
-    /// The name of its format, where it is a text.
+    /// Returns the name of the format, if the request gives one as a text.
     pub fn format(&self) -> Option<&str> {
         self.fields.0.iter().find_map(|(name, value)| match value {
             Literal::Text(text) if name == "format" => Some(text.as_str()),
@@ -93,7 +94,7 @@ impl OutputRequest {
     }
 }
 
-/// Checks what is asked for of a job with this text; `before` outputs of the request were left out.
+/// Checks the outputs of a job with the text `source`; `before` outputs of the request precede these.
 pub(super) fn outputs(
     requests: &[OutputRequest],
     before: usize,
@@ -118,7 +119,7 @@ pub(super) fn outputs(
     if faults.is_empty() { Ok(found) } else { Err(faults) }
 }
 
-/// The output with its description, where it is to have one.
+/// Adds the description of the job to an output that requests one.
 fn described(output: Output, request: &OutputRequest, source: Option<&str>) -> Result<Output, Vec<Fault>> {
     if !request.describes() {
         return Ok(output);
@@ -127,7 +128,7 @@ fn described(output: Output, request: &OutputRequest, source: Option<&str>) -> R
     Ok(Output { description: Some(text), ..output })
 }
 
-/// Checks one output but for its description, at this place among those of the request.
+/// Checks one output, except for its description; `index` is its position among the outputs of the request.
 pub(super) fn output(request: &OutputRequest, index: usize) -> Result<Output, Vec<Fault>> {
     let (mut format, mut name, mut frame, mut describes) = (None, None, None, false);
     let mut options = Vec::new();
@@ -169,7 +170,7 @@ fn known_format(value: &Literal) -> Result<&'static dyn Format, Vec<Fault>> {
     })
 }
 
-/// The field that all formats have in common.
+/// The frame field, common to all formats.
 pub(super) const FRAME: Parameter = Parameter {
     name: "frame",
     kind: Kind::Integer { min: 0, max: MAX_FRAMES.cast_signed() as i64 - 1 },
@@ -178,7 +179,7 @@ pub(super) const FRAME: Parameter = Parameter {
     doc: "The frame of a mesh that is shown, as if the mesh had these positions alone.",
 };
 
-/// The field that formats with room for it have in common.
+/// The description field, common to the formats with room for a description.
 pub(super) const DESCRIBE: Parameter = Parameter {
     name: "describe",
     kind: Kind::Flag,
@@ -187,7 +188,7 @@ pub(super) const DESCRIBE: Parameter = Parameter {
     doc: "Whether the bytes say of which job they are: \"planish reproduce\" reads it, renders it again and compares.",
 };
 
-/// The fields that formats have in common, as far as one of this name has them.
+/// Returns the common fields of the format with this name.
 pub(super) fn common(format: &str) -> Vec<Parameter> {
     let describes = description::described().any(|name| name == format);
     [FRAME].into_iter().chain(describes.then_some(DESCRIBE)).collect()

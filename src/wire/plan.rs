@@ -10,7 +10,7 @@ use crate::scheme::extent::Ends;
 use crate::scheme::plan::PlanInput;
 use crate::scheme::tags::Boundary;
 
-/// For a field that is a text or not there; null is no text.
+/// Reads an optional field that must be a text if present; null is refused.
 fn given<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Option<String>, D::Error> {
     String::deserialize(deserializer).map(Some)
 }
@@ -62,7 +62,7 @@ choice! {
 }
 
 impl PlanRequest {
-    /// The plan as it is to be resolved for its input.
+    /// Converts the plan, which is then resolved for its input.
     pub fn resolve(self) -> PlanInput {
         PlanInput {
             preset: self.preset,

@@ -9,10 +9,10 @@ use crate::fault::{Fault, under};
 use crate::shape::attributes::Attributes;
 use crate::shape::polygon::Polygon;
 
-/// Most polygons of one job.
+/// Maximum number of polygons of one job.
 pub(crate) const MAX_POLYGONS: usize = 4096;
 
-/// Faults of polygons after which no more polygons are looked at.
+/// Number of faults after which no more polygons are checked.
 const MAX_FAULTS: usize = 20;
 
 /// A control polygon.

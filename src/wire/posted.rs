@@ -1,4 +1,4 @@
-//! What may be posted as a job.
+//! The requests that can be posted as jobs.
 
 use serde::Deserialize;
 use serde_json::value::RawValue;
@@ -32,20 +32,20 @@ pub struct AnalysisJob {
 /// An upload that a job names.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct NamedUpload {
-    /// The input that names it.
+    /// The input that names the upload.
     pub place: InputPlace,
-    /// Its id.
+    /// The id of the upload.
     pub id: String,
 }
 
 impl NamedUpload {
-    /// JSON pointer to the name.
+    /// Returns the JSON pointer to the id.
     pub fn pointer(&self) -> String {
         format!("{}/blob", self.place.pointer())
     }
 }
 
-/// The uploads that a job names; what is no JSON names none.
+/// Returns the uploads that a job names; none if the body is not JSON.
 pub fn uploads_of(body: &[u8]) -> Vec<NamedUpload> {
     #[derive(Deserialize)]
     struct Peek {
@@ -89,7 +89,7 @@ pub fn uploads_of(body: &[u8]) -> Vec<NamedUpload> {
     all
 }
 
-/// Whether a body asks for an analysis; what is no JSON asks for nothing.
+/// Whether a body requests an analysis; false if it is not JSON.
 pub fn asks_for_analysis(body: &[u8]) -> bool {
     #[derive(Deserialize)]
     struct Peek<'a> {

@@ -1,5 +1,5 @@
-//! Jobs as the query of an address says them, beside a mesh file: names with dots for the places in the job, and texts
-//! that are typed by what the job, presets, operators and formats declare.
+//! Jobs in the query of an address, beside a mesh file: names with dots are places in the job, and texts are converted
+//! to the types that the job, presets, operators and formats declare.
 
 use std::collections::BTreeSet;
 use std::sync::LazyLock;
@@ -19,22 +19,22 @@ use crate::output;
 use crate::scheme::parameters::WORD_PARAMETERS;
 use crate::scheme::presets::PRESETS;
 
-/// What a query says that is no part of the job.
+/// Query parameters that are not part of the job.
 pub const BESIDE_THE_JOB: &[&str] = &["keep"];
-/// Names of what is no field of the plan; the others of those without dots are such fields.
+/// Names without dots that are not fields of the plan; all others without dots are.
 const NAMES: [&str; 2] = ["levels", "format"];
-/// First names of those with dots, and their places in the job. The one output has the name `output` until the job is
-/// whole.
+/// First parts of names with dots, and their places in the job. The one output is called `output` until the job is
+/// complete.
 const FAMILIES: [(&str, &[&str]); 4] =
     [("parameters", &["plan", "parameters"]), ("output", &["output"]), ("input", &["input"]), ("levels", &["levels"])];
 
-/// The fields that are declared, read off once.
+/// The declared fields, computed once.
 static FIELDS: LazyLock<Vec<Field>> = LazyLock::new(fields);
 
-/// The job that a query says, but for its input, as JSON.
+/// Returns the job of a query, without its input, as JSON.
 ///
 /// # Errors
-/// Names that are unknown or stand twice; their faults point at them as `?name`.
+/// Names that are unknown or repeated; the faults point at them as `?name`.
 pub fn job(query: &str) -> Result<Map<String, Value>, Vec<Fault>> {
     let pairs: Vec<_> = form_urlencoded::parse(query.as_bytes()).collect();
     let pairs: Vec<_> = pairs.iter().filter(|(name, _)| !BESIDE_THE_JOB.contains(&&**name)).collect();
@@ -58,15 +58,14 @@ pub fn job(query: &str) -> Result<Map<String, Value>, Vec<Fault>> {
     if faults.is_empty() { Ok(job) } else { Err(faults) }
 }
 
-/// Refuses what a query says of a job that says it itself, and all other names but `_` and those `beside` the job, each
-/// once.
+/// Refuses query parameters beside a job in the body. Only `_` and the names in `beside` are allowed, each once.
 ///
 /// # Errors
-/// All that it says, where it is something of a job with its place there.
+/// A fault for each refused parameter, with its place in the job if it has one.
 pub fn says_nothing(query: &str, beside: &[&str]) -> Result<(), Vec<Fault>> {
     let fault = |name: &str| {
         let detail = match place(name).as_deref() {
-            // by `_` pages keep caches from answering
+            // pages use `_` to bypass caches
             _ if name == "_" || beside.contains(&name) => return None,
             Ok([first, rest @ ..]) if first == "output" => stands_beside(&format!("/outputs/0/{}", rest.join("/"))),
             Ok(all) => stands_beside(&format!("/{}", all.join("/"))),
@@ -83,7 +82,7 @@ pub fn says_nothing(query: &str, beside: &[&str]) -> Result<(), Vec<Fault>> {
     if faults.is_empty() { Ok(()) } else { Err(faults) }
 }
 
-/// Tells the names that a query gives again, a fault for each time.
+/// Returns a fault for each repetition of a name in a query.
 pub fn repeated(query: &str) -> Vec<Fault> {
     let mut seen = BTreeSet::new();
     let names = form_urlencoded::parse(query.as_bytes()).map(|(name, _)| name);
@@ -95,10 +94,10 @@ fn stands_beside(place: &str) -> String {
     format!("it stands beside a mesh file as the body; a job says it itself, at {place}")
 }
 
-/// The job of a mesh file and a query.
+/// Reads the job of a mesh file and a query.
 ///
 /// # Errors
-/// As [`job`], and what does not fit into a job.
+/// As [`job`], and values that do not fit into a job.
 pub fn job_of_file(query: &str, file: MeshFile) -> Result<JobRequest, ReadError> {
     let job = Value::Object(job(query).map_err(ReadError::Unfit)?);
     let mut request: JobRequest = read(job.to_string().as_bytes())?;
@@ -106,7 +105,7 @@ pub fn job_of_file(query: &str, file: MeshFile) -> Result<JobRequest, ReadError>
     Ok(request)
 }
 
-/// The text of the job of a mesh file and a query that were read before: the file stands in it in base64.
+/// Returns the text of the job of a mesh file and a query that were read before; it contains the file in base64.
 pub fn job_text(query: &str, format: &str, bytes: &[u8]) -> String {
     let mut job = job(query).unwrap_or_default();
     if let Some(Value::Object(input)) = job.get_mut("input") {
@@ -116,10 +115,10 @@ pub fn job_text(query: &str, format: &str, bytes: &[u8]) -> String {
     Value::Object(job).to_string()
 }
 
-/// Reads a job whose one output is of a format that is named beside it.
+/// Reads a job without outputs and gives it one output of this format.
 ///
 /// # Errors
-/// [`ReadError`]; outputs that the job names itself.
+/// [`ReadError`], also if the job names outputs itself.
 pub fn read_as(format: &str, bytes: &[u8]) -> Result<JobRequest, ReadError> {
     let mut request: JobRequest = read(bytes)?;
     if !request.outputs.is_empty() {
@@ -130,14 +129,15 @@ pub fn read_as(format: &str, bytes: &[u8]) -> Result<JobRequest, ReadError> {
     Ok(request)
 }
 
-/// The text of a job that was read as one of this format.
+/// Returns the text of a job that [`read_as`] has read, with an output of this format.
 pub fn text_as(format: &str, bytes: &[u8]) -> String {
     let mut job: Map<String, Value> = serde_json::from_slice(bytes).unwrap_or_default();
     job.insert("outputs".to_owned(), json!([{ "format": format }]));
     Value::Object(job).to_string()
 }
 
-/// The name in a query of a place in its job: `?parameters.w` for `/plan/parameters/w`, and nothing for the file.
+/// Returns the query parameter for a pointer into the job: `?parameters.w` for `/plan/parameters/w`, and an empty text
+/// for the file.
 pub fn name_of(pointer: &str) -> String {
     let is = |place: &str| pointer.strip_prefix(place).filter(|rest| rest.is_empty() || rest.starts_with('/'));
     let named = |name: String| format!("?{}", name.trim_matches('.').replace("~1", "/").replace("~0", "~"));
@@ -158,12 +158,12 @@ pub fn name_of(pointer: &str) -> String {
     }
 }
 
-/// The fields of the plan.
+/// Returns the names of the fields of the plan.
 fn plan_fields() -> impl Iterator<Item = &'static str> {
     FIELDS.iter().filter(|field| field.part == Part::Plan).map(|field| field.name.as_str())
 }
 
-/// Where in a job a name leads.
+/// Returns the path in the job that a name of the query denotes.
 fn place(name: &str) -> Result<Vec<String>, String> {
     let of = |places: &[&str], rest: &[&str]| places.iter().chain(rest).map(|&part| part.to_owned()).collect();
     match name {
@@ -185,7 +185,7 @@ fn place(name: &str) -> Result<Vec<String>, String> {
     ))
 }
 
-/// Puts a value at its place.
+/// Inserts a value at a path of the job.
 fn put(job: &mut Map<String, Value>, place: &[String], value: Value) -> Result<(), String> {
     let Some((last, before)) = place.split_last() else { return Ok(()) };
     let mut at = job;
@@ -199,14 +199,15 @@ fn put(job: &mut Map<String, Value>, place: &[String], value: Value) -> Result<(
     }
 }
 
-/// What is declared of the parameters of a plan, and of the options of a format, where one is named.
+/// The declared parameters of the plan, and the options of the format if the query names one.
 struct Declared {
     parameters: &'static [Parameter],
     options: Option<&'static [Parameter]>,
 }
 
 impl Declared {
-    /// The value that a text stands for; what stands for none is left as it is, to be refused with a reason.
+    /// Converts the text of a query parameter to the declared type; a text that does not fit remains unchanged, and is
+    /// refused later with a reason.
     fn typed(&self, name: &str, text: &str) -> Value {
         let (family, rest) = name.split_once('.').unwrap_or(("", name));
         let field = |part| {
@@ -231,7 +232,7 @@ impl Declared {
         }
     }
 
-    /// What may be written for a parameter or an option.
+    /// Returns the kind of a parameter or an option.
     fn kind(&self, family: &str, name: &str) -> Option<Kind> {
         let mut parts = name.split('.');
         let first = parts.next()?;

@@ -1,5 +1,5 @@
-//! The parameters of a query beside a mesh file, as the OpenAPI document describes them: one for each place that a
-//! short text can give, from the declarations of presets, formats and fields.
+//! The query parameters beside a mesh file in the OpenAPI document: one for each place that a short text can give, from
+//! the declarations of presets, formats and fields.
 
 use utoipa::PartialSchema;
 use utoipa::openapi::path::{Parameter as Described, ParameterBuilder, ParameterIn};
@@ -18,10 +18,10 @@ use crate::scheme::parameters::WORD_PARAMETERS;
 use crate::scheme::preset::Refines;
 use crate::scheme::presets::PRESETS;
 
-/// A declaration, and who makes it.
+/// A declaration, with the name of the preset or format that makes it.
 type Declared = (&'static str, &'static Parameter);
 
-/// All parameters but `keep`, in the order in which the documentation of the interface tells of them.
+/// Returns all query parameters but `keep`, in the order of the documentation.
 pub fn described() -> Vec<Described> {
     let presets = PRESETS.iter().filter(|preset| preset.refines != Refines::Curves);
     let names = of(Type::String).enum_values(Some(presets.clone().map(|preset| preset.name)));
@@ -62,7 +62,7 @@ fn parameter(name: &str, doc: &str, schema: impl Into<RefOr<Schema>>) -> Describ
         .build()
 }
 
-/// Adds a field of a family: an object field by field.
+/// Adds the parameters of a field; an object gives one for each of its fields.
 fn of_field(family: &str, field: &Field, found: &mut Vec<Described>) {
     let name = format!("{family}{}", field.name);
     let schema: RefOr<Schema> = match &field.takes {
@@ -81,7 +81,7 @@ fn of_field(family: &str, field: &Field, found: &mut Vec<Described>) {
     found.push(parameter(&name, &field.doc, schema));
 }
 
-/// The declarations of each name, in the order in which names are met.
+/// Groups declarations by name, in the order of their first occurrence.
 fn by_name(all: impl Iterator<Item = Declared>) -> Vec<(&'static str, Vec<Declared>)> {
     let mut found: Vec<(&'static str, Vec<Declared>)> = Vec::new();
     for (who, parameter) in all {
@@ -93,7 +93,7 @@ fn by_name(all: impl Iterator<Item = Declared>) -> Vec<(&'static str, Vec<Declar
     found
 }
 
-/// Adds what is declared of one name: groups field by field, lists as texts.
+/// Adds the parameters of one declared name: groups give one for each field, lists are texts.
 fn put(name: &str, declared: &[Declared], found: &mut Vec<Described>) {
     let fields = declared.iter().filter_map(|(who, parameter)| match parameter.kind {
         Kind::Group(fields) => Some(fields.iter().map(move |field| (*who, field))),
@@ -125,7 +125,7 @@ fn put(name: &str, declared: &[Declared], found: &mut Vec<Described>) {
     found.push(parameter(name, &told(declared), schema));
 }
 
-/// What is said of a parameter, and who says it where not all do.
+/// Joins the descriptions of a parameter, each with the presets or formats that give it.
 fn told(declared: &[Declared]) -> String {
     let mut said: Vec<(&str, Vec<&str>)> = Vec::new();
     for (who, parameter) in declared {
@@ -138,8 +138,8 @@ fn told(declared: &[Declared]) -> String {
     said.iter().map(sentence).collect::<Vec<_>>().join(" ")
 }
 
-/// The schema of a text in a query: that of the value, but lists are one text, with commas or as JSON, which clients
-/// would repeat the name for else.
+/// Returns the schema of a value as text in a query. Lists are one text, with commas or as JSON; for an array, clients
+/// would repeat the name.
 fn text_of(kind: &Kind) -> RefOr<Schema> {
     match kind {
         Kind::Choices(_)

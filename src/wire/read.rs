@@ -1,4 +1,4 @@
-//! From bytes to typed requests, with a pointer to whatever does not fit.
+//! Conversion of bytes to typed requests, with JSON pointers to faults.
 
 use serde::de::{DeserializeOwned, IgnoredAny};
 use serde_path_to_error::{Path, Segment};
@@ -6,24 +6,24 @@ use serde_path_to_error::{Path, Segment};
 use super::object::Object;
 use crate::fault::{Fault, cut, did_you_mean, shortened, token};
 
-/// Most characters of a sentence about what does not fit: the longest of our own has half of them.
+/// Maximum number of characters of the sentence about a fault; the longest of our own takes half as many.
 const MOST_DETAIL: usize = 1000;
 
-/// Why bytes are no request.
+/// The reason why bytes are not a request.
 #[derive(Debug, Clone, PartialEq)]
 pub enum ReadError {
     /// The text is not JSON.
     NotJson(String),
-    /// JSON, but not what was asked for.
+    /// The text is JSON, but not the expected request.
     Unfit(Vec<Fault>),
 }
 
-/// Reads a request, which is an object.
+/// Reads a request, which is a JSON object.
 ///
 /// # Errors
-/// [`ReadError`].
+/// [`ReadError`] if the bytes are not such a request.
 pub fn read<T: DeserializeOwned>(bytes: &[u8]) -> Result<T, ReadError> {
-    // the place of what does not fit is only looked for where something does not: it costs time at every number
+    // tracking the path costs time at every number, so that only a second pass after a failure tracks it
     if let Ok(Object(value)) = serde_json::from_slice(bytes) {
         return Ok(value);
     }
@@ -38,10 +38,10 @@ pub fn read<T: DeserializeOwned>(bytes: &[u8]) -> Result<T, ReadError> {
 
 fn refusal(error: &serde_json::Error, pointer: String, bytes: &[u8]) -> ReadError {
     let mut text = briefly(&error.to_string());
-    // a number beyond f64 is JSON all the same
+    // a number beyond the range of f64 is valid JSON
     let beyond = text.starts_with("number out of range");
     let fits_json = error.is_data() || beyond;
-    // what does not fit may stand in a text that breaks off later, and then it is no JSON in the first place
+    // the text may be broken after the first fault, and is then not JSON at all
     let broken = if fits_json { serde_json::from_slice::<IgnoredAny>(bytes).err() } else { None };
     if let Some(broken) = &broken {
         text = briefly(&broken.to_string());
@@ -61,19 +61,19 @@ fn refusal(error: &serde_json::Error, pointer: String, bytes: &[u8]) -> ReadErro
     }
 }
 
-/// Whether at the place of an error stands what other languages write for a number that is none.
+/// Whether the text at an error is NaN or an infinity as other languages write them.
 fn is_no_number(bytes: &[u8], error: &serde_json::Error) -> bool {
     let line = bytes.split(|&byte| byte == b'\n').nth(error.line().saturating_sub(1)).unwrap_or_default();
     let word = |start: usize| line.get(start..).unwrap_or_default().trim_ascii_start();
-    // the column is that of the letter at which reading stopped, up to three behind the first one
+    // the column is that of the character at which reading stopped, up to three after the first of the word
     let at = [3, 2, 1, 0].map(|before| word(error.column().saturating_sub(before)));
     let is_name =
         |word: &[u8], name: &str| word.get(..name.len()).is_some_and(|w| w.eq_ignore_ascii_case(name.as_bytes()));
     at.iter().any(|word| ["nan", "-nan", "inf", "-inf"].iter().any(|name| is_name(word, name)))
 }
 
-/// The fault at its place: a field that is missing or written twice has one of its own, and a field that is unknown may
-/// be spelled like one that is known.
+/// Creates the fault: the pointer to a missing or repeated field includes its name, and an unknown field comes with the
+/// known name that it resembles.
 fn placed(pointer: String, detail: &str) -> Fault {
     if let Some(name) = detail.strip_prefix("missing field `").and_then(|rest| rest.strip_suffix('`')) {
         return Fault::new(format!("{pointer}/{}", token(name)), format!("\"{name}\" is missing, and has to be given"));
@@ -88,8 +88,8 @@ fn placed(pointer: String, detail: &str) -> Fault {
     Fault::new(pointer, sentence.replacen("\", expected", &format!("\"; {meant}expected"), 1))
 }
 
-/// The sentence with what it repeats of the request shortened: an unknown name or a text in the wrong place may be as
-/// long as the request.
+/// Shortens the parts of a message that repeat the request: an unknown name or a misplaced text may be as long as the
+/// request.
 fn briefly(text: &str) -> String {
     let repeated = [
         ("unknown field `", "`, expected "),
@@ -104,9 +104,9 @@ fn briefly(text: &str) -> String {
     shorter.unwrap_or_else(|| cut(text, MOST_DETAIL).into_owned())
 }
 
-/// Type names of this implementation in the words of JSON.
+/// Replaces Rust type names by the terms of JSON.
 fn plain(detail: &str) -> String {
-    // the name of a request's type means nothing to a client
+    // clients do not know the type names of requests
     let detail = match detail.split_once("expected struct ") {
         Some((before, name)) if !name.starts_with("JobRequest") => &format!("{before}expected an object"),
         _ => detail,
@@ -134,13 +134,13 @@ fn pointer(path: &Path) -> String {
     path.iter().map(segment).collect()
 }
 
-/// Copies of the text of a body at worst: the text of a mesh file, what takes the escapes out of it as it grows, and
-/// the file that base64 holds.
+/// Upper bound of the memory of the texts of a body, as a multiple of its length: the text of a mesh file, the growing
+/// buffer that unescapes it, and the file decoded from base64.
 const TEXT: u64 = 4;
 
-/// Bytes that a request of so many bytes takes at most until it is a checked job, the body itself left out: a mesh file
-/// within it takes what its reader may; lists that the body itself holds take less (27 bytes a byte at worst, polygons
-/// of one point).
+/// Returns an upper bound of the memory in bytes that a request of `length` bytes takes until it is a checked job,
+/// without the body itself. A mesh file within the request takes what its reader may; lists in the body take less (27
+/// bytes per byte at worst, for polygons of one point).
 pub const fn weight(length: u64) -> u64 {
     crate::input::weight(length).saturating_add(TEXT.saturating_mul(length))
 }

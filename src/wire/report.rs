@@ -9,11 +9,12 @@ use crate::scheme::plan::Plan;
 use crate::shape::mesh::Mesh;
 use crate::shape::topology::{Topology, index};
 
-/// Most pairs of coincident vertices that are listed.
+/// Maximum number of pairs of coincident vertices in a report.
 const MAX_PAIRS: usize = 1000;
 
 impl MeshReport {
-    /// What a mesh is like, and what becomes of its latitude lines under a plan, or why that plan does not fit it.
+    /// Creates the report on a mesh, with the fate of its latitude lines under a plan, or the reason why the plan does
+    /// not fit the mesh.
     pub fn new(mesh: &Mesh, plan: Result<&Plan, &str>) -> Self {
         let topology = &mesh.topology;
         let isolated: Vec<u32> = (0..topology.n_vertices()).filter(|&v| topology.is_isolated(v)).map(index).collect();
@@ -71,7 +72,7 @@ fn components(topology: &Topology) -> usize {
     n
 }
 
-/// Faces whose area (by Newell's sum) is below 1e-12 of the square of their extent.
+/// Returns the faces whose area (by Newell's sum) is at most 1e-12 of the square of their extent.
 fn degenerate(mesh: &Mesh) -> Vec<u32> {
     let point = |v: u32| -> [f64; 3] {
         let at = 3 * v as usize;
@@ -92,7 +93,7 @@ fn degenerate(mesh: &Mesh) -> Vec<u32> {
     (0..mesh.topology.n_faces()).filter(is_flat).map(index).collect()
 }
 
-/// Pairs of vertices with equal coordinates, each with the first at its place.
+/// Returns pairs of vertices with equal coordinates: each vertex with the first one at its position.
 fn coincident(mesh: &Mesh) -> Vec<[u32; 2]> {
     let mut first: BTreeMap<[u64; 3], u32> = BTreeMap::new();
     let mut pairs = Vec::new();

@@ -1,11 +1,11 @@
-//! Entries of results that say nothing of the mesh itself, and are passed over where a result is read as an input.
+//! Entries of results that are ignored when a result is read as an input, because they do not describe the mesh itself.
 
 use serde::de::{Deserialize, Deserializer, IgnoredAny};
 
-/// An entry that is there or not, whatever it holds.
+/// An optional entry whose value is ignored.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct PassedOver {
-    /// Whether it is there.
+    /// Whether the entry is present.
     pub is_given: bool,
 }
 

@@ -1,4 +1,4 @@
-//! Answers: how jobs stand.
+//! Answers about the state of jobs.
 
 use serde::Serialize;
 use utoipa::ToSchema;
@@ -129,7 +129,7 @@ pub struct OutputAnswer {
 }
 
 impl JobAnswer {
-    /// How a job stands whose outputs have these addresses.
+    /// Creates the answer for a job; `href` returns the address of an output.
     pub fn new(standing: &Standing, href: impl Fn(&Product) -> String) -> Self {
         let record = &standing.record;
         let outputs = record.summary.products.iter().zip(&record.made);
@@ -154,7 +154,7 @@ impl JobAnswer {
     }
 }
 
-/// All warnings, each once.
+/// Returns the warnings of all outputs, each text once.
 pub(super) fn warnings<'a>(made: impl IntoIterator<Item = &'a Made>) -> Vec<String> {
     let mut all: Vec<String> = Vec::new();
     for made in made {
@@ -165,7 +165,7 @@ pub(super) fn warnings<'a>(made: impl IntoIterator<Item = &'a Made>) -> Vec<Stri
     all
 }
 
-/// The name of where something stands.
+/// Returns the name of a phase.
 pub(super) fn state(phase: &Phase) -> &'static str {
     match phase {
         Phase::Queued => "queued",
@@ -177,7 +177,7 @@ pub(super) fn state(phase: &Phase) -> &'static str {
 }
 
 impl ProgressAnswer {
-    /// How far a job is.
+    /// Creates the progress of a job.
     pub fn new(standing: &Standing) -> Self {
         let state = state(&standing.phase);
         let stage = standing.stage.map(|stage| match stage {
@@ -192,7 +192,7 @@ impl ProgressAnswer {
 }
 
 impl OutputAnswer {
-    /// What became of an output that has this address.
+    /// Creates the answer for an output; `href` is its address.
     pub(super) fn new(product: &Product, made: Option<&Made>, href: String) -> Self {
         let (state, bytes, error) = match made {
             None => ("pending", None, None),

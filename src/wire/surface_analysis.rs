@@ -1,4 +1,4 @@
-//! The answer about a scheme for surfaces, with every number named.
+//! The answer of an analysis of a surface scheme, with every number named.
 
 mod boundary;
 mod parts;
@@ -21,9 +21,8 @@ use parts::{coordinates, is_there, name};
 use crate::job::{SurfaceFindings, Survey};
 use crate::math::mask::Mask;
 
-/// Most eigenvalues that are listed of a valence, the largest.
-/// Those that decide are among the first ten at any valence. Half of it shows less of how they go on; twice of it makes
-/// answers longer.
+/// Maximum number of eigenvalues listed for a valence, the largest first. Those that decide are among the first ten at
+/// any valence. Half as many would show less of the rest; twice as many would make answers longer.
 const MAX_EIGENVALUES: usize = 16;
 /// What can be said of a scheme for surfaces.
 #[derive(Debug, Clone, Serialize, ToSchema)]
@@ -249,7 +248,7 @@ const TAGS: &str = "what is said of regular nets and of vertices holds where no 
 const GENERIC: &str = "C1 is meant for almost all nets: those whose tangents are not parallel";
 
 impl SurfaceAnswer {
-    /// The answer of an analysis.
+    /// Creates the answer of an analysis.
     pub(super) fn new(findings: &SurfaceFindings<'_>) -> Self {
         let regular = &findings.study.regular;
         let others = findings.follows_alpha.then_some(ALPHA).into_iter().chain(findings.drops_tags.then_some(TAGS));
@@ -380,7 +379,8 @@ impl ValenceAnswer {
     }
 }
 
-/// The weights by the names of neighbours, or by sector coordinates.
+/// Returns the weights of a limit mask by the names of neighbours, or by sector coordinates if the mask reaches farther
+/// or has no centre.
 fn limit_mask(mask: &[Weight]) -> BTreeMap<String, f64> {
     let there: Vec<&Weight> = mask.iter().filter(|weight| is_there(weight)).collect();
     let near = |weight: &&&Weight| matches!(weight.point, None | Some([1, 0 | 1]));

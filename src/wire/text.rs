@@ -41,37 +41,37 @@ choice! {
     }
 }
 
-/// A mesh file that came by itself.
+/// A mesh file sent by itself.
 #[derive(Debug, Clone)]
 pub struct MeshFile {
-    /// The format of the file, by name.
+    /// The name of the format.
     pub format: String,
-    /// What the file holds.
+    /// The content of the file.
     pub bytes: Vec<u8>,
     /// The files beside it.
     pub beside: Arc<dyn Beside>,
 }
 
-/// What a mesh file holds.
+/// The content of a mesh file.
 #[derive(Debug)]
 pub(super) struct Held {
     /// The mesh, unchecked.
     pub(super) mesh: MeshInput,
-    /// The boundary rule that it asks for.
+    /// The boundary rule that the file states, if any.
     pub(super) boundary: Option<Boundary>,
-    /// The line of each face, where files have such; else empty.
+    /// The line of each face, for formats that have lines; else empty.
     pub(super) lines: Vec<u32>,
-    /// Which corners share a vertex in the file.
+    /// The corners that share a vertex in the file.
     pub(super) vertices: Vertices,
-    /// What the file says of its coordinates.
+    /// The unit and the up axis that the file states, if any.
     pub(super) told: (Option<Unit>, Option<Up>),
 }
 
 impl TextRequest {
-    /// The file.
+    /// Returns the file.
     ///
     /// # Errors
-    /// What is no base64, and a library beside a file that can have none.
+    /// Invalid base64, or a material library beside a file that is not OBJ.
     pub fn file(self) -> Result<MeshFile, Fault> {
         let bytes = match self.encoding {
             None | Some(EncodingRequest::Text) => self.data.into_bytes(),
@@ -92,8 +92,8 @@ impl TextRequest {
 }
 
 impl MeshFile {
-    /// Why the file could not be read as what it is said to be: what it is, where its first bytes tell, else these
-    /// sentences.
+    /// Returns the faults of a file that could not be read in its stated format: the format that its first bytes
+    /// indicate, else `details`.
     fn unread(&self, name: &str, details: Vec<String>) -> Vec<Fault> {
         let is_own = input::own(&self.bytes) == Some(name);
         if let Some(what) = input::foreign(&self.bytes).filter(|_| !is_own) {
@@ -150,7 +150,7 @@ impl MeshFile {
     }
 }
 
-/// Why a file without faces is refused.
+/// Returns the reason why a file without faces is refused.
 fn without_faces(n_points: usize, notes: &[String]) -> String {
     let others = if notes.is_empty() { String::new() } else { format!(" ({})", notes.join("; ")) };
     match n_points {
@@ -161,8 +161,8 @@ fn without_faces(n_points: usize, notes: &[String]) -> String {
     }
 }
 
-/// Faults within the file: their own pointers go into the sentences, as no pointer leads into a file, and those of
-/// faces with the line that the face has there.
+/// Moves faults within a file to `/data`, as no JSON pointer leads into a file: their pointers become part of the
+/// sentences, for faces with the line in the file.
 pub(super) fn within(faults: Vec<Fault>, lines: &[u32]) -> Vec<Fault> {
     let line = |pointer: &str| {
         let face = pointer.strip_prefix("/faces/")?.split('/').next()?.parse::<usize>().ok()?;

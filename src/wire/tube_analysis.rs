@@ -1,4 +1,4 @@
-//! A question about a straight tube under a plan with latitude lines, and its answer.
+//! Requests for the analysis of a straight tube under a plan with latitude lines, and their answers.
 
 use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
@@ -51,7 +51,7 @@ pub struct TubeAnswer {
 }
 
 impl TubeRequest {
-    /// What is asked.
+    /// Returns the input of the analysis.
     pub(super) fn resolve(self) -> TubeInput {
         let Self { vertices, turns, control_radius, limit_radius } = self;
         TubeInput { vertices, turns: turns.unwrap_or(1), control_radius, limit_radius }
@@ -59,7 +59,7 @@ impl TubeRequest {
 }
 
 impl TubeAnswer {
-    /// The answer of an analysis.
+    /// Creates the answer of an analysis.
     pub(super) fn new(found: &TubeFindings) -> Self {
         let TubeInput { vertices, control_radius, limit_radius, .. } = found.asked;
         let both = limit_radius.zip(control_radius);

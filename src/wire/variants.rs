@@ -21,11 +21,11 @@ use crate::scheme::word;
 /// A schema with its name.
 type Named = (String, RefOr<Schema>);
 
-/// The schema of an input: that of one of the kinds of inputs.
+/// The schema of an input: the alternatives are the kinds of inputs.
 #[derive(Debug)]
 pub(super) struct InputSchema;
 
-/// The kinds of inputs, with the names of their schemas, and whether they are meshes.
+/// The kinds of inputs: the field, the name of the schema, and whether the input is a mesh.
 const INPUTS: [(&str, &str, bool); 5] = [
     ("mesh", "MeshInput", true),
     ("text", "TextInput", true),
@@ -33,7 +33,7 @@ const INPUTS: [(&str, &str, bool); 5] = [
     ("polygon", "PolygonInput", false),
     ("polygons", "PolygonsInput", false),
 ];
-/// The fields that belong to every kind of input; all others are about meshes.
+/// The fields of every kind of input; all others are about meshes.
 const OF_ALL_INPUTS: [&str; 2] = ["unit", "up"];
 
 impl PartialSchema for InputSchema {
@@ -66,7 +66,7 @@ impl ToSchema for InputSchema {
     }
 }
 
-/// The schema of a field that may be null, where it is not.
+/// Returns the schema of a nullable field without null.
 fn given(schema: &RefOr<Schema>) -> RefOr<Schema> {
     match schema {
         RefOr::T(Schema::OneOf(either)) => {
@@ -119,13 +119,14 @@ impl ToSchema for PlanSchema {
     }
 }
 
-/// The schema of a word over operators.
+/// Returns the schema of a word over operators.
 pub(super) fn word() -> ObjectBuilder {
     let letters: String = OPERATORS.iter().filter_map(|operator| operator.facts().letter).collect();
     of(Type::String).pattern(Some(format!("^[{letters}0-9^()]+$"))).max_length(Some(word::MAX_BYTES))
 }
 
-/// The schema of one kind of plan: what all plans have, the field that says what it is, and its parameters.
+/// Returns the schema of one kind of plan: the fields of all plans, the field that identifies the kind, and the
+/// parameters.
 fn plan(
     (field, of_field): (&str, ObjectBuilder),
     parameters: ObjectBuilder,
@@ -164,12 +165,12 @@ impl ToSchema for OutputRequest {
     }
 }
 
-/// A field that has this one value.
+/// Returns the schema of a field with this single value.
 fn chosen(name: &'static str) -> ObjectBuilder {
     of(Type::String).enum_values(Some([name])).description(Some("The name that chooses what the other fields mean."))
 }
 
-/// The schemas that a field chooses by name, and the one that stands for any of them.
+/// Returns the schemas of plans that a field chooses by name, preceded by their union.
 fn chosen_by(name: &str, field: &str, doc: &str, variants: Vec<(&'static str, ObjectBuilder)>) -> Vec<Named> {
     let any = one_by(field, "Plan", doc, variants.iter().map(|(name, _)| *name));
     let of_variant = |(name, schema): (&str, ObjectBuilder)| (variant(name, "Plan"), Object::from(schema).into());
@@ -177,7 +178,7 @@ fn chosen_by(name: &str, field: &str, doc: &str, variants: Vec<(&'static str, Ob
     std::iter::once((name.to_owned(), any.into())).chain(variants).collect()
 }
 
-/// One of the schemas that a field chooses by name.
+/// Returns the union of the schemas that a field chooses by name.
 fn one_by(field: &str, kind: &str, doc: &str, names: impl Iterator<Item = &'static str> + Clone) -> OneOfBuilder {
     let location = |name| Ref::from_schema_name(variant(name, kind));
     let mapping = names.clone().map(|name| (name, location(name).ref_location));
@@ -185,7 +186,7 @@ fn one_by(field: &str, kind: &str, doc: &str, names: impl Iterator<Item = &'stat
     any.discriminator(Some(Discriminator::with_mapping(field, mapping))).description(Some(doc))
 }
 
-/// The name of the schema of a preset or format: `CatmullClarkPlan`, `GlbOutput`.
+/// Returns the name of the schema of a preset or format, such as `CatmullClarkPlan` or `GlbOutput`.
 fn variant(name: &str, kind: &str) -> String {
     let capital = |part: &str| {
         let (first, rest) = part.split_at(part.len().min(1));

@@ -1,4 +1,4 @@
-//! How close vertices are merged, as clients write it.
+//! The distance within which vertices are merged, as clients write it.
 
 use std::fmt;
 
@@ -10,9 +10,9 @@ use utoipa::{PartialSchema, ToSchema};
 /// A distance, or `false`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum WeldRequest {
-    /// Vertices that are at most so far apart are merged, model units; 0 merges equal positions.
+    /// Merges vertices up to this distance apart, in model units; 0 merges equal positions.
     Within(f64),
-    /// Nothing is merged, whatever the format of the file.
+    /// Merges no vertices, whatever the format of the file.
     Never,
 }
 

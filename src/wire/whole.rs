@@ -1,4 +1,4 @@
-//! Whole numbers: JSON knows one kind of number, so that 2, 2.0 and 2e0 are the same, as JSON Schema has it.
+//! Whole numbers. JSON has one type of number, so that 2, 2.0 and 2e0 are the same, as in JSON Schema.
 
 use std::fmt;
 
@@ -10,7 +10,7 @@ use super::fixed;
 #[derive(Debug, Clone, Copy, Default)]
 struct Whole(u64);
 
-/// From here on numbers of f64 are whole whatever was written.
+/// 2^53: from here on every f64 is whole, whatever the text was.
 const MOST: f64 = 9_007_199_254_740_992.0;
 
 impl<'de> Deserialize<'de> for Whole {
@@ -43,39 +43,39 @@ impl Visitor<'_> for WholeVisitor {
     }
 }
 
-/// For a field that holds one.
+/// Reads a field that holds a whole number.
 pub(super) fn one<'de, D: Deserializer<'de>>(deserializer: D) -> Result<u64, D::Error> {
     Whole::deserialize(deserializer).map(|Whole(value)| value)
 }
 
-/// For a field that may hold one.
+/// Reads a field that may hold a whole number.
 pub(super) fn optional<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Option<u64>, D::Error> {
     Option::<Whole>::deserialize(deserializer).map(|value| value.map(|Whole(value)| value))
 }
 
-/// For a field that holds a list of them.
+/// Reads a field that holds a list of whole numbers.
 pub(super) fn list<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Vec<u64>, D::Error> {
     Vec::<Whole>::deserialize(deserializer).map(unwrapped)
 }
 
-/// For a field that holds lists of them.
+/// Reads a field that holds a list of lists of whole numbers.
 pub(super) fn lists<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Vec<Vec<u64>>, D::Error> {
     let lists = Vec::<Vec<Whole>>::deserialize(deserializer)?;
     Ok(lists.into_iter().map(unwrapped).collect())
 }
 
-/// For a field that holds two of them.
+/// Reads a field that holds two whole numbers.
 pub(super) fn pair<'de, D: Deserializer<'de>>(deserializer: D) -> Result<[u64; 2], D::Error> {
     fixed::one::<D, Whole, 2>(deserializer).map(|pair| pair.map(|Whole(value)| value))
 }
 
-/// For a field that holds a list of two each.
+/// Reads a field that holds a list of pairs of whole numbers.
 pub(super) fn pairs<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Vec<[u64; 2]>, D::Error> {
     let pairs = fixed::list::<D, Whole, 2>(deserializer)?;
     Ok(pairs.into_iter().map(|pair| pair.map(|Whole(value)| value)).collect())
 }
 
-/// The numbers as they are, in the same place.
+/// Unwraps the numbers in place.
 fn unwrapped(list: Vec<Whole>) -> Vec<u64> {
     list.into_iter().map(|Whole(value)| value).collect()
 }

@@ -1,14 +1,13 @@
-//! Values written as plain texts, in the flags of a command line or in the query of an address, where no JSON is
-//! written.
+//! Values written as plain texts instead of JSON, in flags of the command line and in queries of addresses.
 
 use serde_json::{Map, Number, Value};
 
 use crate::math::parameter::{Kind, Parameter};
 
-/// The JSON that stands for the text of a parameter. A list is written with commas (`0,0,1`), an object as
-/// `azimuth_deg=40,zoom=2` (names with dashes or underscores), and a list of objects as those with semicolons between
-/// them; lists and objects may as well be written as JSON. What does not fit stays a text, which the checks of the job
-/// then refuse.
+/// Converts the text of a parameter to JSON. A list is written with commas (`0,0,1`), an object as
+/// `azimuth_deg=40,zoom=2` (names with dashes or underscores), and a list of objects with semicolons between them;
+/// lists and objects may also be written as JSON. A text that does not fit remains a text, which the checks of the job
+/// refuse.
 pub(crate) fn written(kind: &Kind, text: &str) -> Value {
     if let (true, Ok(json)) = (text.starts_with(['[', '{']), serde_json::from_str(text)) {
         return json;
@@ -29,7 +28,7 @@ pub(crate) fn written(kind: &Kind, text: &str) -> Value {
     }
 }
 
-/// What separates the values of several flags of one name, where their parameter takes several.
+/// Returns the separator that joins the values of a repeated flag, if the parameter takes several values.
 pub(crate) fn separator(kind: &Kind) -> Option<&'static str> {
     match kind {
         Kind::Choices(_) | Kind::Numbers { .. } | Kind::Expressions { .. } | Kind::Group(_) => Some(","),
@@ -38,7 +37,7 @@ pub(crate) fn separator(kind: &Kind) -> Option<&'static str> {
     }
 }
 
-/// A number as JSON has it; else, as for an expression like `pi/6`, the text.
+/// Converts a text to a JSON number; a text that is not a number, such as the expression `pi/6`, remains a text.
 pub(crate) fn number(text: &str) -> Value {
     let text = text.trim();
     if let Ok(whole) = text.parse::<u64>() {
@@ -47,13 +46,13 @@ pub(crate) fn number(text: &str) -> Value {
     text.parse().ok().and_then(Number::from_f64).map_or_else(|| text.into(), Value::Number)
 }
 
-/// Numbers with commas between; else the text.
+/// Converts numbers separated by commas to a JSON list; any other text remains a text.
 pub(crate) fn numbers(text: &str) -> Value {
     let all: Vec<Value> = text.split(',').map(number).collect();
     if all.iter().all(Value::is_number) { all.into() } else { text.into() }
 }
 
-/// The parts of a text between commas that stand in no parentheses.
+/// Splits a text at the commas outside parentheses.
 fn items(text: &str) -> Vec<&str> {
     let mut depth = 0_usize;
     text.split(|c| {
@@ -68,7 +67,7 @@ fn items(text: &str) -> Vec<&str> {
     .collect()
 }
 
-/// The object of a text like `eye=1,2,3,zoom=2` whose fields are declared.
+/// Converts a text such as `eye=1,2,3,zoom=2` to an object with declared fields.
 fn group(fields: &[Parameter], text: &str) -> Value {
     object(text, |name, text| {
         let known = fields.iter().find(|field| field.name == name);
@@ -76,8 +75,8 @@ fn group(fields: &[Parameter], text: &str) -> Value {
     })
 }
 
-/// The object of a text like `eye=1,2,3,zoom=2`, whose fields have the values that `value` gives for their names and
-/// texts: an item without a name goes on with the one before. A text in braces is JSON.
+/// Converts a text such as `eye=1,2,3,zoom=2` to an object; `value` converts the text of each field. An item without a
+/// name continues the value before it. A text in braces is JSON.
 pub(crate) fn object(text: &str, value: impl Fn(&str, &str) -> Value) -> Value {
     if let (true, Ok(json)) = (text.starts_with('{'), serde_json::from_str(text)) {
         return json;

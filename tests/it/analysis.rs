@@ -1,4 +1,4 @@
-//! What is said of schemes: the reference rows, known facts, laws, and which questions are the same.
+//! Analyses of schemes: reference rows, known facts, laws, and requests that are equivalent.
 #![allow(clippy::unwrap_used, reason = "a test may fail where it stands")]
 
 mod boundaries;
@@ -26,7 +26,7 @@ fn question(question: &Value) -> AnalysisRequest {
     read(question.to_string().as_bytes()).unwrap()
 }
 
-/// The answer to a question.
+/// Returns the answer to an analysis request.
 fn asked(asked: &Value) -> Value {
     let watch = Watch::new();
     let analysis = question(asked).resolve(Form::Json, &watch).unwrap_or_else(|faults| panic!("{asked}: {faults:?}"));
@@ -41,17 +41,17 @@ fn key(asked: &Value) -> String {
     question(asked).resolve(Form::Json, &Watch::new()).unwrap().key(Form::Json).to_string()
 }
 
-/// The answer about a preset, with a small search.
+/// Returns the analysis of a preset, with a small search.
 fn preset(name: &str, parameters: &Value) -> Value {
     asked(&json!({ "plan": { "preset": name, "parameters": parameters }, "nodes": 20_000 }))
 }
 
-/// The answer about a word, with a small search.
+/// Returns the analysis of a word, with a small search.
 fn word(word: &str, parameters: &Value) -> Value {
     asked(&json!({ "plan": { "word": word, "parameters": parameters }, "nodes": 20_000 }))
 }
 
-/// What is proved and disproved.
+/// Returns the proved and the disproved order of smoothness.
 fn smoothness(answer: &Value) -> (i64, Option<i64>) {
     let smoothness = &answer["smoothness"];
     (smoothness["proved_c"].as_i64().unwrap(), smoothness["disproved_c"].as_i64())

@@ -1,4 +1,4 @@
-//! What the cache promises: results outlast the process, no wrong byte is ever served, equal work is done once.
+//! The promises of the cache: results outlast the process, no wrong byte is ever served, and equal work is done once.
 #![allow(clippy::unwrap_used, reason = "a test may fail where it stands")]
 
 mod broken;

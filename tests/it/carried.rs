@@ -1,4 +1,4 @@
-//! What travels with a mesh: channels, groups, materials, origins, unit and up axis.
+//! The data that a mesh carries: channels, groups, materials, origins, unit and up axis.
 
 mod cage;
 mod files;
@@ -23,7 +23,7 @@ use serde_json::{Value, json};
 
 use crate::support::{self, nets::Net, render};
 
-/// A job on a mesh with more fields beside positions and faces.
+/// Returns a job on a mesh with additional fields.
 fn job(net: &Net, extra: &Value, plan: &Value, levels: u32) -> Value {
     let mut mesh = net.to_json();
     for (name, value) in extra.as_object().expect("fields of a mesh") {
@@ -32,7 +32,7 @@ fn job(net: &Net, extra: &Value, plan: &Value, levels: u32) -> Value {
     json!({ "input": { "mesh": mesh }, "plan": plan, "levels": levels })
 }
 
-/// The result in JSON, origins included.
+/// Returns the JSON result with origins.
 fn told(mut job: Value) -> Value {
     job["outputs"] = json!([{ "format": "json", "ids": true }]);
     serde_json::from_slice(&bytes(&job)).expect("the json output is JSON")
@@ -42,7 +42,7 @@ fn bytes(job: &Value) -> Vec<u8> {
     render(job).unwrap_or_else(|faults| panic!("{faults:?} for {job}")).0
 }
 
-/// The bytes of a job in a format with options.
+/// Returns the bytes of a job in the format and options of `output`.
 fn written(job: &Value, output: &Value) -> Vec<u8> {
     let mut job = job.clone();
     job["outputs"] = json!([output]);
@@ -57,7 +57,7 @@ fn indices(value: &Value) -> Vec<usize> {
     serde_json::from_value(value.clone()).unwrap_or_else(|_| panic!("{value} is no list of indices"))
 }
 
-/// Pointers and sentences of a refusal.
+/// Returns the pointers and sentences of a refusal.
 fn refusal(job: &Value) -> Vec<(String, String)> {
     support::faults(job.clone()).into_iter().map(|fault| (fault.pointer, fault.detail)).collect()
 }

@@ -1,4 +1,4 @@
-//! The command line: the same jobs as over HTTP, to the same bytes.
+//! The command line: the same jobs as over HTTP give the same bytes.
 #![allow(clippy::unwrap_used, reason = "a test may fail where it stands")]
 
 mod batch;
@@ -24,14 +24,14 @@ use crate::http::jobs::{endless, formats, mesh, polygon, with};
 use crate::http::server::Folder;
 use crate::support::render;
 
-/// The codes that commands end with, see `planish --help`.
+/// Exit codes of the commands, see `planish --help`.
 const OTHER: i32 = 1;
 const USAGE: i32 = 2;
 const REFUSED: i32 = 3;
 const LIMIT: i32 = 4;
 const FILES: i32 = 5;
 
-/// The program, away from the settings of whoever runs the tests.
+/// Returns the program, without the settings in the environment of the tests.
 pub(crate) fn planish() -> Command {
     let mut command = Command::new(env!("CARGO_BIN_EXE_planish"));
     for (name, _) in std::env::vars_os().filter(|(name, _)| name.to_string_lossy().starts_with("PLANISH_")) {
@@ -45,12 +45,12 @@ fn run(arguments: &[&str]) -> Output {
     planish().args(arguments).output().unwrap()
 }
 
-/// Runs with a job on standard input.
+/// Runs the program with a job on standard input.
 fn piped(arguments: &[&str], input: &Value) -> Output {
     fed(arguments, input.to_string().as_bytes())
 }
 
-/// Runs with something on standard input.
+/// Runs the program with bytes on standard input.
 fn fed(arguments: &[&str], input: &[u8]) -> Output {
     let mut child =
         planish().args(arguments).stdin(Stdio::piped()).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
@@ -68,7 +68,7 @@ fn saved(folder: &Folder, job: &Value) -> String {
     path.to_str().unwrap().to_owned()
 }
 
-/// Fails with a code and sentences that have these parts.
+/// Checks that the program failed with an exit code and a message that contains these parts.
 fn fails(code: i32, output: &Output, parts: &[&str]) {
     let said = text(&output.stderr);
     assert_eq!(output.status.code(), Some(code), "{said}");
@@ -107,13 +107,13 @@ fn a_small_job_starts_no_threads() {
     child.stdin.take().unwrap().write_all(mesh(4).to_string().as_bytes()).unwrap();
     let mut out = child.stdout.take().unwrap();
     out.read_exact(&mut [0]).unwrap();
-    // what follows is more than a pipe holds: the program waits for its reader
+    // the rest is more than a pipe holds, so that the program waits for its reader
     let computing = || -> Vec<String> {
         let threads = std::fs::read_dir(format!("/proc/{}/task", child.id())).unwrap();
         let names = threads.map(|thread| std::fs::read_to_string(thread.unwrap().path().join("comm")).unwrap());
         names.filter(|name| !name.starts_with("jemalloc")).collect()
     };
-    // the allocator has a thread of its own, which takes its name only after it was started; others would stay
+    // the allocator has a thread of its own, which gets its name only after its start; other threads would remain
     let tries = std::iter::repeat_with(|| {
         std::thread::sleep(Duration::from_millis(10));
         computing()
@@ -130,7 +130,7 @@ fn a_small_job_starts_no_threads() {
 #[test]
 fn a_dash_is_a_standard_stream() {
     let held = |name| formats(true).iter().any(|held| held.name() == name);
-    // solids say in a warning how exact they are
+    // a warning states how exact solids are
     for format in FORMATS.iter().filter(|format| held(format.name()) && !format.is_of_limit()) {
         let output = piped(&["render", "-", "-o", "-", "--format", format.name()], &mesh(1));
         assert!(output.status.success(), "{}", text(&output.stderr));
@@ -321,7 +321,7 @@ fn settings_that_cannot_be_or_do_nothing_are_told() {
     assert!(!said(&[]).contains(idle));
 }
 
-/// Runs the service under a limit on open files, which a shell sets.
+/// Starts the service under a limit on open files, which a shell sets.
 #[cfg(target_os = "linux")]
 fn with_files(limit: &str) -> (Service, String) {
     let mut command = Command::new("sh");
@@ -345,7 +345,7 @@ fn the_limit_on_open_files_is_raised_or_else_bounds_connections_so_that_newcomer
     assert_eq!(ended(service), Some(0));
 }
 
-/// A service under its own process; ended when the test is.
+/// A process of the service, killed when the value is dropped.
 pub(crate) struct Service(pub(crate) Child);
 
 impl Drop for Service {
@@ -355,7 +355,7 @@ impl Drop for Service {
     }
 }
 
-/// Starts a service; it and its host and port.
+/// Starts a service and returns it with its host and port.
 fn started(command: &mut Command) -> (Service, String) {
     let mut child = command.stdout(Stdio::null()).stderr(Stdio::piped()).spawn().unwrap();
     let mut said = BufReader::new(child.stderr.take().unwrap());
@@ -363,12 +363,12 @@ fn started(command: &mut Command) -> (Service, String) {
     said.read_line(&mut line).unwrap();
     let url = line.trim().rsplit("http://").next().unwrap().to_owned();
     assert!(line.contains("listening"), "{line}");
-    // whatever else it says is read, so that it never waits for a reader
+    // the rest of its messages is read, so that the service never waits for a reader
     std::thread::spawn(move || std::io::copy(&mut said, &mut std::io::sink()));
     (Service(child), url)
 }
 
-/// Tells a service to end; its code.
+/// Terminates a service and returns its exit code.
 pub(crate) fn ended(mut service: Service) -> Option<i32> {
     let told = Command::new("kill").args(["-TERM", &service.0.id().to_string()]).status().unwrap();
     assert!(told.success());

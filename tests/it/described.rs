@@ -1,4 +1,4 @@
-//! Artifacts that say of which job they are.
+//! Artifacts that contain the description of their job.
 #![allow(clippy::unwrap_used, reason = "a test may fail where it stands")]
 
 use planish::job::limits::{Admitted, Limits};
@@ -29,7 +29,7 @@ fn made(job: &Value) -> Vec<u8> {
     bytes
 }
 
-/// The jobs of all formats that hold descriptions, without one.
+/// Returns a job without description for each format that can hold one.
 fn jobs() -> impl Iterator<Item = (&'static str, Value)> {
     described().map(|format| {
         let mut job = if format == "svg" { polygon(2) } else { mesh(1) };

@@ -1,4 +1,4 @@
-//! One drawing, three back ends: what is painted, what is written, and what a text can do to them.
+//! A drawing in three back ends: painted pixels, written vectors, and the effect of texts on both.
 
 mod curves;
 mod hatching;
@@ -15,7 +15,7 @@ fn label(text: &str) -> Label {
     Label::parse(text, Weight::Regular).expect("it can be set")
 }
 
-/// A drawing of everything there is.
+/// Returns a drawing with every kind of item.
 fn everything() -> Drawing {
     let x = Axis { low: -1.0, high: 3.0, label: Some(label(r"parameter \alpha_0")) };
     let y = Axis { low: 0.0, high: 0.5, label: Some(label("max |d^{k}| in \u{211d}^2")) };
@@ -113,13 +113,13 @@ fn texts_stay_in_their_elements() {
     let [svg, _] = written(&drawing, Lettering::Text);
     let svg = text(&svg);
     let tags = svg.matches('<').count();
-    // svg, title, g, title, text, tspan, each opened and closed
+    // svg, title, g, title, text and tspan, each opened and closed
     assert_eq!(tags, 12, "{svg}");
     assert_eq!(svg.matches('"').count() % 2, 0, "{svg}");
     assert!(!svg.contains("<script") && !svg.contains("\" onload"), "{svg}");
 }
 
-/// Red, green, blue and alpha at a place.
+/// Returns red, green, blue and alpha of a pixel.
 fn pixel(drawing: &Drawing, [x, y]: [usize; 2]) -> [u8; 4] {
     let pixels = pixels(drawing, &Watch::new()).expect("it can be painted");
     let at = 4 * (y * drawing.size[0] as usize + x);
@@ -137,7 +137,7 @@ fn groups_move_scale_and_cut_what_they_hold() {
     };
     let items = vec![inner.into_group([20.0, 10.0, 60.0, 40.0])];
     let outer = Drawing { size: [100, 60], background: [255; 4], title: String::new(), items };
-    // 40 pixels high is four times as large, so it stands from 30 to 70
+    // a height of 40 pixels is four times as large, from 30 to 70
     assert_eq!(pixel(&outer, [28, 12]), [255; 4]);
     assert_eq!(pixel(&outer, [32, 12]), [255, 0, 0, 255]);
     assert_eq!(pixel(&outer, [68, 48]), [255, 0, 0, 255]);

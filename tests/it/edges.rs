@@ -1,4 +1,4 @@
-//! Strict edges: requests of the wrong shape, headers that say what they may not, answers and logs of bounded length.
+//! Strict edges: requests of the wrong shape, headers with invalid values, and bounded lengths of answers and logs.
 #![allow(clippy::unwrap_used, reason = "a test may fail where it stands")]
 
 mod hosts;

@@ -1,4 +1,4 @@
-//! Laws of values of the limit surface: they are those of refinement, of a known spline, and of calculus.
+//! Laws of values of the limit surface: they agree with refinement, a known spline, and calculus.
 
 use planish::analysis::limit::{LimitRequest, refine_mesh_to_limit};
 use planish::math::functions::{cos, real, sin};
@@ -21,7 +21,7 @@ impl Cage {
     }
 }
 
-/// A cube without symmetries.
+/// Returns a cube without symmetries.
 fn cube() -> Cage {
     let mut cage = cages::cube(1.0);
     for (i, [_, y, z]) in cage.points.iter_mut().enumerate() {
@@ -39,7 +39,7 @@ fn bent(i: f64, j: f64) -> Vector {
     [i, j, sin(1.3 * i) * cos(0.9 * j)]
 }
 
-/// Cages of every kind that the surface knows.
+/// Returns cages of every kind that the surface supports.
 fn cages() -> Vec<(&'static str, Cage)> {
     let creased = |creases: &[[u64; 2]], sharpness: f64| creases.iter().map(|&edge| (edge, sharpness)).collect();
     let ring = [[1, 3], [3, 7], [7, 5], [5, 1]];
@@ -58,8 +58,7 @@ fn cages() -> Vec<(&'static str, Cage)> {
     ]
 }
 
-/// The places of the vertices of the output faces after some levels, in the documented order of these faces: each that
-/// of its first vertex.
+/// Returns the place of the first vertex of each output face after some levels, in the documented order of the faces.
 fn dyadic(cage: &Cage, levels: u32) -> Vec<Place> {
     let grid = |face: u32, corner: u32, n: u32| {
         let at = move |i: u32| f64::from(i) / f64::from(n);
@@ -95,7 +94,7 @@ fn values_at_dyadic_places_are_the_limits_of_refined_vertices() {
 
 #[test]
 fn a_bicubic_spline_has_its_known_values() {
-    // the limit of a regular net of the points (i, j, i^2 - 3 i j + j^2) is z = x^2 - 3 x y + y^2 + 2/3 inside
+    // inside, the limit of a regular net of the points (i, j, i^2 - 3 i j + j^2) is z = x^2 - 3 x y + y^2 + 2/3
     let cage = sheet(4, 4, |i, j| [i, j, i * i - 3.0 * i * j + j * j]);
     for [u, v] in [[0.0, 0.0], [0.3, 0.7], [1.0, 0.25], [0.9, 1.0]] {
         let found = cage.at(&[Place { face: 5, corner: 0, uv: [u, v] }])[0];
@@ -109,7 +108,7 @@ fn a_bicubic_spline_has_its_known_values() {
         for (second, expected) in second.into_iter().zip([2.0, -3.0, 2.0]) {
             assert!(length(minus(second, [0.0, 0.0, expected])) < 1e-12, "{found:?}");
         }
-        // of a graph; it bends towards its normal where it is a bowl
+        // curvatures of a graph; the surface bends towards its normal if it is a bowl
         let w = 1.0 + zx * zx + zy * zy;
         let gaussian = (2.0 * 2.0 - 9.0) / (w * w);
         let mean = -((1.0 + zy * zy) * 2.0 + 2.0 * 3.0 * zx * zy + (1.0 + zx * zx) * 2.0) / (2.0 * w * w.sqrt());
@@ -217,7 +216,7 @@ fn normals_at_vertices_are_the_limits_of_those_beside_them() {
     }
 }
 
-/// Three quads around a boundary vertex that is corner 0 of each.
+/// Returns three quads around a boundary vertex that is corner 0 of each.
 fn tee() -> Cage {
     let points = (0..7_u32).map(|i| {
         let (angle, far) = (f64::from(i) * std::f64::consts::PI / 6.0, 1.0 + 0.3 * f64::from(i % 2));
@@ -237,7 +236,7 @@ fn a_place_next_to_a_vertex_keeps_its_digits_far_from_the_origin() {
     assert!(length(minus(a, b)) < 1e-11, "{a:?} {b:?}");
 }
 
-/// Next to a vertex heights over the tangent plane are far below the rounding of what runs along it.
+/// Next to a vertex, heights above the tangent plane are far below the rounding of the tangential coordinates.
 #[test]
 fn curvatures_next_to_a_vertex_keep_their_digits_whichever_way_it_looks() {
     let tip = |n: u32| {
@@ -265,7 +264,7 @@ fn curvatures_next_to_a_vertex_keep_their_digits_whichever_way_it_looks() {
     }
 }
 
-/// Places of a grid on each square of the faces that are shown.
+/// Returns the places of a grid on each square of the visible faces.
 fn grid(cage: &Cage, n: u32) -> Vec<Place> {
     let shown = (0..).zip(&cage.faces).filter(|(face, _)| !cage.holes.contains(&u64::from(*face)));
     let squares = shown.flat_map(|(face, corners)| {
@@ -308,7 +307,7 @@ fn points_of_the_surface_are_their_own_closest_places() {
         let places = grid(&cage, 5);
         let points: Vec<Vector> = cage.at(&places).iter().map(|jet| jet.at).collect();
         for ((place, &point), found) in places.iter().zip(&points).zip(cage.closest(&points)) {
-            // at most 1e-9 of sizes of at most 5 is told apart; ends of creases have no mask that tells them exactly
+            // distances below 1e-9 of sizes of at most 5 are not distinguished; ends of creases have no exact mask
             assert!(found.distance < 5e-9, "{name}: {found:?} is not at {place:?}");
             let is_inside = place.uv.iter().all(|x| *x > 0.0 && *x < 1.0);
             if is_inside {
@@ -340,7 +339,7 @@ fn of_faces_that_share_a_place_the_lowest_is_told() {
 
 #[test]
 fn the_middle_of_a_ball_has_a_closest_place_in_bounded_time() {
-    // of a cage that is nearly round, every place is about as near to its middle
+    // on a nearly round cage, every place is about equally close to the centre
     let round = Cage { points: cube().points.iter().map(|p| times(1.0 / length(*p), *p)).collect(), ..cube() };
     let found = round.closest(&[[0.0; 3]])[0];
     let sampled = round.at(&grid(&round, 24)).iter().map(|jet| length(jet.at)).fold(f64::INFINITY, f64::min);

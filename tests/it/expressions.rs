@@ -1,4 +1,4 @@
-//! Expressions: what they mean, what is refused, and that they agree with a tiny evaluator of trees.
+//! Expressions: their values, the refused ones, and agreement with a tiny evaluator of trees.
 
 use planish::math::expression::{Expression, ExpressionError};
 use planish::math::functions as f;
@@ -204,7 +204,7 @@ impl Tree {
         }
     }
 
-    /// How tightly it binds: sum 0, product 1, sign 2, power 3, atom 4.
+    /// Returns the binding strength: sum 0, product 1, sign 2, power 3, atom 4.
     fn rank(&self) -> u8 {
         match self {
             Self::Join('+' | '-', ..) => 0,
@@ -215,7 +215,7 @@ impl Tree {
         }
     }
 
-    /// The text with as few parentheses as the grammar allows.
+    /// Returns the text with as few parentheses as the grammar allows.
     fn text(&self) -> String {
         let at_least = |tree: &Self, rank: u8| {
             if tree.rank() >= rank { tree.text() } else { format!("({})", tree.text()) }

@@ -1,4 +1,4 @@
-//! Figures: pictures of jobs in a grid. What they are made of is what the jobs alone give.
+//! Figures: pictures of jobs in a grid, composed of the pictures that the jobs give alone.
 
 use image::RgbaImage;
 use planish::job::limits::{Limits, Refusal};
@@ -15,13 +15,13 @@ fn cube() -> Value {
     } })
 }
 
-/// A job of a mesh with a picture of these proportions.
+/// Returns a job of a mesh with a picture of these proportions.
 fn solid(levels: u32, size: [u32; 2]) -> Value {
     json!({ "input": cube(), "plan": { "preset": "catmull-clark" }, "levels": levels,
         "outputs": [{ "format": "png", "width": size[0], "height": size[1] }] })
 }
 
-/// A job of a curve with a picture of these proportions.
+/// Returns a job of a curve with a picture of these proportions.
 fn curve(scale: f64, size: [u32; 2]) -> Value {
     json!({ "input": { "polygon": { "points": [[0, 0], [scale, 0], [scale, scale], [0, scale]], "closed": true } },
         "plan": { "preset": "chaikin" }, "levels": 4,
@@ -46,7 +46,7 @@ fn part(of: &RgbaImage, [x, y]: [u32; 2], [width, height]: [u32; 2]) -> RgbaImag
     image::imageops::crop_imm(of, x, y, width, height).to_image()
 }
 
-/// Pointers of all that is wrong with a job.
+/// Returns the pointers of all faults of a job.
 fn places(job: &Value) -> Vec<String> {
     render(job).expect_err("the job is refused").into_iter().map(|fault| fault.pointer).collect()
 }
@@ -111,7 +111,7 @@ fn panels_that_lie_on_each_other_are_framed_alike_and_all_seen() {
         }
     }
     assert_ne!(seen, below);
-    // the second panel takes no place, so that a third stands beside the first
+    // the second panel takes no cell, so that a third one is beside the first
     let mut three = figure(2, &[large.clone(), small.clone(), large], 242);
     three["figure"]["panels"][1]["overlay"] = json!(true);
     assert_eq!(picture(&three).height(), 120);
@@ -136,7 +136,7 @@ fn panels_stand_row_by_row_and_where_they_span_nothing_else_stands() {
     wide["figure"]["panels"][2]["span"] = json!([1, 2]);
     let whole = picture(&wide);
     let sized = |levels, size: [u32; 2]| picture(&solid(levels, size));
-    // three columns of 98, 98 and 98 pixels, 3 between them; a picture of two columns is 199 wide and 159 high
+    // three columns of 98 pixels with gaps of 3 pixels; a picture of two columns is 199 wide and 159 high
     assert_eq!(part(&whole, [101, 0], [199, 159]), sized(1, [199, 159]));
     assert_eq!(part(&whole, [0, 40], [98, 78]), sized(0, [98, 78]), "in the middle of its row");
     assert_eq!(part(&whole, [101, 162], [98, 78]), sized(3, [98, 78]));

@@ -1,10 +1,10 @@
-//! The pictures of `docs/curves` are what planish renders from their jobs, and `docs/presets.md` has a section for each
-//! preset of curves with what the catalogue says of it.
+//! The pictures of `docs/curves` are the results of their jobs, and `docs/presets.md` has a section for each preset of
+//! curves with the facts of the catalogue.
 //!
 //! The pictures of `docs/creases.md`, `docs/data.md`, `docs/pictures.md` and `docs/surfaces.md` are the results of the
 //! example jobs of their names.
 //!
-//! `BLESS=1 cargo test --test it figures::` writes both anew.
+//! `BLESS=1 cargo test --test it figures::` writes the pictures and the sections anew.
 
 use std::collections::BTreeSet;
 use std::fs;
@@ -15,7 +15,7 @@ use serde_json::Value;
 
 use crate::support::render;
 
-/// What stands after this line of the page is written from the catalogue.
+/// The line of the page after which the text is generated from the catalogue.
 const MARK: &str = "<!-- From here on the sections follow the catalogue. -->\n";
 const MAX_BYTES: usize = 80 << 10;
 const ENDS: [&str; 5] =
@@ -76,7 +76,7 @@ fn drawings_are_what_their_jobs_draw() {
     }
 }
 
-/// The results of the example jobs are known by their hashes.
+/// The results of the example jobs are identified by their hashes.
 #[test]
 fn pictures_of_surfaces_are_the_results_of_their_jobs() {
     let hashes = fs::read_to_string(path("tests/golden/hashes.txt")).expect("the table is there");
@@ -94,7 +94,8 @@ fn pictures_of_surfaces_are_the_results_of_their_jobs() {
     assert!(n > 50, "{n} pictures");
 }
 
-/// So are the figures of the papers; each has a picture that the page shows, and all together are not too many bytes.
+/// The figures of the papers are the results of their jobs, too; the page shows a picture of each, and their total size
+/// is bounded.
 #[test]
 fn the_figures_of_the_papers_are_the_results_of_their_jobs() {
     const MOST_BYTES: u64 = 3 << 20;

@@ -1,4 +1,4 @@
-//! Moving pictures: each frame is the picture that a job of its own gives.
+//! Moving pictures: each frame equals the picture of a job of its own.
 
 use std::io::Cursor;
 
@@ -178,7 +178,7 @@ fn a_film_stops_between_frames_and_books_all_of_them() {
     assert!(matches!(ended, Err(RunError::Stopped(_))), "{ended:?}");
 }
 
-/// A client that leaves when the first bytes come.
+/// A client that disconnects when the first bytes arrive.
 struct Stopping(Watch);
 
 impl std::io::Write for Stopping {

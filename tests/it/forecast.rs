@@ -1,4 +1,4 @@
-//! The forecast is what comes out: counts of every level and bytes of every format, for random plans and nets.
+//! The forecast equals the result: counts of every level and bytes of every format, for random plans and nets.
 
 use planish::job::limits::{Limits, Refusal};
 use planish::job::{Input, Job};
@@ -15,22 +15,22 @@ use crate::support::{parsed, render};
 mod duals;
 mod memory;
 
-/// Levels are asked for as long as the result stays this small.
+/// Upper bound of the number of vertices up to which further levels are tested.
 const MAX_VERTICES: u128 = 1500;
 
-/// Letters of the prefix, and of the cycle.
+/// The letters of the prefix, and of the cycle.
 type Word = (String, String);
 
-/// What decides whether a P may stand in a word.
+/// The properties of the input that decide whether a word may contain a P.
 #[derive(Debug, Clone, Copy)]
 struct Subject {
-    /// Every average loses end points.
+    /// Whether every average loses end points.
     natural: bool,
-    /// D loses the boundary.
+    /// Whether D loses the boundary.
     open_mesh: bool,
 }
 
-/// Random words; where P is not legal for the subject, it is left out.
+/// Returns random words, without the letters P that are illegal for the subject.
 fn words(subject: Subject) -> impl Strategy<Value = Word> {
     let letters = |most| proptest::collection::vec(prop::sample::select(vec!['U', 'U', 'C', 'D', 'P']), 0..most);
     (letters(4), letters(5)).prop_map(move |(prefix, cycle)| {
@@ -49,7 +49,7 @@ fn words(subject: Subject) -> impl Strategy<Value = Word> {
     })
 }
 
-/// P needs a U before it, an even number of D since then, and all children of what entered that U.
+/// Whether each P has a U before it, an even number of D in between, and all children of the net that entered that U.
 fn is_legal(letters: &str, subject: Subject) -> bool {
     let mut since_upsampling: Option<(u32, bool)> = None;
     letters.chars().all(|letter| {
@@ -73,7 +73,7 @@ fn text((prefix, cycle): &Word) -> String {
     if prefix.is_empty() { cycle.clone() } else { format!("{prefix}({cycle})") }
 }
 
-/// A job; the words above are legal by construction, so that its plan must be accepted.
+/// Returns a job; its word is legal by construction, so that the plan must be accepted.
 fn job(input: &Value, word: &Word, extra: &Value, levels: u32, output: &Value) -> Result<Job, TestCaseError> {
     let text = job_text(input, word, extra, levels, output).to_string();
     parsed(text.as_bytes()).map_err(|faults| TestCaseError::fail(format!("{faults:?} for {text}")))
@@ -87,7 +87,7 @@ fn job_text(input: &Value, word: &Word, extra: &Value, levels: u32, output: &Val
     json!({ "input": input, "plan": plan, "levels": levels, "outputs": [output] })
 }
 
-/// The counts of a json output, `corners` included; hidden things cannot be seen in it.
+/// Returns the counts of a JSON output, also `corners`; it does not show hidden elements.
 fn counted(bytes: &[u8]) -> Count {
     let result: Value = serde_json::from_slice(bytes).expect("the json output is JSON");
     let mut count = Count::default();
@@ -109,7 +109,7 @@ fn counted(bytes: &[u8]) -> Count {
     count
 }
 
-/// The forecast of a job, or `None` when an operator cannot be applied, which refinement then finds as well.
+/// Returns the forecast of a job, or `None` if an operator cannot be applied, which refinement then reports as well.
 fn forecast(job: &Job) -> Result<Option<Forecast>, TestCaseError> {
     match Limits::default().estimate(job) {
         Ok(estimate) => Ok(Some(estimate.forecast)),
@@ -156,7 +156,7 @@ fn check(input: &Value, word: &Word, extra: &Value) -> Result<(), TestCaseError>
     Ok(())
 }
 
-/// Compares the length of every format that can hold the result with what was promised.
+/// Compares the length of every format that can hold the result with the forecast.
 fn check_bytes(input: &Value, word: &Word, extra: &Value, levels: u32) -> Result<usize, TestCaseError> {
     let mut compared = 0;
     for format in FORMATS {
@@ -173,7 +173,7 @@ fn check_bytes(input: &Value, word: &Word, extra: &Value, levels: u32) -> Result
             compared += 1;
             let bytes = match render(&text) {
                 Ok((bytes, _)) => bytes,
-                // what is not shown cannot be told before it is refined
+                // hidden faces are known only after refinement
                 Err(faults) if faults[0].detail.starts_with("no face is shown") => continue,
                 Err(faults) => return Err(TestCaseError::fail(format!("{faults:?} for {text}"))),
             };
@@ -234,7 +234,7 @@ fn closed_mesh() -> impl Strategy<Value = Net> {
     ]
 }
 
-/// A mesh with some of its faces as holes, and a plan's boundary rule.
+/// Returns a mesh with some of its faces as holes, and the boundary rule of a plan.
 fn tagged_mesh() -> impl Strategy<Value = (Value, Value)> {
     let rule = prop::sample::select(vec!["edge-and-corner", "edge-only", "none"]);
     (nets::manifold(), proptest::collection::vec(any::<prop::sample::Index>(), 0..4), rule).prop_map(
@@ -304,7 +304,7 @@ proptest! {
     }
 }
 
-/// The word with the U of several arities.
+/// Returns the word with arities at its letters U.
 fn with_arities((prefix, cycle): &Word, arities: &[u32]) -> Word {
     let mut next = arities.iter().cycle();
     let mut write = |word: &str| {
@@ -397,7 +397,7 @@ fn a_cube_has_the_counts_that_euler_knows() {
     assert_eq!(counts, [(8, 12, 6), (26, 48, 24), (98, 192, 96), (386, 768, 384)]);
 }
 
-/// Sixty-four levels of four U each: the counts stay exact or saturate, and nothing is allocated for them.
+/// Sixty-four levels of four U each: the counts remain exact or saturate, and no memory is allocated for them.
 #[test]
 fn a_level_bomb_is_counted_and_refused() {
     let word = (String::new(), "U".repeat(64));

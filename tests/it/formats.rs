@@ -1,4 +1,5 @@
-//! What the formats promise: sizes known beforehand, the same bytes for any number of threads, numbers that read back.
+//! The promises of the formats: sizes known beforehand, the same bytes for any number of threads, and numbers that read
+//! back.
 
 use std::io::{self, Write};
 use std::ops::Range;
@@ -60,7 +61,7 @@ fn cube() -> Net {
     Net { positions, faces: faces.map(Vec::from).to_vec() }
 }
 
-/// A bumpy square of `n x n` quads.
+/// Returns a bumpy square of `n x n` quads.
 fn grid(n: u32) -> Net {
     let points = (0..=n).flat_map(|j| (0..=n).map(move |i| (f64::from(i), f64::from(j))));
     let positions = points.map(|(x, y)| [x / 3.0, y / 7.0, (x * y) % 1.9]).collect();
@@ -93,7 +94,7 @@ fn counts(shape: Shape<'_>) -> Counts {
     }
 }
 
-/// Every format that is checked here, with the options that change its bytes.
+/// Returns every format that is checked here, with the options that change its bytes.
 fn variants() -> Vec<(&'static dyn Format, Values)> {
     let text = |value: &str| Literal::Text(value.into());
     let given = [
@@ -177,7 +178,7 @@ fn check_sizes(shape: Shape<'_>) {
     }
 }
 
-/// Finite numbers of every magnitude, the awkward ones more often.
+/// Returns finite numbers of every magnitude, awkward ones more often.
 fn number() -> impl Strategy<Value = f64> {
     prop_oneof![
         any::<f64>().prop_filter("finite", |x| x.is_finite()),
@@ -344,7 +345,7 @@ fn json_carries_warnings_as_far_as_its_forecast_allows() {
 #[test]
 fn a_cube_has_the_statistics_of_a_cube() {
     let mut net = cube();
-    // Far away, where naive sums of cones would lose all digits.
+    // far away, where naive sums of cones would lose all digits
     net.positions.iter_mut().flatten().for_each(|x| *x = *x * 2.0 + 1_048_576.0);
     let found = stats(Shape::Mesh(&net));
     assert_eq!(found["euler_characteristic"], 2);

@@ -1,4 +1,4 @@
-//! Edges whose faces meet at more than an angle look hard: normals differ on their two sides.
+//! Edges whose faces meet at more than an angle look hard: the normals on their two sides differ.
 
 use planish::math::functions::{cos, real, sin};
 use proptest::prelude::*;
@@ -7,7 +7,7 @@ use serde_json::{Value, json};
 use crate::support::nets::{self, Net};
 use crate::support::{parsed, render};
 
-/// The glTF of a mesh under a plan.
+/// Returns the glTF of a mesh under a plan.
 fn gltf(mesh: &Value, plan: &Value, levels: u32, options: &Value) -> Value {
     let mut output = options.clone();
     output["format"] = json!("gltf");
@@ -19,7 +19,7 @@ fn gltf(mesh: &Value, plan: &Value, levels: u32, options: &Value) -> Value {
     serde_json::from_slice(&bytes).expect("glTF is JSON")
 }
 
-/// The number of vertices in a glTF.
+/// Returns the number of vertices in a glTF.
 fn n_vertices(document: &Value) -> u64 {
     let positions = document["meshes"][0]["primitives"][0]["attributes"]["POSITION"].as_u64().expect("an accessor");
     document["accessors"][usize::try_from(positions).expect("small")]["count"].as_u64().expect("a count")
@@ -30,7 +30,7 @@ fn straight_cube() -> Net {
     Net { positions, ..nets::cube() }
 }
 
-/// A prism over a regular polygon of `n` corners.
+/// Returns a prism over a regular polygon of `n` corners.
 fn tube(n: usize) -> Net {
     let at = |i: usize, z: f64| {
         let angle = 2.0 * std::f64::consts::PI * real(i) / real(n);
@@ -49,11 +49,11 @@ fn a_cube_is_hard_at_level_0_and_under_linear_interpolation_and_smooth_under_smo
     assert_eq!(n_vertices(&gltf(&cube, &none, 0, &json!({ "crease_angle": 180 }))), 8);
     assert_eq!(n_vertices(&gltf(&cube, &none, 0, &json!({ "crease_angle": 90 }))), 8);
     assert_eq!(n_vertices(&gltf(&cube, &none, 0, &json!({ "normals": "none" }))), 8);
-    // each of the twelve edges gives a vertex once more, each of the eight corners two
+    // each of the twelve edges adds a copy of its new vertex, each of the eight corners two copies
     assert_eq!(n_vertices(&gltf(&cube, &bilinear, 1, &json!({}))), 26 + 12 + 16);
     assert_eq!(n_vertices(&gltf(&cube, &json!({ "word": "UC" }), 0, &json!({}))), 24);
     assert_eq!(n_vertices(&gltf(&cube, &json!({ "preset": "catmull-clark" }), 1, &json!({}))), 26);
-    // all of its 24 faces are apart
+    // all of its 24 faces are separate
     assert_eq!(n_vertices(&gltf(&cube, &json!({ "preset": "catmull-clark" }), 1, &json!({ "crease_angle": 5 }))), 96);
 }
 
@@ -85,7 +85,7 @@ fn the_angle_that_is_meant_enters_the_key_however_it_is_said() {
 
 #[test]
 fn hard_edges_split_what_seams_of_texture_coordinates_have_left_whole() {
-    // all faces have the corners of the unit square: every edge is a seam, and every vertex is there three times
+    // all faces have the corners of the unit square: every edge is a seam, and every vertex occurs three times
     let mut mesh = straight_cube().to_json();
     let corners = json!([[0, 0], [1, 0], [1, 1], [0, 1]]);
     mesh["uvs"] = json!({ "values": corners, "faces": vec![[0, 1, 2, 3]; 6] });
@@ -93,7 +93,7 @@ fn hard_edges_split_what_seams_of_texture_coordinates_have_left_whole() {
         let document = gltf(&mesh, &json!(null), 0, &json!({ "crease_angle": angle }));
         assert!((8..=24).contains(&n_vertices(&document)), "{angle}");
     }
-    // one value for everything: no seam
+    // one value for all corners: no seam
     mesh["uvs"] = json!({ "values": [[0, 0]], "faces": vec![[0, 0, 0, 0]; 6] });
     assert_eq!(n_vertices(&gltf(&mesh, &json!(null), 0, &json!({}))), 24);
 }

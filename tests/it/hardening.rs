@@ -1,4 +1,4 @@
-//! What the service survives: slow, silent, lying and greedy clients, overload, and its own end.
+//! The robustness of the service: slow, silent, lying and greedy clients, overload, and its own shutdown.
 #![allow(clippy::unwrap_used, reason = "a test may fail where it stands")]
 
 mod addresses;

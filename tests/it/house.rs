@@ -1,6 +1,7 @@
-//! The house keeps its floors: each folder imports from lower ones only, and some things are absent from some floors.
+//! The layering of the modules: each folder imports from lower floors only, and some words must not occur on some
+//! floors.
 //!
-//! This reads the text of `src`, comments left out.
+//! The tests read the text of `src` without comments.
 
 mod imports;
 
@@ -9,7 +10,7 @@ use std::path::{Path, PathBuf};
 
 use imports::{Crate, circles};
 
-/// Every module of the crate's root with its floor; leaves stand on no floor and may be used by all.
+/// Every root module of the crate with its floor; all modules may use leaves, which are on no floor.
 const FLOORS: &[(&str, u32)] = &[
     ("math", 1),
     ("drawing", 2),
@@ -33,7 +34,7 @@ const LEAVES: &[&str] = &["fault", "kept", "watch"];
 const NEIGHBOURS: &[(&str, &str)] = &[("cli", "http")];
 const MAX_LINES: usize = 400;
 
-/// A source file: its module of the crate's root, its path, its lines without comments.
+/// A source file: its root module, its path, its text, and its lines without comments.
 struct Source {
     module: String,
     path: PathBuf,
@@ -97,7 +98,7 @@ fn read(folder: &Path, root: &Path, found: &mut Vec<Source>) {
     }
 }
 
-/// Names that follow `crate::` in a line.
+/// Returns the names that follow `crate::` in a line.
 fn imports(line: &str) -> impl Iterator<Item = &str> {
     line.match_indices("crate::").map(|(at, found)| {
         let rest = &line[at + found.len()..];
@@ -129,7 +130,7 @@ fn each_folder_imports_from_lower_floors_only() {
                 assert!(allowed, "{place}: {} may not import {import}, which is not on a lower floor", source.module);
             }
         }
-        // from a file right in a folder this would be the crate's root
+        // in a file directly in a folder of `src`, this would be the crate's root
         if source.path.components().count() == 2 {
             source.never_says(&["super::super"]);
         }
@@ -222,8 +223,8 @@ const SCHEMES: &[&str] = &[
     "fourpoint",
     "repeatedaveraging",
 ];
-/// Where a name of a scheme stands outside `scheme/`: in jobs that serve as examples, and in what the document says of
-/// them; and where a format has words of its own for schemes.
+/// The files outside `scheme/` that may name a scheme: example jobs, the descriptions of these in the OpenAPI document,
+/// and formats with their own words for schemes.
 const NAMED: &[(&str, &[&str])] = &[
     ("http/canary.rs", &["catmull"]),
     ("http/document_examples.rs", &["catmull", "fourpoint"]),
@@ -278,7 +279,7 @@ fn files_stay_short() {
 }
 
 const MAX_COLUMNS: usize = 120;
-/// Lines that may be longer, by how they begin: documentation of operations, whose first line and line breaks are part
+/// The beginnings of lines that may be longer: documentation of operations, whose first line and line breaks are part
 /// of the OpenAPI document, which clients compare.
 const LONG_LINES: &[(&str, &str)] = &[
     ("http/estimate.rs", "/// Refused as the job would be, but for what only its coordinates show,"),
@@ -302,7 +303,8 @@ fn lines_fit_120_columns() {
     }
 }
 
-/// Of two schemas of one name the OpenAPI document would have one, and clients would read answers by the wrong one.
+/// If two schemas had the same name, the OpenAPI document would contain only one, and clients would read answers by the
+/// wrong one.
 #[test]
 fn schemas_have_names_of_their_own() {
     let derives = |line: &&String| line.starts_with("#[derive(") && line.contains("ToSchema");

@@ -1,4 +1,4 @@
-//! The service as its clients see it: a real server on a free port, asked over TCP.
+//! The service as its clients see it: a real server on a free port, accessed over TCP.
 #![allow(clippy::unwrap_used, reason = "a test may fail where it stands")]
 
 mod analyses;

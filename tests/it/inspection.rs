@@ -1,4 +1,4 @@
-//! Surfaces inspected: curvature against closed forms, and pictures whose colours and lines follow laws.
+//! Inspection of surfaces: curvature against closed forms, and pictures whose colours and lines follow laws.
 
 mod curvature;
 mod legends;
@@ -14,7 +14,7 @@ use crate::support::render;
 
 const TURN: f64 = 2.0 * std::f64::consts::PI;
 
-/// A torus about the y axis, of radii 2 and 1, with `n` points around the axis and `m` around the tube.
+/// Returns a torus about the y axis, with radii 2 and 1, `n` points around the axis and `m` around the tube.
 fn torus(n: usize, m: usize) -> Net {
     let angle = |i: usize, n: usize| TURN * real(i) / real(n);
     let point = |(j, i): (usize, usize)| {
@@ -28,7 +28,7 @@ fn torus(n: usize, m: usize) -> Net {
     Net { positions: places().map(point).collect(), faces: places().map(face).collect() }
 }
 
-/// A sheet over the square from -1 to 1 of `n x n` quads, at the heights of a function.
+/// Returns a sheet of `n x n` quads over the square from -1 to 1, with the heights of a function.
 fn sheet(n: usize, height: impl Fn(f64, f64) -> f64) -> Net {
     let at = |i: usize| 2.0 * real(i) / real(n) - 1.0;
     let places = (0..=n).flat_map(|j| (0..=n).map(move |i| (i, j)));
@@ -37,14 +37,14 @@ fn sheet(n: usize, height: impl Fn(f64, f64) -> f64) -> Net {
     Net { positions, faces: first.map(|a| vec![a, a + 1, a + n + 2, a + n + 1]).collect() }
 }
 
-/// A sphere about the origin: the cube of `6 n^2` quads, each point moved to the distance `radius`.
+/// Returns a sphere about the origin: a cube of `6 n^2` quads, with each point moved to the distance `radius`.
 fn sphere(n: usize, radius: f64) -> Net {
     let side = sheet(n, |_, _| 1.0);
     let mut net = Net::default();
     for turn in 0..6 {
         let first = net.positions.len();
         for &[x, y, z] in &side.positions {
-            // even steps of angles, not of lengths, so that faces are of about one size
+            // equal steps of angles instead of lengths make faces of about one size
             let [x, y] = [x, y].map(|t| planish::math::functions::tan(TURN / 8.0 * t));
             let p = match turn {
                 0 => [x, y, z],
@@ -73,7 +73,8 @@ fn number(value: &Value) -> f64 {
     value.as_f64().unwrap_or_else(|| panic!("{value} is no number"))
 }
 
-/// A picture of a mesh as it is, from the front unless the options say otherwise: width, and rows of pixels.
+/// Returns the picture of a mesh as it is, from the front unless the options differ: its width, and its pixels row by
+/// row.
 fn picture(input: &Value, options: &Value) -> (usize, Vec<[u8; 4]>) {
     let mut output = json!({ "format": "png", "width": 160, "height": 120,
         "camera": { "projection": "orthographic", "azimuth_deg": 0, "elevation_deg": 0 } });

@@ -1,4 +1,4 @@
-//! Keys: equal jobs have equal ones however they are written, different jobs have different ones.
+//! Keys: equal jobs have equal keys in any notation, and different jobs have different keys.
 
 use std::borrow::Cow;
 use std::collections::BTreeMap;
@@ -39,7 +39,7 @@ fn mesh_job() -> Value {
     })
 }
 
-/// The job with the value at a pointer replaced.
+/// Returns the job with the value at a pointer replaced.
 fn with(job: &Value, pointer: &str, value: Value) -> Value {
     let mut changed = job.clone();
     let (parent, name) = pointer.rsplit_once('/').expect("a pointer");
@@ -61,7 +61,7 @@ fn check_distinct(base: &Value, changes: &[(&str, Value)]) {
     }
 }
 
-/// Both jobs have one key, and really the same bytes.
+/// Checks that both jobs have the same key, and the same bytes.
 fn check_equal(a: &str, b: &str) {
     assert_eq!(key_of_text(a), key_of_text(b), "{a} and {b}");
     let [a_bytes, b_bytes] = [a, b].map(|text| {
@@ -105,7 +105,7 @@ fn curves_that_differ_have_keys_that_differ() {
     );
 }
 
-/// The limit is that of a plan even where none of its levels was applied.
+/// Limits depend on the plan even if none of its levels was applied.
 #[test]
 fn limits_belong_to_the_plan_at_level_0_too() {
     for output in [json!({ "format": "json", "positions": "limit" }), json!({ "format": "json", "tangents": true })] {
@@ -118,7 +118,7 @@ fn limits_belong_to_the_plan_at_level_0_too() {
     }
 }
 
-/// So are the rules by which sharpness becomes less, and those beside triangles.
+/// Limits at level 0 also depend on the decay of sharpness and on the rules beside triangles.
 #[test]
 fn rules_of_meshes_belong_to_limits_at_level_0_too() {
     let mut mesh = nets::tetrahedron().to_json();
@@ -135,7 +135,7 @@ fn rules_of_meshes_belong_to_limits_at_level_0_too() {
             "outputs": [{ "format": format }] });
         check_distinct(&base, &others.clone().map(|plan| ("/plan", plan)));
     }
-    // without limits they change nothing there
+    // without limits these rules have no effect at level 0
     let base = json!({ "input": { "mesh": mesh }, "plan": plan(json!({})), "levels": 0,
         "outputs": [{ "format": "json" }] });
     for other in others {
@@ -166,13 +166,14 @@ fn tangents_belong_to_the_key() {
     unordered["input"]["polygon"]["pinned"] = json!([2, 1, 2]);
     plain["input"]["polygon"]["pinned"] = json!([1, 2]);
     check_equal(&unordered.to_string(), &plain.to_string());
-    // at the ends of an open polygon tangents stay in any case
+    // at the ends of an open polygon, tangents remain in any case
     base["input"]["polygon"]["closed"] = json!(false);
     check_equal(&base.to_string(), &with(&base, "/input/polygon/pinned", json!([0, 3])).to_string());
     check_equal(&base.to_string(), &with(&base, "/plan/parameters/mu", json!("1/4")).to_string());
 }
 
-/// Texture coordinates with one value of choice, that of the second face at its last corner, and an interpolation.
+/// Returns texture coordinates with a given u, a given value at the last corner of the second face, and an
+/// interpolation.
 fn uvs(x: f64, corner: usize, interpolation: &str) -> Value {
     let values: Vec<[f64; 2]> = [0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0].map(|y| [x, y]).into();
     let faces = json!([[0, 1, 2, 3], [3, 4, corner], [1, 5, 6, 7, 2]]);
@@ -279,7 +280,7 @@ fn the_split_is_part_of_the_key() {
             ("/plan", json!({ "word": "U3", "parameters": { "split": "triangle" } })),
         ],
     );
-    // what nothing uses makes no difference
+    // unused parameters make no difference
     let same = |a: Value, b: Value| assert_eq!(key(&with(&job, "/plan", a)), key(&with(&job, "/plan", b)));
     same(json!({ "word": "UC" }), json!({ "word": "UC", "parameters": { "split": "quad", "mu": 0.5 } }));
     let on_triangles = |mu: f64| json!({ "word": "UP", "parameters": { "split": "triangle", "mu": mu } });
@@ -316,7 +317,7 @@ fn spelling_does_not_matter() {
     }
 }
 
-/// What no operator of the plan uses, or the input does not have, is not part of the key.
+/// A parameter that no operator of the plan uses, or data that the input does not have, is not part of the key.
 #[test]
 fn what_has_no_effect_does_not_matter() {
     let equal = |base: &Value, pointer: &str, value: Value| {
@@ -349,7 +350,7 @@ fn what_has_no_effect_does_not_matter() {
     let mut open = mesh_job();
     open["plan"] = json!({ "preset": "catmull-clark" });
     equal(&open, "/input/mesh/creases", json!([{ "edge": [0, 1], "sharpness": 3 }]));
-    // 0 levels of anything without a prefix are no plan
+    // 0 levels of a word without a prefix are equivalent to no plan
     let mut as_it_is = curve_job();
     as_it_is["levels"] = json!(0);
     equal(&as_it_is, "/plan/word", json!("UD"));
@@ -441,7 +442,7 @@ fn encoded(item: &Item<'_>) -> Vec<u8> {
     bytes
 }
 
-/// Takes so many bytes off an encoding.
+/// Takes `n` bytes off the front of an encoding.
 fn take<'a>(bytes: &mut &'a [u8], n: usize) -> &'a [u8] {
     bytes.split_off(..n).expect("an encoding is whole")
 }
@@ -450,7 +451,7 @@ fn eight(bytes: &mut &[u8]) -> [u8; 8] {
     take(bytes, 8).try_into().expect("there are eight")
 }
 
-/// Takes the first item of an encoding off it.
+/// Takes the first item off an encoding.
 fn decoded(bytes: &mut &[u8]) -> Item<'static> {
     let length = |bytes: &mut &[u8]| usize::try_from(u64::from_le_bytes(eight(bytes))).expect("it is short");
     match take(bytes, 1)[0] {

@@ -1,4 +1,4 @@
-//! The service, killed at any moment under a mixed load: no accepted job is lost, and no byte is wrong.
+//! The service, killed at random moments under a mixed load: no accepted job is lost, and no byte is wrong.
 #![allow(clippy::unwrap_used, reason = "a test may fail where it stands")]
 
 use std::collections::BTreeMap;
@@ -12,20 +12,20 @@ use serde_json::{Value, json};
 use crate::http::jobs::{mesh, polygon};
 use crate::http::server::{Folder, PATIENCE};
 
-/// How often the service is killed where nothing else is said.
+/// Default number of times that the service is killed.
 const KILLS: u64 = 10;
-/// The variable that says how often: 200 and more by hand.
+/// The environment variable with the number of kills: 200 and more in manual runs.
 const NUMBER: &str = "PLANISH_TEST_KILLS";
-/// Of so many moments each round has one, in steps of a few milliseconds.
+/// Number of different moments of a kill, in steps of a few milliseconds; each round has one of them.
 const MOMENTS: u64 = 60;
 
-/// Jobs of a batch of the load.
+/// Number of jobs in a batch of the load.
 const BATCH: usize = 3;
 
-/// The place of a job or a batch, and the numbers of its jobs.
+/// The path of a job or a batch, and the numbers of its jobs.
 type Accepted = (String, Vec<u64>);
 
-/// A process of the service, killed when it is dropped.
+/// A process of the service, killed when the value is dropped.
 pub(crate) struct Service {
     child: Child,
     pub(crate) url: String,
@@ -36,17 +36,17 @@ impl Service {
         Self::run(&mut Command::new(env!("CARGO_BIN_EXE_planish")), data)
     }
 
-    /// The number of its process.
+    /// Returns the process id.
     pub(crate) fn id(&self) -> u32 {
         self.child.id()
     }
 
-    /// Has a command run the service.
+    /// Starts the service with a command.
     pub(crate) fn run(command: &mut Command, data: &Path) -> Self {
         let mut child = command
             .args(["serve", "--listen", "127.0.0.1:0", "--threads", "2", "--log", "error", "--data-dir"])
             .arg(data)
-            // a variable that is no setting would be refused
+            // the service refuses variables that are not settings
             .env_remove(NUMBER)
             .stdout(Stdio::null())
             .stderr(Stdio::piped())
@@ -69,7 +69,7 @@ impl Drop for Service {
     }
 }
 
-/// A job of the load: the number makes it one of its own.
+/// Returns the job of the load with this number; different numbers give different jobs.
 fn job(number: u64) -> Value {
     let mut job = if number.is_multiple_of(3) { polygon(6) } else { mesh(2 + u32::try_from(number % 3).unwrap()) };
     let places = if number.is_multiple_of(3) { "/input/polygon/points/0/0" } else { "/input/mesh/positions/0/0" };
@@ -78,7 +78,7 @@ fn job(number: u64) -> Value {
     job
 }
 
-/// The bytes that the outputs of a job have, computed here.
+/// Computes the bytes of the outputs of a job in this process.
 fn fresh(job: &Value) -> Vec<Vec<u8>> {
     let outputs = job["outputs"].as_array().unwrap();
     let alone = outputs.iter().map(|output| {
@@ -89,15 +89,15 @@ fn fresh(job: &Value) -> Vec<Vec<u8>> {
     alone.collect()
 }
 
-/// Numbers that look random and are the same each time.
+/// Returns a pseudorandom number, the same in every run.
 fn mixed(number: u64) -> u64 {
     let mut x = number.wrapping_add(1).wrapping_mul(0x9e37_79b9_7f4a_7c15);
     x ^= x >> 31;
     x.wrapping_mul(0xbf58_476d_1ce4_e5b9) >> 17
 }
 
-/// Posts jobs, and now and then a batch of them, until the service is gone; those that it accepted, by their places,
-/// each with the numbers of its jobs.
+/// Posts jobs, and occasionally a batch, until the service is gone. Returns the accepted ones by their paths, each with
+/// the numbers of its jobs.
 async fn load(client: reqwest::Client, url: String, first: u64) -> Vec<Accepted> {
     let mut accepted = Vec::new();
     for number in (first..).step_by(BATCH) {
@@ -114,7 +114,7 @@ async fn load(client: reqwest::Client, url: String, first: u64) -> Vec<Accepted>
         if status == 202 || status == 200 {
             accepted.push((answer.headers()["location"].to_str().unwrap().to_owned(), numbers));
         }
-        // some are looked at, some are rendered at once beside them
+        // now and then, a request to render beside the jobs
         if mixed(number).is_multiple_of(4)
             && client.post(format!("{url}/v1/render")).json(&polygon(5)).send().await.is_err()
         {
@@ -192,7 +192,7 @@ fn a_job_with_which_the_process_ends_six_times_is_given_up() {
                 tokio::time::sleep(Duration::from_millis(5)).await;
             }
         });
-        // what was begun is written down by now, or soon
+        // the work begun is written down by now, or soon
         std::thread::sleep(Duration::from_millis(300));
         service.child.kill().unwrap();
         service.child.wait().unwrap();
@@ -205,7 +205,7 @@ fn a_job_with_which_the_process_ends_six_times_is_given_up() {
     assert!(poison["error"].as_str().unwrap().contains("begun 6 times"), "{poison}");
 }
 
-/// Every accepted job, alone or in a batch, is known, comes to its end, and has the bytes that it has here.
+/// Checks that every accepted job, alone or in a batch, is known, ends, and has the bytes that this process computes.
 async fn check(client: &reqwest::Client, url: &str, accepted: &BTreeMap<String, Vec<u64>>) {
     for (place, numbers) in accepted {
         let status = settled(client, &format!("{url}{place}")).await;

@@ -1,4 +1,4 @@
-//! Laws: identities that hold for every input, tried on small and on random ones.
+//! Laws: identities that hold for every input, tested on small and on random ones.
 
 mod averaging;
 mod butterfly;
@@ -38,7 +38,7 @@ use serde_json::{Value, json};
 
 use crate::support::{self, nets::Net};
 
-/// Points of the polygon that a plan makes of a polygon.
+/// Returns the points of a polygon after some levels of a plan.
 fn refined<const D: usize>(points: &[[f64; D]], closed: bool, plan: &Value, levels: u32) -> Vec<[f64; D]>
 where
     [f64; D]: serde::Serialize + serde::de::DeserializeOwned,
@@ -59,24 +59,24 @@ fn refined_mesh(net: &Net, plan: &Value, levels: u32) -> Net {
     Net::of(&support::json(json!({ "input": net.input(), "plan": plan, "levels": levels })))
 }
 
-/// A word without parameters.
+/// Returns a word without parameters.
 fn word(text: &str) -> Value {
     json!({ "word": text })
 }
 
-/// A word with kernel cos(alpha/2) and compensation 1/cos(alpha/2).
+/// Returns a word with kernel cos(alpha/2) and compensation 1/cos(alpha/2).
 fn semi_stationary(text: &str, alpha: &str, delta: f64) -> Value {
     json!({ "word": text, "parameters": {
         "alpha": alpha, "kernel": "cos(alpha/2)", "compensation": "1/cos(alpha/2)", "delta": delta,
     } })
 }
 
-/// A word with awkward constants.
+/// Returns a word with awkward constants.
 fn static_word(text: &str) -> Value {
     json!({ "word": text, "parameters": { "kernel": 1.7, "compensation": "1/3", "delta": -0.3 } })
 }
 
-/// Plans for polygons that may be open with clamped ends.
+/// Returns plans for polygons, also for open ones with clamped ends.
 fn curve_plans() -> Vec<Value> {
     let mut plans: Vec<Value> = ["U", "UD", "UC", "UDDD", "UCP", "UUCPD(UC)", "D(UC)", "C", "D"].map(word).into();
     plans.extend(["UD", "UC", "UCCP", "U(UCDDP)", "UDCD"].map(static_word));
@@ -84,7 +84,7 @@ fn curve_plans() -> Vec<Value> {
     plans
 }
 
-/// Plans for closed and open meshes.
+/// Returns plans for closed and open meshes.
 fn mesh_plans() -> Vec<Value> {
     let mut plans: Vec<Value> = ["U", "UC", "UCP", "C", "UCCP"].map(word).into();
     plans.extend(["UC", "UCP", "U(UCP)"].map(static_word));

@@ -19,7 +19,7 @@ use serde_json::{Value, json};
 use crate::support::nets::Net;
 use crate::support::{json_with, render};
 
-/// Limit positions (the net) and limit normals of a plan after some levels.
+/// Returns the limit positions, as a net, and the limit normals after some levels of a plan.
 fn limit(net: &Net, plan: &Value, levels: u32) -> (Net, Vec<[f64; 3]>) {
     let job = json!({ "input": net.input(), "plan": plan, "levels": levels });
     let result = json_with(job, &json!({ "positions": "limit", "normals": "limit" }));
@@ -27,7 +27,7 @@ fn limit(net: &Net, plan: &Value, levels: u32) -> (Net, Vec<[f64; 3]>) {
     (Net::of(&result), normals)
 }
 
-/// The warnings of a mesh with limit normals.
+/// Returns the warnings for a mesh with limit normals.
 fn warnings(net: &Net, plan: &Value, levels: u32) -> Vec<String> {
     let job = json!({ "input": net.input(), "plan": plan, "levels": levels,
         "outputs": [{ "format": "obj", "normals": "limit" }] });

@@ -1,4 +1,4 @@
-//! One binary, one story a file.
+//! All integration tests in one binary, with one topic per file.
 
 mod analysis;
 mod cache;

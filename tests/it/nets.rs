@@ -1,4 +1,4 @@
-//! The control nets of `tests/nets` are what their README says.
+//! The control nets of `tests/nets` agree with their README.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
@@ -14,7 +14,7 @@ fn path(inside: &str) -> PathBuf {
     PathBuf::from(env!("CARGO_MANIFEST_DIR")).join(inside)
 }
 
-/// Name without `.json` and text of each file of a folder, by name.
+/// Returns the files of a folder: the text of each by its name without `.json`.
 fn files(folder: &str) -> BTreeMap<String, String> {
     let entries = fs::read_dir(path(folder)).unwrap_or_else(|error| panic!("{folder}: {error}"));
     let mut found = BTreeMap::new();
@@ -28,7 +28,7 @@ fn files(folder: &str) -> BTreeMap<String, String> {
     found
 }
 
-/// The rows of the README's table that starts with these columns, by their first cell.
+/// Returns the rows of the README's table that starts with these columns, by their first cell.
 fn table(columns: &str) -> BTreeMap<String, Vec<String>> {
     let text = fs::read_to_string(path("tests/nets/README.md")).expect("the nets have a README");
     let rows = text.lines().skip_while(|line| !line.starts_with(columns)).skip(2);
@@ -43,14 +43,14 @@ fn input(text: &str) -> Value {
     serde_json::from_str(text).expect("a net is JSON")
 }
 
-/// `value: how many` for each value, ascending.
+/// Returns the counts of all values as `value: count`, in ascending order.
 fn tally(values: impl Iterator<Item = usize>) -> String {
     let mut counts: BTreeMap<usize, usize> = BTreeMap::new();
     values.for_each(|value| *counts.entry(value).or_default() += 1);
     counts.iter().map(|(value, n)| format!("{value}: {n}")).collect::<Vec<_>>().join(", ")
 }
 
-/// What the README says of a mesh, counted without the crate.
+/// Returns the README's facts about a mesh, counted without the crate.
 fn described(net: &Net) -> Vec<String> {
     let sides: BTreeSet<(usize, usize)> =
         net.faces.iter().flat_map(|face| (0..face.len()).map(|j| (face[j], face[(j + 1) % face.len()]))).collect();
@@ -94,7 +94,7 @@ fn meshes_are_as_their_readme_says() {
     }
 }
 
-/// The same numbers once more, as the crate sees them.
+/// The topology of the crate gives the same numbers.
 #[test]
 fn the_topology_agrees_with_the_readme() {
     let files = files("tests/nets");

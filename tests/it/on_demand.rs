@@ -1,4 +1,4 @@
-//! Large meshes are refined while they are written: every byte is that of a mesh whose points are all held.
+//! Refinement of large meshes while they are written: every byte equals that of a mesh whose points are all in memory.
 
 use planish::job::limits::Limits;
 use planish::job::{Input, run};
@@ -11,7 +11,7 @@ use serde_json::{Value, json};
 use crate::support::nets::{self, Net};
 use crate::support::parsed;
 
-/// The bytes of a job that is refined while they are written where its memory is more than so much, and whether it was.
+/// Returns the bytes of a job under a limit on held bytes, and whether it was refined while it was written.
 fn written(job: &Value, max_held_bytes: u64) -> (Vec<u8>, bool) {
     let limits = Limits { max_held_bytes, ..Limits::default() };
     let read = parsed(job.to_string().as_bytes()).unwrap_or_else(|faults| panic!("{faults:?} for {job:.400}"));
@@ -32,7 +32,7 @@ fn assert_alike(job: &Value) {
     assert!(streamed == held, "{} and {} bytes differ for {job:.400}", streamed.len(), held.len());
 }
 
-/// Every way to write a mesh without holding its points.
+/// Returns every output that can be written without all points in memory.
 fn outputs() -> Vec<Value> {
     vec![
         json!({ "format": "ply" }),
@@ -50,7 +50,8 @@ fn outputs() -> Vec<Value> {
     ]
 }
 
-/// Nets with everything that a sweep serves: holes, a vertex of no face, faces of any size, creases, boundaries.
+/// Returns inputs with all data that a sweep supports: holes, an isolated vertex, faces of any size, creases,
+/// boundaries.
 fn inputs() -> Vec<Value> {
     let with = |net: &Net, name: &str, value: Value| {
         let mut input = net.input();
@@ -78,7 +79,7 @@ fn inputs() -> Vec<Value> {
 fn all_formats_and_nets_are_streamed_to_the_bytes_of_held_meshes() {
     for input in inputs() {
         for output in outputs() {
-            // normals of creased meshes are those of copies of vertices
+            // normals of creased meshes belong to copies of vertices
             let whole = input["mesh"]["creases"].is_array() && output["format"] == "glb" && output["normals"] != "none";
             if whole {
                 continue;

@@ -1,4 +1,4 @@
-//! The OpenAPI document: committed, true, and fit for a client generator.
+//! The OpenAPI document: committed, correct, and suitable for a client generator.
 #![allow(clippy::unwrap_used, reason = "a test may fail where it stands")]
 
 use std::collections::BTreeSet;
@@ -12,7 +12,7 @@ fn document() -> Value {
     serde_json::from_str(&document_text()).unwrap()
 }
 
-/// Every operation: method, path, and what the document says of it.
+/// Returns every operation: method, path, and its entry in the document.
 fn operations(document: &Value) -> Vec<(String, String, &Value)> {
     let mut found = Vec::new();
     for (path, methods) in document["paths"].as_object().unwrap() {
@@ -33,7 +33,7 @@ fn the_committed_document_is_what_the_code_says() {
     assert!(committed == document_text(), "api/openapi.json is out of date; BLESS=1 cargo test openapi:: rewrites it");
 }
 
-/// openapi-python-client knows few media types; the file tells it that the others are bytes.
+/// openapi-python-client knows few media types; the settings file declares the others as bytes.
 #[test]
 fn the_settings_of_the_python_client_name_every_media_type_of_bytes() {
     let document = document();
@@ -69,7 +69,8 @@ fn it_is_openapi_3_1_and_every_reference_leads_somewhere() {
     }
 }
 
-/// The list of routes is read, so that a route without a description shows, and no second list has to be kept.
+/// The list of routes is read from the source, so that a route without a description is found and no second list is
+/// needed.
 #[test]
 fn every_route_of_the_service_is_described() {
     let document = document();
@@ -79,7 +80,7 @@ fn every_route_of_the_service_is_described() {
     let list = std::fs::read_to_string(path).unwrap();
     let lists = list.split("routes!(").skip(1).map(|rest| rest.split(')').next().unwrap());
     let handlers = lists.flat_map(|handlers| handlers.split(',')).map(|name| name.rsplit("::").next().unwrap().trim());
-    // HEAD is answered by the handler of GET
+    // the handler of GET also answers HEAD
     let routes: BTreeSet<&str> = handlers
         .chain([
             "archive_head",
@@ -129,7 +130,7 @@ fn every_operation_says_what_it_takes_and_answers() {
     }
 }
 
-/// Whether an operation shows a parameter, a body, or an answer.
+/// Whether an operation has an example of a parameter, a body, or an answer.
 fn has_example(operation: &Value) -> bool {
     let parameters = operation["parameters"].as_array().into_iter().flatten();
     let contents = [&operation["requestBody"], &operation["responses"]["200"]];

@@ -1,4 +1,4 @@
-//! Options of pictures: how well they are drawn, what is shown beside the surface, and levels that follow the pixels.
+//! Options of pictures: quality, overlays beside the surface, and levels that follow the resolution.
 
 use serde_json::{Value, json};
 
@@ -6,7 +6,7 @@ use planish::fault::Fault;
 
 use crate::support::{nets, parsed, render};
 
-/// A cube under Catmull-Clark as a picture of 200 x 150 pixels with these options.
+/// Returns a job for a cube under Catmull-Clark as a picture of 200 x 150 pixels with these options.
 fn cube(levels: &Value, options: &Value) -> Value {
     let mut mesh = nets::cube().to_json();
     mesh["creases"] = json!([{ "edge": [0, 1], "sharpness": 10 }]);
@@ -20,7 +20,7 @@ fn cube(levels: &Value, options: &Value) -> Value {
     json!({ "input": { "mesh": mesh }, "plan": plan, "levels": levels, "outputs": [output] })
 }
 
-/// The cube as it is, with latitude lines.
+/// Returns a job for the unrefined cube with latitude lines.
 fn tagged(lines: &Value, options: &Value) -> Value {
     let mut job = cube(&json!(0), options);
     job.as_object_mut().expect("an object").remove("plan");
@@ -28,7 +28,7 @@ fn tagged(lines: &Value, options: &Value) -> Value {
     job
 }
 
-/// Why a job is refused.
+/// Returns the faults of a job.
 fn faults(job: &Value) -> Vec<Fault> {
     render(job).expect_err("it is refused")
 }
@@ -37,7 +37,7 @@ fn png(options: &Value) -> Vec<u8> {
     render(&cube(&json!(2), options)).unwrap_or_else(|faults| panic!("{faults:?} for {options}")).0
 }
 
-/// Red, green and blue of all pixels.
+/// Returns red, green and blue of all pixels.
 fn pixels(png: &[u8]) -> Vec<[u8; 3]> {
     let picture = image::load_from_memory(png).expect("a picture").into_rgb8();
     picture.pixels().map(|pixel| pixel.0).collect()
@@ -48,7 +48,7 @@ fn dots_an_inch_are_written_and_leave_the_pixels_alone() {
     let (without, with) = (png(&json!({})), png(&json!({ "dpi": 300 })));
     assert!(!without.windows(4).any(|name| name == b"pHYs"));
     let at = with.windows(4).position(|name| name == b"pHYs").expect("the chunk of dimensions");
-    // 300 an inch are 11,811 a metre
+    // 300 pixels per inch are 11,811 per metre
     let expected = [11_811_u32.to_be_bytes(), 11_811_u32.to_be_bytes()].concat();
     assert_eq!((&with[at + 4..at + 12], with[at + 12]), (&expected[..], 1));
     assert_eq!(pixels(&without), pixels(&with));
@@ -69,7 +69,7 @@ fn drafts_have_fewer_grey_values_and_no_shadow_unless_it_is_asked_for() {
     assert_eq!(grey(json!({ "grounding": "none" })), 1);
 }
 
-/// Pixels of about this colour.
+/// Counts the pixels of about this colour.
 fn about(options: &Value, [r, g, b]: [u8; 3]) -> usize {
     let near = |pixel: &&[u8; 3]| pixel.iter().zip([r, g, b]).all(|(a, b)| a.abs_diff(b) < 40);
     pixels(&png(options)).iter().filter(near).count()
@@ -91,7 +91,7 @@ fn tags_are_shown_as_lines_and_dots_of_their_colours() {
     let shown = render(&job).unwrap_or_else(|faults| panic!("{faults:?}")).0;
     let is_green = |pixel: &&[u8; 3]| pixel.iter().zip(green).all(|(a, b)| a.abs_diff(b) < 40);
     assert!(pixels(&shown).iter().filter(is_green).count() > 10, "latitude");
-    // nothing is tagged so
+    // no edge has such a tag
     let plain = png(&json!({ "camera": view }));
     assert_eq!(png(&json!({ "show": ["surface", "longitude"], "camera": view })), plain);
     assert_eq!(png(&json!({ "show": ["surface", "seams"], "camera": view })), plain);
@@ -101,7 +101,7 @@ fn tags_are_shown_as_lines_and_dots_of_their_colours() {
 fn seams_are_where_texture_coordinates_are_cut() {
     let mut job = cube(&json!(2), &json!({ "show": ["surface", "seams"], "line_width": 3 }));
     let faces = job["input"]["mesh"]["faces"].clone();
-    // as the vertices are numbered, so that nothing is cut
+    // one value per vertex, so that no edge is a seam
     job["input"]["mesh"]["uvs"] = json!({ "values": (0..8).map(|i| [i, i * i]).collect::<Vec<_>>(), "faces": faces });
     let whole = render(&job).expect("a picture").0;
     let faces: Vec<_> = (0..6).map(|f| [4 * f, 4 * f + 1, 4 * f + 2, 4 * f + 3]).collect();
@@ -112,7 +112,7 @@ fn seams_are_where_texture_coordinates_are_cut() {
     assert!(orange(&cut) > 100);
 }
 
-/// Latitude lines have no part in the plan, and yet in the picture.
+/// Latitude lines do not affect the plan, but they do affect the picture.
 #[test]
 fn pictures_of_other_latitude_lines_have_other_keys() {
     let key = |lines: Value, show: &str| {
@@ -152,7 +152,7 @@ fn automatic_levels_make_faces_of_about_a_pixel_and_enter_the_key_as_a_number() 
     assert_eq!(job.keys(), same.keys());
     assert_eq!(auto(&json!({ "width": 400, "height": 300 })).levels, 7);
     assert_eq!(auto(&json!({ "camera": { "zoom": 0.25 } })).levels, 4);
-    // six faces become 6 x 4^9 = 1,572,864, and not more than 2^21
+    // six faces become 6 x 4^9 = 1,572,864, which is below 2^21
     assert_eq!(auto(&json!({ "width": 8192, "height": 8192 })).levels, 9);
     let curve = json!({ "input": { "polygon": { "points": [[0, 0], [1, 0], [1, 1], [0, 1]], "closed": true } },
         "plan": { "preset": "chaikin" }, "levels": "auto",

@@ -1,5 +1,4 @@
-//! Mesh files: what is written is read again, what is broken is refused by line or byte, and no bytes make a reader
-//! fail.
+//! Mesh files: written files read back, broken files are refused by line or byte, and no bytes make a reader panic.
 
 mod beside;
 mod broken;
@@ -25,18 +24,18 @@ fn read(format: &str, bytes: &[u8]) -> Result<ReadMesh, Vec<String>> {
     (named(format).expect("the reader exists").read)(&bytes.into(), &ReadLimits::default())
 }
 
-/// Reads what is right.
+/// Reads valid bytes.
 fn mesh(format: &str, bytes: &[u8]) -> ReadMesh {
     read(format, bytes).unwrap_or_else(|faults| panic!("{format}: {faults:?}"))
 }
 
-/// Positions and faces alone.
+/// Returns positions and faces.
 fn net(mesh: &ReadMesh) -> Net {
     let faces = (0..mesh.faces.len()).map(|f| mesh.faces.face(f).iter().map(|&v| v as usize).collect()).collect();
     Net { positions: mesh.positions.clone(), faces }
 }
 
-/// What is said of wrong bytes.
+/// Returns the messages about invalid bytes.
 fn sentences(format: &str, bytes: &[u8]) -> Vec<String> {
     read(format, bytes).expect_err("it is refused")
 }

@@ -1,4 +1,4 @@
-//! Refusals that a stranger met: each says what is wrong, where, and all of it.
+//! Refusals that an independent tester met: each reports every fault, and where it is.
 
 use planish::job::limits::Limits;
 use planish::job::{RunError, run};
@@ -86,7 +86,7 @@ fn type_names_of_the_implementation_stay_inside() {
     }
 }
 
-/// The place of the fault that shows when an output is computed.
+/// Returns the pointer of the fault that computing an output reports.
 fn place_of_run(job: &Value, output: usize) -> String {
     let job = parsed(job.to_string().as_bytes()).expect("it shows late");
     let admitted = Limits::default().admit(job).expect("it is small");
@@ -141,7 +141,7 @@ fn faults_of_parameters_point_at_the_entry_that_carries_them() {
     }
 }
 
-/// The same with a point in each number.
+/// Returns the value with a decimal point in each number.
 fn pointed(value: &Value) -> Value {
     match value {
         Value::Number(n) => json!(n.as_f64()),
@@ -151,7 +151,7 @@ fn pointed(value: &Value) -> Value {
     }
 }
 
-/// JSON knows one kind of number, and a schema's "integer" is any number without a fraction.
+/// JSON has one type of number, and "integer" in a schema is any number without a fraction.
 #[test]
 fn whole_numbers_may_be_written_with_a_point() {
     let mut plain = json!({ "spec": 1, "levels": 2, "plan": { "preset": "catmull-clark" }, "input": { "mesh": {

@@ -1,4 +1,4 @@
-//! Whatever comes in, a result or faults come out: never a panic, never a number that is not finite.
+//! Robustness: any input gives a result or faults, never a panic or a number that is not finite.
 
 mod creases;
 mod maps;

@@ -1,4 +1,4 @@
-//! Plane sections of meshes: what they are, how they are drawn, and what is refused.
+//! Plane sections of meshes: their shapes, their pictures, and the refused ones.
 
 mod drawn;
 mod laws;
@@ -11,7 +11,7 @@ use serde_json::{Value, json};
 use crate::support;
 use crate::support::nets::Net;
 
-/// A polyline as the json output has it.
+/// A polyline of the JSON output.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 struct Polyline {
     points: Vec<[f64; 3]>,
@@ -22,14 +22,14 @@ fn plane(point: [f64; 3], normal: [f64; 3]) -> Value {
     json!({ "point": point, "normal": normal })
 }
 
-/// The json output of a job without outputs, cut by planes: the surface and a list of polylines for each plane.
+/// Returns the JSON output of a job without outputs, cut by planes: the surface, and the polylines of each plane.
 fn cut(job: Value, planes: &[Value]) -> (Net, Vec<Vec<Polyline>>) {
     let result = support::json_with(job, &json!({ "sections": planes }));
     let sections = serde_json::from_value(result["sections"].clone()).expect("lists of polylines");
     (Net::of(&result), sections)
 }
 
-/// The sections of a mesh as it is.
+/// Returns the sections of an unrefined mesh.
 fn sections(net: &Net, planes: &[Value]) -> Vec<Vec<Polyline>> {
     cut(json!({ "input": net.input() }), planes).1
 }
@@ -51,7 +51,7 @@ fn unit(v: [f64; 3]) -> [f64; 3] {
     v.map(|x| x / length)
 }
 
-/// The area that closed polylines enclose, positive where they run counter-clockwise seen against the normal.
+/// Returns the area enclosed by closed polylines, positive if they run counter-clockwise as seen against the normal.
 fn area(section: &[Polyline], normal: [f64; 3]) -> f64 {
     let one = |polyline: &Polyline| {
         let from = |i: usize| minus(polyline.points[i % polyline.points.len()], polyline.points[0]);

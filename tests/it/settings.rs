@@ -1,4 +1,4 @@
-//! Settings: each number has a range, and the settings file is a file of bounded length.
+//! Settings: each number has a range, and the length of the settings file is bounded.
 #![allow(clippy::unwrap_used, reason = "a test may fail where it stands")]
 
 use std::path::Path;
@@ -7,7 +7,7 @@ use planish::config::{ConfigError, Given, Setting, Settings};
 
 use crate::http::server::Folder;
 
-/// The settings of a file that sets one of them.
+/// Reads the settings from a file that sets one of them.
 fn of_file(name: &str, value: u64) -> Result<Settings, ConfigError> {
     let folder = Folder::new();
     let path = folder.path().join("planish.toml");
@@ -70,7 +70,7 @@ fn l_a_settings_file_is_a_regular_file_of_at_most_a_mebibyte() {
     assert_eq!(Settings::read(Given::default(), Some(&path)).unwrap().max_queue, 7);
 }
 
-/// The settings of a file with these lines.
+/// Reads the settings from a file with this text.
 fn written(text: &str) -> Result<Settings, ConfigError> {
     let folder = Folder::new();
     let path = folder.path().join("planish.toml");
@@ -78,7 +78,7 @@ fn written(text: &str) -> Result<Settings, ConfigError> {
     Settings::read(Given::default(), Some(&path))
 }
 
-/// The settings of a variable.
+/// Reads the settings from an environment variable.
 fn of_variable(name: &str, value: &str) -> Result<Settings, ConfigError> {
     Settings::read(Given::of_variables([(name.into(), value.into())].into_iter())?, None)
 }

@@ -1,4 +1,4 @@
-//! What a shape may be, what each fault is told, and in which order a refined one comes out.
+//! Valid shapes, the messages about faults, and the order of refined shapes.
 
 mod dual_order;
 mod faults;

@@ -1,4 +1,4 @@
-//! glTF made smaller: short indices, an order for graphics processors, numbers of 16 bits, encoded views.
+//! Smaller glTF: short indices, an order for graphics processors, numbers of 16 bits, and encoded views.
 
 mod levels_of_detail;
 mod model;
@@ -14,7 +14,7 @@ use serde_json::{Value, json};
 use crate::support::{nets, parsed, peak, render};
 use model::Model;
 
-/// A job on a mesh, refined once, so that the origins of its vertices differ.
+/// Returns a job on a mesh, refined once, so that the origins of its vertices differ.
 fn job(mesh: &Value, output: &Value) -> Value {
     json!({ "input": { "mesh": mesh }, "plan": { "preset": "catmull-clark" }, "levels": 1, "outputs": [output] })
 }
@@ -23,7 +23,7 @@ fn written(job: &Value) -> Vec<u8> {
     render(job).unwrap_or_else(|faults| panic!("{faults:?} for {job}")).0
 }
 
-/// What each way to make a model smaller changes of the options.
+/// Returns the options of each way to make a model smaller.
 fn ways() -> [Value; 5] {
     [
         json!({ "vertex_order": "cache" }),
@@ -40,7 +40,8 @@ fn with(way: &Value, more: &Value) -> Value {
     output
 }
 
-/// Where vertices are, by their origins. Where two sheets of a mesh touch in one vertex, it has a place on each.
+/// Returns the positions of vertices by their origins. A vertex in which two sheets of a mesh touch has a position on
+/// each.
 fn by_origin(
     origins: Vec<[u32; 2]>,
     places: impl IntoIterator<Item = [f64; 3]>,
@@ -52,7 +53,7 @@ fn by_origin(
     all
 }
 
-/// The triangles of a model by the places of their corners, each starting at the least.
+/// Returns the triangles of a model by the positions of their corners, each rotated to start at the smallest.
 fn triangles(model: &Model) -> BTreeSet<[[u64; 3]; 3]> {
     let places: Vec<[u64; 3]> = model.places(0).iter().map(|place| place.map(f64::to_bits)).collect();
     let turned = |[a, b, c]: [usize; 3]| {
@@ -101,13 +102,13 @@ proptest! {
     }
 }
 
-/// The origins of the vertices of a model, in their order.
+/// Returns the origins of the vertices of a model, in order.
 fn origins(model: &Model) -> Vec<[u32; 2]> {
     let key = |origin: &Vec<f64>| [origin[0], origin[1]].map(|x| format!("{x}").parse().expect("a whole number"));
     model.rows(0, "_ORIGIN").iter().map(key).collect()
 }
 
-/// A grid with all that a mesh can carry.
+/// Returns a grid with every kind of data that a mesh can carry.
 fn laden() -> Value {
     let net = nets::grid(3, 4);
     let (n, last) = (net.positions.len(), net.faces.len() - 1);
@@ -152,7 +153,7 @@ fn all_that_a_vertex_carries_goes_where_the_vertex_goes() {
         if exact {
             assert_eq!(triangles(&small), triangles(&plain));
         }
-        // each triangle still tells the face that it came of: its corners came of that face and what is around it
+        // each triangle still names its original face: its corners stem from that face and its neighbourhood
         let faces = |model: &Model| -> Vec<(BTreeSet<[u32; 2]>, u64)> {
             let (origins, mut all) = (origins(model), Vec::new());
             for i in 0..model.n_primitives() {
@@ -184,7 +185,7 @@ fn indices_take_16_bits_up_to_65_535_vertices() {
     }
 }
 
-/// Vertices a triangle that a processor computes which keeps the last 16.
+/// Returns the number of vertices per triangle that a processor computes which caches the last 16.
 fn computed(triangles: &[[usize; 3]]) -> f64 {
     let (mut kept, mut computed) = (Vec::new(), 0_u32);
     for &v in triangles.as_flattened() {

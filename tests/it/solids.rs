@@ -1,4 +1,5 @@
-//! Solids of cages: exact where they claim it, closed, and within what their certificates say.
+//! Solids of cages: exact faces are exact, the solids are closed, and they stay within the bounds of their
+//! certificates.
 
 use std::collections::BTreeMap;
 
@@ -21,7 +22,7 @@ impl Cage {
     }
 }
 
-/// What is asked of most solids here: coarse, and without the tables of smooth caps.
+/// The request for most solids here: coarse, and without the tables of smooth caps.
 const COARSE: Request = Request {
     tolerance: 1e-2,
     continuity: Continuity::Bicubic,
@@ -47,7 +48,7 @@ fn torus(n: u32, m: u32) -> Cage {
     }
 }
 
-/// Numbers that look random, the same everywhere.
+/// Pseudorandom numbers, the same on every machine.
 struct Random(u64);
 
 impl Random {
@@ -62,7 +63,7 @@ impl Random {
     }
 }
 
-/// Point of a surface with one span, by its Bernstein form.
+/// Returns a point of a surface with one span, by its Bernstein form.
 fn at(surface: &Surface, u: f64, v: f64) -> Vector {
     let row = |points: &[Vector], t: f64| {
         let mut points = points.to_vec();
@@ -82,8 +83,8 @@ fn near(a: Vector, b: Vector, tolerance: f64) -> bool {
     length(minus(a, b)) <= tolerance
 }
 
-/// Every edge bounds two faces, once in each direction, or one where the cage ends; loops run from edge to edge; and
-/// the Euler characteristic is even and at most 2 in each closed shell.
+/// Checks that every edge bounds two faces, once in each direction, or one at the boundary of the cage; that loops run
+/// from edge to edge; and that the Euler characteristic is even and at most 2 in each closed shell.
 fn check_topology(name: &str, found: &Solid, size: f64) {
     let brep = &found.brep;
     let mut uses: BTreeMap<u32, Vec<bool>> = BTreeMap::new();
@@ -132,7 +133,7 @@ fn exact_faces_are_the_limit_surface() {
         let mut points = Vec::new();
         refined.positions(0..refined.n_vertices(), &mut points);
         let mut exact = 0;
-        // faces of the third level have one point inside their sides, which the fourth level knows
+        // faces of the third level have one point inside their sides, which the fourth level contains
         for face in found.brep.faces.iter().filter(|face| face.is_exact) {
             for (u, v) in [(0.0, 0.0), (1.0, 0.0), (0.5, 0.5), (0.5, 1.0), (0.0, 0.5)] {
                 let place = at(&face.surface, u, v);
@@ -146,7 +147,7 @@ fn exact_faces_are_the_limit_surface() {
     }
 }
 
-/// The middle of a face with sharp sides is smooth, and what lies beyond those sides is none of its business.
+/// A face with sharp sides is smooth inside, and the faces beyond those sides do not affect it.
 #[test]
 fn faces_with_sharp_sides_are_within_the_deviation_of_their_limit() {
     let alone = |n: u32| {
@@ -175,7 +176,7 @@ fn faces_with_sharp_sides_are_within_the_deviation_of_their_limit() {
             let found = cage.solid(&Request { continuity, pack: Pack::Nothing, ..COARSE }).expect(name);
             check_topology(name, &found, cage.size());
             for face in &found.brep.faces {
-                // the parameters of caps are their own between their corners
+                // between their corners, caps have parameters of their own
                 let places = [(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0), (0.5, 0.5)];
                 for &(u, v) in &places[..if face.is_exact { 5 } else { 4 }] {
                     let place = at(&face.surface, u, v);
@@ -188,8 +189,8 @@ fn faces_with_sharp_sides_are_within_the_deviation_of_their_limit() {
     }
 }
 
-/// Two tips of `n` quads each, one above the other; three make a cube. The edge from the upper tip to the first vertex
-/// below it is sharp.
+/// Returns two tips of `n` quads each, one above the other; for `n = 3` a cube. The edge from the upper tip to the
+/// first vertex below it is sharp.
 fn tips(n: u32) -> Cage {
     let at = |k: u32| {
         let turn = std::f64::consts::PI * f64::from(k) / f64::from(n);
@@ -206,7 +207,7 @@ fn tips(n: u32) -> Cage {
     }
 }
 
-/// Ends of sharp edges have no mask of two rings by a formula: their limits come closer from level to level, the more
+/// Ends of sharp edges have no closed-form mask of two rings: their limits converge from level to level, the more
 /// slowly the more faces they have.
 #[test]
 fn ends_of_sharp_edges_are_at_their_limits_whatever_their_valence() {
@@ -298,7 +299,7 @@ fn cubes_take_no_more_faces_than_they_need() {
     }
 }
 
-/// The coordinates are binary fractions, so that the cage is the same far away, and only its solid is rounded.
+/// The coordinates are binary fractions, so that moving the cage is exact, and only its solid is rounded.
 #[test]
 fn bounds_count_the_rounding_of_coordinates_even_where_all_is_exact() {
     let moved = |by: f64| sheet(4, 3, |i, j| [i + by, j + by, 0.25 * i * j + by]);
@@ -318,7 +319,7 @@ fn bounds_count_the_rounding_of_coordinates_even_where_all_is_exact() {
     assert!(error.to_string().contains("move the mesh to the origin"), "{error}");
 }
 
-/// A cube after two refinements, with bumps: its corners are four edges apart.
+/// Returns a cube after two refinements, with bumps: its corners are four edges apart.
 fn bumpy() -> Cage {
     let asked = LimitRequest { positions: false, normals: false };
     let (refined, _) =
@@ -372,7 +373,7 @@ fn caps_beside_holes_are_those_of_the_surface_without_them() {
     }
 }
 
-/// The limit surface is looked for by the search for closest places, which knows nothing of caps.
+/// The search for closest places, which does not know caps, finds the limit surface.
 #[test]
 fn points_of_sampled_caps_are_within_their_deviation_of_the_limit_surface() {
     let tip = |n| Cage { creases: vec![], corners: vec![(0, 10.0)], ..tips(n) };
@@ -471,7 +472,7 @@ fn a_face_of_the_second_level_of_a_cube_is_that_of_the_reference() {
     assert!(exact().any(|side| is_it(&side)), "{:?}", exact().collect::<Vec<_>>());
 }
 
-/// A job of a cube with an output.
+/// Returns a job of a cube with an output.
 fn job(output: &serde_json::Value) -> serde_json::Value {
     let Cage { points, faces, .. } = cube(10.0);
     json!({
@@ -526,7 +527,7 @@ fn statistics_tell_the_certificate_on_request() {
     assert_eq!(said["faces"], 24);
 }
 
-/// What makes another job of one.
+/// A change of a job.
 type Change<'a> = &'a dyn Fn(&mut serde_json::Value);
 
 #[test]

@@ -1,4 +1,4 @@
-//! Statistics of results: solids and surfaces whose measures are known, and laws of measures and hashes.
+//! Statistics of results: solids and surfaces of known measures, and laws of measures and hashes.
 
 use planish::job::key::content;
 use planish::math::functions::{cos, sin};
@@ -8,7 +8,7 @@ use serde_json::{Value, json};
 use crate::support::nets::{self, Net};
 use crate::support::{json, render};
 
-/// The statistics of a job without outputs.
+/// Returns the statistics of a job without outputs.
 fn of_job(mut job: Value) -> Value {
     job["outputs"] = json!([{ "format": "stats" }]);
     let (bytes, _) = render(&job).unwrap_or_else(|faults| panic!("{faults:?} for {job}"));
@@ -47,7 +47,7 @@ fn moved(net: &Net, map: impl Fn([f64; 3]) -> [f64; 3]) -> Net {
     Net { positions: net.positions.iter().map(|&p| map(p)).collect(), faces: net.faces.clone() }
 }
 
-/// A box with these sides, its lowest corner at `low`.
+/// Returns a box with these sides and its lowest corner at `low`.
 fn brick(low: [f64; 3], sides: [f64; 3]) -> Net {
     let corner = |i: u32| [0, 1, 2].map(|k| low[k] + f64::from(i >> k & 1) * sides[k]);
     Net { positions: (0..8).map(corner).collect(), ..nets::cube() }
@@ -80,7 +80,7 @@ fn a_box_has_the_measures_of_a_box() {
     near(number(&found["volume"]), 3.0, "volume");
     let centroid = vector(&found["centroid"]);
     assert!(nets::distance(&centroid, &[2.0, 0.5, 4.25]) < 1e-13, "{centroid:?}");
-    // V a^2 / 12 about the middle
+    // V a^2 / 12 about the centre
     let moment = |k: usize| 3.0 * sides[k] * sides[k] / 12.0;
     near_all(&found["second_moments"], [[moment(0), 0.0, 0.0], [0.0, moment(1), 0.0], [0.0, 0.0, moment(2)]]);
 }
@@ -152,7 +152,7 @@ fn curves_have_length_centroid_and_moments() {
     assert_eq!((&found["length"], &found["area"], &found["edges"]), (&json!(7.0), &Value::Null, &json!(2)));
     let centroid = vector(&found["centroid"]);
     assert!(nets::distance(&centroid, &[(3.0 * 1.5 + 4.0 * 3.0) / 7.0, 4.0 * 2.0 / 7.0, 0.0]) < 1e-14);
-    // int x^2 of both segments: 9 and 36
+    // the integral of x^2 over both segments: 9 and 36
     let about = |square: f64, mean: f64| square - 7.0 * mean * mean;
     let second = matrix(&found["second_moments"]);
     near(second[0][0], about(9.0 + 36.0, centroid[0]), "second moment");
@@ -180,8 +180,8 @@ proptest! {
         if here["closed"] == true {
             prop_assert!(close(number(&there["volume"]), 8.0 * number(&here["volume"])));
         }
-        // folded ones have hardly any volume, so that rounding decides whether they are solids, and where their middle
-        // is
+        // folded nets have hardly any volume, so that rounding decides whether they are solids, and where their
+        // centroid is
         if here["moments_of"].is_null() || here["closed"] == true && number(&here["volume"]).abs() < 1e-3 {
             return Ok(());
         }
@@ -198,7 +198,7 @@ proptest! {
         net in nets::manifold(), seed in any::<u32>(), vertex in any::<prop::sample::Index>(), axis in 0..3_usize,
     ) {
         let n = net.positions.len();
-        // another order of vertices, of faces, and other first corners
+        // another order of vertices and of faces, and other first corners
         let mut order: Vec<usize> = (0..n).collect();
         let mixed = |i: usize| (u64::try_from(i).expect("small") + 1).wrapping_mul(u64::from(seed) | 1).rotate_left(23);
         order.sort_by_key(|&v| mixed(v));
@@ -215,7 +215,7 @@ proptest! {
         let hash = |net: &Net| stats(net)["shape_hash"].clone();
         let expected = hash(&net);
         prop_assert_eq!(&hash(&other), &expected);
-        // a vertex that moves by the last bit, a face less, or all faces turned is another shape
+        // a vertex moved by the last bit, a face fewer, or all faces reversed give another shape
         let mut shifted = net.clone();
         let x = &mut shifted.positions[vertex.index(n)][axis];
         *x = f64::from_bits((*x + 0.0).to_bits() + 1);

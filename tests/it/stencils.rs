@@ -1,4 +1,4 @@
-//! Stencils have the bits of the json output of the same job: applied here as docs/stencils.md tells.
+//! Stencils give the bits of the JSON output of the same job if they are applied as in docs/stencils.md.
 
 mod applied;
 mod laws;
@@ -15,12 +15,12 @@ use serde_json::{Value, json};
 use crate::support::{parsed, render};
 use applied::{Table, control, same_bits};
 
-/// Bytes of stencils, at most, of the examples that are compared here; tests/e2e/stencils compares all. With half of it
-/// a third of them is left out; twice of it takes twice as long.
+/// Maximum number of bytes of the stencils of examples that are compared here; tests/e2e/stencils compares all. Half of
+/// it would omit a third of them; twice of it would take twice as long.
 const SMALL: u128 = 1_500_000;
 
-/// The smaller example jobs with their names, and with the frame that is asked for among the options, where there are
-/// several. Their outputs are taken away with what belongs to these.
+/// Returns the smaller example jobs with their names, and options with frame 0 if the mesh has frames. The outputs are
+/// removed, and `distance_to`, which belongs to them.
 fn examples() -> Vec<(String, Value, Value)> {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("api/examples/jobs");
     let mut paths: Vec<_> =
@@ -41,33 +41,33 @@ fn examples() -> Vec<(String, Value, Value)> {
     paths.iter().map(job).filter(is_small).collect()
 }
 
-/// Options with a format.
+/// Returns options with a format.
 fn with(options: &Value, format: &str) -> Value {
     let mut output = options.clone();
     output["format"] = format.into();
     output
 }
 
-/// A job with one output.
+/// Returns a job with one output.
 fn asking(job: &Value, output: &Value) -> Value {
     let mut job = job.clone();
     job["outputs"] = json!([output]);
     job
 }
 
-/// The bytes of an output; the faults as text where there is none.
+/// Returns the bytes of an output, or the first fault as text.
 fn bytes_of(job: &Value, output: &Value) -> Result<Vec<u8>, String> {
     let rendered = render(&asking(job, output));
     rendered.map(|(bytes, _)| bytes).map_err(|faults| faults[0].to_string())
 }
 
-/// Bytes that a job is said to take at most.
+/// Returns the upper bound of the bytes of a job.
 fn most_bytes(job: &Job) -> u128 {
     Limits::default().estimate(job).expect("it is small").outputs[0].1.bytes()
 }
 
-/// Compares the stencils of a job, with these options, with its json output. Fails with the first fault where one
-/// of the two is refused.
+/// Checks that the stencils of a job, with these options, give its JSON output. Fails with the first fault if one of
+/// the two is refused.
 fn agrees(name: &str, job: &Value, options: &Value) -> Result<(), String> {
     let text = bytes_of(job, &with(options, "stencils"))?;
     let binary = bytes_of(job, &with(options, "stencils-bin")).expect("both forms are served");

@@ -1,4 +1,4 @@
-//! What every store keeps to, checked on each of them.
+//! The contract of stores, checked on each of them.
 #![allow(clippy::unwrap_used, reason = "a test may fail where it stands")]
 
 pub(crate) mod bucket;
@@ -19,7 +19,7 @@ use planish::service::store::{Description, Embedded, Manifest, Memory, Owners, P
 
 pub(crate) const ROOMY: u64 = 1 << 30;
 
-/// A folder of its own for one test, removed at its end.
+/// A temporary folder for one test, removed on drop.
 pub(crate) struct Scratch(pub(crate) PathBuf);
 
 impl Scratch {
@@ -53,7 +53,7 @@ pub(crate) fn key(number: u64) -> Key {
     Key::from_bytes(*blake3::hash(&number.to_le_bytes()).as_bytes())
 }
 
-/// `length` bytes that look random and depend on `seed` alone.
+/// Returns `length` pseudorandom bytes that depend on `seed` only.
 pub(crate) fn noise(seed: u64, length: usize) -> Vec<u8> {
     let mut bytes = vec![0; length];
     blake3::Hasher::new().update(&seed.to_le_bytes()).finalize_xof().fill(&mut bytes);

@@ -1,4 +1,4 @@
-//! 3MF: an archive that is the same bytes every time, a model with unit, up axis, looks and parts.
+//! 3MF: a reproducible archive, and a model with unit, up axis, looks and parts.
 
 use std::io::Read;
 
@@ -9,7 +9,7 @@ use serde_json::{Value, json};
 use crate::support::nets::{self, Net};
 use crate::support::{parsed, render};
 
-/// The files of an archive by name, as its list has them.
+/// Returns the files of an archive by name, in the order of its directory.
 fn files(bytes: &[u8]) -> Vec<(String, String)> {
     let number =
         |at: usize, n: usize| bytes[at..at + n].iter().rev().fold(0, |all, &byte| all << 8 | usize::from(byte));
@@ -54,7 +54,7 @@ fn job(net: &Net, extra: &Value, options: &Value) -> Value {
     json!({ "input": { "mesh": mesh, "up": "z" }, "outputs": [output] })
 }
 
-/// Two cubes beside each other.
+/// Returns two cubes beside each other.
 fn two() -> Net {
     let one = nets::cube();
     let positions = one.positions.iter().copied().chain(one.positions.iter().map(|&[x, y, z]| [x + 9.0, y, z]));

@@ -1,4 +1,4 @@
-//! What a format cannot count is refused by the estimate, before anything is refined.
+//! Shapes that exceed the counts of a format are refused by the estimate, before anything is refined.
 
 use planish::fault::Fault;
 use planish::job::limits::{Limits, Refusal};
@@ -10,7 +10,7 @@ use serde_json::{Value, json};
 use crate::support::nets::{self, Net};
 use crate::support::{nothing, parsed, render};
 
-/// What the estimate of a job says: the corners of the largest face of the result.
+/// Returns the number of corners of the largest face of the result, from the estimate of a job.
 fn estimate(job: &Value, limits: &Limits) -> Result<u128, Vec<Fault>> {
     let job = parsed(job.to_string().as_bytes())?;
     match limits.estimate(&job) {
@@ -20,13 +20,13 @@ fn estimate(job: &Value, limits: &Limits) -> Result<u128, Vec<Fault>> {
     }
 }
 
-/// Two faces of `n` corners, back to back.
+/// Returns two faces of `n` corners, back to back.
 fn disc(n: usize) -> Net {
     let positions = nets::prism(n).positions[..n].to_vec();
     Net { positions, faces: vec![(0..n).collect(), (0..n).rev().collect()] }
 }
 
-/// Triangles between a circle of `n` vertices and two tops.
+/// Returns triangles between a circle of `n` vertices and two apexes.
 fn double_cone(n: usize) -> Net {
     let mut positions = nets::prism(n).positions[..n].to_vec();
     positions.extend([[0.0, 0.0, 1.0], [0.0, 0.0, -1.0]]);
@@ -144,7 +144,7 @@ fn origins_that_f32_cannot_number_are_refused_by_the_estimate() {
 proptest! {
     #![proptest_config(ProptestConfig { cases: 32, failure_persistence: None, ..ProptestConfig::default() })]
 
-    /// Schemes with faces of their own; words are tried beside their other counts.
+    /// Schemes with faces of their own; words are tested together with their other counts.
     #[test]
     fn largest_faces_are_as_forecast(
         net in nets::manifold(),

@@ -1,4 +1,4 @@
-//! USD as text: what is a subdivision surface there and what are polygons, and what is said of either.
+//! USD as text: what becomes a subdivision surface and what polygons, and the attributes of both.
 
 use serde_json::{Value, json};
 
@@ -7,7 +7,7 @@ use crate::support::{parsed, render};
 use planish::job::limits::Limits;
 use planish::output::Size;
 
-/// A job at level 0 of a preset, on a net with more fields.
+/// Returns a job of a preset at level 0, on a net with additional fields.
 fn cage(net: &Net, extra: &Value, plan: &Value) -> Value {
     let mut mesh = net.to_json();
     for (name, value) in extra.as_object().expect("fields of a mesh") {
@@ -28,7 +28,7 @@ fn key(job: &Value) -> String {
     parsed(job.to_string().as_bytes()).expect("a job").keys()[0].to_string()
 }
 
-/// The value of an attribute, up to the end of its line.
+/// Returns the value of an attribute, up to the end of its line.
 fn attribute(text: &str, name: &str) -> Option<String> {
     let line = text.lines().find(|line| line.contains(&format!(" {name} = ")))?;
     Some(line.split_once(" = ")?.1.trim_end_matches(" (").to_owned())
@@ -133,7 +133,7 @@ fn boundaries_and_values_of_corners_keep_their_rules() {
         assert_eq!(attribute(&found, "interpolateBoundary"), Some(format!("\"{token}\"")));
         assert!(!found.contains("holeIndices"), "faces at the boundary are hidden by the rule, not one by one");
     }
-    // two values at the middle, so that every word means something else
+    // two values at the middle, so that every interpolation gives another result
     let faces = json!([[0, 1, 4, 3], [1, 2, 5, 4], [3, 4, 7, 6], [9, 10, 12, 11]]);
     let values: Vec<[usize; 2]> = (0..13).map(|i| [i, i * i]).collect();
     for (word, token) in [

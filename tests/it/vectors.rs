@@ -1,7 +1,7 @@
-//! The reference vectors of `tests/vectors`, reproduced through the public API: each becomes jobs, one a level, whose
-//! json output must agree within the file's own tolerance.
+//! The reference vectors of `tests/vectors`, reproduced through the public API: each becomes one job per level, whose
+//! JSON output must agree within the file's own tolerance.
 //!
-//! A new scheme adds its pattern to one of the tables below; a new kind of file adds a function.
+//! For a new scheme, add its pattern to one of the tables below; for a new kind of file, add a function.
 
 mod masks;
 mod opensubdiv;
@@ -109,10 +109,10 @@ fn the_copy_of_the_vectors_is_complete() {
     }
 }
 
-/// Checks every file that matches a pattern; returns the number of comparisons made.
+/// Checks every file that matches a pattern; returns the number of comparisons.
 ///
 /// # Panics
-/// When a pattern does not match as many files as the table says: a vector that did not run proves nothing.
+/// If a pattern does not match as many files as the table states, since a vector that did not run proves nothing.
 fn reproduced(table: &[(&str, usize)], check: fn(&Value) -> usize) -> usize {
     let mut compared = 0;
     for (pattern, expected) in table {
@@ -123,7 +123,7 @@ fn reproduced(table: &[(&str, usize)], check: fn(&Value) -> usize) -> usize {
     compared
 }
 
-/// The vectors whose name is `pattern`, or starts with what stands before its `*`.
+/// Returns the vectors whose name is `pattern`, or starts with the part before its `*`.
 fn matching(pattern: &str) -> Vec<(String, Value)> {
     let folder = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("tests/vectors");
     let mut files = Vec::new();
@@ -142,7 +142,7 @@ fn matching(pattern: &str) -> Vec<(String, Value)> {
     files
 }
 
-/// A function of alpha as an expression.
+/// Converts a function of alpha to an expression.
 fn expression(function: &Value) -> Value {
     match function["type"].as_str() {
         Some("const") => function["value"].clone(),
@@ -151,7 +151,7 @@ fn expression(function: &Value) -> Value {
             None => json!("cos(alpha/2)"),
         },
         Some("sec_half") => json!("1/cos(alpha/2)"),
-        // words give their constants bare
+        // words have bare constants
         _ => {
             if function.is_null() {
                 json!(1)
@@ -339,7 +339,7 @@ fn surface(vector: &Value) -> usize {
     compared
 }
 
-/// A word `U C^repeats`, with a push-back where the vector has a delta: then it is Loop's scheme.
+/// Checks a word `U C^repeats`, with a push-back if the vector has a delta: then it is Loop's scheme.
 fn triangle_word(vector: &Value) -> usize {
     let (params, input) = (&vector["params"], &vector["input"]);
     let repeats = usize::try_from(params["repeats"].as_u64().expect("repeats are whole")).expect("few");
@@ -358,7 +358,7 @@ fn triangle_word(vector: &Value) -> usize {
     levels.len()
 }
 
-/// Compares one level: points matched one to one by nearest neighbour, faces as a set of cycles of matched points.
+/// Compares one level: points are matched one to one by nearest neighbour, faces as a set of cycles of matched points.
 fn check_mesh(vector: &Value, mesh: &Value, plan: &Value, level: &Value, key: &str) {
     let what = format!("{} level {} ({key})", vector["id"], level["level"]);
     let result = json(json!({ "input": { "mesh": mesh }, "plan": plan, "levels": level["level"] }));
@@ -369,7 +369,7 @@ fn check_mesh(vector: &Value, mesh: &Value, plan: &Value, level: &Value, key: &s
     }
 }
 
-/// Points of any dimension that deserialises.
+/// Reads points of any dimension.
 fn points<T: serde::de::DeserializeOwned>(list: &Value) -> Vec<T> {
     serde_json::from_value(list.clone()).expect("points are lists of numbers")
 }

@@ -1,4 +1,4 @@
-//! How close the levels of an input come to its limit.
+//! Bounds of the distances between the levels of an input and its limit.
 
 use serde::Serialize;
 use utoipa::ToSchema;
@@ -28,14 +28,14 @@ pub struct PolygonSurveyAnswer {
 }
 
 impl LevelBoundAnswer {
-    /// The bounds of levels, where they are known.
+    /// Converts the bounds of all levels; none if they are not known.
     pub(in crate::wire) fn all(bounds: &Result<Vec<(u32, f64)>, String>) -> Vec<Self> {
         bounds.iter().flatten().map(|&(level, bound)| Self { level, bound }).collect()
     }
 }
 
 impl PolygonSurveyAnswer {
-    /// The answer of a survey.
+    /// Creates the answer from a survey.
     pub(super) fn new(survey: &PolygonSurvey) -> Self {
         let PolygonSurvey { bounds, warnings } = survey;
         let bounds_refused = bounds.as_ref().err().cloned();

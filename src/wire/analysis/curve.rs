@@ -1,4 +1,4 @@
-//! What is answered about a scheme for curves, with every number named.
+//! The answer of an analysis of a curve scheme, with every number named.
 
 use serde::Serialize;
 use utoipa::ToSchema;
@@ -242,7 +242,7 @@ const THEOREM: &str = "Charina, Conti, Guglielmi and Protasov 2017, theorem 2: l
                        or gamma arity^(k - r) < 1 (Zhang and Wang 2002, theorem 3, says it of k = 0)";
 
 impl ChangingAnswer {
-    /// The answer about a plan whose static limit is known.
+    /// Creates the answer for a plan whose static limit is known.
     pub(super) fn new(findings: &SchemeFindings<'_>, scheme: SchemeAnswer) -> Self {
         let (input, static_limit) = (scheme.input, SchemeAnswer { input: None, ..scheme });
         let conclusion = ConclusionAnswer {
@@ -284,7 +284,7 @@ impl LevelMaskAnswer {
 }
 
 impl SchemeAnswer {
-    /// The answer about a scheme.
+    /// Creates the answer for a scheme.
     pub(in crate::wire) fn new(findings: &SchemeFindings<'_>) -> Self {
         let SchemeFindings { report, values, derivatives, matrices, survey, .. } = findings;
         let symbol = &report.symbol;
@@ -297,7 +297,7 @@ impl SchemeAnswer {
         }
     }
 
-    /// The answer about a scheme of which neither values nor matrices are asked.
+    /// Creates the answer for a scheme without values and matrices.
     pub(in crate::wire) fn of_report(report: &Report) -> Self {
         let symbol = &report.symbol;
         let known = symbol.is_exact;
@@ -330,7 +330,7 @@ impl SchemeAnswer {
     }
 }
 
-/// The weights of new point r: old point i has the weight `a[r - d i]`.
+/// Returns the weights of new point r modulo the arity d: old point i has the weight `a[r - d i]`.
 fn sub_mask(symbol: &Symbol, r: i64) -> MaskAnswer {
     let d = symbol.arity;
     let first = -(symbol.last() - r).div_euclid(d);

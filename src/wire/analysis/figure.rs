@@ -1,5 +1,5 @@
-//! An analysis as a figure of one page: mask, basic limit function and derivatives, eigenvalues, smoothness; or what a
-//! scan has found.
+//! An analysis as a figure of one page: mask, basic limit function and derivatives, eigenvalues and smoothness, or the
+//! results of a scan.
 
 mod plot;
 
@@ -10,16 +10,16 @@ use crate::wire::surface_analysis::{NetAnswer, SurfaceAnswer};
 use crate::wire::tube_analysis::TubeAnswer;
 use plot::{BLUE, GREEN, INK, Plot, RED, band, circle, dots, line, stems};
 
-/// Width of the page, pixels.
+/// Width of the page in pixels.
 const WIDTH: u16 = 960;
-/// Height of a row of plots with its heading, pixels.
+/// Height of a row of plots with its heading, in pixels.
 const ROW: u16 = 320;
-/// Height of what stands above the plots, pixels.
+/// Height of the text above the plots, in pixels.
 const HEAD: u16 = 96;
-/// Size of what is written, pixels.
+/// Size of the text in pixels.
 const SIZE: f32 = 14.0;
 
-/// The figure of an answer.
+/// Returns the figure of an answer.
 pub(super) fn figure(answer: &AnalysisAnswer) -> Drawing {
     match answer {
         AnalysisAnswer::Stationary(scheme) => of_scheme(scheme, &format!("Curve scheme of arity {}", scheme.arity)),
@@ -38,10 +38,10 @@ pub(super) fn figure(answer: &AnalysisAnswer) -> Drawing {
     }
 }
 
-/// A page with a heading, lines below it, and plots in rows of so many.
+/// Returns a page with a heading, lines of text below it, and plots in rows of `columns`.
 fn page(title: &str, lines: &[String], plots: Vec<Plot>, columns: u16) -> Drawing {
     let rows = u16::try_from(plots.len()).unwrap_or(1).div_ceil(columns);
-    // there is room for two lines
+    // `HEAD` has room for two lines
     let head = HEAD + 20 * u16::try_from(lines.len().saturating_sub(2)).unwrap_or(0);
     let mut items = vec![text(title, [24.0, 36.0], 1.3 * SIZE, Weight::Bold)];
     for (k, line) in (0_u8..).zip(lines) {
@@ -59,7 +59,7 @@ fn page(title: &str, lines: &[String], plots: Vec<Plot>, columns: u16) -> Drawin
 }
 
 fn text(says: &str, at: [f32; 2], size_px: f32, weight: Weight) -> Item {
-    // names and numbers only; what could not be set is left out
+    // the texts are names and numbers; a text that cannot be set is left empty
     let label = Label::plain(says, weight).or_else(|_| Label::plain("", weight)).expect("an empty text can be set");
     let (anchor, level) = (Anchor::Start, Level::Baseline);
     Item::new("label", Mark::Text(Text { label, at, size_px, anchor, level, turn_deg: 0.0, color: INK }))
@@ -132,7 +132,7 @@ fn eigenvalues(scheme: &SchemeAnswer) -> Plot {
     .in_one_scale()
 }
 
-/// A line of orders: what is proved, what is disproved, and the interval of the exponent between.
+/// Returns a plot along the orders k: proved and disproved orders, and the interval of the Hoelder exponent.
 #[expect(clippy::cast_precision_loss, reason = "orders are small")]
 fn smoothness(smoothness: &SmoothnessAnswer, order: usize) -> Plot {
     let most = (order as f64).max(1.0) + 0.5;
@@ -185,13 +185,12 @@ fn of_scan(scan: &ScanAnswer) -> Drawing {
     page("What is proved along a parameter", &[facts], vec![exponent, proved], 1)
 }
 
-/// Most characteristic nets on a page.
-/// They are those of valences 3 to 8 but the regular one, as a rule. Half of it shows fewer, twice of it is a poster.
+/// Maximum number of characteristic nets on a page, usually those of the valences 3 to 8 without the regular one. Half
+/// as many would omit some; twice as many would need a poster.
 const MOST_NETS: usize = 6;
 
-/// Most characteristic nets of boundary vertices on a page.
-/// They are those of one to four faces, as a rule. Half of it shows a corner and the regular one, twice of it is a
-/// poster.
+/// Maximum number of characteristic nets of boundary vertices on a page, usually those of one to four faces. Half as
+/// many would show a corner and the regular one; twice as many would need a poster.
 const MOST_HALVES: usize = 4;
 
 fn of_surface(surface: &SurfaceAnswer) -> Drawing {

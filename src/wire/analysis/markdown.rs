@@ -1,4 +1,4 @@
-//! An analysis as a report to read, in Markdown.
+//! An analysis as a report in Markdown.
 
 use std::fmt::Write;
 
@@ -9,13 +9,13 @@ use super::{
 use crate::wire::surface_analysis::{BoundaryAnswer, InputSurveyAnswer, SurfaceAnswer};
 use crate::wire::tube_analysis::TubeAnswer;
 
-/// Widest matrices that are written out; wider ones do not fit on a page, and the JSON has them.
+/// Maximum number of columns of matrices that are written out. Wider ones do not fit on a page; the JSON has them.
 const WIDEST: usize = 16;
 
-/// The report of an answer.
+/// Returns the report of an answer.
 pub(super) fn report(answer: &AnalysisAnswer) -> String {
     let mut text = String::new();
-    // writing to a text cannot fail
+    // writing to a `String` cannot fail
     let _ = match answer {
         AnalysisAnswer::Stationary(scheme) => {
             write!(text, "# A curve scheme of arity {}\n\n", scheme.arity).and_then(|()| of_scheme(&mut text, scheme))
@@ -66,7 +66,7 @@ fn of_scheme(text: &mut String, scheme: &SchemeAnswer) -> Written {
     of_levels(text, &input.bounds, input.bounds_refused.as_deref(), &input.warnings)
 }
 
-/// How close the levels of an input come to its limit, and what is to be known of it.
+/// Writes how close the levels of an input are to its limit, and the warnings about it.
 fn of_levels(text: &mut String, bounds: &[LevelBoundAnswer], refused: Option<&str>, warnings: &[String]) -> Written {
     text.push_str("\n## The input\n\n");
     if let Some(reason) = refused {
@@ -134,7 +134,7 @@ fn of_changing(text: &mut String, changing: &ChangingAnswer) -> Written {
     text.push_str("\n## Theorems\n\n| Theorem | Applies | Found | Proves |\n|---|---|---|---|\n");
     for theorem in &conclusion.theorems {
         let applies = if theorem.applies { "yes" } else { "no" };
-        // a bar would end the cell
+        // an unescaped bar would end the cell
         let because = theorem.because.replace('|', "\\|");
         writeln!(text, "| {} | {applies} | {because} | {} |", theorem.name, theorem.proves)?;
     }
@@ -172,7 +172,7 @@ fn of_surface(text: &mut String, surface: &SurfaceAnswer) -> Written {
     surface.input.as_ref().map_or(Ok(()), |input| of_mesh(text, input))
 }
 
-/// What is found of a mesh: its levels, and its extraordinary points with what is known of them.
+/// Writes the results for a mesh: its levels, and its extraordinary and boundary vertices.
 fn of_mesh(text: &mut String, input: &InputSurveyAnswer) -> Written {
     of_levels(text, &input.bounds, input.bounds_refused.as_deref(), &input.warnings)?;
     let not_looked_at = "not looked at";
@@ -316,7 +316,7 @@ fn interval([from, to]: [f64; 2]) -> String {
     if from.to_bits() == to.to_bits() { number(from) } else { format!("[{}, {}]", number(from), number(to)) }
 }
 
-/// A number with up to six decimals.
+/// Formats a number with up to six decimals; smaller ones than 1e-4 in scientific notation.
 pub(super) fn number(x: f64) -> String {
     if x != 0.0 && x.abs() < 1e-4 {
         return format!("{x:.3e}");
@@ -324,7 +324,7 @@ pub(super) fn number(x: f64) -> String {
     trimmed(&format!("{x:.6}"))
 }
 
-/// A number with up to nine decimals, as bisection finds them.
+/// Formats a number with up to nine decimals, the precision of the bisection.
 fn decimal(x: f64) -> String {
     trimmed(&format!("{x:.9}"))
 }

@@ -1,4 +1,4 @@
-//! Matrices of one step: the question, and the answer as the lecture writes them.
+//! Requests for the matrices of one step, and their answers in the form of the lecture.
 
 use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;

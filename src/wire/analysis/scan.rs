@@ -1,4 +1,4 @@
-//! Scans of a parameter: the question, and what is answered for each value and between them.
+//! Requests for scans of a parameter, and their answers for each value and for the intervals between.
 
 use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
@@ -27,12 +27,11 @@ pub struct ScanRequest {
     pub steps: Option<u32>,
 }
 
-/// Steps of a scan when nothing is said.
-/// Half of it shows coarser curves, twice of it takes twice as long.
+/// Default number of steps of a scan. Half as many show coarser curves; twice as many take twice as long.
 const DEFAULT_STEPS: u32 = 100;
 
 impl ScanRequest {
-    /// The scan as it is to be checked against its plan.
+    /// Converts the scan, which is then checked against its plan.
     pub(super) fn resolve(self) -> ScanWish {
         let Self { parameter, from, to, steps } = self;
         ScanWish { parameter, from: from.0, to: to.0, steps: steps.unwrap_or(DEFAULT_STEPS) }

@@ -1,4 +1,4 @@
-//! An analysis as bytes, in the form that is asked for.
+//! An analysis as bytes in one of the output forms.
 
 use std::io::{self, Write};
 
@@ -14,7 +14,7 @@ impl AnalysisAnswer {
     /// Writes the answer in a form.
     ///
     /// # Errors
-    /// When the watch says stop, or the bytes cannot be taken.
+    /// When the watch says stop, or the bytes cannot be written.
     pub fn write(&self, form: Form, out: &mut dyn Write, watch: &Watch) -> Result<(), RunError> {
         match form {
             Form::Json => out.write_all(&serde_json::to_vec(self).expect("numbers and text")).map_err(RunError::Io),

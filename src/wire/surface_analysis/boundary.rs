@@ -1,4 +1,4 @@
-//! The answer about boundary vertices of a scheme for surfaces.
+//! The answer about boundary vertices of a surface scheme.
 
 use std::collections::BTreeMap;
 
@@ -8,8 +8,8 @@ use utoipa::ToSchema;
 use super::parts::{CriterionAnswer, NetAnswer, coordinates, is_there, name};
 use crate::analysis::surface::{BoundaryReport, Sided, Status, Weight, evidence, verdict};
 
-/// Most eigenvalues that are listed, the largest.
-/// It is as many as of vertices inside. Half of it shows less of how they go on; twice of it makes answers longer.
+/// Maximum number of eigenvalues listed, the largest first; as many as for inner vertices. Half as many would show less
+/// of the rest; twice as many would make answers longer.
 const MAX_EIGENVALUES: usize = 16;
 
 /// What is known of boundary vertices with a number of faces.
@@ -60,7 +60,7 @@ pub struct SidedEigenvalueAnswer {
 }
 
 impl BoundaryAnswer {
-    /// The answer of a report.
+    /// Creates the answer from a report.
     pub(super) fn new(report: &BoundaryReport) -> Self {
         let eigenvalue = |found: &Sided| SidedEigenvalueAnswer {
             value: found.value.re,
@@ -82,7 +82,7 @@ impl BoundaryAnswer {
         }
     }
 
-    /// The answer where there is no report.
+    /// Creates the answer for boundary vertices without a report.
     pub(super) fn refused(faces: usize, reason: &str) -> Self {
         Self {
             faces,
@@ -100,7 +100,7 @@ impl BoundaryAnswer {
     }
 }
 
-/// The weights that are more than rounding, by sector coordinates.
+/// Returns the weights that exceed rounding errors, by sector coordinates.
 fn mask(weights: &[Weight]) -> BTreeMap<String, Vec<f64>> {
     let there = weights.iter().filter(|weight| is_there(weight));
     there.map(|weight| (coordinates(weight), weight.values.clone())).collect()

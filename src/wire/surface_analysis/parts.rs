@@ -1,12 +1,12 @@
-//! Parts of answers about surfaces that vertices inside and on the boundary share.
+//! Parts of answers about surfaces that inner and boundary vertices share.
 
 use serde::Serialize;
 use utoipa::ToSchema;
 
 use crate::analysis::surface::{Criterion, PlaneNet, Status, Weight};
 
-/// Weights of masks that are smaller are left out: rounding.
-/// It is some thousand roundings of 1. Half and twice of it decide alike, as weights are products of few fractions.
+/// Weights of masks below this size are omitted as rounding errors. It is some thousand roundings of 1. Half or twice
+/// of it would decide alike, as weights are products of few fractions.
 const NONE: f64 = 1e-12;
 
 /// Points in the plane and the faces between them.
@@ -28,20 +28,20 @@ pub struct CriterionAnswer {
 }
 
 impl NetAnswer {
-    /// Points and faces of a net.
+    /// Creates the answer from the points and faces of a net.
     pub(super) fn new((points, faces): &PlaneNet) -> Self {
         Self { points: points.clone(), faces: faces.clone() }
     }
 }
 
 impl CriterionAnswer {
-    /// What is known of a statement.
+    /// Creates the answer from a criterion.
     pub(super) fn new(criterion: &Criterion) -> Self {
         Self { criterion: criterion.statement, status: name(criterion.status) }
     }
 }
 
-/// The name of what is known.
+/// Returns the name of a status.
 pub(super) fn name(status: Status) -> &'static str {
     match status {
         Status::Proved => "proved",
@@ -51,12 +51,12 @@ pub(super) fn name(status: Status) -> &'static str {
     }
 }
 
-/// Whether a weight is more than rounding.
+/// Whether a weight exceeds rounding errors.
 pub(super) fn is_there(weight: &Weight) -> bool {
     weight.values.iter().any(|x| x.abs() > NONE)
 }
 
-/// The sector coordinates of a weight, `center` for the middle.
+/// Returns the sector coordinates of a weight, `center` for the centre.
 pub(super) fn coordinates(weight: &Weight) -> String {
     weight.point.map_or_else(|| "center".to_owned(), |[i, j]| format!("{i},{j}"))
 }

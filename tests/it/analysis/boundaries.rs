@@ -1,4 +1,4 @@
-//! What is said of boundary vertices, and of creases.
+//! Analyses of boundary vertices, and of creases.
 
 use planish::math::functions::{cos, real};
 use serde_json::{Value, json};
@@ -11,7 +11,7 @@ fn rows(plan: &Value, boundaries: &[usize]) -> Vec<Value> {
     answer["boundaries"].as_array().unwrap().clone()
 }
 
-/// The largest eigenvalues of even, or of odd, vectors.
+/// Returns the largest eigenvalues of even, or of odd, eigenvectors.
 fn eigenvalues(row: &Value, odd: bool) -> Vec<f64> {
     let all = row["eigenvalues"].as_array().unwrap().iter();
     all.filter(|found| found["odd"] == odd).map(|found| found["value"].as_f64().unwrap()).collect()
@@ -21,7 +21,7 @@ fn weights(mask: &Value, at: &str) -> Vec<f64> {
     mask[at].as_array().map_or(Vec::new(), |all| all.iter().map(|x| x.as_f64().unwrap()).collect())
 }
 
-/// Which ray of the child is which of its parent's does not depend on what averages weigh.
+/// The matching of a child's edges with its parent's does not depend on the weights of the averages.
 #[test]
 fn sides_of_creases_have_the_rules_of_boundaries_at_every_kernel() {
     for kernel in ["1/100", "1/3", "1", "100"] {
@@ -34,7 +34,8 @@ fn sides_of_creases_have_the_rules_of_boundaries_at_every_kernel() {
     }
 }
 
-/// Around m faces stands half of what stands around 2m: eigenvalues across the boundary are those of valence 2m.
+/// The surroundings of m boundary faces are half of those of 2m faces: eigenvalues across the boundary are those of
+/// valence 2m.
 #[test]
 fn eigenvalues_of_loop_at_the_boundary_are_those_of_the_closed_formula() {
     let faces: Vec<usize> = (2..=12).collect();
@@ -44,7 +45,7 @@ fn eigenvalues_of_loop_at_the_boundary_are_those_of_the_closed_formula() {
         let across = 0.375 + cos(std::f64::consts::PI / real(*m)) / 4.0;
         assert!((eigenvalues(&row, false)[1] - across).abs() < 1e-12, "{m}: {}", row["eigenvalues"]);
         assert!(eigenvalues(&row, true).iter().any(|x| (x - 0.5).abs() < 1e-12), "{m}: {}", row["eigenvalues"]);
-        // waves that go around twice are as large as the tangent along the boundary from six faces on
+        // from six faces on, eigenvalues of frequency 2 are as large as that of the tangent along the boundary
         let expected = if *m < 6 { "supported" } else { "open" };
         assert_eq!(row["evidence"], expected, "{m}: {}", row["criteria"]);
         assert_eq!(row["c1"], "open", "nothing is proved of boundaries");
@@ -65,8 +66,8 @@ fn limits_on_boundaries_are_those_of_the_cubic_b_spline_for_any_number_of_faces(
     }
 }
 
-/// Halstead, Kass and DeRose; Biermann, Levin and Zorin: along the boundary the tangent is the difference of both
-/// neighbours; on a regular boundary the one across it is that of the product of splines.
+/// Halstead, Kass and DeRose; Biermann, Levin and Zorin: along the boundary, the tangent is the difference of both
+/// neighbours; on a regular boundary, the tangent across it is that of the tensor product of splines.
 #[test]
 fn tangents_on_the_regular_boundary_of_catmull_clark_are_those_of_bicubic_splines() {
     let row = &rows(&json!({ "preset": "catmull-clark" }), &[2])[0];
@@ -74,7 +75,7 @@ fn tangents_on_the_regular_boundary_of_catmull_clark_are_those_of_bicubic_spline
     let ray = weights(&along, "1,0");
     assert!((ray[0] - 0.5).abs() < 1e-12 && ray[1].abs() < 1e-12 && (ray[2] + 0.5).abs() < 1e-12, "{along}");
     assert!(weights(&along, "center").is_empty() && weights(&along, "1,1").iter().all(|w| w.abs() < 1e-12));
-    // the rows (1, 4, 1)/6 of the first line of points, less those of the boundary itself
+    // the rows (1, 4, 1)/6 of the first line of points, minus those of the boundary itself
     let at = |name: &str| weights(&across, name);
     let first = [at("1,1")[0], at("1,0")[1], at("1,1")[1]];
     let line = [at("1,0")[0], at("center")[0], at("1,0")[2]];
@@ -104,7 +105,7 @@ fn tangents_on_boundaries_are_dual_to_the_characteristic_net() {
     }
 }
 
-/// The corner of a mesh stays where it is, and has a tangent plane; as a smooth boundary it has none.
+/// The corner of a mesh keeps its position and has a tangent plane; as a smooth boundary it has none.
 #[test]
 fn the_boundary_rule_of_the_plan_decides_about_vertices_with_one_face() {
     let one = |boundary: &str| rows(&json!({ "preset": "catmull-clark", "boundary": boundary }), &[1])[0].clone();

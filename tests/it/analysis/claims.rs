@@ -1,4 +1,4 @@
-//! What the catalogue claims of presets, held against the analysis.
+//! The claims of the catalogue about presets, compared with the analysis.
 
 use planish::math::expression::Expression;
 use planish::scheme::claim::Claim;
@@ -21,7 +21,7 @@ fn every_claim_of_a_preset_is_what_the_analysis_finds() {
 #[test]
 fn every_preset_with_a_scheme_of_its_own_has_claims_of_all_that_it_refines() {
     for of in PRESETS {
-        // the one is no linear scheme, the other what its client makes of it
+        // `incenter` is not linear, and `mask` is whatever its client makes of it
         let without = ["incenter", "mask"].contains(&of.name);
         let has = |of_meshes: bool| of.claims.iter().any(|claim| claim.is_of_meshes == of_meshes);
         assert_eq!(has(false), of.refines != Refines::Meshes && !without, "{}", of.name);
@@ -29,7 +29,7 @@ fn every_preset_with_a_scheme_of_its_own_has_claims_of_all_that_it_refines() {
     }
 }
 
-/// Valences at which a claim is looked at: its ends, and some between.
+/// Returns the valences at which a claim is tested: its ends, and some between.
 fn valences([from, to]: [u32; 2]) -> Vec<u32> {
     let mut all: Vec<u32> = [from, from + 1, 5, 7, 12, to].into_iter().filter(|n| (from..=to).contains(n)).collect();
     all.sort_unstable();
@@ -43,7 +43,7 @@ fn holds(name: &str, claim: &Claim, values: &[(&'static str, &'static str)]) {
     let parameters: Map<String, Value> = values.iter().map(|(name, text)| ((*name).into(), literal(text))).collect();
     let mut question = json!({ "plan": { "preset": name, "parameters": parameters }, "nodes": 20_000 });
     if claim.is_of_meshes {
-        // matrices of surfaces are larger, and take as many as are looked at when nothing is said
+        // matrices of surfaces are larger, and need the default number of products
         question["nodes"] = json!(100_000);
         question["valences"] = json!(claim.valences.map_or(vec![3, 5], valences));
         question["boundaries"] = json!([]);
@@ -58,7 +58,7 @@ fn holds(name: &str, claim: &Claim, values: &[(&'static str, &'static str)]) {
     let k = whole(claim.smoothness);
     let (proved, disproved) = smoothness(regular);
     assert_eq!(proved, k, "smoothness of {at}");
-    // where shifts are not known to be stable, nothing is disproved on lattices
+    // if the stability of shifts is unknown, nothing is disproved on lattices
     let may_be_open = claim.is_of_meshes && disproved.is_none();
     assert!(may_be_open || disproved == Some(k + 1), "{at} is not C{}: {disproved:?}", k + 1);
     let support = if claim.is_of_meshes { &regular["support"][0] } else { &regular["support"] };
@@ -70,7 +70,7 @@ fn holds(name: &str, claim: &Claim, values: &[(&'static str, &'static str)]) {
     }
 }
 
-/// At all valences of a claim C1 is proved, or all criteria are met as far as numbers show.
+/// Checks at all valences of a claim that C1 is proved, or that all criteria are met numerically.
 fn is_c1(at: &str, claim: &Claim, rows: &Value) {
     for row in rows.as_array().unwrap() {
         let evidence = row["evidence"].as_str().unwrap();

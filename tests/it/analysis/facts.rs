@@ -1,4 +1,4 @@
-//! What is known of schemes from papers and by hand.
+//! Facts about schemes from papers and by hand.
 
 use serde_json::{Value, json};
 
@@ -295,8 +295,8 @@ fn the_theorems_of_the_first_paper_apply_where_their_hypotheses_hold() {
     }
 }
 
-/// With r sum rules at every level and distances that shrink by gamma, limits are C^k with those of the static limit
-/// where k < r, or gamma 2^(k - r) is below 1: levels that come too slowly keep less of it.
+/// With r sum rules at every level and distances that shrink by gamma, limits are C^k with the static limit if k < r,
+/// or if gamma 2^(k - r) is below 1; with slower convergence, less of its smoothness is concluded.
 #[test]
 fn what_is_concluded_of_levels_takes_sum_rules_or_a_rate() {
     let concluded = |word: &str, kernel: &str, delta: &str| {
@@ -314,7 +314,7 @@ fn what_is_concluded_of_levels_takes_sum_rules_or_a_rate() {
     assert_eq!(concluded("UDDDDD", "1+alpha^(1/10)/4", "0"), (5, 5, 4), "gamma = 0.93");
 }
 
-/// The first levels have whole turns, whose cosines are that of 0; the next ones do not.
+/// At the first levels, alpha is a multiple of a full turn, whose cosine is that of 0; at the next ones it is not.
 #[test]
 fn levels_that_equal_the_static_limit_by_chance_do_not_end_the_list() {
     let answer = word("UC", &json!({ "kernel": "2+cos(alpha)", "alpha": "4*pi" }));
@@ -325,8 +325,8 @@ fn levels_that_equal_the_static_limit_by_chance_do_not_end_the_list() {
     assert_eq!((&answer["conclusion"]["sum_rules"], &answer["conclusion"]["proved_c"]), (&json!(2), &json!(1)));
 }
 
-/// At w = -1/2 the four-point scheme has unstable shifts and the radius 2, so that differences do not shrink: what the
-/// scheme with stable shifts is like says nothing of it.
+/// At w = -1/2 the four-point scheme has unstable shifts and the radius 2, so that differences do not shrink: the
+/// reduced scheme with stable shifts says nothing about it.
 #[test]
 fn schemes_that_diverge_are_disproved_to_be_c0_whether_shifts_are_stable_or_not() {
     for (w, stable) in [("-1/2", false), ("1/2", true), ("-1", true)] {
@@ -336,7 +336,7 @@ fn schemes_that_diverge_are_disproved_to_be_c0_whether_shifts_are_stable_or_not(
         assert!(answer["smoothness"].get("reduction").is_none(), "w = {w}");
         assert!(numbers(&answer["smoothness"]["holder"])[1] <= 1e-9, "w = {w}: {answer}");
     }
-    // at -1 the matrices have many eigenvalues whose sizes differ by rounding
+    // at -1 the matrices have many eigenvalues whose magnitudes differ by rounding
     for (w, disproved) in [("1/2", true), ("1", true), ("-1", false)] {
         let plan = json!({ "preset": "butterfly", "parameters": { "w": w } });
         let surface = asked(&json!({ "plan": plan, "valences": [5], "boundaries": [] }));
@@ -346,7 +346,7 @@ fn schemes_that_diverge_are_disproved_to_be_c0_whether_shifts_are_stable_or_not(
     }
 }
 
-/// A larger budget never leaves a wider interval.
+/// A larger budget never gives a wider interval.
 #[test]
 fn intervals_only_get_narrower_with_more_nodes() {
     for plan in [

@@ -1,4 +1,4 @@
-//! Answers as reports and figures.
+//! Analyses as reports and figures.
 
 use planish::job::Form;
 use planish::watch::Watch;
@@ -59,7 +59,7 @@ fn reports_say_what_the_numbers_do() {
         assert!(report.contains(part), "{part} is not in {report}");
     }
     for report in questions().iter().map(|question| text(question, Form::Markdown)) {
-        // tables have as many cells in each row as in their heads
+        // each row of a table has as many cells as its head
         let mut width = None;
         for line in report.lines() {
             let cells = line.starts_with('|').then(|| line.replace("\\|", "").matches('|').count());

@@ -1,4 +1,4 @@
-//! Laws that hold of every scheme, and the agreement of what is analysed with what is refined.
+//! Laws of every scheme, and the agreement of analysis and refinement.
 
 use planish::analysis::curve::{Cycle, ExactCycle};
 use planish::math::exact::rounded;
@@ -24,7 +24,7 @@ fn plan(preset: Option<&str>, word: Option<&str>, parameters: &[(&str, &str)]) -
     Plan::resolve(&input, Subject::default()).unwrap()
 }
 
-/// The exact mask is that of the impulse that the operators refine.
+/// Checks that the exact mask is that of an impulse which the operators refine.
 fn agree(plan: &Plan, name: &str) {
     let exact = ExactCycle::settled(plan).unwrap_or_else(|| panic!("{name} is exact"));
     let refined = Cycle::settled(plan, &Watch::new()).unwrap();
@@ -97,7 +97,7 @@ fn mask(arity: i64, first: i64, mask: &[String]) -> Value {
 proptest! {
     #![proptest_config(ProptestConfig { cases: 24, ..ProptestConfig::default() })]
 
-    /// Shifts of indices and reflections change nothing but where things are; a factor changes convergence alone.
+    /// Shifts of indices and reflections only move the scheme; a factor changes the convergence only.
     #[test]
     fn shifted_and_reflected_masks_are_as_smooth(w in -20_i64..60, s in -20_i64..20, shift in -9_i64..9) {
         let entries = [-w, s, 50 + w, 100 - 2 * s, 50 + w, s, -w, 0];

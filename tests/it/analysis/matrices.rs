@@ -1,4 +1,4 @@
-//! Matrices of one step: those of the lecture, and what they have in common.
+//! Matrices of one step: those of the lecture, and their common properties.
 
 use serde_json::{Value, json};
 
@@ -54,7 +54,7 @@ fn powers_of_the_local_matrix_come_close_to_the_limit_mask_in_every_row() {
     assert!(far(7) < 0.51 * far(6) && far(7) < 1.0 / 200.0, "{} {}", far(6), far(7));
 }
 
-/// What a step does to the unit vectors of a closed polygon is what its matrices say.
+/// The matrices map the unit vectors of a closed polygon as a step does.
 #[test]
 fn products_have_the_sub_masks_as_their_rows() {
     for (plan, n) in [
@@ -116,7 +116,7 @@ fn matrices_that_nobody_could_read_are_refused() {
     assert!(faults[0].detail.contains("fewer points"), "{faults:?}");
 }
 
-/// Of an open polygon the matrices are those that refine it: its ends stay, and rows sum to 1.
+/// For an open polygon, the matrices are those of its refinement: its ends are fixed, and rows sum to 1.
 #[test]
 fn open_polygons_have_matrices_with_their_ends() {
     let ask = |word: &str, ends: &str| {

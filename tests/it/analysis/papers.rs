@@ -1,4 +1,4 @@
-//! docs/papers.md: what the papers claim, held against the answers that stand beside it.
+//! docs/papers.md: the claims of the papers, compared with the answers in that document.
 
 use std::path::Path;
 
@@ -22,7 +22,7 @@ fn every_answer_on_the_page_about_the_papers_is_what_the_analysis_says() {
     }
 }
 
-/// The page with the answers to its questions, and how many there are.
+/// Returns the page with the answers to its questions, and the number of questions.
 fn answered(page: &str) -> (String, usize) {
     let (mut made, mut answer, mut questions, mut in_table) = (Vec::new(), Value::Null, 0, false);
     let mut lines = page.lines();
@@ -43,13 +43,13 @@ fn answered(page: &str) -> (String, usize) {
     (made.join("\n") + "\n", questions)
 }
 
-/// What an answer has at a place, as short JSON.
+/// Returns the value of an answer at a pointer, as short JSON.
 fn said(answer: &Value, pointer: &str) -> String {
     let found = answer.pointer(pointer).unwrap_or_else(|| panic!("no {pointer} in {answer}"));
     short(found).to_string().replace("\":", "\": ").replace(',', ", ")
 }
 
-/// Numbers with six digits behind the point.
+/// Rounds numbers to six decimals.
 fn short(value: &Value) -> Value {
     match value {
         Value::Number(number) if number.is_f64() => {

@@ -1,4 +1,4 @@
-//! What is said of polygons that are given beside a plan.
+//! Analyses of polygons that are given beside a plan.
 
 use planish::math::functions::sqrt;
 use serde_json::{Value, json};
@@ -10,7 +10,7 @@ fn question(plan: &Value, closed: bool) -> Value {
     json!({ "plan": plan, "input": { "polygon": { "points": points, "closed": closed } }, "nodes": 100 })
 }
 
-/// Bounds shrink by four a level where the scheme allows it, and hold against what levels are.
+/// Bounds shrink by a factor of four per level if the scheme allows it, and they hold for the true distances.
 #[test]
 fn polygons_are_told_how_close_levels_come() {
     for closed in [true, false] {

@@ -32,7 +32,7 @@ fn agrees(name: &str, row: &Value, answer: &Value) {
     assert!((support[1] - support[0] - width).abs() < 1e-15, "{name}");
     let smoothness = &answer["smoothness"];
     assert_eq!(smoothness["proved_c"], row["Ck"], "{name}");
-    // bounds that were found elsewhere overlap with those here, which are not much wider
+    // bounds from other programs overlap with those here, which are not much wider
     for (ours, theirs) in
         [("joint_spectral_radius", ["jsr_lower", "jsr_upper"]), ("holder", ["holder_lower", "holder_upper"])]
     {

@@ -1,4 +1,4 @@
-//! Which questions are the same, and which are refused.
+//! Equivalent analysis requests, and refused ones.
 
 use serde_json::{Value, json};
 

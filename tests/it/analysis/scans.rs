@@ -1,4 +1,4 @@
-//! Scans: what is proved at each value of a parameter, and where proofs end.
+//! Scans: the proofs at each value of a parameter, and the ends of the proved intervals.
 
 use planish::job::Form;
 use planish::watch::Watch;
@@ -7,7 +7,7 @@ use serde_json::{Value, json};
 
 use super::{asked, key, question, refused};
 
-/// The only interval of C^k in a scan, as `[disproved below, from, to, disproved above]`.
+/// Returns the only interval of C^k in a scan, as `[disproved below, from, to, disproved above]`.
 fn interval(answer: &Value, k: i64) -> [Option<f64>; 4] {
     let of_k: Vec<&Value> = answer["intervals"].as_array().unwrap().iter().filter(|found| found["k"] == k).collect();
     assert_eq!(of_k.len(), 1, "{answer}");
@@ -65,7 +65,7 @@ fn whole_parameters_run_through_whole_numbers_and_words_have_scans_too() {
     let by_default = json!({ "parameter": "n", "from": 1, "to": 4 });
     let points = asked(&json!({ "plan": { "preset": "two-n-point" }, "scan": by_default }));
     assert_eq!((&points["steps"], points["values"].as_array().unwrap().len()), (&json!(3), 4));
-    // the kernel -1 has no average, and the scan goes on beside it
+    // the kernel -1 has no average, and the scan continues with the next value
     let kernels = scan(&json!({ "word": "UCP", "parameters": { "delta": 0 } }), "kernel", "-3", "3", 6);
     let rows = kernels["values"].as_array().unwrap();
     assert!(rows[2]["refused"].is_string(), "{}", rows[2]);

@@ -1,4 +1,4 @@
-//! What is said of schemes for surfaces.
+//! Analyses of surface schemes.
 
 use planish::job::Form;
 use planish::math::functions::{cos, real, sqrt};
@@ -24,7 +24,7 @@ fn schemes(file: &str) -> Map<String, Value> {
     serde_json::from_str::<Value>(&text).unwrap()["schemes"].as_object().unwrap().clone()
 }
 
-/// What is found at the valences of a scheme of the vectors, beside what they say.
+/// Returns the result at each valence of a scheme of the vectors, with the reference.
 fn rows(plan: &Value, scheme: &Value) -> Vec<(Value, Value)> {
     let scheme = scheme.as_object().unwrap();
     let valences: Vec<usize> = scheme.keys().map(|valence| valence.parse().unwrap()).collect();
@@ -33,7 +33,7 @@ fn rows(plan: &Value, scheme: &Value) -> Vec<(Value, Value)> {
     found.into_iter().map(|row| (scheme[&row["valence"].to_string()].clone(), row)).collect()
 }
 
-/// Every leading eigenvalue of the reference is among those that are found, with its index.
+/// Checks that every leading eigenvalue of the reference is found, with its index.
 fn has_eigenvalues(name: &str, wanted: &Value, found: &Value) {
     let mut left: Vec<(f64, u64)> = found["eigenvalues"]
         .as_array()
@@ -43,7 +43,7 @@ fn has_eigenvalues(name: &str, wanted: &Value, found: &Value) {
         .collect();
     for value in wanted["top"].as_array().unwrap() {
         let (re, index) = (value[0].as_f64().unwrap(), value[2].as_u64().unwrap());
-        // eigenvalues of Jordan blocks are known to the root of rounding
+        // eigenvalues of Jordan blocks are accurate to the square root of the rounding error
         let place = left.iter().position(|(x, k)| (x - re).abs() < 1e-7 && *k == index);
         let place = place.unwrap_or_else(|| panic!("{name} at {}: no {value} among {left:?}", found["valence"]));
         left.remove(place);
@@ -112,7 +112,7 @@ fn every_triangle_scheme_of_the_reference_is_found_again() {
     }
 }
 
-/// Reference, 10.2, and "every scheme": none of them is left without a proof of how smooth regular limits are.
+/// Reference, 10.2, and "every scheme": for each of them, the smoothness of regular limits is proved.
 #[test]
 fn every_preset_on_meshes_has_proved_smoothness_where_nothing_is_extraordinary() {
     let regular = |plan: &Value| asked(&json!({ "plan": plan, "valences": [4], "boundaries": [] }))["regular"].clone();
@@ -146,7 +146,7 @@ fn exponents_of_schemes_without_factors_lie_between_their_bounds() {
     }
 }
 
-/// The value of Fourier index 1 and whether the verdict is proved, valence by valence from 3 on.
+/// Checks the eigenvalue of Fourier index 1 and whether the verdict is proved, for each valence from 3 on.
 fn subdominant(plan: &Value, last: usize, formula: impl Fn(f64) -> f64) {
     let valences: Vec<usize> = (3..=last).collect();
     for (valence, row) in valences.iter().zip(surface(plan, &valences)["valences"].as_array().unwrap()) {
@@ -215,7 +215,7 @@ fn tangent_masks_are_dual_to_the_characteristic_net() {
                 let (mut sum, mut applied) = (0.0, [0.0; 2]);
                 for (name, weights) in mask {
                     let coordinates: Vec<usize> = name.split(',').map(|x| x.parse().unwrap()).collect();
-                    // the net has the points of each sector together, the nearest first
+                    // the net lists the points of each sector together, the nearest first
                     let (i, j) = (coordinates[0], coordinates[1]);
                     let dual = usize::from(plan["preset"] == "doo-sabin");
                     let per_sector = (points.len() + dual - 1) / n;
@@ -236,7 +236,7 @@ fn tangent_masks_are_dual_to_the_characteristic_net() {
     }
 }
 
-/// The place of a point of a sector among those of the sector: by radius, then by its coordinates.
+/// Returns the position of a point among the points of its sector: by radius, then by its coordinates.
 fn place(plan: &Value, i: usize, j: usize) -> usize {
     let radius = |i: usize, j: usize| if plan["preset"] == "loop" { i + j } else { i.max(j) };
     let from = usize::from(plan["preset"] != "doo-sabin");
@@ -265,7 +265,7 @@ fn what_is_not_smooth_in_regular_nets_is_disproved_everywhere() {
     assert!(answer["valences"].as_array().unwrap().iter().all(|row| row["c1"] == "disproved"));
 }
 
-/// Where the vertex is held back the eigenvalue of index 0 is the next after 1: surfaces end in a spike.
+/// If the vertex is held back, the eigenvalue of index 0 is the next after 1: surfaces end in a spike.
 #[test]
 fn a_subdominant_eigenvalue_of_index_0_disproves_c1() {
     let parameters = json!({ "delta": "min(19/20, max(0, valence - 4))", "compensation": 0 });
@@ -275,7 +275,7 @@ fn a_subdominant_eigenvalue_of_index_0_disproves_c1() {
     assert_eq!(rows[1]["eigenvalues"][1]["fourier"], 0);
 }
 
-/// Warren's weights have an eigenvalue 1/4 of each index at valence 3: no argument decides about it.
+/// Warren's weights have an eigenvalue 1/4 of each index at valence 3: no argument decides C1.
 #[test]
 fn equal_eigenvalues_leave_a_verdict_open() {
     let answer = surface(&word("UC", &json!({ "split": "triangle" })), &[3, 4]);
@@ -324,8 +324,8 @@ fn rows_of_the_first_paper_are_c1_at_extraordinary_vertices() {
     }
 }
 
-/// The eigenvalues of index 1 of one D after a U, whose corners weigh f^2, its edges f and its middle 1: how far points
-/// come is no matter of these weights.
+/// The eigenvalues of index 1 of one D after a U, whose corners weigh f^2, its edges f and its centre 1: arity and turn
+/// do not depend on these weights.
 #[test]
 fn arity_and_turn_follow_from_the_connectivity_at_every_kernel() {
     for (kernel, f) in [("1/2", 0.5), ("1", 1.0), ("2", 2.0), ("10", 10.0)] {
@@ -428,7 +428,7 @@ fn a_mesh_is_told_its_extraordinary_points_and_how_close_levels_come() {
         assert!(2.0 * pair[1]["bound"].as_f64().unwrap() <= pair[0]["bound"].as_f64().unwrap());
     }
     assert_eq!(answer["input"]["warnings"], json!([]));
-    // 1/cos(alpha/2) is not finite where alpha is pi: at the second level
+    // 1/(alpha - 1) is not finite where alpha is 1
     let parameters = json!({ "compensation": "1/(alpha - 1)", "alpha": 4, "delta": 1 });
     let warned = ask(json!({ "word": "UCP", "parameters": parameters }));
     let warnings = warned["input"]["warnings"].as_array().unwrap();
@@ -438,8 +438,8 @@ fn a_mesh_is_told_its_extraordinary_points_and_how_close_levels_come() {
     assert_eq!(refused(&polygon)[0].pointer, "/input");
 }
 
-/// Lines that are tagged have rules of their own, along and across; what is said of vertices is said without them, and
-/// told to be.
+/// Tagged lines have rules of their own, along and across; vertices are analysed without the tags, and an assumption
+/// states this.
 #[test]
 fn what_is_said_of_a_tagged_mesh_is_said_without_its_tags() {
     let plan = word("UCP", &json!({ "delta": "1/2" }));
@@ -463,7 +463,7 @@ fn what_is_said_of_a_tagged_mesh_is_said_without_its_tags() {
         asked(&json!({ "plan": plan, "input": { "mesh": mesh }, "nodes": 1000 }))
     };
     let (tagged, plain) = (mesh(true), mesh(false));
-    // with tags the plan of the lines follows alpha, and comes to the same
+    // with tags, the plan of the lines follows alpha, and the result is the same
     assert_eq!(tagged["valences"], plain["valences"]);
     assert_eq!(tagged["regular"], plain["regular"]);
     let told = |answer: &Value| answer["assumptions"].to_string().contains("latitude");

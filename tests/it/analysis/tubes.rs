@@ -1,4 +1,4 @@
-//! What is said of straight tubes with latitude lines.
+//! Analyses of straight tubes with latitude lines.
 
 use planish::math::functions::{cos, sin};
 use serde_json::{Value, json};
@@ -75,7 +75,8 @@ fn stars_have_the_angle_of_their_turns() {
     assert!(cos(t) < 0.0, "more than a quarter turn");
 }
 
-/// Reference, 5.2: by differences the scheme along the lines is C2 for delta from 0 to 1, by places not for delta 1.
+/// Reference, 5.2: with the rule `difference`, the scheme along the lines is C2 for delta from 0 to 1; with `position`,
+/// it is not for delta 1.
 #[test]
 fn along_and_across_the_lines_stand_the_schemes_that_the_operators_apply() {
     let along = |rule: &str, delta: f64| {

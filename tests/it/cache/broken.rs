@@ -1,4 +1,4 @@
-//! What a computation leaves behind that ends with an error in the middle of its bytes: nothing.
+//! A computation that fails in the middle of its bytes leaves nothing behind.
 
 use std::io::Write;
 use std::sync::Arc;
@@ -12,7 +12,7 @@ use planish::watch::Watch;
 
 use crate::http::server::{settings, story};
 
-/// Writes some bytes, then finds that it cannot go on.
+/// A task that writes some bytes and then fails.
 #[derive(Debug)]
 struct Broken;
 

@@ -1,4 +1,4 @@
-//! Results on disk: they outlast the process, and damage is found.
+//! Results on disk: they outlast the process, and damage is detected.
 
 use std::path::{Path, PathBuf};
 
@@ -9,17 +9,17 @@ use serde_json::Value;
 use crate::http::jobs::{mesh, polygon, with};
 use crate::http::server::{Answer, Folder, Server, settings, story, until};
 
-/// A server with a data directory.
+/// Returns the settings of a server with a data directory.
 fn on(folder: &Folder) -> Settings {
     Settings { data_dir: folder.path().to_owned(), ..settings() }
 }
 
-/// A server with a data directory and no memory cache.
+/// Returns the settings of a server with a data directory and no memory cache.
 fn on_disk_alone(folder: &Folder) -> Settings {
     Settings { memory_cache_bytes: 0, ..on(folder) }
 }
 
-/// Three results of different size; the last one takes several parts of the store.
+/// Returns three jobs with results of different sizes; the last one takes several parts of the store.
 fn jobs() -> [Value; 3] {
     [with(polygon(2), "svg"), mesh(2), with(mesh(7), "json")]
 }
@@ -36,7 +36,7 @@ fn disk(server: &Server) -> Usage {
     server.app.desk.tiers.usage().into_iter().find(|(name, _)| *name == "disk").unwrap().1
 }
 
-/// Every file below a folder, in order.
+/// Returns every file below a folder, in order.
 fn files(folder: &Path) -> Vec<PathBuf> {
     let mut found = Vec::new();
     for entry in std::fs::read_dir(folder).unwrap() {
@@ -97,7 +97,7 @@ fn a_flipped_bit_is_recomputed_and_never_served() {
             }
             let damaged = story(settings.clone(), async |server| {
                 for (job, made) in jobs().iter().zip(&made) {
-                    // damage behind the first part breaks the answer off; it is never a wrong byte
+                    // damage after the first part aborts the answer; no wrong byte is sent
                     let first = server.client.post(server.url("/v1/render")).json(job).send().await.unwrap();
                     let cache = first.headers()["cache-status"].to_str().unwrap().to_owned();
                     match first.bytes().await {

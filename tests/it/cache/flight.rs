@@ -1,4 +1,4 @@
-//! Equal work is done once, and only while someone wants it.
+//! Equal work is done once, and only as long as a client waits for it.
 
 use futures_util::future::join_all;
 use planish::service::pool::Lane;

@@ -1,4 +1,4 @@
-//! Caches with little room, or none.
+//! Caches of small or zero capacity.
 
 use std::path::PathBuf;
 
@@ -7,12 +7,12 @@ use planish::config::Settings;
 use crate::http::jobs::{mesh, polygon, with};
 use crate::http::server::{Folder, settings, story, until};
 
-/// Room for a few results of [`job`].
+/// Returns settings with room for a few results of [`job`].
 fn small() -> Settings {
     Settings { memory_cache_bytes: 20_000, ..settings() }
 }
 
-/// Twelve jobs of about 2.5 KiB each.
+/// Returns one of twelve jobs with results of about 2.5 KiB each.
 fn job(degree: u32) -> serde_json::Value {
     let mut job = with(polygon(5), "json");
     job["plan"] = serde_json::json!({ "preset": "b-spline", "parameters": { "degree": degree } });

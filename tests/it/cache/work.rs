@@ -1,4 +1,5 @@
-//! What computations leave for later ones changes no byte, holds what it says, and leaves when there is no room.
+//! Kept work of earlier computations changes no byte, takes as much memory as stated, and is evicted if there is no
+//! room.
 
 use std::fs;
 use std::path::Path;
@@ -19,7 +20,7 @@ fn admitted(job: &Value) -> Admitted {
     Limits::default().admit(job).unwrap()
 }
 
-/// The bytes and warnings of all outputs.
+/// Returns the bytes and warnings of all outputs.
 fn made(job: &Admitted, kept: &dyn KeepWork) -> Vec<(Vec<u8>, Vec<String>)> {
     let output = |output| {
         let mut bytes = Vec::new();
@@ -33,7 +34,7 @@ fn n_kept(kept: &KeptWork) -> u64 {
     kept.usage().artifacts
 }
 
-/// The same job with its vertices elsewhere.
+/// Returns the same job with other positions.
 fn moved(job: &Value) -> Value {
     let mut job = job.clone();
     for point in job["input"]["mesh"]["positions"].as_array_mut().into_iter().flatten() {
@@ -42,7 +43,7 @@ fn moved(job: &Value) -> Value {
     job
 }
 
-/// Makes a job and the same one with other positions cold, and then warm in every way.
+/// Checks a job, and the same job with other positions, without and with kept work of each kind.
 fn check_warm(job: &Value) {
     let kept = KeptWork::new(64 << 20);
     for job in [job.clone(), moved(job), moved(job), job.clone()] {
@@ -92,7 +93,7 @@ fn what_is_kept_serves_other_formats_cameras_and_positions() {
     assert_eq!(n_kept(&kept), 4, "another mesh by the same program");
 }
 
-/// A net with whatever may stand against a sweep, or change its program.
+/// Returns jobs with data that may prevent a sweep or change its program.
 fn jobs() -> impl Strategy<Value = Value> {
     let plans = prop::sample::select(vec![
         json!({ "preset": "catmull-clark" }),
@@ -127,7 +128,7 @@ proptest! {
     }
 }
 
-/// Bytes that stay allocated of what a computation gives, and what it says that it holds.
+/// Returns the bytes that the result of a computation keeps allocated, and the bytes that it reports.
 fn held<T>(make: impl Fn() -> T + Sync, bytes: fn(&T) -> usize) -> [usize; 2] {
     let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build().unwrap();
     pool.install(|| {

@@ -1,4 +1,4 @@
-//! The control mesh in place of what is made of it.
+//! The control mesh as the result instead of the refined mesh.
 
 use serde_json::{Value, json};
 
@@ -6,7 +6,7 @@ use super::files::check_size;
 use super::{bytes, job, written};
 use crate::support::{json_with, nets, render};
 
-/// A cube with two hidden faces, sharp edges, groups, colours and texture coordinates.
+/// Returns a cube with two hidden faces, sharp edges, groups, colours and texture coordinates.
 fn cube(levels: u32) -> Value {
     let faces = [[0, 1, 2, 3], [3, 2, 1, 0], [0, 1, 2, 3], [0, 1, 2, 3], [1, 2, 3, 0], [0, 1, 2, 3]];
     let extra = json!({

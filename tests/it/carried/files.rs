@@ -1,4 +1,4 @@
-//! What the formats say of what travels.
+//! Carried data in the formats.
 
 use planish::job::limits::Limits;
 use planish::output::Size;
@@ -7,7 +7,7 @@ use serde_json::{Value, json};
 use super::{bytes, job, text, written};
 use crate::support::{nets, parsed};
 
-/// The forecast of the size is kept: exactly, or as a bound that is not far off.
+/// Checks that the size is as forecast: exactly, or below a bound that is not far off.
 pub(super) fn check_size(job: &Value) {
     let estimate =
         Limits::default().estimate(&parsed(job.to_string().as_bytes()).expect("a job")).expect("within limits");
@@ -18,7 +18,7 @@ pub(super) fn check_size(job: &Value) {
     }
 }
 
-/// A cube whose top is red and grouped, the rest green, with colours and a weight.
+/// Returns a cube whose top is red and grouped, the rest green, with colours and a weight.
 fn cube() -> Value {
     let net = nets::cube();
     let n = net.positions.len();
@@ -67,7 +67,7 @@ fn gltf_has_a_named_mesh_for_each_group_and_a_primitive_for_each_material() {
     assert_eq!(document["materials"][0]["pbrMetallicRoughness"]["baseColorFactor"], white);
 }
 
-/// What is written with groups of faces next to each other has one vertex at each place when it is read again.
+/// A mesh that is written with groups of adjacent faces has one vertex at each position when it is read again.
 #[test]
 fn gltf_that_is_read_again_has_its_groups_and_whole_vertices() {
     let names = ["bottom", "top", "front"];

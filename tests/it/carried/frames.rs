@@ -1,4 +1,5 @@
-//! Unit and up axis become the node's transform in glTF, comments elsewhere, and the direction of up in pictures.
+//! Unit and up axis become the transform of the node in glTF, comments in other formats, and the up direction in
+//! pictures.
 
 use serde_json::{Value, json};
 
@@ -17,7 +18,7 @@ fn moved(net: &Net, by: [f64; 3]) -> Net {
     Net { positions, faces: net.faces.clone() }
 }
 
-/// World positions of a glTF file, by the transforms of its nodes in f64, and the stored ones.
+/// Returns the world positions of a glTF file, from the stored positions and the transforms of the nodes in f64.
 fn world(document: &Value, glb: &[u8]) -> Vec<[f64; 3]> {
     let n = usize::try_from(document["accessors"][0]["count"].as_u64().expect("a count")).expect("small");
     let start =
@@ -59,7 +60,7 @@ fn gltf_is_in_metres_with_y_up_near_and_far() {
                 for (found, [x, y, z]) in found.iter().zip(Net::of(&result).positions) {
                     let p = if up == "z" { [x, z, -y] } else { [x, y, z] };
                     let expected = p.map(|x| x * metres);
-                    // positions are f32 near the middle, and the middle itself is exact
+                    // positions are f32 relative to the centre, and the centre itself is exact
                     assert!(
                         distance(found, &expected) < 1e-6 * metres,
                         "{unit} {up} {by:?}: {found:?} and {expected:?}"
@@ -70,7 +71,7 @@ fn gltf_is_in_metres_with_y_up_near_and_far() {
     }
 }
 
-/// The translation is a decimal: who reads it as f64 puts back every digit that the positions have.
+/// The translation is a decimal number: reading it as f64 restores every digit of the positions.
 #[test]
 fn far_models_lose_nothing_to_the_translation() {
     for by in [[1_000_000.437_5, -3_333_333.3, 7e6], [123_456_789.1, 0.3, -98_765.432_1]] {

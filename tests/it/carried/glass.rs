@@ -1,4 +1,4 @@
-//! Pictures of materials that something is seen through, and of metal.
+//! Pictures of transparent materials, and of metal.
 
 use planish::math::functions::pow;
 use serde_json::{Value, json};
@@ -8,7 +8,7 @@ use super::{bytes, job};
 use crate::support::nets::{Net, cube};
 use crate::support::render;
 
-/// Squares one behind the other, the first nearest, all seen from the front; `flipped` ones show their inside.
+/// Returns squares one behind the other, the first nearest, all seen from the front; `flipped` ones show their inside.
 fn sheets(flipped: &[bool]) -> Net {
     let corners = [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]];
     let depth = |i: usize| -0.25 * f64::from(u8::try_from(i).expect("few"));
@@ -27,7 +27,7 @@ fn sheet(i: usize, color: [f64; 4]) -> Value {
     json!({ "name": format!("m{i}"), "faces": [i], "color": color })
 }
 
-/// The pixel in the middle of a picture of such sheets.
+/// Returns the pixel in the middle of a picture of such sheets.
 fn middle(flipped: &[bool], materials: &[Value]) -> [u8; 3] {
     let job = job(&sheets(flipped), &json!({ "materials": materials }), &json!({ "word": "U" }), 0);
     front(&job, &json!({ "shading": "flat", "grounding": "none" })).get_pixel(32, 32).0
@@ -47,20 +47,20 @@ fn alpha_says_how_much_is_seen_of_what_lies_behind() {
     let (clear, half, opaque) = (at(0.0), at(0.5), at(1.0));
     assert!(clear[0] > 150 && clear[2] < 120, "red alone: {clear:?}");
     assert!(opaque[2] > 150 && opaque[0] < 120, "blue alone: {opaque:?}");
-    // light is blended linearly, to half of each
+    // light is blended linearly, half of each
     let light = |x: u8| pow(f64::from(x) / 255.0, 2.2);
     for k in 0..3 {
         let expected = 0.5 * (light(clear[k]) + light(opaque[k]));
         assert!((light(half[k]) - expected).abs() < 0.03, "{k}: {clear:?} {half:?} {opaque:?}");
     }
-    // what lies behind something opaque is not seen through it
+    // a surface behind an opaque one is not visible
     let hidden = middle(&[false, false], &[sheet(0, with(RED, 1.0)), sheet(1, with(BLUE, 0.5))]);
     assert_eq!(hidden, middle(&[false, false], &[sheet(0, with(RED, 1.0)), sheet(1, with(BLUE, 1.0))]));
 }
 
 #[test]
 fn a_glass_has_a_near_and_a_far_wall_whatever_the_order_of_its_faces() {
-    // the near wall shows its outside, the far one its inside, and behind them is something opaque
+    // the near wall shows its outside, the far one its inside, and behind them is an opaque sheet
     let near = sheet(0, with(BLUE, 0.5));
     let far = sheet(1, with(GREEN, 0.5));
     let back = sheet(2, with(RED, 1.0));
@@ -69,7 +69,7 @@ fn a_glass_has_a_near_and_a_far_wall_whatever_the_order_of_its_faces() {
     assert!(all.iter().all(|&x| x > 60), "all three are seen: {all:?}");
     let without_far = middle(&flipped, &[near, sheet(1, with(GREEN, 0.0)), back]);
     assert!(all[1] > without_far[1] + 20, "{all:?} {without_far:?}");
-    // the same faces the other way round are the same picture
+    // the same faces in reverse order give the same picture
     let net = sheets(&flipped);
     let carried = |order: [usize; 3]| {
         let colors = [with(BLUE, 0.5), with(GREEN, 0.5), with(RED, 1.0)];
@@ -116,7 +116,7 @@ fn metal_mirrors_in_its_own_colour() {
 
 #[test]
 fn rough_surfaces_have_wide_and_faint_highlights() {
-    // a ball of one colour: how bright its brightest pixel is, and how many are nearly so
+    // for a ball of one colour: the brightness of its brightest pixel, and the number of nearly as bright ones
     let seen = |roughness: Option<f64>, metallic: f64| {
         let mut ball = json!({ "name": "ball", "faces": [0, 1, 2, 3, 4, 5], "color": [0.5, 0.1, 0.1, 1.0] });
         ball["metallic"] = json!(metallic);
@@ -134,8 +134,8 @@ fn rough_surfaces_have_wide_and_faint_highlights() {
     assert_ne!(seen(Some(1.0), 1.0).1, seen(Some(0.1), 1.0).1, "metal differs, too");
 }
 
-/// The pixels in the left and the right half of a blue sheet with a picture of two pixels of these alphas over it,
-/// before a red sheet.
+/// Returns the pixels in the left and the right half of a blue sheet, textured with two pixels of these alphas, in
+/// front of a red sheet.
 fn pictured(alphas: [u8; 2], material: &Value) -> [[u8; 3]; 2] {
     let mut file = std::io::Cursor::new(Vec::new());
     let pixels = alphas.iter().flat_map(|&alpha| [255, 255, 255, alpha]).collect();

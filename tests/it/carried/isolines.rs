@@ -6,7 +6,7 @@ use serde_json::{Value, json};
 use crate::support::nets::{self, Net};
 use crate::support::{json_with, render};
 
-/// The edges of a mesh by first appearance when its faces are scanned, from start to end.
+/// Returns the edges of a mesh from start to end, in the order of their first appearance in its faces.
 fn edges(net: &Net) -> Vec<[usize; 2]> {
     let mut found: Vec<[usize; 2]> = Vec::new();
     for face in &net.faces {
@@ -20,7 +20,7 @@ fn edges(net: &Net) -> Vec<[usize; 2]> {
     found
 }
 
-/// Whether no vertex joins several fans, so that the vertices of the input are those of the job.
+/// Whether no vertex joins several fans, so that the vertices of the job are those of the input.
 fn is_manifold(net: &Net) -> bool {
     let job = json!({ "input": net.input(), "outputs": [{ "format": "json" }] });
     render(&job).is_ok_and(|(_, report)| report.warnings.is_empty())
@@ -88,7 +88,7 @@ fn schemes_with_faces_of_their_own_have_none() {
     assert_eq!(render(&line).expect_err("it is refused")[0].pointer, "/outputs/0/isolines");
 }
 
-/// Lines whose faces are all hidden are not drawn; holes leave the others as they are.
+/// Lines whose faces are all hidden are not drawn; holes do not change other lines.
 #[test]
 fn pictures_show_them_where_a_face_is_shown() {
     let drawn = |holes: &[usize], show: &Value| {

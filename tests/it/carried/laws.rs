@@ -1,4 +1,4 @@
-//! Channels are refined like positions, names follow the faces, origins agree with the geometry.
+//! Channels are refined like positions, names follow the faces, and origins agree with the geometry.
 
 use proptest::prelude::*;
 use serde_json::{Value, json};
@@ -71,7 +71,7 @@ fn what_json_tells_is_an_input_that_gives_the_same_again() {
     assert_eq!(String::from_utf8_lossy(&first), String::from_utf8_lossy(&second));
 }
 
-/// Under bilinear refinement every point stays on the cell it came of.
+/// Under bilinear refinement, every point stays on its original cell.
 #[test]
 fn origins_agree_with_the_geometry() {
     for net in closed_and_open() {
@@ -127,7 +127,7 @@ fn without_levels_everything_is_its_own_origin() {
     assert_eq!(result["ids"]["vertices"], json!(own));
 }
 
-/// A mesh with names on random faces and random holes.
+/// Returns a mesh with names on random faces and with random holes.
 fn named() -> impl Strategy<Value = (Net, Vec<Option<usize>>, Vec<usize>)> {
     nets::manifold().prop_flat_map(|net| {
         let n = net.faces.len();

@@ -1,4 +1,4 @@
-//! Whatever a format has no place for is named in a warning, and nothing else is.
+//! A warning names all data that a format cannot hold, and no other data.
 
 use serde_json::{Value, json};
 
@@ -6,7 +6,7 @@ use super::looks::uri;
 use super::{job, written};
 use crate::support::{nets, render};
 
-/// A cube that carries something of every kind.
+/// Returns a cube that carries data of every kind.
 fn laden() -> Value {
     let mut file = std::io::Cursor::new(Vec::new());
     let pixel = image::RgbaImage::from_raw(1, 1, vec![9; 4]).expect("one pixel");

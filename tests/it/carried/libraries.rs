@@ -18,7 +18,7 @@ const MTL: &str = "# by hand\nnewmtl red\n\tKd 0.75 0.25 0\nKs 0.000 0 0\nNs 50\
                    newmtl of glass\nKd 1 1 1\nKa 1 1 1\nNi 1.5\nillum 4\nTr 0.75\nbump -bm 0.5 bumps.png\nKe 0 0.5 0\n\
                    newmtl unused\nKd 2 x 0\n";
 
-/// A job on the file above with this library.
+/// Returns a job on the file above with this library.
 fn with(mtl: &str) -> Value {
     json!({ "input": { "text": { "format": "obj", "data": OBJ, "mtl": mtl } } })
 }
@@ -37,7 +37,7 @@ fn jobs_bring_the_library_of_an_obj_file_along() {
     let left_out = "what libraries say of materials beyond this is left out: \"Ke\" (1), \"Ni\" (1), \"Ns\" (1), \
                     \"bump\" (1), \"illum\" (1), Kd without three numbers (1)";
     assert_eq!(report.warnings, [left_out]);
-    // glass lets something through
+    // glass is transparent
     let gltf: Value = serde_json::from_str(&text(&with(MTL), &json!({ "format": "gltf" }))).unwrap();
     let modes: Vec<&Value> = gltf["materials"].as_array().unwrap().iter().map(|one| &one["alphaMode"]).collect();
     assert_eq!(modes, ["OPAQUE", "BLEND"], "{gltf}");
@@ -79,7 +79,7 @@ fn the_command_line_reads_libraries_and_pictures_beside_an_obj_file() {
     assert!(notes.contains("\"-s\" of map_Kd (1)"), "{notes}");
     let (glb, _) = rendered("glb");
     assert!(glb.windows(picture.len()).any(|part| part == picture), "its bytes are unchanged");
-    // a picture that is not there is named, and leads nowhere else
+    // a picture outside the folder is named in a note, and not read
     fs::write(folder.path().join("outside.png"), &picture).unwrap();
     fs::write(inside.join("pictures/some name.mtl"), "newmtl red\nmap_Kd ../../outside.png\n").unwrap();
     let (result, notes) = rendered("json");
@@ -87,7 +87,7 @@ fn the_command_line_reads_libraries_and_pictures_beside_an_obj_file() {
     assert!(notes.contains("the texture \"pictures/../../outside.png\" is left out"), "{notes}");
 }
 
-/// A cube with two materials.
+/// Returns a cube with two materials.
 fn painted() -> Value {
     let mut mesh = nets::cube().to_json();
     mesh["materials"] = json!([
@@ -149,7 +149,7 @@ fn the_command_line_writes_the_library_and_the_textures_beside_an_obj_file() {
     render("a cube.obj", "back.json");
     let back: Value = serde_json::from_slice(&fs::read(folder.path().join("back.json")).unwrap()).unwrap();
     assert_eq!(back["materials"], told(job)["materials"]);
-    // without looks there is nothing beside it
+    // without looks, no library is written
     fs::write(folder.path().join("plain.json"), json!({ "input": nets::cube().input() }).to_string()).unwrap();
     render("plain.json", "plain.obj");
     assert!(!folder.path().join("plain.mtl").exists());

@@ -1,4 +1,4 @@
-//! How materials look: said by jobs, kept by refinement, told by files, shown by pictures.
+//! Looks of materials: from jobs, through refinement, in files and in pictures.
 
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
@@ -9,7 +9,7 @@ use super::files::check_size;
 use super::{bytes, indices, job, refusal, told, written};
 use crate::support::nets::{self, Net};
 
-/// A square in the plane z = 0, seen from the front with v upwards, of one or two quads.
+/// Returns a square in the plane z = 0 of one or two quads, seen from the front with v upwards.
 fn square(n: usize) -> Net {
     let xs = if n == 1 { vec![0.0, 1.0] } else { vec![0.0, 0.5, 1.0] };
     let positions = [0.0, 1.0].iter().flat_map(|&y| xs.iter().map(move |&x| [x, y, 0.0])).collect();
@@ -17,7 +17,7 @@ fn square(n: usize) -> Net {
     Net { positions, faces: (0..n).map(|i| vec![i, i + 1, row + i + 1, row + i]).collect() }
 }
 
-/// A picture as a data URI, its pixels row after row from the top.
+/// Returns a PNG with these pixels, row by row from the top.
 pub(super) fn png(width: u32, pixels: &[[u8; 3]]) -> Vec<u8> {
     let height = u32::try_from(pixels.len()).expect("few pixels") / width;
     let mut file = std::io::Cursor::new(Vec::new());
@@ -26,7 +26,8 @@ pub(super) fn png(width: u32, pixels: &[[u8; 3]]) -> Vec<u8> {
     file.into_inner()
 }
 
-/// A JPEG of 8 x 8 grey pixels of the value 188, of one coefficient: 480, eight times what it is above the middle.
+/// Returns a JPEG of 8 x 8 grey pixels of the value 188, with one coefficient: 480, eight times the excess over the
+/// middle.
 pub(super) fn jpeg() -> Vec<u8> {
     // one code of one bit, for numbers of nine bits and for the end of a block
     let codes = |kind: u8, symbol: u8| [&[0xff, 0xc4, 0, 20, kind, 1][..], &[0; 15], &[symbol]].concat();
@@ -45,7 +46,7 @@ pub(super) fn uri(kind: &str, file: &[u8]) -> String {
     format!("data:image/{kind};base64,{}", STANDARD.encode(file))
 }
 
-/// Everything that a material can say, without a texture and with one.
+/// Returns materials with every field, one without a texture and one with.
 fn all() -> Value {
     json!([
         { "name": "red", "faces": [1, 3], "color": [1, 0.25, 0, 0.5], "metallic": 0.75, "roughness": 0.125,
@@ -87,13 +88,13 @@ fn json_tells_of_looks_what_jobs_say() {
         }
         check_size(&one);
     }
-    // three numbers are a colour that hides what lies behind
+    // a colour of three numbers is opaque
     let opaque = json!({ "materials": [{ "name": "a", "faces": [0], "color": [0.5, 0.25, 1] }] });
     let opaque = told(job(&net, &opaque, &json!({ "word": "U" }), 0));
     assert_eq!(opaque["materials"][0]["color"], json!([0.5, 0.25, 1, 1]));
 }
 
-/// A file as the input of a job.
+/// Returns a file as the input of a job.
 fn of_file(format: &str, file: &[u8]) -> Value {
     json!({ "input": { "text": { "format": format, "encoding": "base64", "data": STANDARD.encode(file) } } })
 }
@@ -124,7 +125,7 @@ fn looks_come_back_from_gltf_with_their_pictures_byte_for_byte() {
         assert_eq!(green[1]["alpha_mode"], "opaque");
         let plain = back.as_array().expect("a list").iter().find(|one| one["name"] == "plain").expect("it has faces");
         assert!(plain.get("color").is_none(), "what nobody said is not said: {plain}");
-        // from the second time on nothing changes any more
+        // from the second time on, nothing changes
         let second = written(&of_file(format, &first), &json!({ "format": format }));
         let third = written(&of_file(format, &second), &json!({ "format": format }));
         assert!(second == third, "{format}");
@@ -163,7 +164,7 @@ fn what_materials_of_gltf_have_besides_is_named() {
     }
 }
 
-/// The pixels of a picture of a job, looked at straight from the front.
+/// Returns the pixels of a picture of a job, seen straight from the front.
 pub(super) fn front(job: &Value, more: &Value) -> image::RgbImage {
     let camera = json!({ "projection": "orthographic", "azimuth_deg": 0, "elevation_deg": 0 });
     let mut output = json!({ "format": "png", "width": 64, "height": 64, "camera": camera });
@@ -173,7 +174,7 @@ pub(super) fn front(job: &Value, more: &Value) -> image::RgbImage {
     image::load_from_memory(&written(job, &output)).expect("a picture").into_rgb8()
 }
 
-/// Which of red, green and blue is the largest, by far; 3 where none is.
+/// Returns the index of the component among red, green and blue that is largest by far; 3 if there is none.
 fn hue(pixel: [u8; 3]) -> usize {
     (0..3).find(|&k| (0..3).all(|j| j == k || u16::from(pixel[k]) > 40 + u16::from(pixel[j]))).unwrap_or(3)
 }
@@ -213,12 +214,12 @@ fn pictures_show_textures_upright_and_as_their_sides_say() {
     let at = |picture: &image::RgbImage, x: u32, y: u32| hue(picture.get_pixel(x, y).0);
     let once = of(1.0, "repeat", json!({}));
     assert_eq!([at(&once, 16, 16), at(&once, 48, 16), at(&once, 16, 48), at(&once, 48, 48)], [0, 1, 2, 3]);
-    // twice as wide: red, green, and what lies beyond
+    // twice as wide: red, green, and the area beyond the picture
     for (wrap, expected) in [("repeat", [0, 1]), ("mirrored-repeat", [1, 0]), ("clamp-to-edge", [1, 1])] {
         let twice = of(2.0, wrap, json!({}));
         assert_eq!([at(&twice, 38, 16), at(&twice, 52, 16)], expected, "{wrap}");
     }
-    // without a colour the light falls on the texture alone; a JPEG is read, too
+    // without a colour, only the texture determines the shade; a JPEG is read, too
     let extra = json!({
         "uvs": { "values": [[0, 0], [1, 0], [1, 1], [0, 1]], "faces": [[0, 1, 2, 3]] },
         "materials": [{ "name": "a", "faces": [0], "texture": { "image": uri("jpeg", &jpeg()) } }],
@@ -268,7 +269,7 @@ fn what_no_material_can_look_like_is_refused_where_it_stands() {
     let beyond = json!({ "materials": [{ "name": "a", "faces": [6], "color": [0, 0, 0] }] });
     let (pointer, _) = refusal(&job(&net, &beyond, &json!({ "word": "U" }), 0)).remove(0);
     assert_eq!(pointer, "/input/mesh/materials/0/faces/0");
-    // a picture that breaks off is found when it is drawn
+    // a truncated picture is detected when it is drawn
     let mut broken = png(4, &[[9; 3]; 16]);
     broken.truncate(broken.len() - 20);
     let extra = json!({ "uvs": { "values": [[0, 0]], "faces": vec![[0; 4]; 6] },
@@ -298,7 +299,7 @@ fn pictures_enter_keys_by_their_bytes() {
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(32))]
 
-    /// The faces that a face becomes have its material, whatever the scheme.
+    /// The children of a face have its material under every scheme.
     #[test]
     fn children_have_the_material_of_the_face_they_come_of(
         net in nets::manifold(),

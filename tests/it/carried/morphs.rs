@@ -9,7 +9,7 @@ use super::{bytes, job, refusal, written};
 use crate::support::nets::{self, Net};
 use crate::support::parsed;
 
-/// The net in three frames: as it is, sheared, and blown up unevenly.
+/// Returns three frames of the net: unchanged, sheared, and inflated unevenly.
 fn frames(net: &Net) -> [Vec<[f64; 3]>; 3] {
     let moved = |by: &dyn Fn([f64; 3]) -> [f64; 3]| net.positions.iter().map(|&p| by(p)).collect();
     [
@@ -26,7 +26,7 @@ fn animated(net: &Net, extra: &Value, plan: &Value, levels: u32) -> Value {
     question
 }
 
-/// Jobs in frames whose plans are swept, taken by rows, led to the limit, or nothing at all.
+/// Returns jobs with frames whose plans use the sweep, rows or the limit, or that have no plan.
 fn questions() -> Vec<Value> {
     let sharp = json!({
         "creases": [{ "edge": [0, 1], "sharpness": 10 }, { "edge": [1, 3], "sharpness": 1.5 }],
@@ -76,7 +76,7 @@ fn a_frame_has_the_bytes_and_the_key_of_a_job_with_its_positions_alone() {
     }
 }
 
-/// A glTF document in a glb and its buffer.
+/// The glTF document of a glb file, and its buffer.
 struct Glb {
     document: Value,
     buffer: Vec<u8>,
@@ -93,7 +93,7 @@ impl Glb {
         usize::try_from(value.as_u64().expect("a whole number")).expect("small")
     }
 
-    /// The numbers of an accessor.
+    /// Returns the numbers of an accessor.
     fn scalars(&self, accessor: &Value) -> Vec<f32> {
         let accessor = &self.document["accessors"][Self::number(accessor)];
         let view = &self.document["bufferViews"][Self::number(&accessor["bufferView"])];
@@ -101,7 +101,7 @@ impl Glb {
         bytes.as_chunks::<4>().0.iter().map(|bytes| f32::from_le_bytes(*bytes)).collect()
     }
 
-    /// The rows of an accessor.
+    /// Returns the rows of an accessor.
     fn rows(&self, accessor: &Value) -> Vec<[f32; 3]> {
         let accessor = &self.document["accessors"][Self::number(accessor)];
         let view = &self.document["bufferViews"][Self::number(&accessor["bufferView"])];
@@ -117,7 +117,7 @@ impl Glb {
     }
 }
 
-/// The largest difference of numbers.
+/// Returns the largest difference of coordinates.
 fn apart(a: &[[f32; 3]], b: &[[f32; 3]]) -> f32 {
     assert_eq!(a.len(), b.len());
     let both = a.as_flattened().iter().zip(b.as_flattened());

@@ -1,4 +1,4 @@
-//! A material for the whole job: a look for the faces that have none, whatever they came from.
+//! The material of a job: a look for the faces without a material, for every kind of input.
 
 use serde_json::{Value, json};
 
@@ -9,7 +9,7 @@ fn red() -> Value {
     json!({ "color": [1, 0.25, 0], "metallic": 0.75, "roughness": 0.125, "double_sided": false })
 }
 
-/// A cube with materials, and a look of the job.
+/// Returns a cube with materials, and a look of the job.
 fn cube(materials: &Value, look: &Value) -> Value {
     let mut cube = job(&nets::cube(), &json!({ "materials": materials }), &json!({ "preset": "catmull-clark" }), 1);
     cube["input"]["material"] = look.clone();
@@ -80,7 +80,7 @@ fn pictures_gltf_and_libraries_show_it() {
     assert_ne!(written(&job, &output), written(&blue, &output));
 }
 
-/// The faces of such schemes lie across several old ones, which is no matter where those look alike.
+/// The faces of such schemes extend over several old faces, which is harmless if these look alike.
 #[test]
 fn schemes_with_faces_of_their_own_carry_a_material_that_all_faces_have() {
     for plan in [json!({ "preset": "doo-sabin" }), json!({ "word": "UD" }), json!({ "word": "UDC" })] {

@@ -1,10 +1,10 @@
-//! Texture coordinates that come from files, through repairs.
+//! Texture coordinates from files, through repairs.
 
 use serde_json::{Value, json};
 
 use super::told;
 
-/// The result of a mesh file with texture coordinates, and of repairs on the way.
+/// Returns the result of a mesh file with texture coordinates, after repairs.
 fn of_file(file: &str, repairs: &Value) -> Value {
     let mut job = json!({ "input": { "text": { "format": "obj", "data": file } } });
     for (name, value) in repairs.as_object().expect("fields of the input") {
@@ -31,7 +31,7 @@ fn files_bring_texture_coordinates_and_repairs_keep_them() {
     quad.sort_by_key(ToString::to_string);
     assert_eq!(quad, [json!([0, 0]), json!([0, 1]), json!([1, 0]), json!([1, 1])]);
     assert_eq!(values(&paired, 2), values(&plain, 3));
-    // a face that welding leaves out takes its corners along
+    // a face that welding removes takes its corners along
     let sliver = format!("{strip}v 0 1 0\nf 1/1 3/3 4/4\nf 4/1 7/2 3/3\nf 1/1 2/2 3/3\n");
     let welded = of_file(&sliver, &json!({ "weld": 0 }));
     assert_eq!(values(&welded, 1), [json!([0, 0]), json!([1, 0]), json!([1, 1])]);

@@ -1,4 +1,4 @@
-//! What cannot travel is refused at its place.
+//! Invalid carried data is refused with its pointer.
 
 use serde_json::{Value, json};
 

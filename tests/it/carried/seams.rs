@@ -1,4 +1,4 @@
-//! Channels of corners: numbers that differ on the two sides of seams, and are refined on each side for themselves.
+//! Channels of corners: numbers that differ on the two sides of seams, and are refined on each side separately.
 
 use planish::math::functions::pow;
 use serde_json::{Value, json};
@@ -6,7 +6,7 @@ use serde_json::{Value, json};
 use super::{job, refusal, text, told, written};
 use crate::support::nets::{self, Net};
 
-/// A channel that has a value of its own for each face, `width` numbers, the first of which is the number of the face.
+/// Returns a channel with a separate value of `width` numbers for each face; the first is the number of the face.
 fn by_face(net: &Net, width: usize) -> Value {
     let value = |f: usize| match width {
         1 => json!(f),
@@ -17,7 +17,7 @@ fn by_face(net: &Net, width: usize) -> Value {
     json!({ "values": values, "faces": faces })
 }
 
-/// A channel with the numbers of vertices, written for corners.
+/// Returns a channel with the numbers of vertices, written for corners.
 fn of_corners(net: &Net, values: &Value) -> Value {
     json!({ "values": values, "faces": net.faces })
 }
@@ -40,7 +40,7 @@ fn a_channel_without_seams_is_the_same_written_for_corners_and_for_vertices() {
 #[expect(clippy::float_cmp, reason = "means of equal numbers are exact")]
 fn each_seam_is_refined_for_itself_and_parts_vertices_where_files_need_it() {
     let net = nets::cube();
-    // texture coordinates without seams, colours that differ from side to side, a number with two regions
+    // texture coordinates without seams, colours that differ from side to side, and a number with two regions
     let halves: Vec<Vec<usize>> = net.faces.iter().enumerate().map(|(f, face)| vec![f / 3; face.len()]).collect();
     let carried = json!({
         "uvs": { "values": net.positions.iter().map(|p| [p[0], p[1]]).collect::<Vec<_>>(), "faces": net.faces },
@@ -62,7 +62,7 @@ fn each_seam_is_refined_for_itself_and_parts_vertices_where_files_need_it() {
     }
     let ply = text(&job, &json!({ "format": "ply", "ascii": true }));
     assert!(ply.contains("element vertex 54\n"), "{ply}");
-    // each vertex of a side has its colour: red counts the sides, from 0 on, and is brought within 0 to 1
+    // each vertex of a side has its colour: red is the number of the side, from 0 on, clamped to 0 to 1
     let rows: Vec<Vec<f64>> = ply
         .lines()
         .skip_while(|line| *line != "end_header")
@@ -101,7 +101,7 @@ fn pictures_show_seams_as_sharp_as_they_are() {
     let options = json!({ "format": "png", "width": 96, "height": 96, "color_by": "channel", "shading": "flat" });
     let png = written(&job, &options);
     let picture = image::load_from_memory_with_format(&png, image::ImageFormat::Png).expect("a picture").to_rgba8();
-    // light adds grey and changes no hue: without the grey, each number of a side is nothing or all
+    // light adds grey and does not change the hue: without the grey, each component of a side is zero or full
     let light = |x: u8| pow(f64::from(x) / 255.0, 2.2);
     let is_mixed = |p: &&image::Rgba<u8>| {
         let mut rest = [0, 1, 2].map(|k| light(p.0[k]));

@@ -1,11 +1,11 @@
-//! Pictures in the colours of what a mesh carries.
+//! Pictures coloured by carried data.
 
 use serde_json::{Value, json};
 
 use crate::support::nets::{self, Net};
 use crate::support::render;
 
-/// A cube with these entries, drawn with these options.
+/// Returns a job for a cube with these entries, drawn with these options.
 fn job(carried: &Value, options: &Value) -> Value {
     let mut mesh = nets::cube().to_json();
     for (name, value) in carried.as_object().expect("entries") {
@@ -18,7 +18,7 @@ fn job(carried: &Value, options: &Value) -> Value {
     json!({ "input": { "mesh": mesh }, "outputs": [output] })
 }
 
-/// The bytes of a picture; too many to be printed.
+/// The bytes of a picture, whose debug output omits them.
 #[derive(PartialEq)]
 struct Picture(Vec<u8>);
 
@@ -50,12 +50,12 @@ fn one_colour_for_all_vertices_is_that_colour() {
         let plain = picture(&json!({}), &json!({ "color": "#336699", "shading": shading }));
         assert_eq!(picture(&constant, &json!({ "color_by": "channel", "shading": shading })), plain);
     }
-    // alpha does not count, and what lies beyond 0 to 1 is brought within
+    // alpha is ignored, and values beyond 0 to 1 are clamped
     let clear = channel(&vec![json!([0.2, 0.4, 0.6, 0.1]); 8]);
     assert_eq!(picture(&clear, &json!({ "color_by": "channel" })), plain);
     let bright = picture(&channel(&vec![json!([7.0, -3.0, 1.0]); 8]), &json!({ "color_by": "channel" }));
     assert_eq!(bright, picture(&json!({}), &json!({ "color": "#ff00ff" })));
-    // and nothing is shown unasked
+    // and without `color_by` the channel is not shown
     assert_eq!(picture(&constant, &json!({ "color": "#336699" })), plain);
 }
 
@@ -88,7 +88,7 @@ fn weights_are_seen_by_their_share_of_the_range() {
     assert_eq!(weights(4.0, -32.0), expected);
     assert_eq!(weights(0.125, 1.0), expected);
     assert_ne!(weights(-1.0, 0.0), expected);
-    // where all are equal, one colour; and the largest range there is
+    // if all values are equal, one colour; and the largest possible range
     assert_eq!(weights(0.0, 3.0), weights(0.0, -1.0));
     let huge = json!({ "channels": { "warmth": [-1.7e308, 1.7e308, 0, 0, 0, 0, 0, 0] } });
     assert!(!picture(&huge, &json!({ "color_by": "channel", "channel": "warmth" })).0.is_empty());
@@ -115,7 +115,7 @@ fn squares_are_an_eighth_wide_and_alternate() {
     let swapped = squares([0.125, 0.0]);
     assert_ne!(swapped, expected);
     assert_eq!(squares([0.0, 0.125]), swapped);
-    // seen from afar half of the surface is dark
+    // seen from afar, half of the surface is dark
     let dark = |picture: &Picture| pixels(picture).iter().filter(|pixel| pixel[0] < 90).count();
     assert!(dark(&expected) > 100 && dark(&expected).abs_diff(dark(&swapped)) < 80);
 }
@@ -131,7 +131,7 @@ fn groups_and_materials_have_a_colour_each() {
     assert_eq!(of("groups", json!([{ "name": "none", "faces": [] }])), none, "faces without a name are as they were");
     let renamed = json!([{ "name": "other", "faces": [5, 4, 3, 2, 1, 0] }]);
     assert_eq!(of("groups", renamed), one);
-    // as many colours as there are faces
+    // as many colours as faces
     let faces: Vec<Value> = (0..6).map(|f| json!({ "name": format!("f{f}"), "faces": [f] })).collect();
     assert_eq!(of("groups", json!(faces)), picture(&json!({}), &json!({ "color_by": "faces" })));
 }

@@ -1,5 +1,5 @@
-//! Texture coordinates have the weights of their vertices: what vertices and edges carry and perturbations go with
-//! them, on both sides of seams.
+//! Texture coordinates have the weights of their vertices: data of vertices and edges, and perturbations, affect them
+//! as well, on both sides of seams.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -12,17 +12,17 @@ use crate::support::nets::{self, Net, distance};
 use crate::support::parsed;
 
 const TOLERANCE: f64 = 1e-12;
-/// Faces beyond which no weight of the plans here reaches, all levels together.
+/// Number of faces that the weights of the plans here reach at most, all levels together.
 const REACH: usize = 4;
 
-/// A plan, and what the mesh has beside positions, faces and texture coordinates.
+/// A plan, and the data of the mesh other than positions, faces and texture coordinates.
 #[derive(Clone)]
 struct Case {
     plan: Value,
     extra: Value,
 }
 
-/// Numbers for `n` vertices between two bounds, no two neighbours alike.
+/// Returns numbers for `n` vertices between two bounds, different at neighbours.
 fn uneven(n: usize, from: f64, to: f64) -> Vec<f64> {
     (0..n).map(|i| from + (to - from) * f64::from(u8::try_from(i * 29 % 23).expect("below 23")) / 23.0).collect()
 }
@@ -36,7 +36,7 @@ fn parameters(n: usize) -> [(&'static str, Vec<f64>); 4] {
     ]
 }
 
-/// Plans with numbers that `n` vertices carry: one kind after another, and all together.
+/// Returns plans with parameters at `n` vertices: each kind separately, and all together.
 fn own(n: usize) -> Vec<Case> {
     let functions = json!({ "kernel": "cos(alpha/2)", "compensation": "1/cos(alpha/2)", "alpha": 0.5, "delta": 0.25 });
     let case = |word: &str, own: Value| Case {
@@ -50,7 +50,7 @@ fn own(n: usize) -> Vec<Case> {
     cases
 }
 
-/// Perturbed plans, with numbers of `n` vertices and without.
+/// Returns perturbed plans, with and without parameters at `n` vertices.
 fn perturbed(n: usize) -> Vec<Case> {
     let plan = json!({ "word": "UCP", "seed": 7, "boundary": "edge-only",
         "parameters": { "delta": 0.5, "perturbation": { "amplitude": 0.4, "decay": 0.7 } } });
@@ -59,8 +59,8 @@ fn perturbed(n: usize) -> Vec<Case> {
     extras.into_iter().map(|extra| Case { plan: plan.clone(), extra }).collect()
 }
 
-/// The tags of latitude lines of a net of `k` times some vertices, closed, under both rules: with the alpha of the
-/// lines, one of the plan, and numbers of the vertices.
+/// Returns the tags of closed latitude lines of `k` vertices each, under both rules: with the alpha of the lines, with
+/// that of the plan, perturbed, and with alpha or delta of the vertices.
 fn lines(k: usize, net: &Net) -> Vec<Case> {
     let n = net.positions.len();
     let tags = |along: bool| -> Vec<(usize, usize)> {
@@ -110,7 +110,7 @@ fn unfolded(net: &Net, uvs: &Value, case: &Case, levels: u32) -> Unfolded {
     found
 }
 
-/// The coordinates of the vertices, parted around the faces that `within` names.
+/// Returns the coordinates of the vertices as texture coordinates, with a seam around the faces of `within`.
 fn parted(net: &Net, within: impl Fn(usize) -> bool) -> Value {
     let mut uvs = seamless(net, "none");
     let n = net.positions.len();
@@ -122,7 +122,7 @@ fn parted(net: &Net, within: impl Fn(usize) -> bool) -> Value {
     uvs
 }
 
-/// Of each face how many others are between it and the nearest seam.
+/// Returns for each face the number of faces between it and the nearest seam.
 fn depths(net: &Net, within: impl Fn(usize) -> bool) -> Vec<usize> {
     let vertices = |side: bool| -> BTreeSet<usize> {
         (0..net.faces.len()).filter(|&f| within(f) == side).flat_map(|f| net.faces[f].clone()).collect()
@@ -143,7 +143,7 @@ fn depths(net: &Net, within: impl Fn(usize) -> bool) -> Vec<usize> {
     depths
 }
 
-/// Away from the seams values are the coordinates of their vertices.
+/// Checks that away from the seams, values are the coordinates of their vertices.
 fn check_away(net: &Net, within: impl Fn(usize) -> bool + Copy, case: &Case, levels: u32) {
     let (found, depths) = (unfolded(net, &parted(net, within), case, levels), depths(net, within));
     let mut away = [0, 0];
@@ -158,7 +158,7 @@ fn check_away(net: &Net, within: impl Fn(usize) -> bool + Copy, case: &Case, lev
     assert!(away.iter().all(|&n| n > 0), "there are faces away from the seam on both sides: {away:?}");
 }
 
-/// Along closed seams the values of both sides stay together where they were.
+/// Checks that along closed seams, values of both sides agree wherever they agreed in the input.
 fn check_together(net: &Net, within: impl Fn(usize) -> bool + Copy, case: &Case, levels: u32) {
     let found = unfolded(net, &parted(net, within), case, levels);
     let mut at: BTreeMap<usize, BTreeSet<usize>> = BTreeMap::new();
@@ -197,7 +197,7 @@ fn without_seams_they_stay_with_their_vertices() {
     }
 }
 
-/// Vertices of no face have numbers, too, but no texture coordinates.
+/// Isolated vertices have parameters, too, but no texture coordinates.
 #[test]
 fn vertices_without_faces_shift_nothing() {
     let mut net = nets::cube();
@@ -225,7 +225,7 @@ fn away_from_seams_they_stay_with_their_vertices() {
     }
 }
 
-/// On a seam there is nothing but what is along it: parameters and perturbations are those of the vertices and edges.
+/// Only data along a seam affect it: parameters and perturbations are those of its vertices and edges.
 #[test]
 fn both_sides_of_a_seam_have_the_weights_of_its_vertices() {
     let cube = nets::cube();
@@ -239,7 +239,7 @@ fn both_sides_of_a_seam_have_the_weights_of_its_vertices() {
     }
 }
 
-/// A region is refined as if it were cut out, with what its vertices and edges carry.
+/// A region is refined as if it were cut out, with the data of its vertices and edges.
 #[test]
 fn a_region_takes_along_what_its_vertices_carry() {
     let net = nets::torus(5, 6);
@@ -265,7 +265,7 @@ fn a_region_takes_along_what_its_vertices_carry() {
     }
 }
 
-/// Limit positions change no texture coordinates, and linear ones know no parameters.
+/// Limit positions do not change texture coordinates, and linear ones ignore parameters.
 #[test]
 fn neither_limits_nor_linear_ones_depend_on_weights() {
     let net = nets::cube();

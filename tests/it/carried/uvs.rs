@@ -1,4 +1,5 @@
-//! Texture coordinates: seams stay seams, regions are refined as meshes of their own, formats part what they must.
+//! Texture coordinates: seams remain seams, regions are refined as separate meshes, and formats split vertices where
+//! necessary.
 
 use proptest::prelude::*;
 use serde_json::{Value, json};
@@ -6,7 +7,7 @@ use serde_json::{Value, json};
 use super::{job, refusal, text, told, written};
 use crate::support::nets::{self, Net, distance};
 
-/// A corner of a face: vertex and place.
+/// A corner of a face: its vertex and its place.
 type Pair = (usize, usize);
 
 pub(super) struct Unfolded {
@@ -27,13 +28,13 @@ impl Unfolded {
         }
     }
 
-    /// Vertex and place at corner `j` of face `f`.
+    /// Returns the vertex and the place at corner `j` of face `f`.
     pub(super) fn corner(&self, f: usize, j: usize) -> Pair {
         let j = j % self.faces[f].len();
         (self.net.faces[f][j], self.faces[f][j])
     }
 
-    /// For each inner edge the two faces, and whether they share both places.
+    /// Returns for each inner edge the two faces, and whether they share both places.
     fn inner_edges(&self) -> Vec<([usize; 2], bool)> {
         let mut sides = std::collections::BTreeMap::<(usize, usize), (usize, [Pair; 2])>::new();
         let mut edges = Vec::new();
@@ -50,7 +51,7 @@ impl Unfolded {
     }
 }
 
-/// Texture coordinates that lay each face out on its own.
+/// Returns texture coordinates with each face as a separate region.
 fn islands(net: &Net) -> Value {
     let mut values: Vec<[f64; 2]> = Vec::new();
     let mut faces: Vec<Vec<usize>> = Vec::new();
@@ -62,7 +63,7 @@ fn islands(net: &Net) -> Value {
     json!({ "values": values, "faces": faces })
 }
 
-/// Texture coordinates without seams: those of the vertices.
+/// Returns texture coordinates without seams: those of the vertices.
 pub(super) fn seamless(net: &Net, interpolation: &str) -> Value {
     let values: Vec<[f64; 2]> = net.positions.iter().map(|p| [p[0], p[1]]).collect();
     json!({ "values": values, "faces": net.faces, "interpolation": interpolation })
@@ -80,7 +81,7 @@ fn catmull_clark(boundary: &str) -> Value {
     json!({ "preset": "catmull-clark", "boundary": boundary })
 }
 
-/// What is joined in the input is joined in the result, and nothing else.
+/// Checks that exactly those faces are joined in the result whose original faces are joined in the input.
 fn check_seams(net: &Net, uvs: &Value, plan: &Value, levels: u32) {
     let coarse = unfolded(net, uvs, plan, 0);
     // two faces may share several edges, some of them joined
@@ -103,7 +104,7 @@ fn seams_stay_seams() {
             let mut uvs = islands(&net);
             uvs["interpolation"] = json!(interpolation);
             check_seams(&net, &uvs, &catmull_clark("edge-and-corner"), 2);
-            // one face has one place in common with its neighbours, and all other values of its own
+            // one face shares one place with its neighbours, and its other values are its own
             let mut uvs = seamless(&net, interpolation);
             let n = net.positions.len();
             let values = uvs["values"].as_array_mut().expect("values");
@@ -129,7 +130,7 @@ fn without_seams_they_are_refined_like_a_channel() {
     }
 }
 
-/// Whatever the order of the faces: vertices come in that of the input, and so do places.
+/// Vertices are in the order of the input, whatever the order of the faces, and so are places.
 #[test]
 fn without_seams_places_have_the_order_of_vertices() {
     for net in [nets::torus(4, 3), nets::cube(), nets::mixed(), nets::grid(3, 2), nets::prism(5)] {
@@ -159,7 +160,7 @@ fn triangles_and_other_arities_have_texture_coordinates_too() {
     }
 }
 
-/// The texture coordinates of each corner are the first two coordinates of its vertex.
+/// Checks that the texture coordinates of each corner are the first two coordinates of its vertex.
 pub(super) fn check_at_vertices(found: &Unfolded, tolerance: f64) {
     assert!(!found.faces.is_empty());
     for f in 0..found.faces.len() {
@@ -171,7 +172,7 @@ pub(super) fn check_at_vertices(found: &Unfolded, tolerance: f64) {
     }
 }
 
-/// Places without neighbours in another face hold the same numbers as positions of a mesh cut open there.
+/// A region without neighbours in another face gives the same numbers as the positions of a mesh cut open there.
 #[test]
 fn a_region_is_refined_as_a_mesh_of_its_own() {
     let net = nets::cube();
@@ -205,8 +206,8 @@ fn linear_ones_are_bilinear_on_each_face() {
     check_at_vertices(&unfolded(&nets::mixed(), &seamless(&nets::mixed(), "all"), &json!({ "word": "U" }), 2), 0.0);
 }
 
-/// Where a crease ends on a seam, both values there are as sharp as the crease makes one of them. The numbers are those
-/// of OpenSubdiv 3.5.
+/// At the end of a crease on a seam, both values are as sharp as the crease makes one of them. The numbers are those of
+/// OpenSubdiv 3.5.
 #[test]
 fn creases_that_end_on_a_seam_sharpen_both_sides() {
     let square = nets::grid(2, 2);
@@ -229,11 +230,11 @@ fn creases_that_end_on_a_seam_sharpen_both_sides() {
             (vec![([4, 5], 0.5)], 0.0, 1, 1.2625),
             (vec![([4, 5], 1.5)], 0.0, 1, 1.3),
             (vec![], 0.0, 1, 1.225),
-            // sharp itself, or beside sharp edges of its own, a value follows no other
+            // a value that is sharp itself, or beside sharp edges of its own, follows no other
             (vec![([4, 5], 0.5)], 0.25, 1, 1.24375),
             (vec![([4, 5], 0.5), ([3, 4], 0.2)], 0.0, 1, 1.24),
             (vec![([4, 5], 10.0), ([3, 4], 0.2)], 0.25, 1, 1.3),
-            // while the seam stays semi-sharp, it follows wholly or not at all
+            // while the seam remains semi-sharp, the value follows wholly or not at all
             (vec![([4, 5], 0.5), ([1, 4], 0.75)], 0.0, 1, 1.2625),
             (vec![([4, 5], 0.5), ([1, 4], 1.25)], 0.0, 1, 1.3),
             (vec![([4, 5], 0.5), ([4, 7], 2.5)], 0.0, 1, 1.3),
@@ -250,7 +251,7 @@ fn creases_that_end_on_a_seam_sharpen_both_sides() {
     assert!((middle("corners-only", &[([4, 5], 10.0)], 0.0, 1) - 1.225).abs() < 1e-15);
 }
 
-/// Where values on seams and boundaries stay, on a square of 2 x 2 quads.
+/// The fixed values on seams and boundaries of a square of 2 x 2 quads.
 #[test]
 fn interpolations_keep_what_their_names_say() {
     // places 0..9 are the vertices row by row; faces: lower left, lower right, upper left, upper right
@@ -276,16 +277,16 @@ fn interpolations_keep_what_their_names_say() {
     let mut values = bent.clone();
     values.push([7.0, -3.0]);
     let dart = json!({ "values": values, "faces": [[0, 1, 4, 3], [9, 2, 5, 4], [3, 4, 7, 6], [4, 5, 8, 7]] });
-    // places, vertex by vertex: 1 and 2 are those of vertex 1, the middle is 5
+    // places, vertex by vertex: 1 and 2 belong to vertex 1, 5 to the middle
     for interpolation in ["corners-only", "corners-plus1"] {
         assert_eq!(kept(&dart, interpolation), [0, 1, 2, 3, 7, 9], "{interpolation}");
     }
     assert_eq!(kept(&dart, "corners-plus2"), [0, 1, 2, 3, 5, 7, 9]);
-    // one face of its own: the middle has a corner and, around it, the concave rest
+    // one separate face: the middle has a corner of it and, around it, the concave rest
     let mut values = bent.clone();
     values.extend([[7.0, -3.0], [8.0, -2.0], [6.5, -1.5], [6.0, -1.0]]);
     let cut = json!({ "values": values, "faces": [[9, 10, 11, 12], [1, 2, 5, 4], [3, 4, 7, 6], [4, 5, 8, 7]] });
-    // places: vertex 1 has 1 and 2, vertex 3 has 4 and 5, the middle has 6 in the cut face and 7
+    // places: vertex 1 has 1 and 2, vertex 3 has 4 and 5, the middle has 6 in the separate face and 7
     for interpolation in ["corners-only", "corners-plus1"] {
         assert_eq!(kept(&cut, interpolation), [0, 1, 2, 3, 4, 5, 6, 9, 11], "{interpolation}");
     }
@@ -328,7 +329,7 @@ fn formats_part_vertices_on_seams_and_nothing_else() {
     assert_eq!(document["accessors"][0]["count"], 26);
 }
 
-/// Places and normals in space, each pair once: seams add none, sharp edges do.
+/// Positions with normals, each pair once: seams add none, sharp edges do.
 #[test]
 fn normals_feel_sharp_edges_but_no_seams() {
     let net = nets::cube();
@@ -359,7 +360,7 @@ fn normals_feel_sharp_edges_but_no_seams() {
     }
 }
 
-/// Texture coordinates without seams but around the first face.
+/// Returns texture coordinates without seams except around the first face.
 fn partly_cut(net: &Net) -> Value {
     let mut uvs = seamless(net, "corners-only");
     let n = net.positions.len();

@@ -1,4 +1,4 @@
-//! Many inputs at once: patterns, folders, failures by kind, signals.
+//! Many inputs in one command: patterns, folders, failures by kind, signals.
 
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output, Stdio};
@@ -14,7 +14,7 @@ use crate::support::render;
 /// A triangle as OBJ.
 const TRIANGLE: &str = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
 
-/// A folder with files of these names, each a triangle where nothing else is said.
+/// Returns a folder with these files; a file with empty content is a triangle.
 fn folder(files: &[(&str, &str)]) -> Folder {
     let folder = Folder::new();
     for (name, content) in files {
@@ -25,12 +25,12 @@ fn folder(files: &[(&str, &str)]) -> Folder {
     folder
 }
 
-/// Runs in a folder.
+/// Runs the program in a folder.
 fn within(folder: &Folder, arguments: &[&str]) -> Output {
     planish().args(arguments).current_dir(folder.path()).output().unwrap()
 }
 
-/// The files below a folder of a folder, by their names.
+/// Returns the names of all files below a subfolder.
 fn files(folder: &Folder, below: &str) -> Vec<String> {
     let mut found = Vec::new();
     let mut waiting = vec![folder.path().join(below)];
@@ -136,7 +136,7 @@ fn a_folder_of_jobs_goes_into_a_folder_as_the_jobs_name_their_outputs() {
         job["outputs"] = json!([output]);
         assert_eq!(made(name), render(&job).unwrap().0, "{name}");
     }
-    // one job without a summary, and none where its place would be taken
+    // one job gives no summary, and no output may replace its input
     let output = within(&folder, &["render", "jobs/one.json", "-o", "alone/"]);
     assert!(output.status.success() && output.stderr.is_empty(), "{}", text(&output.stderr));
     assert_eq!(files(&folder, "alone"), ["one.ply"]);
@@ -175,7 +175,7 @@ fn a_signal_removes_what_is_unfinished_and_ends_with_128_and_its_number() {
     let folder = Folder::new();
     let job = folder.path().join("job.json");
     std::fs::write(&job, with(mesh(10), "glb").to_string()).unwrap();
-    // whoever is started by nohup goes on when the terminal is closed, and so do these tests
+    // programs started by nohup continue when the terminal is closed, and so do these tests
     let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
     let ignored = status.lines().find_map(|line| line.strip_prefix("SigIgn:")).unwrap_or("0").trim();
     let is_detached = u64::from_str_radix(ignored, 16).unwrap() & 1 == 1;

@@ -6,7 +6,7 @@ use super::{REFUSED, USAGE, fails, run, saved, text};
 use crate::http::jobs::{mesh, with};
 use crate::http::server::Folder;
 
-/// A file of a job.
+/// Renders a job into a file and returns its path.
 fn file(folder: &Folder, name: &str, job: &Value) -> String {
     let (job, path) = (saved(folder, job), folder.path().join(name));
     let path = path.to_str().unwrap().to_owned();

@@ -1,4 +1,4 @@
-//! A folder of jobs rendered together, and checked against what it gave before.
+//! A folder of jobs rendered together, and compared with its earlier results.
 
 use std::fs;
 use std::path::Path;
@@ -20,7 +20,7 @@ fn png(mut job: Value, width: u32) -> Value {
     job
 }
 
-/// A folder with the jobs of a cube and of a polygon in `jobs`, rendered into `out`.
+/// Returns a folder with the jobs of a cube and of a polygon in `jobs`, rendered into `out`.
 fn rendered() -> Folder {
     let folder = Folder::new();
     fs::create_dir(folder.path().join("jobs")).unwrap();
@@ -104,7 +104,7 @@ fn a_changed_job_is_told_with_before_after_difference_and_numbers() {
 #[test]
 fn a_picture_that_the_program_renders_otherwise_than_before_differs() {
     let folder = rendered();
-    // what a program of before rendered of the same job, under the same key
+    // the result of an earlier version for the same job, under the same key
     let before = render(&png(mesh(1), 64)).unwrap().0;
     fs::write(folder.path().join("out/cube.png"), &before).unwrap();
     let mut known = manifest(&folder);

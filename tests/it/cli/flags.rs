@@ -1,4 +1,4 @@
-//! Flags: those of jobs and formats come of their declarations, and say the same as a job.
+//! Flags: those of jobs and formats are derived from their declarations, and are equivalent to a job.
 
 use std::collections::BTreeSet;
 
@@ -10,7 +10,7 @@ use crate::http::jobs::{mesh, with};
 use crate::http::server::Folder;
 use crate::support::render;
 
-/// A cube as OBJ in a folder.
+/// Writes a cube as OBJ into a folder and returns its path.
 fn cube(folder: &Folder) -> String {
     let path = folder.path().join("cube.obj");
     std::fs::write(&path, render(&with(json!({ "input": mesh(0)["input"] }), "obj")).unwrap().0).unwrap();
@@ -35,7 +35,7 @@ fn every_option_of_every_format_and_every_simple_field_of_a_job_is_a_flag() {
         let is_simple =
             !["MeshRequest", "TextRequest", "Polygon", "array", "object"].iter().any(|part| text.contains(part));
         let is_option = FORMATS.iter().flat_map(|format| format.facts().parameters).any(|option| option.name == name);
-        // uploads are those of a server
+        // only servers have uploads
         let is_flag = (is_simple && name != "blob") || is_option;
         assert_eq!(has(&format!("--{}", name.replace('_', "-"))), is_flag, "{name}");
     }

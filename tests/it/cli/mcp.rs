@@ -1,4 +1,4 @@
-//! `planish mcp`, as a client talks to it.
+//! `planish mcp`, as a client uses it.
 
 use std::io::{BufRead, BufReader, Write};
 use std::process::{Child, ChildStdin, ChildStdout, Stdio};
@@ -19,7 +19,7 @@ struct Client {
 }
 
 impl Client {
-    /// Starts the program and shakes hands.
+    /// Starts the program and performs the handshake.
     fn new(arguments: &[&str]) -> Self {
         let mut child = planish();
         child.arg("mcp").args(arguments).stdin(Stdio::piped()).stdout(Stdio::piped());
@@ -54,7 +54,7 @@ impl Client {
         }
     }
 
-    /// The result of a tool, and whether it is a failure.
+    /// Returns the result of a tool, and whether it is a failure.
     fn call(&mut self, tool: &str, arguments: &Value) -> (Value, bool) {
         let said = self.ask("tools/call", &json!({ "name": tool, "arguments": arguments }));
         let result = &said["result"];
@@ -62,14 +62,14 @@ impl Client {
         (result["content"].clone(), result["isError"] == true)
     }
 
-    /// The only text of the result of a tool.
+    /// Returns the only text of the result of a tool.
     fn text(&mut self, tool: &str, arguments: &Value) -> String {
         let (content, is_error) = self.call(tool, arguments);
         assert!(!is_error, "{content}");
         content[0]["text"].as_str().unwrap().to_owned()
     }
 
-    /// Leaves, after which the program ends by itself.
+    /// Closes the input, after which the program exits by itself.
     fn leave(self) {
         let Self { mut child, input, .. } = self;
         drop(input);

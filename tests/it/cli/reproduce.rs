@@ -19,7 +19,7 @@ fn a_file_that_says_of_its_job_is_made_again_and_a_changed_one_is_found() {
         assert_eq!((again.status.code(), text(&again.stderr).as_str()), (Some(0), ""), "{name}");
         assert!(text(&again.stdout).ends_with("the same bytes\n"), "{}", text(&again.stdout));
         let mut bytes = fs::read(&path).unwrap();
-        // in a glTF the end is that of its JSON
+        // a glTF file ends with its JSON, so a byte in the middle is changed
         let changed = if name == "a.gltf" { bytes.len() / 2 } else { bytes.len() - 2 };
         bytes[changed] ^= 1;
         fs::write(&path, bytes).unwrap();

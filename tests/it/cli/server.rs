@@ -12,7 +12,7 @@ use super::{FILES, LIMIT, OTHER, REFUSED, USAGE, fails, planish, run, saved, tex
 use crate::http::jobs::{mesh, polygon, with};
 use crate::http::server::{Folder, Server, settings, story};
 
-/// Runs the program while a server answers it.
+/// Runs the program with `--server` while a server answers it.
 async fn beside(server: &Server, arguments: &[&str]) -> Output {
     let mut command = planish();
     command.args(arguments).args(["--server", &server.url("")]);
@@ -66,7 +66,7 @@ fn failures_end_with_the_codes_that_they_have_here() {
     });
 }
 
-/// A service that gives these answers, one a connection, and tells the heads of the requests.
+/// Starts a service that gives these answers, one per connection, and returns the heads of the requests.
 fn scripted(answers: Vec<String>) -> (String, JoinHandle<Vec<String>>) {
     let listener = TcpListener::bind("127.0.0.1:0").unwrap();
     let url = format!("http://{}", listener.local_addr().unwrap());
@@ -138,14 +138,14 @@ fn patience_ends_and_keys_and_addresses_are_told_to_be_wrong() {
     let (url, service) = scripted(vec![problem("401 Unauthorized", "", "the key is unknown")]);
     fails(USAGE, &call(&url), &["--key", "the key is unknown"]);
     service.join().unwrap();
-    // nobody listens there any more
+    // nothing listens there any more
     fails(FILES, &call(&url), &["no answer"]);
     fails(USAGE, &call("ftp://127.0.0.1"), &["--server"]);
     let value: Value = serde_json::from_str(&fs::read_to_string(&job).unwrap()).unwrap();
     assert_eq!(value["levels"], 1, "the job is left alone");
 }
 
-/// A certificate of this machine, and a service that answers one request over TLS with it.
+/// Starts a service that answers one request over TLS, and returns its certificate.
 fn sealed(answer: String) -> (String, u16, JoinHandle<()>) {
     let made = rcgen::generate_simple_self_signed(vec!["localhost".to_owned()]).unwrap();
     let key = rustls::pki_types::PrivatePkcs8KeyDer::from(made.signing_key.serialize_der());
@@ -162,7 +162,7 @@ fn sealed(answer: String) -> (String, u16, JoinHandle<()>) {
         let mut length = 0;
         loop {
             let mut line = String::new();
-            // a client that does not trust the certificate leaves
+            // a client that does not trust the certificate disconnects
             if stream.read_line(&mut line).unwrap_or(0) == 0 {
                 return;
             }
@@ -196,7 +196,7 @@ fn a_service_is_asked_over_tls_where_its_certificate_is_trusted() {
     let made = call(port);
     assert_eq!((made.status.success(), &*text(&made.stdout)), (true, "v 1\n"), "{}", text(&made.stderr));
     service.join().unwrap();
-    // the certificate of another one is not that of this one
+    // another certificate is not trusted for this service
     let (_, port, service) = sealed(answer.to_owned());
     fails(FILES, &call(port), &["is asked again", "certificate"]);
     drop(service);

@@ -1,4 +1,4 @@
-//! Figures of curves: what is drawn, and what is refused at which place.
+//! Figures of curves: their content, and the refused ones with pointers.
 
 use planish::math::functions::{cos, real, sin, sqrt};
 use serde_json::{Value, json};
@@ -39,7 +39,7 @@ fn curves_take_their_styles_in_turn_and_the_legend_names_each_once() {
     assert_eq!(text.matches(">second</tspan>").count(), 1);
 }
 
-/// Numbers at the axes of a function count the points of its control polygon.
+/// The axes of a function are numbered by the points of its control polygon.
 #[test]
 fn axes_of_functions_count_control_points() {
     let input = json!({ "polygon": { "points": [[0], [0], [0], [1], [0], [0], [0]] } });
@@ -50,7 +50,7 @@ fn axes_of_functions_count_control_points() {
     assert!(text.contains("class=\"grid\"") && text.contains("clip-path"), "{text}");
 }
 
-/// The comb of a circle has one length: its teeth end on a circle.
+/// The comb of a circle has constant length: its teeth end on a circle.
 #[test]
 fn the_comb_of_a_circle_is_a_circle() {
     let points: Vec<[f64; 2]> = (0..72).map(|i| (5.0 * f64::from(i)).to_radians()).map(|t| [cos(t), sin(t)]).collect();

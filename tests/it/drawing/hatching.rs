@@ -1,4 +1,4 @@
-//! Hatching: how dense its strokes are, and where they end.
+//! Hatching: the density of its strokes, and their ends.
 
 use planish::math::functions::sqrt;
 use serde_json::{Value, json};
@@ -6,20 +6,20 @@ use serde_json::{Value, json};
 use super::hidden_lines::{distance, drawn, lines};
 use crate::support::nets::Net;
 
-/// Distance of the closest lines in a picture of 768 pixels, and the light below which the first, second and third
-/// kind of them are drawn.
+/// The distance of the densest lines in a picture of 768 pixels, and the light below which the first, second and third
+/// kind of lines are drawn.
 const APART: f64 = 3.5;
 const BELOW: [f64; 3] = [0.82, 0.60, 0.36];
-/// Where the brightest lamp stands: to the right, up, and towards the viewer.
+/// The direction of the brightest lamp: to the right, up, and towards the viewer.
 const LAMP: [f64; 3] = [-0.48, 0.62, 0.62];
 
-/// The cosine of the angle between a normal, given like the lamp, and the lamp.
+/// Returns the cosine of the angle between a normal, in the same axes as the lamp, and the direction of the lamp.
 fn light(normal: [f64; 3]) -> f64 {
     let dot = |a: [f64; 3], b: [f64; 3]| a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
     dot(normal, LAMP) / sqrt(dot(normal, normal) * dot(LAMP, LAMP))
 }
 
-/// From the front, where a model unit is so many pixels: the height of what is seen takes 88 % of 768.
+/// Returns the hatching lines of a net seen from the front; the height of the visible part takes 88 % of 768 pixels.
 fn hatched(net: &Net) -> Vec<[[f64; 2]; 2]> {
     let camera = json!({ "projection": "orthographic", "azimuth_deg": 0, "elevation_deg": 0 });
     let svg = drawn(&net.input(), 0, &options(&camera));
@@ -34,7 +34,7 @@ fn length(strokes: &[[[f64; 2]; 2]]) -> f64 {
     strokes.iter().map(|[a, b]| distance(*a, *b)).sum()
 }
 
-/// A square of side 2 in front of the viewer, whose upper end lies back by a slope, at a depth.
+/// Returns a square facing the viewer at a depth, whose upper end leans back by a slope.
 fn square(half: f64, slope: f64, depth: f64) -> Net {
     let at = |[x, y]: [f64; 2]| [half * x, half * y, depth - slope * half * y];
     let corners = [[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]];
@@ -49,7 +49,7 @@ fn both(one: Net, other: Net) -> Net {
 
 #[test]
 fn the_darker_a_plane_is_the_closer_are_its_strokes() {
-    // lines of all distances cover a square of this side: one of length `side^2 / distance`
+    // lines at this distance cover the square with a total length of `side^2 / distance`
     let whole = 0.88 * 768.0 * 0.88 * 768.0 / APART;
     for (slope, share) in [(0.8, 0.0), (0.0, 0.25), (-0.3, 0.5), (-0.5, 1.0), (-0.9, 1.25), (-1.6, 1.5), (-4.0, 2.0)] {
         let net = square(1.0, slope, 0.0);
@@ -64,18 +64,18 @@ fn the_darker_a_plane_is_the_closer_are_its_strokes() {
 fn what_lies_in_front_takes_its_share_of_the_strokes_and_no_more() {
     let back = square(1.0, 0.0, 0.0);
     let whole = length(&hatched(&back));
-    // as bright as what it hides: the same lines, cut at its sides and joined again
+    // as bright as the square that it hides: the same lines, cut at its sides and joined again
     let front = both(back.clone(), square(0.5, 0.0, 1.0));
     assert!((length(&hatched(&front)) / whole - 1.0).abs() < 0.01);
-    // four times as dark where it lies, on a quarter of the square
+    // four times as dark on a quarter of the square
     let dark = both(back.clone(), square(0.5, -0.5, 2.0));
     assert!((length(&hatched(&dark)) / whole - 1.75).abs() < 0.02);
-    // behind it changes nothing
+    // behind the square it changes nothing
     let behind = both(back, square(0.5, -0.5, -2.0));
     assert!((length(&hatched(&behind)) / whole - 1.0).abs() < 0.01);
 }
 
-/// A sphere of radius 1, cut along circles through its poles.
+/// Returns a sphere of radius 1, divided along circles through its poles.
 fn sphere(n: u32) -> Net {
     use planish::math::functions::{cos, sin};
     let angle = |i: u32, n: u32| std::f64::consts::TAU * f64::from(i) / f64::from(n);
@@ -111,7 +111,8 @@ fn strokes_on_a_sphere_lie_where_it_is_dark_and_nowhere_else() {
         }
     }
     assert!(most < BELOW[0] + 0.02 && most > BELOW[0] - 0.05, "{most}");
-    // where it is darker than the third kind, each line is there: of eleven places in steps of a line, across them
+    // in areas darker than the threshold of the third kind, each line is present: at eleven points across them, one
+    // line apart
     let across = |k: u32| {
         let middle = [512.0 + 0.55 * radius, 384.0 + 0.35 * radius];
         let off = APART * f64::from(k) / sqrt(2.0);

@@ -1,4 +1,4 @@
-//! Lines of meshes that faces do not hide, against what is known of simple bodies and against the rasteriser.
+//! Visible lines of meshes, compared with known results for simple bodies and with the rasteriser.
 
 use planish::job::limits::{Limits, Refusal};
 use planish::math::functions::sqrt;
@@ -11,7 +11,7 @@ use serde_json::{Value, json};
 use crate::support::nets::{self, Net};
 use crate::support::{parsed, render};
 
-/// The SVG of an output of a mesh.
+/// Returns the SVG of an output of a mesh.
 pub(super) fn drawn(input: &Value, level: u32, output: &Value) -> String {
     let mut job = json!({ "input": input, "outputs": [output] });
     job["outputs"][0]["format"] = json!("svg");
@@ -28,13 +28,13 @@ pub(super) fn distance(a: [f64; 2], b: [f64; 2]) -> f64 {
     sqrt(x * x + y * y)
 }
 
-/// The total length of the lines of a class, pixels.
+/// Returns the total length of the lines of a class in pixels.
 fn length(svg: &str, class: &str) -> f64 {
     let step = |pair: &[[f64; 2]]| distance(pair[0], pair[1]);
     lines(svg, class).iter().map(|line| line.windows(2).map(step).sum::<f64>()).sum()
 }
 
-/// The lines of a class.
+/// Returns the lines of a class.
 pub(super) fn lines(svg: &str, class: &str) -> Vec<Vec<[f64; 2]>> {
     let Some((_, rest)) = svg.split_once(&format!("class=\"{class}\"")) else { return Vec::new() };
     let (group, _) = rest.split_once("</g>").expect("the group ends");
@@ -47,7 +47,7 @@ pub(super) fn lines(svg: &str, class: &str) -> Vec<Vec<[f64; 2]>> {
     paths.map(places).collect()
 }
 
-/// A cube all of whose edges are as long.
+/// Returns a cube with edges of equal length.
 fn straight_cube() -> Net {
     let positions = (0..8).map(|i| [i & 1, i >> 1 & 1, i >> 2].map(f64::from)).collect();
     Net { positions, faces: nets::cube().faces }
@@ -57,7 +57,8 @@ fn orthographic() -> Value {
     json!({ "projection": "orthographic", "azimuth_deg": 45, "elevation_deg": 35.264_389_682_754_654 })
 }
 
-/// Seen along its diagonal, a cube is a hexagon with three of its edges inside, and hides three: all as long.
+/// Seen along its diagonal, a cube is a hexagon with three edges inside, and hides three more; all have the same
+/// length.
 #[test]
 #[expect(clippy::float_cmp, reason = "no line is as long as exactly 0")]
 fn a_cube_along_its_diagonal_shows_nine_of_its_edges() {
@@ -70,7 +71,7 @@ fn a_cube_along_its_diagonal_shows_nine_of_its_edges() {
     assert_eq!(length(&svg, "isolines"), 0.0, "each line is drawn once");
 }
 
-/// A smoothed cube is convex but for its triangles: its outline goes around it, and next to nothing of it is hidden.
+/// A smoothed cube is convex apart from its triangles: its outline surrounds it, and hardly any of it is hidden.
 #[test]
 #[expect(clippy::float_cmp, reason = "no line is as long as exactly 0")]
 fn the_outline_of_a_convex_body_is_seen() {
@@ -103,7 +104,7 @@ fn what_cannot_be_drawn_in_lines_is_told() {
     assert!(detail.contains("before the camera"), "{detail}");
 }
 
-/// Numbers between 0 and 1, always the same ones.
+/// Pseudorandom numbers between 0 and 1, the same in every run.
 struct Chance(u64);
 
 impl Chance {
@@ -119,8 +120,8 @@ impl Chance {
     }
 }
 
-/// In the middle of parts that are said to be seen, the rasteriser draws the line, and in the middle of hidden ones it
-/// does not, where these middles are more than two pixels from what decides.
+/// In the middle of visible parts, the rasteriser draws the line, and in the middle of hidden parts it does not, if
+/// these middles are more than two pixels from the deciding edge.
 #[test]
 fn what_is_hidden_is_what_the_depth_buffer_hides() {
     let size = [400, 300];
@@ -140,7 +141,7 @@ fn what_is_hidden_is_what_the_depth_buffer_hides() {
         let line = [seen[36], seen[37]];
         let sight = Sight::new(&seen, &triangles);
         let hidden = sight.hidden(line, |_| false);
-        // the rasteriser draws lines a little nearer than they are
+        // the rasteriser draws lines slightly nearer than they are
         let nearer = sight.hidden(line.map(|[x, y, nearness]| [x, y, 1.02 * nearness]), |_| false);
         let strokes = Strokes {
             positions: &positions,

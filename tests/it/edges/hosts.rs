@@ -1,4 +1,4 @@
-//! A request names one host, with or without a port, and says in no foreign coding what it asks.
+//! A request names one host, with or without a port, and uses no transfer coding other than chunked.
 
 use std::net::SocketAddr;
 
@@ -7,13 +7,13 @@ use planish::config::Settings;
 use crate::http::jobs::{mesh, with};
 use crate::http::server::{Server, rest, settings, story};
 
-/// Sends the first lines of a request; the answer's status and text.
+/// Sends the first lines of a request; returns the status and the text of the answer.
 async fn said(server: &Server, lines: &str) -> (String, String) {
     let answer = rest(server.said(&format!("{lines}connection: close\r\n\r\n")).await).await;
     (answer.chars().skip(9).take(3).collect(), answer)
 }
 
-/// What is no host with or without a port.
+/// Values of `Host` that are not a host with or without a port.
 const MALFORMED: [&str; 20] = [
     "[::1]evil.example",
     "[::1]evil.example:80",
@@ -63,7 +63,7 @@ fn l_a_request_has_one_host() {
             assert_eq!(status, "400", "{lines}: {answer}");
             assert!(answer.contains("/docs/problems/bad-host"), "{lines}: {answer}");
         }
-        // HTTP/1.0 knows no such header, and browsers do not speak it
+        // HTTP/1.0 has no such header, and browsers do not use it
         assert_eq!(said(server, "GET /livez HTTP/1.0\r\n").await.0, "200");
         assert_eq!(said(server, "GET /livez HTTP/1.0\r\nhost: evil.example\r\n").await.0, "403");
     });

@@ -1,5 +1,5 @@
-//! Every kind of JSON value in the place of every field: what does not fit is 422 with a pointer to the field, never
-//! "not JSON", and nothing is taken that the schema of the request forbids.
+//! Every kind of JSON value in every field: a value that does not fit is answered by 422 with a pointer to the field,
+//! never by "not JSON", and no value is accepted that the schema of the request forbids.
 
 use serde_json::{Value, json};
 
@@ -7,7 +7,7 @@ use super::schema::Document;
 use crate::http::jobs::{polygon, with};
 use crate::http::server::{Server, settings, story};
 
-/// Jobs that are right, and have every field that a job can have among them.
+/// Returns valid jobs that together have every field of jobs.
 fn samples() -> Vec<Value> {
     let positions = [[0, 0, 0], [1, 0, 0], [2, 0, 0], [0, 1, 0], [1, 1, 0], [2, 1, 0]];
     let faces = [[0, 1, 4, 3], [1, 2, 5, 4]];
@@ -60,13 +60,13 @@ fn samples() -> Vec<Value> {
     ]
 }
 
-/// Values of every kind, ordinary and odd.
+/// Returns values of every kind, ordinary and odd.
 fn values() -> Vec<Value> {
     let plain = json!([null, false, true, 0, 1, -1, 0.5, 1e300, "", "y", "none", [], [0], [null], {}, { "y": null }]);
     plain.as_array().unwrap().clone()
 }
 
-/// Puts each value at each place of every sample that the schema of jobs knows, and asks.
+/// Sends each sample with each value at each place that the schema of jobs has.
 async fn every_kind_everywhere(server: &Server, path: &str) {
     let document = Document::new();
     for sample in samples() {
@@ -82,7 +82,7 @@ async fn every_kind_everywhere(server: &Server, path: &str) {
             if refused {
                 let pointer = answer.json()["errors"][0]["pointer"].as_str().unwrap().to_owned();
                 assert!(!pointer.is_empty(), "{why}");
-                // without what chooses its kind, an input or a plan as a whole is none
+                // without the field that chooses its kind, an input or a plan is invalid as a whole
                 let chooses =
                     [("/input", &["mesh", "text", "polygon", "polygons"][..]), ("/plan", &["preset", "word"])];
                 let is_none = chooses.iter().any(|(whole, fields)| {

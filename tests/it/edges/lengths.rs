@@ -1,14 +1,14 @@
-//! What an answer repeats of a request is short, however long the request was.
+//! The part of a request that an answer repeats is short, however long the request is.
 
 use serde_json::{Value, json};
 
 use crate::http::jobs::{polygon, square, with};
 use crate::http::server::{settings, story};
 
-/// Longest answer to a request that is refused, bytes.
+/// Maximum length in bytes of the answer to a refused request.
 const MOST_BYTES: usize = 64 << 10;
 
-/// A job with one thing changed.
+/// Returns a job with one change.
 fn changed(change: impl FnOnce(&mut Value)) -> Value {
     let mut job = with(polygon(1), "svg");
     job["plan"]["parameters"] = json!({});
@@ -16,12 +16,12 @@ fn changed(change: impl FnOnce(&mut Value)) -> Value {
     job
 }
 
-/// A text of a mebibyte out of one piece again and again.
+/// Returns a text of about a mebibyte that repeats one piece.
 fn long(piece: &str) -> String {
     piece.repeat((1 << 20) / piece.len())
 }
 
-/// Jobs with the text as a name, one for each kind of place.
+/// Returns jobs with the text as a name, one for each kind of place.
 fn with_name(text: &str) -> Vec<Value> {
     ["", "/input", "/input/polygon", "/plan/parameters", "/outputs/0"]
         .map(|at| {
@@ -30,7 +30,7 @@ fn with_name(text: &str) -> Vec<Value> {
         .to_vec()
 }
 
-/// Jobs with the text as a value, one for each kind of field.
+/// Returns jobs with the text as a value, one for each kind of field.
 fn with_value(text: &str) -> Vec<Value> {
     let fields = [
         ("", "levels"),
@@ -49,7 +49,7 @@ fn with_value(text: &str) -> Vec<Value> {
     fields.map(|(at, name)| changed(|job| job.pointer_mut(at).unwrap()[name] = json!(text))).to_vec()
 }
 
-/// Jobs with the text inside of a word, a mesh or a mesh file.
+/// Returns jobs with the text inside a word, a mesh or a mesh file.
 fn with_inside(text: &str) -> Vec<Value> {
     let mesh = json!({ "positions": [[0, 0, 0], [1, 0, 0], [0, 1, 0]], "faces": [[0, 1, 2]],
         "groups": [{ "name": text, "faces": [0] }] });
@@ -64,7 +64,7 @@ fn with_inside(text: &str) -> Vec<Value> {
 #[test]
 fn l_a_long_key_or_value_anywhere_is_shortened_in_the_answer() {
     let twice = format!(r#"{{"input":{{}},"plan":{{"parameters":{{"{0}":1,"{0}":2}}}}}}"#, "k".repeat(1 << 20));
-    // a text that escapes make longer, two that look like messages of our own, and plain ones
+    // a text that escaping lengthens, two that resemble our own messages, and plain ones
     let texts = ["x", "\u{1}", "é", "`, expected ", "\", expected "].map(long);
     let jobs = texts.iter().flat_map(|text| [with_name(text), with_value(text), with_inside(text)].concat());
     story(settings(), async |server| {
@@ -80,7 +80,7 @@ fn l_a_long_key_or_value_anywhere_is_shortened_in_the_answer() {
 #[test]
 fn l_an_answer_is_bounded_however_many_faults_there_are() {
     story(settings(), async |server| {
-        // each of the outputs is at fault, and names all options that there are
+        // each of the outputs is invalid, and its fault names all options of the format
         let mut wrong = json!({ "format": "png" });
         (0..20).for_each(|i| wrong[format!("nonsense{i}")] = json!(i));
         let job = json!({ "input": square(), "plan": { "preset": "chaikin" }, "levels": 1,

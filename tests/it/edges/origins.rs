@@ -1,4 +1,4 @@
-//! Whose pages may ask: the origins that the setting names, and by default those of the same machine.
+//! Pages that may send requests: those of the origins in the setting, and by default those of the same machine.
 
 use std::net::SocketAddr;
 
@@ -31,7 +31,7 @@ fn with_origins(origins: &str) -> Settings {
     Settings { cors_origins: origins.parse().unwrap(), ..settings() }
 }
 
-/// What a page of this origin is told before it posts a job.
+/// Returns the answer to the preflight request of a page of this origin.
 async fn preflight(server: &Server, origin: &str) -> Answer {
     let headers = [
         ("origin", origin),
@@ -41,7 +41,7 @@ async fn preflight(server: &Server, origin: &str) -> Answer {
     server.ask(Method::OPTIONS, "/v1/render", &headers, Vec::new()).await
 }
 
-/// Pages of these origins may ask, and are told so by every kind of answer; those may not.
+/// Checks that every kind of answer allows the origins in `may`, and refuses those in `may_not`.
 async fn check(server: &Server, may: &[&str], may_not: &[&str]) {
     for origin in may.iter().chain(may_not) {
         let header = [("origin", *origin)];

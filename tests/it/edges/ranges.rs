@@ -1,4 +1,4 @@
-//! `Range` and its relatives are read as RFC 9110 writes them: units of any letters, positions of digits alone.
+//! `Range` and related headers are parsed as in RFC 9110: units in any case, positions of digits only.
 
 use crate::http::jobs::{mesh, with};
 use crate::http::server::{settings, story};

@@ -1,9 +1,9 @@
-//! As much of JSON Schema as the schemas of requests use.
+//! The part of JSON Schema that the schemas of requests use.
 
 use planish::http::document_text;
 use serde_json::Value;
 
-/// The OpenAPI document, and a walk through its schemas.
+/// The OpenAPI document, with a walk through its schemas.
 pub(super) struct Document(Value);
 
 impl Document {
@@ -11,12 +11,12 @@ impl Document {
         Self(serde_json::from_str(&document_text()).unwrap())
     }
 
-    /// The schema of this name.
+    /// Returns the schema of this name.
     pub(super) fn named(&self, name: &str) -> &Value {
         &self.0["components"]["schemas"][name]
     }
 
-    /// What a schema refers to, or the schema itself.
+    /// Returns the schema that a reference denotes, or the schema itself.
     fn meant<'a>(&'a self, schema: &'a Value) -> &'a Value {
         match schema["$ref"].as_str() {
             Some(reference) => self.0.pointer(&reference[1..]).unwrap(),
@@ -24,7 +24,7 @@ impl Document {
         }
     }
 
-    /// Whether a schema takes a value; patterns are not looked at.
+    /// Whether a schema accepts a value; patterns are not checked.
     pub(super) fn takes(&self, schema: &Value, value: &Value) -> bool {
         let schema = self.meant(schema);
         if let Some(either) = schema["oneOf"].as_array() {
@@ -59,7 +59,7 @@ impl Document {
         required.clone().all(has) && value.as_object().unwrap().iter().all(fits)
     }
 
-    /// Every place within a value that a schema knows, with the schema there: fields, and first entries of lists.
+    /// Returns every place within a value that has a schema, with that schema: fields, and first entries of lists.
     pub(super) fn places<'a>(
         &'a self,
         schema: &'a Value,
@@ -81,7 +81,8 @@ impl Document {
         }
     }
 
-    /// Every place that values of a schema can have, but for the fields of what one of its fields chooses by name.
+    /// Collects every place that values of a schema can have, except for the fields of alternatives that a field
+    /// chooses by name.
     pub(super) fn possible(&self, schema: &Value, at: &str, found: &mut Vec<String>) {
         let schema = self.meant(schema);
         if !schema["discriminator"].is_null() {
@@ -94,7 +95,7 @@ impl Document {
         for (name, schema) in fields.chain(schema["items"].is_object().then(|| ("0", &schema["items"]))) {
             let at = format!("{at}/{name}");
             found.push(at.clone());
-            // whatever a word takes stands among its parameters; figures hold jobs, and distances are from another one
+            // the parameters of a word are open; figures contain jobs, and `distance_to` is another job
             if !["/plan/parameters", "/figure", "/distance_to"].contains(&at.as_str()) {
                 self.possible(schema, &at, found);
             }

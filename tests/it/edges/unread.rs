@@ -1,4 +1,5 @@
-//! A log that nobody reads: the service goes on, counts what it drops, says so when it is read again, and ends in time.
+//! A log that nobody reads: the service continues, counts the dropped lines, reports them when the log is read again,
+//! and ends in time.
 
 use std::io::{BufRead, BufReader};
 use std::process::{ChildStderr, Stdio};
@@ -7,10 +8,11 @@ use std::sync::mpsc;
 use crate::cli::{Service, ended, exchanged, get, planish};
 use crate::http::server::PATIENCE;
 
-/// So many refusals that their lines fill a pipe (64 KiB) and all that the service keeps (1 MiB).
+/// Number of refusals whose lines fill a pipe (64 KiB) and the buffer of the service (1 MiB).
 const N_REFUSALS: usize = 12_000;
 
-/// A service that logs every refusal, its address, and the pipe with its log, of which only the start was read.
+/// Starts a service that logs every refusal; returns it with its address and the pipe of its log, of which only the
+/// start was read.
 fn service() -> (Service, String, BufReader<ChildStderr>) {
     let mut command = planish();
     command.args(["serve", "--listen", "127.0.0.1:0", "--cache-bytes", "0"]).env("PLANISH_LOG", "info");
@@ -25,7 +27,7 @@ fn service() -> (Service, String, BufReader<ChildStderr>) {
     (Service(child), url, log)
 }
 
-/// Asks many times for what is not there.
+/// Sends many requests for a missing path.
 fn be_refused(url: &str) {
     let request = |end: &str| format!("GET /nothing HTTP/1.1\r\nhost: {url}\r\n{end}\r\n");
     for _ in 0..N_REFUSALS / 100 {
@@ -38,7 +40,7 @@ fn be_refused(url: &str) {
 #[test]
 fn l_a_line_of_the_log_is_short_however_long_the_request_was() {
     let (service, url, mut log) = service();
-    // escapes make it longer where it is repeated
+    // escapes make the text longer where it is repeated
     let body = format!("{{\"{}\": 1}}", r#"\u0001\"x"#.repeat(1 << 18));
     let length = body.len();
     let answer = exchanged(
@@ -81,7 +83,7 @@ fn m9_dropped_lines_are_counted_and_told_when_the_log_is_read_again() {
     let (n_written, n_dropped) = told.recv_timeout(PATIENCE).unwrap();
     let n_dropped = n_dropped.unwrap();
     assert!(n_dropped > 0);
-    // of each request two lines tell: why it was refused, and that it was answered
+    // each request has two lines: the reason of the refusal, and the answer
     assert_eq!(n_written + n_dropped, 2 * N_REFUSALS, "every line was written or counted");
     assert_eq!(get(&url, "/livez"), "alive\n");
     assert_eq!(ended(service), Some(0));

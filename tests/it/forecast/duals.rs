@@ -1,4 +1,5 @@
-//! C1: estimates count, they do not build. What is forecast of words with D is what the operators make, on any mesh.
+//! C1: estimates count, and do not build. Forecasts of words with D equal the nets that the operators make, on any
+//! mesh.
 
 use planish::job::Input;
 use planish::job::limits::{Limits, Refusal};
@@ -18,11 +19,11 @@ use serde_json::json;
 use crate::support::nets::{self, Net};
 use crate::support::{parsed, peak};
 
-/// Nets are built as long as they have so few corners.
+/// Maximum number of corners up to which nets are built.
 const MOST_CORNERS: usize = 12_000;
 const CAP: u128 = 1 << 40;
 
-/// What is compared of a net, counted from its topology.
+/// Returns the counts of a net from its topology.
 fn counted(net: &MeshNet) -> Count {
     let topology = net.mesh.topology();
     let fan = |v: usize| topology.ring(v).count() + if topology.boundary_edges(v).is_some() { 2 } else { 0 };
@@ -37,7 +38,7 @@ fn counted(net: &MeshNet) -> Count {
     }
 }
 
-/// The net after each step, as the operators make it, and the steps that were affordable.
+/// Returns the counts of the net after each step of the operators, and the steps that were small enough.
 fn built<'a>(net: &MeshNet, steps: &'a [Scheduled]) -> (Vec<Count>, &'a [Scheduled], Option<(u32, StepError)>) {
     let (mut net, mut counts) = (net.clone(), vec![counted(net)]);
     let plan = Plan::none(Boundary::default(), Ends::default());
@@ -60,7 +61,7 @@ fn built<'a>(net: &MeshNet, steps: &'a [Scheduled]) -> (Vec<Count>, &'a [Schedul
     (counts, steps, None)
 }
 
-/// Compares the forecast with what is built after every step, each of them being the last one once.
+/// Compares the forecast with the built net after every step; each step is the last one once.
 fn check(net: &Net, word: &str, split: &str, levels: u32) -> Result<(), TestCaseError> {
     let plan = json!({ "word": word, "parameters": { "kernel": 0.8, "delta": 0.4, "split": split } });
     let text = json!({ "input": net.input(), "plan": plan, "levels": levels, "outputs": [{ "format": "json" }] });
@@ -84,7 +85,7 @@ fn check(net: &Net, word: &str, split: &str, levels: u32) -> Result<(), TestCase
     Ok(())
 }
 
-/// Meshes side by side.
+/// Joins meshes side by side.
 fn together(nets: Vec<Net>) -> Net {
     let mut all = Net::default();
     for net in nets {
@@ -95,7 +96,7 @@ fn together(nets: Vec<Net>) -> Net {
     all
 }
 
-/// A grid without some of its faces: holes, narrow strips, corners that meet.
+/// Returns a grid without some of its faces: holes, narrow strips, corners that meet.
 fn perforated() -> impl Strategy<Value = Net> {
     (1..7_usize, 1..7_usize, proptest::collection::vec(any::<prop::sample::Index>(), 0..8)).prop_map(|(n, m, holes)| {
         let mut net = nets::grid(n, m);
@@ -107,7 +108,7 @@ fn perforated() -> impl Strategy<Value = Net> {
     })
 }
 
-/// Fans of triangles or quads around one vertex, which may be pinched there.
+/// Returns fans of triangles or quads around one vertex, which may be pinched there.
 fn pinched() -> impl Strategy<Value = Net> {
     (3..8_usize, 1..3_usize, any::<u8>()).prop_map(|(n, rings, missing)| {
         let (mut net, _) = nets::sectors_of_quads(n, rings);
@@ -118,7 +119,7 @@ fn pinched() -> impl Strategy<Value = Net> {
     })
 }
 
-/// Polygons glued back to back along some of their edges, so that vertices lie between two faces.
+/// Returns polygons glued back to back along some of their edges, so that vertices have two faces only.
 fn pillow() -> impl Strategy<Value = Net> {
     (3..7_usize, 0..3_usize).prop_map(|(n, more)| {
         let mut positions = nets::prism(n).positions[..n].to_vec();
@@ -154,7 +155,7 @@ fn triangles() -> impl Strategy<Value = Net> {
     ]
 }
 
-/// Words with at least one D.
+/// Returns words with at least one D.
 fn words() -> impl Strategy<Value = String> {
     let letters = prop::sample::select(vec!["U", "U", "U", "U3", "U4", "D", "D", "D", "C", "P"]);
     let common =
@@ -191,7 +192,7 @@ fn open_grid(word: &str, levels: u32) -> (MeshNet, Vec<Scheduled>) {
     (mesh_net(mesh, &job.plan), job.plan.schedule(levels).expect("no functions"))
 }
 
-/// A grid of n x n quads becomes one of 2 n - k under U and k times D: what no forecast could build any more.
+/// A grid of n x n quads becomes one of 2 n - k under U and k times D: too large to be built for a forecast.
 #[test]
 fn c1_estimates_count_and_do_not_build() {
     for (word, lost, levels, kept) in [("UD", 1, 20, 1 << 20), ("UDD", 2, 12, 32 << 20), ("UD", 1, 40, 1 << 20)] {

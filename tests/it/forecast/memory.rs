@@ -1,5 +1,5 @@
-//! M3: memory forecasts hold. The bytes that a job says it needs are at least those that it holds at its peak, and not
-//! many times more.
+//! M3: memory forecasts hold. The bytes that a job is forecast to need are at least those that it holds at its peak,
+//! and not many times more.
 
 use planish::job::limits::Limits;
 use planish::job::run;
@@ -9,21 +9,20 @@ use serde_json::{Value, json};
 use crate::support::nets::{self, Net};
 use crate::support::{parsed, peak};
 
-/// What a job may hold beyond its forecast: the least that any computation takes of the server's memory. Rows of one
+/// Allowed excess over the forecast in bytes: the least that any computation takes of the server's memory. Rows of one
 /// chunk and buffers of writers do not shrink with the net.
 const SLACK: u128 = 1 << 20;
-/// From here on what does not shrink with the net no longer matters.
+/// Number of bytes from which the parts that do not shrink with the net are negligible.
 const LARGE: u128 = 4 << 20;
-/// The same of limits: the impulses that they are found with are counted as 10 MiB where a word has many operators.
+/// The same for limits: the impulses that determine them are counted as 10 MiB if a word has many operators.
 const LARGE_LIMIT: u128 = 16 << 20;
 
-/// Compares the bytes that are forecast with those taken by the first output of a job, which counts as long as it may
-/// be.
+/// Checks that the first output of a job takes no more bytes than forecast, and not far fewer if the job is large.
 fn holds(name: &str, job: &Value) {
     holds_from(LARGE, name, job);
 }
 
-/// The same where jobs count as large from so many bytes.
+/// Does the same for jobs that are large from `large` bytes on.
 fn holds_from(large: u128, name: &str, job: &Value) {
     let read = parsed(job.to_string().as_bytes()).unwrap_or_else(|faults| panic!("{name}: {faults:?}"));
     let admitted = Limits::default().admit(read).unwrap_or_else(|refusal| panic!("{name}: {refusal:?}"));
@@ -211,7 +210,7 @@ fn m3_curves_hold_what_they_say() {
     }
 }
 
-/// Jobs whose meshes are swept, twenty kinds and more.
+/// Returns jobs whose meshes are swept, twenty kinds and more.
 fn swept_jobs() -> Vec<(&'static str, Value)> {
     let (open, closed, triangles) = (nets::grid(16, 16), nets::torus(12, 12), nets::octahedron());
     let catmull_clark = preset("catmull-clark");

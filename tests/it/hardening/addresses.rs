@@ -1,4 +1,4 @@
-//! Ids are parsed before anything is looked up; no text of a request becomes a path.
+//! Ids are parsed before any lookup; no text of a request becomes a path.
 
 use crate::http::jobs::mesh;
 use crate::http::server::{Folder, rest, settings, story};
@@ -38,7 +38,7 @@ fn no_trick_with_an_address_leads_anywhere() {
             assert!(answer.starts_with("HTTP/1.1 404"), "{trick}: {answer}");
             assert!(answer.contains("application/problem+json"), "{trick}: {answer}");
         }
-        // the same address, spelled otherwise (RFC 3986)
+        // the same address in another notation (RFC 3986)
         assert_eq!(server.get(&place.replace(".glb", "%2eglb")).await.ok().body, made.body);
     });
 }

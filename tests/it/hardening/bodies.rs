@@ -1,4 +1,4 @@
-//! Bodies that are long, deep or not what they say.
+//! Bodies that are long, deep or not what their headers claim.
 
 use std::io::Write;
 
@@ -94,7 +94,7 @@ fn a_compressed_job_is_the_job() {
             let answer = server.post_text("/v1/render", packed.clone(), &coding).await.ok();
             assert_eq!((answer.header("etag"), &answer.body), (plain.header("etag"), &plain.body));
             server.post_text("/v1/estimate", packed.clone(), &coding).await.ok();
-            // a body that ends early, or goes on, is not read as if it were whole
+            // a coded body that ends early, or has trailing bytes, is not accepted as a whole
             let more = [&packed[..], b"more"].concat();
             for broken in [&packed[..packed.len() - 5], &more, job.as_bytes()] {
                 server.post_text("/v1/render", broken, &coding).await.problem(400, "not-coded");

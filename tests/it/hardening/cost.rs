@@ -1,4 +1,4 @@
-//! Costs are predicted by what they are made of: what a job counts while it runs is within what was told of it.
+//! Costs are predicted from their components: the rows that a job counts while it runs stay within the prediction.
 
 use planish::job::limits::{Admitted, Limits};
 use planish::job::run;
@@ -9,14 +9,14 @@ use serde_json::{Value, json};
 use crate::support::nets::torus;
 use crate::support::parsed;
 
-/// Rows in a millisecond of an estimate.
+/// Number of rows per millisecond in estimates.
 const ROWS_A_MS: u128 = 10_000;
 
 fn admitted(job: &Value) -> Admitted {
     Limits::default().admit(parsed(job.to_string().as_bytes()).unwrap()).unwrap()
 }
 
-/// Rows that were forecast for a job with one output, and those that were counted.
+/// Returns the rows that were forecast for a job with one output, and those that were counted.
 fn rows(job: &Value) -> (u128, u128) {
     let admitted = admitted(job);
     let watch = Watch::new();
@@ -24,7 +24,7 @@ fn rows(job: &Value) -> (u128, u128) {
     (ROWS_A_MS * admitted.estimate().time_ms, watch.done().into())
 }
 
-/// Fails where less was told than there is, or more than `factor` times as much beyond `spare` milliseconds.
+/// Fails if fewer rows were predicted than counted, or more than `factor` times as many beyond `spare` milliseconds.
 fn told(job: &Value, factor: u128, spare: u128) {
     let (told, done) = rows(job);
     assert!(done <= told, "{done} rows were counted and {told} told");
@@ -38,7 +38,7 @@ fn picture(positions: &[[f64; 3]], faces: &[Vec<usize>], side: u32) -> Value {
     })
 }
 
-/// Squares above each other, the last uppermost.
+/// Returns squares above each other, the last uppermost.
 fn stacked(n: usize) -> (Vec<[f64; 3]>, Vec<Vec<usize>>) {
     let corners = [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]];
     let height = |i: usize| 1e-6 * f64::from(u32::try_from(i).unwrap());
@@ -46,14 +46,14 @@ fn stacked(n: usize) -> (Vec<[f64; 3]>, Vec<Vec<usize>>) {
     (positions, (0..n).map(|i| (4 * i..4 * i + 4).collect()).collect())
 }
 
-/// Points around the z axis.
+/// Returns points around the z axis.
 fn circle(n: usize) -> Vec<[f64; 3]> {
     let angle =
         |i: usize| std::f64::consts::TAU * f64::from(u32::try_from(i).unwrap()) / f64::from(u32::try_from(n).unwrap());
     (0..n).map(|i| [cos(angle(i)), sin(angle(i)), 0.0]).collect()
 }
 
-/// Two points and a circle between them, joined by triangles.
+/// Returns two points and a circle between them, joined by triangles.
 fn spindle(n: usize) -> (Vec<[f64; 3]>, Vec<Vec<usize>>) {
     let mut positions = circle(n);
     positions.extend([[0.0, 0.0, 1.0], [0.0, 0.0, -1.0]]);
@@ -102,7 +102,7 @@ fn limit(n: usize, plan: &Value, normals: &str) -> Value {
 fn h3_limits_around_a_vertex_of_many_faces_take_as_long_as_there_are_faces() {
     let plan = json!({ "preset": "loop" });
     for normals in ["none", "limit"] {
-        // tangents that cannot be told apart are not looked for
+        // tangents that are not distinct are not searched for
         let [(few_told, few), (many_told, many)] = [2_500, 10_000].map(|n| rows(&limit(n, &plan, normals)));
         assert!(few <= few_told && many <= many_told, "{few} of {few_told}, {many} of {many_told}");
         assert!(many < 5 * few && many_told < 5 * few_told, "{few} of {few_told}, {many} of {many_told}");

@@ -1,4 +1,4 @@
-//! What the stories of disks share, and what uses of artifacts mean for the disk.
+//! Shared helpers for tests of disks, and the effect of uses of artifacts on the disk.
 
 use std::io::Write;
 use std::sync::Arc;
@@ -17,7 +17,7 @@ use crate::http::server::{PATIENCE, Server, settings, until};
 use crate::store::faulty::Faulty;
 use crate::store::{ROOMY, Scratch, description, key, noise};
 
-/// A runtime that leaves the threads behind that hang.
+/// A runtime that does not wait for hanging threads when it is dropped.
 struct Leaving(Option<Runtime>);
 
 impl Drop for Leaving {
@@ -26,7 +26,7 @@ impl Drop for Leaving {
     }
 }
 
-/// Runs a story to its end.
+/// Runs a test to its end.
 pub(super) fn run<T>(story: impl Future<Output = T>) -> T {
     let runtime = tokio::runtime::Builder::new_multi_thread().worker_threads(2).enable_all().build().unwrap();
     let runtime = Leaving(Some(runtime));
@@ -34,7 +34,8 @@ pub(super) fn run<T>(story: impl Future<Output = T>) -> T {
     runtime.0.as_ref().unwrap().block_on(told)
 }
 
-/// A service over these stores, in which slow machines begin nothing again in the long lane.
+/// Creates a service over these stores. Its short lane has the full time limit, so that slow machines restart nothing
+/// in the long lane.
 pub(super) async fn app(tiers: Tiers) -> (TcpListener, Arc<App>) {
     let (listener, mut app) = bind(settings()).await.unwrap();
     let desk = &mut Arc::get_mut(&mut app).expect("it does not serve yet").desk;
@@ -44,7 +45,7 @@ pub(super) async fn app(tiers: Tiers) -> (TcpListener, Arc<App>) {
     (listener, app)
 }
 
-/// Serves over these stores for as long as the story takes.
+/// Serves over these stores during a test.
 pub(super) async fn served<T>(tiers: Tiers, tell: impl AsyncFnOnce(&Server) -> T) -> T {
     let (listener, app) = app(tiers).await;
     let address = listener.local_addr().unwrap();
@@ -71,7 +72,7 @@ pub(super) fn make(tiers: &Tiers, number: u64, length: usize) -> Kept {
     kept
 }
 
-/// The bytes of an artifact as an answer reads them.
+/// Reads the bytes of an artifact as an answer does.
 pub(super) async fn bytes(tiers: &Tiers, kept: &Kept) -> Option<Vec<u8>> {
     if let Some(loose) = &kept.loose {
         return Some(loose.to_vec());
@@ -83,7 +84,7 @@ pub(super) async fn bytes(tiers: &Tiers, kept: &Kept) -> Option<Vec<u8>> {
     Some(bytes)
 }
 
-/// Waits until nothing waits for the disk.
+/// Waits until no write is pending on the disk.
 pub(super) async fn written(tiers: &Tiers) {
     until("nothing waits for the disk", || tiers.disk_backlog() == (0, 0)).await;
 }

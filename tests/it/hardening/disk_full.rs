@@ -1,4 +1,4 @@
-//! Caches without room and disks that fail: nothing is computed twice, and the disk says that it is in trouble.
+//! Caches without room and failing disks: nothing is computed twice, and the disk reports its trouble.
 
 use std::sync::Arc;
 use std::sync::atomic::Ordering;
@@ -22,12 +22,12 @@ use crate::store::faulty::Faulty;
 use crate::store::{ROOMY, Scratch, key};
 use crate::support;
 
-/// Three parts of a store.
+/// Returns a job whose result takes three parts of a store.
 fn job() -> Value {
     with(mesh(7), "json")
 }
 
-/// Has the job computed over these stores: the rows that were made, the bytes, and what the disk counted.
+/// Computes the job over these stores; returns the rows that were made, the bytes, and the counters of the disk.
 fn computed(tiers: Tiers) -> (u64, Vec<u8>, [(&'static str, u64); 11]) {
     run(async {
         let (_, app) = app(tiers).await;
@@ -40,7 +40,7 @@ fn computed(tiers: Tiers) -> (u64, Vec<u8>, [(&'static str, u64); 11]) {
     })
 }
 
-/// Under the limit on file sizes every write fails as it does on a full disk (the signal is ignored, the error stays).
+/// Under a limit on file sizes, every write fails as on a full disk (the signal is ignored, the error remains).
 #[test]
 #[cfg(target_os = "linux")]
 fn jobs_are_refused_while_the_disk_is_full_and_accepted_again_when_there_is_room() {
@@ -94,7 +94,7 @@ fn m5_a_result_is_computed_once_whatever_the_caches_take() {
 fn m5_a_result_is_computed_once_though_the_disk_fails_within_it() {
     let (rows, expected, _) = computed(Tiers::new(512 << 20, None));
     let room = PART_BYTES as u64 * 3 / 2;
-    // the disk is full, or the store has less than half of it for one artifact
+    // the disk is full, or one artifact would take more than half of the store
     for (full, capacity) in [(room, ROOMY), (ROOMY, 2 * room)] {
         let (scratch, disk) = (Scratch::new(), Faulty::new());
         disk.limit(&scratch.0, full);

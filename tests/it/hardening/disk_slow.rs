@@ -1,4 +1,4 @@
-//! Disks that are slow, or do not answer at all: they cost few threads, little memory, and no answer.
+//! Disks that are slow or do not answer: they take few threads and little memory, and no answer waits for them.
 
 use std::sync::Arc;
 use std::sync::atomic::Ordering;

@@ -1,4 +1,4 @@
-//! The account of memory: what requests, records and answers hold is taken before it is there, and comes back.
+//! The memory account: the memory of requests, records and answers is booked before it is allocated, and returned.
 
 use std::sync::Arc;
 
@@ -11,7 +11,7 @@ use tokio::io::{AsyncReadExt, AsyncWriteExt};
 use crate::http::jobs::{mesh, with};
 use crate::http::server::{Server, settings, story, until};
 
-/// A server whose bodies may take 8 MiB together, and its records and waiting inputs a little.
+/// Returns settings in which all bodies may take 8 MiB together, and records and waiting inputs a little.
 fn small() -> Settings {
     Settings { max_memory_bytes: 256 << 20, ..settings() }
 }
@@ -103,7 +103,7 @@ fn c2_records_leave_for_others_and_jobs_under_way_do_not() {
         until("all are done", || server.app.desk.n_under_way() == 0).await;
         let jobs = server.app.desk.jobs.len();
         assert!(jobs >= usize::try_from(n).unwrap(), "{jobs} of {n} are known");
-        // those that are done make room
+        // settled records make room
         let held = server.hold().await;
         let answer = server.post_with("/v1/render", &with(mesh(2), "stats"), &[("prefer", "respond-async")]).await;
         assert_eq!(answer.status, 202, "{}", answer.text());
@@ -123,7 +123,7 @@ fn h1_bodies_take_from_the_account_as_they_arrive_and_one_peer_gets_half() {
         }
         until("three bodies are held", || bodies.usage().taken >= 3 << 20).await;
         assert!(bodies.usage().taken < 4 << 20);
-        // half of 8 MiB is this peer's; what stays with it is small enough to be free
+        // half of 8 MiB is this peer's share; the rest that it keeps is small enough to be free
         let fourth = crate::http::server::rest(
             server.said(&server.request("/v1/render", "connection: close\r\n", &whole)).await,
         );
@@ -137,14 +137,14 @@ fn h1_bodies_take_from_the_account_as_they_arrive_and_one_peer_gets_half() {
 
 #[test]
 fn m1_answers_that_are_not_read_hold_no_more_than_their_share() {
-    // answers may take 16 MiB, whatever the cache holds beside them
+    // answers may take 16 MiB, besides the memory of the cache
     let settings = Settings { memory_cache_bytes: 64 << 20, least_rate_bytes_s: 1, ..small() };
     story(settings, async |server| {
         let answers = &server.app.desk.account.answers;
         let mut readers = Vec::new();
         let mut refused = 0;
         for i in 0..10 {
-            // 2.1 MB of json each, more than the buffers of a connection take
+            // 2.1 MB of JSON each, more than the buffers of a connection take
             let mut job = with(mesh(6), "json");
             job["input"]["mesh"]["positions"][0][0] = json!(f64::from(i) / 16.0 - 1.0);
             let mut stream = server.said(&server.request("/v1/render", "", &job.to_string())).await;

@@ -66,7 +66,7 @@ fn levels_of_tolerances_on_meshes_are_found_in_line() {
     });
 }
 
-/// A client that leaves ends its wait, not the work.
+/// A client that disconnects ends its wait, not the work.
 #[test]
 fn a_turn_lasts_until_its_work_ends_though_nobody_waits_for_it() {
     story(settings(), async |server| {

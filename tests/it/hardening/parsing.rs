@@ -1,4 +1,4 @@
-//! What reading takes of memory is bounded by the bytes that came in, whatever they claim to be.
+//! The memory of reading is bounded by the received bytes, whatever they claim to be.
 
 use allocation_counter::measure;
 use planish::input::{self, ReadLimits};
@@ -6,16 +6,16 @@ use planish::wire::JobRequest;
 use planish::wire::input::Purpose;
 use planish::wire::read::read;
 
-/// One more than a power of two: lists that double their room have just done so, and hold old and new at once.
+/// One more than a power of two: lists that double their capacity have just done so, and hold the old and the new one.
 const MANY: usize = (1 << 16) + 1;
 
-/// Bytes that a reader takes at most while it reads.
+/// Returns the largest number of bytes that a reader takes while it reads.
 fn peak(format: &str, file: &[u8]) -> u64 {
     let reader = input::named(format).unwrap();
     measure(|| drop((reader.read)(&file.into(), &ReadLimits::default()))).bytes_max
 }
 
-/// The first sentence of a refusal.
+/// Returns the first message of a refusal.
 fn refusal(format: &str, file: &str) -> String {
     let reader = input::named(format).unwrap();
     (reader.read)(&file.as_bytes().into(), &ReadLimits::default()).unwrap_err().swap_remove(0)
@@ -25,7 +25,7 @@ fn many(start: &str, part: &str, end: &str) -> Vec<u8> {
     [start, &part.repeat(MANY), end].concat().into_bytes()
 }
 
-/// Texts of numbers, one after the other.
+/// Concatenates `n` texts.
 fn joined(n: usize, text: impl Fn(usize) -> String) -> String {
     (0..n).map(text).collect::<Vec<_>>().concat()
 }
@@ -36,7 +36,7 @@ fn check(name: &str, format: &str, file: &[u8]) {
     assert!(taken <= most, "{format}, {name}: {length} bytes take {taken}, {most} are allowed");
 }
 
-/// A glTF document of one list.
+/// Returns a glTF document with one list.
 fn document(list: &str, part: &str) -> Vec<u8> {
     many(&format!(r#"{{"asset":{{"version":"2.0"}},"{list}":["#), &format!("{part},"), &format!("{part}]}}"))
 }
@@ -50,7 +50,7 @@ fn c3_documents_are_counted_before_anything_is_made_of_them() {
     // a name with an escape in it is the same name
     let escaped = file.replace("nodes", "n\\u006fdes");
     assert!(refusal("gltf", &escaped).starts_with("\"n\\\\u006fdes\": 65538 entries take "));
-    // where every node says where it is
+    // nodes with a translation
     let told = String::from_utf8(document("nodes", r#"{"mesh":0,"name":"a chair","translation":[1.25,0.5,2.75]}"#));
     assert_eq!(refusal("gltf", &told.unwrap()), "node 0: there is no mesh 0");
 }
@@ -249,7 +249,7 @@ fn c2_numbers_without_bytes_are_refused() {
         assert!(found.starts_with(place) && found.ends_with("are taken: send less at once"), "{found}");
         check("zeros", "gltf", file(rest).as_bytes());
     }
-    // a few of them are the places that a sparse accessor changes
+    // a few of the indices are the entries that a sparse accessor changes
     let few = file("").replace("999999", "3000");
     assert_eq!(
         (input::named("gltf").unwrap().read)(&few.as_bytes().into(), &ReadLimits::default()).unwrap().positions.len(),
@@ -257,7 +257,7 @@ fn c2_numbers_without_bytes_are_refused() {
     );
 }
 
-/// Little that claims to be much: what a few bytes come to by being named again is taken from their weight.
+/// Small files that claim to be large: data that is referenced repeatedly is bounded by the weight of the file.
 #[test]
 fn c2_what_is_used_again_is_bounded_by_the_weight() {
     let zero = r#"{"componentType":5126,"count":300,"type":"VEC3"}"#;
@@ -274,20 +274,20 @@ fn c2_what_is_used_again_is_bounded_by_the_weight() {
     let colored = r#"{"attributes":{"POSITION":0,"COLOR_0":0,"_A":0},"extras":{"group":"a"},"material":7}"#;
     check("many primitives", "gltf", document(&many(colored), node).as_bytes());
     let few = document(one, &[node; 9].join(","));
-    // all of their corners are in one place, and are vertices of their own
+    // all of their corners are at one position, and are separate vertices
     assert_eq!(
         (input::named("gltf").unwrap().read)(&few.as_bytes().into(), &ReadLimits::default()).unwrap().faces.len(),
         900
     );
 }
 
-/// Reads and checks on this thread alone, so that all is counted.
+/// Reads and checks a job on this thread only, so that all allocations are counted.
 fn check_job(name: &str, job: &str) {
     let (mut kept, length) = (None, job.len() as u64);
     let work = || read::<JobRequest>(job.as_bytes()).map(JobRequest::resolve);
     let taken = measure(|| kept = Some(work())).bytes_max;
     let most = planish::wire::read::weight(length);
-    // without what is allowed whatever the length, so that a list that takes too much is seen in a short one
+    // without the constant part of the bound, so that a list that takes too much is found in a short file
     assert!(taken <= most - planish::wire::read::weight(0) + 4096, "{name}: {length} bytes take {taken}: {kept:?}");
 }
 
@@ -357,7 +357,7 @@ fn c3_no_request_takes_more_than_its_weight() {
     }
 }
 
-/// A grid of `n x n` vertices; every `turned`th face runs the other way.
+/// Returns a grid of `n x n` vertices; every `turned`th face is reversed.
 fn grid(n: usize, turned: usize) -> String {
     let places: Vec<[usize; 3]> = (0..n * n).map(|i| [i % n, i / n, 0]).collect();
     let corner = |f: usize| f / (n - 1) * n + f % (n - 1);
@@ -373,7 +373,7 @@ fn grid(n: usize, turned: usize) -> String {
     format!(r#"{{"input":{{"mesh":{mesh}}},"outputs":[{{"format":"stats"}}]}}"#)
 }
 
-/// What an input says that it holds is never less than it does, and not much more.
+/// The memory that an input reports is never less than it holds, and not much more.
 #[test]
 fn c3_inputs_say_what_they_hold() {
     rayon::ThreadPoolBuilder::new().num_threads(1).use_current_thread().build().unwrap();

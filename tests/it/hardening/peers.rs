@@ -1,4 +1,4 @@
-//! Clients share the service by their addresses: none can fill it for the others.
+//! Clients share the service by their addresses: none can use it up for the others.
 
 use std::net::{IpAddr, Ipv4Addr, SocketAddr};
 
@@ -12,14 +12,14 @@ use tokio::net::{TcpSocket, TcpStream};
 use crate::http::jobs::{endless, mesh, with};
 use crate::http::server::{Server, rest, settings, story, until};
 
-/// A connection from another loopback address.
+/// Opens a connection from another loopback address.
 async fn from(server: &Server, last: u8) -> TcpStream {
     let socket = TcpSocket::new_v4().unwrap();
     socket.bind(SocketAddr::from(([127, 0, 0, last], 0))).unwrap();
     socket.connect(server.address).await.unwrap()
 }
 
-/// The answer to a job that somebody at another address sends.
+/// Returns the answer to a job that a client at another address sends.
 async fn stranger(server: &Server, last: u8, headers: &str, job: &serde_json::Value) -> String {
     let mut stream = from(server, last).await;
     let request = server.request("/v1/render", &format!("connection: close\r\n{headers}"), &job.to_string());
@@ -27,7 +27,7 @@ async fn stranger(server: &Server, last: u8, headers: &str, job: &serde_json::Va
     rest(stream).await
 }
 
-/// The same job as any other, and yet another one.
+/// Returns a job of the same cost that is different for each number.
 fn distinct(i: u32) -> serde_json::Value {
     let mut job = with(mesh(1), "stats");
     job["input"]["mesh"]["positions"][0][0] = json!(f64::from(i) / 8.0);
@@ -60,7 +60,7 @@ fn h2_many_jobs_of_one_client_leave_room_for_others() {
         assert!(answer.starts_with("HTTP/1.1 202"), "{answer}");
         drop(held);
         until("all are done", || server.app.desk.n_under_way() == 0).await;
-        // what is done counts no more
+        // settled jobs do not count
         let held = server.hold().await;
         let answer = server.post_with("/v1/render", &distinct(21), &[("prefer", "respond-async")]).await;
         assert_eq!(answer.status, 202);
@@ -204,7 +204,7 @@ fn h1_a_full_house_that_waits_for_the_service_turns_newcomers_away_in_words() {
             waiting.push(server.said(&server.request("/v1/render", "", &distinct(i).to_string())).await);
         }
         until("three wait", || server.app.desk.n_interests() == 3).await;
-        // the fourth connection is free for whoever asks something quick
+        // the fourth connection is free for quick requests
         for _ in 0..3 {
             let asked = server.said("GET /livez HTTP/1.1\r\nhost: localhost\r\nconnection: close\r\n\r\n").await;
             assert!(rest(asked).await.starts_with("HTTP/1.1 200"));

@@ -1,4 +1,4 @@
-//! Places: nothing holds one that belongs to others, on the event loop, in the lanes, or in the memory of a lane.
+//! Places: no work blocks the event loop, the lanes or the memory of a lane for others.
 
 use std::time::Duration;
 
@@ -28,7 +28,7 @@ fn m2_a_long_job_that_waits_for_memory_does_not_hold_short_ones_up() {
 #[test]
 fn h3_work_that_takes_longer_than_a_second_moves_to_the_long_lane() {
     story(settings(), async |server| {
-        // no patience at all in the short lane: whatever begins there is begun again in the long one
+        // with no patience in the short lane, all work that begins there is restarted in the long one
         let desk = &server.app.desk;
         let task = slow::Task::new();
         let interest = desk.compute(task.clone(), Peer::SELF).unwrap();
@@ -124,7 +124,7 @@ fn h5_the_search_of_a_client_that_leaves_is_stopped_and_refusals_are_remembered(
         let first = server.render(&job).await;
         let problem = first.problem(422, "invalid-job");
         assert_eq!(problem["errors"][0]["pointer"], "/levels/tolerance", "{problem}");
-        // what is remembered needs no place
+        // a remembered failure needs no place
         let held = server.hold().await;
         let again = server.render(&job).await.problem(422, "invalid-job");
         assert_eq!(again["detail"], problem["detail"]);
@@ -139,7 +139,7 @@ fn a_body_that_arrives_more_slowly_than_at_the_least_rate_is_answered_408() {
         let request = server.request("/v1/render", "connection: close\r\n", &mesh(1).to_string());
         let mut stream = server.said(&request[..request.len() - 200]).await;
         let (mut reader, mut writer) = stream.split();
-        // never silent for a second, and never done
+        // never silent for a second, and never complete
         let dripping = async {
             while writer.write_all(b" ").await.is_ok() {
                 tokio::time::sleep(Duration::from_millis(100)).await;
@@ -180,7 +180,7 @@ fn refusals_of_the_http_library_are_problems_too() {
             let problem: serde_json::Value = serde_json::from_str(body).unwrap();
             assert_eq!(problem["type"], format!("/docs/problems/{kind}"));
         }
-        // after answers of our own the refusal is one as well
+        // after answers of our own, the refusal is one as well
         let both = "GET /livez HTTP/1.1\r\nhost: localhost\r\n\r\n\u{16}\u{3}\u{1}\r\n\r\n";
         let answer = rest(server.said(both).await).await;
         assert!(answer.starts_with("HTTP/1.1 200") && answer.contains("alive"), "{answer}");
@@ -204,7 +204,7 @@ fn a_computation_that_panics_fails_alone_and_gives_back_what_it_held() {
     });
 }
 
-/// A task that is predicted to be quick and runs until it is told to end.
+/// A task that is predicted to be quick and runs until it is ended.
 mod slow {
     use std::io::Write;
     use std::sync::Arc;
@@ -266,7 +266,7 @@ mod slow {
     }
 }
 
-/// Long work that nobody waits for is stopped where it is, whatever lane it came to.
+/// Long work without waiting clients is stopped, in whatever lane it is.
 #[test]
 fn long_work_ends_with_the_last_interest() {
     story(settings(), async |server| {

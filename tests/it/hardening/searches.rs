@@ -1,4 +1,4 @@
-//! Searches for the level of a tolerance: counted, stopped where they are, bounded, and apart from reading a job.
+//! Searches for the level of a tolerance: counted, stoppable, bounded, and separate from reading a job.
 
 use planish::input::ReadLimits;
 use planish::job::{Draft, Search, SearchError};
@@ -8,7 +8,7 @@ use serde_json::{Value, json};
 
 use crate::support::nets::control;
 
-/// The cube whose first corner is far away.
+/// Returns the cube with its first corner far away.
 fn far_corner() -> Value {
     let mut input = control("cube");
     input["mesh"]["positions"][0] = json!([1e6, 1e6, 1e6]);

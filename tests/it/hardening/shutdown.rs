@@ -1,4 +1,4 @@
-//! The end of the service.
+//! The shutdown of the service.
 
 use std::future::Future;
 
@@ -10,7 +10,7 @@ use tokio::task::JoinHandle;
 use crate::http::jobs::{endless, mesh, with};
 use crate::http::server::{PATIENCE, Server, rest, settings, until};
 
-/// A server that the story stops itself.
+/// Runs a test with a server that the test stops itself.
 fn ending<F: Future<Output = ()>>(
     settings: Settings,
     tell: impl FnOnce(Server, oneshot::Sender<()>, JoinHandle<()>) -> F,

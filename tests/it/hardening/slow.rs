@@ -1,4 +1,4 @@
-//! Clients that take their time are let go; the others never notice.
+//! Slow clients are disconnected; the others do not notice.
 
 use planish::config::Settings;
 use tokio::io::{AsyncReadExt, AsyncWriteExt};
@@ -6,7 +6,7 @@ use tokio::io::{AsyncReadExt, AsyncWriteExt};
 use crate::http::jobs::{mesh, with};
 use crate::http::server::{rest, settings, story, until};
 
-/// A server that waits for a second.
+/// Returns settings with timeouts of one second.
 fn impatient() -> Settings {
     Settings { header_timeout_s: 1, body_timeout_s: 1, least_rate_bytes_s: 100 << 20, ..settings() }
 }
@@ -24,7 +24,7 @@ fn half_a_header_is_not_waited_for() {
 fn a_header_that_drips_is_not_waited_for() {
     story(impatient(), async |server| {
         let mut stream = server.said("GET /livez HTTP/1.1\r\nhost: localhost\r\n").await;
-        // written until the server has closed its side, which ends the story
+        // writes until the server has closed its side, which ends the test
         let dripping = async {
             while stream.write_all(b"x-a: b\r\n").await.is_ok() {
                 tokio::time::sleep(std::time::Duration::from_millis(50)).await;

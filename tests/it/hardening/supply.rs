@@ -1,5 +1,5 @@
-//! What is depended on: where it comes from, and under which licences. `deny.toml` says what may be; `cargo deny check`
-//! looks at more, by hand.
+//! Dependencies: their sources and licences. `deny.toml` lists the allowed ones; `cargo deny check`, run by hand,
+//! checks more.
 
 use std::collections::BTreeSet;
 use std::path::Path;
@@ -7,7 +7,7 @@ use std::process::Command;
 
 use serde_json::Value;
 
-/// The crates of a build for this machine, as cargo tells.
+/// Returns the crates of a build for this machine, from cargo.
 fn crates() -> Vec<Value> {
     let version = Command::new("rustc").arg("-vV").output().unwrap();
     let version = String::from_utf8(version.stdout).unwrap();
@@ -33,8 +33,8 @@ fn texts(list: &toml::Value) -> BTreeSet<String> {
     list.as_array().unwrap().iter().map(|text| text.as_str().unwrap().to_owned()).collect()
 }
 
-/// Whether an expression of licences can be met with the allowed ones. `/` is an older way to write OR; AND binds more
-/// strongly, and brackets hold alternatives.
+/// Whether a licence expression can be met with the allowed licences. `/` is an older notation of OR; AND binds more
+/// strongly, and brackets contain alternatives.
 fn is_met(expression: &str, allowed: &BTreeSet<String>) -> bool {
     let expression = expression.replace('/', " OR ");
     if let Some((before, rest)) = expression.split_once('(') {

@@ -6,7 +6,7 @@ use std::collections::BTreeSet;
 use std::fs;
 use std::path::Path;
 
-/// Attacks that were measured against a running service. Most of their tests bear the letter of the row.
+/// Attacks that were measured against a running service. Most of their tests have the letter of the row in their names.
 const MEASURED: &str = "\
 C1: Small estimates of words with a dual average on open meshes, at levels where the counting itself is the load.
 - c1_counts_after_each_d_are_as_built
@@ -273,7 +273,7 @@ supply chain: A crate from elsewhere, or under a licence that does not go with o
 - expressions_of_licences_are_met_by_one_alternative_or_by_none
 ";
 
-/// Adds the names of all test functions in the files of a folder and of those below it.
+/// Adds the names of all test functions in the files below a folder.
 fn collect(folder: &Path, found: &mut BTreeSet<String>) {
     for entry in fs::read_dir(folder).unwrap() {
         let path = entry.unwrap().path();
@@ -285,8 +285,8 @@ fn collect(folder: &Path, found: &mut BTreeSet<String>) {
     }
 }
 
-/// The names of the functions that follow a line with the attribute of a test; other attributes and comments may stand
-/// between. Functions in the macro of proptest have this attribute too.
+/// Returns the names of the functions that follow a line with the attribute of a test; other attributes and comments
+/// may be between. Functions in the macro of proptest have this attribute, too.
 fn names(text: &str) -> Vec<String> {
     let (mut names, mut is_test) = (Vec::new(), false);
     for line in text.lines().map(str::trim) {

@@ -1,5 +1,4 @@
-//! The threads of a service: each has a name that says what it is for, and their number does not grow with the
-//! requests.
+//! The threads of a service: the name of each states its purpose, and their number does not grow with the requests.
 #![cfg(target_os = "linux")]
 
 use std::collections::BTreeMap;
@@ -11,11 +10,11 @@ use serde_json::json;
 use crate::cli::{Service, exchanged, get, planish};
 use crate::http::jobs::{mesh, with};
 
-/// How many threads of a process have each name, numbers left out.
+/// Returns the number of threads of a process by name, without the numbers in the names.
 fn threads(process: u32) -> BTreeMap<String, usize> {
     let mut names = BTreeMap::new();
     for task in std::fs::read_dir(format!("/proc/{process}/task")).unwrap() {
-        // a thread may end while it is looked at
+        // a thread may end in the meantime
         let Ok(name) = std::fs::read_to_string(task.unwrap().path().join("comm")) else { continue };
         let name = name.trim().trim_end_matches(|c: char| c.is_ascii_digit()).trim_end_matches('-');
         *names.entry(name.to_owned()).or_default() += 1;
@@ -51,6 +50,6 @@ fn the_service_computes_on_its_own_threads_and_never_on_a_pool_of_the_process() 
     for lane in ["reading", "short", "long"] {
         assert_eq!(threads.get(lane), Some(&3), "{threads:?}");
     }
-    // unnamed threads, as those of a pool of the whole process would be, have the name of the process
+    // unnamed threads, such as those of a global pool, would have the name of the process
     assert_eq!(threads.get("planish"), Some(&1), "{threads:?}");
 }

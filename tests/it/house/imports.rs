@@ -1,28 +1,29 @@
-//! Which file of `src` imports which, read from their text: `use` trees, paths in code, and what re-exports stand for.
+//! The imports between the files of `src`, read from their text: `use` trees, paths in code, and the targets of
+//! re-exports.
 
 use std::collections::{BTreeMap, BTreeSet};
 
-/// Most names that one import is followed through: `use a::X` where `a` itself has `pub use b::X`, and so on.
+/// Maximum number of names through which one import is followed: `use a::X` with `pub use b::X` in `a`, and so on.
 const MOST_STEPS: u32 = 12;
 
 /// A module as its names from the crate's root; the root is empty.
 type Module = Vec<String>;
 
-/// The files of a crate by the module each is.
+/// The files of a crate by their modules.
 pub(super) struct Crate {
     files: BTreeMap<Module, File>,
 }
 
 struct File {
     path: String,
-    /// What `use` declarations bring in: the path, and the name here.
+    /// The imported paths of `use` declarations, with the local names.
     uses: Vec<(Vec<String>, String)>,
     /// Paths in code.
     inline: Vec<Vec<String>>,
 }
 
 impl Crate {
-    /// The crate of these files below `src`: their paths and texts.
+    /// Reads a crate from the paths and texts of its files below `src`.
     pub(super) fn of(files: impl IntoIterator<Item = (String, String)>) -> Self {
         let read = |(path, text): (String, String)| {
             let mut module: Module = path.trim_end_matches(".rs").split('/').map(str::to_owned).collect();
@@ -35,7 +36,7 @@ impl Crate {
         Self { files: files.into_iter().filter_map(read).collect() }
     }
 
-    /// For each file those that it imports, by path.
+    /// Returns for each file the files that it imports, by path.
     pub(super) fn imports(&self) -> BTreeMap<&str, BTreeSet<&str>> {
         let of_file = |(module, file): (&Module, &File)| {
             let paths = file.uses.iter().map(|(path, _)| path).chain(&file.inline);
@@ -48,7 +49,7 @@ impl Crate {
         self.files.iter().map(|entry| (entry.1.path.as_str(), of_file(entry))).collect()
     }
 
-    /// The module that defines what a path in `module` leads to; `None` outside the crate.
+    /// Returns the module that defines the target of a path in `module`; `None` outside the crate.
     fn defined_in(&self, module: &Module, path: &[String], steps: u32) -> Option<Module> {
         let (first, rest) = path.split_first().filter(|_| steps < MOST_STEPS)?;
         let mut here = module.clone();
@@ -116,7 +117,7 @@ impl File {
     }
 }
 
-/// The paths of a `use` tree with the names that they have here; a glob stands for its module.
+/// Returns the paths of a `use` tree with their local names; a glob denotes its module.
 fn leaves(tree: &str) -> Vec<(Vec<String>, String)> {
     let tree = tree.trim();
     if let Some((prefix, body)) = tree.strip_suffix('}').and_then(|tree| tree.split_once('{')) {
@@ -135,14 +136,14 @@ fn leaves(tree: &str) -> Vec<(Vec<String>, String)> {
     vec![(path, name)]
 }
 
-/// The paths of two and more names in a line of code.
+/// Returns the paths of two and more names in a line of code.
 fn paths(line: &str) -> impl Iterator<Item = Vec<String>> + '_ {
     let words = line.split(|c: char| !c.is_ascii_alphanumeric() && c != '_' && c != ':');
     let words = words.map(|word| word.trim_matches(':')).filter(|word| word.contains("::"));
     words.map(|word| word.split("::").map(str::to_owned).collect())
 }
 
-/// The groups of files each of which leads back to itself through the others, the smallest first.
+/// Returns the groups of files that import each other in a circle, the smallest first.
 pub(super) fn circles<'a>(imports: &BTreeMap<&'a str, BTreeSet<&'a str>>) -> Vec<BTreeSet<&'a str>> {
     let reached = |from: &'a str| {
         let (mut seen, mut open) = (BTreeSet::new(), vec![from]);

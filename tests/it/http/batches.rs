@@ -1,4 +1,4 @@
-//! Batches: lists and grids, partial failure, cancel, restarts, events, archives.
+//! Batches: lists and grids, partial failure, cancellation, restarts, events, archives.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
@@ -13,13 +13,13 @@ use super::server::{Answer, Folder, Server, settings, story, until};
 
 const WAIT: [(&str, &str); 1] = [("prefer", "wait=200")];
 
-/// A list of three small jobs, the last of an analysis.
+/// Returns a list of three small jobs, the last of which is an analysis.
 fn three() -> Value {
     let question = json!({ "analysis": { "plan": { "preset": "four-point" } } });
     json!({ "jobs": [with(polygon(3), "svg"), with(mesh(1), "obj"), question] })
 }
 
-/// A template with two axes, the second of which adds a field.
+/// Returns a template with two axes, the second of which adds a field.
 fn grid() -> Value {
     let mut template = with(mesh(1), "json");
     template["plan"] = json!({ "preset": "push-back", "parameters": {} });
@@ -50,7 +50,7 @@ fn computed(server: &Server) -> u64 {
     server.app.desk.tally.computations().map(|(_, n)| n).sum()
 }
 
-/// The files of an archive as its list tells them: names, with checksum and bytes.
+/// Returns the files of an archive from its directory: names and bytes, with checksums verified.
 fn unzipped(zip: &[u8]) -> Vec<(String, Vec<u8>)> {
     let number = |at: usize, n: usize| zip[at..at + n].iter().rev().fold(0, |sum, byte| sum << 8 | usize::from(*byte));
     let end = zip.len() - 22;
@@ -189,7 +189,7 @@ fn a_grid_is_counted_before_any_of_its_jobs_is_made() {
         let problem = server.post("/v1/batches", &bomb).await.problem(422, "invalid-job");
         assert_eq!(problem["errors"][0]["pointer"], "/grid");
         assert!(problem["detail"].as_str().unwrap().contains("at most 1,000"), "{problem}");
-        // twenty copies of 40 KiB, where eight bodies of 64 KiB are allowed
+        // twenty copies of 40 KiB, while eight bodies of 64 KiB are allowed
         let long = json!({ "template": { "input": "x".repeat(40 << 10) },
             "grid": [{ "pointer": "/levels", "values": (0..20).collect::<Vec<u32>>() }] });
         let problem = server.post("/v1/batches", &long).await.problem(422, "invalid-job");
@@ -198,7 +198,7 @@ fn a_grid_is_counted_before_any_of_its_jobs_is_made() {
     });
 }
 
-/// Three jobs, the second of which cannot be written: its numbers are beyond f32.
+/// Returns three jobs; the outputs of the second cannot all be written, as its numbers are beyond f32.
 fn one_fails() -> Value {
     let mut job = mesh(1);
     job["input"]["mesh"]["positions"][0][0] = json!(1e200);
@@ -224,7 +224,7 @@ fn a_job_that_fails_leaves_the_others_and_stands_in_the_manifest() {
         assert_eq!(manifest["items"][1]["outputs"][1]["file"], "0001/json.json");
         let alone = server.render(&with(mesh(2), "obj")).await.ok();
         assert_eq!(files[1].1, alone.body);
-        // posted again, only what failed is tried again
+        // posted again, only the failed job is computed again
         let (again, tried) = waited(server, &one_fails()).await;
         assert_eq!((again, &tried["attempts"], &tried["counts"]["done"]), (place, &2.into(), &2.into()));
     });
@@ -243,16 +243,16 @@ fn an_archive_is_the_same_to_the_byte_and_what_left_the_cache_is_made_again() {
         assert_eq!(manifest["grid"], grid()["grid"]);
         let etag = first.header("etag").to_owned();
         assert_eq!(server.get_with(&path, &[("if-none-match", &etag)]).await.status, 304);
-        // at level 0 all values of delta have one result
+        // at level 0, all values of delta give the same result
         let keys = manifest["items"].as_array().unwrap().iter().map(|item| item["outputs"][0]["key"].as_str().unwrap());
         let keys: BTreeSet<_> = keys.map(|key| planish::job::key::Key::parse(key).unwrap()).collect();
         assert_eq!(keys.len(), 4);
-        // the results leave, and so do the records of the jobs
+        // the results are removed, and so are the records of the jobs
         for job in manifest["items"].as_array().unwrap() {
             delete(server, &format!("/v1/jobs/{}", job["job"].as_str().unwrap())).await;
         }
         keys.iter().for_each(|key| server.app.desk.tiers.remove(key).unwrap());
-        // a client that leaves after the first bytes has nothing made for it
+        // a client that reads the first bytes only causes no computation
         let before = computed(server);
         let head = server.ask(Method::HEAD, &path, &[], Vec::new()).await;
         assert_eq!((head.status, head.header("content-length")), (200, first.header("content-length")));
@@ -260,7 +260,7 @@ fn an_archive_is_the_same_to_the_byte_and_what_left_the_cache_is_made_again() {
         let again = server.get(&path).await.ok();
         assert!(again.body == first.body, "other bytes");
         assert_eq!(computed(server), before + 4);
-        // one result is missing and its place is taken: the client that leaves before it has nothing made
+        // one result is missing and its place is taken: a client that disconnects before it causes no computation
         keys.iter().for_each(|key| server.app.desk.tiers.remove(key).unwrap());
         let held = server.hold().await;
         let mut cut = server.client.get(server.url(&path)).send().await.unwrap();
@@ -375,7 +375,7 @@ fn an_accepted_batch_is_finished_by_the_next_process_and_what_is_done_is_not_don
         let after = artifacts(folder.path());
         assert!(before.iter().all(|(file, at)| after.get(file) == Some(at)), "nothing is written again");
     });
-    // settled batches are known to a third process, and forgotten ones are not
+    // a third process knows settled batches, but not forgotten ones
     story(lasting(&folder), async |server| {
         let known = server.get(&place).await.ok().json();
         assert_eq!(states(&known), ["done", "done", "failed", "done"]);
@@ -395,7 +395,7 @@ fn one_client_has_so_many_batches_and_is_told_when_to_come_back() {
         let refused = server.post("/v1/batches", &three()).await;
         refused.problem(503, "busy");
         assert!(refused.header("retry-after").parse::<u64>().unwrap() >= 1);
-        // the same one is no further one
+        // the same batch does not count twice
         assert_eq!(server.post("/v1/batches", &json!({ "jobs": [with(endless(), "stats")] })).await.status, 202);
         assert_eq!(delete(server, first.header("location")).await, 204);
         waited(server, &three()).await;

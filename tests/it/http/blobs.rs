@@ -1,4 +1,4 @@
-//! Uploads: sent once, named by their content, kept for those who need them.
+//! Uploads: sent once, named by their content, and kept for those who need them.
 
 use std::sync::Arc;
 
@@ -95,7 +95,7 @@ fn what_is_no_file_of_a_reader_or_too_long_is_refused_and_leaves_nothing() {
         let coded = server.ask(Method::POST, "/v1/blobs", &coded, OBJ.into()).await;
         coded.problem(415, "unsupported-media-type");
         send(server, "model/obj", &vec![b'v'; (1 << 20) + 1]).await.problem(413, "body-too-long");
-        // half a file whose client leaves
+        // half a file, after which the client disconnects
         let head = format!(
             "POST /v1/blobs HTTP/1.1\r\nhost: {}\r\ncontent-type: model/obj\r\ncontent-length: 1000\r\n\r\nv 0 0 0\n",
             server.address

@@ -1,4 +1,4 @@
-//! What browsers need: cross-origin rules, compression of texts, a check of the host.
+//! Requirements of browsers: cross-origin rules, compression of texts, a check of the host.
 
 use axum::http::Method;
 

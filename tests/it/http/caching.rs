@@ -1,4 +1,4 @@
-//! Hits and misses, and what a client that keeps results is told.
+//! Hits and misses, and the cache headers for clients that keep results.
 
 use axum::http::Method;
 use serde_json::{Value, json};
@@ -210,7 +210,7 @@ fn only_requests_whose_jobs_are_admitted_are_remembered() {
     });
 }
 
-/// The job with its polygon in a list.
+/// Returns the job with its polygon in a list.
 fn in_a_list(mut job: Value) -> Value {
     let polygon = job["input"]["polygon"].take();
     job["input"] = json!({ "polygons": [polygon] });

@@ -1,4 +1,4 @@
-//! The catalogue: what can be asked for.
+//! The catalogue of presets, operators, formats and readers.
 
 use planish::input::READERS;
 use planish::output::FORMATS;

@@ -8,7 +8,7 @@ use serde_json::{Value, json};
 use super::jobs::{cube, endless, mesh, polygon, with};
 use super::server::{Server, settings, story, until};
 
-/// A cube of this half side, as it stands.
+/// Returns a cube with this half side, unrefined.
 fn box_of(half: f64) -> Value {
     let mut input = cube();
     for x in input["mesh"]["positions"].as_array_mut().unwrap().iter_mut().flat_map(|p| p.as_array_mut().unwrap()) {
@@ -87,7 +87,7 @@ fn curves_have_a_length_and_a_distance() {
         let found = compare(server, &json!({ "a": polygon(0), "b": polygon(1) })).await;
         // each corner of the unit square is cut from 1/4 to 1/4
         near(&found["hausdorff"]["a_to_b"], 0.125 * 2.0_f64.sqrt());
-        // and no vertex, but the middle of the cut is farthest from the square
+        // not a vertex, but the middle of the cut is farthest from the square
         near(&found["hausdorff"]["b_to_a"], 0.125);
         near(&found["hausdorff"]["at_most"]["b_to_a"], 0.125);
         near(&found["length"]["b"], 2.0 + 2.0_f64.sqrt());
@@ -110,7 +110,7 @@ fn own_pictures_are_compared_by_equality_and_others_as_they_are_seen() {
         let red = drawn.pixels().filter(|pixel| pixel.0 == [255, 0, 0]).count();
         assert_eq!(pixels["different"], red);
         assert_eq!(compare(server, &json!({ "a": picture(30.0), "b": picture(30.0) })).await["equal"], true);
-        // one faint pixel
+        // one slightly different pixel
         let own = server.render(&picture(30.0)).await.ok();
         let mut changed = image::load_from_memory(&own.body).unwrap().into_rgba8();
         changed.get_pixel_mut(5, 5).0[1] ^= 1;

@@ -1,4 +1,4 @@
-//! Jobs and their restarts.
+//! Jobs across restarts of the service.
 
 use std::path::Path;
 use std::pin::Pin;
@@ -24,7 +24,7 @@ fn two() -> Value {
     job
 }
 
-/// Every file below a folder with its bytes.
+/// Returns every file below a folder with its bytes.
 fn files(folder: &Path) -> Vec<(String, Vec<u8>)> {
     let mut found = Vec::new();
     for entry in std::fs::read_dir(folder).unwrap().map(Result::unwrap) {
@@ -98,7 +98,7 @@ fn what_is_known_of_settled_jobs_lasts_and_evicted_results_are_made_again() {
     });
 }
 
-/// A clock that is moved by hand, with a wall clock that can be set.
+/// A manual clock, whose wall clock can be set.
 #[derive(Debug)]
 struct Jumping {
     start: Duration,
@@ -155,7 +155,7 @@ fn a_wall_clock_that_jumps_ends_no_job_and_keeps_none_for_ever() {
         drop(held);
         (waiting.header("location").to_owned(), done.header("location").to_owned())
     });
-    // the next process starts 900 s later; the age of what is settled goes on, and what was accepted is finished
+    // the next process starts 900 s later; settled jobs continue to age, and accepted ones are finished
     story_at(lasting(), Jumping::at(START_S + 900), async |server| {
         assert_eq!(server.settled(&waiting).await["state"], "done");
         assert_eq!(server.get(&done).await.ok().json()["state"], "done");
@@ -167,7 +167,7 @@ fn a_wall_clock_that_jumps_ends_no_job_and_keeps_none_for_ever() {
         assert_eq!(server.get(&done).await.status, 404);
         assert_eq!(server.get(&waiting).await.ok().json()["state"], "done");
     });
-    // one whose clock is years behind keeps what is settled for its time from the start, and not for years
+    // a process whose clock is years behind keeps settled jobs for their time from its start, not for years
     let clock = Jumping::at(START_S - YEARS_S);
     story_at(lasting(), clock.clone(), async |server| {
         assert_eq!(server.get(&waiting).await.ok().json()["state"], "done");
@@ -187,7 +187,7 @@ fn a_folder_of_something_else_is_refused_and_stays_as_it_is() {
     let told = refusal(lasting(&folder));
     assert!(told.contains("photos") && told.contains("--data-dir"), "{told}");
     assert_eq!(files(folder.path()), before);
-    // what systems put at the root of a disk is no reason
+    // folders that systems put at the root of a disk do not prevent the start
     std::fs::remove_dir_all(data.join("photos")).unwrap();
     std::fs::create_dir(data.join("lost+found")).unwrap();
     story(lasting(&folder), async |server| drop(server.get("/livez").await.ok()));

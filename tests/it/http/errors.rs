@@ -1,4 +1,4 @@
-//! Every class of error: its status, its kind, the place it points to, and what to do.
+//! Every class of error: its status, its kind, its pointer, and the remedy.
 
 use axum::http::Method;
 use serde_json::{Value, json};
@@ -23,7 +23,7 @@ fn text_that_is_not_json_is_400_with_line_and_column() {
     });
 }
 
-/// A job, where it is wrong, and a word that the detail has.
+/// Returns invalid jobs with a name, the pointer of the fault, and a word of its detail.
 fn impossible() -> Vec<(&'static str, Value, &'static str, &'static str)> {
     let changed = |pointer: &str, value: Value| {
         let mut job = mesh(2);

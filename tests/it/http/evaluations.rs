@@ -6,7 +6,7 @@ use serde_json::{Value, json};
 use super::jobs::{cube, square};
 use super::server::{settings, story};
 
-/// What is asked of the limit surface of a cube at some places.
+/// Returns the request to evaluate the limit surface of a cube at some places.
 fn asked(at: &Value) -> Value {
     json!({ "input": cube(), "plan": { "preset": "catmull-clark" }, "at": at })
 }
@@ -22,7 +22,7 @@ fn a_cube_has_its_known_values_at_a_corner_and_at_the_middle_of_a_face() {
     story(settings(), async |server| {
         let places = json!([[1, 0, 0], [1, 0.5, 0.5]]);
         let found = server.post("/v1/evaluate", &asked(&places)).await.ok().json();
-        // the limit of a corner of valence 3, and the middle of a face: (16 f + 4 e + v) / 36 of the first level
+        // the limit of a corner of valence 3, and the centre of a face: (16 f + 4 e + v) / 36 of the first level
         let (positions, normals) = (&found["at"]["positions"], &found["at"]["normals"]);
         near(&positions[0], &[-0.5, -0.5, 0.5]);
         let third = 1.0 / 3.0_f64.sqrt();
@@ -42,7 +42,7 @@ fn a_cube_has_its_known_values_at_a_corner_and_at_the_middle_of_a_face() {
     });
 }
 
-/// The default bound of bodies has room for them.
+/// The default bound on bodies has room for them.
 #[test]
 fn a_million_places_of_ten_digits_are_one_request() {
     let place = |i: u32| format!("[{},0.{:010},0.{:010}]", i % 6, i, 999_999_999 - i);
@@ -79,7 +79,7 @@ fn points_have_their_closest_places() {
         asked["closest"] = json!([[0, 0, 9], [-8, -8, 8], [0.1, 0.2, 0.9]]);
         let found = server.post("/v1/evaluate", &asked).await.ok().json();
         let closest = &found["closest"];
-        // the middle of the upper face, and the corner that the faces 1, 2 and 5 share
+        // the centre of the upper face, and the corner that the faces 1, 2 and 5 share
         near(&closest["at"][0], &[1.0, 0.5, 0.5]);
         near(&closest["at"][1], &[1.0, 0.0, 0.0]);
         near(
@@ -100,7 +100,7 @@ fn points_have_their_closest_places() {
 fn the_same_question_is_answered_once() {
     story(settings(), async |server| {
         let first = server.post("/v1/evaluate", &asked(&json!([[0, 0.5, 0.5]]))).await.ok();
-        // the corner is 0 where it is left out, and the order of values is without effect
+        // the default corner is 0, and the order of values has no effect
         let mut same = asked(&json!([[0.0, 0.5, 5e-1, 0]]));
         same["values"] = json!(["normal", "position", "normal"]);
         let second = server.post("/v1/evaluate", &same).await.ok();

@@ -1,4 +1,4 @@
-//! Events: what happens to a job, as it happens.
+//! Events: the changes of a job, as they happen.
 
 use std::sync::Arc;
 use std::time::Duration;
@@ -11,7 +11,7 @@ use serde_json::Value;
 use super::jobs::{endless, mesh, with};
 use super::server::{Server, settings, story, story_at, until};
 
-/// One event as it came.
+/// One event.
 #[derive(Debug, Clone)]
 pub(super) struct Event {
     pub(super) id: u64,
@@ -19,7 +19,7 @@ pub(super) struct Event {
     pub(super) data: Value,
 }
 
-/// A client that listens.
+/// A client that listens to events.
 pub(super) struct Listening {
     response: reqwest::Response,
     text: String,
@@ -35,7 +35,7 @@ impl Listening {
         Self { response, text: String::new() }
     }
 
-    /// The next block of lines; none at the end.
+    /// Returns the next block of lines; `None` at the end.
     async fn block(&mut self) -> Option<String> {
         loop {
             if let Some((block, rest)) = self.text.split_once("\n\n") {
@@ -48,7 +48,7 @@ impl Listening {
         }
     }
 
-    /// The next event; none at the end.
+    /// Returns the next event; `None` at the end.
     pub(super) async fn event(&mut self) -> Option<Event> {
         loop {
             let block = self.block().await?;
@@ -111,7 +111,7 @@ fn a_listener_that_comes_back_is_told_what_is_new_and_after_the_end_nothing() {
         let seen = done.id.to_string();
         let path = format!("{location}/events");
         assert_eq!(server.get_with(&path, &[("last-event-id", &seen)]).await.status, 204);
-        // an id of an earlier attempt, or of nothing at all, is answered with the whole
+        // an id of an earlier attempt, or an invalid id, is answered with the current state
         for other in ["7", "x", "-1"] {
             let answer = server.get_with(&path, &[("last-event-id", other)]).await.ok();
             assert!(answer.text().contains("event: state\n"), "{other}: {}", answer.text());
@@ -160,7 +160,7 @@ fn silence_is_broken_every_fifteen_seconds_of_the_clock() {
 
 #[test]
 fn listeners_are_counted_and_one_that_leaves_makes_room() {
-    // of eight connections two listeners may have a quarter, and one peer half of that
+    // of eight connections, listeners may have a quarter, two, and one peer half of that
     story(Settings { max_connections: 8, ..settings() }, async |server| {
         let held = server.hold().await;
         let location = posted(server, &with(mesh(2), "stats")).await;
@@ -174,7 +174,7 @@ fn listeners_are_counted_and_one_that_leaves_makes_room() {
         drop(first);
         until("its room is free", || answers.usage().taken == 0).await;
         drop(Listening::to(server, &location, None).await);
-        // who listens has no interest in the job
+        // a listener has no interest in the job
         assert_eq!(server.ask(Method::DELETE, &location, &[], Vec::new()).await.status, 204);
         until("nothing is wanted", || server.app.desk.n_interests() == 0).await;
         drop(held);

@@ -1,4 +1,5 @@
-//! One request and its full answer for every route, in `api/examples/http`: told by a running server, kept true here.
+//! One request and its full answer for every route, in `api/examples/http`: written by a running server, and verified
+//! here.
 
 use std::path::{Path, PathBuf};
 
@@ -9,7 +10,7 @@ use serde_json::Value;
 use super::jobs::{mesh, polygon, with};
 use super::server::{Answer, Server, settings, story};
 
-/// A request, as it stands in a file.
+/// A request, as in a file.
 struct Asked {
     method: &'static str,
     path: String,
@@ -46,7 +47,7 @@ fn the_committed_requests_have_the_committed_answers() {
         told.extend(refusals(server).await);
         told
     });
-    // jobs of a batch are read side by side, and how many at once shows in what readyz tells of the memory
+    // jobs of a batch are read in parallel, and readyz shows the maximum memory
     let told = [told, story(settings(), batches)].concat();
     if std::env::var_os("BLESS").is_some() {
         let _ = std::fs::remove_dir_all(folder());
@@ -61,7 +62,7 @@ fn the_committed_requests_have_the_committed_answers() {
     assert_eq!(n_files, told.len(), "every file is told by the server");
 }
 
-/// Render, artifacts, jobs.
+/// Renders and artifacts.
 async fn results(server: &Server) -> Vec<(&'static str, String)> {
     let mut told = Vec::new();
     let render = || Asked::post("/v1/render", &mesh(1)).with("accept", "model/gltf-binary");
@@ -98,7 +99,7 @@ async fn results(server: &Server) -> Vec<(&'static str, String)> {
     told
 }
 
-/// Jobs that are posted, followed, listed, cancelled and forgotten; files that are sent before.
+/// Jobs that are posted, followed, listed, cancelled and forgotten; files that are uploaded before.
 async fn jobs(server: &Server) -> Vec<(&'static str, String)> {
     let mut job = mesh(2);
     job["outputs"] = serde_json::json!([{ "format": "stats" }, { "name": "model", "format": "stl" }]);
@@ -130,7 +131,7 @@ async fn jobs(server: &Server) -> Vec<(&'static str, String)> {
     told
 }
 
-/// Batches: a grid, a list, and what becomes of them.
+/// Batches: a grid, a list, and their results.
 async fn batches(server: &Server) -> Vec<(&'static str, String)> {
     let grid = serde_json::json!({ "template": with(polygon(1), "svg"), "grid": [
         { "pointer": "/levels", "values": [1, 2] },
@@ -153,7 +154,7 @@ async fn batches(server: &Server) -> Vec<(&'static str, String)> {
     told
 }
 
-/// Other ways to say what is asked for: a mesh file and a query, an address.
+/// Other notations of a job: a mesh file with a query, an address.
 async fn ways(server: &Server) -> Vec<(&'static str, String)> {
     let mut file = Asked::post("/v1/render?preset=loop&levels=2&format=stl", &Value::Null);
     file.headers[0].1 = "model/obj".into();
@@ -208,7 +209,7 @@ async fn questions(server: &Server) -> Vec<(&'static str, String)> {
     told
 }
 
-/// One of each class of error that a single request can meet.
+/// One error of each class that a single request can meet.
 async fn refusals(server: &Server) -> Vec<(&'static str, String)> {
     let mut typo = polygon(2);
     typo["level"] = 2.into();
@@ -231,7 +232,7 @@ async fn refusals(server: &Server) -> Vec<(&'static str, String)> {
     told
 }
 
-/// Asks, and writes question and answer down.
+/// Sends a request, and formats the request and the answer.
 async fn exchange(server: &Server, asked: Asked) -> String {
     let headers: Vec<_> = asked.headers.iter().map(|(name, value)| (*name, value.as_str())).collect();
     let answer =
@@ -248,7 +249,8 @@ async fn exchange(server: &Server, asked: Asked) -> String {
     lines.concat()
 }
 
-/// The headers in the order of their names, so that a server may send them in any; the length only of what stays.
+/// Formats the headers in the order of their names, so that a server may send them in any; the length only if the body
+/// is steady.
 fn told_headers(headers: &HeaderMap, steady: bool) -> String {
     let told = |(name, value): (&axum::http::HeaderName, &axum::http::HeaderValue)| match name.as_str() {
         "content-length" if !steady => "content-length: {length}\n".to_owned(),
@@ -271,9 +273,9 @@ fn told_header(name: &str, value: &str) -> String {
     format!("{name}: {told}\n")
 }
 
-/// The body, and whether its length is the same in every run and with every growth of the catalogue.
+/// Formats the body, and tells whether its length is the same in every run and with every growth of the catalogue.
 ///
-/// Lists are told by their first entry, long or binary bodies by length and hash.
+/// Of lists only the first entry is shown; of long or binary bodies, length and hash.
 fn told_body(answer: &Answer) -> (String, bool) {
     let kind = answer.header("content-type");
     if answer.body.is_empty() {
@@ -293,7 +295,8 @@ fn told_body(answer: &Answer) -> (String, bool) {
     }
 }
 
-/// Text; JSON with placeholders for what is measured or counted, and whether its length stays.
+/// Replaces measured or counted values in JSON by placeholders, and tells whether the length is steady; other text is
+/// returned as it is.
 fn measured(text: &str) -> (String, bool) {
     if text.starts_with("id: ") {
         return (events(text), false);
@@ -321,7 +324,7 @@ fn measured(text: &str) -> (String, bool) {
             steady &= pointer == "/trace_id";
         }
     }
-    // how much was taken at most depends on what met whom
+    // the maximum memory depends on the coincidence of requests
     for share in value.pointer_mut("/memory").and_then(Value::as_array_mut).into_iter().flatten() {
         share["most"] = "{bytes}".into();
     }
@@ -329,7 +332,7 @@ fn measured(text: &str) -> (String, bool) {
     (ended(&text.replace("\"{ms}\"", "{ms}").replace("\"{s}\"", "{s}").replace("\"{bytes}\"", "{bytes}")), steady)
 }
 
-/// Server-sent events, each with its data measured.
+/// Replaces measured values in the data of each server-sent event.
 fn events(text: &str) -> String {
     let told = |line: &str| match line.strip_prefix("data: ") {
         Some(data) => format!("data: {}", measured(data).0),

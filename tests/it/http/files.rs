@@ -1,4 +1,4 @@
-//! Mesh files as bodies: the query says the rest of the job, and the answer is that of the equal job in JSON.
+//! Mesh files as bodies: the query gives the rest of the job, and the answer is that of the equal job in JSON.
 
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
@@ -8,7 +8,7 @@ use serde_json::{Value, json};
 use super::jobs::mesh;
 use super::server::{Answer, Server, settings, story};
 
-/// A file of a format with a cube.
+/// Returns a file of a format with a cube.
 async fn cube(server: &Server, format: &str) -> Vec<u8> {
     if format == "off" {
         return b"OFF\n4 4 0\n0 0 0\n1 0 0\n0 1 0\n0 0 1\n3 0 2 1\n3 0 1 3\n3 1 2 3\n3 2 0 3\n".to_vec();
@@ -21,7 +21,7 @@ async fn post(server: &Server, query: &str, media_type: &str, body: &[u8]) -> An
     server.post_text(&format!("/v1/render?{query}"), body, &[("content-type", media_type)]).await
 }
 
-/// A query has the answer of this job, to which the file is added.
+/// Checks that a query beside a file has the answer of this job, to which the file is added.
 async fn check(server: &Server, query: &str, mut job: Value) {
     let file = cube(server, "obj").await;
     job["input"]["text"] = json!({ "format": "obj", "data": String::from_utf8(file.clone()).unwrap() });
@@ -230,7 +230,7 @@ fn a_job_with_a_query_for_mesh_files_is_refused_and_not_answered_as_something_el
         server.get(&link).await.ok();
         server.get(&format!("{link}&_=17")).await.ok();
         assert_eq!(server.get(&format!("{link}&levels=3")).await.status, 422);
-        // what is unknown, or stands twice, is not passed over
+        // unknown or repeated parameters are not ignored
         let twice = [
             server.post_text("/v1/render?keep=true&keep=true", &job[..], &told).await,
             server.post_text("/v1/jobs?priority=batch&priority=batch", &job[..], &told).await,

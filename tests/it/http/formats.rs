@@ -13,7 +13,7 @@ fn every_format_is_answered_for_what_it_holds_and_refused_for_what_it_does_not()
             for format in FORMATS {
                 let mut asked = with(job.clone(), format.name());
                 if format.is_of_limit() {
-                    // the usual tolerance takes long in a debug build
+                    // the default tolerance takes long in a debug build
                     asked["outputs"][0]["tolerance"] = 1e-2.into();
                     asked["outputs"][0]["continuity"] = "bicubic".into();
                 }
@@ -31,7 +31,7 @@ fn every_format_is_answered_for_what_it_holds_and_refused_for_what_it_does_not()
     });
 }
 
-/// Whether an answer is what its format says: a cube of 24 quads, or a closed polygon of 8 points.
+/// Checks that an answer is valid in its format: a cube of 24 quads, or a closed polygon of 8 points.
 fn check(format: &str, is_mesh: bool, answer: &Answer) {
     match format {
         "json" if is_mesh => {

@@ -1,4 +1,4 @@
-//! Keys: who is let in, to what, and how keys come and go while the service runs.
+//! Keys: who is admitted, to what, and how keys are added and removed while the service runs.
 
 use std::sync::atomic::{AtomicU8, Ordering};
 use std::time::Duration;
@@ -12,12 +12,12 @@ use serde_json::json;
 use super::jobs::{mesh, with};
 use super::server::{Folder, Server, settings, story, until};
 
-/// A key of a folder; each one is another.
+/// Adds a new key to a folder; each one is different.
 pub(crate) fn key(folder: &Folder, tenant: &str, role: Role) -> Token {
     key_with(folder, tenant, role, |_| {})
 }
 
-/// A key with something of its own.
+/// Adds a new key with a change of its entry.
 pub(crate) fn key_with(folder: &Folder, tenant: &str, role: Role, change: impl FnOnce(&mut KeyEntry)) -> Token {
     static NEXT: AtomicU8 = AtomicU8::new(1);
     let token = Token::new(|bytes| {
@@ -46,12 +46,12 @@ pub(crate) fn key_with(folder: &Folder, tenant: &str, role: Role, change: impl F
     token
 }
 
-/// The settings of a service with the keys of a folder, that keeps nothing else there.
+/// Returns the settings of a service with the keys of a folder, which keeps nothing else there.
 pub(crate) fn keyed(folder: &Folder) -> Settings {
     Settings { data_dir: folder.path().to_owned(), cache_bytes: 0, ..settings() }
 }
 
-/// The header that shows a key.
+/// Returns the header value that presents a key.
 pub(crate) fn bearer(token: &Token) -> String {
     format!("Bearer {}", token.tell())
 }
@@ -153,7 +153,7 @@ fn keys_come_and_go_while_the_service_runs_and_two_of_one_tenant_see_the_same() 
         until_async(server, "the old key is refused", async || status(&old).await == 401).await;
         assert_eq!(status(&new).await, 200);
 
-        // what cannot be read, or is gone, changes nothing: nobody is let in by mistake
+        // a key file that is unreadable or missing changes nothing: nobody is admitted by mistake
         let path = folder.path().join(KEYS_FILE);
         std::fs::write(&path, "[[key]]\nid = 7\n").unwrap();
         tokio::time::sleep(Duration::from_millis(1200)).await;

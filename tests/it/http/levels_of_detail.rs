@@ -1,4 +1,4 @@
-//! A document about several levels, whose buffers are made when they are asked for.
+//! A document with several levels, whose buffers are made on request.
 
 use serde_json::{Value, json};
 
@@ -13,7 +13,7 @@ fn question() -> Value {
     job
 }
 
-/// The addresses of the buffers of a document, which are relative to its own.
+/// Returns the addresses of the buffers of a document, which are relative to its own.
 fn addresses(document: &[u8], location: &str) -> Vec<String> {
     let document: Value = serde_json::from_slice(document).expect("JSON");
     let (folder, _) = location.rsplit_once('/').expect("a folder");

@@ -1,4 +1,4 @@
-//! Jobs in addresses: the answers are those of POST, and may be kept by whoever is on the way.
+//! Jobs in addresses: the answers are those of POST, and shared caches may keep them.
 
 use std::io::Write;
 
@@ -16,7 +16,7 @@ fn zlib(bytes: &[u8]) -> Vec<u8> {
     encoder.finish().unwrap()
 }
 
-/// The job in an address, compressed.
+/// Returns the address of a job, which contains it compressed.
 fn link(job: &Value) -> String {
     format!("/v1/render?job={}", URL_SAFE_NO_PAD.encode(zlib(job.to_string().as_bytes())))
 }

@@ -1,4 +1,4 @@
-//! Metrics: what the service does, counted.
+//! Metrics: counters of the service's work.
 
 use std::collections::BTreeMap;
 
@@ -52,9 +52,9 @@ fn no_client_makes_a_label() {
             let method = axum::http::Method::from_bytes(format!("M{n}").as_bytes()).unwrap();
             server.ask(method, "/livez", &[], Vec::new()).await.problem(405, "method-not-allowed");
         }
-        // one line for each of the three, and one for the page that was asked before
+        // one line for each of the three requests, and one for the metrics page that was read before
         let after = read(server).await;
-        // what the service computes by itself to see whether it works may show meanwhile
+        // the service's own canary may appear meanwhile
         let counted = after.keys().filter(|name| name.starts_with("planish_requests"));
         let new: Vec<&String> = counted.filter(|name| !before.contains_key(*name)).collect();
         assert_eq!(new.len(), 4, "{new:#?}");

@@ -1,4 +1,4 @@
-//! Which format is answered: an output that names one, else `Accept`, else the default.
+//! The format of an answer: that of the named output, else from `Accept`, else the default.
 
 use serde_json::{Value, json};
 
@@ -50,7 +50,7 @@ fn accept_chooses_the_format_where_no_output_does() {
 fn an_output_that_accept_does_not_allow_is_refused_and_the_refusal_says_what_is_acceptable() {
     story(settings(), async |server| {
         let job = with(mesh(1), "obj");
-        // what was answered before, too
+        // also for results that are already known
         server.render(&job).await.ok();
         for accept in ["image/png", "application/json", "*/*, model/obj;q=0", "model/*;q=0, image/*", "text/html"] {
             let answer = server.post_with("/v1/render", &job, &[("accept", accept)]).await;

@@ -1,4 +1,4 @@
-//! Health, the document, the start page.
+//! Health, the OpenAPI document, the start page.
 
 use std::time::Instant;
 

@@ -1,4 +1,4 @@
-//! The page for trying it: its files, how they are sent, and what they may load.
+//! The page for experiments: its files, their headers, and what they may load.
 
 use std::io::Read;
 

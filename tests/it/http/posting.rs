@@ -1,4 +1,4 @@
-//! Jobs that are posted: several outputs, one resource for the same job, cancel, forget, lists, terms.
+//! Posted jobs: several outputs, one resource for equal jobs, cancel, forget, lists, terms.
 
 use std::sync::Arc;
 use std::time::Duration;
@@ -15,7 +15,7 @@ use serde_json::{Value, json};
 use super::jobs::{endless, mesh, polygon, with};
 use super::server::{Server, settings, story, until};
 
-/// A cube as a picture, as statistics, and as a mesh file.
+/// Returns a cube as a picture, as statistics, and as a mesh file.
 fn three() -> Value {
     let mut job = mesh(2);
     job["outputs"] = json!([
@@ -61,7 +61,7 @@ fn a_job_with_several_outputs_makes_them_all_and_links_to_each() {
         }
         assert_eq!(done["actual"]["bytes"], bytes);
         assert!(done["actual"]["time_ms"].as_f64().unwrap() > 0.0, "{done}");
-        // each is the result of the job with that output alone
+        // each is the result of the job with that output only
         let alone = server.render(&with(mesh(2), "stats")).await.ok();
         assert_eq!(alone.header("cache-status"), "planish; hit");
         let again = server.post("/v1/jobs", &three()).await.ok();
@@ -90,7 +90,7 @@ fn a_wait_ends_with_the_job_and_what_is_there_needs_none() {
     story(settings(), async |server| {
         let waited = server.post_with("/v1/jobs", &three(), &[("prefer", "wait=60")]).await.ok();
         assert_eq!((waited.json()["state"].clone(), waited.header("preference-applied")), ("done".into(), "wait=60"));
-        // the results of another job are there already
+        // the results of another job are already available
         let mut fewer = three();
         fewer["outputs"].as_array_mut().unwrap().remove(0);
         let there = server.post("/v1/jobs", &fewer).await.ok().json();
@@ -127,7 +127,7 @@ fn a_job_that_cannot_be_is_refused_and_not_known() {
 #[test]
 fn an_output_that_fails_leaves_the_others_and_the_job_says_so() {
     story(settings(), async |server| {
-        // beyond the range of f32 for glb, and no trouble for json
+        // numbers beyond the range of f32, which JSON can hold and STL cannot
         let mut job = mesh(1);
         job["input"]["mesh"]["positions"][0][0] = json!(1e200);
         job["outputs"] = json!([{ "format": "stl" }, { "format": "json" }]);
@@ -179,7 +179,7 @@ fn a_job_is_one_however_it_is_asked_for() {
     });
 }
 
-/// Two clients with an interest in one computation: whatever they do, in every order, it goes on for as long as one of
+/// Two clients with an interest in one computation: in every order of their leaving, it continues as long as one of
 /// them is left, and ends with the last.
 #[test]
 fn a_computation_lasts_exactly_as_long_as_the_last_interest_in_every_order() {
@@ -191,7 +191,7 @@ fn a_computation_lasts_exactly_as_long_as_the_last_interest_in_every_order() {
                 let job = with(mesh(2), "stats");
                 let mut clients = Vec::new();
                 for (at, how) in [first, second].into_iter().enumerate() {
-                    // one and the same output in jobs of two names, so that these are two interests
+                    // the same output in jobs with two names, so that these are two interests
                     let mut job = job.clone();
                     job["outputs"][0]["name"] = format!("client-{at}").into();
                     if how == "disconnect" {
@@ -279,7 +279,7 @@ fn a_batch_stands_back_and_jobs_in_line_know_their_place() {
     story(settings(), async |server| {
         let held = server.hold().await;
         let mut locations = Vec::new();
-        // two are taken out of the line by those who wait for a place to compute
+        // two are taken out of the queue and wait for a place to compute
         for (at, priority) in ["batch", "batch", "batch", "batch", "interactive"].into_iter().enumerate() {
             let mut job = with(mesh(2), "stats");
             job["input"]["mesh"]["positions"][0][0] = json!(at);
@@ -314,7 +314,7 @@ fn a_line_that_is_full_refuses_and_says_when_to_come_back() {
                 refused += 1;
             }
         }
-        // two wait in line, and two for a place to compute
+        // two wait in the queue, and two for a place to compute
         assert_eq!((refused, server.app.desk.jobs.len()), (4, 4));
         drop(held);
         until("all are done", || server.app.desk.jobs.any_active().is_none()).await;

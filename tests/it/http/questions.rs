@@ -1,4 +1,4 @@
-//! Questions that compute nothing: estimate and validate.
+//! Requests that compute nothing: estimate and validate.
 
 use serde_json::json;
 
@@ -73,7 +73,8 @@ fn an_estimate_takes_many_outputs_and_refuses_what_cannot_be() {
     });
 }
 
-/// What a format cannot count, here the corners of a face in one byte, is told before it is computed.
+/// A shape that a format cannot hold, here a face with more corners than one byte counts, is refused before it is
+/// computed.
 #[test]
 fn an_estimate_refuses_what_its_format_cannot_count_as_a_render_does() {
     story(settings(), async |server| {
@@ -134,7 +135,7 @@ fn winding_is_refused_or_repaired_as_asked() {
     });
 }
 
-/// Whether a mesh can be refined is what is asked of it where nothing else is said.
+/// Without a plan and outputs, a mesh is checked as one that is to be refined.
 #[test]
 fn an_input_alone_is_looked_at_as_one_that_is_to_be_refined() {
     story(settings(), async |server| {
@@ -142,7 +143,7 @@ fn an_input_alone_is_looked_at_as_one_that_is_to_be_refined() {
                                     "faces": [[0, 1, 2], [1, 0, 3], [0, 1, 4]] } });
         let alone = server.post("/v1/validate", &json!({ "input": fin })).await.ok().json();
         assert_eq!((&alone["valid"], &alone["errors"][0]["pointer"]), (&false.into(), &"/input/mesh/faces/2".into()));
-        // converted as it is, it is cut apart
+        // for conversion, it is cut apart
         let question = json!({ "input": fin, "outputs": [{ "format": "glb" }] });
         let converted = server.post("/v1/validate", &question).await.ok().json();
         assert_eq!(converted["valid"], true, "{converted}");
@@ -150,7 +151,7 @@ fn an_input_alone_is_looked_at_as_one_that_is_to_be_refined() {
     });
 }
 
-/// What is wrong with the parts of a job is told at once, whichever of them is wrong; nothing is passed over.
+/// The faults of all parts of a job are reported together.
 #[test]
 fn a_question_looks_at_the_whole_job() {
     story(settings(), async |server| {
@@ -185,7 +186,7 @@ fn a_question_looks_at_the_whole_job() {
     });
 }
 
-/// A tube of squares, tagged.
+/// Returns a tube of squares with tagged lines.
 fn tube() -> serde_json::Value {
     let square = |z: f64| [[1.0, 0.0, z], [0.0, 1.0, z], [-1.0, 0.0, z], [0.0, -1.0, z]];
     let positions: Vec<[f64; 3]> = [0.0, 1.0, 3.0, 4.0].into_iter().flat_map(square).collect();
@@ -196,7 +197,7 @@ fn tube() -> serde_json::Value {
         "longitude": longitude } })
 }
 
-/// Lines are judged by the plan that is asked about; one that does not fit the mesh makes no circles.
+/// Lines are judged by the plan of the request; a plan that does not fit the mesh makes no circles.
 #[test]
 fn lines_are_exact_only_under_plans_that_fit() {
     story(settings(), async |server| {
@@ -224,7 +225,7 @@ fn lines_are_exact_only_under_plans_that_fit() {
     });
 }
 
-/// What /v1/render refuses as too large is no valid job either, and its fault is the same.
+/// A job that /v1/render refuses as too large is not valid either, and its fault is the same.
 #[test]
 fn a_job_that_would_be_too_large_is_not_valid() {
     story(settings(), async |server| {

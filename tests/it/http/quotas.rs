@@ -1,4 +1,4 @@
-//! What one client may ask for: in a minute, and at once.
+//! Quotas of one client: per minute, and at once.
 
 use std::sync::Arc;
 use std::time::Duration;
@@ -19,7 +19,7 @@ fn requests_for_work_beyond_the_minute_are_told_when_to_come_back_and_the_rest_g
         let second = server.render(&with(polygon(2), "svg")).await.ok();
         assert_eq!(second.header("ratelimit-policy"), "\"requests\";q=3;w=60");
         assert_eq!(second.header("ratelimit"), "\"requests\";r=1;t=40");
-        // what was answered before costs nothing
+        // earlier results cost nothing
         for _ in 0..5 {
             server.render(&with(polygon(1), "svg")).await.ok();
         }
@@ -29,7 +29,7 @@ fn requests_for_work_beyond_the_minute_are_told_when_to_come_back_and_the_rest_g
         assert!(problem["detail"].as_str().unwrap().contains("3 requests for work a minute"), "{problem}");
         assert_eq!(refused.header("retry-after"), "20");
         assert_eq!(refused.header("ratelimit"), "\"requests\";r=0;t=60");
-        // neither health, nor results that are there, nor status
+        // health, available results and status do not count
         for path in ["/livez", &place, "/v1/jobs", "/v1/presets", "/metrics"] {
             let answer = server.get(path).await.ok();
             assert_eq!(answer.header("ratelimit"), "", "{path}");
@@ -56,7 +56,7 @@ fn each_key_has_a_quota_of_its_own() {
         assert_eq!(left(&usual).await, (429, "r=0".to_owned()));
         assert_eq!(left(&large).await, (200, "r=4".to_owned()));
         assert_eq!(left(&free).await, (200, String::new()));
-        // who is not let in uses up nobody's quota
+        // a client that is not admitted does not use up a quota
         server.post("/v1/estimate", &mesh(1)).await.problem(401, "unauthorized");
         assert_eq!(left(&large).await, (200, "r=3".to_owned()));
     });

@@ -1,4 +1,4 @@
-//! A real server on a free port, for one story.
+//! A real server on a free port, for one test.
 
 use std::net::SocketAddr;
 use std::path::{Path, PathBuf};
@@ -19,10 +19,10 @@ use tokio::io::{AsyncReadExt, AsyncWriteExt};
 use tokio::net::TcpStream;
 use tokio::sync::oneshot;
 
-/// Nothing a story waits for takes this long, however slow the machine.
+/// Upper bound of every wait in a test, however slow the machine.
 pub(crate) const PATIENCE: Duration = Duration::from_mins(4);
 
-/// A server that keeps nothing on disk, with one place in each lane.
+/// Returns the settings of a server that keeps nothing on disk, with one place in each lane.
 pub(crate) fn settings() -> Settings {
     Settings {
         listen: SocketAddr::from(([127, 0, 0, 1], 0)),
@@ -32,7 +32,7 @@ pub(crate) fn settings() -> Settings {
     }
 }
 
-/// A folder of its own for one test, removed at its end.
+/// A temporary folder for one test, removed on drop.
 pub(crate) struct Folder(PathBuf);
 
 impl Folder {
@@ -55,19 +55,19 @@ impl Drop for Folder {
     }
 }
 
-/// A running server and a client of it.
+/// A running server with a client.
 pub(crate) struct Server {
     pub(crate) address: SocketAddr,
     pub(crate) app: Arc<App>,
     pub(crate) client: reqwest::Client,
 }
 
-/// Runs a server for as long as a story takes; at its end the server has let go of everything.
+/// Runs a server for the duration of a test and shuts it down completely at the end.
 pub(crate) fn story<T>(settings: Settings, tell: impl AsyncFnOnce(&Server) -> T) -> T {
     story_at(settings, Arc::new(Monotonic::default()), tell)
 }
 
-/// Runs a server as [`story`] does, by this clock.
+/// Runs a server as [`story`] does, with this clock.
 pub(crate) fn story_at<T>(settings: Settings, clock: Arc<dyn Clock>, tell: impl AsyncFnOnce(&Server) -> T) -> T {
     let runtime = tokio::runtime::Builder::new_multi_thread().worker_threads(2).enable_all().build().unwrap();
     runtime.block_on(async {
@@ -84,7 +84,7 @@ pub(crate) fn story_at<T>(settings: Settings, clock: Arc<dyn Clock>, tell: impl 
         drop(server);
         let _ = stop.send(());
         tokio::time::timeout(PATIENCE, served).await.expect("the server stops").unwrap();
-        // a computation that was stopped may hold the desk for a while
+        // a stopped computation may hold the desk for a while
         desk.tiers.close(PATIENCE);
         desk.jobs.close(PATIENCE);
         desk.batches.close(PATIENCE);
@@ -93,7 +93,7 @@ pub(crate) fn story_at<T>(settings: Settings, clock: Arc<dyn Clock>, tell: impl 
     })
 }
 
-/// Asks until the answer is yes.
+/// Waits until a condition holds.
 pub(crate) async fn until(what: &str, mut yes: impl FnMut() -> bool) {
     let start = Instant::now();
     while !yes() {
@@ -116,7 +116,7 @@ impl Answer {
         Self { status, headers, body: response.bytes().await.unwrap() }
     }
 
-    /// A header as text; empty when it is missing.
+    /// Returns a header as text; empty if it is missing.
     pub(crate) fn header(&self, name: &str) -> &str {
         self.headers.get(name).map_or("", |value| value.to_str().unwrap())
     }
@@ -129,13 +129,13 @@ impl Answer {
         serde_json::from_slice(&self.body).unwrap_or_else(|error| panic!("{error}: {}", self.text()))
     }
 
-    /// The result, which has to be one.
+    /// Returns the answer and checks that its status is 200.
     pub(crate) fn ok(self) -> Self {
         assert_eq!(self.status, 200, "{}", self.text());
         self
     }
 
-    /// The problem, which has to be of this status and kind, and whole.
+    /// Returns the problem and checks that it is complete and has this status and kind.
     pub(crate) fn problem(&self, status: u16, kind: &str) -> Value {
         assert_eq!(self.status, status, "{}", self.text());
         assert_eq!(self.header("content-type"), "application/problem+json");
@@ -149,7 +149,8 @@ impl Answer {
     }
 }
 
-/// What makes clients of plain addresses; the feature of reqwest that is used wants to be told of TLS nevertheless.
+/// Returns a builder of clients for plain addresses; reqwest, as it is configured, requires a TLS configuration
+/// nevertheless.
 pub(crate) fn client_builder() -> reqwest::ClientBuilder {
     let ring = std::sync::Arc::new(rustls::crypto::ring::default_provider());
     let tls = rustls::ClientConfig::builder_with_provider(ring).with_safe_default_protocol_versions().unwrap();
@@ -209,14 +210,14 @@ impl Server {
         turns
     }
 
-    /// A place in a lane.
+    /// Takes a place in a lane.
     pub(crate) async fn turn(&self, lane: Lane) -> Turn {
         let pool = &self.app.desk.pool;
         let waiting = pool.line_up(lane, Peer::SELF, 0).unwrap();
         pool.turn(lane, waiting).await
     }
 
-    /// Follows a job until nothing more will happen.
+    /// Polls a job until it is settled.
     pub(crate) async fn settled(&self, location: &str) -> Value {
         let start = Instant::now();
         loop {
@@ -233,14 +234,14 @@ impl Server {
         TcpStream::connect(self.address).await.unwrap()
     }
 
-    /// A connection on which these bytes were written.
+    /// Opens a connection and writes these bytes.
     pub(crate) async fn said(&self, text: &str) -> TcpStream {
         let mut stream = self.connect().await;
         stream.write_all(text.as_bytes()).await.unwrap();
         stream
     }
 
-    /// A request with a JSON body on a connection of its own, as text.
+    /// Returns the text of a request with a JSON body.
     pub(crate) fn request(&self, path: &str, headers: &str, body: &str) -> String {
         let host = self.address;
         let length = body.len();
@@ -251,10 +252,10 @@ impl Server {
     }
 }
 
-/// What comes until the other side closes.
+/// Reads until the other side closes.
 pub(crate) async fn rest(mut stream: TcpStream) -> String {
     let mut bytes = Vec::new();
-    // a reset ends the reading as an orderly end does
+    // a reset ends the reading like an orderly close
     let _ = tokio::time::timeout(PATIENCE, stream.read_to_end(&mut bytes)).await.expect("the connection is closed");
     String::from_utf8_lossy(&bytes).into_owned()
 }

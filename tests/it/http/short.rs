@@ -1,4 +1,4 @@
-//! Plain requests that come again, which no router answers, beside those that it does.
+//! Repeated plain requests, which bypass the router, compared with those that it handles.
 
 use axum::http::Method;
 use planish::job::key::Key;
@@ -6,7 +6,7 @@ use planish::job::key::Key;
 use super::jobs::{mesh, with};
 use super::server::{Answer, rest, settings, story};
 
-/// The headers but for the date, and the bytes.
+/// Returns the headers without the date, and the bytes.
 fn told(answer: &Answer) -> (Vec<(String, String)>, Vec<u8>) {
     let text = |value: &axum::http::HeaderValue| value.to_str().unwrap().to_owned();
     let headers = answer.headers.iter().filter(|(name, _)| *name != "date");

@@ -1,4 +1,4 @@
-//! Signed addresses: what they open, and everything that they do not.
+//! Signed addresses: what they open, and what they do not.
 
 use std::io::Write;
 
@@ -14,7 +14,7 @@ use super::jobs::{mesh, polygon, with};
 use super::keys::{bearer, key, key_with, keyed};
 use super::server::{Folder, Server, story, until};
 
-/// The year 2100, seconds since 1970.
+/// The year 2100, in seconds since 1970.
 const LATER: u64 = 4_102_444_800;
 
 fn deflated(bytes: &[u8]) -> String {
@@ -53,12 +53,12 @@ fn a_signed_address_shows_a_render_without_a_key_and_only_that() {
         assert_eq!(tagged.status, 304);
         let head = server.ask(Method::HEAD, &address, &[], Vec::new()).await.ok();
         assert_eq!(head.header("etag"), shown.header("etag"));
-        // the result itself stays behind the key
+        // the result itself still requires the key
         server.get(shown.header("content-location")).await.problem(401, "unauthorized");
     });
 }
 
-/// What a loader does: it looks for the buffers beside the address of the model.
+/// A loader fetches the buffers relative to the address of the model.
 #[test]
 fn a_signed_model_opens_the_buffers_to_which_it_refers_and_no_others() {
     let folder = Folder::new();
@@ -130,7 +130,7 @@ fn what_is_altered_expired_or_signed_by_another_is_refused_and_told_apart() {
             let problem = server.get(address).await.problem(403, "bad-link");
             assert!(problem["detail"].as_str().unwrap().contains(says), "{address}: {problem}");
         };
-        // the clock: the second of the expiry is over, the one before it is not
+        // the signature is valid before the second of its expiry, and not from that second on
         let now = server.app.desk.clock().wall().as_secs();
         for (expires, opens) in
             [(0, false), (1, false), (now - 1, false), (now, false), (now + 60, true), (LATER, true)]
@@ -163,7 +163,7 @@ fn what_is_altered_expired_or_signed_by_another_is_refused_and_told_apart() {
             refused(form, "is no signed one").await;
         }
         server.ask(Method::POST, &good, &[], b"{}".to_vec()).await.problem(403, "bad-link");
-        // with its key go the addresses that it signed
+        // removing a key revokes the addresses that it signed
         KeyFile::of(folder.path())
             .change(|keys| {
                 keys.retain(|key| key.id != own.id());
@@ -242,7 +242,7 @@ fn events_and_results_can_be_signed_too() {
         for rest in [&format!("jobs/{id}/events"), &of_batch, &file] {
             server.get(&signed(&other, LATER, rest)).await.problem(404, "not-found");
         }
-        // nothing else below /v1 can be reached by a signature
+        // no other path below /v1 can be reached by a signature
         for rest in [&format!("jobs/{id}"), "jobs", "blobs/b3-0", "../../metrics", "jobs/0/cancel"] {
             let status = server.get(&signed(&reader, LATER, rest)).await.status;
             assert!([403, 404].contains(&status), "{rest}: {status}");

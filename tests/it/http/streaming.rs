@@ -1,4 +1,4 @@
-//! Large results are sent while they are made, and not kept unless asked.
+//! Large results are sent while they are made, and kept only on request.
 
 use axum::http::Method;
 use planish::config::Settings;
@@ -8,12 +8,12 @@ use tokio::io::AsyncReadExt;
 use super::jobs::{mesh, with};
 use super::server::{Server, settings, story, until};
 
-/// A server that keeps results of at most 10,000 bytes.
+/// Returns the settings of a server that keeps results of at most 10,000 bytes.
 fn small() -> Settings {
     Settings { keep_at_most_bytes: 10_000, ..settings() }
 }
 
-/// Bytes of memory that computations of the long lane have, and how many streams may compute.
+/// Returns the bytes of memory that computations of the long lane hold, and the number of free stream places.
 fn long(server: &Server) -> (u64, usize) {
     (server.app.desk.account.long.usage().taken, server.app.desk.pool.free_stream_places())
 }
@@ -83,7 +83,7 @@ fn a_result_for_which_there_is_no_memory_is_sent_but_not_kept() {
         assert_eq!(answer.status(), 200);
         assert!(answer.content_length().unwrap() > 1_000_000_000);
         assert!(answer.chunk().await.unwrap().unwrap().starts_with(b"ply\n"));
-        // one that leaves stops the work
+        // a client that disconnects stops the work
         drop(answer);
         until("the work has ended", || long(server) == (0, 1)).await;
     });
@@ -99,7 +99,7 @@ fn a_client_that_does_not_read_holds_no_place() {
         assert_eq!(&head, b"HTTP/1.1 200");
         until("the stream waits for its client", || long(server).1 == 1).await;
         assert!(long(server).0 > 0);
-        // others are streamed meanwhile
+        // other requests are streamed meanwhile
         let other = server.render(&with(mesh(4), "ply")).await.ok();
         assert_eq!(other.header("cache-status"), "planish; fwd=miss");
         drop(stream);
@@ -107,7 +107,7 @@ fn a_client_that_does_not_read_holds_no_place() {
     });
 }
 
-/// A plane of 200 x 200 vertices, of which one has a coordinate that f32 does not hold.
+/// Returns a plane of 200 x 200 vertices, one of which has a coordinate that f32 cannot hold.
 fn broken(at: usize) -> Value {
     let n = 200;
     let mut positions: Vec<[f64; 3]> = Vec::new();

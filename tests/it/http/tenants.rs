@@ -1,4 +1,4 @@
-//! Tenants: what one has made, sent or asked for is as if it were not there for another.
+//! Tenants: results, uploads and jobs of one tenant do not exist for another.
 
 use axum::http::Method;
 use planish::config::Settings;
@@ -66,7 +66,7 @@ fn a_batch_of_one_tenant_is_not_there_for_another() {
         post(server, &two.b, &format!("{place}/cancel"), &Value::Null).await.problem(404, "not-found");
         ask(server, &two.b, Method::DELETE, &place, &Value::Null).await.problem(404, "not-found");
         assert_eq!(get(server, &two.b, "/v1/batches").await.ok().json()["batches"], json!([]));
-        // the same batch of the other is another one, whose jobs are done again
+        // the same batch of the other tenant is a separate one, whose jobs are computed again
         let again = with_headers(server, &two.b, Method::POST, "/v1/batches", &list, &wait).await.ok().json();
         assert_eq!((&again["id"], &again["counts"]["cache_hits"]), (&made["id"], &json!(0)));
         assert_eq!(ask(server, &two.b, Method::DELETE, &place, &Value::Null).await.status, 204);
@@ -184,7 +184,7 @@ fn jobs_of_one_tenant_are_unknown_to_another_whatever_is_done_to_them() {
         ask(server, &two.b, Method::DELETE, &place, &Value::Null).await.problem(404, "not-found");
         assert_eq!(get(server, &two.b, "/v1/jobs").await.ok().json(), json!({ "jobs": [] }));
         assert_eq!(get(server, &two.a, "/v1/jobs").await.ok().json()["jobs"].as_array().unwrap().len(), 1);
-        // the same job of the other is another resource of the same name
+        // the same job of the other tenant is a separate resource of the same name
         let own = post(server, &two.b, "/v1/jobs", &with(mesh(2), "obj")).await;
         assert_eq!((own.status, own.json()["attempts"].clone()), (202, json!(1)));
         assert_eq!(own.header("location"), place);
@@ -194,7 +194,7 @@ fn jobs_of_one_tenant_are_unknown_to_another_whatever_is_done_to_them() {
     });
 }
 
-/// What a tenant does to the job that both have posted.
+/// The way in which a tenant leaves the job that both have posted.
 #[derive(Debug, Clone, Copy)]
 enum Leave {
     Cancel,
@@ -202,15 +202,15 @@ enum Leave {
     Disconnect,
 }
 
-/// What one tenant does about a job: asks for it, and leaves.
+/// A tenant who requests a job, and leaves it.
 struct Party<'a> {
     server: &'a Server,
     token: &'a Token,
     leave: Leave,
     job: Value,
-    /// Where the job stands, once it was posted.
+    /// The path of the job, once it is posted.
     place: String,
-    /// The request that waits, where there is one.
+    /// The waiting request, if there is one.
     request: Option<JoinHandle<()>>,
 }
 
@@ -242,7 +242,7 @@ impl<'a> Party<'a> {
         }
     }
 
-    /// What the tenant is told of the job, where it is one.
+    /// Returns the state of the job for the tenant, if it was posted as a job.
     async fn state(&self) -> Option<Value> {
         let is_job = !self.place.is_empty();
         if is_job { Some(get(self.server, self.token, &self.place).await.ok().json()["state"].clone()) } else { None }
@@ -273,7 +273,7 @@ fn a_computation_goes_on_for_the_tenant_that_stays_in_every_order_of_leaving() {
                 if let Some(state) = parties[1 - first].state().await {
                     assert!([json!("queued"), json!("running")].contains(&state), "{state}: {case}");
                 }
-                // who has left comes back, and joins what goes on
+                // the tenant that has left comes back, and joins the running computation
                 parties[first].submit().await;
                 until(&format!("both wait again: {case}"), || want(2)).await;
                 assert_eq!(ended(), before, "no computation has ended: {case}");
@@ -349,7 +349,7 @@ fn an_upload_opens_nothing_for_a_tenant_that_has_not_sent_it() {
     }
 }
 
-/// A long job, each number another one.
+/// Returns a long job, different for each number.
 fn endless_of(number: usize) -> Value {
     let mut job = endless();
     job["input"]["polygon"]["points"][0][0] = json!(number);

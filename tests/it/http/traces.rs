@@ -1,4 +1,4 @@
-//! Traces in and out, the reference page, and what is watched by the example dashboard.
+//! Traces in and out, the reference page, and the metrics of the example dashboard.
 
 use std::collections::BTreeSet;
 use std::path::Path;
@@ -12,7 +12,7 @@ fn a_trace_goes_on_in_the_answer_and_names_the_refusal() {
         let (id, parent) = ("4bf92f3577b34da6a3ce929d0e0e4736", "00f067aa0ba902b7");
         let named = format!("00-{id}-{parent}-01");
         let traced = [("traceparent", named.as_str())];
-        // the second answer is given without the router, the third is a refusal
+        // the second answer bypasses the router, the third is a refusal
         for job in [with(polygon(1), "svg"), with(polygon(1), "svg"), with(polygon(1), "svg")] {
             let answer = server.post_with("/v1/render", &job, &traced).await.ok();
             let told = answer.header("traceparent");
@@ -92,7 +92,7 @@ fn the_dashboard_and_the_alerts_watch_metrics_that_exist() {
     });
 }
 
-/// Checks that every label that a query selects or sums by is one of the metrics that it asks for.
+/// Checks that every label by which a query selects or sums belongs to one of its metrics.
 fn labels_exist(query: &str, page: &str) {
     let mut known = BTreeSet::from(["instance", "job"]);
     let words: BTreeSet<&str> = query.split(|c: char| !c.is_ascii_alphanumeric() && c != '_').collect();

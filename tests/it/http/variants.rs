@@ -1,4 +1,4 @@
-//! Compressed variants of results: negotiated, made once, each with an ETag of its own.
+//! Compressed variants of results: negotiated, made once, each with its own ETag.
 
 use std::io::Read;
 
@@ -27,7 +27,7 @@ async fn render(server: &Server, job: &Value, codings: &str) -> Answer {
     server.post_with("/v1/render", job, &[("accept-encoding", codings)]).await.ok()
 }
 
-/// How many results and variants are kept.
+/// Returns the number of kept results and variants.
 fn kept(server: &Server) -> u64 {
     server.app.desk.tiers.usage().iter().map(|(_, usage)| usage.artifacts).sum()
 }

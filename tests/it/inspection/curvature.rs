@@ -10,7 +10,7 @@ fn near(value: &Value, expected: f64, tolerance: f64, what: &str) {
     assert!((found - expected).abs() <= tolerance, "{what}: {found} is not {expected}");
 }
 
-/// The input of a sphere whose coincident vertices are one.
+/// Returns the input of a sphere with coincident vertices merged.
 fn welded(net: &Net, radius: f64) -> Value {
     let mut input = net.input();
     input["weld"] = (1e-9 * radius).into();
@@ -30,8 +30,8 @@ fn a_sphere_bends_alike_everywhere() {
     }
 }
 
-/// Largest differences from the closed forms of a torus of radii 2 and 1: of Gaussian curvature from -1 to 1 / 3, of
-/// mean curvature from 0 to 2 / 3.
+/// Returns the differences from the closed forms of a torus of radii 2 and 1: of Gaussian curvature from -1 to 1 / 3,
+/// of mean curvature from 0 to 2 / 3.
 fn torus_errors(n: usize) -> [f64; 4] {
     let found = stats(json!({ "input": torus(2 * n, n).input() }));
     let curvature = &found["curvature"];
@@ -48,7 +48,7 @@ fn the_curvature_of_a_torus_tends_to_its_closed_form_with_the_square_of_the_edge
     let found = stats(json!({ "input": torus(96, 48).input() }));
     let gaussian = &found["curvature"]["gaussian"];
     near(&gaussian["mean"], 0.0, 1e-3, "all of it");
-    // on the inner circle it is a saddle, on the outer one a dome
+    // on the inner circle the surface is a saddle, on the outer one a dome
     for (end, radius) in [("min_at", 1.0), ("max_at", 3.0)] {
         let at: [f64; 3] = serde_json::from_value(gaussian[end].clone()).expect("a place");
         near(&json!(at[0] * at[0] + at[2] * at[2]), radius * radius, 1e-9, end);
@@ -104,11 +104,11 @@ fn the_largest_jump_of_normals_is_told_with_its_edge() {
         (&found["normal_jump"]["vertices"], &found["normal_jump"]["at"]),
         (&json!([0, 1]), &json!([0.5, 0.0, 0.0]))
     );
-    // a plane has none, and one face no edge with two
+    // a plane has no jump, and a single face has no edge with two faces
     let flat = stats(json!({ "input": sheet(3, |_, _| 0.0).input() }));
     near(&flat["normal_jump"]["degrees"], 0.0, 1e-6, "a plane");
     assert_eq!(stats(json!({ "input": sheet(1, |_, _| 0.0).input() }))["normal_jump"], Value::Null);
-    // and refinement makes it smaller, level by level
+    // refinement reduces the jump, level by level
     let jump = |levels: u32| {
         let job = json!({ "input": nets::cube().input(), "plan": { "preset": "catmull-clark" }, "levels": levels });
         number(&stats(job)["normal_jump"]["degrees"])

@@ -8,7 +8,7 @@ use super::picture;
 use crate::support::nets;
 use crate::support::render;
 
-/// The colours of the right half of a picture, but for greys and those of few pixels, with the numbers of these.
+/// Returns the colours of the right half of a picture with their numbers of pixels, without greys and rare colours.
 fn colors(input: &Value, options: &Value) -> BTreeMap<[u8; 3], usize> {
     let (width, pixels) = picture(input, options);
     let mut found = BTreeMap::new();
@@ -22,7 +22,7 @@ fn colors(input: &Value, options: &Value) -> BTreeMap<[u8; 3], usize> {
     found
 }
 
-/// From so far away that all colours are those of the legend.
+/// Returns options with the camera so far away that all colours are those of the legend.
 fn options(show: &Value) -> Value {
     json!({ "width": 400, "height": 300, "show": show, "camera": { "zoom": 0.01 } })
 }
@@ -36,7 +36,7 @@ fn a_legend_has_a_swatch_for_each_name_and_one_for_faces_without() {
     assert_eq!(colors(&cube, &asked).len(), 3);
     cube["mesh"]["groups"] = json!([{ "name": "all", "faces": [0, 1, 2, 3, 4, 5] }]);
     assert_eq!(colors(&cube, &asked).len(), 1);
-    // hundreds of names do not fit, and what has room stands there
+    // hundreds of names do not fit; the legend shows as many as there is room for
     let faces = |i: usize| if i < 6 { vec![i] } else { Vec::new() };
     let names: Vec<Value> = (0..256).map(|i| json!({ "name": format!("group-{i}"), "faces": faces(i) })).collect();
     cube["mesh"]["groups"] = json!(names);

@@ -8,7 +8,7 @@ use super::{sheet, sphere};
 use crate::support::nets;
 use crate::support::{parsed, render};
 
-/// A job with one picture of distances from the surface of another.
+/// Returns a job with one picture of distances from the surface of another job.
 fn job(input: &Value, levels: u32, other: &Value, range: [f64; 2]) -> Value {
     let plan = if levels > 0 { json!({ "preset": "catmull-clark" }) } else { Value::Null };
     json!({ "input": input, "plan": plan, "levels": levels, "distance_to": other, "outputs": [
@@ -16,7 +16,7 @@ fn job(input: &Value, levels: u32, other: &Value, range: [f64; 2]) -> Value {
             "color_bar": false, "camera": { "projection": "orthographic" } }] })
 }
 
-/// Whether all that is seen of a picture has the colour of one end of its range, in whatever light.
+/// Whether all visible pixels have the colour of one end of the range, in any light.
 fn is_all_at(job: &Value, end: f64) -> bool {
     let (bytes, _) = render(job).unwrap_or_else(|faults| panic!("{faults:?}"));
     let picture = image::load_from_memory_with_format(&bytes, image::ImageFormat::Png).expect("it is a picture");
@@ -43,12 +43,12 @@ fn spheres_about_one_point_are_the_difference_of_their_radii_apart() {
     let outer = sphere(24, 1.0).input();
     let inner = json!({ "input": sphere(23, 0.5).input() });
     // facets lie within their sphere, by 0.5 (1 - cos(2.77 degrees)) at most, as half a diagonal of a face is seen from
-    // the centre under no more than that
+    // the centre under that angle at most
     let bound = 0.5 * 0.00117;
     assert!(is_all_at(&job(&outer, 0, &inner, [0.0, 0.5 - 1e-12]), 1.0), "some are nearer");
     assert!(is_all_at(&job(&outer, 0, &inner, [0.5 + bound, 1.0]), 0.0), "some are farther");
     assert!(!is_all_at(&job(&outer, 0, &inner, [0.5 + bound / 8.0, 0.5 + bound / 7.0]), 0.0), "facets are not felt");
-    // from inside it is the same number, not its opposite
+    // from inside, the distance is the same number, not its opposite
     let (outer, inner) = (json!({ "input": outer }), inner["input"].clone());
     assert!(is_all_at(&job(&inner, 0, &outer, [0.0, 0.5 - 2.0 * bound]), 1.0));
 }
@@ -59,7 +59,7 @@ fn a_surface_is_nowhere_away_from_itself_but_away_from_its_net() {
     let itself = json!({ "input": cube, "plan": { "preset": "catmull-clark" }, "levels": 3 });
     assert!(is_all_at(&job(&cube, 3, &itself, [1e-12, 1.0]), 0.0));
     assert!(!is_all_at(&job(&cube, 3, &json!({ "input": cube }), [1e-12, 1e-6]), 0.0));
-    // at the limit both are moved
+    // with limit positions, both surfaces are moved
     let mut limit = job(&cube, 3, &itself, [1e-12, 1e-6]);
     limit["outputs"][0]["positions"] = "limit".into();
     assert!(!is_all_at(&limit, 0.0));
@@ -136,7 +136,7 @@ fn the_other_surface_counts_in_what_a_job_comes_to() {
     let other = |levels: u32| json!({ "input": cube, "plan": { "preset": "catmull-clark" }, "levels": levels });
     let alone = of(&Value::Null, &limits).expect("it is small");
     let beside = of(&other(6), &limits).expect("it is small");
-    // level 6 has 24,576 quads, of which each is two triangles in a tree
+    // level 6 has 24,576 quads, each of which is two triangles in a tree
     assert!(beside.memory_bytes > alone.memory_bytes + 2 * 24_576 * 132, "{beside:?}");
     assert!(beside.forecast.work > alone.forecast.work + 24_576, "{beside:?}");
     let small = Limits { max_faces: 1000, ..limits };

@@ -7,7 +7,7 @@ use super::{TURN, picture, sheet, torus};
 use crate::support::nets::{self, Net};
 use crate::support::render;
 
-/// Colours without their brightness, in linear light: what is left when light falls on them.
+/// Returns the hue of a colour in linear light, independent of its brightness.
 fn tone([r, g, b]: [u8; 3]) -> [f64; 3] {
     let linear = |c: f64| if c <= 0.04045 { c / 12.92 } else { pow((c + 0.055) / 1.055, 2.4) };
     let light = [r, g, b].map(|byte| linear(f64::from(byte) / 255.0));
@@ -19,7 +19,7 @@ fn rgb([r, g, b, _]: [u8; 4]) -> [u8; 3] {
     [r, g, b]
 }
 
-/// A shading with the curvature of a torus that it shows, told by the cosine of the place on the tube.
+/// A shading with the curvature of a torus that it shows, as a function of the cosine of the angle on the tube.
 type ClosedForm = (&'static str, fn(f64) -> f64);
 
 #[test]
@@ -37,7 +37,7 @@ fn the_colours_of_a_torus_are_those_of_its_curvature() {
         for (i, pixel) in pixels.iter().enumerate() {
             let [x, y] = [i % width, i / width].map(|k| f64::from(u32::try_from(k).expect("small")) + 0.5);
             let cosine = sqrt((x - 80.0) * (x - 80.0) + (y - 60.0) * (y - 60.0)) * scale - 2.0;
-            // at the silhouettes a pixel is wide on the torus
+            // near the silhouettes, a pixel covers much of the torus
             if cosine.abs() < 0.9 {
                 let expected = colorous::VIRIDIS.eval_continuous(0.5 + 0.5 * curvature(cosine));
                 let (found, expected) = (tone(rgb(*pixel)), tone([expected.r, expected.g, expected.b]));
@@ -79,19 +79,19 @@ fn a_plane_looks_alike_all_over_under_every_inspection() {
 fn the_colour_of_a_normal_is_the_normal() {
     let (width, pixels) = picture(&sheet(2, |_, _| 0.0).input(), &json!({ "shading": "normals" }));
     assert_eq!(rgb(pixels[60 * width + 80]), [128, 128, 255]);
-    // of length 1 it is (-3, 0, 4) / 5
+    // normalised, the normal is (-3, 0, 4) / 5
     let (width, pixels) = picture(&sheet(2, |x, _| 0.75 * x).input(), &json!({ "shading": "normals" }));
     assert_eq!(rgb(pixels[60 * width + 80]), [51, 128, 230]);
 }
 
-/// Half a cylinder about the y axis, seen from +z: its outside, smooth.
+/// Returns half a cylinder about the y axis, seen from +z: its outside, smooth.
 fn cylinder() -> Net {
     let net = sheet(64, |_, _| 0.0);
     let bent = |[x, y, _]: [f64; 3]| [sin(0.25 * TURN * x), 0.75 * y, cos(0.25 * TURN * x)];
     Net { positions: net.positions.into_iter().map(bent).collect(), faces: net.faces }
 }
 
-/// How often a row through the middle of a picture changes between dark and light over the places from -0.7 to 0.7.
+/// Counts the changes between dark and light in a row through the middle of a picture, over x from -0.7 to 0.7.
 fn changes(options: &Value) -> usize {
     let mut options = options.clone();
     (options["width"], options["height"]) = (640.into(), 480.into());
@@ -108,8 +108,8 @@ fn changes(options: &Value) -> usize {
 
 #[test]
 fn stripes_count_what_the_mirrored_direction_passes() {
-    // normals at x are (x, 0, sqrt(1 - x^2)): mirrored, the sight has the component 2 x sqrt(1 - x^2) along x, which
-    // grows from -1 to 1 over these places
+    // normals at x are (x, 0, sqrt(1 - x^2)): the reflected line of sight has the component 2 x sqrt(1 - x^2) along x,
+    // which grows from -1 to 1 over this range
     for stripes in [3, 5] {
         let across = json!({ "shading": "zebra", "stripes": stripes, "stripe_direction": [1, 0, 0] });
         assert_eq!(changes(&across), 2 * stripes);
@@ -118,10 +118,10 @@ fn stripes_count_what_the_mirrored_direction_passes() {
     for shading in ["zebra", "isophotes"] {
         assert_eq!(changes(&json!({ "shading": shading, "stripe_direction": [0, 7, 0] })), 0, "{shading}");
     }
-    // n . a is x: of steps of a quarter, five lines, 0.5 and 0 among them, are between -0.7 and 0.7
+    // n . a is x: with steps of a quarter, five lines, 0.5 and 0 among them, are between -0.7 and 0.7
     assert_eq!(changes(&json!({ "shading": "isophotes", "stripes": 4, "stripe_direction": [2, 0, 0] })), 2 * 5);
     // the angle about the axis grows from -88.9 to 88.9 degrees: of lines at steps of 30 degrees, each 6 wide, five are
-    // inside, and one at each end half of which is
+    // inside, and half of one at each end
     let lines = json!({ "shading": "reflection-lines", "stripes": 6, "stripe_direction": [0, 1, 0] });
     assert_eq!(changes(&lines), 2 * 5 + 2);
 }
@@ -137,7 +137,7 @@ fn a_hidden_line_drawing_has_paper_and_ink_only() {
     let paper = pixels.iter().filter(|pixel| rgb(**pixel) == [255, 238, 221]).count();
     let ink = pixels.iter().filter(|pixel| pixel[0] < 60).count();
     assert!(paper > 280_000 && ink > 2000, "{paper} {ink}");
-    // nine edges are seen, so that a row through the middle meets the outline twice and one edge between
+    // nine edges are visible, so that a row through the middle meets the outline twice and one edge between
     let row = &pixels[264 * width..265 * width];
     let dark: Vec<bool> = row.iter().map(|pixel| pixel[0] < 150).collect();
     assert_eq!(dark.windows(2).filter(|pair| pair[0] != pair[1]).count(), 6);
@@ -152,10 +152,10 @@ fn distances_are_those_from_the_control_net() {
                 "color_map": "greys" }] });
         render(&job).expect("a picture").0
     };
-    // the farthest point of a Catmull-Clark cube is less than half a side away from it: beyond, nothing changes but
-    // that all is paler
+    // the farthest point of a Catmull-Clark cube is less than half a side away from it: beyond that range, only the
+    // brightness changes
     assert_ne!(far([0.0, 0.5]), far([0.0, 1.0]));
-    // a net is nowhere away from itself
+    // a net has distance 0 from itself
     let options = json!({ "shading": "distance", "color_map": "greys", "range": [0, 1] });
     let (width, pixels) = picture(&sheet(4, |_, _| 0.0).input(), &options);
     let [r, g, b, _] = pixels[60 * width + 80];

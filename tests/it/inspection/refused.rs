@@ -1,4 +1,4 @@
-//! What cannot be inspected, and why.
+//! Refused inspections, and the reasons.
 
 use serde_json::{Value, json};
 

@@ -1,4 +1,4 @@
-//! Repeated averaging: tensor B-splines of every degree where all is regular.
+//! Repeated averaging: tensor-product B-splines of every degree on regular nets.
 
 use serde_json::json;
 

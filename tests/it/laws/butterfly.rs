@@ -1,4 +1,4 @@
-//! Butterfly: cubics where all is regular, the weights of rings elsewhere, four-point curves on boundaries.
+//! Butterfly: cubics on regular nets, the weights of rings elsewhere, four-point curves on boundaries.
 
 use planish::math::functions::{cos, sin};
 use proptest::prelude::*;
@@ -15,7 +15,7 @@ fn whole(i: usize) -> f64 {
     f64::from(u32::try_from(i).expect("small"))
 }
 
-/// A sheet of `2 n^2` triangles over the lattice, valence 6 inside.
+/// Returns a sheet of `2 n^2` triangles over the lattice, with valence 6 inside.
 fn sheet(n: usize, height: impl Fn(f64, f64) -> f64) -> Net {
     let at = |i: usize, j: usize| j * (n + 1) + i;
     let place = |k: usize| [whole(k % (n + 1)), whole(k / (n + 1))];
@@ -27,7 +27,7 @@ fn sheet(n: usize, height: impl Fn(f64, f64) -> f64) -> Net {
     Net { positions: points.collect(), faces: triangles.collect() }
 }
 
-/// Largest distance from a graph, away from the boundary.
+/// Returns the largest distance from a graph, away from the boundary.
 fn off(net: &Net, height: impl Fn(f64, f64) -> f64, from: f64, to: f64) -> f64 {
     let inside = |x: &f64| (from..=to).contains(x);
     let points = net.positions.iter().filter(|p| inside(&p[0]) && inside(&p[1]));
@@ -48,10 +48,11 @@ fn regular_regions_reproduce_cubics() {
     assert!(off(&refined_mesh(&sheet(8, cubic), &tense, 1), cubic, 2.0, 6.0) > 0.01);
 }
 
-/// Triangles around a vertex, two rings of them, the vertices of the inner ring of valence 6; `ring(s)` places these.
+/// Returns two rings of triangles around a vertex, where vertices of the inner ring have valence 6; `ring(s)` places
+/// these.
 fn disc(n: usize, ring: impl Fn(usize) -> [f64; 3]) -> Net {
     let next = |s: usize| (s + 1) % n;
-    // 1 + s on the inner ring; on the outer one 1 + n + 2 s beyond it and 2 + n + 2 s between
+    // 1 + s on the inner ring; 1 + n + 2 s on the outer ring beyond it, and 2 + n + 2 s between
     let (inner, beyond, between) = (|s: usize| 1 + s, |s: usize| 1 + n + 2 * s, |s: usize| 2 + n + 2 * s);
     let sector = |s: usize| {
         [
@@ -66,7 +67,7 @@ fn disc(n: usize, ring: impl Fn(usize) -> [f64; 3]) -> Net {
     Net { positions, faces: (0..n).flat_map(sector).collect() }
 }
 
-/// Around an inner vertex the eigenvalues are 1, twice 1/2, 1/4 and 0 (Zorin, Schroeder and Sweldens 1996).
+/// Around an inner vertex, the eigenvalues are 1, twice 1/2, 1/4 and 0 (Zorin, Schroeder and Sweldens 1996).
 #[test]
 fn eigenvalues_are_halves_and_quarters() {
     for n in [3, 4, 5, 7, 8, 12] {
@@ -112,8 +113,8 @@ fn a_pillow_keeps_its_place() {
     assert!(fine.positions.iter().all(|p| distance(p, &[5.0, 7.0, 9.0]) <= 1e-14), "{:?}", fine.positions);
 }
 
-/// An edge between two triangles with nothing else around: all four far vertices are reflected, which leaves
-/// 1/2 (a + b) + (1/8 - 2/16) (c + d).
+/// An edge between two triangles without neighbours: all four far vertices are reflected, which leaves 1/2 (a + b) +
+/// (1/8 - 2/16) (c + d).
 #[test]
 fn missing_vertices_are_reflected() {
     let positions = vec![[0.0, 0.0, 0.0], [4.0, 0.0, 2.0], [2.0, 3.0, 5.0], [2.0, -3.0, 7.0]];

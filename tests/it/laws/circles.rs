@@ -5,7 +5,7 @@ use serde_json::{Value, json};
 
 use super::{refined, semi_stationary};
 
-/// Rounding of about ten operators a level leaves this much of the unit radius.
+/// Tolerance relative to the unit radius: the rounding of about ten operators per level.
 const TOLERANCE: f64 = 1e-12;
 
 fn regular_polygon(k: u32, winding: u32) -> Vec<[f64; 2]> {
@@ -13,7 +13,7 @@ fn regular_polygon(k: u32, winding: u32) -> Vec<[f64; 2]> {
     (0..k).map(|i| [cos(angle(i)), sin(angle(i))]).collect()
 }
 
-/// The common radius of all points after `levels` levels.
+/// Returns the common radius of all points after `levels` levels.
 fn check(polygon: &[[f64; 2]], plan: &Value, levels: u32) -> f64 {
     let points = refined(polygon, true, plan, levels);
     let radii: Vec<f64> = points.iter().map(|[x, y]| sqrt(x * x + y * y)).collect();
@@ -113,8 +113,8 @@ fn the_compensation_may_have_an_alpha_of_its_own() {
     }
 }
 
-/// The radius after the levels: `prod_h (g + delta (1 - g))`, `g = cos(a/2) cos(a/4)^(2(k-1))`, with a halved each
-/// time.
+/// Returns the radius after the levels: `prod_h (g + delta (1 - g))`, `g = cos(a/2) cos(a/4)^(2(k-1))`, with a halved
+/// each time.
 fn radius(alpha: f64, averages: u32, delta: f64, levels: u32) -> f64 {
     let mut alpha = alpha;
     (0..levels).fold(1.0, |radius, _| {
@@ -155,7 +155,7 @@ fn screwed_polygons_become_helices() {
             let plan = semi_stationary(&format!("UC^{averages}P"), &format!("2*pi/{k}"), delta);
             let points = refined(&polygon, false, &plan, LEVELS);
             let radius = radius(alpha, averages, delta, LEVELS);
-            // away from the ends, whose reflections are no helices
+            // away from the ends, whose reflections are not helices
             let middle = (10 << LEVELS)..=((POINTS - 11) << LEVELS);
             assert!(middle.clone().count() > 100);
             for j in middle {

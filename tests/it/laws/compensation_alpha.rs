@@ -1,4 +1,4 @@
-//! The alpha of the compensation: on latitude lines, and beaten by an alpha that points carry.
+//! The alpha of the compensation: on latitude lines, and overridden by an alpha of points.
 
 use planish::math::functions::cos;
 use serde_json::{Value, json};
@@ -24,7 +24,7 @@ fn key(job: &Value) -> String {
     job.keys()[0].to_string()
 }
 
-/// On latitude lines, and beside them where nothing is tagged, the compensation of a level is that of its own alpha.
+/// On latitude lines, and beside untagged ones, the compensation of a level depends on its own alpha.
 #[test]
 fn latitude_lines_see_the_alpha_of_the_compensation() {
     let mut part = tube(6, &RINGS);
@@ -37,7 +37,7 @@ fn latitude_lines_see_the_alpha_of_the_compensation() {
                 let found = positions(&mesh, &with("compensation_alpha", alpha), 1);
                 let expected = positions(&mesh, &with("compensation", 1.0 / cos(alpha / 2.0)), 1);
                 assert!(apart(&found, &expected) < 1e-14, "{alpha}, {rule}");
-                // the next level sees the half
+                // the next level uses half of it
                 let [found, other] = [alpha, 0.0].map(|alpha| positions(&mesh, &with("compensation_alpha", alpha), 2));
                 assert_eq!(apart(&found, &other) > 1e-6, alpha > 0.0, "{alpha}, {rule}");
             }
@@ -45,7 +45,7 @@ fn latitude_lines_see_the_alpha_of_the_compensation() {
     }
 }
 
-/// The alpha of the lines themselves, written down, changes nothing.
+/// Stating the alpha of the lines explicitly changes nothing.
 #[test]
 fn the_alpha_of_lines_may_be_written_down() {
     let mesh = tube(5, &RINGS);
@@ -74,7 +74,7 @@ fn an_alpha_that_points_carry_beats_it() {
     }
 }
 
-/// Of several polygons those without an alpha of their own see it, as they do alone.
+/// Among several polygons, those without an alpha of their own use it as they do alone.
 #[test]
 fn among_several_polygons_those_without_alpha_see_it() {
     let points = [[0, 0], [2, 1], [3, 3], [0, 2]];

@@ -9,7 +9,7 @@ use crate::support::nets::{self, Net, distance, same_surface};
 
 const TOLERANCE: f64 = 1e-12;
 
-/// Ends of an edge and its sharpness.
+/// The ends of an edge, and its sharpness.
 type Crease = ([usize; 2], f64);
 
 fn creased(net: &Net, creases: &[Crease], plan: &Value, levels: u32) -> Net {
@@ -27,7 +27,7 @@ fn chaikin() -> Value {
     json!({ "preset": "catmull-clark", "boundary": "edge-only", "parameters": { "creasing": "chaikin" } })
 }
 
-/// Plans that follow infinitely sharp edges, with what each makes of curves.
+/// Returns plans that support infinitely sharp edges, each with the corresponding plan for curves.
 fn plans() -> Vec<(Value, Value)> {
     let words = [word("UC"), word("UCP"), static_word("UCCP"), semi_stationary("UCP", "1", 0.5), word("CU")];
     let edge_only = |plan: Value| {
@@ -41,7 +41,7 @@ fn plans() -> Vec<(Value, Value)> {
     plans
 }
 
-/// A torus of 4 x 5 quads and the edges of its first row, which close.
+/// Returns a torus of 4 x 5 quads and the edges of its first row, which form a ring.
 fn ring(sharpness: f64) -> (Net, [Crease; 4]) {
     (nets::torus(4, 5), [0, 1, 2, 3].map(|i| ([i, (i + 1) % 4], sharpness)))
 }
@@ -68,7 +68,7 @@ fn creases_follow_the_curve_scheme() {
     }
 }
 
-/// The corners of all faces, one after the other.
+/// Returns the corners of all faces in sequence.
 fn soup(net: &Net) -> Vec<[f64; 3]> {
     net.faces.iter().flatten().map(|&v| net.positions[v]).collect()
 }
@@ -117,13 +117,13 @@ fn what_was_sharp_is_smooth_afterwards() {
     let (net, creases) = ring(1.7);
     let [halfway, whole] = [2, 3].map(|levels| creased(&net, &creases, &catmull_clark(), levels));
     assert_eq!(same_surface(&refined_mesh(&halfway, &catmull_clark(), 1), &whole, TOLERANCE), Ok(()));
-    // with more sharpness than levels the same does not hold
+    // with more sharpness than levels this does not hold
     let (_, creases) = ring(2.7);
     let [halfway, whole] = [2, 3].map(|levels| creased(&net, &creases, &catmull_clark(), levels));
     assert!(same_surface(&refined_mesh(&halfway, &catmull_clark(), 1), &whole, TOLERANCE).is_err());
 }
 
-/// In its first level an edge of sharpness s < 1 is s parts crease and 1 - s parts smooth, and so are vertices.
+/// In its first level, an edge of sharpness s < 1 is s parts crease and 1 - s parts smooth, and so are vertices.
 #[test]
 fn fractions_are_means() {
     let (net, _) = ring(0.0);
@@ -151,7 +151,7 @@ fn where_three_creases_meet_the_vertex_stays_and_where_one_ends_it_is_smooth() {
             if n == 1 && plan["preset"] == "catmull-clark" {
                 let one = creased(&net, &creases, &plan, 1).positions[0];
                 let smooth = refined_mesh(&net, &plan, 1).positions[0];
-                // the dart's rule is smooth, and the face points do not feel the crease in the first level
+                // the dart's rule is smooth, and the crease does not affect face points in the first level
                 assert!(distance(&one, &smooth) <= TOLERANCE, "{plan}");
             }
             assert!(largest_difference(&fine, &smooth) > 1e-3, "{n} creases in {plan}");
@@ -159,7 +159,7 @@ fn where_three_creases_meet_the_vertex_stays_and_where_one_ends_it_is_smooth() {
     }
 }
 
-/// Sharp everywhere, nothing moves: the first level is bilinear.
+/// If everything is sharp, nothing moves: the first level is bilinear.
 #[test]
 fn a_mesh_of_creases_is_bilinear() {
     let net = nets::prism(5);
@@ -167,7 +167,7 @@ fn a_mesh_of_creases_is_bilinear() {
     for plan in [catmull_clark(), word("UC")] {
         let bilinear = refined_mesh(&net, &word("U"), 1);
         let fine = creased(&net, &creases, &plan, 1);
-        // the loop centres of C move face points, which no crease holds
+        // the loop centres of C move face points, which are on no crease
         let held = if plan["word"].is_null() { fine.positions.len() } else { 25 };
         assert_eq!(fine.positions[..held], bilinear.positions[..held], "{plan}");
     }
@@ -187,7 +187,7 @@ fn semi_sharp_corners_stay_as_long_as_they_are_sharp() {
     assert!(distance(&of(0.25, 1), &expected) <= TOLERANCE);
 }
 
-/// Chaikin's rule evens sharpness out along a crease; where all of it is equal there is nothing to even out.
+/// Chaikin's rule evens out sharpness along a crease; equal sharpness remains as it is.
 #[test]
 fn chaikin_creasing_differs_where_sharpness_does() {
     let (net, even) = ring(2.5);
@@ -198,8 +198,9 @@ fn chaikin_creasing_differs_where_sharpness_does() {
     assert!(largest_difference(&a, &b) > 1e-3);
 }
 
-/// Under Chaikin's rule an edge is wholly sharp where both its halves stay sharp, and else as sharp as it says, at most
-/// wholly. OpenSubdiv 3.5 has (0.373046875, -0.888671875, 1.015625) at the first of these places, and the others, too.
+/// Under Chaikin's rule, an edge is fully sharp if both its halves remain sharp, and else as sharp as it states, at
+/// most fully. OpenSubdiv 3.5 has (0.373046875, -0.888671875, 1.015625) at the first of these places, and agrees at the
+/// others.
 #[test]
 fn an_edge_is_as_sharp_as_its_halves_or_as_it_says() {
     let corners = [[0, 1, 2, 3], [4, 5, 6, 7], [0, 1, 5, 4], [1, 2, 6, 5], [2, 3, 7, 6], [3, 0, 4, 7]];
@@ -212,15 +213,15 @@ fn an_edge_is_as_sharp_as_its_halves_or_as_it_says() {
         fine.positions.iter().any(|p| distance(p, &place) <= 1e-15)
     };
     assert!(has(&[([4, 5], 2.4), ([5, 6], 1.3)], 2, [0.375, -0.875, 1.0]));
-    // both halves of the edge in the middle get 3/4 of 0.5 and 1/4 of 4, less 1
+    // both halves of the middle edge get 3/4 of 0.5 and 1/4 of 4, minus 1
     assert!(has(&[([4, 5], 4.0), ([5, 6], 0.5), ([6, 7], 4.0)], 1, [1.0, 0.0, 1.0]));
-    // and here 1/4 of 2.5, less than 1: none is left
+    // and here 1/4 of 2.5, minus 1: neither remains
     assert!(has(&[([4, 5], 2.5), ([5, 6], 0.5), ([6, 7], 2.5)], 1, [0.875, 0.0, 0.875]));
-    // one is left
+    // one remains
     assert!(has(&[([4, 5], 4.0), ([5, 6], 0.5), ([6, 7], 2.5)], 1, [0.875, 0.0, 0.875]));
 }
 
-/// The same under Loop, and of everything that vertices carry.
+/// The same holds under Loop, and for all data of vertices.
 #[test]
 fn all_that_an_edge_carries_is_as_sharp_as_its_halves() {
     let around = [[1.0, 0.0], [0.0, 1.0], [-1.0, 0.0], [0.0, -1.0]].map(|[x, y]: [f64; 2]| [x, y, 0.0]);
@@ -273,7 +274,7 @@ proptest! {
         net in nets::manifold(), sharpness in proptest::collection::vec(sharpness(), 40), chaikin_too in any::<bool>(),
     ) {
         let creases: Vec<Crease> = net.edges().into_iter().map(|(a, b)| [a, b]).zip(sharpness).collect();
-        // turned about an axis by the angle of (3, 4, 5), and moved
+        // rotated about an axis by the angle of (3, 4, 5), and translated
         let rigid = |[x, y, z]: [f64; 3]| [0.6 * x - 0.8 * y + 2.0, 0.8 * x + 0.6 * y - 1.0, z + 0.5];
         let moved = Net { positions: net.positions.iter().copied().map(rigid).collect(), faces: net.faces.clone() };
         let plan = if chaikin_too { chaikin() } else { catmull_clark() };
@@ -283,7 +284,7 @@ proptest! {
         }
     }
 
-    /// Neither the order of creases nor that of their ends matters.
+    /// The order of creases and of their ends does not matter.
     #[test]
     fn creases_are_a_set(net in nets::manifold(), sharpness in proptest::collection::vec(sharpness(), 40)) {
         let creases: Vec<Crease> = net.edges().into_iter().map(|(a, b)| [a, b]).zip(sharpness).collect();
@@ -292,8 +293,8 @@ proptest! {
     }
 }
 
-/// Sharpness belongs to the mesh: under Chaikin's rule it evens out around a vertex on a seam as if there were none, so
-/// that texture coordinates that are places stay places beside an edge inside their region.
+/// Sharpness belongs to the mesh: under Chaikin's rule it evens out around a vertex on a seam as if there were no seam,
+/// so that texture coordinates equal to positions remain equal beside an edge inside their region.
 #[test]
 fn seams_do_not_change_how_sharp_edges_are() {
     let n = 8;

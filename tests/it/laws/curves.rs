@@ -1,4 +1,4 @@
-//! Identities of curve schemes: two D are one C, levels add up, ends and corners stay, delta 1 interpolates.
+//! Identities of curve schemes: two D are one C, levels add up, ends and corners are fixed, delta 1 interpolates.
 
 use proptest::prelude::*;
 use serde_json::{Value, json};
@@ -28,7 +28,7 @@ fn check_equal(a: &Value, b: &Value, levels: u32) {
     }
 }
 
-/// A list of kernels keeps the D apart, so that both sides are really computed.
+/// A list of kernels prevents the two D from being merged, so that both sides are really computed.
 #[test]
 fn two_duals_are_one_average_point_for_point() {
     for f in [1.0, 1.5, 0.25] {
@@ -158,7 +158,7 @@ fn natural_ends_keep_only_points_whose_stencil_exists() {
 proptest! {
     #![proptest_config(ProptestConfig { cases: 32, failure_persistence: None, ..ProptestConfig::default() })]
 
-    /// Walking a polygon the other way round gives the same curve the other way round.
+    /// Reversing a polygon reverses its curve.
     #[test]
     fn curves_have_no_preferred_direction(
         points in proptest::collection::vec(proptest::array::uniform2(-10.0..10.0_f64), 3..9),
@@ -195,7 +195,7 @@ fn rational_points_are_divided_by_their_weight() {
 fn an_average_is_two_duals_after_higher_arities_too() {
     let parameters = json!({ "alpha": 1, "kernel": "2*cos(alpha/2)" });
     for (duals, average) in [("UDD", "UC"), ("U3DD", "U3C"), ("U5DD", "U5C")] {
-        // a list of kernels keeps the two D apart
+        // a list of kernels prevents the two D from being merged
         let list = json!({ "alpha": 1, "kernel": ["2*cos(alpha/2)", 1] });
         let points = [[0.0, 0.0], [2.0, 1.0], [3.0, 5.0], [-1.0, 4.0]];
         let a = refined(&points, true, &json!({ "word": duals, "parameters": list }), 2);

@@ -1,4 +1,4 @@
-//! Doo-Sabin: the tensor product of Chaikin where all is regular, its weights and eigenvalues elsewhere.
+//! Doo-Sabin: the tensor product of Chaikin on regular nets, its weights and eigenvalues elsewhere.
 
 use planish::math::functions::{cos, sin};
 use serde_json::{Value, json};
@@ -17,7 +17,7 @@ fn chaikin() -> Value {
     json!({ "preset": "chaikin" })
 }
 
-/// Checks that two lists hold the same points, one to one.
+/// Checks that two lists have the same points, one to one.
 fn assert_same_points(found: &[[f64; 3]], expected: &[[f64; 3]], what: &str) {
     assert_eq!(found.len(), expected.len(), "{what}");
     let mut left = found.to_vec();
@@ -27,7 +27,7 @@ fn assert_same_points(found: &[[f64; 3]], expected: &[[f64; 3]], what: &str) {
     }
 }
 
-/// Rows, then columns, each refined as a curve.
+/// Refines rows and then columns as curves.
 fn tensor(points: &[[f64; 3]], width: usize, closed: bool, plan: &Value, levels: u32) -> Vec<[f64; 3]> {
     let rows: Vec<Vec<[f64; 3]>> = points.chunks(width).map(|row| refined(row, closed, plan, levels)).collect();
     let column = |i: usize| rows.iter().map(|row| row[i]).collect::<Vec<_>>();
@@ -65,7 +65,7 @@ fn boundaries_are_chaikin_curves_of_their_polygons() {
     }
 }
 
-/// Positions of the vertices on the boundary.
+/// Returns the positions of the boundary vertices.
 fn boundary(net: &Net) -> Vec<[f64; 3]> {
     let side = |face: &Vec<usize>, j: usize| (face[j], face[(j + 1) % face.len()]);
     let sides = || net.faces.iter().flat_map(|face| (0..face.len()).map(move |j| side(face, j)));
@@ -78,7 +78,7 @@ fn weights_are_those_of_doo_and_sabin() {
     let unit = |n: usize| {
         let mut net = nets::prism(n);
         net.positions.iter_mut().for_each(|p| *p = [0.0; 3]);
-        // the last face of a prism runs n, n + 1, ..., 2n - 1
+        // the last face of a prism has the vertices n, n + 1, ..., 2n - 1
         net.positions[n] = [1.0, 0.0, 0.0];
         let fine = refined_mesh(&net, &doo_sabin("edge-only"), 1);
         (0..n).map(|i| fine.positions[fine.positions.len() - n + i][0]).collect::<Vec<_>>()
@@ -98,7 +98,7 @@ fn weights_are_those_of_doo_and_sabin() {
     }
 }
 
-/// Around a face of n vertices the eigenvalues are 1, twice 1/2, and 1/4 (Doo and Sabin 1978).
+/// Around a face of n vertices, the eigenvalues are 1, twice 1/2, and 1/4 (Doo and Sabin 1978).
 #[test]
 fn eigenvalues_are_one_two_halves_and_quarters() {
     for n in 3..=9_usize {

@@ -1,5 +1,5 @@
-//! What is told of latitude lines is what is measured in the limit: those told exact are circles of the radius told,
-//! and the others are none.
+//! Reported latitude lines agree with measurements of the limit: those reported as exact are circles of the reported
+//! radius, and the others are not circles.
 
 use planish::analysis::circles::Outlook;
 use planish::math::functions::{cos, sin, sqrt};
@@ -20,7 +20,8 @@ fn cross(a: Point, b: Point) -> Point {
     std::array::from_fn(|i| a[(i + 1) % 3] * b[(i + 2) % 3] - a[(i + 2) % 3] * b[(i + 1) % 3])
 }
 
-/// The mean distance of points from their mean, and by how much they miss the circle of this radius in a plane.
+/// Returns the mean distance of points from their mean, and their largest deviation from the circle of this radius in a
+/// plane.
 fn circle(points: &[Point]) -> (f64, f64) {
     let n = real(points.len());
     let centre: Point = std::array::from_fn(|i| points.iter().map(|p| p[i]).sum::<f64>() / n);
@@ -33,7 +34,7 @@ fn circle(points: &[Point]) -> (f64, f64) {
     (radius, arms.iter().map(missed).fold(0.0, f64::max))
 }
 
-/// Which lines are told exact: those that are circles in the limit; the others are none.
+/// Returns the lines that are reported as exact, and checks that these are circles in the limit and the others are not.
 fn judged(mesh: &Value, plan: &Value) -> Vec<usize> {
     let lines = told(mesh, plan);
     let is_exact = |line: &(usize, (&Outlook, Vec<Point>))| {
@@ -59,7 +60,7 @@ fn all(n: usize) -> Vec<usize> {
     (0..n).collect()
 }
 
-/// A tube whose rings are moved, each by itself.
+/// Returns a tube with each ring moved by `by`.
 fn moved(k: usize, rings: &[Ring], by: impl Fn(usize, Point) -> Point) -> Value {
     let mut mesh = tube(k, rings);
     let points: Vec<Point> = serde_json::from_value(mesh["positions"].clone()).expect("positions");
@@ -71,14 +72,14 @@ fn aside(u: usize, [x, y, z]: Point) -> Point {
     [x + 0.8 * sin(2.0 * real(u)), y - 0.6 * cos(3.0 * real(u)), z]
 }
 
-/// Turned about the x axis through the origin.
+/// Rotates a point about the x axis through the origin.
 fn tilted([x, y, z]: Point, angle: f64) -> Point {
     let (c, s) = (cos(angle), sin(angle));
     [x, c * y - s * z, s * y + c * z]
 }
 
-/// Rings in parallel planes that do not lie on one axis have circles in the limit, too: the rule that is told by asks
-/// for more than they need.
+/// Rings in parallel planes with centres off a common axis have circles in the limit, too: the rule for reports
+/// requires more than necessary.
 #[test]
 fn oblique_tubes_have_circles_that_are_not_told() {
     for (letters, rule) in [("UC", "difference"), ("UCP", "difference"), ("UCP", "position"), ("UCCPC", "difference")] {
@@ -96,7 +97,7 @@ fn oblique_tubes_have_circles_that_are_not_told() {
     }
 }
 
-/// Where a ring is tilted, lines that depend on it are none.
+/// Lines that depend on a tilted ring are not circles.
 #[test]
 fn lines_beside_a_tilted_ring_are_no_circles() {
     for (letters, rule) in [("UC", "difference"), ("UCP", "difference"), ("UCP", "position"), ("UCCPC", "difference")] {
@@ -119,7 +120,7 @@ fn poles_between_other_planes_are_no_circles() {
     assert_eq!(judged(&moved(5, &rings, bent), &plan), [0, 1, 2, 4, 5, 6]);
 }
 
-/// Without a P, delta and compensation have no say, and neither have they before the first C.
+/// Delta and compensation have no effect without a P, nor before the first C.
 #[test]
 fn what_is_never_used_disturbs_nothing() {
     let n = 5 * UNEVEN.len();
@@ -136,7 +137,7 @@ fn what_is_never_used_disturbs_nothing() {
     assert!(judged(&tube(5, &UNEVEN), &by_places).is_empty());
 }
 
-/// Where nothing is pushed back, the kernel `cos(alpha/2)` is enough; tags need not be looked at.
+/// Without a push-back, the kernel `cos(alpha/2)` suffices; tags do not matter.
 #[test]
 fn the_isotropic_rule_keeps_circles_where_nothing_is_pushed_back() {
     let cases = [
@@ -157,7 +158,7 @@ fn the_isotropic_rule_keeps_circles_where_nothing_is_pushed_back() {
     }
 }
 
-/// Going round p times one way is going round n - p times the other way: the alpha of both is right, others are not.
+/// Winding p times in one direction is winding n - p times in the other: the alpha of both is right, others are not.
 #[test]
 fn stars_may_go_round_either_way() {
     for (k, p) in [(5, 1), (5, 2), (7, 2), (7, 3)] {
@@ -174,7 +175,7 @@ fn stars_may_go_round_either_way() {
     }
 }
 
-/// Of the rings beside a line those count that its limit depends on, no more.
+/// Of the rings beside a line, exactly those matter on which its limit depends.
 #[test]
 fn lines_look_as_far_as_their_limits_reach() {
     let rings: Vec<Ring> = (0..13).map(|u| (1.0 + 0.3 * cos(2.0 * real(u)), real(u), 0.1 * real(u))).collect();
@@ -204,7 +205,7 @@ fn lines_look_as_far_as_their_limits_reach() {
 proptest! {
     #![proptest_config(ProptestConfig { cases: 8, failure_persistence: None, ..ProptestConfig::default() })]
 
-    /// Any rings, one of them perhaps tilted.
+    /// Any rings, one of them possibly tilted.
     #[test]
     fn lines_are_told_as_they_are(
         rings in prop::collection::vec((0.3_f64..2.0, 0.2_f64..1.5, -0.4_f64..0.4), 4..9),

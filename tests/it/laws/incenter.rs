@@ -1,5 +1,5 @@
-//! The incenter scheme: circles stay circles, convex stays convex, the curve does not depend on where it lies, and data
-//! at which formulas have poles give finite points.
+//! The incenter scheme: circles remain circles, convex polygons remain convex, the curve does not depend on its
+//! placement, and data at which formulas have poles give finite points.
 
 #![expect(clippy::float_cmp, reason = "what stays, stays exactly")]
 
@@ -16,7 +16,7 @@ const PI: f64 = std::f64::consts::PI;
 
 type Points = Vec<[f64; 2]>;
 
-/// Points and tangents of a refined polygon.
+/// Returns the points and tangents of a refined polygon.
 fn refined(polygon: &Value, mu: &Value, levels: u32) -> (Points, Points) {
     let plan = json!({ "preset": "incenter", "parameters": { "mu": mu } });
     let job = json!({
@@ -52,7 +52,7 @@ fn cross(a: [f64; 2], b: [f64; 2]) -> f64 {
     a[0] * b[1] - a[1] * b[0]
 }
 
-/// The angle from one vector to another.
+/// Returns the angle from one vector to another.
 fn turn(a: [f64; 2], b: [f64; 2]) -> f64 {
     atan2(cross(a, b), a[0] * b[0] + a[1] * b[1])
 }
@@ -68,13 +68,13 @@ fn near(a: &[[f64; 2]], b: &[[f64; 2]], tolerance: f64, what: &str) {
     }
 }
 
-/// Angle at the middle of each arc: the joint of a biarc on a circle is the middle of its arc.
+/// Adds the midpoint of each arc to the angles: the joint of a biarc on a circle is the middle of its arc.
 fn halved(angles: &[f64], whole: f64) -> Vec<f64> {
     let ends = angles.iter().zip(angles[1..].iter().copied().chain([angles[0] + whole]));
     ends.flat_map(|(&a, b)| [a, f64::midpoint(a, b)]).collect()
 }
 
-/// Edges of a half circle and of more than that are among them.
+/// Some edges span a half circle, and more than that.
 #[test]
 fn points_of_a_circle_stay_on_it_for_every_mu() {
     for angles in [&[0.0, 1.0, 2.5, 3.0], &[0.0, PI, 4.0, 5.0], &[0.0, 4.5, 4.75, 5.0], &[1.0, 3.0, 3.5, 7.0]] {
@@ -83,7 +83,7 @@ fn points_of_a_circle_stay_on_it_for_every_mu() {
             for levels in 0..=5 {
                 let (points, tangents) = refined(&closed(&on_circle(angles)), &json!(mu), levels);
                 let what = format!("mu {mu}, level {levels} of {angles:?}");
-                // a mesh of 0.25 radians, cut into 32 edges, turns its rounding into 1e-16 / 0.008 of angle
+                // an edge of 0.25 radians, cut into 32 parts, turns a rounding of 1e-16 into an angle of 1e-16 / 0.008
                 near(&points, &on_circle(&expected), 1e-14, &what);
                 let turned: Vec<f64> = expected.iter().map(|t| t + PI / 2.0).collect();
                 near(&tangents, &on_circle(&turned), 1e-12, &what);
@@ -107,7 +107,7 @@ fn polygon() -> impl Strategy<Value = Points> {
     proptest::collection::vec(proptest::array::uniform2(-10.0..10.0_f64), 3..9)
 }
 
-/// Whether the polygon keeps away from where the scheme is not continuous: turnings by about pi, or of about 0, whose
+/// Whether the polygon stays away from discontinuities of the scheme: turning angles of about pi, or of about 0, whose
 /// sign decides between arc and inflection.
 fn is_tame(points: &[[f64; 2]]) -> bool {
     let n = points.len();
@@ -142,7 +142,7 @@ proptest! {
         near(&refined(&json!({ "points": backwards }), &json!("1/4"), 3).0, &there, 1e-9, "backwards");
     }
 
-    /// Points on an ellipse at random, so that edges may be very unequal.
+    /// Random points on an ellipse, so that edges may be very unequal.
     #[test]
     fn convex_polygons_stay_convex(
         gaps in proptest::collection::vec(0.1..1.0_f64, 4..9), high in 0.2..1.0_f64, mu in 0.0..=1.0_f64,
@@ -160,7 +160,7 @@ proptest! {
         }
     }
 
-    /// Few places, so that points coincide, fold back and lie on lines.
+    /// Few different positions, so that points coincide, fold back and lie on lines.
     #[test]
     fn awkward_points_give_finite_ones(
         points in proptest::collection::vec(proptest::array::uniform2((-1..=1).prop_map(f64::from)), 3..9),
@@ -180,7 +180,8 @@ fn turnings(points: &[[f64; 2]]) -> Vec<f64> {
     (0..n).map(|i| turn(chord(i), chord(i + 1))).collect()
 }
 
-/// Largest difference between the curvatures of neighbouring points, by the circles through three points each.
+/// Returns the largest difference between the curvatures of neighbouring points, by the circles through three points
+/// each.
 fn curvature_jump(points: &[[f64; 2]]) -> f64 {
     let n = points.len();
     let curvature = |i: usize| {
@@ -300,7 +301,7 @@ fn tangents_at_open_ends_are_mirrored_or_kept() {
     near(&points, &[[0.0, 0.0], [0.75, 1.0], [1.5, 2.0], [2.25, 3.0], [3.0, 4.0]], 1e-15, "evenly");
 }
 
-/// Rounding must not decide where points of a straight edge go.
+/// Rounding must not decide where the points of a straight edge go.
 #[test]
 fn straight_points_stay_straight_and_are_halved() {
     let points: Points = (0..7).map(|i| f64::from(i) * 0.1).map(|t| [0.3 + t / 7.0, 0.7 - 3.0 * t]).collect();

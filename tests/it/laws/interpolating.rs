@@ -1,4 +1,4 @@
-//! Kobbelt's interpolating scheme: the tensor product of the four-point scheme, and what it is at other valences.
+//! Kobbelt's interpolating scheme: the tensor product of the four-point scheme, and its properties at other valences.
 
 use planish::math::functions::{cos, sin, sqrt};
 use serde_json::{Value, json};
@@ -7,7 +7,7 @@ use super::{refined, refined_mesh};
 use crate::support::nets::{self, Net, distance};
 
 const TOLERANCE: f64 = 1e-12;
-/// Valence and the double eigenvalue below 1.
+/// The valence, and the double eigenvalue below 1.
 const EIGENVALUES: [(usize, f64); 5] =
     [(3, 0.426_330_91), (4, 0.5), (5, 0.537_943_86), (6, 0.559_684_52), (8, 0.582_134_30)];
 
@@ -39,7 +39,7 @@ fn a_grid_is_the_tensor_product_of_the_clamped_four_point_scheme() {
     }
 }
 
-/// It is not the push-back with delta 1, though both interpolate and share their curves.
+/// Kobbelt's scheme is not the push-back with delta 1, though both interpolate and have the same curves.
 #[test]
 fn it_differs_from_push_back_inside() {
     let net = nets::torus(5, 4);
@@ -61,22 +61,22 @@ fn boundaries_are_four_point_curves() {
     }
 }
 
-/// Quads around a vertex: the point i steps along spoke s and j across has the number `1 + (s r + i - 1) r + j`, with
-/// `1 <= i <= r` and `0 <= j < r`.
+/// Returns quads around a vertex: the point i steps along spoke s and j across has the number `1 + (s r + i - 1) r +
+/// j`, with `1 <= i <= r` and `0 <= j < r`.
 fn disc(n: usize, r: usize, place: impl Fn(usize, usize, usize) -> [f64; 3]) -> Net {
     let number = |s: usize, i: usize, j: usize| match (i, j) {
         (0, 0) => 0,
         (0, j) => 1 + ((s + 1) % n * r + j - 1) * r,
         (i, j) => 1 + (s * r + i - 1) * r + j,
     };
-    // the outermost row across a spoke is left out, as it has no number
+    // the outermost row across a spoke is omitted, as it has no number
     let quads = (0..n).flat_map(|s| (0..r * r).map(move |at| (s, at / r, at % r))).filter(|&(_, _, j)| j + 1 < r);
     let quad = |(s, i, j)| vec![number(s, i, j), number(s, i + 1, j), number(s, i + 1, j + 1), number(s, i, j + 1)];
     let points = (0..n * r * r).map(|at| place(at / (r * r), at / r % r + 1, at % r));
     Net { positions: [[0.0; 3]].into_iter().chain(points).collect(), faces: quads.map(quad).collect() }
 }
 
-/// The same disc around the centre of a refined one, found by walking straight on.
+/// Returns the same disc around the centre of a refined one, found by walking straight on.
 fn inner_disc(fine: &Net, n: usize, r: usize) -> Vec<[f64; 3]> {
     let mut faces = std::collections::BTreeMap::new();
     for face in &fine.faces {
@@ -135,8 +135,8 @@ fn face_points_do_not_depend_on_the_direction() {
     }
 }
 
-/// Growth of the points around a vertex of valence n in one level, after many; `frequency` says how they turn with the
-/// sectors. The centre stays at 0.
+/// Returns the growth per level of the points around a vertex of valence n, after many levels; `frequency` is that of
+/// the points around the centre, which remains at 0.
 fn eigenvalue(n: usize, frequency: usize) -> f64 {
     let r = 6;
     let turn = |s: usize| 2.0 * std::f64::consts::PI * whole(frequency * s) / whole(n);
@@ -154,7 +154,8 @@ fn eigenvalue(n: usize, frequency: usize) -> f64 {
     value
 }
 
-/// The largest eigenvalues but 1 belong to the first frequency; the figures come of the matrices of a separate program.
+/// The largest eigenvalues below 1 belong to the first frequency; the values are from the matrices of a separate
+/// program.
 #[test]
 fn eigenvalues_at_extraordinary_vertices() {
     for (n, expected) in EIGENVALUES {

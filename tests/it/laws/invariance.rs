@@ -1,4 +1,4 @@
-//! Rows sum to one: constants stay, straight lines stay straight, and refining commutes with affine maps.
+//! Rows sum to one: constants remain, straight lines remain straight, and refinement commutes with affine maps.
 
 use planish::math::functions::{cos, sin};
 use proptest::prelude::*;
@@ -22,7 +22,7 @@ fn point<const D: usize>() -> impl Strategy<Value = [f64; D]> {
     proptest::array::uniform(-10.0..10.0)
 }
 
-/// `matrix x p + shift`.
+/// The map `matrix x p + shift`.
 #[derive(Debug, Clone)]
 pub(super) struct Affine<const D: usize> {
     matrix: [[f64; D]; D],
@@ -130,7 +130,7 @@ fn constants_stay_constant() {
     }
 }
 
-/// Linear precision: the reflection at the ends goes on evenly, too.
+/// Linear precision: the reflection at the ends continues evenly, too.
 #[test]
 fn evenly_spaced_points_stay_evenly_spaced_between_clamped_ends() {
     let line: Vec<[f64; 1]> = (0..6).map(|i| [f64::from(i)]).collect();
@@ -144,7 +144,7 @@ fn evenly_spaced_points_stay_evenly_spaced_between_clamped_ends() {
     }
 }
 
-/// At an inflection with mu = 1 a tangent lies along the edge but for rounding, which must not choose between arc and
+/// At an inflection with mu = 1, a tangent lies along the edge up to rounding, which must not choose between arc and
 /// inflection.
 #[test]
 fn incenter_turns_with_its_input_at_inflections() {

@@ -1,4 +1,4 @@
-//! Tubes whose latitude lines have one alpha are refined patch by patch, to the bits of whole nets.
+//! Tubes whose latitude lines have one alpha are refined patch by patch, with the same bits as whole nets.
 
 use serde_json::{Value, json};
 
@@ -6,13 +6,14 @@ use super::paths::compare;
 use super::{semi_stationary, static_word, word};
 use crate::support::nets::{self, Net};
 
-/// The latitude and longitude tags of rings of `n` vertices, one after another.
+/// Returns the latitude and longitude tags of consecutive rings of `n` vertices.
 fn tags(net: &Net, n: usize) -> Value {
     let (latitude, longitude): (Vec<_>, Vec<_>) = net.edges().into_iter().partition(|(a, b)| a / n == b / n);
     json!({ "latitude": latitude, "longitude": longitude })
 }
 
-/// The same net, each face begun at another corner: sides of patches along which latitude lines run differ.
+/// Returns the net with each face starting at another corner, so that latitude lines run along different sides of
+/// patches.
 fn turned(mut net: Net) -> Net {
     net.faces.iter_mut().enumerate().for_each(|(f, face)| face.rotate_left(f % 4));
     net
@@ -60,8 +61,8 @@ fn creases_along_latitude_and_longitude_lines_are_swept() {
     }
 }
 
-/// Rings of different sizes have different alphas, tags that stop have points beside them that follow other rules, and
-/// so have latitude lines that end: rows of whole nets refine all of them.
+/// Rings of different sizes have different alphas, and points beside the ends of tags or latitude lines follow other
+/// rules: rows of whole nets refine all of them.
 #[test]
 fn what_differs_from_place_to_place_is_refined_by_rows() {
     let net = nets::torus(5, 4);

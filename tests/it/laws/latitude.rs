@@ -1,4 +1,4 @@
-//! Latitude lines of tubes stay circles, whatever delta is, and what is not tagged is not touched.
+//! Latitude lines of tubes remain circles for every delta, and untagged parts are not affected.
 
 use planish::analysis::circles::outlooks;
 use planish::math::functions::sqrt;
@@ -12,7 +12,7 @@ fn real(n: usize) -> f64 {
     f64::from(u32::try_from(n).expect("a small number"))
 }
 
-/// A tube of regular k-gons with these radii and heights, tagged.
+/// Returns a tagged tube of regular k-gons with these radii and heights.
 fn tube(k: usize, rings: &[(f64, f64)], turn: f64) -> Value {
     let turned: Vec<_> = rings.iter().map(|&(r, z)| (r, z, turn)).collect();
     super::outlooks::tube(k, &turned)
@@ -25,7 +25,8 @@ fn refined(mesh: &Value, plan: &Value, levels: u32) -> Vec<Point> {
     serde_json::from_value(result["positions"].clone()).expect("positions")
 }
 
-/// The greatest spread of radii, and of heights, over all latitude lines: points of one height belong together.
+/// Returns the greatest spread of radii, and of heights, over all latitude lines: points of the same height are one
+/// line.
 fn spreads(points: &[Point], rings: usize) -> (f64, f64) {
     let mut sorted: Vec<(f64, f64)> = points.iter().map(|p| (p[2], sqrt(p[0] * p[0] + p[1] * p[1]))).collect();
     sorted.sort_by(|a, b| a.0.total_cmp(&b.0));
@@ -63,7 +64,7 @@ fn latitude_lines_of_uneven_tubes_are_circles() {
     }
 }
 
-/// Without the tags rings are no longer plane, as soon as they are unevenly spaced.
+/// Without the tags, unevenly spaced rings do not remain plane.
 #[test]
 fn without_the_rule_uneven_rings_are_not_plane() {
     let plan = json!({ "preset": "push-back", "boundary": "edge-only", "parameters": {
@@ -94,7 +95,7 @@ fn surfaces_of_revolution_are_invariant_under_one_sector() {
     }
 }
 
-/// At delta 0 the rule by differences changes nothing that is not tagged, and nothing that is.
+/// At delta 0, the rule by differences changes neither tagged nor untagged parts.
 #[test]
 fn with_delta_0_nothing_is_pushed_back() {
     let tagged = refined(&tube(6, &UNEVEN, 0.1), &push_back(0.0, 1, "difference"), 2);
@@ -107,7 +108,7 @@ fn with_delta_0_nothing_is_pushed_back() {
     }
 }
 
-/// The kernel across the lines may be another one: circles stay, the profile changes.
+/// The kernel across the lines may differ: circles remain, the profile changes.
 #[test]
 fn the_longitude_kernel_shapes_the_profile_alone() {
     let mut plan = push_back(0.5, 1, "difference");
@@ -126,7 +127,7 @@ fn collapsed_poles_leave_circles_exact() {
     assert!(radius < 1e-12 && height < 1e-12, "{radius} {height}");
 }
 
-/// An explicit alpha is the plan's word: circles are lost where it is wrong.
+/// An explicit alpha has precedence: lines are not circles if it is wrong.
 #[test]
 fn an_explicit_alpha_beats_the_lines() {
     let mut plan = push_back(0.5, 1, "difference");
@@ -208,7 +209,7 @@ fn tags_that_cannot_be_are_refused_at_their_place() {
     }
 }
 
-/// The lines of a mesh under a plan: radius, or why there is none.
+/// Returns the lines of a mesh under a plan: the radius, or the reason why there is none.
 fn lines(mesh: &Value, plan: &Value) -> Vec<Result<f64, String>> {
     let job = json!({ "input": { "mesh": mesh }, "plan": plan, "levels": 1, "outputs": [{ "format": "json" }] });
     let job = support::parsed(job.to_string().as_bytes()).unwrap_or_else(|faults| panic!("{faults:?}"));
@@ -249,7 +250,7 @@ fn lines_that_are_no_circles_are_explained() {
     assert!(lines(&tube(6, &UNEVEN, 0.0), &wrong)[2].as_ref().is_err_and(|reason| reason.contains("cos(alpha/2)")));
 }
 
-/// The nets that are kept for it: a vase, a barrel with collapsed ends, and two tubes that meet.
+/// The nets for this purpose in `tests/nets`: a vase, a barrel with collapsed ends, and two tubes that meet.
 #[test]
 fn the_tagged_nets_have_exact_lines() {
     for (name, least) in [("barrel-tagged", 1), ("t-junction-tagged", 3)] {

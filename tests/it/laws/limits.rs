@@ -7,7 +7,7 @@ use crate::support::{faults, render};
 
 const SQUARE: [[f64; 2]; 4] = [[0.0, 0.0], [4.0, 0.0], [4.0, 4.0], [0.0, 4.0]];
 
-/// The json output with options.
+/// Returns the JSON output with options.
 fn with(options: &Value, polygon: &Value, plan: &Value, levels: u32) -> Value {
     let mut output = json!({ "format": "json" });
     for (name, value) in options.as_object().expect("options are an object") {
@@ -41,7 +41,7 @@ fn wobbly(n: u32) -> Vec<[f64; 2]> {
     (0..n).map(point).collect()
 }
 
-/// Plans with limits, with the width of what their limit rows see.
+/// Returns plans with limits, whose limit rows have various widths.
 fn plans() -> Vec<Value> {
     let push = |alpha: &str, delta: f64, k: u32| {
         json!({ "preset": "push-back", "parameters": {
@@ -66,7 +66,7 @@ fn plans() -> Vec<Value> {
 #[test]
 fn b_splines_have_the_limit_points_of_their_basis_functions() {
     let square = json!({ "points": SQUARE, "closed": true });
-    // around the corner (0, 0) stand (0, 4) and (4, 0)
+    // the neighbours of the corner (0, 0) are (0, 4) and (4, 0)
     for (degree, side) in [(2, 1.0 / 8.0), (3, 1.0 / 6.0)] {
         let plan = json!({ "preset": "b-spline", "parameters": { "degree": degree } });
         let points = limit(&square, &plan, 0);
@@ -82,7 +82,7 @@ fn b_splines_have_the_limit_points_of_their_basis_functions() {
     }
 }
 
-/// Closed form of the limit mask of the static push-back with one average.
+/// The closed form of the limit mask of the static push-back with one average.
 #[test]
 fn static_push_back_has_its_closed_limit_mask() {
     for (f, w, d) in [(1.0, 1.0, 0.0), (1.0, 1.0, 0.5), (2.0, 1.5, 0.8), (1.2, 0.7, -0.2), (0.6, 1.0, 1.0)] {
@@ -170,7 +170,7 @@ fn tangents_of_circles_are_at_right_angles_to_the_radius() {
     }
 }
 
-/// Two fine neighbours of a deep refinement give the direction of the tangent.
+/// Two adjacent points of a deep refinement give the direction of the tangent.
 #[test]
 fn tangents_are_the_directions_of_a_deep_refinement() {
     for plan in plans() {
@@ -197,7 +197,7 @@ fn tangents_are_the_directions_of_a_deep_refinement() {
     }
 }
 
-/// A corner ends the curves on both sides of it: each side is a polygon of its own.
+/// A corner ends the curves on both sides of it: each side is a separate polygon.
 #[test]
 fn corners_cut_limits() {
     let points = wobbly(9);

@@ -1,11 +1,11 @@
-//! Words spell the classical masks: one level of a unit impulse on a long closed polygon.
+//! Words have the classical masks: one level of a unit impulse on a long closed polygon.
 
 use serde_json::{Value, json};
 
 use super::{refined, word};
 use crate::support::render;
 
-/// The points that an impulse reaches, as multiples of `1 / denominator`, and the index of the first.
+/// Returns the values at the points that an impulse reaches, with the index of the first.
 fn mask(plan: &Value) -> (usize, Vec<f64>) {
     let impulse: Vec<[f64; 1]> = (0..32).map(|i| [if i == 16 { 1.0 } else { 0.0 }]).collect();
     let values = refined(&impulse, true, plan, 1);
@@ -14,7 +14,7 @@ fn mask(plan: &Value) -> (usize, Vec<f64>) {
     (first, values[first..=last].iter().map(|[x]| *x).collect())
 }
 
-/// The mask, exactly; `reach` is how far its first entry lies before the child of the impulse.
+/// Checks the mask exactly; `reach` is the distance of its first entry before the child of the impulse.
 fn check(plan: &Value, reach: usize, denominator: f64, expected: &[f64]) {
     let expected: Vec<f64> = expected.iter().map(|x| x / denominator).collect();
     assert_eq!(mask(plan), (32 - reach, expected), "{plan}");
@@ -73,7 +73,7 @@ fn clamped_ends_stay_under_masks_that_are_not_their_own_mirror_image() {
             json!({ "input": { "polygon": { "points": points, "closed": closed } }, "plan": plan, "levels": levels,
                 "outputs": [{ "format": "json", "positions": positions }] })
         };
-        // what counts for one side of an end does not for its mirror image
+        // a result for one side of an end does not hold for its mirror image
         for (levels, positions) in [(json!(2), "limit"), (json!({ "tolerance": 0.1 }), "refined")] {
             let faults = render(&job(false, levels, positions)).err().unwrap_or_default();
             assert!(faults.len() == 1 && faults[0].detail.contains("close the polygon"), "{faults:?}");

@@ -1,4 +1,4 @@
-//! Identities of mesh schemes: what Catmull-Clark and push-back share, and what must not matter.
+//! Identities of mesh schemes: the common part of Catmull-Clark and push-back, and data without effect.
 
 use proptest::prelude::*;
 use serde_json::{Value, json};
@@ -48,7 +48,8 @@ fn catmull_clark_is_push_back_on_quad_meshes() {
     }
 }
 
-/// Beside other faces the edge points of the first level differ, which is why Catmull-Clark has an operator of its own.
+/// Beside faces other than quads, the edge points of the first level differ, which is why Catmull-Clark has an operator
+/// of its own.
 #[test]
 fn catmull_clark_is_not_push_back_beside_triangles() {
     let [a, b] = [catmull_clark("edge-only"), catmull_clark_as_push_back("edge-only")]
@@ -69,7 +70,7 @@ fn regular_regions_are_tensor_products() {
     for plan in [word("UC"), static_word("UC"), semi_stationary("UCC", "pi/3", 0.0)] {
         let fine = refined_mesh(&net, &plan, 1);
         let row = |points: &[[f64; 3]]| super::refined(points, true, &plan, 1);
-        // refine the rows, then the columns; the seam of the closed curves stays outside what is compared
+        // refine the rows, then the columns; the seam of the closed curves is outside the compared part
         let rows: Vec<Vec<[f64; 3]>> = net.positions.chunks(n).map(row).collect();
         let column = |i: usize| super::refined(&rows.iter().map(|row| row[i]).collect::<Vec<_>>(), true, &plan, 1);
         let expected: Vec<[f64; 3]> = (6..=10).flat_map(|i| column(i)[6..=10].to_vec()).collect();
@@ -121,7 +122,7 @@ fn vertices_with_one_face_stay_unless_boundaries_are_edge_only() {
     }
 }
 
-/// A boundary is the curve that the curve scheme makes of the boundary polygon.
+/// A boundary is the curve of the curve scheme for the boundary polygon.
 #[test]
 fn boundaries_follow_the_curve_scheme() {
     let net = nets::mixed();
@@ -142,7 +143,7 @@ fn holes_change_what_is_shown_and_nothing_else() {
         mesh["holes"] = json!([1]);
         let shown = Net::of(&support::json(json!({ "input": { "mesh": mesh }, "plan": plan, "levels": 2 })));
         assert_eq!(shown.positions, whole.positions, "{plan}");
-        // the quad became 16 faces, the triangle 12, the pentagon 20, where a level splits
+        // the quad becomes 16 faces, the triangle 12, the pentagon 20, if a level splits
         let splits = plan["word"].as_str() != Some("C");
         let hidden = if !splits {
             1..2
@@ -214,7 +215,7 @@ proptest! {
     }
 }
 
-/// Meshes whose refined points stay apart, so that points can be matched by their place.
+/// Returns meshes with distinct refined points, so that points can be matched by position.
 fn distinct_manifold() -> impl Strategy<Value = Net> {
     let scattered = nets::manifold().prop_map(|mut net| {
         for (i, p) in (0_u32..).zip(&mut net.positions) {

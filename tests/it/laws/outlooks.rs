@@ -1,4 +1,4 @@
-//! What is told of latitude lines beforehand is true: a line called exact is a circle of that radius in the limit.
+//! Reports about latitude lines are true: a line reported as exact is a circle of that radius in the limit.
 
 use planish::analysis::circles::{Outlook, outlooks};
 use planish::math::functions::{cos, sin, sqrt};
@@ -13,10 +13,10 @@ pub(crate) fn real(n: usize) -> f64 {
     f64::from(u32::try_from(n).expect("a small number"))
 }
 
-/// Radius, height and turn of a ring.
+/// The radius, height and rotation of a ring.
 pub(crate) type Ring = (f64, f64, f64);
 
-/// A tagged tube of k-gons.
+/// Returns a tagged tube of k-gons.
 pub(crate) fn tube(k: usize, rings: &[Ring]) -> Value {
     let angle = |i: usize| std::f64::consts::TAU * real(i) / real(k);
     let ring = |&(r, z, t): &Ring| (0..k).map(move |i| [r * cos(angle(i) + t), r * sin(angle(i) + t), z]);
@@ -29,7 +29,7 @@ pub(crate) fn tube(k: usize, rings: &[Ring]) -> Value {
     json!({ "positions": positions, "faces": faces, "latitude": latitude, "longitude": longitude })
 }
 
-/// What is told of the lines of a mesh under a plan.
+/// Returns the reports about the lines of a mesh under a plan.
 pub(crate) fn told(mesh: &Value, plan: &Value) -> Vec<Outlook> {
     let job = json!({ "input": { "mesh": mesh }, "plan": plan, "levels": 1, "outputs": [{ "format": "json" }] });
     let job = support::parsed(job.to_string().as_bytes()).unwrap_or_else(|faults| panic!("{faults:?}"));
@@ -37,7 +37,7 @@ pub(crate) fn told(mesh: &Value, plan: &Value) -> Vec<Outlook> {
     outlooks(mesh, Ok(&job.plan))
 }
 
-/// The points on each of these lines after some levels, or of its vertices in the limit.
+/// Returns the points on each of these lines after some levels, or the limits of its vertices.
 pub(super) fn points(mesh: &Value, plan: &Value, lines: &[Outlook], levels: usize, positions: &str) -> Vec<Vec<Point>> {
     let job = json!({ "input": { "mesh": mesh }, "plan": plan, "levels": levels });
     let result = json_with(job, &json!({ "isolines": true, "positions": positions }));
@@ -56,13 +56,13 @@ pub(super) fn points(mesh: &Value, plan: &Value, lines: &[Outlook], levels: usiz
     lines.iter().map(around).collect()
 }
 
-/// Distances from the z axis.
+/// Returns the distances from the z axis.
 fn radii(points: &[Point]) -> impl Iterator<Item = f64> + '_ {
     points.iter().map(|p| sqrt(p[0] * p[0] + p[1] * p[1]))
 }
 
-/// How many lines are told exact, each of which must have the radius told in the limit, and must be a circle after two
-/// levels.
+/// Returns the number of lines reported as exact, and checks that each has the reported radius in the limit and is a
+/// circle after two levels.
 fn exact(mesh: &Value, plan: &Value) -> usize {
     let mut lines = told(mesh, plan);
     lines.retain(|outlook| outlook.circle.is_ok());
@@ -94,7 +94,7 @@ pub(super) const UNEVEN: [Ring; 8] = [
     (1.0, 5.1, 0.3),
 ];
 
-/// Averages after a P, and several P, belong to the closed form.
+/// Averages after a P, and several P, are part of the closed form.
 #[test]
 fn words_are_judged_by_all_their_letters() {
     for letters in ["UC", "UCC", "UCP", "UCCP", "UCPC", "UCPCC", "UCPP", "UC(UCP)"] {
@@ -105,7 +105,7 @@ fn words_are_judged_by_all_their_letters() {
     }
 }
 
-/// Several U in a cycle, against a deep refinement.
+/// Several U in a cycle, compared with a deep refinement.
 #[test]
 fn cycles_of_several_steps_have_radii() {
     let (mesh, plan) = (tube(3, &UNEVEN[..5]), word("UCPUCCPC", &json!({ "delta": 0.5 })));
@@ -116,8 +116,8 @@ fn cycles_of_several_steps_have_radii() {
     }
 }
 
-/// The limit of a line is that of the rings within reach: where a mesh diverges elsewhere, here at vertices of three
-/// edges around a cap, its other lines are circles still.
+/// The limit of a line depends on the rings within reach: if a mesh diverges elsewhere, here at vertices of three edges
+/// around a cap, its other lines are still circles.
 #[test]
 fn what_diverges_elsewhere_leaves_lines_exact() {
     let (k, n) = (8, 6);
@@ -155,7 +155,7 @@ fn words_that_keep_no_circles_are_told_so() {
     }
 }
 
-/// What a disturbed tube is told: its lines, and a part of the reason where they are no circles.
+/// The report on a disturbed tube: its lines, and a part of the reason why they are not circles.
 #[test]
 fn disturbances_are_seen_and_named() {
     let ring = |u: usize| (0..6).map(|i| [6 * u + i, 6 * u + (i + 1) % 6]).collect::<Vec<_>>();
@@ -205,8 +205,8 @@ fn plans_that_lose_circles_are_told_so() {
     }
 }
 
-/// A tube that a single face closes: the vertices there have three edges, and where delta is not 0 at them they disturb
-/// the lines that their displacement reaches.
+/// A tube closed by a single face: the vertices there have three edges, and a delta other than 0 at them disturbs the
+/// lines that their displacement reaches.
 #[test]
 fn rings_of_another_valence_are_pushed_back_by_their_own_delta() {
     let rings: Vec<Ring> = (0..12).map(|u| (1.0 + 0.3 * cos(2.0 * real(u)), real(u), 0.0)).collect();
@@ -230,7 +230,7 @@ fn rings_of_another_valence_are_pushed_back_by_their_own_delta() {
     }
 }
 
-/// Where the limit is refused no line is a circle in it.
+/// If the limit is refused, no line is a circle in it.
 #[test]
 fn plans_without_a_limit_are_told_so() {
     let mesh = tube(6, &UNEVEN);
@@ -249,7 +249,7 @@ fn plans_without_a_limit_are_told_so() {
     }
 }
 
-/// Rings that go round their axis several times need the alpha `2 pi p / n`.
+/// Rings that wind around their axis several times need the alpha `2 pi p / n`.
 #[test]
 fn stars_become_circles_under_their_own_alpha() {
     for (k, p) in [(5, 2), (7, 3), (6, 2), (5, 1)] {
@@ -278,7 +278,7 @@ fn stars_become_circles_under_their_own_alpha() {
     assert!(said.iter().any(|said| said.contains("another number of times")), "{said:?}");
 }
 
-/// A ring that runs the other way round makes ellipses of its neighbours, although it is regular, too.
+/// A ring in the opposite direction makes ellipses of its neighbours, although it is regular, too.
 #[test]
 fn rings_that_run_the_other_way_round_are_seen() {
     let mut mesh = tube(6, &UNEVEN);
@@ -288,7 +288,7 @@ fn rings_that_run_the_other_way_round_are_seen() {
     assert_eq!(exact(&mesh, &word("UCP", &json!({}))), 3);
 }
 
-/// Far from the origin a ring is as regular as one near it.
+/// Far from the origin, a ring is as regular as one near it.
 #[test]
 fn far_tubes_are_judged_by_their_size() {
     let mut mesh = tube(6, &UNEVEN);
@@ -302,7 +302,7 @@ fn far_tubes_are_judged_by_their_size() {
     assert_eq!(is_exact(&mesh), 3);
 }
 
-/// One thing that may disturb a tube of `k`-gons with `n` rings: the mesh, and what is added to the parameters.
+/// Adds one possible disturbance to a tube of `k`-gons with `n` rings: to the mesh, or to the parameters.
 fn disturbed(mesh: &mut Value, parameters: &mut Value, k: usize, n: usize, what: usize, place: usize) {
     let v = place % (k * n);
     let (u, i) = (v / k, v % k);

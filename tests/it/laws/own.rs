@@ -1,4 +1,5 @@
-//! What schemes with a connectivity of their own share: counts as forecast, topology kept, and what must not matter.
+//! Common properties of schemes with a connectivity of their own: counts as forecast, topology kept, and data without
+//! effect.
 
 use std::collections::BTreeMap;
 
@@ -20,7 +21,7 @@ fn boundaries() -> impl Strategy<Value = &'static str> {
     prop::sample::select(vec!["edge-and-corner", "edge-only"])
 }
 
-/// The faces at each vertex, and whether it is on the boundary.
+/// Returns the number of faces at each vertex, and whether it is on the boundary.
 fn rings(net: &Net) -> BTreeMap<usize, (usize, bool)> {
     let side = |face: &[usize], j: usize| (face[j], face[(j + 1) % face.len()]);
     let sides: std::collections::BTreeSet<_> =
@@ -35,7 +36,7 @@ fn rings(net: &Net) -> BTreeMap<usize, (usize, bool)> {
     rings
 }
 
-/// No inner vertex has two faces only, where these schemes refuse.
+/// Whether no inner vertex has only two faces, which these schemes refuse.
 fn has_rings(net: &Net) -> bool {
     rings(net).values().all(|&(n, on_boundary)| on_boundary || n > 2)
 }
@@ -44,7 +45,7 @@ fn euler(net: &Net) -> isize {
     (rings(net).len() + net.faces.len()).cast_signed() - net.edges().len().cast_signed()
 }
 
-/// Compares the forecast with what comes out, and the topology with what went in.
+/// Compares the forecast with the result, and the topology of the result with that of the input.
 fn check(net: &Net, plan: &Value, levels: u32) -> Result<(), TestCaseError> {
     for level in 0..=levels {
         let job = json!({ "input": net.input(), "plan": plan, "levels": level, "outputs": [{ "format": "json" }] });
@@ -58,7 +59,7 @@ fn check(net: &Net, plan: &Value, levels: u32) -> Result<(), TestCaseError> {
         prop_assert_eq!(count.faces, fine.faces.len() as u128);
         prop_assert_eq!(count.edges, fine.edges().len() as u128);
         prop_assert_eq!(count.corners, fine.faces.iter().map(|face| face.len() as u128).sum());
-        // where fans met in a vertex of the input they were parted
+        // at vertices of the input with several fans, these were separated
         if report.warnings.is_empty() {
             prop_assert_eq!(euler(&fine), euler(net));
         }
@@ -66,7 +67,7 @@ fn check(net: &Net, plan: &Value, levels: u32) -> Result<(), TestCaseError> {
     Ok(())
 }
 
-/// `M p + shift` with a rotation and unequal scales.
+/// Returns `M p + shift` with a rotation and unequal scales.
 fn moved(p: [f64; 3]) -> [f64; 3] {
     [0.6 * p[0] - 0.8 * p[1] + 3.0, 1.6 * p[0] + 1.2 * p[1] - 1.0, 0.5 * p[2] + 0.25 * p[0] + 7.0]
 }
@@ -104,7 +105,7 @@ proptest! {
     fn where_a_face_starts_does_not_matter(
         net in nets::triangles(), boundary in boundaries(), turns in proptest::collection::vec(0..3_usize, 40),
     ) {
-        // places of their own, so that points can be told apart
+        // distinct positions, so that points can be told apart
         let apart = |(i, p): (usize, &[f64; 3])| {
             let step = f64::from(u32::try_from(i * i % 31).expect("below 31"));
             [p[0] + 0.37 * step, p[1] + 0.73 * step, p[2] + 1.19 * step]
@@ -134,7 +135,7 @@ fn levels_of_closed_meshes_add_up() {
     }
 }
 
-/// Vertices without a face make no vertex of the dual scheme, and stay in the other.
+/// Isolated vertices give no vertex of the dual scheme, and remain in the other.
 #[test]
 fn isolated_vertices() {
     let mut net = nets::tetrahedron();
@@ -145,7 +146,7 @@ fn isolated_vertices() {
     assert_eq!(primal.positions.get(4), Some(&[9.0, 9.0, 9.0]));
 }
 
-/// New faces come of several old ones, so nothing that names faces goes along; channels are refined like positions.
+/// New faces come from several old ones, so data that name faces are refused; channels are refined like positions.
 #[test]
 fn what_names_faces_is_refused_and_channels_are_refined() {
     for preset in ["doo-sabin", "sqrt-3"] {

@@ -1,4 +1,4 @@
-//! Compensations of single points have a bound, as that of the plan.
+//! Compensations of single points have a bound, like that of the plan.
 
 use std::f64::consts::PI;
 
@@ -36,11 +36,11 @@ fn secant(word: &str) -> Value {
     json!({ "word": word, "parameters": { "compensation": "1/cos(alpha/2)", "delta": 0.5 } })
 }
 
-/// At the alpha of points the compensation has the pole that it has at the alpha of a plan.
+/// At the alpha of points, the compensation has the same pole as at the alpha of a plan.
 #[test]
 fn poles_at_the_alpha_of_points_are_told_with_these_points() {
     let bound = "a pole of the function; at most 1000000000000 in size is allowed: choose another alpha there";
-    // at vertices, between them, and at the second level, where there is half the alpha of the first
+    // at vertices, between them, and at the second level, with half the alpha of the first
     let ends: Vec<f64> = (0..8).map(|v| if v % 2 == 0 { 0.0 } else { 2.0 * PI }).collect();
     for limit in [false, true] {
         for (alpha, level) in [(vec![PI; 8], 1), (ends.clone(), 1), (vec![2.0 * PI; 8], 2)] {
@@ -57,12 +57,12 @@ fn poles_at_the_alpha_of_points_are_told_with_these_points() {
             assert!(said.starts_with(expected) && said.ends_with(bound), "{said}");
         }
     }
-    // what no P uses has no bound, and the plan's own alpha is not looked at
+    // a function that no P uses has no bound, and the plan's own alpha is not checked
     support::json(job(&cube(json!({ "alpha": vec![PI; 8] })), &secant("UC"), 1, false));
     support::json(job(&cube(json!({ "alpha": vec![1; 8] })), &secant("UCP"), 1, false));
 }
 
-/// A third of the way along an edge.
+/// A pole at a third of an edge.
 #[test]
 fn poles_within_edges_of_higher_arity_are_told() {
     let said = told(&square(true, &json!({ "alpha": [0, 3.0 * PI, 0, 0] })), &secant("U3CP"), 1, false);
@@ -71,7 +71,7 @@ fn poles_within_edges_of_higher_arity_are_told() {
     assert!(said.starts_with(expected), "{said}");
 }
 
-/// On latitude lines, too, where the points carry the alpha.
+/// Poles on latitude lines whose points carry the alpha.
 #[test]
 fn poles_on_latitude_lines_are_told() {
     let tube = nets::torus(4, 3);
@@ -83,7 +83,7 @@ fn poles_on_latitude_lines_are_told() {
     assert!(said.starts_with("/input/mesh/parameters/alpha: level 1: the compensation of point "), "{said}");
 }
 
-/// Compensations that points carry, and constant ones of a plan, are no poles: no alpha helps.
+/// Compensations of points, and constant ones of a plan, are not poles: no alpha helps.
 #[test]
 fn carried_and_constant_compensations_have_the_bound_too() {
     let bound = "the compensation is 10000000000000; at most 1000000000000 in size is allowed: choose a smaller one";
@@ -101,7 +101,7 @@ fn carried_and_constant_compensations_have_the_bound_too() {
     for input in [nets::cube().input(), square(true, &json!({}))] {
         assert_eq!(told(&input, &constant, 1, false), format!("/plan/parameters/compensation: {bound}"));
     }
-    // at the bound itself, and where nothing uses it
+    // at the bound itself, and unused
     let most = cube(json!({ "compensation": vec![-1e12; 8] }));
     let fine = Net::of(&support::json(job(&most, &json!({ "word": "UCP" }), 1, false)));
     assert_eq!(fine.positions.len(), 26);

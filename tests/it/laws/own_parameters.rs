@@ -1,4 +1,4 @@
-//! Vertices of meshes carry parameters; perturbations have a seed and decay.
+//! Parameters of mesh vertices; seed and decay of perturbations.
 
 use serde_json::{Value, json};
 
@@ -21,7 +21,7 @@ fn nets() -> [Net; 3] {
     [nets::cube(), nets::mixed(), nets::prism(5)]
 }
 
-/// What all vertices carry alike is the plan's.
+/// A parameter with equal values at all vertices is the plan's parameter.
 #[test]
 fn equal_parameters_are_the_plans() {
     for net in nets() {
@@ -53,7 +53,7 @@ fn delta_decides_vertex_by_vertex_what_is_interpolated() {
     }
 }
 
-/// Affine maps commute with everything that vertices carry.
+/// Affine maps commute with all parameters of vertices.
 #[test]
 fn parameters_of_vertices_commute_with_scaling() {
     for net in nets() {
@@ -81,7 +81,7 @@ fn perturbations_of_meshes_have_a_seed_and_end() {
     assert_eq!(one, again, "a seed gives one surface");
     assert!(apart(&one, &other) > 1e-3 && apart(&one, &bare) > 1e-3);
     assert!(apart(&refined(&net, &Value::Null, &plan(1e-9, 1), 3), &bare) < 1e-8);
-    // averages and push-backs keep what is equal, whatever their weights are
+    // averages and push-backs keep equal values, whatever their weights are
     let flat = Net { positions: net.positions.iter().map(|p| [p[0], p[1], 2.0]).collect(), ..net.clone() };
     for p in refined(&flat, &Value::Null, &plan(0.4, 3), 3).positions {
         assert!((p[2] - 2.0).abs() < 1e-13);
@@ -114,7 +114,7 @@ fn parameters_that_cannot_be_are_refused_at_their_place() {
     for (said, expected) in cases {
         assert!(said.contains(expected), "{said}");
     }
-    // what is never averaged may be anything, and perturbations move it away
+    // unused values may be anything, and perturbations change them
     let mut input = nets::cube().input();
     input["mesh"]["parameters"] = json!({ "kernel": vec![-1; 8] });
     let apart = json!({ "perturbation": { "amplitude": 0.1, "decay": 0.4 } });
@@ -123,7 +123,7 @@ fn parameters_that_cannot_be_are_refused_at_their_place() {
     }
 }
 
-/// Points of polygons are named in their list; split triangle and perturbations name what is in their way.
+/// Faults name points of polygons in their list; split triangles and perturbations name the conflicting parameter.
 #[test]
 fn what_single_points_cannot_have_is_told_at_its_place() {
     let first = |input: Value, plan: Value| {
@@ -166,8 +166,7 @@ fn what_single_points_cannot_have_is_told_at_its_place() {
     }
 }
 
-/// What has no average only where numbers of points are averaged at a later level is told with the points between which
-/// that is, at their list.
+/// A kernel that has no average only between points at a later level is reported with these points, at their list.
 #[test]
 fn kernels_without_an_average_between_points_are_told_with_these_points() {
     let told = |shape: &str, input: Value, parameters: Value, plan: Value, levels: u32| {
@@ -195,12 +194,12 @@ fn kernels_without_an_average_between_points_are_told_with_these_points() {
     assert!(said.starts_with("/input/mesh/parameters/kernel: level 2: the kernel of point"), "{said}");
     // the first of the edges of that vertex, whichever it is
     assert!(said.contains(&format!("(between the points {}", edge[0].min(edge[1]))), "{said}");
-    // all faces have three vertices of one kind or none: -1 is no mean of an edge, but that of faces
+    // all faces have three vertices of one kind or none: -1 is a mean of faces, not of an edge
     let corner = of_vertices(&edge[..1], 1.0, -7.0);
     let said = told("mesh", cube(), json!({ "kernel": corner }), word(), 2);
     let faces = nets::cube().faces.into_iter().filter(|face| face.contains(&edge[0]));
     assert!(faces.map(|face| between(&face)).any(|named| said.contains(&named)), "{said}");
-    // the alpha of points makes a kernel of the plan
+    // the alpha of points determines a kernel of the plan
     let plan = json!({ "word": "UCP", "parameters": { "kernel": "4*alpha-3" } });
     let alpha = of_vertices(&edge[..1], 0.75, 1.25);
     let said = told("mesh", cube(), json!({ "alpha": alpha }), plan.clone(), 2);
@@ -238,7 +237,7 @@ fn kernels_without_an_average_between_points_are_told_with_these_points() {
         let said = told("polygon", square(closed), json!({ "kernel": kernel }), plan, levels);
         assert!(said.starts_with(&format!("/input/polygon/parameters/kernel: {place}")), "{said}");
     }
-    // at the second level there is half the alpha of the first
+    // the second level has half the alpha of the first
     let said = told("polygon", square(true), json!({ "alpha": [0.75, 1.0, 2.0, 3.0] }), plan, 2);
     assert!(
         said.starts_with(

@@ -14,7 +14,7 @@ use super::{semi_stationary, static_word, word};
 use crate::support::nets::{self, Net};
 use crate::support::parsed;
 
-/// Plans that are swept where nothing but the mesh stands against it.
+/// Returns plans that are swept unless the mesh prevents it.
 fn plans() -> Vec<Value> {
     let mut plans = vec![
         json!({ "preset": "catmull-clark" }),
@@ -37,7 +37,7 @@ fn plans() -> Vec<Value> {
     plans
 }
 
-/// Plans for triangles that are swept where nothing but the mesh stands against it; the last one where it is closed.
+/// Returns plans for triangles that are swept unless the mesh prevents it; the last one only on closed meshes.
 fn triangle_plans() -> Vec<Value> {
     let mut plans = vec![
         json!({ "preset": "loop" }),
@@ -59,7 +59,7 @@ fn triangle_plans() -> Vec<Value> {
     plans
 }
 
-/// A job as a request has it: a net, its sharp edges and corners, a plan and its levels.
+/// Returns a job of a net with sharp edges and corners, a plan and its levels.
 fn job(net: &Net, extras: &Value, plan: &Value, levels: usize) -> Value {
     let mut mesh = net.to_json();
     for (name, value) in extras.as_object().expect("an object") {
@@ -68,7 +68,7 @@ fn job(net: &Net, extras: &Value, plan: &Value, levels: usize) -> Value {
     json!({ "input": { "mesh": mesh }, "plan": plan, "levels": levels, "outputs": [{ "format": "json" }] })
 }
 
-/// The mesh that each path makes, and whether the first one is swept.
+/// Returns the mesh of each path, and whether the first one is swept.
 fn both(job: &Value) -> (RefinedMesh, RefinedMesh, bool) {
     let job = parsed(&serde_json::to_vec(job).expect("JSON")).unwrap_or_else(|faults| panic!("{faults:?} for {job}"));
     let Input::Mesh(mesh) = &*job.input else { panic!("it is a mesh") };
@@ -79,7 +79,7 @@ fn both(job: &Value) -> (RefinedMesh, RefinedMesh, bool) {
     (swept, whole, stages.last() == Some(&Stage::Sweep))
 }
 
-/// What something gives under a watch, and the stages that it tells of: a sweep that gives up goes back to rows.
+/// Returns the result of a function of a watch, and its stages: a sweep that gives up continues with rows.
 fn observed<T>(of: impl FnOnce(&Watch) -> T) -> (T, Vec<Stage>) {
     let (watch, stages) = (Watch::new(), Arc::new(Mutex::new(Vec::new())));
     let seen = stages.clone();
@@ -196,7 +196,7 @@ fn semi_sharp_creases_are_swept_from_the_first_level_on() {
             let creases: Vec<Value> =
                 edges.map(|(i, (a, b))| json!({ "edge": [a, b], "sharpness": sharpness(i / modulus) })).collect();
             let extras = json!({ "creases": creases, "corners": [{ "vertex": 4, "sharpness": 1.25 }] });
-            // as many levels as the sharpest one lasts
+            // as many levels as the sharpest edge remains sharp
             assert!(compare(&net, &extras, &json!({ "preset": preset }), 2));
             assert!(compare(&net, &extras, &json!({ "preset": preset }), 4));
         }
@@ -215,7 +215,7 @@ fn large_patches_are_swept_block_by_block_to_the_same_bits() {
     }
 }
 
-/// Compares limits and normals with those of whole nets; whether all were found patch by patch.
+/// Compares limits and normals with those of whole nets; returns whether all were found patch by patch.
 fn compare_limits(net: &Net, extras: &Value, plan: &Value, levels: usize) -> bool {
     let value = job(net, extras, plan, levels);
     let job = parsed(&serde_json::to_vec(&value).expect("JSON")).unwrap_or_else(|faults| panic!("{faults:?}"));
@@ -283,7 +283,7 @@ fn limits_and_normals_of_patches_are_those_of_whole_nets() {
 #[test]
 fn texture_coordinates_are_swept_to_the_bits_of_whole_nets() {
     for net in [nets::cube(), nets::grid(4, 3), nets::mixed()] {
-        // every other face is cut off
+        // every other face is separated by a seam
         let n = net.positions.len();
         let shift = |f: usize| if f.is_multiple_of(2) { 0 } else { n };
         let places = |(f, face): (usize, &Vec<usize>)| face.iter().map(|v| v + shift(f)).collect::<Vec<_>>();
@@ -299,7 +299,7 @@ fn texture_coordinates_are_swept_to_the_bits_of_whole_nets() {
     }
 }
 
-/// Sharpness of creases, infinite for every third.
+/// Returns sharpnesses of creases, every second infinite.
 fn sharpness() -> impl Strategy<Value = f64> {
     prop_oneof![Just(10.0), 0.0..2.0_f64]
 }

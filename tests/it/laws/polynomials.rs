@@ -1,5 +1,5 @@
-//! Polynomials: up to which degree a scheme makes polynomials of polynomials (generation), and gives each one back
-//! (reproduction). Both are what they are said to be, no less and no more.
+//! Polynomials: the degrees up to which a scheme maps polynomials to polynomials (generation), and to themselves
+//! (reproduction). Both agree with the stated degrees exactly.
 
 use planish::scheme::preset::Refines;
 use planish::scheme::presets::PRESETS;
@@ -7,10 +7,10 @@ use serde_json::{Value, json};
 
 use super::refined;
 
-/// Points of the closed polygon; outputs are looked at where its seam does not reach.
+/// Number of points of the closed polygon; the result is checked away from its seam.
 const N: u32 = 41;
 const MIDDLE: f64 = 20.0;
-/// Parameters are divided by this, so that powers stay near 1 where masks of 12 points reach.
+/// Divisor of parameters, so that powers remain near 1 within reach of masks of 12 points.
 const SCALE: f64 = 8.0;
 /// A few roundings of sums of a dozen numbers below 100.
 const TOLERANCE: f64 = 1e-12;
@@ -19,7 +19,7 @@ fn power(x: f64, degree: u32) -> f64 {
     (0..degree).fold(1.0, |product, _| product * x)
 }
 
-/// The points that one level makes of a power, near the middle, with the index of the first and the arity.
+/// Returns the index of the first point near the middle after one level of a power, the arity, and the points.
 fn images(plan: &Value, degree: u32) -> (u32, u32, Vec<f64>) {
     let points: Vec<[f64; 1]> = (0..N).map(|i| [power((f64::from(i) - MIDDLE) / SCALE, degree)]).collect();
     let found = refined(&points, true, plan, 1);
@@ -34,11 +34,11 @@ fn generates(plan: &Value, degree: u32) -> bool {
     for _ in 0..=degree {
         differences = differences.windows(2).map(|pair| pair[1] - pair[0]).collect();
     }
-    // each difference may double the rounding
+    // each difference may double the rounding error
     differences.iter().all(|d| d.abs() <= TOLERANCE * power(2.0, degree))
 }
 
-/// Whether the points are those of the power itself, at parameters that the scheme gives the line.
+/// Whether the points are those of the power itself, at the parameters that the scheme gives for a line.
 fn reproduces(plan: &Value, degree: u32) -> bool {
     let (first, arity, line) = images(plan, 1);
     let even = |j: u32| (f64::from(j) / f64::from(arity) - MIDDLE) / SCALE;
@@ -76,7 +76,7 @@ fn b_splines_generate_their_degree_and_reproduce_lines() {
     }
 }
 
-/// Two of the powers of a B-spline's degree give way to sine and cosine.
+/// Sine and cosine replace two of the powers of a B-spline's degree.
 #[test]
 fn schemes_for_circles_keep_two_powers_less() {
     for degree in 3..=6 {
@@ -143,7 +143,7 @@ fn blending_schemes_have_the_sum_rules_of_their_parameters() {
     check(&novara("-2/27", "5/81", "1/81"), 4, 1);
 }
 
-/// A scheme that is new has to say here what it does with polynomials.
+/// For a new scheme, add its behaviour on polynomials here.
 #[test]
 fn no_curve_scheme_is_left_out() {
     let known = [

@@ -1,5 +1,5 @@
-//! Rows that repeat themselves are applied without being made, several tables in one sweep: the bits are those of rows
-//! made one by one.
+//! Repeating rows are applied without being built, several tables in one sweep: the bits are those of rows built one by
+//! one.
 
 use planish::math::rows::{MAX_RUN, RowSource, Rows, RowsBy, blend, blend_run};
 use planish::watch::Watch;
@@ -8,7 +8,7 @@ use serde_json::{Value, json};
 
 use super::{refined, word};
 
-/// Rows on a ring of `n` points: as many new points as weights come of `stride` old ones.
+/// Returns rows on a ring of `n` points: `stride` old points give as many new points as there are weights.
 fn rows(n: usize, stride: usize, weights: &[Vec<f64>]) -> RowsBy<impl Fn(usize, &mut Rows) + use<>> {
     let (weights, d) = (weights.to_vec(), weights.len());
     RowsBy::new(n / stride * d, n, move |row, out: &mut Rows| {
@@ -19,7 +19,7 @@ fn rows(n: usize, stride: usize, weights: &[Vec<f64>]) -> RowsBy<impl Fn(usize, 
     })
 }
 
-/// `n` points of `width` coordinates that look random.
+/// Returns `n` pseudorandom points of `width` coordinates.
 fn points(n: usize, width: usize, seed: u32) -> Vec<f64> {
     let next = |x: &mut f64, _| Some(std::mem::replace(x, (*x + 0.37 * f64::from(seed)).fract()));
     (0..n * width).scan(0.0, next).collect()
@@ -98,7 +98,7 @@ fn a_corner_far_away_changes_no_bit() {
     }
 }
 
-/// Two levels of a ring whose first point is a corner, and whose rows therefore are made one by one.
+/// Refines a ring by two levels whose first point is a corner, so that its rows are built one by one.
 fn refined_with_corner(ring: &[[f64; 2]], plan: &Value) -> Vec<[f64; 2]> {
     let input = json!({ "polygon": { "points": ring, "closed": true, "corners": [0] } });
     let answer = crate::support::json(json!({ "input": input, "plan": plan, "levels": 2 }));

@@ -17,7 +17,8 @@ fn whole(i: usize) -> f64 {
     f64::from(u32::try_from(i).expect("small"))
 }
 
-/// A fan of n triangles around vertex 0 with `centre` there and `ring(i)` around, closed by a fan on the other side.
+/// Returns a fan of n triangles around vertex 0 with `centre` there and `ring(i)` around, closed by a fan on the other
+/// side.
 fn double_fan(n: usize, centre: [f64; 3], ring: impl Fn(usize) -> [f64; 3]) -> Net {
     let positions = [centre].into_iter().chain((0..n).map(ring)).chain([[0.0; 3]]).collect();
     let next = |i: usize| 1 + (i + 1) % n;
@@ -46,7 +47,7 @@ fn a_step_has_the_weights_of_the_paper() {
     }
 }
 
-/// Around a vertex of valence n a step turns the ring by pi/n and shrinks it by 2/3 cos(pi/n), at valence 6 by
+/// Around a vertex of valence n, a step turns the ring by pi/n and shrinks it by 2/3 cos(pi/n), at valence 6 by
 /// 1/sqrt(3), which is 1/3 in two steps; the height over the ring shrinks by the square of that (Kobbelt 2000, section
 /// 4).
 #[test]
@@ -87,7 +88,7 @@ fn boundaries_are_ternary_cubic_b_splines_every_second_level() {
     }
 }
 
-/// Between corners the curve is the one with clamped ends.
+/// Between corners, the curve is the one with clamped ends.
 #[test]
 fn boundaries_end_in_corners() {
     let net = Net { positions: vec![[0.0, 0.0, 0.0], [27.0, 0.0, 0.0], [0.0, 27.0, 0.0]], faces: vec![vec![0, 1, 2]] };

@@ -1,4 +1,4 @@
-//! What refusals say is true of the input and helps.
+//! Messages of refusals are true of the input, and helpful.
 
 use serde_json::{Value, json};
 
@@ -9,7 +9,8 @@ fn told(input: &Value, plan: &Value) -> String {
     format!("{}: {}", fault.pointer, fault.detail)
 }
 
-/// A function is asked for the plan's alpha, too, whatever points have: the sentence says so and how to go on.
+/// A function is evaluated at the plan's alpha as well, whatever alpha points have: the message says so, with the
+/// remedy.
 #[test]
 fn functions_without_a_value_at_the_alpha_of_the_plan_are_told_so() {
     let mut alpha = nets::cube().input();
@@ -24,7 +25,7 @@ fn functions_without_a_value_at_the_alpha_of_the_plan_are_told_so() {
     assert_eq!(one, two);
 }
 
-/// A function that has no value names its variable.
+/// The message about a function without a value names its variable.
 #[test]
 fn functions_without_a_value_name_their_variable() {
     let delta = json!({ "word": "UCP", "parameters": { "delta": "1/(valence-4)" } });
@@ -43,7 +44,7 @@ fn functions_without_a_value_name_their_variable() {
     assert!(said.contains("kernel_longitude of point 0: the expression is not finite (inf) at alpha = 0.5"), "{said}");
 }
 
-/// Presets that name no kernel know none that vertices carry, and no tags of lines.
+/// Presets without a kernel refuse kernels of vertices, and tags of lines.
 #[test]
 fn presets_without_a_kernel_refuse_what_vertices_and_edges_carry() {
     let tube = nets::torus(4, 3);
@@ -63,7 +64,7 @@ fn presets_without_a_kernel_refuse_what_vertices_and_edges_carry() {
     }
 }
 
-/// Where one edge or vertex has two sharpnesses, the place of the other one is the whole pointer.
+/// If one edge or vertex has two sharpnesses, the message contains the full pointer to the other one.
 #[test]
 fn the_other_of_two_sharpnesses_is_told_with_its_whole_place() {
     let crease = |edge: [usize; 2], sharpness: f64| json!({ "edge": edge, "sharpness": sharpness });

@@ -1,11 +1,11 @@
-//! Normals differ across edges that are still sharp, and nowhere else.
+//! Normals differ across edges that are still sharp, and not elsewhere.
 
 use serde_json::{Value, json};
 
 use crate::support::nets::{self, Net, distance};
 use crate::support::render;
 
-/// A job over a net with sharp edges; without levels there is no plan.
+/// Returns a job on a net with sharp edges; without levels there is no plan.
 fn job(net: &Net, edges: &[[usize; 2]], sharpness: f64, levels: u32, output: &Value) -> Value {
     let mut input = net.input();
     input["mesh"]["creases"] = edges.iter().map(|edge| json!({ "edge": edge, "sharpness": sharpness })).collect();
@@ -21,7 +21,7 @@ fn text(job: &Value) -> String {
     String::from_utf8(render(job).expect("a result").0).expect("the format is text")
 }
 
-/// Positions, normals, and for each face its pairs of them, as an OBJ has them.
+/// The positions and normals of an OBJ, and for each face its pairs of them.
 type Obj = (Vec<[f64; 3]>, Vec<[f64; 3]>, Vec<Vec<[usize; 2]>>);
 
 fn obj(net: &Net, edges: &[[usize; 2]], sharpness: f64, levels: u32) -> Obj {
@@ -83,7 +83,7 @@ fn a_crease_that_reaches_the_boundary_parts_its_end_there() {
     assert_eq!(normals.len(), positions.len() + 5);
 }
 
-/// The same faces and points in the other formats; those without normals know nothing of it.
+/// The other formats have the same faces and points; those without normals have no copies of vertices.
 #[test]
 fn formats_agree_on_what_is_parted() {
     let (net, edges) = (nets::torus(4, 5), [[0, 1], [1, 2], [2, 3], [3, 0], [0, 4]]);
@@ -117,7 +117,7 @@ fn formats_agree_on_what_is_parted() {
     }
 }
 
-/// A picture of a creased mesh differs from that of the same points without a crease.
+/// The picture of a creased mesh differs from that of the same points without a crease.
 #[test]
 fn pictures_show_the_edge() {
     let net = nets::cube();

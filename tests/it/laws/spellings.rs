@@ -1,4 +1,4 @@
-//! A preset is its word: the same key and the same bytes.
+//! A preset is equivalent to its word: the same key and the same bytes.
 
 use std::collections::BTreeSet;
 
@@ -115,7 +115,7 @@ fn repeated_averaging_is_its_word() {
 
 #[test]
 fn every_preset_with_a_word_is_spelled_here() {
-    // a scheme that is one mask has a word of one letter and an arity, which says no more than its table
+    // a scheme that is a single mask has a word of one letter and an arity, which says no more than its table
     let is_word = |preset: &&&Preset| {
         let spelled = (preset.spell)(&Values::default());
         spelled.is_ok_and(|spelling| spelling.cycle.iter().all(|letter| letter.facts().letter.is_some()))

@@ -1,4 +1,5 @@
-//! Levels by tolerance on meshes: the bound holds, is not much larger than the true distance, and falls by 4 a level.
+//! Levels by tolerance on meshes: the bound holds, is not much larger than the true distance, and falls by a factor of
+//! 4 per level.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -11,14 +12,14 @@ use crate::support::nets::{Net, control, cube, cylinder, grid, manifold, torus, 
 use crate::support::surfaces::Surface;
 use crate::support::{self, faults, parsed};
 
-/// Points of the limit that are compared with a surface, at most.
+/// Maximum number of points of the limit that are compared with a surface.
 const SAMPLES: usize = 2000;
 
 fn job(input: &Value, plan: &Value, levels: &Value, positions: &str) -> Value {
     json!({ "input": input, "plan": plan, "levels": levels, "outputs": [{ "format": "json", "positions": positions }] })
 }
 
-/// Level and bound for a tolerance.
+/// Returns the level and the bound for a tolerance.
 fn within(input: &Value, plan: &Value, tolerance: f64, positions: &str) -> (u32, f64) {
     let job = job(input, plan, &json!({ "tolerance": tolerance }), positions);
     let job = parsed(job.to_string().as_bytes()).unwrap_or_else(|f| panic!("{f:?} for {plan}"));
@@ -32,8 +33,8 @@ fn at_level(input: &Value, plan: &Value, levels: u32, positions: &str) -> Net {
     Net::of(&serde_json::from_slice(&bytes).expect("json output"))
 }
 
-/// The greatest distance between a level, its quads cut along either diagonal, and points of the limit, those of
-/// further levels; of either from the other.
+/// Returns the greatest distance between a level, with its quads cut along either diagonal, and points of the limit,
+/// which are those of deeper levels; in both directions.
 fn deviation(input: &Value, plan: &Value, level: u32, positions: &str) -> f64 {
     let coarse = at_level(input, plan, level, positions);
     let more = if coarse.faces.len() > 500 { 1 } else { 2 };
@@ -57,7 +58,7 @@ fn on_triangles(word: &str) -> Value {
     json!({ "word": word, "parameters": { "split": "triangle" } })
 }
 
-/// A round torus of `n x n` quads.
+/// Returns a round torus of `n x n` quads.
 fn round(n: usize) -> Net {
     let whole = |i: usize| f64::from(u32::try_from(i).expect("small"));
     let Net { faces, positions } = torus(n, n);
@@ -69,7 +70,7 @@ fn round(n: usize) -> Net {
     Net { positions: (0..positions.len()).map(place).collect(), faces }
 }
 
-/// The cube of side 2 with two sharp edges.
+/// Returns the cube of side 2 with two sharp edges.
 fn creased(sharpness: f64) -> Value {
     let mut input = control("cube");
     let face = input["mesh"]["faces"][0].clone();
@@ -137,7 +138,7 @@ fn limit_positions_are_within_the_tolerance_too() {
     }
 }
 
-/// Bounds at one level after another.
+/// Returns bounds of consecutive levels.
 fn falling(input: &Value, plan: &Value, start: f64, n: usize) -> Vec<(u32, f64)> {
     let mut tolerance = start;
     let next = |_| {
@@ -164,7 +165,7 @@ fn each_level_divides_the_bound_by_4() {
     }
 }
 
-/// Beyond the faces that are measured, second differences alone bound the distance of regular regions.
+/// Beyond the size of nets that are measured, only second differences bound the distance of regular regions.
 #[test]
 fn bounds_go_on_where_nets_are_too_large_to_be_measured() {
     let found = falling(&round(60).input(), &super::word("UC"), 1e-3, 4);
@@ -179,14 +180,14 @@ fn flat_and_bilinear_surfaces_are_their_own_limits() {
     let flat = Net { positions: grid(3, 3).positions.iter().map(|p| [p[0], p[1], 0.5]).collect(), ..grid(3, 3) };
     let (level, bound) = within(&flat.input(), &preset("catmull-clark"), 1e-9, "refined");
     assert!(level == 0 && bound < 1e-12, "level {level}, bound {bound}");
-    // quads of a bilinear surface bend with their twist alone, which a level halves twice
+    // quads of a bilinear surface bend by their twist only, which a level halves twice
     let found = falling(&cube().input(), &preset("bilinear"), 1.0, 4);
     let levels: Vec<u32> = found.iter().map(|&(level, _)| level).collect();
     assert_eq!(levels, [0, 1, 2, 3]);
     assert!(found.windows(2).all(|pair| (pair[0].1 / pair[1].1 - 4.0).abs() < 0.5), "{found:?}");
 }
 
-/// Faces that are no quads are split first.
+/// Faces other than quads are split first.
 #[test]
 fn meshes_of_other_faces_are_within_a_tolerance_from_level_1_on() {
     for input in [control("mixed"), control("tetrahedron")] {
@@ -269,7 +270,7 @@ fn what_has_no_bound_is_refused_with_the_reason() {
     assert!(refused(&cube, &preset("catmull-clark"), -1.0).contains("positive"));
 }
 
-/// Too many vertices where a net is not regular; and a level that is found, but has too many faces for the server.
+/// Too many vertices for an irregular net; and a level that is found, but has too many faces for the server.
 #[test]
 fn what_is_too_large_is_refused_with_the_remedy() {
     let many = triangulated(torus(60, 60));
@@ -281,7 +282,7 @@ fn what_is_too_large_is_refused_with_the_remedy() {
     assert!(fault.pointer == "/levels" && fault.detail.contains("coarser tolerance"), "{fault:?}");
 }
 
-/// The greatest second difference over straight lines of edges, and over rhombi of triangles, of a regular net.
+/// Returns the greatest second difference over straight lines of edges, and over rhombi of triangles, of a regular net.
 fn greatest_second_difference(net: &Net) -> f64 {
     let mut most: f64 = 0.0;
     let mut measure = |weighted: &[(usize, f64)]| {
@@ -290,7 +291,7 @@ fn greatest_second_difference(net: &Net) -> f64 {
     };
     let triangles = net.faces[0].len() == 3;
     for v in 0..net.positions.len() {
-        // around the vertex: after which neighbour which one comes
+        // around the vertex: the successor of each neighbour
         let mut after = BTreeMap::new();
         for face in &net.faces {
             if let Some(j) = face.iter().position(|&u| u == v) {
@@ -378,7 +379,7 @@ proptest! {
         net.positions.iter_mut().zip(moves.iter().cycle()).for_each(|(p, x)| (0..3).for_each(|k| p[k] += x[k]));
         let net = if cut { triangulated(net) } else { net };
         let (plan, placed) = (super::word(["UD", "UDDD", "UCD"][which]), ["refined", "limit"][usize::from(limit)]);
-        // whatever the tolerance, so that the bound of the second level is looked at
+        // for any tolerance, so that the bound of the second level is tested
         let (_, first) = within(&net.input(), &plan, 1e3, placed);
         let (level, bound) = within(&net.input(), &plan, first * 0.999, placed);
         let truth = deviation(&net.input(), &plan, level, placed);

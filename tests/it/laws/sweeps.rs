@@ -1,5 +1,5 @@
-//! Latitude lines of tori around their main axis stay circles; those of sweeps and skins along a bent axis stay plane,
-//! and ellipses.
+//! Latitude lines of tori around their main axis remain circles; those of sweeps and skins along a bent axis remain
+//! plane ellipses.
 
 use planish::analysis::circles::outlooks;
 use planish::math::functions::{cos, sin, sqrt};
@@ -17,12 +17,12 @@ fn real(n: usize) -> f64 {
 /// A ring of a sweep: its centre and two half axes.
 type Ring = [Point; 3];
 
-/// The point at an angle of a ring: `c + a cos + b sin`.
+/// Returns the point at an angle of a ring: `c + a cos + b sin`.
 fn at(&[c, a, b]: &Ring, angle: f64) -> Point {
     [0, 1, 2].map(|k| c[k] + a[k] * cos(angle) + b[k] * sin(angle))
 }
 
-/// A tagged tube through rings of n points, open or closed along the axis.
+/// Returns a tagged tube through rings of n points, open or closed along the axis.
 fn tube(n: usize, rings: &[Ring], closed: bool) -> Value {
     let point = |ring: Ring| (0..n).map(move |i| at(&ring, std::f64::consts::TAU * real(i) / real(n)));
     let positions: Vec<Point> = rings.iter().flat_map(|&ring| point(ring)).collect();
@@ -43,8 +43,8 @@ fn push_back(delta: f64, k: u32, rule: &str) -> Value {
         "parameters": { "delta": delta, "k": k, "latitude_rule": rule } })
 }
 
-/// The latitude lines after some levels, but for the last of an open tube: faces come row by row, the first axis of
-/// each along the line.
+/// Returns the latitude lines after some levels, without the last line of an open tube: faces come row by row, the
+/// first axis of each along the line.
 fn lines(n: usize, mesh: &Value, plan: &Value, levels: u32, positions: &str) -> Vec<Vec<Point>> {
     let job = json!({ "input": { "mesh": mesh }, "plan": plan, "levels": levels });
     let net = Net::of(&json_with(job, &json!({ "positions": positions })));
@@ -57,7 +57,7 @@ fn lines(n: usize, mesh: &Value, plan: &Value, levels: u32, positions: &str) -> 
     tiles.chunks(n).flat_map(|row| (0..side).map(|j| line(row, j)).collect::<Vec<_>>()).collect()
 }
 
-/// The ring through the points of a line, and the largest distance of one of them from its place there.
+/// Returns the ring through the points of a line, and the largest deviation of a point from its place on the ring.
 fn ring_of(line: &[Point]) -> (Ring, f64) {
     let n = real(line.len());
     let angle = |j: usize| std::f64::consts::TAU * real(j) / n;
@@ -74,7 +74,8 @@ fn dot(a: Point, b: Point) -> f64 {
     a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 }
 
-/// Rings of regular polygons across an axis that turns by half a circle and rises, unevenly spaced and wide.
+/// Returns rings of regular polygons across an axis that rises and turns by half a circle, with uneven spacing and
+/// width.
 fn bent() -> Vec<Ring> {
     let ring = |u: usize| {
         let t = 0.4 * real(u) + 0.05 * real(u % 3);
@@ -85,7 +86,7 @@ fn bent() -> Vec<Ring> {
     (0..8).map(ring).collect()
 }
 
-/// Ellipses of any shape and place, as the sections of a skin.
+/// Returns ellipses of various shapes and places, as the sections of a skin.
 fn skin() -> Vec<Ring> {
     let vector =
         |u: usize, k: usize, size: f64| [0, 1, 2].map(|i| size * sin(1.7 * real(u * (k + 2)) + real(3 * i + k)));
@@ -111,7 +112,7 @@ fn rings_of_bent_sweeps_and_skins_stay_plane_ellipses() {
     }
 }
 
-/// In the limit, too; and with delta 1 the rings themselves are among the ellipses.
+/// Limits are plane ellipses, too; with delta 1 the rings themselves are among them.
 #[test]
 fn limits_of_bent_sweeps_are_plane_ellipses() {
     for (delta, interpolates) in [(0.5, false), (1.0, true)] {
@@ -128,7 +129,7 @@ fn limits_of_bent_sweeps_are_plane_ellipses() {
     }
 }
 
-/// Without the tags, and with a kernel for circles, the rings of a bent sweep are no longer plane.
+/// Without the tags, and with a kernel for circles, the rings of a bent sweep do not remain plane.
 #[test]
 fn without_the_rule_rings_of_bent_sweeps_are_not_plane() {
     let plan = json!({ "preset": "push-back", "boundary": "edge-only", "parameters": { "latitude_rule": "isotropic",
@@ -138,7 +139,7 @@ fn without_the_rule_rings_of_bent_sweeps_are_not_plane() {
     assert!(worst > 1e-3, "{worst}");
 }
 
-/// Regular polygons around the main axis, stacked along the small circle, unevenly.
+/// Returns regular polygons around the main axis, placed unevenly along the small circle.
 fn torus(sections: usize) -> Vec<Ring> {
     let ring = |u: usize| {
         let t = std::f64::consts::TAU * (real(u) + 0.2 * real(u % 2)) / real(sections);
@@ -174,7 +175,7 @@ fn latitude_lines_of_tori_are_circles_around_the_main_axis() {
     }
 }
 
-/// What is told of the lines beforehand: radii of tori in the limit, the other axis of rings nearby for bent sweeps.
+/// The reports about lines: radii of tori in the limit, the deviating axis of adjacent rings for bent sweeps.
 #[test]
 fn lines_of_tori_are_told_exact_and_those_of_bent_sweeps_are_not() {
     let told = |mesh: &Value, plan: &Value| {

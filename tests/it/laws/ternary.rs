@@ -1,5 +1,5 @@
-//! Schemes given by masks: each row of the blending scheme's table is the scheme that it names, special cases coincide,
-//! polynomials are reproduced, ends stay.
+//! Schemes given by masks: each row of the blending scheme's table is the named scheme, special cases coincide,
+//! polynomials are reproduced, ends are fixed.
 
 #![expect(clippy::float_cmp, reason = "weights that are dyadic are exact")]
 
@@ -7,7 +7,7 @@ use serde_json::{Value, json};
 
 use crate::support::json;
 
-/// The mask of a plan: one level on a unit impulse of a long closed polygon, from the middle outwards.
+/// Returns the mask of a plan: one level on a unit impulse of a long closed polygon, from the middle outwards.
 fn mask(plan: &Value) -> Vec<f64> {
     let mut points = vec![[0.0]; 33];
     points[16] = [1.0];
@@ -62,7 +62,7 @@ fn rows_of_the_table_are_the_schemes_they_name() {
     agree(&row("-1/60", "1/30", &format!("1/9+2*{bend}"), &delta, &lambda), &rehan);
 }
 
-/// The same masks as their own papers write them, entry by entry.
+/// The masks as their own papers give them, entry by entry.
 #[test]
 fn combined_schemes_have_the_masks_that_are_told_of_them() {
     let check = |name: &str, parameters: &Value, expected: [f64; 7]| {
@@ -85,7 +85,7 @@ fn combined_schemes_have_the_masks_that_are_told_of_them() {
         [0, 1, 2, 3, 4, 5, 6].map(|k: usize| (1.0 - 162.0 * eta) * at(k) + 81.0 * eta * (at(k.abs_diff(1)) + at(k + 1)))
     };
     check("ternary-c4", &json!({ "eta": "1/200" }), c4(1.0 / 200.0));
-    // vertices alone are told of the other two
+    // for the other two, the papers give vertex points only
     let vertex = |name: &str, parameters: &Value| {
         let found = mask(&preset(name, parameters));
         [found[0], found[3], found[6]]

@@ -9,7 +9,7 @@ use crate::support::{faults, parsed, render};
 
 type Point = [f64; 2];
 
-/// Level and bound for a job, and its polygon.
+/// Returns the level and the bound for a job, and its polygon.
 fn within(polygon: &Value, plan: &Value, tolerance: f64) -> (u32, f64, Vec<Point>) {
     let job = json!({ "input": { "polygon": polygon }, "plan": plan, "levels": { "tolerance": tolerance },
         "outputs": [{ "format": "json" }] });
@@ -37,7 +37,8 @@ fn to_segment(p: Point, a: Point, b: Point) -> f64 {
     sqrt(d[0] * d[0] + d[1] * d[1])
 }
 
-/// The greatest distance of points of the limit from the polygon, each looked for near its own place.
+/// Returns the greatest distance of points of the limit from the polygon, each compared with edges near its own
+/// position.
 fn deviation(coarse: &[Point], limit: &[Point], closed: bool) -> f64 {
     let n = coarse.len();
     let edges = if closed { n } else { n - 1 };
@@ -96,7 +97,7 @@ fn bounds_hold_and_are_close() {
     }
 }
 
-/// Bounds fall by the square of the arity a level.
+/// Bounds fall by the square of the arity per level.
 #[test]
 fn each_level_divides_the_bound_by_the_square_of_the_arity() {
     for (plan, square) in [(json!({ "preset": "cubic-b-spline" }), 4.0), (json!({ "preset": "ternary-cubic" }), 9.0)] {
@@ -146,7 +147,7 @@ fn the_level_is_part_of_the_key_and_the_tolerance_is_not() {
     assert!(reached.bound.is_some_and(|bound| bound <= 0.01));
 }
 
-/// The polygon of limit points is another one: it, too, is within the bound.
+/// The polygon of limit points is a different one, which is also within the bound.
 #[test]
 fn limit_points_are_within_the_tolerance_too() {
     for plan in plans() {

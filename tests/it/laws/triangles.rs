@@ -19,7 +19,7 @@ fn with_boundary(mut plan: Value, boundary: &str) -> Value {
     plan
 }
 
-/// Loop's scheme as a word: the push-back that beta of each valence asks for.
+/// Returns Loop's scheme as a word: the push-back that corresponds to beta of each valence.
 fn loop_as_word() -> Value {
     on_triangles(json!({ "word": "UCP", "parameters": {
         "compensation": 0, "delta": "1 - 8/3*(5/8 - (3/8 + cos(2*pi/valence)/4)^2)",
@@ -37,7 +37,7 @@ fn triangle_meshes() -> [Net; 6] {
     ]
 }
 
-/// Plans for meshes of triangles.
+/// Returns plans for meshes of triangles.
 fn triangle_plans() -> Vec<Value> {
     let mut plans: Vec<Value> = ["U", "UC", "UCP", "C", "UCCP", "U3CP", "U4CC"].map(word).into();
     plans.extend(["UC", "UCP", "U(UCP)", "U3CCP"].map(static_word));
@@ -51,7 +51,7 @@ fn triangle_plans() -> Vec<Value> {
     plans
 }
 
-/// Plans of arities above 2 for meshes of any faces.
+/// Returns plans of arities above 2 for meshes of any faces.
 fn plans_of_higher_arity() -> Vec<Value> {
     let mut plans: Vec<Value> = ["U3", "U3C", "U3CP", "U4CCP", "U5CC"].map(word).into();
     plans.extend(["U3C", "U3CP", "U(U3CP)", "U3(UCP)"].map(static_word));
@@ -79,7 +79,7 @@ fn loop_is_a_word_with_push_back() {
     }
 }
 
-/// Where all valences are 6, `UC` is Loop's scheme without any push-back; on an octahedron it is not.
+/// If all valences are 6, `UC` is Loop's scheme without a push-back; on an octahedron it is not.
 #[test]
 fn averages_with_mu_a_quarter_are_loop_at_regular_vertices() {
     let [preset, average] = [json!({ "preset": "loop" }), on_triangles(word("UC"))];
@@ -151,7 +151,7 @@ fn regular_regions_of_any_arity_are_tensor_products() {
     }
 }
 
-/// A boundary is the curve that the curve scheme makes of the boundary polygon, with triangles and with any arity.
+/// A boundary is the curve of the curve scheme for the boundary polygon, with triangles and with any arity.
 #[test]
 fn boundaries_follow_the_curve_scheme() {
     let rim = |order: &[usize], net: &Net| order.iter().map(|&v| net.positions[v]).collect::<Vec<_>>();
@@ -170,8 +170,7 @@ fn boundaries_follow_the_curve_scheme() {
     }
 }
 
-/// A crease from boundary to boundary is the curve that the curve scheme makes of its vertices, with corners at its
-/// ends.
+/// A crease from boundary to boundary is the curve of the curve scheme for its vertices, with corners at its ends.
 #[test]
 fn creases_follow_the_curve_scheme() {
     let path = [1, 6, 11, 16];
@@ -278,7 +277,7 @@ fn other_faces_than_triangles_are_refused_by_name() {
         assert!(faults[0].detail.starts_with("face 7 has 4 vertices"), "{}", faults[0].detail);
         assert!(faults[0].detail.contains("send a mesh of triangles"), "{}", faults[0].detail);
     }
-    // what a D makes is known only once it is there
+    // the faces that a D makes are known only once it is applied
     let plan = on_triangles(word("UDU"));
     let faults = crate::support::faults(json!({ "input": nets::octahedron().input(), "plan": plan, "levels": 1 }));
     assert!(faults[0].detail.contains("only triangles are split"), "{}", faults[0].detail);

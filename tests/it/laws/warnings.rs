@@ -1,4 +1,4 @@
-//! Parameters where a scheme need not converge, or is not as smooth as it is known for, are answered with a warning.
+//! A warning tells of parameters for which a scheme need not converge, or is less smooth than it is known for.
 
 use serde_json::{Value, json};
 
@@ -61,7 +61,7 @@ fn parameters_inside_are_answered_without_a_word() {
     }
 }
 
-/// The key of a preset is that of its word, and so are the warnings that lie under it.
+/// The key of a preset is that of its word, and so are the warnings stored under it.
 #[test]
 fn a_word_is_warned_of_as_its_preset_is() {
     let word = json!({ "word": "UCP", "parameters": { "compensation": 4.8 } });

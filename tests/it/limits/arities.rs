@@ -1,4 +1,4 @@
-//! Limits under arities above 2, where faces are first split into quads as soon as one of the mesh is none.
+//! Limits under arities above 2, which first split all faces into quads if one face of the mesh is not a quad.
 
 use serde_json::{Value, json};
 
@@ -10,7 +10,7 @@ fn plan(word: &str, boundary: &str) -> Value {
     json!({ "word": word, "boundary": boundary })
 }
 
-/// A net with a far triangle beside it.
+/// Returns a net with a distant triangle.
 fn with_a_triangle(net: &Net) -> Net {
     let positions = vec![[9.0, 0.0, 0.0], [10.0, 0.0, 0.5], [9.0, 1.0, 0.0]];
     together(net, &Net { positions, faces: vec![vec![0, 1, 2]] })
@@ -47,7 +47,7 @@ fn regular_limits_know_of_faces_far_away() {
     assert_still(&net, &plan("U3CC", "edge-only"));
 }
 
-/// D makes other faces than quads of the vertices of a cube, so that all faces beside it are cut in six by six, too.
+/// D makes faces other than quads of the vertices of a cube, so that all faces beside it are cut into six by six, too.
 #[test]
 fn dual_limits_know_of_faces_far_away() {
     let (torus, mut cube) = (nets::torus(4, 3), nets::cube());

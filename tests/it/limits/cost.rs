@@ -1,4 +1,4 @@
-//! Limits of words that make many points of one: they are found with little, or refused.
+//! Limits of words that make many points of one: they are found at low cost, or refused.
 
 use planish::job::limits::Limits;
 use serde_json::{Value, json};
@@ -45,7 +45,7 @@ fn large_arities_have_limits() {
     }
 }
 
-/// Whatever the arity, pieces of planes have no continuous tangents.
+/// Pieces of planes have no continuous tangents, whatever the arity.
 #[test]
 fn bilinear_words_have_no_tangents() {
     for text in ["U", "U3", "U5", "U8", "UUU", "UUUU"] {
@@ -58,7 +58,7 @@ fn job(net: &Net, text: &str, output: &Value) -> Value {
     json!({ "input": net.input(), "plan": word(text), "levels": 0, "outputs": [output] })
 }
 
-/// Words that make too many points are refused before anything is made.
+/// Words that make too many points are refused before anything is computed.
 #[test]
 fn endless_words_are_refused() {
     let net = nets::tetrahedron();
@@ -73,7 +73,7 @@ fn endless_words_are_refused() {
     }
 }
 
-/// What limits take is estimated, by the arity too.
+/// The cost of limits is estimated, also by the arity.
 #[test]
 fn estimates_count_what_limits_take() {
     let estimate = |text: &str, output: &Value| {

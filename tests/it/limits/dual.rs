@@ -1,4 +1,4 @@
-//! Limits under plans with D, on open meshes and before the first U too.
+//! Limits under plans with D, also on open meshes and before the first U.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -20,13 +20,13 @@ fn mean<'a>(net: &'a Net, cell: impl IntoIterator<Item = &'a usize>) -> [f64; 3]
     points.iter().fold([0.0; 3], |sum: [f64; 3], p| [0, 1, 2].map(|k| sum[k] + p[k] / n))
 }
 
-/// The places in a list of faces of those that have all of these vertices.
+/// Returns the indices of the faces that have all vertices of a cell.
 fn around(net: &Net, cell: &BTreeSet<usize>) -> Vec<usize> {
     (0..net.faces.len()).filter(|&f| cell.iter().all(|v| net.faces[f].contains(v))).collect()
 }
 
-/// The faces around a vertex from one to the next, from boundary to boundary where there is one; and whether it is
-/// closed.
+/// Returns the faces around a vertex in sequence, from boundary to boundary if there is one; and whether the sequence
+/// is closed.
 fn fan(net: &Net, v: usize) -> (Vec<usize>, bool) {
     // for each face the vertices after and before v
     let sides: BTreeMap<usize, (usize, usize)> = around(net, &BTreeSet::from([v]))
@@ -49,7 +49,7 @@ fn fan(net: &Net, v: usize) -> (Vec<usize>, bool) {
     (faces, sides.contains_key(&at))
 }
 
-/// The part of a net within some rings of faces around a cell, and the cell there.
+/// Returns the part of a net within some rings of faces around a cell, and the cell in it.
 fn cut(net: &Net, cell: &BTreeSet<usize>, rings: usize) -> (Net, BTreeSet<usize>) {
     let mut kept = cell.clone();
     for _ in 0..rings {
@@ -66,8 +66,8 @@ fn cut(net: &Net, cell: &BTreeSet<usize>, rings: usize) -> (Net, BTreeSet<usize>
     )
 }
 
-/// One letter, and what takes the place of a vertex, an edge or a face, all as the set of its vertices: D numbers the
-/// new points as the faces; the middle of an upsampled cell is found by its place.
+/// Applies one letter; returns the net and the child of a cell (a vertex, an edge or a face), as the set of its
+/// vertices. D numbers the new points like the faces; the centre of an upsampled cell is found by its position.
 fn step(net: &Net, cell: &BTreeSet<usize>, letter: &str) -> (Net, BTreeSet<usize>) {
     let next = applied(net, letter);
     let heir = heir(net, &next, cell, letter);
@@ -108,7 +108,7 @@ fn heir(net: &Net, next: &Net, cell: &BTreeSet<usize>, letter: &str) -> BTreeSet
     }
 }
 
-/// Where many levels lead a vertex.
+/// Returns the position of a vertex after many levels.
 fn led_to(net: &Net, v: usize, letters: &[&str], levels: usize) -> [f64; 3] {
     let (mut net, mut cell) = cut(net, &BTreeSet::from([v]), 5);
     for _ in 0..levels {
@@ -124,7 +124,7 @@ fn open_nets() -> Vec<Net> {
     vec![nets::grid(5, 4), nets::sectors_of_quads(5, 2).0, holed()]
 }
 
-/// A grid with a hole and a notch, which have three faces at their corners, and with two triangles.
+/// Returns a grid with a hole and a notch, which have three faces at their corners, and with two triangles.
 fn holed() -> Net {
     let mut net = nets::grid(5, 6);
     net.faces.remove(17);
@@ -135,7 +135,7 @@ fn holed() -> Net {
     net
 }
 
-/// Limit positions; nothing where the plan or the net has none.
+/// Returns limit positions; `None` if the plan or the net has no limit.
 fn limits(net: &Net, plan: &Value) -> Option<Vec<[f64; 3]>> {
     let job = json!({ "input": net.input(), "plan": plan, "levels": 0,
         "outputs": [{ "format": "json", "positions": "limit" }] });
@@ -162,7 +162,7 @@ fn edge_only(letters: &[&str]) -> Value {
     json!({ "word": letters.concat(), "boundary": "edge-only" })
 }
 
-/// After each letter the rest of the cycle and then the letter again lead what took the place of a vertex to its limit.
+/// After each letter, the rest of the cycle followed by that letter gives the same limit for the child of a vertex.
 #[test]
 fn limits_do_not_move_under_one_more_letter() {
     let closed = [nets::tetrahedron(), nets::prism(5)];
@@ -170,7 +170,7 @@ fn limits_do_not_move_under_one_more_letter() {
         let small = net.positions.len() < 11;
         let some = PLANS.into_iter().enumerate().filter(|(p, letters)| small || (p + n) % 2 == 0 && letters[0] != "U3");
         for (_, letters) in some {
-            // two or three D before or after a U leave nothing where the mesh is two faces wide
+            // two or three D before or after a U leave nothing of a mesh that is two faces wide
             let narrow = net.positions.len() > 40 && letters.iter().filter(|letter| **letter == "D").count() > 1;
             let Some(expected) = limits(&net, &edge_only(letters)) else {
                 assert!(narrow, "{letters:?} has limits");
@@ -195,7 +195,7 @@ fn limits_do_not_move_under_one_more_letter() {
     }
 }
 
-/// The rounding of wide masks never comes to rest.
+/// The rounding errors of wide masks do not settle.
 #[test]
 fn wide_dual_words_have_limits() {
     let barrel = Net::of(&nets::control("barrel")["mesh"]);
@@ -209,7 +209,7 @@ fn wide_dual_words_have_limits() {
     }
 }
 
-/// A vertex between two faces leaves less of what is around it than others do.
+/// The neighbourhood of a vertex between two faces shrinks more than others.
 #[test]
 fn vertices_between_two_faces_have_limits() {
     let mut net = nets::cube();
@@ -225,7 +225,7 @@ fn vertices_between_two_faces_have_limits() {
     }
 }
 
-/// What takes the place of each vertex, letter by letter, approaches the limit.
+/// The children of each vertex, letter by letter, approach the limit.
 #[test]
 fn limits_are_where_levels_lead() {
     for (n, net) in [nets::tetrahedron(), nets::grid(5, 4), holed()].into_iter().enumerate() {
@@ -243,8 +243,8 @@ fn limits_are_where_levels_lead() {
     }
 }
 
-/// The same for one point of a line: `UD` is the quadratic B-spline, whose ends are the middles of the first and last
-/// leg.
+/// Returns the weights of one point of a line: `UD` is the quadratic B-spline, whose ends are the midpoints of the
+/// first and last edge.
 fn quadratic(i: usize, n: usize) -> Vec<(usize, f64)> {
     match i {
         0 => vec![(0, 0.5), (1, 0.5)],
@@ -297,7 +297,7 @@ fn open_grids_have_the_limits_of_biquadratic_splines() {
     }
 }
 
-/// Doo-Sabin's boundary is the quadratic B-spline of its polygon, its corners stay.
+/// Doo-Sabin's boundary is the quadratic B-spline of its polygon, and its corners are fixed.
 #[test]
 fn boundaries_of_doo_sabin_have_limits() {
     let (n, m) = (4, 3);
@@ -324,8 +324,8 @@ fn boundaries_of_doo_sabin_have_limits() {
     }
 }
 
-/// Points of a plane in a line with their parameters keep to them: regular grids, also at their sides, up to what D
-/// draws in.
+/// The limits of plane nets lie in the plane and commute with affine maps, also at the sides of regular grids, up to
+/// the part that D removes.
 #[test]
 fn limits_of_flat_nets_are_flat_and_turn_with_them() {
     for letters in PLANS.into_iter().filter(|letters| letters[0] != "U3") {
@@ -334,13 +334,13 @@ fn limits_of_flat_nets_are_flat_and_turn_with_them() {
         net = cut(&net, &net.faces.iter().flatten().copied().collect(), 0).0;
         let plan = edge_only(letters);
         let Some(found) = limits(&net, &plan) else { continue };
-        // another place by an affine map, which also makes the net flat
+        // an affine map, which also makes the net flat
         let moved = |p: &[f64; 3]| [1.0 + 2.0 * p[0] - p[1] + p[2], 3.0 * p[1] - p[2], 4.0 - p[0]];
         let other = Net { positions: net.positions.iter().map(moved).collect(), ..net.clone() };
         for (p, q) in found.iter().zip(limits(&other, &plan).expect("the same net")) {
             assert!(distance(&moved(p), &q) <= 1e-12 * (1.0 + extent(&other)), "{letters:?}: {p:?}");
         }
-        // mirrored: x is -x, and all faces run the other way
+        // mirrored: x becomes -x, and all faces are reversed
         let mirrored = Net {
             positions: net.positions.iter().map(|p| [-p[0], p[1], p[2]]).collect(),
             faces: net.faces.iter().map(|face| face.iter().rev().copied().collect()).collect(),
@@ -351,7 +351,7 @@ fn limits_of_flat_nets_are_flat_and_turn_with_them() {
     }
 }
 
-/// An isolated vertex, of which D leaves nothing, stays.
+/// An isolated vertex, which D removes, keeps its position.
 #[test]
 fn vertices_without_faces_stay() {
     let mut net = nets::cube();
@@ -367,8 +367,8 @@ fn vertices_without_faces_stay() {
 
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(24))]
-    /// Random words on random meshes have limits or say why not; with them the middle of the mesh stays among its
-    /// points.
+    /// Random words on random meshes have limits or report why not; with limits, the mesh stays within the extent of
+    /// its points.
     #[test]
     fn dual_words_have_limits_or_say_why_not(
         net in nets::manifold(),

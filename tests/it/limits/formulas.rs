@@ -1,4 +1,4 @@
-//! Limits against formulas that others have published.
+//! Limits compared with published formulas.
 
 use serde_json::{Value, json};
 
@@ -43,7 +43,7 @@ fn catmull_clark_vertices_converge_to_the_published_mask() {
     }
 }
 
-/// Boundary curves are cubic B-splines: `(1, 4, 1) / 6`; corners stay.
+/// Boundary curves are cubic B-splines: `(1, 4, 1) / 6`; corners are fixed.
 #[test]
 fn boundaries_converge_to_cubic_b_splines() {
     let net = nets::grid(4, 3);
@@ -99,8 +99,8 @@ fn high_valences_have_limits() {
     assert!(distance(&normals[0], &[0.0, 0.0, 1.0]) <= 1e-9, "{:?}", normals[0]);
 }
 
-/// Wide words: on a torus `UC^k` is the tensor product of B-splines of degree 2k + 1, at whose knots stand the values
-/// of the B-spline of that degree, by the recursion of Cox and de Boor at the whole numbers.
+/// Wide words: on a torus `UC^k` is the tensor product of B-splines of degree 2k + 1, with the values of the B-spline
+/// of that degree at the knots, by the recursion of Cox and de Boor at the whole numbers.
 #[test]
 fn wide_words_have_limits() {
     let (k, n) = (10_u32, 3_usize);

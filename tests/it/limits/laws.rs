@@ -1,4 +1,4 @@
-//! What every limit surface obeys.
+//! Laws of every limit surface.
 
 use planish::math::functions::{cos, sin, sqrt};
 use planish::output::FORMATS;
@@ -17,8 +17,8 @@ fn with(text: &str, parameters: &Value) -> Value {
     json!({ "word": text, "parameters": parameters })
 }
 
-/// Plans with a limit: static ones, ones that change from level to level, with two averages, with a prefix, with a
-/// cycle that starts after its U, and dual ones for closed meshes.
+/// Returns plans with a limit: static ones, ones that change from level to level, with two averages, with a prefix,
+/// with a cycle that starts after its U, and dual ones for closed meshes.
 fn plans() -> Vec<Value> {
     let circle = |delta: f64| {
         json!({
@@ -39,14 +39,14 @@ fn plans() -> Vec<Value> {
     ]
 }
 
-/// A closed mesh of triangles.
+/// Returns a closed mesh of triangles.
 fn triangles() -> Net {
     let net = nets::prism(4);
     let cut = |face: &Vec<usize>| vec![vec![face[0], face[1], face[2]], vec![face[2], face[3], face[0]]];
     Net { faces: net.faces.iter().flat_map(cut).collect(), ..net }
 }
 
-/// The classical schemes with meshes that they refine.
+/// Returns the classical schemes with meshes that they refine.
 fn classical() -> Vec<(Value, Net)> {
     let preset = |name: &str| json!({ "preset": name });
     vec![
@@ -65,7 +65,7 @@ fn classical() -> Vec<(Value, Net)> {
 fn classical_schemes_keep_their_limits() {
     for (plan, net) in classical() {
         let [(coarse, _), (fine, _)] = [1, 2].map(|levels| limit(&net, &plan, levels));
-        // the images of vertices come first, but for dual schemes, where they are middles of faces
+        // the images of vertices come first, except for dual schemes, where they are centres of faces
         if ["kobbelt", "sqrt-3"].map(Value::from).contains(&plan["preset"]) {
             for (v, (p, q)) in coarse.positions.iter().zip(&fine.positions).enumerate().take(net.positions.len()) {
                 assert!(distance(p, q) <= 1e-12 * extent(&net), "{plan}: vertex {v} moves from {p:?} to {q:?}");
@@ -94,7 +94,7 @@ fn limit_normals_of_kobbelt_do_not_turn_where_irregular_vertices_share_faces() {
     }
 }
 
-/// Two steps of sqrt 3 make three edges of one of the boundary, where patches may end in the middle.
+/// Two steps of sqrt 3 divide a boundary edge into three, where patches may end in the middle.
 #[test]
 fn root_three_keeps_its_limits_on_open_meshes() {
     let plan = json!({ "preset": "sqrt-3" });
@@ -129,7 +129,7 @@ proptest! {
             let (bytes, _) = render(&job).ok()?;
             Some(Net::of(&serde_json::from_slice(&bytes).expect("json output")))
         };
-        // vertices all around which there are two faces are refused
+        // vertices with only two faces all around are refused
         if let (Some(coarse), Some(fine)) = (at(0), at(1)) {
             for (p, q) in coarse.positions.iter().zip(&fine.positions) {
                 prop_assert!(distance(p, q) <= 1e-11 * extent(&net).max(1.0), "{:?} moves to {:?}", p, q);
@@ -138,7 +138,7 @@ proptest! {
     }
 }
 
-/// Doo-Sabin's limit points are the centroids of faces: a vertex's child face is fixed in its middle.
+/// Doo-Sabin's limit points are the centroids of faces: a vertex's child face has a fixed centre.
 #[test]
 fn doo_sabin_converges_to_centroids() {
     let net = nets::prism(5);
@@ -185,7 +185,7 @@ fn limits_do_not_move_under_more_levels() {
     }
 }
 
-/// Also where a crease ends, gets dull, or meets others.
+/// Limits are also fixed where a crease ends, fades, or meets others.
 #[test]
 fn limits_of_creases_do_not_move_under_more_levels() {
     let crease = |a: usize, b: usize, s: f64| json!({ "edge": [a, b], "sharpness": s });
@@ -212,7 +212,7 @@ fn limits_of_creases_do_not_move_under_more_levels() {
     }
 }
 
-/// Also where edges stay sharp for what lies beyond the faces around a vertex.
+/// Limits are also fixed where edges remain sharp because of edges beyond the faces around a vertex.
 #[test]
 fn limits_of_creases_that_even_out_do_not_move_under_more_levels() {
     let net = nets::torus(6, 5);
@@ -235,7 +235,7 @@ fn limits_of_creases_that_even_out_do_not_move_under_more_levels() {
     }
 }
 
-/// What the first levels leave out, deeper ones approach.
+/// Deeper levels approach the limits of the first levels.
 #[test]
 fn refined_vertices_approach_their_limits() {
     for net in nets() {
@@ -310,7 +310,7 @@ fn interpolating_plans_stay_where_they_are() {
     }
 }
 
-/// Dual schemes have no children of vertices; their limits lie on what deep levels draw.
+/// Dual schemes have no children of vertices; their limits lie on the surface of deep levels.
 #[test]
 fn limits_of_dual_schemes_lie_on_the_surface() {
     for net in nets().into_iter().filter(is_closed) {
@@ -332,10 +332,10 @@ fn limits_of_dual_schemes_lie_on_the_surface() {
     }
 }
 
-/// Every output of a mesh knows where its points stand, and which normals it has.
+/// Every output of a mesh uses the requested positions and normals.
 #[test]
 fn all_writers_take_the_limit() {
-    // a library of materials says nothing of places, and solids are limits always
+    // a library of materials has no positions, and solids are always limits
     for format in FORMATS.iter().filter(|format| format.name() != "mtl" && !format.is_of_limit()) {
         let name = format.name();
         let has_normals = name != "3mf";
@@ -356,7 +356,7 @@ fn all_writers_take_the_limit() {
         if !has_normals {
             continue;
         }
-        // weights make tangents of the limit, and no normals that are weighted by area
+        // stencils give tangents of the limit, but no normals weighted by area
         let kinds: &[&str] = if format.is_of_weights() { &["none", "limit"] } else { &["none", "area", "limit"] };
         let normals: Vec<_> = kinds.iter().map(|normals| bytes("refined", normals)).collect();
         let shows = !["svg", "pdf"].contains(&name);
@@ -368,7 +368,7 @@ fn all_writers_take_the_limit() {
     }
 }
 
-/// The normal of a triangle of STL is that of the limit at its corners, of its side of a sharp edge.
+/// The normal of a triangle of STL is that of the limit at its corners, on its side of a sharp edge.
 #[test]
 fn triangles_of_stl_have_the_normals_of_their_corners() {
     let net = nets::cube();

@@ -1,5 +1,4 @@
-//! Limits of plans that change from level to level, against the levels themselves: thirty of them, on what is around a
-//! vertex.
+//! Limits of plans that change from level to level, compared with thirty levels of the neighbourhood of a vertex.
 
 use std::collections::BTreeMap;
 
@@ -9,12 +8,12 @@ use super::limit;
 use crate::support::json;
 use crate::support::nets::{self, Net, distance};
 
-/// Rings of faces that are kept around the vertex. The boundary that a cut makes spoils less than half of them in a
-/// level.
+/// Number of rings of faces that are kept around the vertex. The boundary of the cut affects less than half of them in
+/// a level.
 const RINGS: usize = 5;
 const LEVELS: u32 = 30;
 
-/// The faces within some rings of vertex `v`, which becomes vertex 0.
+/// Returns the faces within some rings of vertex `v`, which becomes vertex 0.
 fn around(net: &Net, v: usize) -> Net {
     let mut kept = vec![v];
     for _ in 0..RINGS {
@@ -31,7 +30,7 @@ fn around(net: &Net, v: usize) -> Net {
     Net { positions: kept.iter().map(|&u| net.positions[u]).collect(), faces }
 }
 
-/// Where vertex `v` is after all levels, each a job of its own with the alpha that it has there.
+/// Returns the position of vertex `v` after all levels, each a separate job with its own alpha.
 fn led_to(net: &Net, v: usize, plan: &Value) -> [f64; 3] {
     let alpha = plan["parameters"]["alpha"].as_f64().expect("a number");
     let mut net = around(net, v);

@@ -1,4 +1,4 @@
-//! D twice is C on closed meshes, before P too, and P knows its points when D took the rim of what is around a vertex.
+//! D twice is C on closed meshes, also before P, and P finds its points if D removes the rim of a neighbourhood.
 
 use serde_json::{Value, json};
 
@@ -43,7 +43,8 @@ fn pairs_of_duals_have_the_limits_of_averages() {
     }
 }
 
-/// Of triangles D twice is C with the weight 1/3, whatever the kernel; with C between no word of C alone is the same.
+/// On triangles, D twice is C with the weight 1/3, whatever the kernel; with a C between them, no word of C only is
+/// equivalent.
 #[test]
 fn pairs_of_duals_on_triangles_have_limits() {
     let on_triangles = |word: &str, more: Value| -> Value {

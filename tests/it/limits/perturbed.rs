@@ -1,4 +1,4 @@
-//! Limits of perturbed plans: each vertex is followed by itself, with its numbers in the whole nets to come.
+//! Limits of perturbed plans: each vertex is followed separately, with its numbers in the whole nets of later levels.
 
 use planish::job::limits::Limits;
 use planish::job::{RunError, run};
@@ -9,7 +9,7 @@ use serde_json::{Value, json};
 use crate::support::nets::{self, Net, distance};
 use crate::support::{json, json_with, parsed, render};
 
-/// A plan with a perturbation, and awkward numbers besides.
+/// Returns a plan with a perturbation and awkward constants.
 fn plan(word: &str, amplitude: f64, decay: f64) -> Value {
     json!({ "word": word, "seed": 7, "parameters": {
         "kernel": "1 + alpha/8", "compensation": "1 - alpha/6", "alpha": 0.9, "delta": 0.4,
@@ -21,13 +21,13 @@ fn refined(mesh: &Value, plan: &Value, levels: u32) -> Net {
     Net::of(&json(json!({ "input": { "mesh": mesh }, "plan": plan, "levels": levels })))
 }
 
-/// Limit positions.
+/// Returns limit positions.
 fn limit(mesh: &Value, plan: &Value, levels: u32) -> Net {
     let job = json!({ "input": { "mesh": mesh }, "plan": plan, "levels": levels });
     Net::of(&json_with(job, &json!({ "positions": "limit" })))
 }
 
-/// Limit positions and normals, and what is said about them.
+/// Returns limit positions and normals, and the warnings.
 fn with_normals(mesh: &Value, plan: &Value, levels: u32) -> (Net, Vec<[f64; 3]>, Vec<String>) {
     let output = json!({ "format": "json", "positions": "limit", "normals": "limit" });
     let job = json!({ "input": { "mesh": mesh }, "plan": plan, "levels": levels, "outputs": [output] });
@@ -37,12 +37,12 @@ fn with_normals(mesh: &Value, plan: &Value, levels: u32) -> (Net, Vec<[f64; 3]>,
     (Net::of(&result), normals, report.warnings)
 }
 
-/// The largest distance between the first vertices of two nets, which are the images of those of the input.
+/// Returns the largest distance between the first vertices of two nets, which are the images of those of the input.
 fn apart(a: &Net, b: &Net, n: usize) -> f64 {
     a.positions.iter().zip(&b.positions).take(n).map(|(p, q)| distance(p, q)).fold(0.0, f64::max)
 }
 
-/// Meshes with everything that words take along with perturbations.
+/// Returns meshes with all data that words with perturbations support.
 fn meshes() -> Vec<(&'static str, Value)> {
     let corners_and_creases = |net: Net| {
         let face = net.faces[0].clone();
@@ -73,7 +73,7 @@ fn meshes() -> Vec<(&'static str, Value)> {
     ]
 }
 
-/// The vertices of the input move by less and less.
+/// The vertices of the input move less and less.
 #[test]
 fn refined_vertices_approach_their_perturbed_limits() {
     for (name, mesh) in meshes() {
@@ -83,7 +83,7 @@ fn refined_vertices_approach_their_perturbed_limits() {
             let plan = plan("UCP", 0.3, decay);
             let found = limit(&mesh, &plan, 0);
             let [early, late] = [5, 7].map(|levels| apart(&found, &refined(&mesh, &plan, levels), n));
-            // distances shrink by 1/4 a level and perturbations act on them; by 1/2 where sharp edges end
+            // distances shrink by 1/4 per level, and by 1/2 at the ends of sharp edges; perturbations act on them
             let (ratio, most) = if name == "sharp" { (0.56, 1e-3) } else { (0.31, 1e-4) };
             assert!(late < most && late < early * ratio * ratio, "{name}, decay {decay}: {early}, then {late}");
         }
@@ -103,7 +103,7 @@ fn perturbed_limits_do_not_move_under_one_more_level() {
     }
 }
 
-/// Normals turn to the limit ones, which no level changes; both sides of what is sharp.
+/// Normals converge to the limit normals, which no level changes; on both sides of sharp edges.
 #[test]
 fn normals_of_perturbed_limits_are_those_of_deep_levels() {
     for (name, mesh) in meshes() {
@@ -116,7 +116,7 @@ fn normals_of_perturbed_limits_are_those_of_deep_levels() {
             let off = distance(&normals[v], &fine[v]);
             assert!(off < 1e-11, "{name}: normal {v} turns by {off}; {said:?}");
         }
-        // of the two sides of a sharp edge the sums differ
+        // the sums differ on the two sides of a sharp edge
         if name == "sharp" {
             continue;
         }
@@ -154,7 +154,7 @@ fn no_amplitude_is_no_perturbation() {
         let n = a.positions.len();
         assert!(apart(&a, &b, n) <= 1e-14, "{name}: {}", apart(&a, &b, n));
         assert!((0..n).all(|v| distance(&a_normals[v], &b_normals[v]) <= 1e-12), "{name}");
-        // and little of it changes little
+        // and a small perturbation has a small effect
         let little = limit(&mesh, &plan("UCP", 1e-9, 0.9), 1);
         let off = apart(&a, &little, n);
         assert!(off > 1e-12 && off < 1e-7, "{name}: {off}");
@@ -191,7 +191,7 @@ fn seeds_tell_perturbed_limits_apart() {
     }
 }
 
-/// Where delta is 1, vertices stay, whatever kernel and compensation are.
+/// With delta 1, vertices are fixed, whatever kernel and compensation are.
 #[test]
 fn perturbed_plans_that_interpolate_stay_where_they_are() {
     let mut plan = plan("UCP", 0.2, 0.6);
@@ -230,7 +230,7 @@ fn any_number_of_threads_finds_the_same_perturbed_limits() {
     }
 }
 
-/// What cannot be followed is refused, with the bound and what to do.
+/// Vertices that cannot be followed are refused, with the bound and the remedy.
 #[test]
 fn what_is_not_followed_is_refused() {
     let refused = |net: &Net, plan: Value, levels: u32| {
@@ -264,7 +264,7 @@ fn following_vertices_is_forecast_and_can_be_stopped() {
         let watch = Watch::new();
         run(&admitted, &admitted.job().outputs[0], &mut Vec::new(), &watch).expect("it has a limit");
         let (done, forecast) = (u128::from(watch.done()), estimate.forecast.work);
-        // finding the patches around the vertices counts beside the rows
+        // finding the patches around the vertices is counted beside the rows
         let patches = forecast / 20;
         assert!(done <= forecast + patches && forecast <= done + 2 * 26, "decay {decay}: {done} of {forecast} rows");
     }
@@ -286,7 +286,7 @@ fn following_vertices_is_forecast_and_can_be_stopped() {
 proptest! {
     #![proptest_config(ProptestConfig { cases: 12, failure_persistence: None, ..ProptestConfig::default() })]
 
-    /// Any faces, boundaries and vertices without faces.
+    /// Any faces, boundaries and isolated vertices.
     #[test]
     fn limits_of_random_nets_stay_under_one_more_level(net in nets::manifold(), decay in 0.1..0.95) {
         let (mesh, plan) = (net.to_json(), plan("UCP", 0.3, decay));

@@ -1,4 +1,4 @@
-//! Where there is no limit, and what is said then.
+//! Nets and plans without a limit, and the messages about them.
 
 use serde_json::{Value, json};
 
@@ -26,7 +26,7 @@ fn assert_says(text: &str, words: &str) {
 #[test]
 fn plans_without_a_limit_are_refused() {
     assert_says(&refusal(&nets::cube(), &json!({ "word": "U(C)" }), 1), "no operator of the plan's cycle refines");
-    // nothing is left of narrow meshes: of all, of an end, and where faces meet in a vertex only
+    // nothing remains of narrow meshes: everywhere, at an end, and where faces meet in a vertex only
     assert_says(&refusal(&nets::grid(3, 3), &json!({ "word": "UDDDD" }), 0), "D needs a vertex all of whose faces");
     let mut handle = nets::grid(6, 3);
     handle.faces.retain(|face| face.iter().all(|v| v % 7 < 4 || v / 7 < 2));
@@ -39,7 +39,7 @@ fn plans_without_a_limit_are_refused() {
     assert_says(&refusal(&nets::cube(), &fine, 0), "fewer or smaller upsamplings");
     let wild = json!({ "word": "UCP", "parameters": { "compensation": 9 } });
     assert_says(&refusal(&nets::cube(), &wild, 1), "no continuous limit");
-    // at vertices and faces with other than four neighbours, or six, only
+    // only at vertices and faces with other than four neighbours, or six
     let uneven = |delta: &str| json!({ "word": "UCP", "parameters": { "delta": delta } });
     assert_says(&refusal(&nets::cube(), &uneven("8*(valence-4)"), 0), "no continuous limit");
     let five = uneven("6*max(0,valence-4)");
@@ -63,7 +63,7 @@ fn what_the_word_tells_is_refused_before_it_is_computed() {
     assert_eq!(faults[0].pointer, "/outputs/0/positions");
 }
 
-/// Where there are no limit normals, area normals stand for all, and a warning says why.
+/// Without limit normals, area normals replace all of them, and a warning says why.
 #[test]
 fn missing_normals_are_explained() {
     let only = |warnings: Vec<String>| {

@@ -1,4 +1,4 @@
-//! Limit normals of sqrt 3, whose steps turn what is around a vertex.
+//! Limit normals of sqrt 3, whose steps rotate the neighbourhood of a vertex.
 
 use planish::math::functions::{cos, sin, sqrt};
 use serde_json::{Value, json};
@@ -54,7 +54,7 @@ fn normals_of_an_icosahedron_are_radial() {
     }
 }
 
-/// A rim of n vertices between an apex above it and one below.
+/// Returns a rim of n vertices between an apex above it and one below.
 fn double_cone(n: usize) -> Net {
     let number = |i: usize| f64::from(u32::try_from(i).expect("small"));
     let angle = |i: usize| std::f64::consts::TAU * number(i) / number(n);
@@ -87,7 +87,7 @@ fn inner_vertices_of_any_valence_have_normals() {
     }
 }
 
-/// Two faces at most between any two boundary edges: patches end where new ones begin.
+/// At most two faces lie between any two boundary edges: patches end where new ones begin.
 #[test]
 fn narrow_open_meshes_have_limits() {
     let faces = [[5, 0, 1], [3, 0, 5], [1, 0, 2], [4, 0, 3], [4, 2, 0], [2, 4, 6], [6, 5, 1], [1, 2, 6], [6, 4, 3]];

@@ -1,4 +1,4 @@
-//! Limit normals on each side of edges that stay sharp, at their ends, at corners and on boundaries.
+//! Limit normals on each side of edges that remain sharp, at their ends, at corners and on boundaries.
 
 use std::collections::BTreeSet;
 
@@ -20,7 +20,7 @@ fn tagged(net: Net, edges: &[[usize; 2]]) -> Tagged {
     Tagged { net, edges: edges.to_vec(), corners: Vec::new() }
 }
 
-/// For each face of the result its corners: vertex and normal; and the warnings.
+/// The corners of each face of the result, as vertex and normal; and the warnings.
 type Sides = (Vec<Vec<(usize, [f64; 3])>>, Vec<String>);
 
 fn sides(tagged: &Tagged, plan: &Value, levels: u32, normals: &str) -> Sides {
@@ -45,7 +45,7 @@ fn sides(tagged: &Tagged, plan: &Value, levels: u32, normals: &str) -> Sides {
     (faces.map(|face| face.split(' ').map(corner).collect()).collect(), report.warnings)
 }
 
-/// The angle between limit normals and deep area ones at each corner of the input.
+/// Returns the angle between limit normals and area normals of a deep level at each corner of the input.
 fn differences(tagged: &Tagged, plan: &Value, levels: u32) -> Vec<(usize, usize, f64)> {
     let (claimed, warnings) = sides(tagged, plan, 0, "limit");
     assert!(warnings.is_empty(), "{plan}: {warnings:?}");
@@ -68,7 +68,7 @@ fn differences(tagged: &Tagged, plan: &Value, levels: u32) -> Vec<(usize, usize,
     found
 }
 
-/// Area normals turn to the claimed ones, by a factor of two a level or so.
+/// Checks that area normals converge to the limit normals, by a factor of about two per level.
 fn assert_approached(tagged: &Tagged, plan: &Value) {
     let [early, late] = [3, 5].map(|levels| differences(tagged, plan, levels));
     for ((f, v, before), (_, _, after)) in early.into_iter().zip(late) {
@@ -87,7 +87,7 @@ fn edge_only(plan: &Value) -> Value {
     plan
 }
 
-/// Plans that carry infinitely sharp edges; their levels change in the last one.
+/// Returns plans that support infinitely sharp edges; the last one changes from level to level.
 fn plans() -> Vec<Value> {
     let circle = json!({ "alpha": "pi/5", "kernel": "cos(alpha/2)", "compensation": "1/cos(alpha/2)", "delta": 0.5 });
     vec![catmull_clark(), json!({ "word": "UCC" }), json!({ "word": "UCP", "parameters": circle })]
@@ -102,7 +102,7 @@ fn octahedron() -> Net {
     Net { positions, faces: faces.map(Vec::from).to_vec() }
 }
 
-/// Creases, creases that cross, and ends of creases.
+/// Creases, crossing creases, and ends of creases.
 #[test]
 fn each_side_of_a_crease_has_its_limit_normal() {
     for plan in plans() {
@@ -113,7 +113,7 @@ fn each_side_of_a_crease_has_its_limit_normal() {
     }
 }
 
-/// Three creases meet in a corner; and all edges of a cube are sharp.
+/// Three creases that meet in a corner; and a cube with all edges sharp.
 #[test]
 fn each_side_of_a_corner_has_its_limit_normal() {
     let all: Vec<[usize; 2]> = nets::cube().edges().into_iter().map(|(a, b)| [a, b]).collect();
@@ -144,8 +144,8 @@ fn creases_of_triangles_have_a_limit_normal_on_each_side() {
     }
 }
 
-/// Where a face is alone between two edges, its points and those along the crease shrink alike: the surface touches the
-/// plane in which the crease curves, and area normals turn to it as slowly as 1/level.
+/// For a single face between two edges, its points and those along the crease shrink at the same rate: the surface
+/// touches the plane in which the crease curves, and area normals converge as slowly as 1/level.
 #[test]
 fn alone_between_two_edges_a_face_touches_the_plane_of_the_crease() {
     let (cube, rim) = (nets::cube(), [[4, 5], [5, 7], [7, 6], [6, 4]]);
@@ -181,7 +181,7 @@ fn alone_between_two_edges_a_face_touches_the_plane_of_the_crease() {
     }
 }
 
-/// The first sectors of many: their middle lies on the boundary.
+/// Returns the first sectors of a disc: their centre lies on the boundary.
 fn part(sectors: usize, of: usize) -> Net {
     let (net, _) = nets::sectors_of_quads(of, 2);
     let faces = &net.faces[..net.faces.len() / of * sectors];
@@ -193,12 +193,12 @@ fn part(sectors: usize, of: usize) -> Net {
     }
 }
 
-/// The normal of vertex 0 in the first face at it.
+/// Returns the normal of vertex 0 in the first face at it.
 fn of_first(claimed: &[Vec<(usize, [f64; 3])>]) -> [f64; 3] {
     claimed.iter().flatten().find(|(v, _)| *v == 0).expect("a face at the first vertex").1
 }
 
-/// The two neighbours of vertex 0 on the boundary.
+/// Returns the two neighbours of vertex 0 on the boundary.
 fn beside_first(net: &Net) -> [usize; 2] {
     let near = net.edges().into_iter().filter(|(a, b)| {
         let both = |face: &&Vec<usize>| face.contains(a) && face.contains(b);
@@ -207,9 +207,9 @@ fn beside_first(net: &Net) -> [usize; 2] {
     near.map(|(_, b)| b).collect::<Vec<_>>().try_into().expect("two on the boundary")
 }
 
-/// Where the eigenvalue 1/2 of the boundary comes again inside, in a chain, normals turn to the one of the tangent
-/// along the boundary and the other tangent inside. At a single face under `UCP` with delta 1 the eigenvalue 1/4 has a
-/// chain of three.
+/// If the eigenvalue 1/2 of the boundary occurs again inside, in a Jordan chain, normals converge to that of the
+/// tangent along the boundary and the other tangent inside. At a single face under `UCP` with delta 1, the eigenvalue
+/// 1/4 has a chain of three.
 #[test]
 fn vertices_on_the_boundary_have_limit_normals_where_eigenvalues_have_chains() {
     for (net, plan, reach) in [
@@ -223,7 +223,7 @@ fn vertices_on_the_boundary_have_limit_normals_where_eigenvalues_have_chains() {
         let normal = of_first(&coarse);
         let [p, q] = beside_first(&net).map(|v| net.positions[v]);
         let across: f64 = (0..3).map(|k| normal[k] * (p[k] - q[k])).sum();
-        // where the boundary has its direction from these two
+        // these two determine the direction of the boundary
         assert!(reach > 1 || across.abs() <= 1e-9, "{plan}: {normal:?} is not upright on the boundary: {across}");
         for levels in [1, 2] {
             let off = distance(&normal, &of_first(&sides(&tagged, &plan, levels, "limit").0));
@@ -235,8 +235,8 @@ fn vertices_on_the_boundary_have_limit_normals_where_eigenvalues_have_chains() {
     }
 }
 
-/// From five faces on, points inside come together slower than those along the boundary, which do not tell where faces
-/// there lie: there is no tangent plane, and rounding makes none.
+/// From five faces on, points inside converge more slowly than those along the boundary, which do not determine the
+/// faces there: there is no tangent plane, and rounding must not make one.
 #[test]
 fn vertices_on_the_boundary_with_more_faces_have_none() {
     for plan in [catmull_clark(), json!({ "word": "UCC" }), json!({ "word": "UCP", "parameters": { "delta": 0.5 } })] {
@@ -248,7 +248,7 @@ fn vertices_on_the_boundary_with_more_faces_have_none() {
     }
 }
 
-/// The normals of the input's vertices stay the same, whatever level they are asked at.
+/// The normals of the input's vertices are the same at every level.
 #[test]
 fn limit_normals_of_sides_do_not_turn_under_more_levels() {
     for plan in plans() {
@@ -269,7 +269,7 @@ fn limit_normals_of_sides_do_not_turn_under_more_levels() {
     }
 }
 
-/// What is sharp for some levels only is smooth in the limit: one normal a vertex.
+/// Edges that are sharp for some levels only are smooth in the limit: one normal per vertex.
 #[test]
 fn sharpness_that_ends_parts_no_limit_normals() {
     let mut input = nets::torus(4, 5).input();
@@ -315,8 +315,8 @@ fn only_sectors_without_a_tangent_plane_have_area_normals() {
     assert!(warnings[0].contains("one side of the sharp edges at a corner with 6 faces"), "{warnings:?}");
 }
 
-/// Where an eigenvalue is there three times, at corners with two quads or three triangles, points turn to the plane of
-/// the two edges that stay.
+/// At corners with two quads or three triangles, an eigenvalue is triple, and points converge to the plane of the two
+/// edges that remain.
 #[test]
 fn corners_of_two_quads_or_three_triangles_touch_the_plane_of_their_edges() {
     let rim = [[1.0, 0.0, 0.0], [1.0, 1.2, 0.3], [-0.2, 1.0, 0.1], [-1.0, 0.4, 0.5]];
@@ -348,7 +348,8 @@ fn corners_of_two_quads_or_three_triangles_touch_the_plane_of_their_edges() {
     }
 }
 
-/// The formats part alike, with texture coordinates and without; json has one normal a vertex, the mean of its sides.
+/// The formats split vertices alike, with and without texture coordinates; JSON has one normal per vertex, the mean of
+/// its sides.
 #[test]
 fn formats_agree_on_limit_normals_of_sides() {
     let net = nets::torus(4, 5);

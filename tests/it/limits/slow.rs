@@ -17,8 +17,8 @@ fn has_no_limit(net: &Net, plan: &Value) -> bool {
     render(&job).is_err_and(|faults| faults[0].detail.contains("no continuous limit"))
 }
 
-/// Where regular, `UCP` is continuous for deltas above -9: the differences of an impulse grow by a factor of 4.6 in the
-/// first six levels at -8.5, and shrink from the eleventh on.
+/// On regular nets, `UCP` is continuous for deltas above -9: at -8.5 the differences of an impulse grow by a factor of
+/// 4.6 in the first six levels, and shrink from the eleventh on.
 #[test]
 fn differences_that_shrink_late_vanish() {
     let net = nets::torus(4, 5);
@@ -32,7 +32,8 @@ fn differences_that_shrink_late_vanish() {
     assert!(has_no_limit(&net, &pushed_back(-9.1)));
 }
 
-/// Divided second differences vanish for deltas from about -4.87 to 3 only, those of the first levels say otherwise.
+/// Divided second differences vanish only for deltas from about -4.87 to 3, although those of the first levels suggest
+/// otherwise.
 #[test]
 fn second_differences_that_shrink_late_vanish() {
     let net = nets::torus(4, 5);
@@ -53,8 +54,8 @@ fn second_differences_that_shrink_late_vanish() {
 
 /// Differences may grow in thirds of edges and faces while they vanish around vertices: with compensations above 1
 /// under two levels of `UCP`, whose matrices there have spectral radii of 1.22 for delta 2 and compensation 2. Bounds
-/// of the compensation from such radii: 2.669 for a limit and 1.658 for tangents where delta is 1, 1.889 and 1.288
-/// where it is 2.
+/// of the compensation from such radii: for delta 1, 2.669 for a limit and 1.658 for tangents; for delta 2, 1.889 and
+/// 1.288.
 #[test]
 fn what_grows_between_vertices_is_seen() {
     let net = nets::torus(4, 5);
@@ -74,14 +75,14 @@ fn what_grows_between_vertices_is_seen() {
     }
 }
 
-/// At a growth of 1.12 a level rounding of the places would have covered everything after 32 levels.
+/// At a growth of 1.12 per level, the rounding of positions would have hidden everything after 32 levels.
 #[test]
 fn what_grows_slowly_between_vertices_is_seen() {
     let parameters = json!({ "kernel": 1.4409, "compensation": 1.8778, "delta": 2.8512 });
     assert!(has_no_limit(&nets::torus(4, 5), &json!({ "word": "UCP", "parameters": parameters })));
 }
 
-/// The same on triangles: at a delta of -3 divided second differences come to 1 from below.
+/// The same on triangles: at a delta of -3, divided second differences approach 1 from below.
 #[test]
 fn what_grows_between_vertices_of_triangles_is_seen() {
     let net = nets::triangulated(nets::torus(4, 5));

@@ -1,4 +1,4 @@
-//! Limits where numbers differ from vertex to vertex: parameters of vertices, latitude lines.
+//! Limits with data that differ from vertex to vertex: parameters of vertices, latitude lines.
 
 use planish::analysis::circles::outlooks;
 use planish::math::functions::{cos, sin, sqrt};
@@ -20,13 +20,13 @@ fn with(net: &Net, parameters: &Value) -> Value {
     mesh
 }
 
-/// Numbers between two bounds, one a vertex.
+/// Returns numbers between two bounds, one per vertex.
 fn numbers(net: &Net, low: f64, high: f64) -> Vec<f64> {
     let place = |v: usize| f64::from(u8::try_from((7 * v * v + 3 * v) % 11).expect("below 11")) / 10.0;
     (0..net.positions.len()).map(|v| low + (high - low) * place(v)).collect()
 }
 
-/// Meshes whose vertices have parameters, with plans that look at them.
+/// Returns meshes whose vertices have parameters, with plans that use them.
 fn parametrised() -> Vec<(Net, Value, Value)> {
     let (cube, grid, prism) = (nets::cube(), nets::grid(2, 2), nets::prism(5));
     let circles = json!({ "alpha": 1, "kernel": "cos(alpha/2)", "compensation": "1/cos(alpha/2)", "delta": 0.5 });
@@ -55,7 +55,7 @@ fn limits_with_parameters_of_vertices_do_not_move_under_one_more_level() {
     }
 }
 
-/// Differences between refined vertices and their limits, and between area normals and limit ones, shrink.
+/// Differences between refined vertices and their limits, and between area normals and limit normals, shrink.
 #[test]
 fn refined_vertices_with_parameters_approach_their_limits() {
     for (net, parameters, plan) in parametrised() {
@@ -77,7 +77,7 @@ fn refined_vertices_with_parameters_approach_their_limits() {
     }
 }
 
-/// Vertices that all carry the numbers of the plan have its limits.
+/// Vertices that all have the values of the plan have its limits.
 #[test]
 fn equal_parameters_change_no_limit() {
     let circles = json!({ "alpha": 1, "kernel": "cos(alpha/2)", "compensation": "1/cos(alpha/2)", "delta": 0.5 });
@@ -110,7 +110,7 @@ fn vertices_of_delta_1_stay_in_the_limit() {
     }
 }
 
-/// Differences that do not shrink where some vertices are.
+/// Differences that do not shrink at some vertices.
 #[test]
 fn parameters_without_a_limit_are_refused() {
     let net = nets::cube();
@@ -122,7 +122,7 @@ fn parameters_without_a_limit_are_refused() {
     assert!(faults[0].detail.contains("no continuous limit"), "{faults:?}");
 }
 
-/// Each vertex is followed by itself, so that there is a bound on how many.
+/// Each vertex is followed separately, so that their number is bounded.
 #[test]
 fn too_many_vertices_with_different_parameters_are_refused() {
     let net = nets::cube();
@@ -139,7 +139,8 @@ fn real(n: usize) -> f64 {
 
 const UNEVEN: [(f64, f64); 7] = [(1.0, 0.0), (1.7, 0.4), (1.2, 2.0), (0.6, 2.2), (1.4, 3.9), (0.9, 4.5), (1.1, 5.5)];
 
-/// A tube of regular k-gons with these radii and heights; the rings before `bare` and between them are tagged.
+/// Returns a tube of regular k-gons with these radii and heights; the first `bare` rings and the edges between them are
+/// tagged.
 fn tube(k: usize, rings: &[(f64, f64)], bare: usize) -> Value {
     let angle = |i: usize| std::f64::consts::TAU * real(i) / real(k) + 0.3;
     let ring = |&(r, z): &(f64, f64)| (0..k).map(move |i| [r * cos(angle(i)), r * sin(angle(i)), z]);
@@ -158,12 +159,12 @@ fn push_back(delta: f64, k: u32, rule: &str) -> Value {
         "parameters": { "delta": delta, "k": k, "latitude_rule": rule } })
 }
 
-/// Radius and height of the points, and those of their normals.
+/// Returns the radius and height of a point.
 fn polar(p: [f64; 3]) -> [f64; 2] {
     [sqrt(p[0] * p[0] + p[1] * p[1]), p[2]]
 }
 
-/// Limit points lie on circles, and those of the input's rings have the radius that the rule of exact lines tells.
+/// Limit points lie on circles, and those of the input's rings have the radius of the rule of exact lines.
 #[test]
 fn limits_of_latitude_lines_are_circles() {
     for (k, delta, averages, rule) in [
@@ -181,7 +182,7 @@ fn limits_of_latitude_lines_are_circles() {
             outlooks(read, Ok(&job.plan)).into_iter().map(|line| line.circle.expect("an exact line").radius).collect();
         for levels in [0, 2] {
             let (found, normals) = limit(&mesh, &plan, levels);
-            // points of one height belong to one ring
+            // points of the same height belong to one ring
             let mut points: Vec<([f64; 2], f64)> =
                 found.positions.iter().zip(&normals).map(|(p, normal)| (polar(*p), normal[2])).collect();
             points.sort_by(|a, b| a.0[1].total_cmp(&b.0[1]));
@@ -199,7 +200,7 @@ fn limits_of_latitude_lines_are_circles() {
     }
 }
 
-/// Poles as rings of coincident vertices, and a line with a kernel of its own across.
+/// Poles as rings of coincident vertices, and a line with a different kernel across.
 #[test]
 fn limits_of_poles_and_of_other_profiles_are_circles() {
     let poles = [(0.0, 0.0), (0.9, 0.1), (1.3, 1.0), (0.8, 1.9), (0.0, 2.0)];
@@ -217,7 +218,7 @@ fn limits_of_poles_and_of_other_profiles_are_circles() {
     }
 }
 
-/// Where a tube is tagged in part, alpha differs from ring to ring; the tagged end is out of its reach.
+/// If a tube is tagged in part, alpha differs from ring to ring; the tagged end is out of reach.
 #[test]
 fn limits_between_tags_do_not_move_under_one_more_level() {
     let (mesh, plan) = (tube(5, &UNEVEN, 4), push_back(0.6, 1, "difference"));

@@ -1,4 +1,4 @@
-//! Files beside a mesh file, on the command line: read from its folder, and from nowhere else.
+//! Files beside a mesh file on the command line: they are read from its folder only.
 #![allow(clippy::unwrap_used, reason = "a test may fail where it stands")]
 
 use std::fs;
@@ -9,19 +9,19 @@ use super::gltf::{floats, square};
 use crate::cli::planish;
 use crate::http::server::Folder;
 
-/// A square whose numbers lie in a file of this name.
+/// Returns a square whose numbers are in a file of this name.
 fn square_with(uri: &str) -> String {
     let mut document = square(4, &[0, 1, 2, 2, 1, 3]);
     document["buffers"] = json!([{ "byteLength": 54, "uri": uri }]);
     document.to_string()
 }
 
-/// The bytes of that file.
+/// Returns the bytes of that file.
 fn numbers() -> Vec<u8> {
     [floats(&super::gltf::SQUARE), vec![0, 1, 2, 2, 1, 3]].concat()
 }
 
-/// What the program writes of a model, or says against it.
+/// Renders a model; returns the output, or the message.
 fn rendered(folder: &Folder, model: &str) -> Result<String, String> {
     let path = folder.path().join("in").join(model);
     let output = planish().arg("render").arg(path).args(["-o", "-", "--format", "obj"]).output().unwrap();
@@ -81,13 +81,13 @@ fn nothing_outside_of_the_folder_is_read() {
     }
     fs::write(inside.join("short.bin"), &numbers()[..50]).unwrap();
     refused("short.bin", "buffer 0 says it has 54 bytes, and has 50; send it whole");
-    // nothing is read of a file that is larger than all that may be read
+    // a file larger than the limit is not read at all
     fs::File::create(inside.join("large.bin")).unwrap().set_len(3 << 30).unwrap();
     refused("large.bin", "it has 3.0 GiB; 2.0 GiB may be read");
 }
 
-/// A scene that shows one mesh in many places takes more memory than it is long: over HTTP that is refused, on the
-/// command line there is room for it.
+/// A scene with one mesh in many places takes more memory than its length: HTTP refuses it, the command line has room
+/// for it.
 #[test]
 fn a_mesh_may_stand_in_many_places() {
     let folder = prepared();
@@ -101,7 +101,7 @@ fn a_mesh_may_stand_in_many_places() {
     assert_eq!(obj.lines().filter(|line| line.starts_with("f ")).count(), 80_000);
 }
 
-/// What would help is named by its flag there.
+/// On the command line, the remedy names its flag.
 #[test]
 fn remedies_are_flags_on_the_command_line() {
     let folder = prepared();

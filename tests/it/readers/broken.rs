@@ -1,4 +1,4 @@
-//! Broken files: each refused with a sentence that names the line or byte, the value, and what would be right.
+//! Broken files: each is refused with a sentence that names the line or byte, the value, and the expected one.
 
 use planish::input::{ReadLimits, named};
 use serde_json::json;
@@ -43,7 +43,7 @@ fn obj() {
     check(&format!("g{names}\n"), "line 1: more than 16 groups at once; a face may be in 16");
 }
 
-/// What stands in a wrong line is counted all the same, so that what names it is not told as a fault.
+/// Elements of a wrong line are counted all the same, so that references to them are not reported as faults.
 #[test]
 fn obj_counts_wrong_lines() {
     check("obj", "v 0 0 0\nv 1 0 zero\nv 0 1 0\nf 1 2 3\nf -1 -2 -3\n", "line 2: \"zero\" is no number");
@@ -140,7 +140,7 @@ fn ply_bytes() {
     assert!(super::read("ply", &file(&[&[0; 36][..], &triangle].concat())).is_ok());
 }
 
-/// Counts that no file of this length can hold are refused before anything is made for them.
+/// Counts that no file of this length can hold are refused before any allocation.
 #[test]
 fn huge_counts_allocate_nothing() {
     let huge = "4294967295";
@@ -226,7 +226,7 @@ fn stl() {
     let cut =
         ["byte 80: 1 triangles take 134 bytes, the file has 120; send it whole, or as text that starts with \"solid\""];
     assert_eq!(sentences("stl", &bytes[..120]), cut);
-    // the header may be any text, "solid" too
+    // the header may be any text, also "solid"
     bytes[..20].copy_from_slice(b"solid made by a tool");
     assert_eq!(sentences("stl", &bytes[..120]), cut);
 }
@@ -307,8 +307,7 @@ fn glb() {
     check(&file(20, &json), "byte 12: a chunk of 9 bytes; the file has 0 more");
 }
 
-/// In a job the fault stands at the text, and faults of the mesh inside say where in the mesh they are, with the line
-/// where there is one.
+/// In a job, the fault points to the text, and faults within the mesh name their place, with the line if there is one.
 #[test]
 fn a_job_points_to_its_text() {
     let check = |text: serde_json::Value, pointer: &str, detail: &str| {
@@ -324,7 +323,7 @@ fn a_job_points_to_its_text() {
     let text = json!({ "format": "obj", "data": face });
     let found = support::faults(json!({ "input": { "text": text, "non_manifold": "refuse" } }));
     assert!(found[0].detail.starts_with(repeated), "{found:?}");
-    // repairs number faces anew
+    // repairs renumber the faces
     let text = json!({ "format": "obj", "data": data });
     let found = support::faults(json!({ "input": { "text": text, "weld": 0, "non_manifold": "refuse" } }));
     assert!(found[0].detail.starts_with("in the mesh, /faces/"), "{found:?}");

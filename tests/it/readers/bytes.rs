@@ -1,4 +1,4 @@
-//! Whatever bytes come, a reader gives a mesh or faults.
+//! For any bytes, a reader returns a mesh or faults.
 
 use planish::input::READERS;
 use proptest::prelude::*;
@@ -8,7 +8,7 @@ use super::read;
 use crate::support::nets::{cube, mixed};
 use crate::support::render;
 
-/// Files of every format, small.
+/// Returns small files of every format.
 fn files() -> Vec<(&'static str, Vec<u8>)> {
     let written = |format: &'static str, options: serde_json::Value| {
         let net = if format == "obj" { mixed() } else { cube() };
@@ -58,7 +58,7 @@ fn the_files_are_right_before_anything_is_changed() {
     }
 }
 
-/// Reads whatever it is; a mesh keeps what a mesh promises.
+/// Reads any bytes, and checks the invariants of a mesh that results.
 fn survives(format: &str, bytes: &[u8]) {
     let Ok(mesh) = read(format, bytes) else { return };
     let n = mesh.positions.len();

@@ -1,4 +1,4 @@
-//! Vertices that files have several times, as they have several normals, colours or texture coordinates.
+//! Vertices that files repeat because of different normals, colours or texture coordinates.
 
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
@@ -8,7 +8,8 @@ use super::gltf::{document, floats};
 use crate::support;
 use crate::support::nets::{self, Net, same_surface};
 
-/// A cube as every exporter writes it: four vertices a side, with normals and texture coordinates of their own.
+/// Returns a cube as exporters usually write it: four vertices per side, with their own normals and texture
+/// coordinates.
 fn cube_of_24() -> Value {
     let net = nets::cube();
     let (mut places, mut normals, mut uvs, mut order) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
@@ -46,7 +47,7 @@ fn cube_of_24() -> Value {
 /// The colours of the sides of a cube, in linear light.
 const SIDES: [[f32; 3]; 6] = [[1., 0., 0.], [0., 1., 0.], [0., 0., 1.], [1., 1., 0.], [0., 1., 1.], [1., 0., 1.]];
 
-/// A cube whose sides have a colour each, and four vertices each for that.
+/// Returns a cube whose sides have different colours, and therefore four vertices each.
 fn cube_of_six_colors() -> Value {
     let net = nets::cube();
     let (mut places, mut colors, mut order) = (Vec::new(), Vec::new(), Vec::new());
@@ -73,7 +74,7 @@ fn cube_of_six_colors() -> Value {
     )
 }
 
-/// PLY has one pair of texture coordinates a vertex, which parts vertices at seams.
+/// PLY has one pair of texture coordinates per vertex, so that vertices at seams are split.
 #[test]
 fn a_ply_that_planish_wrote_with_texture_coordinates_is_refined_as_the_mesh_that_it_was() {
     let mut cube = nets::cube().to_json();
@@ -97,7 +98,7 @@ fn a_ply_that_planish_wrote_with_texture_coordinates_is_refined_as_the_mesh_that
         }
         assert_eq!(count(&back["uvs"], "values"), count(&meant["uvs"], "values"));
         assert_eq!(back["warnings"].as_array().map_or(0, Vec::len), 1, "what was welded: {}", back["warnings"]);
-        // a file of another program is taken at its word, and so is one of which that is wanted
+        // files of other programs are read literally, and so are our own on request
         let other = String::from_utf8_lossy(&file).contains("comment planish\n").then(|| {
             let at = file.windows(7).position(|word| word == b"planish").expect("it says so");
             [&file[..at], b"another", &file[at + 7..]].concat()
@@ -131,7 +132,7 @@ fn a_cube_of_six_colours_is_refined_into_a_closed_ball_whose_colours_meet_sharpl
             assert_eq!(value.collect::<Vec<_>>(), expected.map(Some), "{origin}");
         }
     }
-    // as GLB it has the 25 vertices of each side, and under a plan it comes back as it was
+    // as GLB it has the 25 vertices of each side, and under a plan it is read as it was
     let mut glb = job;
     glb["outputs"] = json!([{ "format": "glb", "normals": "none" }]);
     let (bytes, report) = support::render(&glb).expect("it is written");
@@ -161,7 +162,7 @@ fn a_cube_of_24_vertices_is_refined_like_that_of_8() {
     same_surface(&Net::of(&doubled), &Net::of(&cube), 1e-6).expect("the same surface");
     let warnings = doubled["warnings"].to_string();
     assert!(warnings.contains("welding merged 16 vertices"), "{warnings}");
-    // each side keeps its own square of texture coordinates: its 4 corners are 24 places after all
+    // each side keeps its own square of texture coordinates: its 4 corners give 24 places after all
     let uvs = &doubled["uvs"];
     assert_eq!(uvs["faces"].as_array().map(Vec::len), Some(384));
     let corners: Vec<&Value> = uvs["values"].as_array().into_iter().flatten().take(24).collect();
@@ -178,7 +179,7 @@ fn they_stay_apart_where_that_is_asked_for_and_nothing_is_refined_with_gaps_unsa
     let warnings = torn["warnings"].to_string();
     assert!(warnings.contains("24 edges of the boundary lie where others do"), "{warnings}");
     assert_eq!(Net::of(&torn).positions.len(), 6 * 9);
-    // a conversion keeps what the file says
+    // a conversion keeps the vertices of the file
     let kept = support::json(json!({ "input": text(&cube_of_24()) }));
     assert_eq!(Net::of(&kept).positions.len(), 24);
     assert!(kept.get("warnings").is_none_or(|warnings| !warnings.to_string().contains("edges")), "{kept}");
@@ -203,7 +204,7 @@ fn facets_of_stl_stay_apart_where_that_is_asked_for() {
     assert!(support::json(torn)["warnings"].to_string().contains("12 edges of the boundary lie where others do"));
 }
 
-/// Formats that say which corners share a vertex are taken at their word; they are told of gaps all the same.
+/// Formats with shared vertices are read literally; a warning reports gaps all the same.
 #[test]
 fn an_obj_with_gaps_is_told_of_them_with_the_remedy() {
     let obj = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 1 0 0\nv 2 0 0\nv 2 1 0\nv 1 1 0\nf 1 2 3 4\nf 5 6 7 8\n";
@@ -217,12 +218,12 @@ fn an_obj_with_gaps_is_told_of_them_with_the_remedy() {
     assert!(support::json(json!({ "input": input })).get("warnings").is_none());
 }
 
-/// What was written comes back under a plan as the mesh that was written, its seams included.
+/// Under a plan, a written file is read as the original mesh, with its seams.
 #[test]
 fn our_own_files_are_refined_as_the_mesh_that_was_written() {
     let job: Value = serde_json::from_str(include_str!("../../../api/examples/jobs/cube-uvs-obj.json")).expect("a job");
     let mut mesh = json!({ "mesh": job["input"]["mesh"] });
-    // no file says how texture coordinates are interpolated
+    // no file states how texture coordinates are interpolated
     mesh["mesh"]["uvs"]["interpolation"] = json!("all");
     for format in ["glb", "gltf"] {
         let written = json!({ "input": mesh, "outputs": [{ "format": format }] });
@@ -232,13 +233,13 @@ fn our_own_files_are_refined_as_the_mesh_that_was_written() {
         let input = json!({ "text": file, "pair_quads": true });
         let (read, given) = (refined(&input, 2), refined(&mesh, 2));
         same_surface(&Net::of(&read), &Net::of(&given), 1e-6).expect("the same surface");
-        // as many places, and at every corner of every face the same texture coordinates
+        // as many places, and the same texture coordinates at every corner of every face
         assert_eq!(read["uvs"]["values"].as_array().map(Vec::len), given["uvs"]["values"].as_array().map(Vec::len));
         assert_eq!(corners(&read), corners(&given), "{format}");
     }
 }
 
-/// Position and texture coordinates at all corners of all faces, rounded, in ascending order.
+/// Returns position and texture coordinates at all corners of all faces, rounded, in ascending order.
 fn corners(result: &Value) -> Vec<[i64; 5]> {
     let number = |value: &Value, k: usize| {
         #[expect(clippy::cast_possible_truncation, reason = "the numbers are small")]
@@ -259,8 +260,8 @@ fn corners(result: &Value) -> Vec<[i64; 5]> {
     found
 }
 
-/// Two cubes that touch along an edge, each with vertices of its own: the second is the first, seen from the middle of
-/// the edge.
+/// Returns two cubes that touch along an edge, each with its own vertices: the second is the first, reflected at the
+/// middle of the edge.
 fn touching() -> Net {
     let one = nets::cube();
     let [a, b] = [one.positions[0], one.positions[1]];
@@ -284,7 +285,7 @@ fn bodies_that_touch_are_parted_again_where_nobody_asked_for_a_weld() {
         for part in ["welding gives 1 edge more than two faces", "1 edge has more than two faces"] {
             assert!(warnings.contains(part), "{format}: {warnings}");
         }
-        // whoever asks for one of them is told of the other
+        // with `refuse`, the fault mentions the other remedy
         input["non_manifold"] = json!("refuse");
         let job = json!({ "input": input, "plan": { "preset": "catmull-clark" }, "levels": 1 });
         let faults = support::faults(job.clone());
@@ -297,11 +298,11 @@ fn bodies_that_touch_are_parted_again_where_nobody_asked_for_a_weld() {
     }
 }
 
-/// A face that runs the wrong way is a fault of the file, with or without a body beside it.
+/// A reversed face is a fault of the file, with or without a body beside it.
 #[test]
 fn bodies_that_touch_are_not_cut_where_a_face_is_turned() {
     let mut net = touching();
-    // away from the common edge, whose four faces say nothing of winding
+    // away from the common edge, whose four faces do not determine the winding
     let f = net.faces.iter().position(|face| !face.contains(&0) && !face.contains(&1)).expect("such a face");
     net.faces[f].reverse();
     let mut turned_back = nets::triangulated(net.clone());

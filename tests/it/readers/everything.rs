@@ -1,4 +1,4 @@
-//! read(write(x)) = x for all that a mesh carries, in every format: a table says what a format cannot hold.
+//! read(write(x)) = x for all data of a mesh, in every format: a table states what a format cannot hold.
 
 use std::collections::BTreeSet;
 
@@ -9,17 +9,17 @@ use super::round_trips::{again, in_format, kept};
 use crate::support::nets::{Net, manifold, triangle_manifold, triangulated};
 use crate::support::render;
 
-/// How numbers come back.
+/// The precision of numbers after reading.
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Numbers {
     F64,
     F32,
 }
 
-/// How the colours of vertices come back.
+/// The colours of vertices after reading.
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Colors {
-    /// As they were.
+    /// Unchanged.
     Whole,
     /// Without alpha.
     Opaque,
@@ -28,10 +28,10 @@ enum Colors {
     Lost,
 }
 
-/// What a mesh has beyond places, triangles and colours.
+/// Data of a mesh beyond positions, triangles and colours.
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Data {
-    /// Faces as they are.
+    /// Faces with any number of corners.
     Polygons,
     Uvs,
     Channels,
@@ -43,7 +43,7 @@ enum Data {
     Sharp,
 }
 
-/// What a format holds.
+/// The data that a format holds.
 #[derive(Debug, Clone, Copy)]
 struct Holds {
     numbers: Numbers,
@@ -78,7 +78,8 @@ const STL: Holds = Holds { colors: Colors::Lost, data: &[], ..GLTF };
 const USDA: Holds = Holds { colors: Colors::Bytes, ..JSON };
 const THREE_MF: Holds = Holds { data: &[Data::MaterialsAlone], ..PLY };
 
-/// Every format that is written and read. Options that add to a file take nothing from it.
+/// Returns every format that is written and read, in several variants, with the data that it holds. Options that add to
+/// a file take nothing from it.
 fn table() -> Vec<(Value, Holds)> {
     vec![
         (json!({ "format": "json" }), JSON),
@@ -106,14 +107,14 @@ fn the_table_has_every_format_that_is_written_and_read() {
     }
 }
 
-/// What a mesh comes to, whatever the order of its vertices and faces.
+/// The content of a mesh, independent of the order of its vertices and faces.
 #[derive(Debug, PartialEq)]
 struct Content {
     faces: Vec<Face>,
     sharp: Vec<String>,
 }
 
-/// The corners in turn, from the least on, with group and material.
+/// The corners in sequence, from the smallest on, with group and material.
 #[derive(Debug, PartialEq, Eq, PartialOrd, Ord)]
 struct Face {
     corners: Vec<Vec<String>>,
@@ -133,13 +134,13 @@ fn list(value: &Value) -> &[Value] {
     value.as_array().map_or(&[], Vec::as_slice)
 }
 
-/// A number, or several, each as `each` has it.
+/// Converts a number, or a list of numbers, with `each`.
 fn numbers(value: &Value, each: impl Fn(f64) -> f64) -> Vec<f64> {
     let one = std::slice::from_ref(value);
     value.as_array().map_or(one, Vec::as_slice).iter().map(|x| each(x.as_f64().expect("a number"))).collect()
 }
 
-/// A mesh in the notation of jobs, less what a format cannot hold.
+/// Returns the content of a mesh in the notation of jobs, without the data that a format cannot hold.
 fn content(mesh: &Value, holds: Holds) -> Content {
     let told = |x: f64| rounded(x, holds.numbers);
     let place = |v: usize| format!("{:?}", numbers(&mesh["positions"][v], told));
@@ -204,7 +205,7 @@ fn turned<T: Ord>(mut face: Vec<T>) -> Vec<T> {
     face
 }
 
-/// A mesh with some of all that it can carry, as a seed has it.
+/// Returns a mesh with a random part of all data that it can carry.
 fn carrying(net: &Net, mut seed: u64) -> Value {
     // D. Knuth's multiplier of 64 bits; the upper half is random enough
     let mut throw = move |n: u32| {
@@ -231,7 +232,7 @@ fn carrying(net: &Net, mut seed: u64) -> Value {
         mesh[kind] = sets.into_iter().map(|(name, faces)| json!({ "name": name, "faces": faces })).collect();
     }
     if throw(3) > 0 {
-        // two charts, with seams where neighbours are in different ones
+        // two charts, with seams between neighbours in different ones
         let values: Vec<_> = (0..2 * n).map(|_| [f64::from(throw(100)) / 7.0, f64::from(throw(100)) / 3.0]).collect();
         let chart = |face: &Vec<usize>, chart: usize| face.iter().map(|&v| v + chart * n).collect::<Vec<_>>();
         let faces: Vec<_> = net.faces.iter().map(|face| chart(face, throw(2) as usize)).collect();
@@ -257,20 +258,20 @@ proptest! {
     fn what_a_format_holds_comes_back(net in prop_oneof![manifold(), triangle_manifold()], seed in any::<u64>()) {
         let net = kept(&net);
         let mesh = carrying(&net, seed);
-        // two faces that share two corners which are no neighbours are cut along the same line, as no surface is
+        // two faces that share two non-adjacent corners are cut along the same line, which no surface is
         let mut input = triangulated(net.clone()).input();
         input["non_manifold"] = json!("refuse");
         let cut = json!({ "input": input, "outputs": [{ "format": "json" }] });
         let is_surface = render(&cut).is_ok();
-        // what is loose triangles joins all corners at one place
+        // formats of loose triangles join all corners at the same position
         let places = net.positions.iter().map(|p| p.map(|x| rounded(x, Numbers::F32).to_bits()));
         let is_apart = places.collect::<BTreeSet<_>>().len() == net.positions.len();
         let fits = |holds: Holds| (is_surface || holds.has(Data::Polygons)) && (is_apart || holds.has(Data::Groups));
         for (options, holds) in table().into_iter().filter(|&(_, holds)| fits(holds)) {
-            // the axis that the format has, so that nothing is turned
+            // the up axis of the format, so that nothing is rotated
             let up = if options["format"] == "3mf" { "z" } else { "y" };
             let found = again(&options["format"], &in_format(&json!({ "mesh": mesh, "up": up }), &options));
-            // everything that is found counts, colours in the steps that the format has
+            // all data that is found counts, colours in the steps of the format
             let colors = if holds.colors == Colors::Bytes { Colors::Bytes } else { Colors::Whole };
             let all = Holds { colors, ..JSON };
             prop_assert_eq!(content(&found, all), content(&mesh, holds), "{} of {}", options, mesh);
@@ -278,7 +279,7 @@ proptest! {
     }
 }
 
-/// Names that a format has another use for: what becomes of them is told in the documentation.
+/// Names that a format uses for another purpose; the documentation states the effect.
 #[test]
 fn names_that_mean_something_else_in_a_format_change() {
     let net = crate::support::nets::grid(1, 1);
@@ -299,7 +300,7 @@ fn names_that_mean_something_else_in_a_format_change() {
         assert!(come_back("obj", &sets).get(kind).is_none());
         assert_eq!(come_back("ply", &sets)[kind], sets[kind]);
     }
-    // two channels that are named as the parts of one
+    // two channels that are named like the parts of one
     let joined = come_back("ply", &channels(&["a_0", "a_1"]));
     assert_eq!(joined["channels"], json!({ "a": [[0, 0], [0.25, 0.25], [0.5, 0.5], [1, 1]] }));
     for apart in [&["a_0", "b_0", "c_1"][..], &["a_0", "a_2"], &["a", "a_0", "a_1"], &["color_0", "color_1", "color_2"]]
@@ -311,15 +312,15 @@ fn names_that_mean_something_else_in_a_format_change() {
     // texture coordinates of other programs
     let uvs = come_back("ply", &channels(&["u", "v"]));
     assert!(uvs["uvs"].is_object() && uvs.get("channels").is_none(), "{uvs}");
-    // glTF knows great letters alone
+    // glTF has upper-case names only
     for (written, read) in [("Heat", "heat"), ("Color", "COLOR")] {
         let expected = come_back("json", &channels(&[read]));
         assert_eq!(come_back("glb", &channels(&[written]))["channels"], expected["channels"]);
     }
 }
 
-/// glTF is in metres with y up, and 3MF has z up: what was told of unit and axis has become of the places. Elsewhere
-/// places stay.
+/// glTF is in metres with y up, and 3MF has z up: unit and axis change the positions. In other formats, positions
+/// remain.
 #[test]
 fn units_and_axes_come_back_as_places() {
     let net = crate::support::nets::tetrahedron();

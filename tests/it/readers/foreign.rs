@@ -1,4 +1,4 @@
-//! Files that hold no mesh, or not as they are said to: each answer says what the file is.
+//! Files without a mesh, or in another format than stated: each answer says what the file is.
 
 use serde_json::{Value, json};
 
@@ -6,7 +6,7 @@ use super::gltf::square;
 use super::{mesh, net};
 use crate::support;
 
-/// What is said of a file, where it is refused.
+/// Returns the pointer and the message of the refusal of a file.
 fn told(format: &str, bytes: &[u8]) -> (String, String) {
     let data = super::round_trips::base64(bytes);
     let text = json!({ "format": format, "data": data, "encoding": "base64" });
@@ -42,7 +42,7 @@ fn meshes_of_another_format_are_to_be_read_as_what_they_are() {
         "# a triangle, and enough of a comment that it might be a header of 80 bytes and more\nv 0 0 0\nf 1 1 1\n";
     assert_eq!(told("stl", obj.as_bytes()).1, "the file begins like obj, not like stl; read it as obj");
     assert_eq!(told("ply", b"OFF\n3 1 0\n").1, "the file begins like off, not like ply; read it as off");
-    // what is broken in its own way is told so
+    // a file that is broken in its own format is reported as such
     assert!(told("ply", b"ply\nformat ascii 1.0\n").1.contains("the file ends within its header"));
 }
 
@@ -67,7 +67,7 @@ fn files_of_gltf_1_are_told_so() {
     for document in [&old[..], &unnumbered[..]] {
         assert!(told("gltf", document).1.contains("the file is glTF 1.0"));
     }
-    // a list that is none makes no old file
+    // an object in place of a list does not indicate an old version
     let wrong = br#"{"asset":{"version":"2.0"},"meshes":{}}"#;
     assert!(told("gltf", wrong).1.contains("invalid type: object"));
 }
@@ -110,13 +110,13 @@ fn strips_of_triangles_of_ply_are_faces() {
     let faces = |list: &str| net(&mesh("ply", format!("{header}{list}\n").as_bytes())).faces;
     assert_eq!(faces("4 0 1 2 3"), [[0, 1, 2], [2, 1, 3]]);
     assert_eq!(faces("7 0 1 2 -1 1 3 2"), [[0, 1, 2], [1, 3, 2]]);
-    // a vertex that comes twice begins anew without a mark
+    // a repeated vertex restarts the strip without a mark
     assert_eq!(faces("5 0 1 2 2 3"), vec![vec![0, 1, 2]]);
     let (_, detail) = told("ply", format!("{header}3 0 1 9\n").as_bytes());
     assert_eq!(detail, "line 14: there is no vertex 9; the file has 4, counted from 0");
 }
 
-/// Binary STL files whose header is that of something else are read all the same.
+/// Binary STL files are read even if their header is the beginning of another format.
 #[test]
 fn a_beginning_alone_refuses_nothing() {
     let mut stl = [0; 84 + 50];

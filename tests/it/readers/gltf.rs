@@ -5,7 +5,7 @@ use serde_json::{Value, json};
 
 use super::{mesh, net, sentences};
 
-/// Bytes as a data URI.
+/// Returns bytes as a data URI.
 fn uri(bytes: &[u8]) -> String {
     let letters = b"ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
     let mut text = String::from("data:application/octet-stream;base64,");
@@ -21,7 +21,7 @@ pub(super) fn floats(values: &[f32]) -> Vec<u8> {
     values.iter().flat_map(|x| x.to_le_bytes()).collect()
 }
 
-/// A document over one buffer of sections, each a view of its own.
+/// Returns a document with one buffer of sections, each with its own view.
 pub(super) fn document(sections: &[Vec<u8>], rest: &Value) -> Value {
     let mut bytes = Vec::new();
     let views: Vec<Value> = sections
@@ -44,7 +44,7 @@ pub(super) fn document(sections: &[Vec<u8>], rest: &Value) -> Value {
 
 pub(super) const SQUARE: [f32; 12] = [0., 0., 0., 1., 0., 0., 0., 1., 0., 1., 1., 0.];
 
-/// A square of two triangles, drawn in one mode.
+/// Returns a square of two triangles in one drawing mode.
 pub(super) fn square(mode: u32, indices: &[u8]) -> Value {
     document(
         &[floats(&SQUARE), indices.to_vec()],
@@ -68,7 +68,7 @@ fn triangles_strips_and_fans() {
     assert_eq!(faces(&square(4, &[0, 1, 2, 2, 1, 3])), [[0, 1, 2], [2, 1, 3]]);
     assert_eq!(faces(&square(5, &[0, 1, 2, 3])), [[0, 1, 2], [1, 3, 2]]);
     assert_eq!(faces(&square(6, &[0, 1, 3, 2])), [[1, 3, 0], [3, 2, 0]]);
-    // strips are joined by triangles without area
+    // degenerate triangles join strips
     let found = mesh("gltf", square(5, &[0, 1, 2, 2, 3]).to_string().as_bytes());
     assert_eq!(net(&found).faces, [[0, 1, 2]]);
     assert_eq!(found.notes, ["triangles left out because two of their corners are one vertex: 2"]);
@@ -84,7 +84,7 @@ fn nodes_are_where_their_transforms_put_them() {
         { "children": [1, 2], "translation": [10, 0, 0] },
         // a quarter turn about z, after doubling
         { "mesh": 0, "name": "turned", "rotation": [0, 0, half, half], "scale": [2, 2, 2], "translation": [0, 5, 0] },
-        // mirrored, so that the winding turns round
+        // mirrored, so that the winding is reversed
         { "mesh": 0, "name": "mirrored", "matrix": [-1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 7, 1] },
     ]);
     let found = mesh("gltf", document.to_string().as_bytes());
@@ -106,7 +106,7 @@ fn nodes_are_where_their_transforms_put_them() {
     assert_eq!(found.groups, groups);
 }
 
-/// Numbers of nodes are not rounded to f32, as those of vertices are.
+/// Numbers of nodes are not rounded to f32, unlike those of vertices.
 #[test]
 fn nodes_are_read_in_f64() {
     let first = |node: Value| {
@@ -123,12 +123,12 @@ fn nodes_are_read_in_f64() {
     let half = std::f64::consts::FRAC_1_SQRT_2;
     let quarter = json!({ "mesh": 0, "rotation": [0, 0, half, half], "translation": [1e6, 0.1, 0] });
     assert_eq!(first(quarter), [[1e6, 0.1, 0.], [1e6, 1.1, 0.]]);
-    // a writer of three digits
+    // as written with three digits
     let short = json!({ "mesh": 0, "rotation": [0, 0, 0.707, 0.707] });
     assert_eq!(first(short)[1..], [[0., 1., 0.]]);
 }
 
-/// Positions in bytes, sparse changes, normalized colours, shared vertices, two materials.
+/// Returns a document with positions in bytes, sparse changes, normalized colours, shared vertices and two materials.
 pub(super) fn every_feature() -> String {
     let document = document(
         &[
@@ -235,7 +235,7 @@ fn what_leads_nowhere_is_named() {
     check("/bufferViews/0/byteLength", json!(99), &format!("{primitive}{view}"));
 }
 
-/// Little that claims to be much: a mesh of a thousand triangles at two hundred nodes.
+/// A small file that claims to be large: a mesh of a thousand triangles at two hundred nodes.
 #[test]
 fn instances_are_bounded_by_the_bytes_that_are_there() {
     let indices: Vec<u8> = [0, 1, 2].repeat(1000);
@@ -250,7 +250,7 @@ fn instances_are_bounded_by_the_bytes_that_are_there() {
     assert_eq!(faces(&document).len(), 10_000);
 }
 
-/// Groups are those that primitives name; what they leave is in the group of its node, where there are several nodes.
+/// Primitives name the groups; other faces are in the group of their node if there are several nodes.
 #[test]
 fn primitives_name_groups_and_nodes_the_rest() {
     let mut document = square(4, &[0, 1, 2]);
@@ -310,7 +310,7 @@ fn texture_coordinates_and_colours_that_some_vertices_lack_are_named() {
     );
 }
 
-/// Attributes of applications are channels where all vertices have them, whatever they are made of.
+/// Attributes of applications are channels if all vertices have them, whatever their component type.
 #[test]
 fn attributes_of_applications_are_channels() {
     let mut document = document(
@@ -342,7 +342,7 @@ fn attributes_of_applications_are_channels() {
     assert!(found.notes[0].contains("\"heat\""), "{:?}", found.notes);
 }
 
-/// Accessors without bytes are zeros: many of them are not to make much of little.
+/// Accessors without bytes are zeros: many of them must not take much memory for a small file.
 #[test]
 fn attributes_are_bounded_by_the_bytes_that_are_there() {
     let mut document = square(4, &[0, 1, 2]);

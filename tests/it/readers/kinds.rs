@@ -1,4 +1,4 @@
-//! What the readers make of the ways in which programs write.
+//! Reading of the various ways in which programs write files.
 
 use planish::input::{ChannelInput, FaceSet};
 use planish::shape::check::Winding;
@@ -6,7 +6,7 @@ use planish::shape::check::Winding;
 use super::{mesh, net, sentences};
 use crate::support::nets::Net;
 
-/// A square of two triangles.
+/// Returns a square of two triangles.
 fn square() -> Net {
     let positions = vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [0.0, 1.0, 0.0]];
     Net { positions, faces: vec![vec![0, 1, 2], vec![0, 2, 3]] }
@@ -54,7 +54,7 @@ fn obj_keeps_texture_coordinates_groups_materials_and_colours() {
     assert!(found.notes[2].contains("\"a.mtl\" lies outside the file"), "{:?}", found.notes);
 }
 
-/// `g default` is the format's way to say that faces are in no group.
+/// `g default` is OBJ's notation for faces in no group.
 #[test]
 fn obj_faces_of_the_default_group_are_in_none() {
     let text =
@@ -64,7 +64,7 @@ fn obj_faces_of_the_default_group_are_in_none() {
     assert_eq!(found.materials, [set("red", &[0])]);
 }
 
-/// Names of files may be anything; those of a mesh have no blanks, and a face is in one group.
+/// Names in files may be any text; those of a mesh have no blanks, and a face is in one group.
 #[test]
 fn names_and_channels_become_those_of_a_mesh() {
     let text = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\no a thing\ng left all\nusemtl my red#1\nf 1 2 3\ng all\nf 1 3 4\n";
@@ -171,7 +171,7 @@ fn stl_joins_equal_corners_and_leaves_out_what_has_no_three() {
     assert_eq!(found.notes, [note]);
 }
 
-/// Lines say nothing in a text but where names end.
+/// Line breaks have no meaning in STL text except to end names.
 #[test]
 fn stl_may_break_its_lines_anywhere() {
     let facets = |text: &str| {
@@ -197,7 +197,7 @@ fn stl_may_break_its_lines_anywhere() {
     assert_eq!(facets(&two.replace("solid two words", "\nsolid two words\n")), sets);
 }
 
-/// Programs write headers of every kind before binary triangles, "solid" among them.
+/// Programs write any header before binary triangles, also "solid".
 #[test]
 fn binary_stl_is_told_by_its_length() {
     let mut bytes = b"solid but binary".to_vec();
@@ -235,7 +235,7 @@ fn off_takes_its_prefixes_comments_and_colours() {
 
 #[test]
 fn off_may_be_binary() {
-    // a square of two triangles; the first has a colour, which is left out
+    // a square of two triangles; the first has a colour, which is ignored
     let words = |numbers: &[u32]| numbers.iter().flat_map(|word| word.to_be_bytes()).collect::<Vec<u8>>();
     let floats = |numbers: &[f32]| numbers.iter().flat_map(|number| number.to_be_bytes()).collect::<Vec<u8>>();
     let corners: [[f32; 3]; 4] = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [0.0, 1.0, 0.0]];

@@ -1,4 +1,4 @@
-//! glTF that was made smaller: numbers of 16 bits, and views that are streams of `EXT_meshopt_compression`.
+//! Compressed glTF: numbers of 16 bits, and views that are streams of `EXT_meshopt_compression`.
 
 use serde_json::{Value, json};
 
@@ -6,7 +6,7 @@ use super::round_trips::base64;
 use crate::support;
 use crate::support::nets::{self, Net, same_surface};
 
-/// A torus with everything that a vertex can carry, seams of texture coordinates and of colours included.
+/// Returns a torus with all data that a vertex can carry, including seams of texture coordinates and of colours.
 fn mesh() -> Value {
     let net = nets::torus(9, 7);
     let mut mesh = net.to_json();
@@ -56,7 +56,7 @@ fn what_was_packed_comes_back_as_what_was_written_plainly() {
     }
 }
 
-/// The refusal of a document with one stream, of which something is said.
+/// Returns the message about a document with one invalid stream.
 fn refused(stream: &Value) -> String {
     let document = json!({
         "asset": { "version": "2.0" }, "extensionsUsed": ["EXT_meshopt_compression"],

@@ -1,4 +1,4 @@
-//! Welding and pairing: what they do, what they say, what they leave alone.
+//! Welding and pairing: their effects, their messages, and what they leave unchanged.
 
 use planish::math::functions::{cos, sin};
 use planish::shape::weld::weld;
@@ -19,7 +19,7 @@ fn repaired(net: &Net, options: &Value) -> (Net, Vec<String>) {
     (Net::of(&serde_json::from_slice(&bytes).expect("the output is JSON")), report.warnings)
 }
 
-/// Every face with vertices of its own.
+/// Returns the net with separate vertices for every face.
 fn apart(net: &Net) -> Net {
     let positions = net.faces.iter().flatten().map(|&v| net.positions[v]).collect();
     let mut next = 0..;
@@ -61,7 +61,7 @@ fn parameters_that_merged_vertices_had_otherwise_are_told() {
 fn vertices_go_to_the_lowest_within_the_distance() {
     let positions: Vec<[f64; 3]> = [0.0, 0.6, 1.2, 1.0, 3.0].map(|x| [x, 0.0, 0.0]).to_vec();
     let welded = weld(&positions, 1.0).expect("the distance is right");
-    // 1.2 is too far from 0, and 0.6 did not stay; 1.0 is as near to 0 as it may be
+    // 1.2 is too far from 0, and 0.6 was merged; 1.0 is at the limit of the distance from 0
     assert_eq!(welded.image, [0, 0, 1, 0, 2]);
     assert_eq!(welded.kept, [0, 2, 4]);
     assert_eq!(welded.pairs, [[1, 0], [3, 0]]);
@@ -159,7 +159,7 @@ fn channels_and_names_follow_the_repairs() {
     job["input"]["mesh"]["groups"] = json!([{ "name": "left", "faces": [1, 0] }]);
     job["input"]["mesh"]["materials"] = json!([{ "name": "red", "faces": [2] }]);
     let found = support::json(job);
-    // the vertices that stay are those that came first, and the others have the same numbers
+    // the remaining vertices are the first ones, and the merged ones have the same numbers
     let stayed: Vec<f64> = Net::of(&found).positions.iter().map(|[x, y, _]| x + 10.0 * y).collect();
     assert_eq!(serde_json::from_value::<Vec<f64>>(found["channels"]["heat"].clone()).expect("numbers"), stayed);
     let sizes: Vec<usize> = Net::of(&found).faces.iter().map(Vec::len).collect();
@@ -183,7 +183,7 @@ fn where_numbers_of_merged_vertices_differ_a_seam_stays() {
     }
 }
 
-/// Without a mesh file the answer is the same mesh, so its key is that of the mesh it became, but for the warning.
+/// For a mesh in JSON, the key is that of the resulting mesh, and the result is the same apart from the warning.
 #[test]
 fn a_weld_that_merges_nothing_changes_nothing() {
     let outputs = |job: &Value| support::parsed(job.to_string().as_bytes()).expect("a job").id();
@@ -200,7 +200,7 @@ fn triangulated_quads_come_back() {
     }
 }
 
-/// A flat grid of rectangles.
+/// Returns a flat grid of rectangles.
 fn flat(n: usize, m: usize) -> Net {
     let mut net = grid(n, m);
     net.positions.iter_mut().for_each(|p| *p = [p[0] * 1.5, p[1], 2.0]);
@@ -265,7 +265,7 @@ fn faces_are_turned_before_they_are_joined() {
 proptest! {
     #![proptest_config(ProptestConfig { cases: 100, failure_persistence: None, ..ProptestConfig::default() })]
 
-    /// The brute-force definition: the lowest vertex that stayed within the distance.
+    /// The brute-force definition: the lowest remaining vertex within the distance.
     #[test]
     fn the_grid_finds_what_looking_at_all_finds(
         places in proptest::collection::vec(proptest::array::uniform3(-20..20_i32), 1..60), distance in 0.0..6.0_f64,
@@ -280,18 +280,18 @@ proptest! {
                 kept.push(v);
                 kept.len() - 1
             });
-            // on the rim of the ball the two ways of dividing may round apart
+            // at the boundary of the ball, the two computations may round differently
             let on_rim = kept.iter().any(|&w| (apart(w) - distance * distance).abs() < 1e-9 * distance * distance);
             prop_assume!(!on_rim || distance == 0.0);
             prop_assert_eq!(welded.image[v] as usize, found);
         }
     }
 
-    /// Pairing changes faces, never the surface they cover or the vertices.
+    /// Pairing changes faces, never the surface that they cover or the vertices.
     #[test]
     fn pairing_keeps_corners_and_the_manifold(net in manifold()) {
         let before = triangulated(&Net::of(&support::json(with(&net, &json!({})))));
-        // a diagonal may run along an edge that is there already
+        // a diagonal may coincide with an existing edge
         prop_assume!(render(&with(&before, &json!({ "non_manifold": "refuse" }))).is_ok());
         let (after, _) = repaired(&before, &json!({ "pair_quads": true }));
         prop_assert_eq!(&after.positions, &before.positions);

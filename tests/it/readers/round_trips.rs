@@ -1,5 +1,5 @@
-//! read(write(x)) = x for every format that can hold it: bit for bit where numbers are f64 or shortest text, rounded
-//! once where they are f32.
+//! read(write(x)) = x for every format that can hold it: bit for bit if numbers are f64 or shortest text, rounded once
+//! if they are f32.
 
 use proptest::prelude::*;
 use serde_json::{Value, json};
@@ -8,12 +8,12 @@ use super::{mesh, net};
 use crate::support::nets::{Net, manifold};
 use crate::support::render;
 
-/// The bytes of a net in a format.
+/// Returns the bytes of a net in a format.
 fn written(net: &Net, options: &Value) -> Vec<u8> {
     in_format(&net.input(), options)
 }
 
-/// The net as the library keeps it: vertices that join several fans are split.
+/// Returns the net as the library stores it: vertices that join several fans are split.
 pub(super) fn kept(net: &Net) -> Net {
     Net::of(&crate::support::json(json!({ "input": net.input() })))
 }
@@ -24,13 +24,13 @@ fn rounded(net: &Net) -> Net {
     Net { positions, faces: net.faces.clone() }
 }
 
-/// The triangles that formats write.
+/// Returns the net with the triangles that formats write.
 fn triangulated(net: &Net) -> Net {
     let fan = |face: &Vec<usize>| (1..face.len() - 1).map(|i| vec![face[0], face[i], face[i + 1]]).collect::<Vec<_>>();
     Net { positions: net.positions.clone(), faces: net.faces.iter().flat_map(fan).collect() }
 }
 
-/// Vertices numbered by their first appearance in the faces, each place once.
+/// Numbers vertices by their first appearance in the faces, with each position once.
 fn by_appearance(net: &Net) -> Net {
     let mut positions: Vec<[f64; 3]> = Vec::new();
     let mut number = |v: usize| {
@@ -44,7 +44,7 @@ fn by_appearance(net: &Net) -> Net {
     Net { positions, faces }
 }
 
-/// A net with coordinates of many sizes, which text has to keep to the last bit.
+/// Returns nets with coordinates of many magnitudes, which text must preserve to the last bit.
 fn scaled() -> impl Strategy<Value = Net> {
     let factor = prop_oneof![Just(1.0), Just(1e-6), Just(1e6), Just(1.0 / 3.0), Just(-7.123_456_789e-20)];
     (manifold(), factor).prop_map(|(net, factor)| {
@@ -92,7 +92,7 @@ proptest! {
         prop_assert_eq!(found, by_appearance(&triangulated(&rounded(&kept(&net)))));
     }
 
-    /// A job that sends the file is the same as one that sends the mesh: same bytes, same key.
+    /// A job with the file is the same as one with the mesh: same bytes, same key.
     #[test]
     fn a_file_and_its_mesh_are_one_input(net in manifold()) {
         let kept = kept(&net);
@@ -108,7 +108,7 @@ proptest! {
     }
 }
 
-/// Some faces of a net in groups and materials, as a mesh lists them.
+/// Returns groups and materials of some faces, as lists of a mesh.
 fn sets(n_faces: usize) -> impl Strategy<Value = [Value; 2]> {
     let one = proptest::collection::vec(proptest::option::of(0..3_usize), n_faces).prop_map(|of_faces| {
         let faces = |name: usize| (0..of_faces.len()).filter(|&f| of_faces[f] == Some(name)).collect::<Vec<_>>();
@@ -122,7 +122,7 @@ fn sets(n_faces: usize) -> impl Strategy<Value = [Value; 2]> {
 proptest! {
     #![proptest_config(ProptestConfig { cases: 40, failure_persistence: None, ..ProptestConfig::default() })]
 
-    /// Faces in no group and without a material come back as such.
+    /// Faces in no group and without a material are read as such.
     #[test]
     fn groups_and_materials_of_some_faces_come_back(
         (net, [groups, materials]) in manifold().prop_flat_map(|net| (Just(net.clone()), sets(net.faces.len())))
@@ -141,8 +141,8 @@ proptest! {
     }
 }
 
-/// A mesh with its groups and materials by their names: files list them in the order in which faces have them. What is
-/// told of it does not count, as OBJ without a library says that looks may be missing.
+/// Returns a mesh with its groups and materials sorted by name, as files list them in the order of their faces.
+/// Warnings are removed, as OBJ without a library warns that looks may be missing.
 fn by_name(bytes: &[u8]) -> Value {
     let mut mesh: Value = serde_json::from_slice(bytes).expect("json");
     mesh.as_object_mut().expect("an object").remove("warnings");
@@ -154,13 +154,13 @@ fn by_name(bytes: &[u8]) -> Value {
     mesh
 }
 
-/// The bytes of an input in a format.
+/// Returns the bytes of an input in a format.
 pub(super) fn in_format(input: &Value, options: &Value) -> Vec<u8> {
     let job = json!({ "input": input, "outputs": [options] });
     render(&job).unwrap_or_else(|faults| panic!("{options}: {faults:?}")).0
 }
 
-/// The mesh of a file, in the notation of jobs.
+/// Returns the mesh of a file, in the notation of jobs.
 pub(super) fn again(format: &Value, bytes: &[u8]) -> Value {
     let text = json!({ "format": format, "data": base64(bytes), "encoding": "base64" });
     crate::support::json(json!({ "input": { "text": text } }))
@@ -171,7 +171,7 @@ fn key(job: &Value) -> String {
     job.id().to_string()
 }
 
-/// Models far away are written near the origin with a translation, which is read again in f64.
+/// Models far away are written near the origin with a translation, which is read in f64.
 #[test]
 fn gltf_far_from_the_origin_comes_back_to_f32_of_the_model_itself() {
     let cube = crate::support::nets::cube();
@@ -180,7 +180,7 @@ fn gltf_far_from_the_origin_comes_back_to_f32_of_the_model_itself() {
     for format in ["glb", "gltf"] {
         let found = net(&mesh(format, &written(&far, &json!({ "format": format }))));
         for (found, expected) in found.positions.iter().zip(&far.positions) {
-            // f32 rounds what is at most half a unit from the centre
+            // f32 rounds numbers of at most half a unit from the centre
             let off = found.iter().zip(expected).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
             assert!(off < 1e-7, "{format}: {found:?} for {expected:?}");
         }
@@ -192,7 +192,7 @@ fn binary_files_travel_in_base64() {
     let cube = crate::support::nets::cube();
     let glb = written(&cube, &json!({ "format": "glb" }));
     let gltf = String::from_utf8(written(&cube, &json!({ "format": "gltf" }))).expect("gltf is text");
-    // the text form of the same file holds base64 of the same kind
+    // the text form of the same file contains base64 of the same kind
     let data = base64(&glb);
     let outputs = json!([{ "format": "json" }]);
     let binary = json!({ "format": "glb", "data": data, "encoding": "base64" });
@@ -202,7 +202,7 @@ fn binary_files_travel_in_base64() {
     assert_eq!(binary, text);
 }
 
-/// Base64 without padding.
+/// Encodes bytes in base64 without padding.
 pub(super) fn base64(bytes: &[u8]) -> String {
     let letters = b"ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
     let bit = |i: usize| bytes.get(i / 8).map_or(0, |byte| usize::from(byte >> (7 - i % 8) & 1));
@@ -210,7 +210,7 @@ pub(super) fn base64(bytes: &[u8]) -> String {
     (0..(8 * bytes.len()).div_ceil(6)).map(letter).collect()
 }
 
-/// A cube with channels, groups and materials.
+/// Returns a cube with channels, groups and materials.
 fn carrying() -> Value {
     let mut mesh = crate::support::nets::cube().to_json();
     let color = |i: u32| [f64::from(i & 1), f64::from(i >> 1 & 1), 0.2];
@@ -221,7 +221,7 @@ fn carrying() -> Value {
     json!({ "mesh": mesh })
 }
 
-/// What a mesh carries is read again: the file that is read is written as it was.
+/// Carried data is preserved: the file that is read is written identically.
 #[test]
 fn channels_groups_and_materials_come_back() {
     for options in [

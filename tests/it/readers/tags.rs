@@ -28,7 +28,7 @@ fn the_boundary_is_one_of_three() {
     }
 }
 
-/// The rule of the file holds where the plan says nothing, and the plan's stands over it.
+/// The rule of the file applies if the plan states none; the plan's rule has precedence.
 #[test]
 fn the_plan_beats_the_file() {
     let file = format!("{SQUARE}t interpolateboundary 1/0/0 2\n");
@@ -76,7 +76,7 @@ fn a_wrong_tag_is_refused_by_its_line() {
     );
 }
 
-/// What is sharp goes into files that can say it: a mesh that is converted refines as it would have.
+/// Sharpness is written to formats that can hold it: a converted mesh refines like the original.
 #[test]
 fn converted_meshes_stay_sharp() {
     let mut input = support::nets::cube().input();
@@ -111,7 +111,7 @@ fn converted_meshes_stay_sharp() {
     }
 }
 
-/// Tags of a file are what `creases`, `corners` and `holes` of a mesh are: the same job, the same key.
+/// Tags of a file are equivalent to `creases`, `corners` and `holes` of a mesh: the same job, the same key.
 #[test]
 fn tags_say_what_a_mesh_says() {
     let grid = support::nets::grid(2, 1);

@@ -1,5 +1,5 @@
-//! 3MF: what is written is read again, objects stand where the build puts them, and archives that are broken, too large
-//! or made to burst are refused.
+//! 3MF: written files are read back, the build places the objects, and archives that are broken, too large or bombs are
+//! refused.
 
 use std::io::Write;
 
@@ -17,7 +17,7 @@ use crate::support::{parsed, render};
 const RELATIONS: &str = "<Relationships><Relationship Target=\"/3D/3dmodel.model\" Id=\"a\" \
                          Type=\"http://schemas.microsoft.com/3dmanufacturing/2013/01/3dmodel\"/></Relationships>";
 
-/// An archive of files that are stored or deflated.
+/// Returns an archive of files that are stored or deflated.
 fn archive(files: &[(&str, &[u8])], is_deflated: bool) -> Vec<u8> {
     let (mut out, mut list) = (Vec::new(), Vec::new());
     for (name, content) in files {
@@ -51,7 +51,8 @@ fn model(text: &str) -> Vec<u8> {
     archive(&[("_rels/.rels", RELATIONS.as_bytes()), ("3D/3dmodel.model", text.as_bytes())], true)
 }
 
-/// A model of a tetrahedron as object 1, with more attributes of the model, resources before it and objects behind it.
+/// Returns a model with a tetrahedron as object 1, additional attributes of the model, and resources before and after
+/// the object.
 fn tetrahedron(attributes: &str, [before, behind]: [&str; 2], build: &str) -> Vec<u8> {
     model(&format!(
         "<?xml version=\"1.0\"?><!-- a > b --><model {attributes}><resources>{before}<object id=\"1\" \
@@ -121,7 +122,7 @@ fn groups_and_materials_and_colors_come_back() {
     assert!(color.values.iter().zip(expected).all(|(x, y)| (x - y).abs() < 1e-12), "{:?}", color.values);
 }
 
-/// Refined meshes are written in far fewer bytes than they take of memory, as their triangles follow a pattern.
+/// Refined meshes are written in far fewer bytes than they take in memory, as their triangles follow a pattern.
 #[test]
 fn refined_meshes_come_back_with_all_that_they_carry() {
     let net = nets::cube();
@@ -170,7 +171,7 @@ fn items_and_components_put_objects_where_they_belong() {
                  transform=\"1 0 0 0 1 0 0 0 1 10 0 0\"/></components></object>";
     let item = "<item objectid=\"2\" transform=\"0 2 0 -2 0 0 0 0 2 0 0 5\"/>";
     let found = mesh("3mf", &tetrahedron("unit=\"foot\"", ["", twice], item));
-    // x goes to 2 y, y to -2 x, z to 2 z; a foot is twelve inches, of which the transform moves 10 and 5 of its own
+    // x maps to 2 y, y to -2 x, z to 2 z; a foot is twelve inches, and the transform moves by 10 feet and 5 of its own
     assert_eq!(found.unit, Some(Unit::Inch));
     let expected = [[0.0, 0.0, 60.0], [0.0, 24.0, 60.0], [-24.0, 0.0, 60.0], [0.0, 0.0, 84.0]];
     assert_eq!(found.positions[..4], expected);
@@ -244,7 +245,7 @@ fn bombs_are_refused_before_they_burst() {
     let blanks = format!("<model>{}</model>", " ".repeat(64 << 20));
     let found = sentences("3mf", &model(&blanks));
     assert!(found[0].contains("more than 200 times what the file has"), "{found:?}");
-    // objects of objects of objects, each named twenty times: 20^10 bodies
+    // objects of objects of objects, each referenced twenty times: 20^10 bodies
     let level = |i: usize| {
         let part = format!("<component objectid=\"{}\"/>", i - 1);
         format!("<object id=\"{i}\"><components>{}</components></object>", part.repeat(20))

@@ -1,5 +1,5 @@
-//! USD as text: cages come back with all their rules, prims stand where transforms put them, and what is broken or too
-//! deep is refused.
+//! USD as text: cages are read back with all their rules, transforms place prims, and broken or too deep files are
+//! refused.
 
 use planish::input::{ReadLimits, named};
 use planish::scheme::tags::Boundary;
@@ -22,7 +22,7 @@ fn square(more: &str) -> Vec<u8> {
     layer("", &format!("def Mesh \"a\" {{ {SQUARE} {more} }}"))
 }
 
-/// A scene with most of what the reader knows.
+/// Returns a scene with most features that the reader supports.
 pub(super) fn scene() -> String {
     format!(
         r#"#usda 1.0
@@ -105,7 +105,7 @@ def Scope "Looks"
 fn prims_stand_where_their_transforms_put_them() {
     let found = mesh("usda", scene().as_bytes());
     assert_eq!((found.unit, found.up), (Some(Unit::Millimetre), Some(Up::Z)));
-    // turned by a quarter around z, then moved
+    // rotated by a quarter turn about z, then translated
     let left = [[10.0, 0.0, 0.0], [10.0, 1.0, 0.0], [9.0, 1.0, 0.0], [9.0, 0.0, 0.0]];
     // doubled from (1, 0) before: (-1, 0), (1, 0), (1, 2), (-1, 2)
     let right = [[10.0, -1.0, 0.0], [10.0, 1.0, 0.0], [8.0, 1.0, 0.0], [8.0, -1.0, 0.0]];
@@ -123,7 +123,7 @@ fn prims_stand_where_their_transforms_put_them() {
     let uvs = found.uvs.as_ref().expect("both have texture coordinates");
     let at_corners: Vec<_> = uvs.corners.iter().map(|&row| uvs.values[row as usize]).collect();
     let left = [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]];
-    // the face is turned round: its corners are 0, 3, 2, 1
+    // the face is reversed: its corners are 0, 3, 2, 1
     assert_eq!(at_corners, [left, [[0.0, 0.0], [0.5, 0.5], [0.0, 0.0], [0.5, 0.5]]].concat());
     let color = &found.channels[0];
     assert_eq!((color.name.as_str(), color.width), ("color", 3));

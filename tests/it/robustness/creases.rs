@@ -1,5 +1,5 @@
-//! Sharp edges and corners of every kind, on every kind of mesh: results of the size that was promised, or refusals
-//! that say where sharpness has no place.
+//! Sharp edges and corners of every kind, on every kind of mesh: results of the forecast size, or refusals that name
+//! where sharpness is not allowed.
 
 use planish::fault::Fault;
 use planish::job::limits::Limits;
@@ -44,7 +44,7 @@ fn words_know_infinitely_sharp_edges_alone() {
     refined(json!({ "input": tagged(edge(9.5), corner(0.5)), "levels": 0 }));
 }
 
-/// Many edges at one vertex, all sharp: what is counted around it is counted once.
+/// Many sharp edges at one vertex: counting around it is done once.
 #[test]
 fn a_vertex_of_many_creases_is_no_trap() {
     let n = 2000_u32;
@@ -62,8 +62,8 @@ fn sharpness() -> impl Strategy<Value = f64> {
     prop_oneof![Just(0.0), Just(10.0), Just(1e300), Just(5e-324), Just(9.999), 0.0..4.0_f64]
 }
 
-/// Whether a solid is refused, as fans of faces touch, vertices have two faces, nothing is shown, or it has too many;
-/// or a model of 3mf, as nothing is shown.
+/// Whether an output is refused: a solid, because fans of faces touch, vertices have two faces, no face is visible, or
+/// it has too many; or a model of 3MF, because no face is visible.
 fn has_no_solid(format: &str, faults: &[Fault]) -> bool {
     let [fault] = faults else { return false };
     let is_empty = format == "3mf" && fault.detail.starts_with("no face is shown");

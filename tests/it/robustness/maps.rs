@@ -1,4 +1,4 @@
-//! Steps that are not linear: the same bits for any number of threads, counted work, and an end when it is asked for.
+//! Steps that are not linear: the same bits for any number of threads, counted work, and an end on request.
 
 use planish::job::limits::Limits;
 use planish::job::{Input, Job};
@@ -9,7 +9,7 @@ use serde_json::json;
 
 use crate::support::parsed;
 
-/// Enough levels for several blocks of points.
+/// Returns a job with enough levels for several blocks of points.
 fn job(closed: bool) -> Job {
     let job = json!({
         "input": { "polygon": {

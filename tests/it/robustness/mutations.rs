@@ -1,4 +1,4 @@
-//! Jobs with something changed: results or faults, whatever was changed.
+//! Mutated jobs give results or faults, whatever the mutation.
 
 use planish::job::limits::{Limits, Refusal};
 use planish::job::run;
@@ -8,7 +8,7 @@ use serde_json::{Value, json};
 
 use crate::support::{nets, parsed};
 
-/// Small, so that no mutation asks for much work.
+/// Small limits, so that no mutation takes much work.
 const LIMITS: Limits = Limits {
     max_faces: 400,
     max_vertices: 500,
@@ -58,7 +58,7 @@ fn valid_jobs() -> Vec<Value> {
     ]
 }
 
-/// Something to stand where something else stood.
+/// Returns values to replace others.
 fn strange() -> impl Strategy<Value = Value> {
     prop_oneof![
         Just(Value::Null),
@@ -135,7 +135,7 @@ fn mutation() -> impl Strategy<Value = Mutation> {
     ]
 }
 
-/// JSON pointers of everything in a value.
+/// Collects JSON pointers to all parts of a value.
 fn places(value: &Value, here: &str, found: &mut Vec<String>) {
     found.push(here.to_owned());
     match value {
@@ -180,7 +180,7 @@ fn apply(job: &mut Value, place: prop::sample::Index, mutation: &Mutation) {
     }
 }
 
-/// Runs whatever the text is; whether it came to a result.
+/// Runs any text; returns whether it gave a result.
 fn survives(text: &[u8]) -> bool {
     let job = match parsed(text) {
         Ok(job) => job,

@@ -1,4 +1,4 @@
-//! Where P may stand: after a U, with an even number of D since, and with every vertex of that U still there.
+//! Valid places of P: after a U, with an even number of D since, and with all vertices of that U still present.
 
 use serde_json::{Value, json};
 
@@ -17,13 +17,13 @@ fn job(input: &Value, word: &str, ends: &str, levels: u32) -> Value {
     json!({ "input": input, "plan": { "word": word, "ends": ends }, "levels": levels })
 }
 
-/// The plan is taken, also when nothing of it is applied.
+/// Checks that the plan is accepted, also with 0 levels.
 fn accepted(input: &Value, word: &str, ends: &str) {
     refined(job(input, word, ends, 0));
     refined(job(input, word, ends, 2));
 }
 
-/// The plan is refused at its word, whatever the number of levels.
+/// Checks that the plan is refused at its word, whatever the number of levels.
 fn refused(input: &Value, word: &str, ends: &str, why: &str) {
     for levels in [0, 1, 2] {
         let found = faults(job(input, word, ends, levels));
@@ -43,7 +43,7 @@ fn on_closed_nets() {
         for word in ["P", "PU", "CP", "P(U)", "C(PU)", "D(DP)"] {
             refused(&input, word, "clamped", NO_U);
         }
-        // the second application is what fails in U(PD)
+        // in U(PD), the second application fails
         for word in ["UDP", "UDDDP", "UDCP", "U(PD)", "UDD(PD)", "UDUDP"] {
             refused(&input, word, "clamped", ODD);
         }
@@ -62,7 +62,7 @@ fn on_open_meshes_a_dual_loses_the_boundary() {
         for word in ["UDDP", "U(PDD)"] {
             refused(&input, word, "clamped", LOST);
         }
-        // no closed mesh would take it either
+        // even a closed mesh would refuse it
         refused(&input, "UDP", "clamped", ODD);
     }
 }
@@ -135,7 +135,7 @@ fn duals_carry_no_tags() {
     assert!(faults(open)[0].detail.starts_with("D cannot carry the holes that boundary \"none\" makes"));
 }
 
-/// A dual has no face for a vertex of two faces or none, so that what entered the U has lost a child there.
+/// A dual has no face for a vertex of at most two faces, so that the net before the U has lost a child there.
 #[test]
 fn a_dual_loses_vertices_of_low_valence() {
     let mut lonely = nets::cube();

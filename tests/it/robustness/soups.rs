@@ -7,7 +7,7 @@ use crate::support;
 use crate::support::nets::Net;
 
 fn soup() -> impl Strategy<Value = Net> {
-    // few vertices, so that faces meet; some indices beyond them
+    // few vertices, so that faces meet; some indices are out of range
     (1..12_usize).prop_flat_map(|n| {
         let positions = proptest::collection::vec(proptest::array::uniform3(-2.0..2.0_f64), n);
         let face = proptest::collection::vec(prop_oneof![40 => 0..n, 1 => 0..n + 2], 0..7);
@@ -16,7 +16,7 @@ fn soup() -> impl Strategy<Value = Net> {
     })
 }
 
-/// Three or more different vertices where there are as many.
+/// Returns three or more different vertices if there are as many.
 fn distinct(n: usize) -> impl Strategy<Value = Vec<usize>> {
     let all: Vec<usize> = (0..n).collect();
     let least = n.min(3);
@@ -33,7 +33,7 @@ fn plans() -> Vec<Value> {
     words.into_iter().chain(presets).chain([json!({ "preset": "catmull-clark", "boundary": "none" })]).collect()
 }
 
-/// Euler's count of a mesh without boundary: an edge has two faces.
+/// Checks that faces have at least three vertices, and that no side occurs twice in the same direction.
 fn check_manifold(net: &Net) -> Result<(), TestCaseError> {
     let mut sides = std::collections::BTreeSet::new();
     for face in &net.faces {
@@ -70,7 +70,7 @@ proptest! {
     }
 }
 
-/// The strategy above would prove little if nothing came through, or everything.
+/// The strategy above would prove little if all or none of its soups were meshes.
 #[test]
 fn some_soups_are_meshes_and_some_are_not() {
     use proptest::strategy::ValueTree;

@@ -11,7 +11,7 @@ fn polygon() -> Value {
     json!({ "polygon": { "points": [[0.0, 0.5], [3.0, 1.0], [2.0, 4.0], [-1.0, 2.0]], "closed": true } })
 }
 
-/// A result whose numbers are all finite, or faults with a place.
+/// Checks that a result has finite numbers only, or that faults have pointers; returns whether there was a result.
 fn survives(job: &Value) -> bool {
     match render(job) {
         Ok((bytes, _)) => {

@@ -1,4 +1,4 @@
-//! Meshes from the wild: a result where there is one, else a refusal that names what is wrong.
+//! Meshes from the wild: a result if possible, else a refusal that names the fault.
 
 use std::collections::BTreeMap;
 use std::fmt::Write;
@@ -42,7 +42,7 @@ fn a_face_of_a_hundred_vertices() {
     check(&stats(&prism(100), 1), &json!({ "faces": 600, "vertices": 602, "euler_characteristic": 2 }));
 }
 
-/// A cone: `n` triangles around one vertex, open below.
+/// Returns a cone: `n` triangles around one vertex, open below.
 fn cone(n: usize) -> Net {
     let mut positions = vec![[0.0, 0.0, 1.0]];
     positions.extend(grid(n - 1, 1).positions[..n].iter().map(|p| [p[0], p[2] + 0.01 * p[0] * p[0], 0.0]));
@@ -54,7 +54,7 @@ fn a_vertex_of_valence_a_hundred() {
     check(&stats(&cone(100), 2), &json!({ "faces": 1200, "boundary_loops": 1, "euler_characteristic": 1 }));
 }
 
-/// The faces between the cells of a slab with `genus` holes and what is around them.
+/// Returns the faces between the cells of a slab with `genus` holes and the outside.
 fn slab(genus: usize) -> Net {
     let solid = |x: i64, y: i64, z: i64| {
         let width = i64::try_from(2 * genus + 1).expect("few holes");
@@ -158,14 +158,14 @@ fn faces_of_two_vertices_are_refused() {
 
 #[test]
 fn degenerate_quads_are_refined_or_refused() {
-    // two corners at one place are two vertices
+    // two corners at one position are two vertices
     let mut net = cube();
     net.positions[7] = net.positions[6];
     check(&stats(&net, 2), &json!({ "faces": 96, "closed": true }));
-    // all at one place
+    // all at one position
     net.positions.iter_mut().for_each(|p| *p = [1.0; 3]);
     check(&stats(&net, 2), &json!({ "faces": 96, "area": 0.0 }));
-    // one vertex twice is one vertex too few
+    // a repeated vertex is one vertex too few
     let mut net = cube();
     net.faces[0] = vec![0, 2, 2, 1];
     let mut input = net.input();
@@ -186,7 +186,7 @@ fn refined(net: &Net) -> Vec<[f64; 3]> {
     Net::of(&support::json(job)).positions
 }
 
-/// Far away and tiny meshes are refined as well as others: to the rounding of their own coordinates.
+/// Distant and tiny meshes are refined as well as others: to the rounding of their own coordinates.
 #[test]
 fn coordinates_of_a_million_and_a_millionth() {
     let plain = refined(&cube());
@@ -211,7 +211,7 @@ fn coordinates_of_a_million_and_a_millionth() {
     }
 }
 
-/// Faces over few vertices on a coarse lattice, so that places coincide and triangles are flat, as lines of a file.
+/// Returns faces over few vertices on a coarse lattice, so that positions coincide and triangles are flat, as a file.
 fn file() -> impl Strategy<Value = String> {
     (1..14_usize).prop_flat_map(|n| {
         let vertex = proptest::array::uniform3(0..3_i32).prop_map(|[x, y, z]| format!("v {x} {y} {z}\n"));

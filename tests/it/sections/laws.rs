@@ -1,4 +1,4 @@
-//! What holds for sections of every mesh by every plane.
+//! Laws of sections of every mesh by every plane.
 
 use std::collections::BTreeMap;
 
@@ -9,7 +9,8 @@ use serde_json::{Value, json};
 use super::{Polyline, cut, dot, minus, plane, sections, unit};
 use crate::support::nets::{self, Net};
 
-/// A plane through a corner, the middle of an edge or of a face, or anywhere; across an axis, an edge or anything.
+/// Returns choices of planes: through a corner, the middle of an edge or of a face, or any point; across an axis, an
+/// edge or any direction.
 fn planes() -> impl Strategy<Value = [[usize; 2]; 2]> {
     [[0..4_usize, 0..64_usize], [0..4_usize, 0..64_usize]]
 }
@@ -35,7 +36,7 @@ fn chosen(net: &Net, [[place, i], [way, j]]: [[usize; 2]; 2]) -> Option<([f64; 3
     normal.iter().any(|x| *x != 0.0).then_some((point, normal))
 }
 
-/// The triangles, by the sides from their first vertices.
+/// Returns the triangles of all faces, as fans from their first vertices.
 fn triangles(net: &Net) -> Vec<[usize; 3]> {
     net.faces.iter().flat_map(|f| (1..f.len() - 1).map(|k| [f[0], f[k], f[k + 1]])).collect()
 }
@@ -49,10 +50,10 @@ fn lies_on(point: [f64; 3], a: [f64; 3], b: [f64; 3], tolerance: f64) -> bool {
     dot(off, off).sqrt() <= tolerance
 }
 
-/// What holds on every mesh; how many polylines are open.
+/// Checks the laws of every mesh; returns the number of open polylines.
 fn check(net: &Net, (point, normal): ([f64; 3], [f64; 3]), section: &[Polyline]) -> Result<usize, TestCaseError> {
     let largest = net.positions.iter().flatten().chain(&point).fold(1.0, |most: f64, x| most.max(x.abs()));
-    // a crossing is off by the roundings of heights, which are sums of products
+    // a crossing has the rounding errors of heights, which are sums of products
     let tolerance = 1e-13 * largest;
     let triangles = triangles(net);
     for polyline in section {
@@ -75,7 +76,7 @@ fn check(net: &Net, (point, normal): ([f64; 3], [f64; 3]), section: &[Polyline])
     Ok(section.iter().filter(|polyline| !polyline.closed).count())
 }
 
-/// Sides with one face.
+/// Returns the sides with one face.
 fn rim(net: &Net) -> Vec<[usize; 2]> {
     let mut sides: BTreeMap<(usize, usize), usize> = BTreeMap::new();
     for face in &net.faces {
@@ -87,7 +88,7 @@ fn rim(net: &Net) -> Vec<[usize; 2]> {
     sides.into_iter().filter(|(_, n)| *n == 1).map(|((a, b), _)| [a, b]).collect()
 }
 
-/// A manifold with no three vertices on one line, so that crossings of different sides are different.
+/// Returns manifolds with no three vertices on one line, so that crossings of different sides are different.
 fn bent() -> impl Strategy<Value = Net> {
     nets::manifold().prop_map(|mut net| {
         for (i, p) in (0_u32..).zip(&mut net.positions) {
@@ -128,8 +129,8 @@ proptest! {
         }
     }
 
-    /// Not through vertices and with no two sides on one line, so that rounding decides nothing: every side with ends
-    /// on both sides of the plane is crossed once, by one polyline.
+    /// The plane avoids vertices, and no two sides are on one line, so that rounding decides nothing: every side with
+    /// ends on both sides of the plane is crossed once, by one polyline.
     #[test]
     fn every_crossing_side_is_met_once(net in bent(), normal in [-1.0..1.0_f64, -1.0..1.0, 0.5..1.0]) {
         let point = [0.613, 0.287, 0.459];
@@ -173,7 +174,7 @@ proptest! {
     }
 }
 
-/// Whether a diagonal of a face joins vertices which something else joins, too.
+/// Whether a diagonal of a face joins vertices that another edge or diagonal joins as well.
 fn folded(net: &Net) -> bool {
     let mut pairs = net.edges();
     let diagonals = net.faces.iter().flat_map(|face| face[2..face.len() - 1].iter().map(|&end| (face[0], end)));

@@ -1,4 +1,4 @@
-//! What cannot be cut, and where the request says so.
+//! Refused sections, and the pointers of their faults.
 
 use planish::job::limits::Limits;
 use planish::job::{RunError, run};
@@ -9,7 +9,7 @@ use super::plane;
 use crate::support::nets;
 use crate::support::{parsed, render};
 
-/// The faults of one output of a cube, or of a square polygon: pointers and what is said.
+/// Returns the pointers and messages of the faults of one output of a cube, or of a square polygon.
 fn faults(is_mesh: bool, output: &Value) -> Vec<(String, String)> {
     let square = json!({ "polygon": { "points": [[0, 0], [1, 0], [1, 1]], "closed": true } });
     let input = if is_mesh { nets::cube().input() } else { square };

@@ -1,4 +1,4 @@
-//! Sections of solids that are known.
+//! Sections of solids with known results.
 
 use planish::math::functions::{cos, sin};
 use serde_json::json;
@@ -9,7 +9,7 @@ use crate::support::nets::{self, Net};
 
 const Z: [f64; 3] = [0.0, 0.0, 1.0];
 
-/// The unit cube.
+/// Returns the unit cube.
 fn cube() -> Net {
     let positions = (0..8).map(|i| [i & 1, i >> 1 & 1, i >> 2].map(f64::from)).collect();
     Net { positions, ..nets::cube() }
@@ -27,7 +27,7 @@ fn a_cube_is_cut_in_a_square_that_starts_at_its_lowest_edge_and_has_the_inside_o
     assert_eq!(square.points[..3], [[0.0, 0.0, 0.25], [0.25, 0.0, 0.25], [1.0, 0.0, 0.25]]);
     assert_eq!((square.points.len(), square.closed), (8, true));
     assert!((area(&found[0], Z) - 1.0).abs() < 1e-15);
-    // seen from the other side it runs the other way round
+    // seen from the other side, the section is reversed
     let behind = sections(&cube(), &[plane([0.0, 0.0, 0.25], [0.0, 0.0, -1.0])]);
     assert!((area(&behind[0], [0.0, 0.0, -1.0]) - 1.0).abs() < 1e-15);
     assert!((area(&behind[0], Z) + 1.0).abs() < 1e-15);
@@ -36,7 +36,7 @@ fn a_cube_is_cut_in_a_square_that_starts_at_its_lowest_edge_and_has_the_inside_o
 #[test]
 fn a_vertex_on_the_plane_counts_as_before_it() {
     let outline = closed(&[[0.0, 0.0, 1.0], [1.0, 0.0, 1.0], [1.0, 1.0, 1.0], [0.0, 1.0, 1.0]]);
-    // the top face lies in the plane: what is just behind it is the cube; behind the bottom face there is nothing
+    // the top face lies in the plane, with the cube just behind it; behind the bottom face there is nothing
     let found = sections(&cube(), &[plane([0.0, 0.0, 1.0], Z), plane([0.0; 3], Z)]);
     assert_eq!(found, [vec![outline], vec![]]);
     // through two opposite edges
@@ -95,7 +95,7 @@ fn the_hole_of_a_torus_runs_the_other_way_round() {
     assert!(found[1].iter().all(|polyline| area(std::slice::from_ref(polyline), [1.0, 0.2, 0.0]) > 0.0));
 }
 
-/// A ball of radius 1 with `n` rings of `2 n` vertices and two poles.
+/// Returns a ball of radius 1 with `n` rings of `2 n` vertices and two poles.
 fn ball(n: usize) -> Net {
     let angle = |i: usize, n: usize| {
         let whole = |i: usize| f64::from(u32::try_from(i).expect("small"));
@@ -117,7 +117,7 @@ fn ball(n: usize) -> Net {
 
 #[test]
 fn sections_of_a_ball_are_discs() {
-    // chords of pi/40 at most: a polygon inside the disc whose area is less by a share of about (pi/40)^2 / 6 twice
+    // chords of pi/40 at most: a polygon inside the disc, whose area is smaller by a share of about (pi/40)^2 / 6 twice
     for (normal, height) in [(Z, 0.3), ([1.0, 2.0, -0.5], -0.6), ([0.0, 1.0, 0.0], 0.0)] {
         let length = super::dot(normal, normal).sqrt();
         let found = sections(&ball(40), &[plane(normal.map(|x| x * height / length), normal)]);
@@ -130,7 +130,8 @@ fn sections_of_a_ball_are_discs() {
 
 #[test]
 fn areas_of_sections_add_up_to_the_volume() {
-    // Cavalieri; the areas are piecewise quadratic, so that the midpoint rule errs by the square of the step
+    // Cavalieri; the areas are piecewise quadratic, so that the error of the midpoint rule is of the order of the
+    // squared step
     let job = json!({ "input": nets::cube().input(), "plan": { "preset": "catmull-clark" }, "levels": 3 });
     let mut stats = job.clone();
     stats["outputs"] = json!([{ "format": "stats" }]);

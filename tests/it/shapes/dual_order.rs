@@ -1,5 +1,5 @@
-//! D on meshes: one vertex a face, with the face's number; one face an interior vertex, in the order of the vertices,
-//! counter-clockwise from the lowest.
+//! D on meshes: one vertex per face, with the face's number; one face per interior vertex, in the order of the
+//! vertices, counter-clockwise from the lowest.
 
 use proptest::prelude::*;
 use serde_json::json;
@@ -7,7 +7,8 @@ use serde_json::json;
 use crate::support;
 use crate::support::nets::{self, Net, distance};
 
-/// The dual, found by walking: the face after `f` around `v` is the one across the edge from `v` to its predecessor.
+/// Returns the dual, found by walking: the face after `f` around `v` is the one across the edge from `v` to its
+/// predecessor.
 fn dual(net: &Net) -> Net {
     let centre = |face: &Vec<usize>| {
         let n = f64::from(u32::try_from(face.len()).expect("small"));
@@ -77,7 +78,7 @@ fn two_duals_of_a_closed_mesh_have_its_connectivity() {
         assert_eq!(twice.positions.len(), once.positions.len());
         assert_eq!(twice.faces.len(), once.faces.len());
         check(&twice, &dual(&dual(&refined(&net, "U", 1))), "UDD");
-        // where all faces are quads, the mean of the means is the mean of the loop centres
+        // if all faces are quads, the mean of the means is the mean of the loop centres
         for (p, q) in twice.positions.iter().zip(&once.positions) {
             assert!(distance(p, q) < 1e-13, "{p:?} is not {q:?}");
         }

@@ -1,4 +1,4 @@
-//! Every fault of a mesh or polygon names its place, the value, the bound.
+//! Every fault of a mesh or polygon names its place, the value, and the bound.
 
 use planish::fault::Fault;
 use planish::shape::check::FaceList;
@@ -8,7 +8,7 @@ use serde_json::{Value, json};
 
 use crate::support;
 
-/// A square in the plane with one more vertex.
+/// Returns a square in the plane with one more vertex.
 fn positions() -> Value {
     json!([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0], [2, 2, 0]])
 }
@@ -19,7 +19,7 @@ fn check_input(input: &Value, expected: &[(&str, &str)]) {
     assert_eq!(found, expected, "{input}");
 }
 
-/// The faults of a mesh over the vertices above; pointers below the mesh.
+/// Checks the faults of a mesh over the vertices above; pointers are below the mesh.
 fn check(fields: Value, expected: &[(&str, &str)]) {
     let mut mesh = json!({ "positions": positions(), "faces": [[0, 1, 2, 3]] });
     if let Value::Object(fields) = fields {
@@ -45,7 +45,7 @@ fn faces_are_told_apart_by_their_faults() {
     );
 }
 
-/// An index that fits no 32 bits is quoted as the client wrote it.
+/// An index that does not fit in 32 bits is quoted as the client wrote it.
 #[test]
 fn huge_indices_are_out_of_range() {
     for huge in [4_294_967_295_u64, 4_294_967_296, u64::MAX] {
@@ -81,7 +81,7 @@ fn neighbours_run_along_their_edge_in_opposite_directions() {
 
 #[test]
 fn a_one_sided_strip_is_refused_naming_an_edge() {
-    // three quads round a half turn
+    // three quads that form a Moebius strip
     let faces = json!([[0, 2, 3, 1], [2, 4, 5, 3], [4, 1, 0, 5]]);
     let positions = json!([[0, 0, 0], [0, 0, 1], [2, 0, 0], [2, 0, 1], [1, 2, 0], [1, 2, 1]]);
     for orient in ["refuse", "repair"] {

@@ -1,5 +1,5 @@
-//! Faces that are no manifold: refused under a plan, cut into manifold pieces where that is asked for, drawn and
-//! converted as they are otherwise.
+//! Non-manifold faces: refused under a plan, cut into manifold pieces on request, and otherwise drawn and converted as
+//! they are.
 
 use planish::shape::check::{FaceList, NonManifold, Winding};
 use planish::shape::mesh::{Mesh, MeshInput};
@@ -10,13 +10,13 @@ use serde_json::{Value, json};
 use crate::support;
 use crate::support::nets::Net;
 
-/// Three wings of one edge.
+/// Returns three wings at one edge.
 fn wings() -> Value {
     let positions = json!([[0, 0, 0], [0, 0, 1], [1, 0, 0], [-1, 1, 0], [-1, -1, 0]]);
     json!({ "mesh": { "positions": positions, "faces": [[0, 1, 2], [1, 0, 3], [0, 1, 4]] } })
 }
 
-/// Three quads round a half turn.
+/// Returns three quads that form a Moebius strip.
 fn one_sided() -> Value {
     let positions = json!([[0, 0, 0], [0, 0, 1], [2, 0, 0], [2, 0, 1], [1, 2, 0], [1, 2, 1]]);
     json!({ "mesh": { "positions": positions, "faces": [[0, 2, 3, 1], [2, 4, 5, 3], [4, 1, 0, 5]] } })
@@ -60,7 +60,7 @@ fn under_a_plan_they_are_refused_unless_they_are_to_be_cut() {
     assert_eq!(faults[0].pointer, "/input/mesh/faces/2");
     assert!(faults[0].detail.ends_with("\"non_manifold\": \"split\" cuts the mesh there"), "{}", faults[0]);
     let cut = refined(&with(wings(), "non_manifold", json!("split")));
-    // both sides of the edge that stays, three quads a triangle
+    // both sides of the remaining edge, three quads per triangle
     assert_eq!(Net::of(&cut).faces.len(), 9);
     assert_eq!(warnings(&cut).len(), 2, "the edges where it is cut are no gaps that welding would close");
     let faults = support::faults(json!({ "input": with(wings(), "non_manifold", json!("refuse")) }));
@@ -98,7 +98,7 @@ fn creases_and_corners_stay_on_all_parts() {
     assert_eq!([net.positions[1], net.positions[6]], [[0., 0., 1.]; 2]);
 }
 
-/// Any faces over a few vertices, some of which meet themselves.
+/// Returns any faces over a few vertices, some of which meet themselves.
 fn soup() -> impl Strategy<Value = (usize, Vec<Vec<u32>>)> {
     (3_usize..7).prop_flat_map(|n| {
         let vertex = 0..u32::try_from(n).unwrap_or(3);
@@ -112,7 +112,7 @@ fn list(faces: &[Vec<u32>]) -> FaceList {
 }
 
 fn cut(n: usize, faces: &[Vec<u32>], winding: Winding) -> Mesh {
-    // each vertex has a place of its own
+    // each vertex has a different position
     let positions = (0..n).map(|v| [f64::from(u32::try_from(v).unwrap_or(0)), 0.5, 0.25]).collect();
     let non_manifold = NonManifold::Split;
     Mesh::new(MeshInput { positions, faces: list(faces), winding, non_manifold, ..MeshInput::default() })
@@ -141,7 +141,7 @@ proptest! {
                 }
                 prop_assert_eq!(&places, &given);
             }
-            // the faces by themselves are a manifold, the same one, and nothing of it is cut again
+            // the faces by themselves are the same manifold, and none of it is cut again
             let n_cut = mesh.topology.n_vertices();
             let checked = Topology::of_faces(n_cut, list(&found), Winding::Refuse);
             let checked = checked.expect("the pieces are manifolds");

@@ -17,7 +17,8 @@ fn topology(net: &Net) -> Topology {
     Topology::of_faces(net.positions.len(), faces, Winding::Repair).expect("nets are manifolds").topology
 }
 
-/// Some faces of a topology as a topology of their own, in another order and from other corners on, with their numbers.
+/// Returns some faces of a topology as a separate topology, in another order and from other corners, with their
+/// numbers.
 fn part(topology: &Topology, numbering: &Numbering, choices: &[u8]) -> (Topology, Numbering) {
     let choice = |f: usize| usize::from(choices[f % choices.len()]) + f / choices.len();
     let mut chosen: Vec<usize> = (0..topology.n_faces()).filter(|&f| f == 0 || choice(f) % 3 > 0).collect();
@@ -43,7 +44,7 @@ fn part(topology: &Topology, numbering: &Numbering, choices: &[u8]) -> (Topology
     (checked.topology, numbering.part(topology, &vertices, &corners).with_origins(&origins))
 }
 
-/// Compares what the numbers stand for in the whole with what they are numbers of.
+/// Compares the elements of the part with those that have their numbers in the whole.
 fn check(whole: &Topology, part: &Topology, numbering: &Numbering) -> Result<(), TestCaseError> {
     let small = |number: u64| usize::try_from(number).expect("small");
     for f in 0..part.n_faces() {

@@ -1,10 +1,10 @@
-//! The documented order of refined meshes, on the preset bilinear and words over U, where every point is known in
-//! closed form.
+//! The documented order of refined meshes, on the preset bilinear and words over U, where every point has a closed
+//! form.
 //!
-//! With n pieces an edge, 2^levels for bilinear: the input's vertices; then by input edge (numbered by first
-//! appearance) its n - 1 inner points in the direction of that appearance; then by input face its inside: of a quad the
-//! grid row by row, origin at corner 0, first axis towards corner 1; of another face the centre, the spokes from each
-//! edge's midpoint to the centre, and the grids of the quads at its corners. Faces by input face, row by row.
+//! With n pieces per edge, 2^levels for bilinear: the input's vertices; then by input edge (numbered by first
+//! appearance) its n - 1 inner points in the direction of that appearance; then by input face its inside: for a quad
+//! the grid row by row, origin at corner 0, first axis towards corner 1; for another face the centre, the spokes from
+//! each edge's midpoint to the centre, and the grids of the quads at its corners. Faces by input face, row by row.
 
 use std::collections::BTreeSet;
 
@@ -24,7 +24,7 @@ pub(super) fn mix(a: Point, b: Point, t: f64) -> Point {
     [0, 1, 2].map(|i| (1.0 - t) * a[i] + t * b[i])
 }
 
-/// The point of the patch with these corners at `(u, v)`, u towards corner 1, v towards corner 3.
+/// Returns the point of the patch with these corners at `(u, v)`, u towards corner 1, v towards corner 3.
 fn on_patch([a, b, c, d]: [Point; 4], u: f64, v: f64) -> Point {
     mix(mix(a, b, u), mix(d, c, u), v)
 }
@@ -37,7 +37,8 @@ fn centre(corners: &[Point]) -> Point {
     [0, 1, 2].map(|i| corners.iter().map(|p| p[i]).sum::<f64>() / fraction(corners.len(), 1))
 }
 
-/// The patch at corner `j` of a face: corner, midpoint of the edge after it, centre, midpoint of the edge before it.
+/// Returns the patch at corner `j` of a face: corner, midpoint of the edge after it, centre, midpoint of the edge
+/// before it.
 fn part(corners: &[Point], j: usize) -> [Point; 4] {
     let n = corners.len();
     let middle = |j: usize| mix(corners[j % n], corners[(j + 1) % n], 0.5);
@@ -48,7 +49,7 @@ pub(super) fn corners(net: &Net, face: &[usize]) -> Vec<Point> {
     face.iter().map(|&v| net.positions[v]).collect()
 }
 
-/// The input's vertices and the points on its edges.
+/// Returns the input's vertices and the points on its edges.
 pub(super) fn expected_on_edges(net: &Net, n: usize) -> Vec<Point> {
     let mut positions = net.positions.clone();
     let mut seen = BTreeSet::new();
@@ -63,7 +64,7 @@ pub(super) fn expected_on_edges(net: &Net, n: usize) -> Vec<Point> {
     positions
 }
 
-/// The positions in the documented order.
+/// Returns the positions in the documented order.
 fn expected_positions(net: &Net, n: usize) -> Vec<Point> {
     let mut positions = expected_on_edges(net, n);
     for face in net.faces.iter().filter(|_| n > 1) {
@@ -82,13 +83,13 @@ fn expected_positions(net: &Net, n: usize) -> Vec<Point> {
     positions
 }
 
-/// The inner points of a patch with `n` cells a side, row by row.
+/// Returns the inner points of a patch with `n` cells per side, row by row.
 fn inside(patch: [Point; 4], n: usize) -> Vec<Point> {
     let places = (1..n).flat_map(|j| (1..n).map(move |i| (i, j)));
     places.map(|(i, j)| on_patch(patch, fraction(i, n), fraction(j, n))).collect()
 }
 
-/// The corners of the faces in the documented order.
+/// Returns the corners of the faces in the documented order.
 fn expected_faces(net: &Net, n: usize) -> Vec<Vec<Point>> {
     if n == 1 {
         return net.faces.iter().map(|face| corners(net, face)).collect();
@@ -105,7 +106,7 @@ fn expected_faces(net: &Net, n: usize) -> Vec<Vec<Point>> {
         .collect()
 }
 
-/// The corners of the cells of a patch with `n` cells a side, row by row.
+/// Returns the corners of the cells of a patch with `n` cells per side, row by row.
 fn cells(patch: [Point; 4], n: usize) -> Vec<Vec<Point>> {
     let cell = |i: usize, j: usize| {
         let around = [(i, j), (i + 1, j), (i + 1, j + 1), (i, j + 1)];
@@ -121,7 +122,7 @@ fn check(net: &Net) {
     }
 }
 
-/// Checks that a job answers these positions and faces with these corners, in this order.
+/// Checks that the result of a job has these positions, and faces with these corners, in this order.
 pub(super) fn check_job(job: serde_json::Value, positions: &[Point], faces: &[Vec<Point>]) {
     let what = format!("{} {}", job["plan"], job["levels"]);
     let found = Net::of(&support::json(job));
@@ -139,7 +140,7 @@ pub(super) fn check_job(job: serde_json::Value, positions: &[Point], faces: &[Ve
     }
 }
 
-/// Words over U with the pieces of an edge after the prefix, and those that each level makes of one.
+/// Words over U with the number of pieces of an edge after the prefix, and the factor of each level.
 const WORDS: &[(&str, usize, usize)] = &[
     ("U3", 1, 3),
     ("U4", 1, 4),
@@ -151,7 +152,7 @@ const WORDS: &[(&str, usize, usize)] = &[
     ("U2U2(U3)", 4, 3),
 ];
 
-/// Each word, levels, and the pieces of an edge after them.
+/// Returns each word with levels, and the number of pieces of an edge after them.
 pub(super) fn applications() -> impl Iterator<Item = (&'static str, u32, usize)> {
     let levels = |&(word, start, each): &(&'static str, usize, usize)| {
         (0..4).map(move |levels| (word, levels, (0..levels).fold(start, |n, _| n * each)))
@@ -164,7 +165,7 @@ fn splits_of_any_arity_come_out_in_the_documented_order() {
     for net in [nets::cube(), nets::grid(2, 1), nets::torus(3, 3), nets::mixed(), nets::prism(5)].map(scattered) {
         let quads = net.faces.iter().all(|face| face.len() == 4);
         for (word, levels, n) in applications() {
-            // other faces are split into quads before anything else
+            // other faces are first split into quads
             let halved = !quads && n > 1 && !word.starts_with("U2");
             let n = if halved { 2 * n } else { n };
             let job = json!({ "input": net.input(), "plan": { "word": word }, "levels": levels });
@@ -173,7 +174,7 @@ fn splits_of_any_arity_come_out_in_the_documented_order() {
     }
 }
 
-/// Points of the same net at places that no two refined points share.
+/// Returns the net with scattered vertices, so that no two refined points coincide.
 pub(super) fn scattered(net: Net) -> Net {
     let irrational = |i: usize, k: u32| (sqrt(f64::from(k)) * fraction(3 * i + 1, 1)).fract() * 4.0;
     let positions = (0..net.positions.len()).map(|i| [irrational(i, 2), irrational(i, 3), irrational(i, 5)]).collect();
@@ -206,7 +207,7 @@ fn isolated_vertices_take_part_in_the_order() {
     check(&scattered(net));
 }
 
-/// Whatever the scheme, the order is that of bilinear: faces and counts agree, and only positions differ.
+/// For every scheme, the order is that of bilinear: faces and counts agree, and only positions differ.
 #[test]
 fn all_schemes_that_split_share_the_order() {
     for net in [nets::mixed(), nets::prism(5), nets::cube()] {
@@ -235,7 +236,7 @@ fn a_mesh_handed_over_in_the_documented_order_is_the_one_that_would_be_gathered(
         let refined = act_on(mesh_net(mesh, &job.plan), vec![points], &job.plan, &steps, &Watch::new());
         let (mut net, points) = refined.expect("a plan for any mesh");
         let gathered = RefinedMesh::new(&net, points[0].now.clone().into());
-        // whoever knows the documented order has no need of the topology before the last split
+        // the documented order does not require the topology before the last split
         net.mesh.parent = Some(net.mesh.base.clone());
         let documented = RefinedMesh::documented(&net, gathered.all_positions().into_flattened().into());
         assert_eq!(documented.all_positions(), gathered.all_positions());

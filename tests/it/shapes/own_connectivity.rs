@@ -1,5 +1,5 @@
-//! Connectivities of Doo-Sabin and sqrt 3: their closed forms are what a face list of the same faces gives, in the
-//! documented order.
+//! Connectivities of Doo-Sabin and sqrt 3: their closed forms equal the topology of a face list of the same faces, in
+//! the documented order.
 
 use planish::shape::check::{FaceList, Winding};
 use planish::shape::root_three::BoundarySplit;
@@ -24,7 +24,7 @@ fn faces(topology: &Topology) -> Vec<Vec<u32>> {
     (0..topology.n_faces()).map(|f| topology.face(f).to_vec()).collect()
 }
 
-/// Every query agrees with the topology of the same faces, edges by their ends.
+/// Checks that every query agrees with the topology of the same faces; edges are compared by their ends.
 fn check(found: &Topology) -> Result<(), TestCaseError> {
     let mut list = FaceList::default();
     (0..found.n_faces()).for_each(|f| list.push(found.face(f).iter().copied()));
@@ -59,12 +59,12 @@ fn euler(topology: &Topology) -> isize {
     (topology.n_vertices() - isolated + topology.n_faces()).cast_signed() - topology.n_edges().cast_signed()
 }
 
-/// No inner vertex has two faces only.
+/// Whether no inner vertex has only two faces.
 fn has_rings(topology: &Topology) -> bool {
     (0..topology.n_vertices()).all(|v| topology.boundary_edges(v).is_some() || topology.ring(v).count() != 2)
 }
 
-/// Boundary vertices with one face.
+/// Returns the boundary vertices with one face.
 fn lone(topology: &Topology) -> Vec<u32> {
     let lone = (0..topology.n_vertices()).filter(|&v| topology.boundary_edges(v).is_some());
     lone.filter(|&v| topology.ring(v).count() == 1).map(index).collect()
@@ -88,7 +88,7 @@ fn cutting_a_square_gives_the_documented_order() {
 fn cutting_a_tetrahedron_gives_the_documented_order() {
     let cut = topology(&nets::tetrahedron()).cut_corners();
     assert_eq!(faces(&cut)[..4], [[0, 1, 2], [3, 4, 5], [6, 7, 8], [9, 10, 11]]);
-    // the edge from 0 to 2 of the first face lies in the last one, too, from 2 to 0
+    // the edge from 0 to 2 of the first face is also in the last one, from 2 to 0
     assert_eq!(faces(&cut)[4], [0, 10, 9, 1]);
     assert_eq!(faces(&cut)[10], [0, 3, 10], "counter-clockwise around vertex 0");
     assert_eq!((cut.n_vertices(), cut.n_edges(), cut.n_faces()), (12, 24, 14));
@@ -120,7 +120,7 @@ proptest! {
             cut = cut.cut_corners();
             check(&cut)?;
             prop_assert_eq!(euler(&cut), euler(&start));
-            // boundary vertices have two faces, but for the corners that stay
+            // boundary vertices have two faces, except for the fixed corners
             prop_assert_eq!(lone(&cut).len(), fixed.len());
         }
     }

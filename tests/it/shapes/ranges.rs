@@ -1,4 +1,4 @@
-//! Meshes as sources: what is asked for in parts is the same as the whole.
+//! Meshes as sources: parts equal the corresponding ranges of the whole.
 
 use planish::job::Input;
 use planish::math::vector::{plus, unit};
@@ -23,7 +23,7 @@ fn with_holes(mut input: Value, holes: &[usize]) -> Value {
     input
 }
 
-/// Refined meshes of all kinds that a source can be.
+/// Returns refined meshes of all kinds of sources.
 fn meshes() -> Vec<RefinedMesh> {
     let split = |levels: u32| (json!({ "word": "UC", "parameters": { "split": "triangle" } }), levels);
     let word = |word: &str, levels: u32| (json!({ "word": word }), levels);
@@ -60,7 +60,7 @@ fn any_range_of_faces_is_that_part_of_all_faces() {
     }
 }
 
-/// Larger than a part that one thread sums up, with and without vertices that a part has for itself.
+/// Larger than a part that one thread sums, with and without vertices that belong to one part only.
 #[test]
 fn area_normals_are_sums_in_the_order_of_the_faces_whoever_adds_them() {
     let word = |text: &str| json!({ "word": text });

@@ -1,11 +1,11 @@
-//! What is changed to make a manifold, and what is taken as it is.
+//! Changes that make a manifold, and input that is accepted as it is.
 
 use serde_json::{Value, json};
 
 use crate::support;
 use crate::support::nets::{self, Net};
 
-/// The mesh as it was understood, with its warnings.
+/// Returns the checked mesh with its warnings.
 fn understood(input: &Value) -> (Net, Vec<String>) {
     let result = support::json(json!({ "input": input }));
     let warnings = serde_json::from_value(result.get("warnings").cloned().unwrap_or_else(|| json!([])));
@@ -25,7 +25,7 @@ fn a_vertex_that_joins_fans_is_split_into_one_a_fan() {
         [[0., 0., 0.], [1., 0., 0.], [1., 1., 0.], [-1., 0., 0.], [-1., -1., 0.], [0., 0., 1.], [0., 1., 1.]];
     let faces = json!([[0, 1, 2], [3, 4, 0], [5, 6, 0]]);
     let (net, warnings) = understood(&json!({ "mesh": { "positions": positions, "faces": faces } }));
-    // the fan of the lowest corner keeps the number; the others get the next ones, at the same place
+    // the fan of the lowest corner keeps the number; the others get the next ones, at the same position
     assert_eq!(net.faces, [[0, 1, 2], [3, 4, 7], [5, 6, 8]]);
     assert_eq!(net.positions[..7], positions);
     assert_eq!(net.positions[7..], [positions[0]; 2]);
@@ -48,8 +48,8 @@ fn two_closed_surfaces_that_touch_in_a_vertex_come_apart() {
     assert!(found.faces[4..].iter().flatten().all(|v| *v > 3));
 }
 
-/// Two cubes that share vertex 6: as a client gives them, and with the second cube's
-/// corner split off by hand as vertex 15. What is tagged at the shared vertex is tagged at both there.
+/// Returns two cubes that share vertex 6: as a client gives them, and with the second cube's corner split off as vertex
+/// 15. Tags of the shared vertex are on both vertices there.
 fn touching_cubes() -> [Net; 2] {
     let second = [[6, 10, 9, 8], [11, 12, 13, 14], [6, 8, 12, 11], [8, 9, 13, 12], [9, 10, 14, 13], [10, 6, 11, 14]];
     let first = [[0, 3, 2, 1], [4, 5, 6, 7], [0, 1, 5, 4], [1, 2, 6, 5], [2, 3, 7, 6], [3, 0, 4, 7]];
@@ -80,7 +80,7 @@ fn touching_cubes() -> [Net; 2] {
     [net(&second, &positions), net(&split, &more)]
 }
 
-/// Both parts of a vertex have what was tagged of it: as if a client had split the vertex and tagged all parts.
+/// Both parts of a split vertex have its tags: as if a client had split the vertex and tagged all parts.
 #[test]
 fn what_is_tagged_at_a_split_vertex_holds_for_all_its_parts() {
     let corner = |sharpness: f64| json!([{ "vertex": 6, "sharpness": sharpness }]);
@@ -122,7 +122,7 @@ fn what_is_tagged_at_a_split_vertex_holds_for_all_its_parts() {
     }
 }
 
-/// Origins are cells of the input: that of a part is the vertex it was split from.
+/// Origins are cells of the input: that of a part is the vertex from which it was split.
 #[test]
 fn parts_of_a_split_vertex_come_of_that_vertex() {
     let [shared, _] = touching_cubes();
@@ -188,12 +188,12 @@ fn components_are_turned_apart() {
     let far: Vec<_> = net.positions.iter().map(|[x, y, z]| [x + 10.0, *y, *z]).collect();
     net.positions.extend(far);
     net.faces.extend(nets::tetrahedron().faces.iter().map(|face| face.iter().rev().map(|v| v + 4).collect::<Vec<_>>()));
-    // each component agrees in itself: nothing is to be turned, although they disagree with each other
+    // each component is consistent in itself: nothing is to be reversed, although they disagree with each other
     assert_eq!(understood(&json!({ "mesh": net.to_json(), "orient": "repair" })), (net.clone(), Vec::new()));
     assert_eq!(understood(&net.input()), (net, Vec::new()));
 }
 
-/// Faces as cycles that start at their lowest vertex.
+/// Returns the faces as cycles that start at their lowest vertex.
 fn same_cycles(net: &Net) -> Vec<Vec<usize>> {
     let start = |face: &Vec<usize>| {
         let mut face = face.clone();

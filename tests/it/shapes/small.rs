@@ -1,5 +1,5 @@
-//! What a small mesh costs before its job has a turn: no thread is started for it, and none is waited for. The test
-//! binary runs itself, as other tests start rayon's global pool.
+//! The cost of a small mesh before its job has a turn: no thread is started or awaited for it. The test binary runs
+//! itself, as other tests start rayon's global pool.
 
 use std::process::Command;
 
@@ -10,12 +10,12 @@ use serde_json::{Value, json};
 use crate::support::nets::{cube, cylinder, mixed, octahedron};
 use crate::support::parsed;
 
-/// Set where this process is the child.
+/// The environment variable that marks the child process.
 const CHILD: &str = "PLANISH_TEST_WITHOUT_GLOBAL_POOL";
 
 const OBJ: &str = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nvt 0 0\nvt 1 0\nvt 1 1\nvt 0 1\nf 1/1 2/2 3/3 4/4\n";
 
-/// Jobs whose inputs and plans ask different things of a mesh.
+/// Returns jobs whose inputs and plans use different queries of a mesh.
 fn jobs() -> Vec<Value> {
     let presets = ["catmull-clark", "loop", "doo-sabin", "sqrt-3", "bilinear"];
     let inputs = [
@@ -35,7 +35,7 @@ fn jobs() -> Vec<Value> {
     inputs.iter().flat_map(of_input).flatten().collect()
 }
 
-/// Runs only where the other test starts it.
+/// Runs only in the child process.
 #[test]
 fn child_reader_entry() {
     if std::env::var_os(CHILD).is_none() {

@@ -1,7 +1,7 @@
-//! The documented order of split triangle meshes, on words over U with `split: triangle`, where every point is known in
+//! The documented order of split triangle meshes, on words over U with `split: triangle`, where every point has a
 //! closed form.
 //!
-//! With n pieces an edge: the input's vertices; then by input edge (numbered by first appearance) its n - 1 inner
+//! With n pieces per edge: the input's vertices; then by input edge (numbered by first appearance) its n - 1 inner
 //! points in the direction of that appearance; then by input face its (n - 1)(n - 2)/2 inner points, row by row, origin
 //! at corner 0, first axis towards corner 1. Faces by input face, row by row, upward and downward ones from left to
 //! right.
@@ -12,7 +12,7 @@ use super::order::{Point, applications, check_job, corners, expected_on_edges, f
 use crate::support;
 use crate::support::nets::{self, Net};
 
-/// The point `i` of `n` steps towards corner 1 and `j` towards corner 2.
+/// Returns the point `i` of `n` steps towards corner 1 and `j` towards corner 2.
 fn on_triangle(corners: &[Point], i: usize, j: usize, n: usize) -> Point {
     let [u, v] = [fraction(i, n), fraction(j, n)];
     [0, 1, 2].map(|k| (1.0 - u - v) * corners[0][k] + u * corners[1][k] + v * corners[2][k])
@@ -74,7 +74,7 @@ fn isolated_vertices_take_part_in_the_order() {
     check(&scattered(net));
 }
 
-/// Whatever the scheme, the order is that of U: faces and counts agree, and only positions differ.
+/// For every scheme, the order is that of U: faces and counts agree, and only positions differ.
 #[test]
 fn all_schemes_that_split_triangles_share_the_order() {
     for net in [nets::tetrahedron(), nets::triangulated(nets::grid(2, 1))] {

@@ -13,7 +13,7 @@ fn question(mesh: &Value, output: &Value) -> Value {
     json!({ "input": { "mesh": mesh }, "plan": { "preset": "catmull-clark" }, "levels": 3, "outputs": [output] })
 }
 
-/// What a job writes.
+/// Returns the bytes of a job's output.
 fn made(job: Job) -> Vec<u8> {
     let admitted = Limits::default().admit(job).expect("within limits");
     let mut bytes = Vec::new();
@@ -23,7 +23,7 @@ fn made(job: Job) -> Vec<u8> {
     bytes
 }
 
-/// The document of a job, and the buffers to which it refers by their addresses.
+/// Returns the document of a job, and the buffers to which it refers, with their addresses.
 fn document(question: &Value) -> (Value, Vec<(String, Vec<u8>)>) {
     let job = parsed(question.to_string().as_bytes()).expect("a job");
     let details = job.details(&job.outputs[0]);
@@ -32,7 +32,7 @@ fn document(question: &Value) -> (Value, Vec<(String, Vec<u8>)>) {
     (serde_json::from_slice(&made(job)).expect("JSON"), buffers)
 }
 
-/// The bytes that each buffer of a document has; none where nobody has them.
+/// Returns the bytes of each buffer of a document; none for a buffer without an address.
 fn found<'a>(document: &Value, buffers: &'a [(String, Vec<u8>)]) -> Vec<&'a [u8]> {
     let of = |told: &Value| {
         let Some(uri) = told.get("uri") else { return &[][..] };

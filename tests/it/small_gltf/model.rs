@@ -1,10 +1,10 @@
-//! A reader of GLB for the tests: places, attributes and triangles, whatever they are stored as.
+//! A reader of GLB for the tests: positions, attributes and triangles, in any encoding.
 
 use meshoptimizer_rs::Workspace;
 use meshoptimizer_rs::codec::{BufferView, Filter, Mode};
 use serde_json::Value;
 
-/// A document with the bytes of its views, decoded.
+/// A document with the decoded bytes of its views.
 pub(super) struct Model {
     pub(super) document: Value,
     views: Vec<Vec<u8>>,
@@ -17,7 +17,7 @@ impl Model {
         Self::of_parts(document, &[&glb[28 + length..]])
     }
 
-    /// A document with its buffers; the last of a document may be one that nobody has.
+    /// Creates a model from a document and its buffers; the last buffer of the document may be missing.
     pub(super) fn of_parts(document: Value, buffers: &[&[u8]]) -> Self {
         let bytes = |told: &Value| {
             let start = told.get("byteOffset").map_or(0, Self::number);
@@ -51,7 +51,7 @@ impl Model {
         self.primitives().len()
     }
 
-    /// The rows of an accessor; normalized whole numbers as -1..1 or 0..1.
+    /// Returns the rows of an accessor; normalized integers as -1..1 or 0..1.
     fn accessor(&self, accessor: &Value) -> Vec<Vec<f64>> {
         let accessor = &self.document["accessors"][Self::number(accessor)];
         let width = match accessor["type"].as_str().expect("a type") {
@@ -98,12 +98,12 @@ impl Model {
         rows
     }
 
-    /// The rows of an attribute of a primitive.
+    /// Returns the rows of an attribute of a primitive.
     pub(super) fn rows(&self, primitive: usize, name: &str) -> Vec<Vec<f64>> {
         self.accessor(&self.primitives()[primitive]["attributes"][name])
     }
 
-    /// Where the vertices of a primitive are in the scene.
+    /// Returns the positions of the vertices of a primitive in the scene.
     pub(super) fn places(&self, primitive: usize) -> Vec<[f64; 3]> {
         let nodes = self.document["nodes"].as_array().expect("nodes");
         let counts = self.document["meshes"].as_array().expect("meshes").iter();
@@ -136,7 +136,7 @@ impl Model {
         corners.as_chunks().0.to_vec()
     }
 
-    /// The input faces of the triangles of a primitive.
+    /// Returns the input faces of the triangles of a primitive.
     pub(super) fn faces(&self, primitive: usize) -> Vec<u64> {
         let rows = self.accessor(&self.primitives()[primitive]["extras"]["faces"]);
         rows.iter().map(|row| format!("{}", row[0]).parse().expect("an index")).collect()

@@ -1,4 +1,4 @@
-//! What is not made smaller, and why.
+//! Refused compressions, and the reasons.
 
 use serde_json::{Value, json};
 

@@ -1,4 +1,4 @@
-//! A second reading of docs/stencils.md: tables as they are answered, and how they are applied.
+//! An independent implementation of docs/stencils.md: reading tables from answers, and applying them.
 
 use serde_json::{Value, json};
 
@@ -44,7 +44,7 @@ impl Table {
         table
     }
 
-    /// That of the JSON form.
+    /// Reads the JSON form.
     pub(super) fn of_text(text: &[u8]) -> Self {
         let all: Value = serde_json::from_slice(text).expect("stencils are JSON");
         let whole = |name: &str| list(&all[name], Value::as_u64);
@@ -52,7 +52,7 @@ impl Table {
         Self::of(&all, [whole("starts"), whole("indices")], list(&all["weights"], Value::as_f64), terms)
     }
 
-    /// That of the binary form.
+    /// Reads the binary form.
     pub(super) fn of_arrays(bytes: &[u8]) -> Self {
         let end = bytes.iter().position(|&byte| byte == b'\n').expect("a line of JSON");
         let head: Value = serde_json::from_slice(&bytes[..end]).expect("the first line is JSON");
@@ -79,7 +79,7 @@ impl Table {
         Self::of(&head, [starts, indices], weights, terms)
     }
 
-    /// All values of one coordinate, given those of the input.
+    /// Returns all values of one coordinate from those of the input.
     fn coordinate(&self, points: Vec<f64>) -> Vec<f64> {
         assert_eq!(points.len(), self.columns);
         let mut values = points;
@@ -104,7 +104,7 @@ impl Table {
         values
     }
 
-    /// The results, of points of the input with this many coordinates.
+    /// Returns the results for points of the input of any number of coordinates.
     pub(super) fn apply(&self, points: &[Vec<f64>]) -> Vec<Vec<f64>> {
         let width = points.first().map_or(3, Vec::len);
         let n = self.starts.len() - 1 + self.columns;
@@ -115,7 +115,7 @@ impl Table {
         (first..n).map(|i| all.iter().map(|values| values[i]).collect()).collect()
     }
 
-    /// For each result the sum of its weights over the points of the input.
+    /// Returns for each result the sum of its weights over the points of the input.
     pub(super) fn sums(&self) -> Vec<f64> {
         self.apply(&vec![vec![1.0]; self.columns]).into_iter().flatten().collect()
     }
@@ -138,7 +138,7 @@ fn points_of(value: &Value) -> Vec<Vec<f64>> {
     list(value, |point| Some(list(point, Value::as_f64)))
 }
 
-/// The points of the input of a job as the server numbers them.
+/// Returns the points of the input of a job as the server numbers them.
 pub(super) fn control(job: &Value, columns: usize) -> Vec<Vec<f64>> {
     let input = &job["input"];
     let polygons = input["polygons"].as_array().cloned().unwrap_or_default();
@@ -159,10 +159,10 @@ pub(super) fn control(job: &Value, columns: usize) -> Vec<Vec<f64>> {
     points
 }
 
-/// One of so many vertices may have tangents without a product, as at the pole of the vase.
+/// Number of vertices of which at most one may have tangents without a product, as at the pole of the vase.
 const FEW: usize = 10;
 
-/// Fails unless the results have the bits of a json output, and the normals, if there are any.
+/// Checks that the results have the bits of a JSON output, and the normals, if there are any.
 pub(super) fn same_bits(name: &str, table: &Table, points: &[Vec<f64>], expected: &Value) {
     let mut results = table.apply(points);
     let tangents = results.split_off(table.vertices);
@@ -181,7 +181,7 @@ pub(super) fn same_bits(name: &str, table: &Table, points: &[Vec<f64>], expected
     if let Some(normals) = &table.normals {
         let found = super::normals::all(normals, table.vertices, &tangents);
         let mut wanted = points_of(&expected["normals"]);
-        // where tangents have no product the service weighs faces by their areas
+        // if tangents have no product, the service uses the area-weighted normals of faces
         let none = (0..found.len()).filter(|&v| found[v].iter().all(|x| *x == 0.0)).collect::<Vec<_>>();
         assert!(FEW * none.len() <= found.len(), "{name}: {none:?} have no normals");
         none.into_iter().for_each(|v| wanted[v] = vec![0.0; 3]);

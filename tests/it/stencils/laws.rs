@@ -1,4 +1,4 @@
-//! Laws of stencils: the bits of json for any net, and weights that sum to 1.
+//! Laws of stencils: the bits of JSON for any net, and weights that sum to 1.
 
 use proptest::prelude::*;
 use serde_json::{Value, json};
@@ -8,7 +8,7 @@ use super::{agrees, asking};
 use crate::support::nets::{self, Net};
 use crate::support::render;
 
-/// A job of a net with sharp edges and corners.
+/// Returns a job of a net with sharp edges and corners.
 fn job(net: &Net, extras: &Value, plan: &Value, levels: usize) -> Value {
     let mut mesh = net.to_json();
     for (name, value) in extras.as_object().expect("an object") {
@@ -17,7 +17,7 @@ fn job(net: &Net, extras: &Value, plan: &Value, levels: usize) -> Value {
     json!({ "input": { "mesh": mesh }, "plan": plan, "levels": levels })
 }
 
-/// Every `n`-th edge sharp, by turns for ever and for a while, where a plan may have the latter.
+/// Makes every `n`-th edge sharp, if `finite` alternately infinitely and finitely, else infinitely.
 fn creases(net: &Net, n: usize, finite: bool) -> Value {
     let sharpness = |i: usize| if finite && i.is_multiple_of(2) { 1.5 } else { 10.0 };
     let edges = net.edges().into_iter().enumerate().filter(|(i, _)| i % n == n - 1);
@@ -26,7 +26,7 @@ fn creases(net: &Net, n: usize, finite: bool) -> Value {
     json!({ "creases": tagged })
 }
 
-/// Fails where the bits differ, or where json is not refused although stencils are.
+/// Fails if the bits differ, or if stencils are refused although JSON is not.
 fn check(job: &Value, options: &Value) {
     if let Err(why) = agrees("random", job, options) {
         let mut output = options.clone();
@@ -56,7 +56,7 @@ proptest! {
         net in nets::manifold(), which in 0_usize..12, levels in 0_usize..3, sharp in 2_usize..6,
         tagged in any::<bool>(),
     ) {
-        // only some plans follow sharp edges, and only Catmull-Clark finite ones
+        // only some plans support sharp edges, and only Catmull-Clark finite ones
         let follows = which == 0 || which == 3 || (4..7).contains(&which);
         let extras = if tagged && follows { creases(&net, sharp, which == 0 || which == 3) } else { json!({}) };
         let job = job(&net, &extras, &plan(which), levels);

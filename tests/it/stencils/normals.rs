@@ -1,4 +1,4 @@
-//! Normals of tangents, as docs/stencils.md tells.
+//! Normals from tangents, as in docs/stencils.md.
 
 use serde_json::Value;
 
@@ -12,7 +12,7 @@ fn cross(a: Vector, b: Vector) -> Vector {
     [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
 }
 
-/// A vector at length 1: divided by its largest coordinate, then by the length that remains; 0 of vertices of no face.
+/// Normalises a vector: divided by its largest coordinate, then by the remaining length; 0 for isolated vertices.
 fn direction(v: Vector) -> Vector {
     let largest = v.iter().fold(0.0_f64, |most, x| most.max(x.abs()));
     if largest == 0.0 {
@@ -23,7 +23,7 @@ fn direction(v: Vector) -> Vector {
     v.map(|x| x / length)
 }
 
-/// The normals of all vertices, of what the head says of them and the tangents.
+/// Returns the normals of all vertices, from the head of a table and the tangents.
 pub(super) fn all(head: &Value, vertices: usize, tangents: &[Vec<f64>]) -> Vec<Vec<f64>> {
     let vectors: Vec<Vector> = tangents.iter().map(|t| [t[0], t[1], t[2]]).collect();
     let of = |pair: usize| {

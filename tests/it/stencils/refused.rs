@@ -1,4 +1,4 @@
-//! What has no stencils, and why.
+//! Refused stencils, and the reasons.
 
 use serde_json::{Value, json};
 

@@ -1,4 +1,4 @@
-//! A bucket in memory that can be told to be away, to forbid, and to replace what it should not.
+//! A bucket in memory that can be unreachable, forbid access, and replace objects that it should keep.
 
 use std::fmt;
 use std::sync::Arc;
@@ -16,19 +16,19 @@ use object_store::{
 use planish::service::clock::{Clock, Monotonic};
 use planish::service::store::{Bucket, Place, Room, Shared, StoreError};
 
-/// A bucket with faults; without any it is sound.
+/// A bucket with switchable faults; without any it works.
 #[derive(Debug, Default)]
 pub(crate) struct FaultyBucket {
     objects: InMemory,
-    /// Nothing is answered but an error.
+    /// Whether all calls fail.
     pub(crate) away: AtomicBool,
-    /// Nothing is answered at all.
+    /// Whether calls never return.
     pub(crate) hangs: AtomicBool,
-    /// What is missing cannot be told from what is forbidden.
+    /// Whether missing objects are reported as forbidden.
     pub(crate) forbids: AtomicBool,
-    /// `If-None-Match` is not heard.
+    /// Whether `If-None-Match` is ignored.
     pub(crate) replaces: AtomicBool,
-    /// Calls so far.
+    /// Number of calls so far.
     pub(crate) calls: AtomicUsize,
 }
 
@@ -43,7 +43,7 @@ impl FaultyBucket {
         Arc::default()
     }
 
-    /// A server's store in this bucket, with a clock of its own.
+    /// Opens a server's store in this bucket, with its own clock.
     pub(crate) fn open_at(
         self: &Arc<Self>,
         capacity: u64,
@@ -64,7 +64,7 @@ impl FaultyBucket {
         self.calls.load(Ordering::SeqCst)
     }
 
-    /// The names of all objects that have this in them, in order.
+    /// Returns the names of all objects that contain a text, in order.
     pub(crate) fn names(&self, with: &str) -> Vec<Path> {
         let listed = now(futures_util::TryStreamExt::try_collect::<Vec<_>>(self.objects.list(None))).unwrap();
         let mut names: Vec<Path> = listed.into_iter().map(|object| object.location).collect();
@@ -101,7 +101,7 @@ impl FaultyBucket {
     }
 }
 
-/// Has a future done that waits for nothing.
+/// Runs a future that never waits.
 fn now<T>(work: impl Future<Output = T>) -> T {
     tokio::runtime::Builder::new_current_thread().build().unwrap().block_on(work)
 }

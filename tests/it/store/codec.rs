@@ -27,7 +27,7 @@ prop_compose! {
     }
 }
 
-/// The bytes with a checksum that fits them.
+/// Appends the matching checksum to the bytes.
 fn sealed(mut bytes: Vec<u8>) -> Vec<u8> {
     let checksum = blake3::hash(&bytes);
     bytes.extend_from_slice(checksum.as_bytes());

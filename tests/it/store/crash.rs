@@ -1,4 +1,4 @@
-//! Processes that die, and disks that fill up, at any moment. The test binary runs itself as the victim.
+//! Processes that are killed, and disks that fill up, at any moment. The test binary runs itself as the victim.
 
 use std::io::{BufRead, BufReader, Write};
 use std::path::{Path, PathBuf};
@@ -10,15 +10,15 @@ use planish::service::store::{Embedded, Store, StoreError};
 
 use super::{Scratch, get, key, n_files, noise, put, try_put};
 
-/// Names the folder in which a child works; unset in the parent.
+/// The environment variable with the folder of a child; unset in the parent.
 const FOLDER: &str = "PLANISH_TEST_STORE_FOLDER";
-/// Number of the first artifact that the child writes.
+/// The environment variable with the number of the first artifact that the child writes.
 const FIRST: &str = "PLANISH_TEST_STORE_FIRST";
 const ROUNDS: u64 = 10;
 const NUMBERS_A_ROUND: u64 = 10_000;
 const CAPACITY: u64 = 8 << 30;
 
-/// The arguments with which this binary runs one test of this file alone.
+/// Returns the arguments with which this binary runs one test of this file only.
 fn only(test: &str) -> [String; 3] {
     let module = module_path!().split_once("::").map_or("", |(_, path)| path);
     [format!("{module}::{test}"), "--exact".to_owned(), "--nocapture".to_owned()]
@@ -28,13 +28,13 @@ fn folder() -> Option<PathBuf> {
     std::env::var_os(FOLDER).map(PathBuf::from)
 }
 
-/// The bytes of artifact `number`: none to two and a half parts, mostly short.
+/// Returns the bytes of artifact `number`: none to two and a half parts, mostly short.
 fn bytes(number: u64) -> Vec<u8> {
     let size = noise(number, 3);
     noise(number, usize::from(size[0]) * usize::from(size[1]) * usize::from(size[2] % 5) * 10)
 }
 
-/// The child of the test below: commits artifacts, and names each one afterwards, until it is killed.
+/// The child of the test below: commits artifacts, and prints each key afterwards, until it is killed.
 #[test]
 fn child_writer_entry() {
     let (Some(folder), Ok(first)) = (folder(), std::env::var(FIRST)) else { return };
@@ -53,7 +53,7 @@ fn child_writer_entry() {
     });
 }
 
-/// Runs the child, kills it a little after its `n_commits`th commit, returns the keys that it named.
+/// Runs the child, kills it shortly after its `n_commits`th commit, and returns the keys that it printed.
 fn keys_named_before_the_kill(folder: &Path, first: u64, n_commits: usize, wait: Duration) -> Vec<Key> {
     let mut child = Command::new(std::env::current_exe().unwrap())
         .args(only("child_writer_entry"))
@@ -100,7 +100,7 @@ fn whatever_moment_it_is_killed_a_named_artifact_stays_and_none_is_wrong() {
     }
 }
 
-/// The child of the test below: no file of this process can grow beyond the limit that its shell has set.
+/// The child of the test below: its files cannot grow beyond the limit that its shell has set.
 #[test]
 fn child_on_a_full_disk_entry() {
     let Some(folder) = folder().filter(|_| std::env::var_os(FIRST).is_none()) else { return };
@@ -116,7 +116,7 @@ fn child_on_a_full_disk_entry() {
     assert_eq!(store.usage().artifacts, 2);
 }
 
-/// Under the limit on file sizes a write fails as it does on a full disk (the signal is ignored, the error stays).
+/// Under a limit on file sizes, a write fails as on a full disk (the signal is ignored, the error remains).
 #[test]
 #[cfg(unix)]
 fn a_full_disk_fails_one_commit_and_nothing_else() {

@@ -1,4 +1,4 @@
-//! The store in a folder: what survives, what is noticed, what is swept.
+//! The store in a folder: what survives, what is detected, what is removed.
 
 use std::fs;
 use std::path::{Path, PathBuf};

@@ -1,4 +1,4 @@
-//! The store on a disk that is full, and in a folder where others have been.
+//! The store on a full disk, and in a folder with foreign files.
 
 use std::fs;
 use std::sync::atomic::Ordering;
@@ -41,7 +41,7 @@ fn m6_a_full_disk_with_nothing_left_to_evict_refuses_and_works_again_with_room()
 
 #[test]
 fn m6_a_disk_that_finds_itself_full_at_a_sync_evicts_and_writes_again() {
-    // the syncs of one commit are those of the bytes, of the record, and of the folder
+    // one commit syncs the bytes, the record, and the folder
     for full in 1..4 {
         let (scratch, disk) = (Scratch::new(), Faulty::new());
         let store = disk.store(&scratch.0, ROOMY);

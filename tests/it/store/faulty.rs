@@ -1,4 +1,4 @@
-//! A disk that can be told to hang, to be full, and to fail.
+//! A disk that can hang, be full, and fail on request.
 
 use std::fs::File;
 use std::io;
@@ -8,7 +8,7 @@ use std::sync::{Arc, Condvar, Mutex, PoisonError};
 
 use planish::service::store::{Disk, Embedded, Local};
 
-/// A door that operations go through; those that come to a closed one wait.
+/// A door for operations, which wait while it is closed.
 #[derive(Debug, Default)]
 pub(crate) struct Door {
     state: Mutex<Behind>,
@@ -32,12 +32,12 @@ impl Door {
         self.opened.notify_all();
     }
 
-    /// Operations that wait.
+    /// Returns the number of waiting operations.
     pub(crate) fn waiting(&self) -> usize {
         self.state.lock().unwrap().waiting
     }
 
-    /// The most that ever waited at once.
+    /// Returns the largest number of operations that waited at the same time.
     pub(crate) fn most(&self) -> usize {
         self.state.lock().unwrap().most
     }
@@ -51,18 +51,18 @@ impl Door {
     }
 }
 
-/// A disk with faults; without any it is that of the machine.
+/// A disk with switchable faults; without any it is the disk of the machine.
 #[derive(Debug, Default)]
 pub(crate) struct Faulty {
     pub(crate) syncs: Door,
     pub(crate) reads: Door,
-    /// Writes so far.
+    /// Number of writes so far.
     pub(crate) writes: AtomicUsize,
-    /// How many of the next syncs find the disk full.
+    /// The number of following syncs that find the disk full.
     pub(crate) full_syncs: AtomicUsize,
     /// Whether reads fail, 0 or 1.
     pub(crate) broken_reads: AtomicUsize,
-    /// A folder, and how many bytes its files may have together.
+    /// A folder, and the maximum total size of its files in bytes.
     room: Mutex<Option<(PathBuf, u64)>>,
 }
 
@@ -71,7 +71,7 @@ impl Faulty {
         Arc::default()
     }
 
-    /// The files of `folder` may have no more than these bytes from now on.
+    /// Limits the total size of the files in `folder` from now on.
     pub(crate) fn limit(&self, folder: &Path, bytes: u64) {
         *self.room.lock().unwrap() = Some((folder.to_owned(), bytes));
     }
@@ -81,7 +81,7 @@ impl Faulty {
     }
 }
 
-/// Bytes of the artifacts in a store and of those being written.
+/// Returns the bytes of the artifacts in a store, and of those being written.
 fn used(folder: &Path) -> u64 {
     let of = |path: &Path| -> u64 {
         let entries = std::fs::read_dir(path).into_iter().flatten().flatten();
@@ -102,7 +102,7 @@ impl Disk for Faulty {
         if let Some((folder, room)) = room
             && used(&folder) + bytes.len() as u64 > room
         {
-            // as on a real disk, something of it may be written
+            // as on a real disk, a part of the bytes may be written
             Local.write(file, offset, &bytes[..bytes.len() / 3])?;
             file.set_len(offset)?;
             return Err(io::ErrorKind::StorageFull.into());

@@ -1,4 +1,4 @@
-//! The store that servers share: what one has put another finds, and nothing that is damaged is ever given.
+//! The store that servers share: results of one are found by others, and damaged ones are never returned.
 
 use std::sync::Arc;
 use std::sync::atomic::Ordering::SeqCst;
@@ -143,7 +143,7 @@ fn an_artifact_of_another_results_version_is_none_and_stays_for_those_who_want_i
     bucket.write(name, older.encode());
     assert_eq!((store.look_up(&key(1)).unwrap(), store.usage().damaged), (None, 0));
     assert_eq!(bucket.bytes(name), older.encode());
-    // an upload is named by its own bytes, which no version changes
+    // an upload is named by its own bytes, which do not depend on a version
     let id: Key = content(&noise(1, 100));
     let upload = Manifest { key: id, ..older };
     let at = format!("planish/results/manifests/{:02x}/{id}", id.as_bytes()[0]);

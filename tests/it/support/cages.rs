@@ -1,4 +1,4 @@
-//! Cages, as solids and their values are made of them.
+//! Cages, the input of solids and of evaluations.
 
 use planish::math::functions::{cos, sin};
 use planish::math::vector::Vector;
@@ -6,7 +6,7 @@ use planish::scheme::plan::{Plan, PlanInput, Subject};
 use planish::scheme::tags::Boundary;
 use planish::shape::mesh::{Mesh, MeshInput};
 
-/// A mesh with what is sharp in it.
+/// A mesh with sharp edges and corners.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Cage {
     pub(crate) points: Vec<Vector>,
@@ -44,7 +44,7 @@ impl Cage {
     }
 }
 
-/// A cube of half the side `h`.
+/// Returns a cube with sides of length `2 h`.
 pub(crate) fn cube(h: f64) -> Cage {
     let sign = |bit: usize| if bit == 0 { -h } else { h };
     Cage {
@@ -56,7 +56,7 @@ pub(crate) fn cube(h: f64) -> Cage {
     }
 }
 
-/// Quads over `n x m` cells, at the points that `at` gives.
+/// Returns quads over `n x m` cells, with the points that `at` gives.
 pub(crate) fn sheet(n: u32, m: u32, at: impl Fn(f64, f64) -> Vector) -> Cage {
     let points = (0..=n).flat_map(|i| (0..=m).map(move |j| (f64::from(i), f64::from(j))));
     let number = |i: u32, j: u32| i * (m + 1) + j;
@@ -68,7 +68,7 @@ pub(crate) fn sheet(n: u32, m: u32, at: impl Fn(f64, f64) -> Vector) -> Cage {
     }
 }
 
-/// A prism over `n` sides.
+/// Returns a prism with `n` sides.
 pub(crate) fn prism(n: u32) -> Cage {
     let at = |i: u32, z| {
         let a = std::f64::consts::TAU * f64::from(i) / f64::from(n);

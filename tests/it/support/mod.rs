@@ -1,4 +1,4 @@
-//! What the stories share: jobs from JSON through the public API, and nets to try them on.
+//! Helpers that the tests share: jobs from JSON through the public API, and nets.
 
 pub(crate) mod cages;
 pub(crate) mod nets;
@@ -25,7 +25,7 @@ pub(crate) fn parsed(text: &[u8]) -> Result<Job, Vec<Fault>> {
     request.resolve()
 }
 
-/// Runs the first output of a job given as JSON; the bytes and the report.
+/// Runs the first output of a job given as JSON; returns the bytes and the report.
 pub(crate) fn render(job: &serde_json::Value) -> Result<(Vec<u8>, Report), Vec<Fault>> {
     let text = serde_json::to_vec(job).expect("a JSON value can be written");
     let admitted = Limits::default().admit(parsed(&text)?).map_err(|refusal| match refusal {
@@ -42,7 +42,7 @@ pub(crate) fn render(job: &serde_json::Value) -> Result<(Vec<u8>, Report), Vec<F
     Ok((bytes, report))
 }
 
-/// The counts of an output with nothing in it.
+/// Returns the counts of an empty output.
 pub(crate) fn nothing(kind: ShapeKind) -> Counts {
     Counts {
         kind,
@@ -67,12 +67,12 @@ pub(crate) fn nothing(kind: ShapeKind) -> Counts {
     }
 }
 
-/// The json output of a job without outputs.
+/// Returns the JSON output of a job without outputs.
 pub(crate) fn json(job: serde_json::Value) -> serde_json::Value {
     json_with(job, &serde_json::json!({}))
 }
 
-/// The json output, with options, of a job without outputs.
+/// Returns the JSON output, with options, of a job without outputs.
 pub(crate) fn json_with(mut job: serde_json::Value, options: &serde_json::Value) -> serde_json::Value {
     let mut output = options.clone();
     output["format"] = "json".into();
@@ -81,7 +81,7 @@ pub(crate) fn json_with(mut job: serde_json::Value, options: &serde_json::Value)
     serde_json::from_slice(&bytes).expect("the json output is JSON")
 }
 
-/// Why a job without outputs is refused.
+/// Returns the faults of a job without outputs.
 pub(crate) fn faults(mut job: serde_json::Value) -> Vec<Fault> {
     job["outputs"] = serde_json::json!([{ "format": "json" }]);
     match render(&job) {
@@ -90,8 +90,8 @@ pub(crate) fn faults(mut job: serde_json::Value) -> Vec<Fault> {
     }
 }
 
-/// What a computation gives, and the most bytes that it held at once. It has one thread, as bytes are counted by
-/// thread.
+/// Returns the result of a computation, and the largest number of bytes that it held at once. It runs in one thread, as
+/// bytes are counted by thread.
 pub(crate) fn peak<T: Send>(run: impl FnOnce() -> T + Send) -> (T, u64) {
     let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build().expect("a thread can be started");
     pool.install(|| {

@@ -1,4 +1,4 @@
-//! Small meshes, and random ones, for the laws.
+//! Small meshes and random ones, for the laws.
 
 use std::collections::BTreeSet;
 
@@ -6,34 +6,34 @@ use planish::math::functions::sqrt;
 use proptest::prelude::*;
 use serde_json::{Value, json};
 
-/// A mesh as a request has it.
+/// A mesh as in a request.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub(crate) struct Net {
-    /// Positions.
+    /// The positions of the vertices.
     pub(crate) positions: Vec<[f64; 3]>,
-    /// Faces.
+    /// The faces as lists of vertex indices.
     pub(crate) faces: Vec<Vec<usize>>,
 }
 
 impl Net {
-    /// The `mesh` of a job.
+    /// Returns the `mesh` of a job.
     pub(crate) fn to_json(&self) -> Value {
         json!({ "positions": self.positions, "faces": self.faces })
     }
 
-    /// The input of a job.
+    /// Returns the input of a job.
     pub(crate) fn input(&self) -> Value {
         json!({ "mesh": self.to_json() })
     }
 
-    /// Reads the json output of a mesh.
+    /// Reads the JSON output of a mesh.
     pub(crate) fn of(result: &Value) -> Self {
         let positions = serde_json::from_value(result["positions"].clone()).expect("positions");
         let faces = serde_json::from_value(result["faces"].clone()).expect("faces");
         Self { positions, faces }
     }
 
-    /// The undirected edges, each once.
+    /// Returns the undirected edges, each once.
     pub(crate) fn edges(&self) -> BTreeSet<(usize, usize)> {
         let sides = self.faces.iter().flat_map(|face| {
             (0..face.len()).map(move |j| {
@@ -45,20 +45,20 @@ impl Net {
     }
 }
 
-/// The input of a job that one of `tests/nets` is.
+/// Reads the job input in a file of `tests/nets`.
 pub(crate) fn control(name: &str) -> Value {
     let path = format!("{}/tests/nets/{name}.json", env!("CARGO_MANIFEST_DIR"));
     serde_json::from_str(&std::fs::read_to_string(path).expect("a net")).expect("JSON")
 }
 
-/// Largest difference of a coordinate; infinite where one is missing or not a number.
+/// Returns the largest difference of a coordinate; infinite if the lengths differ or a coordinate is not a number.
 pub(crate) fn distance(a: &[f64], b: &[f64]) -> f64 {
     let differences = a.iter().zip(b).map(|(x, y)| (x - y).abs());
     let largest = differences.fold(0.0, |most: f64, x| if x.is_nan() { f64::INFINITY } else { most.max(x) });
     if a.len() == b.len() { largest } else { f64::INFINITY }
 }
 
-/// The unit normal of a triangle, counter-clockwise.
+/// Returns the unit normal of a counter-clockwise triangle.
 pub(crate) fn triangle_normal(a: [f64; 3], b: [f64; 3], c: [f64; 3]) -> [f64; 3] {
     let [u, v] = [b, c].map(|p| [0, 1, 2].map(|k| p[k] - a[k]));
     let product = [u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]];
@@ -66,7 +66,8 @@ pub(crate) fn triangle_normal(a: [f64; 3], b: [f64; 3], c: [f64; 3]) -> [f64; 3]
     product.map(|x| x / length)
 }
 
-/// For each expected point the one found next to it, one to one, within `tolerance` per coordinate.
+/// Returns for each expected point the index of the nearest found point; the matching must be one to one, within
+/// `tolerance` per coordinate.
 fn matched(found: &[[f64; 3]], expected: &[[f64; 3]], tolerance: f64) -> Result<Vec<usize>, String> {
     let mut image = Vec::with_capacity(expected.len());
     for point in expected {
@@ -85,14 +86,15 @@ fn matched(found: &[[f64; 3]], expected: &[[f64; 3]], tolerance: f64) -> Result<
     }
 }
 
-/// Checks that two meshes are the same surface: points matched one to one, faces as cycles of matched points.
+/// Checks that two meshes are the same surface: points are matched one to one, faces are compared as cycles of matched
+/// points.
 pub(crate) fn same_surface(found: &Net, expected: &Net, tolerance: f64) -> Result<(), String> {
     let image = matched(&found.positions, &expected.positions, tolerance)?;
     let reference = cycles(&expected.faces, |v| image[v]);
     if reference == cycles(&found.faces, |v| v) { Ok(()) } else { Err("the faces differ".into()) }
 }
 
-/// Faces as cycles, each starting at its lowest vertex, in ascending order.
+/// Returns faces as cycles, each starting at its lowest vertex, in ascending order.
 fn cycles(faces: &[Vec<usize>], image: impl Fn(usize) -> usize) -> Vec<Vec<usize>> {
     let cycle = |face: &Vec<usize>| {
         let mut face: Vec<usize> = face.iter().map(|&v| image(v)).collect();
@@ -109,7 +111,7 @@ fn of(positions: &[[f64; 3]], faces: &[&[usize]]) -> Net {
     Net { positions: positions.to_vec(), faces: faces.iter().map(|face| face.to_vec()).collect() }
 }
 
-/// A crooked cube.
+/// Returns a crooked cube.
 pub(crate) fn cube() -> Net {
     let positions = (0..8).map(|i| {
         let [x, y, z] = [i & 1, i >> 1 & 1, i >> 2].map(f64::from);
@@ -119,12 +121,12 @@ pub(crate) fn cube() -> Net {
     Net { positions: positions.collect(), faces: faces.map(Vec::from).to_vec() }
 }
 
-/// A tetrahedron.
+/// Returns a tetrahedron.
 pub(crate) fn tetrahedron() -> Net {
     of(&[[0., 0., 0.], [2., 0., 0.25], [0., 2., 0.], [0.5, 0., 2.]], &[&[0, 2, 1], &[0, 1, 3], &[1, 2, 3], &[2, 0, 3]])
 }
 
-/// A bumpy rectangle of `n x m` quads.
+/// Returns a bumpy rectangle of `n x m` quads.
 pub(crate) fn grid(n: usize, m: usize) -> Net {
     let bump = |i: usize, j: usize| f64::from(u8::try_from((3 * i * i + 5 * j + i * j) % 7).expect("below 7")) / 8.0;
     let whole = |i: usize| f64::from(u32::try_from(i).expect("a small net"));
@@ -133,7 +135,7 @@ pub(crate) fn grid(n: usize, m: usize) -> Net {
     Net { positions: points.collect(), faces: first.map(|a| vec![a, a + 1, a + n + 2, a + n + 1]).collect() }
 }
 
-/// A torus of `n x m` quads, `n` and `m` at least 3.
+/// Returns a torus of `n x m` quads, `n` and `m` at least 3.
 pub(crate) fn torus(n: usize, m: usize) -> Net {
     let Net { positions, .. } = grid(n - 1, m - 1);
     let at = |i: usize, j: usize| (j % m) * n + i % n;
@@ -141,14 +143,14 @@ pub(crate) fn torus(n: usize, m: usize) -> Net {
     Net { positions, faces: quads.collect() }
 }
 
-/// A torus of `n x m` quads without its last ring of faces.
+/// Returns a torus of `n x m` quads without its last ring of faces.
 pub(crate) fn cylinder(n: usize, m: usize) -> Net {
     let Net { positions, mut faces } = torus(n, m);
     faces.truncate(n * (m - 1));
     Net { positions, faces }
 }
 
-/// An open strip of a triangle, a quad and a pentagon.
+/// Returns an open strip of a triangle, a quad and a pentagon.
 pub(crate) fn mixed() -> Net {
     of(
         &[
@@ -165,7 +167,7 @@ pub(crate) fn mixed() -> Net {
     )
 }
 
-/// A prism over an `n`-gon, closed.
+/// Returns a closed prism over an `n`-gon.
 pub(crate) fn prism(n: usize) -> Net {
     let mut positions = grid(n - 1, 1).positions;
     positions.truncate(2 * n);
@@ -175,8 +177,8 @@ pub(crate) fn prism(n: usize) -> Net {
     Net { positions, faces }
 }
 
-/// A vertex with `n` sectors of `rings x rings` quads around it, and for each vertex but the centre its place in its
-/// sector: `i` steps along the sector's first side, `j` to the left.
+/// Returns a vertex with `n` sectors of `rings x rings` quads around it, and for each vertex but the centre its place
+/// in its sector: `i` steps along the sector's first side, `j` to the left.
 pub(crate) fn sectors_of_quads(n: usize, rings: usize) -> (Net, Vec<Option<[usize; 2]>>) {
     let mut places = vec![None];
     let mut positions = vec![[0.0, 0.0, 1.0]];
@@ -204,8 +206,8 @@ pub(crate) fn sectors_of_quads(n: usize, rings: usize) -> (Net, Vec<Option<[usiz
     (Net { positions, faces: faces.collect() }, places)
 }
 
-/// A random manifold: one of the families, some faces taken away, some split into triangles, some pairs merged,
-/// vertices renumbered, and some isolated ones added.
+/// Returns a random manifold: a net of one of the families, with some faces removed, some split into triangles, some
+/// pairs merged, vertices renumbered, and some isolated ones added.
 pub(crate) fn manifold() -> impl Strategy<Value = Net> {
     let family = prop_oneof![
         Just(cube()),
@@ -234,8 +236,8 @@ pub(crate) fn manifold() -> impl Strategy<Value = Net> {
     })
 }
 
-/// A random manifold of triangles, with or without boundary, with or without isolated vertices: larger faces get a
-/// vertex in their middle, as a diagonal may already be an edge elsewhere.
+/// Returns a random manifold of triangles, with or without boundary and isolated vertices. Larger faces get a vertex in
+/// their centre, as a diagonal may already be an edge elsewhere.
 pub(crate) fn triangle_manifold() -> impl Strategy<Value = Net> {
     manifold().prop_map(|Net { mut positions, faces }| {
         let mut triangles = Vec::new();
@@ -252,21 +254,22 @@ pub(crate) fn triangle_manifold() -> impl Strategy<Value = Net> {
     })
 }
 
-/// The net without the faces that `choices` picks, at least one staying; vertices may end up isolated or in two fans.
+/// Returns the net without the faces that `choices` selects; the first face always remains. Vertices may become
+/// isolated or belong to two fans.
 fn punctured(net: Net, choices: &[u8]) -> Net {
     let keep = |i: usize| i == 0 || !choices[i % choices.len()].is_multiple_of(4);
     let faces = net.faces.into_iter().enumerate().filter(|(i, _)| keep(*i)).map(|(_, face)| face).collect();
     Net { faces, ..net }
 }
 
-/// All faces cut into triangles: quads along the diagonal from corner 0, larger ones as fans.
+/// Cuts all faces into triangles: quads along the diagonal from corner 0, larger ones as fans.
 pub(crate) fn triangulated(net: Net) -> Net {
     let fan =
         |face: Vec<usize>| (1..face.len() - 1).map(move |i| vec![face[0], face[i], face[i + 1]]).collect::<Vec<_>>();
     Net { faces: net.faces.into_iter().flat_map(fan).collect(), ..net }
 }
 
-/// An octahedron.
+/// Returns an octahedron.
 pub(crate) fn octahedron() -> Net {
     let positions = [[1., 0., 0.], [-1., 0.25, 0.], [0., 1., 0.], [0.25, -1., 0.], [0., 0., 1.25], [0., 0., -1.]];
     let faces: [&[usize]; 8] =
@@ -274,7 +277,7 @@ pub(crate) fn octahedron() -> Net {
     of(&positions, &faces)
 }
 
-/// Some quads cut along a diagonal.
+/// Cuts some quads along a diagonal.
 fn partly_triangulated(net: Net, choices: &[u8]) -> Net {
     let faces = net.faces.into_iter().enumerate().flat_map(|(i, face)| match (face.as_slice(), choices[i % 24] % 3) {
         (&[a, b, c, d], 0) => vec![vec![a, b, c], vec![c, d, a]],
@@ -283,7 +286,7 @@ fn partly_triangulated(net: Net, choices: &[u8]) -> Net {
     Net { faces: faces.collect(), ..net }
 }
 
-/// One face glued to a neighbour over their only common edge, where there is one.
+/// Merges one face with a neighbour over their only common edge, if there is one.
 fn merged(mut net: Net, start: usize) -> Net {
     let n = net.faces.len();
     for f in (0..n).map(|i| (i + start) % n) {
@@ -306,12 +309,12 @@ fn merged(mut net: Net, start: usize) -> Net {
     net
 }
 
-/// Where a face runs from `a` to `b`.
+/// Returns the index of the corner from which a face runs from `a` to `b`.
 fn side(face: &[usize], a: usize, b: usize) -> Option<usize> {
     (0..face.len()).find(|&j| face[j] == a && face[(j + 1) % face.len()] == b)
 }
 
-/// A random manifold of triangles: the faces of one of [`manifold`] cut into fans.
+/// Returns a random manifold of triangles: the faces of a [`manifold`] cut into fans.
 pub(crate) fn triangles() -> impl Strategy<Value = Net> {
     let fan = |face: Vec<usize>| (1..face.len() - 1).map(move |j| vec![face[0], face[j], face[j + 1]]);
     let whole = manifold().prop_map(move |net| Net { faces: net.faces.into_iter().flat_map(fan).collect(), ..net });

@@ -1,4 +1,4 @@
-//! How far points are from a surface of triangles.
+//! Distances of points from a surface of triangles.
 
 use std::collections::BTreeMap;
 
@@ -28,7 +28,8 @@ fn to_segment(p: Point, a: Point, b: Point) -> f64 {
     dot(d, d)
 }
 
-/// The square of the distance of a point from a triangle: to its plane where the foot lies inside, else to its sides.
+/// Returns the squared distance of a point from a triangle: from its plane if the foot lies inside, else from its
+/// sides.
 fn to_triangle(p: Point, [a, b, c]: [Point; 3]) -> f64 {
     let (u, v, w) = (minus(b, a), minus(c, a), minus(p, a));
     let (uu, uv, vv, uw, vw) = (dot(u, u), dot(u, v), dot(v, v), dot(u, w), dot(v, w));
@@ -49,7 +50,7 @@ pub(crate) struct Surface {
 }
 
 impl Surface {
-    /// The faces cut into triangles from corner `first` on.
+    /// Cuts the faces into triangles from corner `first`.
     pub(crate) fn cut(net: &Net, first: usize) -> Self {
         let triangles: Vec<[Point; 3]> = net
             .faces
@@ -86,7 +87,7 @@ impl Surface {
         p.map(|x| (x / side).floor() as i64)
     }
 
-    /// The distance of a point from the surface.
+    /// Returns the distance of a point from the surface.
     pub(crate) fn distance(&self, p: Point) -> f64 {
         let [x, y, z] = Self::cell(p, self.side);
         let mut least = f64::INFINITY;
@@ -105,12 +106,12 @@ impl Surface {
         sqrt(least)
     }
 
-    /// The greatest distance of points from the surface.
+    /// Returns the greatest distance of the points from the surface.
     pub(crate) fn farthest(&self, points: &[Point]) -> f64 {
         points.iter().map(|&p| self.distance(p)).fold(0.0, f64::max)
     }
 
-    /// The corners, sides and middles of the triangles.
+    /// Returns the corners, the midpoints of the sides and the centres of the triangles.
     pub(crate) fn samples(&self) -> Vec<Point> {
         let middle = |a: Point, b: Point| at(a, 0.5, minus(b, a));
         let of = |&[a, b, c]: &[Point; 3]| {

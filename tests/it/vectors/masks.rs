@@ -6,7 +6,7 @@ use super::{points, tolerance};
 use crate::support::json_with;
 use crate::support::nets::sectors_of_quads;
 
-/// Limit masks by the limits of impulses on a vertex with sectors of quads.
+/// Compares limit masks, from the limits of impulses on a vertex with sectors of quads.
 pub(super) fn limits(vector: &Value) -> usize {
     let mut compared = 0;
     for (name, valences) in vector["schemes"].as_object().expect("schemes by name") {
@@ -33,14 +33,14 @@ pub(super) fn limits(vector: &Value) -> usize {
     compared
 }
 
-/// `expected` holds the weight of the centre and of the vertices `"i,j"` of each sector.
+/// Checks a limit mask; `expected` holds the weight of the centre and of the vertices `"i,j"` of each sector.
 fn check_limit_mask(plan: &Value, sectors: usize, expected: &Value, tolerance: f64) {
     let (mut net, places) = sectors_of_quads(sectors, 4);
     let weight = |place: Option<[usize; 2]>| match place {
         None => expected["center"].as_f64().expect("the centre has a weight"),
         Some([i, j]) => expected[format!("{i},{j}")].as_f64().unwrap_or(0.0),
     };
-    // one coordinate a place: the first sector, and the sum of each place over all sectors
+    // one coordinate per place: the first sector, and the sum of each place over all sectors
     let first: Vec<usize> = (0..places.len()).take(1 + 4 * 5).collect();
     for three in first.chunks(3) {
         for (v, position) in net.positions.iter_mut().enumerate() {

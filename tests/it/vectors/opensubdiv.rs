@@ -1,4 +1,4 @@
-//! What OpenSubdiv 3.5 makes of meshes: levels, limit positions and limit normals.
+//! Results of OpenSubdiv 3.5 for meshes: levels, limit positions and limit normals.
 
 use planish::job::Input;
 use planish::math::functions::sqrt;
@@ -11,7 +11,7 @@ use super::{check_mesh, points, tolerance};
 use crate::support::nets::{Net, distance};
 use crate::support::{json, json_with, parsed, render};
 
-/// The job of a vector of OpenSubdiv without levels.
+/// Returns the job of a vector of OpenSubdiv without levels.
 fn job(vector: &Value) -> Value {
     let input = &vector["input"];
     let preset = match vector["scheme"].as_str() {
@@ -78,7 +78,7 @@ fn check_sharp_edges(vector: &Value, job: &Value, level: &Value) {
     }
 }
 
-/// Compares the faces that are shown: each is a face of the vector.
+/// Compares the visible faces: each is a face of the vector.
 fn check_shown(vector: &Value, mesh: &Value, plan: &Value, level: &Value) {
     let found = Net::of(&json(json!({ "input": { "mesh": mesh }, "plan": plan, "levels": level["level"] })));
     let expected: Vec<[f64; 3]> = points(&level["vertices"]);
@@ -93,7 +93,7 @@ fn check_shown(vector: &Value, mesh: &Value, plan: &Value, level: &Value) {
     }
 }
 
-/// Limit positions and normals of the last level, at the places of its vertices.
+/// Compares limit positions and normals of the last level, at the positions of its vertices.
 pub(super) fn limits(vector: &Value) -> usize {
     let mut job = job(vector);
     if vector["creasing"] == "chaikin" || vector["boundary_interpolation"] == "none" {
@@ -120,7 +120,7 @@ pub(super) fn limits(vector: &Value) -> usize {
         let normal = expected[2][place];
         let length = sqrt(normal.iter().map(|x| x * x).sum());
         if length > 1e-6 && !darts.contains(&i) && !others.contains(&i) {
-            // beside edges that stay sharp it is that of one side
+            // beside edges that remain sharp, it is that of one side
             let off = normals[i].iter().map(|side| distance(side, &normal.map(|x| x / length)));
             let off = off.fold(f64::INFINITY, f64::min);
             let most = tolerance(vector).max(1e-8);
@@ -132,7 +132,7 @@ pub(super) fn limits(vector: &Value) -> usize {
     1
 }
 
-/// The limit normals of each vertex, one for each side of sharp edges, and the warnings.
+/// Returns the limit normals of each vertex, one for each side of sharp edges, and the warnings.
 fn sides(mut job: Value, n: usize) -> (Vec<Vec<[f64; 3]>>, Vec<String>) {
     job["outputs"] = json!([{ "format": "obj", "normals": "limit" }]);
     let (bytes, report) = render(&job).unwrap_or_else(|faults| panic!("{faults:?} for {job}"));
@@ -155,9 +155,9 @@ fn list<'a>(input: &'a Value, name: &str) -> &'a [Value] {
     input[name].as_array().expect("tags are a list")
 }
 
-/// Vertices of the input where OpenSubdiv takes masks of other rules than it refines by: ends of single creases, where
-/// it takes the smooth mask; and where there is no normal to compare: boundary vertices with more than two faces, where
-/// it takes tangents of other weights, and corners, where it takes those of some faces.
+/// Returns two lists of vertices of the input. At the first, ends of single creases, OpenSubdiv uses the smooth mask,
+/// which differs from the rules by which it refines. At the second, there is no normal to compare: boundary vertices
+/// with more than two faces, where it uses tangents of other weights, and corners, where it uses those of some faces.
 fn special_vertices(input: &Value) -> (Vec<usize>, Vec<usize>) {
     let faces: Vec<Vec<usize>> = points(&input["faces"]);
     let creases: Vec<(usize, usize, f64)> = points(&input["creases"]);

@@ -1,5 +1,5 @@
-//! What OpenSubdiv 3.5 makes of texture coordinates: with values in several fans of a vertex, values of several
-//! vertices, seams that meet and seams that end inside, under all interpolations.
+//! Results of OpenSubdiv 3.5 for texture coordinates: values in several fans of a vertex, values of several vertices,
+//! seams that meet and seams that end inside, under all interpolations.
 
 use serde_json::{Value, json};
 
@@ -7,7 +7,7 @@ use super::{points, tolerance};
 use crate::support::json;
 use crate::support::nets::distance;
 
-/// Compares the values of all cases, each as a set: OpenSubdiv has one value where ours has several of the same number.
+/// Compares the values of all cases, each as a set: OpenSubdiv has one value where ours has several equal ones.
 pub(super) fn cases(vector: &Value) -> usize {
     let cases = vector["cases"].as_array().expect("cases are a list");
     cases.iter().map(|case| check(vector, case)).count()

@@ -1,19 +1,19 @@
-//! One plot of a figure: axes, and what is marked between them.
+//! One plot of a figure: axes, and the marks between them.
 
 use crate::drawing::{Axes, Axis, Color, Discs, Group, Item, Label, Mark as Drawn, Point, Stroke, Weight};
 
-/// Colour of what is written.
+/// Colour of text.
 pub(super) const INK: Color = [15, 23, 42, 255];
 /// Colour of functions.
 pub(super) const BLUE: Color = [37, 99, 235, 255];
-/// Colour of what is proved.
+/// Colour of proved statements.
 pub(super) const GREEN: Color = [22, 163, 74, 255];
-/// Colour of what is disproved.
+/// Colour of disproved statements.
 pub(super) const RED: Color = [220, 38, 38, 255];
 /// Colour of guides.
 const GREY: Color = [148, 163, 184, 255];
-/// Points along a circle.
-/// A circle of a hundred pixels has edges of six. Half of it shows them; twice of it is only longer.
+/// Number of edges of a circle. With a radius of a hundred pixels each edge has six. Half as many would be visible;
+/// twice as many would only be longer.
 const TURNS: u8 = 96;
 
 /// A plot.
@@ -21,12 +21,12 @@ pub(super) struct Plot {
     pub(super) title: String,
     names: [String; 2],
     range: [[f64; 2]; 2],
-    /// Whether lengths along both axes are the same, so that circles are round.
+    /// Whether both axes have the same scale, so that circles are round.
     one_scale: bool,
     marks: Vec<Marks>,
 }
 
-/// Things of one look, in the numbers of the axes.
+/// Marks of one kind and colour, in the coordinates of the axes.
 pub(super) struct Marks {
     points: Vec<[f64; 2]>,
     kind: Kind,
@@ -49,18 +49,18 @@ pub(super) fn dots(points: Vec<[f64; 2]>, color: Color) -> Marks {
     Marks { points, kind: Kind::Dots, color }
 }
 
-/// Points over the line of 0.
+/// Creates stems from the line y = 0 to the points.
 pub(super) fn stems(points: Vec<[f64; 2]>, color: Color) -> Marks {
     Marks { points, kind: Kind::Stems, color }
 }
 
-/// What lies between two lines.
+/// Creates the area between two lines.
 pub(super) fn band(low: Vec<[f64; 2]>, high: Vec<[f64; 2]>, color: Color) -> Marks {
     let points = low.into_iter().chain(high.into_iter().rev()).collect();
     Marks { points, kind: Kind::Area, color: [color[0], color[1], color[2], 64] }
 }
 
-/// A circle around 0.
+/// Creates a circle around the origin, as a guide.
 pub(super) fn circle(radius: f64) -> Marks {
     let angle = |k: u8| std::f64::consts::TAU * f64::from(k) / f64::from(TURNS);
     let place = |k| [radius * crate::math::functions::cos(angle(k)), radius * crate::math::functions::sin(angle(k))];
@@ -68,7 +68,7 @@ pub(super) fn circle(radius: f64) -> Marks {
 }
 
 impl Plot {
-    /// A plot whose axes reach as far as the marks do, and to 0.
+    /// Creates a plot whose axes enclose all marks; the vertical axis also encloses 0.
     pub(super) fn around(title: &str, x: &str, y: &str, marks: Vec<Marks>) -> Self {
         let all = || marks.iter().flat_map(|marks| &marks.points);
         let reach = |axis: usize, start: f64| {
@@ -81,22 +81,22 @@ impl Plot {
         Self { title: title.to_owned(), names: [x.to_owned(), y.to_owned()], range, one_scale: false, marks }
     }
 
-    /// A plot with axes of its own.
+    /// Creates a plot with axes of the given ranges.
     pub(super) fn within(title: &str, [x, y]: [&str; 2], range: [[f64; 2]; 2], marks: Vec<Marks>) -> Self {
         Self { title: title.to_owned(), names: [x.to_owned(), y.to_owned()], range, one_scale: false, marks }
     }
 
-    /// The same with one scale for both axes, of which one reaches farther then.
+    /// Sets the same scale for both axes, which extends the range of one of them.
     pub(super) fn in_one_scale(self) -> Self {
         Self { one_scale: true, ..self }
     }
 
-    /// Sets what the axis from left to right is.
+    /// Sets the name and the range of the horizontal axis.
     pub(super) fn set_x(&mut self, name: String, range: [f64; 2]) {
         (self.names[0], self.range[0]) = (name, range);
     }
 
-    /// The plot in a rectangle: left, top, width, height.
+    /// Returns the drawing of the plot in a rectangle: left, top, width, height.
     pub(super) fn items(&self, [left, top, width, height]: [f32; 4], size_px: f32) -> Vec<Item> {
         let axis = |k: usize| {
             let [low, high] = self.range[k];
