@@ -287,8 +287,7 @@ impl<'a> Options<'a> {
         self.values.choice("shading") == Some("flat") || self.values.choice(NORMALS.name) == Some("none")
     }
 
-    /// Returns the background of the picture of a mesh, its quality and its grounding. By default only shaded surfaces
-    /// are grounded, not those that show numbers.
+    /// Returns background, quality and grounding of a mesh; by default shown numbers have no grounding.
     pub(crate) fn look(&self) -> Look {
         let is_fine = self.values.choice(QUALITY.name) != Some("draft");
         let shaded = matches!(self.values.choice("shading"), None | Some("smooth" | "flat"));
