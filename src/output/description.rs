@@ -18,7 +18,7 @@ const NAME: &str = "planish-job";
 /// 4,096 bytes. Half of it makes twice as many lines; four times of it would be cut there.
 const LINE: usize = 1024;
 /// Maximum number of bytes that are buffered in search of the place of the description. Half of it is still more than
-/// glTF documents have before their `asset`; twice of it reads further into files that planish did not write.
+/// glTF documents have before their `asset`; twice of it buffers more of bytes that have no place for a description.
 const MOST_BEFORE: usize = 64 << 20;
 
 /// The place of the description in a format.
