@@ -317,8 +317,8 @@ impl Packer<'_> {
     }
 }
 
-/// Adds to nodes the transform from places of a grid to model coordinates: to nodes with meshes if they have no
-/// transform, otherwise to new nodes below them.
+/// Adds to nodes the transform from places of a grid to model coordinates: to nodes with meshes if they have neither a
+/// transform nor children, otherwise to new nodes below them.
 fn place(nodes: &mut Vec<Node>, grid: &Grid) {
     for i in 0..nodes.len() {
         let next = index(nodes.len());

@@ -71,9 +71,9 @@ pub(super) fn angle(options: &Values) -> Option<f64> {
 pub(super) struct HardEdges(Vec<[u32; 2]>);
 
 impl HardEdges {
-    /// Finds the hard edges of a shape: edges between two faces with normals `n` and `m` (Newell's, of length 1) if `n
-    /// . m` is below the cosine of the angle by more than [`SLACK`], and edges of more than two faces. Edges of faces
-    /// without area are not hard.
+    /// Finds the hard edges of a shape: edges between two faces with normals `n` and `m` (Newell's, of length 1) if
+    /// `n . m` is below the cosine of the angle by more than [`SLACK`], and edges of more than two faces. Edges of
+    /// faces without area are not hard.
     ///
     /// # Errors
     /// A stopped watch, or positions that are not finite.

@@ -28,11 +28,11 @@ const LEAST_AREA: f64 = 1e-18;
 
 /// Returns the curvatures of a mesh with these positions (model units), one of each kind per vertex.
 ///
-/// When each vertex p moves along its normal n by t, the area vector of a face, Newell's `1/2 sum (p_i - p_0) x
-/// (p_(i+1) - p_0)`, becomes `A + 2 t M + t^2 N`: A belongs to the face, N to the polygon of its normals, and M is the
-/// mixed area vector of both. On a smooth surface area grows by the factor `1 + 2 t H + t^2 K` (Steiner's formula). So
-/// with sums over the faces around a vertex, projected along its normal, `H = (M . n) / (A . n)` and `K = (N . n) / (A
-/// . n)`: the means of the curvatures over these faces.
+/// When each vertex p moves along its normal n by t, the area vector of a face, Newell's
+/// `1/2 sum (p_i - p_0) x (p_(i+1) - p_0)`, becomes `A + 2 t M + t^2 N`: A belongs to the face, N to the polygon of its
+/// normals, and M is the mixed area vector of both. On a smooth surface area grows by the factor `1 + 2 t H + t^2 K`
+/// (Steiner's formula). So with sums over the faces around a vertex, projected along its normal,
+/// `H = (M . n) / (A . n)` and `K = (N . n) / (A . n)`: the means of the curvatures over these faces.
 ///
 /// The normals are the limit normals of the mesh, if it has them, or [`fitted_normals`]. With the normals of the
 /// surface the curvatures are exact on spheres; on other surfaces they converge as h^2 if the edges of length h around

@@ -34,7 +34,8 @@ const TEXTURES: Parameter = Parameter {
 
 /// The materials of a mesh as a library for OBJ files: `newmtl` with the name, and, as far as they are given, `Kd`
 /// (red, green, blue as given), `d` (alpha), `Pm` (metallic), `Pr` (roughness), and `map_Kd` if textures have file
-/// names. MTL cannot hold the alpha mode and the visible sides. The library of a mesh without materials is empty.
+/// names. MTL cannot hold the alpha mode and the visible sides. The library of a mesh without materials has its first
+/// line only.
 #[derive(Debug)]
 pub(super) struct Mtl;
 

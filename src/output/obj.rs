@@ -68,8 +68,8 @@ const UNNAMED: &str = "default";
 /// coordinates of points are 0. Unit and up axis are comments if they are not the defaults. The channel `color` follows
 /// the coordinates (red, green, blue); other channels are left out. Groups and materials are `g` and `usemtl`,
 /// "default" for faces without; looks of materials are in a library of their own, the format "mtl". Origins are
-/// comments before the first vertex and face of each input cell. If the mesh is written without refinement, tags `t
-/// crease` and `t corner` after the faces hold its sharpness.
+/// comments before the first vertex and face of each input cell. If the mesh is written without refinement, tags
+/// `t crease` and `t corner` after the faces hold its sharpness.
 #[derive(Debug)]
 pub(super) struct Obj;
 

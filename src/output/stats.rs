@@ -30,9 +30,10 @@ use crate::watch::Watch;
 /// JSON with counts, bounding box, measures and hashes.
 ///
 /// Meshes and curves: `kind` (`mesh` or `curves`), `bounding_box`, `moments_of` (the object of the centroid and the
-/// moments: `solid`, `surface`, `curve`, or null if it has no extent), `centroid`, `second_moments` (the matrix `int (x
-/// - c) (x - c)^T` about the centroid c; negative for a solid that is inside out), `euler_characteristic` (vertices -
-/// edges + faces), `positions_hash` and `shape_hash` (see [`hashes::PositionsHash`] and [`hashes::ShapeHash`]).
+/// moments: `solid`, `surface`, `curve`, or null if it has no extent), `centroid`, `second_moments` (the matrix
+/// `int (x - c) (x - c)^T` about the centroid c; negative for a solid that is inside out), `euler_characteristic`
+/// (vertices - edges + faces), `positions_hash` and `shape_hash` (see [`hashes::PositionsHash`] and
+/// [`hashes::ShapeHash`]).
 ///
 /// Meshes: `area`, signed `volume` (null unless closed), of the faces cut into triangles as for glTF; numbers of
 /// vertices, edges, faces, boundary edges and loops, components; vertices by valence, faces by size; with normals

@@ -20,15 +20,15 @@ use crate::watch::Watch;
 
 /// The weights of all points, as JSON text or as arrays behind a line of JSON.
 ///
-/// Values are the points of the input, followed by those of the rows, one after another; the entries `starts[r] ..
-/// starts[r + 1]` of row `r` weigh values before it. The last rows are the results: `vertices` points, followed by two
-/// tangents for each normal.
+/// Values are the points of the input, followed by those of the rows, one after another; the entries
+/// `starts[r] .. starts[r + 1]` of row `r` weigh values before it. The last rows are the results: `vertices` points,
+/// followed by two tangents for each normal.
 ///
 /// A row is the sum of its terms, added to 0 in their order. A term has one entry, `weight x value`, or several as
 /// given in `terms`: `k > 0` entries have one weight, which multiplies the symmetric sum of their values; `-k` have
-/// several, and the term is the symmetric sum of `weight x value`. The symmetric sum of 2 is `a + b`, of 4 `(a + c) +
-/// (b + d)`, of 6 the sum of `a + d`, `b + e`, `c + f` from the least to the greatest, of others the sum in their
-/// order. Without `terms` all terms have one entry.
+/// several, and the term is the symmetric sum of `weight x value`. The symmetric sum of 2 is `a + b`, of 4
+/// `(a + c) + (b + d)`, of 6 the sum of `a + d`, `b + e`, `c + f` from the least to the greatest, of others the sum in
+/// their order. Without `terms` all terms have one entry.
 #[derive(Debug)]
 pub(super) struct Stencils {
     facts: &'static FormatFacts,

@@ -72,7 +72,7 @@ struct Row {
 
 impl Grid {
     /// Lays out the figure in a width in pixels. Panels are placed row by row, each at the first free place after the
-    /// one before it; a row is as high as its highest picture, and a picture that spans rows is centred in them.
+    /// one before it; a row is as high as the highest picture in it needs, and a picture that spans rows fills them.
     ///
     /// # Errors
     /// A sentence, if a picture would be too small or the figure too high, or a text cannot be typeset.

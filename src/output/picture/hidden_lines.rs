@@ -78,8 +78,8 @@ pub(crate) fn work(counts: &Counts) -> u128 {
     counts.triangles().saturating_mul(TRIANGLE_ROWS)
 }
 
-/// Returns the maximum number of bytes: three lines a triangle in [`MOST_PIECES`] pieces, with 64 bytes for the 51 of
-/// each, and the strokes of hatching.
+/// Returns the maximum number of bytes: three lines a triangle in [`MOST_PIECES`] pieces, 51 bytes each and counted as
+/// 64, and the strokes of hatching.
 pub(crate) fn size(counts: &Counts, options: &Values) -> Size {
     let pieces = counts.triangles().saturating_mul(3 * MOST_PIECES as u128);
     let strokes = if options.has("show", HATCHING) { hatching::STROKES_BYTES } else { 0 };

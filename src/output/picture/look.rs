@@ -19,14 +19,14 @@ use crate::raster::{Camera, Finish, Surface};
 use crate::shape::attachments::Attachments;
 use crate::watch::Watch;
 
-/// Mean curvature that is treated as zero, times half the longest side of the mesh; the bound of Gaussian curvature is
-/// its square. Surfaces whose radius of curvature is a thousand times their size look flat. Half of it shows what
+/// Least upper end of the default range of mean curvature, times half the longest side of the mesh; Gaussian curvature
+/// has its square. Surfaces whose radius of curvature is a thousand times their size look flat. Half of it shows what
 /// rounding to f32 does to flat meshes of 100 vertices a side; twice of it hides faint bulges.
 const FLAT: f64 = 1e-3;
 
-/// Distances that are treated as zero, in half the longest side of the mesh: ten times what rounding to f32 moves a
-/// point. Half or twice of it makes a difference only for meshes of single precision, where the picture shows the
-/// roundings.
+/// Least upper end of the default range of distances, in half the longest side of the mesh: ten times what rounding to
+/// f32 moves a point. Half or twice of it makes a difference only for meshes of single precision, where the picture
+/// shows the roundings.
 const SAME: f64 = 1e-6;
 
 /// The look of a surface.
