@@ -1,4 +1,4 @@
-//! APNG: a picture that moves, as the camera goes around or as a parameter of the plan changes.
+//! APNG: a moving picture, in which the camera goes around or a parameter of the plan changes.
 
 use std::io::Write;
 
@@ -22,16 +22,16 @@ use crate::watch::Watch;
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Apng;
 
-/// Bytes around the data of a frame: what it is and how long it is seen (38), and two more chunks at worst.
+/// Bytes around the data of a frame: its control chunk (38), and at worst two more chunks.
 const FRAME_BYTES: u128 = 128;
-/// Most pixels of all frames: 60 of four megapixels, some ten seconds of drawing.
-/// Half of it refuses turntables for large screens; twice of it lets one job draw for twice as long.
+/// Maximum number of pixels of all frames: 60 of four megapixels, some ten seconds of drawing. Half of it refuses
+/// turntables for large screens; twice of it lets one job draw for twice as long.
 const MAX_PIXELS: u64 = 1 << 28;
 
 const OWN: [Parameter; 4] = [FRAMES, DELAY, TURNTABLE, SWEEP];
 
 const N: usize = OWN.len() + super::png::PARAMETERS.len();
-/// The options of its frames, after its own.
+/// The options of the format, followed by those of its frames.
 const PARAMETERS: &[Parameter] = &{
     let mut all = [FRAMES; N];
     let mut i = 0;
@@ -53,7 +53,7 @@ const FACTS: &FormatFacts = &FormatFacts {
     ..FormatFacts::USUAL
 };
 
-/// A camera goes around what has other sides; a parameter moves anything.
+/// Refuses a camera that goes around plane curves or functions; a parameter can change with any shape.
 fn holds(kind: ShapeKind, values: &Values) -> Result<(), String> {
     if !goes_around(values) || !matches!(kind, ShapeKind::Curves { dimension: 1..=2 }) {
         return options::drawable(kind);
@@ -63,7 +63,7 @@ fn holds(kind: ShapeKind, values: &Values) -> Result<(), String> {
         .to_owned())
 }
 
-/// Whether the camera goes around.
+/// Returns whether the camera goes around.
 fn goes_around(values: &Values) -> bool {
     values.group(TURNTABLE.name).is_some() || values.group(SWEEP.name).is_none()
 }

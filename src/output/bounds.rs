@@ -13,7 +13,7 @@ impl<const D: usize> Bounds<D> {
     /// The box of no points.
     pub(super) const EMPTY: Self = Self { min: [f64::INFINITY; D], max: [f64::NEG_INFINITY; D] };
 
-    /// Grows the box so that it holds these points. Zeros lose their sign.
+    /// Grows the box so that it contains these points. Zeros lose their sign.
     pub(super) fn add(&mut self, points: &[[f64; D]]) {
         for point in points {
             for ((low, high), &x) in self.min.iter_mut().zip(&mut self.max).zip(point) {
@@ -23,7 +23,7 @@ impl<const D: usize> Bounds<D> {
         }
     }
 
-    /// The smallest box that holds both.
+    /// Returns the smallest box that contains both.
     pub(super) fn joined(mut self, other: &Self) -> Self {
         if !other.is_empty() {
             self.add(&[other.min, other.max]);
@@ -31,17 +31,17 @@ impl<const D: usize> Bounds<D> {
         self
     }
 
-    /// Whether there is no point in it.
+    /// Returns whether the box contains no point.
     pub(super) fn is_empty(&self) -> bool {
         self.min.iter().zip(&self.max).any(|(low, high)| low > high)
     }
 
-    /// The middle; the origin for the empty box.
+    /// Returns the centre; the origin for the empty box.
     pub(super) fn center(&self) -> [f64; D] {
         if self.is_empty() { [0.0; D] } else { std::array::from_fn(|k| self.min[k] / 2.0 + self.max[k] / 2.0) }
     }
 
-    /// Half the longest side; 0 for the empty box.
+    /// Returns half the longest side; 0 for the empty box.
     pub(super) fn half_side(&self) -> f64 {
         (0..D).fold(0.0, |most: f64, k| most.max(self.max[k] / 2.0 - self.min[k] / 2.0))
     }

@@ -1,4 +1,4 @@
-//! Certificates of solids: what is exact, what is bounded, and how.
+//! Certificates of solids: which parts are exact, which are bounded, and how.
 
 use std::io::Write;
 
@@ -18,12 +18,12 @@ use crate::shape::mesh::Mesh;
 use crate::solid;
 use crate::watch::Watch;
 
-/// JSON with what is known of the solid that `step` writes with the same options. Lengths are in model units.
+/// JSON with the properties of the solid that `step` writes with the same options. Lengths are in model units.
 ///
 /// `size` (largest side of the box around the cage), `exact_area_share`, `deviation_bound` and `deviation_of_size`
-/// (distance between the surface and the limit surface), `bound_method` (`certified`, or `sampled` where the distance
-/// was only measured at points of some vertex), `worst_edge_angle_deg` (between normals of faces along smooth edges),
-/// `gap` (between what two faces say of an edge), `volume` (of closed shells; null where there is none), `area`,
+/// (distance between the surface and the limit surface), `bound_method` (`certified`, or `sampled` if the distance at
+/// some vertex was only measured at points), `worst_edge_angle_deg` (between normals of faces along smooth edges),
+/// `gap` (between the two curves of an edge on its faces), `volume` (of closed shells; null if there is none), `area`,
 /// `faces`, `edges`, `vertices`, `shells` (each with its counts), `irregular` (one entry a sector of a vertex where the
 /// surface is not bicubic: place, `faces` around it, `kind`, `level` of isolation, deviation, method, and whether
 /// tangent planes agree by construction), `caps_without_tangent_planes`, `self_intersections` (always `not checked`).
@@ -87,12 +87,12 @@ impl Costs for Certificate {
     }
 }
 
-/// Most bytes of a certificate: every third face is beside a vertex of its own at most.
+/// Returns the maximum number of bytes of a certificate: at most every third face is at a vertex of its own.
 pub(super) fn length(counts: &Counts, options: &Values) -> u128 {
     total(&[(1, 4_096), (forecast(counts, options).faces, 512)])
 }
 
-/// What a certificate says, in the order of its documentation.
+/// Returns the entries of a certificate, in the order of the documentation.
 pub(super) fn report(certificate: &solid::Certificate) -> Value {
     let shell = |shell: &solid::Shell| {
         json!({

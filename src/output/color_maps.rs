@@ -4,7 +4,7 @@ use super::colors::{byte, encoded, linear, scale, signed};
 use super::numbers::rounded;
 use crate::math::parameter::{Default, Kind, Parameter, Values};
 
-/// The map that colours of numbers follow.
+/// The colour map of numbers.
 pub(super) const COLOR_MAP: Parameter = Parameter {
     name: "color_map",
     kind: Kind::Choice(&[
@@ -30,8 +30,8 @@ pub(super) const COLOR_MAP: Parameter = Parameter {
 
 const BLUE_RED: &str = "blue-red";
 
-/// Colours of a table.
-/// With half of it steps between neighbours are seen in smooth pictures; twice of it are more than bytes can tell.
+/// Number of colours of a table. With half of it steps between neighbours are visible in smooth pictures; twice of it
+/// are more than bytes can distinguish.
 const COLORS: u32 = 256;
 
 /// A map of numbers to colours.
@@ -41,27 +41,27 @@ pub(super) struct ColorMap(&'static str);
 impl ColorMap {
     /// From dark blue over green to yellow.
     pub(super) const EVEN: Self = Self("even");
-    /// For distances.
+    /// The map for distances.
     pub(super) const VIRIDIS: Self = Self("viridis");
-    /// For numbers with a sign.
+    /// The map for numbers with a sign.
     pub(super) const SIGNED: Self = Self(BLUE_RED);
 
-    /// The map that the options name, or another.
+    /// Returns the map that the options name, or `otherwise`.
     pub(super) fn of(options: &Values, otherwise: Self) -> Self {
         options.choice(COLOR_MAP.name).map_or(otherwise, Self)
     }
 
-    /// Whether its middle stands for 0.
+    /// Returns whether the middle of the map stands for 0.
     pub(super) fn is_diverging(self) -> bool {
         [BLUE_RED, "purple-green", "brown-teal"].contains(&self.0)
     }
 
-    /// Its colours at equal steps from the least to the greatest number, in linear light.
+    /// Returns the colours at equal steps from the least to the greatest number, in linear light.
     pub(super) fn table(self) -> Vec<[f32; 3]> {
         self.bytes().iter().map(|color| color.map(|byte| rounded(linear(0, f64::from(byte) / 255.0)))).collect()
     }
 
-    /// The same colours in sRGB.
+    /// Returns the colours of [`ColorMap::table`] in sRGB.
     pub(super) fn bytes(self) -> Vec<[u8; 3]> {
         let share = |i| f64::from(i) / f64::from(COLORS - 1);
         let shares = (0..COLORS).map(share);

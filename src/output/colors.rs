@@ -1,9 +1,9 @@
-//! Colours of vertices: sRGB from 0 to 1, as they are given, and as formats store them.
+//! Colours of vertices in sRGB from 0 to 1, and their conversions for formats.
 
 use crate::math::functions::{cos, pow, sin};
 use crate::output::numbers::rounded;
 
-/// Component `k` of a colour in linear light, 0 to 1; alpha (the fourth) is linear already.
+/// Returns component `k` of a colour in linear light, 0 to 1; alpha (the fourth) is linear already.
 ///
 /// Source: IEC 61966-2-1 (1999), section 5.2.
 pub(super) fn linear(k: usize, x: f64) -> f64 {
@@ -15,24 +15,24 @@ pub(super) fn linear(k: usize, x: f64) -> f64 {
     }
 }
 
-/// The component of a colour, sRGB from 0 to 1, whose linear light is `x`: what [`linear`] undoes.
+/// Returns the component in sRGB, from 0 to 1, of linear light `x`: the inverse of [`linear`].
 pub(super) fn encoded(x: f64) -> f64 {
     let x = within(x);
     if x <= 0.003_130_8 { 12.92 * x } else { 1.055 * pow(x, 1.0 / 2.4) - 0.055 }
 }
 
-/// A component as a byte.
+/// Returns a component as a byte.
 #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "the number is rounded, within 0 to 255")]
 pub(super) fn byte(x: f64) -> u8 {
     (within(x) * 255.0 + 0.5) as u8
 }
 
-/// A component brought into 0 to 1: negative weights of some schemes reach beyond.
+/// Clamps a component to 0 to 1: negative weights of some schemes reach beyond.
 pub(super) fn within(x: f64) -> f64 {
     x.clamp(0.0, 1.0) + 0.0
 }
 
-/// The colour of a number from 0 to 1, in linear light: from dark blue over green to yellow.
+/// Returns the colour of a number from 0 to 1, in linear light: from dark blue over green to yellow.
 ///
 /// In CIELAB lightness grows evenly from 22 to 91, so that equal steps look equal and remain in grey prints; the hue
 /// turns from 300 to 95 degrees, at a chroma that screens can show. Formula: `L = 22 + 69 t`, `h = 300 - 205 t`
@@ -42,17 +42,16 @@ pub(super) fn scale(t: f64) -> [f32; 3] {
     lab(22.0 + 69.0 * t, 44.0 * (1.0 - 1.9 * t * (1.0 - t)), 300.0 - 205.0 * t)
 }
 
-/// The colour of a number with a sign, from 0 (blue) over a half (pale, for none) to 1 (red), in linear light.
+/// Returns the colour of a number with a sign, from 0 (blue) over a half (pale, for zero) to 1 (red), in linear light.
 ///
-/// In CIELAB, with s from -1 to 1, `L = 94 - 50 |s|`, `C = 64 |s|`, `h` 285 degrees below and 30 above: both sides
-/// grow alike, and stay apart for who cannot tell red from green.
+/// In CIELAB, with s from -1 to 1, `L = 94 - 50 |s|`, `C = 64 |s|`, `h` 285 degrees below and 30 above: both sides grow
+/// alike, and stay distinct for readers who cannot tell red from green.
 pub(super) fn signed(t: f64) -> [f32; 3] {
     let s = 2.0 * within(t) - 1.0;
     lab(94.0 - 50.0 * s.abs(), 64.0 * s.abs(), if s < 0.0 { 285.0 } else { 30.0 })
 }
 
-/// The colour of the thing with this number among others, in linear light: hues a golden angle apart, of two
-/// lightnesses.
+/// Returns the colour of item `number` in a list, in linear light: hues a golden angle apart, of two lightnesses.
 pub(super) fn mark(number: usize) -> [f32; 3] {
     #[expect(clippy::cast_precision_loss, reason = "there are few names")]
     let turned = 40.0 + GOLDEN_ANGLE_DEG * number as f64;
@@ -62,8 +61,8 @@ pub(super) fn mark(number: usize) -> [f32; 3] {
 /// The angle that divides the circle in the golden ratio, degrees: multiples of it stay apart.
 const GOLDEN_ANGLE_DEG: f64 = 137.507_764_050_037_85;
 
-/// The colour of a lightness (0 to 100), a chroma and a hue (degrees) in CIELAB under D65, in linear light of sRGB;
-/// what screens cannot show is brought within 0 to 1.
+/// Returns the colour of a lightness (0 to 100), a chroma and a hue (degrees) in CIELAB under D65, in linear light of
+/// sRGB; components that screens cannot show are clamped to 0 to 1.
 ///
 /// Sources: CIE 15 (2004), section 8.2.1; IEC 61966-2-1 (1999), section 5.2.
 fn lab(lightness: f64, chroma: f64, hue_deg: f64) -> [f32; 3] {
@@ -94,7 +93,7 @@ mod tests {
         assert!((linear(0, 0.5) - 0.214_041).abs() < 1e-6);
     }
 
-    /// Luminance relative to white.
+    /// Returns the luminance relative to white.
     fn luminance([r, g, b]: [f32; 3]) -> f64 {
         0.2126 * f64::from(r) + 0.7152 * f64::from(g) + 0.0722 * f64::from(b)
     }
@@ -104,7 +103,7 @@ mod tests {
         let lightness = |t: f64| 116.0 * pow(luminance(scale(t)), 1.0 / 3.0) - 16.0;
         for i in 0..=50 {
             let t = f64::from(i) / 50.0;
-            // but for what screens cannot show
+            // except for colours that screens cannot show
             assert!((lightness(t) - (22.0 + 69.0 * t)).abs() < 1.5, "{t}: {}", lightness(t));
         }
         assert_eq!(scale(-1.0).map(f32::to_bits), scale(0.0).map(f32::to_bits));

@@ -1,4 +1,4 @@
-//! A control mesh as a source: all its faces, hidden ones included, with what it carries.
+//! A control mesh as a source: all its faces, hidden ones included, with its attachments.
 
 use std::ops::Range;
 
@@ -13,7 +13,7 @@ use crate::shape::source::{CarriedSource, FaceChunk, MeshSource, OriginSource, P
 pub(super) struct ControlSource<'a>(pub(super) &'a Mesh);
 
 impl ControlSource<'_> {
-    /// The hidden faces, ascending.
+    /// Returns the hidden faces, ascending.
     pub(super) fn holes(&self) -> &[u32] {
         &self.0.holes
     }

@@ -1,4 +1,4 @@
-//! What is known of a result before it is computed.
+//! Counts of a result, known before it is computed.
 
 use std::sync::Arc;
 
@@ -6,12 +6,12 @@ use crate::shape::attachments::Attachments;
 use crate::shape::frame::Frame;
 use crate::solid::Cage;
 
-/// What kind of shape is to be written.
+/// The kind of a shape.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum ShapeKind {
     /// Polygons whose points have this many coordinates.
     Curves {
-        /// 1 to 4.
+        /// Number of coordinates, 1 to 4.
         dimension: usize,
     },
     /// A polygon mesh in space.
@@ -25,44 +25,46 @@ pub struct Counts {
     pub kind: ShapeKind,
     /// Number of polygons (1 for a mesh).
     pub polygons: u128,
-    /// Points or vertices of the input.
+    /// Number of points or vertices of the input.
     pub control: u128,
-    /// Points or vertices.
+    /// Number of points or vertices of the result.
     pub vertices: u128,
-    /// Shown faces (0 for curves).
+    /// Number of shown faces (0 for curves).
     pub faces: u128,
-    /// Half-edges of the shown faces: the sum of their sizes (0 for curves).
+    /// Number of half-edges of the shown faces: the sum of their sizes (0 for curves).
     pub half_edges: u128,
-    /// Vertices of the largest shown face (0 for curves).
+    /// Number of vertices of the largest shown face (0 for curves).
     pub largest_face: u128,
-    /// Vertices that are added, at most, where normals differ across sharp edges; 0 where no edge is sharp.
+    /// Maximum number of vertices added because normals differ across sharp edges; 0 if no edge is sharp.
     pub split_vertices: u128,
-    /// Places with texture coordinates, where there are some.
+    /// Number of places with texture coordinates, if there are any.
     pub uvs: u128,
-    /// Places of all channels with seams.
+    /// Number of places of all channels with seams.
     pub seamed: u128,
-    /// Vertices where there is one for each place of all that has seams; 0 where nothing has.
+    /// Number of vertices with one for each place of attributes with seams; 0 if there are no seams.
     pub unfolded: u128,
-    /// Frames of a mesh beside the first that are shown (0 for curves).
+    /// Number of shown frames of a mesh after the first (0 for curves).
     pub frames: usize,
-    /// What the coordinates mean.
+    /// The unit and the up axis of coordinates.
     pub frame: Frame,
-    /// What a mesh carries besides its shape.
+    /// The attachments of a mesh.
     pub attachments: Arc<Attachments>,
-    /// Faces of the input mesh, hidden ones included (0 for curves).
+    /// Number of faces of the input mesh, hidden ones included (0 for curves).
     pub input_faces: usize,
-    /// Edges of the input mesh (0 for curves).
+    /// Number of edges of the input mesh (0 for curves).
     pub input_edges: usize,
-    /// What decides about the solid of the input mesh, where one is asked for.
+    /// The properties of the input mesh that determine its solid, if one is requested.
     pub cage: Cage,
-    /// Rows and entries of the weights that make the points of those of the input, at most; 0 where no output has them.
+    /// Upper bounds of the rows and entries of the weights that make points from those of the input; 0 if no output has
+    /// them.
     pub weights: [u128; 2],
-    /// Sharp edges and vertices of a mesh that is written as it was given, at most (0 for curves).
+    /// Maximum number of sharp edges and vertices of a mesh that is written without refinement (0 for curves).
     pub tags: usize,
 }
 
 impl Counts {
-    /// Triangles after triangulation: a face of n vertices gives n - 2. Where counts are too large to be true, a bound.
+    /// Returns the number of triangles: a face of n vertices gives n - 2. If counts have overflowed, returns an upper
+    /// bound.
     pub fn triangles(&self) -> u128 {
         let less = self.faces.checked_mul(2).and_then(|twice| self.half_edges.checked_sub(twice));
         less.unwrap_or(self.half_edges)

@@ -3,10 +3,10 @@
 use crate::math::vector::{cross, length};
 use crate::output::scene::Curve;
 
-/// The discrete curvature at each point: that of the circle through it and its two neighbours,
+/// Returns the discrete curvature at point `i`: that of the circle through the point and its two neighbours,
 /// `4 A / (|a| |b| |a + b|)` with the area A of their triangle and the edges a, b before and after the point, in 1 /
-/// model units. In the plane it has a sign, positive where the polygon turns left. `None` at the ends of open polygons
-/// and where two of the three points coincide.
+/// model units. In the plane it has a sign, positive where the polygon turns left. Returns `None` at the ends of open
+/// polygons and if two of the three points coincide.
 ///
 /// Source: Menger, Mathematische Annalen 103 (1930), 466-501.
 pub(super) fn discrete(curve: &Curve, i: usize) -> Option<f64> {

@@ -1,8 +1,8 @@
-//! Files that say of which job they are: the description is put into the bytes of a format while they are written, and
-//! read from them again.
+//! Descriptions of jobs in files: a description is inserted into the bytes of a format while they are written, and can
+//! be read back from them.
 //!
-//! A description is a text of printable ASCII characters, so that it may stand anywhere. What else the bytes hold stays
-//! as it is.
+//! A description consists of printable ASCII characters, so that it may stand anywhere in a file. All other bytes stay
+//! as they are.
 
 use std::io::{self, Write};
 
@@ -12,18 +12,16 @@ use serde_json::Value;
 use super::numbers::total;
 use super::size::Size;
 
-/// What stands before a description, or names it.
+/// The name of a description, or the text before it.
 const NAME: &str = "planish-job";
-/// Characters of a description in one line of comments.
-/// Some programs read lines of headers into rooms of 4,096 bytes. Half of it makes twice as many lines; four times of
-/// it would be cut there.
+/// Number of characters of a description in one line of comments. Some programs read lines of headers into buffers of
+/// 4,096 bytes. Half of it makes twice as many lines; four times of it would be cut there.
 const LINE: usize = 1024;
-/// Most bytes from the start of a file to the place of its description, and to its end.
-/// Half of it is still more than glTF documents have before their `asset`; twice of it reads further into files that
-/// are none of ours.
+/// Maximum number of bytes that are buffered in search of the place of the description. Half of it is still more than
+/// glTF documents have before their `asset`; twice of it buffers more of bytes that have no place for a description.
 const MOST_BEFORE: usize = 64 << 20;
 
-/// Where a format has its description.
+/// The place of the description in a format.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Place {
     /// In a chunk `tEXt` after the first chunk of a PNG.
@@ -32,9 +30,9 @@ enum Place {
     Svg,
     /// In the extras of the asset of a glTF document.
     Gltf,
-    /// The same, in the first chunk of a GLB.
+    /// In the extras of the asset of a glTF document, in the first chunk of a GLB.
     Glb,
-    /// In comments of this keyword, after so many lines.
+    /// In comments with this keyword, after this number of lines.
     Lines(&'static str, usize),
 }
 
@@ -49,7 +47,7 @@ const PLACES: [(&str, Place); 7] = [
     ("svg", Place::Svg),
 ];
 
-/// The names of the formats that hold descriptions.
+/// Returns the names of the formats that hold descriptions.
 pub fn described() -> impl Iterator<Item = &'static str> {
     PLACES.iter().map(|(name, _)| *name)
 }
@@ -58,7 +56,7 @@ fn place(format: &str) -> Option<Place> {
     PLACES.iter().find(|(name, _)| *name == format).map(|(_, place)| *place)
 }
 
-/// The size of bytes of a format with a description.
+/// Returns the size of bytes of a format with a description.
 pub fn size(format: &str, description: &str, bare: Size) -> Size {
     let Some(place) = place(format) else { return bare };
     let added = place.written(description).len() as u128;
@@ -70,7 +68,7 @@ pub fn size(format: &str, description: &str, bare: Size) -> Size {
 }
 
 impl Place {
-    /// What is put into the bytes.
+    /// Returns the bytes that are inserted.
     fn written(self, description: &str) -> Vec<u8> {
         match self {
             Self::Png => {
@@ -99,14 +97,14 @@ impl Place {
         }
     }
 
-    /// Where in the bytes the description goes, if they are enough to tell.
+    /// Returns the offset in the bytes at which the description is inserted, if the bytes suffice to find it.
     fn find(self, bytes: &[u8]) -> Option<usize> {
         let after = |text: &[u8]| bytes.windows(text.len()).position(|part| part == text).map(|at| at + text.len());
         match self {
             // the signature, and the chunk IHDR
             Self::Png => (bytes.len() >= 33).then_some(33),
             Self::Svg => after(b">\n"),
-            // within texts the quotes would have a backslash before them
+            // within strings the quotes would be escaped
             Self::Gltf | Self::Glb => after(b"\"asset\":{"),
             Self::Lines(_, lines) => {
                 bytes.iter().enumerate().filter(|(_, byte)| **byte == b'\n').nth(lines - 1).map(|(at, _)| at + 1)
@@ -115,11 +113,11 @@ impl Place {
     }
 }
 
-/// Bytes of a format on their way, into which a description is put.
+/// A writer that inserts a description into the bytes of a format.
 #[expect(missing_debug_implementations, reason = "what bytes go to need not have one")]
 pub struct Describing<'a> {
     out: &'a mut dyn Write,
-    /// What is still to be put in.
+    /// The description that is still to be inserted.
     put: Option<Put>,
 }
 
@@ -127,22 +125,21 @@ pub struct Describing<'a> {
 struct Put {
     place: Place,
     text: Vec<u8>,
-    /// What has come before the place.
+    /// The bytes before the place.
     before: Vec<u8>,
 }
 
 impl<'a> Describing<'a> {
-    /// The bytes of a format on their way to `out`; they stay as they are where the format has no place for a
-    /// description.
+    /// Wraps `out`; bytes pass unchanged if the format has no place for a description.
     pub fn new(format: &str, description: &str, out: &'a mut dyn Write) -> Self {
         let put = place(format).map(|place| Put { place, text: place.written(description), before: Vec::new() });
         Self { out, put }
     }
 
-    /// Says that all bytes have come.
+    /// Ends the bytes.
     ///
     /// # Errors
-    /// Bytes without a place for the description.
+    /// The bytes had no place for the description.
     pub fn finish(self) -> io::Result<()> {
         if self.put.is_some() {
             return Err(io::Error::other("there was no place for the description"));
@@ -186,7 +183,7 @@ fn lengthen(head: &mut [u8], by: usize) -> io::Result<()> {
     Ok(())
 }
 
-/// The description that a file holds, if it holds one.
+/// Returns the description that a file holds, if any.
 pub fn description(bytes: &[u8]) -> Option<String> {
     let text = |bytes: &[u8]| String::from_utf8(bytes.to_vec()).ok();
     if let Some(chunks) = bytes.strip_prefix(b"\x89PNG\r\n\x1a\n") {
@@ -206,7 +203,7 @@ pub fn description(bytes: &[u8]) -> Option<String> {
     }
     let keyword = if bytes.starts_with(b"ply") { "comment" } else { "#" };
     let start = format!("{keyword} {NAME} ");
-    // it is among the first lines, and in one piece
+    // the description is in one piece among the first lines
     let lines = bytes.split(|byte| *byte == b'\n').skip_while(|line| !line.starts_with(start.as_bytes()));
     let lines: Vec<&[u8]> = lines.map_while(|line| line.strip_prefix(start.as_bytes())).collect();
     if lines.is_empty() { None } else { text(&lines.concat()) }

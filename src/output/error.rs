@@ -1,4 +1,4 @@
-//! Why a format did not write a scene.
+//! Errors of formats.
 
 use std::io;
 
@@ -6,19 +6,19 @@ use crate::drawing::DrawError;
 use crate::fault::Fault;
 use crate::watch::Stopped;
 
-/// Why a scene was not written.
+/// The reason why a scene was not written.
 #[derive(Debug, thiserror::Error)]
 pub enum FormatError {
-    /// The job was asked to stop.
+    /// The job was stopped.
     #[error(transparent)]
     Stopped(#[from] Stopped),
-    /// The bytes could not be taken.
+    /// The bytes could not be written.
     #[error("writing the result failed: {0}")]
     Io(#[from] io::Error),
-    /// It cannot be written as it is asked for: where below the output, and why.
+    /// The scene cannot be written as requested; the fault has a pointer below the output.
     #[error("{0}")]
     Impossible(Fault),
-    /// The scene holds something the format cannot express.
+    /// The scene contains something that the format cannot express.
     #[error("{0}")]
     Unfit(String),
 }

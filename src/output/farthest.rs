@@ -1,14 +1,15 @@
-//! How far a point of one shape is from another shape at most: one half of the Hausdorff distance, with its place and a
-//! bound that no point exceeds.
+//! The largest distance of points of one shape from another shape: one half of the Hausdorff distance, with its place
+//! and an upper bound.
 //!
-//! The distance from a triangle `t` is a convex function, so that over a triangle `T` it is largest at a corner of `T`.
-//! With `d(x)` the distance of `x` from the other shape,
+//! The distance from a triangle `t` is a convex function, so over a triangle `T` it is largest at a corner of `T`. With
+//! `d(x)` the distance of `x` from the other shape,
 //!
 //! `max over corners of d <= max over T of d <= min over t of (max over corners x of T of |x - t|)`,
 //!
-//! and the few `t` that are nearest to the corners and to the centre of `T` are enough on the right. Triangles whose
-//! two sides are far apart are cut in four, until they are close or there is no more work to be spent. Source: M. Tang,
-//! M. Lee, Y. Kim, ACM Transactions on Graphics 28 (2009), article 74; the convex bound is the one of their section 4.
+//! and on the right it is enough to take the few `t` that are nearest to the corners and to the centre of `T`.
+//! Triangles whose lower and upper bounds are far apart are cut in four, until the bounds are close or the budget of
+//! cuts is spent. Source: M. Tang, M. Lee, Y. Kim, ACM Transactions on Graphics 28 (2009), article 74; the convex bound
+//! is the one of their section 4.
 
 use rayon::prelude::*;
 
@@ -18,18 +19,18 @@ use crate::math::functions::sqrt;
 use crate::math::vector::{Vector, square_from_triangle};
 use crate::watch::{Stopped, Watch};
 
-/// Triangles that are cut in four at most, both ways counted by themselves.
-/// They take some seconds of one core. Half of it leaves wider bounds where two surfaces lie close but are cut into
-/// triangles otherwise; twice of it takes twice as long there.
+/// Maximum number of triangles that are cut in four, for each direction of a comparison. They take some seconds of one
+/// core. Half of it leaves wider bounds where two surfaces lie close but are triangulated differently; twice of it
+/// takes twice as long there.
 const MOST_CUT: usize = 1 << 16;
-/// How much of the distance that was found may be left open.
-/// Half of it cuts about twice as many triangles, twice of it half as many.
+/// Accepted gap between the bounds, relative to the distance found. Half of it cuts about twice as many triangles,
+/// twice of it half as many.
 const RELATIVE: f64 = 1e-3;
-/// The same as a share of the box around the shape, for shapes that are nearly the same.
-/// It is about the rounding of f32, in which most files hold their numbers: half of it looks for what files cannot say,
+/// Accepted gap as a share of the diagonal of the box around the shape, for shapes that are nearly the same. It is
+/// about the rounding of f32, in which most files hold their numbers: half of it searches below the precision of files;
 /// twice of it lets more than their rounding pass.
 const OF_DIAGONAL: f64 = 1e-7;
-/// Triangles that one thread measures before it asks whether to go on. Half and twice of it ask twice and half as
+/// Number of triangles that a thread measures before it checks the watch. Half or twice of it checks twice or half as
 /// often; results are the same.
 const PART: usize = 4_096;
 
@@ -37,19 +38,19 @@ const PART: usize = 4_096;
 #[derive(Debug)]
 pub struct Measured(Triangles);
 
-/// The point of a shape that is farthest from another.
+/// The point of a shape that is farthest from another shape.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Farthest {
-    /// Its distance, model units.
+    /// The distance of the point, model units.
     pub distance: f64,
-    /// The distance that no point of the shape exceeds.
+    /// A distance that no point of the shape exceeds, model units.
     pub at_most: f64,
     /// The point.
     pub at: Vector,
 }
 
-/// A triangle, the squared distance of its farthest known point with that point, and the squared distance that none of
-/// its points exceeds.
+/// A triangle, the squared distance of its farthest known point with that point, and an upper bound of the squared
+/// distances of its points.
 #[derive(Debug, Clone, Copy)]
 struct Piece {
     corners: [Vector; 3],
@@ -59,16 +60,17 @@ struct Piece {
 }
 
 impl Measured {
-    /// Bytes of memory a triangle in the tree.
+    /// Bytes of memory per triangle in the tree.
     pub const NODE_BYTES: u128 = TRIANGLE_BYTES;
-    /// Bytes of memory a triangle: in the tree, and as a piece with its number.
+    /// Bytes of memory per triangle: in the tree, and as a piece with its number.
     pub const TRIANGLE_BYTES: u128 = Self::NODE_BYTES + size_of::<Piece>() as u128 + 8;
-    /// Distances that are asked for a triangle.
+    /// Number of distances that are computed for a triangle.
     pub const QUERIES: u128 = 4;
-    /// Triangles that are measured at most beyond those that the shape has.
+    /// Maximum number of triangles that are measured beyond those of the shape.
     pub const MOST_PIECES: u128 = 4 * MOST_CUT as u128;
 
-    /// A shape, whose faces are cut into triangles as for every picture. Points have three coordinates at most.
+    /// Prepares a shape, whose faces are cut into triangles as for every picture. Points have at most three
+    /// coordinates.
     ///
     /// # Errors
     /// [`Stopped`] when the watch says so.
@@ -82,7 +84,7 @@ impl Measured {
         }
     }
 
-    /// The point that is farthest from another shape; none where one of them has no faces.
+    /// Returns the point that is farthest from another shape; `None` if one of the shapes has no faces.
     ///
     /// # Errors
     /// [`Stopped`] when the watch says so.
@@ -101,7 +103,7 @@ impl Measured {
                 pieces.into_iter().partition(|piece| sqrt(piece.most) > enough);
             settled = closed.iter().fold(settled, |most, piece| most.max(piece.most));
             pieces = open;
-            // the widest are cut while there is work left
+            // the triangles with the largest bounds are cut, as far as the budget allows
             pieces.sort_by(|a, b| b.most.total_cmp(&a.most));
             let cut = pieces.len().min(left);
             if cut == 0 {
@@ -117,7 +119,7 @@ impl Measured {
         Ok(Some(Farthest { distance: sqrt(best.least), at_most: sqrt(most), at: best.at }))
     }
 
-    /// Measures triangles against this shape, which has some.
+    /// Measures triangles against this shape, which has at least one triangle.
     fn measured(&self, triangles: &[[Vector; 3]], watch: &Watch) -> Result<Vec<Piece>, Stopped> {
         let part = |part: &[[Vector; 3]]| {
             watch.check()?;
@@ -143,12 +145,12 @@ impl Measured {
             let from = corners.map(|corner| square_from_triangle(corner, other));
             most = most.min(from[0].max(from[1]).max(from[2]));
         }
-        // rounding may turn the two around where they are one
+        // rounding may swap the two bounds where they are equal
         Piece { corners, least, at, most: most.max(least) }
     }
 }
 
-/// The four triangles between the corners and the middles of the sides.
+/// Returns the four triangles between the corners and the midpoints of the sides.
 fn quarters([a, b, c]: [Vector; 3]) -> [[Vector; 3]; 4] {
     let middle = |p: Vector, q: Vector| [0, 1, 2].map(|k| p[k].midpoint(q[k]));
     let (ab, bc, ca) = (middle(a, b), middle(b, c), middle(c, a));
@@ -172,7 +174,7 @@ mod tests {
 
     #[test]
     fn a_point_between_two_vertices_may_be_the_farthest() {
-        // of the segment below, the middle is farthest from the two posts, and no vertex of it is far from them
+        // the middle of the segment below is farthest from the two posts, and none of its vertices is far from them
         let below = polygon(&[[0.0, 0.0], [8.0, 0.0]], false);
         let posts = polygon(&[[8.0, 0.0], [8.0, 6.0], [0.0, 6.0], [0.0, 0.0]], false);
         let [there, back] = both_ways(below, posts);

@@ -15,9 +15,8 @@ use crate::math::parameter::{Default, Kind, Parameter, Values};
 use crate::math::vector::minus;
 use crate::watch::{Stage, Watch};
 
-/// Most frames.
-/// Ten seconds of a smooth picture. Half of it cuts turntables of half degrees; with twice of it one job draws for
-/// twice as long.
+/// Maximum number of frames. Ten seconds of a smooth picture. Half of it cuts turntables of half degrees; with twice of
+/// it one job draws for twice as long.
 const MAX_FRAMES: i64 = 240;
 
 /// Frames of a moving picture.
@@ -29,7 +28,7 @@ pub(super) const FRAMES: Parameter = Parameter {
     doc: "How many frames there are.",
 };
 
-/// How long a frame is seen.
+/// The duration of a frame.
 pub(super) const DELAY: Parameter = Parameter {
     name: "delay_ms",
     kind: Kind::Integer { min: 10, max: 10_000 },
@@ -38,7 +37,7 @@ pub(super) const DELAY: Parameter = Parameter {
     doc: "How long each frame is seen. The picture begins again after the last one.",
 };
 
-/// The way of the camera.
+/// The path of the camera.
 pub(super) const TURNTABLE: Parameter = Parameter {
     name: "turntable",
     kind: Kind::Group(&[
@@ -84,12 +83,12 @@ pub(super) const SWEEP: Parameter = Parameter {
 
 const UNBOUNDED: [f64; 2] = [f64::NEG_INFINITY, f64::INFINITY];
 
-/// How many frames these options ask for.
+/// Returns the number of frames.
 pub(super) fn frames(values: &Values) -> usize {
     values.integer(FRAMES.name).and_then(|n| usize::try_from(n).ok()).unwrap_or(2).max(2)
 }
 
-/// What parameter changes from frame to frame, if one does.
+/// Returns the parameter that changes from frame to frame and its values, if one does.
 pub(super) fn sweep(values: &Values) -> Option<Sweep> {
     let asked = values.group(SWEEP.name)?;
     let [from, to] = [asked.number("from")?, asked.number("to")?];
@@ -97,7 +96,7 @@ pub(super) fn sweep(values: &Values) -> Option<Sweep> {
     Some(Sweep { pointer, values: between(from, to, frames(values), false) })
 }
 
-/// `n` numbers evenly from one to another; without the last of one more where the way is `round`.
+/// Returns `n` evenly spaced numbers from `from` to `to`; if `round`, without `to`, which would be the next one.
 #[expect(clippy::cast_precision_loss, reason = "there are some hundred frames")]
 fn between(from: f64, to: f64, n: usize, round: bool) -> Vec<f64> {
     let steps = if round { n } else { n - 1 } as f64;
@@ -106,7 +105,7 @@ fn between(from: f64, to: f64, n: usize, round: bool) -> Vec<f64> {
     (0..n).map(at).collect()
 }
 
-/// The options of each frame, all framed by the box around what all of them show.
+/// Returns the options of each frame, all framed by the box around everything that the frames show.
 pub fn shots(values: &Values, extent: &Extent, frame: Frame) -> Vec<Values> {
     let values = framed(values, extent);
     let n = frames(&values);
@@ -120,7 +119,7 @@ pub fn shots(values: &Values, extent: &Extent, frame: Frame) -> Vec<Values> {
     turned(&values, &azimuths, frame)
 }
 
-/// The options seen from these azimuths, at the distance, or the scale, at which all of them show everything.
+/// Returns the options with these azimuths, at the distance or scale at which all frames show everything.
 fn turned(values: &Values, azimuths: &[f64], frame: Frame) -> Vec<Values> {
     let options = Options::new(values, frame);
     let camera = values.group(CAMERA.name).cloned().unwrap_or_default();
@@ -140,7 +139,7 @@ fn turned(values: &Values, azimuths: &[f64], frame: Frame) -> Vec<Values> {
     azimuths.iter().zip(&cameras).map(seen).collect()
 }
 
-/// A moving picture on its way out.
+/// A moving picture that is being written.
 pub struct Film<'a> {
     writer: Writer<&'a mut dyn Write>,
     is_opaque: bool,
@@ -170,7 +169,7 @@ impl<'a> Film<'a> {
         let mut encoder = Encoder::new(out, options.size[0], options.size[1]);
         encoder.set_color(if is_opaque { ColorType::Rgb } else { ColorType::Rgba });
         encoder.set_depth(BitDepth::Eight);
-        // the path of still pictures, see decision 7
+        // as for still pictures, see decision 7
         encoder.set_compression(Compression::Fast);
         encoder.set_filter(Filter::Adaptive);
         encoder.set_pixel_dims(options.dpi().map(picture::pixel_dims));
@@ -183,7 +182,7 @@ impl<'a> Film<'a> {
     /// Adds a frame: the picture of a scene.
     ///
     /// # Errors
-    /// Those of the picture, and when the writer fails.
+    /// Errors of the picture, or when the writer fails.
     pub fn frame(&mut self, scene: &Scene<'_>, values: &Values, watch: &Watch) -> Result<(), FormatError> {
         let mut pixels = picture::pixels(scene, values, watch)?;
         watch.check()?;

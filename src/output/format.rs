@@ -1,4 +1,4 @@
-//! What every format declares, and what it does.
+//! The traits of formats: what a format declares, requires, costs and writes.
 
 use std::fmt;
 use std::io::Write;
@@ -17,7 +17,7 @@ use crate::shape::mesh::Mesh;
 use crate::shape::tile::Tile;
 use crate::watch::Watch;
 
-/// What a format declares.
+/// The declaration of a format.
 #[derive(Debug)]
 pub struct FormatFacts {
     /// Name in requests.
@@ -26,30 +26,29 @@ pub struct FormatFacts {
     pub extension: &'static str,
     /// Media type of the bytes.
     pub media_type: &'static str,
-    /// What the bytes are, for the description of the service.
+    /// Kind of the bytes, for the description of the service.
     pub content: Content,
     /// One sentence for the catalogue.
     pub doc: &'static str,
-    /// Options that the format knows.
+    /// Options of the format.
     pub parameters: &'static [Parameter],
-    /// What the bytes are made of.
+    /// The data from which the bytes are made.
     pub made_of: MadeOf,
-    /// Whether the bytes depend on the plan even where none of its levels was applied.
+    /// Whether the bytes depend on the plan even if none of its levels was applied.
     pub tells_plan: bool,
-    /// What pictures of several scenes are put together on, where the format can hold them.
+    /// The kind of figure that can be composed of pictures in this format, if any.
     pub paper: Option<Paper>,
     /// Whether the format holds several frames of a mesh.
     pub holds_frames: bool,
-    /// Whether the format holds a mesh but not which of its edges and vertices are sharp.
+    /// Whether the format holds a mesh but not the sharpness of its edges and vertices.
     pub has_no_tags: bool,
-    /// Whether the format can hold what these options make of a shape of this kind; else a sentence that says why not,
+    /// Accepts a shape of this kind under these options, or returns a sentence that says why the format cannot hold it,
     /// and which formats can.
     pub holds: fn(ShapeKind, &Values) -> Result<(), String>,
 }
 
 impl FormatFacts {
-    /// The facts of a format that says nothing else; its name, extension, media type and documentation are still to be
-    /// given.
+    /// The default facts of a format, without its name, extension, media type and documentation.
     pub const USUAL: Self = Self {
         name: "",
         extension: "",
@@ -66,12 +65,12 @@ impl FormatFacts {
     };
 }
 
-/// What the bytes of a format are.
+/// The kind of the bytes of a format.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Content {
     /// A JSON object.
     Json,
-    /// Text that is no JSON, whatever the options.
+    /// Text that is not JSON, whatever the options.
     Text,
     /// Other bytes.
     Binary,
@@ -79,7 +78,7 @@ pub enum Content {
     Packed,
 }
 
-/// What the bytes of a format are made of.
+/// The data from which the bytes of a format are made.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum MadeOf {
     /// The points of a level.
@@ -90,7 +89,7 @@ pub enum MadeOf {
     Weights,
 }
 
-/// What pictures are put together on.
+/// The kinds of figures composed of several pictures.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Paper {
     /// Pixels.
@@ -101,39 +100,39 @@ pub enum Paper {
     Pdf,
 }
 
-/// Results that other bytes refer to: the same shape at some levels.
+/// Results to which other bytes refer: the same shape at several levels.
 #[derive(Debug)]
 pub struct Details {
     /// The format of these results.
     pub format: &'static dyn Format,
-    /// The option that asks for them.
+    /// The option that requests them.
     pub option: &'static str,
-    /// Levels, in ascending order, the last of which is that of the job.
+    /// Levels, in ascending order; the last one is that of the job.
     pub levels: Vec<u32>,
 }
 
 /// Values of a parameter of a plan, one a frame.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Sweep {
-    /// The place of the parameter in the job.
+    /// The JSON pointer of the parameter in the job.
     pub pointer: String,
-    /// Its values.
+    /// The values of the parameter.
     pub values: Vec<f64>,
 }
 
-/// A way to write a scene as bytes: what it declares, what it asks of a job, what it costs, and the writing itself.
+/// A way to write a scene as bytes: its declaration, its requirements of a job, its costs, and the writing itself.
 pub trait Format: Requirements + Costs + fmt::Debug + Send + Sync {
-    /// Returns what the format declares.
+    /// Returns the declaration of the format.
     fn facts(&self) -> &'static FormatFacts;
 
-    /// Returns the kinds of face for which the format can write a mesh that is refined while it is written: it asks
-    /// for no range of positions twice, and only in the order of the vertices or of the faces.
+    /// Returns the kinds of face for which the format can write a mesh while it is refined: the format reads no range
+    /// of positions twice, and ranges only in the order of the vertices or of the faces.
     fn streams(&self, _mesh: &Mesh, _options: &Values) -> &'static [Tile] {
         &[]
     }
 
-    /// Returns the levels whose results the bytes refer to, and the format of these results, which takes all options
-    /// but the one that asks for them.
+    /// Returns the levels to whose results the bytes refer, and the format of these results, which takes all options
+    /// but the one that requests them.
     fn details(&self, _options: &Values) -> Option<Details> {
         None
     }
@@ -143,7 +142,7 @@ pub trait Format: Requirements + Costs + fmt::Debug + Send + Sync {
         None
     }
 
-    /// Returns the mean length, in pixels, of the edges of an input in the picture; `None` for formats that are no
+    /// Returns the mean length, in pixels, of the edges of an input in the picture; `None` for formats that are not
     /// pictures.
     fn side_px(&self, _outline: &Outline, _frame: Frame, _options: &Values) -> Option<f64> {
         None
@@ -152,14 +151,14 @@ pub trait Format: Requirements + Costs + fmt::Debug + Send + Sync {
     /// Writes the scene.
     ///
     /// # Errors
-    /// When the scene cannot be held after all, the writer fails, or the watch says stop.
+    /// If the scene cannot be held after all, the writer fails, or the watch says stop.
     fn write(&self, scene: &Scene<'_>, options: &Values, out: &mut dyn Write, watch: &Watch)
     -> Result<(), FormatError>;
 }
 
-/// What a format asks of a job before anything is computed, and what it leaves out.
+/// The requirements of a format, checked before anything is computed, and what the format leaves out.
 pub trait Requirements {
-    /// Checks the options against the kind of shape and what the shape carries.
+    /// Checks the options against the kind of shape and its attachments.
     ///
     /// # Errors
     /// The fault, with a pointer below the output.
@@ -167,7 +166,7 @@ pub trait Requirements {
         Ok(())
     }
 
-    /// Checks that the format can count what there will be. Whether it can hold the coordinates shows only when they
+    /// Checks that the counts of the result are within the limits of the format. Coordinates are checked only when they
     /// are computed.
     ///
     /// # Errors
@@ -176,7 +175,7 @@ pub trait Requirements {
         Ok(())
     }
 
-    /// Checks that the format can hold what a plan makes of a mesh.
+    /// Checks that the format can hold the result of a plan on a mesh.
     ///
     /// # Errors
     /// The fault, with a pointer below the output.
@@ -184,73 +183,73 @@ pub trait Requirements {
         Ok(())
     }
 
-    /// Returns, in sentences, what the format leaves out of what a mesh carries.
+    /// Returns sentences about the attachments of a mesh that the format leaves out.
     fn leaves_out(&self, _carried: &Attachments, _options: &Values) -> Vec<String> {
         Vec::new()
     }
 
-    /// Returns the option that refers to single faces, edges or vertices of the input, if one is set. Schemes that
-    /// make faces of their own cannot answer it.
+    /// Returns the option that refers to single faces, edges or vertices of the input, if one is set. Schemes that make
+    /// new faces independent of these do not support such options.
     fn refers(&self, options: &Values) -> Option<&'static str> {
         options.flag(IDS.name).then_some(IDS.name)
     }
 }
 
-/// What writing costs, told before anything is computed.
+/// The costs of writing, forecast before anything is computed.
 pub trait Costs {
-    /// Returns the bytes that shapes of these counts take.
+    /// Returns the size of the bytes for shapes of these counts.
     fn size(&self, counts: &Counts, options: &Values) -> Size;
 
-    /// Returns the bytes of memory that the options cost while the scene is written, beyond those that every result of
-    /// such a shape needs.
+    /// Returns the memory in bytes that the options cost while the scene is written, beyond what every result of such a
+    /// shape needs.
     fn memory(&self, _counts: &Counts, _options: &Values) -> u128 {
         0
     }
 
     /// Returns the work beyond refining the shape and encoding its bytes, in rows of a table (100 ns each). `mesh` is
-    /// the input, where that is a mesh.
+    /// the input, if it is a mesh.
     fn work(&self, _mesh: Option<&Mesh>, _counts: &Counts, _options: &Values) -> u128 {
         0
     }
 
-    /// Tells whether these options have the limit surface built as a solid.
+    /// Returns whether these options require the limit surface as a solid.
     fn makes_solid(&self, _options: &Values) -> bool {
         false
     }
 }
 
 impl dyn Format + '_ {
-    /// Name in requests.
+    /// Returns the name in requests.
     pub fn name(&self) -> &'static str {
         self.facts().name
     }
 
-    /// File extension without the dot.
+    /// Returns the file extension without the dot.
     pub fn extension(&self) -> &'static str {
         self.facts().extension
     }
 
-    /// Media type of the bytes.
+    /// Returns the media type of the bytes.
     pub fn media_type(&self) -> &'static str {
         self.facts().media_type
     }
 
-    /// What pictures of several scenes are put together on, where the format can hold them.
+    /// Returns the kind of figure that can be composed of pictures in this format, if any.
     pub fn paper(&self) -> Option<Paper> {
         self.facts().paper
     }
 
-    /// Whether the bytes are made of the input and its limit surface, whatever the number of levels.
+    /// Returns whether the bytes are made of the input and its limit surface, whatever the number of levels.
     pub fn is_of_limit(&self) -> bool {
         self.facts().made_of == MadeOf::Limit
     }
 
-    /// Whether the bytes tell how points are made, and not where they are: then nothing is refined.
+    /// Returns whether the bytes are the weights of points and not the points; then nothing is refined.
     pub fn is_of_weights(&self) -> bool {
         self.facts().made_of == MadeOf::Weights
     }
 
-    /// Whether the format can hold a shape of this kind, whatever the options.
+    /// Checks that the format can hold a shape of this kind, whatever the options.
     ///
     /// # Errors
     /// A sentence that says why not, and which formats can.

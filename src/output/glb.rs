@@ -30,9 +30,9 @@ const CHUNK_HEADER: u128 = 8;
 
 /// Binary glTF 2.0: triangles or line strips in f32.
 ///
-/// The JSON chunk is padded with spaces to a length that depends on the kind of the shape, the number of polygons and
-/// what a mesh carries only, so that the length of the file is known beforehand. Models far from the origin are moved
-/// there, and the node's translation moves them back.
+/// The JSON chunk is padded with spaces to a length that depends only on the kind of the shape, the number of polygons
+/// and the attachments of the mesh, so that the length of the file is known beforehand. Models far from the origin are
+/// moved there, and the node's translation moves them back.
 ///
 /// Source: Khronos Group, glTF 2.0 Specification, section 4.4.
 #[derive(Debug)]
@@ -94,7 +94,7 @@ impl Costs for Glb {
             return Size::AtMost(file(contents.packed_room(), amounts.packed_bytes(packing)));
         }
         let bytes = file(contents.room(), amounts.bytes());
-        // how many vertices are split depends on what becomes of their edges
+        // the number of split vertices depends on which edges stay sharp
         if split_vertices(counts, options) > 0 { Size::AtMost(bytes) } else { Size::Exact(bytes) }
     }
 
@@ -114,7 +114,7 @@ fn write(buffer: &Buffer<'_>, out: &mut dyn Write, watch: &Watch) -> Result<(), 
     if binary > 0 { buffer.write(out, watch) } else { Ok(()) }
 }
 
-/// Writes all before the binary of so many bytes, for which there is no chunk where it is empty.
+/// Writes everything before `binary` bytes of the binary chunk; there is no such chunk if it is empty.
 fn container(json: &[u8], binary: u128, out: &mut dyn Write) -> Result<(), FormatError> {
     let room = json.len() as u128;
     let file = check_length(file(room, binary)).map_err(FormatError::Unfit)?;
@@ -133,20 +133,20 @@ fn write_packed(packed: &Packed, out: &mut dyn Write) -> Result<(), FormatError>
     Ok(out.write_all(&packed.bytes)?)
 }
 
-/// The document with spaces up to the length that was forecast for it.
+/// Pads the document with spaces to its forecast length.
 fn padded(mut json: Vec<u8>, room: u128) -> Result<Vec<u8>, FormatError> {
     let length = json.len();
     if length as u128 > room {
-        // cut short it would be no JSON, and the length of the file was promised
+        // a document cut short would not be JSON, and the length of the file was announced
         let detail = format!("the glTF document takes {length} bytes, {room} were forecast");
         return Err(FormatError::Io(io::Error::other(detail)));
     }
-    // what is longer than memory fails in the container, whose length is counted in 32 bits
+    // a length beyond `usize` fails in the container, whose lengths have 32 bits
     json.resize(usize::try_from(room).unwrap_or(length), b' ');
     Ok(json)
 }
 
-/// A length of a file as glb counts it.
+/// Converts the length of a file to the 32 bits of glb.
 fn check_length(bytes: u128) -> Result<u32, String> {
     u32::try_from(bytes).map_err(|_| {
         let [bytes, most] = [bytes, u32::MAX.into()].map(in_bytes);
@@ -154,7 +154,7 @@ fn check_length(bytes: u128) -> Result<u32, String> {
     })
 }
 
-/// Length of a file with chunks of these lengths; an empty binary chunk is left out.
+/// Returns the length of a file with chunks of these lengths; an empty binary chunk is left out.
 fn file(json: u128, binary: u128) -> u128 {
     let chunks = if binary > 0 { 2 } else { 1 };
     total(&[(HEADER, 1), (CHUNK_HEADER, chunks), (json, 1), (binary, 1)])

@@ -32,7 +32,7 @@ const URI: &str = "data:application/octet-stream;base64,";
 #[derive(Debug)]
 pub(super) struct Gltf;
 
-/// The options of both containers, and the one that takes several files.
+/// The options of both containers, and the one for levels of detail in several files.
 const ALL_PARAMETERS: &[Parameter] = &{
     let mut all = [LOD; PARAMETERS.len() + 1];
     let mut i = 0;
@@ -121,7 +121,7 @@ impl Costs for Gltf {
     }
 }
 
-/// Writes a document with the bytes of its buffer where their address starts.
+/// Writes a document, and inserts the bytes of its buffer after the start of its data URI.
 fn write(
     json: &[u8],
     out: &mut dyn Write,

@@ -1,4 +1,4 @@
-//! How long the halves of glTF are, known before either is written.
+//! The lengths of the halves of glTF, known before either is written.
 
 use crate::fault::Fault;
 use crate::math::parameter::Values;
@@ -17,47 +17,47 @@ use crate::shape::labels::by_labels;
 /// Bytes of a position or a normal.
 pub(super) const VECTOR: u128 = 12;
 
-/// Bytes of a position and of a normal in whole numbers, with what fills them up to a multiple of 4.
+/// Bytes of a position and of a normal in whole numbers, padded to a multiple of 4.
 const PLACE: u128 = 8;
 const DIRECTION: u128 = 4;
 
-/// Most vertices whose indices take 16 bits: the largest number that 16 bits hold starts a new strip in some programs.
+/// Maximum number of vertices with 16-bit indices: the largest 16-bit number starts a new strip in some programs.
 const SHORT_INDICES: u128 = 65_535;
 
 /// Bytes of the origin of a vertex: dimension and number of the input cell.
 pub(super) const ORIGIN: u128 = 8;
 
-/// Bytes at most that a document spends on a morph target: two accessors, one with its bounds, two views, a weight, a
+/// Maximum number of bytes of a morph target in a document: two accessors, one with its bounds, two views, a weight, a
 /// name, and the target of the first primitive.
 const TARGET: u128 = 1_024;
 
-/// Bytes at most that the document of a packed model takes more: the names of extensions and a second buffer, then each
-/// view for what is encoded, and each mesh for its errors and where its node puts it.
+/// Maximum number of bytes that packing adds to a document: the names of extensions and a second buffer, then per view
+/// the entry of its encoding, and per mesh its errors and the transform of its node.
 const PACKED: u128 = 512;
 const PACKED_VIEW: u128 = 256;
 const PACKED_MESH: u128 = 384;
 
-/// Bytes at most of an animation: two accessors, two views, a sampler and its channel.
+/// Maximum number of bytes of an animation: two accessors, two views, a sampler and its channel.
 const ANIMATION: u128 = 1_024;
 
-/// Bytes at most of the mesh and the node of a group besides its name, and of its channel in an animation.
+/// Maximum number of bytes of the mesh and the node of a group besides its name, and of its channel in an animation.
 const GROUP: u128 = 256;
 
-/// Bytes at most of a target in each further primitive: the numbers of two accessors, a weight and a name.
+/// Maximum number of bytes of a target in each further primitive: the numbers of two accessors, a weight and a name.
 const TARGET_OF_PART: u128 = 64;
 
-/// Bytes of memory that a vertex takes while it is packed, besides those of the buffer: its numbers in the new order,
-/// as vectors, and as the codec reads them, 61 when the sizes of these are added, and a quarter more.
+/// Bytes of memory per vertex while it is packed, besides those of the buffer: its numbers in the new order, as
+/// vectors, and as the codec reads them, 61 when the sizes of these are added, and a quarter more.
 const VERTEX_BYTES: u128 = 80;
 
-/// The same of a triangle: its corners before and after, the triangles of its vertices, and its place among all.
-/// These add up to 73; a third is spare.
+/// Bytes of memory per triangle while it is packed: its corners before and after, the triangles of its vertices, and
+/// its place among all. These add up to 73; a third is spare.
 const TRIANGLE_BYTES: u128 = 96;
 
-/// Input cells whose numbers f32 holds exactly.
+/// Number of input cells whose numbers f32 holds exactly.
 const CELLS: usize = 1 << 24;
 
-/// Whether f32 holds the numbers of all vertices, edges and faces of the input exactly, where origins are asked for.
+/// Refuses origins if f32 cannot hold the numbers of all vertices, edges and faces of the input exactly.
 pub(super) fn check_origins(cells: [usize; 3], ids: bool) -> Result<(), String> {
     match cells.iter().max() {
         Some(&most) if ids && most > CELLS => Err(format!(
@@ -68,7 +68,7 @@ pub(super) fn check_origins(cells: [usize; 3], ids: bool) -> Result<(), String> 
     }
 }
 
-/// Whether what a result would have can be counted in glTF.
+/// Refuses results whose counts are beyond the limits of glTF.
 pub(super) fn fits(counts: &Counts, options: &Values) -> Result<(), Fault> {
     let vertices = usize::try_from(counts.control).unwrap_or(usize::MAX);
     let ids = counts.kind == ShapeKind::Mesh && options.flag(IDS.name);
@@ -79,7 +79,7 @@ pub(super) fn fits(counts: &Counts, options: &Values) -> Result<(), Fault> {
     check_origins([vertices, counts.input_edges, counts.input_faces], ids).map_err(|detail| Fault::new("/ids", detail))
 }
 
-/// Bytes of memory that packing takes besides those of the result.
+/// Returns the memory of packing besides the memory of the result, bytes.
 pub(super) fn packing_memory(counts: &Counts, options: &Values) -> u128 {
     if Packing::of(options).is_none() {
         return 0;
@@ -89,7 +89,7 @@ pub(super) fn packing_memory(counts: &Counts, options: &Values) -> u128 {
     total(&[(loose, 2), (amounts.vertices, VERTEX_BYTES), (amounts.triangles, TRIANGLE_BYTES)])
 }
 
-/// The time that packing takes, in rows of 100 ns: one a triangle and one a vertex.
+/// Returns the work of packing, in rows of 100 ns: one per triangle and one per vertex.
 pub(super) fn packing_work(counts: &Counts, options: &Values) -> u128 {
     if Packing::of(options).is_none() {
         return 0;
@@ -98,12 +98,12 @@ pub(super) fn packing_work(counts: &Counts, options: &Values) -> u128 {
     amounts.vertices.saturating_add(amounts.triangles)
 }
 
-/// Whether normals are asked for.
+/// Returns whether normals are requested.
 pub(super) fn with_normals(options: &Values) -> bool {
     options.choice("normals") != Some("none")
 }
 
-/// Copies of vertices, at most, that have a normal of their own.
+/// Returns the maximum number of copies of vertices that have a normal of their own.
 pub(super) fn split_vertices(counts: &Counts, options: &Values) -> u128 {
     if with_normals(options) { hard_edges::split_vertices(counts, options) } else { 0 }
 }
@@ -111,28 +111,29 @@ pub(super) fn split_vertices(counts: &Counts, options: &Values) -> u128 {
 /// Numbers of rows in the buffer.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Amounts {
-    /// Positions.
+    /// Number of positions.
     pub(super) vertices: u128,
     /// Whether each position has a normal.
     pub(super) normals: bool,
-    /// Numbers that each vertex carries in channels.
+    /// Number of components of all channels of a vertex.
     pub(super) numbers: u128,
     /// Whether each vertex has texture coordinates.
     pub(super) uvs: bool,
     /// Whether vertices and triangles have their origins.
     pub(super) ids: bool,
-    /// Triples of indices.
+    /// Number of triples of indices.
     pub(super) triangles: u128,
-    /// Morph targets: frames beside the first, each with a position and, where there are normals, a normal a vertex.
+    /// Number of morph targets: frames after the first, each with a position and, if there are normals, a normal per
+    /// vertex.
     pub(super) targets: u128,
-    /// Frames a second of their animation, if there is one.
+    /// Frames per second of the animation, if there is one.
     pub(super) frame_rate: Option<f64>,
-    /// Bytes of pictures, a multiple of 4.
+    /// Bytes of images, a multiple of 4.
     pub(super) images: u128,
 }
 
 impl Amounts {
-    /// The most for these counts; shapes without faces have no normals, curves carry nothing.
+    /// Returns the maximum amounts for these counts; shapes without faces have no normals, curves have no attachments.
     pub(super) fn of(counts: &Counts, options: &Values) -> Self {
         let mesh = counts.kind == ShapeKind::Mesh;
         let faces = if mesh { counts.faces } else { 0 };
@@ -150,7 +151,7 @@ impl Amounts {
         }
     }
 
-    /// The amounts of a shape that is there.
+    /// Returns the amounts of a shape.
     pub(super) fn of_shape(shape: Shape<'_>, options: &Values) -> Self {
         match shape {
             Shape::Mesh(mesh) => {
@@ -181,22 +182,22 @@ impl Amounts {
         }
     }
 
-    /// Bytes of three indices.
+    /// Returns the bytes of three indices.
     pub(super) fn triangle(&self) -> u128 {
         if self.vertices <= SHORT_INDICES { 6 } else { 12 }
     }
 
-    /// Bytes of all indices, with what fills them up to a multiple of 4.
+    /// Returns the bytes of all indices, padded to a multiple of 4.
     pub(super) fn indices(&self) -> u128 {
         self.triangles.saturating_mul(self.triangle()).checked_next_multiple_of(4).unwrap_or(u128::MAX)
     }
 
-    /// Length of the buffer in bytes, a multiple of 4.
+    /// Returns the length of the buffer in bytes, a multiple of 4.
     pub(super) fn bytes(&self) -> u128 {
         self.bytes_of(VECTOR * if self.normals { 2 } else { 1 })
     }
 
-    /// Length of the buffer of a packed model, at most: views are encoded where that makes them shorter.
+    /// Returns the maximum length of the buffer of a packed model: views are encoded only if that makes them shorter.
     pub(super) fn packed_bytes(&self, packing: Packing) -> u128 {
         if !packing.quantizes {
             return self.bytes();
@@ -204,7 +205,7 @@ impl Amounts {
         self.bytes_of(PLACE + if self.normals { DIRECTION } else { 0 })
     }
 
-    /// Length of the buffer whose vertices take so many bytes for position and normal, in each frame.
+    /// Returns the length of the buffer if a vertex takes `vectors` bytes for position and normal, in each frame.
     fn bytes_of(&self, vectors: u128) -> u128 {
         let (origin, face) = if self.ids { (ORIGIN, 4) } else { (0, 0) };
         let uvs = if self.uvs { 2 * NUMBER } else { 0 };
@@ -221,32 +222,32 @@ impl Amounts {
     }
 }
 
-/// Bytes of the pictures of a mesh, which it shows where it has faces.
+/// Returns the bytes of the images of a mesh, which are written if it has faces.
 fn bytes_of_images(attachments: &Attachments, has_faces: bool) -> u128 {
     if has_faces { gltf_looks::bytes_of_images(&attachments.looks) } else { 0 }
 }
 
-/// What decides on the length of a document.
+/// The facts that determine the length of a document.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Contents<'a> {
     /// Curves or a mesh.
     pub(super) kind: ShapeKind,
     /// Number of polygons.
     pub(super) polygons: u128,
-    /// What the coordinates mean.
+    /// The unit and the up axis of coordinates.
     pub(super) frame: Frame,
-    /// What the mesh carries.
+    /// The attachments of the mesh.
     pub(super) attachments: &'a Attachments,
-    /// Faces of the input.
+    /// Number of faces of the input.
     pub(super) input_faces: usize,
-    /// Whether origins are told.
+    /// Whether origins are written.
     pub(super) ids: bool,
-    /// Morph targets.
+    /// Number of morph targets.
     pub(super) targets: u128,
 }
 
 impl<'a> Contents<'a> {
-    /// What these counts decide.
+    /// Returns the facts for these counts.
     pub(super) fn of(counts: &'a Counts, options: &Values) -> Self {
         Self {
             kind: counts.kind,
@@ -259,15 +260,16 @@ impl<'a> Contents<'a> {
         }
     }
 
-    /// Most bytes of the document of a packed model: views may say where they are encoded.
+    /// Returns the maximum number of bytes of the document of a packed model, in which views may have entries for their
+    /// encoding.
     pub(super) fn packed_room(&self) -> u128 {
         let channels = self.attachments.channels.len() as u128;
         let groups = self.attachments.groups.names.len() as u128;
         total(&[(self.room(), 1), (PACKED, 1), (PACKED_VIEW, 6 + channels), (PACKED_MESH, 1 + groups)])
     }
 
-    /// Most bytes of the document, a multiple of 4: 1,536 for a mesh, for curves 768 and 384 a polygon, and more for
-    /// what is told beyond the shape.
+    /// Returns the maximum number of bytes of the document, a multiple of 4: 1,536 for a mesh, for curves 768 and 384 a
+    /// polygon, and more for attachments, origins and frames.
     pub(super) fn room(&self) -> u128 {
         let plain = match self.kind {
             ShapeKind::Mesh => 1_536,
@@ -283,7 +285,7 @@ impl<'a> Contents<'a> {
         let name_bytes: usize = channels.iter().map(|channel| channel.name.len()).sum();
         let (channels, names) = (channels.len() as u128 + u128::from(uvs.is_some()), name_bytes as u128);
         let parts = by_labels(groups, materials, self.input_faces).len() as u128;
-        // every name of a group and of a material may need a backslash for each byte
+        // in names of groups and materials each byte may need a backslash
         let longest = |names: &[String]| names.iter().map(|name| 2 * name.len() as u128).max().unwrap_or(0);
         let labels = longest(&groups.names) + longest(&materials.names);
         let group = if groups.is_empty() { 0 } else { GROUP + 2 * longest(&groups.names) };

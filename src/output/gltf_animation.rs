@@ -11,7 +11,7 @@ use crate::output::gltf_views::{NUMBER, Views, accessor};
 use crate::output::numbers::rounded;
 use crate::shape::topology::index;
 
-/// The option of both containers that asks for it.
+/// The option of both containers that requests the animation.
 pub(super) const FRAME_RATE: Parameter = Parameter {
     name: "frames_per_second",
     kind: Kind::Number { min: 0.001, max: 1000.0 },
@@ -20,17 +20,18 @@ pub(super) const FRAME_RATE: Parameter = Parameter {
     doc: "Adds an animation that leads through the frames of a mesh, blended linearly; meshes with frames only",
 };
 
-/// The moment of a frame, seconds after the first one.
+/// Returns the time of a frame, seconds after the first one.
 fn moment(frame: usize, rate: f64) -> f32 {
     rounded(f64::from(index(frame)) / rate)
 }
 
-/// Bytes of the moments of all frames, and of the weights that each target has in each frame.
+/// Returns the bytes of the times of all frames, and of the weights of all targets in all frames.
 pub(super) fn lengths(targets: u128) -> [u128; 2] {
     [(targets + 1) * NUMBER, (targets + 1) * targets * NUMBER]
 }
 
-/// The moments of all frames, then frame after frame the weights of all targets: 1 for its own, 0 for the others.
+/// Returns the times of all frames, then frame after frame the weights of all targets: 1 for its own target, 0 for the
+/// others.
 pub(super) fn numbers(targets: usize, rate: f64) -> Vec<u8> {
     let moments = (0..=targets).map(|frame| moment(frame, rate));
     let weights =
@@ -38,7 +39,7 @@ pub(super) fn numbers(targets: usize, rate: f64) -> Vec<u8> {
     moments.chain(weights).flat_map(f32::to_le_bytes).collect()
 }
 
-/// Adds the animation of all nodes with meshes of a document to it.
+/// Adds to a document the animation of all its nodes with meshes.
 pub(super) fn animate(root: &mut Root, targets: usize, rate: f64) {
     let (n, [moments, weights]) = (targets as u128, lengths(targets as u128));
     let scalars = |view, count| accessor(view, 0, count, ComponentType::F32, Type::Scalar);

@@ -20,7 +20,7 @@ use crate::shape::mesh::Mesh;
 use crate::shape::tile::Tile;
 use crate::watch::Watch;
 
-/// The bytes of a glTF buffer: the binary chunk that `glb` has with the same options.
+/// The bytes of a glTF buffer: the binary chunk of `glb` with the same options.
 #[derive(Debug)]
 pub(super) struct GltfBin;
 
@@ -38,7 +38,7 @@ const FACTS: &FormatFacts = &FormatFacts {
     ..FormatFacts::USUAL
 };
 
-/// The faces of meshes whose buffer is written while they are refined.
+/// Returns the kinds of faces of meshes whose buffer can be written while they are refined.
 pub(super) fn streams(mesh: &Mesh, options: &Values) -> &'static [Tile] {
     match with_normals(options) {
         _ if Packing::of(options).is_some() => &[],
@@ -87,7 +87,7 @@ impl Costs for GltfBin {
         let amounts = Amounts::of(counts, options);
         match Packing::of(options) {
             Some(packing) => Size::AtMost(amounts.packed_bytes(packing)),
-            // how many vertices are split depends on what becomes of their edges
+            // the number of split vertices depends on which edges stay sharp
             None if split_vertices(counts, options) > 0 => Size::AtMost(amounts.bytes()),
             None => Size::Exact(amounts.bytes()),
         }

@@ -25,40 +25,40 @@ use crate::shape::labels::{LabelledFaces, by_labels};
 use crate::shape::looks::images;
 use crate::watch::{Stopped, Watch};
 
-/// The middle of the model is moved to the origin when it is farther away than this many times half its longest side.
+/// A model is centred on the origin if it is farther away than this many times half its longest side.
 const FAR: f64 = 4.0;
 
-/// Everything that goes into the buffer, and the numbers that describe it.
+/// The contents of the buffer, and the numbers that describe it.
 pub(super) struct Buffer<'a> {
     mesh: Option<&'a dyn MeshSource>,
-    /// The mesh whose vertices those of `mesh` are, some of them more than once; its normals are theirs.
+    /// The mesh before vertices were split, if they were; it determines the normals of `mesh`.
     smooth: Option<&'a dyn MeshSource>,
-    /// One for the mesh or for each polygon.
+    /// One entry for the mesh, or one for each polygon.
     pub(super) parts: Vec<PrimitiveVertices<'a>>,
-    /// The faces of the mesh by group and material, those without triangles left out.
+    /// The faces of the mesh by group and material, without parts that have no triangles.
     pub(super) faces: Vec<PrimitiveFaces>,
-    /// The frames beside the first.
+    /// The frames after the first.
     pub(super) targets: Vec<MorphTarget<'a>>,
-    /// What was subtracted from all positions (model units); each coordinate is an f32, so that it can be added again
-    /// without a loss.
+    /// The offset subtracted from all positions (model units); each coordinate is an f32 in decimals, so that it can be
+    /// added again without loss.
     pub(super) center: [f64; 3],
-    /// What the coordinates mean.
+    /// The unit and the up axis of coordinates.
     pub(super) frame: Frame,
-    /// How much there is of what.
+    /// The amounts of all kinds of data.
     pub(super) amounts: Amounts,
 }
 
 /// The vertices of one primitive.
 pub(super) struct PrimitiveVertices<'a> {
     positions: Positions<'a>,
-    /// Where they are, in model units.
+    /// The bounding box of the positions, model units.
     pub(super) bounds: Bounds<3>,
-    /// For a polygon whether it is closed, for a mesh nothing.
+    /// Whether a polygon is closed; `None` for a mesh.
     pub(super) closed: Option<bool>,
 }
 
 impl PrimitiveVertices<'_> {
-    /// Number of vertices.
+    /// Returns the number of vertices.
     pub(super) fn len(&self) -> usize {
         self.positions.len()
     }
@@ -70,14 +70,14 @@ pub(super) struct PrimitiveFaces {
     pub(super) group: Option<usize>,
     /// Number of the material, if any.
     pub(super) material: Option<usize>,
-    /// Triangles that they make.
+    /// Number of triangles of the faces.
     pub(super) triangles: u128,
     /// Shown faces, in ascending ranges.
     ranges: Vec<Range<usize>>,
 }
 
-/// Measures a scene, its vertices split where they have several normals or texture coordinates, and calls `write` with
-/// what goes into its buffer.
+/// Measures a scene, with vertices split where they have several normals or texture coordinates, and calls `write` with
+/// the contents of its buffer.
 ///
 /// # Errors
 /// Coordinates that f32 cannot hold, more vertices than 32-bit indices reach, a stopped watch, or the error of `write`.
@@ -92,7 +92,7 @@ pub(super) fn buffered(
     let sides = Sides::of(scene.shape);
     let frames: Vec<Sides<'_>> = frames.into_iter().map(|frame| Sides::of(Shape::Mesh(frame))).collect();
     let parts = sides.split_vertices(with_normals(options), &hard, watch)?;
-    // all frames are split where the first one is, so that their vertices are the same ones
+    // all frames are split like the first one, so that their vertices correspond
     let split = |sides| Sides::split_vertices(sides, with_normals(options), &hard, watch);
     let frames = frames.iter().map(split).collect::<Result<Vec<_>, _>>()?;
     let scene = Scene { shape: parts.shape(), ..*scene };
@@ -100,8 +100,7 @@ pub(super) fn buffered(
 }
 
 impl<'a> Buffer<'a> {
-    /// Measures a scene and its other frames; `smooth` is the mesh with whole vertices where those of the scene are
-    /// split.
+    /// Measures a scene and its other frames; `smooth` is the mesh with whole vertices if those of the scene are split.
     fn of(
         scene: &Scene<'a>,
         smooth: Option<&'a dyn MeshSource>,
@@ -144,12 +143,12 @@ impl<'a> Buffer<'a> {
         Ok(Self { mesh, smooth, parts, faces, targets, center, frame: scene.frame, amounts })
     }
 
-    /// What the mesh carries.
+    /// Returns the attachments of the mesh.
     pub(super) fn attachments(&self) -> &'a Attachments {
         self.mesh.map_or(Attachments::none(), |mesh| mesh.attachments())
     }
 
-    /// What decides on the length of the document.
+    /// Returns the facts that determine the length of the document.
     pub(super) fn contents(&self) -> Contents<'a> {
         Contents {
             kind: if self.is_mesh() { ShapeKind::Mesh } else { ShapeKind::Curves { dimension: 3 } },
@@ -162,12 +161,12 @@ impl<'a> Buffer<'a> {
         }
     }
 
-    /// Whether it is the buffer of a mesh.
+    /// Returns whether this is the buffer of a mesh.
     pub(super) fn is_mesh(&self) -> bool {
         self.mesh.is_some()
     }
 
-    /// A position as it is stored.
+    /// Returns a position as it is stored.
     pub(super) fn local(&self, position: [f64; 3]) -> [f32; 3] {
         local(position, self.center)
     }
@@ -227,7 +226,7 @@ impl<'a> Buffer<'a> {
         self.write_images(&mut stream)
     }
 
-    /// The bytes of all pictures, each filled up to a multiple of 4.
+    /// Writes the bytes of all images, each padded to a multiple of 4.
     fn write_images(&self, stream: &mut Stream<'_>) -> Result<(), FormatError> {
         let all = if self.amounts.images > 0 { images(&self.attachments().looks) } else { Vec::new() };
         for image in all {
@@ -237,7 +236,7 @@ impl<'a> Buffer<'a> {
         Ok(())
     }
 
-    /// Channels, texture coordinates, and the origins of vertices where they are asked for.
+    /// Writes channels, texture coordinates, and the origins of vertices if requested.
     fn write_carried(&self, mesh: &dyn MeshSource, stream: &mut Stream<'_>) -> Result<(), FormatError> {
         for (i, channel) in mesh.attachments().channels.iter().enumerate() {
             let bytes = |x: f64| (rounded(x) + 0.0).to_le_bytes();
@@ -253,7 +252,7 @@ impl<'a> Buffer<'a> {
         }
         stream.uvs(mesh, |_, values, out| {
             for (slot, &[u, v]) in out.rows::<8>(values.len()).iter_mut().zip(values) {
-                // glTF counts from the upper edge of the picture downwards
+                // glTF counts from the upper edge of the image downwards
                 slot.copy_from_slice([u, 1.0 - v].map(|x| (rounded(x) + 0.0).to_le_bytes()).as_flattened());
             }
         })?;
@@ -268,7 +267,7 @@ impl<'a> Buffer<'a> {
     }
 }
 
-/// The faces of a mesh by group and material, in the order in which these first appear.
+/// Returns the faces of a mesh by group and material, in the order in which these first appear.
 fn sections(mesh: &dyn MeshSource, watch: &Watch) -> Result<Vec<PrimitiveFaces>, FormatError> {
     let attachments = mesh.attachments();
     let parts = if attachments.names_faces() {
@@ -296,7 +295,7 @@ fn sections(mesh: &dyn MeshSource, watch: &Watch) -> Result<Vec<PrimitiveFaces>,
     Ok(sections?.into_iter().filter(|section| section.triangles > 0).collect())
 }
 
-/// Triangles of some consecutive faces.
+/// Returns the number of triangles of consecutive faces.
 fn n_triangles(mesh: &dyn MeshSource, some: &Range<usize>, watch: &Watch) -> Result<u128, Stopped> {
     let mut chunk = FaceChunk::default();
     let mut n = 0;
@@ -309,8 +308,9 @@ fn n_triangles(mesh: &dyn MeshSource, some: &Range<usize>, watch: &Watch) -> Res
     Ok(n)
 }
 
-/// What to subtract from all positions: the middle of the box, rounded to f32, when it is far from the origin. It is
-/// the number that the node's translation says in decimals, so that who reads it as f64 puts every digit back.
+/// Returns the offset to subtract from all positions: the centre of the bounding box, rounded to f32, if it is far from
+/// the origin. It is the number that the node's translation has in decimals, so that readers who parse it as f64
+/// restore every digit.
 fn center(bounds: &Bounds<3>) -> Result<[f64; 3], FormatError> {
     let middle = bounds.center();
     let distance = middle.iter().fold(0.0, |most: f64, x| most.max(x.abs()));
@@ -332,7 +332,7 @@ fn vectors(rows: &[[f64; 3]], out: &mut Bytes, changed: impl Fn([f64; 3]) -> [f6
     out.rows(rows.len()).iter_mut().zip(rows).for_each(|(slot, &row)| *slot = f32_bytes(changed(row)));
 }
 
-/// The indices of the triangles of some faces.
+/// Makes the indices of the triangles of faces.
 fn indices(faces: &FaceChunk, out: &mut Bytes) {
     if let Some(quads) = faces.rows() {
         let slots = out.rows::<24>(quads.len()).iter_mut().zip(quads);
@@ -343,7 +343,7 @@ fn indices(faces: &FaceChunk, out: &mut Bytes) {
     }
 }
 
-/// The same of meshes whose vertices have numbers of 16 bits.
+/// Makes the indices of the triangles of faces of meshes with 16-bit vertex numbers.
 fn short_indices(faces: &FaceChunk, out: &mut Bytes) {
     let short = |v: u32| u16::try_from(v).expect("there are at most 65,535 vertices").to_le_bytes();
     let slots = out.rows::<6>(faces.vertices.len() - 2 * faces.len()).iter_mut();

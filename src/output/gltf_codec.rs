@@ -13,11 +13,11 @@ use serde_json::{Value, json};
 
 use crate::output::error::FormatError;
 
-/// Bits of a coordinate of the octahedron on which normals are told, which turn by up to 1.2 degrees for it. Half of
-/// them turn normals by up to 16 degrees, which shows as facets; twice of them take 2.5 times as many bytes.
+/// Bits of an octahedral coordinate of a normal, which is off by up to 1.2 degrees. At half of it normals are off by up
+/// to 16 degrees, which shows as facets; twice of it takes 2.5 times as many bytes.
 const NORMAL_BITS: u32 = 8;
 
-/// An error of a codec, which only a fault of planish can cause.
+/// Converts an error of a codec, which only a fault of planish can cause.
 pub(super) fn broken(error: Error) -> FormatError {
     FormatError::Io(io::Error::other(format!("a mesh could not be compressed: {error}")))
 }
@@ -34,7 +34,7 @@ pub(super) struct Encoded {
 }
 
 impl Encoded {
-    /// Rows of `stride` bytes, a multiple of 4 of at most 256; they are restored as they are.
+    /// Encodes rows of `stride` bytes, a multiple of 4 of at most 256, without loss.
     pub(super) fn rows(rows: &[u8], stride: usize, workspace: &mut Workspace) -> Result<Self, FormatError> {
         let count = rows.len() / stride;
         let encoding = VertexEncoding::new(0, 0).map_err(broken)?;
@@ -42,7 +42,7 @@ impl Encoded {
         Ok(Self { bytes, count, stride, mode: "ATTRIBUTES", filter: None })
     }
 
-    /// Unit vectors, restored as `i8` four at a time, the last of which says nothing.
+    /// Encodes unit vectors, which are decoded as four `i8` each, the last of which has no meaning.
     pub(super) fn directions(rows: &[[f32; 3]], workspace: &mut Workspace) -> Result<Self, FormatError> {
         const STRIDE: usize = 4;
         let padded: Vec<f32> = rows.iter().flat_map(|&[x, y, z]| [x, y, z, 0.0]).collect();
@@ -50,7 +50,7 @@ impl Encoded {
         Ok(Self { filter: Some("OCTAHEDRAL"), ..Self::rows(&filtered, STRIDE, workspace)? })
     }
 
-    /// Triangles, restored as indices of `stride` bytes; the corners of a triangle may be turned.
+    /// Encodes triangles, which are decoded as indices of `stride` bytes; the corners of a triangle may be rotated.
     pub(super) fn triangles(
         triangles: &[[u32; 3]],
         stride: usize,
@@ -61,7 +61,7 @@ impl Encoded {
         Ok(Self { bytes, count: corners.len(), stride, mode: "TRIANGLES", filter: None })
     }
 
-    /// What the extension says of the stream, which starts at byte `offset` of the first buffer.
+    /// Returns the entry of the extension for the stream, which starts at byte `offset` of the first buffer.
     pub(super) fn told(&self, offset: usize) -> Value {
         let mut told = json!({
             "buffer": 0, "byteOffset": offset, "byteLength": self.bytes.len(), "byteStride": self.stride,
@@ -81,7 +81,7 @@ mod tests {
     use super::*;
     use crate::output::gltf_order::workspace;
 
-    /// The bytes that a reader of the extension makes of a stream.
+    /// Returns the bytes that a reader of the extension decodes from a stream.
     fn decoded(encoded: &Encoded) -> Vec<u8> {
         let mode = Mode::parse(encoded.mode).expect("a known mode");
         let filter = Filter::parse(encoded.filter.unwrap_or("NONE")).expect("a known filter");

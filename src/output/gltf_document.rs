@@ -1,4 +1,4 @@
-//! The JSON half of glTF: nodes, meshes with their materials, and where its numbers lie in the buffer.
+//! The JSON half of glTF: nodes, meshes with their materials, and the layout of the buffer.
 
 use std::collections::BTreeMap;
 
@@ -46,7 +46,8 @@ pub(super) const PARAMETERS: &[Parameter] = &[
     VERTEX_ORDER,
 ];
 
-/// The document that describes `buffer`, whose bytes are found at `uri` (in the container's own chunk without one).
+/// Returns the document that describes `buffer`, whose bytes are at `uri`, or, without a URI, in the container's own
+/// chunk.
 ///
 /// # Errors
 /// More polygons than 32-bit indices reach.
@@ -56,9 +57,9 @@ pub(super) fn document(buffer: &Buffer<'_>, uri: Option<&str>) -> Result<Vec<u8>
     root.to_vec().map_err(|error| unwritten(&error))
 }
 
-/// What the document says, without where the bytes of its buffer are.
+/// Returns the document without the URI of its buffer.
 ///
-/// Faces of a group are a mesh of a node of their own, both named by the group, below the node of all others.
+/// The faces of a group are a mesh of a node of their own, both named by the group, below the node of all others.
 ///
 /// # Errors
 /// More polygons than 32-bit indices reach.
@@ -101,7 +102,7 @@ pub(super) fn model(buffer: &Buffer<'_>) -> Result<Root, FormatError> {
     Ok(root)
 }
 
-/// A buffer of so many bytes, wherever they are.
+/// Returns a buffer of this many bytes, without a URI.
 pub(super) fn buffer_of(bytes: u128) -> json::Buffer {
     json::Buffer {
         byte_length: length(bytes).into(),
@@ -112,14 +113,14 @@ pub(super) fn buffer_of(bytes: u128) -> json::Buffer {
     }
 }
 
-/// The primitives of the faces of one group, or of those in none.
+/// The primitives of the faces of one group, or of faces without a group.
 struct GroupPrimitives {
     group: Option<usize>,
     primitives: Vec<Primitive>,
 }
 
 impl GroupPrimitives {
-    /// Those in no group; none where there are none.
+    /// Returns the primitives of faces without a group, if there are any.
     fn ungrouped(primitives: Vec<Primitive>) -> Vec<Self> {
         if primitives.is_empty() { Vec::new() } else { vec![Self { group: None, primitives }] }
     }
@@ -138,9 +139,9 @@ fn translation(buffer: &Buffer<'_>) -> Option<[f32; 3]> {
     moved.then(|| buffer.center.map(|x| rounded(x) + 0.0))
 }
 
-/// The node, turned so that y is up and scaled to metres. A node that is moved stays as it is below another one that
-/// turns and scales, so that its translation is still told exactly. A turn is told as a matrix, whose entries are
-/// exact: the half turns of a quaternion are not, and far models would move by what they miss of length 1.
+/// Returns the node, turned so that y is up and scaled to metres. A node with a translation stays unchanged below
+/// another one that turns and scales, so that its translation remains exact. The rotation is a matrix, whose entries
+/// are exact: those of a quaternion are not, and far models would move because its length is not exactly 1.
 fn framed(mut node: Node, frame: Frame) -> Vec<Node> {
     if frame.is_default() {
         return vec![node];
@@ -159,7 +160,7 @@ fn framed(mut node: Node, frame: Frame) -> Vec<Node> {
     vec![Node { name, matrix, scale, children: Some(vec![Index::new(1)]), ..Node::default() }, node]
 }
 
-/// One primitive for each polygon with points.
+/// Returns one primitive for each polygon with points.
 fn curves(buffer: &Buffer<'_>, root: &mut Root) -> Vec<GroupPrimitives> {
     let mut primitives = Vec::with_capacity(buffer.parts.len());
     if buffer.amounts.vertices == 0 {
@@ -181,7 +182,7 @@ fn curves(buffer: &Buffer<'_>, root: &mut Root) -> Vec<GroupPrimitives> {
     GroupPrimitives::ungrouped(primitives)
 }
 
-/// One primitive for each group and material, or points where there are no faces.
+/// Returns one primitive for each group and material, or points if there are no faces.
 fn surface(buffer: &Buffer<'_>, root: &mut Root) -> Result<Vec<GroupPrimitives>, FormatError> {
     let Some(part) = buffer.parts.first().filter(|part| part.len() > 0) else { return Ok(Vec::new()) };
     let attributes = attributes(buffer, part, root);
@@ -224,7 +225,7 @@ fn surface(buffer: &Buffer<'_>, root: &mut Root) -> Result<Vec<GroupPrimitives>,
     Ok(groups)
 }
 
-/// What a primitive says beyond glTF: its group, and the accessor with the input face of each triangle.
+/// Returns the extras of a primitive: its group, and the accessor with the input face of each triangle.
 fn extras(
     buffer: &Buffer<'_>,
     section: &PrimitiveFaces,
@@ -243,7 +244,7 @@ fn extras(
     to_raw_value(&Value::Object(told)).map(Some).map_err(|error| unwritten(&error))
 }
 
-/// The names of the morph targets, by which viewers tell them apart.
+/// Returns the names of the morph targets, by which viewers distinguish them.
 fn target_names(buffer: &Buffer<'_>) -> Result<Extras, FormatError> {
     if buffer.targets.is_empty() {
         return Ok(Extras::default());
@@ -252,7 +253,7 @@ fn target_names(buffer: &Buffer<'_>) -> Result<Extras, FormatError> {
     to_raw_value(&json!({ "targetNames": names })).map(Some).map_err(|error| unwritten(&error))
 }
 
-/// What all primitives of a mesh have for each morph target.
+/// Returns the morph targets that all primitives of a mesh share.
 fn targets(buffer: &Buffer<'_>, root: &mut Root) -> Option<Vec<json::mesh::MorphTarget>> {
     let n = buffer.amounts.vertices;
     let displaced = |root: &mut Root, bounds: Option<Bounds<3>>| {
@@ -272,7 +273,7 @@ fn targets(buffer: &Buffer<'_>, root: &mut Root) -> Option<Vec<json::mesh::Morph
 
 type Attributes = BTreeMap<Checked<Semantic>, Index<Accessor>>;
 
-/// What each vertex of a mesh has.
+/// Returns the attributes of the vertices of a mesh.
 fn attributes(buffer: &Buffer<'_>, part: &PrimitiveVertices<'_>, root: &mut Root) -> Attributes {
     let n = buffer.amounts.vertices;
     let view = Views::of(root).vertices(n, VECTOR);

@@ -1,40 +1,40 @@
-//! Numbers of glTF as whole numbers of 8 or 16 bits, as `KHR_mesh_quantization` has them.
+//! Numbers of glTF as whole numbers of 8 or 16 bits, as in `KHR_mesh_quantization`.
 //!
 //! Source: Khronos Group, `KHR_mesh_quantization` (2019).
 
 use crate::output::error::FormatError;
 use crate::output::numbers::{as_written, rounded};
 
-/// Steps of a grid along the longest side of a model: the most that 16 bits count.
+/// Number of steps of a grid along the longest side of a model: the largest 16-bit number.
 const STEPS: f64 = 65_535.0;
 
 /// Half a unit in the last place of an f32, as a share of the number.
 const HALF_ULP: f64 = 1.0 / 16_777_216.0;
 
-/// Half a step of a number from 0 to 1 in 16 bits, and what it was rounded by as an f32.
+/// Maximum error of a number from 0 to 1 in 16 bits: half a step, and its rounding to f32.
 pub(super) const UNIT_ERROR: f64 = 0.5 / STEPS + HALF_ULP;
 
 /// A cubic grid over all positions of a model: `x = corner + step k`, `k` from 0 to 65,535 along each axis.
 ///
-/// Corner and step are the numbers that a document says in decimals.
+/// Corner and step mean the decimals in the document, which may differ slightly from the f32.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Grid {
-    /// The place of `k = 0`, model units.
+    /// The position of `k = 0`, model units.
     pub(super) corner: [f32; 3],
-    /// Between neighbours, model units.
+    /// The distance between neighbours, model units.
     pub(super) step: f32,
-    /// How far a coordinate is from the one that was asked for, at most, model units.
+    /// Maximum distance of a coordinate from the requested one, model units.
     pub(super) error: f32,
 }
 
 impl Grid {
-    /// The finest grid over these positions, each of which was rounded to f32 after `center` was subtracted.
+    /// Returns the finest grid over these positions, each of which was rounded to f32 after `center` was subtracted.
     ///
-    /// The error is half a step, which is the longest side of the bounding box / 65,535, and the rounding to f32 that
+    /// The error is half a step, which is the longest side of the bounding box / 65,535, plus the rounding to f32 that
     /// the positions of every glTF have.
     ///
     /// # Errors
-    /// A model whose sides are longer than f32 holds.
+    /// A model with sides longer than f32 can hold.
     pub(super) fn over(positions: &[[f32; 3]], center: [f64; 3]) -> Result<Self, FormatError> {
         let (mut min, mut max) = ([f32::INFINITY; 3], [f32::NEG_INFINITY; 3]);
         for position in positions {
@@ -56,11 +56,11 @@ impl Grid {
         let largest = min.iter().chain(&max).fold(0.0, |most: f64, &x| most.max(f64::from(x).abs()));
         let far = center.iter().fold(0.0, |most: f64, x| most.max(x.abs()));
         let error = as_written(step) / 2.0 + largest * HALF_ULP + far * f64::EPSILON;
-        // twice, as the shortest decimal may say less than the f32
+        // two steps up, as the shortest decimal may be less than the f32
         Ok(Self { corner, step, error: rounded(error).next_up().next_up() })
     }
 
-    /// The place of the grid next to a position.
+    /// Returns the place of the grid next to a position.
     #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "from 0 to 65,535, whatever it was")]
     pub(super) fn place(&self, position: [f32; 3]) -> [u16; 3] {
         let step = as_written(self.step);
@@ -69,7 +69,7 @@ impl Grid {
     }
 }
 
-/// The largest f32 up to `x` whose decimal says no more than `x`.
+/// Returns the largest f32 up to `x` whose decimal does not exceed `x`.
 fn least_below(mut x: f32) -> f32 {
     let most = f64::from(x);
     while as_written(x) > most {
@@ -78,7 +78,7 @@ fn least_below(mut x: f32) -> f32 {
     x
 }
 
-/// The smallest f32 from `step` on whose decimal leads over a side in [`STEPS`].
+/// Returns the smallest f32 from `step` on with which [`STEPS`] steps, in decimals, cover a side.
 fn most_above(mut step: f32, side: f64) -> f32 {
     while as_written(step) * STEPS < side {
         step = step.next_up();
@@ -86,13 +86,13 @@ fn most_above(mut step: f32, side: f64) -> f32 {
     step
 }
 
-/// A number from 0 to 1 in 16 bits.
+/// Returns a number from 0 to 1 in 16 bits.
 #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "from 0 to 65,535, whatever it was")]
 pub(super) fn unit(x: f32) -> u16 {
     (f64::from(x) * STEPS).round().clamp(0.0, STEPS) as u16
 }
 
-/// A coordinate of a unit vector in 8 bits.
+/// Returns a coordinate of a unit vector in 8 bits.
 #[expect(clippy::cast_possible_truncation, reason = "from -127 to 127, whatever it was")]
 pub(super) fn direction(x: f32) -> i8 {
     (f64::from(x) * 127.0).round().clamp(-127.0, 127.0) as i8
@@ -102,7 +102,7 @@ pub(super) fn direction(x: f32) -> i8 {
 mod tests {
     use super::*;
 
-    /// A place of a grid as a reader of the document finds it.
+    /// Returns the position of a place of a grid as a reader of the document computes it.
     fn found(grid: &Grid, place: [u16; 3]) -> [f64; 3] {
         [0, 1, 2].map(|k| as_written(grid.corner[k]) + as_written(grid.step) * f64::from(place[k]))
     }

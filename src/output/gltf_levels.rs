@@ -1,4 +1,4 @@
-//! Levels of detail: one document about the buffers of a mesh at several levels.
+//! Levels of detail: one document that refers to the buffers of a mesh at several levels.
 //!
 //! Source: Microsoft, glTF extension `MSFT_lod` (2017).
 
@@ -20,16 +20,16 @@ use crate::output::scene::{Detail, Scene};
 use crate::output::size::Size;
 use crate::watch::Watch;
 
-/// The extension by which a node names those that stand for it.
+/// The extension by which a node names its coarser substitutes.
 const MSFT_LOD: &str = "MSFT_lod";
 
-/// Most levels of detail: as many as a model may be refined, and a few more.
+/// Maximum number of levels of detail: as many as a model may be refined, and a few more.
 const MOST: usize = 16;
 
-/// Bytes at most of the address of a buffer.
+/// Maximum number of bytes of the URI of a buffer.
 const ADDRESS: u128 = 128;
 
-/// The option of `gltf` that takes a buffer for each level.
+/// The option of `gltf` that writes a buffer for each level.
 pub(super) const LOD: Parameter = Parameter {
     name: "lod",
     kind: Kind::Numbers { most: MOST },
@@ -39,7 +39,7 @@ pub(super) const LOD: Parameter = Parameter {
           own (gltf-bin), which the document names by its key, and MSFT_lod says which nodes stand for which",
 };
 
-/// The levels that the options ask for.
+/// Returns the levels that the options give, if any.
 pub(super) fn of(options: &Values) -> Option<Vec<u32>> {
     let levels = options.numbers(LOD.name);
     (!levels.is_empty()).then(|| levels.iter().filter_map(|&level| whole(level)).collect())
@@ -50,7 +50,7 @@ fn whole(level: f64) -> Option<u32> {
     (level.fract() == 0.0 && (0.0..1000.0).contains(&level)).then_some(level as u32)
 }
 
-/// Whether the levels are whole and ascend, and belong to a mesh.
+/// Refuses levels that are not whole or do not ascend, and levels of curves.
 pub(super) fn suits(kind: ShapeKind, options: &Values) -> Result<(), Fault> {
     let levels = options.numbers(LOD.name);
     let fault = |detail: String| Err(Fault::new(format!("/{}", LOD.name), detail));
@@ -68,7 +68,7 @@ pub(super) fn suits(kind: ShapeKind, options: &Values) -> Result<(), Fault> {
     }
 }
 
-/// Whether what there will be can have levels of detail.
+/// Refuses levels of detail for meshes with frames.
 pub(super) fn fits(counts: &Counts, options: &Values) -> Result<(), Fault> {
     if of(options).is_some() && counts.frames > 0 {
         let detail = "meshes with frames have one level of detail; leave it out, or name one with \"frame\"";
@@ -77,7 +77,7 @@ pub(super) fn fits(counts: &Counts, options: &Values) -> Result<(), Fault> {
     Ok(())
 }
 
-/// Length of a document about several levels, at most.
+/// Returns the maximum length of a document about several levels.
 pub(super) fn size(contents: Contents<'_>, options: &Values) -> Option<Size> {
     let levels = of(options)?.len() as u128;
     let room = if Packing::of(options).is_some() { contents.packed_room() } else { contents.room() };
@@ -107,7 +107,7 @@ pub(super) fn write(scene: &Scene<'_>, out: &mut dyn Write, watch: &Watch) -> Re
     Ok(out.write_all(&bytes)?)
 }
 
-/// The document about one level alone.
+/// Returns the document about a single level.
 fn document(scene: &Scene<'_>, detail: &Detail<'_>, watch: &Watch) -> Result<Value, FormatError> {
     let options = detail.options;
     let scene = Scene { shape: detail.shape, details: &[], ..*scene };
@@ -126,7 +126,7 @@ fn document(scene: &Scene<'_>, detail: &Detail<'_>, watch: &Watch) -> Result<Val
     Ok(document)
 }
 
-/// Where documents refer to entries of their lists by number: the places, and the lists.
+/// The places where documents refer to entries of their lists by number, and the lists.
 const REFERENCES: &[(&str, &str)] = &[
     ("accessors/*/bufferView", "bufferViews"),
     ("bufferViews/*/buffer", "buffers"),
@@ -144,7 +144,7 @@ const REFERENCES: &[(&str, &str)] = &[
     ("scenes/*/nodes/*", "nodes"),
 ];
 
-/// Two documents as one: the lists of the second behind those of the first, all nodes of both scenes in one.
+/// Joins two documents: the lists of the second follow those of the first, and one scene has all nodes of both.
 fn joined(mut first: Value, mut second: Value) -> Value {
     for (place, list) in REFERENCES {
         let before = first[list].as_array().map_or(0, Vec::len) as u64;
@@ -164,7 +164,7 @@ fn joined(mut first: Value, mut second: Value) -> Value {
     first
 }
 
-/// Appends a list to the one of the same name; names of extensions only where they are new.
+/// Appends a list to the list of the same name; names of extensions only if they are new.
 fn join_lists(all: &mut Map<String, Value>, name: &str, more: Vec<Value>) {
     let Some(list) = all.entry(name).or_insert_with(|| json!([])).as_array_mut() else { return };
     for entry in more {
@@ -174,7 +174,7 @@ fn join_lists(all: &mut Map<String, Value>, name: &str, more: Vec<Value>) {
     }
 }
 
-/// Adds to the numbers at a place, where `*` stands for every entry.
+/// Adds `more` to the numbers at a place, where `*` stands for every entry.
 fn add(value: &mut Value, place: &mut (impl Iterator<Item = &'static str> + Clone), more: u64) {
     match (place.next(), value) {
         (None, value) => {

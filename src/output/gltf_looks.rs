@@ -1,4 +1,4 @@
-//! How the faces of a glTF model look: materials, and the pictures that they have, which lie at the end of the buffer.
+//! The looks of faces of a glTF model: materials, and their images at the end of the buffer.
 
 use std::sync::Arc;
 
@@ -18,17 +18,17 @@ use crate::shape::looks::{Alpha, Look, PLAIN, PLAIN_SURFACE, images};
 use crate::shape::textures::{self, Filter, Image, Wrap};
 use crate::shape::topology::index;
 
-/// Most bytes that a material with a look takes in a document: its numbers, a texture and a sampler.
+/// Maximum number of bytes of a material with a look in a document: its numbers, a texture and a sampler.
 const LOOK: u128 = 768;
-/// Most bytes of a picture in a document, and of its view.
+/// Maximum number of bytes of an image in a document, and of its view.
 const IMAGE: u128 = 256;
 
-/// Bytes of all pictures, each filled up to a multiple of 4.
+/// Returns the bytes of all images, each padded to a multiple of 4.
 pub(super) fn bytes_of_images(looks: &[Look]) -> u128 {
     images(looks).iter().map(|image| (image.bytes().len() as u128).next_multiple_of(4)).sum()
 }
 
-/// Most bytes of what a document says of looks.
+/// Returns the maximum number of bytes of looks in a document.
 pub(super) fn room(looks: &[Look]) -> u128 {
     looks.len() as u128 * LOOK + images(looks).len() as u128 * IMAGE
 }
@@ -37,19 +37,19 @@ pub(super) fn room(looks: &[Look]) -> u128 {
 pub(super) struct Looks<'a> {
     attachments: &'a Attachments,
     images: Vec<&'a Arc<Image>>,
-    /// Numbers of the colour of vertices, if they have one.
+    /// Number of components of the colour of vertices, if they have one.
     color: Option<usize>,
 }
 
 impl<'a> Looks<'a> {
-    /// The looks of what a mesh carries.
+    /// Returns the looks of the attachments of a mesh.
     pub(super) fn of(attachments: &'a Attachments) -> Self {
         let color = attachments.color().map(|(_, channel)| channel.width);
         Self { attachments, images: images(&attachments.looks), color }
     }
 
-    /// Adds a material, given by its number, or that of faces without; vertices with colours of their own are white
-    /// where nothing else is said, and see-through where their colours say so.
+    /// Adds a material, given by its number, or the material of faces without one. If vertices have colours, a material
+    /// without a colour is white, and a material without an alpha mode is blended if these colours have alpha.
     pub(super) fn add(&self, material: Option<usize>, root: &mut Root) {
         let name = material.map(|material| self.attachments.materials.names[material].as_str());
         let look = self.attachments.look(material);
@@ -83,7 +83,7 @@ impl<'a> Looks<'a> {
         Info { index: root.push(made), tex_coord: 0, extensions: None, extras: Extras::default() }
     }
 
-    /// Adds the pictures, in their order, behind everything else in the buffer.
+    /// Adds the images, in their order, after everything else in the buffer.
     pub(super) fn add_images(&self, root: &mut Root) {
         for image in &self.images {
             let view = Views::of(root).loose(image.bytes().len() as u128);
@@ -99,7 +99,7 @@ impl<'a> Looks<'a> {
     }
 }
 
-/// An opaque material of a colour in linear light, seen from both sides.
+/// Returns an opaque material of a colour in linear light, visible from both sides.
 pub(super) fn surface(base: [f32; 4], name: Option<&str>) -> Material {
     Material {
         name: name.map(Into::into),

@@ -1,7 +1,7 @@
-//! Triangles in an order in which graphics processors meet vertices again soon, and vertices in that in which triangles
+//! Orders triangles so that graphics processors meet vertices again soon, and vertices in the order in which triangles
 //! meet them.
 //!
-//! Source: T. Forsyth, Linear-speed vertex cache optimisation (2006), as meshoptimizer has it.
+//! Source: T. Forsyth, Linear-speed vertex cache optimisation (2006), as implemented by meshoptimizer.
 
 use meshoptimizer_rs::{Error, Limits, Workspace, optimize_vertex_cache, optimize_vertex_cache_strip};
 
@@ -10,17 +10,17 @@ use crate::output::gltf_codec::broken;
 use crate::shape::topology::{NONE, index};
 use crate::watch::Watch;
 
-/// Memory for the algorithms of meshoptimizer, which the forecast of the job bounds.
+/// Returns memory for the algorithms of meshoptimizer; the forecast of the job bounds it.
 pub(super) fn workspace() -> Workspace {
     Workspace::new(Limits { max_bytes: usize::MAX, max_work: u64::MAX })
 }
 
-/// What triangles are ordered for.
+/// The aim of an order of triangles.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Aim {
     /// Few vertices that are computed twice.
     Cache,
-    /// Few bytes when they are encoded: 1.03 instead of 1.40 a triangle of an animal.
+    /// Few bytes when encoded: 1.03 instead of 1.40 a triangle of an animal.
     Bytes,
 }
 
@@ -33,19 +33,20 @@ impl Aim {
     }
 }
 
-/// The order of the triangles of a model and of its vertices.
+/// The order of the triangles and vertices of a model.
 #[derive(Debug)]
 pub(super) struct Order {
     /// The triangles, by the new numbers of vertices.
     pub(super) triangles: Vec<[u32; 3]>,
-    /// The former place of each triangle.
+    /// The former index of each triangle.
     pub(super) former: Vec<u32>,
-    /// The former number of each vertex; those of no triangle come last.
+    /// The former number of each vertex; vertices without triangles come last.
     pub(super) vertices: Vec<u32>,
 }
 
 impl Order {
-    /// Orders triangles for an aim within consecutive parts of these lengths, and `n_vertices` vertices by them.
+    /// Orders triangles for an aim within consecutive parts of these lengths, and `n_vertices` vertices by the
+    /// triangles.
     ///
     /// # Errors
     /// A stopped watch.
@@ -65,7 +66,7 @@ impl Order {
             let start = triangles.len() - rest.len();
             let (mut vertices, part) = (Vec::new(), rest.split_off(..part).unwrap_or_default());
             let mut corners = Vec::with_capacity(3 * part.len());
-            // as many vertices as the part has, so that many small parts take no longer than few large ones
+            // only the vertices of the part, so that many small parts take no longer than few large ones
             for &v in part.as_flattened() {
                 if local[v as usize] == NONE {
                     local[v as usize] = index(vertices.len());
@@ -84,7 +85,7 @@ impl Order {
     }
 }
 
-/// The places that triangles had before they were ordered; those with the same corners keep their order.
+/// Returns the index that each triangle had before the ordering; triangles with the same corners keep their order.
 fn places(before: &[[u32; 3]], after: &[[u32; 3]]) -> impl Iterator<Item = u32> + use<> {
     let sorted = |triangles: &[[u32; 3]]| {
         let least_first = |&[a, b, c]: &[u32; 3]| [[a, b, c], [b, c, a], [c, a, b]].into_iter().min();
@@ -97,8 +98,8 @@ fn places(before: &[[u32; 3]], after: &[[u32; 3]]) -> impl Iterator<Item = u32> 
     found.into_iter()
 }
 
-/// Numbers vertices in the order in which triangles meet them. Returns the former number of each; `numbers` has as many
-/// entries, none of which is taken.
+/// Numbers vertices in the order in which triangles meet them, and returns the former number of each. `numbers` must
+/// have one entry per vertex, all [`NONE`].
 fn renumber(triangles: &mut [[u32; 3]], mut numbers: Vec<u32>) -> Vec<u32> {
     let mut vertices = Vec::with_capacity(numbers.len());
     for v in triangles.as_flattened_mut() {

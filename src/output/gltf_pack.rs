@@ -1,4 +1,4 @@
-//! glTF made smaller: a model is written into memory, ordered for graphics processors, rounded to 16 bits and encoded.
+//! Packs glTF models: a model is written into memory, ordered for graphics processors, rounded to 16 bits and encoded.
 
 use std::borrow::Cow;
 
@@ -21,18 +21,18 @@ use crate::output::gltf_packing::Packing;
 use crate::shape::topology::index;
 use crate::watch::Watch;
 
-/// The extensions of documents that are made smaller.
+/// The extensions of packed documents.
 const QUANTIZATION: &str = "KHR_mesh_quantization";
 const MESHOPT: &str = "EXT_meshopt_compression";
 
 /// A packed model.
 pub(super) struct Packed {
     root: Root,
-    /// The bytes of its first buffer, a multiple of 4.
+    /// The bytes of the first buffer, a multiple of 4.
     pub(super) bytes: Vec<u8>,
-    /// What the extension says of views, by their numbers.
+    /// The entries of the extension for views, by the numbers of the views.
     encoded: Vec<(usize, Value)>,
-    /// The length of the second buffer, which nobody has: that of all views that are encoded.
+    /// The length of the second buffer, which does not exist in any file: the total length of all encoded views.
     decoded: u64,
 }
 
@@ -66,12 +66,12 @@ impl Packed {
         packer.finish()
     }
 
-    /// The document, whose first buffer is found at `uri` (in the container's own chunk without one).
+    /// Returns the document, whose first buffer is at `uri`, or, without a URI, in the container's own chunk.
     pub(super) fn document(&self, uri: Option<&str>) -> Result<Vec<u8>, FormatError> {
         serde_json::to_vec(&self.value(uri)?).map_err(|error| unwritten(&error))
     }
 
-    /// The document as JSON.
+    /// Returns the document as JSON.
     pub(super) fn value(&self, uri: Option<&str>) -> Result<Value, FormatError> {
         let written = self.root.to_vec().map_err(|error| unwritten(&error))?;
         let mut value: Value = serde_json::from_slice(&written).map_err(|error| unwritten(&error))?;
@@ -88,7 +88,7 @@ impl Packed {
     }
 }
 
-/// What the bytes of a view are.
+/// The role of the bytes of a view.
 #[derive(Debug, Clone, PartialEq)]
 enum Role {
     Attribute(Semantic, Index<Accessor>),
@@ -98,7 +98,7 @@ enum Role {
     Other,
 }
 
-/// The roles of all views. The numbers of triangles come after their indices.
+/// Returns the roles of all views. Numbers of triangles come after their indices.
 fn roles(root: &Root) -> Vec<Role> {
     let mut roles = vec![Role::Other; root.buffer_views.len()];
     let view = |accessor: Index<Accessor>| root.accessors[accessor.value()].buffer_view.map(|view| view.value());
@@ -118,7 +118,7 @@ fn roles(root: &Root) -> Vec<Role> {
     roles
 }
 
-/// The accessor with the input faces of the triangles of a primitive.
+/// Returns the accessor with the input faces of the triangles of a primitive.
 fn told_faces(primitive: &gltf::json::mesh::Primitive) -> Option<Index<Accessor>> {
     let extras: Value = serde_json::from_str(primitive.extras.as_ref()?.get()).ok()?;
     extras["faces"].as_u64().and_then(|faces| u32::try_from(faces).ok()).map(Index::new)
@@ -127,7 +127,7 @@ fn told_faces(primitive: &gltf::json::mesh::Primitive) -> Option<Index<Accessor>
 /// The new bytes of a view.
 struct Column<'a> {
     bytes: Cow<'a, [u8]>,
-    /// Bytes of a row of an attribute.
+    /// Bytes per row of an attribute.
     stride: Option<usize>,
     encoded: Option<Encoded>,
 }
@@ -145,7 +145,7 @@ struct Packer<'a> {
 }
 
 impl Packer<'_> {
-    /// The bytes of a view as they were written.
+    /// Returns the bytes of a view as they were written.
     fn view<'b>(&self, view: usize, loose: &'b [u8]) -> &'b [u8] {
         let view = &self.packed.root.buffer_views[view];
         let start = view.byte_offset.map_or(0, |offset| offset.0);
@@ -164,7 +164,7 @@ impl Packer<'_> {
         Ok(())
     }
 
-    /// What becomes of a view.
+    /// Returns the packed bytes of a view.
     fn column<'b>(&mut self, buffer: &Buffer<'_>, view: usize, loose: &'b [u8]) -> Result<Column<'b>, FormatError> {
         let bytes = self.view(view, loose);
         match self.roles[view].clone() {
@@ -191,7 +191,7 @@ impl Packer<'_> {
         }
     }
 
-    /// What becomes of an attribute of vertices.
+    /// Returns the packed bytes of an attribute of vertices.
     fn attribute<'b>(
         &mut self,
         buffer: &Buffer<'_>,
@@ -241,7 +241,7 @@ impl Packer<'_> {
         Ok(Column { bytes: rows, stride: Some(stride), encoded })
     }
 
-    /// Positions on a grid, with two bytes of nothing behind each.
+    /// Returns positions on a grid, each followed by two bytes of padding.
     fn places(
         &mut self,
         buffer: &Buffer<'_>,
@@ -265,7 +265,7 @@ impl Packer<'_> {
         Ok(bytes)
     }
 
-    /// Appends a view: encoded where that is shorter.
+    /// Appends a view: encoded if that is shorter.
     fn put(&mut self, view: usize, Column { bytes, stride, encoded }: Column<'_>) {
         let Packed { root, bytes: all, encoded: views, decoded } = &mut self.packed;
         all.resize(all.len().next_multiple_of(4), 0);
@@ -288,7 +288,7 @@ impl Packer<'_> {
         told.byte_offset = (offset > 0).then(|| offset.into());
     }
 
-    /// Closes the document.
+    /// Completes the document.
     fn finish(self) -> Result<Packed, FormatError> {
         let Self { mut packed, grid, is_unit, .. } = self;
         packed.bytes.resize(packed.bytes.len().next_multiple_of(4), 0);
@@ -317,8 +317,8 @@ impl Packer<'_> {
     }
 }
 
-/// Has nodes lead from places of a grid to where these are: those with meshes, where they do not move them otherwise,
-/// else nodes below them.
+/// Adds to nodes the transform from places of a grid to model coordinates: to nodes with meshes if they have neither a
+/// transform nor children, otherwise to new nodes below them.
 fn place(nodes: &mut Vec<Node>, grid: &Grid) {
     for i in 0..nodes.len() {
         let next = index(nodes.len());
@@ -336,7 +336,7 @@ fn place(nodes: &mut Vec<Node>, grid: &Grid) {
     }
 }
 
-/// Rows of `stride` bytes in another order: each new row was that `former` says.
+/// Returns rows of `stride` bytes in another order: `former` has the old index of each new row.
 fn permuted<'a>(bytes: &'a [u8], stride: usize, former: Option<&Vec<u32>>) -> Cow<'a, [u8]> {
     let Some(former) = former else { return bytes.into() };
     let row = |&row: &u32| &bytes[row as usize * stride..][..stride];
@@ -349,7 +349,7 @@ fn vectors(numbers: impl Iterator<Item = f32>) -> Vec<[f32; 3]> {
     numbers.collect::<Vec<_>>().as_chunks().0.to_vec()
 }
 
-/// The triangles of a view of indices.
+/// Returns the triangles of a view of indices.
 fn triangles(bytes: &[u8], buffer: &Buffer<'_>) -> Vec<[u32; 3]> {
     let corners: Vec<u32> = if buffer.amounts.triangle() == 6 {
         bytes.as_chunks().0.iter().map(|&v| u16::from_le_bytes(v).into()).collect()

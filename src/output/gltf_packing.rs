@@ -1,4 +1,4 @@
-//! What makes glTF smaller: the options, and what they cost.
+//! The options that make glTF smaller.
 
 use crate::fault::Fault;
 use crate::math::parameter::{Default as Otherwise, Kind, Parameter, Values};
@@ -25,7 +25,7 @@ pub(super) const VERTEX_ORDER: Parameter = Parameter {
           processors meet vertices again soon",
 };
 
-/// What is done to a model in memory.
+/// The steps of packing a model in memory.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct Packing {
     /// Whether numbers are rounded to 16 bits and fewer.
@@ -37,7 +37,7 @@ pub(super) struct Packing {
 }
 
 impl Packing {
-    /// What the options ask for; none where a model is written as it is made.
+    /// Returns the steps that the options request; `None` if a model is not packed.
     pub(super) fn of(options: &Values) -> Option<Self> {
         let compression = options.choice(COMPRESSION.name);
         let encodes = compression == Some("meshopt");
@@ -46,14 +46,14 @@ impl Packing {
         (quantizes || orders).then_some(Self { quantizes, encodes, orders })
     }
 
-    /// The option that asks for it.
+    /// Returns a pointer to the option that requests packing.
     fn option(self) -> String {
         let option = if self.quantizes { COMPRESSION } else { VERTEX_ORDER };
         format!("/{}", option.name)
     }
 }
 
-/// Whether shapes of this kind are packed.
+/// Refuses packing of curves.
 pub(super) fn suits(kind: ShapeKind, options: &Values) -> Result<(), Fault> {
     match (Packing::of(options), kind) {
         (Some(packing), ShapeKind::Curves { .. }) => {
@@ -63,7 +63,7 @@ pub(super) fn suits(kind: ShapeKind, options: &Values) -> Result<(), Fault> {
     }
 }
 
-/// Whether what there will be can be packed.
+/// Refuses packing of meshes with frames.
 pub(super) fn fits(counts: &Counts, options: &Values) -> Result<(), Fault> {
     match Packing::of(options) {
         Some(packing) if counts.frames > 0 => {

@@ -1,4 +1,4 @@
-//! Morph targets of glTF: by how much the vertices of a mesh move to where they are in its other frames.
+//! Morph targets of glTF: displacements of the vertices of a mesh from the first frame to its other frames.
 
 use std::ops::Range;
 
@@ -15,22 +15,22 @@ use crate::output::stream::Stream;
 use crate::output::vertex_sides::SplitSides;
 use crate::watch::{Stopped, Watch};
 
-/// A frame of a mesh beside the first, with its vertices split as those of the first.
+/// A frame of a mesh after the first, with its vertices split as those of the first.
 pub(super) struct MorphTarget<'a> {
     mesh: &'a dyn MeshSource,
-    /// The mesh with whole vertices, where seams split those of `mesh`.
+    /// The mesh with whole vertices, if seams split those of `mesh`.
     smooth: Option<&'a dyn MeshSource>,
     positions: Positions<'a>,
     /// The box around all displacements, each of which is an f32.
     pub(super) bounds: Bounds<3>,
 }
 
-/// What a number has to be moved by where it is stored as an f32: `to - f32(from)`, rounded to f32 once.
+/// Returns the displacement to add to a position stored as an f32: `to - f32(from)`, rounded to f32 once.
 fn displacement(from: [f64; 3], to: [f64; 3], center: [f64; 3]) -> [f32; 3] {
     [0, 1, 2].map(|k| rounded((to[k] - center[k]) - f64::from(rounded(from[k] - center[k]))) + 0.0)
 }
 
-/// Encodes the displacements of some rows.
+/// Encodes the displacements of rows.
 fn encode(from: &[[f64; 3]], to: &[[f64; 3]], center: [f64; 3], out: &mut Bytes) {
     for ((slot, &from), &to) in out.rows::<12>(to.len()).iter_mut().zip(from).zip(to) {
         slot.copy_from_slice(displacement(from, to, center).map(f32::to_le_bytes).as_flattened());
@@ -38,8 +38,8 @@ fn encode(from: &[[f64; 3]], to: &[[f64; 3]], center: [f64; 3], out: &mut Bytes)
 }
 
 impl<'a> MorphTarget<'a> {
-    /// The target of a frame, given the positions of the first one and what is subtracted from them where they are
-    /// stored, model units.
+    /// Returns the target of a frame, given the positions of the first frame and the offset subtracted from stored
+    /// positions, model units.
     ///
     /// # Errors
     /// Displacements that f32 cannot hold, or a stopped watch.
@@ -94,8 +94,8 @@ impl<'a> MorphTarget<'a> {
     }
 }
 
-/// The unit normals of all vertices of a mesh at these positions, in memory; those of whole vertices where seams split
-/// them.
+/// Returns the unit normals of all vertices of a mesh with these positions; if seams split vertices, those of the whole
+/// vertices.
 ///
 /// # Errors
 /// Positions that f32 cannot hold, or a stopped watch.

@@ -1,4 +1,4 @@
-//! Where the numbers of a glTF model lie in its buffer: views one after another, accessors into them.
+//! The layout of a glTF buffer: views one after another, and accessors into them.
 
 use gltf::json::accessor::{ComponentType, GenericComponentType, Type};
 use gltf::json::buffer::{Stride, Target, View};
@@ -8,7 +8,7 @@ use gltf::json::{Accessor, Extras, Index, Root};
 /// Bytes of one number of a channel.
 pub(super) const NUMBER: u128 = 4;
 
-/// The views of a document, each starting at the first multiple of 4 where the one before has ended.
+/// The views of a document, each starting at the first multiple of 4 after the end of the one before.
 pub(super) struct Views<'a>(&'a mut Root);
 
 impl<'a> Views<'a> {
@@ -17,18 +17,18 @@ impl<'a> Views<'a> {
         Self(root)
     }
 
-    /// Adds one with `stride` bytes for each of `n` vertices; returns its number.
+    /// Adds a view with `stride` bytes for each of `n` vertices; returns its number.
     pub(super) fn vertices(self, n: u128, stride: u128) -> u32 {
         let stride_of = usize::try_from(stride).expect("a vertex has few numbers");
         self.add(n * stride, Some(Stride(stride_of)), Some(Target::ArrayBuffer))
     }
 
-    /// Adds one for indices; returns its number.
+    /// Adds a view for indices; returns its number.
     pub(super) fn indices(self, bytes: u128) -> u32 {
         self.add(bytes, None, Some(Target::ElementArrayBuffer))
     }
 
-    /// Adds one for numbers that are not drawn; returns its number.
+    /// Adds a view for numbers that are not drawn; returns its number.
     pub(super) fn loose(self, bytes: u128) -> u32 {
         self.add(bytes, None, None)
     }
@@ -51,7 +51,7 @@ impl<'a> Views<'a> {
     }
 }
 
-/// An accessor to `count` items in a view, from byte `start` of it on.
+/// Returns an accessor to `count` items in a view, from its byte `start` on.
 pub(super) fn accessor(view: u32, start: u128, count: u128, component: ComponentType, kind: Type) -> Accessor {
     Accessor {
         buffer_view: Some(Index::new(view)),
@@ -69,7 +69,7 @@ pub(super) fn accessor(view: u32, start: u128, count: u128, component: Component
     }
 }
 
-/// A length that is known to be that of something in memory or behind 32-bit indices.
+/// Converts a length that is known to be the length of something in memory or behind 32-bit indices.
 pub(super) fn length(n: u128) -> u64 {
     u64::try_from(n).expect("numbers of rows are below 2^40")
 }

@@ -1,4 +1,4 @@
-//! Hard edges: those whose faces meet at more than an angle, and on whose two sides normals differ.
+//! Hard edges: edges whose faces meet at more than an angle, and on whose two sides normals differ.
 
 use rayon::prelude::*;
 
@@ -23,26 +23,26 @@ pub(super) const CREASE_ANGLE: Parameter = Parameter {
           not, as at level 0.",
 };
 
-/// The largest angle at which faces meet.
+/// The largest angle at which faces meet, degrees.
 const LARGEST: f64 = 180.0;
 
-/// The angle for meshes that no plan makes smooth, degrees.
-/// At half of it cylinders of 16 sides are faceted; at twice of it so are no prisms of six sides: a nut is smooth.
+/// The default angle for meshes that no plan makes smooth, degrees. At half of it cylinders of 16 sides are faceted; at
+/// twice of it prisms of six sides are not: a nut is smooth.
 const OF_FACETS: f64 = 30.0;
 
-/// How far the cosine between two faces has to be below that of the angle: a prism of twelve sides, whose coordinates
-/// were rounded to f32, meets its neighbours at 30 degrees all around or nowhere, and faces of one plane at 0 degrees.
-/// At half of it the coordinates may be half as far from the truth, at twice of it twice; edges that meet at less than
-/// 0.08 degrees are never hard.
+/// Minimum distance of the cosine between two faces below the cosine of the angle: a prism of twelve sides, whose
+/// coordinates were rounded to f32, meets its neighbours at 30 degrees all around or nowhere, and faces of one plane at
+/// 0 degrees. At half of it the coordinates may be half as far from the truth, at twice of it twice; edges that meet at
+/// less than 0.08 degrees are never hard.
 const SLACK: f64 = 1e-6;
 
-/// Bytes of a corner of a mesh with hard edges: each side of an edge with its face (12) and the ends of a hard one
-/// (8), a share of the normal of its face (8), what is known of the corner (24), where it has a copy of its vertex
-/// (16), and that copy with its position and normal, which are gathered, too (4 and 3 times 24).
+/// Bytes per half-edge of a mesh with hard edges: each side of an edge with its face (12) and the ends of a hard one
+/// (8), a share of the normal of its face (8), the data of the corner (24), the place of a copy of its vertex (16), and
+/// that copy with its position and normal, which are gathered, too (4 and 3 times 24).
 const CORNER_BYTES: u128 = 144;
 
-/// Puts the angle that is meant into the options of an output of a mesh, where they know it: none where no angle is
-/// larger, or where nothing has normals.
+/// Sets the effective angle in the options of an output of a mesh, if they have one: absent if no angle is larger, or
+/// if the output has no normals.
 pub fn settle(options: &mut Values, makes_smooth: bool) {
     let has_normals = options.choice("normals") != Some("none") && options.choice("shading") != Some("flat");
     let otherwise = if makes_smooth { LARGEST } else { OF_FACETS };
@@ -51,17 +51,17 @@ pub fn settle(options: &mut Values, makes_smooth: bool) {
     options.set(&CREASE_ANGLE, if counts { Value::Number(angle) } else { Value::Absent });
 }
 
-/// Vertices that are added, at most, where edges are sharp or hard.
+/// Returns the maximum number of vertices that are added at sharp or hard edges.
 pub(super) fn split_vertices(counts: &Counts, options: &Values) -> u128 {
     if angle(options).is_some() { counts.half_edges } else { counts.split_vertices }
 }
 
-/// Bytes of memory that hard edges take.
+/// Returns the memory for hard edges, bytes.
 pub(super) fn memory(counts: &Counts, options: &Values) -> u128 {
     angle(options).map_or(0, |_| counts.half_edges.saturating_mul(CORNER_BYTES))
 }
 
-/// The angle from which edges are hard, degrees, if any is.
+/// Returns the angle from which edges are hard, degrees, if there is one.
 pub(super) fn angle(options: &Values) -> Option<f64> {
     options.number(CREASE_ANGLE.name)
 }
@@ -71,8 +71,9 @@ pub(super) fn angle(options: &Values) -> Option<f64> {
 pub(super) struct HardEdges(Vec<[u32; 2]>);
 
 impl HardEdges {
-    /// Those of a shape: edges between two faces for whose normals `n` and `m` (Newell's, of length 1) `n . m` is below
-    /// the cosine of the angle by more than [`SLACK`], and edges of more than two faces. Faces without area have none.
+    /// Finds the hard edges of a shape: edges between two faces with normals `n` and `m` (Newell's, of length 1) if
+    /// `n . m` is below the cosine of the angle by more than [`SLACK`], and edges of more than two faces. Edges of
+    /// faces without area are not hard.
     ///
     /// # Errors
     /// A stopped watch, or positions that are not finite.
@@ -91,8 +92,8 @@ impl HardEdges {
         Ok(Self(edges.map(|sides| [sides[0][0], sides[0][1]]).collect()))
     }
 
-    /// The same edges of a mesh with the same faces in the same order, whose vertices are those of `mesh`, some of them
-    /// more than once.
+    /// Returns the same edges in `unfolded`, a mesh with the same faces in the same order and with copies of some
+    /// vertices of `mesh`.
     ///
     /// # Errors
     /// [`Stopped`] when the watch says so.
@@ -117,7 +118,7 @@ impl HardEdges {
         Ok(Self(edges))
     }
 
-    /// These and sharp edges, ascending.
+    /// Returns these and the sharp edges, ascending.
     pub(super) fn and(&self, sharp: Vec<[u32; 2]>) -> Vec<[u32; 2]> {
         let mut all: Vec<[u32; 2]> = sharp.into_iter().map(|[a, b]| [a.min(b), a.max(b)]).collect();
         all.extend_from_slice(&self.0);
@@ -126,7 +127,7 @@ impl HardEdges {
     }
 }
 
-/// The edges of a face, the lower end of each first.
+/// Returns the edges of a face, the lower end of each first.
 fn edges_of(face: &[u32]) -> impl Iterator<Item = [u32; 2]> {
     face.iter().zip(face.iter().cycle().skip(1)).map(|(&a, &b)| [a.min(b), a.max(b)])
 }
@@ -134,7 +135,7 @@ fn edges_of(face: &[u32]) -> impl Iterator<Item = [u32; 2]> {
 /// A side of an edge: its ends, the lower first, and its face.
 pub(super) type Side = [u32; 3];
 
-/// The unit normals of all faces, and the sides of all edges, ascending.
+/// Returns the unit normals of all faces, and the sides of all edges, ascending.
 pub(super) fn faces(mesh: &dyn MeshSource, watch: &Watch) -> Result<(Vec<[f64; 3]>, Vec<Side>), FormatError> {
     let positions = Positions::of_mesh(mesh).held(watch)?;
     let scale = normals::scale(positions.rows());

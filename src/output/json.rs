@@ -1,4 +1,4 @@
-//! JSON in the notation of requests: every format's fallback, holding everything at full precision.
+//! JSON in the notation of requests: the fallback of every format, with everything at full precision.
 
 mod carried;
 mod looks;
@@ -59,22 +59,22 @@ const CONTROL: Parameter = Parameter {
           its creases and corners, and what it carries. It goes with no other option. Meshes only.",
 };
 
-/// Most bytes of the entry of the warnings, and of what stands in it beside them.
+/// Maximum number of bytes of the entry of the warnings, and of its parts besides the warnings.
 const WARNINGS: usize = 8_192;
 const WARNINGS_FRAME: usize = 64;
 
 /// `{"positions":[...],"faces":[...]}` for meshes, with `"normals":[...]` (zero where undefined) on request,
 /// `{"points":[...],"closed":...}` for one polygon, `{"polygons":[...]}` with such objects for any other number of
-/// them.
+/// polygons.
 ///
-/// What a mesh carries follows in the notation of requests: `"corners":[...]` and `"creases":[...]` of meshes that
-/// stand as they were given, `"channels":{...}`, `"uvs":{...}`, `"groups":[...]` and `"materials":[...]` of output
-/// faces. With `ids` an entry `"ids":{"faces":[...],"vertices":[[dimension,cell],...]}` follows: the input face of each
-/// face, and for each vertex the input cell (dimension 0 a vertex, 1 an edge, 2 a face). With `isolines` an entry
-/// `"isolines":[[...],...]` follows, the vertices along each edge of the input. With `sections` an entry
+/// The attachments of a mesh follow in the notation of requests: `"corners":[...]` and `"creases":[...]` of meshes that
+/// are written without refinement, `"channels":{...}`, `"uvs":{...}`, `"groups":[...]` and `"materials":[...]` of
+/// output faces. With `ids` an entry `"ids":{"faces":[...],"vertices":[[dimension,cell],...]}` follows: the input face
+/// of each face, and for each vertex the input cell (dimension 0 a vertex, 1 an edge, 2 a face). With `isolines` an
+/// entry `"isolines":[[...],...]` follows, the vertices along each edge of the input. With `sections` an entry
 /// `"sections":[[{"points":[...],"closed":...},...],...]` follows, a list of polylines for each plane.
 ///
-/// With `cage` it is the control mesh that is written, with `"holes":[...]` after its faces.
+/// With `cage` the control mesh is written, with `"holes":[...]` after its faces.
 ///
 /// With warnings, an entry `"warnings":[...]` follows. Numbers are the shortest decimals that read back as the same
 /// f64; whole ones have no point, -0 is 0.
@@ -204,7 +204,8 @@ impl Costs for Json {
     }
 }
 
-/// Counts of what is written, at most: of a control mesh those of the input, each corner of which may have values.
+/// Returns upper bounds of the counts of what is written; for a control mesh, whose corners may all have values of
+/// their own, those of the input.
 fn of_shown<'a>(counts: &'a Counts, options: &Values) -> Cow<'a, Counts> {
     if !options.flag(CAGE) {
         return Cow::Borrowed(counts);
@@ -221,7 +222,7 @@ fn of_shown<'a>(counts: &'a Counts, options: &Values) -> Cow<'a, Counts> {
     })
 }
 
-/// The entry of the warnings, nothing when there are none; those that find no room are only counted.
+/// Returns the entry of the warnings, empty if there are none; warnings that do not fit are only counted.
 fn warnings(warnings: &[String]) -> Vec<u8> {
     if warnings.is_empty() {
         return Vec::new();
@@ -248,7 +249,7 @@ fn write_mesh(mesh: &dyn MeshSource, stream: &mut Stream<'_>) -> Result<(), Form
     stream.bytes(b"]")
 }
 
-/// Writes a control mesh, hidden faces included, with the numbers of these.
+/// Writes a control mesh, hidden faces included, with the numbers of the hidden faces.
 fn write_cage(cage: ControlSource<'_>, options: &Values, stream: &mut Stream<'_>) -> Result<(), FormatError> {
     write_mesh(&cage, stream)?;
     let holes = cage.holes();

@@ -1,4 +1,4 @@
-//! What formats leave out of what a mesh carries, in sentences.
+//! Sentences about the attachments of a mesh that a format leaves out.
 
 use crate::math::parameter::Values;
 use crate::output::format::Format;
@@ -6,10 +6,10 @@ use crate::shape::attachments::{Attachments, Channel};
 use crate::shape::creases::Tags;
 use crate::shape::looks::{Alpha, Look};
 
-/// Most channels that a sentence names.
+/// Maximum number of channels that a sentence names.
 const NAMED: usize = 8;
 
-/// A kind of what a mesh carries.
+/// A kind of attachment.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Datum {
     /// All channels.
@@ -24,25 +24,26 @@ pub(super) enum Datum {
     Uvs,
     /// Groups.
     Groups,
-    /// Materials with all that is said of them.
+    /// Materials with names and looks.
     Materials,
     /// Materials without a colour.
     ColorlessMaterials,
-    /// How materials look, but not their names.
+    /// The looks of materials, but not their names.
     Looks,
     /// Metalness and roughness.
     Surface,
-    /// How much materials let through.
+    /// The transparency of materials.
     Transparency,
-    /// What alpha does, where that is not what the colour says.
+    /// The alpha mode, if it is not the one that the colour implies.
     AlphaMode,
-    /// Which sides are seen.
+    /// The visible sides.
     Sides,
-    /// Pictures.
+    /// Images.
     Textures,
 }
 
-/// One sentence for each kind that a mesh carries and a format has no place for, with the formats that have one.
+/// Returns a sentence for each kind of attachment that the mesh has and the format cannot hold, with the formats to ask
+/// for.
 pub(super) fn left_out(format: &str, ask_for: &str, carried: &Attachments, kinds: &[Datum]) -> Vec<String> {
     let sentence = |datum: &Datum| {
         let (what, is_one) = datum.name(carried)?;
@@ -53,7 +54,7 @@ pub(super) fn left_out(format: &str, ask_for: &str, carried: &Attachments, kinds
 }
 
 impl Datum {
-    /// What is there of this kind, and whether that is one thing; nothing where there is none.
+    /// Returns the name of this kind of attachment and whether it is singular; `None` if the mesh has none.
     fn name(self, carried: &Attachments) -> Option<(String, bool)> {
         let any = |has: fn(&Look) -> bool| carried.looks.iter().any(has);
         let color = carried.color().map(|(_, color)| color);
@@ -94,7 +95,7 @@ impl Datum {
     }
 }
 
-/// The names of channels.
+/// Returns the names of channels, and whether there is only one.
 fn named<'a>(channels: impl Iterator<Item = &'a Channel>) -> Option<(String, bool)> {
     let names: Vec<String> = channels.map(|channel| format!("\"{}\"", channel.name)).collect();
     let more = if names.len() > NAMED { ", ..." } else { "" };
@@ -105,14 +106,14 @@ fn named<'a>(channels: impl Iterator<Item = &'a Channel>) -> Option<(String, boo
     }
 }
 
-/// What a format leaves out of a mesh: of what it carries, and of its tags, which meshes have that stand as they were
-/// given.
+/// Returns sentences about all that a format leaves out of a mesh: attachments, and the tags of a mesh that was not
+/// refined.
 pub fn all(format: &dyn Format, carried: &Attachments, tags: &Tags, options: &Values) -> Vec<String> {
     let sharp = if format.facts().has_no_tags { of_tags(format.name(), tags) } else { None };
     format.leaves_out(carried, options).into_iter().chain(sharp).collect()
 }
 
-/// The sentence of a format that has no place for the tags of a mesh, where that has some.
+/// Returns the sentence of a format that cannot hold the tags of a mesh, if the mesh has any.
 pub(super) fn of_tags(format: &str, Tags { creases, corners }: &Tags) -> Option<String> {
     let n = creases.len() + corners.len();
     let sentence = || format!("sharp edges and vertices are left out of {format}: {n}; ask for obj or json");

@@ -8,40 +8,39 @@ use super::vertex_sums::sums;
 use crate::math::vector::{cross, dot, minus, plus, times, unit};
 use crate::watch::{Stopped, Watch};
 
-/// Curvatures of each vertex: 0 where nothing defines them.
+/// Curvatures of each vertex; 0 where they are undefined.
 #[derive(Debug)]
 pub(super) struct Curvatures {
     /// Gaussian curvature, 1 / model units squared: positive on domes and bowls, negative on saddles.
     pub(super) gaussian: Vec<f64>,
-    /// Mean curvature, half the sum of the principal ones, 1 / model units: positive where the surface bends away from
-    /// its normal, as a sphere does whose normals point outwards.
+    /// Mean curvature, half the sum of the principal curvatures, 1 / model units: positive where the surface bends away
+    /// from its normal, as on a sphere whose normals point outwards.
     pub(super) mean: Vec<f64>,
-    /// Area of the faces around each vertex as it is seen along its normal, in units of a power of two that is near
-    /// half the longest side of the mesh squared; 0 where nothing defines a curvature.
+    /// Area of the faces around each vertex, projected along its normal, in units of a power of two near half the
+    /// longest side of the mesh squared; 0 where curvature is undefined.
     pub(super) areas: Vec<f64>,
 }
 
-/// Twice the area, in units of half the longest side of the mesh squared, from which the faces around a vertex define a
-/// curvature.
-/// Coordinates are rounded to 16 digits; of faces a billionth of the mesh long (this area) about seven are left. Half
-/// of it and twice of it differ for meshes of 10^17 faces only.
+/// Minimum of twice the area of the faces around a vertex that define a curvature, in units of half the longest side of
+/// the mesh squared. Coordinates are rounded to 16 digits; faces a billionth of the mesh long (this area) have about
+/// seven left. Half or twice of it makes a difference only for meshes of 10^17 faces.
 const LEAST_AREA: f64 = 1e-18;
 
-/// The curvatures of a mesh with these positions (model units), one each a vertex.
+/// Returns the curvatures of a mesh with these positions (model units), one of each kind per vertex.
 ///
-/// When each vertex p moves along its normal n by t, the area vector of a face, Newell's `1/2 sum (p_i - p_0) x
-/// (p_(i+1) - p_0)`, becomes `A + 2 t M + t^2 N`: A is that of the face, N that of the polygon of its normals, and M
-/// what both mix to. On a smooth surface area grows by the factor `1 + 2 t H + t^2 K` (Steiner's formula). So with
-/// sums over the faces around a vertex, as they are seen along its normal, `H = (M . n) / (A . n)` and
-/// `K = (N . n) / (A . n)`: the means of the curvatures over these faces.
+/// When each vertex p moves along its normal n by t, the area vector of a face, Newell's
+/// `1/2 sum (p_i - p_0) x (p_(i+1) - p_0)`, becomes `A + 2 t M + t^2 N`: A belongs to the face, N to the polygon of its
+/// normals, and M is the mixed area vector of both. On a smooth surface area grows by the factor `1 + 2 t H + t^2 K`
+/// (Steiner's formula). So with sums over the faces around a vertex, projected along its normal,
+/// `H = (M . n) / (A . n)` and `K = (N . n) / (A . n)`: the means of the curvatures over these faces.
 ///
-/// The normals are those that the mesh brings, of its limit, or [`fitted_normals`]. With the normals of the surface the
-/// curvatures are exact on spheres, and tend to those of others as h^2 where edges of length h around a vertex are
-/// symmetric up to h^2, as in the regular parts of refined meshes, else as h.
+/// The normals are the limit normals of the mesh, if it has them, or [`fitted_normals`]. With the normals of the
+/// surface the curvatures are exact on spheres; on other surfaces they converge as h^2 if the edges of length h around
+/// a vertex are symmetric up to h^2, as in the regular parts of refined meshes, otherwise as h.
 ///
-/// Where the mesh or its smoothness ends, half of this neighbourhood is missing: there stands the mean over the
-/// vertices inside of the same faces, where there are some. So does it at the vertices beside, whose curvature would
-/// be taken from the normals there, unless the mesh brings these.
+/// At the boundary of the mesh or of its smooth parts half of this neighbourhood is missing: vertices there get the
+/// mean over the inner vertices of the same faces, if there are any. So do their neighbours, whose curvature would
+/// depend on the normals there, unless the mesh has normals of its own.
 ///
 /// Sources: J. Steiner, Monatsbericht der Akademie der Wissenschaften Berlin (1840), 114-118; A. Bobenko, H. Pottmann,
 /// J. Wallner, Mathematische Annalen 348 (2010), 1-24, sections 2 and 3.
@@ -57,7 +56,7 @@ pub(super) fn curvatures(mesh: &dyn MeshSource, positions: &[[f64; 3]], watch: &
     let mut areas: Vec<f64> = area.par_iter().zip(&unit_normals).map(|(area, n)| dot(*area, *n)).collect();
     areas.par_iter_mut().for_each(|area| *area = if *area > LEAST_AREA { *area } else { 0.0 });
     drop(area);
-    // without an area it is not a number
+    // NaN marks vertices without an area
     let over_area = |sums: &[[f64; 3]], unit: f64| -> Vec<f64> {
         let rows = sums.par_iter().zip(&unit_normals).zip(&areas);
         rows.map(|((sum, n), area)| if *area > 0.0 { unit * (dot(*sum, *n) / area) } else { f64::NAN }).collect()
@@ -78,7 +77,7 @@ pub(super) fn curvatures(mesh: &dyn MeshSource, positions: &[[f64; 3]], watch: &
     Ok(Curvatures { gaussian, mean, areas })
 }
 
-/// Twice the mixed area vector of a face and the polygon of its normals, of positions multiplied by `scale`.
+/// Returns twice the mixed area vector of a face and the polygon of its normals, with positions multiplied by `scale`.
 fn mixed_area(face: &[u32], positions: &[[f64; 3]], unit_normals: &[[f64; 3]], scale: f64) -> [f64; 3] {
     let first = face[0] as usize;
     let both = |v: u32| {
@@ -97,10 +96,10 @@ fn mixed_area(face: &[u32], positions: &[[f64; 3]], unit_normals: &[[f64; 3]], s
     times(0.5, sum)
 }
 
-/// Unit normals of vertices on a sphere, from any mesh whose vertices are on it; elsewhere those of a sphere that fits:
-/// at each vertex the sum over its faces of `a x b / (|a|^2 |b|^2)`, with a and b the edges to the next vertex of the
-/// face and to the one before. Where normals weighted by area are off by the length h of edges around vertices of
-/// irregular neighbourhoods, and curvature taken from them by a constant, these are not.
+/// Returns unit normals of vertices that are exact if all vertices lie on a sphere, and otherwise are those of a fitted
+/// sphere: at each vertex the sum over its faces of `a x b / (|a|^2 |b|^2)`, with a and b the edges to the next and the
+/// previous vertex of the face. Around vertices of irregular neighbourhoods normals weighted by area are off by the
+/// edge length h, and curvature computed from them by a constant; these normals are not.
 ///
 /// Source: N. Max, Journal of Graphics Tools 4 (1999) 2, 1-6.
 fn fitted_normals(mesh: &dyn MeshSource, positions: &[[f64; 3]], watch: &Watch) -> Result<Vec<[f64; 3]>, Stopped> {
@@ -121,10 +120,10 @@ fn fitted_normals(mesh: &dyn MeshSource, positions: &[[f64; 3]], watch: &Watch) 
     Ok(sums)
 }
 
-/// The vertices around which faces do not close.
+/// Returns for each vertex whether the faces around it do not close.
 ///
-/// Around a closed vertex each neighbour follows it in one face and comes before it in another, so that the sum of
-/// those that follow less those that come before is 0.
+/// Around a closed vertex each neighbour follows the vertex in one face and precedes it in another, so that the sum of
+/// the following minus the preceding neighbours is 0.
 fn ends(mesh: &dyn MeshSource, watch: &Watch) -> Result<Vec<bool>, Stopped> {
     let mut balance = vec![0_u32; mesh.n_vertices()];
     each_face(mesh, watch, |face| {
@@ -138,7 +137,7 @@ fn ends(mesh: &dyn MeshSource, watch: &Watch) -> Result<Vec<bool>, Stopped> {
     Ok(balance.iter().map(|&sum| sum != 0).collect())
 }
 
-/// Marks the vertices of faces that have a marked one, too.
+/// Also marks all vertices of faces that have a marked vertex.
 fn widen(mesh: &dyn MeshSource, marked: &mut [bool], watch: &Watch) -> Result<(), Stopped> {
     let before = marked.to_vec();
     each_face(mesh, watch, |face| {
@@ -148,8 +147,8 @@ fn widen(mesh: &dyn MeshSource, marked: &mut [bool], watch: &Watch) -> Result<()
     })
 }
 
-/// Gives vertices of which nothing is known the mean of what the others have in the faces around them, as often as the
-/// mark was widened; what is still not known has its own, or 0.
+/// Gives vertices without a value the mean of the known values in the faces around them, in `rounds` rounds, one for
+/// each layer of marked vertices; vertices that are still without a value keep their own, or 0.
 fn fill(
     mesh: &dyn MeshSource,
     is_unknown: &[bool],
@@ -194,6 +193,6 @@ fn fill(
     Ok(())
 }
 
-/// Bytes of memory a vertex: normals, a sum while it is made, both curvatures and areas, what is unknown, before and
-/// after it is widened, and what is put there.
+/// Bytes of memory per vertex: normals, a sum while it is computed, both curvatures and areas, the marks before and
+/// after they are widened, and the values that are filled in.
 pub(super) const VERTEX_BYTES: u128 = 2 * 24 + 3 * 8 + 2 + 4 + 4 + 16;

@@ -97,7 +97,7 @@ pub const FORMATS: &[&dyn Format] = &[
     &stencils::BINARY,
 ];
 
-/// The format of a name.
+/// Returns the format with this name.
 pub fn named(name: &str) -> Option<&'static dyn Format> {
     FORMATS.iter().copied().find(|format| format.name() == name)
 }

@@ -19,7 +19,7 @@ use crate::watch::Watch;
 /// The first line.
 const HEADER: &[u8] = b"# planish\n";
 
-/// The words of a material besides its names and its numbers.
+/// Bytes of a material besides its names and its numbers.
 const WORDS: u128 = b"newmtl \nKd   \nd \nPm \nPr \nmap_Kd -clamp on -256.jpg\n".len() as u128;
 
 /// The option of textures.
@@ -32,10 +32,10 @@ const TEXTURES: Parameter = Parameter {
           order in which materials first have them; left out, no texture is named.",
 };
 
-/// The materials of a mesh as a library for OBJ files: `newmtl` with its name, and as far as they are said `Kd` (red,
-/// green, blue as they are given), `d` (alpha), `Pm` (metallic), `Pr` (roughness), and `map_Kd` where textures have
-/// names. What alpha does and which sides are seen have no place in it. The library of a mesh without materials has
-/// none.
+/// The materials of a mesh as a library for OBJ files: `newmtl` with the name, and, as far as they are given, `Kd`
+/// (red, green, blue as given), `d` (alpha), `Pm` (metallic), `Pr` (roughness), and `map_Kd` if textures have file
+/// names. MTL cannot hold the alpha mode and the visible sides. The library of a mesh without materials has its first
+/// line only.
 #[derive(Debug)]
 pub(super) struct Mtl;
 
@@ -97,12 +97,13 @@ impl Costs for Mtl {
     }
 }
 
-/// What libraries have no place for of what a mesh carries, in sentences.
+/// Returns sentences about the attachments of a mesh that libraries cannot hold.
 pub fn unheld(carried: &Attachments) -> Vec<String> {
     left_out("mtl", "glb or json", carried, &[Datum::AlphaMode, Datum::Sides])
 }
 
-/// The library of what a mesh carries; textures are named where it is said what their names begin with.
+/// Returns the library of the materials of a mesh; textures are named if `textures`, the start of their names, is
+/// given.
 pub fn library(carried: &Attachments, textures: Option<&str>) -> Vec<u8> {
     let images = images(&carried.looks);
     let mut text = HEADER.to_vec();
@@ -122,7 +123,7 @@ pub fn library(carried: &Attachments, textures: Option<&str>) -> Vec<u8> {
     text
 }
 
-/// The name of the file with a texture, given by its number among those of a mesh, from 0.
+/// Returns the name of the file of a texture, given its number among those of a mesh, from 0.
 pub fn file_name(stem: &str, number: usize, image: &Image) -> String {
     let extension = match image.kind() {
         ImageKind::Png => "png",
@@ -131,7 +132,7 @@ pub fn file_name(stem: &str, number: usize, image: &Image) -> String {
     format!("{stem}-{}.{extension}", number + 1)
 }
 
-/// Refuses names of files that OBJ and MTL cannot tell from other words.
+/// Refuses file names that OBJ and MTL cannot tell from several words or a comment.
 pub(super) fn check_file_name(option: &Parameter, options: &Values) -> Result<(), Fault> {
     let is_word = |name: &str| !name.chars().any(|c| c.is_whitespace() || c.is_control() || c == '#');
     match options.name(option.name) {
@@ -143,7 +144,7 @@ pub(super) fn check_file_name(option: &Parameter, options: &Values) -> Result<()
     }
 }
 
-/// Appends what is said of a look.
+/// Appends the numbers that a look defines.
 fn tell(look: &Look, out: &mut Vec<u8>) {
     let mut line = |keyword: &str, numbers: &[f64]| {
         out.extend_from_slice(keyword.as_bytes());

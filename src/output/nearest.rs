@@ -1,4 +1,4 @@
-//! How far points are from the triangles of a mesh.
+//! Distances of points from the triangles of a mesh.
 
 use rayon::prelude::*;
 
@@ -7,25 +7,24 @@ use crate::math::functions::sqrt;
 use crate::math::vector::{Vector, length, minus, square_from_triangle};
 use crate::watch::{Stopped, Watch};
 
-/// Most triangles of a leaf.
-/// Half of it doubles the nodes of the tree; twice of it measures up to 8 triangles where a box would do. Distances are
-/// the same.
+/// Maximum number of triangles of a leaf. Half of it doubles the nodes of the tree; twice of it measures up to 8
+/// triangles where a box would do. Distances are the same.
 const LEAF: usize = 4;
 
-/// Bytes of memory a triangle of the mesh: its corners (72), its place in the order (4), and its share of the nodes, of
-/// which there are at most as many (56).
+/// Bytes of memory per triangle of the mesh: its corners (72), its place in the order (4), and its share of the nodes,
+/// of which there are at most as many (56).
 pub(super) const TRIANGLE_BYTES: u128 = 72 + 4 + 56;
 
 /// The triangles of a mesh in a tree of boxes.
 #[derive(Debug)]
 pub(super) struct Triangles {
-    /// Leaf after leaf.
+    /// The corners of the triangles, leaf after leaf.
     corners: Vec<[Vector; 3]>,
     nodes: Vec<Node>,
 }
 
-/// A box around triangles `from..to`. The node of the first half of them is the next one, that of the second half is
-/// `second`, which is 0 where the node is a leaf.
+/// A box around triangles `from..to`. The node of the first half of them is the next node, the node of the second half
+/// is `second`, which is 0 for a leaf.
 #[derive(Debug)]
 struct Node {
     low: Vector,
@@ -36,7 +35,7 @@ struct Node {
 }
 
 impl Triangles {
-    /// Those of a mesh whose faces are cut as for every picture.
+    /// Builds the tree of a mesh, whose faces are cut as for every picture.
     ///
     /// # Errors
     /// [`Stopped`] when the watch says so.
@@ -52,7 +51,8 @@ impl Triangles {
         Self::new(corners, watch)
     }
 
-    /// The segments of curves of at most three coordinates a point, each as a triangle with two corners in one place.
+    /// Builds the tree of the segments of curves with at most three coordinates; each segment is a triangle with two
+    /// equal corners.
     ///
     /// # Errors
     /// [`Stopped`] when the watch says so.
@@ -77,18 +77,18 @@ impl Triangles {
         Ok(Self { corners, nodes })
     }
 
-    /// The corners of all triangles, in the order of the tree.
+    /// Returns the corners of all triangles, in the order of the tree.
     pub(super) fn corners(&self) -> &[[Vector; 3]] {
         &self.corners
     }
 
-    /// The length of the diagonal of the box around all, model units; 0 where there is nothing.
+    /// Returns the length of the diagonal of the box around all triangles, model units; 0 without triangles.
     pub(super) fn diagonal(&self) -> f64 {
         self.nodes.first().map_or(0.0, |all| length(minus(all.high, all.low)))
     }
 
-    /// The squared distance of a point and the number of the triangle that is nearest, by way of triangle `near`, which
-    /// it replaces. There has to be a triangle.
+    /// Returns the squared distance of a point from the nearest triangle, and replaces `near` by the number of that
+    /// triangle. The search starts with triangle `near`. There must be a triangle.
     pub(super) fn nearest(&self, point: Vector, near: &mut usize, waiting: &mut Vec<(f64, u32)>) -> f64 {
         let mut best = square_from_triangle(point, self.corners[*near]);
         waiting.clear();
@@ -111,13 +111,13 @@ impl Triangles {
             if halves[0].0 < halves[1].0 {
                 halves.swap(0, 1);
             }
-            // the nearer half is asked first
+            // the nearer half is visited first
             waiting.extend(halves);
         }
         best
     }
 
-    /// The distance of each point, model units; infinite where the mesh has no triangles.
+    /// Returns the distance of each point, model units; infinite if the mesh has no triangles.
     ///
     /// # Errors
     /// [`Stopped`] when the watch says so.
@@ -127,7 +127,7 @@ impl Triangles {
         distances.par_chunks_mut(part).zip(points.par_chunks(part)).try_for_each(|(distances, points)| {
             let (mut near, mut waiting) = (0, Vec::new());
             for (distance, &point) in distances.iter_mut().zip(points) {
-                // of a point that is as far from all triangles, each of them is asked
+                // a point equally far from all triangles is tested against each of them
                 watch.check()?;
                 *distance = self.distance(point, &mut near, &mut waiting);
             }
@@ -136,21 +136,21 @@ impl Triangles {
         Ok(distances)
     }
 
-    /// The distance of a point, beginning with triangle `near`, which the nearest one replaces.
+    /// Returns the distance of a point; the search starts with triangle `near`, which the nearest one replaces.
     fn distance(&self, point: Vector, near: &mut usize, waiting: &mut Vec<(f64, u32)>) -> f64 {
         if self.corners.is_empty() { f64::INFINITY } else { sqrt(self.nearest(point, near, waiting)) }
     }
 }
 
 impl Node {
-    /// The squared distance of a point from the box.
+    /// Returns the squared distance of a point from the box.
     fn square(&self, point: Vector) -> f64 {
         let off = |k: usize| (self.low[k] - point[k]).max(point[k] - self.high[k]).max(0.0);
         (0..3).map(|k| off(k) * off(k)).sum()
     }
 }
 
-/// Adds the node of some triangles, the first of which has number `start`, and those below it.
+/// Adds the node of triangles, the first of which has the number `start`, and the nodes below it.
 fn grow(nodes: &mut Vec<Node>, corners: &mut [[Vector; 3]], start: usize, watch: &Watch) -> Result<(), Stopped> {
     watch.check()?;
     let (mut low, mut high) = ([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]);

@@ -10,12 +10,12 @@ use crate::output::scene::{CHUNK, FaceChunk, MeshSource, OnDemandSource, in_chun
 use crate::output::vertex_sums::sums;
 use crate::watch::{Stopped, Watch};
 
-/// Unit normals, `n_vertices x 3`: at each vertex the sum of the area vectors of its faces, scaled to length one.
+/// Returns unit normals, one per vertex: the sum of the area vectors of the faces of each vertex, scaled to length one.
 ///
 /// The area vector of a face `p_0 .. p_(n-1)` is Newell's, `1/2 sum (p_i - p_0) x (p_(i+1) - p_0)`: as long as the
-/// face's projected area, upright on its mean plane. Where the sum vanishes (isolated vertices, collapsed faces) the
-/// zero vector stands. `positions` (model units) are those of all vertices. Each sum runs in face order whatever the
-/// number of threads, so the bits are always the same.
+/// projected area of the face, perpendicular to its mean plane. If the sum vanishes (isolated vertices, collapsed
+/// faces) the normal is the zero vector. `positions` (model units) are those of all vertices. Each sum runs in face
+/// order whatever the number of threads, so the bits are always the same.
 ///
 /// Source: M. Newell, R. Newell, T. Sancha, Proc. ACM Annual Conference (1972), 443-450.
 ///
@@ -28,7 +28,7 @@ pub fn area(mesh: &dyn MeshSource, positions: &[[f64; 3]], watch: &Watch) -> Res
     Ok(sums)
 }
 
-/// The normals that the mesh brings (those of its limit), and [`area`] ones where it brings none.
+/// Returns the normals of the mesh itself (those of its limit), and [`area`] normals where it has none.
 ///
 /// # Errors
 /// [`Stopped`] when the watch says so.
@@ -44,8 +44,8 @@ pub fn of(mesh: &dyn MeshSource, positions: &[[f64; 3]], watch: &Watch) -> Resul
     Ok(normals)
 }
 
-/// The normals of `smooth` for the vertices of `split`: a mesh with the same faces in the same order, whose vertices
-/// are those of `smooth`, some of them more than once. `positions` are those of `smooth`.
+/// Returns the normals of `smooth` for the vertices of `split_vertices`, a mesh with the same faces in the same order
+/// and with copies of some vertices of `smooth`. `positions` are those of `smooth`.
 ///
 /// # Errors
 /// [`Stopped`] when the watch says so.
@@ -70,13 +70,13 @@ pub fn split_vertices(
     Ok(found)
 }
 
-/// Returns a normal, or +z for one that is undefined, for formats that know unit vectors only.
+/// Returns a normal, or +z for one that is undefined, for formats that require unit vectors.
 #[inline]
 pub fn or_up(normal: [f64; 3]) -> [f64; 3] {
     if normal.iter().all(|&x| x == 0.0) { [0.0, 0.0, 1.0] } else { normal }
 }
 
-/// Twice Newell's area vector of a face, of positions multiplied by `scale`.
+/// Returns twice Newell's area vector of a face, with positions multiplied by `scale`.
 #[inline]
 pub fn area_vector(face: &[u32], positions: &[[f64; 3]], scale: f64) -> [f64; 3] {
     let at = |vertex: u32| times(scale, positions[vertex as usize]);
@@ -92,21 +92,21 @@ pub fn area_vector(face: &[u32], positions: &[[f64; 3]], scale: f64) -> [f64; 3]
     sum
 }
 
-/// Fills `out` with the [`area`] normals of some vertices of a mesh that makes its positions on demand; `scale` is that
-/// of the mesh.
+/// Fills `out` with the [`area`] normals of the vertices in `range` of a mesh that makes its positions on demand;
+/// `scale` is the [`scale`] of the mesh.
 pub(super) fn on_demand(source: &dyn OnDemandSource, range: Range<usize>, scale: f64, out: &mut Vec<[f64; 3]>) {
     source.sums(range, &|corners| area_vector(&[0, 1, 2, 3], &corners, scale), out);
     out.iter_mut().for_each(|sum| *sum = unit(*sum));
 }
 
-/// The unit normal of a triangle, zero where it is undefined; `scale` is that of the mesh.
+/// Returns the unit normal of a triangle, zero where it is undefined; `scale` is the [`scale`] of the mesh.
 #[inline]
 pub(super) fn of_triangle(corners: [[f64; 3]; 3], scale: f64) -> [f64; 3] {
     unit(area_vector(&[0, 1, 2], &corners, scale))
 }
 
-/// The power of two that brings the longest side of the bounding box near 1, so that products of lengths neither
-/// overflow nor vanish. A power of two changes no digit.
+/// Returns the power of two that brings half the longest side of the bounding box between 1 and 2, so that products of
+/// lengths neither overflow nor vanish. A power of two changes no digit.
 pub fn scale(positions: &[[f64; 3]]) -> f64 {
     let block = |rows: &[[f64; 3]]| {
         let mut bounds = Bounds::EMPTY;
@@ -117,13 +117,13 @@ pub fn scale(positions: &[[f64; 3]]) -> f64 {
     scale_of(&bounds)
 }
 
-/// [`scale`] of positions in this box.
+/// Returns the [`scale`] of positions in this box.
 pub(super) fn scale_of(bounds: &Bounds<3>) -> f64 {
     let half_side = bounds.half_side();
     if half_side > 0.0 && half_side.is_finite() { inverse_power_of_two(half_side) } else { 1.0 }
 }
 
-/// `2^-e` for `x` in `[2^e, 2^(e+1))`, kept within the range of normal numbers.
+/// Returns `2^-e` for `x` in `[2^e, 2^(e+1))`, within the range of normal numbers.
 fn inverse_power_of_two(x: f64) -> f64 {
     let exponent = (x.to_bits() >> 52) & 0x7ff;
     f64::from_bits((2046 - exponent).clamp(1, 2046) << 52)
@@ -137,7 +137,7 @@ mod tests {
     #[derive(Debug)]
     struct Fan(usize);
 
-    /// A fan of triangles in the plane `z = 0` around vertex 0; the last vertex stands alone.
+    /// A fan of triangles in the plane `z = 0` around vertex 0; the last vertex is isolated.
     impl MeshSource for Fan {
         fn n_vertices(&self) -> usize {
             self.0 + 3

@@ -1,6 +1,6 @@
-//! Numbers as text, and the lengths that follow from them.
+//! Numbers as text, and their lengths.
 
-/// Most bytes that [`real`] appends.
+/// Maximum number of bytes that [`real`] appends.
 pub(super) const REAL: u128 = 24;
 
 /// Appends the shortest decimal that reads back as `x`, whole numbers without a point, and -0 as 0.
@@ -9,7 +9,7 @@ pub(super) fn real(out: &mut Vec<u8>, x: f64) {
     shortest(out, x + 0.0);
 }
 
-/// As [`real`], for the f32 nearest to `x`.
+/// Appends the f32 nearest to `x` as [`real`] does.
 pub(super) fn real_f32(out: &mut Vec<u8>, x: f64) {
     shortest(out, rounded(x) + 0.0);
 }
@@ -36,14 +36,14 @@ pub(super) fn whole(out: &mut Vec<u8>, n: u64) {
     out.extend_from_slice(itoa::Buffer::new().format(n).as_bytes());
 }
 
-/// The f32 nearest to `x`.
+/// Returns the f32 nearest to `x`.
 #[expect(clippy::cast_possible_truncation, reason = "rounding once, to nearest, is what the f32 formats promise")]
 #[inline]
 pub(super) fn rounded(x: f64) -> f32 {
     x as f32
 }
 
-/// A vector as f32, little endian.
+/// Returns a vector as f32, little endian.
 #[inline]
 pub(super) fn f32_bytes(row: [f64; 3]) -> [u8; 12] {
     let mut bytes = [0; 12];
@@ -51,7 +51,7 @@ pub(super) fn f32_bytes(row: [f64; 3]) -> [u8; 12] {
     bytes
 }
 
-/// A vector as f64, little endian.
+/// Returns a vector as f64, little endian.
 #[inline]
 pub(super) fn f64_bytes(row: [f64; 3]) -> [u8; 24] {
     let mut bytes = [0; 24];
@@ -59,24 +59,24 @@ pub(super) fn f64_bytes(row: [f64; 3]) -> [u8; 24] {
     bytes
 }
 
-/// Indices, little endian; `B` is four times `N`.
+/// Returns indices, little endian; `B` is four times `N`.
 pub(super) fn index_bytes<const N: usize, const B: usize>(row: [u32; N]) -> [u8; B] {
     let mut bytes = [0; B];
     bytes.as_chunks_mut().0.iter_mut().zip(row).for_each(|(slot, n)| *slot = n.to_le_bytes());
     bytes
 }
 
-/// The number that the shortest decimal of an f32 says, which is close to it but seldom the same.
+/// Returns the value of the shortest decimal of an f32, which is close to the f32 but seldom equal.
 pub(super) fn as_written(x: f32) -> f64 {
     zmij::Buffer::new().format_finite(x).parse().unwrap_or(f64::from(x))
 }
 
-/// Number of decimal digits of `n`.
+/// Returns the number of decimal digits of `n`.
 pub(super) fn digits(n: u128) -> u128 {
     u128::from(n.checked_ilog10().unwrap_or(0)) + 1
 }
 
-/// The sum of the products, or the largest number where it would be larger.
+/// Returns the sum of the products, saturated at the largest number.
 pub(super) fn total(products: &[(u128, u128)]) -> u128 {
     products.iter().fold(0, |sum: u128, (a, b)| sum.saturating_add(a.saturating_mul(*b)))
 }

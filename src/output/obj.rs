@@ -38,11 +38,11 @@ const LIBRARY: Parameter = Parameter {
           named.",
 };
 
-/// What is said of an OBJ file whose materials look like something, where it names no library.
+/// The warning about an OBJ file whose materials have looks, if the file names no library.
 pub const WITHOUT_LIBRARY: &str = "how materials look is left out, as no library is named; give \"mtllib\" and ask for \
                                    mtl, too, or ask for glb";
 
-/// The first lines: who wrote the file, what coordinates mean, and where the materials are.
+/// Returns the first lines: the program, the unit and up axis of coordinates, and the library of materials.
 fn header(frame: Frame, options: &Values) -> String {
     let remarks = ["planish".to_owned()].into_iter().chain(frame.remarks()).map(|remark| format!("# {remark}\n"));
     let library = options.name(LIBRARY.name).map(|name| format!("mtllib {name}\n"));
@@ -59,18 +59,17 @@ const fn line(keyword: &'static [u8]) -> RowStyle {
     RowStyle { start: keyword, open: b' ', between: b' ', end: b"\n" }
 }
 
-/// What faces without a group or material are said to have: the format's name for no group.
+/// The group and material of faces without one: the format's name for no group.
 const UNNAMED: &str = "default";
 
-/// Wavefront OBJ: `v`, `vt` where there are texture coordinates, `vn` on request, `f` for meshes; `v` and `l` for
-/// curves.
+/// Wavefront OBJ: `v`, `vt` with texture coordinates, `vn` on request, `f` for meshes; `v` and `l` for curves.
 ///
 /// Numbers are the shortest decimals that read back as the same f64. A closed curve repeats its first index; missing
-/// coordinates of points are 0. Unit and up axis stand in comments where they are not the defaults. The channel `color`
-/// stands behind the coordinates (red, green, blue), other channels have no place. Groups and materials are `g` and
-/// `usemtl`, "default" for faces without; how they look stands in a library of its own, the format "mtl". Origins are
-/// comments before the first vertex and face of each input cell. Where the mesh stands as it was given, tags `t crease`
-/// and `t corner` after the faces tell what is sharp.
+/// coordinates of points are 0. Unit and up axis are comments if they are not the defaults. The channel `color` follows
+/// the coordinates (red, green, blue); other channels are left out. Groups and materials are `g` and `usemtl`,
+/// "default" for faces without; looks of materials are in a library of their own, the format "mtl". Origins are
+/// comments before the first vertex and face of each input cell. If the mesh is written without refinement, tags
+/// `t crease` and `t corner` after the faces hold its sharpness.
 #[derive(Debug)]
 pub(super) struct Obj;
 
@@ -175,7 +174,7 @@ impl Costs for Obj {
     }
 }
 
-/// Writes what is sharp; in tags vertices are counted from 0.
+/// Writes the sharp edges and vertices; in tags vertices are counted from 0.
 fn write_tags(tags: &Tags, stream: &mut Stream<'_>) -> Result<(), FormatError> {
     stream.each(0..tags.creases.len(), |i, out| {
         let (ends, sharpness) = tags.creases[i];
@@ -264,10 +263,10 @@ fn number(before: u8, index: u32, out: &mut Vec<u8>) {
     whole(out, u64::from(index) + 1);
 }
 
-/// What is told of a mesh besides its shape.
+/// The attachments and origins of a mesh.
 struct Told<'a> {
     mesh: &'a dyn MeshSource,
-    /// Whether origins are told.
+    /// Whether origins are written.
     ids: bool,
 }
 
@@ -300,7 +299,7 @@ impl Told<'_> {
         })
     }
 
-    /// Appends some consecutive faces, the first of which has this index, given with their places of texture
+    /// Appends consecutive faces, the first of which has the index `start`, given with their places of texture
     /// coordinates if there are any; `corner` appends one corner with its vertex and its place.
     fn faces(
         &self,
@@ -328,7 +327,7 @@ impl Told<'_> {
         })
     }
 
-    /// Appends the origin of a vertex where it differs from that of the vertex before.
+    /// Appends the origin of a vertex if it differs from that of the vertex before.
     fn before_vertex(&self, vertex: usize, out: &mut Vec<u8>) {
         if !self.ids {
             return;
@@ -340,12 +339,12 @@ impl Told<'_> {
         }
     }
 
-    /// Whether anything may stand before a face.
+    /// Returns whether faces may have lines before them.
     fn tells_of_faces(&self) -> bool {
         self.ids || self.mesh.attachments().names_faces()
     }
 
-    /// Appends origin, group and material of a face where they differ from those of the face before.
+    /// Appends origin, group and material of a face if they differ from those of the face before.
     fn before_face(&self, face: usize, out: &mut Vec<u8>) {
         let attachments = self.mesh.attachments();
         if !self.tells_of_faces() {
@@ -377,7 +376,7 @@ fn comment(cell: &str, number: u32, out: &mut Vec<u8>) {
     out.push(b'\n');
 }
 
-/// Most bytes of the lines that tell of origins, groups and materials.
+/// Returns the maximum number of bytes of the lines with origins, groups and materials.
 fn told(counts: &Counts, ids: bool) -> u128 {
     let cells = counts.half_edges.max(counts.vertices).max(counts.input_faces as u128);
     let remark = if ids { "# from vertex \n".len() as u128 + digits(cells) } else { 0 };

@@ -2,7 +2,7 @@
 
 use crate::math::parameter::{Default, Kind, Parameter};
 
-/// The option of mesh formats that tells of what in the input everything came.
+/// The option of mesh formats that writes the origin of each face and vertex in the input.
 pub(super) const IDS: Parameter = Parameter {
     name: "ids",
     kind: Kind::Flag,
@@ -11,19 +11,19 @@ pub(super) const IDS: Parameter = Parameter {
     doc: "For each face of a mesh the input face it came of, for each vertex the input vertex, edge or face",
 };
 
-/// The option that has the control mesh in place of what is made of it.
+/// The option that writes the control mesh in place of its refinement.
 pub const CAGE: &str = "cage";
 
-/// The edges of the input on a refined mesh: an option of formats that write them, and what pictures show.
+/// The edges of the input on a refined mesh: an option of formats that write them, and an item of pictures.
 pub(super) const ISOLINES: &str = "isolines";
 
-/// Edges along latitude and longitude lines of the input, as pictures show them.
+/// Edges along latitude and longitude lines of the input, as items of pictures.
 pub const DIRECTIONS: [&str; 2] = ["latitude", "longitude"];
 
-/// Name of the choice that moves points to the limit.
+/// The choice that moves points to the limit.
 pub const LIMIT: &str = "limit";
 
-/// The option where the points of the last level stand.
+/// The option for the positions of the points of the last level.
 pub const POSITIONS: Parameter = Parameter {
     name: "positions",
     kind: Kind::Choice(&["refined", LIMIT]),

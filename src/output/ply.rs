@@ -32,16 +32,16 @@ use layout::{Encoding, Layout};
 
 /// PLY, binary little endian unless `ascii`: elements `vertex` and `face` for meshes, `vertex` and `edge` for curves.
 ///
-/// Unit and up axis stand in comments where they are not the defaults. The channel `color` becomes `red`, `green`,
-/// `blue` and perhaps `alpha` of one byte, others properties of their names. Groups and materials become `int`
-/// properties of faces, -1 for none, their names comments. Origins are a `uint` of faces, for vertices with the
+/// Unit and up axis are comments if they are not the defaults. The channel `color` becomes `red`, `green`, `blue` and
+/// perhaps `alpha` of one byte; other channels become properties of their names. Groups and materials become `int`
+/// properties of faces, -1 for none; their names are comments. Origins are a `uint` of faces, for vertices with the
 /// dimension of the cell.
 ///
-/// With texture coordinates a vertex on a seam is there once for each place at it, and every vertex has `s` and `t`:
-/// more programs read these than lists `texcoord` of faces, which would keep vertices whole. Vertices of no face are
+/// With texture coordinates a vertex on a seam has a copy for each of its places, and every vertex has `s` and `t`:
+/// more programs read these than lists `texcoord` of faces, which would keep vertices whole. Vertices without faces are
 /// left out then. OBJ keeps both.
 ///
-/// Indices are `int`, or `uint` where there are more than 2^31 vertices. The size of a face is one byte, or four with
+/// Indices are `int`, or `uint` if there are more than 2^31 vertices. The size of a face is one byte, or four with
 /// `"face_sizes": "uint"`.
 #[derive(Debug)]
 pub(super) struct Ply;
@@ -96,7 +96,7 @@ impl Costs for Ply {
     fn size(&self, counts: &Counts, options: &Values) -> Size {
         match counts.kind {
             ShapeKind::Mesh => mesh_size(counts, Layout::of(options)),
-            // How many edges the points make depends on which polygons are closed.
+            // The number of edges depends on which polygons are closed.
             ShapeKind::Curves { .. } => Size::AtMost(curves_size(counts, Layout::of_curves(options))),
         }
     }
@@ -169,7 +169,7 @@ fn curves_header(vertices: u128, edges: u128, frame: Frame, layout: Layout) -> S
     format!("{of_vertices}element edge {edges}\n{ends}\nend_header\n")
 }
 
-/// Lines of the header that tell what coordinates mean.
+/// Returns the lines of the header with unit and up axis.
 fn remarks(frame: Frame) -> String {
     frame.remarks().iter().map(|remark| format!("comment {remark}\n")).collect::<Vec<_>>().concat()
 }
@@ -253,7 +253,7 @@ fn write_faces(mesh: &dyn MeshSource, layout: Layout, stream: &mut Stream<'_>) -
     check_face(largest.into_inner() as u128, layout).map_err(FormatError::Unfit)
 }
 
-/// Whether the size of a face has its place.
+/// Refuses faces with more corners than the type of their size can count.
 fn check_face(size: u128, layout: Layout) -> Result<(), String> {
     if layout.encoding != Encoding::Uchar || size <= u8::MAX.into() {
         return Ok(());

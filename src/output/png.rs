@@ -30,16 +30,16 @@ use crate::shape::attachments::Attachments;
 use crate::shape::mesh::Mesh;
 use crate::watch::{Stage, Watch};
 
-/// Bytes of a pixel while a surface is drawn: its light and depth (12), its colour (4), and 6 for cells of the map of
+/// Bytes per pixel while a surface is drawn: its light and depth (12), its colour (4), and 6 for cells of the map of
 /// hollows, of which there are at most two in three pixels.
 const PIXEL_BYTES: u128 = 22;
-/// Bytes of a pixel while lines are drawn: their light (8), and a colour.
+/// Bytes per pixel while lines are drawn: their light (8), and a colour.
 const LINE_PIXEL_BYTES: u128 = 12;
-/// Bytes a corner of a mesh whose edges are drawn: the sides before they are sorted (8), and half of an edge as it is
-/// drawn, with its two ends, its bounds and its place among the tiles (measured: 52).
+/// Bytes per half-edge of a mesh whose edges are drawn: the sides before they are sorted (8), and half of an edge as it
+/// is drawn, with its two ends, its bounds and its place among the tiles (measured: 52).
 const WIRE_BYTES: u128 = 36;
 
-/// Bytes of a vertex over the ground: its place.
+/// Bytes per vertex for its place over the ground.
 const GROUND_BYTES: u128 = 12;
 
 /// The format "png".
@@ -147,7 +147,7 @@ impl Format for Png {
         let pixels = pixels(scene, values, watch)?;
         watch.check()?;
         watch.enter(Stage::Encode);
-        // an opaque background leaves nothing transparent
+        // an opaque background leaves no pixel transparent
         encode(pixels, options.size, (options.background[3] == 255, options.dpi()), out)
     }
 }
@@ -207,8 +207,8 @@ impl Costs for Png {
     }
 }
 
-/// Bytes of a picture at most: its rows stored without compression, which the encoder never exceeds, and a kilobyte
-/// around them.
+/// Returns the maximum number of bytes of a picture: its rows stored without compression, which the encoder never
+/// exceeds, and a kilobyte around them.
 pub(super) fn bytes(size: [u32; 2]) -> Size {
     let [width, height] = size.map(u128::from);
     let rows = height * (1 + 4 * width);
@@ -216,7 +216,7 @@ pub(super) fn bytes(size: [u32; 2]) -> Size {
     Size::AtMost(rows + 17 * blocks + 1024)
 }
 
-/// The picture of a scene: rows of red, green, blue and alpha (straight), from the top.
+/// Renders a scene. Returns the rows of pixels from the top, with red, green, blue and straight alpha.
 pub(super) fn pixels(scene: &Scene<'_>, values: &Values, watch: &Watch) -> Result<Vec<u8>, FormatError> {
     let options = Options::new(values, scene.frame);
     watch.enter(Stage::Render);
@@ -231,14 +231,14 @@ pub(super) fn pixels(scene: &Scene<'_>, values: &Values, watch: &Watch) -> Resul
     }
 }
 
-/// How large a pixel is, where an inch has so many.
+/// Returns the size of a pixel at a resolution in pixels per inch.
 pub(super) fn pixel_dims(dpi: f64) -> PixelDimensions {
     #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "there are 1 to 10,000 an inch")]
     let a_metre = (dpi / 0.0254 + 0.5) as u32;
     PixelDimensions { xppu: a_metre, yppu: a_metre, unit: Unit::Meter }
 }
 
-/// Leaves out every fourth byte.
+/// Removes every fourth byte, the alpha.
 pub(super) fn without_alpha(pixels: &mut Vec<u8>) {
     let n = pixels.len() / 4;
     for i in 0..n {
@@ -247,7 +247,7 @@ pub(super) fn without_alpha(pixels: &mut Vec<u8>) {
     pixels.truncate(3 * n);
 }
 
-/// Writes pixels (red, green, blue, alpha), without the alpha where all are opaque.
+/// Writes pixels (red, green, blue, alpha), without the alpha if all are opaque.
 pub(super) fn encode(
     mut pixels: Vec<u8>,
     [width, height]: [u32; 2],

@@ -1,4 +1,4 @@
-//! Positions of vertices as writers read them: block by block, each coordinate known to fit the format.
+//! Positions of vertices for writers: block by block, with coordinates that are known to fit the format.
 
 use std::borrow::Cow;
 use std::ops::Range;
@@ -10,7 +10,7 @@ use crate::output::error::FormatError;
 use crate::output::scene::{CHUNK, Curve, MeshSource, in_chunks, ranges};
 use crate::watch::Watch;
 
-/// Where the positions of vertices come from, and how large a coordinate may be.
+/// A source of positions of vertices, and the largest coordinate allowed.
 pub(super) struct Positions<'a> {
     source: Source<'a>,
     largest: f64,
@@ -23,23 +23,23 @@ enum Source<'a> {
 }
 
 impl<'a> Positions<'a> {
-    /// The vertices of a mesh, asked for whenever they are needed where the mesh does not hold them in their order.
+    /// Reads the vertices of a mesh; they are fetched on each use unless the mesh holds them in order.
     pub(super) fn of_mesh(mesh: &'a dyn MeshSource) -> Self {
         let held = mesh.held_positions().map(|rows| Source::Held(rows.into()));
         Self { source: held.unwrap_or(Source::Mesh(mesh)), largest: f64::MAX }
     }
 
-    /// The points of a polygon with at most three coordinates, the missing ones being zero.
+    /// Reads the points of a polygon with at most three coordinates; missing coordinates are zero.
     pub(super) fn of_curve(curve: &'a Curve) -> Self {
         Self { source: Source::Curve(curve), largest: f64::MAX }
     }
 
-    /// Refuses positions with a coordinate beyond the range of f32.
+    /// Restricts coordinates to the range of f32.
     pub(super) fn within_f32(self) -> Self {
         Self { largest: f64::from(f32::MAX), ..self }
     }
 
-    /// Holds the positions in memory, and refuses those with a coordinate that does not fit.
+    /// Reads all positions into memory, and refuses coordinates that do not fit.
     pub(super) fn held(self, watch: &Watch) -> Result<Self, FormatError> {
         if let Source::Held(rows) = &self.source {
             in_chunks(rows.len(), |range| {
@@ -57,12 +57,12 @@ impl<'a> Positions<'a> {
         Ok(Self { source: Source::Held(rows.into()), largest: self.largest })
     }
 
-    /// The positions in memory: all after [`Positions::held`].
+    /// Returns the positions in memory: all after [`Positions::held`], otherwise possibly none.
     pub(super) fn rows(&self) -> &[[f64; 3]] {
         if let Source::Held(rows) = &self.source { rows } else { &[] }
     }
 
-    /// Number of vertices.
+    /// Returns the number of vertices.
     pub(super) fn len(&self) -> usize {
         match &self.source {
             Source::Mesh(mesh) => mesh.n_vertices(),
@@ -71,13 +71,14 @@ impl<'a> Positions<'a> {
         }
     }
 
-    /// Consecutive ranges that cover all vertices: of `rows` each, or as a mesh that makes them on demand has it.
+    /// Returns consecutive ranges that cover all vertices: of `rows` each, or as given by a mesh that makes them on
+    /// demand.
     pub(super) fn ranges(&self, rows: usize) -> impl Iterator<Item = Range<usize>> {
         let (n, on_demand) = (self.len(), if let Source::Mesh(mesh) = &self.source { mesh.on_demand() } else { None });
         ranges(n, move |start| on_demand.map_or(start + rows, |source| source.stretch(start)))
     }
 
-    /// The box around all positions.
+    /// Returns the box around all positions.
     pub(super) fn bounds(&self, watch: &Watch) -> Result<Bounds<3>, FormatError> {
         let ranges: Vec<Range<usize>> = self.ranges(CHUNK).collect();
         let chunk = |buffer: &mut Vec<[f64; 3]>, range: Range<usize>| {
@@ -86,13 +87,13 @@ impl<'a> Positions<'a> {
             bounds.add(self.rows_in(range, buffer)?);
             Ok(bounds)
         };
-        // collected in order, so that the first position that does not fit is the one that is named
+        // collected in order, so that the error names the first position that does not fit
         let chunks: Vec<Result<_, FormatError>> =
             ranges.into_par_iter().map_init(Vec::new, |buffer, range| chunk(buffer, range)).collect();
         chunks.into_iter().try_fold(Bounds::EMPTY, |all, chunk| Ok(all.joined(&chunk?)))
     }
 
-    /// The positions in `range`, none of which has a coordinate that does not fit; `buffer` is room for them.
+    /// Returns the positions in `range` and refuses coordinates that do not fit; `buffer` is scratch memory.
     pub(super) fn rows_in<'b>(
         &'b self,
         range: Range<usize>,
@@ -119,7 +120,7 @@ impl<'a> Positions<'a> {
 
     fn check(&self, start: usize, rows: &[[f64; 3]]) -> Result<(), FormatError> {
         let fits = |x: f64| x.abs() <= self.largest;
-        // without a way out of the loop, which lets it take several numbers at a time
+        // without an early exit, so that the loop is vectorised
         if rows.as_flattened().iter().fold(true, |all, &x| all & fits(x)) {
             return Ok(());
         }
@@ -157,7 +158,7 @@ pub(super) fn channels_within_f32(mesh: &dyn MeshSource, watch: &Watch) -> Resul
     })
 }
 
-/// The refusal of a coordinate `x` that the format cannot hold.
+/// Returns the error for a coordinate `x` that the format cannot hold.
 pub(super) fn unfit(vertex: usize, x: f64) -> FormatError {
     FormatError::Unfit(if x.is_finite() {
         let most = f32::MAX;

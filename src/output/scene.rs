@@ -1,4 +1,5 @@
-//! What the writers see of a refined net: a source of vertices and faces, chunk by chunk, in the documented order.
+//! The view that writers have of a refined net: a source of vertices and faces, chunk by chunk, in the documented
+//! order.
 
 use std::borrow::Cow;
 use std::fmt;
@@ -14,25 +15,25 @@ pub use crate::shape::source::{Curve, FaceChunk, MeshSource, OnDemandSource, Ori
 use crate::shape::weights::Weights;
 use crate::watch::{Stopped, Watch};
 
-/// Rows that one chunk holds at most; writers ask for ranges no longer than this.
+/// Maximum number of rows in a chunk; writers request ranges no longer than this.
 pub const CHUNK: usize = 65_536;
 
-/// Everything a writer may draw or write.
+/// Everything that a writer may draw or write.
 #[derive(Debug, Clone, Copy)]
 pub struct Scene<'a> {
     /// The refined shape.
     pub shape: Shape<'a>,
     /// The shape as it was given, for overlays.
     pub control: &'a dyn Control,
-    /// What the client should know about the result, in sentences.
+    /// Warnings about the result for the client, in sentences.
     pub warnings: &'a [String],
-    /// What its coordinates mean.
+    /// The unit and the up axis of coordinates.
     pub frame: Frame,
-    /// What writers find out that the client should know, too.
+    /// Warnings that writers add while they write.
     pub notes: &'a Notes,
-    /// How points are made, for formats that write that.
+    /// The weights by which points are made, for formats that write them.
     pub weights: Option<&'a Weights>,
-    /// The shape at levels whose results the writer refers to, the coarsest first.
+    /// The shape at the levels to whose results the writer refers, the coarsest first.
     pub details: &'a [Detail<'a>],
 }
 
@@ -46,39 +47,39 @@ impl Notes {
         self.0.lock().unwrap_or_else(PoisonError::into_inner).push(sentence);
     }
 
-    /// The sentences, in the order in which they were added; none are left.
+    /// Removes and returns the sentences, in the order in which they were added.
     pub fn take(&self) -> Vec<String> {
         mem::take(&mut *self.0.lock().unwrap_or_else(PoisonError::into_inner))
     }
 }
 
-/// A shape at some level, whose result is found elsewhere.
+/// A shape at some level, whose result is a separate artifact.
 #[derive(Debug, Clone)]
 pub struct Detail<'a> {
     /// The shape.
     pub shape: Shape<'a>,
-    /// The options of its result, which may have other defaults than those of the one that refers to it.
+    /// The options of its result, which may have other defaults than those of the document that refers to it.
     pub options: &'a Values,
-    /// Where its result is, relative to the one that refers to it.
+    /// The URI of its result, relative to the document that refers to it.
     pub uri: String,
 }
 
-/// The shape as it was given, made when a writer asks for it.
+/// The shape as it was given, made when a writer requests it.
 pub trait Control: fmt::Debug + Sync {
-    /// The shape.
+    /// Returns the shape.
     fn shape(&self) -> Shape<'_>;
 
-    /// The shape from which distances are measured: this one, unless the job names another.
+    /// Returns the shape from which distances are measured: this one, unless the job names another.
     fn measured_from(&self) -> Shape<'_> {
         self.shape()
     }
 
-    /// The mesh of the input with its tags, where it is one.
+    /// Returns the mesh of the input with its tags, if the input is a mesh.
     fn mesh(&self) -> Option<&Mesh> {
         None
     }
 
-    /// The plan that refines that mesh.
+    /// Returns the plan that refines the mesh.
     fn plan(&self) -> Option<&Plan> {
         None
     }
@@ -93,18 +94,19 @@ impl Control for Shape<'_> {
 /// Curves or a mesh.
 #[derive(Debug, Clone, Copy)]
 pub enum Shape<'a> {
-    /// One polygon after another.
+    /// Polygons, one after another.
     Curves(&'a [Curve]),
     /// A mesh of polygons.
     Mesh(&'a dyn MeshSource),
 }
 
-/// Triangles of one polygon: quads along the diagonal from corner 0 to 2, larger faces as a fan from corner 0.
+/// Returns the triangles of a polygon: quads are cut along the diagonal from corner 0 to 2, larger faces as a fan from
+/// corner 0.
 pub fn triangles(face: &[u32]) -> impl Iterator<Item = [u32; 3]> + '_ {
     face.windows(2).skip(1).map(|pair| [face[0], pair[0], pair[1]])
 }
 
-/// Consecutive ranges that cover `0..n`, each of which ends at `end` of its start, which lies beyond it.
+/// Returns consecutive ranges that cover `0..n`; `end` maps the start of a range to its end, which must be greater.
 pub fn ranges(n: usize, end: impl Fn(usize) -> usize) -> impl Iterator<Item = Range<usize>> {
     let mut at = 0;
     std::iter::from_fn(move || {
@@ -114,7 +116,7 @@ pub fn ranges(n: usize, end: impl Fn(usize) -> usize) -> impl Iterator<Item = Ra
     })
 }
 
-/// The positions of all vertices: those that the mesh holds, or read at once.
+/// Returns the positions of all vertices: borrowed if the mesh holds them, otherwise read at once.
 ///
 /// # Errors
 /// [`Stopped`] when the watch says so.

@@ -11,7 +11,7 @@ use crate::watch::{Stopped, Watch};
 
 use chain::{Crossing, Segment, chains};
 
-/// Most planes of one output.
+/// Maximum number of planes of one output.
 const MAX_PLANES: usize = 64;
 
 /// The option of formats that write or draw sections.
@@ -44,46 +44,47 @@ const PLANE: &[Parameter] = &[
 /// A plane.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Plane {
-    /// A point of it, model units.
+    /// A point of the plane, model units.
     point: [f64; 3],
-    /// Its normal; the largest coordinate is 1 or -1.
+    /// The normal of the plane; its largest coordinate is 1 or -1.
     pub(super) normal: [f64; 3],
 }
 
 /// A polyline of a section.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Polyline {
-    /// Two points or more, three or more where it is closed, neighbours being different; model units.
+    /// At least two points, three if it is closed; neighbours differ; model units.
     pub(super) points: Vec<[f64; 3]>,
     /// Whether the last point is joined to the first.
     pub(super) closed: bool,
 }
 
-/// The planes that the options ask for.
+/// Returns the planes that the options give.
 pub(super) fn planes(options: &Values) -> Vec<Plane> {
     let plane = |values: &Values| Some(Plane { point: values.vector("point")?, normal: values.vector("normal")? });
     options.groups(SECTIONS.name).iter().filter_map(plane).collect()
 }
 
-/// Whether there are any.
+/// Returns whether the options give any planes.
 pub(super) fn asked(options: &Values) -> bool {
     !options.groups(SECTIONS.name).is_empty()
 }
 
-/// The section of a mesh whose vertices have these positions (model units, finite).
+/// Returns the section of a mesh whose vertices have these positions (model units, finite).
 ///
-/// The signed distance of a vertex v from the plane through p with the normal n is `h = n (v - p)`, as f64 has it.
-/// Every vertex is on one side: before the plane where `h >= 0`, behind it else; so the section is what it is just
+/// The signed distance of a vertex v from the plane through p with the normal n is `h = n (v - p)`, computed in f64.
+/// Every vertex is on one side: before the plane if `h >= 0`, otherwise behind it; so the section is the one just
 /// behind the plane.
-/// Faces are triangulated (quads by the diagonal 0-2, larger ones as fans), a triangle with vertices on both sides
-/// gives the segment between its two sides that cross, and a side crosses at `a + h_a / (h_a - h_b) (b - a)`, reckoned
-/// from the end that is nearer and so the same for both of its triangles. Segments run from the side that leads behind
-/// the plane to the one that leads before it, so that the surface is behind the polyline's left where the normal points
-/// to the viewer.
+/// Faces are triangulated (quads by the diagonal 0-2, larger ones as fans). A triangle with vertices on both sides
+/// gives the segment between its two sides that cross, and a side crosses at `a + h_a / (h_a - h_b) (b - a)`, computed
+/// from the nearer end and so the same for both of its triangles. Segments run from the side that leads behind the
+/// plane to the side that leads before it, so that for a viewer to whom the normal points the inside of a closed mesh
+/// is on their left.
 ///
 /// Open polylines come first, by the side at which they start; then closed ones, each starting at its lowest side, by
 /// these. Sides are compared by their lower vertex, then the higher one. Points equal to the one before are left out,
-/// and so are polylines of which less than a segment (closed ones: a triangle) stays: there the surface only touches.
+/// and so are polylines with less than a segment (closed ones: a triangle) left, where the surface only touches the
+/// plane.
 ///
 /// # Errors
 /// [`Stopped`] when the watch says so.
@@ -130,14 +131,14 @@ impl<'a> PlaneDistances<'a> {
         Self { positions, plane, scale: if far { 1.0 / 1024.0 } else { 1.0 } }
     }
 
-    /// The signed distance of a vertex, times the scale.
+    /// Returns the signed distance of a vertex, times the scale.
     fn of(&self, v: u32) -> f64 {
         let (v, p, n) = (self.positions[v as usize], self.plane.point, self.plane.normal);
         let along = |k: usize| n[k] * (v[k] * self.scale - p[k] * self.scale);
         along(0) + along(1) + along(2)
     }
 
-    /// The segments in the triangles of a face.
+    /// Returns the segments in the triangles of a face.
     fn segments(&self, f: u32, face: &'a [u32]) -> impl Iterator<Item = Segment> + use<'a> {
         let before: Vec<bool> = face.iter().map(|&v| self.of(v) >= 0.0).collect();
         let crosses = before.iter().any(|side| *side != before[0]);
@@ -157,7 +158,7 @@ impl<'a> PlaneDistances<'a> {
         })
     }
 
-    /// The place of a crossing, model units.
+    /// Returns the position of a crossing, model units.
     fn point(&self, crossing: Crossing) -> [f64; 3] {
         let [low, high] = crossing.ends.map(|v| (self.of(v), self.positions[v as usize]));
         let (near, far) = if low.0.abs() <= high.0.abs() { (low, high) } else { (high, low) };
@@ -165,7 +166,7 @@ impl<'a> PlaneDistances<'a> {
         std::array::from_fn(|k| {
             let (a, b) = (near.1[k], far.1[k]);
             let way = b - a;
-            // the ends may be farther apart than the largest number
+            // the difference of the ends may overflow
             (if way.is_finite() { a + share * way } else { (1.0 - share) * a + share * b }) + 0.0
         })
     }

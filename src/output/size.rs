@@ -1,16 +1,16 @@
-//! How long an artifact will be.
+//! The length of an artifact.
 
 /// Length of an artifact in bytes, before it is written.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Size {
-    /// Exactly this many.
+    /// The exact number.
     Exact(u128),
-    /// At most this many.
+    /// An upper bound.
     AtMost(u128),
 }
 
 impl Size {
-    /// The number, exact or bound.
+    /// Returns the number, exact or bound.
     pub fn bytes(self) -> u128 {
         match self {
             Self::Exact(n) | Self::AtMost(n) => n,

@@ -1,4 +1,4 @@
-//! Options of formats that hold solids, and the solids that they ask for.
+//! The options of formats that hold solids, and the solids that they describe.
 
 use crate::fault::Fault;
 use crate::math::parameter::{Default, Parameter, Values};
@@ -51,10 +51,10 @@ const SOLID: Parameter = Parameter::choice(
 /// The options of formats that hold solids.
 pub(super) const SOLID_OPTIONS: &[Parameter] = &[TOLERANCE, CONTINUITY, PACK, MAX_FACES, MAX_LEVEL, SOLID];
 
-/// Length that readers can tell from nothing, metres: a hundred times what they take for the same point.
+/// Shortest length that readers distinguish from zero, metres: a hundred times the distance at which they merge points.
 const SHORTEST: f64 = 1e-8;
 
-/// What options ask for, of lengths in this unit; the defaults where formats have none of them.
+/// Returns the request for a solid with lengths in this unit; formats without these options use the defaults.
 pub(super) fn request(options: &Values, unit: Unit) -> Request {
     let number = |parameter: &Parameter| {
         let usual = if let Default::Number(usual) = parameter.default { usual } else { 0.0 };
@@ -83,18 +83,18 @@ pub(super) fn request(options: &Values, unit: Unit) -> Request {
     }
 }
 
-/// What the solid of a cage comes to under these options, at most.
+/// Returns upper bounds of the solid of a cage under these options.
 pub(super) fn forecast(counts: &Counts, options: &Values) -> Forecast {
     counts.cage.forecast(&request(options, counts.frame.unit))
 }
 
-/// Rows of a table that the solid of a mesh takes, 100 ns each.
+/// Returns the work of building the solid of a mesh, in rows of a table, 100 ns each.
 pub(super) fn work(mesh: Option<&Mesh>, options: &Values) -> u128 {
     #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a forecast above 0")]
     mesh.map_or(0, |mesh| (operations(mesh, &request(options, Unit::default())) / 100.0) as u128)
 }
 
-/// Whether a mesh gives a solid under a plan, as far as that shows without refining it.
+/// Refuses meshes that give no solid under a plan, as far as that is known without refining them.
 pub(super) fn admits(mesh: &Mesh, plan: &Plan, options: &Values) -> Result<(), Fault> {
     check(mesh, plan, &request(options, Unit::default())).map_err(|error| match error {
         SolidError::Unfit(fault) => fault,
@@ -102,7 +102,7 @@ pub(super) fn admits(mesh: &Mesh, plan: &Plan, options: &Values) -> Result<(), F
     })
 }
 
-/// The solid of a scene; faces of different groups or materials stay apart.
+/// Builds the solid of a scene; faces of different groups or materials stay apart.
 pub(super) fn solid_of(scene: &Scene<'_>, options: &Values, watch: &Watch) -> Result<Solid, FormatError> {
     let (Some(mesh), Some(plan)) = (scene.control.mesh(), scene.control.plan()) else {
         return Err(FormatError::Unfit("only meshes become solids; ask for json or svg".into()));

@@ -10,19 +10,18 @@ use crate::shape::attachments::Attachments;
 use crate::shape::source::{CarriedSource, NormalSource, Origin, OriginSource, PlaceSource};
 use crate::watch::{Stopped, Watch};
 
-/// The mesh with a copy of each vertex for every sector but one between the sharp and hard edges that meet
-/// there.
+/// A mesh with a copy of each vertex for every sector but one between the sharp and hard edges that meet at the vertex.
 ///
-/// The sector of the lowest face keeps the vertex; copies stand after all vertices, by vertex, then by the lowest face
-/// of their sector. A sharp edge that ends inside splits nothing. The faces are the same, in the same order.
+/// The sector of the lowest face keeps the vertex; copies follow all vertices, by vertex, then by the lowest face of
+/// their sector. A sharp edge that ends inside the mesh splits nothing. The faces are the same, in the same order.
 #[derive(Debug)]
 pub(super) struct SplitVertices<'a> {
     mesh: &'a dyn MeshSource,
-    /// The vertex of each copy.
+    /// The original vertex of each copy.
     origins: Vec<u32>,
-    /// Where faces have a copy: face, vertex, copy; ascending.
+    /// The faces that have a copy in place of a vertex, as (face, vertex, copy), ascending.
     moved: Vec<(usize, u32, u32)>,
-    /// The normal of each copy, and those of the split vertices, ascending, where the mesh brings normals.
+    /// The normal of each copy, and in `kept` the normals of the split vertices, ascending, if the mesh has normals.
     normals: Vec<[f64; 3]>,
     kept: Vec<(u32, [f64; 3])>,
 }
@@ -37,7 +36,7 @@ struct FaceAtVertex {
 }
 
 impl<'a> SplitVertices<'a> {
-    /// The mesh of a shape, split at its sharp and at its hard edges, where there are any.
+    /// Splits the mesh of a shape at its sharp and hard edges. Returns `None` if no vertex is split.
     ///
     /// # Errors
     /// [`Stopped`] when the watch says so.
@@ -56,13 +55,13 @@ impl<'a> SplitVertices<'a> {
         Ok((!split.origins.is_empty()).then_some(split))
     }
 
-    /// The vertex of the mesh that vertex `v` is, or is a copy of.
+    /// Returns the vertex of the mesh that vertex `v` is, or is a copy of.
     pub(super) fn origin(&self, v: u32) -> u32 {
         let copy = (v as usize).checked_sub(self.mesh.n_vertices());
         copy.and_then(|copy| self.origins.get(copy)).copied().unwrap_or(v)
     }
 
-    /// Fills `out` with what `rows` gives for the vertices in `range`; a copy has what its vertex has.
+    /// Fills `out` with the values that `rows` gives for the vertices in `range`; a copy has the values of its vertex.
     fn with_copies<T: Clone>(&self, range: Range<usize>, out: &mut Vec<T>, rows: impl Fn(Range<usize>, &mut Vec<T>)) {
         let n = self.mesh.n_vertices();
         rows(range.start.min(n)..range.end.min(n), out);
@@ -74,7 +73,7 @@ impl<'a> SplitVertices<'a> {
         }
     }
 
-    /// Splits one vertex, given its corners by face.
+    /// Splits a vertex, given its corners by face.
     fn split(&mut self, around: &[FaceAtVertex], sharp: &[[u32; 2]]) {
         let vertex = around[0].vertex;
         let sectors = sectors(around, |other| sharp.binary_search(&[vertex.min(other), vertex.max(other)]).is_ok());
@@ -100,7 +99,7 @@ impl<'a> SplitVertices<'a> {
     }
 }
 
-/// The corners at the ends of sharp edges, by vertex, then by face.
+/// Returns the corners at the ends of sharp edges, by vertex, then by face.
 fn corners(mesh: &dyn MeshSource, sharp: &[[u32; 2]], watch: &Watch) -> Result<Vec<FaceAtVertex>, Stopped> {
     let mut ends = vec![false; mesh.n_vertices()];
     sharp.iter().flatten().for_each(|&v| ends[v as usize] = true);
@@ -127,8 +126,8 @@ fn corners(mesh: &dyn MeshSource, sharp: &[[u32; 2]], watch: &Watch) -> Result<V
     Ok(all)
 }
 
-/// For each corner around a vertex its sector, numbered by first appearance; neighbours are in one sector unless the
-/// edge between them is sharp.
+/// Returns the sector of each corner around a vertex, numbered by first appearance; neighbours are in one sector unless
+/// the edge between them is sharp.
 fn sectors(around: &[FaceAtVertex], is_sharp: impl Fn(u32) -> bool) -> Vec<usize> {
     let mut by_next: Vec<usize> = (0..around.len()).collect();
     by_next.sort_unstable_by_key(|&i| around[i].next);
@@ -231,7 +230,7 @@ impl NormalSource for SplitVertices<'_> {
         out.extend_from_slice(&self.normals[range.start.max(n) - n..range.end.max(n) - n]);
     }
 
-    /// Each vertex has one side only.
+    /// Returns `None`: after splitting, each vertex has one side only.
     fn on_side(&self, _vertex: u32, _next: u32) -> Option<[f64; 3]> {
         None
     }

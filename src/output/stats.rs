@@ -29,23 +29,23 @@ use crate::watch::Watch;
 
 /// JSON with counts, bounding box, measures and hashes.
 ///
-/// Both kinds: `kind` (`mesh` or `curves`), `bounding_box`, `moments_of` (what the centroid and the moments belong to:
-/// `solid`, `surface`, `curve`, or null when that has no extent), `centroid`, `second_moments` (the matrix
+/// Meshes and curves: `kind` (`mesh` or `curves`), `bounding_box`, `moments_of` (the object of the centroid and the
+/// moments: `solid`, `surface`, `curve`, or null if it has no extent), `centroid`, `second_moments` (the matrix
 /// `int (x - c) (x - c)^T` about the centroid c; negative for a solid that is inside out), `euler_characteristic`
 /// (vertices - edges + faces), `positions_hash` and `shape_hash` (see [`hashes::PositionsHash`] and
 /// [`hashes::ShapeHash`]).
 ///
 /// Meshes: `area`, signed `volume` (null unless closed), of the faces cut into triangles as for glTF; numbers of
 /// vertices, edges, faces, boundary edges and loops, components; vertices by valence, faces by size; with normals
-/// `normals_hash`, the hash of those that `json` gives, and on request what [`fairness::add`] says of curvature, and
+/// `normals_hash`, the hash of the normals that `json` writes; on request the entries of [`fairness::add`], and
 /// `certificate`.
-/// Curves: `length`, and `area`, the signed area of plane polygons when all are closed.
+/// Curves: `length`, and `area`, the signed area of plane polygons if all are closed.
 ///
-/// Numbers beyond f64 are null. All sums run in an order that depends on the result only.
+/// Numbers beyond f64 are null. The order of all sums depends on the result only.
 #[derive(Debug)]
 pub(super) struct Stats;
 
-/// Whether curvature is told.
+/// Whether the report has entries about curvature.
 const CURVATURE: Parameter = Parameter {
     name: "curvature",
     kind: Kind::Flag,
@@ -55,7 +55,7 @@ const CURVATURE: Parameter = Parameter {
           edge are told, with their places. Meshes only.",
 };
 
-/// Whether what is known of the solid is told.
+/// Whether the report has the certificate of the solid.
 const CERTIFICATE: Parameter = Parameter {
     name: "certificate",
     kind: Kind::Flag,
@@ -120,8 +120,8 @@ impl Requirements for Stats {
 }
 
 impl Costs for Stats {
-    /// Three lists may have many entries. Distinct valences 1, 2, .. k need k (k + 1) / 2 ends of edges, of which there
-    /// are two for each corner at most; likewise distinct sizes of faces.
+    /// Bounds three lists that may have many entries. Distinct valences 1, 2, .. k need k (k + 1) / 2 ends of edges, of
+    /// which there are at most two per half-edge; likewise for distinct sizes of faces.
     fn size(&self, counts: &Counts, options: &Values) -> Size {
         let distinct = counts.half_edges.saturating_mul(4).isqrt() + 1;
         let told = if options.flag(CURVATURE.name) { fairness::LENGTH } else { 0 };
@@ -142,7 +142,7 @@ impl Costs for Stats {
         options.flag(CERTIFICATE.name)
     }
 
-    /// Three sums over the faces, and the edges sorted, 150 ns a corner.
+    /// Counts for curvature three sums over the faces and the sorting of the edges, 150 ns per half-edge.
     fn work(&self, mesh: Option<&Mesh>, counts: &Counts, options: &Values) -> u128 {
         let solid = if options.flag(CERTIFICATE.name) { work(mesh, options) } else { 0 };
         let curvature = if options.flag(CURVATURE.name) { counts.half_edges.saturating_mul(3) / 2 } else { 0 };

@@ -1,4 +1,5 @@
-//! Stencils: the weights that make the points of a result of those of the input, so that a page moves points itself.
+//! Stencils: the weights that make the points of a result from those of the input, for pages that move points
+//! themselves.
 
 use std::io::Write;
 
@@ -19,22 +20,22 @@ use crate::watch::Watch;
 
 /// The weights of all points, as JSON text or as arrays behind a line of JSON.
 ///
-/// Values are the points of the input, then those of the rows, one after another; the entries
-/// `starts[r] .. starts[r + 1]` of row `r` weigh values before it. Last come the results: `vertices` points, and
-/// after them two tangents for each normal.
+/// Values are the points of the input, followed by those of the rows, one after another; the entries
+/// `starts[r] .. starts[r + 1]` of row `r` weigh values before it. The last rows are the results: `vertices` points,
+/// followed by two tangents for each normal.
 ///
-/// A row is the sum of its terms, which begins with 0. A term has one entry, `weight x value`, or where `terms` says so
-/// several: `k > 0` have one weight, which multiplies the symmetric sum of their values; `-k` have several, and the
-/// term is the symmetric sum of `weight x value`. The symmetric sum of 2 is `a + b`, of 4 `(a + c) + (b + d)`, of 6 the
-/// sum of `a + d`, `b + e`, `c + f` from the least to the greatest, of others the sum in their order. Without `terms`
-/// all have one entry.
+/// A row is the sum of its terms, added to 0 in their order. A term has one entry, `weight x value`, or several as
+/// given in `terms`: `k > 0` entries have one weight, which multiplies the symmetric sum of their values; `-k` have
+/// several, and the term is the symmetric sum of `weight x value`. The symmetric sum of 2 is `a + b`, of 4
+/// `(a + c) + (b + d)`, of 6 the sum of `a + d`, `b + e`, `c + f` from the least to the greatest, of others the sum in
+/// their order. Without `terms` all terms have one entry.
 #[derive(Debug)]
 pub(super) struct Stencils {
     facts: &'static FormatFacts,
     is_text: bool,
 }
 
-/// As JSON text.
+/// The format that writes JSON text.
 pub(super) const TEXT: Stencils = Stencils {
     facts: &FormatFacts {
         name: "stencils",
@@ -48,7 +49,7 @@ pub(super) const TEXT: Stencils = Stencils {
     is_text: true,
 };
 
-/// As arrays behind a line of JSON.
+/// The format that writes arrays behind a line of JSON.
 pub(super) const BINARY: Stencils = Stencils {
     facts: &FormatFacts {
         name: "stencils-bin",
@@ -61,11 +62,11 @@ pub(super) const BINARY: Stencils = Stencils {
     is_text: false,
 };
 
-/// What both have in common.
+/// The facts that both formats share.
 const FACTS: FormatFacts = FormatFacts {
     parameters: &[POSITIONS, NORMALS],
     made_of: MadeOf::Weights,
-    // all have the same weights
+    // all frames have the same weights
     holds_frames: true,
     ..FormatFacts::USUAL
 };
@@ -80,18 +81,18 @@ const NORMALS: Parameter = Parameter {
           has the direction of the normal.",
 };
 
-/// How the rows are summed, in a sentence.
+/// The order in which rows are summed, in a sentence.
 const ORDER: &str = "values are the input points, then the rows; a row sums its terms from 0 in order, a term of \
                      several entries its symmetric sum; the last rows are the results";
 
-/// Bytes of the head without the numbers of vertices in it, at most: names, counts and the sentence.
+/// Maximum number of bytes of the head without its numbers of vertices: names, counts and the sentence.
 const HEAD: u128 = 1024;
 
-/// Bytes of memory of an entry while all rows are held, twice where lists grow: index and weight, and half of a group.
+/// Bytes of memory of an entry while all rows are held, twice as lists grow: index and weight, and half of a group.
 const ENTRY_BYTES: u128 = 2 * (4 + 8 + 12);
-/// Bytes of memory of a row: where it starts, and the number of its point.
+/// Bytes of memory of a row: its start, and the number of its point.
 const ROW_BYTES: u128 = 2 * (8 + 4);
-/// Entries that are made in the time of a row of refinement.
+/// Number of entries that are made in the time of a row of refinement.
 const ENTRIES_A_ROW: u128 = 4;
 
 impl Format for Stencils {
@@ -133,7 +134,7 @@ impl Costs for Stencils {
         let number = if self.is_text { digits(rows.saturating_add(counts.control)) + 2 } else { 4 };
         let weight = if self.is_text { REAL + 1 } else { 8 };
         let ends = rows.saturating_add(1);
-        // an entry has an index, a weight, and where it is no group a term; every further sector a number
+        // an entry has an index, a weight, and outside groups a term; every further sector a number
         let (of_entry, of_row) = (2 * number + weight, (number + if self.is_text { REAL } else { 0 }) + number);
         Size::AtMost(total(&[(1, HEAD), (ends, of_row), (entries, of_entry), (counts.vertices, number)]))
     }
@@ -148,7 +149,7 @@ impl Costs for Stencils {
     }
 }
 
-/// The counts, as the start of a JSON object.
+/// Returns the counts, as the start of a JSON object.
 fn head(weights: &Weights) -> String {
     let Weights { columns, rows, vertices, normals, rational } = weights;
     let rational = if *rational { r#","rational":true"# } else { "" };
@@ -200,7 +201,7 @@ fn write_text(weights: &Weights, stream: &mut Stream<'_>) -> Result<(), FormatEr
     stream.bytes(format!(r#"],"order":"{ORDER}"}}"#).as_bytes())
 }
 
-/// A number that 32 bits hold, as all do here: checked before the job was admitted.
+/// Converts a number that fits into 32 bits, as was checked before the job was admitted.
 fn narrow(n: usize) -> u32 {
     u32::try_from(n).unwrap_or(u32::MAX)
 }
@@ -217,7 +218,7 @@ fn write_arrays(weights: &Weights, stream: &mut Stream<'_>) -> Result<(), Format
         rows.starts().len()
     );
     let mut head = format!(r#"{},"order":"{ORDER}","arrays":{arrays}}}"#, head(weights));
-    // the arrays begin where numbers of 8 bytes may stand
+    // the arrays begin at a multiple of 8 bytes
     let room = (head.len() + 1).next_multiple_of(8) - 1 - head.len();
     head.push_str(&" ".repeat(room));
     head.push('\n');

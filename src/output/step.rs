@@ -93,9 +93,9 @@ impl Requirements for Step {
 }
 
 impl Costs for Step {
-    /// A rectangle of m x n cells has (m + 3) (n + 3) control points, so that all together have at most four a bicubic
-    /// face and twelve a face of the result, of a hundred bytes and eight where they are referred to; curves have as
-    /// many as the surfaces that they bound. Caps have 36, and names are cut.
+    /// A rectangle of m x n cells has (m + 3) (n + 3) control points, so all rectangles together have at most four per
+    /// bicubic face and twelve per face of the result, each of a hundred bytes and eight for each reference; curves
+    /// have at most as many as the surfaces that they bound. Caps have 36 control points, and names are cut.
     fn size(&self, counts: &Counts, options: &Values) -> Size {
         let forecast = forecast(counts, options);
         let labels = total(&[(counts.attachments.groups.names.len() as u128, 128), (forecast.faces, 200)]);

@@ -27,7 +27,7 @@ use crate::watch::Watch;
 /// Bytes before the number of triangles; programs take a file that starts with "solid" for text.
 const HEADER: &[u8; 80] = b"planish; binary STL, units as in the model                                      ";
 
-/// Bytes a triangle: normal, three corners, two bytes of nothing.
+/// Bytes per triangle: normal, three corners, two unused bytes.
 const TRIANGLE: u128 = 50;
 
 /// Binary STL: the triangles with their unit normals, which are computed in f64 and zero where undefined.
@@ -98,7 +98,7 @@ fn n_triangles(counts: &Counts) -> u128 {
     counts.half_edges.saturating_sub(counts.faces.saturating_mul(2))
 }
 
-/// A number of triangles as stl counts it.
+/// Converts a number of triangles to the 32 bits of STL.
 fn check_triangles(n: u128) -> Result<u32, String> {
     let most = u32::MAX;
     u32::try_from(n).map_err(|_| format!("{n} triangles, stl counts at most {most}; ask for ply or obj"))
@@ -174,7 +174,7 @@ fn write_on_demand(
     })
 }
 
-/// A triangle as it is written.
+/// The bytes of a triangle.
 type Record = [u8; TRIANGLE as usize];
 
 fn put(normal: [f64; 3], [a, b, c]: [[f64; 3]; 3], record: &mut Record) {
@@ -183,7 +183,7 @@ fn put(normal: [f64; 3], [a, b, c]: [[f64; 3]; 3], record: &mut Record) {
     nothing.fill(0);
 }
 
-/// The direction of the sum of unit normals; `None` where they cancel.
+/// Returns the direction of the sum of unit normals; `None` if they cancel.
 fn mean([a, b, c]: [[f64; 3]; 3]) -> Option<[f64; 3]> {
     let normal = unit(plus(plus(a, b), c));
     normal.iter().any(|&x| x != 0.0).then_some(normal)

@@ -1,4 +1,4 @@
-//! Streaming: blocks of rows are asked for and encoded by all threads, and written in their order.
+//! Streaming: blocks of rows are fetched and encoded by all threads, and written in their order.
 
 use std::io::Write;
 use std::ops::Range;
@@ -11,25 +11,26 @@ use crate::output::scene::{FaceChunk, MeshSource, OnDemandSource, ranges};
 use crate::shape::source::PlaceSource;
 use crate::watch::Watch;
 
-/// Rows of a block: their bytes, 50 to 300 KB, stay in the cache of the core that makes them until they are written.
-/// Half of it hands out work twice as often; twice of it holds twice the memory, and starts threads for larger meshes
-/// only.
+/// Number of rows of a block: its bytes, 50 to 300 KB, stay in the cache of the core that makes them until they are
+/// written. Half of it hands out work twice as often; twice of it holds twice the memory, and starts threads for larger
+/// meshes only.
 pub(super) const BLOCK: usize = 4_096;
 
-/// Blocks for each thread that are encoded while those before them are written, so that the threads end at about the
+/// Number of blocks per thread that are encoded while earlier blocks are written, so that the threads end at about the
 /// same time. Half of it lets them wait for each other twice as often; twice of it holds twice the memory.
 const BLOCKS_PER_THREAD: usize = 4;
 
-/// Most blocks that are encoded while those before them are written: 65,536 rows, as many as a source gives at a time.
-/// Half of it leaves work for eight threads only; twice of it holds twice the memory on machines with many threads.
+/// Maximum number of blocks that are encoded while earlier blocks are written: 65,536 rows, as many as a source gives
+/// at a time. Half of it leaves work for eight threads only; twice of it holds twice the memory on machines with many
+/// threads.
 const MAX_BLOCKS: usize = 16;
 
-/// Most rows of the blocks that are encoded while those before them are written, where a source makes positions on
-/// demand, many at a time. Half of it keeps more threads waiting where the patches of a mesh are wide; twice of it
-/// holds twice the memory.
+/// Maximum number of rows of the blocks that are encoded while earlier blocks are written, for sources that make
+/// positions on demand, many at a time. Half of it keeps more threads waiting if the patches of a mesh are wide; twice
+/// of it holds twice the memory.
 const MAX_ROWS: usize = 1 << 20;
 
-/// Writes rows to `out`; holds twice [`MAX_BLOCKS`] blocks at most, whose memory is kept from one to the next.
+/// Writes rows to `out`. Holds at most twice [`MAX_BLOCKS`] blocks, whose memory is reused.
 pub(super) struct Stream<'a> {
     out: &'a mut dyn Write,
     watch: &'a Watch,
@@ -37,7 +38,7 @@ pub(super) struct Stream<'a> {
     blocks: [Vec<Block>; 2],
 }
 
-/// A block of rows on its way, and the memory for it.
+/// A block of rows between fetching and writing, with its buffers.
 #[derive(Default)]
 struct Block {
     bytes: Bytes,
@@ -50,7 +51,7 @@ struct Block {
 }
 
 impl<'a> Stream<'a> {
-    /// A stream into `out` that ends when `watch` says so.
+    /// Returns a stream into `out` that ends when `watch` says so.
     pub(super) fn new(out: &'a mut dyn Write, watch: &'a Watch) -> Self {
         Self { out, watch, blocks: [Vec::new(), Vec::new()] }
     }
@@ -60,7 +61,7 @@ impl<'a> Stream<'a> {
         Ok(self.out.write_all(bytes)?)
     }
 
-    /// Writes all vertices: `encode` makes the bytes of some consecutive ones, the first of which has that index.
+    /// Writes all vertices: `encode` makes the bytes of consecutive vertices, given the index of the first.
     pub(super) fn positions(
         &mut self,
         positions: &Positions<'_>,
@@ -72,7 +73,7 @@ impl<'a> Stream<'a> {
         })
     }
 
-    /// Writes vectors of vertices that `make` makes for consecutive ranges of these.
+    /// Writes vectors of vertices that `make` computes for consecutive ranges.
     pub(super) fn vectors(
         &mut self,
         ranges: impl Iterator<Item = Range<usize>>,
@@ -98,7 +99,7 @@ impl<'a> Stream<'a> {
         })
     }
 
-    /// Writes all faces: `encode` makes the bytes of some consecutive ones, the first of which has that index.
+    /// Writes all faces: `encode` makes the bytes of consecutive faces, given the index of the first.
     pub(super) fn faces(
         &mut self,
         mesh: &dyn MeshSource,
@@ -121,8 +122,8 @@ impl<'a> Stream<'a> {
         })
     }
 
-    /// Writes all faces of a mesh of quads that makes positions on demand: `encode` makes the bytes of some consecutive
-    /// ones of the positions at their corners.
+    /// Writes all faces of a mesh of quads that makes positions on demand: `encode` makes the bytes of consecutive
+    /// faces from the positions of their corners.
     pub(super) fn corners(
         &mut self,
         n_faces: usize,
@@ -136,8 +137,7 @@ impl<'a> Stream<'a> {
         })
     }
 
-    /// Writes all faces, as [`Stream::faces`] does, with their places of texture coordinates: none where there are
-    /// none.
+    /// Writes all faces, as [`Stream::faces`] does, with their places of texture coordinates, if there are any.
     pub(super) fn faces_and_uvs(
         &mut self,
         mesh: &dyn MeshSource,
@@ -168,8 +168,7 @@ impl<'a> Stream<'a> {
         })
     }
 
-    /// Writes the values of all places: `encode` makes the bytes of those of some consecutive ones, the first of which
-    /// has that index.
+    /// Writes the values of all places: `encode` makes the bytes of consecutive places, given the index of the first.
     pub(super) fn places(
         &mut self,
         places: &dyn PlaceSource,
@@ -192,8 +191,8 @@ impl<'a> Stream<'a> {
         self.places(source.as_ref(), |start, values, out| encode(start, values.as_chunks().0, out))
     }
 
-    /// Writes the numbers that all vertices carry in a channel: `encode` makes the bytes of those of some consecutive
-    /// ones, the first of which has that index.
+    /// Writes the numbers of a channel at all vertices: `encode` makes the bytes of consecutive vertices, given the
+    /// index of the first.
     pub(super) fn channel(
         &mut self,
         mesh: &dyn MeshSource,
@@ -207,7 +206,7 @@ impl<'a> Stream<'a> {
         })
     }
 
-    /// Writes consecutive things: `encode` appends the bytes of one of them, given with its index.
+    /// Writes consecutive items: `encode` appends the bytes of one item, given its index.
     pub(super) fn each(
         &mut self,
         range: Range<usize>,
@@ -219,8 +218,8 @@ impl<'a> Stream<'a> {
         })
     }
 
-    /// Encodes blocks of rows on all threads and writes them in their order, some being encoded while those before them
-    /// are written. A single block, and all on a single thread, take no other thread.
+    /// Encodes blocks of rows on all threads and writes them in their order, while later blocks are being encoded. A
+    /// single block, or a single thread, runs on the calling thread.
     fn encoded(
         &mut self,
         ranges: impl Iterator<Item = Range<usize>>,
@@ -232,7 +231,7 @@ impl<'a> Stream<'a> {
             watch.check()?;
             block.bytes.clear();
             encode(range, block)?;
-            // what is made on demand is of no meaning once that was stopped
+            // positions made on demand are invalid after a stop
             Ok(watch.check()?)
         };
         let threads = rayon::current_num_threads();
@@ -275,12 +274,12 @@ impl<'a> Stream<'a> {
     }
 }
 
-/// Consecutive blocks of some rows.
+/// Returns consecutive blocks of rows.
 fn blocks(rows: Range<usize>) -> impl Iterator<Item = Range<usize>> {
     rows.clone().step_by(BLOCK).map(move |start| start..rows.end.min(start + BLOCK))
 }
 
-/// Writes blocks up to the first that could not be encoded.
+/// Writes blocks up to the first that could not be encoded, and returns its error.
 fn write(blocks: &mut [Block], out: &mut dyn Write) -> Result<(), FormatError> {
     for block in blocks {
         if let Some(error) = block.failed.take() {

@@ -3,7 +3,7 @@
 use crate::math::parameter::{Default, Kind, Parameter, Values};
 use crate::output::options::{LIMIT, POSITIONS};
 
-/// Normals of vertices, for formats that have none unless asked.
+/// Normals of vertices, for formats that have none by default.
 pub(super) const NORMALS: Parameter = Parameter {
     name: "normals",
     kind: Kind::Choice(&["none", "area", "limit"]),
@@ -13,12 +13,12 @@ pub(super) const NORMALS: Parameter = Parameter {
           surface.",
 };
 
-/// Whether normals are asked for.
+/// Returns whether normals are requested.
 pub fn with_normals(options: &Values) -> bool {
     matches!(options.choice("normals"), Some("area" | "limit"))
 }
 
-/// Whether the limit surface is asked for: its positions, its normals.
+/// Returns whether positions and whether normals of the limit surface are requested.
 pub fn limit(options: &Values) -> [bool; 2] {
     [POSITIONS.name, NORMALS.name].map(|name| options.choice(name) == Some(LIMIT))
 }

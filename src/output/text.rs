@@ -4,25 +4,25 @@ use crate::output::bytes::Bytes;
 use crate::output::numbers::{real, whole};
 use crate::output::scene::FaceChunk;
 
-/// Bytes that are written at once for a row of indices, of which those that count are at most
-/// [`RowStyle::MOST`] and four times [`Index::MOST`]: an index writes 16 bytes, whatever its length.
+/// Bytes that are written at once for a row of indices, of which at most [`RowStyle::MOST`] plus four times
+/// [`Index::MOST`] are part of the text: an index writes 16 bytes, whatever its length.
 const WINDOW: usize = 64;
 
-/// What stands around the numbers of a row.
+/// The characters around the numbers of a row.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct RowStyle {
-    /// What a row starts with, at most two bytes.
+    /// The start of a row, at most two bytes.
     pub(super) start: &'static [u8],
-    /// What stands before the first number.
+    /// The byte before the first number.
     pub(super) open: u8,
-    /// What stands between two numbers.
+    /// The byte between two numbers.
     pub(super) between: u8,
-    /// What a row ends with, at most two bytes.
+    /// The end of a row, at most two bytes.
     pub(super) end: &'static [u8],
 }
 
 impl RowStyle {
-    /// Most bytes at the start and at the end of a row together.
+    /// Maximum number of bytes at the start and the end of a row together.
     const MOST: usize = 4;
 
     /// Appends a row.
@@ -78,8 +78,9 @@ impl RowStyle {
     }
 }
 
-/// A number of a column of indices as text, after one byte. In most rows it is that of the row before plus one, so that
-/// only its last digit changes. The bytes are kept as one number: what was stored byte by byte is slow to load at once.
+/// A number in a column of indices as text, after one byte. In most rows it is the number of the row before plus one,
+/// so only its last digit changes. The bytes are kept as one integer, as loading what was just stored byte by byte is
+/// slow.
 struct Index {
     n: u64,
     text: u128,
@@ -87,10 +88,10 @@ struct Index {
 }
 
 impl Index {
-    /// Most bytes: the one before, and ten digits of a number up to 2^32.
+    /// Maximum number of bytes: the byte before, and ten digits of a number up to 2^32.
     const MOST: usize = 11;
 
-    /// That of this number, after this byte.
+    /// Returns the text of a number after the byte `before`.
     fn new(before: u8, n: u64) -> Self {
         let mut index = Self { n, text: before.into(), len: 1 };
         index.spell(n);
@@ -133,7 +134,7 @@ mod tests {
         let mut out = Bytes::default();
         style.faces(&faces, 1, &mut out);
         assert_eq!(String::from_utf8_lossy(out.made()), expected);
-        // a larger face among them takes the other way
+        // a larger face takes the other code path
         faces.push(&[0, 1, 2, 3, 4]);
         style.faces(&faces, 1, &mut out);
         assert_eq!(String::from_utf8_lossy(out.made()), format!("{expected}f 1 2 3 4 5\n"));

@@ -37,7 +37,7 @@ const PARTS: Parameter = Parameter::choice(
 );
 const COMPONENTS: &str = "components";
 
-/// What the files of the archive are, and which of them is the model. Source: ECMA-376-2 (OPC); 3MF Core 1.3,
+/// The content types of the files of the archive, and the file of the model. Source: ECMA-376-2 (OPC); 3MF Core 1.3,
 /// section 2.
 const TYPES: &str = "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<Types \
                      xmlns=\"http://schemas.openxmlformats.org/package/2006/content-types\">\n<Default \
@@ -51,14 +51,14 @@ const RELATIONS: &str = "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<Relationsh
                          Type=\"http://schemas.microsoft.com/3dmanufacturing/2013/01/3dmodel\"/>\n</Relationships>\n";
 const NAMES: [&str; 3] = ["[Content_Types].xml", "_rels/.rels", "3D/3dmodel.model"];
 
-/// How y-up models stand in 3MF, where z points up: the rows of what points are multiplied with from the left.
+/// The transform of y-up models to 3MF, where z points up: the rows of the matrix by which row vectors are multiplied.
 const UPRIGHT: &str = " transform=\"1 0 0 0 0 1 0 -1 0 0 0 0\"";
 
 /// 3MF Core 1.3 with colours of the Materials Extension 1.2: an archive with the triangles as XML.
 ///
 /// Coordinates are the shortest decimals that read back as the same f64, in the unit of the input; models with y up are
-/// turned by the transform of their items. Materials are base materials with their colours; colours of vertices come
-/// before them. The archive holds neither times nor names of its own, so that the same model is the same bytes.
+/// turned by the transform of their items. Materials are base materials with their colours; colours of vertices take
+/// precedence over them. The archive holds no times and no names that vary, so the same model gives the same bytes.
 ///
 /// Source: 3MF Consortium, 3MF Core Specification 1.3, chapters 3 and 4; Materials and Properties Extension 1.2,
 /// chapter 3.
@@ -146,7 +146,7 @@ impl Costs for ThreeMf {
         let model = model_length(counts, options);
         let names = NAMES.iter().map(|name| name.len() as u128).sum();
         let small = (TYPES.len() + RELATIONS.len()) as u128;
-        // stored, five bytes before each block and a few at the end
+        // if stored, five bytes precede each block and a few follow at the end
         Size::AtMost(total(&[(1, model), (1, model / 1_000), (1, small), (1, overhead(3, names) + 64)]))
     }
 
@@ -194,7 +194,7 @@ fn write_model(
     stream.bytes(b"</build>\n</model>\n")
 }
 
-/// The id of the first object; looks have those before it.
+/// The id of the first object; looks have lower ids.
 const FIRST_OBJECT: usize = 3;
 
 fn begin(object: usize, name: &str, looks: Looks<'_>, stream: &mut Stream<'_>) -> Result<(), FormatError> {
@@ -263,7 +263,7 @@ fn vertex(position: &[f64; 3], out: &mut Vec<u8>) {
     out.extend_from_slice(b"/>\n");
 }
 
-/// Appends a triangle by the numbers of its vertices in its object, and how it looks by those in the mesh.
+/// Appends a triangle with the numbers of its vertices in its object; its looks depend on their numbers in the mesh.
 fn triangle(own: [u32; 3], (of_mesh, face): ([u32; 3], usize), looks: Looks<'_>, out: &mut Vec<u8>) {
     out.extend_from_slice(b"<triangle");
     for (name, v) in [" v1=\"", " v2=\"", " v3=\""].iter().zip(own) {
@@ -275,7 +275,7 @@ fn triangle(own: [u32; 3], (of_mesh, face): ([u32; 3], usize), looks: Looks<'_>,
     out.extend_from_slice(b"/>\n");
 }
 
-/// Most bytes of the model before it is compressed.
+/// Returns the maximum number of bytes of the model before it is compressed.
 fn model_length(counts: &Counts, options: &Values) -> u128 {
     let carried = &counts.attachments;
     let index = digits(counts.vertices);

@@ -1,4 +1,4 @@
-//! USD as text: subdivision surfaces as such, refined meshes as polygons.
+//! USD as text: control meshes as subdivision surfaces, refined meshes as polygons.
 
 mod attributes;
 mod cage;
@@ -36,16 +36,16 @@ use crate::shape::mesh::Mesh;
 use crate::shape::tile::Tile;
 use crate::watch::Watch;
 
-/// Most bytes of all but lists, and of all but the list of faces of a group or a material.
+/// Maximum number of bytes of everything but lists, and of a group or a material without its list of faces.
 const FRAME: u128 = 4_096;
 const LABEL: u128 = 1_280;
 
 /// USD as text (`.usda`): one `Mesh` below an `Xform`, with `metersPerUnit` and `upAxis` of the input.
 ///
 /// At level 0 of Catmull and Clark's, Loop's or bilinear refinement the mesh is the control mesh as a subdivision
-/// surface, so that whoever shows it refines it as finely as it likes: `subdivisionScheme`, boundary and triangle
-/// rules, creases, corners, holes and texture coordinates with their rule of interpolation mean what they mean here.
-/// Where levels were applied, and where the scheme, limit positions or normals have no word in USD, faces are polygons
+/// surface, so that viewers refine it as finely as they like: `subdivisionScheme`, boundary and triangle rules,
+/// creases, corners, holes and texture coordinates with their rule of interpolation have the same meaning as in
+/// planish. If levels were applied, or USD cannot express the scheme, limit positions or normals, faces are polygons
 /// with `subdivisionScheme = "none"`.
 ///
 /// Numbers are the shortest decimals that read back as the same f64, though USD keeps positions, texture coordinates
@@ -126,7 +126,7 @@ impl Costs for Usda {
     }
 }
 
-/// The control mesh, where that is what is shown, under a scheme that USD knows.
+/// Returns the control mesh, if the scene shows it without refinement under a scheme that USD has.
 fn cage<'a>(scene: &Scene<'a>, mesh: &dyn MeshSource, options: &Values) -> Option<Cage<'a>> {
     let (given, plan) = (scene.control.mesh()?, scene.control.plan()?);
     // every level of these schemes adds vertices
@@ -144,7 +144,7 @@ fn tell_differences(scene: &Scene<'_>, cage: &Cage<'_>) {
     }
 }
 
-/// What stands before the mesh.
+/// Returns the text before the mesh.
 fn header(Frame { unit, up }: Frame) -> String {
     let mut metres = Vec::new();
     real(&mut metres, unit.metres());
@@ -156,7 +156,7 @@ fn header(Frame { unit, up }: Frame) -> String {
     )
 }
 
-/// Writes a mesh of polygons, with normals where they are asked for.
+/// Writes a mesh of polygons, with normals if requested.
 fn write_polygons(
     mesh: &dyn MeshSource,
     options: &Values,
@@ -182,7 +182,7 @@ fn write_mesh(
     end(mesh, stream)
 }
 
-/// Writes the mesh up to what it carries.
+/// Writes the mesh up to its attachments.
 fn begin(
     mesh: &dyn MeshSource,
     cage: Option<&Cage<'_>>,
@@ -218,7 +218,7 @@ fn begin(
     }
 }
 
-/// Writes what the mesh carries, and ends it.
+/// Writes the attachments of the mesh, and ends it.
 fn end(mesh: &dyn MeshSource, stream: &mut Stream<'_>) -> Result<(), FormatError> {
     carried::primvars(mesh, stream)?;
     carried::subsets(mesh, stream)?;
@@ -261,7 +261,8 @@ fn write_normals(mesh: &dyn MeshSource, stream: &mut Stream<'_>, watch: &Watch) 
     attribute("int[] primvars:normals:indices", On::Untold, stream, |stream| stream.faces(sides, corners))
 }
 
-/// Most bytes of all: of the cage where that has more of something than what is shown of it.
+/// Returns the maximum number of bytes: of each kind of element the larger number of the cage and of the shown mesh
+/// counts.
 fn size(counts: &Counts, options: &Values) -> u128 {
     let carried = &counts.attachments;
     let vertices = counts.vertices.max(counts.control);

@@ -17,7 +17,7 @@ use crate::shape::attachments::Attachments;
 use crate::shape::mesh::Mesh;
 use crate::watch::Watch;
 
-/// A format of drawings, which differ in how they are written alone.
+/// A format of drawings; these formats differ only in how a drawing is written.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Vector {
     facts: &'static FormatFacts,

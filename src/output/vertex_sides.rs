@@ -1,18 +1,18 @@
-//! A mesh for formats that know one value of each kind a vertex, such as its normal: vertices are split on seams,
-//! and on sharp and hard edges where there are normals.
+//! A mesh for formats with one value of each kind per vertex, such as its normal: vertices are split on seams, and, if
+//! there are normals, on sharp and hard edges.
 
 use crate::output::hard_edges::HardEdges;
 use crate::output::scene::{MeshSource, Shape};
 use crate::output::split_vertices::SplitVertices;
 use crate::watch::{Stopped, Watch};
 
-/// A shape with a vertex for each place of what has seams.
+/// A shape with a vertex for each place of attributes with seams.
 pub(super) struct Sides<'a> {
     whole: Shape<'a>,
     unfolded: Option<Box<dyn MeshSource + 'a>>,
 }
 
-/// The sides of vertices, which sharp and hard edges split too.
+/// The sides of vertices, also split on sharp and hard edges.
 pub(super) struct SplitSides<'a> {
     sides: &'a Sides<'a>,
     split_vertices: Option<SplitVertices<'a>>,
@@ -21,7 +21,7 @@ pub(super) struct SplitSides<'a> {
 }
 
 impl<'a> Sides<'a> {
-    /// That of a shape.
+    /// Unfolds a shape at its seams, if it has any.
     pub(super) fn of(whole: Shape<'a>) -> Self {
         let unfolded = if let Shape::Mesh(mesh) = whole { mesh.unfolded() } else { None };
         Self { whole, unfolded }
@@ -31,7 +31,7 @@ impl<'a> Sides<'a> {
         self.unfolded.as_deref().map_or(self.whole, Shape::Mesh)
     }
 
-    /// The parts of this shape, where there are normals between sharp edges and those that are `hard`.
+    /// Splits this shape at sharp edges and those that are `hard`, if `normals` are written.
     ///
     /// # Errors
     /// [`Stopped`] when the watch says so.
@@ -57,12 +57,12 @@ impl<'a> Sides<'a> {
 }
 
 impl SplitSides<'_> {
-    /// The shape to be written.
+    /// Returns the shape to be written.
     pub(super) fn shape(&self) -> Shape<'_> {
         self.split_vertices.as_ref().map_or(self.sides.shape(), |split_vertices| Shape::Mesh(split_vertices))
     }
 
-    /// Where the shape is split on seams, the mesh that is not, from which its normals come.
+    /// Returns the mesh that is not split on seams, which determines the normals, if the shape is split on seams.
     pub(super) fn smooth(&self) -> Option<&dyn MeshSource> {
         let (Some(_), Shape::Mesh(whole)) = (&self.sides.unfolded, self.sides.whole) else { return None };
         Some(self.smooth.as_ref().map_or(whole, |split_vertices| split_vertices))

@@ -1,4 +1,4 @@
-//! Sums over the faces around each vertex, made by all threads, with the bits that one thread would give them.
+//! Sums over the faces around each vertex, computed by all threads, with the same bits as on one thread.
 
 use std::ops::Range;
 
@@ -9,18 +9,18 @@ use crate::output::scene::{FaceChunk, MeshSource};
 use crate::shape::topology::index;
 use crate::watch::{Stopped, Watch};
 
-/// Faces of a part, which one thread sums up at a time; what it holds stays in the cache of a core.
-/// Half of it makes more vertices common to two parts; twice of it no longer fits into half a megabyte.
+/// Number of faces of a part, which one thread sums at a time; its data stay in the cache of a core. Half of it makes
+/// more vertices common to two parts; twice of it no longer fits into half a megabyte.
 const PART: usize = 4_096;
 
-/// Parts that are summed up before what they share is added, at most: 65,536 faces, 60 bytes each.
-/// Half of it leaves work for eight threads only; twice of it holds twice the memory.
+/// Maximum number of parts that are summed before their shared sums are added: 65,536 faces, 60 bytes each. Half of it
+/// leaves work for eight threads only; twice of it holds twice the memory.
 const AT_ONCE: usize = 16;
 
-/// For each vertex the sum of what its faces give, added in the order of the faces.
+/// Returns for each vertex the sum of the vectors of its faces, added in the order of the faces.
 ///
-/// Vertices inside faces of the input are mostly those of one part of all faces; each part adds these itself. What is
-/// given to the others is kept, and added part after part.
+/// Vertices inside faces of the input mostly belong to one part of all faces; each part adds the sums of these itself.
+/// Contributions to other vertices are kept, and added part after part.
 ///
 /// # Errors
 /// [`Stopped`] when the watch says so.
@@ -55,13 +55,13 @@ pub(super) fn sums(
     Ok(sums)
 }
 
-/// The faces of a part.
+/// Returns the faces of a part.
 fn faces_of(mesh: &dyn MeshSource, part: usize) -> Range<usize> {
     part * PART..mesh.n_faces().min((part + 1) * PART)
 }
 
-/// For each part vertices that no other one has, in ascending ranges: of those inside faces of the input the ones
-/// beyond all of the parts before and below all of the parts after it.
+/// Returns for each part a range of vertices that no other part has, in ascending order: of the vertices inside faces
+/// of the input those beyond all vertices of the parts before and below all of the parts after it.
 fn own_vertices(mesh: &dyn MeshSource, watch: &Watch) -> Result<Vec<Range<u32>>, Stopped> {
     let n = mesh.n_vertices();
     let is_inside = |v: usize| mesh.vertex_origin(v).dimension == 2;
@@ -70,7 +70,7 @@ fn own_vertices(mesh: &dyn MeshSource, watch: &Watch) -> Result<Vec<Range<u32>>,
     let range = |faces: &mut FaceChunk, part| {
         watch.check()?;
         mesh.faces(faces_of(mesh, part), faces);
-        // without branches, so that several are compared at a time; what is outside wraps around to large numbers
+        // without branches, for vectorisation; vertices outside the range wrap around to large numbers
         let n = inside.end - inside.start;
         let [low, high] = faces.vertices.iter().fold([n, 0], |[low, high], &v| {
             let v = v.wrapping_sub(inside.start);
@@ -95,7 +95,7 @@ fn own_vertices(mesh: &dyn MeshSource, watch: &Watch) -> Result<Vec<Range<u32>>,
     Ok(ranges)
 }
 
-/// The first number in a range that is not as all before it are.
+/// Returns the first number in a range for which `is_before` is false; it must be true for all numbers before.
 fn partition_point(range: Range<usize>, is_before: impl Fn(usize) -> bool) -> usize {
     let (mut low, mut high) = (range.start, range.end);
     while low < high {
@@ -105,18 +105,18 @@ fn partition_point(range: Range<usize>, is_before: impl Fn(usize) -> bool) -> us
     low
 }
 
-/// Some consecutive faces, and the memory for what they give.
+/// Consecutive faces, and memory for their vectors.
 #[derive(Default)]
 struct Part {
     faces: FaceChunk,
-    /// What each face gives.
+    /// The vector of each face.
     vectors: Vec<[f64; 3]>,
-    /// Vertices that other parts have too, each with the face here that gives to it.
+    /// Vertices shared with other parts, each with the index of a face of this part at the vertex.
     shared: Vec<(u32, u32)>,
 }
 
 impl Part {
-    /// Adds up what the faces give to their own vertices, of which the first is `start`.
+    /// Adds the vectors of the faces to the vertices of this part, the first of which is `start`.
     fn add(&mut self, of_face: impl Fn(&[u32]) -> [f64; 3], start: u32, own: &mut [[f64; 3]]) {
         let Self { faces, vectors, shared } = self;
         vectors.clear();
@@ -135,7 +135,7 @@ impl Part {
         }
     }
 
-    /// Adds what they give to others.
+    /// Adds the vectors of the faces to shared vertices.
     fn add_shared(&self, sums: &mut [[f64; 3]]) {
         for &(v, i) in &self.shared {
             let sum = &mut sums[v as usize];

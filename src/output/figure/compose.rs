@@ -1,4 +1,4 @@
-//! Pictures put together.
+//! Composes pictures into a figure.
 
 use std::io::Write;
 
@@ -14,26 +14,26 @@ use crate::output::scene::{Scene, Shape};
 use crate::output::size::Size;
 use crate::watch::{Stage, Watch};
 
-/// Bytes of a pixel of a figure while it is made: of the figure itself, twice more while it is painted and encoded, and
-/// of the picture that it comes from.
+/// Bytes per pixel of a figure while it is composed: the figure itself, twice more while it is painted and encoded, and
+/// the picture of the panel.
 const PIXEL_BYTES: u128 = 16;
-/// Bytes of a point in a drawing: a place in a line and one of a disc.
+/// Bytes per point in a drawing: a place in a line and one of a disc.
 const POINT_BYTES: u128 = 64;
-/// Bytes of what is written at most: each of its letters as an outline.
+/// Maximum number of bytes of texts: each letter as an outline.
 const TEXT_BYTES: u128 = 1 << 20;
-/// Options of a format that a figure takes; all others are said by its panels.
+/// Options of a format that a figure accepts; all others belong to its panels.
 const OPTIONS: [&str; 4] = ["width", "background", "dpi", "text"];
 
-/// What is to be seen of a panel.
+/// The picture in a panel.
 #[derive(Debug)]
 pub enum Picture {
-    /// Rows of red, green, blue and alpha (straight), from the top.
+    /// Rows of pixels from the top, with red, green, blue and straight alpha.
     Pixels(Vec<u8>),
     /// Lines.
     Lines(Drawing),
 }
 
-/// Refuses options that a figure does not take.
+/// Refuses options that a figure does not accept.
 ///
 /// # Errors
 /// The fault, with a pointer below the output.
@@ -43,22 +43,22 @@ pub fn suits(options: &Values) -> Result<(), Fault> {
     Err(Fault::new(format!("/{name}"), detail))
 }
 
-/// Bytes that a figure will take, and bytes of memory while it is put together: its pictures take so many bytes by
-/// themselves, and have so many points.
+/// Returns the size of a figure, and the memory in bytes while it is composed. Its pictures take `bytes` bytes as
+/// separate outputs and have `points` points.
 pub fn size(paper: Paper, sheet: &Sheet, bytes: u128, points: u128) -> (Size, u128) {
     let pixels = sheet.size.map(u128::from).iter().product::<u128>();
     let size = match paper {
         Paper::Png => png::bytes(sheet.size),
-        // pictures in pixels are written in letters
+        // SVG and PDF hold pictures in pixels as text, which is longer
         Paper::Svg | Paper::Pdf => Size::AtMost(bytes.saturating_mul(2).saturating_add(TEXT_BYTES)),
     };
     (size, (pixels * PIXEL_BYTES).saturating_add(points.saturating_mul(POINT_BYTES)).saturating_add(TEXT_BYTES))
 }
 
-/// What a panel that is `drawn` as a picture of its own on such paper shows of a scene.
+/// Renders the picture of a scene in a panel on `paper`; `drawn` is the paper of its own format.
 ///
 /// # Errors
-/// As those of the format of the picture.
+/// Errors of the format of the picture.
 pub fn picture(
     (paper, drawn): (Paper, Paper),
     scene: &Scene<'_>,
@@ -103,7 +103,7 @@ pub fn write(
     }
 }
 
-/// A picture as an item of the figure.
+/// Returns a picture as an item of the figure.
 #[expect(clippy::cast_precision_loss, reason = "figures have some thousand pixels")]
 fn placed(Place { at, size }: Place, picture: Picture) -> Item {
     let [[x, y], extent] = [at, size].map(|pair| pair.map(|n| n as f32));

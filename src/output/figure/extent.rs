@@ -1,4 +1,4 @@
-//! The box of all that a picture shows, for pictures that are framed alike.
+//! The bounding box of everything that pictures show, for pictures with the same framing.
 
 use crate::math::parameter::Values;
 use crate::math::vector::Vector;
@@ -8,8 +8,7 @@ use crate::output::picture::options::{CAMERA, Options};
 use crate::output::scene::{Curve, MeshSource, Scene, Shape, in_chunks};
 use crate::watch::Watch;
 
-/// Opposite corners of a box around finite points, model units. Curves in the plane lie at z = 0, values of functions
-/// stand as y.
+/// A bounding box of finite points, model units. Plane curves lie at z = 0; values of functions are y.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Extent {
     low: Vector,
@@ -17,14 +16,14 @@ pub struct Extent {
 }
 
 impl Default for Extent {
-    /// The box around no point.
+    /// The box of no points.
     fn default() -> Self {
         Self { low: [f64::INFINITY; 3], high: [f64::NEG_INFINITY; 3] }
     }
 }
 
 impl Extent {
-    /// Makes it reach around all that a picture with these options shows of a scene.
+    /// Extends the box to everything that a picture with these options shows of a scene.
     ///
     /// # Errors
     /// When the watch says stop.
@@ -78,8 +77,7 @@ impl Extent {
     }
 }
 
-/// The options of a picture that is framed by a box in place of what it shows, where these do not name a box
-/// themselves.
+/// Returns the options of a picture framed by a box in place of the shown items, unless the options have a box already.
 pub fn framed(values: &Values, extent: &Extent) -> Values {
     let mut values = values.clone();
     let camera = values.group(CAMERA.name).cloned().unwrap_or_default();

@@ -1,41 +1,41 @@
-//! Where the panels of a figure stand, and what is written beside them.
+//! The layout of a figure: the places of its panels, and the texts beside them.
 
 use crate::drawing::{ASCENT, Anchor, Color, DESCENT, Item, Label, Level, Mark, Text, Weight, wrapped};
 use crate::raster::MAX_SIDE_PX;
 
-/// Most panels of a figure.
-/// Papers have up to some twenty. Half of it refuses contact sheets; twice of it draws pictures of a hundred pixels.
+/// Maximum number of panels of a figure. Papers have up to some twenty. Half of it refuses contact sheets; twice of it
+/// draws pictures of a hundred pixels.
 pub const MAX_PANELS: usize = 64;
-/// Most columns of a figure, and most rows and columns that a panel spans.
-/// A column of a dozen has 130 pixels of a wide figure. Half of it refuses contact sheets; with twice of it nothing is
-/// to be seen in them.
+/// Maximum number of columns of a figure, and of rows and columns that a panel spans. A column of a dozen has 130
+/// pixels of a wide figure. Half of it refuses contact sheets; at twice of it nothing is recognisable in them.
 pub const MAX_COLUMNS: u32 = 12;
-/// Most characters of a title or a caption: half a page. Half of it cuts long captions; twice of it is no caption.
+/// Maximum number of characters of a title or caption: half a page. Half of it cuts long captions; twice of it is not a
+/// caption.
 pub const MAX_TEXT: usize = 1000;
-/// Smallest side of a panel, pixels, as of every picture.
+/// Minimum side of a panel, pixels, as of every picture.
 const LEAST_SIDE: u32 = 16;
-/// Colour of what is written.
+/// Colour of texts.
 const INK: Color = [30, 41, 59, 255];
 
-/// A place for a panel and those that lie on it, before it is known where.
+/// A panel and the layers on it, before its position is known.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Cell {
-    /// Columns and rows that it spans.
+    /// Numbers of columns and rows that the panel spans.
     pub span: [u32; 2],
-    /// Width and height of its picture, of which the proportion counts.
+    /// Width and height of the picture, of which only the ratio matters.
     pub proportion: [u32; 2],
-    /// What stands below it.
+    /// The text below the panel.
     pub caption: Option<String>,
-    /// Pictures that lie on each other in it, at least 1.
+    /// Number of pictures on top of each other, at least 1.
     pub layers: usize,
 }
 
 /// The panels of a figure, in their order.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Grid {
-    /// Columns.
+    /// Number of columns.
     pub columns: u32,
-    /// What stands above all.
+    /// The text above all panels.
     pub title: Option<String>,
     /// Whether captions begin with (a), (b), ...
     pub letters: bool,
@@ -52,18 +52,18 @@ pub struct Place {
     pub size: [u32; 2],
 }
 
-/// A figure of some width, laid out.
+/// The layout of a figure of some width.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Sheet {
     /// Width and height, pixels.
     pub size: [u32; 2],
-    /// The pictures of the panels, of those that lie on each other from the lowest up.
+    /// The places of the pictures of all panels; the layers of a panel are in order from the lowest up.
     pub pictures: Vec<Place>,
-    /// What is written.
+    /// The texts.
     pub texts: Vec<Item>,
 }
 
-/// Heights in a row: of its pictures, and of what stands below them.
+/// Heights in a row: of its pictures, and of the captions below them.
 #[derive(Debug, Clone, Copy, Default)]
 struct Row {
     picture: u32,
@@ -71,15 +71,15 @@ struct Row {
 }
 
 impl Grid {
-    /// The layout in so many pixels of width. Panels stand row by row, each at the first place after the one before it
-    /// that is free; a row is as high as the highest picture in it needs, and a picture that spans rows fills them.
+    /// Lays out the figure in a width in pixels. Panels are placed row by row, each at the first free place after the
+    /// one before it; a row is as high as the highest picture in it needs, and a picture that spans rows fills them.
     ///
     /// # Errors
-    /// A sentence, when a picture would be too small or the figure too high, or a text cannot be set.
+    /// A sentence, if a picture would be too small or the figure too high, or a text cannot be typeset.
     pub fn sheet(&self, width: u32) -> Result<Sheet, String> {
         let gap = width / 100;
         let columns = self.columns.max(1);
-        // the left edge of a column; that after the last is a gap beyond the right edge
+        // the left edge of a column; the left edge after the last column is a gap beyond the right edge
         let left = |column: u32| {
             let left = u64::from(column) * u64::from(width + gap) / u64::from(columns);
             u32::try_from(left).unwrap_or(u32::MAX)
@@ -121,7 +121,7 @@ impl Grid {
         Ok(Sheet { size: [width, height], pictures, texts })
     }
 
-    /// What stands below panel `i`.
+    /// Returns the caption of panel `i`.
     fn caption(&self, i: usize) -> String {
         let said = self.cells[i].caption.as_deref().unwrap_or_default();
         if !self.letters {
@@ -134,11 +134,11 @@ impl Grid {
         format!("({letters}) {said}").trim_end().to_owned()
     }
 
-    /// How high the rows are.
+    /// Returns the heights of the rows.
     fn rows(&self, seats: &[[u32; 2]], natural: &[u32], captions: &[Vec<Label>], (font, gap): (Font, u32)) -> Vec<Row> {
         let ends = |(seat, cell): (&[u32; 2], &Cell)| (seat[1] + cell.span[1]) as usize;
         let mut rows = vec![Row::default(); seats.iter().zip(&self.cells).map(ends).max().unwrap_or(0)];
-        // pictures of few rows first, so that those of several know what these have
+        // pictures of few rows first, so that pictures of several rows know the heights of those
         let mut order: Vec<usize> = (0..self.cells.len()).collect();
         order.sort_by_key(|&i| (self.cells[i].span[1], i));
         for &i in &order {
@@ -155,10 +155,10 @@ impl Grid {
         rows
     }
 
-    /// Column and row of the upper left corner of each panel.
+    /// Returns the column and the row of the upper left corner of each panel.
     fn seats(&self) -> Vec<[u32; 2]> {
         let columns = self.columns.max(1);
-        // for each column the first row that is free in it, below all panels there
+        // for each column the first row below all panels in it
         let mut free = vec![0_u32; columns as usize];
         let mut seats = Vec::with_capacity(self.cells.len());
         let mut next = [0_u32; 2];
@@ -178,21 +178,21 @@ impl Grid {
     }
 }
 
-/// How large letters are.
+/// The size of letters.
 #[derive(Debug, Clone, Copy)]
 struct Font {
     size_px: f32,
 }
 
 impl Font {
-    /// Letters of captions: a line across the figure has some hundred of them, and they can be read.
+    /// Returns the font of captions: a line across the figure has some hundred legible letters.
     fn of(width: u32) -> Self {
         #[expect(clippy::cast_precision_loss, reason = "figures have some thousand pixels")]
         let size_px = (width as f32 / 64.0).clamp(12.0, 40.0);
         Self { size_px }
     }
 
-    /// Letters of the title.
+    /// Returns the font of the title.
     fn title(self) -> Self {
         Self { size_px: 1.3 * self.size_px }
     }
@@ -205,12 +205,12 @@ impl Font {
         wrapped(text, weight, self.size_px, width as f32)
     }
 
-    /// Pixels from line to line.
+    /// Returns the distance between baselines, pixels.
     fn step(self) -> f32 {
         1.3 * self.size_px
     }
 
-    /// Height of so many lines with the space around them.
+    /// Returns the height of `lines` lines with the space around them, pixels.
     #[expect(clippy::cast_precision_loss, reason = "a text has some lines")]
     #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a text is some hundred pixels high")]
     fn height(self, lines: usize) -> u32 {
@@ -220,7 +220,7 @@ impl Font {
         ((lines - 1) as f32 * self.step() + (ASCENT + DESCENT + 0.7) * self.size_px).ceil() as u32
     }
 
-    /// Lines in the middle of `x`, below `y`.
+    /// Returns lines centred at `x`, below `y`.
     #[expect(clippy::cast_precision_loss, reason = "figures have some thousand pixels, and texts some lines")]
     fn items(self, class: &'static str, lines: &[Label], [x, y]: [u32; 2]) -> Vec<Item> {
         let line = |(i, label): (usize, &Label)| {
@@ -240,7 +240,7 @@ impl Font {
     }
 }
 
-/// The height of a picture of this width and these proportions.
+/// Returns the height of a picture of this width and these proportions.
 fn scaled(width: u32, [w, h]: [u32; 2]) -> u32 {
     let height = (2 * u64::from(width) * u64::from(h) + u64::from(w)) / (2 * u64::from(w.max(1)));
     u32::try_from(height).unwrap_or(u32::MAX)

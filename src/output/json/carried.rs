@@ -1,4 +1,4 @@
-//! What a mesh carries, in the notation of requests, and what became of the cells of the input.
+//! The attachments of a mesh, in the notation of requests, and the origins of its cells in the input.
 
 use serde_json::Value;
 
@@ -18,10 +18,10 @@ use crate::shape::labels::Labels;
 use crate::shape::looks::Look;
 use crate::shape::source::PlaceSource;
 
-/// Bytes of the entry of a channel with seams beside its values and faces.
+/// Bytes of the entry of a channel with seams, without its values and faces.
 const SEAMS: u128 = br#"{"values":,"faces":[]}"#.len() as u128;
 
-/// Most bytes of these entries.
+/// Returns the maximum number of bytes of the entries of attachments and origins.
 pub(super) fn size(counts: &Counts, options: &Values) -> u128 {
     let attachments = &counts.attachments;
     let row = |channel: &Channel| 3 + channel.width as u128 * (REAL + 1);
@@ -48,7 +48,7 @@ pub(super) fn size(counts: &Counts, options: &Values) -> u128 {
     let frame = br#","uvs":{"values":[],"faces":[]}"#.len() as u128;
     let values = (counts.uvs, 2 + 2 * (REAL + 1));
     let uvs = if counts.uvs > 0 { total(&[(1, frame), values, (1, corners(counts.uvs))]) } else { 0 };
-    // the inner vertices of all edges are different ones
+    // the inner vertices of different edges are different
     let edges = counts.input_edges as u128;
     let along = counts.vertices.saturating_add(2 * edges);
     let frame = br#","isolines":[]"#.len() as u128;
@@ -63,7 +63,7 @@ pub(super) fn size(counts: &Counts, options: &Values) -> u128 {
         .fold(0, u128::saturating_add)
 }
 
-/// Writes the entries that there are, each after a comma.
+/// Writes the entries that exist, each after a comma.
 pub(super) fn write(mesh: &dyn MeshSource, options: &Values, stream: &mut Stream<'_>) -> Result<(), FormatError> {
     write_tags(&mesh.tags(), stream)?;
     let attachments = mesh.attachments();
@@ -106,7 +106,7 @@ fn write_isolines(mesh: &dyn MeshSource, stream: &mut Stream<'_>) -> Result<(), 
     stream.bytes(b"]")
 }
 
-/// Writes values of corners, so many numbers each.
+/// Writes values of corners, `width` numbers each.
 fn write_places(
     mesh: &dyn MeshSource,
     places: &dyn PlaceSource,
@@ -120,7 +120,7 @@ fn write_places(
     stream.bytes(b"]}")
 }
 
-/// Appends some consecutive entries of so many numbers each, the first of which has that index.
+/// Makes consecutive entries of `width` numbers each; `start` is the index of the first of them.
 fn rows(start: usize, numbers: &[f64], width: usize, out: &mut Bytes) {
     if width > 1 {
         let rows: Vec<&[f64]> = numbers.chunks_exact(width).collect();
@@ -136,7 +136,7 @@ fn rows(start: usize, numbers: &[f64], width: usize, out: &mut Bytes) {
     });
 }
 
-/// Writes what is sharp: what requests call `corners` and `creases`.
+/// Writes the sharp vertices and edges, which requests call `corners` and `creases`.
 fn write_tags(tags: &Tags, stream: &mut Stream<'_>) -> Result<(), FormatError> {
     write_sharp("corners", &tags.corners, stream, |&(v, sharpness), out| {
         out.extend_from_slice(br#"{"vertex":"#);
@@ -153,7 +153,7 @@ fn write_tags(tags: &Tags, stream: &mut Stream<'_>) -> Result<(), FormatError> {
     })
 }
 
-/// Writes a list of places with their sharpness, which `place` gives back, if it has any.
+/// Writes a list of cells with their sharpness, if it is not empty. `place` appends the cell and returns its sharpness.
 fn write_sharp<T: Sync>(
     name: &str,
     entries: &[T],
@@ -183,7 +183,7 @@ fn write_channel(mesh: &dyn MeshSource, i: usize, stream: &mut Stream<'_>) -> Re
     stream.bytes(b"]")
 }
 
-/// The output faces of each name, and how they look, where that is said.
+/// Writes for each name its output faces and, for materials, the look.
 fn write_labels(
     mesh: &dyn MeshSource,
     labels: &Labels,
@@ -229,7 +229,7 @@ fn write_origins(mesh: &dyn MeshSource, stream: &mut Stream<'_>) -> Result<(), F
     stream.bytes(b"]}")
 }
 
-/// One number of a list, with a comma before all but the first.
+/// Appends a number of a list, with a comma before all but the first.
 pub(super) fn listed(n: u64, first: bool, out: &mut Vec<u8>) {
     if !first {
         out.push(b',');

@@ -1,4 +1,4 @@
-//! How materials look, in the notation of requests.
+//! The looks of materials, in the notation of requests.
 
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
@@ -9,19 +9,19 @@ use crate::output::stream::Stream;
 use crate::shape::looks::{Alpha, Look};
 use crate::shape::textures::{Filter, Texture};
 
-/// Most bytes of the entries of a material without numbers and pictures.
+/// Maximum number of bytes of the entries of a material without numbers and images.
 const FRAME: u128 = 512;
 
-/// Bytes of a picture that are written at once, a multiple of three: half and twice of it make the same text.
+/// Bytes of an image that are written at once, a multiple of three. Half or twice of it gives the same text.
 const PART: usize = 48 << 10;
 
-/// Most bytes of these entries.
+/// Returns the maximum number of bytes of the entries of looks.
 pub(super) fn size(looks: &[Look]) -> u128 {
     let picture = |texture: &Texture| (texture.image.bytes().len() as u128).div_ceil(3) * 4;
     looks.iter().map(|look| FRAME + 7 * (REAL + 1) + look.texture.as_ref().map_or(0, picture)).sum()
 }
 
-/// Writes the entries of what is said, each after a comma.
+/// Writes the entries of a look that are given, each after a comma.
 pub(super) fn write(look: &Look, stream: &mut Stream<'_>) -> Result<(), FormatError> {
     let Look { color, metallic, roughness, double_sided, alpha, texture } = look;
     let mut out = Vec::new();

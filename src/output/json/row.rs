@@ -4,10 +4,10 @@ use crate::output::bytes::Bytes;
 use crate::output::scene::FaceChunk;
 use crate::output::text::RowStyle;
 
-/// One list after a comma, which the first one is to lose.
+/// A list with a comma before it, which the caller removes from the first list.
 const ROW: RowStyle = RowStyle { start: b",", open: b'[', between: b',', end: b"]" };
 
-/// One list in a list of lists, with a comma before all but the first.
+/// Appends a list to a list of lists, with a comma before all but the first.
 pub(super) fn row(index: usize, out: &mut Vec<u8>, items: impl FnOnce(&mut Vec<u8>)) {
     if index > 0 {
         out.push(b',');
@@ -17,7 +17,7 @@ pub(super) fn row(index: usize, out: &mut Vec<u8>, items: impl FnOnce(&mut Vec<u
     out.push(b']');
 }
 
-/// Some lists of numbers in a list of lists, the first of which has this index.
+/// Makes lists of numbers in a list of lists; `start` is the index of the first of them.
 pub(super) fn vectors(start: usize, rows: &[impl AsRef<[f64]>], out: &mut Bytes) {
     out.append(|out| rows.iter().for_each(|row| ROW.reals(row.as_ref(), out)));
     if start == 0 {
@@ -25,7 +25,7 @@ pub(super) fn vectors(start: usize, rows: &[impl AsRef<[f64]>], out: &mut Bytes)
     }
 }
 
-/// Some lists of indices in a list of lists, the first of which has this index.
+/// Makes lists of indices in a list of lists; `start` is the index of the first of them.
 pub(super) fn faces(start: usize, faces: &FaceChunk, out: &mut Bytes) {
     ROW.faces(faces, 0, out);
     if start == 0 {

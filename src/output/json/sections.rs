@@ -1,4 +1,4 @@
-//! Sections of a mesh, a list of polylines for each plane.
+//! The sections of a mesh: a list of polylines for each plane.
 
 use super::row::vectors;
 use crate::math::parameter::Values;
@@ -11,7 +11,8 @@ use crate::output::sections::{Polyline, planes, section};
 use crate::output::stream::Stream;
 use crate::watch::Watch;
 
-/// Most bytes of the entry: each triangle gives a segment at most, and each segment may be a polyline of its own.
+/// Returns the maximum number of bytes of the entry: each triangle gives at most one segment for each plane, and each
+/// segment may be a polyline of its own.
 pub(super) fn size(counts: &Counts, options: &Values) -> u128 {
     let planes = planes(options).len() as u128;
     let frame = br#","sections":[]"#.len() as u128;
@@ -21,7 +22,7 @@ pub(super) fn size(counts: &Counts, options: &Values) -> u128 {
     if planes == 0 { 0 } else { total(&[(1, frame), (planes, 3), (segments, polyline + 2 * point)]) }
 }
 
-/// Writes the entry after a comma, where sections are asked for.
+/// Writes the entry after a comma, if sections are requested.
 pub(super) fn write(
     mesh: &dyn MeshSource,
     options: &Values,

@@ -1,4 +1,4 @@
-//! What gives the surface of a picture its colours: a channel of its vertices, its texture coordinates, its groups or
+//! The colours of the surface in a picture: by a channel of its vertices, its texture coordinates, its groups or
 //! materials.
 
 use std::ops::Range;
@@ -23,7 +23,7 @@ use crate::watch::{Stopped, Watch};
 /// The choice that refers to faces of the input.
 const FACES: &str = "faces";
 
-/// What colours follow.
+/// The attachment that colours follow.
 pub(crate) const COLOR_BY: Parameter = Parameter {
     name: "color_by",
     kind: Kind::Choice(&["none", "channel", "uvs", "groups", "materials", FACES]),
@@ -53,12 +53,12 @@ pub(crate) const COMPONENT: Parameter = Parameter {
     doc: "The component of the channel whose numbers are shown, the first being 0; left out, all of them as a colour.",
 };
 
-/// Squares to one unit of a texture coordinate.
+/// Number of squares per unit of a texture coordinate.
 const SQUARES: f64 = 8.0;
-/// How much of the light colour of the squares is white.
+/// Share of white in the light colour of the squares.
 const PALE: f64 = 0.8;
 
-/// Refuses colours that a shape of this kind does not carry.
+/// Refuses colours by attachments that the shape does not have.
 pub(crate) fn check(kind: ShapeKind, carried: &Attachments, options: &Values) -> Result<(), Fault> {
     let by = options.choice(COLOR_BY.name).unwrap_or("none");
     if kind != ShapeKind::Mesh && by != "none" {
@@ -100,12 +100,12 @@ fn check_channel(carried: &Attachments, options: &Values) -> Result<(), Fault> {
     }
 }
 
-/// The component that is asked for.
+/// Returns the requested component.
 fn component(options: &Values) -> Option<usize> {
     options.integer(COMPONENT.name).and_then(|n| usize::try_from(n).ok())
 }
 
-/// The channel whose numbers, one a vertex, colours stand for, if they do.
+/// Returns the name of the channel whose numbers, one per vertex, the colours stand for, if they do.
 pub(super) fn numbers_of<'a>(carried: &'a Attachments, options: &Values) -> Option<&'a str> {
     let name = options.name(CHANNEL.name).unwrap_or(COLORS);
     let channel = carried.channels.iter().find(|channel| channel.name == name)?;
@@ -113,24 +113,25 @@ pub(super) fn numbers_of<'a>(carried: &'a Attachments, options: &Values) -> Opti
     (are_shown && (channel.width == 1 || component(options).is_some())).then_some(&channel.name)
 }
 
-/// Whether colours refer to faces of the input.
+/// Returns whether colours refer to faces of the input.
 pub(crate) fn follows_faces(options: &Values) -> bool {
     options.choice(COLOR_BY.name) == Some(FACES)
 }
 
-/// Whether colours are those of materials.
+/// Returns whether colours are those of materials.
 fn follows_looks(carried: &Attachments, options: &Values) -> bool {
     options.choice(COLOR_BY.name).is_none_or(|by| by == "none")
         && options.color(COLOR.name).is_none()
         && skin::is_said(carried)
 }
 
-/// Work that colours take, rows.
+/// Returns the work of finding the colours, rows.
 pub(crate) fn work(carried: &Attachments, options: &Values) -> u128 {
     if follows_looks(carried, options) { skin::work(carried) } else { 0 }
 }
 
-/// Bytes of memory for the colours of so many vertices, of the triangles and places with texture coordinates.
+/// Returns the memory in bytes for the colours of `vertices` vertices, and of the triangles and texture coordinates in
+/// `counts`.
 pub(crate) fn memory(options: &Values, vertices: u128, counts: &Counts) -> u128 {
     let (triangles, uvs) = (counts.triangles(), counts.uvs);
     match options.choice(COLOR_BY.name) {
@@ -152,40 +153,40 @@ pub(crate) fn memory(options: &Values, vertices: u128, counts: &Counts) -> u128 
 /// The colours of a surface.
 #[derive(Debug)]
 pub(super) enum Coat {
-    /// One.
+    /// One colour for the whole surface.
     Plain([u8; 4]),
-    /// One a vertex, in linear light.
+    /// A colour per vertex, in linear light.
     Vertices(Vec<[f32; 3]>),
     /// Numbers of vertices, or of corners.
     Numbers {
-        /// Their shares of the table.
+        /// The places of the numbers in the table, from 0 to 1.
         shares: Vec<f32>,
-        /// The numbers at the corners of each triangle, where they are not those of its vertices.
+        /// The indices of the numbers at the corners of each triangle, if they differ from its vertices.
         corners: Option<Vec<[u32; 3]>>,
         /// Colours in linear light.
         table: Vec<[f32; 3]>,
-        /// What the colours stand for.
+        /// The scale by which colours stand for numbers.
         scale: NumberScale,
     },
-    /// One a triangle, in linear light.
+    /// A colour per triangle, in linear light.
     Triangles(Vec<[f32; 3]>),
-    /// One at each place, in linear light.
+    /// Colours of corners of triangles, in linear light.
     Corners {
-        /// Of places.
+        /// The colour of each place.
         colors: Vec<[f32; 3]>,
         /// The places at the corners of each triangle.
         corners: Vec<[u32; 3]>,
     },
     /// Squares in texture coordinates.
     Squares {
-        /// In sides of squares.
+        /// Texture coordinates in sides of squares.
         places: Vec<[f64; 2]>,
         /// The places at the corners of each triangle.
         corners: Vec<[u32; 3]>,
-        /// In linear light.
+        /// The light and the dark colour, in linear light.
         colors: [[f32; 3]; 2],
     },
-    /// The pictures of materials.
+    /// The images of materials.
     Covers {
         /// Texture coordinates.
         places: Vec<[f64; 2]>,
@@ -193,13 +194,13 @@ pub(super) enum Coat {
         corners: Vec<[u32; 3]>,
         /// The number of the material of each triangle.
         numbers: Vec<u32>,
-        /// What each material looks like, and at the end what faces without do.
+        /// The swatch of each material, and at the end the one for faces without a material.
         swatches: Vec<Swatch>,
     },
 }
 
 impl Coat {
-    /// That of a mesh; where nothing else is said, of one colour.
+    /// Returns the colours of a mesh; by default one colour, `plain`.
     pub(super) fn of(
         mesh: &dyn MeshSource,
         options: &Options<'_>,
@@ -224,13 +225,13 @@ impl Coat {
         })
     }
 
-    /// Numbers of vertices as colours.
+    /// Returns the coat that shows numbers of vertices as colours.
     pub(super) fn numbers(numbers: &[f64], corners: Option<Vec<[u32; 3]>>, scale: NumberScale) -> Self {
         let shares = numbers.iter().map(|&x| scale.share(x)).collect();
         Self::Numbers { shares, corners, table: scale.map.table(), scale }
     }
 
-    /// As the rasteriser takes it.
+    /// Returns the surface for the rasteriser.
     pub(super) fn surface(&self) -> Surface<'_> {
         match self {
             Self::Plain(color) => Surface::Lit(*color),
@@ -238,7 +239,7 @@ impl Coat {
         }
     }
 
-    /// Its colours, where it has more than one.
+    /// Returns the paint for the rasteriser, if there is more than one colour.
     pub(super) fn paint(&self) -> Option<Paint<'_>> {
         Some(match self {
             Self::Plain(_) => return None,
@@ -274,7 +275,7 @@ fn by_channel(mesh: &dyn MeshSource, channel: usize, options: &Values, watch: &W
     })
 }
 
-/// All of `n x width` values, which `some` gives in ranges.
+/// Reads all `n x width` values with `some`, which gives them in ranges.
 fn values(
     n: usize,
     width: usize,
@@ -300,17 +301,17 @@ fn by_uvs(mesh: &dyn MeshSource, plain: [u8; 4], watch: &Watch) -> Result<Coat, 
     Ok(Coat::Squares { places, corners, colors: [light, dark] })
 }
 
-/// Texture coordinates, and for each triangle which of them its corners have.
+/// Texture coordinates, and the indices of those at the corners of each triangle.
 type Places = (Vec<[f64; 2]>, Vec<[u32; 3]>);
 
-/// The texture coordinates of a mesh, if it has some.
+/// Returns the texture coordinates of a mesh, if it has any.
 fn places(mesh: &dyn MeshSource, watch: &Watch) -> Result<Option<Places>, Stopped> {
     let Some(source) = mesh.uvs() else { return Ok(None) };
     let places = values(source.n_places(), 2, |range, out| source.values(range, out), watch)?;
     Ok(Some((places.as_chunks().0.to_vec(), corners(mesh, source.as_ref(), watch)?)))
 }
 
-/// The places at the corners of each triangle.
+/// Returns the places at the corners of each triangle.
 fn corners(mesh: &dyn MeshSource, source: &dyn PlaceSource, watch: &Watch) -> Result<Vec<[u32; 3]>, Stopped> {
     let mut corners = Vec::with_capacity(mesh.n_half_edges().saturating_sub(2 * mesh.n_faces()));
     let mut faces = FaceChunk::default();
@@ -323,7 +324,7 @@ fn corners(mesh: &dyn MeshSource, source: &dyn PlaceSource, watch: &Watch) -> Re
     Ok(corners)
 }
 
-/// What materials look like.
+/// Returns the coat of the looks of materials.
 fn by_looks(mesh: &dyn MeshSource, plain: [u8; 4], watch: &Watch) -> Result<Coat, FormatError> {
     let carried = mesh.attachments();
     let swatches = skin::swatches(carried, shown_as(plain), watch)?;
@@ -344,7 +345,7 @@ fn by_labels(mesh: &dyn MeshSource, labels: &Labels, plain: [u8; 4], watch: &Wat
     Ok(Coat::Triangles(by_origin(mesh, color, watch)?))
 }
 
-/// For each triangle what the face of the input has that it came of.
+/// Returns for each triangle the value of the input face from which it was refined.
 fn by_origin<T: Copy>(mesh: &dyn MeshSource, color: impl Fn(u32) -> T, watch: &Watch) -> Result<Vec<T>, Stopped> {
     let mut colors = Vec::with_capacity(mesh.n_half_edges().saturating_sub(2 * mesh.n_faces()));
     let mut faces = FaceChunk::default();

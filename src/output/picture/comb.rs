@@ -7,25 +7,25 @@ use crate::output::error::FormatError;
 use crate::output::scene::{CHUNK, Curve};
 use crate::watch::Watch;
 
-/// Length of a tooth where all but a twentieth of the points are bent less, as a share of the smaller side of what is
-/// seen. Twice of it leaves the picture, half of it hides small wiggles.
+/// Length of a tooth that 95 % of the points do not exceed, as a share of the smaller side of the visible part. Twice
+/// of it leaves the picture; half of it hides small wiggles.
 const TOOTH: f64 = 0.12;
-/// Longest tooth, in such lengths: corners bend without bound, and would lead out of the picture.
+/// Longest tooth in units of that length: curvature at corners is unbounded, and would lead out of the picture.
 const LONGEST: f64 = 3.0;
-/// Teeth stand this far apart at least, pixels; half of it makes an area of them.
+/// Minimum distance between teeth, pixels; half of it makes an area of them.
 const SPACING_PX: f64 = 4.0;
-/// Length of a tangent, as a share of the smaller side of what is seen.
+/// Length of a tangent, as a share of the smaller side of the visible part.
 const TANGENT: f64 = 0.14;
 
-/// Teeth, each from the curve to its end, and the lines that join the ends.
+/// The teeth of combs, each from the curve to its end, and the lines that join the ends.
 pub(super) struct Comb {
     pub(super) teeth: Vec<Run>,
     pub(super) ends: Vec<Run>,
 }
 
-/// The curvature combs of curves in the plane or in space: at a point with curvature k and unit normal n towards the
-/// centre of curvature stands a tooth along `-k n`. All have one scale, which makes the teeth [`TOOTH`] long where all
-/// but a twentieth of the points are bent less; `scale` multiplies it.
+/// Returns the curvature combs of curves in the plane or in space: a point with curvature k and unit normal n towards
+/// the centre of curvature has a tooth along `-k n`. All teeth have one scale, at which 95 % of the points have teeth
+/// of at most [`TOOTH`]; `scale` multiplies it.
 ///
 /// The curvature at a point is that of the circle through it and both its neighbours.
 pub(super) fn combs(
@@ -80,8 +80,8 @@ pub(super) fn combs(
     Ok(comb)
 }
 
-/// Curvature, of the curve made `scale` times as large, times the unit normal towards the centre of curvature at each
-/// point; 0 at ends and where points coincide.
+/// Returns at each point the curvature of the curve enlarged by `scale`, times the unit normal towards the centre of
+/// curvature; 0 at ends and where points coincide.
 fn bendings(curve: &Curve, scale: f64) -> Vec<Vector> {
     let n = curve.len();
     let coordinate = |i: usize, k: usize| if k < curve.dimension { curve.points[i * curve.dimension + k] } else { 0.0 };
@@ -99,14 +99,14 @@ fn bendings(curve: &Curve, scale: f64) -> Vec<Vector> {
         if !(size > 0.0 && size.is_finite()) {
             return [0.0; 3];
         }
-        // across the chord, towards the side that the curve turns to
+        // across the chord, towards the side to which the curve turns
         times(size, unit(cross(axis, w)))
     };
     (0..n).map(bend).collect()
 }
 
-/// Tangents at as many points of each curve as its control polygon has, evenly among the points of the curve, in the
-/// middle of what touches. The direction is that from a point's neighbour before it to the one behind it.
+/// Returns tangents at about as many points of each curve as its control polygon has, evenly among the points of the
+/// curve, each centred on its point. A tangent has the direction from the point before to the point after.
 pub(super) fn tangents(
     easel: &Easel,
     curves: &[Curve],

@@ -1,4 +1,4 @@
-//! The lines that a drawing of a surface needs: its outline, its boundary, and its hard edges.
+//! The lines in a drawing of a surface: its outline, its boundary, and its hard edges.
 
 use rayon::prelude::*;
 
@@ -8,12 +8,12 @@ use crate::raster::Camera;
 use crate::shape::topology::index;
 use crate::watch::{Stopped, Watch};
 
-/// Bytes of memory a corner of the mesh: a side of an edge (12), half of an edge as it is drawn (measured:
-/// 52), a face, and a share of the edges of the input, which are drawn too.
+/// Bytes of memory per half-edge of the mesh: a side of an edge (12), half of an edge as it is drawn (measured: 52), a
+/// face, and a share of the edges of the input, which are drawn too.
 pub(crate) const CORNER_BYTES: u128 = 12 + 26 + 1 + 10;
 
-/// The edges of a mesh that are drawn: those of one face, or of more than two, those `hard` (the lower end first,
-/// ascending), and those between a face whose outside the camera sees and one whose inside it would see.
+/// Returns the edges of a mesh that are drawn: those with one face or more than two, those in `hard` (the lower end
+/// first, ascending), and those between a face whose outside the camera sees and one whose inside it would see.
 pub(super) fn contours(
     mesh: &dyn MeshSource,
     positions: &[[f64; 3]],

@@ -1,4 +1,4 @@
-//! A drawing of curves.
+//! Draws curves in lines, with their control polygons, points, combs and tangents.
 
 use super::comb::{combs, tangents};
 use super::easel::Easel;
@@ -10,9 +10,9 @@ use crate::output::error::FormatError;
 use crate::output::scene::{Curve, Scene, Shape};
 use crate::watch::Watch;
 
-/// What is shown when the request does not say.
+/// The items that a drawing shows by default.
 const DEFAULT_SHOW: &[&str] = &["curve", "control", "points"];
-/// All that can be shown.
+/// All items that a drawing of curves can show.
 pub(crate) const CURVE_ITEMS: &[&str] =
     &["curve", "control", "points", "vertices", "comb", "tangents", "axes", "grid", "legend"];
 /// Colour of curves.
@@ -59,17 +59,17 @@ pub(crate) fn drawing(scene: &Scene<'_>, options: &Options<'_>, watch: &Watch) -
     Ok(sheet.finish(plot, options))
 }
 
-/// What draws parts of a drawing.
+/// Draws the parts of a drawing.
 struct Artist<'a> {
     easel: &'a Easel,
     options: &'a Options<'a>,
-    /// Smaller side of what is seen, pixels.
+    /// Smaller side of the visible part, pixels.
     side_px: f64,
     watch: &'a Watch,
 }
 
 impl Artist<'_> {
-    /// A solid line of some units of line width.
+    /// Returns a solid stroke `width` units of line width wide.
     fn stroke(&self, width: f32, color: Color) -> Stroke {
         Stroke::solid(width * self.options.unit_px() * self.options.line_width(), color)
     }
@@ -93,7 +93,7 @@ impl Artist<'_> {
         plot.line(ends.titled("curvature comb"), "curvature")
     }
 
-    /// The curves, all as one item where they look alike.
+    /// Adds the curves, all as one item if they have no styles of their own.
     fn curves(&self, curves: &[Curve], plot: &mut Plot) -> Result<(), FormatError> {
         let stroke = self.stroke(3.4, self.options.color(CURVE));
         let styles = styles(self.options, stroke.width_px);
@@ -121,7 +121,7 @@ impl Artist<'_> {
         Ok(())
     }
 
-    /// The inside of closed curves, where an odd number of them lead around it.
+    /// Fills the areas around which closed curves wind an odd number of times.
     fn fill(&self, curves: &[Curve], color: Color, plot: &mut Plot) -> Result<(), FormatError> {
         let mut outlines = Vec::new();
         for curve in curves.iter().filter(|curve| curve.closed && curve.dimension > 1) {
@@ -131,7 +131,7 @@ impl Artist<'_> {
         Ok(())
     }
 
-    /// Points of curves as discs of `radius` units of line width in a ring.
+    /// Adds points of curves as discs with a radius of `radius` and a ring of `ring` units of line width.
     fn points(
         &self,
         curves: &[Curve],
@@ -155,7 +155,7 @@ impl Artist<'_> {
     }
 }
 
-/// How much smaller discs are where they would hide each other and the curve.
+/// Returns the factor by which discs shrink where they would hide each other and the curve.
 fn crowded(centres: &[Point], unit: f32) -> f32 {
     let steps = centres.windows(2).map(|pair| {
         let (dx, dy) = (f64::from(pair[1][0] - pair[0][0]), f64::from(pair[1][1] - pair[0][1]));

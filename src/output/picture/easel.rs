@@ -1,4 +1,4 @@
-//! Brings points of curves into the picture.
+//! Projects points of curves into the picture.
 
 #![expect(clippy::cast_possible_truncation, reason = "pixel coordinates need no more than the precision of f32")]
 
@@ -10,17 +10,17 @@ use crate::watch::Watch;
 
 /// Steps shorter than this are left out of a line, pixels.
 const FINEST_PX: f64 = 0.25;
-/// Longest polyline, so that painting one takes bounded memory.
+/// Maximum number of points of a polyline, so that painting one takes bounded memory.
 const LONGEST: usize = 4096;
 
-/// Brings points of 1 to 3 coordinates into the picture.
+/// Projects points of 1 to 3 coordinates into the picture.
 pub(super) struct Easel {
     camera: Camera,
     /// Middle and scale of the values of functions.
     graph: [f64; 2],
-    /// Width over height of what is seen.
+    /// Width over height of the visible part.
     aspect: f64,
-    /// Upper left corner of what is seen, pixels.
+    /// Upper left corner of the visible part, pixels.
     origin: [f64; 2],
 }
 
@@ -28,13 +28,13 @@ pub(super) struct Easel {
 pub(super) type Part = [f32; 4];
 
 impl Easel {
-    /// An easel that shows all these curves, as `asked`, in a picture of so many pixels.
+    /// Returns an easel that frames all these curves with the view `asked` in a picture of `size` pixels.
     pub(super) fn new(shown: &[&Curve], asked: View, size: [u32; 2]) -> Self {
         Self::within(shown, asked, (size, None), [0.0; 2])
     }
 
-    /// An easel that shows all these curves, or the box with the corners that are given, as `asked`, in `size` pixels
-    /// right of and below `origin`.
+    /// Returns an easel that frames all these curves, or the box with the `given` corners, with the view `asked`, in a
+    /// part of the picture: width and height in pixels, with its upper left corner at `origin`.
     pub(super) fn within(
         shown: &[&Curve],
         asked: View,
@@ -69,8 +69,8 @@ impl Easel {
         easel
     }
 
-    /// The numbers at the left, right, bottom and top of a part of the picture, of curves in the plane, or of functions
-    /// from 0 to `steps`.
+    /// Returns the coordinates at the left, right, bottom and top of a part of the picture: of plane curves, or, if
+    /// `steps` is given, of functions from 0 to `steps`.
     pub(super) fn ranges(&self, [left, top, width, height]: Part, steps: Option<f64>) -> [f64; 4] {
         let [left, top, width, height] = [left, top, width, height].map(f64::from);
         let at = |x: f64, y: f64| self.camera.unplaced([x - self.origin[0], y - self.origin[1]]);
@@ -80,22 +80,23 @@ impl Easel {
         [x0 / self.aspect * steps, x1 / self.aspect * steps, number(y0), number(y1)]
     }
 
-    /// Pixels that a model unit takes at the start of a curve.
+    /// Returns the number of pixels per model unit at the start of a curve.
     pub(super) fn unit_px(&self, curve: &Curve) -> Option<f64> {
         if curve.is_empty() { None } else { self.camera.unit_px(self.lifted(curve, 0)) }
     }
 
-    /// Where a point in space stands, pixels, unless that is out of the picture.
+    /// Returns the position of a point in the picture in pixels, unless the point is out of it.
     pub(super) fn place(&self, point: [f64; 3]) -> Option<[f64; 2]> {
         self.camera.place(point).map(|[x, y]| [x + self.origin[0], y + self.origin[1]])
     }
 
-    /// The part of a segment that is before the camera, pixels.
+    /// Returns the part of a segment in front of the camera, pixels.
     pub(super) fn segment(&self, a: [f64; 3], b: [f64; 3]) -> Option<[[f64; 2]; 2]> {
         self.camera.segment(a, b).map(|ends| ends.map(|[x, y]| [x + self.origin[0], y + self.origin[1]]))
     }
 
-    /// Point `i` of a curve in space: functions become graphs over the unit interval, plane curves lie at z = 0.
+    /// Returns point `i` of a curve in space: functions become graphs over the unit interval, plane curves lie at z =
+    /// 0.
     pub(super) fn lifted(&self, curve: &Curve, i: usize) -> [f64; 3] {
         let at = |k: usize| curve.points[i * curve.dimension + k];
         match curve.dimension {
@@ -110,13 +111,13 @@ impl Easel {
         }
     }
 
-    /// Point `i` in space and, unless that is out of the picture, its pixel coordinates.
+    /// Returns point `i` in space and its pixel coordinates, unless it is out of the picture.
     fn spot(&self, curve: &Curve, i: usize) -> ([f64; 3], Option<[f64; 2]>) {
         let point = self.lifted(curve, i);
         (point, self.place(point))
     }
 
-    /// The curves as polylines.
+    /// Returns the curves as polylines.
     pub(super) fn runs<'c>(
         &self,
         curves: impl IntoIterator<Item = &'c Curve>,
@@ -125,7 +126,7 @@ impl Easel {
         let mut pen = Pen::default();
         for curve in curves {
             let n = curve.len();
-            // A function on a closed polygon is drawn over one period, not led back to its start.
+            // A function on a closed polygon is drawn over one period, and not joined to its start.
             let joined = curve.closed && curve.dimension > 1;
             let segments = if joined && n > 2 { n } else { n.saturating_sub(1) };
             let mut from = (n > 0).then(|| self.spot(curve, 0));
@@ -147,7 +148,7 @@ impl Easel {
         Ok(pen.runs)
     }
 
-    /// A closed curve as the outline of an area.
+    /// Returns a closed curve as the outline of an area.
     pub(super) fn outline(&self, curve: &Curve, watch: &Watch) -> Result<Run, FormatError> {
         let mut outline: Run = Vec::new();
         let mut kept = [f64::INFINITY; 2];
@@ -187,13 +188,13 @@ impl Easel {
     }
 }
 
-/// Smallest and largest value; `[0, 0]` when there is none.
+/// Returns the smallest and the largest value; zeros if there is none.
 fn ends(values: impl Iterator<Item = f64>) -> [f64; 2] {
     let found = values.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], x| [low.min(x), high.max(x)]);
     if found[0] <= found[1] { found } else { [0.0; 2] }
 }
 
-/// Opposite corners of the bounding box in the plane.
+/// Returns the lower and the upper corner of the bounding box in the plane.
 fn corners(points: impl Iterator<Item = [f64; 3]>) -> Vec<[f64; 3]> {
     let none = ([f64::INFINITY; 2], [f64::NEG_INFINITY; 2]);
     let (low, high) =
@@ -206,7 +207,7 @@ fn corners(points: impl Iterator<Item = [f64; 3]>) -> Vec<[f64; 3]> {
 struct Pen {
     runs: Vec<Run>,
     run: Run,
-    /// Where the pen really is; the run may end a little before.
+    /// The end of the last segment; the run may end a little before it.
     here: Option<[f64; 2]>,
     kept: [f64; 2],
 }

@@ -1,4 +1,4 @@
-//! What a picture of a mesh will take to draw, told by where the input stands in it.
+//! Forecasts the work of drawing a picture of a mesh from the position of the input in it.
 
 use super::lines;
 use super::options::Options;
@@ -6,13 +6,13 @@ use crate::output::counts::Counts;
 use crate::raster::Forecast;
 use crate::shape::mesh::Mesh;
 
-/// Most faces of the input that are projected; of more, only some are, evenly spread: about 50 ms.
+/// Maximum number of input faces that are projected, in about 50 ms; of more faces, an evenly spread selection is.
 const MAX_FACES: usize = 1 << 18;
-/// Rows that a corner of a face takes while normals and edges are found, 50 ns.
+/// Number of corners of faces whose normals and edges are found in the time of a row: 50 ns each.
 const CORNERS_A_ROW: u128 = 2;
 
-/// Rows of a table, 100 ns each. The refined mesh covers about what the input does, face by face, as both are framed
-/// alike.
+/// Returns the work in rows of a table, 100 ns each. The refined mesh covers about the same part of the picture as the
+/// input, face by face, as both are framed alike.
 pub(crate) fn work(input: &Mesh, counts: &Counts, options: &Options<'_>) -> u128 {
     if !lines::shows_body(options) {
         return 0;

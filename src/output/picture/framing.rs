@@ -1,4 +1,4 @@
-//! What the camera of a picture frames.
+//! The framing of a picture by its camera.
 
 use super::options::{CAMERA, CAMERA_FIELDS, Options};
 use super::view_box::{BOX, BOX_FIELDS};
@@ -6,7 +6,7 @@ use crate::math::parameter::{Value, Values};
 use crate::math::vector::{Vector, minus, times};
 use crate::raster::{Camera, Projection, View};
 
-/// Sets the box that is framed.
+/// Sets the box that the camera frames.
 pub(crate) fn boxed(values: &mut Values, min: Vector, max: Vector) {
     let mut camera = values.group(CAMERA.name).cloned().unwrap_or_else(|| Values::usual(CAMERA_FIELDS));
     let mut corners = Values::usual(BOX_FIELDS);
@@ -17,14 +17,14 @@ pub(crate) fn boxed(values: &mut Values, min: Vector, max: Vector) {
 }
 
 impl Options<'_> {
-    /// The corners of the box that is framed in place of what is shown, where one is given.
+    /// Returns the corners of the box that is framed in place of the shown items, if one is given.
     pub(crate) fn corners(&self) -> Option<[Vector; 8]> {
         let corners = self.values.group(CAMERA.name)?.group(BOX.name)?;
         let ends = [corners.vector("min")?, corners.vector("max")?];
         Some(std::array::from_fn(|i| [0, 1, 2].map(|k| ends[i >> k & 1][k])))
     }
 
-    /// The camera that frames these points, or the box that is given, in so many pixels.
+    /// Returns the camera that frames these points, or the given box, in a picture of `width` by `height` pixels.
     pub(crate) fn camera(&self, points: &[&[Vector]], [width, height]: [u32; 2]) -> Camera {
         match self.corners() {
             Some(corners) => Camera::framing(&self.view(), &[&corners], width, height),
@@ -32,8 +32,8 @@ impl Options<'_> {
         }
     }
 
-    /// The same, seen from an azimuth and a distance in the direction of `forward`, or, without perspective, so much
-    /// smaller.
+    /// Returns the options with a camera that looks at `target` from an azimuth: with perspective from `distance`
+    /// against the direction `forward`, otherwise with the zoom multiplied by `scale`.
     pub(crate) fn seen_from(
         &self,
         azimuth_deg: f64,
@@ -58,7 +58,7 @@ impl Options<'_> {
     }
 }
 
-/// The camera that frames a box from an azimuth, with a place in the middle.
+/// Returns the camera that frames a box from an azimuth, with `target` in the middle of the picture.
 pub(crate) fn facing(options: &Options<'_>, azimuth_deg: f64, target: Vector, corners: &[Vector; 8]) -> Camera {
     let azimuth_rad = azimuth_deg * (std::f64::consts::PI / 180.0);
     let view = View { azimuth_rad, target: Some(target), eye: None, ..options.view() };

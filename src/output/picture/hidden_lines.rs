@@ -1,4 +1,4 @@
-//! A drawing of a mesh in lines, without what its faces hide.
+//! Draws a mesh in lines, without the parts that its faces hide.
 
 mod chain;
 mod edges;
@@ -25,25 +25,25 @@ use edges::{CLASSES, Class, Edge, Edges};
 use hatching::Ground;
 use parts::{Parts, rest, tidied};
 
-/// All that can be shown.
+/// All items that a drawing of a mesh can show.
 pub(crate) const MESH_ITEMS: &[&str] =
     &["silhouettes", "boundary", "creases", "isolines", "wireframe", "hidden", HATCHING];
 const HATCHING: &str = "hatching";
-/// What is shown when the request does not say.
+/// The items that a drawing shows by default.
 const DEFAULT_SHOW: &[&str] = &["silhouettes", "boundary", "creases", "isolines"];
 
-/// Most triangles of a mesh. Twice of it takes four times as long where triangles lie behind each other, and 100 MB
-/// more; half of it refuses what is still drawn in seconds.
+/// Maximum number of triangles of a mesh. Twice of it takes four times as long if triangles lie behind each other, and
+/// 100 MB more; half of it refuses meshes that are still drawn in seconds.
 const MAX_TRIANGLES: u128 = 1 << 18;
-/// Most pairs of a line and a triangle that are looked at, 5 ns each: ten seconds of one core. Meshes of
-/// [`MAX_TRIANGLES`] that are no heap of sheets need a hundredth of it.
+/// Maximum number of tested pairs of a line and a triangle, 5 ns each: ten seconds of one core. Meshes of
+/// [`MAX_TRIANGLES`] that are not a heap of sheets need a hundredth of it.
 const MAX_PAIRS: usize = 1 << 31;
-/// Bytes of memory a triangle: its corners, their places and order (60), its sides (48), its cells (40), and its
+/// Bytes of memory per triangle: its corners, their places and order (60), its sides (48), its cells (40), and its
 /// share of lines and their pieces (150).
 const TRIANGLE_BYTES: u128 = 300;
-/// Work for a triangle in rows of a table, 100 ns each: finding lines and what hides them.
+/// Work per triangle in rows of a table, 100 ns each: finding lines and the triangles that hide them.
 const TRIANGLE_ROWS: u128 = 30;
-/// Pieces for each line, at most on average; lines of usual meshes have less than one that is seen.
+/// Maximum number of pieces per line on average; usual meshes have less than one visible piece per line.
 const MOST_PIECES: usize = 2;
 
 const INK: Color = [15, 23, 42, 255];
@@ -63,7 +63,7 @@ pub(crate) fn fits(counts: &Counts) -> Result<(), Fault> {
     Err(Fault::new("/format", detail))
 }
 
-/// Bytes of memory that finding what is hidden takes.
+/// Returns the memory for finding hidden parts, bytes.
 pub(crate) fn memory(counts: &Counts, options: &Values) -> u128 {
     let lines = counts.triangles().saturating_mul(TRIANGLE_BYTES);
     if !options.has("show", HATCHING) {
@@ -73,22 +73,23 @@ pub(crate) fn memory(counts: &Counts, options: &Values) -> u128 {
     lines.saturating_add(hatching::memory(counts.triangles(), vertices))
 }
 
-/// Work that finding what is hidden takes, in rows of a table.
+/// Returns the work of finding hidden parts, in rows of a table.
 pub(crate) fn work(counts: &Counts) -> u128 {
     counts.triangles().saturating_mul(TRIANGLE_ROWS)
 }
 
-/// Most bytes: three lines a triangle, in [`MOST_PIECES`] pieces of 51 bytes each, and the strokes of hatching.
+/// Returns the maximum number of bytes: three lines a triangle in [`MOST_PIECES`] pieces, 51 bytes each and counted as
+/// 64, and the strokes of hatching.
 pub(crate) fn size(counts: &Counts, options: &Values) -> Size {
     let pieces = counts.triangles().saturating_mul(3 * MOST_PIECES as u128);
     let strokes = if options.has("show", HATCHING) { hatching::STROKES_BYTES } else { 0 };
     Size::AtMost(pieces.saturating_mul(64).saturating_add(strokes).saturating_add(16 << 10))
 }
 
-/// Draws the lines of a mesh that can be seen: its outline (edges between a triangle that shows its outside and one
-/// that shows its inside), its boundary, its creases, the edges of the input and of its faces, each line once and under
-/// the first of these names. `hidden` adds dashes where outline, boundary or creases cannot be seen, `hatching` strokes
-/// where the surface turns away from the light.
+/// Draws the visible lines of a mesh: its outline (edges between a triangle that shows its outside and one that shows
+/// its inside), its boundary, its creases, the edges of the input and of its faces, each line once and under the first
+/// of these names. `hidden` adds dashes where outline, boundary or creases are hidden, `hatching` adds strokes where
+/// the surface turns away from the light.
 pub(crate) fn drawing(
     scene: &Scene<'_>,
     mesh: &dyn MeshSource,
@@ -144,12 +145,12 @@ struct Artist<'a> {
     options: &'a Options<'a>,
     seen: &'a [Seen],
     edges: &'a [&'a Edge],
-    /// Of each edge.
+    /// The hidden parts of each edge.
     hidden: &'a [Parts],
 }
 
 impl Artist<'_> {
-    /// The seen parts of the lines of a class.
+    /// Returns the visible parts of the lines of a class.
     fn lines(&self, class: Class) -> Option<Item> {
         let name = class.name();
         let (width, color) = match class {
@@ -165,7 +166,7 @@ impl Artist<'_> {
         (!runs.is_empty()).then(|| Item::lines(name, runs, stroke).titled(name))
     }
 
-    /// The hidden parts of all but thin lines.
+    /// Returns the hidden parts of all lines but isolines and wireframe, as dashes.
     fn dashes(&self) -> Item {
         let lines = self.edges.iter().zip(self.hidden);
         let thick = lines.filter(|(edge, _)| !matches!(self.class(edge), Some(Class::Isoline | Class::Wireframe)));

@@ -1,5 +1,5 @@
-//! The legend of a picture: a bar with the colours of numbers, and names of other colours, in a strip of its own at the
-//! right.
+//! The legend of a picture of a mesh: a colour bar for numbers, and the names of other colours, in a strip of its own
+//! at the right.
 
 use super::coat;
 use super::meanings;
@@ -12,25 +12,25 @@ use crate::output::error::FormatError;
 use crate::shape::attachments::Attachments;
 use crate::watch::Watch;
 
-/// Width and height from which a picture has a legend unasked, pixels.
-/// In half of it the numbers take a third of the picture; twice of it leaves thumbnails of usual size without.
+/// Minimum width and height of a picture that has a legend by default, pixels. In half of it the numbers would take a
+/// third of the picture; twice of it leaves thumbnails of usual size without a legend.
 const LEAST_PX: [u32; 2] = [320, 200];
-/// Width of the strip, in units of line width: room for the longest number and what the numbers are.
+/// Width of the strip, in units of line width: room for the longest number and for the title of the bar.
 const STRIP: f32 = 132.0;
 /// Left end and width of the bar, in units of line width.
 const BAR: [f32; 2] = [8.0, 22.0];
-/// Room that what is written leaves to the edge of the picture, in units of line width.
+/// Distance of text from the edge of the picture, in units of line width.
 const EDGE: f32 = 3.0;
-/// Share of the height that the bar takes.
+/// Height of the bar as a share of the height of the picture.
 const TALL: f32 = 0.62;
-/// Size of the font, in units of line width, and least, pixels: below it letters cannot be read.
+/// Size of the font in units of line width, and its minimum in pixels, below which letters cannot be read.
 const FONT: [f32; 2] = [15.0, 9.0];
 
-/// Room around names, in sizes of the font.
+/// Margin around names, in sizes of the font.
 const MARGIN: f32 = 0.6;
 
-/// Width of the legend of a picture of a mesh that carries this, pixels; 0 without one. Numbers are those of the
-/// surface, which may be left out.
+/// Returns the width in pixels of the legend of a picture of a mesh with the attachments `carried`; 0 without a legend.
+/// Numbers colour the surface, so there is a bar only if `has_surface`.
 pub(super) fn width(carried: &Attachments, options: &Options<'_>, has_surface: bool) -> u32 {
     let are_numbers = shading::measure(options.values).is_some() || coat::numbers_of(carried, options.values).is_some();
     let has_room = options.size.iter().zip(LEAST_PX).all(|(side, least)| *side >= least);
@@ -46,7 +46,7 @@ pub(super) fn width(carried: &Attachments, options: &Options<'_>, has_surface: b
     strip.min(options.size[0] / 2)
 }
 
-/// What colours mean that are no numbers, where that is shown: as many names as have room one above the other.
+/// Returns the names of colours that are not numbers, if the legend shows them: as many as fit one above the other.
 fn names(carried: &Attachments, options: &Options<'_>) -> Option<Legend> {
     let mut entries = meanings::entries(carried, options);
     #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "some lines")]
@@ -56,8 +56,8 @@ fn names(carried: &Attachments, options: &Options<'_>) -> Option<Legend> {
     (!entries.is_empty()).then(|| Legend { entries, size_px: font_px(options) })
 }
 
-/// The rows of a picture with a strip of `width` pixels at their right, in which the legend of a scale stands, and
-/// above it what other colours mean.
+/// Appends to the rows of a picture a strip `width` pixels wide at the right, with the names of colours and below them
+/// the colour bar of `scale`.
 pub(super) fn beside(
     shown: &[u8],
     scale: Option<NumberScale>,
@@ -86,7 +86,7 @@ pub(super) fn beside(
     Ok(all)
 }
 
-/// The bar of a scale below what takes so much of a strip of this width, pixels both.
+/// Returns the colour bar of a scale in a strip of `width` pixels, below the uppermost `taken` pixels.
 fn bar(scale: NumberScale, [taken, width]: [f32; 2], carried: &Attachments, options: &Options<'_>) -> Vec<Item> {
     let unit = font_px(options) / FONT[0];
     #[expect(clippy::cast_precision_loss, reason = "pictures are bounded")]
@@ -102,18 +102,18 @@ fn bar(scale: NumberScale, [taken, width]: [f32; 2], carried: &Attachments, opti
         let [r, g, b] = table[place.min(table.len() - 1)];
         [r, g, b, 255]
     };
-    // names of channels may hold what cannot be set
+    // names of channels may contain characters that cannot be typeset
     let label = Label::parse(&title(carried, options), Weight::Regular).ok();
     let (place, end) = ([BAR[0] * unit, top, BAR[1] * unit, tall], width - EDGE * unit);
     color_bar(place, [scale.low, scale.high], color, label, unit * FONT[0], end)
 }
 
-/// Size of the font, pixels.
+/// Returns the size of the font, pixels.
 fn font_px(options: &Options<'_>) -> f32 {
     (FONT[0] * options.unit_px()).max(FONT[1])
 }
 
-/// What the numbers are, with their unit.
+/// Returns the title of the bar: the quantity, with its unit.
 fn title(carried: &Attachments, options: &Options<'_>) -> String {
     let unit = options.frame.unit.name();
     match shading::measure(options.values) {

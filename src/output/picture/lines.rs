@@ -22,11 +22,11 @@ const POINT: [u8; 4] = [176, 58, 32, 255];
 const EXTRAORDINARY_DOT: [u8; 4] = [250, 204, 21, 255];
 const EXTRAORDINARY_RING: [u8; 4] = [30, 30, 30, 255];
 
-/// What of a control net is seen behind the surface.
-/// Half of it leaves bare ticks beside what is seen in print, twice of it is taken for what lies before the surface.
+/// Opacity of a control net behind the surface. At half of it only short ticks beside the visible parts appear in
+/// print; at twice of it the net seems to lie in front of the surface.
 const FAINT: f32 = 0.3;
 
-/// Edges sharper than their neighbours.
+/// Edges with a sharpness.
 const CREASES: &str = "creases";
 /// Edges along latitude lines.
 const LATITUDE: &str = DIRECTIONS[0];
@@ -34,13 +34,13 @@ const LATITUDE: &str = DIRECTIONS[0];
 const LONGITUDE: &str = DIRECTIONS[1];
 /// Edges at which texture coordinates are cut.
 const SEAMS: &str = "seams";
-/// Vertices of the input of unusual valence.
+/// Extraordinary vertices of the input.
 const EXTRAORDINARY: &str = "extraordinary";
 
-/// What the lines and dots, and the colours of names, mean.
+/// The meaning of lines and dots, and of the colours of names.
 pub(super) const LEGEND: &str = "legend";
 
-/// Lines that show tags of the input, with their colours, the first undermost.
+/// Lines that show tags of the input, with their colours, the undermost first.
 const TAGS: [(&str, [u8; 4]); 4] = [
     (SEAMS, [217, 119, 6, 255]),
     (LONGITUDE, [126, 34, 206, 255]),
@@ -48,7 +48,7 @@ const TAGS: [(&str, [u8; 4]); 4] = [
     (CREASES, [190, 18, 60, 255]),
 ];
 
-/// What pictures of meshes can show.
+/// The items that pictures of meshes can show.
 pub(crate) const SHOWN: &[&str] = &[
     "surface",
     "wireframe",
@@ -63,17 +63,17 @@ pub(crate) const SHOWN: &[&str] = &[
     LEGEND,
 ];
 
-/// Whether the refined mesh itself is shown, and not only the control net.
+/// Returns whether the refined mesh itself is shown, and not only the control net.
 pub(super) fn shows_body(options: &Options<'_>) -> bool {
     SHOWN.iter().any(|item| !matches!(*item, "control" | "points" | LEGEND) && shading::shows(options, item))
 }
 
-/// What of the shown lines refers to single edges or vertices of the input, if anything.
+/// Returns the shown item that refers to single edges or vertices of the input, if any.
 pub(crate) fn refers(options: &Values) -> Option<&'static str> {
     [ISOLINES, CREASES, LATITUDE, LONGITUDE, EXTRAORDINARY].into_iter().find(|item| options.has("show", item))
 }
 
-/// What lines and dots mean that are shown, with samples of them, the uppermost first.
+/// Returns the names of the shown lines and dots, with samples of them, the uppermost first.
 pub(super) fn meanings(options: &Options<'_>) -> Vec<(&'static str, Key)> {
     let unit = options.unit_px();
     let wide = unit * options.line_width();
@@ -92,18 +92,18 @@ pub(super) fn meanings(options: &Options<'_>) -> Vec<(&'static str, Key)> {
     all.into_iter().filter(|(item, ..)| shading::shows(options, item)).map(|(_, name, key)| (name, key)).collect()
 }
 
-/// All lines and dots.
+/// All lines and dots of a picture, as pairs of vertices; dots join a vertex to itself.
 pub(super) struct Lines<'a> {
     wires: Vec<[u32; 2]>,
     isolines: Vec<[u32; 2]>,
-    /// As in [`TAGS`].
+    /// In the order of [`TAGS`].
     tags: [Vec<[u32; 2]>; TAGS.len()],
     extraordinary: Vec<[u32; 2]>,
     net: Net<'a>,
 }
 
 impl<'a> Lines<'a> {
-    /// Those of a scene that are to be shown.
+    /// Collects the lines and dots of a scene that are to be shown.
     pub(super) fn of(
         scene: &'a Scene<'a>,
         mesh: &dyn MeshSource,
@@ -135,12 +135,12 @@ impl<'a> Lines<'a> {
         })
     }
 
-    /// The points of the control net, where something of it is shown.
+    /// Returns the points of the control net; none if neither its edges nor its points are shown.
     pub(super) fn net_positions(&self) -> &[[f64; 3]] {
         &self.net.positions
     }
 
-    /// As the rasteriser takes them, over a surface with these vertices and, in a drawing of lines, contours.
+    /// Returns the strokes for the rasteriser, over a surface with these vertices and, in a drawing of lines, contours.
     pub(super) fn strokes<'b>(
         &'b self,
         surface: &'b [[f64; 3]],
@@ -165,7 +165,7 @@ impl<'a> Lines<'a> {
         let wire = options.wire_color(WIRE);
         let mut strokes = Vec::new();
         strokes.push(Strokes { crowding: Crowding::Fade, ..line(surface, &self.wires, 1.3 * wide, wire) });
-        // in a drawing of lines the contours are the strong ones
+        // in a drawing of lines, contours are wider than isolines
         let fine = if shading::is_drawing(options.values) { 1.2 } else { 2.2 };
         strokes.push(line(surface, &self.isolines, fine * wide, wire));
         strokes.push(line(surface, contours, 3.2 * wide, wire));
@@ -187,7 +187,7 @@ impl<'a> Lines<'a> {
     }
 }
 
-/// The control net: its points, edges and, for discs, each used point joined to itself.
+/// The control net: its points, its edges and, for discs, each point joined to itself.
 #[derive(Default)]
 struct Net<'a> {
     positions: Cow<'a, [[f64; 3]]>,
@@ -203,7 +203,7 @@ impl<'a> Net<'a> {
     }
 }
 
-/// Each edge of the shown faces once.
+/// Returns each edge of the shown faces once.
 fn edges(mesh: &dyn MeshSource, watch: &Watch) -> Result<Vec<[u32; 2]>, Stopped> {
     let mut keys: Vec<[u32; 2]> = Vec::with_capacity(mesh.n_half_edges());
     each_face(mesh, watch, |face| {
@@ -215,7 +215,7 @@ fn edges(mesh: &dyn MeshSource, watch: &Watch) -> Result<Vec<[u32; 2]>, Stopped>
     Ok(keys)
 }
 
-/// The pieces of some edges of the input, as far as a face is shown beside them.
+/// Returns the pieces of edges of the input that have a shown face beside them.
 fn pieces(
     mesh: &dyn MeshSource,
     mut edges: impl Iterator<Item = usize>,
@@ -235,7 +235,7 @@ fn pieces(
     Ok(pieces)
 }
 
-/// The edges of the input that have this tag.
+/// Returns the edges of the input with this tag.
 fn tagged(input: &Mesh, name: &str) -> Vec<usize> {
     let along = |direction| input.directions.as_ref().map_or_else(Vec::new, |lines| lines.edges(direction));
     let edges = match name {
@@ -246,8 +246,8 @@ fn tagged(input: &Mesh, name: &str) -> Vec<usize> {
     edges.into_iter().map(|edge| edge as usize).collect()
 }
 
-/// The vertices of the input whose valence is unusual: inside other than 4, or 6 where all faces are triangles; on the
-/// boundary more than half of it and one.
+/// Returns the extraordinary vertices of the input: inner ones whose valence is not 4, or not 6 if all faces are
+/// triangles, and boundary vertices of valence greater than 3, or than 4.
 fn extraordinary(input: &Mesh) -> impl Iterator<Item = u32> + '_ {
     let topology = &input.topology;
     let usual = if topology.first_other_than_triangle().is_none() { 6 } else { 4 };
@@ -258,7 +258,7 @@ fn extraordinary(input: &Mesh) -> impl Iterator<Item = u32> + '_ {
     (0..topology.n_vertices()).filter(|&v| !topology.is_isolated(v)).filter(is_unusual).map(index)
 }
 
-/// The edges whose two faces have different texture coordinates at some end.
+/// Returns the edges whose two faces have different texture coordinates at an end.
 fn seams(mesh: &dyn MeshSource, watch: &Watch) -> Result<Vec<[u32; 2]>, Stopped> {
     let Some(uvs) = mesh.uvs() else { return Ok(Vec::new()) };
     let mut sides: Vec<[u32; 4]> = Vec::with_capacity(mesh.n_half_edges());

@@ -1,4 +1,4 @@
-//! What the surface of a picture looks like: its colours, its finish, and the numbers that its colours stand for.
+//! The look of the surface in a picture: its colours, its finish, and the numbers that its colours stand for.
 
 use super::coat::{self, Coat};
 use super::contours;
@@ -19,16 +19,17 @@ use crate::raster::{Camera, Finish, Surface};
 use crate::shape::attachments::Attachments;
 use crate::watch::Watch;
 
-/// Curvature that counts as none, times half the longest side of the mesh, and its square for Gaussian curvature:
-/// surfaces whose radius of curvature is a thousand times their size look flat.
-/// Half of it shows what rounding to f32 does to flat meshes of 100 vertices a side, twice of it hides faint bulges.
+/// Least upper end of the default range of mean curvature, times half the longest side of the mesh; Gaussian curvature
+/// has its square. Surfaces whose radius of curvature is a thousand times their size look flat. Half of it shows what
+/// rounding to f32 does to flat meshes of 100 vertices a side; twice of it hides faint bulges.
 const FLAT: f64 = 1e-3;
 
-/// Distances that count as none, in half the longest side of the mesh: ten times what rounding to f32 moves a point.
-/// Half of it and twice of it differ for meshes of single precision only, where the picture shows the roundings.
+/// Least upper end of the default range of distances, in half the longest side of the mesh: ten times what rounding to
+/// f32 moves a point. Half or twice of it makes a difference only for meshes of single precision, where the picture
+/// shows the roundings.
 const SAME: f64 = 1e-6;
 
-/// A surface as it is to be shown.
+/// The look of a surface.
 #[derive(Debug)]
 pub(super) struct Look {
     coat: Coat,
@@ -37,8 +38,8 @@ pub(super) struct Look {
 }
 
 impl Look {
-    /// That of a mesh of these positions, which differs from the shape of the scene in that some of its
-    /// vertices are split.
+    /// Determines the look of a mesh with these positions, which differs from the shape of the scene in that some of
+    /// its vertices are split.
     pub(super) fn of(
         scene: &Scene<'_>,
         mesh: &dyn MeshSource,
@@ -58,7 +59,7 @@ impl Look {
         Ok(Self { coat, color, finish })
     }
 
-    /// As the rasteriser takes it.
+    /// Returns the surface for the rasteriser.
     pub(super) fn surface(&self) -> Surface<'_> {
         match self.finish {
             None => self.coat.surface(),
@@ -66,7 +67,7 @@ impl Look {
         }
     }
 
-    /// The numbers that colours stand for.
+    /// Returns the scale by which colours stand for numbers, if they do.
     pub(super) fn scale(&self) -> Option<NumberScale> {
         if let Coat::Numbers { scale, .. } = &self.coat { Some(*scale) } else { None }
     }
@@ -100,23 +101,24 @@ fn by_distance(
     };
     let corners = Positions::of_mesh(other).held(watch)?;
     let mut distances = Triangles::of(other, corners.rows(), watch)?.distances(positions, watch)?;
-    // where the other has no faces there is no distance
+    // there is no distance if the other mesh has no faces
     distances.iter_mut().filter(|distance| !distance.is_finite()).for_each(|distance| *distance = 0.0);
-    // what is less comes of rounding
+    // smaller distances come from rounding
     let least = SAME / normals::scale(positions);
     let scale = NumberScale::new(options, ColorMap::VIRIDIS, || [0.0, extent(&distances)[1].max(least)]);
     Ok(Coat::numbers(&distances, None, scale))
 }
 
-/// Whether colours stand for numbers.
+/// Returns whether colours stand for numbers.
 pub(crate) fn are_numbers(carried: &Attachments, options: &Values) -> bool {
     shading::measure(options).is_some() || coat::numbers_of(carried, options).is_some()
 }
 
-/// Work that the numbers, and a finish, take: rows of 100 ns.
+/// Returns the work of the numbers and of a finish, in rows of 100 ns.
 pub(crate) fn work(options: &Values, counts: &Counts, pixels: u128) -> u128 {
-    /// A search of the tree, a corner of a face in three sums, and a pixel of stripes, of which twelve quotients and
-    /// roots are found: 2 us, 100 ns and 300 ns, estimates from pictures of the animal of the examples at level 5.
+    /// Rows for a search of the tree, for a corner of a face in three sums, and for a pixel of stripes, which takes
+    /// twelve quotients and roots: 2 us, 100 ns and 300 ns, estimates from pictures of the animal of the examples at
+    /// level 5.
     const ROWS: [u128; 3] = [20, 1, 3];
     let numbers = match shading::measure(options) {
         Some(Measure::Distance) => counts.vertices.saturating_mul(ROWS[0]),
@@ -126,7 +128,7 @@ pub(crate) fn work(options: &Values, counts: &Counts, pixels: u128) -> u128 {
     numbers.saturating_add(if shading::is_finished(options) { pixels.saturating_mul(ROWS[2]) } else { 0 })
 }
 
-/// Bytes of memory for the numbers of so many vertices, besides those for their shares.
+/// Returns the memory in bytes for the numbers of `vertices` vertices, for lines and for the legend.
 pub(crate) fn memory(options: &Values, vertices: u128, pixels: u128, counts: &Counts) -> u128 {
     let lines = if shading::is_drawing(options) { counts.half_edges.saturating_mul(contours::CORNER_BYTES) } else { 0 };
     // the picture without its legend, and the legend, twice
@@ -135,11 +137,11 @@ pub(crate) fn memory(options: &Values, vertices: u128, pixels: u128, counts: &Co
     let numbers = match shading::measure(options) {
         // numbers and their shares, and the tree
         Some(Measure::Distance) => {
-            // a mesh has fewer triangles than sides of edges
+            // a mesh has fewer triangles than half-edges
             let net = (counts.input_edges as u128).saturating_mul(2 * nearest::TRIANGLE_BYTES);
             vertices.saturating_mul(8 + 4).saturating_add(net).saturating_add(counts.control.saturating_mul(24))
         }
-        // and what their range is found in
+        // also the buffer in which their range is found
         Some(_) => vertices.saturating_mul(mesh_curvature::VERTEX_BYTES + 16 + 4),
         None => 0,
     };

@@ -1,4 +1,4 @@
-//! What the colours of a picture of a mesh mean besides numbers: names of its faces, and what its lines and dots are.
+//! The names in the legend of a picture of a mesh: of the colours of faces, and of lines and dots.
 
 use super::coat::COLOR_BY;
 use super::lines::{self, LEGEND};
@@ -14,7 +14,7 @@ use crate::shape::frame::Frame;
 use crate::shape::labels::Labels;
 use crate::shape::topology::NONE;
 
-/// The entries of the legend of a picture of a mesh that carries this, where one is shown.
+/// Returns the entries of the legend of a picture of a mesh with the attachments `carried`; none if it is not shown.
 pub(super) fn entries(carried: &Attachments, options: &Options<'_>) -> Vec<Entry> {
     if !options.values.has("show", LEGEND) {
         return Vec::new();
@@ -24,7 +24,7 @@ pub(super) fn entries(carried: &Attachments, options: &Options<'_>) -> Vec<Entry
         Some("materials") => &carried.materials,
         _ => &Labels::NONE,
     };
-    // names may hold what cannot be set
+    // names may contain characters that cannot be typeset
     let name = |(i, name): (usize, &String)| {
         let label = label(name).or_else(|| label(&format!("name {i}")));
         label.map(|label| Entry { key: Key::Area(shown(mark(i))), label })
@@ -39,7 +39,7 @@ pub(super) fn entries(carried: &Attachments, options: &Options<'_>) -> Vec<Entry
     found
 }
 
-/// Refuses a legend that would say nothing.
+/// Refuses a legend without entries.
 pub(crate) fn check(kind: ShapeKind, carried: &Attachments, values: &Values) -> Result<(), Fault> {
     let says_nothing = || entries(carried, &Options::new(values, Frame::default())).is_empty();
     if kind == ShapeKind::Mesh && values.has("show", LEGEND) && says_nothing() {
@@ -55,7 +55,7 @@ fn label(text: &str) -> Option<Label> {
     Label::parse(&plain, Weight::Regular).ok()
 }
 
-/// Linear light as bytes.
+/// Converts linear light to bytes.
 fn shown(light: [f32; 3]) -> Color {
     let [r, g, b] = light.map(|x| byte(encoded(f64::from(x))));
     [r, g, b, 255]

@@ -1,4 +1,4 @@
-//! A picture of a mesh: its surface, and the lines over it.
+//! Renders a mesh in pixels: its surface, and the lines over it.
 
 use std::borrow::Cow;
 
@@ -18,7 +18,7 @@ use crate::output::split_vertices::SplitVertices;
 use crate::raster::{Model, Normals, Surface, render};
 use crate::watch::{Stopped, Watch};
 
-/// Rows of red, green, blue and alpha (straight), from the top.
+/// Renders a mesh. Returns the rows of pixels from the top, with red, green, blue and straight alpha in one byte each.
 pub(crate) fn picture(
     scene: &Scene<'_>,
     mesh: &dyn MeshSource,
@@ -31,7 +31,7 @@ pub(crate) fn picture(
     let shaded = shows("surface") && !options.flat() && !drawn;
     let hard = if shaded || drawn { HardEdges::of(scene.shape, options.values, watch)? } else { HardEdges::default() };
     let split_vertices = if shaded { SplitVertices::of(scene.shape, &hard, watch)? } else { None };
-    // copies of vertices stand after all others, so that the edges of the mesh are the same ones
+    // copies of vertices come after all others, so the edges of the mesh keep their indices
     let sides = split_vertices.as_ref().map_or(mesh, |split_vertices| split_vertices);
     let positions = if body { positions(sides, watch)? } else { Cow::default() };
     let triangles = if body { triangulated(sides, watch)? } else { Vec::new() };
@@ -63,14 +63,14 @@ pub(crate) fn picture(
     legend::beside(&pixels, look.as_ref().and_then(Look::scale), strip, mesh.attachments(), options, watch)
 }
 
-/// Faces that one thread cuts into triangles at a time.
-/// Half of it asks the mesh twice as often; twice of it leaves small meshes to fewer threads.
+/// Number of faces that a thread cuts into triangles at a time. Half of it queries the mesh twice as often; twice of it
+/// leaves small meshes to fewer threads.
 const PART: usize = 4096;
 
 fn triangulated(mesh: &dyn MeshSource, watch: &Watch) -> Result<Vec<[u32; 3]>, Stopped> {
     let n_faces = mesh.n_faces();
     let mut all = vec![[0; 3]; mesh.n_half_edges().saturating_sub(2 * n_faces)];
-    // where all faces have equally many vertices, as after any split, each part has as many triangles as this
+    // if all faces have equally many vertices, as after any split, each part has this many triangles
     let share = PART * (all.len() / n_faces.max(1)).max(1);
     let cut = |chunk: &mut FaceChunk, (i, places): (usize, &mut [[u32; 3]])| {
         watch.check()?;
@@ -93,7 +93,7 @@ fn triangulated(mesh: &dyn MeshSource, watch: &Watch) -> Result<Vec<[u32; 3]>, S
     Ok(all)
 }
 
-/// For each triangle the normal of its face, by Newell's sum of cross products; of length one or zero.
+/// Returns the normal of the face of each triangle, by Newell's sum of cross products, of length one or zero.
 fn face_normals(mesh: &dyn MeshSource, positions: &[[f64; 3]], watch: &Watch) -> Result<Vec<[f64; 3]>, Stopped> {
     let mut all = Vec::with_capacity(mesh.n_half_edges().saturating_sub(2 * mesh.n_faces()));
     each_face(mesh, watch, |face| {

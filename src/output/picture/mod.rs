@@ -1,4 +1,4 @@
-//! Pictures: what the formats that draw have in common.
+//! The common parts of the output formats that draw: pictures in pixels and drawings in lines.
 
 pub(super) mod coat;
 mod comb;

@@ -1,4 +1,4 @@
-//! Numbers as colours: their range, and the share of it that each number has.
+//! Numbers as colours: the range of a scale, and the place of a number in it.
 
 use rayon::prelude::*;
 
@@ -29,24 +29,24 @@ pub(crate) const COLOR_BAR: Parameter = Parameter {
           numbers and the picture is at least 320 x 200 pixels.",
 };
 
-/// Share of the surface whose curvature is within the range that is found for it.
-/// Curvature grows without bound towards extraordinary vertices of many schemes, and is large on small details: at
-/// 97.5 % these pale the rest of meshes with details, at 90 % a tenth of all surfaces has the colours of the ends.
+/// Share of the surface whose curvature is within the default range. Curvature grows without bound towards
+/// extraordinary vertices of many schemes, and is large on small details: at 97.5 % these pale the rest of meshes with
+/// details, at 90 % a tenth of all surfaces has the colours of the ends.
 const WITHIN: f64 = 0.95;
 
-/// Numbers with their colours.
+/// A mapping of numbers to colours.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct NumberScale {
     /// The least number with a colour of its own.
     pub(super) low: f64,
-    /// The greatest.
+    /// The greatest number with a colour of its own.
     pub(super) high: f64,
-    /// The colours.
+    /// The table of colours.
     pub(super) map: ColorMap,
 }
 
 impl NumberScale {
-    /// The scale that the options ask for, where `usual` is its range and `map` its map if they ask for none.
+    /// Returns the scale that the options give, with the range `usual` and the map `map` as defaults.
     pub(super) fn new(options: &Values, map: ColorMap, usual: impl FnOnce() -> [f64; 2]) -> Self {
         let [low, high] = match *options.numbers(RANGE.name) {
             [low, high] => [low, high],
@@ -55,10 +55,10 @@ impl NumberScale {
         Self { low, high, map: ColorMap::of(options, map) }
     }
 
-    /// The place of a number in the table of colours, from 0 to 1 within the range: of maps that are pale in the middle
-    /// that is 0, and the end that is farther from 0 has the last colour on its side.
+    /// Returns the place of a number in the table of colours, from 0 to 1 over the range. In diverging maps the number
+    /// 0 is in the middle, and only the end of the range that is farther from 0 reaches an end of the table.
     pub(super) fn share(&self, x: f64) -> f32 {
-        // halved, so that no range is beyond the largest number
+        // halved, so that the length of the range does not overflow
         let (x, low, high) = (0.5 * x.clamp(self.low, self.high), 0.5 * self.low, 0.5 * self.high);
         let (from, range) = if self.map.is_diverging() {
             let end = low.abs().max(high.abs());
@@ -70,12 +70,12 @@ impl NumberScale {
     }
 }
 
-/// What [`WITHIN`] of a surface keeps to on either side of 0, at least `least`: of numbers that each count as their
-/// weight, which is not negative.
+/// Returns a range symmetric about 0, at least from `-least` to `least`, that contains [`WITHIN`] of the numbers by
+/// weight. Weights are not negative.
 pub(super) fn symmetric(numbers: &[f64], weights: &[f64], least: f64) -> [f64; 2] {
     let sizes = numbers.iter().zip(weights).filter(|(_, weight)| **weight > 0.0);
     let mut sizes: Vec<[f64; 2]> = sizes.map(|(x, weight)| [x.abs(), *weight]).collect();
-    // equal sizes by their weights, so that sums do not depend on the order in which threads sort
+    // equal sizes are ordered by weight, so that sums do not depend on how threads sort
     sizes.par_sort_unstable_by(|a, b| a[0].total_cmp(&b[0]).then(a[1].total_cmp(&b[1])));
     let most = WITHIN * sizes.iter().map(|[_, weight]| weight).sum::<f64>();
     let mut sum = 0.0;
@@ -87,13 +87,13 @@ pub(super) fn symmetric(numbers: &[f64], weights: &[f64], least: f64) -> [f64; 2
     [-size, size]
 }
 
-/// From the least to the greatest of some numbers; 0 to 0 of none.
+/// Returns the least and the greatest of some numbers; two zeros for none.
 pub(super) fn extent(numbers: &[f64]) -> [f64; 2] {
     let first = numbers.first().copied().unwrap_or(0.0);
     numbers.iter().fold([first; 2], |[low, high], &x| [low.min(x), high.max(x)])
 }
 
-/// Refuses a range, a map or a legend where colours are no numbers, and ranges that are none.
+/// Refuses a range, a map or a legend if colours are not numbers, and malformed ranges.
 pub(crate) fn check(options: &Values, are_numbers: bool) -> Result<(), Fault> {
     for option in [RANGE.name, COLOR_MAP.name, COLOR_BAR.name] {
         if !are_numbers && *options.get(option) != Value::Absent {
@@ -142,7 +142,7 @@ mod tests {
         (numbers[7], numbers[11]) = (-1e300, f64::MAX);
         let [low, high] = symmetric(&numbers, &[1.0; 200], 0.0);
         assert!((0.9..1.0).contains(&high) && low.to_bits() == (-high).to_bits(), "{low} {high}");
-        // nor does what covers little of the surface
+        // numbers that cover little of the surface do not widen it either
         assert_eq!(symmetric(&[9.0, 2.0, 9.0], &[0.02, 1.0, 0.02], 0.0), [-2.0, 2.0]);
         assert_eq!(symmetric(&[], &[], 0.5), [-0.5, 0.5]);
         assert_eq!(symmetric(&[1e-17; 5], &[1.0; 5], 1e-6), [-1e-6, 1e-6]);

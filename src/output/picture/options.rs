@@ -1,4 +1,4 @@
-//! What pictures have in common: their options, and what the options say.
+//! The options that pictures have in common.
 
 use super::view_box::BOX;
 use crate::fault::Fault;
@@ -11,7 +11,7 @@ use crate::output::scene::{Frame, Scene, Shape, in_chunks};
 use crate::output::surface::NORMALS;
 use crate::raster::{Ground, Look, MAX_SIDE_PX, Projection, View};
 
-/// Largest width and height, pixels.
+/// Maximum width and height, pixels.
 const MAX_SIDE: i64 = MAX_SIDE_PX as i64;
 
 /// Width of the picture.
@@ -60,7 +60,7 @@ pub(crate) const QUALITY: Parameter = Parameter {
           grounds it only where `grounding` asks for it, in about two thirds of the time.",
 };
 
-/// What gives the model weight.
+/// How the model is grounded: occlusion and shadow.
 pub(crate) const GROUNDING: Parameter = Parameter {
     name: "grounding",
     kind: Kind::Choice(&["auto", "none", "occlusion", "shadow"]),
@@ -72,7 +72,7 @@ pub(crate) const GROUNDING: Parameter = Parameter {
           from above.",
 };
 
-/// How large the picture is on paper.
+/// Resolution of the picture on paper.
 pub(crate) const DPI: Parameter = Parameter {
     name: "dpi",
     kind: Kind::Number { min: 1.0, max: 10_000.0 },
@@ -81,7 +81,7 @@ pub(crate) const DPI: Parameter = Parameter {
     doc: "How large the picture is on paper, written into the file; pixels stay the same.",
 };
 
-/// How wide lines are.
+/// Width of lines.
 pub(crate) const LINE_WIDTH: Parameter = Parameter {
     name: "line_width",
     kind: Kind::Number { min: 0.1, max: 20.0 },
@@ -117,7 +117,7 @@ pub(crate) const POINT_COLOR: Parameter = Parameter {
     doc: "Colour of control points; left out, a dark orange.",
 };
 
-/// How large points are.
+/// Size of points.
 pub(crate) const POINT_SIZE: Parameter = Parameter {
     name: "point_size",
     kind: Kind::Number { min: 0.1, max: 20.0 },
@@ -126,7 +126,7 @@ pub(crate) const POINT_SIZE: Parameter = Parameter {
     doc: "By what the usual size of points is multiplied; left out, points are smaller where they crowd. Curves only.",
 };
 
-/// Colour of the inside of curves.
+/// Colour of the inside of closed curves.
 pub(crate) const FILL: Parameter = Parameter {
     name: "fill",
     kind: Kind::Color,
@@ -135,7 +135,7 @@ pub(crate) const FILL: Parameter = Parameter {
     doc: "Colour of what closed curves lead around an odd number of times. Curves only.",
 };
 
-/// How long the teeth of combs are.
+/// Length of the teeth of combs.
 pub(crate) const COMB_SCALE: Parameter = Parameter {
     name: "comb_scale",
     kind: Kind::Number { min: -1000.0, max: 1000.0 },
@@ -215,7 +215,7 @@ pub(super) const CAMERA_FIELDS: &[Parameter] = &[
     BOX,
 ];
 
-/// Refuses shapes whose extent leaves no room for the arithmetic of a camera.
+/// Refuses shapes whose coordinates are too large or too small for the arithmetic of a camera.
 pub(crate) fn check_extent(scene: &Scene<'_>) -> Result<(), FormatError> {
     let mut largest = 0.0_f64;
     match scene.control.shape() {
@@ -238,7 +238,7 @@ pub(crate) fn check_extent(scene: &Scene<'_>) -> Result<(), FormatError> {
     Err(FormatError::Unfit(detail))
 }
 
-/// Refuses parts to show that a shape of this kind does not have, and colours that let something through.
+/// Refuses items that a shape of this kind cannot show, and translucent colours.
 pub(crate) fn shows_only(fitting: &[&str], kind: ShapeKind, options: &Values) -> Result<(), Fault> {
     opaque(options)?;
     let Value::Choices(items) = options.get("show") else { return Ok(()) };
@@ -250,7 +250,7 @@ pub(crate) fn shows_only(fitting: &[&str], kind: ShapeKind, options: &Values) ->
     Err(Fault::new("/show", format!("{what} has no \"{alien}\" to show; it has {}", fitting.join(", "))))
 }
 
-/// Refuses colours of shapes that let something through.
+/// Refuses translucent colours of shapes.
 pub(crate) fn opaque(options: &Values) -> Result<(), Fault> {
     if options.color("color").is_some_and(|color| color[3] != 255) {
         return Err(Fault::new("/color", "shapes are drawn opaque; give a colour as #rgb or #rrggbb"));
@@ -262,32 +262,32 @@ pub(crate) fn opaque(options: &Values) -> Result<(), Fault> {
 #[derive(Debug, Clone)]
 pub(crate) struct Options<'a> {
     pub(super) values: &'a Values,
-    /// What coordinates mean.
+    /// The unit and the up axis of coordinates.
     pub(crate) frame: Frame,
     /// Width and height, pixels.
     pub(crate) size: [u32; 2],
-    /// Straight sRGB.
+    /// The background in straight sRGB and alpha.
     pub(crate) background: [u8; 4],
 }
 
 impl<'a> Options<'a> {
-    /// Reads resolved values of the parameters above.
+    /// Reads resolved values of the parameters of pictures.
     pub(crate) fn new(values: &'a Values, frame: Frame) -> Self {
         Self { values, frame, size: size(values), background: values.color("background").unwrap_or([255; 4]) }
     }
 
-    /// Whether `item` is to be shown: as the request says, or `default` when it does not say.
+    /// Returns whether `item` is shown, by the request or, if it has no "show", by `default`.
     pub(crate) fn shows(&self, item: &str, default: &[&str]) -> bool {
         let given = matches!(self.values.get("show"), Value::Choices(_));
         if given { self.values.has("show", item) } else { default.contains(&item) }
     }
 
-    /// Whether each face has one normal.
+    /// Returns whether each face has one normal.
     pub(crate) fn flat(&self) -> bool {
         self.values.choice("shading") == Some("flat") || self.values.choice(NORMALS.name) == Some("none")
     }
 
-    /// What the picture of a mesh is drawn on, and how well. Grounding is for shaded surfaces, not for shown numbers.
+    /// Returns background, quality and grounding of a mesh; by default shown numbers have no grounding.
     pub(crate) fn look(&self) -> Look {
         let is_fine = self.values.choice(QUALITY.name) != Some("draft");
         let shaded = matches!(self.values.choice("shading"), None | Some("smooth" | "flat"));
@@ -301,42 +301,42 @@ impl<'a> Options<'a> {
         Look { background: self.background, is_fine, is_occluded, shadow }
     }
 
-    /// Pixels an inch of paper.
+    /// Returns the resolution on paper, pixels per inch.
     pub(crate) fn dpi(&self) -> Option<f64> {
         self.values.number(DPI.name)
     }
 
-    /// By what the usual width of lines is multiplied.
+    /// Returns the factor of the default width of lines.
     pub(crate) fn line_width(&self) -> f32 {
         self.values.number(LINE_WIDTH.name).map_or(1.0, rounded)
     }
 
-    /// Colour of wireframe and isolines.
+    /// Returns the colour of wireframe and isolines.
     pub(crate) fn wire_color(&self, default: [u8; 4]) -> [u8; 4] {
         self.values.color(WIRE_COLOR.name).unwrap_or(default)
     }
 
-    /// Colour of the control net.
+    /// Returns the colour of the control net.
     pub(crate) fn control_color(&self, default: [u8; 4]) -> [u8; 4] {
         self.values.color(CONTROL_COLOR.name).unwrap_or(default)
     }
 
-    /// Colour of control points.
+    /// Returns the colour of control points.
     pub(crate) fn point_color(&self, default: [u8; 4]) -> [u8; 4] {
         self.values.color(POINT_COLOR.name).unwrap_or(default)
     }
 
-    /// By what the usual size of points is multiplied, where that is said.
+    /// Returns the factor of the default size of points, if given.
     pub(super) fn point_size(&self) -> Option<f32> {
         self.values.number(POINT_SIZE.name).map(rounded)
     }
 
-    /// Colour of the refined shape.
+    /// Returns the colour of the refined shape.
     pub(crate) fn color(&self, default: [u8; 4]) -> [u8; 4] {
         self.values.color("color").unwrap_or(default)
     }
 
-    /// Pixels for each unit of line width, so that lines keep their proportion to the picture.
+    /// Returns the pixels per unit of line width, so that lines keep their proportion to the picture.
     pub(crate) fn unit_px(&self) -> f32 {
         let smaller = f64::from(self.size[0].min(self.size[1]));
         #[expect(clippy::cast_possible_truncation, reason = "a width needs no last digit")]
@@ -344,7 +344,7 @@ impl<'a> Options<'a> {
         unit
     }
 
-    /// Side of the square that each of `n` things has in the picture, in units of line width.
+    /// Returns the side of the square that each of `n` things gets in the picture, in units of line width.
     pub(crate) fn room(&self, n: usize) -> f32 {
         let [width, height] = self.size.map(f64::from);
         let unit = f64::from(self.unit_px());
@@ -355,7 +355,7 @@ impl<'a> Options<'a> {
         side
     }
 
-    /// The view that the camera options ask for.
+    /// Returns the view that the camera options give.
     pub(crate) fn view(&self) -> View {
         let fallback = Values::default();
         let camera = self.values.group("camera").unwrap_or(&fallback);
@@ -375,7 +375,7 @@ impl<'a> Options<'a> {
     }
 }
 
-/// Width and height, pixels.
+/// Returns width and height, pixels.
 pub(crate) fn size(values: &Values) -> [u32; 2] {
     let side = |name: &str, default: u32| {
         let given = values.integer(name).and_then(|n| u32::try_from(n).ok()).unwrap_or(default);
@@ -384,7 +384,7 @@ pub(crate) fn size(values: &Values) -> [u32; 2] {
     [side("width", 1024), side("height", 768)]
 }
 
-/// Linear light of straight sRGB bytes.
+/// Converts straight sRGB bytes to linear light.
 pub(super) fn shown_as(color: [u8; 4]) -> [f32; 3] {
     std::array::from_fn(|k| rounded(linear(k, f64::from(color[k]) / 255.0)))
 }

@@ -1,21 +1,21 @@
-//! How large the sides of faces are in a picture.
+//! The size of the sides of faces in a picture.
 
 use super::options::Options;
 use crate::raster::{Camera, Projection, View};
 
-/// The points of an input and edges between them.
+/// The points of an input and the edges between them.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Outline {
-    /// Model units.
+    /// The points, model units.
     pub points: Vec<[f64; 3]>,
-    /// Their ends.
+    /// The indices of the two ends of each edge.
     pub edges: Vec<[u32; 2]>,
-    /// Whether all points are in the plane of the first two coordinates, which then is drawn from above.
+    /// Whether all points are in the plane of the first two coordinates, which is then drawn from above.
     pub is_flat: bool,
 }
 
-/// The root of the mean square of the lengths of the edges in the picture, pixels; 0 where none is seen. Edges behind
-/// the camera or far outside the picture do not count.
+/// Returns the root mean square of the lengths of the edges in the picture, pixels; 0 if none is visible. Edges behind
+/// the camera or far outside the picture are ignored.
 pub(crate) fn side_px(outline: &Outline, options: &Options<'_>) -> f64 {
     let asked = options.view();
     let flat = View {

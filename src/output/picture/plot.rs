@@ -1,4 +1,4 @@
-//! What stands around curves: axes, a legend, a title.
+//! The surroundings of curves in a drawing: axes, a legend, a title.
 
 use super::easel::{Easel, Part};
 use super::options::{COMB_SCALE, FILL, Options, POINT_SIZE};
@@ -14,7 +14,7 @@ use crate::output::numbers::rounded;
 use crate::output::scene::Curve;
 use crate::raster::View;
 
-/// What the picture is.
+/// The title of the drawing.
 pub(crate) const TITLE: Parameter = Parameter {
     name: "title",
     kind: Kind::Name,
@@ -23,7 +23,7 @@ pub(crate) const TITLE: Parameter = Parameter {
     doc: "What stands above the drawing, with markup as labels have. Curves only.",
 };
 
-/// What the numbers from left to right are.
+/// The label of the numbers from left to right.
 pub(crate) const X_LABEL: Parameter = Parameter {
     name: "x_label",
     kind: Kind::Name,
@@ -32,7 +32,7 @@ pub(crate) const X_LABEL: Parameter = Parameter {
     doc: "What stands below the axis from left to right, where axes are shown.",
 };
 
-/// What the numbers from the bottom to the top are.
+/// The label of the numbers from the bottom to the top.
 pub(crate) const Y_LABEL: Parameter = Parameter {
     name: "y_label",
     kind: Kind::Name,
@@ -41,14 +41,14 @@ pub(crate) const Y_LABEL: Parameter = Parameter {
     doc: "What stands beside the axis from the bottom to the top, where axes are shown.",
 };
 
-/// Where the legend stands.
+/// The position of the legend.
 pub(crate) const LEGEND: Parameter = Parameter::choice(
     "legend",
     &["top-right", "top-left", "bottom-right", "bottom-left"],
     "Where the legend stands, where it is shown.",
 );
 
-/// How large letters are.
+/// The size of letters.
 pub(crate) const TEXT_SIZE: Parameter = Parameter {
     name: "text_size",
     kind: Kind::Number { min: 0.2, max: 10.0 },
@@ -57,17 +57,17 @@ pub(crate) const TEXT_SIZE: Parameter = Parameter {
     doc: "By what the usual size of letters is multiplied, which keeps its proportion to the picture.",
 };
 
-/// Least usual size of letters, pixels: in panels of figures and other small pictures they can be read.
-/// In half of it they cannot; twice of it leaves no room for curves there.
+/// Minimum default size of letters, pixels, at which they can be read in panels of figures and other small pictures. At
+/// half of it they cannot; twice of it leaves no room for curves there.
 const LEAST_TEXT_PX: f32 = 9.0;
 
-/// How much smaller curves are beside their combs, so that usual teeth stay in the picture: they are an eighth of it
+/// Factor by which curves shrink beside their combs, so that usual teeth stay in the picture: they are an eighth of it
 /// long on each side. Longer teeth may leave it.
 const COMB_ZOOM: f64 = 0.8;
 /// Colour of titles.
 const INK: Color = [15, 23, 42, 255];
 
-/// Refuses labels that cannot be set.
+/// Refuses labels that cannot be typeset.
 fn check_labels(options: &Values) -> Result<(), Fault> {
     for name in [TITLE.name, X_LABEL.name, Y_LABEL.name] {
         if let Some(text) = options.name(name) {
@@ -83,7 +83,7 @@ fn check_labels(options: &Values) -> Result<(), Fault> {
     Ok(())
 }
 
-/// Refuses what only curves have, for meshes, and what curves in space do not have.
+/// Refuses options of curves for meshes, and items that curves of this dimension do not have.
 pub(crate) fn check(kind: ShapeKind, options: &Values) -> Result<(), Fault> {
     check_labels(options)?;
     match kind {
@@ -119,7 +119,7 @@ const CURVES_ONLY: [&str; 9] = [
     COMB_SCALE.name,
 ];
 
-/// What is drawn, and what the legend says of it.
+/// The drawn items, and the entries of the legend for them.
 #[derive(Default)]
 pub(super) struct Plot {
     pub(super) items: Vec<Item>,
@@ -127,7 +127,7 @@ pub(super) struct Plot {
 }
 
 impl Plot {
-    /// Adds lines and their entry.
+    /// Adds lines and their entry in the legend.
     pub(super) fn line(&mut self, item: Item, label: &str) -> Result<(), FormatError> {
         if let Mark::Lines(_, stroke) = &item.mark {
             self.entry(Key::Line(stroke.clone()), label)?;
@@ -136,7 +136,7 @@ impl Plot {
         Ok(())
     }
 
-    /// Adds an entry.
+    /// Adds an entry to the legend.
     pub(super) fn entry(&mut self, key: Key, label: &str) -> Result<(), FormatError> {
         let label = Label::parse(label, Weight::Regular).map_err(FormatError::Unfit)?;
         self.entries.push(Entry { key, label });
@@ -144,10 +144,10 @@ impl Plot {
     }
 }
 
-/// Where curves are drawn, and what stands around them.
+/// The part of the picture in which curves are drawn, and its surroundings.
 pub(super) struct Sheet {
     pub(super) easel: Easel,
-    /// Where curves are seen.
+    /// The part of the picture in which curves are visible.
     part: Part,
     axes: Option<Axes>,
     title: Option<Label>,
@@ -160,7 +160,7 @@ fn label(options: &Options<'_>, name: &str, weight: Weight) -> Result<Option<Lab
 }
 
 impl Sheet {
-    /// A sheet for these curves.
+    /// Lays out the sheet for these curves.
     pub(super) fn new(shown: &[&Curve], control: &[Curve], options: &Options<'_>) -> Result<Self, FormatError> {
         let usual_px = (15.0 * options.unit_px()).max(LEAST_TEXT_PX);
         let size_px = usual_px * options.values.number(TEXT_SIZE.name).map_or(1.0, rounded);
@@ -185,7 +185,7 @@ impl Sheet {
             let y = Axis { low: bottom, high: top, label: y_label.clone() };
             Axes { frame: part, x, y, grid: options.shows("grid", &[]), size_px }
         };
-        // the numbers decide how much room they want, and the room decides the numbers
+        // the numbers decide the width of the margins, and the margins decide the numbers
         let around = axes(&plain.easel, plain.part);
         let [left, top, right, bottom] = Axes::margins(&around.x, &around.y, size_px);
         let [_, start, width, height] = plain.part;
@@ -196,12 +196,12 @@ impl Sheet {
         Ok(Self { easel, part, axes: Some(axes), ..plain })
     }
 
-    /// Smaller side of what is seen, pixels.
+    /// Returns the smaller side of the visible part, pixels.
     pub(super) fn side_px(&self) -> f64 {
         f64::from(self.part[2].min(self.part[3]))
     }
 
-    /// The drawing with all that stands around.
+    /// Returns the drawing with axes, legend and title.
     pub(super) fn finish(self, plot: Plot, options: &Options<'_>) -> Drawing {
         let mut items = plot.items;
         if let Some(axes) = &self.axes {
@@ -236,7 +236,7 @@ impl Sheet {
     }
 }
 
-/// The picture below its title.
+/// Returns the part of the picture below its title.
 fn whole(options: &Options<'_>, head: f32) -> Part {
     #[expect(clippy::cast_precision_loss, reason = "pictures have some thousand pixels a side")]
     let [width, height] = options.size.map(|side| side as f32);
@@ -251,8 +251,8 @@ fn easel(shown: &[&Curve], options: &Options<'_>, [left, top, width, height]: Pa
     Easel::within(shown, View { zoom, ..view }, (size, options.corners()), [left, top].map(f64::from))
 }
 
-/// Of functions: how many steps of the control polygon the picture shows, 1 where polygons differ in that; none of
-/// curves in the plane.
+/// Returns the number of steps of the control polygon that the picture of functions spans, 1 if polygons differ in it;
+/// `None` for curves that are not functions.
 fn steps(shown: &[&Curve], control: &[Curve]) -> Option<f64> {
     let graph = shown.iter().any(|curve| curve.dimension == 1);
     let count = |curve: &Curve| if curve.closed { curve.len() } else { curve.len().saturating_sub(1) };

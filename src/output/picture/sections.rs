@@ -1,4 +1,4 @@
-//! A drawing of the sections of a mesh, each in the frame of its plane.
+//! Draws the sections of a mesh, each in the frame of its plane.
 
 use super::drawing::CURVE;
 use super::easel::Easel;
@@ -14,13 +14,13 @@ use crate::watch::Watch;
 
 /// Width of the lines, in units of line width.
 const WIDTH: f32 = 2.2;
-/// Free space between two sections, as a share of the larger side of the largest.
+/// Gap between two sections, as a share of the larger side of the largest section.
 const GAP: f64 = 0.1;
 
-/// Draws the sections, an item each in the order of the planes.
+/// Draws the sections, an item for each plane in their order.
 ///
-/// Each is seen against its normal, up as [`axes`] says. Several stand row by row, with the columns that make them
-/// largest, all at one scale and each in the middle of its place.
+/// Each section is viewed against its normal, with the up direction of [`axes`]. Several are arranged row by row, with
+/// the number of columns that makes them largest, all at one scale and each centred in its cell.
 pub(crate) fn drawing(
     mesh: &dyn MeshSource,
     planes: &[Plane],
@@ -42,8 +42,8 @@ pub(crate) fn drawing(
     Ok(Drawing { size: options.size, background: options.background, title: String::new(), items })
 }
 
-/// The directions to the right and up of a plane, of length one: the normal points to the viewer, and `up` is up. Where
-/// `up` is along the normal, +x is to the right.
+/// Returns the directions to the right and up in a plane, of length one, for a viewer towards whom the normal points.
+/// If `up` is along the normal, +x points to the right.
 fn axes(normal: [f64; 3], up: [f64; 3]) -> [[f64; 3]; 2] {
     let normal = unit(normal);
     let across = cross(up, normal);
@@ -52,7 +52,7 @@ fn axes(normal: [f64; 3], up: [f64; 3]) -> [[f64; 3]; 2] {
     [right, cross(normal, right)]
 }
 
-/// The polylines as plane curves, seen from the first point of them.
+/// Returns the polylines as plane curves, with the first point of the first polyline as origin.
 fn flat(polylines: &[Polyline], axes: [[f64; 3]; 2]) -> Vec<Curve> {
     let Some(origin) = polylines.first().map(|first| first.points[0]) else { return Vec::new() };
     let place = |p: &[f64; 3]| axes.map(|axis| dot(axis, minus(*p, origin)));
@@ -65,7 +65,7 @@ fn flat(polylines: &[Polyline], axes: [[f64; 3]; 2]) -> Vec<Curve> {
     polylines.iter().map(curve).collect()
 }
 
-/// Moves each list of plane curves to its place.
+/// Moves each list of plane curves to its cell.
 fn arrange(drawn: &mut [Vec<Curve>], size: [u32; 2]) {
     let boxes: Vec<[[f64; 2]; 2]> = drawn.iter().map(|curves| bounds(curves)).collect();
     let side = |k: usize| boxes.iter().map(|[low, high]| high[k] - low[k]).fold(0.0, f64::max);
@@ -82,7 +82,7 @@ fn arrange(drawn: &mut [Vec<Curve>], size: [u32; 2]) {
     }
 }
 
-/// The number of columns that leaves the largest scale for `n` places of this size.
+/// Returns the number of columns that gives the largest scale for `n` cells of size `pitch`.
 fn columns(n: usize, pitch: [f64; 2], size: [f64; 2]) -> usize {
     let scale = |columns: usize| {
         #[expect(clippy::cast_precision_loss, reason = "there are few planes")]
@@ -92,7 +92,7 @@ fn columns(n: usize, pitch: [f64; 2], size: [f64; 2]) -> usize {
     (2..=n).fold(1, |best, columns| if scale(columns) > scale(best) { columns } else { best })
 }
 
-/// Smallest and largest coordinates, 0 where there is no point.
+/// Returns the smallest and the largest coordinates; zeros if there is no point.
 fn bounds(curves: &[Curve]) -> [[f64; 2]; 2] {
     let points = curves.iter().flat_map(|curve| curve.points.as_chunks::<2>().0);
     let join = |bounds: Option<[[f64; 2]; 2]>, &p: &[f64; 2]| {

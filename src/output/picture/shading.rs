@@ -1,4 +1,4 @@
-//! What light, or an inspection, makes of the surface of a mesh: the choices of "shading".
+//! The choices of "shading": how the surface of a mesh is lit or inspected.
 
 use super::options::Options;
 use crate::fault::Fault;
@@ -44,7 +44,7 @@ pub(crate) const STRIPES: Parameter = Parameter {
           12, 18 and 12.",
 };
 
-/// More would be finer than the pixels of the largest pictures.
+/// Maximum number of stripes; more would be finer than the pixels of the largest pictures.
 const MOST_STRIPES: i64 = 256;
 
 /// The axis of stripes.
@@ -57,7 +57,7 @@ pub(crate) const STRIPE_DIRECTION: Parameter = Parameter {
           model coordinates. Left out, up; for reflection-lines, from left to right in the picture.",
 };
 
-/// Colour of surfaces of which nothing else is said.
+/// Default colour of surfaces.
 pub(super) const SURFACE: [u8; 4] = [112, 160, 222, 255];
 
 pub(super) const HIDDEN_LINE: &str = "hidden-line";
@@ -68,18 +68,18 @@ const REFLECTION_LINES: &str = "reflection-lines";
 const ISOPHOTES: &str = "isophotes";
 const DISTANCE: &str = "distance";
 
-/// Patterns, and how many stripes each has when nothing is said.
+/// The shadings with stripes, and the default number of stripes of each.
 const PATTERNS: [(&str, Pattern, u8); 3] = [
     (ZEBRA, Pattern::Zebra, 12),
     (REFLECTION_LINES, Pattern::ReflectionLines, 18),
     (ISOPHOTES, Pattern::Isophotes, 12),
 ];
 
-/// Width of isophotes, in units of line width.
-/// Half of it is fainter than a pixel in usual pictures, twice of it fills strongly bent parts.
+/// Width of isophotes, in units of line width. Half of it is fainter than a pixel in usual pictures; twice of it fills
+/// strongly bent parts.
 const ISOPHOTE_WIDTH: f32 = 1.6;
 
-/// Numbers of vertices that colours follow.
+/// A quantity at vertices that the colours of a shading stand for.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Measure {
     /// Gaussian curvature.
@@ -90,7 +90,7 @@ pub(super) enum Measure {
     Distance,
 }
 
-/// The numbers that the shading shows, if it does.
+/// Returns the quantity that the shading shows, if any.
 pub(super) fn measure(options: &Values) -> Option<Measure> {
     match options.choice(SHADING.name)? {
         GAUSSIAN => Some(Measure::Gaussian),
@@ -100,20 +100,20 @@ pub(super) fn measure(options: &Values) -> Option<Measure> {
     }
 }
 
-/// Whether a picture with these options shows distances.
+/// Returns whether a picture with these options shows distances.
 pub fn shows_distances(options: &Values) -> bool {
     measure(options) == Some(Measure::Distance)
 }
 
-/// What pictures of meshes show when nothing is said, and what a drawing of lines shows.
+/// The default items of a picture of a mesh: shaded, and as a drawing of lines.
 const DEFAULT_SHOW: [&[&str]; 2] = [&["surface"], &["surface", ISOLINES]];
 
-/// Whether a picture of a mesh shows something.
+/// Returns whether a picture of a mesh shows an item.
 pub(super) fn shows(options: &Options<'_>, item: &str) -> bool {
     options.shows(item, DEFAULT_SHOW[usize::from(is_drawing(options.values))])
 }
 
-/// Whether the surface is a drawing of its lines.
+/// Returns whether the shading is a drawing of the lines of the surface.
 pub(super) fn is_drawing(options: &Values) -> bool {
     options.choice(SHADING.name) == Some(HIDDEN_LINE)
 }
@@ -122,7 +122,7 @@ fn pattern(options: &Values) -> Option<(&'static str, Pattern, u8)> {
     PATTERNS.into_iter().find(|(name, ..)| options.choice(SHADING.name) == Some(name))
 }
 
-/// How the surface looks, where it is not lit; `right` points to the right in the picture.
+/// Returns the finish of a surface that is not lit like a plain material; `right` points to the right in the picture.
 pub(super) fn finish(options: &Options<'_>, right: [f64; 3]) -> Option<Finish> {
     if let Some((_, pattern, usual)) = pattern(options.values) {
         let given = options.values.integer(STRIPES.name).and_then(|n| u16::try_from(n).ok());
@@ -144,12 +144,13 @@ pub(super) fn finish(options: &Options<'_>, right: [f64; 3]) -> Option<Finish> {
     }
 }
 
-/// Whether the surface is not lit like a plain material.
+/// Returns whether the surface is not lit like a plain material.
 pub(super) fn is_finished(options: &Values) -> bool {
     !["smooth", "flat"].contains(&options.choice(SHADING.name).unwrap_or("smooth"))
 }
 
-/// The colour of a surface of this shading where none is given: chalk under stripes, clay, the paper, or `lit`.
+/// Returns the colour of a surface if no colour is given: chalk under stripes, clay, the paper, or `lit`, by the
+/// shading.
 pub(super) fn color(options: &Options<'_>, lit: [u8; 4]) -> [u8; 4] {
     let paper = if options.background[3] == 255 { options.background } else { [255; 4] };
     match options.values.choice(SHADING.name) {
@@ -160,7 +161,7 @@ pub(super) fn color(options: &Options<'_>, lit: [u8; 4]) -> [u8; 4] {
     }
 }
 
-/// Refuses a shading that a shape of this kind does not have, and options that say nothing under it.
+/// Refuses a shading that a shape of this kind cannot have, and options that have no effect under the shading.
 pub(crate) fn check(kind: ShapeKind, options: &Values) -> Result<(), Fault> {
     let shading = options.choice(SHADING.name).unwrap_or("smooth");
     let is_lit = !is_finished(options);

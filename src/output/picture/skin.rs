@@ -1,4 +1,4 @@
-//! What the materials of a mesh look like in a picture: a colour each, and perhaps a picture over it.
+//! The looks of the materials of a mesh in a picture: a colour each, and perhaps an image over it.
 
 use std::io::Cursor;
 use std::sync::Arc;
@@ -18,13 +18,13 @@ use crate::shape::looks::{Alpha, Look};
 use crate::shape::textures::{Filter, Image, ImageKind, Texture, Wrap};
 use crate::watch::Watch;
 
-/// Bytes of memory for each pixel while a picture is decoded: as it is stored (at most 8), its coefficients (6) or its
-/// bytes (3), and what is kept of it with its smaller copies (4).
+/// Bytes of memory for each pixel while an image is decoded: as it is stored (at most 8), its coefficients (6) or its
+/// bytes (3), and the texels that are kept with their smaller copies (4).
 const PIXEL_BYTES: u128 = 18;
-/// Pixels of such a picture that are decoded in the time of a row, 100 ns.
+/// Pixels of an image that are decoded in the time of a row, 100 ns.
 const PIXELS_A_ROW: u128 = 4;
 
-/// Whether materials give faces a look of their own.
+/// Returns whether materials give faces a look of their own.
 pub(super) fn is_said(carried: &Attachments) -> bool {
     let shows =
         |look: &Look| look.color.is_some() || look.texture.is_some() || is_metal(look) || look.roughness.is_some();
@@ -35,23 +35,23 @@ fn is_metal(look: &Look) -> bool {
     look.metallic.is_some_and(|metallic| metallic > 0.0)
 }
 
-/// Whether some material is more than one colour.
+/// Returns whether some material is more than one opaque colour.
 pub(super) fn is_rich(swatches: &[Swatch]) -> bool {
     let is_rich = |swatch: &Swatch| swatch.alpha < 1.0 || swatch.metal > 0.0 || swatch.roughness.is_some();
     swatches.iter().any(|swatch| swatch.cover.is_some() || is_rich(swatch))
 }
 
-/// Whether some material has a picture.
+/// Returns whether some material has an image.
 pub(super) fn has_images(carried: &Attachments) -> bool {
     carried.looks.iter().any(|look| look.texture.is_some())
 }
 
-/// Bytes of memory for the pictures of materials.
+/// Returns the memory for the images of materials, bytes.
 pub(super) fn memory(carried: &Attachments) -> u128 {
     pixels(carried) * PIXEL_BYTES
 }
 
-/// Work that it takes to decode them, rows.
+/// Returns the work of decoding the images, rows.
 pub(super) fn work(carried: &Attachments) -> u128 {
     pixels(carried) / PIXELS_A_ROW
 }
@@ -60,7 +60,7 @@ fn pixels(carried: &Attachments) -> u128 {
     pictures(carried).iter().map(|(image, _)| image.size().map(u128::from).iter().product::<u128>()).sum()
 }
 
-/// The pictures of materials, each once with its alpha and once without, where both are shown.
+/// Returns the images of materials, each once per use with alpha (`true`) and without.
 fn pictures(carried: &Attachments) -> Vec<(&Arc<Image>, bool)> {
     let mut found = Vec::new();
     for look in &carried.looks {
@@ -70,10 +70,10 @@ fn pictures(carried: &Attachments) -> Vec<(&Arc<Image>, bool)> {
     found
 }
 
-/// A swatch for each material, and at the end one for faces without.
+/// Returns a swatch for each material, and at the end one for faces without a material.
 ///
 /// # Errors
-/// A picture that cannot be decoded, or a stopped watch.
+/// An image that cannot be decoded, or a stopped watch.
 pub(super) fn swatches(carried: &Attachments, plain: [f32; 3], watch: &Watch) -> Result<Vec<Swatch>, FormatError> {
     let images = pictures(carried);
     let mut texels = Vec::with_capacity(images.len());
@@ -96,8 +96,7 @@ pub(super) fn swatches(carried: &Attachments, plain: [f32; 3], watch: &Watch) ->
     Ok(carried.looks.iter().map(swatch).chain([nothing]).collect())
 }
 
-/// How much a material hides of what lies behind it, and for textures with an alpha that from which on it is there at
-/// all.
+/// Returns the opacity of a material, and for masks with an alpha channel the cutoff below which a texel is not there.
 fn alpha(look: &Look, has_alpha: bool) -> (f32, Option<f32>) {
     let given = look.color.map_or(1.0, |color| color[3]);
     match look.alpha() {
@@ -108,13 +107,13 @@ fn alpha(look: &Look, has_alpha: bool) -> (f32, Option<f32>) {
     }
 }
 
-/// Whether the alpha of the texture of a material counts.
+/// Returns whether the alpha of the texture of a material has an effect.
 fn keeps_alpha(look: &Look) -> bool {
     let is_png = look.texture.as_ref().is_some_and(|texture| texture.image.kind() == ImageKind::Png);
     is_png && look.alpha() != Alpha::Opaque
 }
 
-/// The colour of a material, linear light; white under a picture, where nothing is said.
+/// Returns the colour of a material in linear light; without one, white under an image and otherwise `plain`.
 fn color(look: &Look, plain: [f32; 3]) -> [f32; 3] {
     let said = look.color.map(|color| std::array::from_fn(|k| rounded(linear(k, color[k]))));
     said.unwrap_or(if look.texture.is_some() { [1.0; 3] } else { plain })
@@ -129,7 +128,7 @@ fn cover(texture: &Texture, texels: Arc<Texels>) -> Cover {
     Cover { texels, beyond, nearest: texture.magnify == Some(Filter::Nearest) }
 }
 
-/// The pixels of a picture, with their alpha where that counts.
+/// Decodes an image, with its alpha if `keeps_alpha`.
 fn decoded(image: &Image, keeps_alpha: bool) -> Result<Texels, FormatError> {
     let size = image.size().map(|side| side as usize);
     let bytes = match image.kind() {
@@ -147,7 +146,7 @@ fn decoded(image: &Image, keeps_alpha: bool) -> Result<Texels, FormatError> {
     Ok(Texels::new(size, pixels.to_vec(), alphas))
 }
 
-/// Colours, and alphas where they count and one is below 1.
+/// Decodes a PNG to colours and alphas; no alphas if they are ignored or all opaque.
 fn png(image: &Image, keeps_alpha: bool) -> Result<(Vec<u8>, Vec<u8>), String> {
     let [width, height] = image.size();
     let mut reader = ImageReader::with_format(Cursor::new(image.bytes()), ImageFormat::Png);
@@ -166,7 +165,7 @@ fn png(image: &Image, keeps_alpha: bool) -> Result<(Vec<u8>, Vec<u8>), String> {
     Ok((colors, if is_clear { pixels.iter().map(|pixel| pixel[3]).collect() } else { Vec::new() }))
 }
 
-/// Decoded without instructions that only some machines have, so that all get the same bytes.
+/// Decodes a JPEG without instructions that only some machines have, so that all machines get the same bytes.
 fn jpeg(image: &Image) -> Result<Vec<u8>, String> {
     let [width, height] = image.size().map(|side| side as usize);
     let options = DecoderOptions::default().set_max_width(width).set_max_height(height);

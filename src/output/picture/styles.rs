@@ -1,13 +1,13 @@
-//! How the curves of a drawing look: options, and what they say.
+//! The styles of the curves of a drawing, as options.
 
 use super::options::Options;
 use crate::drawing::{Cap, Color, Stroke};
 use crate::math::parameter::{Default, Kind, Parameter, Values};
 
-/// Most styles of one output.
+/// Maximum number of styles of one output.
 const MAX_STYLES: usize = 64;
 
-/// Looks of single curves.
+/// The styles of single curves.
 pub(crate) const STYLES: Parameter = Parameter {
     name: "styles",
     kind: Kind::Groups { fields: FIELDS, most: MAX_STYLES },
@@ -49,8 +49,8 @@ const FIELDS: &[Parameter] = &[
     },
 ];
 
-/// Colours told apart with every kind of sight: those of M. Okabe and K. Ito, Color Universal Design (2002), without
-/// yellow and black.
+/// Colours that can be told apart with every kind of sight: those of M. Okabe and K. Ito, Color Universal Design
+/// (2002), without yellow and black.
 const PALETTE: [Color; 6] = [
     [0, 114, 178, 255],
     [213, 94, 0, 255],
@@ -60,7 +60,7 @@ const PALETTE: [Color; 6] = [
     [230, 159, 0, 255],
 ];
 
-/// The look of a curve.
+/// The style of a curve.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Style<'a> {
     pub(super) stroke: Stroke,
@@ -70,7 +70,7 @@ pub(super) struct Style<'a> {
     pub(super) fill: Option<Color>,
 }
 
-/// The styles that the options ask for; empty where all curves look as usual. `width_px` is the usual width.
+/// Returns the styles that the options give, none if all curves look alike. `width_px` is the default width.
 pub(super) fn styles<'a>(options: &Options<'a>, width_px: f32) -> Vec<Style<'a>> {
     let style = |(i, values): (usize, &'a Values)| {
         let color = values.color("color").unwrap_or_else(|| options.color(PALETTE[i % PALETTE.len()]));
@@ -82,16 +82,16 @@ pub(super) fn styles<'a>(options: &Options<'a>, width_px: f32) -> Vec<Style<'a>>
     options.values.groups(STYLES.name).iter().enumerate().map(style).collect()
 }
 
-/// A line broken in the way of a name, in proportion to its width.
+/// Returns a line with the dashes of a named pattern, in proportion to its width.
 fn dashed(name: &str, solid: Stroke) -> Stroke {
     let (lengths, cap): (&[f32], Cap) = match name {
         "dashed" => (&[3.5, 2.2], Cap::Butt),
-        // dots are the round ends of nearly nothing
+        // dots are the round ends of very short dashes
         "dotted" => (&[0.02, 2.0], Cap::Round),
         "dash-dot" => (&[4.0, 1.6, 1.0, 1.6], Cap::Butt),
         _ => return solid,
     };
-    // a dash has to be seen, however thin the line is
+    // dashes stay visible however thin the line is
     let unit = solid.width_px.max(0.5);
     Stroke { dash: lengths.iter().map(|length| length * unit).collect(), cap, ..solid }
 }

@@ -1,4 +1,4 @@
-//! What the formats that hold drawings in lines have in common.
+//! The common parts of the output formats that hold drawings in lines.
 
 use super::drawing::CURVE_ITEMS;
 use super::hidden_lines::{self, MESH_ITEMS};
@@ -29,7 +29,7 @@ const TEXT: Parameter = Parameter::choice(
     "Whether letters are text, which can be searched and copied, or outlines, which look the same without the font.",
 );
 
-/// Their options.
+/// The options of these formats.
 pub(crate) const PARAMETERS: &[Parameter] = &[
     WIDTH,
     HEIGHT,
@@ -72,7 +72,7 @@ pub(crate) const PARAMETERS: &[Parameter] = &[
     },
 ];
 
-/// All that can be shown.
+/// All items that drawings can show.
 const ITEMS: &[&str] = &[
     "curve",
     "control",
@@ -92,12 +92,12 @@ const ITEMS: &[&str] = &[
     "hatching",
 ];
 
-/// Whether the drawing of a shape of this kind can be made.
+/// Refuses shapes that cannot be drawn.
 pub(crate) fn holds(kind: ShapeKind, _: &Values) -> Result<(), String> {
     options::drawable(kind)
 }
 
-/// Whether the options make sense for a shape of this kind.
+/// Refuses options that make no sense for a shape of this kind.
 pub(crate) fn suits(kind: ShapeKind, options: &Values) -> Result<(), Fault> {
     plot::check(kind, options)?;
     match kind {
@@ -112,39 +112,39 @@ pub(crate) fn suits(kind: ShapeKind, options: &Values) -> Result<(), Fault> {
     }
 }
 
-/// Whether a mesh is drawn in lines that its faces do not hide.
+/// Returns whether a mesh is drawn in lines without those hidden by its faces.
 fn is_lines(counts: &Counts, options: &Values) -> bool {
     counts.kind == ShapeKind::Mesh && !asked(options)
 }
 
-/// Whether the drawing can be made of so many faces.
+/// Refuses meshes with too many faces to draw.
 pub(crate) fn fits(counts: &Counts, options: &Values) -> Result<(), Fault> {
     if is_lines(counts, options) { hidden_lines::fits(counts) } else { Ok(()) }
 }
 
-/// What the options tell of single edges of the input.
+/// Returns the option that refers to single edges of the input, if any.
 pub(crate) fn refers(options: &Values) -> Option<&'static str> {
     options.has("show", ISOLINES).then_some(ISOLINES)
 }
 
-/// Bytes of memory that the drawing takes.
+/// Returns the memory that the drawing takes, bytes.
 pub(crate) fn memory(counts: &Counts, options: &Values) -> u128 {
     let lines = if is_lines(counts, options) { hidden_lines::memory(counts, options) } else { 0 };
     lines.saturating_add(hard_edges::memory(counts, options))
 }
 
-/// Work that the drawing takes, in rows of a table.
+/// Returns the work of the drawing, in rows of a table.
 pub(crate) fn work(counts: &Counts, options: &Values) -> u128 {
     if is_lines(counts, options) { hidden_lines::work(counts) } else { 0 }
 }
 
-/// Most bytes of a drawing in lines.
+/// Returns the maximum number of bytes of a drawing in lines.
 ///
-/// A point costs at most 51 bytes in the curve (when each segment is a path of its own), 51 in the control polygon,
-/// 20 in a filled area, twice 51 in a comb, and 49 as a disc (230 in PDF, which is packed afterwards); where dashes
-/// and letters of no more than 70 labels stand, a font of at most a megabyte and some kilobytes stand beside them. A
-/// curve with a look of its own costs 200 bytes more. Each triangle gives a segment of a section at most, two
-/// points, of which nothing but lines is drawn: 160 bytes are three times as much as one takes.
+/// A point costs at most 51 bytes in the curve (when each segment is a path of its own), 51 in the control polygon, 20
+/// in a filled area, twice 51 in a comb, and 49 as a disc (230 in PDF, which is packed afterwards). Drawings with
+/// letters (at most 70 labels) hold a font of at most a megabyte and some kilobytes besides. A curve with a style of
+/// its own costs 200 bytes more. Each triangle gives at most one segment of a section, which is two points and is drawn
+/// in lines only: 160 bytes are three times as much as a point takes.
 pub(crate) fn size(counts: &Counts, options: &Values) -> Size {
     if is_lines(counts, options) {
         return hidden_lines::size(counts, options);
@@ -180,7 +180,7 @@ pub(crate) fn draw(scene: &Scene<'_>, values: &Values, watch: &Watch) -> Result<
     }
 }
 
-/// How its letters are written.
+/// Returns how the letters of the drawing are written.
 pub(crate) fn lettering(values: &Values) -> Lettering {
     if values.choice(TEXT.name) == Some("outlines") { Lettering::Outlines } else { Lettering::Text }
 }

@@ -2,7 +2,7 @@
 
 use crate::math::parameter::{Default, Kind, Parameter};
 
-/// What is framed in place of what is shown.
+/// A box that is framed in place of the shown items.
 pub(super) const BOX: Parameter = Parameter {
     name: "box",
     kind: Kind::Group(BOX_FIELDS),

@@ -7,7 +7,7 @@ use crate::output::numbers::{f32_bytes, f64_bytes};
 use crate::output::scene::FaceChunk;
 use crate::output::text::RowStyle;
 
-/// Makes binary rows of positions, each with its normal where there are some.
+/// Makes binary rows of positions, each with its normal if there are normals.
 pub(super) fn vertices(positions: &[[f64; 3]], normals: &[[f64; 3]], layout: Layout, out: &mut Bytes) {
     if layout.float { vectors(positions, normals, f32_bytes, out) } else { vectors(positions, normals, f64_bytes, out) }
 }
@@ -28,7 +28,7 @@ fn vectors<const B: usize>(
     }
 }
 
-/// Makes rows of faces that are all quads or all triangles; says whether they are.
+/// Makes rows of faces that are all quads or all triangles. Returns whether they are.
 pub(super) fn faces(faces: &FaceChunk, layout: Layout, out: &mut Bytes) -> bool {
     match (faces.rows(), faces.rows()) {
         (Some(quads), _) => match layout.encoding {
@@ -46,7 +46,8 @@ pub(super) fn faces(faces: &FaceChunk, layout: Layout, out: &mut Bytes) -> bool 
     true
 }
 
-/// Rows of `B` bytes: the number `N`, little endian, in what four bytes for each index leave, then the indices.
+/// Makes rows of `B` bytes: the number `N`, little endian, in the bytes that four bytes per index leave, then the
+/// indices.
 fn polygons<const N: usize, const B: usize>(faces: &[[u32; N]], out: &mut Bytes) {
     let size = (N as u64).to_le_bytes();
     for (slot, face) in out.rows::<B>(faces.len()).iter_mut().zip(faces) {

@@ -1,4 +1,4 @@
-//! What vertices and faces have in PLY besides their places: channels, names, origins.
+//! Properties of vertices and faces in PLY besides positions and normals: channels, names, origins.
 
 use super::layout::{Encoding, Layout};
 use crate::output::colors::byte;
@@ -10,10 +10,10 @@ use crate::shape::labels::Labels;
 /// Names of the properties of a colour.
 const COLORS: [&str; 4] = ["red", "green", "blue", "alpha"];
 
-/// Most bytes of the number of a group or material: four in binary, a blank and three digits in text.
+/// Maximum number of bytes of the number of a group or material: four in binary, a blank and three digits in text.
 const LABEL: u128 = 4;
 
-/// Lines of the header that tell the names of groups and materials by their numbers.
+/// Returns the lines of the header that list the names of groups and materials by their numbers.
 pub(super) fn remarks(attachments: &Attachments) -> String {
     kinds(attachments)
         .flat_map(|(kind, labels)| labels.names.iter().enumerate().map(move |(i, name)| (kind, i, name)))
@@ -22,7 +22,7 @@ pub(super) fn remarks(attachments: &Attachments) -> String {
         .concat()
 }
 
-/// Lines of the header for the properties of vertices.
+/// Returns the lines of the header for the properties of vertices.
 pub(super) fn vertex_properties(attachments: &Attachments, layout: Layout) -> String {
     let number = if layout.float { "float" } else { "double" };
     let property = |channel: &Channel| -> Vec<String> {
@@ -41,7 +41,7 @@ pub(super) fn vertex_properties(attachments: &Attachments, layout: Layout) -> St
     properties
 }
 
-/// Lines of the header for the properties of faces.
+/// Returns the lines of the header for the properties of faces.
 pub(super) fn face_properties(attachments: &Attachments, layout: Layout) -> String {
     let mut properties =
         kinds(attachments).map(|(kind, _)| format!("property int {kind}\n")).collect::<Vec<_>>().concat();
@@ -51,14 +51,14 @@ pub(super) fn face_properties(attachments: &Attachments, layout: Layout) -> Stri
     properties
 }
 
-/// Kinds of names that are given.
+/// Returns the kinds of labels that the mesh has.
 fn kinds(attachments: &Attachments) -> impl Iterator<Item = (&'static str, &Labels)> {
     [("group", &attachments.groups), ("material", &attachments.materials)]
         .into_iter()
         .filter(|(_, labels)| !labels.is_empty())
 }
 
-/// Bytes a vertex and a face beyond places and corners, at most where they are text.
+/// Returns the bytes per vertex and per face beyond positions and corners; for text, their maximum.
 pub(super) fn bytes(attachments: &Attachments, layout: Layout, cells: u128) -> (u128, u128) {
     let ascii = layout.encoding == Encoding::Ascii;
     let number = match (ascii, layout.float) {
@@ -71,7 +71,7 @@ pub(super) fn bytes(attachments: &Attachments, layout: Layout, cells: u128) -> (
         channel.width as u128 * each
     };
     let names = kinds(attachments).count() as u128;
-    // a number of a cell is at most that of a vertex, edge or face, and -1 takes two bytes
+    // the number of a cell is at most that of a vertex, edge or face, and -1 takes two bytes
     let cell = if ascii { digits(cells) + 1 } else { 4 };
     let (vertex_origin, face_origin) = match (layout.ids, ascii) {
         (false, _) => (0, 0),
@@ -82,17 +82,17 @@ pub(super) fn bytes(attachments: &Attachments, layout: Layout, cells: u128) -> (
     (attachments.channels.iter().map(of_channel).sum::<u128>() + uvs + vertex_origin, names * LABEL + face_origin)
 }
 
-/// Whether vertices have anything besides places and normals.
+/// Returns whether vertices have any properties besides positions and normals.
 pub(super) fn any_of_vertices(mesh: &dyn MeshSource, layout: Layout) -> bool {
     layout.ids || !mesh.attachments().channels.is_empty() || mesh.uvs().is_some()
 }
 
-/// Whether faces have anything besides their corners.
+/// Returns whether faces have any properties besides their corners.
 pub(super) fn any_of_faces(mesh: &dyn MeshSource, layout: Layout) -> bool {
     layout.ids || mesh.attachments().names_faces()
 }
 
-/// Rows of some consecutive vertices as they are appended to their places.
+/// The properties of consecutive vertices that are appended to their positions.
 pub(super) struct Carried<'a> {
     mesh: &'a dyn MeshSource,
     layout: Layout,
@@ -103,7 +103,7 @@ pub(super) struct Carried<'a> {
 }
 
 impl<'a> Carried<'a> {
-    /// What the vertices `start .. start + n` carry.
+    /// Reads the properties of the vertices `start .. start + n`.
     pub(super) fn of(mesh: &'a dyn MeshSource, layout: Layout, start: usize, n: usize) -> Self {
         let fetch = |channel| {
             let mut values = Vec::new();
@@ -117,7 +117,7 @@ impl<'a> Carried<'a> {
         Self { mesh, layout, start, channels: (0..mesh.attachments().channels.len()).map(fetch).collect(), uvs }
     }
 
-    /// Appends what vertex number `i` of these carries.
+    /// Appends the properties of the `i`-th of these vertices.
     pub(super) fn vertex(&self, i: usize, out: &mut Vec<u8>) {
         for (channel, values) in self.mesh.attachments().channels.iter().zip(&self.channels) {
             for &x in &values[i * channel.width..(i + 1) * channel.width] {
@@ -139,7 +139,7 @@ impl<'a> Carried<'a> {
     }
 }
 
-/// Appends what face number `index` has.
+/// Appends the properties of face `index`.
 pub(super) fn face(mesh: &dyn MeshSource, layout: Layout, index: usize, out: &mut Vec<u8>) {
     if !any_of_faces(mesh, layout) {
         return;

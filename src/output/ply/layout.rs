@@ -1,10 +1,10 @@
-//! How the rows of a PLY file are written.
+//! The encodings of rows of a PLY file.
 
 use crate::math::parameter::Values;
 use crate::output::numbers::{REAL, real, real_f32, rounded, whole};
 use crate::output::surface::with_normals;
 
-/// How rows are written.
+/// The encoding and the columns of rows.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Layout {
     pub(super) encoding: Encoding,
@@ -36,17 +36,17 @@ impl Layout {
         }
     }
 
-    /// The layout of curves, which have no normals and no origins.
+    /// Returns the layout of curves, which have no normals and no origins.
     pub(super) fn of_curves(options: &Values) -> Self {
         Self { normals: false, ids: false, ..Self::of(options) }
     }
 
-    /// Numbers a vertex.
+    /// Returns the number of coordinates per vertex.
     pub(super) fn numbers(self) -> usize {
         if self.normals { 6 } else { 3 }
     }
 
-    /// Bytes a vertex, at most where they are text.
+    /// Returns the number of bytes per vertex; for text, its maximum.
     pub(super) fn vertex_bytes(self) -> u128 {
         let number = match (self.encoding, self.float) {
             (Encoding::Ascii, _) => REAL + 1,
@@ -65,7 +65,7 @@ impl Layout {
         }
     }
 
-    /// What stands between two numbers.
+    /// Appends the separator between two numbers.
     pub(super) fn separate(self, out: &mut Vec<u8>) {
         if self.encoding == Encoding::Ascii {
             out.push(b' ');

@@ -1,4 +1,4 @@
-//! Where a plane crosses triangles: the segments, joined to chains.
+//! The segments in which a plane crosses triangles, joined to chains.
 
 use rayon::prelude::*;
 
@@ -6,7 +6,7 @@ use crate::output::scene::CHUNK;
 use crate::shape::topology::{NONE, index};
 use crate::watch::{Stopped, Watch};
 
-/// Where a plane crosses a line between two vertices.
+/// The crossing of a plane and a line between two vertices.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) struct Crossing {
     /// The vertices, the lower one first.
@@ -15,20 +15,20 @@ pub(super) struct Crossing {
     pub(super) inside: u32,
 }
 
-/// Where a plane crosses a triangle.
+/// The crossing of a plane and a triangle.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct Segment {
-    /// The side that runs from before the plane to behind it.
+    /// The crossing on the side that runs from before the plane to behind it.
     pub(super) from: Crossing,
-    /// The side that runs from behind the plane to before it.
+    /// The crossing on the side that runs from behind the plane to before it.
     pub(super) to: Crossing,
 }
 
-/// The crossings along each chain, and whether it is closed.
+/// Joins segments to chains. Returns the crossings along each chain, and whether it is closed.
 ///
-/// A segment goes on with the one that starts where it ends. Where a side has more than two triangles, as in meshes
-/// with two edges between the same vertices, the first end goes on with the first start, and so on; so everything that
-/// has as many ends as starts is closed.
+/// A segment continues with the segment that starts where it ends. If a side has more than two triangles, as in meshes
+/// with two edges between the same vertices, the first end continues with the first start, and so on; so chains are
+/// closed wherever sides have as many ends as starts.
 pub(super) fn chains(mut segments: Vec<Segment>, watch: &Watch) -> Result<Vec<(Vec<Crossing>, bool)>, Stopped> {
     watch.check()?;
     segments.par_sort_by_key(|segment| segment.from);
@@ -61,7 +61,7 @@ pub(super) fn chains(mut segments: Vec<Segment>, watch: &Watch) -> Result<Vec<(V
     Ok(chains)
 }
 
-/// For each segment the one it goes on with, or [`NONE`], and whether none goes on with it.
+/// Returns for each segment its successor, or [`NONE`], and whether it has no predecessor.
 fn links(segments: &[Segment]) -> (Vec<u32>, Vec<bool>) {
     let mut ends: Vec<u32> = (0..index(segments.len())).collect();
     ends.par_sort_by_key(|&i| segments[i as usize].to);

@@ -8,31 +8,31 @@ use crate::output::scene::{FaceChunk, MeshSource, in_chunks};
 use crate::shape::topology::index;
 use crate::watch::{Stopped, Watch};
 
-/// What follows from the faces alone.
+/// The properties of a mesh that follow from its faces alone.
 #[derive(Debug)]
 pub(super) struct Connectivity {
     /// Number of edges.
     pub(super) edges: usize,
-    /// Edges of one face.
+    /// Number of edges with one face.
     pub(super) boundary_edges: usize,
-    /// Connected pieces of the boundary; loops that touch in a vertex are one piece.
+    /// Number of connected pieces of the boundary; loops that touch in a vertex are one piece.
     pub(super) boundary_loops: usize,
-    /// Connected pieces of the mesh, isolated vertices included.
+    /// Number of connected pieces of the mesh, isolated vertices included.
     pub(super) components: usize,
     /// Vertices without an edge.
     pub(super) isolated: Vec<u32>,
     /// Whether there are faces and each edge has exactly two.
     pub(super) closed: bool,
-    /// Number of vertices for each number of edges, away from the boundary.
+    /// Number of vertices by valence, off the boundary.
     pub(super) interior_valences: BTreeMap<u32, u64>,
-    /// Number of vertices for each number of edges, on the boundary.
+    /// Number of vertices by valence, on the boundary.
     pub(super) boundary_valences: BTreeMap<u32, u64>,
-    /// Number of faces for each number of corners.
+    /// Number of faces by number of corners.
     pub(super) face_sizes: BTreeMap<u32, u64>,
 }
 
 impl Connectivity {
-    /// Looks at all faces.
+    /// Analyses all faces of a mesh.
     pub(super) fn of(mesh: &dyn MeshSource, watch: &Watch) -> Result<Self, Stopped> {
         let n = mesh.n_vertices();
         let (mut keys, face_sizes) = keys(mesh, watch)?;
@@ -63,7 +63,7 @@ impl Connectivity {
         }
         let isolated = (0_u32..).zip(&valences).filter(|(_, valence)| **valence == 0).map(|(vertex, _)| vertex);
         let isolated = isolated.collect();
-        // Off the boundary every vertex is a piece of its own there.
+        // each vertex off the boundary is a set of its own in `boundary`
         let boundary_loops = boundary.n - on_boundary.iter().filter(|boundary| !**boundary).count();
         Ok(Self {
             edges,
@@ -79,7 +79,7 @@ impl Connectivity {
     }
 }
 
-/// The edges of all faces, one entry for each face at an edge: the smaller end above the larger one.
+/// Returns the edges of all faces, an entry for each face at an edge: the smaller end in the upper half of the bits.
 fn keys(mesh: &dyn MeshSource, watch: &Watch) -> Result<(Vec<u64>, BTreeMap<u32, u64>), Stopped> {
     let mut keys = Vec::with_capacity(mesh.n_half_edges());
     let mut face_sizes = BTreeMap::new();

@@ -12,7 +12,7 @@ use super::entries::{add_moments, bounding_box, euler, seen_from};
 use super::hashes::{HashedItem, PositionsHash, ShapeHash};
 use super::moments::Moments;
 
-/// The statistics of polygons whose points have `D` coordinates.
+/// Returns the statistics of polygons whose points have `D` coordinates.
 pub(super) fn report<const D: usize>(curves: &[Curve], watch: &Watch) -> Result<Value, FormatError> {
     let mut bounds = Bounds::EMPTY;
     let mut positions_hash = PositionsHash::default();
@@ -51,7 +51,7 @@ pub(super) fn report<const D: usize>(curves: &[Curve], watch: &Watch) -> Result<
     Ok(found)
 }
 
-/// What is summed over edges.
+/// The sums over edges.
 struct Sums<const D: usize> {
     moments: Moments<D>,
     /// Signed area, for plane polygons only.
@@ -59,7 +59,7 @@ struct Sums<const D: usize> {
     n_edges: usize,
 }
 
-/// The sums over all edges, points seen from `origin`.
+/// Returns the sums over all edges, with points relative to `origin`.
 fn sums<const D: usize>(curves: &[Curve], origin: [f64; D], watch: &Watch) -> Result<Sums<D>, Stopped> {
     let mut sums = Sums { moments: Moments::ZERO, area: 0.0, n_edges: 0 };
     for curve in curves {

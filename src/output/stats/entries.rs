@@ -22,7 +22,7 @@ pub(super) fn bounding_box<const D: usize>(bounds: &Bounds<D>) -> Value {
     if bounds.is_empty() { Value::Null } else { json!({ "min": list(&bounds.min), "max": list(&bounds.max) }) }
 }
 
-/// Numbers without -0.
+/// Returns the numbers, with 0 in place of -0.
 fn list<const D: usize>(numbers: &[f64; D]) -> Vec<f64> {
     numbers.iter().map(|x| x + 0.0).collect()
 }

@@ -1,4 +1,4 @@
-//! How a surface bends: its curvature, and how much normals differ across edges.
+//! The fairness of a surface: its curvature, and the angles between normals across edges.
 
 use serde_json::{Value, json};
 
@@ -12,17 +12,17 @@ use crate::output::scene::{MeshSource, Shape};
 use crate::output::split_vertices::SplitVertices;
 use crate::watch::Watch;
 
-/// Bytes of memory a vertex and a corner: curvatures and how much each vertex counts; edges with normals of their
-/// faces, of which there are fewer than a third of the corners.
+/// Bytes of memory per vertex and per half-edge: curvatures and the weight of each vertex; edges with normals of their
+/// faces, of which there are fewer than a third of the half-edges.
 pub(super) const BYTES: [u128; 2] = [mesh_curvature::VERTEX_BYTES, 12 + 24 / 3];
 
-/// Most bytes of the entries.
+/// Maximum number of bytes of the entries.
 pub(super) const LENGTH: u128 = 1_024;
 
-/// Adds the entries to a report: `curvature`, where `gaussian` and `mean` have the least and the greatest value among
-/// the vertices with their places and the mean over the surface (a vertex counts as the area of its faces), and
-/// `normal_jump`, the largest angle between the normals of two faces at an edge, the ends of that edge and its middle;
-/// null where no edge has two faces.
+/// Adds entries to a report: `curvature`, whose `gaussian` and `mean` have the least and the greatest value at vertices
+/// with their positions, and the mean over the surface (a vertex is weighted by the area of its faces); and
+/// `normal_jump`, the largest angle between the normals of two faces at an edge, the ends of that edge and its
+/// midpoint, or null if no edge has two faces.
 pub(super) fn add(found: &mut Value, mesh: &dyn MeshSource, watch: &Watch) -> Result<(), FormatError> {
     let split = SplitVertices::of(Shape::Mesh(mesh), &HardEdges::default(), watch)?;
     let sides = split.as_ref().map_or(mesh, |split| split);
@@ -37,7 +37,7 @@ pub(super) fn add(found: &mut Value, mesh: &dyn MeshSource, watch: &Watch) -> Re
     Ok(())
 }
 
-/// The range of numbers of vertices; of those that count for nothing there is none.
+/// Returns the range of numbers of vertices; null if no vertex has a positive weight.
 fn range(numbers: &[f64], shares: &[f64], rows: &[[f64; 3]]) -> Value {
     let counted = || (0..numbers.len()).filter(|&v| shares[v] > 0.0);
     let Some(first) = counted().next() else { return Value::Null };

@@ -1,4 +1,4 @@
-//! Hashes of a result: one of its rows as they stand, one of its shape whatever their order.
+//! Hashes of a result: one of its positions in order, one of its shape in any order.
 
 /// BLAKE3 over all coordinates in order, each an f64 in little-endian bytes, -0 as +0.
 #[derive(Debug, Default)]
@@ -12,23 +12,23 @@ impl PositionsHash {
         self.0.update(&self.1);
     }
 
-    /// 64 hexadecimal digits.
+    /// Returns 64 hexadecimal digits.
     pub(super) fn hex(&self) -> String {
         self.0.finalize().to_hex().to_string()
     }
 }
 
-/// The sum of the hashes of all parts (faces, isolated vertices, polygons), which no order of vertices or parts
-/// changes.
+/// The sum of the hashes of all parts (faces, isolated vertices, polygons), which does not depend on the order of
+/// vertices or parts.
 ///
 /// A part is hashed with BLAKE3 over one byte for its kind and then its points in order, each coordinate an f64 in
 /// little-endian bytes, -0 as +0. Cyclic parts (faces, closed polygons) start where the sequence of points, compared
-/// byte by byte, is smallest; their direction counts. The 32 bytes of a hash are four little-endian 64-bit numbers;
+/// byte by byte, is smallest; their direction matters. The 32 bytes of a hash are four little-endian 64-bit numbers;
 /// each of the four sums wraps around.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct ShapeHash([u64; 4]);
 
-/// Kinds of parts.
+/// The kind of a part.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum HashedItem {
     /// A vertex without faces.
@@ -42,10 +42,10 @@ pub(super) enum HashedItem {
 }
 
 impl ShapeHash {
-    /// Of nothing.
+    /// The hash of a shape without parts.
     pub(super) const ZERO: Self = Self([0; 4]);
 
-    /// Adds a part with these points; `bytes` is room for them.
+    /// Adds a part with these points; `bytes` is scratch memory.
     pub(super) fn add<'a>(&mut self, part: HashedItem, points: impl Iterator<Item = &'a [f64]>, bytes: &mut Vec<u8>) {
         bytes.clear();
         let mut size = 0;
@@ -64,19 +64,19 @@ impl ShapeHash {
         *self = self.plus(&Self(std::array::from_fn(|i| u64::from_le_bytes(numbers[i]))));
     }
 
-    /// The sum of both.
+    /// Returns the sum of both.
     pub(super) fn plus(&self, other: &Self) -> Self {
         Self(std::array::from_fn(|i| self.0[i].wrapping_add(other.0[i])))
     }
 
-    /// 64 hexadecimal digits, the bytes of the four numbers in their order.
+    /// Returns 64 hexadecimal digits, the bytes of the four numbers in their order.
     pub(super) fn hex(&self) -> String {
         let bytes: [u8; 32] = std::array::from_fn(|i| self.0[i / 8].to_le_bytes()[i % 8]);
         blake3::Hash::from_bytes(bytes).to_hex().to_string()
     }
 }
 
-/// Where the lexicographically smallest rotation of a cycle of records of `size` bytes starts, in linear time.
+/// Returns the start of the lexicographically smallest rotation of a cycle of records of `size` bytes, in linear time.
 ///
 /// Two starts race; the loser and all starts that its mismatch rules out are skipped. Source: Y. Shiloach, J.
 /// Algorithms 2 (1981), 107-121.

@@ -16,7 +16,7 @@ use super::fairness;
 use super::hashes::{HashedItem, PositionsHash, ShapeHash};
 use super::moments::Moments;
 
-/// The statistics of a mesh, on request with a hash of its normals, and with its curvature.
+/// Returns the statistics of a mesh, on request with a hash of its normals and with its curvature.
 pub(super) fn report(
     mesh: &dyn MeshSource,
     [with_normals, with_curvature]: [bool; 2],
@@ -82,10 +82,10 @@ fn counts(mesh: &dyn MeshSource, connectivity: &Connectivity) -> Value {
     })
 }
 
-/// Faces that are summed up before their sums are: another number would round otherwise.
+/// Number of faces in a partial sum; another number would round differently.
 const BLOCK: usize = 4_096;
 
-/// What is summed over faces.
+/// The sums over faces.
 struct Sums {
     surface: Moments<3>,
     solid: Moments<3>,
@@ -95,7 +95,7 @@ struct Sums {
 impl Sums {
     const ZERO: Self = Self { surface: Moments::ZERO, solid: Moments::ZERO, hash: ShapeHash::ZERO };
 
-    /// The sums over some faces, positions seen from `origin`.
+    /// Returns the sums over some faces, with positions relative to `origin`.
     fn of(faces: &FaceChunk, rows: &[[f64; 3]], origin: [f64; 3]) -> Self {
         let mut sums = Self::ZERO;
         let mut bytes = Vec::new();

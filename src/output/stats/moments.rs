@@ -2,8 +2,8 @@
 
 use crate::math::vector::{cross, dot, length, minus};
 
-/// Integrals of 1, `x` and `x x^T` over segments, triangles or tetrahedra: model units to the power of their dimension,
-/// plus one, plus two.
+/// Integrals of 1, `x` and `x x^T` over segments, triangles or tetrahedra of dimension d, in model units to the powers
+/// d, d + 1 and d + 2.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Moments<const D: usize> {
     /// Length, area or signed volume.
@@ -13,10 +13,10 @@ pub(super) struct Moments<const D: usize> {
 }
 
 impl<const D: usize> Moments<D> {
-    /// Over nothing.
+    /// The integrals over nothing.
     pub(super) const ZERO: Self = Self { measure: 0.0, first: [0.0; D], second: [[0.0; D]; D] };
 
-    /// Adds a simplex of this measure. Its corners are `corners`, and the origin where one is missing to make `n`.
+    /// Adds a simplex of this measure with `n` corners: `corners`, and the origin if they are one fewer than `n`.
     ///
     /// With `s` the sum of the corners: `int x = m s / n`, `int x x^T = m / (n (n + 1)) (sum v v^T + s s^T)`, exactly.
     fn add(&mut self, measure: f64, n: f64, corners: &[[f64; D]]) {
@@ -36,7 +36,7 @@ impl<const D: usize> Moments<D> {
         self.add(length(minus(b, a)), 2.0, &[a, b]);
     }
 
-    /// The sum of both.
+    /// Returns the sum of both.
     pub(super) fn plus(mut self, other: &Self) -> Self {
         self.measure += other.measure;
         for i in 0..D {
@@ -48,7 +48,7 @@ impl<const D: usize> Moments<D> {
         self
     }
 
-    /// The centroid, and the second moments about it; nothing where the measure is 0.
+    /// Returns the centroid and the second moments about it; `None` if the measure is 0.
     pub(super) fn centered(&self) -> Option<Centered<D>> {
         if self.measure == 0.0 {
             return None;
@@ -68,15 +68,15 @@ impl Moments<3> {
         self.add(length(normal) / 2.0, 3.0, corners);
     }
 
-    /// Adds the tetrahedron that the triangle `a b c` spans with the origin; its volume is positive when the triangle
-    /// is counter-clockwise seen from the far side.
+    /// Adds the tetrahedron of the triangle `a b c` and the origin; its volume is positive if the triangle is
+    /// counter-clockwise seen from the far side.
     pub(super) fn add_cone(&mut self, corners: &[[f64; 3]; 3]) {
         let [a, b, c] = *corners;
         self.add(dot(a, cross(b, c)) / 6.0, 4.0, corners);
     }
 }
 
-/// What [`Moments::centered`] finds.
+/// The centroid and the second moments about it.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Centered<const D: usize> {
     /// The centroid, in the coordinates of the corners.

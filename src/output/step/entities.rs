@@ -6,7 +6,7 @@ use std::io::{self, Write};
 use crate::output::error::FormatError;
 use crate::output::numbers::real;
 
-/// Bytes that are gathered before they are written.
+/// Number of bytes that are buffered before they are written.
 const BLOCK: usize = 1 << 16;
 
 /// The number of an entity.
@@ -19,7 +19,7 @@ impl fmt::Display for Id {
     }
 }
 
-/// A number as this format writes it: the shortest decimal that reads back, always with a point.
+/// A number in the notation of STEP: the shortest decimal that reads back, always with a point.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Real(pub(super) f64);
 
@@ -54,7 +54,8 @@ impl<T: fmt::Display> fmt::Display for List<'_, T> {
     }
 }
 
-/// A text in apostrophes: these are doubled, and what is not printable ASCII is written as its code.
+/// A text in apostrophes: apostrophes and backslashes are doubled, and other characters than printable ASCII are
+/// escaped by their code.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Text<'a>(pub(super) &'a str);
 
@@ -85,7 +86,7 @@ impl<'a> Entities<'a> {
         Self { out, text: String::with_capacity(BLOCK + 4096), last: 0 }
     }
 
-    /// Writes text that is no entity.
+    /// Writes text that is not an entity.
     pub(super) fn line(&mut self, text: &str) -> Result<(), FormatError> {
         self.text.push_str(text);
         self.text.push('\n');
@@ -106,7 +107,7 @@ impl<'a> Entities<'a> {
         self.add(format_args!("CARTESIAN_POINT('',{})", List(&point)))
     }
 
-    /// Writes what is still gathered.
+    /// Writes the rest of the buffer.
     pub(super) fn finish(mut self) -> Result<(), FormatError> {
         self.flush_above(0)
     }

@@ -7,7 +7,7 @@ use crate::shape::attachments::Attachments;
 use crate::shape::labels::Labels;
 use crate::solid::Face;
 
-/// The faces of each label; all input faces of a face have the same one.
+/// Returns the faces of each label; all input faces of a face have the same label.
 fn by_label(labels: &Labels, faces: &[Face], ids: &[Id]) -> Vec<Vec<Id>> {
     let mut found = vec![Vec::new(); labels.names.len()];
     for (face, &id) in faces.iter().zip(ids) {

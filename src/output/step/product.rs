@@ -7,7 +7,7 @@ use crate::shape::frame::Unit;
 /// The schema: application protocol 242, edition 1.
 pub(super) const SCHEMA: &str = "AP242_MANAGED_MODEL_BASED_3D_ENGINEERING_MIM_LF { 1 0 10303 442 1 1 4 }";
 
-/// What shapes refer to.
+/// The entities to which shapes refer.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Product {
     /// The shape of the product as a property.
@@ -18,7 +18,7 @@ pub(super) struct Product {
     pub(super) axes: Id,
 }
 
-/// Writes a product whose lengths have this unit and are right to `accuracy` units.
+/// Writes a product with lengths in this unit that are accurate to `accuracy` units.
 pub(super) fn product(out: &mut Entities<'_>, unit: Unit, accuracy: f64) -> Result<Product, FormatError> {
     let application = out.add(format_args!("APPLICATION_CONTEXT('managed model based 3d engineering')"))?;
     out.add(format_args!(

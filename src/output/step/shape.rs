@@ -9,7 +9,7 @@ use crate::output::error::FormatError;
 use crate::solid::{Brep, Curve, Face, Shell, Surface};
 use crate::watch::Watch;
 
-/// Writes all faces; their entities.
+/// Writes all faces, and returns their entities.
 pub(super) fn faces(out: &mut Entities<'_>, brep: &Brep, watch: &Watch) -> Result<Vec<Id>, FormatError> {
     let mut vertices = vec![None; brep.vertices.len()];
     let mut edges = vec![None; brep.edges.len()];
@@ -34,10 +34,10 @@ pub(super) fn faces(out: &mut Entities<'_>, brep: &Brep, watch: &Watch) -> Resul
     Ok(found)
 }
 
-/// Most runs of input faces in the name of a face; some readers cut names at 256 bytes.
+/// Maximum number of runs of input faces in the name of a face; some readers cut names at 256 bytes.
 const RUNS: usize = 12;
 
-/// The input faces that a face came of: `f3`, or `f3-f5,f8`.
+/// Returns the name of a face, which lists its input faces: `f3`, or `f3-f5,f8`.
 fn name(face: &Face) -> String {
     let mut name = String::new();
     let runs: Vec<&[u32]> = face.inputs.chunk_by(|a, b| a + 1 == *b).collect();
@@ -73,7 +73,7 @@ fn points(out: &mut Entities<'_>, points: &[Vector]) -> Result<Vec<Id>, FormatEr
     points.iter().map(|&point| out.point(point)).collect()
 }
 
-/// How often each knot counts.
+/// Returns the multiplicity of each knot.
 fn multiplicities(n_knots: usize, degree: usize) -> Vec<usize> {
     (0..n_knots).map(|i| if i == 0 || i + 1 == n_knots { degree + 1 } else { 1 }).collect()
 }
@@ -106,7 +106,7 @@ fn surface(out: &mut Entities<'_>, surface: &Surface) -> Result<Id, FormatError>
     ))
 }
 
-/// Writes shells of faces, and the representations that hold them: a solid for each closed one.
+/// Writes shells of faces, and the representations that hold them: a solid for each closed shell.
 pub(super) fn shells(
     out: &mut Entities<'_>,
     shells: &[Shell],

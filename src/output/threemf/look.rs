@@ -1,4 +1,4 @@
-//! How triangles look: materials of faces, or colours of vertices.
+//! The looks of triangles: materials of faces, or colours of vertices.
 
 use std::fmt::Write;
 
@@ -14,10 +14,10 @@ use crate::shape::looks::PLAIN;
 const MATERIALS: &str = "1";
 const COLORS: &str = "2";
 
-/// Where the looks of triangles come from.
+/// The source of the looks of triangles.
 #[derive(Debug, Clone, Copy)]
 pub(super) enum Looks<'a> {
-    /// Nothing is said.
+    /// No looks are given.
     Plain,
     /// Each face has a material, or none.
     Materials(&'a dyn MeshSource),
@@ -25,28 +25,28 @@ pub(super) enum Looks<'a> {
     Colors(&'a dyn MeshSource, usize),
 }
 
-/// The channel of colours, where each vertex has one.
+/// Returns the channel of colours and its number, if each vertex has one colour.
 pub(super) fn color(carried: &Attachments) -> Option<(usize, &Channel)> {
     carried.color().filter(|(_, color)| color.seams.is_none())
 }
 
-/// A text as the value of an attribute in XML.
+/// Escapes a text as the value of an attribute in XML.
 pub(super) fn escaped(text: &str) -> String {
     text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
 }
 
-/// A colour in sRGB, 0 to 1, as eight hexadecimal digits.
+/// Returns a colour in sRGB, 0 to 1, as eight hexadecimal digits.
 fn hexadecimal(color: &[f64]) -> String {
     let mut text = "#".to_owned();
     for k in 0..4 {
-        // writing into a text does not fail
+        // writing to a string cannot fail
         let _ = write!(text, "{:02X}", byte(color.get(k).copied().unwrap_or(1.0)));
     }
     text
 }
 
 impl<'a> Looks<'a> {
-    /// Those of a mesh: colours of vertices before materials.
+    /// Returns the source of looks of a mesh: colours of vertices take precedence over materials.
     pub(super) fn of(mesh: &'a dyn MeshSource) -> Self {
         let carried = mesh.attachments();
         match color(carried) {
@@ -95,7 +95,7 @@ impl<'a> Looks<'a> {
         }
     }
 
-    /// The attributes of an object: how triangles look of which nothing is said.
+    /// Returns the attributes of an object: the default look of its triangles.
     pub(super) fn of_object(self) -> String {
         match self {
             Self::Plain => String::new(),
@@ -131,5 +131,5 @@ impl<'a> Looks<'a> {
     }
 }
 
-/// What faces without a material are said to have.
+/// The name of the material of faces that have none.
 pub(super) const NO_MATERIAL: &str = "default";

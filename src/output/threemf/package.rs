@@ -1,6 +1,6 @@
-//! ZIP archives of compressed files, written from front to back, the same bytes for the same files.
+//! ZIP archives of compressed files, written from front to back, with the same bytes for the same files.
 //!
-//! Lengths and checksums follow the bytes of each file, so that nothing is held; no file has a time.
+//! Lengths and checksums follow the bytes of each file, so no file is held in memory; no file has a time.
 
 use std::io::{self, Write};
 
@@ -8,12 +8,12 @@ use flate2::Compression;
 use flate2::write::DeflateEncoder;
 use rawzip::{CompressionMethod, Error, ErrorKind, ZipArchiveWriter};
 
-/// How hard the bytes are compressed: the usual balance of zlib. At 1 models are a third longer, at 9 they take twice
-/// as long and are hardly shorter.
+/// Compression level: the usual balance of zlib. At 1 models are a third longer, at 9 they take twice as long and are
+/// hardly shorter.
 const LEVEL: u32 = 6;
 
-/// Most bytes that an archive of so many files with names of so many bytes takes beside the bytes of its files, where
-/// these are at most as long as they are stored: heads of 30 and 46 bytes, lengths of 24, and twice 32 for large files.
+/// Returns the maximum number of bytes of an archive besides its stored files, for `n_files` files with names of
+/// `names` bytes in total: headers of 30 and 46 bytes, lengths of 24, and twice 32 for large files.
 pub(super) const fn overhead(n_files: u128, names: u128) -> u128 {
     n_files * (30 + 24 + 46 + 2 * 32) + 2 * names + 22
 }
@@ -22,7 +22,7 @@ pub(super) const fn overhead(n_files: u128, names: u128) -> u128 {
 pub(super) struct Package<'a>(ZipArchiveWriter<&'a mut dyn Write>);
 
 impl<'a> Package<'a> {
-    /// An archive without files as yet.
+    /// Starts an archive without files.
     pub(super) fn new(out: &'a mut dyn Write) -> Self {
         Self(ZipArchiveWriter::new(out))
     }
@@ -30,7 +30,7 @@ impl<'a> Package<'a> {
     /// Appends a file, whose bytes `write` writes.
     ///
     /// # Errors
-    /// Those of `write` and of the writer below.
+    /// Errors of `write` and of the writer below.
     pub(super) fn file<E: From<io::Error>>(
         &mut self,
         name: &str,
@@ -49,7 +49,7 @@ impl<'a> Package<'a> {
     /// Writes the list of files.
     ///
     /// # Errors
-    /// Those of the writer below.
+    /// Errors of the writer below.
     pub(super) fn finish(self) -> io::Result<()> {
         self.0.finish().map(|_| ()).map_err(unwritten)
     }

@@ -1,33 +1,33 @@
-//! Connected parts of a mesh: objects of their own.
+//! The connected parts of a mesh, which become separate objects.
 
 use crate::output::error::FormatError;
 use crate::output::scene::{MeshSource, each_face, triangles};
 use crate::watch::Watch;
 
-/// Most parts of one mesh, each of which is an object: sheets of thousands of small parts are written, loose triangles
-/// by the million are refused.
+/// Maximum number of parts of a mesh, each of which is an object: sheets of thousands of small parts are written, loose
+/// triangles by the million are refused.
 pub(super) const MAX_PARTS: usize = 10_000;
 
-/// Bytes of memory that parts take, beside positions: for each vertex and each triangle.
+/// Bytes of memory of the parts, besides positions, per vertex and per triangle.
 pub(super) const VERTEX_BYTES: u128 = 24 + 16;
 pub(super) const TRIANGLE_BYTES: u128 = 20;
 
-/// The parts of a mesh, by the first triangle of each.
+/// The parts of a mesh, in the order of their first triangles.
 #[derive(Debug)]
 pub(super) struct Parts {
     /// The vertices of each part, ascending.
     pub(super) vertices: Vec<Vec<u32>>,
     /// The triangles of each part with the number of their face.
     pub(super) triangles: Vec<Vec<([u32; 3], u32)>>,
-    /// The number of each vertex in its part.
+    /// The number of each vertex within its part.
     pub(super) local: Vec<u32>,
 }
 
 impl Parts {
-    /// The parts whose faces share vertices.
+    /// Finds the parts: faces that share vertices are in one part.
     ///
     /// # Errors
-    /// A stopped watch, and more than [`MAX_PARTS`].
+    /// A stopped watch, or more than [`MAX_PARTS`] parts.
     pub(super) fn of(mesh: &dyn MeshSource, watch: &Watch) -> Result<Self, FormatError> {
         let mut parents: Vec<u32> = (0..u32::try_from(mesh.n_vertices()).unwrap_or(u32::MAX)).collect();
         each_face(mesh, watch, |face| {
@@ -61,7 +61,7 @@ impl Parts {
         let (mut vertices, mut local) = (vec![Vec::new(); all.len()], vec![0; parents.len()]);
         for v in 0..u32::try_from(parents.len()).unwrap_or(u32::MAX) {
             let part = number[root(&mut parents, v) as usize] as usize;
-            // a vertex of no face is in no part
+            // a vertex without faces is in no part
             if let Some(part) = vertices.get_mut(part) {
                 local[v as usize] = u32::try_from(part.len()).unwrap_or(u32::MAX);
                 part.push(v);
@@ -71,7 +71,7 @@ impl Parts {
     }
 }
 
-/// The vertex that stands for the part of `v`, the lowest; the way there gets shorter.
+/// Returns the lowest vertex of the part of `v`, which represents the part, and shortens the path to it.
 fn root(parents: &mut [u32], mut v: u32) -> u32 {
     while parents[v as usize] != v {
         let next = parents[v as usize];

@@ -7,17 +7,17 @@ use crate::output::scene::{FaceChunk, MeshSource};
 use crate::output::stream::Stream;
 use crate::shape::source::PlaceSource;
 
-/// What stands before the attributes of the mesh.
+/// The indentation of the attributes of the mesh.
 pub(super) const INDENT: &str = "        ";
 
-/// How values lie on a mesh.
+/// The elements of a mesh to which values belong.
 #[derive(Debug, Clone, Copy)]
 pub(super) enum On {
-    /// One for each vertex.
+    /// One value for each vertex.
     Vertices,
-    /// One for each corner.
+    /// One value for each corner.
     Corners,
-    /// Not told, as the attribute has one place for them.
+    /// Not written, as the attribute implies the elements.
     Untold,
 }
 
@@ -43,7 +43,7 @@ pub(super) fn attribute<'a>(
     stream.bytes(format!("]{}\n", on.metadata()).as_bytes())
 }
 
-/// Writes an attribute of one number for each of these.
+/// Writes an attribute with one number for each entry of `of`.
 pub(super) fn numbers<T: Sync>(
     declared: &str,
     of: &[T],
@@ -58,7 +58,7 @@ pub(super) fn numbers<T: Sync>(
     })
 }
 
-/// Appends what stands between the entries of a list before entry `i`.
+/// Appends the separator before entry `i` of a list.
 pub(super) fn comma(i: usize, out: &mut Vec<u8>) {
     if i > 0 {
         out.extend_from_slice(b", ");
@@ -78,7 +78,7 @@ pub(super) fn entry(row: &[f64], out: &mut Vec<u8>) {
     out.push(b')');
 }
 
-/// Appends entries of so many numbers each, the first of which has that index.
+/// Makes consecutive entries of `width` numbers each; `start` is the index of the first of them.
 pub(super) fn entries(start: usize, values: &[f64], width: usize, out: &mut Bytes) {
     out.append(|out| {
         for (i, row) in (start..).zip(values.chunks_exact(width)) {
@@ -88,7 +88,7 @@ pub(super) fn entries(start: usize, values: &[f64], width: usize, out: &mut Byte
     });
 }
 
-/// Writes how many vertices the faces have, and which.
+/// Writes the sizes of the faces, and their vertices.
 pub(super) fn faces(mesh: &dyn MeshSource, stream: &mut Stream<'_>) -> Result<(), FormatError> {
     attribute("int[] faceVertexCounts", On::Untold, stream, |stream| {
         stream.faces(mesh, |start, faces, out| {
@@ -114,7 +114,7 @@ pub(super) fn places(
     attribute(&declared, On::Untold, stream, |stream| stream.place_faces(mesh, places, corners))
 }
 
-/// Appends the corners of some consecutive faces, the first of which has this index.
+/// Makes the corners of consecutive faces; `start` is the index of the first corner.
 pub(super) fn corners(start: usize, faces: &FaceChunk, out: &mut Bytes) {
     out.append(|out| {
         for (i, &corner) in faces.vertices.iter().enumerate() {

@@ -1,4 +1,4 @@
-//! A control mesh under a scheme that OpenSubdiv has, in the words of USD.
+//! A control mesh under a scheme that OpenSubdiv has, in the terms of USD.
 
 use super::tokens;
 use crate::output::control_source::ControlSource;
@@ -20,16 +20,16 @@ pub(super) struct Cage<'a> {
 }
 
 impl<'a> Cage<'a> {
-    /// The cage of a plan, if it is one of OpenSubdiv's schemes by all its rules.
+    /// Returns the cage of a plan, if the plan is a scheme of OpenSubdiv with all its rules.
     pub(super) fn of(mesh: &'a Mesh, plan: &'a Plan) -> Option<Self> {
         let standard = plan.standard()?;
         let semi_sharp = |&(_, sharpness): &(u32, f64)| sharpness < INFINITE_SHARPNESS;
-        // USD has no word for another rule by which sharpness becomes less
+        // USD cannot express another rule by which sharpness decreases
         let creases_alike = plan.rules.creasing == Creasing::default() || !mesh.creases.iter().any(semi_sharp);
         creases_alike.then_some(Self { mesh, plan, standard })
     }
 
-    /// The token of `subdivisionScheme`.
+    /// Returns the token of `subdivisionScheme`.
     pub(super) fn scheme(&self) -> &'static str {
         match self.standard {
             Standard::CatmullClark => "catmullClark",
@@ -38,11 +38,11 @@ impl<'a> Cage<'a> {
         }
     }
 
-    /// The tokens of the rules that matter to this mesh, with the names of their attributes.
+    /// Returns the tokens of the rules that matter to this mesh, with the names of their attributes.
     pub(super) fn rules(&self) -> Vec<(&'static str, &'static str)> {
         let mut rules = Vec::new();
         let topology = &self.mesh.topology;
-        // the rule makes no difference to a closed mesh, whose bytes are then those of any other
+        // the rule makes no difference to a closed mesh, whose bytes are then the same under all of them
         let boundary = if topology.n_boundary() > 0 { self.plan.boundary } else { Boundary::default() };
         rules.push(("interpolateBoundary", tokens::boundary(boundary)));
         let has_triangle = || (0..topology.n_faces()).any(|f| topology.face(f).len() == 3);
@@ -55,8 +55,8 @@ impl<'a> Cage<'a> {
         rules
     }
 
-    /// The channels of corners whose rule of interpolation is not that of the texture coordinates, by name: USD has
-    /// one rule for all values of corners.
+    /// Returns the names of channels of corners that are interpolated otherwise than texture coordinates: USD has one
+    /// rule for all values of corners.
     pub(super) fn otherwise(&self) -> Vec<&str> {
         let carried = &self.mesh.attachments;
         let word = |seams: &Seams| seams.interpolation(&self.mesh.topology);
@@ -65,7 +65,7 @@ impl<'a> Cage<'a> {
         carried.channels.iter().filter(|channel| differs(&channel.seams)).map(|channel| channel.name.as_str()).collect()
     }
 
-    /// The mesh, hidden faces included.
+    /// Returns the mesh, hidden faces included.
     pub(super) fn source(&self) -> ControlSource<'a> {
         ControlSource(self.mesh)
     }

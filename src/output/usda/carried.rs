@@ -1,4 +1,4 @@
-//! What a mesh carries: primvars, subsets of faces, materials.
+//! The attachments of a mesh: primvars, subsets of faces, materials.
 
 use super::attributes::{INDENT, On, attribute, comma, entries, entry, places};
 use super::names::{Names, display_name};
@@ -12,7 +12,7 @@ use crate::shape::attachments::{Attachments, Channel};
 use crate::shape::labels::Labels;
 use crate::shape::looks::{Alpha, Look};
 
-/// Names of primvars that mean something already.
+/// Names of primvars that have a meaning in USD.
 const TAKEN: [&str; 4] = ["st", "normals", "displayColor", "displayOpacity"];
 
 /// Writes texture coordinates and channels.
@@ -46,7 +46,7 @@ fn name(channel: &Channel) -> String {
     format!("primvars:{space}{}", channel.name)
 }
 
-/// Writes a channel under a type and a name; `write` appends what an entry of it has there.
+/// Writes a channel under a type and a name; `write` appends the entry for the numbers of a vertex or corner.
 fn primvar(
     mesh: &dyn MeshSource,
     channel: usize,
@@ -154,7 +154,7 @@ pub(super) fn prim(
     stream.bytes(format!("\n{indent}def {kind} \"{name}\"{metadata}\n{indent}{{\n").as_bytes())
 }
 
-/// The names of the prims of materials.
+/// Returns the names of the prims of materials.
 fn material_names(materials: &Labels) -> Vec<String> {
     let mut names = Names::default();
     materials.names.iter().map(|name| names.identifier(name)).collect()
@@ -178,7 +178,7 @@ pub(super) fn materials(carried: &Attachments, stream: &mut Stream<'_>) -> Resul
     stream.bytes(b"    }\n")
 }
 
-/// Appends the shader of a look, as far as that says something.
+/// Appends the shader of a look, with the properties that the look defines.
 fn shader(look: &Look, out: &mut Vec<u8>) {
     let Look { color, metallic, roughness, double_sided: _, alpha, texture: _ } = look;
     out.extend_from_slice(format!("{INDENT}    def Shader \"surface\"\n{INDENT}    {{\n").as_bytes());

@@ -2,13 +2,13 @@
 
 use std::collections::BTreeSet;
 
-/// Names that are taken in one place.
+/// Names that are taken in one scope.
 #[derive(Debug, Default)]
 pub(super) struct Names(BTreeSet<String>);
 
 impl Names {
-    /// The name of a prim for a name that may be any: as it is where it is an identifier, else with `_` for what has no
-    /// place in one, and a number behind it where it is taken.
+    /// Returns a unique identifier for a name: the name itself if it is an identifier and free, otherwise with `_` for
+    /// other characters, and a number at its end if it is taken.
     pub(super) fn identifier(&mut self, name: &str) -> String {
         let letter = |c: char| if c.is_ascii_alphanumeric() || c == '_' { c } else { '_' };
         let mut stem: String = name.chars().map(letter).collect();
@@ -21,12 +21,12 @@ impl Names {
     }
 }
 
-/// Metadata that tells a name where that of the prim is another.
+/// Returns the metadata with the original name, if the prim has another.
 pub(super) fn display_name(name: &str, identifier: &str) -> Option<String> {
     (name != identifier).then(|| format!("displayName = {}", quoted(name)))
 }
 
-/// A text in quotes.
+/// Returns a text in quotes.
 pub(super) fn quoted(text: &str) -> String {
     format!("\"{}\"", text.replace('\\', "\\\\").replace('"', "\\\""))
 }

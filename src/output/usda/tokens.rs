@@ -1,9 +1,9 @@
-//! What USD calls the rules of subdivision surfaces.
+//! The tokens of USD for the rules of subdivision surfaces.
 
 use crate::scheme::tags::Boundary;
 use crate::shape::seams::Interpolation;
 
-/// The token of `interpolateBoundary`.
+/// Returns the token of `interpolateBoundary`.
 pub(super) fn boundary(rule: Boundary) -> &'static str {
     match rule {
         Boundary::EdgeAndCorner => "edgeAndCorner",
@@ -12,7 +12,7 @@ pub(super) fn boundary(rule: Boundary) -> &'static str {
     }
 }
 
-/// The token of `faceVaryingLinearInterpolation`.
+/// Returns the token of `faceVaryingLinearInterpolation`.
 pub(super) fn interpolation(word: Interpolation) -> &'static str {
     match word {
         Interpolation::None => "none",

@@ -4,19 +4,19 @@ use std::collections::BTreeMap;
 
 use crate::drawing::{Point, Run};
 
-/// Longest polyline, so that painting one takes bounded memory.
+/// Maximum number of points of a polyline, so that painting one takes bounded memory.
 const LONGEST: usize = 4096;
 
 /// A straight piece of a line.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Piece {
-    /// Its ends.
+    /// The places of its ends.
     pub(super) places: [Point; 2],
     /// The vertices at its ends, where it reaches them.
     pub(super) vertices: [Option<u32>; 2],
 }
 
-/// Polylines of pieces that meet at vertices at which no third one ends, in the order of their first pieces.
+/// Joins pieces at vertices where exactly two pieces end. Returns the polylines in the order of their first pieces.
 pub(super) fn chains(pieces: &[Piece]) -> Vec<Run> {
     let mut around: BTreeMap<u32, Vec<usize>> = BTreeMap::new();
     for (i, piece) in pieces.iter().enumerate() {
@@ -39,7 +39,7 @@ pub(super) fn chains(pieces: &[Piece]) -> Vec<Run> {
     runs
 }
 
-/// Goes on from a vertex at the end of a run.
+/// Continues a run from the vertex at its end.
 fn extend(
     run: &mut Run,
     from: Option<u32>,

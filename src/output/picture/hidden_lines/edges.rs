@@ -1,4 +1,4 @@
-//! The lines of a mesh: where it turns away, where it ends, where it is sharp, and the edges of faces.
+//! The lines of a mesh: its silhouettes, boundary, creases, isolines and the edges of faces.
 
 use rayon::prelude::*;
 
@@ -10,14 +10,14 @@ use crate::raster::Seen;
 use crate::shape::topology::NONE;
 use crate::watch::Watch;
 
-/// What a line is.
+/// The class of a line.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Class {
     /// Between a triangle that shows its outside and one that shows its inside.
     Silhouette,
-    /// The end of the mesh.
+    /// The boundary of the mesh.
     Boundary,
-    /// Sharp, or with faces that meet at a large angle.
+    /// Sharp, or between faces that meet at a large angle.
     Crease,
     /// A piece of an edge of the input.
     Isoline,
@@ -25,12 +25,12 @@ pub(super) enum Class {
     Wireframe,
 }
 
-/// All classes; a line is drawn as the first of them that is shown.
+/// All classes; a line is drawn as the first class it belongs to that is shown.
 pub(super) const CLASSES: [Class; 5] =
     [Class::Silhouette, Class::Boundary, Class::Crease, Class::Isoline, Class::Wireframe];
 
 impl Class {
-    /// Its name in requests.
+    /// Returns the name of the class in requests.
     pub(super) fn name(self) -> &'static str {
         match self {
             Self::Silhouette => "silhouettes",
@@ -46,14 +46,14 @@ impl Class {
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Edge {
     pub(super) ends: [u32; 2],
-    /// Whether it is of each class.
+    /// Whether the line belongs to each class, in the order of [`CLASSES`].
     is: [bool; 5],
-    /// Triangles of which it is a side, or [`NONE`].
+    /// The first two triangles that have the line as a side; [`NONE`] if there is no second one.
     pub(super) beside: [u32; 2],
 }
 
 impl Edge {
-    /// The class as which it is drawn where classes are shown of which `shows` holds.
+    /// Returns the class as which the line is drawn, if `shows` tells which classes are shown.
     pub(super) fn drawn_as(&self, shows: impl Fn(&str) -> bool) -> Option<Class> {
         CLASSES.into_iter().find(|class| self.is[*class as usize] && shows(class.name()))
     }
@@ -63,7 +63,7 @@ impl Edge {
 pub(super) struct Edges {
     pub(super) triangles: Vec<[u32; 3]>,
     pub(super) all: Vec<Edge>,
-    /// Those on whose two sides normals differ, besides sharp ones.
+    /// The edges on whose two sides normals differ, apart from sharp ones.
     pub(super) hard: HardEdges,
 }
 
@@ -71,8 +71,9 @@ pub(super) struct Edges {
 type Side = [u32; 3];
 
 impl Edges {
-    /// Those of a mesh whose vertices stand at `positions` and are `seen` there. Vertices at one place count as one,
-    /// the first of them, so that neither poles nor files without neighbours have boundaries inside.
+    /// Finds the lines of a mesh whose vertices have these `positions` and are `seen` in the picture. Vertices at one
+    /// position are merged into the first of them, so that neither poles nor files without neighbours have boundaries
+    /// inside.
     pub(super) fn of(
         scene: &Scene<'_>,
         mesh: &dyn MeshSource,
@@ -114,14 +115,14 @@ fn ordered([a, b]: [u32; 2]) -> [u32; 2] {
     [a.min(b), a.max(b)]
 }
 
-/// Whether a triangle turns counter-clockwise; y points downwards.
+/// Returns whether a triangle turns counter-clockwise in the picture, where y points downwards.
 fn shows_outside([a, b, c]: [Seen; 3]) -> bool {
     (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]) < 0.0
 }
 
-/// For each vertex the first at the same place.
+/// Returns for each vertex the first vertex at the same position.
 fn firsts(positions: &[[f64; 3]]) -> Vec<u32> {
-    // the sums take -0 for 0
+    // adding 0 turns -0 into 0
     let key = |v: u32| positions[v as usize].map(|x| (x + 0.0).to_bits());
     let mut order: Vec<u32> = (0..).take(positions.len()).collect();
     order.par_sort_unstable_by_key(|&v| (key(v), v));
@@ -132,7 +133,7 @@ fn firsts(positions: &[[f64; 3]]) -> Vec<u32> {
     first
 }
 
-/// The triangles of all faces that have three corners, and the face of each.
+/// Returns the triangles of all faces with three distinct corners, and the face of each.
 fn cut(mesh: &dyn MeshSource, first: &[u32], watch: &Watch) -> Result<(Vec<[u32; 3]>, Vec<u32>), FormatError> {
     let (mut all, mut faces) = (Vec::new(), Vec::new());
     let mut chunk = FaceChunk::default();
@@ -155,7 +156,7 @@ fn cut(mesh: &dyn MeshSource, first: &[u32], watch: &Watch) -> Result<(Vec<[u32;
     Ok((all, faces))
 }
 
-/// The pieces of the edges of the input beside which a face is shown.
+/// Returns the pieces of edges of the input that have a shown face beside them.
 fn isolines(mesh: &dyn MeshSource, watch: &Watch) -> Result<Vec<[u32; 2]>, FormatError> {
     let mut pieces = Vec::new();
     let mut line = Vec::new();

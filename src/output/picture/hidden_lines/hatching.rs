@@ -1,7 +1,7 @@
-//! Hatching: parallel lines over the picture, of which there are the more the darker the surface is.
+//! Hatching: parallel lines over the picture, which are the denser the darker the surface is.
 //!
-//! Along a line of the picture the light of a triangle is linear between its corners, so that what is drawn of the line
-//! is an interval whose ends are quotients; what triangles nearer by hide of it is found like that of any other line.
+//! Along a line of the picture the light on a triangle is linear between its corners, so the drawn part of the line is
+//! an interval whose ends are quotients; the parts of it that nearer triangles hide are found as for any other line.
 //! Pieces on neighbouring triangles lie on one line, and are joined to one stroke.
 
 use rayon::prelude::*;
@@ -19,38 +19,38 @@ use crate::output::split_vertices::SplitVertices;
 use crate::raster::{Camera, Seen, Sight};
 use crate::watch::Watch;
 
-/// Distance of the closest lines, in units of line width.
-/// Half of it is grey to the eye and doubles the file, twice of it leaves a finger-wide surface without a line.
+/// Distance between neighbouring lines, in units of line width. Half of it looks grey and doubles the file; twice of it
+/// leaves a finger-wide surface without a line.
 const APART: f64 = 3.5;
-/// Both directions of lines, across the picture and down it.
+/// The two directions of lines, across the picture and down it.
 const DIRECTIONS: [[f64; 2]; 2] = [[1.0, -1.0], [1.0, 1.0]];
-/// The cosine of the angle between normal and lamp below which every fourth line is drawn, the one between two of
-/// these, and all others: first in one direction, then across it. About even steps of what lies between full light and
-/// the side turned away. Higher ones leave no paper, lower ones no ink.
+/// The cosines of the angle between normal and lamp below which lines are drawn: every fourth line, the ones midway
+/// between two of these, and all others; first in one direction, then across it. About even steps between full light
+/// and the side turned away. Higher ones leave no paper, lower ones no ink.
 const BELOW: [[f64; 3]; 2] = [[0.82, 0.60, 0.36], [0.12, -0.10, -0.40]];
-/// Strokes that are shorter, in units of line width, look like dust and are left out.
+/// Minimum length of a stroke, in units of line width; shorter ones look like dust and are left out.
 const LEAST: f64 = 2.0;
-/// Gaps between pieces of one line that come of rounding, pixels: half of it leaves gaps between triangles that are
-/// seen nearly from their edge, twice of it still cannot be seen.
+/// Gaps between pieces of one line that are due to rounding, pixels. Half of it leaves gaps between triangles seen
+/// nearly edge-on; twice of it still cannot be seen.
 const GAP_PX: f64 = 0.2;
-/// Pieces at most, 56 bytes each; usual meshes have one or two a triangle. Half of it refuses meshes of which lines
-/// are drawn, twice of it takes 120 MB more.
+/// Maximum number of pieces, 56 bytes each; usual meshes have one or two per triangle. Half of it refuses meshes whose
+/// lines can be drawn; twice of it takes 120 MB more in each of the two buffers of [`PIECES_BYTES`].
 const MOST_PIECES: usize = 1 << 21;
-/// Bytes of memory for all pieces: when they are cut, and what is left of them.
+/// Bytes of memory for all pieces: as they are cut, and their visible parts.
 const PIECES_BYTES: u128 = (MOST_PIECES * 2 * size_of::<Piece>()) as u128;
-/// Strokes at most. Pictures have some thousand; twice of it writes twice as long files of what is black.
+/// Maximum number of strokes. Pictures have some thousand; twice of it writes twice as long files of black areas.
 const MOST_STROKES: usize = 1 << 17;
-/// Bytes of a file for strokes, at most.
+/// Maximum number of bytes of the strokes in a file.
 pub(super) const STROKES_BYTES: u128 = (MOST_STROKES * 64) as u128;
 
-/// Bytes of memory for hatching so many triangles and vertices: positions, normals, places and light of vertices that
-/// may be split, triangles, and pieces of lines, of which there are [`MOST_PIECES`] at most.
+/// Returns the memory in bytes for hatching: positions, normals, places and light of vertices that may be split,
+/// triangles, and at most [`MOST_PIECES`] pieces of lines.
 pub(super) fn memory(triangles: u128, vertices: u128) -> u128 {
     let held = vertices.saturating_mul(3 * 24 + 8).saturating_add(triangles.saturating_mul(12));
     held.saturating_add(PIECES_BYTES)
 }
 
-/// What is hatched: triangles, the places of their corners, and the cosine between the normal there and the lamp.
+/// The hatched surface: triangles, and at each vertex its place in the picture and the cosine between normal and lamp.
 pub(super) struct Ground {
     triangles: Vec<[u32; 3]>,
     seen: Vec<Seen>,
@@ -63,16 +63,16 @@ struct Piece {
     /// The direction and number of the line.
     line: (usize, i64),
     triangle: u32,
-    /// Where along the line it begins and ends, pixels.
+    /// Positions of the start and the end along the line, pixels.
     from: f64,
     to: f64,
-    /// How near its ends are.
+    /// Nearness of the two ends.
     near: [f64; 2],
 }
 
 impl Ground {
-    /// The triangles of a mesh in the order in which its lines know them, with normals that differ on the two sides of
-    /// hard edges.
+    /// Prepares the triangles of a mesh in the same order as [`Edges`](super::edges::Edges) has them, with normals that
+    /// differ on the two sides of hard edges.
     pub(super) fn of(
         scene: &Scene<'_>,
         mesh: &dyn MeshSource,
@@ -87,17 +87,17 @@ impl Ground {
         let normals = normals::of(sides, positions, watch)?;
         let mut found = Vec::new();
         each_face(sides, watch, |face| found.extend(triangles(face)))?;
-        // what has two corners at one place is no triangle there either
+        // triangles with two corners at one position are left out, as among the lines
         let at = |v: u32| positions[v as usize].map(|x| (x + 0.0).to_bits());
         found.retain(|&[a, b, c]| at(a) != at(b) && at(b) != at(c) && at(c) != at(a));
         let lamp = camera.lamp();
         let light = normals.par_iter().map(|normal| dot(*normal, lamp)).collect();
-        // all are before the camera, or there would be no drawing
+        // all points are in front of the camera, or the drawing would have been refused
         let seen = positions.par_iter().map(|point| camera.seen(*point).unwrap_or_default()).collect();
         Ok(Self { triangles: found, seen, light })
     }
 
-    /// The strokes, line by line, where `sight` sees them; `size` is that of the picture, and `unit` that of its lines,
+    /// Returns the visible strokes, line by line. `size` is the size of the picture and `unit` the unit of line width,
     /// pixels.
     pub(super) fn strokes(
         &self,
@@ -155,11 +155,11 @@ impl Ground {
         triangle.map(|v| self.seen[v as usize])
     }
 
-    /// The pieces of lines in a triangle where it is dark enough for them.
+    /// Returns the pieces of lines in a triangle where it is dark enough for them.
     fn pieces(&self, lines: &Lines, number: u32, triangle: [u32; 3]) -> Vec<Piece> {
         let corners = self.corners(triangle);
         let [a, b, c] = corners;
-        // y points downwards: what turns clockwise shows its inside, where light comes from the other side
+        // y points downwards: clockwise triangles show their inside, which is lit from the other side
         let inside = (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]) > 0.0;
         let light = triangle.map(|v| if inside { -self.light[v as usize] } else { self.light[v as usize] });
         let mut found = Vec::new();
@@ -175,25 +175,25 @@ impl Ground {
 
 /// All lines of a picture.
 struct Lines {
-    /// Distance of one from the next, pixels.
+    /// Distance between neighbouring lines, pixels.
     apart: f64,
     size: [f64; 2],
 }
 
 impl Lines {
-    /// The unit vectors along lines of a direction, and across them.
+    /// Returns the unit vectors along and across the lines of a direction.
     fn axes(direction: usize) -> [[f64; 2]; 2] {
         let along = DIRECTIONS[direction].map(|x| x / sqrt(2.0));
         [along, [-along[1], along[0]]]
     }
 
-    /// How far across a direction a place is, in distances of lines.
+    /// Returns the coordinate of a place across a direction, in distances between lines.
     fn across(&self, direction: usize, [x, y]: [f64; 2]) -> f64 {
         let [_, across] = Self::axes(direction);
         (across[0] * x + across[1] * y) / self.apart
     }
 
-    /// The first line that reaches into a triangle and into the picture, and the first after these.
+    /// Returns the first line that reaches into both a triangle and the picture, and the end of the range.
     fn numbers(&self, direction: usize, corners: [Seen; 3]) -> (i64, i64) {
         let range = |places: &[[f64; 2]]| {
             let of = |place: &[f64; 2]| self.across(direction, *place);
@@ -209,7 +209,7 @@ impl Lines {
         (from, number(triangle.1.min(picture.1)).max(from))
     }
 
-    /// The place of a line so far along it.
+    /// Returns the place at a distance `at` along a line.
     fn place(&self, (direction, number): (usize, i64), at: f64) -> [f32; 2] {
         #[expect(clippy::cast_possible_truncation, reason = "pixel coordinates need no more than the precision of f32")]
         let place = self.place_exactly((direction, number), at).map(|x| x as f32);
@@ -223,13 +223,13 @@ impl Lines {
         [0, 1].map(|k| at * along[k] + off * across[k])
     }
 
-    /// The ends of a piece.
+    /// Returns the ends of a piece.
     fn ends(&self, piece: &Piece) -> [Seen; 2] {
         let [start, end] = [piece.from, piece.to].map(|at| self.place_exactly(piece.line, at));
         [[start[0], start[1], piece.near[0]], [end[0], end[1], piece.near[1]]]
     }
 
-    /// What a triangle has of a line where its light is below that of the line.
+    /// Returns the part of a line in a triangle on which the light is below the threshold of the line.
     fn cut(&self, line: (usize, i64), corners: [Seen; 3], light: [f64; 3], triangle: u32) -> Option<Piece> {
         let (direction, number) = line;
         let [along, _] = Self::axes(direction);
@@ -256,7 +256,7 @@ impl Lines {
     }
 }
 
-/// The light below which a line is drawn.
+/// Returns the cosine below which a line is drawn.
 fn below(direction: usize, number: i64) -> f64 {
     let [fourth, second, other] = BELOW[direction];
     match number.rem_euclid(4) {
@@ -266,7 +266,7 @@ fn below(direction: usize, number: i64) -> f64 {
     }
 }
 
-/// The part of a way on which a number that goes evenly from `start` to `end` is below a bound.
+/// Returns the part of a way on which a number that changes linearly from `start` to `end` is below a bound.
 fn darker(start: f64, end: f64, bound: f64) -> Option<[f64; 2]> {
     let through = || (bound - start) / (end - start);
     match (start < bound, end < bound) {

@@ -2,14 +2,14 @@
 
 use crate::raster::Seen;
 
-/// Pieces of lines shorter than this are neither drawn nor left out, pixels: half of it shows what only rounding has
-/// cut, twice of it can be seen.
+/// Pieces and gaps shorter than this are ignored, pixels. Half of it shows pieces cut by rounding only; twice of it can
+/// be seen.
 const LEAST_PX: f64 = 0.1;
 
-/// The hidden parts of a line, or the seen ones.
+/// The hidden or the visible parts of a line, ascending.
 pub(super) type Parts = Vec<[f64; 2]>;
 
-/// Hidden parts without gaps and parts too short to be seen.
+/// Returns the hidden parts without gaps and parts too short to be seen.
 pub(super) fn tidied(hidden: &[[f64; 2]], [a, b]: [Seen; 2]) -> Parts {
     let (dx, dy) = (b[0] - a[0], b[1] - a[1]);
     let length = (dx * dx + dy * dy).sqrt();
@@ -31,7 +31,7 @@ pub(super) fn tidied(hidden: &[[f64; 2]], [a, b]: [Seen; 2]) -> Parts {
     found
 }
 
-/// What is left of the whole.
+/// Returns the complement of the parts in the whole line.
 pub(super) fn rest(parts: &[[f64; 2]]) -> Parts {
     let starts = std::iter::once(0.0).chain(parts.iter().map(|part| part[1]));
     let ends = parts.iter().map(|part| part[0]).chain([1.0]);
