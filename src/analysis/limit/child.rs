@@ -15,12 +15,12 @@ use crate::scheme::mesh_net::MeshNet;
 use crate::scheme::operator::Children;
 use crate::shape::topology::{Topology, index};
 
-/// Weights that differ by no more than this are the same.
-/// It is relative to a weight of a middle, whose own rounding is a few times 2e-16, and far below the differences
-/// between the weights of different rules, so that half and twice of it decide alike.
+/// Tolerance within which two weights are equal, relative to a weight of a middle. It is far above the rounding of such
+/// a weight, a few times 2e-16, and far below the differences between the weights of different rules, so that half and
+/// twice of it decide alike.
 const SAME: f64 = 1e-9;
 
-/// What becomes of a centre of the net `before` a step in the one `after`. The step is the last one on `record`.
+/// Returns the child in the net `after` of a centre in the net `before` a step. The step is the last one on `record`.
 ///
 /// # Errors
 /// [`Unlimited::Lost`] and [`Unlimited::Separated`].
@@ -41,7 +41,7 @@ pub(in crate::analysis) fn child(
     }
 }
 
-/// The vertices of an edge or a face.
+/// Returns the vertices of a centre: one vertex, two of an edge, or all of a face.
 fn cell(centre: Centre, topology: &Topology) -> Vec<u32> {
     match centre {
         Centre::Vertex(v) => vec![v],
@@ -50,7 +50,7 @@ fn cell(centre: Centre, topology: &Topology) -> Vec<u32> {
     }
 }
 
-/// The vertex that is the mean of the vertices of an edge or a face, or else the edge or face whose middle is.
+/// Returns the vertex at the mean of the vertices of an edge or a face, or else the edge or face with that mean.
 fn middle(centre: Centre, topology: &Topology, finer: &Topology, rows: &Rows) -> Option<Centre> {
     let old = cell(centre, topology);
     let is_middle = |new: &[u32]| is_mean(&old, new, rows);
@@ -66,7 +66,7 @@ fn middle(centre: Centre, topology: &Topology, finer: &Topology, rows: &Rows) ->
     vertex.map(Centre::Vertex).or_else(piece)
 }
 
-/// Whether the mean of some new vertices is that of some old ones.
+/// Returns whether the mean of some new vertices is the mean of some old ones.
 fn is_mean(old: &[u32], new: &[u32], rows: &Rows) -> bool {
     let mut weights = vec![0.0; old.len()];
     for &row in new {
@@ -81,8 +81,8 @@ fn is_mean(old: &[u32], new: &[u32], rows: &Rows) -> bool {
     weights.iter().all(|&weight| (weight * real(old.len()) - real(new.len())).abs() <= SAME * real(new.len()))
 }
 
-/// What becomes of a centre where new vertices stand in the corners of faces. On the boundary a vertex has two of them,
-/// and the edge between takes its place; a corner that stays has one of its own.
+/// Returns the child of a centre under a step whose new vertices lie in the corners of faces. A boundary vertex has two
+/// of them, and the edge between takes its place; a corner that stays has one of its own.
 fn cut(centre: Centre, before: &MeshNet, after: &MeshNet) -> Result<Centre, Unlimited> {
     let (old, new) = (&before.mesh.base, &after.mesh.base);
     let face_of = |corners: &[u32]| {

@@ -9,10 +9,10 @@ use crate::scheme::mesh_net::MeshNet;
 use crate::scheme::plan::Plan;
 use crate::watch::Watch;
 
-/// Whether a plan can have a limit, as far as its word tells.
+/// Checks whether a plan can have a limit, as far as its word shows.
 ///
 /// # Errors
-/// [`Unlimited`].
+/// [`Unlimited::NoUpsampling`] and [`Unlimited::Fine`].
 pub fn check(plan: &Plan) -> Result<(), Unlimited> {
     let cycle = &plan.word.cycle;
     if !cycle.iter().any(|letter| letter.facts().children.refine()) {
@@ -21,11 +21,11 @@ pub fn check(plan: &Plan) -> Result<(), Unlimited> {
     if cost::is_beyond(cycle) { Err(Unlimited::Fine) } else { Ok(()) }
 }
 
-/// How smooth the limit is where it is regular, whichever of the extreme parameters all vertices carry, with so many
-/// rings that decide about it.
+/// Returns how smooth the limit is where the net is regular: the least smoothness over the extreme parameters that all
+/// vertices may carry. `support` is the number of rings that influence the limit.
 ///
 /// # Errors
-/// [`Unlimited`], also where the limit is not continuous.
+/// [`Unlimited`], also if the limit is not continuous.
 pub(super) fn smoothness(
     on_net: &CycleOnNet<'_>,
     support: usize,
@@ -39,11 +39,11 @@ pub(super) fn smoothness(
     if smoothness == Smoothness::Rough { Err(Unlimited::Rough) } else { Ok(smoothness) }
 }
 
-/// Whether a plan whose cycle starts with an upsampling, and perturbs nothing, has a continuous limit on a net that is
-/// not refined yet.
+/// Checks that a plan has a continuous limit on an unrefined net. The cycle must start with an upsampling and perturb
+/// nothing.
 ///
 /// # Errors
-/// [`Unlimited`], also where that cannot be told.
+/// [`Unlimited`], also if continuity cannot be decided.
 pub(in crate::analysis) fn check_continuous(plan: &Plan, net: &MeshNet) -> Result<(), Unlimited> {
     check(plan)?;
     let steps = plan.schedule(AHEAD).map_err(|fault| Unlimited::Later(fault.detail))?;

@@ -1,5 +1,5 @@
-//! What a limit costs beside the rows of its masks: the points that operators make of discs and of the impulse,
-//! counted from the word, before anything is made.
+//! The cost of a limit apart from the rows of its masks: the points that operators make of discs and of the impulse,
+//! counted from the word before anything is made.
 
 use super::bounds::{MAX_LEVEL_POINTS, MAX_RINGS};
 use super::cycle::{self, made};
@@ -7,34 +7,32 @@ use super::impulse;
 use crate::scheme::letter::Letter;
 use crate::scheme::operator::Children;
 
-/// Bytes a point: its topology, its place among the rows that were made, the numbers of an impulse before and after.
-/// With half of it less is promised than is taken; with twice of it half as many limits run at once.
+/// Bytes per point: its topology, its index among the rows made, and the coordinates of an impulse before and after.
+/// Half of it would book less memory than is used; twice of it would let half as many limits run at once.
 const BYTES_A_POINT: usize = 160;
-/// Disces that are worked on at a time, at most as far as this is counted.
-/// Half of it promises half the bytes of discs, less than eight threads take; twice of it promises twice as many,
-/// which eight threads do not take.
+/// Number of discs assumed to be processed at once when memory is booked. Half of it would book half the bytes of
+/// discs, less than eight threads use; twice of it would book twice as much, which eight threads do not use.
 const AT_A_TIME: usize = 8;
-/// Levels after which a disc usually is its own child.
-/// It only scales the predicted cost of discs: a disc whose chain is twice as long takes twice as long as told, up
-/// to `MAX_CHAIN` of the masks.
+/// Typical number of levels after which a disc is its own child. It only scales the predicted cost of discs: a disc
+/// with a chain twice as long takes twice the predicted time, up to `MAX_CHAIN` of the masks.
 const CHAIN: usize = 3;
-/// Levels after which numbers that are halved with every one no longer change anything, as alpha does.
-/// The kernel is a cosine, whose distance from 1 falls to a quarter with each halving: 4^-26 is the rounding of 1. Half
-/// and twice of it halve and double the predicted cost of plans with an alpha; results do not depend on it.
+/// Number of levels after which numbers that are halved at every level, such as alpha, no longer change anything. The
+/// kernel is a cosine, whose distance from 1 falls to a quarter with each halving: 4^-26 is the rounding of 1. Half and
+/// twice of it halve and double the predicted cost of plans with an alpha; results do not depend on it.
 const FADING: usize = 28;
-/// Levels after which the parameters of vertices agree, of which every one halves the differences.
-/// 2^-50 is the difference that counts as none, 1e-15. Half and twice of it halve and double the predicted cost of
-/// meshes that carry parameters; results do not depend on it.
+/// Number of levels after which vertex parameters agree, if every level halves their differences. 2^-50 is 1e-15, the
+/// difference that is treated as none. Half and twice of it halve and double the predicted cost of meshes that carry
+/// parameters; results do not depend on it.
 const AGREEING: usize = 50;
 
-/// What is followed until it no longer changes.
+/// What must stop changing before a limit is computed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Follow {
-    /// What is around a vertex.
+    /// The connectivity around a vertex.
     Connectivity,
-    /// The values of the plan, too.
+    /// The connectivity and the values of the plan.
     PlanValues,
-    /// The parameters of vertices, too.
+    /// The connectivity, the values of the plan and the vertex parameters.
     VertexParameters,
 }
 
@@ -48,23 +46,24 @@ impl Follow {
     }
 }
 
-/// What a limit costs, about.
+/// The approximate cost of a limit.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Cost {
-    /// Points that operators make, each of which takes about as long as a row.
+    /// Number of points that operators make; each takes about as long as a row.
     pub points: u128,
-    /// Bytes for the most of them that are there at a time.
+    /// Bytes of the largest number of points held at once.
     pub bytes: u128,
 }
 
-/// What the limits of `n_vertices` under a cycle cost, so many impulses being looked at and so many vertices of the
-/// mesh that is refined being extraordinary, those with many faces counted as several.
+/// Returns the cost of the limits of `n_vertices` under a cycle. `impulses` is the number of impulses examined;
+/// `extraordinary` is the number of extraordinary vertices of the mesh that is refined, each with many faces counted as
+/// several.
 pub fn cost(cycle: &[Letter], impulses: usize, extraordinary: u128, n_vertices: u128, follow: Follow) -> Cost {
     let pieces = cycle::pieces(cycle.iter());
     let support = support(cycle);
     let square = |rings: usize| (2 * rings + 1) * (2 * rings + 1);
     let disc = |rings: usize| made(square(rings + 2), &pieces, 1).min(MAX_LEVEL_POINTS);
-    // all numbers of rings up to the right one are tried, each on two discs, and then whether larger ones agree
+    // every number of rings up to the right one is tried on two discs; then larger discs are compared
     let tried = (1..=support).map(|rings| 2 * disc(rings)).sum::<usize>() + 12 * disc(support);
     let side = impulse::side(support, number(cycle, &[Children::Dual, Children::Faces]));
     let impulse = impulse::compared(side, &pieces).map_or(MAX_LEVEL_POINTS, |(_, points)| points);
@@ -77,13 +76,13 @@ pub fn cost(cycle: &[Letter], impulses: usize, extraordinary: u128, n_vertices: 
     Cost { points, bytes: bytes as u128 }
 }
 
-/// Rings that decide about a limit, at most as far as operators reach a ring each.
+/// Returns an upper bound of the rings that influence a limit, if each operator reaches one ring.
 pub(super) fn support(cycle: &[Letter]) -> usize {
     MAX_RINGS.min(1 + number(cycle, &[Children::Same]))
 }
 
-/// Whether the discs of all vertices around one have all faces around that, so that those of n vertices have n times
-/// as many faces: where more than the faces at a vertex decide about its limit.
+/// Returns whether more than the faces at a vertex influence its limit. Then the disc of each of the n vertices around
+/// a vertex of valence n contains all faces there, so that these discs have n times as many faces.
 pub fn sees_whole_fans(cycle: &[Letter]) -> bool {
     number(cycle, &[Children::Same]) > 1 || number(cycle, &[Children::Dual, Children::Faces]) > 0
 }
@@ -92,7 +91,7 @@ fn number(cycle: &[Letter], children: &[Children]) -> usize {
     cycle.iter().filter(|letter| children.contains(&letter.facts().children)).count()
 }
 
-/// Whether the impulse of the least support would take too many points even for one level.
+/// Returns whether the impulse of the smallest support exceeds the point limit even for one level.
 pub(super) fn is_beyond(cycle: &[Letter]) -> bool {
     impulse::compared(impulse::side(1, 0), &cycle::pieces(cycle.iter())).is_none()
 }

@@ -1,4 +1,4 @@
-//! The cycle of a plan for the computation of limits: level by level on discs, until its values no longer change.
+//! The cycle of a plan as limits use it: applied level by level to discs until its values no longer change.
 
 use std::sync::Arc;
 
@@ -21,71 +21,73 @@ use crate::scheme::surroundings::Surroundings;
 use crate::shape::topology::{Topology, index};
 use crate::watch::Watch;
 
-/// Levels that are scheduled beyond the last one. An alpha that is halved as often is below 1e-18 of what it was.
+/// Number of levels scheduled beyond the last one. An alpha that is halved as often is below 1e-18 of its first value.
 /// Cosines settle after 26 halvings, as their distance from 1 is a square; linear functions of alpha take up to 52.
 /// Half of it would refuse these as unsettled; twice of it only schedules more levels.
 pub(in crate::analysis) const AHEAD: u32 = 62;
 
-/// Numbers that differ by no more than this, relative to 1 or their size, are the same.
-/// It is one unit in the last place of 1. At half of it only equal numbers are the same, and functions that go on
-/// moving by one unit never settle; at twice of it the limit may differ by as much more.
+/// Tolerance within which numbers are equal, relative to the larger of 1 and their size. It is one unit in the last
+/// place of 1. At half of it only identical numbers are equal, and functions that keep moving by one unit never settle;
+/// at twice of it the limit may differ by as much more.
 const SAME: f64 = 2e-16;
 
-/// The operators of the levels after the last one, each level starting with an upsampling.
+/// The operators of the levels after the last refined one; each level starts with an upsampling.
 #[derive(Debug)]
 pub(super) struct Cycle<'a> {
     pub(super) plan: &'a Plan,
-    /// What its nets have in common.
+    /// The properties that its nets have in common.
     pub(super) disc_rules: DiscRules,
     levels: Vec<&'a [Scheduled]>,
-    /// The first of these levels from which on no number changes.
+    /// The first level from which on no number changes.
     pub(super) settled: usize,
-    /// Counts the points that are made and the discs that are found, and may say stop.
+    /// Counts the points made and the discs found; may stop the computation.
     pub(super) watch: Watch,
 }
 
-/// What a level makes of a disc.
+/// The child of a disc under one level.
 #[derive(Debug)]
 pub(super) struct Child {
     /// The disc around the centre's child.
     pub(super) disc: Disc,
-    /// From the points of the disc to those of the child's.
+    /// The matrix from the points of the parent disc to those of the child disc.
     matrix: Rows,
-    /// Points of the disc that the matrix maps.
+    /// Number of points of the parent disc that the matrix maps.
     n_columns: usize,
-    /// Which face at the centre its first face there comes of: upsamplings keep the order around a vertex.
+    /// Index of the face at the parent's centre that becomes face 0 of the child: upsamplings keep the order around a
+    /// vertex.
     pub(super) rotation: usize,
 }
 
 impl Child {
-    /// The child that a record makes of a disc.
+    /// Creates the child of a disc from a record.
     ///
     /// # Errors
-    /// [`Unlimited::Reach`] where points of the child's support come of others than those of the disc's.
+    /// [`Unlimited::Reach`] if points of the child's support depend on points outside the parent's support.
     pub(super) fn new(found: &Located, record: &Record, origins: &[u32], n_columns: usize) -> Result<Self, Unlimited> {
         let matrix = record.matrix(&found.vertices[..found.disc.support], origins, n_columns);
         let matrix = matrix.ok_or(Unlimited::Reach)?;
         Ok(Self { disc: found.disc.clone(), matrix, n_columns, rotation: found.rotation })
     }
 
-    /// How a functional of the child's points reads the disc's.
+    /// Turns a row over the child's points into one over the points of the parent disc.
     pub(super) fn back(&self, row: &[f64]) -> Vec<f64> {
         self.matrix.times_row(row, self.n_columns)
     }
 
-    /// The child's points for those of the disc.
+    /// Maps the points of the parent disc to those of the child.
     pub(super) fn forth(&self, column: &[f64]) -> Vec<f64> {
         self.matrix.times_column(column)
     }
 
-    /// Whether two children come of the points of their discs with the same weights.
+    /// Returns whether two children have the same weights over the points of their parents.
     pub(super) fn has_weights_of(&self, other: &Self) -> bool {
         self.n_columns == other.n_columns && self.matrix == other.matrix
     }
 }
 
 impl<'a> Cycle<'a> {
-    /// The levels ahead, `length` steps each, which start with an upsampling. `alphas` are some that vertices carry.
+    /// Creates the cycle from the steps ahead, `length` steps per level, each level starting with an upsampling.
+    /// `alphas` are values of alpha that vertices carry.
     pub(super) fn new(
         plan: &'a Plan,
         (ahead, length): (&'a [Scheduled], usize),
@@ -103,25 +105,25 @@ impl<'a> Cycle<'a> {
         Self { plan, disc_rules, levels, settled, watch: watch.clone() }
     }
 
-    /// The operators of a level; those beyond the settled one are like it.
+    /// Returns the operators of a level; levels beyond the settled one are equal to it.
     pub(super) fn level(&self, level: usize) -> &'a [Scheduled] {
         self.levels[level.min(self.settled)]
     }
 
-    /// Number of upsamplings before a step of a level, from the beginning of the plan.
+    /// Returns the number of upsamplings before a step of a level, from the beginning of the plan.
     pub(super) fn upsamplings(&self, level: usize, step: &Scheduled) -> u32 {
         let each = self.level(level).iter().filter(|step| step.letter.facts().children.refine()).count();
         step.upsamplings + index(level.saturating_sub(self.settled) * each)
     }
 
-    /// One level on the disc around a centre. Levels beyond the settled one are like it.
+    /// Applies one level to the disc around a centre. Levels beyond the settled one are equal to it.
     pub(super) fn step(&self, level: usize, disc: &Disc, rings: Rings) -> Result<Child, Unlimited> {
         let parameters = VertexParameters::default();
         let (found, record, origins, _) = self.refined(level, disc, &parameters, rings, Weights::Exact)?;
         Child::new(&found, &record, &origins, disc.support)
     }
 
-    /// The child's disc, and where it lies in the net after a level, whose topology this is.
+    /// Returns the child's disc, its location in the net after the settled level, and the topology of that net.
     pub(super) fn child(
         &self,
         disc: &Disc,
@@ -132,7 +134,8 @@ impl<'a> Cycle<'a> {
         refined.map(|(found, _, _, topology)| (found, topology))
     }
 
-    /// Whether what could have a weight in the child's support lies in the support of the disc; and the child.
+    /// Returns whether the child's support depends on the support of the disc only, for any weights; and the child's
+    /// disc.
     pub(super) fn closes(&self, disc: &Disc, rings: Rings) -> Result<(bool, Disc), Unlimited> {
         let parameters = VertexParameters::default();
         let (found, record, origins, _) = self.refined(self.settled, disc, &parameters, rings, Weights::Structural)?;
@@ -166,7 +169,7 @@ impl<'a> Cycle<'a> {
         Ok((found, record, origins, topology))
     }
 
-    /// A net after the settled level: what the probes of the scheme look at.
+    /// Applies the settled level to a whole net, calling `act` with each action. Probes of the scheme use it.
     pub(super) fn applied(
         &self,
         net: MeshNet,
@@ -183,31 +186,31 @@ impl<'a> Cycle<'a> {
         Ok(net)
     }
 
-    /// The pieces into which each operator of a level and those before it there cut an edge.
+    /// Returns, for each operator of a level, the number of pieces into which it and those before it cut an edge.
     pub(super) fn pieces(&self) -> Vec<usize> {
         pieces(self.levels[self.settled].iter().map(|step| &step.letter))
     }
 
-    /// What has to be known of a mesh beyond a disc of it: something where arities above 2 split quads into fewer
-    /// pieces than other faces.
+    /// Returns what rules need to know of a mesh beyond a disc of it: something only if arities above 2 split quads
+    /// into fewer pieces than other faces.
     pub(super) fn surroundings(&self, topology: &Topology) -> Option<Surroundings> {
         let matters = |step: &Scheduled| step.letter.settings.pieces(false) != step.letter.settings.pieces(true);
         self.levels[self.settled].iter().any(matters).then(|| Surroundings::of(topology))
     }
 
-    /// Whether rules reach a ring farther beside extraordinary vertices.
+    /// Returns whether rules reach a ring farther beside extraordinary vertices.
     pub(super) fn reaches_farther(&self) -> bool {
         self.levels[self.settled].iter().any(|step| step.letter.facts().reaches_farther)
     }
 
-    /// How many operators put faces in the place of vertices.
+    /// Returns the number of operators that put faces in the place of vertices.
     pub(super) fn n_duals(&self) -> usize {
         let swaps = |step: &&Scheduled| matches!(step.letter.facts().children, Children::Dual | Children::Faces);
         self.levels[self.settled].iter().filter(swaps).count()
     }
 }
 
-/// The pieces into which each operator of a level and those before it there cut an edge.
+/// Returns, for each operator of a level, the number of pieces into which it and those before it cut an edge.
 pub(super) fn pieces<'a>(letters: impl Iterator<Item = &'a Letter>) -> Vec<usize> {
     let after = |pieces: &mut usize, letter: &Letter| {
         let refines = letter.facts().children.refine();
@@ -217,8 +220,8 @@ pub(super) fn pieces<'a>(letters: impl Iterator<Item = &'a Letter>) -> Vec<usize
     letters.scan(1, after).collect()
 }
 
-/// The points that all operators of so many levels make of `n`, about; `pieces` are those of an edge after each
-/// operator of a level.
+/// Returns the approximate number of points that all operators of `levels` levels make of `n` points. `pieces` are the
+/// pieces of an edge after each operator of a level.
 pub(super) fn made(n: usize, pieces: &[usize], levels: usize) -> usize {
     let of_one = |pieces: usize| pieces.saturating_mul(pieces);
     let each = pieces.iter().fold(0, |sum: usize, &pieces| sum.saturating_add(of_one(pieces)));
@@ -231,12 +234,12 @@ pub(super) fn made(n: usize, pieces: &[usize], levels: usize) -> usize {
     })
 }
 
-/// Counts the points that a level makes.
+/// The number of points that a level has made.
 #[derive(Debug, Default)]
 struct Made(usize);
 
 impl Made {
-    /// Counts the points of a net, before anything is done about each.
+    /// Counts the points of a net, before any work is done on each.
     fn add(&mut self, net: &MeshNet) -> Result<(), Unlimited> {
         self.0 += net.mesh.n_vertices();
         if self.0 > MAX_LEVEL_POINTS { Err(Unlimited::Fine) } else { Ok(()) }
@@ -251,7 +254,7 @@ fn same(a: &[Scheduled], b: &[Scheduled]) -> bool {
     a.iter().zip(b).all(|(a, b)| close(a.kernel, b.kernel) && close(a.compensation, b.compensation))
 }
 
-/// Whether the functions of an alpha that vertices carry have the same values at two levels.
+/// Returns whether the functions of an alpha that vertices carry have the same values at two levels.
 fn same_at(plan: &Plan, alpha: f64, a: &[Scheduled], b: &[Scheduled]) -> bool {
     let longitude = plan.latitude.as_ref().and_then(|latitude| latitude.kernel_longitude.as_ref());
     let compensation = plan.compensation_alpha.is_none().then_some(&plan.compensation);

@@ -1,5 +1,5 @@
-//! The masks of all vertices, or of what took their place in a net: regular ones by walking a grid, the others by their
-//! discs.
+//! The masks of all vertices, or of what took their place in a net: regular ones by walks on a grid, the others by
+//! their discs.
 
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -29,7 +29,7 @@ const ISOLATED: u32 = 1;
 /// The faces around a vertex alone.
 const NEAREST: Rings = Rings { support: 1, disc: 1 };
 
-/// The masks of all vertices of a net, or of others that it came of.
+/// The masks of all vertices of a net.
 #[derive(Debug)]
 pub(super) struct Field<'a> {
     around: &'a dyn Neighbourhoods,
@@ -40,7 +40,7 @@ pub(super) struct Field<'a> {
     regular: Option<Mask>,
 }
 
-/// What a row of a field is for.
+/// The functional that a row of a field evaluates.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Functional {
     /// The limit position.
@@ -113,7 +113,7 @@ impl<'a> Field<'a> {
         Ok(Self { around, rings, classes, masks, regular: grid })
     }
 
-    /// A net each of whose vertices has its own mask; `None` for those without faces.
+    /// Creates a field in which each vertex has its own mask; `None` for vertices without faces.
     pub(super) fn of_masks(around: &'a dyn Neighbourhoods, rings: Rings, masks: Vec<Option<Arc<Mask>>>) -> Self {
         let mut n = ISOLATED;
         let class = |mask: &Option<Arc<Mask>>| {
@@ -124,17 +124,17 @@ impl<'a> Field<'a> {
         Self { around, rings, classes, masks: masks.into_iter().flatten().collect(), regular: None }
     }
 
-    /// Why a regular vertex has no tangents, if it has none: then the scheme has none.
+    /// Returns why regular vertices have no tangents, if so: then the scheme has none.
     pub(super) fn no_regular_tangents(&self) -> Option<NoTangents> {
         self.regular.as_ref()?.tangents.iter().find_map(|tangents| tangents.as_ref().err().copied())
     }
 
-    /// Why a vertex has no tangents in a sector, if it has none.
+    /// Returns why a vertex has no tangents in a sector, if so.
     pub(super) fn no_tangents(&self, v: usize, sector: usize) -> Option<NoTangents> {
         self.mask(v)?.tangents[sector].as_ref().err().copied()
     }
 
-    /// The mask of a vertex; `None` for one without faces.
+    /// Returns the mask of a vertex; `None` for a vertex without faces.
     fn mask(&self, v: usize) -> Option<&Mask> {
         match self.classes[v] {
             ISOLATED => None,
@@ -143,7 +143,7 @@ impl<'a> Field<'a> {
         }
     }
 
-    /// The sectors of all vertices: first one of each vertex, then those beside, vertex after vertex.
+    /// Returns the sectors of all vertices: first sector 0 of each vertex, then the others, vertex after vertex.
     pub(super) fn sectors(&self) -> Vec<(u32, usize)> {
         let n = self.classes.len();
         let beside =
@@ -151,7 +151,7 @@ impl<'a> Field<'a> {
         (0..n).map(|v| (index(v), 0)).chain((0..n).flat_map(beside)).collect()
     }
 
-    /// For each half-edge at a vertex, counter-clockwise, the next vertex of its face and its sector.
+    /// Returns, for each face at a vertex, counter-clockwise, its next vertex and its sector.
     pub(super) fn sides(&self, v: usize) -> Vec<(u32, usize)> {
         let Some(found) = self.around.centre(v).and_then(|centre| self.around.disc(centre, NEAREST)) else {
             return Vec::new();
@@ -161,7 +161,7 @@ impl<'a> Field<'a> {
         faces.map(|(i, face)| (found.vertices[face[1] as usize], sectors.of_face(i))).collect()
     }
 
-    /// A sector of a vertex in words.
+    /// Describes a sector of a vertex in words.
     pub(super) fn describe(&self, v: usize) -> String {
         let by_sector = self.mask(v).is_some_and(|mask| mask.tangents.len() > 1);
         let found = self.around.centre(v).and_then(|centre| self.around.disc(centre, NEAREST));
@@ -169,23 +169,23 @@ impl<'a> Field<'a> {
         format!("{}{place}", if by_sector { "one side of the sharp edges at " } else { "" })
     }
 
-    /// Vertices without faces that are not among the points.
+    /// Returns the vertices without faces that are not among the points.
     pub(super) fn left_out(&self) -> impl Iterator<Item = usize> {
         let n = if self.around.leaves_out() { self.n_vertices() } else { 0 };
         (0..n).filter(|&v| self.around.centre(v).is_none())
     }
 
-    /// Number of vertices.
+    /// Returns the number of vertices.
     pub(super) fn n_vertices(&self) -> usize {
         self.classes.len()
     }
 
-    /// Whether a vertex has no face.
+    /// Returns whether a vertex has no face.
     pub(super) fn is_isolated(&self, v: usize) -> bool {
         self.classes[v] == ISOLATED
     }
 
-    /// The rows of some sectors of vertices for a functional.
+    /// Returns the rows of some sectors of vertices for a functional.
     pub(super) fn rows(&self, sectors: &[(u32, usize)], functional: Functional) -> impl RowSource {
         RowsBy::new(sectors.len(), self.around.n_points(), move |i, out: &mut Rows| {
             self.row(sectors[i].0 as usize, sectors[i].1, functional, out);
@@ -201,7 +201,7 @@ impl<'a> Field<'a> {
                 self.around.add_on_grid(at, self.rings.support, weights(mask, functional, sector), out);
             }
             (Some(centre), class, _) => {
-                // the vertices of the first rings come first, whatever rings follow
+                // the support comes first in a disc, so that its outer rings are not needed
                 let rings = Rings { disc: self.rings.support, ..self.rings };
                 let mask = &self.masks[(class - ISOLATED - 1) as usize];
                 let vertices = self.around.disc(centre, rings).map_or_else(Vec::new, |found| found.vertices);
@@ -211,7 +211,7 @@ impl<'a> Field<'a> {
     }
 }
 
-/// The weights of a mask for a functional in a sector; none where there are no tangents.
+/// Returns the weights of a mask for a functional in a sector; none if there are no tangents.
 fn weights(mask: &Mask, functional: Functional, sector: usize) -> &[f64] {
     match functional {
         Functional::Position => &mask.position,
@@ -221,10 +221,10 @@ fn weights(mask: &Mask, functional: Functional, sector: usize) -> &[f64] {
     }
 }
 
-/// The disc around what took the place of a vertex, and the parameters there; `None` for a vertex without faces.
+/// Returns the disc around what took the place of a vertex, and its parameters; `None` for a vertex without faces.
 ///
 /// # Errors
-/// [`Unlimited::Size`].
+/// [`Unlimited::Size`] if the disc is too large.
 pub(super) fn located(
     around: &dyn Neighbourhoods,
     v: u32,
@@ -236,10 +236,10 @@ pub(super) fn located(
     Ok(Some((found, parameters)))
 }
 
-/// Whether points come together in the middles of faces that are not like those of a regular net.
+/// Checks that points converge in the middles of faces that are not those of a regular net.
 ///
 /// # Errors
-/// [`Unlimited::Rough`]; where the middle of a face cannot be followed, nothing is said about it.
+/// [`Unlimited::Rough`] and [`Unlimited::Stopped`]; a middle that cannot be followed for another reason is accepted.
 fn middles_settle(middles: &[Disc], masks: &Masks<'_>) -> Result<(), Unlimited> {
     for middle in middles {
         if let Err(error @ (Unlimited::Rough | Unlimited::Stopped(_))) = masks.of(0, middle) {

@@ -1,4 +1,4 @@
-//! Numbers in the order of first use.
+//! Numbers things in the order of their first use.
 
 use std::collections::HashMap;
 use std::collections::hash_map::Entry;
@@ -6,9 +6,10 @@ use std::hash::{BuildHasherDefault, Hasher};
 
 use crate::shape::topology::index;
 
-/// Things in the order of first use, which is their number.
+/// A set of things, each numbered by the order of its first use.
 ///
-/// A table finds them by their hash, whatever the number of all things: what a disc takes depends on its size alone.
+/// Lookup is by hash and independent of the number of things in the whole net, so the cost of a disc depends on its
+/// size only.
 #[derive(Default)]
 pub(super) struct FirstUse {
     pub(super) order: Vec<u32>,
@@ -16,7 +17,7 @@ pub(super) struct FirstUse {
 }
 
 impl FirstUse {
-    /// The number of `thing`, and whether it is a new one.
+    /// Returns the number of `thing`, and whether it is new.
     pub(super) fn number(&mut self, thing: u32) -> (u32, bool) {
         match self.numbers.entry(thing) {
             Entry::Occupied(known) => (*known.get(), false),
@@ -28,7 +29,7 @@ impl FirstUse {
     }
 }
 
-/// Neighbours have similar numbers: the golden ratio spreads them (Knuth, volume 3, section 6.4).
+/// A multiplicative hash: the golden ratio spreads the similar numbers of neighbours (Knuth, volume 3, section 6.4).
 #[derive(Default)]
 struct Spread(u64);
 

@@ -8,8 +8,8 @@ use super::walk::WholeNet;
 use crate::scheme::surroundings::Surroundings;
 use crate::shape::topology::{Topology, index};
 
-/// The vertices within some rings of vertex `v` of a grid of quads: itself, then sector by sector those `i` steps along
-/// the sector's first side and `j` to the left of it, `1 <= i <= rings`, `0 <= j <= rings`.
+/// Visits the vertices within some rings of vertex `v` of a grid of quads: `v` itself, then sector by sector the
+/// vertices `i` steps along the sector's first side and `j` to the left of it, `1 <= i <= rings`, `0 <= j <= rings`.
 pub(super) fn grid(topology: &Topology, v: usize, rings: usize, mut each: impl FnMut(u32)) {
     each(index(v));
     for first in topology.ring(v) {
@@ -32,7 +32,7 @@ pub(super) fn grid(topology: &Topology, v: usize, rings: usize, mut each: impl F
     }
 }
 
-/// The mask of a vertex of a grid, in the order of [`grid`].
+/// Returns the mask of a vertex of a grid, in the order of [`grid`].
 pub(super) fn regular_mask(
     rings: Rings,
     masks: &Masks<'_>,

@@ -21,24 +21,25 @@ use crate::watch::Watch;
 pub(super) struct CycleOnNet<'a> {
     /// The cycle.
     pub(super) cycle: Cycle<'a>,
-    /// What the cycle is regular on.
+    /// The kind of net on which the cycle is regular.
     pub(super) regular: Regular,
     /// Whether the net has latitude or longitude lines.
     pub(super) tagged: bool,
-    /// What has to be known of the net beyond a disc of it, where that matters.
+    /// What rules need to know of the net beyond a disc, if anything.
     pub(super) surroundings: Option<Surroundings>,
-    /// Parameters that are made of the least and the largest that vertices carry; at least one entry.
+    /// Parameter sets combined from the smallest and largest values that vertices carry; at least one entry.
     pub(super) extremes: Vec<CommonParameters>,
-    /// Whether sharpness evens out along edges, so that a disc has to have all faces around the vertices that decide
-    /// about the limit.
+    /// Whether sharpness evens out along edges, so that a disc must contain all faces around the vertices that
+    /// influence the limit.
     evens_out: bool,
 }
 
 impl<'a> CycleOnNet<'a> {
-    /// The cycle of a plan on a net with this topology, which the steps `ahead`, an upsampling first, would refine.
+    /// Creates the cycle of a plan on a net with this topology. `ahead` are the steps that would refine it, an
+    /// upsampling first.
     ///
     /// # Errors
-    /// [`Unlimited`], where an operator cannot be applied to a regular net.
+    /// [`Unlimited`] if an operator cannot be applied to a regular net.
     pub(super) fn of(
         plan: &'a Plan,
         net: &MeshNet,
@@ -63,10 +64,10 @@ impl<'a> CycleOnNet<'a> {
         })
     }
 
-    /// The fewest rings that decide about a limit.
+    /// Returns the smallest number of rings that determine a limit.
     ///
     /// # Errors
-    /// [`Unlimited`], where these are too many.
+    /// [`Unlimited`] if there are too many.
     pub(super) fn rings(&self, starts: Starts) -> Result<Rings, Unlimited> {
         let rings = self.regular.rings(&self.cycle, self.tagged, starts)?;
         let least = if self.evens_out { rings.support + 1 } else { 0 };

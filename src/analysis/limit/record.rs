@@ -7,32 +7,32 @@ use crate::math::rows::{Rows, collect};
 use crate::scheme::step::{Action, Source};
 use crate::shape::topology::index;
 
-/// Whether weights count, or only where they stand.
+/// Whether a record uses the weights or only their positions.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(in crate::analysis) enum Weights {
-    /// As they are.
+    /// The weights themselves.
     Exact,
-    /// All as 1, so that none cancels another: what could have a weight at other numbers.
+    /// Every weight replaced by 1, so that none cancels: finds what could have a weight for other parameter values.
     Structural,
 }
 
-/// The actions of one application of a cycle. Of their rows those are made that someone asks for, each once.
+/// The actions of one application of a cycle. Their rows are made on demand, each once.
 #[derive(Debug)]
 pub(in crate::analysis) struct Record {
     actions: Vec<Recorded>,
     weights: Weights,
 }
 
-/// An action with a table, and the rows of it that were made.
+/// An action with a table, and the rows of the table that were made so far.
 #[derive(Debug)]
 struct Recorded {
     action: Action,
-    /// For each row where it stands among those made so far, counted from 1, or 0; and these.
+    /// For each row its position among those made so far, counted from 1, or 0 if it is not made; and the rows made.
     made: RefCell<(Vec<u32>, Rows)>,
 }
 
 impl Recorded {
-    /// The weights with which a point is made.
+    /// Calls `each` with the sources and weights of a point.
     fn weights(&self, point: u32, each: impl FnMut(Source, f64)) {
         let (places, rows) = &mut *self.made.borrow_mut();
         let (row, place) = (point as usize, &mut places[point as usize]);
@@ -45,15 +45,15 @@ impl Recorded {
 }
 
 impl Record {
-    /// Nothing yet.
+    /// Creates an empty record.
     pub(in crate::analysis) fn new(weights: Weights) -> Self {
         Self { actions: Vec::new(), weights }
     }
 
-    /// Writes down an action.
+    /// Appends an action; actions without a table are left out.
     ///
     /// # Errors
-    /// [`Unlimited::NotLinear`].
+    /// [`Unlimited::NotLinear`] for a map.
     pub(in crate::analysis) fn add(&mut self, action: Action) -> Result<(), Unlimited> {
         match action {
             Action::Sequence(actions) => return actions.into_iter().try_for_each(|action| self.add(action)),
@@ -68,13 +68,14 @@ impl Record {
         Ok(())
     }
 
-    /// Of which old points each new one was made in the last action, where that was a blend.
+    /// Returns the rows of the last action, if it was a blend.
     pub(super) fn last(&self) -> Option<Rows> {
         self.actions.last()?.action.rows().map(collect)
     }
 
-    /// The product of a row with the matrix of the `wanted` points after the last action over the points before the
-    /// first, those of `origins` taken together; `n_columns` of them are kept. `None` where another one has a weight.
+    /// Multiplies a row by the matrix from the points before the first action to the `wanted` points after the last
+    /// one. Points with the same entry in `origins` share a column. Returns `None` if a column beyond `n_columns` has a
+    /// weight.
     pub(super) fn times_row(&self, row: &[f64], wanted: &[u32], origins: &[u32], n_columns: usize) -> Option<Vec<f64>> {
         let mut trace = Trace::default();
         wanted.iter().zip(row).for_each(|(&point, &factor)| trace.now.add(point, factor));
@@ -88,8 +89,8 @@ impl Record {
         (others == 0.0).then_some(product)
     }
 
-    /// For each of the `wanted` points after the last action its weights over the points before the first, those of
-    /// `origins` taken together; `n_columns` of them are kept. `None` where another one has a weight.
+    /// Returns the matrix from the points before the first action to the `wanted` points after the last one. Points
+    /// with the same entry in `origins` share a column. Returns `None` if a column beyond `n_columns` has a weight.
     pub(in crate::analysis) fn matrix(&self, wanted: &[u32], origins: &[u32], n_columns: usize) -> Option<Rows> {
         let mut matrix = Rows::default();
         let mut trace = Trace::default();
@@ -113,18 +114,18 @@ impl Record {
     }
 }
 
-/// Weights of one point, followed back through the actions.
+/// The weights of one point or row, traced back through the actions.
 #[derive(Default)]
 struct Trace {
-    /// Over the points after the action that is next.
+    /// Weights over the points after the action that is traced back next.
     now: Tally,
-    /// Over the points that entered the last upsampling.
+    /// Weights over the points that entered the last upsampling.
     anchor: Tally,
     before: Tally,
 }
 
 impl Trace {
-    /// From weights over the points after an action to weights over those before it.
+    /// Turns weights over the points after an action into weights over the points before it.
     fn back(&mut self, recorded: &Recorded, weights: Weights) {
         let weigh = |weight: f64| if weights == Weights::Structural { 1.0 } else { weight };
         let Self { now, anchor, before } = self;
@@ -132,7 +133,7 @@ impl Trace {
             recorded.weights(point, |source, weight| match source {
                 Source::Point(point) => before.add(point, factor * weigh(weight)),
                 Source::Anchor(point) => anchor.add(point, factor * weigh(weight)),
-                // whoever needs it has no weights
+                // a NaN marks every point that needs the lost one
                 Source::Lost => before.add(point, f64::NAN),
             });
         });
@@ -143,7 +144,7 @@ impl Trace {
     }
 }
 
-/// Sums by number, for few numbers at a time.
+/// Sums by number, in memory that is reused.
 #[derive(Default)]
 struct Tally {
     sums: Vec<Option<f64>>,
@@ -165,7 +166,7 @@ impl Tally {
         }
     }
 
-    /// Hands out all sums in the order of their first addition, and forgets them.
+    /// Calls `each` with all sums in the order of their first addition, and clears them.
     fn drain(&mut self, mut each: impl FnMut(u32, f64)) {
         for number in self.touched.drain(..) {
             if let Some(sum) = self.sums[number as usize].take() {

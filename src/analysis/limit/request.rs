@@ -10,7 +10,7 @@ pub struct LimitRequest {
 }
 
 impl LimitRequest {
-    /// Whether anything is asked for.
+    /// Returns whether anything is requested.
     pub fn anything(self) -> bool {
         self.positions || self.normals
     }

@@ -1,5 +1,4 @@
-//! Steps of discs whose vertices carry parameters of their own: the connectivity once, the parameters again and
-//! again.
+//! Steps of discs whose vertices carry parameters: the connectivity is computed once and reused for other parameters.
 
 use std::collections::BTreeMap;
 use std::sync::{Arc, Mutex, PoisonError};
@@ -15,7 +14,7 @@ use crate::scheme::stepper::Stepper;
 use crate::shape::numbering::Numbering;
 use crate::shape::topology::Topology;
 
-/// A disc as a net, and where its child lies in the net after a level.
+/// A disc as a net, and the location of its child in the net after a level.
 #[derive(Debug)]
 struct Skeleton {
     net: MeshNet,
@@ -25,7 +24,7 @@ struct Skeleton {
     refined: Arc<Topology>,
 }
 
-/// A level on a disc as the actions that it is made of.
+/// A level on a disc as a sequence of actions.
 #[derive(Debug)]
 pub(super) struct Traced {
     skeleton: Arc<Skeleton>,
@@ -34,35 +33,35 @@ pub(super) struct Traced {
 }
 
 impl Traced {
-    /// The disc around the centre's child.
+    /// Returns the disc around the centre's child.
     pub(super) fn disc(&self) -> &Disc {
         &self.skeleton.child.disc
     }
 
-    /// Which face at the centre its first face there comes of.
+    /// Returns the index of the face at the centre that becomes face 0 of the child.
     pub(super) fn rotation(&self) -> usize {
         self.skeleton.child.rotation
     }
 
-    /// The points of the child's support.
+    /// Returns the points of the child's support.
     fn wanted(&self) -> &[u32] {
         &self.skeleton.child.vertices[..self.disc().support]
     }
 
-    /// How a functional of the child's points reads the disc's: what multiplying with the matrix gives, without making
-    /// it.
+    /// Turns a row over the child's points into one over the disc's points: multiplies by the matrix of the level
+    /// without making it.
     pub(super) fn times_row(&self, row: &[f64]) -> Result<Vec<f64>, Unlimited> {
         let product = self.record.times_row(row, self.wanted(), &self.skeleton.origins, self.n_columns);
         product.ok_or(Unlimited::Reach)
     }
 
-    /// The level with its matrix.
+    /// Returns the child with the matrix of the level.
     pub(super) fn child(&self) -> Result<Child, Unlimited> {
         Child::new(&self.skeleton.child, &self.record, &self.skeleton.origins, self.n_columns)
     }
 }
 
-/// The skeletons that were met.
+/// The skeletons computed so far, by disc.
 #[derive(Debug)]
 pub(super) struct Skeletons<'a> {
     cycle: &'a Cycle<'a>,
@@ -71,12 +70,13 @@ pub(super) struct Skeletons<'a> {
 }
 
 impl<'a> Skeletons<'a> {
-    /// None yet.
+    /// Creates an empty set.
     pub(super) fn new(cycle: &'a Cycle<'a>, rings: Rings) -> Self {
         Self { cycle, rings, known: Mutex::default() }
     }
 
-    /// One level on a disc whose vertices carry these parameters, and the parameters of the child's vertices.
+    /// Applies one level to a disc whose vertices carry parameters; also returns the parameters of the child's
+    /// vertices.
     pub(super) fn step(
         &self,
         level: usize,
@@ -86,8 +86,8 @@ impl<'a> Skeletons<'a> {
         self.followed(level, disc, (parameters, None)).map(|(traced, (parameters, _))| (traced, parameters))
     }
 
-    /// One level on a disc whose vertices carry these parameters, and are perturbed by those in the whole net; the
-    /// same of the child.
+    /// Applies one level to a disc whose vertices carry parameters and perturbations; also returns the child's
+    /// parameters and numbering. The numbering is that of the whole net, which the perturbations depend on.
     pub(super) fn followed(
         &self,
         level: usize,
@@ -122,7 +122,7 @@ impl<'a> Skeletons<'a> {
         let (net, origins) = disc.net(self.cycle.disc_rules).ok_or(Unlimited::Reach)?;
         let (child, refined) = self.cycle.child(disc, parameters, self.rings)?;
         let skeleton = Arc::new(Skeleton { net, origins, child, refined });
-        // whoever comes first, all find the same
+        // another thread may have inserted an equal skeleton
         Ok(known().entry(disc.clone()).or_insert(skeleton).clone())
     }
 }

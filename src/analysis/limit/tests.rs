@@ -1,5 +1,5 @@
-//! Disces around vertices with many faces: the least one is found without all walks. Masks: whichever is asked for
-//! first, they are the same.
+//! Tests that the least disc around a vertex with many faces is found without all walks, and that masks do not depend
+//! on the order of requests.
 
 use super::disc::{Centre, Located, Rings};
 use super::mask::{Finder, Masks};
@@ -16,7 +16,7 @@ use crate::shape::check::{FaceList, Winding};
 use crate::shape::topology::{Topology, index};
 use crate::watch::Watch;
 
-/// Faces of these sizes around vertex 0.
+/// Returns a net of faces of these sizes around vertex 0.
 fn around(sizes: &[u32]) -> MeshNet {
     let n = index(sizes.len());
     let mut faces = FaceList::default();
@@ -30,7 +30,7 @@ fn around(sizes: &[u32]) -> MeshNet {
     MeshNet::new(checked.topology.into(), &[], &[], Boundary::EdgeOnly)
 }
 
-/// The least of the discs of all starts, the first of several.
+/// Returns the least of the discs of all starts, the first of equal ones.
 fn least_of_all(whole: &WholeNet<'_>, centre: Centre, rings: Rings) -> Option<Located> {
     let walks = whole.starts(centre).enumerate();
     let found =
@@ -72,7 +72,7 @@ fn a_vertex_that_looks_the_same_from_all_its_faces_takes_two_walks() {
     assert!(watch.done() <= 2 * 501, "{} rows", watch.done());
 }
 
-/// How many masks of the discs that levels make around a vertex were compared; `None` where there is no limit.
+/// Compares the masks of the discs that levels make around a vertex; returns their number, or `None` without a limit.
 fn compared(plan: &Plan, net: &MeshNet) -> Option<usize> {
     let (steps, at) = scheduled(plan, 0).ok()?;
     let topology = net.mesh.topology();
@@ -96,7 +96,7 @@ fn compared(plan: &Plan, net: &MeshNet) -> Option<usize> {
     Some(discs.len() * discs.len())
 }
 
-/// Some schemes turn what is around a vertex with each level, so that its disc comes again after two of them.
+/// Some schemes turn the surroundings of a vertex at each level, so that its disc recurs after two levels.
 #[test]
 fn masks_are_the_same_whichever_is_asked_for_first() {
     let mut n_compared = 0;

@@ -1,4 +1,4 @@
-//! Walks ring by ring around a vertex, an edge or a face of a net, which find the disc there.
+//! Walks ring by ring around a vertex, an edge or a face of a net, to cut out the disc there.
 
 use std::cmp::Ordering;
 
@@ -12,25 +12,25 @@ use crate::shape::directions::{Direction, Directions};
 use crate::shape::topology::{NONE, Topology, index};
 use crate::watch::{Stopped, Watch};
 
-/// A net in the mesh that a disc is cut out of.
+/// The net out of which a disc is cut.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct WholeNet<'a> {
     /// The topology of the mesh.
     pub(super) topology: &'a Topology,
     /// Vertices that keep their place, ascending.
     pub(super) corners: &'a [u32],
-    /// Sharp edges, and vertices that are sharp for a while.
+    /// Sharp edges, and vertices with a sharpness of their own.
     pub(super) sharpness: Option<&'a Sharpness>,
     /// Directions of edges along latitude and longitude lines.
     pub(super) directions: Option<&'a Directions>,
-    /// Steps so far of a scheme of its own connectivity, as far as they matter: the first one, then odd and even ones.
+    /// Number of steps so far of a scheme with its own connectivity, as far as it matters: 0, 1, then 2 or 3 by parity.
     pub(super) rounds: u32,
-    /// What has to be known of the net beyond a disc, where it has a say.
+    /// What rules need to know of the net beyond a disc, if anything.
     pub(super) surroundings: Option<Surroundings>,
 }
 
 impl<'a> WholeNet<'a> {
-    /// A net, `topology` being its own.
+    /// Returns the view of a net with its topology.
     pub(super) fn of(net: &'a MeshNet, topology: &'a Topology) -> Self {
         let rounds = if net.mesh.rounds < 2 { net.mesh.rounds } else { 2 + net.mesh.rounds % 2 };
         Self {
@@ -44,23 +44,23 @@ impl<'a> WholeNet<'a> {
     }
 }
 
-/// The greatest common divisor of two numbers that are not both 0 (Euclid).
+/// Returns the greatest common divisor of two numbers that are not both 0 (Euclid).
 fn common_divisor(a: usize, b: usize) -> usize {
     if b == 0 { a } else { common_divisor(b, a % b) }
 }
 
 impl WholeNet<'_> {
-    /// The disc around a centre; `None` where it has more than [`MAX_DISC_VERTICES`] vertices.
+    /// Returns the disc around a centre; `None` if it has more than [`MAX_DISC_VERTICES`] vertices.
     pub(super) fn disc(&self, centre: Centre, rings: Rings) -> Option<Located> {
         self.walk(centre, self.starts(centre).next()?, rings)
     }
 
-    /// The least of all discs around a centre that differ by where the walk starts: the same for nets that differ by
-    /// a turn, and of several starts the first.
+    /// Returns the least of the discs that walks around a centre find from all starts, the first of equal ones. It does
+    /// not depend on the order in which the net numbers its faces. `None` means that the disc is too large.
     ///
-    /// Where a walk finds what one k starts before it found, a turn by k faces maps the surroundings to themselves. So
-    /// does one by the greatest divisor d that k and the number of starts have in common, and all later walks find what
-    /// those from the first d starts do: around a vertex that looks the same from all its faces, two walks are enough.
+    /// If two walks that start k faces apart find the same disc, a turn by k faces maps the surroundings to themselves.
+    /// So does a turn by the greatest common divisor d of k and the number of starts, and all later walks repeat those
+    /// from the first d starts: around a vertex that looks the same from all its faces, two walks are enough.
     ///
     /// # Errors
     /// [`Stopped`].
@@ -85,7 +85,7 @@ impl WholeNet<'_> {
         Ok(least)
     }
 
-    /// Corners at which a walk around a centre may start.
+    /// Returns the half-edges at which a walk around a centre may start.
     pub(super) fn starts(&self, centre: Centre) -> impl Iterator<Item = u32> {
         let (around, sides, of) = match centre {
             Centre::Vertex(v) => {
@@ -168,12 +168,12 @@ impl WholeNet<'_> {
     }
 }
 
-/// A walk ring by ring.
+/// The state of a walk ring by ring.
 struct Walk<'a> {
     whole: WholeNet<'a>,
     sizes: Vec<u32>,
     local: Vec<u32>,
-    /// For each vertex of the disc a corner at it, by which it was reached.
+    /// For each vertex of the disc the half-edge from it by which it was reached.
     reached: Vec<u32>,
     known: FirstUse,
     half_edges: Vec<u32>,
@@ -183,7 +183,7 @@ struct Walk<'a> {
 }
 
 impl Walk<'_> {
-    /// Adds the faces around vertex `u` of the disc, counter-clockwise from the corner by which it was reached.
+    /// Adds the faces around vertex `u` of the disc, counter-clockwise from the half-edge by which it was reached.
     fn add_ring(&mut self, u: usize) {
         let topology = self.whole.topology;
         let start = self.reached[u];
@@ -198,7 +198,7 @@ impl Walk<'_> {
                 break;
             }
         }
-        // a boundary: go on with what lies clockwise of the start
+        // at a boundary, the faces clockwise of the start follow
         for half_edge in topology.ring(topology.vertex(start) as usize) {
             if half_edge == start {
                 return;
