@@ -23,8 +23,8 @@ const USUAL_WORDS: usize = 256;
 /// Maximum number of products that a search examines: words of up to twelve letters for binary schemes, which take some
 /// ten megabytes. Half of it has one letter less; twice of it takes twice as much memory.
 const MAX_WORDS: usize = 1 << 13;
-/// Cost of a product whose eigenvalues are computed, in plain products of the budget. It is the measured ratio of the
-/// times. Half or twice of it needs half or twice of a budget for one letter more.
+/// Cost of a product whose eigenvalues are computed, in plain products of the budget. It is the ratio of their times.
+/// Half or twice of it needs half or twice of a budget for one letter more.
 const EIGENVALUES: u64 = 128;
 /// Maximum size of matrices whose eigenvalues are proved. The 2n-point schemes have matrices of size 2n - 2, which is
 /// 30 for n = 16. Half of it leaves those from n = 10 on without a bound; twice of it takes some thirty times as long,

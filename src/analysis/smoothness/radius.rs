@@ -17,7 +17,7 @@ pub struct RadiusBounds {
     pub upper: Upper,
 }
 
-/// Computes bounds with at most `budget` matrix products; the search for the upper bound first tries to prove values
+/// Computes bounds with at most `budget` matrix products; the search for the upper bound also attempts values just
 /// below the `thresholds`.
 ///
 /// # Errors
