@@ -9,58 +9,58 @@ use crate::scheme::polygon_net::PolygonNet;
 use crate::scheme::step::{Action, Source};
 use crate::scheme::stepper::Stepper;
 
-/// Most numbers of all matrices together.
-/// It is those of 16 points and the widest usual masks. Half of it leaves long words without them; twice of it makes
-/// answers twice as long, which nobody reads.
+/// Maximum number of entries of all matrices together: enough for 16 points and the widest usual masks. Half as many
+/// refuse the matrices of long words; twice as many make answers twice as long, which nobody reads.
 pub const MAX_ENTRIES: usize = 1 << 15;
 
-/// A matrix.
+/// A matrix in f64 and, if known, as fractions.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Matrix {
-    /// Its rows.
+    /// The rows, rounded to f64.
     pub rows: Vec<Vec<f64>>,
-    /// Its rows as fractions, where they are known.
+    /// The rows as fractions, if they are known.
     pub exact: Option<Vec<Vec<Exact>>>,
 }
 
 /// The matrix of one operator.
 #[derive(Debug, Clone, PartialEq)]
 pub struct StepMatrix {
-    /// Its letter in words, where it has one.
+    /// The letter of the operator in words, if it has one.
     pub letter: Option<char>,
-    /// Its name.
+    /// The name of the operator.
     pub name: &'static str,
-    /// What it means for a step.
+    /// The role of the operator in a step.
     pub role: Role,
-    /// Weights of the points before it: row j has those of new point j.
+    /// Weights of the points before the operator: row j makes new point j.
     pub points: Matrix,
-    /// Weights of the points that entered the last upsampling, which are added; only of operators that look at them.
+    /// Weights of the points that entered the last upsampling, added to `points`; push-backs only.
     pub coarse: Option<Matrix>,
 }
 
-/// The first level of a plan on a polygon.
+/// The matrices of the first level of a plan on a polygon.
 #[derive(Debug, Clone, PartialEq)]
 pub struct StepMatrices {
-    /// The operators in their order.
+    /// The matrices of the operators, in the order in which they are applied.
     pub steps: Vec<StepMatrix>,
-    /// All of them as one matrix.
+    /// The product of all operators as one matrix.
     pub product: Matrix,
 }
 
-/// The reason for which there are no matrices.
+/// The reason why a plan has no matrices.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
 pub enum NoMatrices {
-    /// There would be too many numbers.
+    /// The matrices would have too many entries.
     #[error("the matrices have more than {MAX_ENTRIES} numbers; ask for fewer points or powers, or a shorter word")]
     TooLarge,
-    /// A step cannot be taken, or is no matrix.
+    /// A step fails on this polygon, or is not a matrix.
     #[error("a step of the plan is no matrix here; ask for more points")]
     NoMatrix,
 }
 
 impl StepMatrices {
-    /// The matrices of the first level on a polygon of `n` points, closed or with the ends of the plan. Those of closed
-    /// ones are exact where all weights are fractions and `is_static`, as those are the weights of the static limit.
+    /// Returns the matrices of the first level on a polygon of `n` points, which is closed or has the ends of the plan.
+    /// They are exact on closed polygons if all weights are fractions and `is_static`, because exact weights are those
+    /// of the static limit.
     ///
     /// # Errors
     /// [`NoMatrices`].
@@ -92,7 +92,8 @@ impl StepMatrices {
 }
 
 impl StepMatrix {
-    /// The matrix of an action that makes so many points of so many, and of so many that entered the upsampling.
+    /// Returns the matrix of an action that makes `after` points from `before` points, of which `coarse` entered the
+    /// last upsampling; `None` if the action is not a table of weights.
     fn rounded(step: &Scheduled, action: &Action, [after, before, coarse]: [usize; 3]) -> Option<Self> {
         let table = action.table()?;
         let mut rows = Rows::default();
@@ -129,14 +130,14 @@ impl StepMatrix {
 }
 
 impl Matrix {
-    /// A matrix of fractions.
+    /// Creates a matrix from fractions.
     pub fn exact(exact: Vec<Vec<Exact>>) -> Self {
         let rows = exact.iter().map(|row| row.iter().map(rounded).collect()).collect();
         Self { rows, exact: Some(exact) }
     }
 }
 
-/// All steps as one matrix over the `n` points before them.
+/// Returns the product of all steps as one matrix over the `n` points before them.
 fn product(steps: &[StepMatrix], n: usize) -> Matrix {
     if let Some(exact) = steps.iter().map(StepMatrix::as_exact).collect::<Option<Vec<_>>>() {
         return Matrix::exact(composed(&exact, n));
@@ -145,7 +146,7 @@ fn product(steps: &[StepMatrix], n: usize) -> Matrix {
     Matrix { rows: composed(&rounded, n), exact: None }
 }
 
-/// What an operator means for a step, its weights of points, and those of the points before the upsampling.
+/// The role of an operator, its weights of the points, and its weights of the points before the upsampling.
 type Operator<'a, T> = (Role, &'a [Vec<T>], Option<&'a [Vec<T>]>);
 
 fn composed<T: num_traits::Num + Clone>(steps: &[Operator<'_, T>], n: usize) -> Vec<Vec<T>> {

@@ -1,15 +1,15 @@
-//! The reasons for which no level is known for a tolerance.
+//! The reasons why a search finds no level for a tolerance.
 
 use crate::refine::RefineError;
 use crate::watch::Stopped;
 
-/// The reason for which no level is known for a tolerance.
+/// The reason why a search finds no level for a tolerance.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum NoLevel {
-    /// No distance to the limit is known that is small enough: why, and what helps.
+    /// No proved distance to the limit is small enough; the text says why, and what helps.
     #[error("{0}")]
     Refused(String),
-    /// The search was asked to stop.
+    /// The search was stopped.
     #[error(transparent)]
     Stopped(#[from] Stopped),
 }

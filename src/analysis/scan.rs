@@ -14,19 +14,19 @@ use crate::math::parameter::Literal;
 use crate::scheme::plan::PlanInput;
 use crate::watch::{Stopped, Watch};
 
-/// Halvings of the gap between two values of which only one has a proof.
-/// A step of a scan comes to its 65,536th part. Half of it brackets ends to 1/256 of a step, twice of it takes twice as
-/// many analyses for digits that few search budgets decide.
+/// Number of halvings of the gap between two values of which only one has a proof. They narrow a gap of one step to
+/// 1/65,536 of it. Half as many narrow it to 1/256 of a step; twice as many take twice as many analyses for digits that
+/// few search budgets decide.
 const HALVINGS: u32 = 16;
-/// Most values that are looked at beside those of the scan.
-/// Two ends take 64 at most. Half of it leaves ends of schemes with four ranges as wide as a step; twice of it takes
-/// twice as long for schemes with many.
+/// Maximum number of values analysed in addition to those of the scan. The two ends of a range take 64 at most. Half as
+/// many leave the ends of schemes with four ranges as wide as a step; twice as many take twice as long for schemes with
+/// many ranges.
 pub const MOST_BETWEEN: u32 = 256;
 
 /// A parameter and the range of its values.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Scan {
-    /// The plan, whose value of the parameter does not count.
+    /// The plan; its own value of the scanned parameter is replaced.
     pub input: PlanInput,
     /// The name of the parameter.
     pub parameter: String,
@@ -34,64 +34,64 @@ pub struct Scan {
     pub from: Exact,
     /// The last value, above the first.
     pub to: Exact,
-    /// Equal steps between them.
+    /// The number of equal steps between the first and the last value.
     pub steps: u32,
-    /// Whether the parameter has whole numbers alone: then all values are rounded down to such.
+    /// Whether the parameter takes whole numbers only; all values are then rounded down to whole numbers.
     pub is_whole: bool,
 }
 
-/// The results at all values.
+/// The results at all values of a scan.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Scanned {
-    /// One row for each value of the scan, in ascending order.
+    /// The results at the values of the scan, in ascending order of the values.
     pub rows: Vec<Row>,
-    /// For each k the intervals where C^k is proved, in ascending order.
+    /// The intervals on which C^k is proved, by ascending k, then by ascending value.
     pub intervals: Vec<Interval>,
 }
 
-/// A value of the parameter.
+/// A value of the parameter and the result there.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Row {
     /// The value.
     pub value: Exact,
-    /// What is known there.
+    /// The result at the value.
     pub found: Found,
 }
 
 /// The result for the scheme at one value.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Found {
-    /// What is proved and disproved of the scheme.
+    /// What is proved and disproved about the scheme.
     Verdict(Verdict),
-    /// There is no scheme that could be analysed: why.
+    /// The plan has no scheme that can be analysed, for the reason given.
     Refused(String),
 }
 
-/// What is proved and disproved at one value.
+/// What is proved and disproved about the scheme at one value.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Verdict {
     /// The order of the sum rules.
     pub order: usize,
-    /// The largest k for which limits are proved to be C^k, -1 where not even convergence is.
+    /// The largest k for which limits are proved to be C^k; -1 if not even convergence is proved.
     pub proved_c: i64,
-    /// The smallest k for which it is disproved.
+    /// The smallest k for which C^k is disproved, if any.
     pub disproved_c: Option<i64>,
-    /// Between which numbers the Hoelder exponent lies.
+    /// The lower and the upper bound of the Hoelder exponent, if known.
     pub holder: Option<[f64; 2]>,
 }
 
-/// An interval of values at each of which C^k was proved, as far as they were looked at.
+/// An interval in which C^k is proved at every analysed value.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Interval {
     /// The order k.
     pub k: i64,
-    /// The least value with a proof.
+    /// The least value at which C^k is proved.
     pub from: Exact,
-    /// The greatest value with a proof.
+    /// The greatest value at which C^k is proved.
     pub to: Exact,
-    /// The next value below at which C^k is disproved, where there is one before the next interval.
+    /// The nearest value below the interval at which C^k is disproved; `None` if another interval comes first.
     pub before: Option<Exact>,
-    /// The next value above at which C^k is disproved, likewise.
+    /// The nearest value above the interval at which C^k is disproved; `None` if another interval comes first.
     pub after: Option<Exact>,
 }
 
@@ -106,18 +106,18 @@ impl Found {
 }
 
 impl Scan {
-    /// The value after so many steps.
+    /// Returns the value after `step` steps.
     pub fn value(&self, step: u32) -> Exact {
         let share = Exact::ratio(step.into(), self.steps.max(1).into());
         self.among(&self.from + (&self.to - &self.from) * share)
     }
 
-    /// A value, or the whole number below it where the parameter has no others.
+    /// Returns the value itself, or rounds it down if the parameter takes whole numbers only.
     fn among(&self, value: Exact) -> Exact {
         if self.is_whole { value.floor() } else { value }
     }
 
-    /// The plan with a value of the parameter.
+    /// Returns the plan with this value of the parameter.
     pub fn at(&self, value: &Exact) -> PlanInput {
         let mut input = self.input.clone();
         input.parameters.retain(|(name, _)| *name != self.parameter);
@@ -127,7 +127,7 @@ impl Scan {
         input
     }
 
-    /// What is found with so many products of matrices at each value; `study` says what a plan comes to.
+    /// Runs the scan with at most `nodes` matrix products at each value; `study` resolves a plan to its curve scheme.
     ///
     /// # Errors
     /// [`Stopped`].
@@ -140,7 +140,7 @@ impl Scan {
         let look = |value: &Exact| match study(&self.at(value)) {
             Ok(study) => verdict(&study, nodes, watch).map(Found::Verdict),
             Err(faults) => {
-                // a search that was stopped says so as a fault, too
+                // a stopped search also arrives here as a fault
                 watch.check()?;
                 let details: Vec<&str> = faults.iter().map(|fault| fault.detail.as_str()).collect();
                 Ok(Found::Refused(details.join("; ")))
@@ -169,7 +169,7 @@ impl Scan {
 
 fn verdict(study: &Study, nodes: u64, watch: &Watch) -> Result<Verdict, Stopped> {
     let smoothness = Smoothness::of(&study.settled, nodes, watch)?;
-    // what is disproved of the static limit need not be of levels that come close to it
+    // smoothness that is disproved for the static limit is not disproved for levels that converge to it
     let disproved_c = smoothness.disproved_c.filter(|_| study.levels.is_empty());
     Ok(Verdict {
         order: study.settled.order,
@@ -179,23 +179,23 @@ fn verdict(study: &Study, nodes: u64, watch: &Watch) -> Result<Verdict, Stopped>
     })
 }
 
-/// All values that were looked at.
+/// The results at all values analysed so far.
 struct Known {
     values: BTreeMap<Exact, Found>,
-    /// How many more may be.
+    /// The number of further values that may be analysed.
     left: u32,
 }
 
 impl Known {
-    /// Halves the gaps beside values with a proof of C^k: first towards those without one, then, where these are open,
-    /// towards those where C^k is disproved.
+    /// Halves the gaps between values with a proof of C^k and neighbours without one; then, next to neighbours where
+    /// C^k is undecided, the gaps between undecided values and those where C^k is disproved.
     fn narrow(&mut self, k: i64, scan: &Scan, look: &impl Fn(&Exact) -> Result<Found, Stopped>) -> Result<(), Stopped> {
         for ends in self.changes(|found| found.proves(k)) {
             self.halve(scan, ends, |found| found.proves(k), look)?;
         }
         let is_open = |found: &Found| !found.disproves(k);
         for (inside, outside) in self.changes(is_open) {
-            // between a proof and its contrary the gap is narrow already
+            // between a value with a proof and one with a disproof the gap is already narrow
             if !self.values.get(&inside).is_some_and(|found| found.proves(k)) {
                 self.halve(scan, (inside, outside), is_open, look)?;
             }
@@ -203,7 +203,7 @@ impl Known {
         Ok(())
     }
 
-    /// The neighbours of which only the first holds.
+    /// Returns the pairs of neighbouring values of which only one satisfies `holds`, that one first.
     fn changes(&self, holds: impl Fn(&Found) -> bool) -> Vec<(Exact, Exact)> {
         let neighbours = self.values.iter().zip(self.values.iter().skip(1));
         let ordered = neighbours.filter_map(|((a, found), (b, next))| match (holds(found), holds(next)) {
@@ -265,7 +265,7 @@ impl Known {
 }
 
 impl Row {
-    /// The value in f64.
+    /// Returns the value in f64.
     pub fn rounded(&self) -> f64 {
         rounded(&self.value)
     }

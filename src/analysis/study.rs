@@ -9,57 +9,54 @@ use crate::scheme::operator::Role;
 use crate::scheme::plan::Plan;
 use crate::watch::Watch;
 
-/// Longest masks that are analysed.
-/// Those of clients have 129 entries at most. Half of it refuses cycles of three upsamplings and many averages; twice
-/// of it takes eight times as long.
+/// Maximum number of entries of the masks that are analysed. Masks from clients have 129 entries at most. Half of it
+/// would refuse cycles of three upsamplings and many averages; twice of it would take eight times as long.
 const MAX_ENTRIES: usize = 512;
-/// Most levels that are listed.
-/// Cosines of an angle that is halved come four times as close at each level, 16 of them to 1e-9 of where they were.
-/// Half of it shows less of how they do; twice of it lists masks that differ in their last digits.
+/// Maximum number of levels that are listed. Cosines of an angle that is halved come four times as close to their limit
+/// at each level, after 16 levels to within 1e-9. Half as many would show less of the convergence; twice as many would
+/// list masks that differ only in their last digits.
 const MAX_LEVELS: u32 = 16;
-/// Masks that differ by less count as equal.
-/// It is some five roundings of 1; half of it lists levels that differ by rounding, twice of it leaves out one that
-/// does not.
+/// Largest difference at which masks are regarded as equal, some five roundings of 1. Half of it would list levels that
+/// differ by rounding only; twice of it would omit a level that differs.
 const SAME: f64 = 1e-15;
-/// What a symbol may leave at a zero, over the sum of its coefficients' sizes.
-/// It is some thousand roundings; half of it misses zeros of long masks, twice of it takes one for a zero that is twice
-/// as far away.
+/// Largest value of a symbol at a zero, relative to the sum of the absolute values of its coefficients; some thousand
+/// roundings. Half of it would miss zeros of long masks; twice of it would accept zeros that are twice as far away.
 const ZERO: f64 = 1e-12;
-/// Levels whose distances from the settled scheme tell how these go on.
-/// Half of it takes one pair for a rule; twice of it counts levels of angles that are not small yet.
+/// Number of last levels whose distances from the limit scheme predict the distances that follow. Half of it would take
+/// a single pair as a rule; twice of it would include levels at which angles are not small yet.
 const LAST: usize = 3;
-/// Below what a factor of distances, times powers of the arity, counts as below 1.
-/// Distances of functions with derivatives at 0 shrink by powers of 1/d, so that it is 1/2 at most, or 1 at least, up
-/// to the terms of higher order; roots of alpha come to 0.71. Half of it refuses the latter C^k at the first k beyond
-/// the sum rules; twice of it would let 1 count.
+/// Largest product of a decay factor and powers of the arity that is regarded as below 1. Distances of functions with
+/// derivatives at 0 shrink by powers of 1/d, so that the product is 1/2 at most, or 1 at least, up to terms of higher
+/// order; roots of alpha give 0.71. Half of it would refuse these roots C^k at the first k beyond the sum rules; twice
+/// of it would admit 1.
 const SHRINKS: f64 = 0.9;
 
 /// A plan as a curve scheme.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Study {
-    /// The scheme, or the one that those of the levels come close to.
+    /// The scheme, or the limit of the schemes of the levels if they change.
     pub settled: Symbol,
-    /// The schemes of the levels, where they change.
+    /// The schemes of the levels, if they change.
     pub levels: Vec<Level>,
 }
 
 /// The scheme of one level.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Level {
-    /// The parameter spacing that entered its upsampling, radians.
+    /// The parameter spacing that enters the upsampling, radians.
     pub alpha: f64,
-    /// Its mask.
+    /// The mask of the level.
     pub mask: Mask,
-    /// The order of its sum rules.
+    /// The order of the sum rules of the mask.
     pub order: usize,
-    /// The norm of its difference from the settled scheme.
+    /// The norm of the difference between the mask and that of the limit scheme.
     pub distance: f64,
-    /// Whether cosine and sine with this spacing are refined to combinations of themselves.
+    /// Whether cosine and sine with the spacing `alpha` are refined to combinations of themselves.
     pub keeps_circles: bool,
 }
 
 impl Study {
-    /// What a plan on polygons comes to.
+    /// Resolves a plan on polygons to its curve scheme.
     ///
     /// # Errors
     /// [`NoMask`].
@@ -72,7 +69,7 @@ impl Study {
         let pushes_back = plan.word.cycle.iter().any(|letter| letter.facts().role == Role::PushBack);
         let exact = exact.and_then(|cycle| {
             let symbol = Symbol::exact(cycle.arity, cycle.first, &cycle.mask)?;
-            // a push-back reaches as far whatever its parameters are
+            // the reach of a push-back does not depend on its parameters
             Some(if pushes_back { symbol.reaching(cycle.first, cycle.mask.len()) } else { symbol })
         });
         let settled = exact.or_else(|| Symbol::beside(cycle.arity, &cycle.mask)).ok_or(NoMask::Unsettled)?;
@@ -80,13 +77,13 @@ impl Study {
         Ok(Self { settled, levels })
     }
 
-    /// The largest k for which limits are proved to be C^k, where those of the settled scheme are C^proved, and its
-    /// differences shrink that prove C^contracts: C^proved where levels do not change. Else limits are C^k where masks
-    /// come close to that of a scheme whose differences of order k + 1 shrink, and levels have approximate sum rules of
-    /// order k + 1: derivatives of the symbol at the other d-th roots of 1, of order j and at level h, are `e(h, j)`,
-    /// and the sum of `d^(h (k - j)) e(h, j)` over all levels is finite for j up to k. With r sum rules at every level
-    /// these are 0 for j < r, and with distances that shrink by gamma the others are finite where `gamma d^(k - r)` is
-    /// below 1.
+    /// Returns the largest k for which limits are proved to be C^k, given that limits of the limit scheme are C^proved
+    /// and that its contracting differences prove C^contracts. If the levels do not change, this is `proved`. Otherwise
+    /// limits are C^k if the masks converge to that of a scheme whose differences of order k + 1 contract, and the
+    /// levels have approximate sum rules of order k + 1: with `e(h, j)` the derivative of order j of the symbol of
+    /// level h at the other d-th roots of 1, the sum of `d^(h (k - j)) e(h, j)` over all levels is finite for each j up
+    /// to k. With r sum rules at every level `e(h, j)` is 0 for j < r; with distances that shrink by the factor gamma
+    /// the other sums are finite if `gamma d^(k - r)` is below 1.
     ///
     /// Source: Charina, Conti, Guglielmi and Protasov, Numerische Mathematik 135 (2017), 639-678, theorem 2.
     pub fn concluded(&self, proved: i64, contracts: i64) -> i64 {
@@ -105,26 +102,25 @@ impl Study {
         (0..=contracts).rev().find(|&k| has_rules(k)).unwrap_or(-1)
     }
 
-    /// The least order of the sum rules of the levels and of the settled scheme.
+    /// Returns the least order of the sum rules of the levels and of the limit scheme.
     pub fn sum_rules(&self) -> i64 {
         let orders = self.levels.iter().map(|level| level.order).chain([self.settled.order]);
         orders.min().and_then(|order| i64::try_from(order).ok()).unwrap_or(0)
     }
 
-    /// The largest factor by which distances shrink at the last few levels that can be told from rounding.
+    /// Returns the largest of the last few factors of [`Self::rates`].
     fn slowest(&self) -> Option<f64> {
         self.rates().take(LAST).reduce(f64::max)
     }
 
-    /// By what the distances of levels from the settled scheme are divided at the next, the last ones first, as far as
-    /// they can be told from rounding.
+    /// Returns the ratios of the distances of consecutive levels from the limit scheme, the last level first, without
+    /// distances that cannot be told from rounding.
     fn rates(&self) -> impl Iterator<Item = f64> {
         let pairs = self.levels.windows(2).map(|pair| (pair[0].distance, pair[1].distance));
         pairs.rev().filter(|(_, next)| *next > 1e-9).map(|(before, next)| next / before)
     }
 
-    /// By what the distance of a level from the settled scheme is divided at the next, as the last levels show that
-    /// can be told from rounding.
+    /// Returns the ratio of the last two distances from the limit scheme that can be told from rounding.
     pub fn rate(&self) -> Option<f64> {
         self.rates().next()
     }
@@ -141,12 +137,12 @@ fn levels(plan: &Plan, settled: &Cycle, watch: &Watch) -> Result<Vec<Level>, NoM
         let keeps_circles = keeps_circles(&cycle, alpha);
         found.push(Level { alpha, mask: cycle.mask, order, distance, keeps_circles });
     }
-    // only what comes after the last one that differs has settled
+    // levels after the last one that differs have converged
     found.truncate(found.iter().rposition(|level| level.distance > SAME).map_or(0, |last| last + 1));
     Ok(found)
 }
 
-/// The norm of the difference: the greatest sum of sizes in a residue class.
+/// Returns the norm of the difference of two masks: the greatest sum of absolute values in a residue class.
 fn distance(a: &Cycle, b: &Cycle) -> f64 {
     let first = a.mask.first.min(b.mask.first);
     let last = a.mask.last().max(b.mask.last());
@@ -155,7 +151,7 @@ fn distance(a: &Cycle, b: &Cycle) -> f64 {
     (0..a.arity).map(class).fold(0.0, f64::max)
 }
 
-/// Whether the symbol vanishes at all other d-th roots that `exp(i alpha)` has beside `exp(i alpha / d)`.
+/// Returns whether the symbol vanishes at all d-th roots of `exp(i alpha)` other than `exp(i alpha / d)`.
 fn keeps_circles(cycle: &Cycle, alpha: f64) -> bool {
     #[expect(clippy::cast_precision_loss, reason = "arities are small")]
     let (d, count) = (cycle.arity as f64, cycle.arity);

@@ -11,18 +11,18 @@ use crate::math::number::Number;
 /// A theorem, applied to a plan.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Theorem {
-    /// Where it is printed.
+    /// The paper and the number of the theorem.
     pub name: &'static str,
-    /// Whether all that it asks for was found.
+    /// Whether all conditions of the theorem are met.
     pub applies: bool,
-    /// What it asks for, and what was found of it.
+    /// The conditions, and how the plan meets them or fails to.
     pub because: String,
-    /// What it proves where it applies.
+    /// What the theorem proves if it applies.
     pub proves: &'static str,
 }
 
-/// The bound (11) of theorem 3, as far as the listed levels show it: level h differs from the static limit by at most
-/// `c gamma^h` in the norm.
+/// The bound (11) of theorem 3, as far as the listed levels show it: the norm of the difference between level h and the
+/// static limit is at most `c gamma^h`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Decay {
     /// The factor c.
@@ -32,17 +32,17 @@ pub struct Decay {
 }
 
 impl Decay {
-    /// The bound of a plan; `None` where distances do not shrink.
+    /// Returns the bound for a plan; `None` if the distances do not shrink.
     pub fn of(study: &Study) -> Option<Self> {
         let gamma = study.rate().filter(|gamma| *gamma < 1.0)?;
         let scaled = (0_u16..).zip(&study.levels).map(|(h, level)| level.distance / pow(gamma, f64::from(h)));
-        // the last levels are nothing but rounding
+        // the distances of the last levels are rounding errors only
         let told = study.levels.iter().take_while(|level| level.distance > 1e-9).count();
         Some(Self { c: scaled.take(told.max(1)).fold(0.0, f64::max), gamma })
     }
 }
 
-/// The theorems for a plan whose static limit is known to converge, or is not.
+/// Applies the theorems to a plan; `converges` says whether its static limit is proved to converge.
 pub fn theorems(study: &Study, converges: bool) -> Vec<Theorem> {
     vec![circles(study), in_box(&study.settled), perturbed(study, converges)]
 }
@@ -62,8 +62,8 @@ fn circles(study: &Study) -> Theorem {
     }
 }
 
-/// With `s = (1 - delta)/(4 (1 + f))` and `w = delta omega/(8 (1 + f))` a mask `(-w, s, 1/2 + w, 1 - 2 s, ...)` belongs
-/// to some `f > 0`, `|omega| < 2` and `0 <= delta <= 1` exactly where `s >= 0` and `s + |w| < 1/4`.
+/// Applies theorem 2. With `s = (1 - delta)/(4 (1 + f))` and `w = delta omega/(8 (1 + f))` a mask `(-w, s, 1/2 + w, 1 -
+/// 2 s, ...)` belongs to some `f > 0`, `|omega| < 2` and `0 <= delta <= 1` if and only if `s >= 0` and `s + |w| < 1/4`.
 fn in_box(symbol: &Symbol) -> Theorem {
     let at = |j: i64| symbol.at(j);
     let is_symmetric = (0..=3).all(|j| at(j) == at(-j)) && symbol.first >= -3 && symbol.last() <= 3;

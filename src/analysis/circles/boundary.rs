@@ -2,17 +2,20 @@
 
 use crate::shape::mesh::Mesh;
 
-/// What a ring of a tube is to the rings beyond it.
+/// How a ring of a tube relates to the rings beyond it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Beyond {
-    /// Smooth: they count, too.
+    /// A smooth ring; the rings beyond it have an influence.
     Smooth,
-    /// A boundary or a crease all around: the curve rule alone holds on it, and nothing beyond it counts.
+    /// A boundary or a crease all around the tube: only the curve rule applies on it, and rings beyond it have no
+    /// influence.
     End,
 }
 
-/// What lies beyond a ring of a mesh; an error where the ring is disturbed. `on_line` tells of each vertex whether it
-/// has exactly two latitude edges.
+/// Classifies a ring of a mesh. `on_line` says for each vertex whether it has exactly two latitude edges.
+///
+/// # Errors
+/// A sentence if the ring is not the same all around.
 pub(super) fn beyond(mesh: &Mesh, on_line: &[bool], ring: &[u32]) -> Result<Beyond, String> {
     if ring.iter().any(|v| mesh.corners.binary_search(v).is_ok()) {
         return Err("a vertex is a corner".into());
@@ -38,7 +41,7 @@ pub(super) fn beyond(mesh: &Mesh, on_line: &[bool], ring: &[u32]) -> Result<Beyo
     common.ok_or("an edge is sharp, or on the boundary, and not all around the tube".into())
 }
 
-/// The vertices at the other ends of the sharp edges and boundary edges of `v`, perhaps several times.
+/// Returns the other ends of the sharp edges and boundary edges of `v`, possibly with repetitions.
 fn sharp_neighbours(mesh: &Mesh, v: u32) -> Vec<u32> {
     let topology = &mesh.topology;
     let edges = topology.ring(v as usize).flat_map(|c| [topology.edge(c), topology.edge(topology.previous(c))]);

@@ -1,15 +1,16 @@
 //! Finds the latitude lines of a mesh that become exact circles, and their radii.
 //!
-//! A line is told exact when the rings around it, as far as the scheme reaches, are regular polygons of as many
-//! vertices on one axis that turn the same way, stars included, or end in a boundary or a crease, when every vertex of
-//! a ring has the same parameters, and when the plan keeps circles: a U, then averages of which the first has the
-//! kernel `cos(alpha/2)` and the others 1, and push-backs with the compensation `1/cos(alpha/2)`.
+//! A line is reported as exact under three conditions. The rings around it, as far as the scheme reaches, are regular
+//! polygons (or star polygons) on one axis with the same number of vertices and the same orientation, or end in a
+//! boundary or a crease. All vertices of a ring have the same parameters. The plan preserves circles: a U, then
+//! averages of which the first has the kernel `cos(alpha/2)` and the others 1, and push-backs with the compensation
+//! `1/cos(alpha/2)`.
 //!
-//! With the centres `c_u` and complex radii `z_u` the vertex i of the ring u is `c_u + z_u e^(i theta)` in its plane.
-//! The weights of a plan depend on the place along a ring by its parity alone, so that it acts on both parts apart: of
-//! the centres, equal all around, it makes means, equal all around again, and of the second part a real factor times a
-//! sum of `z_u` with real weights, times the finer `e^(i theta)`: a regular polygon again. (So parallel planes would be
-//! enough.)
+//! With the centres `c_u` and complex radii `z_u`, vertex i of ring u is `c_u + z_u e^(i theta)` in the plane of the
+//! ring. Along a ring the weights of a plan depend on the parity of a point only, so that the plan acts on the two
+//! terms separately. It turns the centres, equal all around, into means that are equal all around again, and the second
+//! term into a real factor times a sum of `z_u` with real weights, times the finer `e^(i theta)`: again a regular
+//! polygon. (Parallel planes would therefore suffice.)
 
 mod boundary;
 mod outlook;

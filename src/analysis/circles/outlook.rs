@@ -1,4 +1,4 @@
-//! The limit of a latitude line, as it is reported.
+//! The reported limit of a latitude line.
 
 use crate::shape::directions::Line;
 
@@ -7,7 +7,7 @@ use crate::shape::directions::Line;
 pub struct Outlook {
     /// The line.
     pub line: Line,
-    /// The circle that it becomes, or why it becomes none.
+    /// The circle that the line becomes, or the reason why it becomes none.
     pub circle: Result<Circle, String>,
 }
 
@@ -16,7 +16,7 @@ pub struct Outlook {
 pub struct Circle {
     /// The radius of the circle, model units.
     pub radius: f64,
-    /// By how much the rings that it comes from miss regular polygons on one axis, model units: the line is a circle to
-    /// about that.
+    /// By how much the rings that determine the circle deviate from regular polygons on one axis, model units. The
+    /// limit line deviates from the circle by about as much.
     pub irregularity: f64,
 }

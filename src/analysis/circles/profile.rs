@@ -1,5 +1,6 @@
-//! The profile of a tube under refinement: on a regular tube a plan acts on each direction alone. Around the axis an
-//! average multiplies by `cos(theta/2)`, each later one by `cos(theta/4)^2`; along the axis it is the curve scheme.
+//! The profile of a tube under refinement. On a regular tube a plan acts on each direction separately: around the axis
+//! the first average multiplies by `cos(theta/2)` and each later one by `cos(theta/4)^2`; along the axis the plan is
+//! the curve scheme.
 
 use super::ring::Ring;
 use crate::math::functions::{cos, sqrt};
@@ -7,23 +8,24 @@ use crate::math::vector::{cross, dot, length, times};
 use crate::scheme::operator::Role;
 use crate::scheme::plan::Scheduled;
 
-/// A complex number: the first vertex of a ring, in the plane across the axis.
+/// A complex number: the first vertex of a ring in the plane perpendicular to the axis.
 type Complex = [f64; 2];
 
 /// The first vertices of the rings around a line, from one end to the other.
 #[derive(Debug, Clone)]
 pub(super) struct Profile {
     rings: Vec<Complex>,
-    /// Push-back factor of each ring.
+    /// The push-back factor of each ring.
     deltas: Vec<f64>,
-    /// The ring of the line.
+    /// The index of the ring of the line.
     at: usize,
-    /// How many rings the line depends on, on each side, at any level.
+    /// The number of rings on each side that influence the line, at any level.
     reach: usize,
 }
 
 impl Profile {
-    /// The profile of rings on one axis, around ring `at`; rings beyond `reach` do not matter.
+    /// Creates the profile of rings on one axis around the line, ring `at`; rings beyond `reach` have no influence on
+    /// the line.
     pub(super) fn of(rings: &[Ring], deltas: Vec<f64>, at: usize, reach: usize) -> Self {
         let complex = |ring: &Ring| {
             let Some((seen, axis)) = rings.iter().find_map(|ring| Some((ring.first, ring.axis?))) else {
@@ -35,30 +37,30 @@ impl Profile {
         Self { rings: rings.iter().map(complex).collect(), deltas, at, reach }
     }
 
-    /// Whether something is pushed back.
+    /// Returns whether any ring is pushed back.
     pub(super) fn is_pushed(&self) -> bool {
         self.deltas.iter().any(|&delta| delta != 0.0)
     }
 
-    /// The ring of the line.
+    /// Returns the first vertex of the ring of the line.
     pub(super) fn here(&self) -> Complex {
         self.rings[self.at]
     }
 
-    /// The radius of the ring of the line.
+    /// Returns the radius of the ring of the line.
     pub(super) fn radius(&self) -> f64 {
         let [x, y] = self.here();
         sqrt(x * x + y * y)
     }
 
-    /// Whether the line stays where it was before.
+    /// Returns whether the ring of the line has not moved from `before`, up to rounding.
     pub(super) fn has_settled(&self, before: Complex) -> bool {
         let [x, y] = self.here();
         (x - before[0]).abs() + (y - before[1]).abs() <= 1e-16 * (x.abs() + y.abs())
     }
 
-    /// The profile after an upsampling and what follows it, with the kernel `along` the axis, of rings whose vertices
-    /// `theta` parts.
+    /// Returns the profile after an upsampling and the steps up to the next one, with the kernel `along` the axis, for
+    /// rings whose neighbouring vertices are the angle `theta` apart.
     pub(super) fn refined(&self, block: &[Scheduled], along: f64, theta: f64) -> Self {
         let n = self.rings.len();
         let halves = |j: usize| [self.rings[j / 2], self.rings[j.div_ceil(2)]];
@@ -79,7 +81,8 @@ impl Profile {
         Self { rings: fine[low..high].into(), deltas: deltas[low..high].into(), at: 2 * self.at - low, ..*self }
     }
 
-    /// Pushes finer rings back towards these, with the compensation 1: what turns with a line follows it.
+    /// Pushes finer rings back towards these rings with the compensation 1, because vertices that turn with a ring also
+    /// move with it.
     fn displace(&self, fine: &mut [Complex]) {
         let back = |(i, ring): (usize, &Complex)| mix([(*ring, self.deltas[i]), (fine[2 * i], -self.deltas[i])]);
         let moves: Vec<Complex> = self.rings.iter().enumerate().map(back).collect();
@@ -89,8 +92,8 @@ impl Profile {
     }
 }
 
-/// An average of rings: even ones count `f` along the axis, and all become smaller by `factor`. The first and the last
-/// ring are averaged around the axis alone, as on boundaries.
+/// Averages rings: even rings have the weight `f` along the axis, and all rings shrink by `factor`. The first and the
+/// last ring are averaged around the axis only, as on boundaries.
 fn averaged(fine: &[Complex], f: f64, factor: f64) -> Vec<Complex> {
     let weight = |j: usize| if j.is_multiple_of(2) { f } else { 1.0 };
     let average = |j: usize| {

@@ -3,35 +3,37 @@
 use crate::math::functions::{atan2, cos, real, sin};
 use crate::math::vector::{Vector, cross, dot, length, plus, times};
 
-/// By how much of its size a ring may miss a regular polygon, as coordinates with a few decimals do.
-/// Five decimals of a ring of size 1 miss by up to 1e-5. Half of it refuses such files; twice of it tells circles of
-/// rings that miss one by as much more, which `irregularity` reports.
+/// Largest deviation of a ring from a regular polygon, relative to the radius, as coordinates with a few decimals have
+/// it. Five decimals of a ring of size 1 give up to 1e-5. Half of it would refuse such files; twice of it would report
+/// circles for rings that deviate twice as much, by an amount that `irregularity` reports.
 const IRREGULARITY: f64 = 1e-5;
-/// What rounding leaves of numbers that are equal.
-/// It is far above the spacing of numbers, 2e-16, and far below differences that are meant, so that half and twice of
-/// it decide alike.
+/// Largest difference between numbers that are equal up to rounding. It is far above the spacing of numbers, 2e-16, and
+/// far below intended differences, so that half or twice of it decides alike.
 pub(super) const ROUNDING: f64 = 1e-9;
-/// By how much of its distance from the origin a ring may miss one, as rounded coordinates do.
-/// It is 45 times the spacing of numbers at that distance. Half of it still covers a few roundings; twice of it admits
-/// rings that are more crooked by 1e-14 of their distance, and only where that exceeds [`IRREGULARITY`] of their size.
+/// Largest deviation of a ring from a regular polygon, relative to the greatest coordinate, as rounded coordinates have
+/// it. It is 45 times the spacing of numbers of that size. Half of it still covers a few roundings; twice of it admits
+/// rings that deviate by 1e-14 of their distance from the origin more, and only if that exceeds [`IRREGULARITY`] of
+/// their size.
 const FAR: f64 = 1e-14;
 
 /// A ring of a tube: a regular polygon.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Ring {
     pub(super) centre: Vector,
-    /// Unit vector along the axis, around which the vertices turn counter-clockwise; `None` for a ring without extent.
+    /// The unit vector along the axis, around which the vertices turn counter-clockwise; `None` for a ring without
+    /// extent.
     pub(super) axis: Option<Vector>,
-    /// How often its vertices go round the axis: 1, or more for a star.
+    /// How many times the vertices go around the axis: 1, or more for a star polygon.
     pub(super) winding: f64,
-    /// From the centre to the vertex that the tube counts from.
+    /// The vector from the centre to the first vertex of the ring.
     pub(super) first: Vector,
-    /// Greatest distance of a vertex from its place in the regular polygon.
+    /// The greatest distance of a vertex from the preceding vertex turned by the angle of the polygon; of a ring
+    /// without extent, its radius.
     pub(super) irregularity: f64,
 }
 
 impl Ring {
-    /// The regular polygon of these points; `None` where they are none.
+    /// Returns the regular polygon of these points; `None` if they are not one.
     pub(super) fn of(points: &[Vector]) -> Option<Self> {
         let n = points.len();
         let inverse = 1.0 / real(n);
@@ -61,7 +63,10 @@ impl Ring {
     }
 }
 
-/// By how much another ring misses the axis of the first, model units.
+/// Returns by how much `other` deviates from the axis of `ring`, model units.
+///
+/// # Errors
+/// A sentence if the rings do not share an axis, an orientation and a winding number.
 pub(super) fn tilt(ring: &Ring, other: &Ring) -> Result<f64, String> {
     let apart = plus(other.centre, times(-1.0, ring.centre));
     let radius = length(ring.first).max(length(other.first));

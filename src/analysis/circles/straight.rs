@@ -1,9 +1,9 @@
-//! Straight tubes: rings that are one regular polygon, moved along its axis.
+//! Straight tubes: all rings are one regular polygon, moved along its axis.
 //!
-//! An upsampling, the first average after it with the kernel `cos(theta/2)` and each later one multiply the radius by
-//! `g = cos(theta/2) cos(theta/4)^(2 (k - 1))`; a push-back makes `g + delta (1 - g)` of it. With `theta` halved level
-//! by level the limit radius is the control radius times `product of g + delta (1 - g)`, without a push-back
-//! `sin(theta)/theta (2 sin(theta/2)/theta)^(2 k - 2)`.
+//! An upsampling and k averages, the first with the kernel `cos(theta/2)`, multiply the radius by `g = cos(theta/2)
+//! cos(theta/4)^(2 (k - 1))`; a push-back replaces this factor by `g + delta (1 - g)`. With `theta` halved at each
+//! level the limit radius is the control radius times the product of `g + delta (1 - g)` over all levels; without a
+//! push-back this product is `sin(theta)/theta (2 sin(theta/2)/theta)^(2 k - 2)`.
 
 use super::words;
 use crate::math::functions::cos;
@@ -11,34 +11,34 @@ use crate::scheme::operator::Role;
 use crate::scheme::plan::{Plan, Scheduled};
 use crate::scheme::rules::LatitudeRule;
 
-/// Levels that are multiplied: an angle that is halved as often has a cosine of 1.
-/// Factors are 1 from level 27 on. Half of it suffices for most angles; twice of it multiplies by 1 more often.
+/// Number of levels whose factors are multiplied: the cosine of an angle that is halved so often is 1. Factors are 1
+/// from level 27 on. Half as many suffice for most angles; twice as many multiply by 1 more often.
 const LEVELS: u32 = 60;
-/// What functions may differ by from those that keep circles.
-/// It is some thousand roundings. Half of it refuses functions written another way; twice of it calls a circle what
-/// misses one by as much.
+/// Largest deviation of a kernel or compensation from the value that preserves circles, some thousand roundings. Half
+/// of it would refuse functions that are written in another way; twice of it would report circles for plans that
+/// deviate as much.
 const ROUNDING: f64 = 1e-12;
-/// Halvings of the interval in which a push-back factor is looked for: to the last digit.
-/// Half of it gives half of the digits; twice of it changes nothing.
+/// Number of halvings of the interval in which a push-back factor is searched for, which gives all digits. Half as many
+/// give half of the digits; twice as many change nothing.
 const HALVINGS: u32 = 60;
 
-/// A tube of regular polygons under a plan.
+/// A straight tube of regular polygons under a plan.
 #[derive(Debug, Clone)]
 pub struct StraightTube {
     /// The angle between neighbours on a ring, radians.
     pub theta: f64,
     steps: Vec<Scheduled>,
-    /// The plan's push-back factor; 0 where nothing is pushed back.
+    /// The push-back factor of the plan; 0 if nothing is pushed back.
     pub delta: f64,
-    /// Whether anything is pushed back.
+    /// Whether the word of the plan pushes anything back.
     pub pushes: bool,
 }
 
 impl StraightTube {
-    /// The tube whose neighbours are `theta` apart on a ring.
+    /// Creates the tube whose neighbouring vertices on a ring are the angle `theta` apart.
     ///
     /// # Errors
-    /// A sentence, where the plan does not keep circles.
+    /// A sentence if the plan does not preserve circles.
     pub fn of(plan: &Plan, theta: f64) -> Result<Self, String> {
         let latitude = plan.latitude.as_ref().ok_or("the plan does not look at latitude tags")?;
         if !words::keeps_circles(&plan.word, latitude.rule) {
@@ -75,7 +75,7 @@ impl StraightTube {
         })
     }
 
-    /// The limit radius over the control radius, with a push-back factor.
+    /// Returns the ratio of the limit radius to the control radius for a push-back factor.
     pub fn factor(&self, delta: f64) -> f64 {
         let (mut angle, mut radius, mut before) = (2.0 * self.theta, 1.0, 1.0);
         for step in &self.steps {
@@ -93,7 +93,8 @@ impl StraightTube {
         radius
     }
 
-    /// The push-back factor from 0 to 1 with which the limit radius is so much of the control radius.
+    /// Returns the push-back factor from 0 to 1 for which the limit radius is `wanted` times the control radius, if
+    /// there is one.
     pub fn delta_for(&self, wanted: f64) -> Option<f64> {
         let (mut low, mut high) = (0.0, 1.0);
         if !self.pushes || wanted < self.factor(low) || wanted > self.factor(high) {
@@ -103,7 +104,7 @@ impl StraightTube {
             let middle = f64::midpoint(low, high);
             if self.factor(middle) < wanted { low = middle } else { high = middle }
         }
-        // both ends are exact answers of their own
+        // the bisection never returns 1 itself
         Some(if self.factor(1.0) <= wanted { 1.0 } else { low })
     }
 }

@@ -18,12 +18,12 @@ use crate::shape::directions::{Direction, Directions, Line};
 use crate::shape::mesh::Mesh;
 use crate::shape::topology::Topology;
 
-/// Levels after which radii have settled.
-/// The search ends where nothing changes any more, so that twice of it only matters to radii that settle slower; half
-/// of it suffices where each level quarters the change, as cosines of halved angles do.
+/// Number of levels after which radii have converged. The loop ends when nothing changes any more, so that twice of it
+/// only matters to radii that converge more slowly; half of it suffices if each level quarters the change, as cosines
+/// of halved angles do.
 const LEVELS: u32 = 64;
 
-/// Which side of a directed line.
+/// A side of a directed line.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Side {
     Left,
@@ -34,14 +34,14 @@ enum Side {
 #[derive(Default)]
 struct Rings {
     nearest_first: Vec<Ring>,
-    /// Push-back factor of each.
+    /// The push-back factor of each ring.
     deltas: Vec<f64>,
-    /// By how much they miss the axis of the line.
+    /// The greatest deviation of the rings from the axis of the line, model units.
     tilt: f64,
 }
 
-/// What becomes of every latitude line of a mesh under a plan, or under none, as it does not fit the mesh for that
-/// reason.
+/// Returns the limit of every latitude line of a mesh under a plan. An error as `plan` is the reason why the plan does
+/// not fit the mesh; it is then the reason for every closed line.
 pub fn outlooks(mesh: &Mesh, plan: Result<&Plan, &str>) -> Vec<Outlook> {
     let Some(directions) = &mesh.directions else { return Vec::new() };
     let lines = directions.lines(&mesh.topology).into_iter();
@@ -61,17 +61,20 @@ struct Tube<'a> {
     directions: &'a Directions,
     plan: &'a Plan,
     rule: LatitudeRule,
-    /// Whether the plan pushes anything back.
+    /// Whether the word of the plan pushes anything back.
     pushes: bool,
-    /// What vertices carry under the plan, as far as it uses it.
+    /// The vertex attributes that the plan uses.
     attributes: Attributes,
-    /// Whether a vertex has exactly two latitude edges.
+    /// Whether each vertex has exactly two latitude edges.
     on_line: Vec<bool>,
     steps: Vec<Scheduled>,
 }
 
 impl<'a> Tube<'a> {
-    /// What the lines of a mesh have in common; an error where no line becomes a circle.
+    /// Prepares what all lines of a mesh share.
+    ///
+    /// # Errors
+    /// A sentence if no line can become a circle.
     fn of(mesh: &'a Mesh, directions: &'a Directions, plan: &'a Plan) -> Result<Self, String> {
         let rule = plan.latitude.as_ref().map_or(LatitudeRule::Isotropic, |latitude| latitude.rule);
         if plan.perturbation.is_some_and(|perturbation| perturbation.amplitude != 0.0) {
@@ -122,11 +125,11 @@ impl<'a> Tube<'a> {
         let deltas: Vec<f64> = left.deltas.into_iter().rev().chain([delta]).chain(right.deltas).collect();
         let irregularity = rings.iter().map(|ring| ring.irregularity).fold(left.tilt.max(right.tilt), f64::max);
         let profile = Profile::of(&rings, deltas, place, widest);
-        // rings without extent go round as often as the others
+        // a ring without extent takes the winding number of the others
         Ok(Circle { radius: self.limit(line.vertices.len(), like.winding, alpha, &profile)?, irregularity })
     }
 
-    /// Whether vertices of four edges are pushed back.
+    /// Returns whether vertices of valence 4 are pushed back.
     fn is_pushed(&self) -> bool {
         match &self.attributes.delta {
             Some(delta) => delta.iter().any(|&delta| delta != 0.0),
@@ -134,8 +137,8 @@ impl<'a> Tube<'a> {
         }
     }
 
-    /// The rings on one side of a line, as far as the scheme reaches or the tube goes; all are `like` one of them, the
-    /// first that has an extent.
+    /// Returns the rings on one side of a line, up to `reach` rings or the end of the tube. All of them share the axis
+    /// of `like`, which is replaced by the first ring with an extent if it has none.
     fn side(&self, line: &Line, like: &mut Ring, side: Side, reach: usize) -> Result<Rings, String> {
         let mut rings = Rings::default();
         let mut vertices = line.vertices.clone();
@@ -154,7 +157,8 @@ impl<'a> Tube<'a> {
             }
             rings.nearest_first.push(found);
             if away == reach {
-                // of the last ring nothing but places counts, as long as it stays where it is
+                // only the position of the last ring has an influence, provided that its push-back does not depend on
+                // valence
                 self.check_pushed_alike(&vertices).map_err(at)?;
                 rings.deltas.push(0.0);
                 break;
@@ -167,7 +171,7 @@ impl<'a> Tube<'a> {
         Ok(rings)
     }
 
-    /// The vertices beyond a line on one side, in its order.
+    /// Returns the neighbours of the vertices of a line on one side, in the order of the line.
     fn beyond(&self, line: &[u32], side: Side) -> Result<Vec<u32>, &'static str> {
         let topology = self.topology();
         let mut sides = Vec::with_capacity(line.len());
@@ -191,24 +195,24 @@ impl<'a> Tube<'a> {
         if joined { Ok(sides.iter().map(|ends| ends[0]).collect()) } else { Err("a vertex has more than four edges") }
     }
 
-    /// What lies beyond the ring of these vertices.
+    /// Classifies the ring of these vertices by whether rings beyond it have an influence.
     fn beyond_ring(&self, ring: &[u32]) -> Result<Beyond, String> {
         beyond(self.mesh, &self.on_line, ring)
     }
 
-    /// The regular polygon of these vertices.
+    /// Returns the regular polygon of these vertices.
     fn ring(&self, vertices: &[u32]) -> Result<Ring, String> {
         let point = |v: &u32| -> Vector { std::array::from_fn(|k| self.mesh.positions[3 * *v as usize + k]) };
         Ring::of(&vertices.iter().map(point).collect::<Vec<_>>()).ok_or("the ring is no regular polygon".into())
     }
 
-    /// The alpha that all these vertices carry; `None` where they have the plan's.
+    /// Returns the alpha that all these vertices carry; `None` if they have the alpha of the plan.
     fn alpha(&self, vertices: &[u32]) -> Result<Option<f64>, String> {
         let Some(alpha) = &self.attributes.alpha else { return Ok(None) };
         same(alpha, vertices).map(Some).ok_or("alpha differs from vertex to vertex".into())
     }
 
-    /// The push-back factor of all these vertices.
+    /// Returns the push-back factor of all these vertices.
     fn delta(&self, vertices: &[u32]) -> Result<f64, String> {
         match &self.attributes.delta {
             Some(delta) => same(delta, vertices).ok_or("delta differs from vertex to vertex".into()),
@@ -217,8 +221,9 @@ impl<'a> Tube<'a> {
         }
     }
 
-    /// An error where the plan pushes vertices of this ring back, because of their valence, but not those of tubes:
-    /// then rings farther away count, and beyond such vertices there is no tube.
+    /// Refuses a ring on which the plan pushes vertices back because of their valence although it does not push
+    /// vertices of valence 4 back. Rings farther away would then have an influence, and beyond such vertices there is
+    /// no tube.
     fn check_pushed_alike(&self, ring: &[u32]) -> Result<(), String> {
         if !self.pushes
             || self.attributes.delta.is_some()
@@ -237,9 +242,11 @@ impl<'a> Tube<'a> {
         pushed.map(valence).map_or(Ok(()), |n| Err(format!("a vertex has {n} edges, where delta is not 0")))
     }
 
-    /// The radius of a line in the limit: of `n` vertices, which go round so often and carry this `alpha`.
+    /// Returns the limit radius of a line of `n` vertices that goes around the axis `winding` times and carries this
+    /// `alpha`.
     ///
-    /// Going round `p` times one way and `n - p` times the other are the same, so that the alpha of either is right.
+    /// Going around `p` times one way is the same as going around `n - p` times the other way, so that the alpha of
+    /// either is right.
     fn limit(&self, n: usize, winding: f64, alpha: Option<f64>, profile: &Profile) -> Result<f64, String> {
         let other = real(n) - winding;
         let radius_at = |winding: f64| self.radius_at(std::f64::consts::TAU * winding / real(n), alpha, profile);
@@ -255,8 +262,9 @@ impl<'a> Tube<'a> {
         })
     }
 
-    /// The radius in the limit of a line whose vertices `theta` parts; an error, with the reason where it is another
-    /// one than the plan's numbers, where it is no circle.
+    /// Returns the limit radius of a line whose neighbouring vertices are the angle `theta` apart. Otherwise the line
+    /// is no circle; the error carries a reason only if it is something other than the values of kernel and
+    /// compensation.
     fn radius_at(&self, mut theta: f64, alpha: Option<f64>, profile: &Profile) -> Result<f64, Option<String>> {
         let mut profile = profile.clone();
         let compensated = profile.is_pushed() || self.rule == LatitudeRule::Position;
@@ -273,7 +281,7 @@ impl<'a> Tube<'a> {
         Ok(profile.radius())
     }
 
-    /// The kernel along the axis at an upsampling, if circles stay circles there.
+    /// Returns the kernel along the axis in a block that begins with an upsampling, if the block preserves circles.
     fn along(
         &self,
         block: &[Scheduled],
@@ -302,7 +310,7 @@ impl<'a> Tube<'a> {
     }
 }
 
-/// The number that all these vertices have.
+/// Returns the number that all these vertices share, if they do.
 fn same(numbers: &[f64], vertices: &[u32]) -> Option<f64> {
     let mut of = vertices.iter().map(|&v| numbers[v as usize]);
     let first = of.next()?;

@@ -6,14 +6,14 @@ use crate::scheme::plan::Scheduled;
 use crate::scheme::rules::LatitudeRule;
 use crate::scheme::word::Word;
 
-/// How many rings on each side a line depends on: of the rings that are given, and of those at any level at most.
+/// Returns how many rings on each side influence a line: of the given rings, and of the rings of any level at most.
 ///
-/// These steps are followed backwards from the ring of the line alone: an average depends on one finer ring more; a
-/// push-back on the displacements of the coarser rings beside, so on the finer rings that these have become; and of the
-/// finer rings every other one is a coarser one. Push-backs count where rings are `pushed`.
+/// The steps are followed backwards from the ring of the line. An average needs one more fine ring. A push-back needs
+/// the displacements of the neighbouring coarse rings, hence the fine rings that these have become. Every other fine
+/// ring is a coarse one. Push-backs matter only if rings are `pushed`.
 ///
-/// The displacement of the last ring that counts does not, where an average comes before each push-back: its
-/// displacement would depend on the ring beyond it.
+/// If an average precedes each push-back, the displacement of the outermost ring has no influence, because it would
+/// depend on the ring beyond it.
 pub(super) fn reach(steps: &[Scheduled], pushed: bool) -> [usize; 2] {
     let (mut rings, mut widest) = (0_usize, 0);
     for step in steps.iter().rev() {
@@ -30,7 +30,7 @@ pub(super) fn reach(steps: &[Scheduled], pushed: bool) -> [usize; 2] {
     [rings, widest]
 }
 
-/// A U at the front of each part, and what follows it.
+/// Splits letters into blocks that each begin with an upsampling, except perhaps the first.
 fn blocks(letters: &[Letter]) -> impl Iterator<Item = &[Letter]> {
     letters.chunk_by(|_, next| next.facts().role != Role::Upsample)
 }
@@ -39,27 +39,28 @@ fn parts(word: &Word) -> impl Iterator<Item = &[Letter]> {
     [&word.prefix, &word.cycle].into_iter().flat_map(|letters| blocks(letters))
 }
 
-/// What follows the first average.
+/// Returns the steps after the first average.
 fn averaged<T>(block: &[T], role: impl Fn(&T) -> Role) -> &[T] {
     let first = block.iter().position(|step| role(step) == Role::Average);
     first.map_or(&[], |first| &block[first + 1..])
 }
 
-/// Whether something is pushed back after an upsampling: before the first average vertices are where they were.
+/// Returns whether a step after an upsampling pushes back; a push-back before the first average moves nothing, because
+/// vertices are still in place.
 pub(super) fn pushes_back(block: &[Scheduled]) -> bool {
     let role = |step: &Scheduled| step.letter.facts().role;
     averaged(block, role).iter().any(|step| role(step) == Role::PushBack)
 }
 
-/// Whether a word pushes anything back.
+/// Returns whether any letter of a word pushes back.
 pub(super) fn pushes(word: &Word) -> bool {
     let role = |letter: &Letter| letter.facts().role;
     parts(word).any(|block| averaged(block, role).iter().any(|letter| role(letter) == Role::PushBack))
 }
 
-/// Whether each upsampling halves edges and is followed by averages and push-backs that act on single vertices, of
-/// which an average is the first to change anything, and nothing stands before the first upsampling. By places a
-/// push-back changes the odd points even where no vertex has moved.
+/// Returns whether a word preserves circles: it begins with an upsampling, and each upsampling halves edges and is
+/// followed by averages and push-backs that act on single vertices, the first effective one being an average. Under the
+/// rule by position a push-back moves the odd points even if no vertex has moved.
 pub(super) fn keeps_circles(word: &Word, rule: LatitudeRule) -> bool {
     let keeps = |block: &[Letter]| {
         let roles: Vec<Role> = block.iter().map(|letter| letter.facts().role).collect();

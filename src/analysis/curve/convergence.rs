@@ -1,4 +1,4 @@
-//! Warnings for plans whose parameters lie where the scheme may not converge, or may not be smooth.
+//! Warnings for plans with parameters for which the scheme may not converge, or may not be smooth.
 
 use super::cycle::{Cycle, NoMask};
 use crate::scheme::letter::Letter;
@@ -7,14 +7,14 @@ use crate::scheme::plan::Plan;
 use crate::scheme::ranges::{self, Range};
 use crate::watch::{Stopped, Watch};
 
-/// Most points for each old one of the levels that are followed.
-/// It is ten binary levels. Half of it follows nine and calls more schemes not known to converge; twice of it follows
-/// eleven, whose masks are twice as long.
+/// Maximum number of new points per old point of the levels that are combined: ten binary levels. Half of it combines
+/// nine and reports more schemes as not known to converge; twice of it combines eleven, whose masks are twice as long.
 const MAX_ARITY: i64 = 1 << 10;
 
-/// Warnings about the limit of a plan on polygons, in sentences; none for plans that are no masks.
+/// Returns warnings about the limit of a plan on polygons, as sentences; none for plans that are not one mask per
+/// level.
 ///
-/// They depend on what the plan comes to, not on how it was written: a preset and its word have the same.
+/// The warnings depend on the mask of the plan, not on how it was written: a preset and its word get the same warnings.
 ///
 /// # Errors
 /// [`Stopped`].
@@ -32,7 +32,7 @@ pub fn warnings(plan: &Plan, levels: u32, watch: &Watch) -> Result<Vec<String>, 
         return Ok(vec![sentence]);
     }
     let range = u32::try_from(cycle.arity).ok().and_then(|arity| ranges::of(arity, &cycle.mask));
-    // what is put together of operators is judged by what it does
+    // a cycle of several operators is judged by its contraction, not by the range of a single mask
     let alone = |letter: &Letter| letter.settings.mask().is_some() || cycle.arity == 2;
     let range = range.filter(|_| plan.word.cycle.first().is_some_and(alone));
     let mut warnings: Vec<String> = range.iter().filter_map(Range::warning).collect();
@@ -41,7 +41,7 @@ pub fn warnings(plan: &Plan, levels: u32, watch: &Watch) -> Result<Vec<String>, 
         let mut sentence = "the scheme is not known to converge: its differences do not shrink within the levels that \
                             were looked at"
             .to_owned();
-        // operators without a letter are those of presets, which have other parameters than words
+        // operators without a letter belong to presets, whose parameters differ from those of words
         let of_words = |letter: &Letter| letter.facts().role == Role::PushBack && letter.facts().letter.is_some();
         if plan.word.cycle.iter().any(of_words) {
             sentence += "; with one average and a push-back it converges for kernel > 0, -2 < compensation < 2 and \
@@ -52,7 +52,7 @@ pub fn warnings(plan: &Plan, levels: u32, watch: &Watch) -> Result<Vec<String>, 
     Ok(warnings)
 }
 
-/// The weights of every new point sum to 1 in a scheme that converges.
+/// Returns a sentence if the weights of some new point do not sum to 1, as they do in every convergent scheme.
 fn sums(cycle: &Cycle) -> Option<String> {
     let arity = u32::try_from(cycle.arity).ok()?;
     let sums = cycle.mask.residue_sums(arity);
@@ -63,7 +63,7 @@ fn sums(cycle: &Cycle) -> Option<String> {
     ))
 }
 
-/// Whether some number of levels shrinks the greatest difference of neighbours.
+/// Returns whether some number of levels shrinks the greatest difference of neighbouring points.
 fn contracts(cycle: &Cycle, watch: &Watch) -> Result<bool, Stopped> {
     let mut block = cycle.clone();
     loop {
@@ -77,7 +77,8 @@ fn contracts(cycle: &Cycle, watch: &Watch) -> Result<bool, Stopped> {
     }
 }
 
-/// By what a cycle multiplies the greatest difference of neighbours, at most: `p'[j+1] - p'[j]` in old differences.
+/// Returns an upper bound of the factor by which a cycle multiplies the greatest difference of neighbouring points: the
+/// norm of `p'[j+1] - p'[j]` written in old differences.
 fn differences(cycle: &Cycle) -> f64 {
     let (d, mask) = (cycle.arity, &cycle.mask);
     let (low, high) = (i64::from(mask.first), i64::from(mask.last()));

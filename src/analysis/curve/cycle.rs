@@ -1,4 +1,4 @@
-//! One application of a plan's cycle to polygons as one mask, found by refining a single impulse.
+//! One application of a plan's cycle to polygons as one mask, which is found by refining a single impulse.
 
 use crate::math::mask::Mask;
 use crate::refine::{Points, RefineError, advance};
@@ -9,70 +9,69 @@ use crate::scheme::plan::{Plan, Scheduled};
 use crate::scheme::polygon_net::PolygonNet;
 use crate::watch::{Stopped, Watch};
 
-/// Most points of the polygon that carries the impulse.
-/// Masks may reach about half as far. Half and twice of it halve and double the reach from which a cycle is refused,
-/// and the memory that the impulse takes.
+/// Maximum number of points of the polygon that carries the impulse; masks may reach about half as far. Half or twice
+/// of it halves or doubles the reach beyond which a cycle is refused, and the memory of the impulse.
 const MAX_POINTS: u64 = 1 << 16;
-/// Masks that differ by less count as equal.
-/// It is about 5 units in the last place of 1. At half of it rounding may keep masks apart that are equal, and more
-/// levels count as changing; at twice of it the limit may differ by 1e-15 more.
+/// Largest difference at which masks are regarded as equal, about 5 units in the last place of 1. With half of it
+/// rounding may keep equal masks apart, and more levels are regarded as changing; with twice of it the limit may differ
+/// by 1e-15 more.
 const SAME: f64 = 1e-15;
-/// Products of weights that take as long as a row of a table, about 100 ns.
-/// It only says how much of the budget and of the progress a product takes: with half of it a search ends after half
-/// the work, with twice of it after twice.
+/// Number of products of weights that take as long as a row of a table, about 100 ns. It only sets how much of the
+/// budget and of the progress a product takes: with half of it a search ends after half the work, with twice of it
+/// after twice the work.
 const PRODUCTS_A_ROW: u64 = 64;
-/// Most levels whose masks may differ from the static limit.
-/// Cosines of an angle that is halved come four times as close at each level, so that some 25 levels settle them: half
-/// and twice of it only matter to functions that settle slower.
+/// Maximum number of levels whose masks may differ from the static limit. Cosines of an angle that is halved come four
+/// times as close to their limit at each level, so that some 25 levels suffice; half or twice of it only matters to
+/// functions that converge more slowly.
 const MAX_CHANGING: u32 = 128;
-/// Levels in a row that may equal the static limit by chance, as cosines of multiples of a whole turn do.
-/// It is those of angles up to 512 pi. Half of it takes 32 pi for settled; twice of it computes as many masks more of
-/// every plan that follows alpha.
+/// Maximum number of consecutive levels that may equal the static limit by chance, as cosines of multiples of a full
+/// turn do. It covers angles up to 512 pi. Half of it would take 32 pi for converged; twice of it computes as many more
+/// masks of every plan that depends on alpha.
 const COINCIDING: usize = 8;
 
-/// The reason for which the cycle of a plan is not one mask per level.
+/// The reason why the cycle of a plan is not one mask per level.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum NoMask {
-    /// There is nothing to repeat.
+    /// The plan has no cycle.
     #[error("there is no plan that could be repeated")]
     NoCycle,
     /// The rules are random.
     #[error("a perturbed plan has random rules at every level")]
     Perturbed,
-    /// The rules depend on the points.
+    /// The rules depend on the positions of the points.
     #[error("{0} is not linear")]
     NotLinear(&'static str),
-    /// The roles of points go on from one application to the next.
+    /// The roles of points carry over from one application of the cycle to the next.
     #[error("the cycle does not begin with an upsampling")]
     NoUpsampling,
-    /// The mask would be very long.
+    /// The mask would be too long.
     #[error("the cycle reaches too far")]
     TooWide,
-    /// A function has no value.
+    /// A function of the plan has no value.
     #[error("{0}")]
     NoValue(String),
-    /// There is no limit.
+    /// The scheme has no limit.
     #[error("the scheme does not converge")]
     Diverges,
-    /// The levels do not come close to a static scheme.
+    /// The masks of the levels do not converge to that of a static scheme.
     #[error("the rules do not settle as alpha goes to 0")]
     Unsettled,
-    /// It was asked to stop.
+    /// The watch stopped the computation.
     #[error(transparent)]
     Stopped(#[from] Stopped),
 }
 
-/// One application of a cycle: `q[j] = sum over i of a[j - d i] p[i]`.
+/// One application of a cycle as a mask a: `q[j] = sum over i of a[j - d i] p[i]`.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Cycle {
-    /// Arity d of the whole cycle.
+    /// The arity d of the whole cycle.
     pub arity: i64,
     /// The mask a.
     pub mask: Mask,
 }
 
 impl Cycle {
-    /// The cycle as it is applied at level `level + 1`, closed polygons and points without parameters of their own.
+    /// Returns the cycle that makes level `level + 1`, on closed polygons without parameters at single points.
     ///
     /// # Errors
     /// [`NoMask`].
@@ -96,7 +95,7 @@ impl Cycle {
         }
         let response = response(plan, &steps, usize::try_from(n).map_err(|_| NoMask::TooWide)?, watch)?;
         let reach = usize::try_from(reach).map_err(|_| NoMask::TooWide)?;
-        // the points before the impulse stand at the end of the closed polygon
+        // points with negative indices are at the end of the closed polygon
         let around = response[response.len() - reach..].iter().chain(&response[..=reach]);
         let around: Vec<f64> = around.copied().collect();
         let first = i32::try_from(reach).map_err(|_| NoMask::TooWide)?;
@@ -104,7 +103,7 @@ impl Cycle {
         Ok(Self { arity: arity.cast_signed(), mask })
     }
 
-    /// The cycle to which those of a plan come ever closer as alpha is divided: the one at alpha 0.
+    /// Returns the cycle to which the cycles of a plan converge as alpha is divided: the cycle at alpha 0.
     ///
     /// # Errors
     /// [`NoMask`].
@@ -112,7 +111,7 @@ impl Cycle {
         Self::of(&Plan { alpha: 0.0, compensation_alpha: None, ..plan.clone() }, 0, watch)
     }
 
-    /// The cycles after `levels` levels until they differ no more from the static limit, and that.
+    /// Returns the cycles after `levels` levels that differ from the static limit, and the static limit.
     ///
     /// # Errors
     /// [`NoMask`].
@@ -134,28 +133,28 @@ impl Cycle {
         Err(NoMask::Unsettled)
     }
 
-    /// Twice the index `c` around which the mask is balanced, to the nearest whole number: old point `i` has its new
-    /// place at `d i + c`. Exact for masks that are their own mirror image.
+    /// Returns `2 c`, rounded to a whole number, where `c` is the centre of gravity of the mask: old point `i` has its
+    /// new place at `d i + c`. Exact for symmetric masks.
     pub fn twice_centre(&self) -> i64 {
         let sum: f64 = self.mask.values.iter().sum();
         let moment: f64 = self.entries().map(|(j, a)| real(j) * a).sum();
         let centre = (2.0 * moment / sum).round();
         let (least, most) = (2 * i64::from(self.mask.first), 2 * i64::from(self.mask.last()));
-        // a mask that is balanced nowhere within itself is placed by its middle
+        // a mask whose centre of gravity is outside of its support is centred on its support
         (least..=most).find(|&c| (real(c) - centre).abs() < 0.25).unwrap_or_else(|| i64::midpoint(least, most))
     }
 
-    /// The cycle that changes nothing.
+    /// Returns the cycle that changes nothing.
     pub fn identity() -> Self {
         Self { arity: 1, mask: Mask { first: 0, values: vec![1.0] } }
     }
 
-    /// The work of composing this cycle and another one after it into one, in rows.
+    /// Returns the work of composing this cycle with `next`, in rows of a table.
     pub fn work_with(&self, next: &Self) -> u64 {
         (self.mask.values.len() as u64).saturating_mul(next.mask.values.len() as u64 / PRODUCTS_A_ROW + 1)
     }
 
-    /// This cycle and another one after it, as one.
+    /// Returns the composition of this cycle and `next` after it.
     ///
     /// # Errors
     /// [`Stopped`].
@@ -175,12 +174,12 @@ impl Cycle {
         Ok(Self { arity: self.arity * next.arity, mask: Mask { first, values } })
     }
 
-    /// The entries with their indices.
+    /// Returns the entries of the mask with their indices.
     pub fn entries(&self) -> impl Iterator<Item = (i64, f64)> + '_ {
         (i64::from(self.mask.first)..).zip(self.mask.values.iter().copied())
     }
 
-    /// The entry `a[j]`, 0 outside.
+    /// Returns the entry `a[j]`, 0 outside of the mask.
     pub fn at(&self, j: i64) -> f64 {
         isize::try_from(j).map_or(0.0, |j| self.mask.at(j))
     }
@@ -192,7 +191,7 @@ impl Cycle {
     }
 }
 
-/// Whether all levels of a plan have the same rules, as nothing follows alpha or alpha is 0.
+/// Returns whether all levels of a plan have the same rules, because nothing depends on alpha or alpha is 0.
 pub fn is_static(plan: &Plan) -> bool {
     let follows = |letter: &Letter| letter.facts().needs_alpha;
     let in_alpha = plan.kernel.iter().any(|kernel| !kernel.is_constant())
@@ -202,13 +201,13 @@ pub fn is_static(plan: &Plan) -> bool {
     !in_alpha || alphas.iter().all(|&alpha| alpha == 0.0)
 }
 
-/// A small whole number as a real one.
+/// Converts a small integer to f64.
 #[expect(clippy::cast_precision_loss, reason = "indices of masks are far below 2^52")]
 pub(super) fn real(n: i64) -> f64 {
     n as f64
 }
 
-/// Arity of all steps together, and how far they spread a point, in new points.
+/// Returns the arity of all steps together and the reach of one point in new points; `None` if either is too large.
 fn extent(steps: &[Scheduled]) -> Option<(u64, u64)> {
     let (mut arity, mut last, mut reach, mut duals) = (1_u64, 1_u64, 0_u64, 0);
     for step in steps {
@@ -231,7 +230,7 @@ fn extent(steps: &[Scheduled]) -> Option<(u64, u64)> {
     Some((arity, reach))
 }
 
-/// What becomes of 1 at point 0 and 0 at the other points of a closed polygon.
+/// Refines the values 1 at point 0 and 0 at the other points of a closed polygon of `n` points.
 fn response(plan: &Plan, steps: &[Scheduled], n: usize, watch: &Watch) -> Result<Vec<f64>, NoMask> {
     let mut net = PolygonNet::new(n, true, Ends::Clamped, &[]);
     let mut impulse = vec![0.0; n];

@@ -1,14 +1,14 @@
 //! Bounds the distance of a polygon from its limit curve by its second differences.
 //!
-//! A scheme that reproduces linear functions moves a polygon only by what bends it. With the polygon `p` after some
-//! levels, its piecewise linear curve `f`, the limit curve `F` in the same parameter and `D = max |p[i-1] - 2 p[i] +
-//! p[i+1]|`: `F - f = sum over i of w[i] (p[i-1] - 2 p[i] + p[i+1])`, so that `|F - f| <= max sum |w| D`. The sum is
-//! taken exactly where `n` more levels put their points, and for what follows by `B D' / (1 - N)` with the second
-//! differences `D'` then, the greatest sum of one level `B` and the norm `N < 1` by which a block of levels multiplies
-//! second differences.
+//! A scheme that reproduces linear functions moves a polygon only by its second differences. Let `p` be the polygon
+//! after some levels, `f` its piecewise linear curve, `F` the limit curve in the same parameter and `D = max |p[i-1] -
+//! 2 p[i] + p[i+1]|`. Then `F - f = sum over i of w[i] (p[i-1] - 2 p[i] + p[i+1])`, so that `|F - f| <= max sum |w| D`.
+//! The sum is exact for the points after `n` more levels. The levels after these add at most `B D' / (1 - N)`, with the
+//! second differences `D'` after the `n` levels, the bound `B` of one block of levels over `D'`, and the norm `N < 1`
+//! by which a block multiplies second differences.
 //!
-//! Source: Dyn and Levin, Acta Numerica 11 (2002), section 3, on difference schemes; Nairn, Peters and Lutterkort,
-//! CAGD 16 (1999), 613-631, on second differences as a measure of the distance.
+//! Source: Dyn and Levin, Acta Numerica 11 (2002), section 3, on difference schemes; Nairn, Peters and Lutterkort, CAGD
+//! 16 (1999), 613-631, on second differences as a measure of the distance.
 
 use std::ops::Range;
 
@@ -16,42 +16,39 @@ use super::cycle::{Cycle, NoMask, real};
 use crate::scheme::plan::Plan;
 use crate::watch::{Stopped, Watch};
 
-/// Most points for each old one of the levels that are followed at once.
-/// It is eight binary levels. Half of it follows seven, which may bound less sharply; twice of it follows nine, whose
-/// masks are twice as long.
+/// Maximum number of new points per old point of the levels that are combined into a block: eight binary levels. Half
+/// of it combines seven, which may bound less sharply; twice of it combines nine, whose masks are twice as long.
 const MAX_BLOCK: i64 = 256;
-/// Most units of work of a search, one being a row of a table or as many products of weights as take 100 ns: 13 s.
-/// Words of U and 63 C, whose masks are the longest of those in use, take a 16th of it.
-/// Half and twice of it halve and double the time after which a search is refused.
+/// Maximum work of a search in units of 100 ns, each a row of a table or as many products of weights: 13 s. Words of U
+/// and 63 C, whose masks are the longest of those in use, take a 16th of it. Half or twice of it halves or doubles the
+/// time after which a search is refused.
 pub const MAX_WORK: u64 = 1 << 27;
-/// What rounding leaves of sums that are 0.
-/// It is relative to the weights, so that masks written with nine digits pass. Half of it refuses some of these; twice
-/// of it admits masks that miss lines by twice as much.
+/// Largest sum, relative to the weights, that is regarded as 0; masks written with nine digits pass. Half of it would
+/// refuse some of these; twice of it would admit masks that miss linear functions by twice as much.
 const ROUNDING: f64 = 1e-9;
-/// Most levels that are looked at.
-/// A plan has no more. Half of it would refuse tolerances that schemes of slow contraction meet later; twice of it
-/// finds levels that no plan may have.
+/// Maximum level that is tried; a plan has no more levels. Half of it would refuse tolerances that slowly contracting
+/// schemes meet later; twice of it would find levels that no plan may have.
 const MAX_LEVELS: usize = 64;
 
-/// The reason for which second differences give no bound of the distance.
+/// The reason why second differences give no bound of the distance.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum NoBound {
-    /// The plan is not one mask a level.
+    /// The plan is not one mask per level.
     #[error("{0}, so that no distance to the limit is known in advance")]
     Plan(NoMask),
-    /// Straight polygons with equal edges do not stay what they are.
+    /// The scheme does not preserve straight polygons with equal edges.
     #[error("the scheme does not reproduce linear functions, so that second differences do not bound its distance")]
     NotLinear,
-    /// Second differences need not vanish.
+    /// Second differences are not known to converge to 0.
     #[error("second differences need not vanish under the scheme, so that they do not bound its distance")]
     NotContractive,
-    /// The masks of several levels are too long.
+    /// Combining the masks of several levels takes too much work.
     #[error(
         "the distance to the limit takes more than {MAX_WORK} steps to bound, which is the most that is done; give \
          \"levels\" as a number, or a shorter word"
     )]
     TooLong,
-    /// It was asked to stop.
+    /// The watch stopped the computation.
     #[error(transparent)]
     Stopped(#[from] Stopped),
 }
@@ -67,13 +64,13 @@ impl From<NoMask> for NoBound {
 pub struct Distances {
     changing: Vec<Cycle>,
     settled: Cycle,
-    /// Asked while levels are taken together.
+    /// Checked while levels are combined.
     watch: Watch,
-    /// Work that was done before.
+    /// The work that the watch had recorded before the search began.
     start: u64,
 }
 
-/// Some levels taken together, with the place that they give to point 0.
+/// Several levels combined into one cycle, with twice the new index of the place of point 0.
 #[derive(Debug, Clone)]
 struct Block {
     cycle: Cycle,
@@ -81,7 +78,7 @@ struct Block {
 }
 
 impl Distances {
-    /// Bounds the distances of a plan.
+    /// Prepares the bounds for a plan.
     ///
     /// # Errors
     /// [`NoBound`].
@@ -95,7 +92,7 @@ impl Distances {
         self.changing.get(level).unwrap_or(&self.settled)
     }
 
-    /// Levels one after another; none at all leave everything as it is.
+    /// Combines the levels of a range; an empty range gives the identity.
     fn block(&self, levels: Range<usize>) -> Result<Block, NoBound> {
         let mut block = Block { cycle: Cycle::identity(), twice_centre: 0 };
         for cycle in levels.map(|level| self.cycle(level)) {
@@ -109,7 +106,7 @@ impl Distances {
         Ok(block)
     }
 
-    /// Levels from `level` on that are followed at once.
+    /// Returns the number of levels in a block.
     fn block_length(&self) -> usize {
         let (mut length, mut arity) = (1, self.settled.arity);
         while arity * self.settled.arity <= MAX_BLOCK {
@@ -119,7 +116,8 @@ impl Distances {
         length
     }
 
-    /// By what `after - before` levels multiply the greatest second difference, at most.
+    /// Returns an upper bound of the factor by which the levels from `before` to `after` multiply the greatest second
+    /// difference.
     ///
     /// # Errors
     /// [`NoBound`].
@@ -133,7 +131,8 @@ impl Distances {
         Ok(factor)
     }
 
-    /// The distance of the polygon after `level` levels from the limit, over its greatest second difference, at most.
+    /// Returns an upper bound of the distance of the polygon after `level` levels from the limit, divided by its
+    /// greatest second difference.
     ///
     /// # Errors
     /// [`NoBound`].
@@ -153,8 +152,9 @@ impl Distances {
         if contraction < 1.0 { Ok(sum + left * deviations / (1.0 - contraction)) } else { Err(NoBound::NotContractive) }
     }
 
-    /// Of the block of levels that begins at `start`: the sum of what each level moves, over the greatest second
-    /// difference before it, and what becomes of that.
+    /// Returns two factors of the greatest second difference before the block of levels that begins at `start`: a bound
+    /// of the sum of the movements of all its levels, and the factor by which the block multiplies the second
+    /// difference.
     fn following(&self, start: usize, length: usize) -> Result<(f64, f64), NoBound> {
         let mut sum = 0.0;
         for level in start..start + length {
@@ -165,12 +165,12 @@ impl Distances {
         Ok((sum, all.second_differences()?))
     }
 
-    /// The first level at which the distance is known to be at most `tolerance`, and that distance, where
-    /// `second_differences[l]` is the greatest second difference after `l` levels, as far as known (at least one
-    /// entry).
+    /// Returns the first level at which the distance is proved to be at most `tolerance`, with the bound of the
+    /// distance. `second_differences[l]` is the greatest second difference after `l` levels, as far as known (at least
+    /// one entry).
     ///
     /// # Errors
-    /// [`NoBound`]; `Ok(None)` when no level does.
+    /// [`NoBound`]; `Ok(None)` if no level meets the tolerance.
     pub fn level(&self, second_differences: &[f64], tolerance: f64) -> Result<Option<(u32, f64)>, NoBound> {
         let (known, last) = (second_differences.len() - 1, second_differences.last().copied().unwrap_or(0.0));
         let mut settled = None;
@@ -195,7 +195,8 @@ impl Distances {
 }
 
 impl Block {
-    /// Weights of the old points in new point `j`, and the index of the first of them.
+    /// Returns the index of the first old point that enters new point `j`, and the weights of the old points from it
+    /// on.
     fn row(&self, j: i64) -> (i64, Vec<f64>) {
         let (d, mask) = (self.cycle.arity, &self.cycle.mask);
         let first = -(i64::from(mask.last()) - j).div_euclid(d);
@@ -203,7 +204,8 @@ impl Block {
         (first, (first..=last).map(|i| self.cycle.at(j - d * i)).collect())
     }
 
-    /// The greatest sum of absolute weights of second differences in the new points less the old polygon.
+    /// Returns the greatest sum of absolute weights of old second differences in the distance of new points from the
+    /// old polygon.
     fn deviation(&self) -> Result<f64, NoBound> {
         let d = self.cycle.arity;
         let mut most: f64 = 0.0;
@@ -213,21 +215,21 @@ impl Block {
             let (before, part) = (place.div_euclid(2 * d), real(place.rem_euclid(2 * d)) / real(2 * d));
             most = most.max(bend(&[(1.0, self.row(j)), (-1.0, (before, vec![1.0 - part, part]))])?);
         }
-        // where the old points stand, halfway between new ones in dual schemes
+        // old points also count, as vertices of the old polygon; dual schemes place them halfway between new points
         let low = self.twice_centre.div_euclid(2);
         let high = low + self.twice_centre.rem_euclid(2);
         Ok(most.max(bend(&[(0.5, self.row(low)), (0.5, self.row(high)), (-1.0, (0, vec![1.0]))])?))
     }
 
-    /// The greatest sum of absolute weights of old second differences in new ones.
+    /// Returns the greatest sum of absolute weights of old second differences in new second differences.
     fn second_differences(&self) -> Result<f64, NoBound> {
         let of = |j: i64| bend(&[(1.0, self.row(j - 1)), (-2.0, self.row(j)), (1.0, self.row(j + 1))]);
         (0..self.cycle.arity).try_fold(0.0, |most: f64, j| Ok(most.max(of(j)?)))
     }
 }
 
-/// The sum of absolute weights of a combination of rows when it is written in second differences: the running sums of
-/// its running sums. Each row has a factor, the index of its first point, and weights.
+/// Returns the sum of absolute weights of a combination of rows when it is written in second differences: the running
+/// sums of its running sums. Each row has a factor, the index of its first point, and weights.
 fn bend(rows: &[(f64, (i64, Vec<f64>))]) -> Result<f64, NoBound> {
     let least = rows.iter().map(|(_, (first, _))| *first).min().unwrap_or(0);
     let mut weights: Vec<f64> = Vec::new();
@@ -243,7 +245,7 @@ fn bend(rows: &[(f64, (i64, Vec<f64>))]) -> Result<f64, NoBound> {
         twice += once;
         sum += f64::abs(twice);
     }
-    // what neither sums to 0 nor is balanced is no combination of second differences
+    // weights with a nonzero sum or first moment are no combination of second differences
     let remainder = f64::abs(once).max(f64::abs(twice));
     if remainder <= ROUNDING * size.max(1.0) { Ok(sum) } else { Err(NoBound::NotLinear) }
 }

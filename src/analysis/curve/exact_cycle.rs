@@ -11,19 +11,19 @@ use crate::scheme::parameters::AVERAGES;
 use crate::scheme::plan::{Plan, Scheduled};
 use crate::scheme::window::Window;
 
-/// One exact application of a cycle: `q[j] = sum over i of a[j - d i] p[i]`.
+/// One application of a cycle as an exact mask a: `q[j] = sum over i of a[j - d i] p[i]`.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ExactCycle {
-    /// Arity d of the whole cycle.
+    /// The arity d of the whole cycle.
     pub arity: i64,
-    /// Index of the first entry.
+    /// The index of the first entry.
     pub first: i64,
-    /// Entries of the mask a, those included that its operators reach with a weight of 0.
+    /// The entries of the mask a, including zero weights within the reach of its operators.
     pub mask: Vec<Exact>,
 }
 
 impl ExactCycle {
-    /// The cycle to which those of a plan come ever closer; `None` where some weight is no fraction that is known.
+    /// Returns the cycle to which the cycles of a plan converge; `None` if some weight is not known as a fraction.
     pub fn settled(plan: &Plan) -> Option<Self> {
         let settled = Plan { alpha: 0.0, compensation_alpha: None, ..plan.clone() };
         let steps = settled.schedule(1).ok()?;
@@ -35,7 +35,7 @@ impl ExactCycle {
     }
 }
 
-/// Points with indices, 0 outside.
+/// A sequence of values with indices; 0 outside.
 #[derive(Clone)]
 pub(super) struct Points {
     pub(super) first: i64,
@@ -43,12 +43,12 @@ pub(super) struct Points {
 }
 
 impl Points {
-    /// 1 at a point and 0 at all others.
+    /// Returns 1 at the index `first` and 0 elsewhere.
     pub(super) fn impulse(first: i64) -> Self {
         Self { first, values: vec![Exact::one()] }
     }
 
-    /// 0 everywhere.
+    /// Returns 0 everywhere.
     pub(super) fn zero() -> Self {
         Self { first: 0, values: vec![Exact::zero()] }
     }
@@ -62,21 +62,21 @@ impl Points {
         self.first + i64::try_from(self.values.len()).unwrap_or(0) - 1
     }
 
-    /// The points from one index to another, as far as their digits are not too many.
+    /// Computes the points from `first` to `last`; `None` if a fraction has too many digits.
     fn made(first: i64, last: i64, point: impl Fn(i64) -> Exact) -> Option<Self> {
         let values: Option<Vec<Exact>> = (first..=last).map(|j| bounded(point(j))).collect();
         Some(Self { first, values: values? })
     }
 }
 
-/// What has become of 1 at point 0.
+/// The response to an impulse at point 0, after some of the steps of a cycle.
 #[derive(Clone)]
 pub(super) struct State {
     pub(super) points: Points,
-    /// What entered the last upsampling.
+    /// The points that entered the last upsampling.
     pub(super) anchor: Points,
     pub(super) arity: i64,
-    /// The arity of the last upsampling, at whose multiples vertices stand.
+    /// The arity of the last upsampling; vertices have the indices that are multiples of it.
     last_arity: i64,
     duals: u32,
     averages: usize,
@@ -155,7 +155,7 @@ impl State {
         })
     }
 
-    /// The weights of points in the next average: the kernel at vertices, 1 elsewhere.
+    /// Returns the weights of points in the next average by index: the kernel at vertices, 1 elsewhere.
     fn weights(&self, plan: &Plan) -> Option<impl Fn(i64) -> Exact + use<>> {
         let kernel = match plan.kernel.get(self.averages) {
             Some(kernel) => exactly::value(kernel, "alpha", &Exact::zero())?,
@@ -174,7 +174,7 @@ impl State {
         let compensation = if compensated { exactly::value(&plan.compensation, "alpha", &zero)? } else { Exact::one() };
         let (d, points, anchor) = (self.last_arity, &self.points, &self.anchor);
         let displacement = |i: i64| &delta * (anchor.at(i) - points.at(d * i));
-        // vertices among the points, and those that entered
+        // indices of vertices before or after the upsampling
         let first = anchor.first.min(-(-points.first).div_euclid(d));
         let last = anchor.last().max(points.last().div_euclid(d));
         Points::made(d * first - (d - 1), d * last + (d - 1), |j| {

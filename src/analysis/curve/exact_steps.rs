@@ -1,4 +1,4 @@
-//! The single operators of a cycle on closed polygons, exactly, in the limit alpha = 0.
+//! The operators of a cycle on closed polygons as exact matrices, in the limit alpha = 0.
 
 use num_traits::Zero;
 
@@ -7,18 +7,18 @@ use crate::math::exact::Exact;
 use crate::scheme::operator::Role;
 use crate::scheme::plan::Plan;
 
-/// The exact effect of an operator on a closed polygon: new points are `points` times the points before it plus
-/// `coarse` times those that entered the last upsampling, one row per new point.
+/// An operator on a closed polygon as exact matrices with one row per new point: the new points are `points` times the
+/// points before the operator plus `coarse` times the points that entered the last upsampling.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ExactStep {
-    /// Weights of the points before it.
+    /// Weights of the points before the operator.
     pub points: Vec<Vec<Exact>>,
-    /// Weights of the points that entered the last upsampling; only where it looks at them.
+    /// Weights of the points that entered the last upsampling; push-backs only.
     pub coarse: Option<Vec<Vec<Exact>>>,
 }
 
-/// The operators of one application of a cycle to a closed polygon of `n` points; `None` where some weight is no
-/// fraction that is known.
+/// Returns the operators of one application of a cycle to a closed polygon of `n` points; `None` if some weight is not
+/// known as a fraction.
 pub fn exact_steps(plan: &Plan, n: usize) -> Option<Vec<ExactStep>> {
     let settled = Plan { alpha: 0.0, compensation_alpha: None, ..plan.clone() };
     let steps = settled.schedule(1).ok()?;
@@ -54,7 +54,7 @@ pub fn exact_steps(plan: &Plan, n: usize) -> Option<Vec<ExactStep>> {
     Some(found)
 }
 
-/// The points of a closed polygon with so many.
+/// Wraps a sequence around a closed polygon of `n` points; values at the same point are added.
 fn folded(points: &Points, n: usize) -> Vec<Exact> {
     let mut closed = vec![Exact::zero(); n];
     for (i, x) in (points.first..).zip(&points.values) {
@@ -64,7 +64,7 @@ fn folded(points: &Points, n: usize) -> Vec<Exact> {
     closed
 }
 
-/// Rows of columns.
+/// Transposes columns into rows.
 fn turned(columns: &[Vec<Exact>], rows: usize) -> Vec<Vec<Exact>> {
     (0..rows).map(|r| columns.iter().map(|column| column[r].clone()).collect()).collect()
 }

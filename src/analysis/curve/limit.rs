@@ -14,19 +14,19 @@ use crate::shape::source::Curve;
 use crate::shape::topology::index;
 use crate::watch::{Stopped, Watch};
 
-/// The reason for which a polygon has no limit rows.
+/// The reason why a polygon has no limit rows.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum NoLimit {
-    /// The plan has none.
+    /// The plan has no limit rows.
     #[error("{0}, so that it has no limit masks")]
     Plan(#[from] NoMask),
-    /// Points have rules of their own.
+    /// Single points have parameters of their own.
     #[error("points with parameters of their own have no common limit mask; leave \"parameters\" out")]
     Parameters,
-    /// Points are lost at the ends.
+    /// Points are lost at natural ends.
     #[error("limit masks reach beyond natural ends; use clamped ends")]
     NaturalEnds,
-    /// The two sides of a point count differently.
+    /// A mask at clamped ends is not symmetric.
     #[error(
         "at clamped ends the points of a mask that is not its own mirror image have no common limit mask; close the \
          polygon"
@@ -40,16 +40,17 @@ pub enum NoLimit {
     NoTangent,
 }
 
-/// Limit points and derivatives of a polygon: each `n x width`.
+/// Limit points and tangents of a polygon, `n x width` numbers each.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Limit {
     /// Limit points, model units.
     pub points: Vec<f64>,
-    /// Tangent vectors of any length, zero at corners; empty where the plan has none.
+    /// Tangent vectors of any length, zero at corners; empty if the plan has no tangents.
     pub tangents: Vec<f64>,
 }
 
-/// Whether limit rows hold for a polygon under a plan: linear rules that are the same everywhere, or end at corners.
+/// Checks that limit rows apply to a polygon under a plan: the rules are linear and the same everywhere, or end at
+/// corners.
 ///
 /// # Errors
 /// [`NoLimit`].
@@ -64,7 +65,7 @@ pub fn check(polygon: &Polygon, plan: &Plan) -> Result<(), NoLimit> {
     if !polygon.closed && letters.any(|letter| letter.settings.mask().is_some_and(|mask| !mask.is_symmetric())) {
         return Err(NoLimit::OneSided);
     }
-    // what reaches one point on each side never looks across a corner, which is fixed
+    // a rule that reaches one point on each side never crosses a corner, which is fixed
     let near = |window: Window| window.first >= -1 && window.last <= 1;
     let mut letters = plan.word.prefix.iter().chain(&plan.word.cycle);
     let crosses = letters.any(|letter| {
@@ -74,7 +75,7 @@ pub fn check(polygon: &Polygon, plan: &Plan) -> Result<(), NoLimit> {
     if !polygon.corners.is_empty() && crosses { Err(NoLimit::Corners) } else { Ok(()) }
 }
 
-/// Refines one polygon and finds its limit points and tangents.
+/// Refines one polygon and computes its limit points and tangents.
 ///
 /// # Errors
 /// [`RefineError`].
@@ -90,7 +91,7 @@ pub fn refine_to_limit(
     Ok((Curve { points: points.now, dimension: polygon.dimension, closed: polygon.closed, tangents: None }, limit))
 }
 
-/// Limit points and tangents of the `points` (`n x width`) of a refined polygon.
+/// Computes limit points and tangents from the `points` (`n x width`) of a refined polygon.
 ///
 /// # Errors
 /// [`Stopped`] when the watch says so.
@@ -110,7 +111,7 @@ fn limit(net: &PolygonNet, points: &[f64], width: usize, rows: &LimitRows, watch
     Ok(Limit { points: positions, tangents })
 }
 
-/// The rows of the limit points of a refined polygon, over its points.
+/// Returns the rows of the limit points of a refined polygon, over its points.
 pub fn positions(net: &PolygonNet, rows: &LimitRows) -> impl RowSource {
     RowsBy::new(net.n, net.n, |stored, out: &mut Rows| match kind(net, stored) {
         PointKind::Inner(i) => add(net, i, &rows.position[0], out),
@@ -118,15 +119,15 @@ pub fn positions(net: &PolygonNet, rows: &LimitRows) -> impl RowSource {
     })
 }
 
-/// A stored point; all but inner ones stay where they are.
+/// The kind of a stored point; all but inner points stay where they are in the limit.
 enum PointKind {
-    /// Control point with rules from both sides.
+    /// A control point with rules from both sides, by index.
     Inner(isize),
     /// A corner between two pieces, without a tangent.
     Corner,
-    /// Control point at an end.
+    /// A control point at an end, by index.
     End(isize),
-    /// An end half a step before this control point.
+    /// An end, half an edge before the control point of this index.
     Middle(isize),
 }
 
@@ -142,12 +143,12 @@ fn kind(net: &PolygonNet, stored: usize) -> PointKind {
     }
 }
 
-/// Adds the row around control point `i`, or around the middle before it. The polygon is cut at its corners: each piece
-/// goes on beyond its ends by reflection.
+/// Adds the row around control point `i`, or around the midpoint of the edge before it. The polygon is cut at its
+/// corners; each piece is continued beyond its ends by reflection.
 fn add(net: &PolygonNet, i: isize, row: &Row, out: &mut Rows) {
     let piece = piece(net, i);
     for (offset, weight) in row.entries() {
-        // around a middle, the offsets -1/2 and 1/2 are the points i - 1 and i
+        // around a midpoint, the offsets -1/2 and 1/2 are the points i - 1 and i
         let at = i + isize::try_from(offset.div_euclid(2)).unwrap_or(0);
         match piece {
             None => net.add(at, weight, out),
@@ -156,7 +157,8 @@ fn add(net: &PolygonNet, i: isize, row: &Row, out: &mut Rows) {
     }
 }
 
-/// Adds `weight x` control point `at` of the piece between two corners, reflected about them where it is beyond.
+/// Adds `weight` times control point `at` of the piece between two corners; a point beyond a corner is reflected about
+/// it.
 fn add_within(net: &PolygonNet, [start, end]: [isize; 2], mut at: isize, mut weight: f64, out: &mut Rows) {
     let stored = |i: isize| index(net.control(i) + net.first());
     while at < start || at > end {
@@ -167,8 +169,8 @@ fn add_within(net: &PolygonNet, [start, end]: [isize; 2], mut at: isize, mut wei
     out.add(stored(at), weight);
 }
 
-/// The corners, or ends, between which control point `i` lies, the later one perhaps a round further; none when
-/// there are no corners.
+/// Returns the corners, or ends, between which control point `i` lies; on closed polygons an index may lie a full round
+/// outside. `None` if there are no corners.
 fn piece(net: &PolygonNet, i: isize) -> Option<[isize; 2]> {
     let corners = &net.corners;
     let (&lowest, &highest) = (corners.first()?, corners.last()?);

@@ -1,4 +1,4 @@
-//! The limits of refined polygons: their points and tangents, their distance, and whether they exist.
+//! The limits of refined polygons: points, tangents, distances, and whether they exist.
 
 mod convergence;
 mod cycle;

@@ -1,46 +1,48 @@
 //! Limit rows: the weights of the points around a place that give the limit point and the tangent there.
 //!
-//! A place is a point or the middle between two points. A cycle of arity d and centre c takes the place x of a polygon
-//! to `d x + c` of the next, so that the limit row of a place is that of its image times the matrix of the cycle.
+//! A place is a point or the middle between two points. A cycle of arity d and centre c maps the place x of a polygon
+//! to the place `d x + c` of the next polygon, so that the limit row of a place is the limit row of its image times the
+//! matrix of the cycle.
 
 use super::cycle::{Cycle, NoMask, real};
 use crate::scheme::plan::Plan;
 use crate::watch::Watch;
 
-/// Most repetitions of a static cycle.
-/// A round divides what is wrong by its second eigenvalue: 4,000 rounds settle 0.99. Half of it settles 0.98, and calls
-/// what lies between divergent; twice of it settles 0.995 in twice the time.
+/// Maximum number of repetitions of a static cycle. Each repetition multiplies the error by the second eigenvalue:
+/// 4,000 are enough for 0.99. Half as many are enough for 0.98, and report schemes in between as divergent; twice as
+/// many are enough for 0.995 in twice the time.
 const MAX_ROUNDS: u32 = 4_000;
-/// Rows that change by less in a repetition have arrived, or by less than [`NOISE`] and no longer less and less.
-/// It is about one unit in the last place of 1. Half of it leaves the end to [`NOISE`], some rounds later; twice of it
-/// may end a round earlier, with a last digit that differs.
+/// Largest change per repetition at which rows have converged; rows that change by less than [`NOISE`] have also
+/// converged if their changes no longer shrink. It is about one unit in the last place of 1. Half of it leaves the
+/// decision to [`NOISE`], some repetitions later; twice of it may end a repetition earlier, with a last digit that
+/// differs.
 const ARRIVED: f64 = 3e-16;
-/// It is 45 units in the last place of 1, as long rows go on moving by a few. Half of it leaves the longest rows less
-/// room to arrive; twice of it ends slow changes that stall once earlier.
+/// Largest change per repetition that may be rounding, if it no longer shrinks. It is 45 units in the last place of 1,
+/// because long rows keep changing by a few units. Half of it leaves the longest rows less room to converge; twice of
+/// it ends slow changes that stall once earlier.
 const NOISE: f64 = 1e-14;
-/// Tangent rows that agree so far are one.
-/// It is far above what [`NOISE`] leaves and far below the parts of 1 by which sides of a kink differ, so that half and
-/// twice of it decide alike.
+/// Largest difference at which tangent rows of both sides are regarded as equal. It is far above what [`NOISE`] leaves
+/// and far below the difference of the sides of a kink, a fraction of 1, so that half or twice of it decides alike.
 const AGREE: f64 = 1e-9;
 
-/// Weights around a place: those of the points at the offsets `(first + 2 k) / 2`.
+/// Weights of the points around a place: weight k belongs to the point at the offset `(first + 2 k) / 2`.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Row {
-    /// Twice the first offset: even around a point, odd around a middle.
+    /// Twice the first offset: even around a point, odd around a midpoint.
     pub first: i64,
     /// Weights.
     pub weights: Vec<f64>,
 }
 
-/// Rows around a point and around a middle.
+/// The row around a point and the row around a midpoint.
 pub(super) type Pair = [Row; 2];
 
-/// Limit points and, where the limit has them, tangents of a polygon after some levels.
+/// Rows of the limit points and, if the limit has tangents, of the tangents of a polygon after some levels.
 #[derive(Debug, Clone, PartialEq)]
 pub struct LimitRows {
-    /// Weights of limit points; they sum to 1.
+    /// The weights of limit points, which sum to 1.
     pub position: Pair,
-    /// Weights of tangents, of any length; they sum to 0.
+    /// The weights of tangents of any length, which sum to 0.
     pub tangent: Option<Pair>,
 }
 
@@ -49,12 +51,12 @@ impl Row {
         Self { first, weights: weights.to_vec() }
     }
 
-    /// Twice the offsets, with the weights.
+    /// Returns twice the offset of each weight, with the weight.
     pub fn entries(&self) -> impl Iterator<Item = (i64, f64)> + '_ {
         (0..).map(|k| self.first + 2 * k).zip(self.weights.iter().copied())
     }
 
-    /// The row over the points before a cycle, around a place of parity `parity`.
+    /// Returns the row over the points before a cycle, around a point (`parity` 0) or a midpoint (`parity` 1).
     pub(super) fn before(&self, cycle: &Cycle, parity: i64) -> Self {
         let (d, c) = (cycle.arity, cycle.twice_centre());
         let (low, high) = (i64::from(cycle.mask.first), i64::from(cycle.mask.last()));
@@ -92,7 +94,7 @@ impl Row {
         place.and_then(|k| self.weights.get(k)).copied().unwrap_or(0.0)
     }
 
-    /// `self - factor x other`, both of the same parity.
+    /// Returns `self - factor x other`; both rows have the same parity.
     fn less(&self, factor: f64, other: &Self) -> Self {
         let end = |row: &Self| row.first + 2 * i64::try_from(row.weights.len()).unwrap_or(0);
         let (first, end) = (self.first.min(other.first), end(self).max(end(other)));
@@ -109,18 +111,18 @@ impl Row {
         Self { first: self.first, weights: self.weights.iter().map(|w| w * factor).collect() }
     }
 
-    /// The value of the row for points that stand at their offsets.
+    /// Returns the value of the row for points whose positions are their offsets.
     fn slope(&self) -> f64 {
         self.entries().map(|(o, w)| real(o) / 2.0 * w).sum()
     }
 }
 
-/// Whether a row that changes by `change`, before that by `last`, is as good as it will become.
+/// Returns whether a row has converged whose last change is `change` and whose change before that was `last`.
 fn arrived(change: f64, last: f64) -> bool {
     change <= ARRIVED || change <= NOISE && change >= last
 }
 
-/// Rows of both kinds of places before a cycle.
+/// Returns the rows of points and midpoints over the points before a cycle.
 fn before(pair: &Pair, cycle: &Cycle) -> Pair {
     [0, 1].map(|parity| {
         let image = (cycle.twice_centre() + cycle.arity * parity).rem_euclid(2);
@@ -129,8 +131,8 @@ fn before(pair: &Pair, cycle: &Cycle) -> Pair {
 }
 
 impl LimitRows {
-    /// The rows for the polygon after `levels` levels of a plan: those of its static limit, times the matrices of the
-    /// levels that remain. Tangents are those of the static limit at these places, as far as both of its one-sided
+    /// Returns the rows for the polygon after `levels` levels of a plan: the rows of its static limit, times the
+    /// matrices of the remaining levels. Tangents are those of the static limit at these places, if its one-sided
     /// differences agree there.
     ///
     /// Source: Dyn, Subdivision schemes in CAGD, 1992, section 2.3; limit rows are left eigenvectors for 1 and 1/d.
@@ -150,12 +152,12 @@ impl LimitRows {
     }
 }
 
-/// Tangent rows without the trace of the eigenvalue 1 that rounding leaves in them, and that would grow.
+/// Removes from tangent rows the component of the eigenvalue 1 that rounding leaves in them, which would grow.
 fn pure(tangent: &Pair, position: &Pair) -> Pair {
     [0, 1].map(|parity| tangent[parity].less(tangent[parity].sum(), &position[parity]))
 }
 
-/// Left eigenvectors for 1 of a static cycle.
+/// Returns the left eigenvectors for the eigenvalue 1 of a static cycle.
 fn settled_positions(cycle: &Cycle) -> Result<Pair, NoMask> {
     let start = [Row::new(0, &[1.0]), Row::new(-1, &[0.5, 0.5])];
     let pair = settled(start, 1e9, |pair| Some(before(pair, cycle))).ok_or(NoMask::Diverges)?;
@@ -163,8 +165,8 @@ fn settled_positions(cycle: &Cycle) -> Result<Pair, NoMask> {
     if complete { Ok(pair) } else { Err(NoMask::Diverges) }
 }
 
-/// Left eigenvectors for 1/d, which give 1 for points at their own places; `None` where differences from both sides do
-/// not lead to the same.
+/// Returns the left eigenvectors for the eigenvalue 1/d, scaled to the value 1 for points whose positions are their
+/// offsets; `None` if the differences on the two sides do not converge to the same rows.
 fn settled_tangents(cycle: &Cycle, position: &Pair) -> Option<Pair> {
     let after = settled_tangent(cycle, position, [Row::new(0, &[-1.0, 1.0]), Row::new(1, &[-1.0, 1.0])])?;
     let ahead = settled_tangent(cycle, position, [Row::new(-2, &[-1.0, 1.0]), Row::new(-3, &[-1.0, 1.0])])?;
@@ -186,8 +188,8 @@ fn settled_tangent(cycle: &Cycle, position: &Pair, start: Pair) -> Option<Pair> 
     })
 }
 
-/// What rows come to when `next` is applied again and again; `None` where it has no next, a change is larger than
-/// `most` or no number, or they do not arrive.
+/// Applies `next` until the rows converge; `None` if `next` fails, a change is larger than `most` or not finite, or the
+/// rows do not converge.
 fn settled(mut pair: Pair, most: f64, next: impl Fn(&Pair) -> Option<Pair>) -> Option<Pair> {
     let mut last = f64::INFINITY;
     for _ in 0..MAX_ROUNDS {

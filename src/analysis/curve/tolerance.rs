@@ -11,41 +11,39 @@ use crate::scheme::polygon_net::PolygonNet;
 use crate::shape::polygon::Polygon;
 use crate::watch::Watch;
 
-/// Points up to which second differences are measured; from there on they are bounded by their contraction.
-/// Measuring is sharper than the contraction, by which the bound grows from level to level. Half of it goes over a
-/// level earlier for binary schemes, twice of it a level later at twice the time.
+/// Number of points up to which second differences are measured; beyond it they are bounded by their contraction.
+/// Measured differences are sharper, because the bound by contraction loosens from level to level. Half of it switches
+/// one level earlier for binary schemes, twice of it one level later at twice the time.
 const MEASURED_POINTS: usize = 16_384;
-/// Most levels that are measured.
-/// A polygon of two points passes [`MEASURED_POINTS`] after 14 binary levels, so that twice of it changes nothing for
-/// plans that add points; half of it would bound small polygons less sharply.
+/// Maximum level that is measured. A polygon of two points passes [`MEASURED_POINTS`] after 14 binary levels, so that
+/// twice of it changes nothing for plans that add points; half of it would bound small polygons less sharply.
 const MEASURED_LEVELS: u32 = 16;
-/// The least tolerance, over the greatest coordinate: below it, rounding is not negligible.
-/// It is 4,500 times the spacing of numbers at the greatest coordinate. Half of it leaves rounding half that room;
-/// twice of it refuses what could be kept.
+/// Least tolerance, relative to the greatest coordinate; below it, rounding is not negligible. It is 4,500 times the
+/// spacing of numbers at the greatest coordinate. Half of it leaves rounding half that room; twice of it would refuse
+/// tolerances that can be met.
 const LEAST: f64 = 1e-12;
 
-/// What a search takes for each point that it may look at, bytes: new and old points of up to 4 numbers, and their
-/// rows.
-/// Old and new points take 64 of it. Half of it leaves nothing for rows; twice of it lets half as many searches run at
-/// once.
+/// Memory of a search in bytes per point that it may visit: new and old points of up to 4 numbers, and their rows. Old
+/// and new points take 64 bytes of it. Half of it leaves nothing for rows; twice of it would let half as many searches
+/// run at once.
 const BYTES_A_POINT: u64 = 128;
-/// Points that a search may look at whatever the polygons are: those of impulses and of products of masks.
-/// It is four times the points of an impulse, and 32 MiB. Half of it promises less than wide masks may take; twice of
-/// it lets half as many small searches run at once.
+/// Number of points for which a search reserves memory at least, for impulses and products of masks. It is four times
+/// the points of an impulse, and 32 MiB. Half of it would promise less than wide masks may take; twice of it would let
+/// half as many small searches run at once.
 const OTHER_POINTS: u64 = 1 << 18;
 
-/// Bytes that a search for polygons of so many points takes at most.
+/// Returns an upper bound of the memory in bytes of a search for polygons with this number of points.
 pub fn search_bytes(points: usize) -> u64 {
-    // one level more than the last that is measured, of the largest arity
+    // the level after the last one that is measured, at the largest arity
     BYTES_A_POINT.saturating_mul((points as u64).saturating_mul(16).max(OTHER_POINTS))
 }
 
-/// The level that a tolerance asks for.
+/// The level that meets a tolerance.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Reached {
     /// The level.
     pub level: u32,
-    /// The distance of the level from the limit is at most this, model units.
+    /// An upper bound of the distance of the level from the limit, model units.
     pub bound: f64,
 }
 
@@ -55,7 +53,7 @@ impl From<NoBound> for NoLevel {
     }
 }
 
-/// The first level at which all polygons are known to be within `tolerance` of their limits.
+/// Returns the first level at which all polygons are proved to be within `tolerance` of their limits.
 ///
 /// # Errors
 /// [`NoLevel`], also when `watch` says stop.
@@ -84,13 +82,14 @@ pub fn reach(polygons: &[Polygon], plan: &Plan, tolerance: f64, watch: &Watch) -
     Ok(Reached { level, bound })
 }
 
-/// The greatest second difference of all polygons after 0, 1, ... levels, as long as they are small.
+/// Returns the greatest second difference of all polygons after 0, 1, ... levels, as long as the polygons have few
+/// points.
 fn measured(polygons: &[Polygon], plan: &Plan, watch: &Watch) -> Result<Vec<f64>, NoLevel> {
     let mut bends: Vec<f64> = Vec::new();
     for polygon in polygons {
         let most = MEASURED_POINTS / polygons.len().min(MEASURED_POINTS);
         let of_one = measured_one(polygon, plan, most, watch)?;
-        // levels that some polygon is not followed to are bounded for all
+        // levels at which some polygon is not measured are bounded for all polygons
         let shared = if bends.is_empty() { of_one.len() } else { bends.len().min(of_one.len()) };
         bends.resize(shared, 0.0);
         for (most, bend) in bends.iter_mut().zip(&of_one) {
@@ -105,7 +104,7 @@ fn measured_one(polygon: &Polygon, plan: &Plan, most: usize, watch: &Watch) -> R
     let mut points = Points::new(polygon.points.clone(), polygon.dimension);
     let mut bends = Vec::new();
     for level in 0..=MEASURED_LEVELS {
-        // a level whose functions have no value is refused when it is asked for
+        // a level whose functions have no value is refused when it is requested
         let Ok(steps) = plan.schedule(level) else { break };
         let steps = steps.iter().filter(|step| step.level == level);
         advance(&mut net, std::slice::from_mut(&mut points), plan, steps, watch)?;
@@ -117,7 +116,7 @@ fn measured_one(polygon: &Polygon, plan: &Plan, most: usize, watch: &Watch) -> R
     Ok(bends)
 }
 
-/// `max |p[i-1] - 2 p[i] + p[i+1]|` over all control points with rules from both sides.
+/// Returns `max |p[i-1] - 2 p[i] + p[i+1]|` over all control points with rules from both sides.
 fn greatest_second_difference(net: &PolygonNet, points: &[f64], width: usize) -> f64 {
     let n = net.n;
     let at = |i: usize| &points[i * width..(i + 1) * width];

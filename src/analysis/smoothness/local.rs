@@ -1,5 +1,5 @@
-//! What happens around a place that one step maps to itself: eigenvalues of the local matrix, and the weights of limit
-//! points and tangents, which are its left eigenvectors.
+//! The behaviour around a place that one step maps to itself: eigenvalues of the local matrix, and its left
+//! eigenvectors, which are the weights of limit points and tangents.
 //!
 //! Source: Dyn, Subdivision schemes in CAGD, 1992, section 2.3.
 
@@ -12,21 +12,21 @@ use crate::math::exact::{Exact, rounded};
 use crate::math::number::Number;
 use crate::math::spectrum::{Eigenvalue, eigenvalues};
 
-/// Most points around a place whose left eigenvectors are solved for.
-/// The 16-point scheme has 29. Half of it leaves it without its masks; twice of it takes some thirty times as long, as
-/// the numbers of the elimination grow.
+/// Maximum number of points around a place for which left eigenvectors are computed. The 16-point scheme has 29. Half
+/// of it leaves that scheme without its masks; twice of it takes some thirty times as long, because the numbers of the
+/// elimination grow.
 const MAX_POINTS: i64 = 40;
 
-/// Weights of the points from index `first` on.
+/// Weights of consecutive points.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Weights {
-    /// Index of the first point.
+    /// The index of the first point.
     pub first: i64,
-    /// Weights.
+    /// The weights of the points from `first` on.
     pub values: Vec<Exact>,
 }
 
-/// The points around a place that only depend on each other, with the matrix `(a[j - d i])` of one step.
+/// The points around a place that depend only on each other, with the matrix `(a[j - d i])` of one step.
 pub(super) struct Neighbourhood<'a> {
     symbol: &'a Symbol,
     first: i64,
@@ -38,7 +38,7 @@ impl<'a> Neighbourhood<'a> {
         Self::within(symbol, [symbol.first, symbol.last()])
     }
 
-    /// The points that operators with such a reach take together, be it with weights of 0.
+    /// Creates the neighbourhood for the reach of the operators, including weights of 0.
     pub(super) fn reached(symbol: &'a Symbol) -> Self {
         Self::within(symbol, symbol.reach)
     }
@@ -51,8 +51,8 @@ impl<'a> Neighbourhood<'a> {
         Self { symbol, first: from, last: reach(-first).max(from) }
     }
 
-    /// The eigenvalues of the local matrix, the largest first: as a factor sigma/d of the symbol stands for one
-    /// eigenvalue, `1, 1/d, ..., 1/d^(K-1)`, and `d^(1-K)` times those of the residual's matrix.
+    /// Returns the eigenvalues of the local matrix, the largest first. Each factor sigma/d of the symbol contributes
+    /// one of `1, 1/d, ..., 1/d^(K-1)`; the others are `d^(1-K)` times the eigenvalues of the residual's matrix.
     pub(super) fn eigenvalues(&self) -> Option<Vec<Eigenvalue>> {
         let Symbol { arity, order, residual, .. } = self.symbol;
         let d = f64::whole(*arity);
@@ -74,18 +74,18 @@ impl<'a> Neighbourhood<'a> {
         Some(found)
     }
 
-    /// Index of the first point.
+    /// Returns the index of the first point.
     pub(super) fn first(&self) -> i64 {
         self.first
     }
 
-    /// The matrix of one step: row j has the weights of new point j.
+    /// Returns the matrix of one step: row j has the weights of new point j.
     pub(super) fn matrix(&self) -> ExactMatrix {
         let places = || self.first..=self.last;
         places().map(|j| places().map(|i| self.symbol.at(j - self.symbol.arity * i)).collect()).collect()
     }
 
-    /// The left eigenvector for an eigenvalue, up to its length, where there is one.
+    /// Returns a left eigenvector for an eigenvalue, with any scale, if there is one.
     fn left_eigenvector(&self, eigenvalue: &Exact) -> Option<Vec<Exact>> {
         if self.last - self.first >= MAX_POINTS {
             return None;
@@ -99,15 +99,15 @@ impl<'a> Neighbourhood<'a> {
         left_null_vector(&matrix)
     }
 
-    /// The weights of the limit point at the place: the left eigenvector for 1, which sums to 1.
+    /// Returns the weights of the limit point at the place: the left eigenvector for 1, scaled to the sum 1.
     pub(super) fn limit_mask(&self) -> Option<Weights> {
         let vector = self.left_eigenvector(&Exact::one())?;
         let sum: Exact = vector.iter().sum();
         self.weights(&vector, &sum)
     }
 
-    /// The weights of the tangent per unit of the parameter: the left eigenvector for 1/d, which gives 1 for the
-    /// indices themselves.
+    /// Returns the weights of the tangent per unit of the parameter: the left eigenvector for 1/d, scaled to the value
+    /// 1 for points whose values are their indices.
     pub(super) fn tangent_mask(&self) -> Option<Weights> {
         let vector = self.left_eigenvector(&Exact::ratio(1, self.symbol.arity))?;
         let slope: Exact = (self.first..).zip(&vector).map(|(i, t)| Exact::whole(i) * t).sum();

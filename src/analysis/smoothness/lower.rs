@@ -1,8 +1,8 @@
-//! A lower bound of the joint spectral radius: a product of matrices with an eigenvalue that is proved.
+//! A lower bound of the joint spectral radius: a product of matrices with a proved eigenvalue.
 //!
-//! Eigenvalues of products in f64 say where to look. The proof is exact: the characteristic polynomial of a product of
-//! l matrices has the leading coefficient 1, so that it has a real zero of at least t where it is not positive at t,
-//! and then the joint spectral radius is at least `t^(1/l)`.
+//! Eigenvalues of products in f64 suggest candidates. The proof is exact. The characteristic polynomial of a product of
+//! l matrices has the leading coefficient 1, so that it has a real zero of at least t if it is not positive at t. The
+//! joint spectral radius is then at least `t^(1/l)`.
 
 use std::cmp::Ordering;
 
@@ -16,34 +16,33 @@ use crate::math::number::Number;
 use crate::math::spectrum::eigenvalues;
 use crate::watch::{Stopped, Watch};
 
-/// Products that every search looks at, whatever its budget.
-/// It is words of up to seven letters for binary schemes, of four for ternary ones. All extremal products that are
-/// known here have two letters at most; half of it saves half the time, twice of it takes one letter more.
+/// Number of products that every search examines, whatever its budget: words of up to seven letters for binary schemes,
+/// of four for ternary ones. All extremal products that are known here have two letters at most; half of it saves half
+/// the time, twice of it takes one letter more.
 const USUAL_WORDS: usize = 256;
-/// Most products that are looked at.
-/// It is words of up to twelve letters for binary schemes, which take some ten megabytes. Half of it has one letter
-/// less; twice of it takes twice as much memory.
+/// Maximum number of products that a search examines: words of up to twelve letters for binary schemes, which take some
+/// ten megabytes. Half of it has one letter less; twice of it takes twice as much memory.
 const MAX_WORDS: usize = 1 << 13;
-/// As how many products of the budget one counts whose eigenvalues are computed.
-/// It is what these take over a product. Half and twice of it need half and twice of a budget for one letter more.
+/// Cost of a product whose eigenvalues are computed, in plain products of the budget. It is the ratio of their times.
+/// Half or twice of it needs half or twice of a budget for one letter more.
 const EIGENVALUES: u64 = 128;
-/// Largest matrices whose eigenvalues are proved.
-/// The 2n-point schemes come to 28 for n = 16. Half of it leaves those from n = 9 on without a bound; twice of it takes
-/// some thirty times as long, as the numbers of the elimination grow.
+/// Maximum size of matrices whose eigenvalues are proved. The 2n-point schemes have matrices of size 2n - 2, which is
+/// 30 for n = 16. Half of it leaves those from n = 10 on without a bound; twice of it takes some thirty times as long,
+/// because the numbers of the elimination grow.
 const MAX_SIZE: usize = 32;
-/// Most products whose eigenvalue is tried to be proved.
-/// The first succeeds unless its eigenvalues are complex or double. Half and twice of it change nothing else.
+/// Maximum number of products for whose eigenvalue a proof is attempted. The first attempt succeeds unless the
+/// eigenvalues are complex or double. Half or twice of it changes nothing else.
 const MAX_PROOFS: usize = 8;
-/// A longer word has to be better by so much, so that powers of a word do not stand for it.
+/// Relative improvement that a longer word must bring, so that powers of a word do not replace the word.
 const BETTER: f64 = 1e-10;
 
 /// A lower bound of the joint spectral radius, `t^(1/l)`.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Lower {
-    /// The matrices whose product has an eigenvalue of a size of at least t, the first factor first; none where it is
-    /// the mean of all that has it.
+    /// The indices of the matrices whose product has an eigenvalue of absolute value t or more, the first factor first;
+    /// empty if it is the mean of all matrices that has the eigenvalue.
     pub word: Vec<usize>,
-    /// The bound t of the eigenvalue.
+    /// The bound t of the absolute value of the eigenvalue.
     pub eigenvalue: Exact,
     /// The bound of the joint spectral radius in f64, rounded down.
     pub value: f64,
@@ -60,42 +59,43 @@ impl Lower {
         Self { word, eigenvalue, value }
     }
 
-    /// A bound of a single matrix.
+    /// Creates the bound by an eigenvalue of a single matrix.
     pub(super) fn of_one(eigenvalue: Exact) -> Self {
         Self::new(vec![0], eigenvalue)
     }
 
-    /// Whether the joint spectral radius is known to be at least `x >= 0`.
+    /// Returns whether the joint spectral radius is proved to be at least `x >= 0`.
     pub fn reaches(&self, x: &Exact) -> bool {
         self.eigenvalue >= x.pow(i32::try_from(self.word.len().max(1)).unwrap_or(1))
     }
 }
 
-/// A word and what its eigenvalue comes to.
+/// A word, the largest real eigenvalue of its product, and the root of its absolute value by the length of the word.
 struct Candidate {
     word: Vec<usize>,
     eigenvalue: f64,
     rate: f64,
 }
 
-/// What a search for lower bounds has found.
+/// The result of a search for lower bounds.
 pub(super) struct Search {
-    /// By the products that every search looks at; the search for upper bounds starts from it, so that it goes the same
-    /// way with every budget.
+    /// The best bound by the products that every search examines. The search for upper bounds starts from it and
+    /// therefore takes the same course with every budget.
     pub(super) first: Option<Lower>,
-    /// By all products.
+    /// The best bound by all products.
     pub(super) best: Option<Lower>,
-    /// What the products beyond those of every search count as.
+    /// The cost of the products beyond those of every search, in products of the budget.
     pub(super) nodes: u64,
 }
 
-/// What the mean of the matrices proves: it has the eigenvalue 1/d, as every column of their sum adds up to b(1) = 1.
+/// Returns the bound by the mean of the matrices, which has the eigenvalue 1/d because every column of their sum adds
+/// up to b(1) = 1.
 pub(super) fn of_mean(matrices: &[ExactMatrix]) -> Lower {
     Lower::new(Vec::new(), Exact::ratio(1, i64::try_from(matrices.len()).unwrap_or(1)))
 }
 
-/// The best lower bounds of any matrices that products of up to half of a budget prove. A longer word takes the place
-/// of a shorter one where it proves more alone, so that larger budgets prove at least as much.
+/// Searches for the best lower bounds that products prove within half of a budget, for any matrices. A longer word
+/// replaces a shorter one only if it proves more, so that larger budgets prove at least as much.
 ///
 /// # Errors
 /// [`Stopped`].
@@ -125,26 +125,26 @@ pub(super) fn search(matrices: &[ExactMatrix], budget: u64, watch: &Watch) -> Re
     Ok(Search { first, best, nodes })
 }
 
-/// The best bound of some candidates.
+/// Returns the best bound that some candidates prove.
 fn best_of(matrices: &[ExactMatrix], mut candidates: Vec<Candidate>) -> Option<Lower> {
     candidates.sort_by(|a, b| b.rate.total_cmp(&a.rate).then(a.word.len().cmp(&b.word.len())));
     let best = candidates.first().map_or(0.0, |candidate| candidate.rate);
-    // among those that are as good as the best the shortest first
+    // the shortest of the best candidates first
     candidates.sort_by_key(|candidate| if candidate.rate >= best * (1.0 - BETTER) { candidate.word.len() } else { 99 });
     candidates.iter().take(MAX_PROOFS).find_map(|candidate| proved(matrices, candidate))
 }
 
-/// All words of one length with their products.
+/// All words of one length with their products, as the search lengthens them.
 struct Words {
     n: usize,
     matrices: Vec<Vec<f64>>,
     last: Vec<(Vec<usize>, Vec<f64>)>,
-    /// Words that were looked at, of all lengths.
+    /// The number of words examined so far, of all lengths.
     looked_at: usize,
 }
 
 impl Words {
-    /// The word without letters.
+    /// Starts with the empty word.
     fn new(matrices: &[ExactMatrix]) -> Self {
         let n = matrices[0].len();
         let flat = matrices.iter().map(|matrix| matrix.iter().flatten().map(rounded).collect()).collect();
@@ -152,12 +152,12 @@ impl Words {
         Self { n, matrices: flat, last: vec![(Vec::new(), identity)], looked_at: 0 }
     }
 
-    /// How many words have one letter more.
+    /// Returns the number of words with one letter more.
     fn longer(&self) -> usize {
         self.last.len() * self.matrices.len()
     }
 
-    /// Goes on to the words with one letter more, and tells their eigenvalues.
+    /// Replaces the words by those with one letter more, and returns their candidates.
     fn lengthened(&mut self) -> Vec<Candidate> {
         let mut longer = Vec::with_capacity(self.longer());
         let mut found = Vec::new();
@@ -177,7 +177,7 @@ impl Words {
 }
 
 fn candidate(word: &[usize], matrix: &[f64], n: usize) -> Option<Candidate> {
-    // turned around it is the same: only the first of all turns is looked at
+    // rotations of a word have the same eigenvalues, so that only the least rotation is examined
     let turned = |by: usize| word[by..].iter().chain(&word[..by]);
     if (1..word.len()).any(|by| turned(by).lt(word.iter())) {
         return None;
@@ -188,7 +188,7 @@ fn candidate(word: &[usize], matrix: &[f64], n: usize) -> Option<Candidate> {
     (rate > 0.0).then_some(Candidate { word: word.to_vec(), eigenvalue: first.re, rate })
 }
 
-/// The bound of a candidate, as far as it can be proved.
+/// Returns the bound of a candidate, as far as it can be proved.
 fn proved(matrices: &[ExactMatrix], candidate: &Candidate) -> Option<Lower> {
     let mut factors = candidate.word.iter().map(|&e| &matrices[e]);
     let first = factors.next()?.clone();
@@ -198,7 +198,7 @@ fn proved(matrices: &[ExactMatrix], candidate: &Candidate) -> Option<Lower> {
     let slightly = |share: f64| Some(binary(x * (1.0 - share)));
     let tried = [simple, slightly(1e-13), slightly(1e-12), slightly(1e-10), slightly(1e-8), slightly(1e-6)];
     let holds = |t: &Exact| {
-        // at -t the sign of the leading term is that of (-1)^N
+        // at -t the leading term has the sign of (-1)^N
         let flips = t.is_negative() && matrix.len() % 2 == 1;
         let sign = sign(&matrix, t);
         (if flips { sign.reverse() } else { sign }) != Ordering::Greater
@@ -207,7 +207,7 @@ fn proved(matrices: &[ExactMatrix], candidate: &Candidate) -> Option<Lower> {
     Some(Lower::new(candidate.word.clone(), found.abs()))
 }
 
-/// The sign of `det(t - matrix)`.
+/// Returns the sign of `det(t - matrix)`.
 fn sign(matrix: &ExactMatrix, t: &Exact) -> Ordering {
     let shifted = |(i, row): (usize, &Vec<Exact>)| -> Vec<Exact> {
         row.iter().enumerate().map(|(k, x)| if i == k { t - x } else { -x.clone() }).collect()
@@ -219,8 +219,8 @@ fn sign(matrix: &ExactMatrix, t: &Exact) -> Ordering {
 mod tests {
     use super::*;
 
-    /// Nine points in a ring: the first matrix moves each to the next, but the last, which only the second moves. No
-    /// product of fewer than nine letters has an eigenvalue but 0.
+    /// Nine points in a ring: the first matrix moves each point to the next one, except the last point, which only the
+    /// second matrix moves. No product of fewer than nine letters has an eigenvalue other than 0.
     #[test]
     fn larger_budgets_find_longer_words() {
         let moves = |pairs: &[(usize, usize)]| -> ExactMatrix {

@@ -1,6 +1,6 @@
-//! The matrices whose products say how differences of the data go on: for a residual b with entries 0 to n,
-//! `N = max(1, ceil(n / (d-1)))` and e from 0 to d - 1, `(T_e)[p][q] = b[r + p - d i(q)]` with `r = e + d N` and
-//! `i(q) = floor((r + N - 1) / d) - (N - 1) + q`.
+//! The matrices whose products describe how differences of the data evolve. For a residual b with entries 0 to n, `N =
+//! max(1, ceil(n / (d-1)))` and e from 0 to d - 1, the N x N matrices are `(T_e)[p][q] = b[r + p - d i(q)]` with `r = e
+//! + d N` and `i(q) = floor((r + N - 1) / d) - (N - 1) + q`.
 //!
 //! Source: Daubechies and Lagarias, SIAM Journal on Mathematical Analysis 23 (1992), 1031-1079.
 
@@ -11,16 +11,15 @@ use num_traits::{Signed, Zero};
 
 use crate::math::exact::Exact;
 
-/// Size of the matrices a product of which counts as one of the budget; larger ones count as many times as they take
-/// longer.
-/// It is that of the 16-point scheme. Half and twice of it let eight times as few or as many products of larger ones be
-/// looked at.
+/// Size of the matrices whose product costs one unit of the budget, that of the 16-point scheme; products of larger
+/// matrices cost in proportion to their time. Half or twice of it allows one eighth or eight times as many products of
+/// larger matrices.
 const USUAL_SIZE: usize = 14;
 
 /// A square matrix of fractions, row by row.
 pub(in crate::analysis) type ExactMatrix = Vec<Vec<Exact>>;
 
-/// The matrices `T_0, ..., T_(d-1)` of a residual.
+/// Returns the matrices `T_0, ..., T_(d-1)` of a residual.
 pub(super) fn of_residual(residual: &[Exact], arity: i64) -> Vec<ExactMatrix> {
     let last = i64::try_from(residual.len()).unwrap_or(1) - 1;
     let n = (last + arity - 2).div_euclid(arity - 1).max(1);
@@ -36,7 +35,7 @@ pub(super) fn of_residual(residual: &[Exact], arity: i64) -> Vec<ExactMatrix> {
     (0..arity).map(matrix).collect()
 }
 
-/// The product of two square matrices.
+/// Returns the product of two square matrices.
 pub(super) fn product<T: Zero + Sum>(a: &[Vec<T>], b: &[Vec<T>]) -> Vec<Vec<T>>
 where
     for<'a> &'a T: Mul<Output = T>,
@@ -48,13 +47,13 @@ where
     a.iter().map(|row| (0..b.len()).map(|k| cell(row, k)).collect()).collect()
 }
 
-/// The greatest sum of sizes in a row.
+/// Returns the greatest sum of absolute values in a row.
 pub(super) fn row_norm(a: &ExactMatrix) -> Exact {
     let sums = a.iter().map(|row| row.iter().map(Exact::abs).sum::<Exact>());
     sums.max().unwrap_or_else(Exact::zero)
 }
 
-/// The product of two n x n matrices of f64, row by row.
+/// Writes the product of two n x n matrices in f64, row by row, to `out`.
 pub(super) fn multiply(a: &[f64], b: &[f64], n: usize, out: &mut Vec<f64>) {
     out.clear();
     out.resize(n * n, 0.0);
@@ -67,7 +66,7 @@ pub(super) fn multiply(a: &[f64], b: &[f64], n: usize, out: &mut Vec<f64>) {
     }
 }
 
-/// As how many products one of this size counts.
+/// Returns the cost of a product of two n x n matrices in units of the budget.
 pub(super) fn price(n: usize) -> u64 {
     (n.pow(3) as u64).div_ceil(USUAL_SIZE.pow(3) as u64)
 }

@@ -1,5 +1,5 @@
-//! What can be said of a curve scheme from its mask alone: the factors of its symbol, certified bounds of its
-//! smoothness, and what happens around a point.
+//! The analysis of a curve scheme from its mask alone: the factors of its symbol, certified bounds of its smoothness,
+//! and its behaviour around a point.
 
 mod local;
 mod lower;

@@ -10,21 +10,21 @@ use crate::math::exact::Exact;
 /// The local matrix of a scheme and its powers.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Powers {
-    /// Index of the first point around the place, of rows and of columns.
+    /// The index of the first point around the place, for rows and for columns.
     pub first: i64,
-    /// The first power, the second, and so on: row j of a power has the weights of point j after so many steps.
+    /// The first power, the second, and so on: row j of a power has the weights of point j after as many steps.
     pub powers: Vec<Vec<Vec<Exact>>>,
-    /// What they come close to, where convergence is proved: every row is the limit mask.
+    /// The limit of the powers, if convergence is proved: every row is the limit mask.
     pub limit: Option<Vec<Vec<Exact>>>,
 }
 
 impl Powers {
-    /// How many points the local matrix of a scheme has.
+    /// Returns the number of rows of the local matrix of a scheme.
     pub fn size(symbol: &Symbol) -> usize {
         Neighbourhood::new(symbol).matrix().len()
     }
 
-    /// The first `count` powers of the local matrix; `limit` is the limit mask.
+    /// Computes the first `count` powers of the local matrix; `limit` is the limit mask.
     pub fn of(symbol: &Symbol, limit: Option<&Weights>, count: u32) -> Self {
         let around = Neighbourhood::new(symbol);
         let matrix = around.matrix();

@@ -1,4 +1,4 @@
-//! Bounds of the joint spectral radius of arbitrary exact matrices, for schemes other than those on curves.
+//! Bounds of the joint spectral radius of arbitrary exact matrices, for schemes other than curve schemes.
 
 use num_traits::Zero;
 
@@ -8,16 +8,17 @@ use super::upper::{self, Upper};
 use crate::math::exact::Exact;
 use crate::watch::{Stopped, Watch};
 
-/// The known bounds of a joint spectral radius.
+/// Bounds of a joint spectral radius.
 #[derive(Debug, Clone, PartialEq)]
 pub struct RadiusBounds {
-    /// From below; `None` where no eigenvalue of a product is proved.
+    /// The lower bound; `None` if no eigenvalue of a product is proved.
     pub lower: Option<Lower>,
-    /// From above.
+    /// The upper bound.
     pub upper: Upper,
 }
 
-/// The bounds that some number of products gives; below the `thresholds` it is tried to come in the first place.
+/// Computes bounds with at most `budget` matrix products; the search for the upper bound also attempts values just
+/// below the `thresholds`.
 ///
 /// # Errors
 /// [`Stopped`].
@@ -29,7 +30,7 @@ pub(in crate::analysis) fn radius_bounds(
 ) -> Result<RadiusBounds, Stopped> {
     let Search { first, best: lower, nodes } = lower::search(matrices, budget, watch)?;
     watch.check()?;
-    // without an eigenvalue to compare with, the ladder of bounds leads down from the thresholds alone
+    // without a proved eigenvalue, the ladder of bounds depends on the thresholds alone
     let least = thresholds.iter().min().cloned().unwrap_or_else(Exact::zero);
     let known = first.unwrap_or_else(|| Lower::of_one(least / Exact::from_integer(4.into())));
     let upper = upper::bound(matrices, &known, thresholds, budget - nodes, watch)?;

@@ -1,10 +1,11 @@
 //! Expresses schemes with unstable shifts by the basic limit function of a scheme with stable shifts.
 //!
-//! Where `a(z) = a~(z) q(z^d) / q(z)` with `q(1) = 1`, the products of the symbols along `z, z^(1/d), ...` telescope:
-//! the basic limit function of a is `sum of q[j] phi~(x - j)` with that of a~. As shifts to one side follow from their
-//! combination from one end of the support to the other, both are C^k for the same k. Two kinds of q make shifts
-//! unstable, and are taken out until none is left: common divisors of the sub-symbols, and cyclotomic polynomials of
-//! orders m > 1 without a common divisor with d, whose zeros are the cycles of roots of unity under `z -> z^d`.
+//! If `a(z) = a~(z) q(z^d) / q(z)` with `q(1) = 1`, the products of the symbols along `z, z^(1/d), ...` telescope: the
+//! basic limit function of a is `sum of q[j] phi~(x - j)` with the basic limit function phi~ of a~. Shifts of phi~ can
+//! be recovered from this combination step by step from one end of the support to the other, so that both functions are
+//! C^k for the same k. Two kinds of q make shifts unstable: common divisors of the sub-symbols, and cyclotomic
+//! polynomials whose order m > 1 is coprime to d and whose zeros are cycles of roots of unity under `z -> z^d`. They
+//! are divided out until none is left.
 //!
 //! Source: Jia and Wang, Proceedings of the AMS 117 (1993), 1115-1124, on what makes shifts unstable.
 
@@ -15,22 +16,22 @@ use super::stability::is_stable;
 use super::symbol::Symbol;
 use crate::math::exact::Exact;
 
-/// Longest masks that are reduced.
-/// Those of the schemes known here whose shifts are unstable have 13 entries at most. Half of it leaves some of clients
-/// open; twice of it takes some ten times as long, as the numbers of the divisions grow.
+/// Maximum number of entries of masks that are reduced. The schemes known here with unstable shifts have 13 entries at
+/// most. Half of it leaves some masks from clients undecided; twice of it takes some ten times as long, because the
+/// numbers of the divisions grow.
 const MAX_ENTRIES: usize = 64;
 
-/// A scheme with stable shifts, and how the basic limit function of another one is put together of shifts of its own.
+/// A scheme with stable shifts, and the basic limit function of another scheme as a combination of its shifts.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Reduction {
-    /// The scheme a~.
+    /// The scheme a~ with stable shifts.
     pub symbol: Symbol,
     /// The coefficients q from index 0 on, which sum to 1.
     pub combination: Vec<Exact>,
 }
 
 impl Reduction {
-    /// The reduction of a scheme whose shifts are not stable, where it is found.
+    /// Returns the reduction of a scheme whose shifts are not stable, if it is found.
     pub(super) fn of(symbol: &Symbol) -> Option<Self> {
         if !symbol.is_exact || symbol.order == 0 || symbol.mask.len() > MAX_ENTRIES {
             return None;
@@ -49,17 +50,17 @@ impl Reduction {
     }
 }
 
-/// The greatest common divisor of all sub-symbols, unless it is a constant.
+/// Returns the greatest common divisor of all sub-symbols, unless it is constant.
 fn common_divisor(mask: &[Exact], d: usize) -> Option<Vec<Exact>> {
     let part = |r: usize| trimmed(&mask.iter().skip(r).step_by(d).cloned().collect::<Vec<_>>());
     let found = (1..d).fold(part(0), |common, r| divisor(common, part(r)));
     (found.len() > 1).then_some(found)
 }
 
-/// The cyclotomic polynomial of the least order whose cycles make shifts unstable.
+/// Returns the cyclotomic polynomial of the least order whose zeros make shifts unstable.
 fn cycle(mask: &[Exact], d: usize) -> Option<Vec<Exact>> {
     let most = (mask.len() - 1) / (d - 1);
-    // the degree of the polynomial of order m is m / 6 at least, as far as masks go
+    // for orders within the limit of masks, the degree of the cyclotomic polynomial of order m is m / 6 at least
     let orders = (2..=6 * most).filter(|m| m.gcd(&d) == 1 && totient(*m) <= most);
     orders.map(cyclotomic).find(|q| {
         let factor = quotient(&spread(q, d), q);
@@ -71,7 +72,8 @@ fn totient(m: usize) -> usize {
     (1..=m).filter(|n| n.gcd(&m) == 1).count()
 }
 
-/// `z^m - 1` without the cyclotomic polynomials of all divisors of m.
+/// Returns the cyclotomic polynomial of order m: `z^m - 1` without the cyclotomic polynomials of all proper divisors of
+/// m.
 fn cyclotomic(m: usize) -> Vec<Exact> {
     let mut whole = vec![Exact::zero(); m + 1];
     (whole[0], whole[m]) = (-Exact::one(), Exact::one());
@@ -79,7 +81,7 @@ fn cyclotomic(m: usize) -> Vec<Exact> {
     divisors.fold(whole, |rest, n| quotient(&rest, &cyclotomic(n)).expect("cyclotomic polynomials divide z^m - 1"))
 }
 
-/// `p(z^d)`.
+/// Returns `p(z^d)`.
 fn spread(p: &[Exact], d: usize) -> Vec<Exact> {
     let mut out = vec![Exact::zero(); (p.len() - 1) * d + 1];
     p.iter().enumerate().for_each(|(j, c)| out[j * d].clone_from(c));
@@ -94,7 +96,7 @@ fn times(a: &[Exact], b: &[Exact]) -> Vec<Exact> {
     out
 }
 
-/// Quotient and remainder, coefficients from the constant on; the divisor's last one is not 0.
+/// Returns quotient and remainder; coefficients start at the constant, and the last coefficient of `b` is not 0.
 fn divided(a: &[Exact], b: &[Exact]) -> (Vec<Exact>, Vec<Exact>) {
     let (mut rest, lead) = (a.to_vec(), &b[b.len() - 1]);
     let n = (a.len() + 1).saturating_sub(b.len());
@@ -110,13 +112,13 @@ fn divided(a: &[Exact], b: &[Exact]) -> (Vec<Exact>, Vec<Exact>) {
     (quotient, rest)
 }
 
-/// The quotient where nothing remains.
+/// Returns the quotient if the remainder is 0.
 fn quotient(a: &[Exact], b: &[Exact]) -> Option<Vec<Exact>> {
     let (quotient, rest) = divided(a, b);
     (!quotient.is_empty() && rest.iter().all(Exact::is_zero)).then_some(quotient)
 }
 
-/// The greatest common divisor with 1 as its last coefficient; that of 0 and a polynomial is the latter.
+/// Returns the greatest common divisor with the last coefficient 1; that of 0 and a polynomial is the polynomial.
 fn divisor(mut a: Vec<Exact>, mut b: Vec<Exact>) -> Vec<Exact> {
     while !b.is_empty() {
         let (_, rest) = divided(&a, &b);
@@ -137,7 +139,7 @@ fn high_trimmed(mut p: Vec<Exact>) -> Vec<Exact> {
     p
 }
 
-/// A polynomial without zeros at both ends of its coefficients, which only shift it.
+/// Removes zero coefficients at both ends of a polynomial, which only shift it.
 fn trimmed(p: &[Exact]) -> Vec<Exact> {
     let from = p.iter().position(|c| !c.is_zero()).unwrap_or(p.len());
     high_trimmed(p[from..].to_vec())
@@ -163,7 +165,8 @@ mod tests {
     fn what_is_put_in_is_taken_out_again() {
         let spline = [1, 4, 6, 4, 1].map(|n| Exact::ratio(n, 8));
         for q in [whole(&[1, 1, 1]), whole(&[2, -1]), times(&cyclotomic(5), &whole(&[3, 0, 1]))] {
-            // a factor that is no cycle is not divided by, but stays common to the sub-symbols
+            // the cyclic factor q(z^2) / q(z) if it is a polynomial; otherwise q(z^2), which is common to the
+            // sub-symbols
             let factor = quotient(&spread(&q, 2), &q).unwrap_or_else(|| spread(&q, 2));
             let mask = times(&spline, &factor);
             let sum: Exact = mask.iter().sum();

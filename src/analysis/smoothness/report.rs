@@ -7,8 +7,8 @@ use super::verdict::Smoothness;
 use crate::math::spectrum::Eigenvalue;
 use crate::watch::{Stopped, Watch};
 
-/// Most derivatives whose values are shown.
-/// Half of it hides curvature; twice of it plots what nobody looks at, and makes answers twice as long.
+/// Maximum number of derivatives whose values are reported. Half of it hides curvature; twice of it plots what nobody
+/// looks at, and makes answers twice as long.
 const MAX_DERIVATIVES: usize = 3;
 
 /// The full report on one scheme.
@@ -16,18 +16,18 @@ const MAX_DERIVATIVES: usize = 3;
 pub struct Report {
     /// The mask and its factors.
     pub symbol: Symbol,
-    /// How smooth limits are.
+    /// The proved smoothness of limits.
     pub smoothness: Smoothness,
-    /// Weights of the limit point at a point, where limits are proved to be continuous.
+    /// Weights of the limit point at a point, if limits are proved to be continuous.
     pub limit_mask: Option<Weights>,
-    /// Weights of the tangent there per unit of the parameter, where limits are proved to be C^1.
+    /// Weights of the tangent at a point per unit of the parameter, if limits are proved to be C^1.
     pub tangent_mask: Option<Weights>,
-    /// The eigenvalues of the local matrix, the largest first; `None` where they were not found.
+    /// The eigenvalues of the local matrix, the largest first; `None` if the computation failed.
     pub local_eigenvalues: Option<Vec<Eigenvalue>>,
 }
 
 impl Report {
-    /// The report on a scheme, with so many products of matrices in the search for bounds.
+    /// Computes the report on a scheme with at most `budget` matrix products in the search for bounds.
     ///
     /// # Errors
     /// [`Stopped`].
@@ -42,7 +42,8 @@ impl Report {
         Ok(Self { symbol, smoothness, limit_mask, tangent_mask, local_eigenvalues })
     }
 
-    /// Values of its derivatives, the first one first, as far as they are proved to be continuous.
+    /// Evaluates the derivatives of the basic limit function, the first derivative first, as far as they are proved to
+    /// be continuous.
     ///
     /// # Errors
     /// [`Stopped`].
@@ -52,7 +53,7 @@ impl Report {
         Ok(found.collect::<Result<Vec<_>, _>>()?.into_iter().map_while(|found| found).collect())
     }
 
-    /// Values of the basic limit function, where it is proved to be there.
+    /// Evaluates the basic limit function, if it is proved to exist.
     ///
     /// # Errors
     /// [`Stopped`].

@@ -1,10 +1,10 @@
 //! Decides whether the integer shifts of the basic limit function are stable, as upper bounds of smoothness require.
 //!
-//! They are when the sub-symbols `sum over j of a[r + d j] z^j` have no common zero but 0, and the symbol does not
-//! vanish at all other d-th roots of the elements of a cycle of roots of unity under `z -> z^d`. With m = d^l - 1 these
-//! are zeros of `1 + z^m + ... + z^(m (d-1))`, and a cycle of l elements takes `(d-1) l` zeros of the residual. Both
-//! are decided by greatest common divisors modulo a prime, where polynomials without a common divisor had none before
-//! either.
+//! Shifts are stable if two conditions hold. The sub-symbols `sum over j of a[r + d j] z^j` have no common zero except
+//! 0. For no cycle of roots of unity under `z -> z^d` does the symbol vanish at all d-th roots of its elements that lie
+//! outside of the cycle. With m = d^l - 1 these roots are zeros of `1 + z^m + ... + z^(m (d-1))`, and a cycle of l
+//! elements takes `(d-1) l` zeros of the residual. Both conditions are decided by greatest common divisors modulo a
+//! prime; polynomials without a common divisor modulo the prime have none over the rationals either.
 //!
 //! Source: Jia and Wang, Proceedings of the AMS 117 (1993), 1115-1124, here for every arity.
 
@@ -14,10 +14,10 @@ use num_traits::{ToPrimitive, Zero};
 use super::symbol::Symbol;
 use crate::math::exact::Exact;
 
-/// The prime, `2^61 - 1`.
+/// The prime modulo which polynomials are computed, `2^61 - 1`.
 const PRIME: u64 = (1 << 61) - 1;
 
-/// Whether the shifts are known to be stable.
+/// Returns whether the shifts are proved to be stable.
 pub(super) fn is_stable(symbol: &Symbol) -> bool {
     let known = || Some(have_no_common_zero(symbol)? && vanishes_on_no_cycle(symbol)?);
     symbol.order > 0 && known() == Some(true)
@@ -41,7 +41,7 @@ fn vanishes_on_no_cycle(symbol: &Symbol) -> Option<bool> {
     let sigma = vec![1; usize::try_from(d).ok()?];
     for length in 1..=u32::try_from(longest).ok()? {
         let order = u128::from(d).checked_pow(length)?.checked_sub(1)?;
-        // the d-th roots of elements of cycles that are none themselves: zeros of 1 + z^m + ... + z^(m (d-1))
+        // the d-th roots of cycle elements outside of their cycle are zeros of 1 + z^m + ... + z^(m (d-1))
         let power = power_of_z(order, &residual);
         let mut sum = vec![1];
         for _ in 1..d {
@@ -51,7 +51,7 @@ fn vanishes_on_no_cycle(symbol: &Symbol) -> Option<bool> {
             sum = remainder(sum, &residual);
         }
         let mut common = divisor(residual.clone(), sum);
-        // those of 1 itself are zeros of sigma, and belong to the sum rules
+        // the d-th roots of 1 are zeros of sigma, and belong to the sum rules
         loop {
             let of_one = divisor(common.clone(), sigma.clone());
             if of_one.len() <= 1 {
@@ -66,8 +66,8 @@ fn vanishes_on_no_cycle(symbol: &Symbol) -> Option<bool> {
     Some(true)
 }
 
-/// The polynomial modulo the prime, without zeros at its ends, the highest coefficient last; `None` where the prime
-/// divides a denominator or a coefficient at an end.
+/// Returns the polynomial modulo the prime, without zeros at its ends, the highest coefficient last; `None` if the
+/// prime divides a denominator or a coefficient at an end.
 fn polynomial(coefficients: &[Exact]) -> Option<Vec<u64>> {
     let from = coefficients.iter().position(|c| !c.is_zero()).unwrap_or(coefficients.len());
     let to = coefficients.iter().rposition(|c| !c.is_zero()).map_or(from, |to| to + 1);
@@ -87,7 +87,7 @@ fn times(a: u64, b: u64) -> u64 {
     u64::try_from(product).unwrap_or(0)
 }
 
-/// The difference; as the prime less a number is its negative, sums are made of it, too.
+/// Returns `a - b` modulo the prime. Sums use it too, with the prime minus a number as the negative number.
 fn less(a: u64, b: u64) -> u64 {
     let b = if b == PRIME { 0 } else { b };
     if a >= b { a - b } else { a + PRIME - b }
@@ -105,7 +105,7 @@ fn inverse(a: u64) -> u64 {
     result
 }
 
-/// The remainder of a division by a polynomial that is not 0.
+/// Returns the remainder of a division by a nonzero polynomial.
 fn remainder(mut a: Vec<u64>, b: &[u64]) -> Vec<u64> {
     let Some(last) = b.last() else { return a };
     let scale = inverse(*last);
@@ -122,7 +122,7 @@ fn remainder(mut a: Vec<u64>, b: &[u64]) -> Vec<u64> {
     a
 }
 
-/// The greatest common divisor, of which only the degree means something; that of 0 and a polynomial is the latter.
+/// Returns the greatest common divisor up to a constant factor; that of 0 and a polynomial is the polynomial.
 fn divisor(mut a: Vec<u64>, mut b: Vec<u64>) -> Vec<u64> {
     while !b.is_empty() {
         (a, b) = (b.clone(), remainder(a, &b));
@@ -130,7 +130,7 @@ fn divisor(mut a: Vec<u64>, mut b: Vec<u64>) -> Vec<u64> {
     a
 }
 
-/// The quotient by a divisor.
+/// Returns the quotient, without the remainder.
 fn quotient(mut a: Vec<u64>, b: &[u64]) -> Vec<u64> {
     let Some(last) = b.last() else { return a };
     let scale = inverse(*last);
@@ -155,7 +155,7 @@ fn product(a: &[u64], b: &[u64]) -> Vec<u64> {
     product
 }
 
-/// `z^n` modulo a polynomial.
+/// Returns `z^n` modulo a polynomial.
 fn power_of_z(n: u128, modulus: &[u64]) -> Vec<u64> {
     let mut result = remainder(vec![1], modulus);
     for bit in (0..128 - n.leading_zeros()).rev() {

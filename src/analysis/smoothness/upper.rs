@@ -1,9 +1,9 @@
 //! Upper bounds of the joint spectral radius, by branch and bound.
 //!
-//! For any norm, any t and any finite tree of products in which every matrix follows every inner one: if the norm of
-//! each leaf of l factors is at most `t^l`, the joint spectral radius is at most t, as every long product falls apart
-//! into leaves. The norm is the greatest row sum in some coordinates. Products are computed in f64 together with a
-//! bound of their rounding errors, which is added to the norms.
+//! Take any norm, any t and any finite tree of products in which every inner node has one child per matrix. If the norm
+//! of each leaf of l factors is at most `t^l`, the joint spectral radius is at most t, because every long product
+//! splits into leaves. The norm is the greatest row sum in some coordinates. Products are computed in f64 together with
+//! a bound of their rounding errors, which is added to the norms.
 //!
 //! Source: Gripenberg, Linear Algebra and its Applications 234 (1996), 43-60.
 
@@ -17,62 +17,61 @@ use crate::math::exact::{Exact, above, binary, rounded};
 use crate::math::functions::{pow, sqrt};
 use crate::watch::{Stopped, Watch};
 
-/// Longest products that are looked at.
-/// Trees that are finished have leaves of far fewer factors. With half of it some near-extremal products stay open,
-/// twice of it spends the budget on a single branch.
+/// Maximum number of factors of a product. Completed trees have leaves of far fewer factors. With half of it some
+/// near-extremal products stay undecided; twice of it spends the budget on a single branch.
 const MAX_LENGTH: usize = 2048;
-/// Relative error of one operation on f64, twice what it is at most.
+/// Twice the largest relative error of one operation in f64.
 const UNIT: f64 = f64::EPSILON;
-/// By what shares of the lower bound the upper one is tried to lie above it, one after another.
-/// Each step narrows the interval to a half or a third. Finer ones try more trees for less.
+/// Relative gaps above the lower bound at which upper bounds are attempted, one after another. Each step narrows the
+/// interval to a half or a third. Finer steps try more trees for less.
 const GAPS: [f64; 16] = [1.0, 0.5, 0.3, 0.2, 0.1, 0.05, 0.02, 0.01, 0.005, 0.002, 1e-3, 5e-4, 2e-4, 1e-4, 1e-5, 1e-6];
-/// Largest matrices that are put into other coordinates than stretched ones, exactly.
-/// The 2n-point schemes come to 28 for n = 16. Half of it leaves those from n = 8 on wider intervals; twice of it takes
-/// eight times as long and more, as the fractions grow.
+/// Maximum size of matrices for which ellipsoidal coordinates are computed, exactly; larger matrices are only scaled.
+/// The 2n-point schemes have matrices of size 2n - 2, which is 28 for n = 15. Half of it leaves those from n = 9 on
+/// wider intervals; twice of it takes eight times as long and more, because the fractions grow.
 const MAX_TURNED: usize = 28;
-/// Of what a coordinate is a multiple: one over this.
-/// Coordinates of half or twice as many steps are as good; finer ones make longer fractions.
+/// Denominator of the entries of coordinate transformations. Half or twice as many steps are as good; finer ones make
+/// longer fractions.
 const DIGITS: f64 = 4096.0;
-/// Products that choose the coordinates.
+/// Maximum number of products by which coordinates are compared.
 const TRIAL_WORDS: usize = 256;
 
 /// An upper bound of the joint spectral radius.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Upper {
-    /// The bound, where one application of all matrices gives it.
+    /// The bound as a fraction, if a single step of all matrices gives it.
     pub exact: Option<Exact>,
     /// The bound in f64, rounded up.
     pub value: f64,
-    /// The norm in which it was found.
+    /// The name of the norm in which the bound was found.
     pub norm: &'static str,
-    /// Products that were looked at.
+    /// The number of products examined.
     pub nodes: u64,
 }
 
 impl Upper {
-    /// The bound of a search in which so many products were looked at for something else.
+    /// Adds the products that were examined for another purpose.
     pub(super) fn after(self, nodes: u64) -> Self {
         Self { nodes: self.nodes + nodes, ..self }
     }
 
-    /// Whether the joint spectral radius is known to be below `x`.
+    /// Returns whether the joint spectral radius is proved to be below `x`.
     pub fn stays_below(&self, x: &Exact) -> bool {
         self.exact.as_ref().map_or_else(|| binary(self.value) < *x, |bound| bound < x)
     }
 }
 
-/// A square matrix of whole numbers, row by row.
+/// A square matrix of integers, row by row.
 type WholeMatrix = Vec<Vec<BigInt>>;
 
-/// Matrices in coordinates of their own.
+/// The matrices in one choice of coordinates.
 struct Family {
     norm: &'static str,
     n: usize,
     matrices: Vec<Vec<f64>>,
 }
 
-/// The least upper bound that some number of products gives; at the `thresholds`, where smoothness is decided, it is
-/// tried to come below them in the first place.
+/// Computes the least upper bound that `budget` products prove. At the `thresholds`, which decide about smoothness,
+/// bounds slightly below are attempted too.
 ///
 /// # Errors
 /// [`Stopped`].
@@ -96,7 +95,7 @@ pub(super) fn bound(
     let families = families(matrices, lower.value);
     let mut left = budget;
     for (place, family) in families.iter().enumerate() {
-        // the coordinates that look best may use half of what is there, the next half of the rest
+        // the most promising coordinates may use half of the budget, the others the rest
         let share = if place + 1 == families.len() { left } else { left / 2 };
         let climbed = family.climb(&ladder, share, watch)?;
         left -= climbed.nodes;
@@ -108,7 +107,8 @@ pub(super) fn bound(
     Ok(best)
 }
 
-/// The coordinates in which norms are taken, those first in which products of some length have the least norms.
+/// Returns the two most promising choices of coordinates for norms, those first in which products of some length have
+/// the smallest norms.
 fn families(matrices: &[ExactMatrix], lower: f64) -> Vec<Family> {
     let n = matrices[0].len();
     let transposed: Vec<ExactMatrix> = matrices.iter().map(transpose).collect();
@@ -132,8 +132,8 @@ fn transpose(matrix: &ExactMatrix) -> ExactMatrix {
     (0..matrix.len()).map(|k| matrix.iter().map(|row| row[k].clone()).collect()).collect()
 }
 
-/// The matrices in coordinates that are stretched by the eigenvector of the sum of their sizes, so that no row stands
-/// out: `D^-1 T D` row by row, with short numbers in D and one rounding an entry.
+/// Returns the matrices `D^-1 T D`, row by row, scaled by the eigenvector D of the sum of their absolute values, so
+/// that no row dominates; D has few digits, and each entry is rounded once.
 fn scaled(matrices: &[ExactMatrix]) -> Vec<Vec<f64>> {
     let n = matrices[0].len();
     let mut stretch = vec![1.0; n];
@@ -157,14 +157,14 @@ fn scaled(matrices: &[ExactMatrix]) -> Vec<Vec<f64>> {
     matrices.iter().map(|matrix| matrix.iter().enumerate().flat_map(row).collect()).collect()
 }
 
-/// The f64 next to a fraction, whose common divisors nobody looks for.
+/// Returns the f64 nearest to a fraction without cancelling common divisors.
 fn over(a: BigInt, b: BigInt) -> f64 {
     rounded(&Exact::new_raw(a, b))
 }
 
-/// The matrices, row by row, in coordinates in which an ellipsoid that they leave nearly invariant is a ball:
-/// `L^T T L^-T` with one rounding an entry, where `P = L L^T` is the limit of `P <- I + sum T^T P T / (d rho^2)` and L
-/// has short entries.
+/// Returns the matrices, row by row, in coordinates in which an ellipsoid that they leave nearly invariant is a ball:
+/// `L^T T L^-T` with one rounding per entry, where `P = L L^T` is the limit of `P <- I + sum T^T P T / (d rho^2)` and L
+/// has entries of few digits.
 fn in_ellipsoid(matrices: &[ExactMatrix], lower: f64, n: usize) -> Option<Vec<Vec<f64>>> {
     let flat: Vec<Vec<f64>> = matrices.iter().map(|matrix| matrix.iter().flatten().map(rounded).collect()).collect();
     let identity = |k: usize| if k.is_multiple_of(n + 1) { 1.0 } else { 0.0 };
@@ -193,7 +193,7 @@ fn in_ellipsoid(matrices: &[ExactMatrix], lower: f64, n: usize) -> Option<Vec<Ve
     Some(matrices.iter().map(|t| in_coordinates(t, &to, &back, &determinant)).collect())
 }
 
-/// `U T adj(U) / det(U)`, row by row, of whole numbers up to the one rounding of each entry.
+/// Returns `U T adj(U) / det(U)`, row by row, in integer arithmetic with one rounding per entry.
 fn in_coordinates(t: &ExactMatrix, to: &WholeMatrix, back: &WholeMatrix, determinant: &BigInt) -> Vec<f64> {
     let common = t.iter().flatten().fold(BigInt::one(), |common, x| common.lcm(x.denom()));
     let whole: WholeMatrix =
@@ -203,7 +203,7 @@ fn in_coordinates(t: &ExactMatrix, to: &WholeMatrix, back: &WholeMatrix, determi
     turned.into_iter().flatten().map(|x| over(x, under.clone())).collect()
 }
 
-/// A number in units of 1/4096; not 0 on the diagonal.
+/// Returns a number in units of 1/4096; diagonal entries are never 0.
 fn coarse(x: f64, diagonal: bool) -> BigInt {
     let rounded = (x * DIGITS).round();
     BigInt::from_f64(if diagonal && rounded == 0.0 { 1.0 } else { rounded }).unwrap_or_else(BigInt::zero)
@@ -227,7 +227,7 @@ fn cholesky(p: &[f64], n: usize) -> Option<Vec<f64>> {
     Some(l)
 }
 
-/// The adjugate of an upper triangular matrix, and its determinant: their quotient is the inverse.
+/// Returns the adjugate of an upper triangular matrix and its determinant; their quotient is the inverse.
 fn adjugate_of_upper(u: &WholeMatrix) -> (WholeMatrix, BigInt) {
     let n = u.len();
     let determinant: BigInt = (0..n).map(|i| &u[i][i]).product();
@@ -249,7 +249,7 @@ impl Family {
         Self { norm, n, matrices: matrices.iter().map(flat).collect() }
     }
 
-    /// The greatest l-th root of the norms of all products of l factors.
+    /// Returns the greatest l-th root of the norms of all products of l factors.
     fn trial(&self) -> f64 {
         let mut products = vec![self.matrices[0].clone()];
         products.extend(self.matrices[1..].iter().cloned());
@@ -275,21 +275,21 @@ fn norm(matrix: &[f64], n: usize) -> f64 {
     matrix.chunks_exact(n).map(|row| row.iter().copied().map(f64::abs).sum::<f64>()).fold(0.0, f64::max)
 }
 
-/// What is known of products of matrices over some t: those of l factors have norms of at most `most t^l`.
+/// A proved bound of products of matrices divided by `bound`: all their norms are at most `most`.
 #[derive(Debug, Clone, Copy)]
 struct Known {
     bound: f64,
     most: f64,
 }
 
-/// The least bound that was reached, and the products that were looked at.
+/// The least proved bound, and the number of products examined.
 struct Climbed {
     bound: f64,
     nodes: u64,
 }
 
 impl Family {
-    /// Goes down a ladder of bounds for as long as trees of products prove them.
+    /// Tries a ladder of decreasing bounds until a tree of products fails to prove one.
     fn climb(&self, ladder: &[f64], budget: u64, watch: &Watch) -> Result<Climbed, Stopped> {
         let one_step = self.matrices.iter().map(|matrix| norm(matrix, self.n)).fold(0.0, f64::max);
         let mut known = Known { bound: one_step * (1.0 + 64.0 * UNIT), most: 1.0 };
@@ -305,7 +305,7 @@ impl Family {
     }
 }
 
-/// The tree of products of matrices over some t, whose leaves are to have norms of at most 1.
+/// The tree of products of matrices divided by some t; its leaves must have norms of at most 1.
 struct Tree<'a> {
     n: usize,
     bound: f64,
@@ -315,11 +315,11 @@ struct Tree<'a> {
     watch: &'a Watch,
 }
 
-/// A product on the way down the tree.
+/// A product on the current path of the tree.
 struct Node {
     matrix: Vec<f64>,
     norm: f64,
-    /// What all roundings come to so far, each as large as the products after it may have made it.
+    /// A bound of all rounding errors so far, each multiplied by the growth of the products after it.
     error: f64,
 }
 
@@ -331,8 +331,8 @@ impl<'a> Tree<'a> {
         Self { n: family.n, bound, matrices, norms, left, watch }
     }
 
-    /// Whether all leaves are found within the budget: then the greatest norm of a product, whatever its length. A
-    /// rounding error grows on its way down the tree as products do, of which something is `known`.
+    /// Returns the greatest norm of all products, whatever their length, if all leaves are found within the budget.
+    /// Rounding errors grow along the path as products do, which the `known` bound limits.
     fn holds(&mut self, known: Known) -> Result<Option<f64>, Stopped> {
         let (n, price) = (self.n, price(self.n));
         let growth = known.bound / self.bound * (1.0 + 4.0 * UNIT);

@@ -1,4 +1,4 @@
-//! Values of the basic limit function, the limit of 1 at one point and 0 at all others.
+//! Values of the basic limit function, the limit of the data 1 at one point and 0 at all others.
 
 use num_traits::ToPrimitive;
 
@@ -8,27 +8,27 @@ use crate::math::exact::{Exact, rounded};
 use crate::math::number::Number;
 use crate::watch::{Stopped, Watch};
 
-/// Values at `(first + k) / d^grid`, k = 0, 1, ...
+/// Values of a function at `(first + k) / d^grid`, k = 0, 1, ...
 #[derive(Debug, Clone, PartialEq)]
 pub struct BasicFunction {
-    /// The steps g of the grid, whose points are `d^-g` apart.
+    /// The number g of refinement steps of the grid, whose points are `d^-g` apart.
     pub grid: u32,
-    /// Index of the first point of the grid.
+    /// The index of the first point of the grid.
     pub first: i64,
-    /// Values.
+    /// The values from `first` on.
     pub values: Vec<f64>,
 }
 
 impl BasicFunction {
-    /// How many values a grid has; `None` where they cannot be counted.
+    /// Returns the number of values on a grid; `None` if it overflows.
     pub fn count(symbol: &Symbol, grid: u32) -> Option<u64> {
         let [from, to] = symbol.support();
         let steps = u64::try_from(symbol.arity).ok()?.checked_pow(grid)?;
         steps.checked_mul((to - from).ceil().to_integer().to_u64()?)?.checked_add(1)
     }
 
-    /// The k-th derivative, which is the k-th difference at integer distances of the basic limit function with mask
-    /// `d (sigma/d)^(K-k) b`; `None` where that is not known to be continuous.
+    /// Returns the k-th derivative, which is the k-th difference at integer distances of the basic limit function with
+    /// mask `d (sigma/d)^(K-k) b`; `None` if the derivative is not known to be continuous.
     ///
     /// # Errors
     /// [`Stopped`].
@@ -52,8 +52,8 @@ impl BasicFunction {
         Ok(Some(function))
     }
 
-    /// The values, with the weights of limit points: the impulse is refined so many times, and its points are moved to
-    /// their limits.
+    /// Computes the values: the impulse is refined `grid` times, and its points are then moved to their limits by the
+    /// weights of limit points.
     ///
     /// # Errors
     /// [`Stopped`].

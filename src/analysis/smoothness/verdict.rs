@@ -14,44 +14,46 @@ use crate::math::functions::ln;
 use crate::math::number::Number;
 use crate::watch::{Stopped, Watch};
 
-/// By what share the radius of a rounded scheme has to lie above a threshold before something is disproved.
-/// It is a million times what rounding changes of short masks. Half and twice of it only matter to schemes that lie so
-/// close to the end of a range.
+/// Relative amount by which the radius of a rounded scheme must exceed a threshold to disprove smoothness. It is a
+/// million times the effect of rounding on short masks. Half or twice of it only matters to schemes that lie as close
+/// to the end of a range.
 const MARGIN: f64 = 1e-6;
 
 /// The conclusion on the smoothness of limits.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Smoothness {
-    /// Certificates by norms.
+    /// The certificates by norms.
     pub certificates: Vec<Certificate>,
-    /// The largest k for which limits are proved to be C^k, -1 where not even convergence is.
+    /// The largest k for which limits are proved to be C^k; -1 if not even convergence is proved.
     pub proved_c: i64,
-    /// The largest k for which that is proved by the scheme's own differences, which shrink: such proofs carry over to
-    /// schemes that come close to it.
+    /// The largest k for which C^k is proved by contracting differences of the scheme itself; such proofs carry over to
+    /// schemes that converge to it.
     pub contracts_c: i64,
-    /// The smallest k for which it is disproved that limits are C^k.
+    /// The smallest k for which C^k is disproved, if any.
     pub disproved_c: Option<i64>,
     /// Whether the integer shifts of the basic limit function are proved to be stable.
     pub is_stable: bool,
-    /// The scheme with stable shifts whose basic limit function it is a combination of, where its own are not.
+    /// If the shifts are not stable: the scheme with stable shifts of whose basic limit function this scheme's is a
+    /// combination.
     pub reduction: Option<Reduction>,
-    /// The joint spectral radius of the residual's matrices; `None` without sum rules.
+    /// Bounds of the joint spectral radius of the residual's matrices; `None` without sum rules.
     pub radius: Option<Radius>,
 }
 
-/// Bounds of the joint spectral radius and of the exponent that follows.
+/// Bounds of the joint spectral radius and of the Hoelder exponent.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Radius {
-    /// From below.
+    /// The lower bound of the radius.
     pub lower: Lower,
-    /// From above.
+    /// The upper bound of the radius.
     pub upper: Upper,
-    /// The Hoelder exponent lies between; the upper end needs stable shifts, or a reduction to such.
+    /// The lower and the upper bound of the Hoelder exponent; the upper bound needs stable shifts, or a reduction to a
+    /// scheme with stable shifts.
     pub holder: [f64; 2],
 }
 
 impl Smoothness {
-    /// What can be proved with so many products of matrices.
+    /// Returns what can be proved with at most `budget` matrix products.
     ///
     /// # Errors
     /// [`Stopped`].
@@ -65,7 +67,7 @@ impl Smoothness {
         let certificates = certificates(symbol);
         watch.check()?;
         let matrices = of_residual(&symbol.residual, symbol.arity);
-        // limits are C^k when the radius is below d^(K-1-k)
+        // limits are C^k if the radius is below d^(K-1-k)
         let threshold = |k: i64| threshold(symbol, most - 1 - k);
         let Search { first, best, nodes } = lower::search(&matrices, budget, watch)?;
         let first = first.unwrap_or_else(|| lower::of_mean(&matrices));
@@ -77,7 +79,7 @@ impl Smoothness {
         let proved_c = by_radius.max(by_norms).unwrap_or(-1);
         let disproved_c = disproved(symbol, &lower, most);
         let holder = [exponent(symbol, &over(&upper), -1.0), exponent(symbol, &binary(lower.value), 1.0)];
-        // where differences do not shrink a scheme diverges, whether its shifts are stable or not
+        // a scheme whose differences do not contract diverges, whether its shifts are stable or not
         let diverges = disproved_c == Some(0);
         let disproved_c = disproved_c.filter(|_| is_stable || diverges);
         let left = budget.saturating_sub(upper.nodes);
@@ -90,8 +92,8 @@ impl Smoothness {
         }
     }
 
-    /// What the scheme with stable shifts adds: the two basic limit functions are C^k for the same k. That a scheme
-    /// converges is its own affair, and has to be proved by its own matrices.
+    /// Adds the results for the scheme with stable shifts: the two basic limit functions are C^k for the same k.
+    /// Convergence does not carry over; the matrices of the scheme itself have to prove it.
     fn with(self, reduction: Reduction, budget: u64, watch: &Watch) -> Result<Self, Stopped> {
         let stable = Self::of(&reduction.symbol, budget, watch)?;
         let proved_c = if self.proved_c < 0 { -1 } else { self.proved_c.max(stable.proved_c) };
@@ -104,16 +106,16 @@ impl Smoothness {
     }
 }
 
-/// The smallest k for which limits are not C^k, given stable shifts: the radius is `d^(K-1-k)` at least, or there are
-/// no K + 1 sum rules. Where the mask is rounded, the radius has to be larger by far more than that can make it, and a
-/// missing sum rule says nothing.
+/// Returns the smallest k for which limits are not C^k, given stable shifts: the radius is at least `d^(K-1-k)`, or
+/// there are no K + 1 sum rules. If the mask is rounded, the radius must exceed the threshold by far more than rounding
+/// can explain, and a missing sum rule disproves nothing.
 fn disproved(symbol: &Symbol, lower: &Lower, most: i64) -> Option<i64> {
     let margin = if symbol.is_exact { Exact::one() } else { Exact::one() + binary(MARGIN) };
     let found = (0..most).find(|&k| lower.reaches(&(threshold(symbol, most - 1 - k) * &margin)));
     found.or_else(|| symbol.is_exact.then_some(most))
 }
 
-/// `d^n`.
+/// Returns `d^n`.
 fn threshold(symbol: &Symbol, n: i64) -> Exact {
     Exact::whole(symbol.arity).pow(i32::try_from(n).unwrap_or(0))
 }
@@ -122,7 +124,7 @@ fn over(upper: &Upper) -> Exact {
     upper.exact.clone().unwrap_or_else(|| binary(upper.value))
 }
 
-/// `(K - 1) - log_d(rho)`, rounded in a direction unless it is a whole number.
+/// Returns `(K - 1) - log_d(rho)`, exactly if it is a whole number, otherwise rounded in `direction`.
 fn exponent(symbol: &Symbol, radius: &Exact, direction: f64) -> f64 {
     let (d, most) = (Exact::whole(symbol.arity), f64::whole(i64::try_from(symbol.order).unwrap_or(1) - 1));
     let mut power = Exact::one();
@@ -137,6 +139,6 @@ fn exponent(symbol: &Symbol, radius: &Exact, direction: f64) -> f64 {
     }
     debug_assert!(radius.is_positive(), "bounds are above 0");
     let exponent = most - ln(rounded(radius)) / ln(rounded(&d));
-    // some roundings of logarithms and their quotient
+    // covers some roundings of logarithms and their quotient
     exponent + direction * 8.0 * f64::EPSILON * (1.0 + exponent.abs() + most)
 }

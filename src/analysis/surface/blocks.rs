@@ -1,9 +1,9 @@
 //! The block decomposition of the local subdivision matrix by rotations and by the reflection about a ray.
 //!
 //! Values `v(s, p) = exp(2 pi i k (s + t_p) / n) u_p`, with the angle `t_p` of the point p as a fraction of a sector,
-//! are mapped to such values with the same index k. The reflection puts `conj(u)` of the mirrored point in the place of
-//! `u_p`, so that `u_p = c_p` on the axis and `u_p = c + i d`, `u_q = c - i d` for two mirror images have a real
-//! matrix.
+//! are mapped to values of the same form with the same index k. The reflection replaces `u_p` by `conj(u)` of the
+//! mirrored point. With `u_p = c_p` on the axis and `u_p = c + i d`, `u_q = c - i d` for two mirror images, the matrix
+//! is therefore real.
 //!
 //! Source: Ball and Storry, ACM Transactions on Graphics 7 (1988), 83-102; Peters and Reif, Subdivision Surfaces
 //! (2008), section 5.
@@ -13,29 +13,29 @@ use super::sectors::{Kind, Point};
 use crate::math::dense::Dense;
 use crate::math::functions::{cos, real, sin};
 
-/// What an imaginary part may be, of weights of about 1, where there has to be none: rounding.
-/// It is ten thousand roundings; schemes without the symmetry have parts of about 1. Half and twice of it decide alike.
+/// Largest imaginary part that is regarded as rounding, for weights of about 1: ten thousand roundings. Schemes without
+/// the symmetry have imaginary parts of about 1. Half or twice of it decides alike.
 const ASYMMETRY: f64 = 1e-12;
 
 /// One component of the real vectors of a block.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum Component {
-    /// The middle.
+    /// The value of the centre.
     Centre,
     /// The value of a point on the axis.
     OnAxis(Point),
     /// The real part of the value of the first of two mirror images.
     Even(Point, Point),
-    /// The imaginary part.
+    /// The imaginary part of the value of the first of two mirror images.
     Odd(Point, Point),
 }
 
 /// The block of one Fourier index.
 #[derive(Debug, Clone)]
 pub(super) struct Block {
-    /// What its vectors are made of.
+    /// The components of the vectors of the block.
     pub(super) components: Vec<Component>,
-    /// The matrix.
+    /// The matrix of the block.
     pub(super) matrix: Dense,
 }
 
@@ -46,13 +46,13 @@ fn times([a, b]: Complex, [c, d]: Complex) -> Complex {
     [a * c - b * d, a * d + b * c]
 }
 
-/// `exp(2 pi i turn / n)`.
+/// Returns `exp(2 pi i turn / n)`.
 pub(super) fn phase(turn: f64, n: usize) -> Complex {
     let angle = std::f64::consts::TAU * turn / real(n);
     [cos(angle), sin(angle)]
 }
 
-/// The components of the vectors of a block over the points up to a radius.
+/// Returns the components of the vectors of the block of an index, for the points up to a radius.
 pub(super) fn components(kind: Kind, radius: i32, index: usize) -> Vec<Component> {
     let mut found = Vec::new();
     if kind.has_centre() && index == 0 {
@@ -69,14 +69,14 @@ pub(super) fn components(kind: Kind, radius: i32, index: usize) -> Vec<Component
     found
 }
 
-/// Complex weights over the points of sector 0, and the middle.
+/// Complex weights of the points of sector 0, and the weight of the centre.
 struct Functional {
     points: Vec<(Point, Complex)>,
     centre: f64,
 }
 
 impl Functional {
-    /// The weights `w(s, q)` of a point p as those of `u_q`.
+    /// Converts the weights `w(s, q)` of the row of a point p to weights of `u_q`.
     fn of(kind: Kind, n: usize, index: usize, point: Option<Point>, row: &[Entry]) -> Self {
         let from = point.map_or(0.0, |p| kind.turn(p));
         let mut functional = Self { points: Vec::new(), centre: 0.0 };
@@ -99,7 +99,7 @@ impl Functional {
         self.points.iter().find(|(p, _)| *p == point).map_or([0.0; 2], |(_, weight)| *weight)
     }
 
-    /// The sum of multiples of two.
+    /// Returns `a f + b g`.
     fn mixed(a: Complex, f: &Self, b: Complex, g: &Self) -> Self {
         let points = f.points.iter().chain(&g.points).map(|(p, _)| *p).collect::<std::collections::BTreeSet<_>>();
         let weight = |p: Point| {
@@ -110,7 +110,7 @@ impl Functional {
         Self { points, centre: a[0] * f.centre + b[0] * g.centre }
     }
 
-    /// The real weights of the components, and the largest imaginary part.
+    /// Returns the real weights of the components, and the largest absolute value of an imaginary part.
     fn read(&self, components: &[Component]) -> (Vec<f64>, f64) {
         let mut left = 0.0_f64;
         let mut real_part = |[re, im]: Complex| {
@@ -133,8 +133,8 @@ impl Functional {
     }
 }
 
-/// The weights with which a component of the child comes of the components of a block; `None` where rows lack the
-/// reflection.
+/// Returns the weights of the components `of` a block in one component of the child; `None` if the rows lack the
+/// reflection symmetry.
 pub(super) fn row(
     kind: Kind,
     n: usize,
@@ -148,7 +148,7 @@ pub(super) fn row(
         Component::Centre => Functional::of(kind, n, index, None, &local.centre),
         Component::OnAxis(p) => functional(p),
         Component::Even(p, q) => Functional::mixed([0.5, 0.0], &functional(p), [0.5, 0.0], &functional(q)),
-        // divided by 2 i
+        // the difference divided by 2 i
         Component::Odd(p, q) => Functional::mixed([0.0, -0.5], &functional(p), [0.0, 0.5], &functional(q)),
     };
     let (weights, left) = found.read(of);
@@ -156,8 +156,8 @@ pub(super) fn row(
 }
 
 impl Block {
-    /// The block of an index over the points up to a radius, none of which comes of points beyond it; `None` where
-    /// rows lack the reflection.
+    /// Returns the block of an index for the points up to a radius, which must not depend on points beyond it; `None`
+    /// if the rows lack the reflection symmetry.
     pub(super) fn of(kind: Kind, n: usize, index: usize, radius: i32, local: &Local) -> Option<Self> {
         let components = components(kind, radius, index);
         let mut matrix = Dense::zero(components.len());
@@ -168,7 +168,7 @@ impl Block {
         Some(Self { components, matrix })
     }
 
-    /// The value `u_p` of each point for a vector of the block.
+    /// Returns the value `u_p` of each point for a vector of the block.
     pub(super) fn values(components: &[Component], vector: &[f64]) -> Vec<(Point, Complex)> {
         let mut found: Vec<(Point, Complex)> = Vec::new();
         for (component, &x) in components.iter().zip(vector) {
@@ -176,7 +176,7 @@ impl Block {
                 Component::Centre => {}
                 Component::OnAxis(p) => found.push((p, [x, 0.0])),
                 Component::Even(p, q) => found.extend([(p, [x, 0.0]), (q, [x, 0.0])]),
-                // its even partner came just before
+                // the even component of the same pair comes immediately before
                 Component::Odd(p, q) => {
                     let parts = found.iter_mut().rev().take(2);
                     parts.for_each(|(at, u)| u[1] = if *at == p { x } else { -x });

@@ -1,8 +1,9 @@
-//! Boundary vertices with any number of faces: eigenvalues, masks and the characteristic map of a half plane.
+//! Boundary vertices with any number of faces: eigenvalues, masks and the characteristic map onto a half plane.
 //!
-//! A reflection exchanges the two outer rays, and parts the local matrix into the block of vectors that it keeps (even)
-//! and that of vectors that it turns round (odd). Limits have a tangent plane at the vertex when the eigenvalue 1 is
-//! followed by a real positive one in each block and their eigenvectors map the faces around it onto a half plane.
+//! A reflection exchanges the two outer rays. It decomposes the local matrix into the block of vectors that it keeps
+//! (even) and the block of vectors that it negates (odd). Limits have a tangent plane at the vertex if the eigenvalue 1
+//! is followed by a real positive eigenvalue in each block and the eigenvectors of both map the faces around the vertex
+//! onto a half plane.
 //!
 //! Source: Zorin, Constructive Approximation 16 (2000), 359-397; Biermann, Levin and Zorin, SIGGRAPH 2000, 113-120.
 
@@ -20,9 +21,8 @@ use crate::math::dense::Dense;
 use crate::math::spectrum::{Eigenvalue, eigenvalues};
 use crate::watch::Watch;
 
-/// A sine up to this is that of a corner that is flat but for rounding.
-/// Corners of schemes in use have sines of a hundredth at least, those that vanish 1e-13. Half and twice of it decide
-/// alike.
+/// Largest sine of a corner angle that is regarded as 0. Corners of schemes in use have sines of at least a hundredth,
+/// or of 1e-13 if they are flat. Half or twice of it decides alike.
 const FLAT: f64 = 1e-9;
 /// The statement about the two eigenvalues after 1.
 const NEXT: &str = "the next two eigenvalues are real and positive, one of vectors that are even under the reflection \
@@ -30,12 +30,12 @@ const NEXT: &str = "the next two eigenvalues are real and positive, one of vecto
 /// The statement about the characteristic map.
 const HALF_MAP: &str = "the characteristic map is regular and injective, and covers half a plane";
 
-/// An eigenvalue, and whether its eigenvector is odd under the reflection.
+/// An eigenvalue with the parity of its eigenvector.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Sided {
     /// The eigenvalue.
     pub value: Eigenvalue,
-    /// Whether its eigenvector is odd.
+    /// Whether the eigenvector is odd under the reflection.
     pub is_odd: bool,
 }
 
@@ -44,28 +44,28 @@ pub struct Sided {
 pub struct BoundaryReport {
     /// The number of faces at the vertex.
     pub faces: usize,
-    /// Whether all of it holds as well on a side with so many faces of a crease that stays sharp.
+    /// Whether the report also applies to one side, with as many faces, of a crease that stays sharp.
     pub is_side_of_crease: bool,
     /// The eigenvalues, the largest first.
     pub eigenvalues: Vec<Sided>,
-    /// The weights of the limit position: for points on rays of each ray, for others of each face.
+    /// The weights of the limit position: one per ray for points on rays, one per face for other points.
     pub limit_mask: Vec<Weight>,
-    /// The weights of the tangent along the boundary, and of one across it; `None` where there is no such plane.
+    /// The weights of the tangent along the boundary and of one across it; `None` if there is no tangent plane.
     pub tangent_masks: Option<[Vec<Weight>; 2]>,
     /// The net of the characteristic map: points and faces.
     pub net: Option<PlaneNet>,
-    /// The least sine of its corner angles.
+    /// The least sine of the corner angles of the net.
     pub least_sine: Option<f64>,
-    /// What decides about C^1.
+    /// The criteria for C^1.
     pub criteria: Vec<Criterion>,
 }
 
-/// One of the two blocks: for each of its components the place in the first half, and its mirror image.
+/// The block of even or of odd vectors; each component has a place in the first half of the fan and its mirror image.
 struct Block {
     components: Vec<(FanPlace, FanPlace)>,
     matrix: Dense,
     values: Vec<Eigenvalue>,
-    /// 1 for even vectors, -1 for odd ones.
+    /// 1 for even vectors, -1 for odd vectors.
     sign: f64,
 }
 
@@ -85,23 +85,23 @@ impl Block {
         Some(Self { components, matrix, values, sign })
     }
 
-    /// The largest eigenvalue after so many, where it is real and positive.
+    /// Returns the eigenvalue at index `after` if it is real and positive.
     fn leading(&self, after: usize) -> Option<f64> {
         self.values.get(after).filter(|value| value.im == 0.0 && value.re > 0.0).map(|value| value.re)
     }
 
-    /// The size of the eigenvalue after so many.
+    /// Returns the absolute value of the eigenvalue at index `after`; 0 if there is none.
     fn size(&self, after: usize) -> f64 {
         self.values.get(after).map_or(0.0, |value| value.modulus())
     }
 
-    /// A vector of the block as values of all its places.
+    /// Expands a vector of the block to the values of all places.
     fn spread(&self, vector: &[f64]) -> BTreeMap<FanPlace, f64> {
         let both = |((p, q), x): (&(FanPlace, FanPlace), &f64)| [(*p, *x), (*q, self.sign * x)];
         self.components.iter().zip(vector).rev().flat_map(both).collect()
     }
 
-    /// A row of the block as weights of all its places: a pair shares the weight of its component.
+    /// Expands a row of the block to the weights of all places: a pair shares the weight of its component.
     fn shared(&self, row: &[f64]) -> BTreeMap<FanPlace, f64> {
         let halved = |((p, q), x): (&(FanPlace, FanPlace), &f64)| if p == q { *x } else { x / 2.0 };
         let row: Vec<f64> = self.components.iter().zip(row).map(halved).collect();
@@ -109,12 +109,12 @@ impl Block {
     }
 }
 
-/// The product of weights with values.
+/// Returns the sum of the products of weights and values.
 fn dot(weights: &BTreeMap<FanPlace, f64>, values: &BTreeMap<FanPlace, f64>) -> f64 {
     weights.iter().map(|(place, w)| w * values.get(place).copied().unwrap_or(0.0)).sum()
 }
 
-/// An eigenvector of a block: its values, and the weights of the row that belongs to it, whose product with it is 1.
+/// An eigenvector of a block as values, and the left eigenvector as weights, scaled to the product 1.
 struct Direction {
     value: f64,
     values: BTreeMap<FanPlace, f64>,
@@ -124,7 +124,7 @@ struct Direction {
 impl Direction {
     fn of(block: &Block, value: f64) -> Self {
         let values = block.spread(&block.matrix.eigenvector(value));
-        // along the boundary the first point of ray 0 lies at 1; across it the farthest of the nearest points does
+        // scale: along the boundary the first point of ray 0 lies at 1, across it the farthest of the nearest points
         let near = |point: &Point| point.iter().all(|x| (0..=1).contains(x));
         let nearest = values.iter().filter(|(place, _)| place.is_some_and(|(_, point)| near(&point)));
         let largest = nearest.fold(0.0, |most: f64, (_, x)| if x.abs() > most.abs() + 1e-9 { *x } else { most });
@@ -137,7 +137,8 @@ impl Direction {
         Self { value, values, weights }
     }
 
-    /// The value of a child of a place, on the scale of the values themselves.
+    /// Returns the value of a place by the row of its child, on the scale of `values`; `None` for a place without a
+    /// row.
     fn at(&self, rows: &FanRows, place: FanPlace) -> Option<f64> {
         let row = rows.rows.get(&place)?;
         Some(dot(row, &self.values) / self.value)
@@ -145,7 +146,7 @@ impl Direction {
 }
 
 impl Applied {
-    /// What is known of boundary vertices with m faces.
+    /// Analyses boundary vertices with m faces.
     ///
     /// # Errors
     /// [`Unlimited`].
@@ -201,7 +202,8 @@ impl Applied {
     }
 }
 
-/// The least radius whose points come of no others, and of whose points all those that were read come, too.
+/// Returns the least radius for which the points up to it depend only on each other, and all read points depend only on
+/// them.
 fn closed(kind: Kind, rows: &FanRows, farthest: i32) -> Result<i32, Unlimited> {
     let reach = |from: i32| {
         let near = rows.rows.iter().filter(|(place, _)| radius(kind, **place) <= from);
@@ -217,7 +219,7 @@ fn closed(kind: Kind, rows: &FanRows, farthest: i32) -> Result<i32, Unlimited> {
     if reach(farthest) > closed { Err(Unlimited::Reach) } else { Ok(closed) }
 }
 
-/// Whether the reflection maps the rows to each other.
+/// Returns whether the reflection maps the rows to each other.
 fn is_mirrored(rows: &FanRows) -> bool {
     let m = rows.faces;
     rows.rows.iter().all(|(&place, row)| {
@@ -229,7 +231,8 @@ fn is_mirrored(rows: &FanRows) -> bool {
     })
 }
 
-/// The eigenvalues of both blocks, the largest first; of one size, as far as ten digits tell, even ones first.
+/// Returns the eigenvalues of both blocks, the largest first; of those with the same absolute value up to ten digits,
+/// even ones come first.
 fn sorted(even: &Block, odd: &Block) -> Vec<Sided> {
     let of = |block: &Block, is_odd: bool| -> Vec<Sided> {
         block.values.iter().map(|&value| Sided { value, is_odd }).collect()
@@ -242,7 +245,7 @@ fn sorted(even: &Block, odd: &Block) -> Vec<Sided> {
     all
 }
 
-/// Weights by points: those of all rays, or of all faces, together.
+/// Groups weights by point: one value per ray, or per face.
 fn mask(m: usize, weights: &BTreeMap<FanPlace, f64>) -> Vec<Weight> {
     let mut by_point: BTreeMap<Option<Point>, Vec<f64>> = BTreeMap::new();
     for (&place, &weight) in weights {
@@ -256,7 +259,8 @@ fn mask(m: usize, weights: &BTreeMap<FanPlace, f64>) -> Vec<Weight> {
     by_point.into_iter().map(|(point, values)| Weight { point, values }).collect()
 }
 
-/// The faces of a fan as places, with the first corners of squares and triangles nearest to ray 0.
+/// Returns the faces of a fan as places; the first corner of a square or a lower triangle is the one nearest to the
+/// centre.
 fn faces(kind: Kind, m: usize, farthest: i32) -> Vec<Vec<FanPlace>> {
     let at = |s: usize, point: Point| match point {
         [0, 0] => None,
@@ -275,7 +279,7 @@ fn faces(kind: Kind, m: usize, farthest: i32) -> Vec<Vec<FanPlace>> {
     all.filter(|face| face.iter().all(|&place| radius(kind, place) <= farthest)).collect()
 }
 
-/// The least sine of the corner angles of all faces that do not touch the middle.
+/// Returns the least sine of the corner angles of all faces that do not touch the centre.
 fn least_sine(kind: Kind, m: usize, points: &BTreeMap<FanPlace, [f64; 2]>) -> f64 {
     let farthest = points.keys().map(|&place| radius(kind, place)).max().unwrap_or(0);
     let away = faces(kind, m, farthest).into_iter().filter(|face| !face.contains(&None));
@@ -285,7 +289,7 @@ fn least_sine(kind: Kind, m: usize, points: &BTreeMap<FanPlace, [f64; 2]>) -> f6
         let apart = |a: [f64; 2], b: [f64; 2]| (a[0] - b[0]).abs().max((a[1] - b[1]).abs()) > FLAT;
         let angle = |i: usize| {
             let [a, b, c] = [corners[(i + n - 1) % n], corners[i], corners[(i + 1) % n]];
-            // points that fall together have no angle
+            // corners that coincide have no angle
             if apart(a, b) && apart(b, c) { sine([a, b, c]) } else { 0.0 }
         };
         (0..n).map(angle).fold(f64::INFINITY, f64::min)
@@ -293,7 +297,7 @@ fn least_sine(kind: Kind, m: usize, points: &BTreeMap<FanPlace, [f64; 2]>) -> f6
     least.fold(f64::INFINITY, f64::min)
 }
 
-/// Points and faces of the characteristic net.
+/// Returns the points and faces of the characteristic net.
 fn net(kind: Kind, m: usize, points: &BTreeMap<FanPlace, [f64; 2]>) -> PlaneNet {
     let farthest = points.keys().map(|&place| radius(kind, place)).max().unwrap_or(0);
     let order = places(kind, m, farthest);

@@ -1,11 +1,11 @@
-//! The characteristic map: the limit of the net whose points are an eigenvector of the subdominant eigenvalue, with
-//! Fourier index 1, and whether it is proved to be regular and injective.
+//! The characteristic map, which is the limit of the net whose points are an eigenvector of the subdominant eigenvalue
+//! with Fourier index 1, and the proof that it is regular and injective.
 //!
-//! On a ring of cells around the middle the limit is that of the regular scheme. Its derivatives are limits of the
-//! differences, each within a disc around their mean, so that the determinant is proved to be positive on a cell where
-//! discs of both derivatives have positive cross products; cells that do not are refined. A ring that is regular, whose
-//! scaled copies fit together, covers the plane without the middle as often as it goes around, which is once when half
-//! a sector, or one of triangles, stays within a half plane.
+//! On a ring of cells around the centre the limit is that of the regular scheme. Its derivatives are limits of the
+//! differences, each within a disc around their mean. The determinant is proved to be positive on a cell if all vectors
+//! in the discs of both derivatives have positive cross products; other cells are refined. A regular ring whose scaled
+//! copies fit together covers the plane without the centre as often as it goes around the centre. That is once if half
+//! a sector, or a sector of triangles, stays within a half plane.
 //!
 //! Source: Reif, CAGD 12 (1995), 153-174; Peters and Reif, SIAM Journal on Numerical Analysis 35 (1998), 728-748.
 
@@ -18,26 +18,24 @@ use super::sectors::{Kind, Point};
 use crate::math::functions::{cos, real, sin, sqrt};
 use crate::watch::{Stopped, Watch};
 
-/// Most cells of one valence that are looked at.
-/// Splines need some hundred, interpolating schemes some thousand. Half of it leaves schemes open whose derivatives
-/// have large bounds; twice of it takes twice as long to leave others open.
+/// Maximum number of cells examined for one valence. Splines need some hundred, interpolating schemes some thousand.
+/// Half of it leaves schemes open whose derivatives have large bounds; twice of it takes twice as long to leave others
+/// open.
 const MAX_CELLS: usize = 16_000;
-/// Most refinements of a ring.
-/// Discs shrink by half or so at each, to 1/1000 after ten. Half of it leaves schemes open, twice of it would find
-/// rounding only.
+/// Maximum number of levels at which a ring is examined. Discs shrink by about half at each level, to 1/1000 after ten.
+/// Half of it leaves schemes open; twice of it would examine rounding errors only.
 const MAX_LEVELS: u32 = 10;
-/// What determinants have to exceed, over the product of the lengths of both derivatives: more than the roundings and
-/// the error of the eigenvector can change.
-/// Determinants of schemes in use are a hundredth of that product at least. Half and twice of it only matter to those
-/// that nearly vanish.
+/// Least determinant that is regarded as positive, relative to the product of the lengths of both derivatives. It
+/// exceeds what roundings and the error of the eigenvector can change. Determinants of schemes in use are at least a
+/// hundredth of that product. Half or twice of it only matters to schemes whose determinants nearly vanish.
 pub(super) const SLACK: f64 = 1e-4;
 
-/// The net of an eigenvector around a middle with n sectors.
+/// The net of an eigenvector around a centre with n sectors.
 #[derive(Debug, Clone)]
 pub(super) struct CharacteristicNet {
-    /// The sectors.
+    /// The number of sectors.
     pub(super) n: usize,
-    /// The value of each point: it lies at `u exp(2 pi i (s + t) / n)`.
+    /// The value u of each point: the point lies at `u exp(2 pi i (s + t) / n)`.
     pub(super) values: BTreeMap<Point, [f64; 2]>,
 }
 
@@ -48,19 +46,19 @@ struct Disc {
     radius: f64,
 }
 
-/// What is found of a ring.
+/// The result of the examination of a ring.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Ring {
-    /// Its map is regular and injective.
+    /// The map is proved to be regular and injective.
     Proved,
-    /// Its determinant is negative somewhere, the map being counter-clockwise on the whole.
+    /// The determinant is negative somewhere, although the map is counter-clockwise on the whole.
     Folded,
     /// Neither is proved.
     Open,
 }
 
 impl CharacteristicNet {
-    /// The place of a point.
+    /// Returns the position of a point of a sector.
     pub(super) fn place(&self, kind: Kind, sector: i32, point: Point) -> Option<[f64; 2]> {
         let [re, im] = *self.values.get(&point)?;
         let n = i32::try_from(self.n).unwrap_or(i32::MAX);
@@ -69,7 +67,7 @@ impl CharacteristicNet {
         Some([re * c - im * s, re * s + im * c])
     }
 
-    /// The place of a lattice point near sector 0.
+    /// Returns the position of a lattice point near sector 0.
     fn at(&self, kind: Kind, point: Point) -> Option<[f64; 2]> {
         if kind.has_centre() && point == [0, 0] {
             return Some([0.0; 2]);
@@ -78,7 +76,8 @@ impl CharacteristicNet {
         self.place(kind, sector, point)
     }
 
-    /// The least sine of the corner angles of the faces of sector 0, up to a radius, of which none touches the middle.
+    /// Returns the least sine of the corner angles of the faces of half of sector 0 up to a radius that do not touch
+    /// the centre.
     pub(super) fn least_sine(&self, kind: Kind, radius: i32) -> f64 {
         let mut least = f64::INFINITY;
         for cell in cells(kind, i32::from(kind.has_centre()), radius) {
@@ -93,7 +92,7 @@ impl CharacteristicNet {
     }
 }
 
-/// The sine of the angle of a corner, of the point before it, it and the point after it.
+/// Returns the sine of the angle at corner b between the next point c and the previous point a.
 pub(super) fn sine([a, b, c]: [[f64; 2]; 3]) -> f64 {
     let (u, v) = (minus(c, b), minus(a, b));
     cross(u, v) / (length(u) * length(v))
@@ -115,7 +114,7 @@ fn length(a: [f64; 2]) -> f64 {
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 struct Cell {
     at: Point,
-    /// Whether it is the triangle away from the middle.
+    /// Whether the cell is the upper triangle, away from the centre.
     upper: bool,
 }
 
@@ -130,7 +129,7 @@ impl Cell {
         all.iter().map(move |[i, j]| [x + i, y + j])
     }
 
-    /// The cells that a refinement makes of it.
+    /// Returns the cells of the next level that cover this cell.
     fn refined(self, kind: Kind, d: i32) -> Vec<Self> {
         let [x, y] = self.at.map(|x| d * x);
         let squares = (0..d).flat_map(|i| (0..d).map(move |j| [i, j]));
@@ -142,7 +141,7 @@ impl Cell {
         both.filter(inside).map(|(i, j, upper)| Self { at: [x + i, y + j], upper }).collect()
     }
 
-    /// The ranges of x, y and x + y in it.
+    /// Returns the ranges of x, y and x + y in the cell.
     fn ranges(self, kind: Kind) -> [[i32; 2]; 3] {
         let [x, y] = self.at;
         let sum = match kind {
@@ -153,7 +152,7 @@ impl Cell {
     }
 }
 
-/// The cells of half a sector from one radius to another.
+/// Returns the cells of half a sector between two radii.
 fn cells(kind: Kind, from: i32, to: i32) -> Vec<Cell> {
     let squares = (0..to).flat_map(|x| (0..=x).map(move |y| [x, y]));
     if kind == Kind::Triangles {
@@ -165,7 +164,7 @@ fn cells(kind: Kind, from: i32, to: i32) -> Vec<Cell> {
     }
 }
 
-/// The points of a mask's scheme that have a say on a cell.
+/// Returns the points that influence the limit of a scheme on a cell.
 fn influences(mask: &Polynomial, d: i32, kind: Kind, cell: Cell) -> Vec<Point> {
     let (ends, ranges) = (RegularMask::ends(mask), cell.ranges(kind));
     let bounds: [[i32; 2]; 3] = std::array::from_fn(|k| {
@@ -179,7 +178,7 @@ fn influences(mask: &Polynomial, d: i32, kind: Kind, cell: Cell) -> Vec<Point> {
     all.filter(|[x, y]| (f..=g).contains(&(x + y))).collect()
 }
 
-/// The points that have a say on the square between (0, 0) and (1, 1).
+/// Returns the points that influence the square between (0, 0) and (1, 1).
 pub(super) fn around_square(mask: &Polynomial, d: i32) -> Vec<Point> {
     influences(mask, d, Kind::Quads, Cell { at: [0, 0], upper: false })
 }
@@ -188,27 +187,28 @@ fn ceil(a: i32, b: i32) -> i32 {
     -(-a).div_euclid(b)
 }
 
-/// How a regular scheme is followed on rings, whatever the valence.
+/// A regular scheme, prepared for the examination of rings of any valence.
 #[derive(Debug)]
 pub(super) struct RingProof {
     kind: Kind,
     d: i32,
-    /// The weights of new points, by their place in the period: what leads to the old points, and their weights.
+    /// The weights of new points by their residue modulo d: offsets to the old points, and their weights.
     rules: BTreeMap<Point, Vec<(Point, f64)>>,
-    /// The points, and the derivatives along x and y.
+    /// The positions, and the derivatives along x and y.
     followed: [Followed; 3],
-    /// The corners of the least box with all points that have a say on anything that is followed on a cell at (0, 0).
+    /// The least and the greatest corner of the smallest box with all points that influence the positions or
+    /// derivatives on a cell at (0, 0).
     span: [Point; 2],
     /// The radius at which the innermost ring begins.
     from: i32,
 }
 
-/// What is followed on a ring.
+/// A quantity that is bounded on the cells of a ring: the position, or a derivative.
 #[derive(Debug)]
 struct Followed {
-    /// The points that have a say on a cell at (0, 0), lower and upper.
+    /// The points that influence a cell at (0, 0), for squares and lower triangles, and for upper triangles.
     around: [Vec<Point>; 2],
-    /// A bound of the sum of sizes of the basic limit functions.
+    /// An upper bound of the sum of absolute values of the basic limit functions.
     bound: f64,
 }
 
@@ -218,14 +218,14 @@ impl Followed {
         Some(Self { around, bound: lebesgue_bound(mask, d)? })
     }
 
-    /// The points that have a say on a cell.
+    /// Returns the points that influence a cell.
     fn around(&self, Cell { at: [x, y], upper }: Cell) -> impl Iterator<Item = Point> {
         self.around[usize::from(upper)].iter().map(move |[i, j]| [x + i, y + j])
     }
 }
 
 impl RingProof {
-    /// For a regular scheme that converges to C^1 limits; `None` where bounds of the derivatives are not found.
+    /// Prepares a regular scheme that converges to C^1 limits; `None` if no bounds of the derivatives are found.
     pub(super) fn new(regular: &RegularMask) -> Option<Self> {
         let (kind, d, (from, _)) = (regular.kind, regular.arity, ring(regular));
         let of = |mask: &Polynomial| Followed::of(mask, d, kind);
@@ -246,7 +246,7 @@ impl RingProof {
         Some(Self { kind, d, rules, followed, span, from })
     }
 
-    /// What the net of an eigenvector is proved to be, on a ring that begins so many rings farther out.
+    /// Examines the net of an eigenvector on the ring that begins `farther` rings outside of the innermost one.
     pub(super) fn of(&self, net: &CharacteristicNet, farther: i32, watch: &Watch) -> Result<Ring, Stopped> {
         let (kind, d, from) = (self.kind, self.d, self.from + farther);
         let mut level: BTreeMap<Point, [f64; 2]> = BTreeMap::new();
@@ -283,7 +283,7 @@ impl RingProof {
         Ok(Ring::Open)
     }
 
-    /// The points of the next level that have a say on some cells.
+    /// Returns the points of the next level that influence some cells.
     fn refined(&self, level: &BTreeMap<Point, [f64; 2]>, cells: &[Cell]) -> BTreeMap<Point, [f64; 2]> {
         let d = self.d;
         let mut points: Vec<Point> = cells.iter().flat_map(|&cell| self.followed[0].around(cell)).collect();
@@ -337,12 +337,13 @@ impl RingProof {
 }
 
 impl Disc {
-    /// A disc that has all combinations of some points whose weights sum to 1 and the sum of whose sizes is bounded.
+    /// Returns a disc that contains all combinations of some points whose weights sum to 1 and have at most the sum
+    /// `bound` of absolute values.
     fn around(points: &[[f64; 2]], bound: f64) -> Self {
         let n = real(points.len());
         let sum = points.iter().fold([0.0; 2], |sum, p| [sum[0] + p[0], sum[1] + p[1]]);
         let middle = sum.map(|x| x / n);
-        // a number that is none stays one
+        // NaN must propagate, which f64::max would not do
         let radius = points
             .iter()
             .map(|&p| length(minus(p, middle)))
@@ -351,11 +352,11 @@ impl Disc {
     }
 }
 
-/// The radius at which a ring begins on which the rules of the regular net hold, and that of the farthest point that
-/// has a say there.
+/// Returns the radius at which the innermost ring begins on which the rules of the regular net apply, and the radius of
+/// the farthest point that influences it.
 pub(super) fn ring(regular: &RegularMask) -> (i32, i32) {
     let (ends, d) = (RegularMask::ends(&regular.mask), regular.arity);
-    // squares have corners of any sum
+    // for squares, the range of x + y is implied by those of x and y
     let ends = if regular.kind == Kind::Triangles { &ends[..] } else { &ends[..2] };
     let last = ends.iter().map(|end| ceil(end[1], d - 1)).max().unwrap_or(1);
     let first = ends.iter().map(|end| ceil(-end[0], d - 1)).max().unwrap_or(1);

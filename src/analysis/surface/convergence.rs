@@ -1,8 +1,8 @@
-//! Proofs that limits of regular nets are C^k, by norms of difference schemes, and bounds that follow from them.
+//! Proofs that limits of regular nets are C^k by norms of difference schemes, and bounds of basic limit functions.
 //!
-//! With a scheme c whose symbol has factors in two directions u, v that span the lattice, the differences along u are
-//! refined by `c / sigma_u`. Where some powers of both such schemes are contractions, c converges. The derivatives
-//! `d^k c / (sigma_u^i sigma_v^(k-i))` that converge for all i prove C^k.
+//! For a scheme c whose symbol has factors in two directions u, v that span the lattice, `c / sigma_u` refines the
+//! differences along u. If some powers of both difference schemes are contractions, c converges. Limits are C^k if the
+//! derivatives `d^k c / (sigma_u^i sigma_v^(k-i))` converge for all i.
 //!
 //! Source: Dyn and Levin, Acta Numerica 11 (2002), section 4.3; Cavaretta, Dahmen and Micchelli, Memoirs of the AMS 453
 //! (1991), chapter 8.
@@ -11,14 +11,12 @@ use super::iterated::Iterated;
 use super::regular::{Polynomial, RegularMask, divided};
 use super::sectors::Point;
 
-/// Most steps of a difference scheme whose norm is looked at.
-/// Butterfly needs two, Kobbelt's scheme three; with six bounds of basic limit functions are sharp enough to follow
-/// their characteristic maps. Half of it proves less near the ends of ranges; twice of it takes masks of a million
-/// entries.
+/// Maximum number of steps of a difference scheme whose norm is computed. Butterfly needs two, Kobbelt's scheme three;
+/// with six the bounds of basic limit functions are sharp enough for the proofs about their characteristic maps. Half
+/// of it proves less near the ends of ranges; twice of it takes masks of a million entries.
 const MAX_STEPS: usize = 6;
-/// Largest k that is looked for.
-/// Schemes that are no products and no splines are C^2 at best. Half of it would miss that, twice of it only takes
-/// time.
+/// Maximum k for which a proof is attempted. Schemes that are neither products nor splines are C^2 at best. Half of it
+/// would miss that; twice of it only takes time.
 const MAX_ORDER: usize = 3;
 
 /// A proof that limits are C^k: the norms of the difference schemes along two directions, one pair for each derivative.
@@ -26,9 +24,9 @@ const MAX_ORDER: usize = 3;
 pub struct LatticeCertificate {
     /// The order k.
     pub k: usize,
-    /// Most steps L of a difference scheme that were needed.
+    /// The largest number L of steps that a difference scheme needed.
     pub l: u32,
-    /// The largest of the norms after the steps that they needed, below 1.
+    /// The largest norm after these steps, below 1.
     pub norm: f64,
 }
 
@@ -38,7 +36,7 @@ struct Contraction {
     norms: Vec<f64>,
 }
 
-/// The certificates for k = 0, 1, ..., as far as there are any.
+/// Returns the certificates for k = 0, 1, ..., up to the first k without one.
 pub(super) fn certificates(regular: &RegularMask) -> Vec<LatticeCertificate> {
     (0..=MAX_ORDER).map_while(|k| certificate(regular, k)).collect()
 }
@@ -63,7 +61,7 @@ fn certificate(regular: &RegularMask, k: usize) -> Option<LatticeCertificate> {
     best
 }
 
-/// Pairs of directions that span the lattice.
+/// Returns the pairs of directions that span the lattice.
 fn spanning() -> impl Iterator<Item = [usize; 2]> {
     let spans = |[i, k]: &[usize; 2]| {
         let ([a, b], [c, d]) = (RegularMask::DIRECTIONS[*i], RegularMask::DIRECTIONS[*k]);
@@ -72,8 +70,8 @@ fn spanning() -> impl Iterator<Item = [usize; 2]> {
     (0..4).flat_map(|i| (i + 1..4).map(move |k| [i, k])).filter(spans)
 }
 
-/// The mask of a derivative, which refines the differences `p[c + u] - p[c]` times the density of points: for each of
-/// the directions, so often, `d z^((d-1) u) / sigma_u` times the mask.
+/// Returns the mask that refines a derivative, the differences `p[c + u] - p[c]` times the density of points: for each
+/// direction, `times` times, the mask is multiplied by `d z^((d-1) u) / sigma_u`.
 pub(super) fn derivative(regular: &RegularMask, along: &[(usize, u32)]) -> Option<Polynomial> {
     let d = regular.arity;
     let mut mask = regular.mask.clone();
@@ -87,7 +85,7 @@ pub(super) fn derivative(regular: &RegularMask, along: &[(usize, u32)]) -> Optio
     Some(mask)
 }
 
-/// The steps and the norm that prove a derivative to converge.
+/// Returns the number of steps and the norm that prove that a derivative converges.
 fn converges(regular: &RegularMask, along: &[(usize, u32)]) -> Option<(u32, f64)> {
     let mask = derivative(regular, along)?;
     let [first, second] = contractions(&mask, regular.arity)?.map(|(_, contraction)| contraction);
@@ -96,7 +94,7 @@ fn converges(regular: &RegularMask, along: &[(usize, u32)]) -> Option<(u32, f64)
     Some((u32::try_from(steps).unwrap_or(0), last(&first).max(last(&second))))
 }
 
-/// Two directions that span the lattice along which differences contract.
+/// Returns two directions that span the lattice and along which differences contract.
 fn contractions(mask: &Polynomial, d: i32) -> Option<[(Point, Contraction); 2]> {
     let found: Vec<Option<Contraction>> =
         RegularMask::DIRECTIONS.iter().map(|&w| contraction(&divided(mask, w, d)?, d)).collect();
@@ -105,7 +103,7 @@ fn contractions(mask: &Polynomial, d: i32) -> Option<[(Point, Contraction); 2]> 
     Some([a?, b?])
 }
 
-/// The norms of powers of a scheme until one is below 1.
+/// Returns the norms of the powers of a scheme until one is below 1; `None` if none is.
 fn contraction(mask: &Polynomial, d: i32) -> Option<Contraction> {
     let mut norms = vec![1.0];
     for norm in Iterated::new(mask, d).take(MAX_STEPS) {
@@ -117,12 +115,13 @@ fn contraction(mask: &Polynomial, d: i32) -> Option<Contraction> {
     None
 }
 
-/// A bound of the sum of sizes of all basic limit functions of a scheme at any place: 1 where no weight is below 0.
+/// Returns an upper bound of the sum of absolute values of all basic limit functions of a scheme at any place: 1 if no
+/// weight is negative.
 ///
-/// After each number of steps points are at most as large as the norm of these steps. From there on a point moves, from
-/// level to level, by at most the sum of sizes of weights times steps from its old point to the next
-/// one, times the differences along these steps; differences of data of size 1 are 2 at most, and shrink as the
-/// contractions say; the least bound of all numbers of steps counts.
+/// After each number of steps, points are at most as large as the norm of these steps. From then on a point moves at
+/// each level by at most the sum, over its weights, of the absolute weight times the lattice steps from its old point
+/// to the weighted point, times the differences along these steps. Differences of data of size 1 are 2 at most, and
+/// shrink with the contractions. The result is the least bound over all numbers of steps.
 pub(super) fn lebesgue_bound(mask: &Polynomial, d: i32) -> Option<f64> {
     if mask.values().all(|&a| a >= -1e-15) {
         return Some(1.0 + 1e-12);
@@ -137,14 +136,14 @@ pub(super) fn lebesgue_bound(mask: &Polynomial, d: i32) -> Option<f64> {
     let beyond = |costs: [f64; 2]| 2.0 * farthest(mask, d, directions, costs);
     let (first, second) = (divided(mask, directions[0], d)?, divided(mask, directions[1], d)?);
     let differences = Iterated::new(&first, d).zip(Iterated::new(&second, d));
-    // how far points move after some steps, beside how large they are then
+    // the size of points after some steps, and the bound of their further movement
     let after = Iterated::new(mask, d).zip(differences).take(MAX_STEPS);
     let bounds = after.map(|(norm, (a, b))| norm + beyond([tails[0] * a, tails[1] * b]));
     Some(bounds.fold(1.0 + beyond(tails), f64::min))
 }
 
-/// The greatest sum of sizes of weights of a new point, each times the steps along two directions from its old point to
-/// the nearest one, a step along each of them counting as much as `costs` says.
+/// Returns the greatest cost of a new point: the least sum, over all choices of its old point, of absolute weights
+/// times the lattice steps to the weighted points along two directions, one step along each direction costing `costs`.
 fn farthest(mask: &Polynomial, d: i32, [u, v]: [Point; 2], costs: [f64; 2]) -> f64 {
     let determinant = u[0] * v[1] - u[1] * v[0];
     let steps = |[x, y]: Point| {

@@ -1,42 +1,40 @@
-//! Eigenvalues that are proved to be where they are said to be: with the roundings of the weights and of all that was
-//! computed with them.
+//! Eigenvalues with proved error bounds, which include the roundings of the weights and of all computations with them.
 //!
-//! For approximate eigenvectors `l` (left) and `r` (right) of a value v, with `l r = 1`, let `B = A - v r l`. Where all
-//! eigenvalues of B are below theta, those of A beyond theta are the zeros of `1 - v l (z - B)^-1 r`, and
-//! `(z - B)^-1 r = r / z + (z - B)^-1 B r / z`. With `|(z - B)^-1| <= g` and `|B r| <= e` there is exactly one, simple
-//! and real, within `v |l| g e` of v (Rouche), and its eigenvector is r within `g e`.
+//! For approximate eigenvectors `l` (left) and `r` (right) of a value v, with `l r = 1`, let `B = A - v r l`. If all
+//! eigenvalues of B are below theta, the eigenvalues of A beyond theta are the zeros of `1 - v l (z - B)^-1 r`, and `(z
+//! - B)^-1 r = r / z + (z - B)^-1 B r / z`. With `|(z - B)^-1| <= g` and `|B r| <= e` there is exactly one such
+//! eigenvalue, simple and real, within `v |l| g e` of v (Rouche), and its eigenvector differs from r by at most `g e`.
 
 use crate::math::dense::Dense;
 
-/// By what part of their size weights may differ from those of the scheme as it is written: their roundings.
-/// A weight is made in some ten operations with errors of 1e-16 each, and multiplied through some ten actions. Half of
-/// it leaves no room for longer words; twice of it changes bounds by as much.
+/// Bound of the relative error of weights against the exact weights of the scheme. A weight is made in some ten
+/// operations with errors of 1e-16 each, and multiplied through some ten actions. Half of it leaves no room for longer
+/// words; twice of it changes bounds by as much.
 const WEIGHTS: f64 = 2e-14;
 
-/// A simple real eigenvalue that is larger than all others, within a radius, and its eigenvector.
+/// A simple real eigenvalue that is larger than all others, with error bounds of the eigenvalue and its eigenvector.
 #[derive(Debug, Clone)]
 pub(super) struct Enclosure {
-    /// The value.
+    /// The approximate eigenvalue.
     pub(super) value: f64,
-    /// How far the eigenvalue may be from it.
+    /// Bound of the error of `value`.
     pub(super) radius: f64,
-    /// How far a component of the eigenvector may be from that of [`Dense::eigenvector`], of size 1, near the value it
-    /// was asked for.
+    /// Bound of the error of a component of the eigenvector that [`Dense::eigenvector`] returns with size 1.
     pub(super) error: f64,
 }
 
-/// What is not known of a matrix, in the norm of row sums.
+/// Returns a bound of the error of a matrix, in the norm of row sums.
 fn unknown(matrix: &Dense) -> f64 {
-    // a row of a block adds up at most four rows of weights
+    // a row of a block is a sum of at most four rows of weights
     4.0 * WEIGHTS * (1.0 + matrix.norm())
 }
 
-/// Whether all eigenvalues are proved to be below a radius.
+/// Returns whether the absolute values of all eigenvalues are proved to be below a radius.
 pub(super) fn is_below(matrix: &Dense, radius: f64) -> bool {
     matrix.n == 0 || matrix.resolvent_beyond(radius, unknown(matrix)).is_some()
 }
 
-/// The matrix without the eigenvalue 1 of a column of ones: `A - 1 l` for a row l with the sum 1.
+/// Returns `A - 1 l`, which lacks the eigenvalue 1 of the constant vector, for a row l with the sum 1.
 pub(super) fn without_one(matrix: &Dense, ones: &[f64], left: &[f64]) -> Dense {
     let mut rest = matrix.clone();
     for (i, one) in ones.iter().enumerate() {
@@ -46,7 +44,7 @@ pub(super) fn without_one(matrix: &Dense, ones: &[f64], left: &[f64]) -> Dense {
 }
 
 impl Enclosure {
-    /// The eigenvalue near a value, as the only one that is not below `theta`.
+    /// Encloses the eigenvalue near a value if it is proved to be the only one not below `theta`.
     pub(super) fn of(matrix: &Dense, near: f64, theta: f64) -> Option<Self> {
         let right = matrix.eigenvector(near);
         let left = matrix.transposed().eigenvector(near);
@@ -64,7 +62,7 @@ impl Enclosure {
         let left_over = rest.times_column(&right).iter().fold(0.0, |most: f64, x| most.max(x.abs()));
         let error = bound * (left_over + 2.0 * unknown);
         let radius = value.abs() * size * error + 1e-14;
-        // false for what is not a number, too
+        // also false if a value is not a number
         (value.abs() - radius > theta).then_some(Self { value, radius, error })
     }
 }

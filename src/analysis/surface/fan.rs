@@ -1,8 +1,8 @@
-//! Boundary vertices of nets that are regular elsewhere, and vertices on creases: how the points around a child come of
-//! the points around the vertex, read off the operators' own weights.
+//! Boundary vertices of nets that are regular elsewhere, and vertices on creases: the rows of the points around a
+//! child, read off the weights of the operators.
 //!
 //! A fan of m faces has the sectors 0 to m - 1 with their points (i, j), i >= 1 and j >= 0, and the points (i, 0) on
-//! the last ray, which count as those of a sector m.
+//! the last ray, which belong to a sector m.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
@@ -21,15 +21,15 @@ use crate::shape::creases::INFINITE_SHARPNESS;
 use crate::shape::topology::{NONE, Topology, index};
 use crate::watch::Watch;
 
-/// A place in a fan; `None` for the middle.
+/// A place in a fan; `None` for the centre.
 pub(super) type FanPlace = Option<Place>;
 
 /// What lies beyond the outer rays of a fan.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Beyond {
-    /// Nothing: they are the boundary.
+    /// Nothing: the outer rays are the boundary.
     Nothing,
-    /// Other faces: they are a crease that stays sharp for ever.
+    /// Other faces: the outer rays are a crease that stays sharp for ever.
     Faces,
 }
 
@@ -38,7 +38,7 @@ pub(super) enum Beyond {
 pub(super) struct FanRows {
     /// The number of faces m.
     pub(super) faces: usize,
-    /// For each place its weights.
+    /// The weights of the old places in each new place.
     pub(super) rows: BTreeMap<FanPlace, BTreeMap<FanPlace, f64>>,
 }
 
@@ -48,24 +48,24 @@ struct Fan {
     places: Vec<FanPlace>,
 }
 
-/// All places up to a radius, the middle first.
+/// Returns all places up to a radius, the centre first.
 pub(super) fn places(kind: Kind, m: usize, radius: i32) -> Vec<FanPlace> {
     let inside = (0..m).flat_map(|s| kind.points(radius).into_iter().map(move |p| Some((s, p))));
     std::iter::once(None).chain(inside).chain((1..=radius).map(|i| Some((m, [i, 0])))).collect()
 }
 
-/// The radius of a place.
+/// Returns the radius of a place.
 pub(super) fn radius(kind: Kind, place: FanPlace) -> i32 {
     place.map_or(0, |(_, point)| kind.radius(point))
 }
 
-/// The place where a reflection puts one.
+/// Returns the mirror image of a place under the reflection that exchanges the outer rays.
 pub(super) fn mirrored(m: usize, place: FanPlace) -> FanPlace {
     place.map(|(s, [i, j])| if j == 0 { (m - s, [i, 0]) } else { (m - 1 - s, [j, i]) })
 }
 
 impl Fan {
-    /// A net with m faces around a boundary vertex, of points up to a radius.
+    /// Creates a net with m faces around a boundary vertex, of points up to a radius.
     fn open(applied: &Applied, m: usize, radius: i32) -> Self {
         let kind = applied.kind;
         let places = places(kind, m, radius);
@@ -97,7 +97,7 @@ impl Fan {
         Self { net: net.with_sharpness(None, applied.plan.rules), places }
     }
 
-    /// A net with a crease through its middle, with m faces on one side of it and half a regular net on the other.
+    /// Creates a net with a crease through its centre, m faces on one side of it and half a regular net on the other.
     fn creased(applied: &Applied, m: usize, radius: i32) -> Self {
         let kind = applied.kind;
         let Star { net, places, .. } = Star::new(kind, m + kind.regular() / 2, radius);
@@ -111,12 +111,12 @@ impl Fan {
 }
 
 impl Applied {
-    /// Whether all operators follow edges that are infinitely sharp.
+    /// Returns whether all operators respect infinitely sharp edges.
     fn follows_creases(&self) -> bool {
         self.steps.iter().all(|step| step.letter.facts().follows >= Follows::Creases)
     }
 
-    /// Whether the rules of a fan of faces are also those on one side of a crease.
+    /// Returns whether the rules of a fan of faces also apply to one side of a crease.
     pub(super) fn is_side_of_crease(&self, of: &FanRows, radius: i32, watch: &Watch) -> Result<bool, Unlimited> {
         if !self.follows_creases() {
             return Ok(false);
@@ -130,7 +130,7 @@ impl Applied {
         Ok(creased.rows.len() == of.rows.len() && creased.rows.values().zip(of.rows.values()).all(close))
     }
 
-    /// The rows around a vertex with m faces on its side of the outer rays, up to a radius, in a net that is wide
+    /// Returns the rows around a vertex with m faces between the outer rays, up to a radius, from a net that is large
     /// enough for them.
     pub(super) fn fan(&self, m: usize, radius: i32, beyond: Beyond, watch: &Watch) -> Result<FanRows, Unlimited> {
         let found = MARGINS.iter().find_map(|&margin| match self.fan_within(m, radius, beyond, margin, watch) {
@@ -192,7 +192,7 @@ impl Applied {
         }
         let rows = reader.rows(&wanted.values().copied().collect::<Vec<_>>())?;
         let farthest = rows.iter().flat_map(BTreeMap::keys).map(|&place| self::radius(kind, place)).max();
-        // what the rim has a say in is no rule of the inside
+        // rows that the rim of the net influences are not rules of its interior
         if farthest.unwrap_or(0) + 1 >= side {
             return Err(Unlimited::Reach);
         }
@@ -222,8 +222,8 @@ impl Reader<'_> {
     }
 }
 
-/// The vertices at the points of the sector that begins at a half-edge, both of its rays included, as far as the net
-/// goes there: cell by cell, so that nothing beyond the rays is needed.
+/// Returns the vertices at the points of the sector that begins at a half-edge, including both rays, as far as the net
+/// reaches. It walks from cell to cell and needs nothing beyond the rays.
 fn grid(topology: &Topology, kind: Kind, start: u32, radius: i32) -> BTreeMap<Point, u32> {
     let known = |half_edge: u32| (half_edge != NONE).then_some(half_edge);
     let across = |half_edge: u32| known(topology.twin(topology.next(half_edge)));

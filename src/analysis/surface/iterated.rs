@@ -4,20 +4,19 @@ use super::regular::Polynomial;
 use super::sectors::Point;
 use crate::math::functions::real;
 
-/// Most entries of an iterated mask: what six steps of a mask with 7 x 7 entries have.
-/// Bounds of basic limit functions get sharper with each step. Half of it leaves characteristic maps of interpolating
-/// schemes open; twice of it takes twice as long for wide masks.
+/// Maximum number of entries of an iterated mask: those of six steps of a mask with 7 x 7 entries. Bounds of basic
+/// limit functions get sharper with each step. Half of it leaves characteristic maps of interpolating schemes open;
+/// twice of it takes twice as long for wide masks.
 const MAX_ENTRIES: usize = 1 << 18;
-/// Most entries of a mask times those of an iterated one.
-/// It is what [`MAX_ENTRIES`] takes of usual masks. Half of it has one step less of wide ones; twice of it takes twice
-/// as long.
+/// Maximum number of products of entries of a mask and an iterated mask in one step, which [`MAX_ENTRIES`] entries of
+/// usual masks take. Half of it has one step less for wide masks; twice of it takes twice as long.
 const MAX_PRODUCTS: usize = 1 << 22;
 
-/// The norms of one step, two steps, ... of a scheme, as long as their masks are small enough.
+/// Iterates over the norms of one step, two steps, ... of a scheme, as long as the masks are small enough.
 pub(super) struct Iterated<'a> {
     mask: &'a Polynomial,
     d: i32,
-    /// The mask of the steps so far, and what it multiplies indices by.
+    /// The mask of the steps so far; each of its steps multiplies indices by d, all of them by `step`.
     power: Grid,
     step: i32,
 }
@@ -30,13 +29,13 @@ struct Grid {
 }
 
 impl<'a> Iterated<'a> {
-    /// For the mask of a scheme of arity d.
+    /// Starts with the mask of a scheme of arity d.
     pub(super) fn new(mask: &'a Polynomial, d: i32) -> Self {
         let power = Grid { first: [0, 0], size: [1, 1], values: vec![1.0] };
         Self { mask, d, power, step: 1 }
     }
 
-    /// The mask of one step more; `None` where it is too large.
+    /// Returns the mask of one more step; `None` if it is too large.
     fn next_power(&self) -> Option<Grid> {
         let end = |axis: usize, last: bool| {
             let all = self.mask.keys().map(|k| k[axis]);
@@ -79,7 +78,7 @@ impl Iterator for Iterated<'_> {
 }
 
 impl Grid {
-    /// The greatest sum of sizes of entries that are multiples of `step` apart.
+    /// Returns the greatest sum of absolute values of entries whose indices are congruent modulo `step`.
     fn norm(&self, step: i32) -> f64 {
         let n = usize::try_from(step).unwrap_or(1);
         let [x, y] = self.first.map(|x| usize::try_from(x.rem_euclid(step)).unwrap_or(0));

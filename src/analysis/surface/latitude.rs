@@ -9,10 +9,10 @@ use crate::analysis::smoothness::Symbol;
 use crate::scheme::plan::Plan;
 use crate::watch::Watch;
 
-/// The curve schemes along latitude lines, and across them, at alpha = 0, of a plan that looks at latitude tags.
+/// Returns the curve schemes along and across latitude lines, at alpha = 0, of a plan that uses latitude tags.
 ///
 /// # Errors
-/// [`Unlimited`], where a regular net cannot be refined.
+/// [`Unlimited`] if a regular net cannot be refined.
 pub fn latitude_curves(plan: &Plan, watch: &Watch) -> Result<[Symbol; 2], Unlimited> {
     let applied = Applied::new(plan, Kind::Quads, watch)?;
     let regular = RegularMask::of(&applied, watch)?;

@@ -1,5 +1,5 @@
-//! Where the points around a child lie by the steps that make them alone, so that arity and turn follow from the
-//! connectivity and not from what averages weigh.
+//! Tracks where the points around a child lie, using only the steps that make new points, so that arity and turn follow
+//! from the connectivity and not from the weights of averages.
 
 use super::sectors::Kind;
 use super::star::Place;
@@ -11,23 +11,23 @@ use crate::scheme::plan::{Plan, Scheduled};
 use crate::scheme::stepper::Stepper;
 use crate::shape::topology::index;
 
-/// By how much of a sector a child's sectors may be turned against their parents' and still count as in line.
-/// Schemes keep directions, or turn by half a sector, up to rounding. Half and twice of it decide alike.
+/// Largest turn of a child's sectors against its parent's that is regarded as aligned, in sectors. Schemes keep
+/// directions, or turn by half a sector, up to rounding. Half or twice of it decides alike.
 const IN_LINE: f64 = 0.1;
 
-/// The steps of a cycle that make other points than there were, at the kernel 1: they interpolate, or take means, in
-/// the same way whatever the parameters of a plan are.
+/// The steps of a cycle that make new points, recorded with the kernel 1: they interpolate, or take means, in the same
+/// way whatever the parameters of a plan are.
 pub(super) struct Layout {
     record: Record,
 }
 
 impl Layout {
-    /// Nothing yet.
+    /// Creates an empty layout.
     pub(super) fn new() -> Self {
         Self { record: Record::new(Weights::Exact) }
     }
 
-    /// Writes down a step on a net, where it makes other points.
+    /// Records a step on a net if it makes new points.
     pub(super) fn add(&mut self, plan: &Plan, net: &MeshNet, step: &Scheduled) -> Result<(), Unlimited> {
         if step.letter.facts().children == Children::Same {
             return Ok(());
@@ -36,8 +36,9 @@ impl Layout {
         self.record.add(Stepper::new(plan).next(net, &plain)?.action)
     }
 
-    /// By how many of n sectors the first point of the child's ring lies after the ray, or the corner, of sector 0, and
-    /// how far away from the middle, in the distance of such points before; `None` where it lies between two.
+    /// Returns by how many of n sectors the first point of the child's ring lies after the ray, or the corner, of
+    /// sector 0, and the ratio of its distance from the centre to that of the parent's first point; `None` if it lies
+    /// between two rays or corners.
     pub(super) fn turned(
         &self,
         kind: Kind,

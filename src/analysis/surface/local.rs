@@ -1,5 +1,5 @@
-//! How the points around a child of the middle come of the points around the middle: the rows of one sector, read off
-//! the operators' own weights.
+//! The rows of one sector around a child of the centre over the points around the centre, read off the weights of the
+//! operators.
 
 use std::collections::BTreeMap;
 
@@ -12,60 +12,60 @@ use crate::scheme::stepper::Stepper;
 use crate::shape::topology::{Topology, index};
 use crate::watch::Watch;
 
-/// Most points that one application makes of a star.
-/// Valence 50 with the widest words of the presets comes to a third of it. Half of it refuses long words at valence 50;
-/// twice of it takes twice the memory, some 100 bytes a point.
+/// Maximum number of points after one application of the cycle to a star. Valence 50 with the widest words of the
+/// presets takes a third of it. Half of it refuses long words at valence 50; twice of it takes twice the memory, some
+/// 100 bytes per point.
 pub(super) const MAX_POINTS: usize = 1 << 18;
 
-/// Rings around the points that are wanted, which are tried for those that they come of.
-/// Averages add half a ring each, so that 12 is enough for twenty. Half of it refuses the longest presets; twice of it
-/// takes four times as long to refuse.
+/// Numbers of additional rings that are tried until all points are included on which the wanted points depend. An
+/// average adds half a ring, so that 12 is enough for twenty. Half of it refuses the longest presets; twice of it takes
+/// four times as long to refuse.
 pub(super) const MARGINS: [i32; 4] = [2, 4, 7, 12];
 
-/// A weight of a point around the middle.
+/// A weight of a point around the centre.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Entry {
-    /// Its sector.
+    /// The sector of the point.
     pub(super) sector: usize,
-    /// The point of the sector; `None` for the middle.
+    /// The point in sector coordinates; `None` for the centre.
     pub(super) point: Option<Point>,
     /// The weight.
     pub(super) weight: f64,
 }
 
-/// The rows of the points of sector 0, and of the middle, after some applications of a cycle.
+/// The rows of the points of sector 0, and of the centre, after some applications of a cycle.
 #[derive(Debug, Clone)]
 pub(super) struct Local {
-    /// For each point of sector 0 its weights.
+    /// The weights of each point of sector 0.
     pub(super) rows: BTreeMap<Point, Vec<Entry>>,
-    /// The weights of the middle, where it is a point.
+    /// The weights of the centre; empty if the centre is a face.
     pub(super) centre: Vec<Entry>,
-    /// By how much the first point of a sector comes closer to the middle.
+    /// The ratio of the distances of the first point of a sector from the centre after and before the applications.
     pub(super) shrinks: f64,
 }
 
-/// The cycle of a plan at alpha = 0, applied so often that directions are kept.
+/// The cycle of a plan at alpha = 0, applied until directions are kept.
 #[derive(Debug)]
 pub(super) struct Applied {
     /// The plan at alpha = 0.
     pub(super) plan: Plan,
-    /// What lies around the middle of its nets.
+    /// The kind of net around the centre.
     pub(super) kind: Kind,
-    /// The operators.
+    /// The operators of all applications.
     pub(super) steps: Vec<Scheduled>,
-    /// Pieces of an edge.
+    /// The number of pieces of an edge after all applications.
     pub(super) arity: i32,
-    /// Applications of the cycle.
+    /// The number of applications of the cycle.
     pub(super) applications: u32,
-    /// Whether lines along the ray 0, and all beside, are latitude lines; only of regular nets of quads.
+    /// Whether ray 0 and all lines parallel to it are latitude lines; only for regular nets of quads.
     pub(super) tagged: bool,
 }
 
 impl Applied {
-    /// The cycle of a plan at alpha = 0, on nets of some kind.
+    /// Prepares the cycle of a plan at alpha = 0 on nets of some kind.
     ///
     /// # Errors
-    /// [`Unlimited`], where it cannot be applied to these.
+    /// [`Unlimited`] if the cycle cannot be applied to nets of this kind.
     pub(super) fn new(plan: &Plan, kind: Kind, watch: &Watch) -> Result<Self, Unlimited> {
         let plan = Plan { alpha: 0.0, compensation_alpha: None, ..plan.clone() };
         let tagged = plan.latitude.is_some();
@@ -82,8 +82,8 @@ impl Applied {
         Err(Unlimited::Unsettled)
     }
 
-    /// The rows around a middle of n sectors, up to a radius, in a net that is wide enough for them; `None` where a
-    /// vertex becomes a face or a face a vertex, or sectors are turned against those of the parents.
+    /// Returns the rows around a centre of n sectors, up to a radius, from a net that is large enough for them; `None`
+    /// if a vertex becomes a face or a face a vertex, or if sectors are turned against those of the parent.
     pub(super) fn wide_enough(&self, n: usize, radius: i32, watch: &Watch) -> Result<Option<Local>, Unlimited> {
         let found = MARGINS.iter().find_map(|&margin| match self.local(n, radius, margin, watch) {
             Err(Unlimited::Reach) => None,
@@ -92,7 +92,7 @@ impl Applied {
         found.unwrap_or(Err(Unlimited::Reach))
     }
 
-    /// The rows around a middle of n sectors, up to a radius; `margin` are the rings beyond what those points come of.
+    /// Returns the rows around a centre of n sectors, up to a radius, from a net with `margin` additional rings.
     fn local(&self, n: usize, radius: i32, margin: i32, watch: &Watch) -> Result<Option<Local>, Unlimited> {
         watch.check()?;
         let side = radius / self.arity + margin + 2;
@@ -135,24 +135,24 @@ impl Applied {
             _ => Vec::new(),
         };
         let local = Local { rows, centre, shrinks };
-        // what the rim has a say in is no rule of the inside
+        // rows that the rim of the net influences are not rules of its interior
         if local.reach(self.kind) + 1 >= side { Err(Unlimited::Reach) } else { Ok(Some(local)) }
     }
 }
 
-/// The first point of the sector that begins at a half-edge.
+/// Returns the first point of the sector that begins at a half-edge.
 fn first(topology: &Topology, kind: Kind, start: u32) -> u32 {
     if kind.has_centre() { topology.vertex(topology.next(start)) } else { topology.vertex(start) }
 }
 
 impl Local {
-    /// The radius of the farthest point that has a weight.
+    /// Returns the radius of the farthest point that has a weight.
     pub(super) fn reach(&self, kind: Kind) -> i32 {
         let all = self.rows.values().flatten().chain(&self.centre);
         all.filter_map(|entry| entry.point).map(|p| kind.radius(p)).max().unwrap_or(0)
     }
 
-    /// The same for the points up to a radius.
+    /// Returns the radius of the farthest point that has a weight in the rows of the points up to a radius.
     pub(super) fn reach_of(&self, kind: Kind, radius: i32) -> i32 {
         let near = self.rows.iter().filter(|(p, _)| kind.radius(**p) <= radius).flat_map(|(_, row)| row);
         near.chain(&self.centre).filter_map(|entry| entry.point).map(|p| kind.radius(p)).max().unwrap_or(0)

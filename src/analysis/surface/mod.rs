@@ -1,10 +1,11 @@
-//! What is known of schemes for surfaces: their regular rules, and the eigenvalues, masks and characteristic maps of
+//! The analysis of surface schemes: their regular rules, and the eigenvalues, masks and characteristic maps of
 //! extraordinary vertices and faces.
 //!
-//! Around a vertex of valence n the points of some rings are mapped to those around its child by a local subdivision
-//! matrix, which rotations part into one block for each Fourier index. Limits are C^1 at the vertex when the eigenvalue
-//! 1 is followed by one that is there twice, with the indices 1 and n - 1, and the characteristic map, the limit of its
-//! eigenvectors, is regular and injective. Both are proved here, roundings included, or said to be open.
+//! A local subdivision matrix maps the points of some rings around a vertex of valence n to the points around its
+//! child. Rotations decompose it into one block for each Fourier index. Limits are C^1 at the vertex if the eigenvalue
+//! 1 is followed by a double eigenvalue with the indices 1 and n - 1, and if the characteristic map, the limit of its
+//! eigenvectors, is regular and injective. Both conditions are proved here, including rounding errors, or reported as
+//! open.
 //!
 //! Source: Reif, CAGD 12 (1995), 153-174; Peters and Reif, Subdivision Surfaces (2008).
 

@@ -1,15 +1,15 @@
-//! How smooth limits of regular nets are, whatever factors the symbol has: by the joint spectral radius of what a step
-//! does to the points that have a say on a cell, up to polynomials.
+//! The smoothness of limits of regular nets, whatever factors the symbol has, by the joint spectral radius of a step on
+//! the points that influence a cell, modulo polynomials.
 //!
-//! With K sum rules the matrices `A_e`, `A_e[f][c] = a[e + f - d c]`, that lead from the points around a cell to those
-//! around each of the `d^2` cells that it becomes map samples of polynomials of a degree below K to such samples. On
-//! what is left they have a joint spectral radius rho. Limits are C^k for all k < K with `rho < d^-k`, and have the
-//! Hoelder exponent `-log_d(rho)` as far as that is below K; where shifts of the basic limit function are stable, which
-//! is so where the scheme interpolates, they are not C^k where `rho >= d^-k`, nor for k = K. Where `rho >= 1` schemes
-//! diverge, whatever their shifts are like, as differences do not shrink.
+//! The matrices `A_e`, `A_e[f][c] = a[e + f - d c]`, map the points around a cell to those around each of the `d^2`
+//! cells that it becomes. With K sum rules they map samples of polynomials of a degree below K to such samples. On the
+//! quotient space they have a joint spectral radius rho. Limits are C^k for all k < K with `rho < d^-k`, and have the
+//! Hoelder exponent `-log_d(rho)` as far as that is below K. If the shifts of the basic limit function are stable, as
+//! they are for interpolating schemes, limits are not C^k for k < K with `rho >= d^-k`, nor for k = K. Schemes with
+//! `rho >= 1` diverge, whether their shifts are stable or not, because differences do not shrink.
 //!
-//! Coordinates of what is left are the values outside a triangle of points, less those of the polynomial through the
-//! points of the triangle. Weights are taken for the fractions with small denominators that they are next to.
+//! The coordinates of the quotient are the values outside a triangle of points, minus the values of the polynomial
+//! through the points of the triangle. Weights are replaced by the nearest fractions with small denominators.
 //!
 //! Source: Han and Jia, SIAM Journal on Mathematical Analysis 29 (1998), 1177-1199; Jia, Transactions of the AMS 351
 //! (1999), 4089-4112.
@@ -27,28 +27,27 @@ use crate::math::functions::ln;
 use crate::math::number::Number;
 use crate::watch::{Stopped, Watch};
 
-/// Most sum rules that are looked for.
-/// Schemes on meshes that are no splines have four. Half of it would miss some; twice of it only takes time.
+/// Maximum number of sum rules that are tested. Schemes on meshes that are no splines have four. Half of it would miss
+/// some; twice of it only takes time.
 const MAX_ORDER: i32 = 8;
-/// Most points outside the triangle.
-/// Masks with 9 x 9 entries come to some forty. Half of it leaves out the push-back with k = 1; twice of it takes eight
-/// times as long and more.
+/// Maximum number of points outside the triangle. Masks with 9 x 9 entries have some forty. Half of it leaves out the
+/// push-back with k = 1; twice of it takes eight times as long and more.
 const MAX_SIZE: usize = 48;
 
-/// What is known of the radius, and of smoothness by it.
+/// Bounds of the joint spectral radius, and of the smoothness that follows.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Quotient {
     /// The number of sum rules K.
     pub sum_rules: i32,
     /// The bounds of the radius.
     pub radius: RadiusBounds,
-    /// The Hoelder exponent is at least this.
+    /// A lower bound of the Hoelder exponent.
     pub least_holder: f64,
-    /// It is at most this, where that is known.
+    /// An upper bound of the Hoelder exponent, if one is proved.
     pub most_holder: Option<f64>,
-    /// The largest k for which limits are proved to be C^k.
+    /// The largest k for which limits are proved to be C^k; -1 if not even convergence is proved.
     pub proved_c: i64,
-    /// The smallest k for which it is disproved.
+    /// The smallest k for which C^k is disproved, if any.
     pub disproved_c: Option<i64>,
 }
 
@@ -56,8 +55,8 @@ pub struct Quotient {
 type ExactMask = BTreeMap<Point, Exact>;
 
 impl Quotient {
-    /// What so many products of matrices tell; `None` where the mask has no sum rules, is no mask of small fractions,
-    /// or is too wide.
+    /// Returns what at most `nodes` matrix products prove; `None` if the mask has no sum rules, has a weight without a
+    /// fraction, or is too wide.
     ///
     /// # Errors
     /// [`Stopped`].
@@ -81,27 +80,27 @@ impl Quotient {
         let disproved_c = if diverges { Some(0) } else { is_stable.then(|| i64::from(rough.unwrap_or(order))) };
         let exponent = |radius: f64| -ln(radius) / ln(f64::from(d));
         let over = radius.upper.exact.as_ref().map_or(radius.upper.value, rounded);
-        // some roundings of logarithms and their quotient
+        // covers some roundings of logarithms and their quotient
         let least_holder = (exponent(over) - 1e-12).min(f64::from(order));
         let most_holder = lower.map(|lower| (exponent(lower.value) + 1e-12).min(f64::from(order)));
         Ok(Some(Self { sum_rules: order, radius, least_holder, most_holder, proved_c, disproved_c }))
     }
 }
 
-/// The fraction that a weight is next to.
+/// Returns the nearby fraction with a small denominator, or the exact value of the weight if there is none.
 pub(super) fn fraction(a: f64) -> Option<Exact> {
     let near = exact::simple(a)?;
-    // dyadic weights are what they are
+    // a weight farther from the fraction is taken as the exact binary number
     let is_near = rounded(&near).to_bits() == a.to_bits() || (rounded(&near) - a).abs() <= 1e-14;
     Some(if is_near { near } else { binary(a) })
 }
 
-/// The mask as the fractions that its weights are next to.
+/// Converts the mask to fractions.
 fn fractions(regular: &RegularMask) -> Option<ExactMask> {
     regular.mask.iter().map(|(&k, &a)| Some((k, fraction(a)?))).collect()
 }
 
-/// The monomials x^i y^j of a degree below some order.
+/// Returns the exponents of the monomials x^i y^j of a degree below `order`.
 fn monomials(order: i32) -> impl Iterator<Item = [i32; 2]> {
     (0..order).flat_map(|degree| (0..=degree).map(move |i| [i, degree - i]))
 }
@@ -110,7 +109,8 @@ fn power([x, y]: Point, [i, j]: [i32; 2]) -> Exact {
     Exact::whole(x.into()).pow(i) * Exact::whole(y.into()).pow(j)
 }
 
-/// The number K of sum rules: the sums of `a[k] k^m` over each residue class are the same for all powers m below K.
+/// Returns the number K of sum rules: the sums of `a[k] k^m` over the residue classes are equal for all powers m below
+/// K.
 fn sum_rules(mask: &ExactMask, d: i32) -> i32 {
     let same = |powers: [i32; 2]| {
         let mut sums: BTreeMap<Point, Exact> = BTreeMap::new();
@@ -125,7 +125,8 @@ fn sum_rules(mask: &ExactMask, d: i32) -> i32 {
     i32::try_from((0..MAX_ORDER).take_while(holds).count()).unwrap_or(0)
 }
 
-/// A triangle of points through which there is one polynomial of each degree below the order, and the others.
+/// Splits the points into a triangle of points that determines a polynomial of a degree below the order, and the
+/// others.
 fn parted(points: &[Point], order: i32) -> Option<(Vec<Point>, Vec<Point>)> {
     let triangle = |[x, y]: Point| monomials(order).map(|[i, j]| [x + i, y + j]).collect::<Vec<_>>();
     let corners = points.iter().map(|&p| triangle(p)).find(|all| all.iter().all(|p| points.contains(p)))?;
@@ -133,7 +134,7 @@ fn parted(points: &[Point], order: i32) -> Option<(Vec<Point>, Vec<Point>)> {
     (order > 0 && !others.is_empty()).then_some((corners, others))
 }
 
-/// The matrix of one of the finer cells on what polynomials leave over.
+/// Returns the matrix of one of the finer cells on the quotient modulo polynomials.
 fn left_over(mask: &ExactMask, d: i32, e: Point, corners: &[Point], others: &[Point]) -> ExactMatrix {
     let [x, y] = corners[0];
     let order = corners.iter().map(|p| p[0] - x + p[1] - y).max().unwrap_or(0);
@@ -150,14 +151,14 @@ fn left_over(mask: &ExactMask, d: i32, e: Point, corners: &[Point], others: &[Po
     others.iter().map(row).collect()
 }
 
-/// At a place the polynomial of a degree that is 1 at the point (i, j) of the triangle `i, j >= 0, i + j <= degree` and
-/// 0 at all others of it.
+/// Evaluates the polynomial of a degree that is 1 at the point (i, j) of the triangle `i, j >= 0, i + j <= degree` and
+/// 0 at all its other points.
 fn lagrange(degree: i32, [i, j]: Point, [x, y]: Point) -> Exact {
     let falling = |x: i32, n: i32| (0..n).map(|k| Exact::ratio((x - k).into(), (k + 1).into())).product::<Exact>();
     falling(x, i) * falling(y, j) * falling(degree - x - y, degree - i - j)
 }
 
-/// Whether old points stay where they are, whose shifts are stable then.
+/// Returns whether the scheme interpolates, in which case shifts are stable.
 fn interpolates(mask: &ExactMask, d: i32) -> bool {
     let mut kept = mask.iter().filter(|(k, _)| k.iter().all(|x| x % d == 0));
     kept.all(|(k, a)| if *k == [0, 0] { a.is_one() } else { a.is_zero() })

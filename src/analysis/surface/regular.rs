@@ -1,8 +1,8 @@
 //! The mask of a scheme on regular nets, and its factors.
 //!
-//! In lattice coordinates the new point f is the sum over old points c of `a[f - d c] p[c]`; the symbol is
-//! `a(z) = sum a[k] z^k = d^2 product of (sigma_u / d)^m_u b(z)` over directions u, with
-//! `sigma_u = 1 + z^u + ... + z^((d-1) u)`. Where the residual b is one term the limit is a box spline.
+//! In lattice coordinates the new point f is the sum over old points c of `a[f - d c] p[c]`; the symbol is `a(z) = sum
+//! a[k] z^k = d^2 product of (sigma_u / d)^m_u b(z)` over directions u, with `sigma_u = 1 + z^u + ... + z^((d-1) u)`.
+//! If the residual b is one term, the limit is a box spline.
 //!
 //! Source: de Boor, Hollig and Riemenschneider, Box Splines (1993), chapters I and VII; Dyn and Levin, Acta Numerica 11
 //! (2002), section 4.
@@ -15,9 +15,9 @@ use crate::analysis::limit::Unlimited;
 use crate::math::mask::Mask;
 use crate::watch::Watch;
 
-/// What divisions of masks may leave: rounding of weights of about 1.
-/// It is some thousand roundings. Half of it misses factors of long masks, twice of it takes a scheme within twice as
-/// much of one with a factor for it.
+/// Largest remainder of a division of a mask that is regarded as rounding, for weights of about 1: some thousand
+/// roundings. Half of it misses factors of long masks; twice of it finds factors in masks that are twice as far from
+/// having them.
 const REST: f64 = 1e-12;
 /// A Laurent polynomial in two variables, by exponents.
 pub(super) type Polynomial = BTreeMap<Point, f64>;
@@ -25,26 +25,26 @@ pub(super) type Polynomial = BTreeMap<Point, f64>;
 /// The rule of a regular net.
 #[derive(Debug, Clone, PartialEq)]
 pub struct RegularMask {
-    /// What its faces and its middle are.
+    /// The kind of the faces and of the centre.
     pub kind: Kind,
-    /// Pieces of an edge.
+    /// The number of pieces of an edge.
     pub arity: i32,
     /// The mask a, without zeros.
     pub mask: BTreeMap<[i32; 2], f64>,
-    /// How often each of the directions (1, 0), (0, 1), (1, 1), (1, -1) has a factor.
+    /// The number of factors in each of [`Self::DIRECTIONS`].
     pub factors: [u32; 4],
-    /// The residual b, 1 in all.
+    /// The residual b, whose entries sum to 1.
     pub residual: BTreeMap<[i32; 2], f64>,
 }
 
 impl RegularMask {
-    /// Directions whose factors are looked for: the sides of quads and triangles, and both diagonals.
+    /// The directions in which factors are divided out: the sides of quads and triangles, and both diagonals.
     pub const DIRECTIONS: [[i32; 2]; 4] = [[1, 0], [0, 1], [1, 1], [1, -1]];
 
     /// Reads the mask off the rows around a regular vertex, or face.
     pub(super) fn of(applied: &Applied, watch: &Watch) -> Result<Self, Unlimited> {
         let (kind, d) = (applied.kind, applied.arity);
-        // the points of one period, of which those of sector 0 are enough
+        // the points of sector 0 up to this radius include one period
         let radius = if kind == Kind::Triangles { 2 * d - 1 } else { d };
         let local = applied.wide_enough(kind.regular(), radius, watch)?.ok_or(Unlimited::Unsettled)?;
         let from = i32::from(kind.has_centre());
@@ -70,20 +70,20 @@ impl RegularMask {
         Ok(Self { kind, arity: d, mask, factors, residual })
     }
 
-    /// Whether the limit is a box spline.
+    /// Returns whether the limit is a box spline.
     pub fn is_box_spline(&self) -> bool {
         self.residual.len() == 1 && (self.factors[2] == 0 || self.factors[3] == 0)
     }
 
-    /// The largest k for which a box spline is C^k: one less than the fewest directions without which the others do
-    /// not span the plane, less one.
+    /// Returns the largest k for which a box spline is C^k: two less than the least number of directions without which
+    /// the others do not span the plane.
     pub fn spline_smoothness(&self) -> Option<i64> {
         let all: u32 = self.factors.iter().sum();
         let most = self.factors.iter().max().copied().unwrap_or(0);
         self.is_box_spline().then(|| i64::from(all - most) - 2)
     }
 
-    /// The masks of what the rule does to points that are equal along y, and along x.
+    /// Returns the masks of the curve schemes for points that are constant along y, and along x.
     pub fn curves(&self) -> Option<[Mask; 2]> {
         let d = f64::from(self.arity);
         let curve = |axis: usize| {
@@ -94,7 +94,7 @@ impl RegularMask {
         Some([curve(0)?, curve(1)?])
     }
 
-    /// The masks of two curves whose product it is.
+    /// Returns the masks of two curve schemes whose tensor product the rule is, if it is one.
     pub fn tensor(&self) -> Option<[Mask; 2]> {
         let curves = self.curves()?;
         let [a, b] = &curves;
@@ -106,8 +106,8 @@ impl RegularMask {
         (self.mask.keys().all(inside) && all.into_iter().all(fits)).then_some(curves)
     }
 
-    /// The largest ends of the support of the basic limit function in x, y and x + y, times d - 1: the least and the
-    /// greatest.
+    /// Returns the least and the greatest exponent in x, y and x + y: the ends of the support of the basic limit
+    /// function, times d - 1.
     pub(super) fn ends(mask: &Polynomial) -> [[i32; 2]; 3] {
         let value = |k: &Point| [k[0], k[1], k[0] + k[1]];
         let mut ends = [[i32::MAX, i32::MIN]; 3];
@@ -120,13 +120,13 @@ impl RegularMask {
     }
 }
 
-/// The quotient by `1 + z^u + ... + z^((d-1) u)`, unless something remains.
+/// Returns the quotient by `1 + z^u + ... + z^((d-1) u)` if there is no remainder.
 pub(super) fn divided(c: &Polynomial, [u, v]: Point, d: i32) -> Option<Polynomial> {
     let mut quotient = Polynomial::new();
     let mut rest = c.clone();
     let size: f64 = c.values().map(|x| x.abs()).sum();
-    // along each line in the direction u the first term left is that of the quotient; x grows along all directions but
-    // one, along which y does
+    // along each line in the direction u the first remaining term is a term of the quotient; x increases along all
+    // directions but one, along which y does
     let ahead = |[x, y]: &Point| x * u.signum() * 4096 + y * v.signum();
     let mut order: Vec<Point> = rest.keys().copied().collect();
     order.sort_by_key(ahead);

@@ -14,9 +14,9 @@ use crate::watch::{Stopped, Watch};
 pub enum Proof {
     /// The limit is a box spline.
     BoxSpline,
-    /// The mask is a product of two masks of curves: what is known of the first, and of the second where it is another.
+    /// The mask is a product of two curve masks: the report on the first, and on the second if it differs.
     Product(Vec<Report>),
-    /// Norms of difference schemes, and the radius of what a step leaves of points around a cell, where it is known.
+    /// Norms of difference schemes, and the joint spectral radius of a step modulo polynomials, if it is computed.
     Norms(Vec<LatticeCertificate>, Option<Box<Quotient>>),
 }
 
@@ -25,18 +25,19 @@ pub enum Proof {
 pub struct RegularSmoothness {
     /// The proof.
     pub proof: Proof,
-    /// The largest k for which limits are proved to be C^k, -1 where not even convergence is.
+    /// The largest k for which limits are proved to be C^k; -1 if not even convergence is proved.
     pub proved_c: i64,
-    /// The smallest k for which it is disproved that limits are C^k.
+    /// The smallest k for which C^k is disproved, if any.
     pub disproved_c: Option<i64>,
 }
 
-/// Twice of what weights have to be multiples of to be told exactly: fractions over a power of two have no roundings.
-/// Masks of splines up to degree 20 are such. Half and twice of it only matter to those with 21 digits.
+/// Reciprocal of the unit of which weights must be multiples to be regarded as exact, because fractions over a power of
+/// two have no roundings. Masks of splines up to degree 20 qualify. Half or twice of it only matters to masks with 21
+/// digits.
 const DYADIC: f64 = 1_048_576.0;
 
-/// The symbol of a curve's mask: of what it is exactly where its weights are fractions over a small power of two, or
-/// next to fractions with small denominators that sum to 1.
+/// Returns the symbol of a curve mask: the exact symbol if the weights are fractions over a small power of two, or near
+/// fractions with small denominators that sum to 1; otherwise the symbol beside the mask.
 pub(super) fn symbol(arity: i32, mask: &Mask) -> Option<Symbol> {
     if mask.values.iter().all(|a| (a * DYADIC).fract() == 0.0) {
         let exactly: Vec<Exact> = mask.values.iter().map(|&a| binary(a)).collect();
@@ -47,13 +48,13 @@ pub(super) fn symbol(arity: i32, mask: &Mask) -> Option<Symbol> {
     near.filter(|symbol| symbol.order > 0).or_else(|| Symbol::beside(arity.into(), mask))
 }
 
-/// The share of the products that matrices of surfaces may take, which are larger than those of curves.
-/// It decides all presets; what it takes, some 50 ms, is little beside the fractions of norms. Half of it narrows
+/// Divisor of the budget of matrix products for surfaces, whose matrices are larger than those of curves. The rest
+/// decides all presets; its time, some 50 ms, is small beside that of the fractions of norms. Half of it narrows
 /// intervals by a third; twice of it leaves the push-back with delta = 1/4 undecided.
 const SHARE: u64 = 10;
 
 impl RegularSmoothness {
-    /// What can be proved with so many products of matrices.
+    /// Returns what can be proved with at most `nodes` matrix products.
     pub(super) fn of(regular: &RegularMask, nodes: u64, watch: &Watch) -> Result<Self, Stopped> {
         if let Some(k) = regular.spline_smoothness() {
             return Ok(Self { proof: Proof::BoxSpline, proved_c: k, disproved_c: Some(k + 1) });
@@ -76,7 +77,7 @@ impl RegularSmoothness {
         Ok(Self { proof: Proof::Norms(certificates, quotient), proved_c, disproved_c })
     }
 
-    /// Whether limits are proved to be C^1, or not to be.
+    /// Returns whether limits are proved or disproved to be C^1.
     pub(super) fn is_c1(&self) -> Status {
         if self.proved_c >= 1 {
             Status::Proved

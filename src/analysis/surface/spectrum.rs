@@ -1,4 +1,4 @@
-//! The eigenvalues of all blocks around one middle, and the masks that belong to the first two.
+//! The eigenvalues of all blocks around one centre, and the masks of the first two eigenvalues.
 
 use super::blocks::{Block, Component};
 use super::local::Local;
@@ -12,34 +12,35 @@ use crate::watch::{Stopped, Watch};
 pub struct Found {
     /// The eigenvalue.
     pub value: Eigenvalue,
-    /// Its Fourier index, from 0 to n - 1.
+    /// The Fourier index of the eigenvalue, from 0 to n - 1.
     pub fourier: usize,
 }
 
-/// The weight of a point around the middle.
+/// The weights of a point around the centre in all sectors.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Weight {
-    /// The point of each sector; `None` for the middle.
+    /// The point in sector coordinates; `None` for the centre.
     pub point: Option<[i32; 2]>,
-    /// The weight of this point in each of the sectors, or in all.
+    /// The weight of this point in each of the sectors, or one weight for all.
     pub values: Vec<f64>,
 }
 
-/// The blocks around a middle with n sectors, and their eigenvalues.
+/// The blocks around a centre with n sectors, and their eigenvalues.
 #[derive(Debug)]
 pub(super) struct Spectrum {
-    /// The kind of middle.
+    /// The kind of net around the centre.
     pub(super) kind: Kind,
-    /// The sectors.
+    /// The number of sectors.
     pub(super) n: usize,
-    /// The blocks of the indices 0 to n / 2; that of n - k is like that of k.
+    /// The blocks of the indices 0 to n / 2; the block of n - k has the eigenvalues of the block of k.
     pub(super) blocks: Vec<Block>,
-    /// The eigenvalues of each, the largest first.
+    /// The eigenvalues of each block, the largest first.
     pub(super) values: Vec<Vec<Eigenvalue>>,
 }
 
 impl Spectrum {
-    /// The eigenvalues over the points up to a radius; `None` where rows lack the reflection, or a search failed.
+    /// Computes the eigenvalues for the points up to a radius; `None` if the rows lack the reflection symmetry, or an
+    /// eigenvalue search fails.
     pub(super) fn of(kind: Kind, n: usize, radius: i32, local: &Local, watch: &Watch) -> Result<Option<Self>, Stopped> {
         let (mut blocks, mut values) = (Vec::new(), Vec::new());
         for index in 0..=n / 2 {
@@ -53,7 +54,8 @@ impl Spectrum {
         Ok(Some(Self { kind, n, blocks, values }))
     }
 
-    /// All eigenvalues with their indices, the largest first; those of one size, as far as ten digits tell, by index.
+    /// Returns all eigenvalues with their indices, the largest first; those of the same absolute value up to ten digits
+    /// are in the order of their indices.
     pub(super) fn sorted(&self) -> Vec<Found> {
         let mut all = Vec::new();
         for (index, values) in self.values.iter().enumerate() {
@@ -72,12 +74,12 @@ impl Spectrum {
         all
     }
 
-    /// The largest eigenvalue of the block of index 1, where it is real and above 0.
+    /// Returns the largest eigenvalue of the block of index 1, if it is real and positive.
     pub(super) fn subdominant(&self) -> Option<f64> {
         self.values[1].first().filter(|value| value.im == 0.0 && value.re > 0.0).map(|value| value.re)
     }
 
-    /// The largest size among the eigenvalues besides 1 and those of that of index 1, and its index.
+    /// Returns the largest absolute value, with its index, of the eigenvalues other than 1 and the largest of index 1.
     pub(super) fn next(&self) -> (f64, usize) {
         let of = |(index, values): (usize, &Vec<Eigenvalue>)| {
             let value = values.get(usize::from(index <= 1)).map_or(0.0, |value| value.modulus());
@@ -86,20 +88,20 @@ impl Spectrum {
         self.values.iter().enumerate().map(of).fold((0.0, 0), |best, other| if other.0 > best.0 { other } else { best })
     }
 
-    /// The column of ones in the block of index 0.
+    /// Returns the constant vector 1 in the components of the block of index 0.
     pub(super) fn ones(&self) -> Vec<f64> {
         let one = |component: &Component| f64::from(u8::from(!matches!(component, Component::Odd(..))));
         self.blocks[0].components.iter().map(one).collect()
     }
 
-    /// The left eigenvector of 1 in the block of index 0, its product with the ones being 1.
+    /// Returns the left eigenvector for 1 in the block of index 0, scaled to the product 1 with [`Self::ones`].
     pub(super) fn limit_row(&self) -> Vec<f64> {
         let left = self.blocks[0].matrix.transposed().eigenvector(1.0);
         let sum: f64 = left.iter().zip(self.ones()).map(|(l, one)| l * one).sum();
         left.iter().map(|l| l / sum).collect()
     }
 
-    /// The weights of the limit position of the middle, per point.
+    /// Returns the weights of the limit position of the centre, by point.
     pub(super) fn limit_mask(&self) -> Vec<Weight> {
         let mut mask = Vec::new();
         let n = real(self.n);
@@ -115,7 +117,7 @@ impl Spectrum {
         mask
     }
 
-    /// The weights of two tangents, for a left eigenvector of the block of index 1: of each point in each sector.
+    /// Returns the weights of two tangents for a left eigenvector of the block of index 1, by point and sector.
     pub(super) fn tangent_masks(&self, row: &[f64]) -> [Vec<Weight>; 2] {
         let mut complex: Vec<(Point, [f64; 2])> = Vec::new();
         for (component, &y) in self.blocks[1].components.iter().zip(row) {
@@ -134,7 +136,7 @@ impl Spectrum {
                 let value = |sector: usize| {
                     let angle = std::f64::consts::TAU * (real(sector) + self.kind.turn(point)) / real(self.n);
                     let (c, s) = (cos(angle), sin(angle));
-                    // twice, as a coordinate is half of a point and its conjugate
+                    // twice, because a coordinate is half of a point plus its conjugate
                     2.0 * (if which == 0 { re * c + im * s } else { re * s - im * c }) / real(self.n)
                 };
                 Weight { point: Some(point), values: (0..self.n).map(value).collect() }

@@ -1,5 +1,5 @@
-//! Nets that are regular but for the vertex, or the face, in their middle, and the walks that find sector coordinates
-//! in any net.
+//! Nets that are regular except around the vertex, or the face, at their centre, and the walks that find sector
+//! coordinates in any net.
 
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -12,22 +12,22 @@ use crate::shape::check::{FaceList, Winding};
 use crate::shape::directions::{Direction, Directions};
 use crate::shape::topology::{NONE, Topology, index};
 
-/// A place around the middle: a sector and a point of it.
+/// A place around the centre: a sector and a point of it.
 pub(super) type Place = (usize, Point);
 
-/// A net of n sectors around its middle.
+/// A net of n sectors around its centre.
 #[derive(Debug)]
 pub(super) struct Star {
     /// The net.
     pub(super) net: MeshNet,
-    /// What its middle is.
+    /// The vertex or the face at the centre.
     pub(super) centre: Centre,
-    /// For each vertex its place; `None` for the one in the middle.
+    /// The place of each vertex; `None` for the vertex at the centre.
     pub(super) places: Vec<Option<Place>>,
 }
 
 impl Star {
-    /// The net of n sectors with points up to a radius.
+    /// Creates the net of n sectors with points up to a radius.
     pub(super) fn new(kind: Kind, n: usize, radius: i32) -> Self {
         let points = kind.points(radius);
         let mut places: Vec<Option<Place>> = if kind.has_centre() { vec![None] } else { Vec::new() };
@@ -67,7 +67,7 @@ impl Star {
         }
         let checked = Topology::of_faces(places.len(), faces, Winding::Refuse).expect("sectors side by side fit");
         let mut net = MeshNet::new(Arc::new(checked.topology), &[], &[], Boundary::EdgeOnly);
-        // what D loses at the rim is no part of a boundary
+        // the net is cut out of a larger one, so that D loses no vertices at its rim
         net.tags.cut = true;
         let centre = if kind.has_centre() { Centre::Vertex(0) } else { Centre::Face(0) };
         Self { net, centre, places }
@@ -75,7 +75,8 @@ impl Star {
 }
 
 impl Star {
-    /// The directions of the edges of a regular net whose first lattice coordinate counts steps along latitude lines.
+    /// Returns the directions of the edges of a regular net whose first lattice coordinate counts steps along latitude
+    /// lines.
     pub(super) fn latitude_lines(&self, kind: Kind) -> Directions {
         let topology = &self.net.mesh.base;
         let row = |v: u32| {
@@ -90,7 +91,7 @@ impl Star {
     }
 }
 
-/// The half-edges at which sectors around a centre begin, counter-clockwise.
+/// Returns the half-edges at which the sectors around a centre begin, counter-clockwise.
 pub(super) fn starts(topology: &Topology, centre: Centre) -> Vec<u32> {
     match centre {
         Centre::Vertex(v) => topology.ring(v as usize).collect(),
@@ -99,13 +100,13 @@ pub(super) fn starts(topology: &Topology, centre: Centre) -> Vec<u32> {
     }
 }
 
-/// The vertices at the points of the sector that begins at a half-edge, as far as the net goes there.
+/// Returns the vertices at the points of the sector that begins at a half-edge, as far as the net reaches.
 pub(super) fn sector(topology: &Topology, kind: Kind, start: u32, radius: i32) -> BTreeMap<Point, u32> {
     let half = kind.regular() / 2;
     let turned = |half_edge: u32, times: usize| (0..times).try_fold(half_edge, |at, _| counter_clockwise(topology, at));
     let straight = |half_edge: u32| turned(topology.twin(half_edge), half);
     let mut found = BTreeMap::new();
-    // the next half-edge along the first side, and the vertex from which it leaves
+    // the next half-edge along the first side, and the index of the vertex from which it leaves
     let (mut along, mut i) = match kind {
         Kind::Dual => (turned(start, half), 0),
         Kind::Quads | Kind::Triangles => (straight(start), 1),
@@ -125,7 +126,7 @@ pub(super) fn sector(topology: &Topology, kind: Kind, start: u32, radius: i32) -
     found
 }
 
-/// The half-edge that leaves a vertex after this one, counter-clockwise; `None` at the rim.
+/// Returns the half-edge that leaves the same vertex after this one, counter-clockwise; `None` at the rim.
 fn counter_clockwise(topology: &Topology, half_edge: u32) -> Option<u32> {
     if half_edge == NONE {
         return None;

@@ -20,12 +20,11 @@ use crate::shape::tile::Tile;
 use crate::shape::topology::Topology;
 use crate::watch::{Stopped, Watch};
 
-/// Most points of the characteristic net that are told.
-/// They draw valence 12 with three rings. Half of it leaves out the outer ring at large valences; twice of it makes
-/// answers about many valences twice as long.
+/// Maximum number of points of a reported characteristic net; enough for valence 12 with three rings. Half of it leaves
+/// out the outer ring at large valences; twice of it makes answers about many valences twice as long.
 const MAX_POINTS: usize = 512;
-/// Rings farther out that are tried for one on which the regular rules hold.
-/// Rules beside extraordinary vertices reach a ring farther at most. Half and twice of it decide alike.
+/// Number of rings by which the ring of the characteristic map may move outwards until the regular rules apply on it.
+/// Rules beside extraordinary vertices reach one ring farther at most. Half or twice of it decides alike.
 const MORE_RINGS: i32 = 2;
 
 /// A plan as a surface scheme.
@@ -34,20 +33,20 @@ pub struct SurfaceStudy {
     applied: Applied,
     /// The rule of regular nets.
     pub regular: RegularMask,
-    /// How characteristic maps are followed, once that is asked for.
+    /// The bounds needed to prove characteristic maps regular, computed on first use.
     proof: OnceLock<Option<RingProof>>,
 }
 
 /// The report on one valence.
 #[derive(Debug, Clone)]
 pub struct ValenceReport {
-    /// The number of edges at the vertex, or of corners of the face.
+    /// The valence of the vertex, or the number of corners of the face.
     pub valence: usize,
     /// The eigenvalues with their Fourier indices, the largest first.
     pub eigenvalues: Vec<Found>,
-    /// The subdominant eigenvalue: the largest of Fourier index 1.
+    /// The subdominant eigenvalue: the largest of Fourier index 1, if it is real and positive.
     pub subdominant: Option<f64>,
-    /// The size of the next one over it.
+    /// The ratio of the absolute value of the next eigenvalue to the subdominant eigenvalue.
     pub ratio: Option<f64>,
     /// The weights of the limit position.
     pub limit_mask: Vec<Weight>,
@@ -55,14 +54,14 @@ pub struct ValenceReport {
     pub tangent_masks: Option<[Vec<Weight>; 2]>,
     /// The net of the characteristic map: points and faces.
     pub net: Option<PlaneNet>,
-    /// The least sine of its corner angles.
+    /// The least sine of the corner angles of the net.
     pub least_sine: Option<f64>,
-    /// What decides about C^1.
+    /// The criteria for C^1.
     pub criteria: Vec<Criterion>,
 }
 
 impl SurfaceStudy {
-    /// What a plan on meshes comes to.
+    /// Resolves a plan on meshes to its surface scheme.
     ///
     /// # Errors
     /// [`Unlimited`].
@@ -84,22 +83,22 @@ impl SurfaceStudy {
         Err(failed)
     }
 
-    /// How often the cycle is applied, so that directions are kept.
+    /// Returns the number of applications of the cycle after which directions are kept.
     pub fn applications(&self) -> u32 {
         self.applied.applications
     }
 
-    /// The extraordinary vertices inside a mesh, and its faces that are or become such, by valence.
+    /// Returns the extraordinary vertices inside a mesh, and the faces that are or become extraordinary, by valence.
     pub fn survey(&self, topology: &Topology) -> BTreeMap<usize, Extraordinary> {
         survey(self.applied.kind, topology)
     }
 
-    /// The boundary vertices of a mesh by their number of faces.
+    /// Returns the boundary vertices of a mesh by their number of faces.
     pub fn on_boundary(&self, topology: &Topology) -> BTreeMap<usize, Extraordinary> {
         on_boundary(topology)
     }
 
-    /// How smooth limits of regular nets are, as far as so many products of matrices tell.
+    /// Returns the smoothness of limits of regular nets, as far as `nodes` matrix products prove it.
     ///
     /// # Errors
     /// [`Stopped`].
@@ -107,7 +106,7 @@ impl SurfaceStudy {
         RegularSmoothness::of(&self.regular, nodes, watch)
     }
 
-    /// What is known of boundary vertices with some number of faces.
+    /// Analyses boundary vertices with a given number of faces.
     ///
     /// # Errors
     /// [`Unlimited`].
@@ -120,7 +119,7 @@ impl SurfaceStudy {
         self.applied.boundary(faces, &self.regular, smoothness.is_c1(), watch)
     }
 
-    /// What is known of a valence.
+    /// Analyses a valence.
     ///
     /// # Errors
     /// [`Unlimited`].
@@ -176,7 +175,7 @@ impl SurfaceStudy {
         })
     }
 
-    /// Whether the new points that have a say on cells from a radius on are made by the rules of the regular net.
+    /// Returns whether all new points that influence cells from a radius on follow the rules of the regular net.
     fn is_regular_beyond(&self, n: usize, radius: i32, local: &Local) -> bool {
         let (kind, d, mask) = (self.applied.kind, self.regular.arity, &self.regular.mask);
         let ends = RegularMask::ends(mask);
@@ -201,11 +200,11 @@ impl SurfaceStudy {
     }
 }
 
-/// The kinds of nets on which a plan may be regular.
+/// Returns the kinds of nets on which a plan may be regular, the most likely first.
 fn kinds(plan: &Plan) -> Vec<Kind> {
     let children = || plan.word.cycle.iter().map(|letter| letter.facts().children);
     let duals = children().filter(|children| *children == Children::Dual).count();
-    // which of both it is depends on where U and D stand, too
+    // which of the two kinds of quads fits also depends on the order of U and D
     let quads = if duals % 2 == 1 || children().any(|children| children == Children::Faces) {
         [Kind::Dual, Kind::Quads]
     } else {
@@ -214,10 +213,11 @@ fn kinds(plan: &Plan) -> Vec<Kind> {
     if plan.tile() == Tile::Triangle { vec![Kind::Triangles] } else { [&quads[..], &[Kind::Triangles]].concat() }
 }
 
-/// The least radius whose points come of no others, and of whose points all those that were read come, too.
+/// Returns the least radius for which the points up to it depend only on each other, and all read points depend only on
+/// them.
 fn closed(kind: Kind, local: &Local, farthest: i32) -> Result<i32, Unlimited> {
     let mut radius = local.reach(kind).min(farthest);
-    // where points farther out have a say, the closed part is wider
+    // the closed part must include all points that influence it
     while local.reach_of(kind, radius) > radius {
         radius = local.reach_of(kind, radius);
         if radius > farthest {
@@ -227,12 +227,12 @@ fn closed(kind: Kind, local: &Local, farthest: i32) -> Result<i32, Unlimited> {
     if local.reach(kind) > radius { Err(Unlimited::Reach) } else { Ok(radius) }
 }
 
-/// What makes the first point of a sector lie at 1.
+/// Returns the value of the first point of a sector, by which the eigenvector is divided to place this point at 1.
 fn scale(spectrum: &Spectrum, vector: &[f64]) -> f64 {
     Block::values(&spectrum.blocks[1].components, vector).first().map_or(1.0, |(_, u)| u[0])
 }
 
-/// The net of an eigenvector, as far as the rows go, its first point at 1.
+/// Returns the net of an eigenvector, as far as the rows reach, scaled to place its first point at 1.
 fn net(spectrum: &Spectrum, local: &Local, value: f64, vector: &[f64]) -> Option<CharacteristicNet> {
     let (kind, n) = (spectrum.kind, spectrum.n);
     let scale = scale(spectrum, vector);
@@ -250,7 +250,7 @@ fn net(spectrum: &Spectrum, local: &Local, value: f64, vector: &[f64]) -> Option
     Some(CharacteristicNet { n, values: Block::values(&all, &extended).into_iter().collect() })
 }
 
-/// Points and faces of a net, in as many rings as are told.
+/// Returns the points and faces of a net, in as many rings as a report has.
 fn shown(kind: Kind, net: &CharacteristicNet) -> (Vec<[f64; 2]>, Vec<Vec<usize>>) {
     let farthest = net.values.keys().map(|&p| kind.radius(p)).max().unwrap_or(0);
     let fits = |radius: &i32| kind.points(*radius).len() * net.n < MAX_POINTS;

@@ -5,21 +5,21 @@ use std::collections::BTreeMap;
 use super::sectors::Kind;
 use crate::shape::topology::{Topology, index};
 
-/// Most vertices, and faces, of one valence that are named.
-/// They are for a look at a few; all are counted. Half of it names fewer; twice of it makes answers about fine meshes
-/// of triangles under schemes for quads twice as long.
+/// Maximum number of vertices, and of faces, of one valence that are listed. Lists are for a look at a few; all are
+/// counted. Half of it lists fewer; twice of it makes answers about fine meshes of triangles under schemes for quads
+/// twice as long.
 const MAX_NAMED: usize = 64;
 
-/// Vertices and faces of a mesh that become extraordinary points of one valence.
+/// The vertices and faces of a mesh with one valence; a survey keeps those that are or become extraordinary.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct Extraordinary {
-    /// The first of the vertices inside that have so many edges.
+    /// The first of the vertices, by index.
     pub vertices: Vec<u32>,
-    /// How many there are.
+    /// The number of vertices.
     pub n_vertices: usize,
-    /// The first of the faces that have so many corners.
+    /// The first of the faces, by index.
     pub faces: Vec<u32>,
-    /// How many there are.
+    /// The number of faces.
     pub n_faces: usize,
 }
 
@@ -32,7 +32,7 @@ impl Extraordinary {
     }
 }
 
-/// The boundary vertices of a mesh by their number of faces.
+/// Returns the boundary vertices of a mesh by their number of faces.
 pub(super) fn on_boundary(topology: &Topology) -> BTreeMap<usize, Extraordinary> {
     let mut found: BTreeMap<usize, Extraordinary> = BTreeMap::new();
     let outside = |v: &usize| !topology.is_isolated(*v) && topology.boundary_edges(*v).is_some();
@@ -42,7 +42,7 @@ pub(super) fn on_boundary(topology: &Topology) -> BTreeMap<usize, Extraordinary>
     found
 }
 
-/// The extraordinary vertices inside a mesh, and its faces that are or become such, by valence.
+/// Returns the extraordinary vertices inside a mesh, and the faces that are or become extraordinary, by valence.
 pub(super) fn survey(kind: Kind, topology: &Topology) -> BTreeMap<usize, Extraordinary> {
     let mut found: BTreeMap<usize, Extraordinary> = BTreeMap::new();
     let inside = |v: usize| !topology.is_isolated(v) && topology.boundary_edges(v).is_none();
@@ -52,7 +52,7 @@ pub(super) fn survey(kind: Kind, topology: &Topology) -> BTreeMap<usize, Extraor
             found.entry(valence).or_default().add_vertex(v);
         }
     }
-    // triangles stay what they are
+    // schemes on triangles refine triangles only, which never become extraordinary points
     let faces = if kind == Kind::Triangles { 0 } else { topology.n_faces() };
     for f in 0..faces {
         let corners = topology.face(f).len();

@@ -8,13 +8,13 @@ use crate::watch::{Stopped, Watch};
 /// How far a statement is decided.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Status {
-    /// It holds, by a proof.
+    /// The statement is proved.
     Proved,
-    /// It holds as far as numbers and samples show.
+    /// Numbers and samples support the statement without a proof.
     Supported,
-    /// It does not hold, by a proof.
+    /// The statement is disproved by a proof.
     Disproved,
-    /// Nothing is known.
+    /// The statement is undecided.
     Open,
 }
 
@@ -23,7 +23,7 @@ pub enum Status {
 pub struct Criterion {
     /// The statement.
     pub statement: &'static str,
-    /// What is known of it.
+    /// How far the statement is decided.
     pub status: Status,
 }
 
@@ -37,23 +37,23 @@ const SUBDOMINANT: &str = "the next eigenvalue is real, positive and there twice
 /// The statement about the characteristic map.
 const MAP: &str = "the characteristic map is regular and injective";
 
-/// What decides about one middle.
+/// The data that decide about one extraordinary point.
 pub(super) struct Case<'a> {
-    /// The eigenvalues.
+    /// The eigenvalues around the point.
     pub(super) spectrum: &'a Spectrum,
-    /// Whether limits of regular nets are C^1.
+    /// How far C^1 of regular nets is decided.
     pub(super) regular: Status,
-    /// How the characteristic map is followed, where regular rules hold on its ring, which begins so many rings farther
-    /// out than it has to.
+    /// The proof method for the characteristic map, and by how many rings its ring lies farther out than necessary;
+    /// `None` if the regular rules do not apply on the ring.
     pub(super) ring: Option<(&'a RingProof, i32)>,
     /// The net of the characteristic map.
     pub(super) net: Option<&'a CharacteristicNet>,
-    /// The least sine of its corner angles.
+    /// The least sine of the corner angles of the net.
     pub(super) least_sine: Option<f64>,
 }
 
 impl Case<'_> {
-    /// All criteria.
+    /// Decides all criteria.
     pub(super) fn criteria(&self, watch: &Watch) -> Result<Vec<Criterion>, Stopped> {
         if self.spectrum.n == self.spectrum.kind.regular() {
             let numbers = [self.numbers_of_one(), self.numbers_of_subdominant()];
@@ -97,13 +97,13 @@ impl Case<'_> {
         }
     }
 
-    /// A radius between the subdominant eigenvalue and all smaller ones.
+    /// Returns a radius between the subdominant eigenvalue and all smaller eigenvalues.
     fn between(&self, value: f64) -> f64 {
         let (next, _) = self.spectrum.next();
         value * crate::math::functions::sqrt((next / value).max(0.25))
     }
 
-    /// The error of the subdominant eigenvector, where it is proved that there is no other eigenvalue as large.
+    /// Returns the error bound of the subdominant eigenvector if all other eigenvalues are proved to be smaller.
     fn enclosed(&self, watch: &Watch) -> Result<Option<f64>, Stopped> {
         let spectrum = self.spectrum;
         let Some(value) = spectrum.subdominant() else { return Ok(None) };
@@ -123,8 +123,8 @@ impl Case<'_> {
         Ok(Some(enclosure.error))
     }
 
-    /// Whether a larger eigenvalue than all those of index 1 is proved to have another index: then the surface is drawn
-    /// out to a line, or wound around several times.
+    /// Returns whether an eigenvalue of another index is proved to be larger than all eigenvalues of index 1; the
+    /// surface is then stretched to a line, or wound around several times.
     fn is_of_another_index(&self, watch: &Watch) -> Result<bool, Stopped> {
         let spectrum = self.spectrum;
         let (next, index) = spectrum.next();
@@ -144,11 +144,11 @@ impl Case<'_> {
         Ok(larger && is_below(&spectrum.blocks[1].matrix, theta))
     }
 
-    /// What is known of the characteristic map, with the error of its net where there is a proof of it.
+    /// Decides about the characteristic map; `error` bounds the error of its net if the eigenvalues are proved.
     fn map(&self, error: Option<f64>, watch: &Watch) -> Result<Status, Stopped> {
         let sampled = if self.least_sine.is_some_and(|sine| sine > 0.0) { Status::Supported } else { Status::Open };
         let (Some(net), Some((ring, farther)), Some(error)) = (self.net, self.ring, error) else { return Ok(sampled) };
-        // what the slack of a ring leaves room for, also where derivatives are short
+        // the slack of a ring must cover this error even if derivatives are short
         if self.regular != Status::Proved || error > SLACK / 1000.0 {
             return Ok(sampled);
         }
@@ -160,7 +160,7 @@ impl Case<'_> {
     }
 }
 
-/// The verdict that follows from all criteria: proved if all are, disproved if one is.
+/// Returns the verdict of all criteria: proved if all are proved, disproved if one is disproved.
 pub fn verdict(criteria: &[Criterion]) -> Status {
     let all = |wanted: Status| criteria.iter().all(|criterion| criterion.status == wanted);
     if criteria.iter().any(|criterion| criterion.status == Status::Disproved) {
@@ -172,7 +172,7 @@ pub fn verdict(criteria: &[Criterion]) -> Status {
     }
 }
 
-/// What speaks for C^1 on the whole: the weakest of all criteria.
+/// Returns the weakest status of all criteria.
 pub fn evidence(criteria: &[Criterion]) -> Status {
     let rank = |status: Status| {
         [Status::Disproved, Status::Open, Status::Supported, Status::Proved].iter().position(|other| *other == status)
