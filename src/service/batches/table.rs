@@ -165,7 +165,7 @@ impl Batches {
             return Ok(None);
         }
         let before = table.forget(&new.batch);
-        let (attempts, items) = before.map_or((0, Vec::new()), |before| (before.attempts, before.items));
+        let (attempts, items) = before.as_ref().map_or((0, Vec::new()), |old| (old.attempts, old.items.clone()));
         let mut forgotten = Vec::new();
         let memory = loop {
             let is_room = table.batches.len() < MAX_BATCHES;
@@ -186,12 +186,17 @@ impl Batches {
             table.insert(batch);
             run
         });
+        if let (Err(Full), Some(before)) = (&begun, &before) {
+            table.insert(before.clone());
+        }
         drop(table);
         for batch in forgotten {
             self.note(batch.batch);
             self.note_items(batch.batch, 0..batch.items.len());
         }
         let run = begun?;
+        // what is to be done again must not come back as failed after a restart
+        self.note_items(run.batch, 0..before.map_or(0, |before| before.items.len()));
         self.note(run.batch);
         Ok(Some(run))
     }
