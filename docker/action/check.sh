@@ -23,6 +23,6 @@ code=0
 rm -rf "$base"
 if [ -f "$report/report.md" ] && [ -n "${GITHUB_STEP_SUMMARY:-}" ]; then
   # the summary shows no pictures of the run; the report that is kept does
-  sed -e '/^| before /,/^| !\[/d' "$report/report.md" >>"$GITHUB_STEP_SUMMARY"
+  sed -E '/^\| (before|after) /{N;N;d}' "$report/report.md" >>"$GITHUB_STEP_SUMMARY"
 fi
 exit "$code"

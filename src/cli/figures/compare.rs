@@ -1,7 +1,10 @@
 //! The differences between two versions of a figure, as pictures and as numbers.
 
+use std::io::Cursor;
 use std::path::Path;
 
+use image::codecs::png::PngDecoder;
+use image::{AnimationDecoder, ImageFormat};
 use serde_json::Value;
 
 use super::manifest::Entry;
@@ -25,6 +28,9 @@ pub(super) struct Difference {
     pub(super) where_: Option<Vec<u8>>,
     /// Number of different pixels, number of all pixels, and largest difference of colours from 0 to 1.
     pub(super) pixels: Option<(u64, u64, f64)>,
+    /// Of a moving picture, the number of frames that differ and of all; then `pixels` and `where_` are those of the frame
+    /// with the most different pixels.
+    pub(super) frames: Option<(usize, usize)>,
     /// The numbers that differ: name, old value, new value.
     pub(super) numbers: Vec<(String, Option<Value>, Option<Value>)>,
     /// A PNG of both shapes from one camera, if both jobs are available.
@@ -50,20 +56,26 @@ impl Difference {
         names.dedup();
         let numbers = names.into_iter().map(|name| (name.clone(), of(&old, name), of(&new, name)));
         let numbers = numbers.filter(|(_, old, new)| old != new).collect();
-        let compared = before.as_ref().zip(after.as_ref()).and_then(|(old, new)| pixels(old, new));
+        let compared = before.as_ref().zip(after.as_ref()).and_then(|(old, new)| compared(old, new));
+        let (frames, compared) = compared.unzip();
         let (where_, pixels) = compared.map_or((None, None), |(picture, counts)| (picture, Some(counts)));
-        Self { name: name.to_owned(), before, after, where_, pixels, numbers, together: None }
+        let frames = frames.flatten();
+        Self { name: name.to_owned(), before, after, where_, pixels, frames, numbers, together: None }
     }
 
     /// Describes the difference in words.
     pub(super) fn told(&self) -> String {
+        let of_frames = match self.frames {
+            Some((n, of)) if n > 0 => format!("{n} of {of} frames differ; in the one that differs most "),
+            _ => String::new(),
+        };
         match (&self.before, &self.after, self.pixels) {
             (None, Some(_), _) => "new, or the file before is missing".to_owned(),
-            (_, None, _) => "there is no job for it any more".to_owned(),
+            (_, None, _) => "no job makes it any more".to_owned(),
             (_, _, Some((0, _, _))) => "other bytes, the same pixels".to_owned(),
             (_, _, Some((n, of, most))) => {
                 format!(
-                    "{n} of {of} pixels differ, by {:.1} % of the distance of black and white at most",
+                    "{of_frames}{n} of {of} pixels differ, by {:.1} % of the distance of black and white at most",
                     100.0 * most
                 )
             }
@@ -75,6 +87,40 @@ impl Difference {
 /// A PNG of the differences, with the number of different pixels, the number of all pixels, and the largest difference
 /// of colours from 0 to 1.
 type PixelsCompared = (Option<Vec<u8>>, (u64, u64, f64));
+
+/// Compares two pictures, frame by frame if they move; `None` if either is not a PNG, or their sizes or numbers of frames
+/// differ. The counts of frames come with the comparison of the frame with the most different pixels.
+fn compared(before: &[u8], after: &[u8]) -> Option<(Option<(usize, usize)>, PixelsCompared)> {
+    let (Some(mut before), Some(mut after)) = (frames(before), frames(after)) else {
+        return Some((None, pixels(before, after)?));
+    };
+    let (mut n, mut differ, mut worst) = (0, 0, None::<PixelsCompared>);
+    loop {
+        let (before, after) = match (before.next(), after.next()) {
+            (Some(before), Some(after)) => (before?, after?),
+            (None, None) => break,
+            _ => return None,
+        };
+        let found = pixels(&before, &after)?;
+        n += 1;
+        differ += usize::from(found.1.0 > 0);
+        if worst.as_ref().is_none_or(|worst| worst.1.0 < found.1.0) {
+            worst = Some(found);
+        }
+    }
+    Some((Some((differ, n)), worst?))
+}
+
+/// Returns the frames of a moving picture, each as a PNG file or `None` where it cannot be read; `None` for anything else.
+fn frames(bytes: &[u8]) -> Option<impl Iterator<Item = Option<Vec<u8>>>> {
+    let decoder = PngDecoder::new(Cursor::new(bytes)).ok()?;
+    let frames = decoder.is_apng().ok()?.then_some(decoder)?.apng().ok()?.into_frames();
+    Some(frames.map(|frame| {
+        let mut png = Cursor::new(Vec::new());
+        frame.ok()?.into_buffer().write_to(&mut png, ImageFormat::Png).ok()?;
+        Some(png.into_inner())
+    }))
+}
 
 /// Compares two PNG pictures; `None` if either is not a PNG, or their sizes differ.
 fn pixels(before: &[u8], after: &[u8]) -> Option<PixelsCompared> {

@@ -17,7 +17,8 @@ const MOST_NUMBERS: usize = 40;
 const STYLE: &str = "body{font:16px/1.5 system-ui,sans-serif;margin:2rem auto;max-width:80rem;padding:0 1rem;\
     color:#16263f}figure{margin:0;flex:1 1 20rem}img{max-width:100%;border:1px solid #d5dbe3}\
     .row{display:flex;flex-wrap:wrap;gap:1rem}table{border-collapse:collapse;margin:1rem 0}\
-    td,th{border-bottom:1px solid #d5dbe3;padding:.2rem .8rem;text-align:left;font-variant-numeric:tabular-nums}";
+    td,th{border-bottom:1px solid #d5dbe3;padding:.2rem .8rem;text-align:left;font-variant-numeric:tabular-nums;\
+    overflow-wrap:anywhere}";
 
 /// Returns the pictures of a difference: caption, file name, bytes.
 fn pictures(of: &Difference) -> Vec<(&'static str, String, &[u8])> {

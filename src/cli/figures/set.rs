@@ -1,6 +1,6 @@
 //! Rendering and checking of all jobs of a folder.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, PoisonError};
@@ -68,17 +68,29 @@ impl FigureOptions {
             (made, is_whole)
         };
         let all: Vec<(Vec<Rendered>, bool)> = jobs.par_iter().map(each).collect();
-        let is_whole = all.iter().all(|(_, is_whole)| *is_whole);
-        let made: Vec<Rendered> = all.into_iter().flat_map(|(made, _)| made).collect();
+        let (made, outcomes): (Vec<Vec<Rendered>>, Vec<bool>) = all.into_iter().unzip();
+        let is_whole = outcomes.iter().all(|is_whole| *is_whole);
+        let made: Vec<Rendered> = made.into_iter().flatten().collect();
         check_names(&made)?;
         let progress = progress.into_inner().unwrap_or_else(PoisonError::into_inner);
         if self.check {
-            progress.end("inputs checked")?;
-            return self.checked(&known, made);
+            let ended = progress.end("inputs checked");
+            let failed: Vec<String> =
+                jobs.iter().zip(outcomes).filter(|(_, is_whole)| !is_whole).map(|(path, _)| file_name(path)).collect();
+            return match (self.checked(&known, made, &failed), ended) {
+                (outcome, Ok(())) => outcome,
+                (Ok(()), refused) => refused,
+                // what differs is told, the code is that of the jobs that failed
+                (Err(differs), Err(refused)) => Err(CliError { kind: refused.kind, ..differs }),
+            };
         }
         let (of, fresh) = (made.len(), made.iter().filter(|made| made.bytes.is_some()).count());
         if !self.quiet {
             progress.say(&format!("planish: {fresh} of {of} pictures were made, the others are as they were"));
+        }
+        for name in known.figures.keys().filter(|name| is_whole && made.iter().all(|made| made.name != **name)) {
+            progress
+                .say(&format!("planish: {name}: no job makes it any more; remove it from {}", self.output.display()));
         }
         // If a job failed, its old entries stay in the manifest.
         let mut figures: BTreeMap<String, Entry> = if is_whole { BTreeMap::new() } else { known.figures };
@@ -105,9 +117,11 @@ impl FigureOptions {
     }
 
     /// Compares the new pictures with those in the folder, and writes a report if any differ.
-    fn checked(&self, known: &Manifest, made: Vec<Rendered>) -> Result<(), CliError> {
+    /// Pictures of jobs that failed, which are named by their files, are left out.
+    fn checked(&self, known: &Manifest, made: Vec<Rendered>, failed: &[String]) -> Result<(), CliError> {
         let mut same = 0;
         let mut differences = Vec::new();
+        let names: BTreeSet<String> = made.iter().map(|made| made.name.clone()).collect();
         for Rendered { name, entry, bytes } in made {
             if bytes.is_none() {
                 same += 1;
@@ -118,7 +132,7 @@ impl FigureOptions {
             difference.together = self.together(&entry.job, &name)?;
             differences.push(difference);
         }
-        let gone = known.figures.iter().filter(|(_, entry)| !self.jobs.join(&entry.job).exists());
+        let gone = known.figures.iter().filter(|(name, entry)| !names.contains(*name) && !failed.contains(&entry.job));
         for (name, entry) in gone {
             let before = Some((entry, fs::read(self.output.join(name)).ok()));
             differences.push(Difference::new(name, before, None));
@@ -136,10 +150,9 @@ impl FigureOptions {
         let differ = told(differences.len(), "picture differs", "pictures differ");
         let head = format!("{differ}, {}.", told(same, "is as it was", "are as they were"));
         report::write(&folder, &head, &differences)?;
-        let mut lines: Vec<String> =
-            differences.iter().map(|difference| format!("{}: {}", difference.name, difference.told())).collect();
-        lines.push(format!("{head} {} shows them", folder.join("report.html").display()));
-        Err(CliError { details: lines, ..CliError::other("") })
+        let mut lines = vec![format!("{head} {} shows them", folder.join("report.html").display())];
+        lines.extend(differences.iter().map(|difference| format!("  {}: {}", difference.name, difference.told())));
+        Err(CliError::other(lines.join("\n")))
     }
 
     /// Draws the old and the new version of a job's shape from one camera, if the folder of old jobs has the job.
@@ -153,6 +166,11 @@ impl FigureOptions {
         let output = output_of(admitted(load(&after)?)?.job(), &stem, name);
         side_by_side(&before, &after, output)
     }
+}
+
+/// Returns the name of a file, as the manifest has it.
+fn file_name(path: &Path) -> String {
+    path.file_name().unwrap_or_default().to_string_lossy().into_owned()
 }
 
 /// Returns the jobs of a folder, sorted by name.

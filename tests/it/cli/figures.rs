@@ -127,7 +127,7 @@ fn new_gone_and_damaged_pictures_differ() {
     let (code, said) = check(&folder, &[]);
     assert_eq!(code, Some(OTHER), "{said}");
     for part in
-        ["new.png: new", "star.png: there is no job", "cube.png: other bytes", "3 pictures differ, 0 are as they were"]
+        ["new.png: new", "star.png: no job makes it", "cube.png: other bytes", "3 pictures differ, 0 are as they were"]
     {
         assert!(said.contains(part), "{part}: {said}");
     }
@@ -153,4 +153,53 @@ fn without_a_manifest_there_is_nothing_to_check() {
     assert_eq!(check(&folder, &[]).0, Some(FILES));
     let empty = within(&folder, &["figures", "out", "-o", "none"]);
     assert_eq!(empty.status.code(), Some(FILES), "{}", text(&empty.stderr));
+}
+
+#[test]
+fn what_an_output_no_longer_makes_is_gone_though_its_job_is_there() {
+    let folder = rendered();
+    let mut two = png(mesh(1), 64);
+    two["outputs"] =
+        json!([{ "format": "png", "name": "a", "width": 64, "height": 48 }, { "format": "svg", "name": "b" }]);
+    put(&folder, "jobs/cube.json", &two);
+    assert!(within(&folder, &["figures", "jobs", "-o", "out"]).status.success());
+    put(&folder, "jobs/cube.json", &png(mesh(1), 64));
+    let (code, said) = check(&folder, &[]);
+    assert_eq!(code, Some(OTHER), "{said}");
+    for part in ["cube.png: new", "cube-a.png: no job makes it", "cube-b.svg: no job makes it"] {
+        assert!(said.contains(part), "{part}: {said}");
+    }
+    let again = within(&folder, &["figures", "jobs", "-o", "out"]);
+    assert!(text(&again.stderr).contains("cube-b.svg: no job makes it any more; remove it"), "{}", text(&again.stderr));
+}
+
+#[test]
+fn a_job_that_fails_does_not_keep_changes_of_the_others_from_being_told() {
+    let folder = rendered();
+    put(&folder, "jobs/star.json", &json!({ "input": {} }));
+    put(&folder, "jobs/cube.json", &png(mesh(1), 64));
+    let (code, said) = check(&folder, &[]);
+    assert_eq!(code, Some(REFUSED), "{said}");
+    assert!(said.contains("1 picture differs") && !said.contains("star.png: "), "{said}");
+    assert!(folder.path().join("out.report/difference/cube.png.png").exists());
+}
+
+#[test]
+fn moving_pictures_are_compared_frame_by_frame() {
+    let folder = rendered();
+    let film = |to: f64| {
+        let mut job = polygon(3);
+        job["plan"] = json!({ "preset": "four-point" });
+        let sweep = json!({ "pointer": "/plan/parameters/w", "from": 0, "to": to });
+        let camera = json!({ "box": { "min": [-9, -9, 0], "max": [9, 9, 0] } });
+        job["outputs"] =
+            json!([{ "format": "apng", "width": 64, "height": 48, "frames": 3, "sweep": sweep, "camera": camera }]);
+        job
+    };
+    put(&folder, "jobs/star.json", &film(0.05));
+    assert!(within(&folder, &["figures", "jobs", "-o", "out"]).status.success());
+    put(&folder, "jobs/star.json", &film(0.2));
+    let (_, said) = check(&folder, &[]);
+    assert!(said.contains("2 of 3 frames differ; in the one that differs most "), "{said}");
+    assert!(folder.path().join("out.report/difference").is_dir(), "{said}");
 }
