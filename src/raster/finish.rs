@@ -173,6 +173,10 @@ impl Finisher {
     }
 }
 
+/// Least growth of the number of an isophote over a pixel. What grows less is a plane, and the rest is rounding of
+/// normals in f32, some 1e-6: half of it comes closer to that, twice of it widens lines on surfaces 5,000 pixels wide.
+const FLAT: f32 = 1e-4;
+
 impl Stripes {
     /// Returns the dark fraction, 0 to 1, of a pixel at `at` over which the pattern grows by `wide`.
     fn darkness(&self, at: f32, wide: f32) -> f32 {
@@ -194,7 +198,7 @@ impl Stripes {
             Pattern::Isophotes => {
                 let last = self.count - 1.0;
                 let off = (at - (at + 0.5).floor().clamp(-last, last)).abs();
-                let off_px = if wide > 1e-6 { off / wide } else { off * 1e6 };
+                let off_px = off / wide.max(FLAT);
                 let line = (0.5 * self.width_px + 0.5 - off_px).clamp(0.0, 1.0);
                 // where steps are narrower than two lines, what is dark of them on average
                 let crowded = (2.0 * self.width_px * wide - 0.5).clamp(0.0, 1.0);

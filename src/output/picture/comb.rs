@@ -14,6 +14,12 @@ const TOOTH: f64 = 0.12;
 const LONGEST: f64 = 3.0;
 /// Minimum distance between teeth, pixels; half of it makes an area of them.
 const SPACING_PX: f64 = 4.0;
+/// Radius from which on a curve counts as straight, in smaller sides of the visible part, as on meshes. Half of it shows
+/// no more bends that an eye could see; without it, rounding in a straight curve would set the scale of the teeth.
+const STRAIGHT: f64 = 1e3;
+/// Error of a coordinate of a refined point, in units in the last place of the largest coordinate. Twelve levels of the
+/// presets make 3 to 6; half of it would let some through, twice of it hides bends that no file in f64 holds safely.
+const ULPS: f64 = 16.0;
 /// Length of a tangent, as a share of the smaller side of the visible part.
 const TANGENT: f64 = 0.14;
 
@@ -40,7 +46,7 @@ pub(super) fn combs(
     let mut bends = Vec::with_capacity(curves.len());
     for curve in curves {
         watch.check()?;
-        bends.push(bendings(curve, unit_px));
+        bends.push(bendings(curve, unit_px, 1.0 / (STRAIGHT * side_px)));
     }
     let mut sizes: Vec<f64> =
         bends.iter().flatten().map(|bend| dot(*bend, *bend).sqrt()).filter(|k| *k > 0.0).collect();
@@ -81,11 +87,14 @@ pub(super) fn combs(
 }
 
 /// Returns at each point the curvature of the curve enlarged by `scale`, times the unit normal towards the centre of
-/// curvature; 0 at ends and where points coincide.
-fn bendings(curve: &Curve, scale: f64) -> Vec<Vector> {
+/// curvature; 0 at ends, where points coincide, and where the curvature is below `least` or is no larger than what
+/// rounding of the coordinates makes of a straight line, `2 e / h^2` for errors `e` and distances `h` of the points.
+fn bendings(curve: &Curve, scale: f64, least: f64) -> Vec<Vector> {
     let n = curve.len();
     let coordinate = |i: usize, k: usize| if k < curve.dimension { curve.points[i * curve.dimension + k] } else { 0.0 };
     let at = |i: usize| -> Vector { std::array::from_fn(|k| scale * coordinate(i, k)) };
+    let largest = curve.points.iter().fold(0.0, |largest: f64, x| largest.max(x.abs()));
+    let error = ULPS * f64::EPSILON * scale * largest;
     let bend = |i: usize| {
         let inner = curve.closed || (i > 0 && i + 1 < n);
         if n < 3 || !inner {
@@ -96,7 +105,8 @@ fn bendings(curve: &Curve, scale: f64) -> Vec<Vector> {
         let axis = cross(u, v);
         let sides = (dot(u, u) * dot(v, v) * dot(w, w)).sqrt();
         let size = 2.0 * dot(axis, axis).sqrt() / sides;
-        if !(size > 0.0 && size.is_finite()) {
+        let rounding = 2.0 * error / dot(u, u).min(dot(v, v));
+        if !(size > least.max(rounding) && size.is_finite()) {
             return [0.0; 3];
         }
         // across the chord, towards the side to which the curve turns

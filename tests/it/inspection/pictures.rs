@@ -50,27 +50,22 @@ fn the_colours_of_a_torus_are_those_of_its_curvature() {
     }
 }
 
+const SHADINGS: [&str; 8] =
+    ["matcap", "normals", "gaussian-curvature", "mean-curvature", "zebra", "reflection-lines", "isophotes", "distance"];
+
 #[test]
 fn a_plane_looks_alike_all_over_under_every_inspection() {
-    let plane = sheet(6, |x, y| 0.25 * x - 0.5 * y).input();
-    for shading in [
-        "matcap",
-        "normals",
-        "gaussian-curvature",
-        "mean-curvature",
-        "zebra",
-        "reflection-lines",
-        "isophotes",
-        "distance",
-    ] {
-        let (width, pixels) = picture(&plane, &json!({ "shading": shading }));
+    let planes = [sheet(6, |x, y| 0.25 * x - 0.5 * y).input(), sheet(6, |_, _| 0.0).input()];
+    for (plane, shading) in planes.iter().flat_map(|plane| SHADINGS.map(|shading| (plane, shading))) {
+        let (width, pixels) = picture(plane, &json!({ "shading": shading }));
         let middle = pixels[60 * width + 80];
-        for (x, y) in [(70, 50), (90, 50), (70, 70), (90, 70), (81, 61)] {
+        for (x, y) in (70..91).flat_map(|x| (50..71).map(move |y| (x, y))) {
             assert_eq!(pixels[y * width + x], middle, "{shading}");
         }
     }
+    let plane = &planes[0];
     // flat is neither red nor blue
-    let (width, pixels) = picture(&plane, &json!({ "shading": "mean-curvature" }));
+    let (width, pixels) = picture(plane, &json!({ "shading": "mean-curvature" }));
     let [r, g, b, _] = pixels[60 * width + 80];
     assert!(r.abs_diff(g) < 8 && b.abs_diff(g) < 8, "{r} {g} {b}");
 }
