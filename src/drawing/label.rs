@@ -151,28 +151,63 @@ impl Label {
     }
 }
 
-/// Words broken into lines no wider than `width_px` at a size of the font, but where one word is wider; each line is
-/// markup of its own, so markup that holds a space stays on one line.
+/// Signs before and after which a line does not end, so that equations stay whole.
+const RELATIONS: [&str; 20] = [
+    "=", "<", ">", "+", "-", "\u{2212}", "\\le", "\\ge", "\\ne", "\\pm", "\\times", "\\cdot", "\\to", "\u{2264}",
+    "\u{2265}", "\u{2260}", "\u{b1}", "\u{d7}", "\u{b7}", "\u{2192}",
+];
+
+/// Breaks text into lines no wider than `width_px` at a size of the font. A line ends between words; an equation is one
+/// word as long as it fits into a line. Each line is markup of its own, so markup that holds a space stays on one line.
 ///
 /// # Errors
-/// A sentence that names what cannot be set or read, and what could be written instead.
+/// A sentence that names what cannot be set or read, or the word that is wider than a line, and what could be written
+/// instead.
 pub fn wrapped(text: &str, weight: Weight, size_px: f32, width_px: f32) -> Result<Vec<Label>, String> {
     let mut lines: Vec<Label> = Vec::new();
     let mut line = String::new();
-    for word in words(text) {
-        let longer = if line.is_empty() { word.to_owned() } else { format!("{line} {word}") };
-        let label = Label::parse(&longer, weight)?;
-        if label.width(size_px) <= width_px || line.is_empty() {
+    let fits = |text: &str| Ok::<_, String>(Label::parse(text, weight)?.width(size_px) <= width_px);
+    let mut units = Vec::new();
+    for unit in equations(text) {
+        if fits(&unit)? { units.push(unit) } else { units.extend(words(&unit).map(str::to_owned)) }
+    }
+    for word in units {
+        let longer = if line.is_empty() { word.clone() } else { format!("{line} {word}") };
+        if fits(&longer)? {
             line = longer;
             continue;
         }
+        if !fits(&word)? {
+            let shown: String = word.chars().take(24).collect();
+            let detail =
+                format!("\"{shown}\" is wider than a line of {width_px} pixels; put spaces into it, or ask for a");
+            return Err(format!("{detail} greater width or for fewer columns"));
+        }
         lines.push(Label::parse(&line, weight)?);
-        word.clone_into(&mut line);
+        line = word;
     }
     if !line.is_empty() {
         lines.push(Label::parse(&line, weight)?);
     }
     Ok(lines)
+}
+
+/// Returns the words, those of an equation as one.
+fn equations(text: &str) -> Vec<String> {
+    let mut units: Vec<String> = Vec::new();
+    let mut joins = false;
+    for word in words(text) {
+        let is_relation = RELATIONS.contains(&word);
+        match units.last_mut() {
+            Some(last) if joins || is_relation => {
+                last.push(' ');
+                last.push_str(word);
+            }
+            _ => units.push(word.to_owned()),
+        }
+        joins = is_relation;
+    }
+    units
 }
 
 /// Returns the parts between spaces outside braces.
@@ -347,5 +382,18 @@ mod tests {
         let lines: Vec<String> = lines.iter().map(Label::text).collect();
         assert_eq!(lines, ["aa bb", "x1 2", "dd"]);
         assert!(wrapped("", Weight::Bold, 10.0, 1.0).expect("nothing can be set").is_empty());
+    }
+
+    #[test]
+    fn equations_stay_whole_where_they_fit_and_words_never_leave_a_line() {
+        let lines = |width| {
+            let lines = wrapped(r"f, \alpha = 2, b", Weight::Regular, 10.0, width)?;
+            Ok::<_, String>(lines.iter().map(Label::text).collect::<Vec<_>>())
+        };
+        assert_eq!(lines(50.0), Ok(vec!["f, α = 2,".to_owned(), "b".to_owned()]));
+        assert_eq!(lines(36.0), Ok(vec!["f,".to_owned(), "α = 2,".to_owned(), "b".to_owned()]));
+        assert_eq!(lines(18.0), Ok(vec!["f, α".to_owned(), "= 2,".to_owned(), "b".to_owned()]));
+        let error = wrapped("aaaaaaaa", Weight::Regular, 10.0, 20.0).expect_err("it is too wide");
+        assert!(error.contains("\"aaaaaaaa\" is wider than a line"), "{error}");
     }
 }

@@ -26,6 +26,8 @@ pub fn pdf(drawing: &Drawing, lettering: Lettering, out: &mut dyn Write, watch: 
     let mut ids = (1..).map(Ref::new);
     let mut next = || ids.next().expect("there are more numbers than objects");
     let mut pdf = Pdf::new();
+    // the first version with transparency: typesetting programs warn of versions newer than their own
+    pdf.set_version(1, 4);
     let [catalog, pages, page, content, info] = [next(), next(), next(), next(), next()];
     pdf.catalog(catalog).pages(pages);
     pdf.pages(pages).kids([page]).count(1);

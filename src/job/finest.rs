@@ -3,7 +3,7 @@
 use super::complete::Checked;
 use super::input::Input;
 use crate::fault::Fault;
-use crate::output::Outline;
+use crate::output::{MAX_LINE_TRIANGLES, Outline, Paper};
 use crate::refine::{mesh_net, polygon_net};
 use crate::scheme::forecast;
 use crate::scheme::plan::MAX_LEVELS;
@@ -35,10 +35,12 @@ pub(super) fn level(checked: &Checked) -> Result<u32, Fault> {
         })?;
         widest = widest.max(side);
     }
-    let first = counted(checked, 0)?;
+    let [first, _] = counted(checked, 0)?;
+    let in_lines = checked.outputs.iter().any(|output| matches!(output.format.paper(), Some(Paper::Svg | Paper::Pdf)));
+    let most_triangles = if in_lines { MAX_LINE_TRIANGLES } else { u128::MAX };
     let mut best = 0;
     for level in 1..=MAX_LEVELS {
-        let Ok(count) = counted(checked, level) else { break };
+        let Ok([count, triangles]) = counted(checked, level) else { break };
         if count <= first {
             return Err(Fault::new("/levels", "the plan makes no smaller faces; give a number of levels"));
         }
@@ -47,7 +49,7 @@ pub(super) fn level(checked: &Checked) -> Result<u32, Fault> {
         let parts = if checked.input.mesh().is_some() { parts.sqrt() } else { parts };
         // false for sides that are NaN
         let is_wide = widest / parts >= SIDE_PX;
-        if count > MOST_FACES || !is_wide {
+        if count > MOST_FACES || triangles > most_triangles || !is_wide {
             break;
         }
         best = level;
@@ -55,8 +57,8 @@ pub(super) fn level(checked: &Checked) -> Result<u32, Fault> {
     Ok(best)
 }
 
-/// Returns the number of faces of a mesh, or of points of polygons, after `levels` levels.
-fn counted(checked: &Checked, levels: u32) -> Result<u128, Fault> {
+/// Returns the number of faces of a mesh, or of points of polygons, after `levels` levels, and of triangles.
+fn counted(checked: &Checked, levels: u32) -> Result<[u128; 2], Fault> {
     let steps = checked.plan.schedule(levels).map_err(|fault| fault.under("/plan"))?;
     let forecast = match &*checked.input {
         Input::Mesh(mesh) => forecast::of_mesh(&mesh_net(mesh, &checked.plan), &steps, 4 * MOST_FACES, &Watch::new()),
@@ -67,7 +69,8 @@ fn counted(checked: &Checked, levels: u32) -> Result<u128, Fault> {
     };
     let forecast = forecast.map_err(|error| Fault::new("/levels", error.to_string()))?;
     let last = forecast.levels.last().copied().unwrap_or_default();
-    Ok(if checked.input.mesh().is_some() { last.faces } else { last.vertices })
+    let triangles = last.corners.saturating_sub(last.faces.saturating_mul(2));
+    Ok(if checked.input.mesh().is_some() { [last.faces, triangles] } else { [last.vertices, 0] })
 }
 
 /// Returns the points and some edges of the input.

@@ -70,6 +70,7 @@ pub use farthest::{Farthest, Measured};
 pub use format::{Content, Costs, Details, Format, FormatFacts, MadeOf, Paper, Requirements, Sweep};
 pub use obj::WITHOUT_LIBRARY;
 pub use options::{CAGE, DIRECTIONS, LIMIT, POSITIONS, TANGENTS};
+pub use picture::hidden_lines::MAX_LINE_TRIANGLES;
 pub use picture::outline::Outline;
 pub use picture::shading::shows_distances;
 pub use size::Size;

@@ -158,6 +158,8 @@ fn automatic_levels_make_faces_of_about_a_pixel_and_enter_the_key_as_a_number() 
         "plan": { "preset": "chaikin" }, "levels": "auto",
         "outputs": [{ "format": "png", "width": 150, "height": 150 }] });
     assert_eq!(parsed(curve.to_string().as_bytes()).expect("a job").levels, 7, "sides of 132 pixels");
+    // a drawing in lines takes 2^18 triangles; six faces become 12 x 4^7 = 196,608 of them
+    assert_eq!(auto(&json!({ "format": "svg", "width": 2048, "height": 2048 })).levels, 7);
 }
 
 #[test]

@@ -3,7 +3,7 @@
 use std::io::Write;
 
 use super::grid::{Place, Sheet};
-use crate::drawing::{self, Drawing, Item, Mark, pdf, svg};
+use crate::drawing::{self, Drawing, Item, Label, Mark, Weight, pdf, svg};
 use crate::fault::Fault;
 use crate::math::parameter::Values;
 use crate::output::error::FormatError;
@@ -89,7 +89,8 @@ pub fn write(
         sheet.pictures.iter().zip(pictures).map(|(place, picture)| placed(*place, picture)).collect();
     items.extend(sheet.texts.iter().cloned());
     let background = options.color("background").unwrap_or([255; 4]);
-    let drawing = Drawing { size: sheet.size, background, title: title.to_owned(), items };
+    let title = Label::parse(title, Weight::Bold).map_err(FormatError::Unfit)?.text();
+    let drawing = Drawing { size: sheet.size, background, title, items };
     match paper {
         Paper::Png => {
             let pixels = drawing::pixels(&drawing, watch)?;

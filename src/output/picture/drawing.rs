@@ -5,7 +5,7 @@ use super::easel::Easel;
 use super::options::{COMB_SCALE, FILL, Options};
 use super::plot::{Plot, Sheet};
 use super::styles::{Style, styles};
-use crate::drawing::{Color, Discs, Drawing, Item, Key, Mark, Point, Stroke};
+use crate::drawing::{Color, Discs, Drawing, Item, Key, Label, Mark, Point, Stroke, Weight};
 use crate::output::error::FormatError;
 use crate::output::scene::{Curve, Scene, Shape};
 use crate::watch::Watch;
@@ -114,7 +114,10 @@ impl Artist<'_> {
             let runs = self.easel.runs(std::slice::from_ref(curve), self.watch)?;
             let item = Item::lines("curve", runs, stroke.clone());
             match label {
-                Some(label) if i < styles.len() => plot.line(item.titled(*label), label)?,
+                Some(label) if i < styles.len() => plot.line(
+                    item.titled(Label::parse(label, Weight::Regular).map_err(FormatError::Unfit)?.text()),
+                    label,
+                )?,
                 _ => plot.items.push(item),
             }
         }

@@ -34,9 +34,9 @@ const DEFAULT_SHOW: &[&str] = &["silhouettes", "boundary", "creases", "isolines"
 
 /// Maximum number of triangles of a mesh. Twice of it takes four times as long if triangles lie behind each other, and
 /// 100 MB more; half of it refuses meshes that are still drawn in seconds.
-const MAX_TRIANGLES: u128 = 1 << 18;
+pub const MAX_LINE_TRIANGLES: u128 = 1 << 18;
 /// Maximum number of tested pairs of a line and a triangle, 5 ns each: ten seconds of one core. Meshes of
-/// [`MAX_TRIANGLES`] that are not a heap of sheets need a hundredth of it.
+/// [`MAX_LINE_TRIANGLES`] that are not a heap of sheets need a hundredth of it.
 const MAX_PAIRS: usize = 1 << 31;
 /// Bytes of memory per triangle: its corners, their places and order (60), its sides (48), its cells (40), and its
 /// share of lines and their pieces (150).
@@ -53,11 +53,11 @@ const HIDDEN_INK: Color = [148, 163, 184, 255];
 /// Refuses meshes of too many triangles.
 pub(crate) fn fits(counts: &Counts) -> Result<(), Fault> {
     let n = counts.triangles();
-    if n <= MAX_TRIANGLES {
+    if n <= MAX_LINE_TRIANGLES {
         return Ok(());
     }
     let detail = format!(
-        "the mesh has {n} triangles, a drawing in lines takes at most {MAX_TRIANGLES}; ask for fewer levels, or for \
+        "the mesh has {n} triangles, a drawing in lines takes at most {MAX_LINE_TRIANGLES}; ask for fewer levels, or for \
          \"png\""
     );
     Err(Fault::new("/format", detail))

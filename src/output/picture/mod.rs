@@ -7,7 +7,7 @@ pub(super) mod drawing;
 mod easel;
 pub(super) mod forecast;
 pub(super) mod framing;
-mod hidden_lines;
+pub(super) mod hidden_lines;
 pub(super) mod legend;
 pub(super) mod lines;
 pub(super) mod look;

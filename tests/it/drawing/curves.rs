@@ -66,6 +66,30 @@ fn the_comb_of_a_circle_is_a_circle() {
     assert!(radii.len() > 70 && high - low < 0.05 && low > 200.0, "{low} to {high}");
 }
 
+/// Rounding bends no line: neither a slanted one, nor one far from the origin.
+#[test]
+fn the_comb_of_a_straight_line_is_empty() {
+    for far in [0.0, 1e6] {
+        let points: Vec<[f64; 2]> = (0..5).map(|i| [far + 0.37 * f64::from(i), 0.1 + 0.73 * f64::from(i)]).collect();
+        let text = svg(&json!({ "polygon": { "points": points } }), &json!({ "show": ["curve", "comb"] }));
+        let teeth = text.split("class=\"comb\"").nth(1).map(|rest| rest.split("</g>").next().expect("an end"));
+        assert!(teeth.is_none_or(|teeth| !teeth.contains("d=\"M")), "{far}: {text}");
+    }
+}
+
+/// What is read out in place of a picture has no markup.
+#[test]
+fn titles_of_curves_and_figures_are_text() {
+    let styles = json!([{ "label": "\\kappa_{max}" }]);
+    let text = svg(&polygons(1, 2), &json!({ "styles": styles, "show": ["curve", "legend"] }));
+    assert!(text.contains("<title>κmax</title>") && !text.contains("kappa"), "{text}");
+    let panel = json!({ "job": job(&polygons(1, 2), &json!({ "format": "svg" })) });
+    let figure = json!({ "title": "C^{4} and \\eta_1", "panels": [panel] });
+    let (bytes, _) = render(&json!({ "figure": figure, "outputs": [{ "format": "svg" }] })).expect("it is drawn");
+    let text = String::from_utf8(bytes).expect("SVG is text");
+    assert!(text.contains("<title>C4 and η1</title>"), "{text}");
+}
+
 #[test]
 fn texts_of_requests_stay_text() {
     let attack = "</text><script>alert(1)</script>";
