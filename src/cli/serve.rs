@@ -46,10 +46,10 @@ pub(super) fn serve(given: Given, file: Option<&Path>) -> Result<(), CliError> {
         Ok(app)
     });
     if let Ok(app) = &served {
-        let left = patience.saturating_sub(asked.get().map_or(Duration::ZERO, Instant::elapsed));
-        app.desk.tiers.close(left);
-        app.desk.jobs.close(left);
-        app.desk.batches.close(left);
+        let left = || patience.saturating_sub(asked.get().map_or(Duration::ZERO, Instant::elapsed));
+        app.desk.tiers.close(left());
+        app.desk.jobs.close(left());
+        app.desk.batches.close(left());
         app.desk.uploads.close();
     }
     runtime.shutdown_background();

@@ -60,10 +60,11 @@ fn of_one(folder: &Path, of: &Difference, markdown: &mut String, html: &mut Stri
     for (what, file, bytes) in shown {
         let folder_name = what.split([',', ' ']).next().unwrap_or(what);
         put(&folder.join(folder_name).join(&file), bytes)?;
-        let _ = write!(markdown, " ![{what}]({folder_name}/{}) |", file.replace(' ', "%20"));
         let data = base64::engine::general_purpose::STANDARD.encode(bytes);
         let media_type = media_type(&file);
         let source = format!("data:{media_type};base64,{data}");
+        let mark = if media_type.starts_with("image/") { "!" } else { "" };
+        let _ = write!(markdown, " {mark}[{what}]({folder_name}/{}) |", file.replace(' ', "%20"));
         let shown = if media_type.starts_with("image/") {
             format!("<img alt=\"{}\" src=\"{source}\">", escaped(what))
         } else {
