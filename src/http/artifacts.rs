@@ -118,7 +118,15 @@ pub(super) async fn made_again(app: &Arc<App>, peer: Peer, tenant: Tenant, key: 
         let detail = "this artifact is not kept here; send its job to /v1/render, and it will have this address";
         return Err(Problem::new(problem::NOT_FOUND, detail));
     };
-    let mut asked = working::asked_again(app, peer, request, format).await?;
+    // the job was valid when it was accepted, so what it refers to has left, such as an upload
+    let outdated = |problem: Problem| match problem.faults() {
+        Ok(faults) => {
+            let why = faults.first().map_or_else(String::new, ToString::to_string);
+            Problem::new(problem::GONE, format!("the result is no longer kept, and cannot be made again: {why}"))
+        }
+        Err(problem) => problem,
+    };
+    let mut asked = working::asked_again(app, peer, request, format).await.map_err(outdated)?;
     if let Asked::Render(read) = &mut asked
         && let Some(detail) = read.job.detail(key)
     {

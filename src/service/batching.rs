@@ -11,7 +11,7 @@ use super::accepting::NotAccepted;
 use super::account::Full;
 use super::batches::{Batch, BatchRequest, BatchRun, BatchStanding, Ending, NewBatch};
 use super::desk::Desk;
-use super::driving::{Unreadable, found};
+use super::driving::{LEAST_PAUSE, Unreadable, found};
 use super::job_key::{JobKey, JobTerms};
 use super::jobs::{Holder, JobSummary, Made, State};
 use super::peer::{Kind, Paid, Peer};
@@ -21,9 +21,6 @@ use super::store::StoreError;
 /// Pause before a job is put into the queue again after the disk failed to take its record. Half of it would retry on a
 /// full disk twice as often; twice of it would delay a batch longer after the disk has room again.
 const DISK_PAUSE: Duration = Duration::from_secs(5);
-/// Least pause before something full is tried again. Half of it would retry twice as often; twice of it would leave
-/// places empty for longer.
-const LEAST_PAUSE: Duration = Duration::from_millis(100);
 
 /// Reads single jobs of accepted batches.
 pub trait ReadItems: Send + Sync {

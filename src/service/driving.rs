@@ -43,7 +43,7 @@ enum Went {
 
 /// Least pause before something full is tried again. Half of it would retry twice as often; twice of it would leave
 /// places empty for longer.
-const LEAST_PAUSE: Duration = Duration::from_millis(100);
+pub(super) const LEAST_PAUSE: Duration = Duration::from_millis(100);
 
 impl Desk {
     /// Processes the jobs of a lane, one after the other. If jobs outlast the process, it stops when the service ends.

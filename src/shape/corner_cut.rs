@@ -11,11 +11,8 @@ use rayon::prelude::*;
 
 use super::check::{FaceList, Winding};
 use super::connect::Checked;
-use super::topology::{Faces, NONE, Topology, index};
+use super::topology::{Faces, GRAIN, NONE, Topology, index};
 use crate::fault::Fault;
-
-/// Loops shorter than this run on a single thread.
-const GRAIN: usize = 1024;
 
 impl Topology {
     /// The topology after a first step of Doo and Sabin. Each boundary edge and each boundary vertex gets a face, too:

@@ -9,10 +9,7 @@
 
 use rayon::prelude::*;
 
-use super::topology::{Faces, NONE, Topology, index};
-
-/// Loops shorter than this run on a single thread.
-const GRAIN: usize = 1024;
+use super::topology::{Faces, GRAIN, NONE, Topology, index};
 
 /// How a sqrt 3 split treats boundary edges.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -12,6 +12,9 @@ use crate::math::sharing::is_small;
 /// Stands for "none": the missing second half-edge of a boundary edge, or the missing half-edge of an isolated vertex.
 pub const NONE: u32 = u32::MAX;
 
+/// Loops shorter than this run on a single thread.
+pub(super) const GRAIN: usize = 1024;
+
 /// Connectivity of an oriented 2-manifold with boundary; every vertex has at most one fan of faces.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Topology {

@@ -98,6 +98,28 @@ fn what_is_known_of_settled_jobs_lasts_and_evicted_results_are_made_again() {
     });
 }
 
+#[test]
+fn an_evicted_result_whose_upload_is_gone_is_gone() {
+    let folder = Folder::new();
+    let href = story(lasting(&folder), async |server| {
+        let file = b"v 0 0 0\nv 1 0 0\nv 1 1 0\nf 1 2 3\n".to_vec();
+        let headers = [("content-type", "model/obj")];
+        let kept = server.ask(axum::http::Method::POST, "/v1/blobs", &headers, file).await.json();
+        let mut job = with(mesh(1), "ply");
+        job["input"] = serde_json::json!({ "blob": kept["id"] });
+        let done = server.post_with("/v1/jobs", &job, &[("prefer", "wait=60")]).await.ok().json();
+        done["outputs"][0]["href"].as_str().unwrap().to_owned()
+    });
+    for room in ["artifacts", "uploads"] {
+        std::fs::remove_dir_all(folder.path().join("data").join(room)).unwrap();
+    }
+    story(lasting(&folder), async |server| {
+        let gone = server.get(&href).await;
+        assert_eq!(gone.status, 410, "{}", gone.json());
+        assert!(gone.json()["detail"].as_str().unwrap().contains("/v1/blobs"), "{}", gone.json());
+    });
+}
+
 /// A manual clock, whose wall clock can be set.
 #[derive(Debug)]
 struct Jumping {
