@@ -392,7 +392,7 @@ mod tests {
         };
         assert_eq!(lines(50.0), Ok(vec!["f, α = 2,".to_owned(), "b".to_owned()]));
         assert_eq!(lines(36.0), Ok(vec!["f,".to_owned(), "α = 2,".to_owned(), "b".to_owned()]));
-        assert_eq!(lines(18.0), Ok(vec!["f, α".to_owned(), "= 2,".to_owned(), "b".to_owned()]));
+        assert_eq!(lines(24.0), Ok(vec!["f, α".to_owned(), "= 2,".to_owned(), "b".to_owned()]));
         let error = wrapped("aaaaaaaa", Weight::Regular, 10.0, 20.0).expect_err("it is too wide");
         assert!(error.contains("\"aaaaaaaa\" is wider than a line"), "{error}");
     }
