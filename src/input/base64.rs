@@ -13,7 +13,7 @@ const ENGINE: GeneralPurpose = GeneralPurpose::new(
 /// Decodes base64; line breaks are skipped and padding is optional.
 ///
 /// # Errors
-/// The position of the first invalid character.
+/// A character is not base64, which the message names by its position, or the text ends within a byte.
 pub fn decode(text: &str) -> Result<Vec<u8>, String> {
     let has_breaks = text.bytes().any(is_break);
     let letters: Vec<u8>;
