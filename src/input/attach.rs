@@ -1,5 +1,5 @@
-//! What a file holds, in the form that meshes take: names without blanks, a face in one group, channels that files can
-//! tell.
+//! Conversion of the contents of a file to the input of a mesh: names without blanks, each face in at most one group,
+//! and channels that the mesh can hold.
 
 use std::collections::BTreeMap;
 
@@ -13,7 +13,7 @@ use crate::shape::mesh::MeshInput;
 use crate::shape::seams::{SeamsInput, UvsInput};
 
 impl ReadMesh {
-    /// The mesh for further work. What a mesh cannot hold is named in its notes.
+    /// Converts the contents to the input of a mesh; data that a mesh cannot hold are reported in its notes.
     pub fn into_input(self, winding: Winding) -> MeshInput {
         let Self { positions, faces, corners, creases, holes, mut notes, .. } = self;
         let uvs = self.uvs.map(|uvs| of_corners(uvs, &faces));
@@ -26,7 +26,7 @@ impl ReadMesh {
     }
 }
 
-/// Texture coordinates face by face.
+/// Converts the texture coordinates to one list per face.
 fn of_corners(uvs: Uvs, faces: &FaceList) -> UvsInput {
     let mut seams = SeamsInput { interpolation: uvs.interpolation, ..SeamsInput::default() };
     let mut corners = uvs.corners.into_iter();
@@ -36,7 +36,7 @@ fn of_corners(uvs: Uvs, faces: &FaceList) -> UvsInput {
     UvsInput { values: uvs.values, seams }
 }
 
-/// The channels that a mesh can hold, in their order.
+/// Returns the channels that a mesh can hold, in order.
 fn channels(given: Vec<ChannelInput>, n_vertices: usize, notes: &mut Vec<String>) -> Vec<ChannelInput> {
     let mut kept: Vec<ChannelInput> = Vec::with_capacity(given.len());
     for channel in given {
@@ -52,8 +52,8 @@ fn channels(given: Vec<ChannelInput>, n_vertices: usize, notes: &mut Vec<String>
     kept
 }
 
-/// Sets of which each face is in one at most, under names that all formats can hold, and for each which of the given
-/// ones it was, or the first of those with its name.
+/// Returns disjoint sets of faces with names that all formats can hold, and for each its index among the given sets;
+/// sets with equal names are merged, with the index of the first.
 fn sets(given: Vec<FaceSet>, n_faces: usize, what: &str, notes: &mut Vec<String>) -> (Vec<FaceSet>, Vec<usize>) {
     let mut taken = vec![false; n_faces];
     let mut numbers: BTreeMap<String, usize> = BTreeMap::new();
@@ -91,7 +91,7 @@ fn sets(given: Vec<FaceSet>, n_faces: usize, what: &str, notes: &mut Vec<String>
     (kept, places)
 }
 
-/// The name with `_` for what has no place in names, and not too long.
+/// Replaces by `_` the characters that names cannot hold, and shortens the name.
 fn plain(name: &str) -> String {
     let letter = |c: char| if c.is_whitespace() || c.is_control() || c == '#' { '_' } else { c };
     let mut plain: String = name.chars().map(letter).collect();

@@ -1,19 +1,19 @@
-//! Base64 to bytes (RFC 4648, section 4), as files have it: with line breaks, and with or without padding.
+//! Base64 decoding (RFC 4648, section 4) as files need it: with line breaks, and with or without padding.
 
 use base64::alphabet::STANDARD;
 use base64::engine::{DecodePaddingMode, GeneralPurpose, GeneralPurposeConfig};
 use base64::{DecodeError, Engine};
 
-/// Padding may be left out.
+/// Padding is optional.
 const ENGINE: GeneralPurpose = GeneralPurpose::new(
     &STANDARD,
     GeneralPurposeConfig::new().with_decode_padding_mode(DecodePaddingMode::Indifferent),
 );
 
-/// The bytes of a text in base64; line breaks are passed over, padding may be left out.
+/// Decodes base64; line breaks are skipped and padding is optional.
 ///
 /// # Errors
-/// The place of what does not belong there.
+/// A character is not base64, which the message names by its position, or the text ends within a byte.
 pub fn decode(text: &str) -> Result<Vec<u8>, String> {
     let has_breaks = text.bytes().any(is_break);
     let letters: Vec<u8>;

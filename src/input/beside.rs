@@ -1,30 +1,30 @@
-//! Files beside the one that is read, for formats that keep a model in several.
+//! Access to the companion files of a mesh file, for formats that split a model over several files.
 
 use std::fmt;
 
-/// The files beside one that is read.
+/// The companion files of a file that is being read.
 pub trait Beside: fmt::Debug + Send + Sync {
-    /// The bytes of a file by its name relative to the folder of the first one, with `/` between folders; of at most
-    /// so many bytes.
+    /// Reads the bytes of a companion file, at most `most`. The name is relative to the folder of the main file, with
+    /// `/` between folders.
     ///
     /// # Errors
-    /// A sentence that names the file and says why it is not read: a place outside of the folder, a file that is not
-    /// there, too large, or no file.
+    /// A sentence that names the file and says why it is not read: it lies outside of the folder, does not exist, is
+    /// too large, or is not a file.
     fn read(&self, name: &str, most: u64) -> Result<Vec<u8>, String>;
 
-    /// Bytes of memory that reading may take beyond the weight of what is read: scenes that show a mesh in many places
-    /// take more than they are long.
+    /// Returns the bytes of memory that reading may take beyond the weight of the files; scenes that instance a mesh
+    /// many times take more than their length suggests.
     fn spare(&self) -> u64 {
         0
     }
 
-    /// The library of materials that came along, whatever its name.
+    /// Returns the material library that came with the file, whatever its name.
     fn library(&self) -> Option<&[u8]> {
         None
     }
 }
 
-/// A file that came by itself: nothing is beside it.
+/// A file without companion files.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Alone;
 
@@ -38,7 +38,7 @@ impl Beside for Alone {
     }
 }
 
-/// A file that came with its library of materials, and nothing else.
+/// A file that came with its material library and no other companion.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct WithLibrary(pub Vec<u8>);
 
@@ -52,12 +52,12 @@ impl Beside for WithLibrary {
     }
 }
 
-/// A file to be read, and those beside it.
+/// A file to be read, with access to its companion files.
 #[derive(Debug, Clone, Copy)]
 pub struct File<'a> {
-    /// What the file holds.
+    /// The contents of the file.
     pub bytes: &'a [u8],
-    /// The files beside it.
+    /// The companion files.
     pub beside: &'a dyn Beside,
 }
 

@@ -1,54 +1,54 @@
-//! Vertices and faces as they come from a file, counted against the limits before they are kept.
+//! Accumulator of the vertices and faces of a file, which are counted against the limits before they are stored.
 
 use super::reader::{ReadLimits, ReadMesh};
 
-/// Most corners of all faces: corners are numbered with 32 bits, and a refined face has several for each.
+/// Maximum number of corners of all faces: corners are numbered with 32 bits, and a refined face has several for each.
 const MAX_CORNERS: usize = u32::MAX as usize / 5;
 
 /// A mesh that is being read.
 #[derive(Debug)]
 pub(super) struct Collected {
-    /// What has come so far.
+    /// The contents read so far.
     pub(super) mesh: ReadMesh,
     limits: ReadLimits,
 }
 
 impl Collected {
-    /// Nothing yet.
+    /// Creates an empty mesh.
     pub(super) fn new(limits: &ReadLimits) -> Self {
         Self { mesh: ReadMesh::default(), limits: *limits }
     }
 
-    /// Whether so many vertices may come.
+    /// Checks that `n` vertices are allowed.
     ///
     /// # Errors
-    /// They may not.
+    /// `n` exceeds the limit.
     pub(super) fn expect_vertices(&self, n: u64) -> Result<(), String> {
         at_most(self.limits.max_vertices, n, "vertices")
     }
 
-    /// Whether so many faces may come.
+    /// Checks that `n` faces are allowed.
     ///
     /// # Errors
-    /// They may not.
+    /// `n` exceeds the limit.
     pub(super) fn expect_faces(&self, n: u64) -> Result<(), String> {
         at_most(self.limits.max_faces, n, "faces")
     }
 
-    /// Takes a vertex.
+    /// Adds a vertex.
     ///
     /// # Errors
-    /// One too many.
+    /// The limit is reached.
     pub(super) fn vertex(&mut self, position: [f64; 3]) -> Result<(), String> {
         self.expect_vertices(self.mesh.positions.len() as u64 + 1)?;
         self.mesh.positions.push(position);
         Ok(())
     }
 
-    /// Takes a face.
+    /// Adds a face.
     ///
     /// # Errors
-    /// One too many, or one of fewer than three vertices.
+    /// The limit is reached, or the face has fewer than three vertices.
     pub(super) fn face(&mut self, vertices: &[u32]) -> Result<(), String> {
         if vertices.len() < 3 {
             return Err(format!("a face of {} vertices; a face has at least 3", vertices.len()));
@@ -70,7 +70,7 @@ fn at_most(bound: u64, n: u64, what: &str) -> Result<(), String> {
     if n <= bound { Ok(()) } else { Err(refusal()) }
 }
 
-/// A number among `n` as an index.
+/// Checks a vertex number against the count `n` and returns it as an index.
 ///
 /// # Errors
 /// There is no such vertex.

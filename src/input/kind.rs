@@ -1,9 +1,9 @@
-//! What a file is by its first bytes, where it is not what it is said to be.
+//! Identification of files by their first bytes, for messages about files that are not what their sender says.
 
 use super::sniff;
 
-/// How files begin that hold no mesh which is read here, and what they are. They are looked at where reading has
-/// failed, so that short beginnings do no harm.
+/// The first bytes of file formats that hold no supported mesh, with their descriptions. The table is used only after
+/// reading has failed, so that short prefixes do no harm.
 const FOREIGN: &[(&[u8], &str)] = &[
     (b"\x89PNG", "a PNG picture"),
     (b"\xff\xd8\xff", "a JPEG picture"),
@@ -34,7 +34,7 @@ const FOREIGN: &[(&[u8], &str)] = &[
     (b"\x7fELF", "a program"),
 ];
 
-/// How files of the formats that are read begin.
+/// The first bytes of the supported formats, with the names of their readers.
 const OWN: &[(&[u8], &str)] = &[
     (b"ply", "ply"),
     (b"glTF", "glb"),
@@ -44,30 +44,30 @@ const OWN: &[(&[u8], &str)] = &[
     (b"#usda", "usda"),
 ];
 
-/// Most bytes that are looked at to tell a text.
+/// Maximum number of bytes that are examined to recognise text.
 const MOST: usize = 4096;
 
-/// What a file is that holds no mesh which is read here, with an article: known by its first bytes, or a text. A file
-/// that has failed to be read may be anything else.
+/// Describes, with an article, a file that holds no supported mesh, by its first bytes or as text. Call it only for
+/// files that could not be read.
 pub fn foreign(bytes: &[u8]) -> Option<&'static str> {
     let start = text_start(bytes);
     FOREIGN.iter().find(|(magic, _)| start.starts_with(magic)).map(|(_, what)| *what)
 }
 
-/// The name of the reader of files that begin like these bytes.
+/// Returns the name of the reader for files that begin like these bytes.
 pub fn own(bytes: &[u8]) -> Option<&'static str> {
     let start = text_start(bytes);
     let magic = OWN.iter().find(|(magic, _)| start.starts_with(magic)).map(|(_, name)| *name);
     magic.or_else(|| sniff::kind(bytes).filter(|&name| name == "obj"))
 }
 
-/// Whether the bytes begin like a text: without control characters but those between words.
+/// Whether the bytes begin like text, without control characters other than whitespace.
 pub fn is_text(bytes: &[u8]) -> bool {
     let start = &bytes[..bytes.len().min(MOST)];
     !start.is_empty() && start.iter().all(|byte| !byte.is_ascii_control() || byte.is_ascii_whitespace())
 }
 
-/// The bytes from the first one of a text on that is no blank, or as they are.
+/// Strips a byte order mark and leading whitespace.
 fn text_start(bytes: &[u8]) -> &[u8] {
     bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes).trim_ascii_start()
 }

@@ -1,4 +1,4 @@
-//! Readers of mesh files: each strict and bounded; the registry is the only place that lists them.
+//! Readers of mesh files, each strict and bounded. The registry is the only place that lists them.
 
 mod attach;
 mod base64;
@@ -28,21 +28,21 @@ pub use kind::{foreign, is_text, own};
 pub use reader::{ReadLimits, ReadMesh, Reader, Uvs, Vertices};
 pub use room::weight;
 
-/// Every reader, in the order of the documentation.
+/// All readers, in the order of the documentation.
 pub const READERS: &[Reader] =
     &[obj::OBJ, ply::PLY, stl::STL, off::OFF, gltf::GLTF, gltf::GLB, threemf::THREE_MF, usda::USDA];
 
-/// The reader of a name.
+/// Returns the reader with this name.
 pub fn named(name: &str) -> Option<&'static Reader> {
     READERS.iter().find(|reader| reader.name == name)
 }
 
-/// The reader of files with an extension, given without the dot, in any case.
+/// Returns the reader of files with this extension, given without the dot, in any case.
 pub fn of_extension(extension: &str) -> Option<&'static Reader> {
     READERS.iter().find(|reader| reader.name.eq_ignore_ascii_case(extension))
 }
 
-/// The reader of a file that shows by its first bytes what it is; glTF as JSON and most text do not.
+/// Detects the reader from the first bytes of a file; glTF as JSON and most text are not detected.
 pub fn of_bytes(bytes: &[u8]) -> Option<&'static Reader> {
     sniff::kind(bytes).and_then(named)
 }

@@ -1,4 +1,4 @@
-//! Wavefront OBJ: polygons of any size, with the tags of subdivision surfaces.
+//! Wavefront OBJ: reads polygons of any size, with the tags of subdivision surfaces.
 //!
 //! Sources: Wavefront Technologies, Advanced Visualizer Manual (1995), appendix B1; for the tags (`t`) the shape files
 //! of OpenSubdiv, `regression/common/shape_utils`.
@@ -18,28 +18,28 @@ use super::reader::{ReadLimits, ReadMesh, Reader, Vertices};
 use super::text::{at_line, number, numbers, quoted, text, without_comment};
 use crate::shape::attachments::ChannelInput;
 
-/// Faults that are told one by one.
+/// Maximum number of faults that are reported individually.
 const MAX_FAULTS: usize = 20;
 
-/// What draws or names, but has no shape of a mesh.
+/// Statements for display or naming that do not affect a mesh.
 const PASSED_OVER: &[&str] =
     &["s", "mg", "bevel", "c_interp", "d_interp", "lod", "shadow_obj", "trace_obj", "ctech", "stech"];
 
-/// Libraries of materials that are looked for.
+/// Maximum number of material libraries that are read.
 const MAX_LIBRARIES: usize = 16;
 
-/// Curves and surfaces in parts of their own.
+/// Statements of free-form curves and surfaces.
 const FREE_FORM: &[&str] = &[
     "vp", "cstype", "deg", "bmat", "step", "curv", "curv2", "surf", "parm", "trim", "hole", "scrv", "sp", "end", "con",
 ];
 
-/// Those that begin such a part.
+/// Statements that begin a free-form curve or surface.
 const SHAPES: &[&str] = &["curv", "curv2", "surf"];
 
-/// OBJ. Faces keep their size; indices may be negative; normals are checked and ignored. Objects and groups (`o`, `g`)
-/// are groups, `usemtl` makes materials, three or four numbers after a position are a colour. `g default` is how the
-/// format says that faces are in no group, and `usemtl default` is read alike: faces after it have no material. How
-/// these look is read from the libraries that `mtllib` names, where whoever hands the file over has them. Tags:
+/// The reader of OBJ. Faces keep their size; indices may be negative; normals are checked and ignored. Objects and
+/// groups (`o`, `g`) become groups, `usemtl` makes materials, and three or four numbers after a position are a colour.
+/// `g default` is the format's way to put faces in no group, and `usemtl default` is read alike: faces after it have no
+/// material. The looks of materials are read from the libraries that `mtllib` names, if they are available. Tags:
 /// `crease`, `corner`, `hole`, `interpolateboundary`. Points, lines and free-form geometry are left out with a note.
 pub(super) const OBJ: Reader = Reader {
     name: "obj",
@@ -87,22 +87,22 @@ fn read(file: &File<'_>, limits: &ReadLimits) -> Result<ReadMesh, Vec<String>> {
     Ok(mesh)
 }
 
-/// What has been read so far.
+/// The state of the reader.
 #[derive(Debug)]
 struct State {
     mesh: Collected,
     faces: Faces,
     uvs: Vec<[f64; 2]>,
     n_normals: usize,
-    /// Red, green, blue and alpha of the coloured vertices, and the width they were given with.
+    /// Red, green, blue and alpha of the coloured vertices, and the number of components in the file.
     colors: Vec<f64>,
     color_width: usize,
     tags: tags::Tags,
-    /// Names of libraries of materials.
+    /// Names of material libraries.
     libraries: Vec<String>,
-    /// Number of libraries beyond those.
+    /// Number of further libraries that are not read.
     libraries_beyond: usize,
-    /// How many elements of a kind were left out.
+    /// The number of elements left out, by kind.
     left_out: BTreeMap<String, usize>,
     faults: Vec<String>,
 }
@@ -128,7 +128,7 @@ impl State {
         let mut words = text.split_ascii_whitespace();
         let Some(keyword) = words.next() else { return Ok(()) };
         match keyword {
-            // what is wrong counts all the same: faces name what they mean by its number
+            // an invalid entry is stored all the same, because faces refer to entries by their number
             "v" => self.vertex(&words.collect::<Vec<_>>()).inspect_err(|_| self.mesh.mesh.positions.push([0.0; 3])),
             "vt" => {
                 let found = texture_coordinate(words);
@@ -180,7 +180,7 @@ impl State {
         }
     }
 
-    /// A vertex of 3 coordinates, then perhaps a weight, or a colour of 3 or 4 numbers.
+    /// Reads a vertex of 3 coordinates, optionally with a weight or a colour of 3 or 4 numbers.
     fn vertex(&mut self, words: &[&str]) -> Result<(), String> {
         if !matches!(words.len(), 3 | 4 | 6 | 7) {
             let n = words.len();
@@ -221,7 +221,7 @@ impl State {
     }
 }
 
-/// A texture coordinate of one to three numbers; the third says nothing of a surface.
+/// Reads a texture coordinate of one to three numbers; the third is ignored.
 fn texture_coordinate<'a>(mut words: impl Iterator<Item = &'a str>) -> Result<[f64; 2], String> {
     let [u] = numbers(&mut words, "a texture coordinate")?;
     let v = words.next().map_or(Ok(0.0), number)?;
@@ -230,7 +230,7 @@ fn texture_coordinate<'a>(mut words: impl Iterator<Item = &'a str>) -> Result<[f
     Ok([u, v])
 }
 
-/// Nothing follows.
+/// Checks that no word follows.
 fn ended(word: Option<&str>, what: &str) -> Result<(), String> {
     word.map_or(Ok(()), |word| Err(format!("{} follows {what}", quoted(word))))
 }

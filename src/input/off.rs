@@ -1,4 +1,4 @@
-//! OFF: polygons as plain text, or as binary numbers.
+//! OFF: reads polygons as plain text or in binary form.
 //!
 //! Source: The Geometry Center, Geomview Manual 1.9 (2014), section 4.2.5.
 
@@ -10,16 +10,17 @@ use super::reader::{ReadLimits, ReadMesh, Reader, Uvs, Vertices};
 use super::text::{Words, at_line, count, number, quoted, text};
 use crate::shape::attachments::ChannelInput;
 
-/// Least bytes of a vertex ("0 0 0" and a line break) and of a face ("3 0 1 2").
+/// Minimum number of bytes of a vertex ("0 0 0" and a line break) and of a face ("3 0 1 2") in a text file.
 const TEXT_BYTES: [u64; 2] = [6, 8];
-/// The same of binary numbers: three, and five with the number of components of a colour.
+/// Minimum number of bytes of a vertex and of a face in a binary file: three values, and five with the number of colour
+/// components.
 const BINARY_BYTES: [u64; 2] = [12, 20];
-/// Bytes in which the first line of a binary file ends: the longest name, `BINARY`, and blanks.
+/// Bytes within which the first line of a binary file ends: the longest name, `BINARY`, and blanks.
 const MOST_HEAD: usize = 64;
 
-/// OFF with its prefixes `ST` (texture coordinates), `C` (colours), `N` (normals), each vertex and face on a line of
-/// its own, `#` before comments; or with `BINARY` behind the name numbers of 32 bits, the most significant byte first.
-/// Normals are ignored; colours of faces are left out with a note. `4` and `n` are refused.
+/// The reader of OFF with the prefixes `ST` (texture coordinates), `C` (colours) and `N` (normals), with each vertex
+/// and face on a line of its own and `#` before comments; if `BINARY` follows the name, values of 32 bits in big-endian
+/// order. Normals are ignored; colours of faces are left out with a note. The prefixes `4` and `n` are refused.
 pub(super) const OFF: Reader = Reader {
     name: "off",
     media_type: "model/off",
@@ -28,7 +29,7 @@ pub(super) const OFF: Reader = Reader {
     read: |file, limits| read(file.bytes, limits).map_err(|detail| vec![detail]),
 };
 
-/// What the prefix says of vertices.
+/// The vertex data that the prefix declares.
 #[derive(Debug, Clone, Copy, Default)]
 struct Kind {
     uvs: bool,
@@ -81,7 +82,7 @@ fn read(bytes: &[u8], limits: &ReadLimits) -> Result<ReadMesh, String> {
     Ok(off.finish())
 }
 
-/// The name in the first line of a binary file, and the byte at which its numbers begin.
+/// Returns the name in the first line of a binary file, and the byte at which its values begin.
 fn binary(bytes: &[u8]) -> Option<(&str, usize)> {
     let line = bytes.iter().take(MOST_HEAD).position(|byte| *byte == b'\n')?;
     let words: Vec<&str> = std::str::from_utf8(&bytes[..line]).ok()?.split_ascii_whitespace().collect();
@@ -125,7 +126,7 @@ fn read_binary(kind: Kind, mut file: Numbers<'_>, bytes: u64, limits: &ReadLimit
 struct Reading {
     mesh: Collected,
     kind: Kind,
-    /// Four numbers a vertex, from 0 to 1.
+    /// Four colour components per vertex, from 0 to 1.
     colors: Vec<f64>,
     uvs: Vec<[f64; 2]>,
     face_colors: usize,
@@ -136,7 +137,7 @@ impl Reading {
         Self { mesh: Collected::new(limits), kind, colors: Vec::new(), uvs: Vec::new(), face_colors: 0 }
     }
 
-    /// Numbers of vertices and faces, as far as the bytes can hold them.
+    /// Reads the numbers of vertices and faces, and checks that the bytes can hold them.
     fn counts(&self, words: &[&str], bytes: u64) -> Result<[u64; 2], String> {
         let &([vertices, faces] | [vertices, faces, _]) = words else {
             return Err(format!("{} numbers; give those of vertices, faces and edges", words.len()));
@@ -172,12 +173,12 @@ impl Reading {
         }
         let found = words.iter().map(|word| number(word)).collect::<Result<Vec<f64>, _>>()?;
         let start = if normals { 6 } else { 3 };
-        // whole numbers count to 255
+        // integer components range from 0 to 255
         let is_whole = words[start..start + color].iter().all(|word| word.bytes().all(|byte| byte.is_ascii_digit()));
         self.keep(&found, if is_whole { 255.0 } else { 1.0 })
     }
 
-    /// Takes a vertex with as many numbers as its kind has; those of its colour reach from 0 to `scale`.
+    /// Adds a vertex with the data that the prefix declares; colour components range from 0 to `scale`.
     fn keep(&mut self, found: &[f64], scale: f64) -> Result<(), String> {
         let Kind { uvs, colors, normals } = self.kind;
         self.mesh.vertex([found[0], found[1], found[2]])?;

@@ -1,4 +1,4 @@
-//! PLY: elements with properties of any type, as text or binary.
+//! PLY: reads elements with properties of any type, as text or binary.
 //!
 //! Source: G. Turk, The PLY Polygon File Format, Stanford University (1994).
 
@@ -17,16 +17,16 @@ use super::text::quoted;
 use crate::shape::attachments::ChannelInput;
 use crate::shape::labels::FaceSet;
 
-/// Most channels of further numbers.
+/// Maximum number of channels of further vertex properties.
 const MAX_CHANNELS: usize = 64;
 
-/// PLY, text and binary of either byte order, properties of any type. Elements `vertex` (`x`, `y`, `z`) and `face`
-/// (`vertex_indices` or `vertex_index`); `red`, `green`, `blue`, `alpha` are a colour, `s`, `t` (or `u`, `v`) texture
-/// coordinates, as is the list `texcoord` of faces; `weight_0`, `weight_1` one after the other are the channel `weight`
-/// of two numbers, and so on up to four; `group` and `material` of faces are numbers whose names stand in comments
-/// (`comment group 0 top`); strips of triangles (`tristrips`) stand for faces; normals are ignored, other scalars of
-/// vertices are channels. Other elements and lists are left out with a note. Vertices that planish parted at the seams
-/// of texture coordinates are doubled ones, as glTF has them.
+/// The reader of PLY as text or binary of either byte order, with properties of any type. Elements are `vertex` (`x`,
+/// `y`, `z`) and `face` (`vertex_indices` or `vertex_index`); `red`, `green`, `blue`, `alpha` are a colour, `s`, `t`
+/// (or `u`, `v`) texture coordinates, as is the list `texcoord` of faces. Consecutive `weight_0`, `weight_1` are the
+/// channel `weight` of two components, and so on up to four. `group` and `material` of faces are numbers that comments
+/// name (`comment group 0 top`). Triangle strips (`tristrips`) replace faces; normals are ignored; other scalars of
+/// vertices are channels. Other elements and lists are left out with a note. Vertices that planish split at the seams
+/// of texture coordinates are read as doubled, as in glTF.
 pub(super) const PLY: Reader = Reader {
     name: "ply",
     media_type: "model/ply",
@@ -60,7 +60,7 @@ fn elements(header: &Header, mut body: impl Body, limits: &ReadLimits) -> Result
     };
     let named = |name: &str| header.elements.iter().filter(|element| element.name == name).count();
     for name in ["vertex", "face"] {
-        // without faces it is a point cloud, or has strips in place of them
+        // a file without faces is a point cloud or has strips instead
         if named(name) != 1 && (name == "vertex" || named(name) > 1) {
             let detail = format!("the header has {} elements \"{name}\"; a mesh has one", named(name));
             return Err(detail);
@@ -96,11 +96,11 @@ fn elements(header: &Header, mut body: impl Body, limits: &ReadLimits) -> Result
     body.end()?;
     let is_parted = header.is_own && !reading.uvs.is_empty();
     let mesh = reading.finish(&header.names);
-    // texture coordinates of vertices part them at seams, which were no boundaries before
+    // texture coordinates of vertices split them at seams, which were not boundaries before
     Ok(ReadMesh { vertices: is_parted.then_some(Vertices::Doubled), ..mesh })
 }
 
-/// The list of the corners of faces, where it stands among the properties of vertices.
+/// Returns the name of the face list if it is wrongly a property of the vertices.
 fn faces_among_vertices(element: &Element) -> Option<&str> {
     let list = element.properties.iter().find(|property| property.holds_corners());
     list.filter(|_| element.name == "vertex").map(|property| property.name.as_str())
@@ -113,18 +113,18 @@ struct Reading {
     uvs: Vec<[f64; 2]>,
     /// Texture coordinates of corners.
     corner_uvs: Vec<[f64; 2]>,
-    /// Faces by the numbers of their groups and materials.
+    /// Faces by group number and by material number.
     groups: BTreeMap<u64, Vec<u64>>,
     materials: BTreeMap<u64, Vec<u64>>,
     n_vertices: u64,
 }
 
-/// Where a number of a vertex goes.
+/// The use of a vertex property.
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Use {
     Position(usize),
     Uv(usize),
-    /// Channel, place in it, and what the number is divided by.
+    /// The channel, the component in it, and the divisor of the value.
     Channel(usize, usize, f64),
     Ignored,
 }
@@ -165,7 +165,7 @@ impl Reading {
         Ok(())
     }
 
-    /// What each property of a vertex is for; makes the channels.
+    /// Determines the use of each vertex property and creates the channels.
     fn uses(&mut self, element: &Element) -> Result<Vec<Use>, String> {
         let has = |name: &str| element.properties.iter().any(|p| p.name == name && p.list.is_none());
         if let Some(missing) = ["x", "y", "z"].iter().find(|name| !has(name)) {
@@ -198,7 +198,7 @@ impl Reading {
             } else if ["nx", "ny", "nz"].contains(&name) {
                 Use::Ignored
             } else if let Some((_, place @ 1..)) = joined {
-                // its run began with a channel of its own
+                // the first property of the run has created the channel
                 Use::Channel(self.channels.len() - 1, place, 1.0)
             } else if self.channels.len() == MAX_CHANNELS {
                 let detail = format!("the vertices have more than {MAX_CHANNELS} further properties; send fewer");
@@ -212,7 +212,7 @@ impl Reading {
         Ok(uses)
     }
 
-    /// Puts the numbers of colours, which came in the order of the file, into the order red, green, blue, alpha.
+    /// Reorders colour components from file order to red, green, blue, alpha.
     fn reorder(&mut self, uses: &[Use]) {
         let order: Vec<usize> = uses
             .iter()
@@ -281,7 +281,7 @@ impl Reading {
         Ok(())
     }
 
-    /// Puts a face into the set of a number; below 0 it is in none.
+    /// Adds a face to the set with this number; negative numbers mean no set.
     fn name(&mut self, kind: &str, number: f64, face: u64) {
         if number >= 0.0 {
             #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "it is whole and below 2^32")]
@@ -312,7 +312,7 @@ impl Reading {
     }
 }
 
-/// The number of a colour at full strength.
+/// Returns the value of a colour component at full strength.
 fn full(kind: Scalar) -> f64 {
     match kind {
         Scalar::U8 => 255.0,

@@ -1,4 +1,4 @@
-//! What every reader does, and what it hands over.
+//! The interface of mesh file readers, and the mesh that they return.
 
 use super::beside::File;
 use crate::scheme::tags::Boundary;
@@ -9,40 +9,40 @@ use crate::shape::labels::FaceSet;
 use crate::shape::looks::Look;
 use crate::shape::seams::Interpolation;
 
-/// A way to read a mesh from the bytes of a file.
+/// A reader of one mesh file format.
 #[derive(Debug)]
 pub struct Reader {
     /// Name in requests, and file extension without the dot.
     pub name: &'static str,
-    /// Media type of the bytes.
+    /// Media type of the format.
     pub media_type: &'static str,
-    /// One sentence for the catalogue.
+    /// Description in one sentence, for the catalogue.
     pub doc: &'static str,
-    /// Which corners of faces share a vertex.
+    /// Which face corners share a vertex.
     pub vertices: Vertices,
-    /// Reads a file. No more memory is taken than the [`weight`](super::room::weight) of the length of the bytes and of
-    /// those of the files beside it, whatever counts they claim. Refusals are sentences that name what is wrong by line
+    /// Reads a file. The memory that it takes is bounded by the [`weight`](super::room::weight) of the length of the
+    /// bytes and of the files beside it, whatever counts they claim. Errors are sentences that name the fault by line
     /// or byte.
     pub read: fn(&File<'_>, &ReadLimits) -> Result<ReadMesh, Vec<String>>,
 }
 
-/// Which corners of faces share a vertex in files of a format.
+/// Which face corners share a vertex in files of a format.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Vertices {
-    /// Those that the file lets share one.
+    /// Corners share a vertex if the file says so.
     Shared,
-    /// Those with the same of all that vertices carry, so that vertices at one place are there several times.
+    /// Corners share a vertex only if all vertex data are equal, so that vertices at one position may be repeated.
     Doubled,
-    /// None in the file; those at the same place are joined as it is read.
+    /// Corners share no vertex in the file; vertices at equal positions are joined on reading.
     Joined,
 }
 
-/// Bounds on one file.
+/// Limits on one file.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct ReadLimits {
-    /// Vertices.
+    /// Maximum number of vertices.
     pub max_vertices: u64,
-    /// Faces.
+    /// Maximum number of faces.
     pub max_faces: u64,
 }
 
@@ -52,56 +52,56 @@ impl Default for ReadLimits {
     }
 }
 
-/// What a file holds.
+/// The contents of a mesh file.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct ReadMesh {
     /// Positions of the vertices, `n x 3`, model units.
     pub positions: Vec<[f64; 3]>,
-    /// Faces, each of 3 or more vertices that exist.
+    /// Faces, each with at least 3 valid vertices.
     pub faces: FaceList,
-    /// The line of each face in the file, where it has one; else empty.
+    /// The line of each face in the file; empty if the format has no lines.
     pub lines: Vec<u32>,
-    /// Edges with a sharpness.
+    /// Edges with their sharpness.
     pub creases: Vec<([u64; 2], f64)>,
-    /// Vertices with a sharpness.
+    /// Vertices with their sharpness.
     pub corners: Vec<(u64, f64)>,
     /// Faces that are refined but not shown.
     pub holes: Vec<u64>,
-    /// The unit of its coordinates, where the file says it.
+    /// The unit of the coordinates, if the file gives it.
     pub unit: Option<Unit>,
-    /// The axis that points up, where the file says it.
+    /// The up axis, if the file gives it.
     pub up: Option<Up>,
-    /// The boundary rule that the file asks for.
+    /// The boundary rule, if the file gives it.
     pub boundary: Option<Boundary>,
-    /// Which corners of faces share a vertex, where the file knows it better than its format.
+    /// Which face corners share a vertex, if this file differs from its format.
     pub vertices: Option<Vertices>,
     /// Texture coordinates.
     pub uvs: Option<Uvs>,
-    /// Named sets of faces, which may overlap: a face is in the first.
+    /// Named sets of faces, which may overlap; a face belongs to the first set that contains it.
     pub groups: Vec<FaceSet>,
     /// Materials with their faces.
     pub materials: Vec<FaceSet>,
-    /// How the first of these materials look.
+    /// The looks of the first of these materials.
     pub looks: Vec<Look>,
-    /// Numbers that vertices carry.
+    /// Channels of vertices or corners.
     pub channels: Vec<ChannelInput>,
-    /// What was left out or changed, in sentences.
+    /// Sentences about data that were left out or changed.
     pub notes: Vec<String>,
 }
 
-/// Texture coordinates that belong to the corners of faces.
+/// Texture coordinates of face corners.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Uvs {
     /// Coordinates, `n x 2`.
     pub values: Vec<[f64; 2]>,
-    /// For each corner (face after face) its row of `values`.
+    /// The row in `values` of each corner, face after face.
     pub corners: Vec<u32>,
-    /// Where they are interpolated linearly, which most formats do not know of.
+    /// Where the coordinates are interpolated linearly, which most formats cannot express.
     pub interpolation: Interpolation,
 }
 
 impl Uvs {
-    /// Those of corners by their rows, interpolated linearly everywhere.
+    /// Creates texture coordinates from the rows of the corners, with linear interpolation everywhere.
     pub(super) fn new(values: Vec<[f64; 2]>, corners: Vec<u32>) -> Self {
         Self { values, corners, interpolation: Interpolation::All }
     }

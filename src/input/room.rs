@@ -1,45 +1,45 @@
-//! What a reader may take of memory: in proportion to the bytes that came in.
+//! The memory budget of a reader, in proportion to the length of its files.
 
 use crate::math::amounts::in_bytes;
 
-/// Bytes that may be taken whatever the length: an accessor, a few nodes and primitives need more than their text is
-/// long. With less, small scenes of a few hundred nodes would be refused; more would let a thousand tiny requests take
-/// gigabytes.
+/// Bytes that may be taken whatever the length of the file: an accessor, a few nodes and primitives take more than
+/// their text is long. Less would refuse small scenes of a few hundred nodes; more would let a thousand tiny requests
+/// take gigabytes.
 const LEAST: u64 = 1 << 20;
 
-/// Bytes that may be taken for each byte of a file. Lists double their room when they are full, so that an entry takes
-/// three times its size at worst. So measured, by byte: words of a long line 24, vertices of binary PLY with
-/// coordinates of a byte 24, names of groups of OBJ 31, faces in sixteen groups 24; most else is below 12. With less,
-/// files that are read today would be refused; glTF, whose entries take up to 300, is counted and refused beyond.
+/// Bytes that may be taken per byte of a file. Lists double their capacity when they are full, so that an entry takes
+/// three times its size at worst. Measured on that basis, per byte: words of a long line 24, vertices of binary PLY
+/// with one-byte coordinates 24, names of groups of OBJ 31, faces in sixteen groups 24; most others are below 12. Less
+/// would refuse files that are read today; glTF, whose entries take up to 300, is counted and refused beyond.
 const EACH: u64 = 32;
 
-/// Times the size of its entries that a growing list holds at worst: the old half while it is copied to the new whole.
+/// The peak capacity of a growing list as a multiple of its size: the old half while it is copied into the new whole.
 pub(super) const GROWN: usize = 3;
 
-/// Bytes that reading a mesh file of so many bytes takes at most, the file itself left out.
+/// Returns an upper bound of the memory in bytes for reading a mesh file of `length` bytes, without the file itself.
 pub const fn weight(length: u64) -> u64 {
     LEAST.saturating_add(EACH.saturating_mul(length))
 }
 
-/// What is left of the weight of a file.
+/// The remaining memory budget of a file.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Room {
     length: u64,
-    /// Bytes beyond the weight.
+    /// Bytes granted beyond the weight.
     spare: u64,
     left: u64,
 }
 
 impl Room {
-    /// All that a file of so many bytes may take.
+    /// Creates the full budget of a file of `length` bytes.
     pub(super) fn new(length: usize) -> Self {
         Self { length: length as u64, spare: 0, left: weight(length as u64) }
     }
 
-    /// Takes so many bytes.
+    /// Takes bytes from the budget.
     ///
     /// # Errors
-    /// There are not so many left: what the file may take, and how to stay below.
+    /// Fewer bytes are left; the message says what the file may take, and how to stay below it.
     pub(super) fn take(&mut self, bytes: usize) -> Result<(), String> {
         self.left = self.left.checked_sub(bytes as u64).ok_or_else(|| {
             let all = weight(self.length).saturating_add(self.spare);
@@ -53,24 +53,24 @@ impl Room {
         Ok(())
     }
 
-    /// The same with so many bytes more.
+    /// Returns the budget with additional bytes.
     #[must_use]
     pub(super) fn with_spare(self, bytes: u64) -> Self {
         Self { left: self.left.saturating_add(bytes), spare: self.spare.saturating_add(bytes), ..self }
     }
 
-    /// Takes in what a file of so many bytes beside the first one may take.
+    /// Adds the allowance of a companion file of `length` bytes.
     pub(super) fn widen(&mut self, length: usize) {
         self.length += length as u64;
         self.left += EACH.saturating_mul(length as u64);
     }
 
-    /// Gives back what was taken and is dropped.
+    /// Returns bytes to the budget after they are freed.
     pub(super) fn give(&mut self, bytes: usize) {
         self.left += bytes as u64;
     }
 
-    /// Whether so many bytes are left.
+    /// Whether at least `bytes` are left.
     pub(super) fn has(&self, bytes: usize) -> bool {
         self.left >= bytes as u64
     }

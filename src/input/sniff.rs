@@ -1,16 +1,16 @@
-//! What a mesh file is, by its first bytes, where its sender does not say.
+//! Detection of the format of a mesh file from its first bytes, for requests that do not name it.
 
-/// Most lines of a text that are looked at for one that only OBJ files have.
-/// Half of it misses files with longer licences before their first vertex; twice of it looks at more of what is none.
+/// Maximum number of lines of a text that are searched for an OBJ statement. Half of it misses files with longer
+/// licences before their first vertex; twice of it searches more of other files in vain.
 const MOST_LINES: usize = 100;
-/// Bytes of these lines that are looked at, at most: a few thousand for each.
+/// Maximum number of bytes of these lines that are searched: a few thousand per line.
 const MOST_TEXT: usize = 256 << 10;
-/// Bytes at the end of an archive that are looked at for the name of a model: the list of some hundred files.
+/// Bytes at the end of an archive that are searched for the name of a model: the list of some hundred files.
 const MOST_LIST: usize = 64 << 10;
 /// Bytes of a binary STL file before its triangles, and of each triangle.
 const STL: [usize; 2] = [84, 50];
 
-/// The name of the reader of a file that shows by its first bytes what it is.
+/// Returns the name of the reader for a file, if its first bytes show its format.
 pub(super) fn kind(bytes: &[u8]) -> Option<&'static str> {
     let text = bytes[..bytes.len().min(MOST_TEXT)].trim_ascii_start();
     let first = text.split(u8::is_ascii_whitespace).next().unwrap_or_default();
@@ -26,20 +26,20 @@ pub(super) fn kind(bytes: &[u8]) -> Option<&'static str> {
     }
 }
 
-/// Whether it is an archive with a model in the list at its end.
+/// Whether the bytes are a ZIP archive whose list, at the end, names a model.
 fn is_3mf(bytes: &[u8]) -> bool {
     let list = &bytes[bytes.len().saturating_sub(MOST_LIST)..];
     bytes.starts_with(b"PK\x03\x04") && list.windows(6).any(|window| window == b".model")
 }
 
-/// Whether a binary STL file would be so long.
+/// Whether the length is that of a binary STL file with the triangle count in bytes 80 to 83.
 fn is_stl(bytes: &[u8]) -> bool {
     let count = bytes.get(80..84).and_then(|count| count.try_into().ok()).map(u32::from_le_bytes);
     let length = |n: u32| usize::try_from(n).ok()?.checked_mul(STL[1])?.checked_add(STL[0]);
     count.and_then(length).is_some_and(|length| length == bytes.len())
 }
 
-/// Whether a line is one of an OBJ file.
+/// Whether a line is an OBJ statement.
 fn is_of_obj(line: &[u8]) -> bool {
     let mut words = line.trim_ascii().split(u8::is_ascii_whitespace);
     let key = words.next().unwrap_or_default();

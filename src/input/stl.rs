@@ -1,4 +1,4 @@
-//! STL: loose triangles, joined where their corners are equal.
+//! STL: reads separate triangles and joins their equal corners.
 //!
 //! Source: 3D Systems, Stereolithography Interface Specification (1988), section 6.5.
 
@@ -16,9 +16,9 @@ const TRIANGLE: usize = 50;
 /// Bytes of the normal of a triangle.
 const NORMAL: usize = 12;
 
-/// STL, text or binary. Equal corners become one vertex, in the order of their first appearance; triangles with two
-/// equal corners are left out, with a note. Normals and attribute bytes are ignored, several solids are groups. A text
-/// may break its lines anywhere; only names end with their lines.
+/// The reader of STL, text or binary. Equal corners become one vertex, in the order of first appearance; triangles with
+/// two equal corners are left out, with a note. Normals and attribute bytes are ignored; several solids become groups.
+/// Lines of a text may be broken anywhere; only names end with their lines.
 pub(super) const STL: Reader = Reader {
     name: "stl",
     media_type: "model/stl",
@@ -29,7 +29,7 @@ pub(super) const STL: Reader = Reader {
 
 fn read(bytes: &[u8], limits: &ReadLimits) -> Result<ReadMesh, String> {
     let mut soup = Soup { mesh: Collected::new(limits), solids: Vec::new() };
-    // a binary file may start with "solid", too, but its number of triangles has bytes that no text has
+    // a binary file may also start with "solid", but its number of triangles has zero bytes, which no text has
     let is_text = bytes.trim_ascii_start().get(..5).is_some_and(|word| word.eq_ignore_ascii_case(b"solid"))
         && !bytes.get(HEADER..START).is_some_and(|n| n.contains(&0));
     let announced = bytes.get(HEADER..START).and_then(|n| n.try_into().ok()).map(u32::from_le_bytes);
@@ -51,10 +51,10 @@ fn read(bytes: &[u8], limits: &ReadLimits) -> Result<ReadMesh, String> {
     soup.joined()
 }
 
-/// Triangles whose corners are vertices of their own.
+/// Triangles that do not share vertices.
 struct Soup {
     mesh: Collected,
-    /// Names of the solids with the number of triangles at their start.
+    /// The name of each solid with the index of its first triangle.
     solids: Vec<(String, usize)>,
 }
 
@@ -109,7 +109,7 @@ impl Soup {
         }
         keyword(words, "normal")?;
         for _ in 0..3 {
-            // many programs write what is no number for triangles without area
+            // many programs write no valid number for triangles without area
             let word = words.expect("a normal of three numbers")?;
             if !is_normal(word) {
                 return Err(instead(word, words, "a normal of three numbers"));
@@ -130,7 +130,7 @@ impl Soup {
         Ok(true)
     }
 
-    /// One mesh, equal corners joined.
+    /// Joins equal corners and returns the mesh.
     fn joined(mut self) -> Result<ReadMesh, String> {
         let mut mesh = std::mem::take(&mut self.mesh.mesh);
         let welded = weld(&mesh.positions, 0.0)?;
@@ -153,7 +153,7 @@ impl Soup {
     }
 }
 
-/// One group a solid, of the faces that were kept.
+/// Creates a group per solid from the faces that were kept.
 fn groups(solids: &[(String, usize)], kept: &[u32]) -> Vec<FaceSet> {
     let end = |i: usize| solids.get(i + 1).map_or(usize::MAX, |next| next.1);
     let group = |(i, (name, start)): (usize, &(String, usize))| {
@@ -164,22 +164,22 @@ fn groups(solids: &[(String, usize)], kept: &[u32]) -> Vec<FaceSet> {
     solids.iter().enumerate().map(group).filter(|group| !group.faces.is_empty()).collect()
 }
 
-/// Words of the format that may follow where a number should.
+/// Keywords of the format that may follow in place of a missing number.
 const KEYWORDS: &[&str] = &["vertex", "endloop", "endfacet", "endsolid"];
 
-/// Whether a word is this one, in any case.
+/// Compares a word with a keyword, ignoring case.
 fn is(word: &str, keyword: &str) -> bool {
     word.eq_ignore_ascii_case(keyword)
 }
 
-/// Whether a word may be a component of a normal: a number, or one of the ways in which C says that there is none.
+/// Whether a word may be a component of a normal: a number, or one of the forms in which C prints NaN.
 fn is_normal(word: &str) -> bool {
     let unsigned = word.trim_start_matches(['+', '-']);
     let says_nan = unsigned.get(..3).is_some_and(|start| is(start, "nan") || start == "1.#");
     says_nan || word.parse::<f64>().is_ok()
 }
 
-/// Coordinate number `n` of a vertex.
+/// Reads coordinate number `n` of a vertex.
 fn coordinate(words: &mut Words<'_>, n: usize) -> Result<f64, String> {
     let line = words.line;
     let short = || at_line(line, format!("a vertex has {n} numbers; it needs 3"));
@@ -190,7 +190,7 @@ fn coordinate(words: &mut Words<'_>, n: usize) -> Result<f64, String> {
     })
 }
 
-/// Passes over a word that has to be this one.
+/// Reads a keyword.
 fn keyword(words: &mut Words<'_>, expected: &str) -> Result<(), String> {
     match words.next() {
         Some(word) if is(word, expected) => Ok(()),
@@ -199,12 +199,12 @@ fn keyword(words: &mut Words<'_>, expected: &str) -> Result<(), String> {
     }
 }
 
-/// A word stands where another should.
+/// Formats the fault of an unexpected word.
 fn instead(word: &str, words: &Words<'_>, what: &str) -> String {
     at_line(words.line, format!("{} stands where {what} should", quoted(word)))
 }
 
-/// The name of a solid: what follows in its line, or comes before the first facet there.
+/// Reads the name of a solid: the rest of its line, up to a facet that begins on the same line.
 fn name(words: &mut Words<'_>) -> String {
     let mut name: Vec<&str> = Vec::new();
     let mut rest = words.rest_of_line();
@@ -219,7 +219,7 @@ fn name(words: &mut Words<'_>) -> String {
     name.join(" ")
 }
 
-/// Passes over the name after the end of a solid: what follows in its line, or comes before the next solid there.
+/// Skips the name after the end of a solid: the rest of its line, up to a solid that begins on the same line.
 fn pass_over_name(words: &mut Words<'_>) {
     let mut length = 0;
     let mut solid = None;

@@ -2,8 +2,8 @@
 
 use std::borrow::Cow;
 
-/// The text of a file: UTF-16 with its mark, else UTF-8. Names may be in any encoding; what is none of these in them is
-/// replaced. Lines may all end in carriage returns alone.
+/// Decodes the text of a file: UTF-16 if it has a byte order mark, otherwise UTF-8. Invalid sequences, as in names in
+/// other encodings, are replaced. Lines may end in carriage returns alone if all do.
 pub(super) fn text(bytes: &[u8]) -> Cow<'_, str> {
     let text = match bytes {
         [0xff, 0xfe, rest @ ..] => Cow::Owned(of_units(rest, u16::from_le_bytes)),
@@ -13,34 +13,34 @@ pub(super) fn text(bytes: &[u8]) -> Cow<'_, str> {
     if text.contains('\r') && !text.contains('\n') { Cow::Owned(text.replace('\r', "\n")) } else { text }
 }
 
-/// The text of 16-bit units.
+/// Decodes UTF-16, with the byte order that `unit` has.
 fn of_units(bytes: &[u8], unit: fn([u8; 2]) -> u16) -> String {
     let units = bytes.as_chunks().0.iter().map(|&bytes| unit(bytes));
     char::decode_utf16(units).map(|letter| letter.unwrap_or(char::REPLACEMENT_CHARACTER)).collect()
 }
 
-/// The line without a comment; a `#` within a word belongs to a name.
+/// Returns the line without its comment; a `#` within a word is part of a name.
 pub(super) fn without_comment(line: &str) -> &str {
     let starts = |(at, _): &(usize, &str)| line[..*at].chars().next_back().is_none_or(char::is_whitespace);
     line.match_indices('#').find(starts).map_or(line, |(at, _)| &line[..at])
 }
 
-/// A fault in a line, counted from 1.
+/// Formats a fault in a line, counted from 1.
 pub(super) fn at_line(line: usize, detail: impl std::fmt::Display) -> String {
     format!("line {line}: {detail}")
 }
 
-/// A word for a message: shortened, with marks around it.
+/// Quotes a word for a message and shortens it.
 pub(super) fn quoted(word: &str) -> String {
     let short: String = word.chars().take(40).collect();
     let more = if short.len() < word.len() { "..." } else { "" };
     format!("{short:?}{more}")
 }
 
-/// A finite number.
+/// Parses a finite number.
 ///
 /// # Errors
-/// Everything else.
+/// The word is not a finite number.
 pub(super) fn number(word: &str) -> Result<f64, String> {
     match word.parse::<f64>() {
         Ok(x) if x.is_finite() => Ok(x),
@@ -49,18 +49,18 @@ pub(super) fn number(word: &str) -> Result<f64, String> {
     }
 }
 
-/// A whole number of at least 0.
+/// Parses a non-negative whole number.
 ///
 /// # Errors
-/// Everything else.
+/// The word is not a non-negative whole number.
 pub(super) fn count(word: &str) -> Result<u64, String> {
     word.parse().map_err(|_| format!("{} is no whole number of at least 0", quoted(word)))
 }
 
-/// So many finite numbers from words.
+/// Parses `N` finite numbers from words.
 ///
 /// # Errors
-/// A word that is no number, or too few of them; `what` names what they are.
+/// A word is not a finite number, or there are too few words; `what` names the numbers in the message.
 pub(super) fn numbers<'a, const N: usize>(
     words: &mut impl Iterator<Item = &'a str>,
     what: &str,
@@ -72,7 +72,7 @@ pub(super) fn numbers<'a, const N: usize>(
     Ok(found)
 }
 
-/// The words of a text with their lines, comments left out.
+/// The words of a text with their line numbers, without comments.
 #[derive(Debug, Clone)]
 pub(super) struct Words<'a> {
     lines: std::iter::Enumerate<std::str::Lines<'a>>,
@@ -83,16 +83,16 @@ pub(super) struct Words<'a> {
 }
 
 impl<'a> Words<'a> {
-    /// The words of `text`, whose first line has the number `line`; `comment` and what follows it in a line are left
-    /// out.
+    /// Creates an iterator over the words of `text`, whose first line has the number `line`; `comment` and the rest of
+    /// its line are skipped.
     pub(super) fn new(text: &'a str, line: usize, comment: Option<char>) -> Self {
         Self { lines: text.lines().enumerate(), left: "".split_ascii_whitespace(), comment, line: line - 1 }
     }
 
-    /// The next word.
+    /// Returns the next word.
     ///
     /// # Errors
-    /// The text is at its end; `what` was expected.
+    /// The text has ended; `what` names the missing word in the message.
     pub(super) fn expect(&mut self, what: &str) -> Result<&'a str, String> {
         self.next().ok_or_else(|| self.ends(what))
     }
@@ -101,10 +101,10 @@ impl<'a> Words<'a> {
         at_line(self.line.max(1), format!("the file ends where {what} should follow"))
     }
 
-    /// The words of the next line that has any.
+    /// Returns the words of the next line that is not empty.
     ///
     /// # Errors
-    /// The text is at its end; `what` was expected.
+    /// The text has ended; `what` names the missing words in the message.
     pub(super) fn expect_line(&mut self, what: &str) -> Result<std::str::SplitAsciiWhitespace<'a>, String> {
         loop {
             let line = self.next_line().ok_or_else(|| self.ends(what))?;
@@ -114,12 +114,12 @@ impl<'a> Words<'a> {
         }
     }
 
-    /// The words that are left of the line of the last word.
+    /// Returns the remaining words of the current line.
     pub(super) fn rest_of_line(&self) -> std::str::SplitAsciiWhitespace<'a> {
         self.left.clone()
     }
 
-    /// Passes over so many of them.
+    /// Skips `n` words of the current line.
     pub(super) fn pass(&mut self, n: usize) {
         self.left.by_ref().take(n).for_each(drop);
     }

@@ -1,4 +1,4 @@
-//! 3MF: triangles of the objects that are built, from the model in an archive.
+//! 3MF: reads the triangles of the objects that are built, from the model in the archive.
 
 mod archive;
 mod build;
@@ -12,13 +12,13 @@ use super::room::Room;
 use super::text::quoted;
 use crate::shape::frame::Up;
 
-/// 3MF Core 1.3: the objects of the build where their items put them, with components, materials and colours of the
-/// Materials Extension.
+/// The reader of 3MF Core 1.3: the objects of the build with the transforms of their items, with components, and with
+/// materials and colours of the Materials Extension.
 ///
-/// The unit of the model and its up axis, z, are those of the input where the job gives no others; micrometres come as
-/// millimetres, feet as inches. Base materials are materials, colours of corners the channel `color`, objects groups
-/// where there are several. Textures, supports and other extensions are left out with a note, or refused where the
-/// model says that it makes no sense without them.
+/// The unit of the model and its up axis, z, become those of the input unless the job gives others; micrometres are
+/// read as millimetres, feet as inches. Base materials become materials, corner colours the channel `color`, and
+/// objects become groups if there are several. Textures, supports and other extensions are left out with a note, or
+/// refused if the model declares them as required.
 pub(super) const THREE_MF: Reader = Reader {
     name: "3mf",
     media_type: "model/3mf",
@@ -40,7 +40,7 @@ fn read(bytes: &[u8], limits: &ReadLimits) -> Result<ReadMesh, String> {
     Ok(ReadMesh { unit: Some(unit), up: Some(Up::Z), ..mesh })
 }
 
-/// The name of the model that the relations of the archive begin with.
+/// Returns the name of the main model, from the relationships of the archive.
 fn main_model(archive: &Archive<'_>) -> Result<String, String> {
     const RELATIONS: &str = "_rels/.rels";
     let missing = || format!("the archive has no model: {RELATIONS} names none; it is no 3MF file");

@@ -1,19 +1,20 @@
-//! Affine maps, in f64.
+//! Affine maps in f64.
 
 use crate::math::vector::{cross, dot};
 
-/// How far the length of a rotation may be from 1: writers of few digits round it.
+/// How far the length of a quaternion may be from 1, because writers round to a few digits.
 const UNIT: f64 = 1e-3;
 
-/// An affine map: `x -> A x + t`, the columns of `A`, then `t`.
+/// An affine map `x -> A x + t`, stored as the columns of `A`, then `t`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Transform(pub(super) [[f64; 3]; 4]);
 
 impl Transform {
-    /// The map that changes nothing.
+    /// The identity map.
     pub(super) const IDENTITY: Self = Self([[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0], [0.0; 3]]);
 
-    /// The turn of a quaternion, its real part last, which is divided by its length; none where that is not near 1.
+    /// Returns the rotation of a quaternion, with its real part last, after normalisation; `None` if its length is not
+    /// near 1.
     pub(super) fn rotation([x, y, z, w]: [f64; 4]) -> Option<Self> {
         let square = x * x + y * y + z * z + w * w;
         let s = 2.0 / square;
@@ -26,20 +27,20 @@ impl Transform {
         ((square.sqrt() - 1.0).abs() <= UNIT).then_some(Self(columns))
     }
 
-    /// First `inner`, then this one.
+    /// Returns the composition that applies `inner` first, then `self`.
     pub(super) fn after(&self, inner: &Self) -> Self {
         let linear = Self([self.0[0], self.0[1], self.0[2], [0.0; 3]]);
         let [a, b, c, t] = inner.0;
         Self([linear.point(a), linear.point(b), linear.point(c), self.point(t)])
     }
 
-    /// Where a point comes to.
+    /// Applies the map to a point.
     pub(super) fn point(&self, [x, y, z]: [f64; 3]) -> [f64; 3] {
         let [a, b, c, t] = self.0;
         std::array::from_fn(|k| a[k] * x + b[k] * y + c[k] * z + t[k])
     }
 
-    /// Whether it turns the orientation round: the determinant is negative.
+    /// Whether the map reverses orientation, which is when its determinant is negative.
     pub(super) fn is_mirror(&self) -> bool {
         let [a, b, c, _] = self.0;
         dot(a, cross(b, c)) < 0.0

@@ -1,17 +1,18 @@
-//! Corners of faces: `v`, `v/vt`, `v//vn`, `v/vt/vn`, counted from 1, or backwards from what was last.
+//! Face corners: `v`, `v/vt`, `v//vn`, `v/vt/vn`, counted from 1, or backwards from the last entry.
 
 use crate::input::text::quoted;
 use crate::shape::topology::NONE;
 
-/// Indices from 0: vertex, texture coordinate, normal; [`NONE`] where there is none.
+/// Indices of vertex, texture coordinate and normal, counted from 0; [`NONE`] if absent.
 pub(super) type Corner = [u32; 3];
 
 const KINDS: [&str; 3] = ["vertex", "texture coordinate", "normal"];
 
-/// Reads a corner; `counts` says how many of each have come before it.
+/// Reads a corner; `counts` are the numbers of vertices, texture coordinates and normals before it.
 ///
 /// # Errors
-/// What is no corner; a backward index before the first. Forward ones are looked at when all is known.
+/// The word is not a corner, or a backward index points before the first entry. Forward indices are checked at the end
+/// of the file.
 pub(super) fn read(word: &str, counts: [usize; 3]) -> Result<Corner, String> {
     let mut corner = [NONE; 3];
     let mut parts = word.split('/');
@@ -42,7 +43,7 @@ fn index(part: &str, kind: &str, n: usize) -> Result<u32, String> {
     found.ok_or_else(|| beyond(given))
 }
 
-/// What to say of an index that turned out to be too large.
+/// Describes an index that is beyond the end of the file's list.
 pub(super) fn beyond(kind: usize, at: u32, n: usize) -> String {
     format!("there is no {} {}; the file has {n}, counted from 1", KINDS[kind], u64::from(at) + 1)
 }

@@ -1,4 +1,4 @@
-//! Faces of an OBJ file with what belongs to their corners, and the sets they are in.
+//! Faces of an OBJ file with the data of their corners, and the sets that contain them.
 
 use std::collections::BTreeMap;
 use std::ops::Range;
@@ -11,21 +11,21 @@ use crate::shape::check::FaceList;
 use crate::shape::labels::FaceSet;
 use crate::shape::topology::{NONE, index};
 
-/// Most groups that a face is in at once.
+/// Maximum number of groups that contain a face at once.
 const MAX_AT_ONCE: usize = 16;
-/// Faults that are told one by one.
+/// Maximum number of faults that are reported individually.
 const MAX_FAULTS: usize = 20;
-/// The name of the group of faces that are in none, and of the material of those that have none.
+/// The name that stands for no group and for no material.
 const NONE_OF_THEM: &str = "default";
 
-/// What faces have besides vertices.
+/// The data of faces other than their vertices.
 #[derive(Debug, Default)]
 pub(super) struct Faces {
     /// Line of each face.
     lines: Vec<u32>,
     /// Texture coordinate of each corner.
     uvs: Vec<u32>,
-    /// The largest normal, and its line.
+    /// The largest normal index, and its line.
     normal: Option<(u32, usize)>,
     pub(super) objects: Sets,
     pub(super) groups: Sets,
@@ -34,7 +34,7 @@ pub(super) struct Faces {
 }
 
 impl Faces {
-    /// Takes a face; `counts` says how many positions, texture coordinates and normals have come before it.
+    /// Adds a face; `counts` are the numbers of positions, texture coordinates and normals before it.
     pub(super) fn push<'a>(
         &mut self,
         line: usize,
@@ -68,7 +68,7 @@ impl Faces {
         Ok(())
     }
 
-    /// Faults of faces whose indices are beyond what the file has.
+    /// Lists the faces whose indices are beyond what the file has.
     pub(super) fn beyond(&self, counts: [usize; 3], faces: &FaceList) -> Vec<String> {
         let mut faults = Vec::new();
         let mut corner = 0;
@@ -90,7 +90,7 @@ impl Faces {
         faults
     }
 
-    /// Hands over lines, texture coordinates and sets.
+    /// Moves lines, texture coordinates and sets into the mesh.
     pub(super) fn finish(self, uvs: Vec<[f64; 2]>, mesh: &mut ReadMesh) {
         let without = self.uvs.iter().filter(|&&uv| uv == NONE).count();
         if !self.uvs.is_empty() && without == 0 {
@@ -100,20 +100,20 @@ impl Faces {
                 .push(format!("texture coordinates are left out: {without} of {} corners have none", self.uvs.len()));
         }
         mesh.lines = self.lines;
-        // a group says more than the object it is in
+        // groups come before objects because they are more specific
         mesh.groups = self.groups.finish().chain(self.objects.finish()).collect();
         mesh.materials = self.materials.finish().collect();
     }
 }
 
-/// A named set of faces, in ranges: faces may be in many sets at once, and those of a set come one after the other.
+/// A named set of faces as ranges in ascending order; a face may be in many sets.
 #[derive(Debug)]
 struct Set {
     name: String,
     faces: Vec<Range<u32>>,
 }
 
-/// Named sets, and those that the next face is in.
+/// Named sets, and the current sets, which the next face joins.
 #[derive(Debug, Default)]
 pub(super) struct Sets {
     found: Vec<Set>,
@@ -122,7 +122,7 @@ pub(super) struct Sets {
 }
 
 impl Sets {
-    /// From here on faces are in the sets of these names; [`NONE_OF_THEM`] is no set.
+    /// Makes the sets of these names the current ones; [`NONE_OF_THEM`] is ignored.
     pub(super) fn enter<'a>(&mut self, names: impl Iterator<Item = &'a str>) -> Result<(), String> {
         self.current.clear();
         for name in names.filter(|name| !name.is_empty() && *name != NONE_OF_THEM) {
@@ -152,7 +152,7 @@ impl Sets {
         }
     }
 
-    /// The sets that have faces, in the order of their names' first appearance.
+    /// Returns the sets that have faces, in the order in which their names first appeared.
     fn finish(self) -> impl Iterator<Item = FaceSet> {
         self.found.into_iter().filter(|set| !set.faces.is_empty()).map(|Set { name, faces: ranges }| {
             let mut faces = Vec::with_capacity(ranges.iter().map(ExactSizeIterator::len).sum());

@@ -1,4 +1,4 @@
-//! Libraries of materials (MTL): colours, how see-through they are, metalness, roughness, and a picture.
+//! Material libraries (MTL): colours, opacity, metalness, roughness, and a texture.
 //!
 //! Sources: Wavefront Technologies, Advanced Visualizer Manual (1995), chapter 5; for `Pm` and `Pr` the extension of
 //! Exocortex Clara.io (2015).
@@ -12,14 +12,14 @@ use crate::shape::labels::FaceSet;
 use crate::shape::looks::Look;
 use crate::shape::textures::{Image, Texture, Wrap};
 
-/// Most bytes of a library, and of a picture. Half of it would refuse pictures that cameras make; twice of it says no
-/// more of a surface.
+/// Maximum number of bytes of a library, and of a picture. Half of it would refuse pictures that cameras make; twice of
+/// it adds nothing visible to a surface.
 const MOST_BYTES: u64 = 64 << 20;
 
-/// Statements that are told of where they are left out.
+/// Maximum number of kinds of ignored statements that a note names.
 const MOST_TOLD: usize = 8;
 
-/// How many numbers follow an option of a picture, at most.
+/// Options of a picture statement, with the maximum number of arguments of each.
 const OPTIONS: &[(&str, usize)] = &[
     ("-blendu", 1),
     ("-blendv", 1),
@@ -37,31 +37,31 @@ const OPTIONS: &[(&str, usize)] = &[
     ("-type", 1),
 ];
 
-/// A library that is read.
+/// The contents of the material libraries.
 #[derive(Debug, Default)]
 pub(super) struct Library {
     materials: BTreeMap<String, Entry>,
-    /// What is left out, and how often.
+    /// The statements that are left out, with their number.
     left_out: BTreeMap<String, usize>,
     notes: Vec<String>,
-    /// Whether the file names none, and none came along.
+    /// Whether the file names no library and none came with it.
     is_none: bool,
 }
 
-/// What a library says of a material.
+/// A material of a library.
 #[derive(Debug, Default)]
 struct Entry {
     color: Option<[f64; 3]>,
-    /// Alpha, and what remains of 1: the first counts.
+    /// The alpha of `d`, and of `Tr` as 1 minus its value; the first takes precedence.
     alpha: [Option<f64>; 2],
     metallic: Option<f64>,
     roughness: Option<f64>,
-    /// The name of a picture, and what lies beyond its sides.
+    /// The name of a picture, and its wrapping mode.
     picture: Option<(String, Wrap)>,
 }
 
 impl Library {
-    /// Reads the libraries of these names beside a file, or the one that came along with it.
+    /// Reads the libraries with these names beside the file, or the one that came with it.
     pub(super) fn beside(beside: &dyn Beside, names: &[String]) -> Self {
         let mut library = Self::default();
         if let Some(bytes) = beside.library() {
@@ -71,7 +71,7 @@ impl Library {
         library.is_none = names.is_empty();
         for name in names {
             let read = |name| beside.read(name, MOST_BYTES).map(|bytes| (bytes, folder(name)));
-            // a name may have blanks, or be several names
+            // a name may contain blanks, or be several names
             let several = || name.split(' ').map(read).collect::<Result<Vec<_>, _>>();
             match read(name).map(|one| vec![one]).or_else(|detail| several().map_err(|_| detail)) {
                 Ok(found) => found.iter().for_each(|(bytes, folder)| library.add(bytes, folder)),
@@ -81,7 +81,7 @@ impl Library {
         library
     }
 
-    /// Hands over how these materials look, and names what is left out.
+    /// Adds the looks of these materials to the mesh, and notes what is left out.
     pub(super) fn looks(
         mut self,
         materials: &[FaceSet],
@@ -137,7 +137,7 @@ impl Library {
         *self.left_out.entry(what).or_default() += 1;
     }
 
-    /// Adds the materials of a library, whose pictures lie in a folder. Materials that are known keep what they have.
+    /// Adds the materials of a library whose pictures are relative to `folder`. Existing materials keep their values.
     fn add(&mut self, bytes: &[u8], folder: &str) {
         let text = text(bytes);
         let mut current: Option<(String, Entry)> = None;
@@ -163,10 +163,10 @@ impl Library {
 }
 
 impl Entry {
-    /// Takes a statement.
+    /// Reads a statement.
     ///
     /// # Errors
-    /// What is left out.
+    /// The statement is left out; the error names it.
     fn say(&mut self, keyword: &str, rest: &str, folder: &str) -> Result<(), String> {
         let mut words = rest.split_ascii_whitespace();
         let within = |x: f64| x.clamp(0.0, 1.0);
@@ -188,7 +188,7 @@ impl Entry {
         Ok(())
     }
 
-    /// Takes a picture: options, then a name.
+    /// Reads the options and the name of a picture.
     fn picture(&mut self, rest: &str, folder: &str) -> Result<(), String> {
         let (mut rest, mut wrap, mut moved) = (rest, Wrap::Repeat, Ok(()));
         while rest.starts_with('-') {
@@ -197,7 +197,7 @@ impl Entry {
             rest = after.trim_start();
             for i in 0..most {
                 let (word, after) = rest.split_once(char::is_whitespace).unwrap_or((rest, ""));
-                // the second and third number of most options may be missing
+                // the second and third arguments of most options are optional
                 if i > 0 && number(word).is_err() {
                     break;
                 }
@@ -224,8 +224,8 @@ impl Entry {
     }
 }
 
-/// Whether a statement leaves a surface as it would be without it: no light of its own and no highlight, all or none of
-/// the light from around, no refraction, and a model of lighting without mirrors and glass.
+/// Whether a statement has no visible effect: no emission and no highlight, all or none of the ambient light, no
+/// refraction, and an illumination model without mirrors and glass.
 fn says_nothing(keyword: &str, rest: &str) -> bool {
     let all =
         |values: &[f64]| rest.split_ascii_whitespace().all(|word| number(word).is_ok_and(|x| values.contains(&x)));
@@ -238,7 +238,7 @@ fn says_nothing(keyword: &str, rest: &str) -> bool {
     }
 }
 
-/// The folder of a file with the stroke behind it; nothing for a file beside the first one.
+/// Returns the folder of a file with its trailing separator; empty for a file beside the main file.
 fn folder(name: &str) -> &str {
     &name[..name.rfind(['/', '\\']).map_or(0, |at| at + 1)]
 }

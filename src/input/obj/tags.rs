@@ -6,7 +6,7 @@ use crate::input::reader::ReadMesh;
 use crate::input::text::{at_line, count, number, quoted};
 use crate::scheme::tags::Boundary;
 
-/// What tags say, with the line of each entry, as the vertices they name may follow.
+/// The parsed tags with their lines; they are checked at the end because the vertices that they name may follow later.
 #[derive(Debug, Default)]
 pub(super) struct Tags {
     creases: Vec<(usize, [u64; 2], f64)>,
@@ -34,7 +34,7 @@ impl Arguments {
         if all != Some(given as u64) {
             return Err(format!("the tag has {given} arguments, {} says otherwise", quoted(sizes)));
         }
-        // now no count is larger than the number of words
+        // from here on no count exceeds the number of words
         let [n, m] = [n, m].map(|n| usize::try_from(n).unwrap_or(given));
         let (mut indices, mut numbers) = (Vec::with_capacity(n), Vec::with_capacity(m));
         for word in words.by_ref().take(n) {
@@ -46,7 +46,7 @@ impl Arguments {
         Ok(Self { indices, numbers, n_words: words.count() })
     }
 
-    /// One sharpness for all of `n` entries, or one each.
+    /// Returns the sharpness of each of `n` entries, from one common value or one value each.
     fn sharpness(&self, n: usize) -> Result<impl Iterator<Item = f64>, String> {
         let given = self.numbers.len();
         if n == 0 || !(given == 1 || given == n) {
@@ -60,7 +60,7 @@ impl Arguments {
 }
 
 impl Tags {
-    /// Takes a tag; those that say nothing of the shape are counted in `left_out`.
+    /// Adds a tag; tags that do not affect the shape are counted in `left_out`.
     pub(super) fn push<'a>(
         &mut self,
         line: usize,
@@ -90,7 +90,7 @@ impl Tags {
         Ok(())
     }
 
-    /// Hands over what names vertices and faces that exist.
+    /// Moves the tags into the mesh after checking that their vertices and faces exist.
     pub(super) fn finish(self, mesh: &mut ReadMesh) -> Result<(), String> {
         let vertices = mesh.positions.len() as u64;
         let faces = mesh.faces.len() as u64;
@@ -118,7 +118,7 @@ impl Tags {
     }
 }
 
-/// 0 leaves faces at the boundary out, 1 is edges and corners, 2 edges only.
+/// Converts an `interpolateboundary` tag: 0 leaves out faces at the boundary, 1 is edges and corners, 2 edges only.
 fn boundary(arguments: &Arguments) -> Result<Boundary, String> {
     match (arguments.indices.as_slice(), arguments.numbers.len() + arguments.n_words) {
         ([0], 0) => Ok(Boundary::None),

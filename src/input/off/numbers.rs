@@ -1,20 +1,20 @@
-//! The numbers of binary OFF: 32 bits each, the most significant byte first.
+//! Reader of the values of binary OFF: 32 bits each, in big-endian order.
 
-/// The numbers of a file, one after the other.
+/// A cursor over the values of a file.
 #[derive(Debug)]
 pub(super) struct Numbers<'a> {
     bytes: &'a [u8],
-    /// The byte at which the next number begins.
+    /// The offset of the next value in bytes.
     at: usize,
 }
 
 impl<'a> Numbers<'a> {
-    /// Those from a byte of a file on.
+    /// Creates a cursor that begins at byte `at` of the file.
     pub(super) fn new(bytes: &'a [u8], at: usize) -> Self {
         Self { bytes, at }
     }
 
-    /// The bytes of the next number of something.
+    /// Reads the four bytes of the next value; `what` names the value in messages.
     ///
     /// # Errors
     /// The file has ended.
@@ -26,7 +26,7 @@ impl<'a> Numbers<'a> {
         Ok(word)
     }
 
-    /// A count or an index.
+    /// Reads a count or an index.
     ///
     /// # Errors
     /// The file has ended.
@@ -34,10 +34,10 @@ impl<'a> Numbers<'a> {
         self.next(what).map(u32::from_be_bytes).map(u64::from)
     }
 
-    /// A coordinate or a component of a colour.
+    /// Reads a coordinate or a colour component.
     ///
     /// # Errors
-    /// The file has ended, or it is not finite.
+    /// The file has ended, or the number is not finite.
     pub(super) fn number(&mut self, what: &str) -> Result<f64, String> {
         let at = self.at;
         let number = f32::from_be_bytes(self.next(what)?);
@@ -45,12 +45,12 @@ impl<'a> Numbers<'a> {
         if number.is_finite() { Ok(number.into()) } else { Err(is_wrong()) }
     }
 
-    /// A sentence with the byte that was reached.
+    /// Prefixes a message with the current byte offset.
     pub(super) fn said(&self, detail: impl std::fmt::Display) -> String {
         format!("byte {}: {detail}", self.at)
     }
 
-    /// Whether nothing follows but the line break that some programs write.
+    /// Whether nothing follows except the line break that some programs write.
     pub(super) fn is_at_end(&self) -> bool {
         self.bytes.get(self.at..).unwrap_or_default().trim_ascii().is_empty()
     }

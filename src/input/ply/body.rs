@@ -1,34 +1,34 @@
-//! The numbers of a PLY file, one after another.
+//! Readers of the values in the body of a PLY file, as text or binary.
 
 use super::header::{Element, Property, Scalar};
 use crate::input::text::{Words, at_line, count, quoted};
 
-/// Numbers in the order of the file.
+/// A source of the values of a PLY body in file order.
 pub(super) trait Body {
-    /// Where the next number stands, or the last one stood.
+    /// Returns the position of the next or the last value, for messages.
     fn place(&self) -> String;
-    /// The next number. Every type of PLY fits f64.
+    /// Reads the next value. Every PLY type fits into f64.
     ///
     /// # Errors
-    /// The file ends, or what stands there is no such number.
+    /// The file ends, or the next value is not of this type.
     fn scalar(&mut self, kind: Scalar) -> Result<f64, String>;
-    /// The next number, which is to be whole and at least 0.
+    /// Reads the next value as a non-negative whole number.
     ///
     /// # Errors
-    /// It is not.
+    /// The value is not a non-negative whole number.
     fn index(&mut self, kind: Scalar) -> Result<u64, String>;
-    /// How many numbers of type `kind` may still follow.
+    /// Returns an upper bound of the number of values of type `kind` that may still follow.
     fn room(&self, kind: Scalar) -> u64;
-    /// Nothing follows.
+    /// Checks that nothing follows the last element.
     ///
     /// # Errors
-    /// Something does.
+    /// Something follows the last element.
     fn end(&mut self) -> Result<(), String>;
 
-    /// The length of a list; what is left of the file can hold it.
+    /// Reads the length of a list and checks that the rest of the file can hold the list.
     ///
     /// # Errors
-    /// It cannot.
+    /// The list is longer than the rest of the file.
     fn size(&mut self, sizes: Scalar, kind: Scalar) -> Result<u64, String> {
         let n = self.index(sizes)?;
         let room = self.room(kind);
@@ -39,21 +39,21 @@ pub(super) trait Body {
         Ok(n)
     }
 
-    /// Passes over a property.
+    /// Skips the value or list of a property.
     ///
     /// # Errors
-    /// As for reading it.
+    /// The same as for reading the property.
     fn pass(&mut self, property: &Property) -> Result<(), String> {
         let n = property.list.map_or(Ok(1), |sizes| self.size(sizes, property.kind))?;
         (0..n).try_for_each(|_| self.scalar(property.kind).map(|_| ()))
     }
 
-    /// Whether what is left can hold the rows of an element.
+    /// Checks that the rest of the file can hold all rows of an element.
     ///
     /// # Errors
-    /// It cannot.
+    /// The element has more rows than the rest of the file can hold.
     fn holds(&self, element: &Element) -> Result<(), String> {
-        // a list has its length at least
+        // an empty list still takes its length field
         let kinds = element.properties.iter().map(|property| property.list.unwrap_or(property.kind));
         let rows = kinds.map(|kind| self.room(kind)).min().unwrap_or(u64::MAX);
         if element.count > rows {
@@ -65,7 +65,7 @@ pub(super) trait Body {
     }
 }
 
-/// Numbers as text.
+/// The body of an ASCII file.
 #[derive(Debug)]
 pub(super) struct Ascii<'a> {
     words: Words<'a>,
@@ -107,7 +107,7 @@ impl Body for Ascii<'_> {
     }
 
     fn room(&self, _kind: Scalar) -> u64 {
-        // a digit and a space
+        // the shortest number takes a digit and a space
         self.left as u64 / 2 + 1
     }
 
@@ -119,7 +119,7 @@ impl Body for Ascii<'_> {
     }
 }
 
-/// Numbers as bytes.
+/// The body of a binary file.
 #[derive(Debug)]
 pub(super) struct Binary<'a> {
     rest: &'a [u8],
@@ -132,7 +132,7 @@ impl<'a> Binary<'a> {
         Self { rest: bytes, at, big_endian }
     }
 
-    /// The next `N` bytes, the lowest first.
+    /// Reads the next `N` bytes and returns them in little-endian order.
     fn bytes<const N: usize>(&mut self) -> Result<[u8; N], String> {
         let Some((bytes, rest)) = self.rest.split_first_chunk::<N>() else {
             return Err(format!("byte {}: the file ends where {N} more bytes should follow", self.at));

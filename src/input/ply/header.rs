@@ -1,18 +1,18 @@
-//! The header of a PLY file: always text.
+//! Parser of the header of a PLY file, which is text in every encoding.
 
 use std::collections::BTreeMap;
 
 use crate::input::text::{at_line, count, quoted};
 
-/// Most lines of a header, elements, and properties of all elements.
+/// Maximum numbers of header lines, of elements, and of properties of all elements together.
 const MAX_LINES: usize = 10_000;
 const MAX_ELEMENTS: usize = 64;
 const MAX_PROPERTIES: usize = 512;
 
-/// Properties of faces whose numbers stand for names.
+/// Face properties whose numbers stand for names.
 pub(super) const NAMED: [&str; 2] = ["group", "material"];
 
-/// How numbers are written.
+/// The encoding of the body.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Encoding {
     Ascii,
@@ -20,7 +20,7 @@ pub(super) enum Encoding {
     BigEndian,
 }
 
-/// The type of a number.
+/// The type of a value.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Scalar {
     I8,
@@ -51,7 +51,7 @@ impl Scalar {
         }
     }
 
-    /// Bytes of a number.
+    /// Returns the size of a value in bytes.
     pub(super) fn bytes(self) -> usize {
         match self {
             Self::I8 | Self::U8 => 1,
@@ -61,7 +61,7 @@ impl Scalar {
         }
     }
 
-    /// Whether numbers are whole.
+    /// Whether the type is an integer type.
     pub(super) fn is_whole(self) -> bool {
         !matches!(self, Self::F32 | Self::F64)
     }
@@ -72,18 +72,18 @@ impl Scalar {
 pub(super) struct Property {
     pub(super) name: String,
     pub(super) kind: Scalar,
-    /// For a list the type of its length.
+    /// The type of the length field if the property is a list.
     pub(super) list: Option<Scalar>,
 }
 
 impl Property {
-    /// Whether it is a list of the corners of faces.
+    /// Whether the property is the list of the vertices of a face.
     pub(super) fn holds_corners(&self) -> bool {
         self.list.is_some() && (self.name == "vertex_indices" || self.name == "vertex_index")
     }
 }
 
-/// So many rows of the same properties.
+/// An element: its name, its number of rows and the properties of each row.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(super) struct Element {
     pub(super) name: String,
@@ -91,21 +91,21 @@ pub(super) struct Element {
     pub(super) properties: Vec<Property>,
 }
 
-/// What a header says.
+/// The parsed header.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(super) struct Header {
     pub(super) encoding: Encoding,
     pub(super) elements: Vec<Element>,
-    /// Names that comments give to the numbers of groups and materials: `comment group 0 top`.
+    /// Names of groups and materials by property and number, from comments such as `comment group 0 top`.
     pub(super) names: BTreeMap<(String, u64), String>,
     /// Whether a comment says that planish wrote the file.
     pub(super) is_own: bool,
-    /// The bytes of the header, the last line break included, and its lines.
+    /// The length of the header in bytes, including the last line break, and its number of lines.
     pub(super) length: usize,
     pub(super) lines: usize,
 }
 
-/// The comment in files that planish wrote.
+/// The comment that marks files written by planish.
 const OWN: &str = "comment planish";
 
 /// Reads a header.
@@ -167,7 +167,7 @@ pub(super) fn read(bytes: &[u8]) -> Result<Header, String> {
     Err("the file ends within its header, which ends with a line \"end_header\"".to_owned())
 }
 
-/// A comment that names a group or material.
+/// Parses a comment that names a group or material.
 fn name<'a>(mut words: impl Iterator<Item = &'a str>) -> Option<((String, u64), String)> {
     let kind = words.next().filter(|kind| NAMED.contains(kind))?;
     let number = words.next()?.parse().ok()?;

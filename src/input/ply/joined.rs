@@ -1,16 +1,16 @@
-//! Properties of vertices that are the numbers of one channel.
+//! Runs of vertex properties that together form one channel.
 
 use super::header::Property;
 use crate::shape::attachments::{COLOR, MAX_WIDTH};
 
-/// The name of a channel, and how many numbers it has.
+/// The name of a channel and its number of components.
 type Run<'a> = (&'a str, usize);
 
-/// For each property the channel of several numbers that it belongs to, and its place there.
+/// Returns for each property the multi-component channel that it belongs to and its component index there, if any.
 ///
-/// Such are properties `a_0`, `a_1`, ... one after the other, up to `a_3`, of one type, as the writer splits channels.
-/// More than four are no channel, nor are those beside a property `a`, nor `color_0`, as the colour has names of its
-/// own.
+/// A run consists of consecutive scalar properties `a_0`, `a_1`, ... up to `a_3` of one type, as the writer splits
+/// channels. Longer runs form no channel, nor do runs beside a property `a`, nor `color_0`, because colours have
+/// property names of their own.
 pub(super) fn runs(properties: &[Property]) -> Vec<Option<(Run<'_>, usize)>> {
     let mut found = vec![None; properties.len()];
     let mut start = 0;

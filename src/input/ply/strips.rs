@@ -1,12 +1,11 @@
-//! Strips of triangles, as the scans of Stanford have them: lists of vertices, in which numbers below 0 begin a new
-//! one.
+//! Triangle strips as in the Stanford scans: lists of vertices in which a negative number begins a new strip.
 
 use super::body::Body;
 use super::header::{Element, Scalar};
 use crate::input::collect::{Collected, vertex_index};
 
-/// Takes the triangles of an element `tristrips`, counter-clockwise; those of which two corners are one vertex join
-/// strips, and are left out. Other properties are passed over.
+/// Reads the triangles of a `tristrips` element with counter-clockwise orientation. Degenerate triangles, which join
+/// strips, are left out. Other properties are skipped.
 pub(super) fn read(element: &Element, body: &mut impl Body, mesh: &mut Collected) -> Result<(), String> {
     let n = mesh.mesh.positions.len();
     for _ in 0..element.count {
@@ -16,7 +15,7 @@ pub(super) fn read(element: &Element, body: &mut impl Body, mesh: &mut Collected
                 body.pass(property)?;
                 continue;
             };
-            // the last two vertices, and how many have come since the strip began
+            // the last two vertices, and the number of vertices since the strip began
             let (mut last, mut length) = ([0; 2], 0_usize);
             for _ in 0..body.size(sizes, property.kind)? {
                 let number = body.scalar(property.kind)?;

@@ -1,4 +1,4 @@
-//! The files of a ZIP archive, found by the list at its end.
+//! Reader of the files of a ZIP archive, which are found by the list at its end.
 
 use std::io::Read;
 
@@ -7,20 +7,19 @@ use rawzip::{CompressionMethod, Error, ZipArchive, ZipFileHeaderRecord, ZipSlice
 
 use crate::input::text::quoted;
 
-/// Most files of an archive. Half of it refuses models with a picture for each of their parts; twice of it lets a list
-/// of nothing be read twice as long.
+/// Maximum number of files in an archive. Half of it refuses models with a picture for each of their parts; twice of it
+/// lets an archive of empty files take twice as long.
 const MAX_FILES: u64 = 10_000;
-/// Times the length of the archive that a file in it may inflate to. Deflate reaches a thousand; models of planish
-/// reach 20 and those of lib3mf 15, so that twice of it lets bombs take longer, and half of it refuses large flat
-/// grids.
+/// Maximum inflated size of a file as a multiple of the archive's length. Deflate reaches a thousand; models of planish
+/// reach 20 and those of lib3mf 15. Twice of it lets bombs take longer, and half of it refuses large flat grids.
 const MOST_INFLATED: u64 = 200;
-/// Bytes that a file may inflate to whatever the length of the archive.
+/// Bytes that a file may always inflate to, however short the archive is.
 const LEAST_INFLATED: u64 = 1 << 20;
 
-/// An archive.
+/// A ZIP archive in memory.
 pub(super) struct Archive<'a> {
     zip: ZipSliceArchive<&'a [u8]>,
-    /// Most bytes that a file may inflate to.
+    /// Maximum number of bytes that a file may inflate to.
     most: u64,
 }
 
@@ -29,10 +28,10 @@ fn broken(error: &Error) -> String {
 }
 
 impl<'a> Archive<'a> {
-    /// The archive in these bytes.
+    /// Opens the archive in these bytes.
     ///
     /// # Errors
-    /// No archive, a broken one, and one with too many files.
+    /// The bytes are not a ZIP archive, or the archive is broken or has too many files.
     pub(super) fn new(bytes: &'a [u8]) -> Result<Self, String> {
         let zip = ZipArchive::from_slice(bytes).map_err(|error| broken(&error))?;
         let n = zip.entries_hint();
@@ -42,11 +41,12 @@ impl<'a> Archive<'a> {
         Ok(Self { zip, most: MOST_INFLATED.saturating_mul(bytes.len() as u64).max(LEAST_INFLATED) })
     }
 
-    /// The bytes of the file with this name, in letters of any case, inflated and checked while they are read; none
-    /// where there is no such file.
+    /// Returns a reader of the file with this name, compared without case, which inflates and verifies the bytes as it
+    /// is read. Returns `None` if there is no such file.
     ///
     /// # Errors
-    /// A broken list, a method other than stored and deflated, a locked file, and one that bursts.
+    /// The list is broken, the file is encrypted or neither stored nor deflated, or it inflates to more than is
+    /// allowed.
     pub(super) fn file(&self, name: &str) -> Result<Option<Box<dyn Read + '_>>, String> {
         let mut list = self.zip.entries();
         for _ in 0..MAX_FILES {

@@ -1,4 +1,4 @@
-//! The objects that are built, where their items put them.
+//! Assembles the objects of the build of a 3MF model into one mesh, with the transforms of their items.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -14,30 +14,30 @@ use crate::shape::looks::Look;
 use crate::shape::seams::{Interpolation, SeamsInput};
 use crate::shape::topology::index;
 
-/// Bytes of a vertex, of a triangle, of what its material and its colours take besides, and of a set of faces, as they
-/// are kept in lists that grow; the list of the faces of an object does not.
+/// Bytes of memory of a vertex, of a triangle, of its material, of its colours, and of a set of faces, each kept in
+/// lists that grow; the list of the faces of an object does not grow.
 const POSITION: usize = GROWN * 24;
 const TRIANGLE: usize = GROWN * 16 + 8;
 const MATERIAL: usize = GROWN * 8;
 const COLORS: usize = GROWN * 12;
 const SET: usize = GROWN * size_of::<FaceSet>() + 192;
-/// Bytes that the colours of vertices take for each, and those of corners for each triangle.
+/// Bytes of memory of the colours of a vertex, and of the corner colours of a triangle.
 const OF_VERTEX: usize = 40 + 32;
 const OF_CORNERS: usize = GROWN * 16 + 12;
-/// Bytes of a colour, and of a group of them.
+/// Bytes of memory of a colour, and of a group of colours.
 const COLOR: usize = 32;
 const GROUP: usize = 96;
-/// How deep objects may be put together.
+/// Maximum depth to which objects may be nested as components.
 const MAX_DEPTH: usize = 16;
-/// Most objects that are built: an object of others may be named again and again.
+/// Maximum number of objects that are built, since an object may be a component of many others.
 const MAX_BUILT: usize = 100_000;
-/// What is written for faces without a material.
+/// The material name of faces without a material.
 const NO_MATERIAL: &str = "default";
 
-/// The mesh of all that is built, or of all objects where nothing is.
+/// Assembles the mesh of all items of the build, or of all objects that are no component if the build is empty.
 ///
 /// # Errors
-/// Objects that do not exist or hold themselves, and more than may be kept.
+/// An object does not exist or contains itself, or the mesh takes more than is allowed.
 pub(super) fn built(mut model: Model, mut room: Room, limits: &ReadLimits) -> Result<ReadMesh, String> {
     let mut items = std::mem::take(&mut model.items);
     if items.is_empty() {
@@ -73,19 +73,20 @@ struct Building<'a> {
     room: Room,
     n_built: usize,
     groups: Vec<FaceSet>,
-    /// Faces and looks of materials by group and index.
+    /// The faces of each material, by group and index in the group.
     materials: BTreeMap<(u32, u32), Vec<u64>>,
-    /// For each group of colours the number of its first one.
+    /// The index in `colors` of the first colour of each group, by the id of the group.
     starts: BTreeMap<u32, u32>,
     /// The colours of all groups.
     colors: Vec<[f64; 4]>,
-    /// For each corner the number of its colour, or the largest number; empty where there is none.
+    /// The index in `colors` of each corner's colour, or `u32::MAX` if the corner has none; empty if no corner has a
+    /// colour.
     of_corners: Vec<u32>,
     supports: usize,
     degenerate: usize,
 }
 
-/// Collects the colours of all groups, and for each group the number of its first one.
+/// Collects the colours of all groups, and for each group the index of its first colour.
 fn collect_colors(
     model: &Model,
     room: &mut Room,
@@ -167,7 +168,7 @@ impl Building<'_> {
         Ok(())
     }
 
-    /// Takes the look of the last face.
+    /// Assigns a material or corner colours to the last face.
     fn look(&mut self, look: TriangleLook, order: [usize; 3]) -> Result<(), String> {
         let face = self.mesh.mesh.faces.len() as u64 - 1;
         let Some((group, properties)) = look else {
@@ -192,13 +193,13 @@ impl Building<'_> {
                     self.of_corners.push(start + properties[k]);
                 }
             }
-            // textures and mixtures, of which a note tells
+            // textures and mixtures are reported in a note
             None => self.uncolored(),
         }
         Ok(())
     }
 
-    /// Takes a face without colours.
+    /// Marks the corners of the last face as uncoloured if earlier corners have colours.
     fn uncolored(&mut self) {
         if !self.of_corners.is_empty() {
             self.of_corners.resize(self.mesh.mesh.faces.n_half_edges(), u32::MAX);
@@ -225,8 +226,8 @@ impl Building<'_> {
     }
 }
 
-/// The colours of vertices where all corners at a vertex have the same, else those of corners; white where there is
-/// none.
+/// Creates the colour channel: one colour per vertex if all corners at each vertex have the same colour, otherwise one
+/// per corner. Corners without a colour are white.
 fn channel(
     mesh: &ReadMesh,
     colors: &[[f64; 4]],

@@ -1,4 +1,4 @@
-//! The model: what its objects are made of, and which of them are built.
+//! Parser of a 3MF model: its objects, materials, colours and build items.
 
 use std::collections::BTreeMap;
 use std::io::Read;
@@ -11,7 +11,7 @@ use crate::input::transform::Transform;
 use crate::shape::frame::Unit;
 use crate::shape::topology::index;
 
-/// Bytes of a vertex, of a triangle, of a change of looks, of a property, of a colour and of an object, as they are
+/// Bytes of memory of a vertex, of a triangle, of a change of looks, of a property, of a colour and of an object, each
 /// kept in lists that grow.
 const POSITION: usize = GROWN * 24;
 const TRIANGLE: usize = GROWN * 12;
@@ -20,14 +20,14 @@ const PROPERTY: usize = GROWN * 64;
 const COLOR: usize = GROWN * 4;
 const OBJECT: usize = GROWN * (size_of::<Object>() + 64);
 
-/// A model as it is written.
+/// A parsed model.
 #[derive(Debug, Default)]
 pub(super) struct Model {
-    /// The unit of its coordinates, where those are multiplied by the scale.
+    /// The unit of the coordinates after they are multiplied by `scale`.
     pub(super) unit: Unit,
     pub(super) scale: f64,
     pub(super) objects: BTreeMap<u64, Object>,
-    /// Materials and colours by the id of their group.
+    /// Groups of materials and colours, by id.
     pub(super) looks: BTreeMap<u64, LookGroup>,
     pub(super) items: Vec<Placed>,
     pub(super) notes: BTreeMap<&'static str, usize>,
@@ -38,30 +38,30 @@ pub(super) struct Model {
 pub(super) enum LookGroup {
     /// Names and colours of materials.
     Materials(Vec<(String, [f64; 4])>),
-    /// Colours of corners, sRGB with alpha, 0 to 255.
+    /// Colours of corners as sRGB with alpha, 0 to 255.
     Colors(Vec<[u8; 4]>),
 }
 
-/// An object: a mesh, or others put together.
+/// An object: a mesh, or a composition of other objects.
 #[derive(Debug, Default)]
 pub(super) struct Object {
     pub(super) name: Option<String>,
     pub(super) is_support: bool,
     pub(super) positions: Vec<[f64; 3]>,
-    /// The corners of each triangle.
+    /// The vertices of each triangle.
     pub(super) triangles: Vec<[u32; 3]>,
-    /// The looks of triangles: each with the first triangle of those one after another that have it. Triangles before
-    /// all of them have none.
+    /// The looks of the triangles in runs: the first triangle of each run, and the look of the run. Triangles before
+    /// the first run have none.
     pub(super) looks: Vec<(u32, TriangleLook)>,
     pub(super) components: Vec<Placed>,
-    /// What triangles look like that say nothing.
+    /// The group and index of the look of triangles that name none.
     usual: Option<[u64; 2]>,
 }
 
-/// The group of the looks of a triangle, and those of its corners.
+/// The look of a triangle: a group, and for each corner an index in the group.
 pub(super) type TriangleLook = Option<(u32, [u32; 3])>;
 
-/// An object somewhere.
+/// An object with its transform.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Placed {
     pub(super) object: u64,
@@ -71,7 +71,7 @@ pub(super) struct Placed {
 /// Reads a model.
 ///
 /// # Errors
-/// What is no model, and what comes to more than may be kept.
+/// The document is not a valid model, or it takes more than is allowed.
 pub(super) fn read<R: Read>(tags: &mut Tags<R>, room: &mut Room, limits: &ReadLimits) -> Result<Model, String> {
     let mut reading =
         Reading { model: Model { scale: 1.0, ..Model::default() }, object: None, group: None, changes: 0 };
@@ -112,11 +112,11 @@ fn at_most(n: u64, most: u64, what: &str) -> Result<(), String> {
 
 struct Reading {
     model: Model,
-    /// The object that is read, with its id.
+    /// The object that is being read, with its id.
     object: Option<(u64, Object)>,
-    /// The group of looks that is read, with its id.
+    /// The group of looks that is being read, with its id.
     group: Option<(u64, LookGroup)>,
-    /// Changes of looks since room was taken for them.
+    /// The number of changes of looks since memory was last booked for them.
     changes: usize,
 }
 
@@ -191,7 +191,7 @@ impl Reading {
         Ok(())
     }
 
-    /// Takes the unit of a model, and refuses one that makes no sense without what is not read.
+    /// Reads the unit from the root tag, and refuses models that require an extension which is not supported.
     fn begin(&mut self, tag: &Tag) -> Result<(), String> {
         const READ: [&str; 3] = ["/material/", "/production/", "/trianglesets/"];
         (self.model.unit, self.model.scale) = match tag.get("unit").unwrap_or("millimeter") {
@@ -227,7 +227,7 @@ fn object(tag: &Tag) -> Result<Object, String> {
     })
 }
 
-/// The corners of a triangle, and its look.
+/// Reads the vertices and the look of a triangle.
 fn triangle(tag: &Tag, object: &Object) -> Result<([u32; 3], TriangleLook), String> {
     let n = object.positions.len() as u64;
     let corner = |name: &str| {
@@ -282,7 +282,7 @@ fn missing(tag: &Tag, name: &str) -> String {
     format!("{} has no {name}", quoted(&tag.name))
 }
 
-/// A colour, `#RRGGBB` or `#RRGGBBAA`, as sRGB and alpha from 0 to 255.
+/// Parses a colour, `#RRGGBB` or `#RRGGBBAA`, as sRGB with alpha from 0 to 255.
 fn color(tag: &Tag, name: &str) -> Result<[u8; 4], String> {
     let text = tag.get(name).ok_or_else(|| missing(tag, name))?.trim();
     let wrong = || format!("{} is no color, which is #RRGGBB or #RRGGBBAA", quoted(text));

@@ -1,7 +1,7 @@
-//! The tags of a model with their attributes, one after the other, from a stream of bytes.
+//! A streaming reader of the tags of an XML document with their attributes.
 //!
-//! Text between tags, comments and processing instructions are passed over. Document types, which could define
-//! entities that grow without bound, are refused.
+//! Text between tags, comments and processing instructions are skipped. Document types are refused, because they could
+//! define entities that grow without bound.
 
 use std::fmt::Display;
 use std::io::{self, BufRead, BufReader, Read};
@@ -11,35 +11,35 @@ use quick_xml::{Error, Reader, XmlVersion};
 
 use crate::input::text::quoted;
 
-/// Bytes that are read at once.
+/// Size of the read buffer in bytes.
 const PIECE: usize = 64 << 10;
-/// Most bytes of one tag, and of one text between tags. Half of it refuses long lists of numbers of other extensions;
-/// twice of it holds twice as much.
+/// Maximum number of bytes of one tag, and of one text between tags. Half of it refuses long lists of numbers of other
+/// extensions; twice of it holds twice as much in memory.
 const MAX_TAG: usize = 1 << 20;
-/// How deep elements may lie in each other.
+/// Maximum depth to which elements may be nested.
 const MAX_DEPTH: usize = 64;
 
 /// A tag without its namespace prefix.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(super) struct Tag {
-    /// The name behind the prefix.
+    /// The name without the namespace prefix.
     pub(super) name: String,
-    /// Names, without prefixes, and values.
+    /// Names, without prefixes, and values of the attributes.
     attributes: Vec<(String, String)>,
-    /// Whether it opens an element.
+    /// Whether the tag opens an element.
     pub(super) opens: bool,
-    /// Whether it closes one; both where an element is empty.
+    /// Whether the tag closes an element; an empty-element tag both opens and closes it.
     pub(super) closes: bool,
 }
 
 impl Tag {
-    /// The value of an attribute.
+    /// Returns the value of an attribute.
     pub(super) fn get(&self, name: &str) -> Option<&str> {
         self.attributes.iter().find(|(found, _)| found == name).map(|(_, value)| value.as_str())
     }
 }
 
-/// The tags of a document.
+/// The tags of a document, in order.
 pub(super) struct Tags<R> {
     reader: Reader<Bounded<R>>,
     event: Vec<u8>,
@@ -48,7 +48,7 @@ pub(super) struct Tags<R> {
     depth: usize,
 }
 
-/// Bytes of a document, of which so many more may be taken until the next tag.
+/// A reader that fails after `left` more bytes; `left` is reset before each tag.
 struct Bounded<R> {
     source: BufReader<R>,
     left: usize,
@@ -79,16 +79,16 @@ impl<R: Read> BufRead for Bounded<R> {
 }
 
 impl<R: Read> Tags<R> {
-    /// The tags of a document.
+    /// Creates the tags of a document.
     pub(super) fn new(source: R) -> Self {
         let source = Bounded { source: BufReader::with_capacity(PIECE, source), left: MAX_TAG };
         Self { reader: Reader::from_reader(source), event: Vec::new(), line: 1, depth: 0 }
     }
 
-    /// The next tag; none at the end.
+    /// Returns the next tag, or `None` at the end of the document.
     ///
     /// # Errors
-    /// What is no XML, or more of it than is read.
+    /// The document is not well-formed XML, or exceeds one of the limits.
     pub(super) fn next(&mut self) -> Result<Option<Tag>, String> {
         loop {
             self.event.clear();
@@ -126,7 +126,7 @@ impl<R: Read> Tags<R> {
 fn opening(start: &BytesStart<'_>, closes: bool) -> Result<Tag, String> {
     let wrong = |error: &dyn Display| format!("{}: {error}", quoted(&String::from_utf8_lossy(start.name().as_ref())));
     let mut attributes = Vec::new();
-    // names that stand twice are looked for in time that grows with the square of their number
+    // checks for duplicate names would take time quadratic in their number
     for attribute in start.attributes().with_checks(false) {
         let attribute = attribute.map_err(|error| wrong(&error))?;
         let value = attribute.normalized_value(XmlVersion::Implicit1_0).map_err(|error| wrong(&error))?;
