@@ -107,7 +107,7 @@ impl Primvars {
         }
         for (name, rows) in self.0 {
             if rows.values.is_empty() {
-                continue; // a note has told why
+                continue; // already reported in a note
             }
             if rows.ends() != ends || rows.is_missing() {
                 mesh.notes.push(format!("the primvar {} is left out, as not every mesh has it", quoted(&name)));
