@@ -1,4 +1,4 @@
-//! glTF 2.0 and GLB: the triangles of a scene, each node where its transforms put it.
+//! glTF 2.0 and GLB: reads the triangles of a scene with the transforms of its nodes applied.
 //!
 //! Source: Khronos Group, glTF 2.0 Specification (2021).
 
@@ -17,13 +17,14 @@ use super::beside::File;
 use super::reader::{ReadLimits, ReadMesh, Reader, Vertices};
 use super::room::Room;
 
-/// glTF as text. Buffers are data URIs, or files beside it, where whoever hands it over has them.
+/// The reader of glTF in JSON. Buffers are data URIs, or files beside the document if they are available.
 ///
-/// Read are the triangles, strips and fans of the default scene; vertices stay apart where the file has them apart
-/// (weld with 0 to merge equal places). Groups are those that primitives name (`"extras": {"group": "top"}`), else
-/// nodes; materials are materials, one without a name is none. `COLOR_0` is the channel `color`, `TEXCOORD_0` the
-/// texture coordinates, turned to count v upwards; attributes of applications (`_HEAT`) are channels (`heat`). Normals
-/// are ignored; points, lines, skins and morph targets are left out with a note.
+/// It reads the triangles, strips and fans of the default scene; vertices that are separate in the file stay separate
+/// (weld with 0 to merge equal positions). Groups are those that primitives name (`"extras": {"group": "top"}`),
+/// otherwise nodes; materials become materials, except for a single one without a name and with a plain look. `COLOR_0`
+/// becomes the channel `color`, and `TEXCOORD_0` the texture coordinates, with v flipped to point upwards;
+/// application-specific attributes (`_HEAT`) become channels (`heat`). Normals are ignored; points, lines, skins and
+/// morph targets are left out with a note.
 pub(super) const GLTF: Reader = Reader {
     name: "gltf",
     media_type: "model/gltf+json",
@@ -37,7 +38,7 @@ pub(super) const GLTF: Reader = Reader {
     },
 };
 
-/// GLB: glTF in one binary file.
+/// The reader of GLB, which is glTF in one binary file.
 pub(super) const GLB: Reader = Reader {
     name: "glb",
     media_type: "model/gltf-binary",

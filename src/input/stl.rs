@@ -204,7 +204,7 @@ fn instead(word: &str, words: &Words<'_>, what: &str) -> String {
     at_line(words.line, format!("{} stands where {what} should", quoted(word)))
 }
 
-/// Reads the name of a solid: the rest of its line, up to a facet that begins on the same line.
+/// Reads the name of a solid: the rest of its line, up to a `facet normal` or `endsolid` on the same line.
 fn name(words: &mut Words<'_>) -> String {
     let mut name: Vec<&str> = Vec::new();
     let mut rest = words.rest_of_line();

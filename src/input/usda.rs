@@ -1,4 +1,4 @@
-//! USD as text: the meshes of a scene with all that makes subdivision surfaces of them.
+//! USD as text: reads the meshes of a scene with their subdivision tags.
 
 mod looks;
 mod place;
@@ -14,11 +14,11 @@ use super::room::Room;
 use super::text::text;
 use crate::shape::frame::{Unit, Up};
 
-/// USD as text (`.usda`): the meshes that are shown, where transforms put them, as one.
+/// The reader of USD as text (`.usda`): the visible meshes, with their transforms applied, as one mesh.
 ///
-/// Creases, corners, holes, the boundary rule, texture coordinates with their rule, colours, primvars of vertices and
-/// corners, subsets of faces, bound materials with a `UsdPreviewSurface`, unit and up axis are read; of values over
-/// time the first. The scheme is that of the plan, whatever `subdivisionScheme` says. Other files, variants, instances,
+/// It reads creases, corners, holes, the boundary rule, texture coordinates with their interpolation, colours, primvars
+/// of vertices and corners, face subsets, bound materials with a `UsdPreviewSurface`, unit and up axis; of time samples
+/// only the first. The scheme is that of the plan, whatever `subdivisionScheme` says. Other files, variants, instances,
 /// skins and textures are left out with a note.
 ///
 /// Source: Pixar, `OpenUSD` 26.11, `UsdGeomMesh`, `UsdGeomPrimvar`, `UsdGeomSubset`, `UsdGeomXformable`.
@@ -30,9 +30,9 @@ pub(super) const USDA: Reader = Reader {
     read: |file, limits| read(file.bytes, limits).map_err(|detail| vec![detail]),
 };
 
-/// How far the length of a unit may be from that of one which is known, as a share of it: files have f32.
+/// Relative tolerance for recognising a known unit, since files store f32.
 const SAME_UNIT: f64 = 1e-6;
-/// What USD takes for the unit where a layer has none, metres.
+/// The default unit of USD in metres.
 const USUAL: f64 = 0.01;
 
 fn read(bytes: &[u8], limits: &ReadLimits) -> Result<ReadMesh, String> {
@@ -52,7 +52,7 @@ fn read(bytes: &[u8], limits: &ReadLimits) -> Result<ReadMesh, String> {
     Ok(ReadMesh { unit: Some(unit), up: Some(up), ..mesh })
 }
 
-/// The unit of a layer, and what lengths are multiplied with to be in it, if need be.
+/// Returns the unit of a layer, and the factor that converts lengths to it, if needed.
 fn unit(layer: &Layer<'_>) -> Result<(Unit, Option<f64>), String> {
     let metres = told(&layer.metadata, "metersPerUnit").map_or(Some(USUAL), Value::number);
     let metres = metres.filter(|&x| x.is_finite() && x > 0.0).ok_or("metersPerUnit is no length above 0")?;

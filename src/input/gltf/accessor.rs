@@ -1,4 +1,4 @@
-//! Numbers of glTF: accessors over views of buffers, each bound checked against the bytes that are there.
+//! Accessors of glTF over buffer views, with every range checked against the bytes that exist.
 
 use gltf::json::Index;
 use gltf::json::accessor::{Accessor, ComponentType, Type};
@@ -19,24 +19,24 @@ pub(super) struct AccessorRows {
 }
 
 impl AccessorRows {
-    /// Bytes of the numbers, which whoever drops them gives back.
+    /// Returns the bytes of the numbers, which the caller returns to the room after dropping them.
     pub(super) fn bytes(&self) -> usize {
         self.values.len() * NUMBER
     }
 
-    /// Number of rows.
+    /// Returns the number of rows.
     pub(super) fn len(&self) -> usize {
         self.values.len() / self.width
     }
 
-    /// The rows, if each has `N` numbers.
+    /// Returns the rows if each has `N` numbers.
     pub(super) fn rows<const N: usize>(&self) -> Option<&[[f64; N]]> {
         (self.width == N).then(|| self.values.as_chunks::<N>().0)
     }
 }
 
 impl Document<'_> {
-    /// The accessor of an index.
+    /// Returns the accessor with this index.
     pub(super) fn accessor(&self, index: Index<Accessor>) -> Result<&Accessor, String> {
         let i = index.value();
         self.root
@@ -45,7 +45,7 @@ impl Document<'_> {
             .ok_or_else(|| format!("there is no accessor {i}; the file has {}", self.root.accessors.len()))
     }
 
-    /// Vectors or scalars of an accessor. Normalized whole numbers come to -1..1 or 0..1.
+    /// Reads the scalars or vectors of an accessor. Normalized integers are mapped to -1..1 or 0..1.
     pub(super) fn rows(&self, index: Index<Accessor>, room: &mut Room) -> Result<AccessorRows, String> {
         let accessor = self.accessor(index)?;
         let place = |detail: String| format!("accessor {}: {detail}", index.value());
@@ -89,7 +89,7 @@ impl Document<'_> {
         Ok(AccessorRows { width, values })
     }
 
-    /// Whole numbers of an accessor, for indices; they are taken from the room.
+    /// Reads the whole numbers of an accessor of indices, and takes their memory from the room.
     pub(super) fn indices(&self, index: Index<Accessor>, room: &mut Room) -> Result<Vec<u32>, String> {
         let (component, width) = kind(self.accessor(index)?)?;
         if width != 1 || matches!(component, ComponentType::F32 | ComponentType::I8 | ComponentType::I16) {
@@ -138,7 +138,7 @@ impl Document<'_> {
         Ok(values)
     }
 
-    /// The bytes of a view and the distance of its rows.
+    /// Returns the bytes of a view and the stride of its rows.
     pub(super) fn view(&self, index: Index<View>) -> Result<(&[u8], Option<usize>), String> {
         let i = index.value();
         let view = self.root.buffer_views.get(i).ok_or_else(|| format!("there is no bufferView {i}"))?;
@@ -159,7 +159,7 @@ impl Document<'_> {
     }
 }
 
-/// Type and number of components.
+/// Returns the type and the number of components of an accessor.
 fn kind(accessor: &Accessor) -> Result<(ComponentType, usize), String> {
     let Valid(component) = accessor.component_type else { return Err("its componentType is not known".to_owned()) };
     let width = match accessor.type_ {
@@ -180,7 +180,7 @@ fn size(component: ComponentType) -> usize {
     }
 }
 
-/// A number from its bytes, as many as its type has. Source: glTF 2.0, section 3.11 (normalized numbers).
+/// Decodes a number from the bytes of its type. Source: glTF 2.0, section 3.11 (normalized numbers).
 fn value(bytes: &[u8], component: ComponentType, normalized: bool) -> f64 {
     let two = || [bytes[0], bytes[1]];
     let four = || [bytes[0], bytes[1], bytes[2], bytes[3]];
@@ -195,7 +195,7 @@ fn value(bytes: &[u8], component: ComponentType, normalized: bool) -> f64 {
     if normalized { (x / full).max(-1.0) } else { x }
 }
 
-/// A whole number of at least 0 below 2^32, as all indices are.
+/// Converts a non-negative whole number below 2^32, as all indices are.
 #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "it is whole and below 2^32")]
 fn whole(x: f64) -> Option<u32> {
     (x >= 0.0 && x <= f64::from(u32::MAX) && x.fract() == 0.0).then_some(x as u32)

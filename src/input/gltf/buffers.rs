@@ -1,4 +1,4 @@
-//! The JSON half of glTF with the bytes that it speaks of.
+//! A glTF document: its JSON and the bytes of its buffers.
 
 use std::borrow::Cow;
 use std::collections::BTreeMap;
@@ -15,11 +15,11 @@ use crate::input::beside::{Beside, File};
 use crate::input::room::Room;
 use crate::input::text::quoted;
 
-/// Bytes of the header of GLB, and of a chunk.
+/// Bytes of the header of GLB, and of the header of a chunk.
 const HEADER: usize = 12;
 const CHUNK: usize = 8;
 
-/// Extensions that a file may require, as they do not touch what is read here.
+/// Extensions that a file may require because they do not affect what is read.
 const HARMLESS: &[&str] = &[
     "KHR_mesh_quantization",
     PACKED,
@@ -34,10 +34,10 @@ const HARMLESS: &[&str] = &[
     "KHR_xmp",
 ];
 
-/// What is said of files of the version before.
+/// The message for files of glTF 1.0.
 const OLD: &str = "the file is glTF 1.0, which is built otherwise; 2.0 is read: convert it";
 
-/// Names of types of this implementation in the words of JSON.
+/// Replacements for Rust type names in messages of the JSON parser.
 const PLAIN: &[(&str, &str)] = &[
     ("expected index into child of root", "expected an index from 0"),
     ("expected f32", "expected a number"),
@@ -49,14 +49,14 @@ const PLAIN: &[(&str, &str)] = &[
     ("invalid type: map", "invalid type: object"),
 ];
 
-/// Whether a document is of version 1, where lists are objects.
+/// Whether a document has version 1, in which lists are objects.
 fn is_old(json: &[u8]) -> bool {
     let Ok(document) = serde_json::from_slice::<BTreeMap<String, &RawValue>>(json) else { return false };
     let text = |name: &str| document.get(name).map_or("", |value| value.get());
     !text("asset").contains("\"2.") && ["meshes", "accessors", "buffers"].iter().any(|list| text(list).starts_with('{'))
 }
 
-/// What is said of a document with a scene that names no nodes, which the specification lets it leave out.
+/// Describes the fault of a document with a scene without `nodes`, which the specification permits.
 fn empty_scene(json: &[u8]) -> Option<String> {
     let document: BTreeMap<String, &RawValue> = serde_json::from_slice(json).ok()?;
     let scenes: Vec<BTreeMap<String, &RawValue>> = serde_json::from_str(document.get("scenes")?.get()).ok()?;
@@ -64,22 +64,22 @@ fn empty_scene(json: &[u8]) -> Option<String> {
     Some(format!("scene {empty} has no nodes, so that nothing is in it; give it some, or leave it out"))
 }
 
-/// A document and its buffers.
+/// A document with its buffers.
 #[derive(Debug)]
 pub(super) struct Document<'a> {
     pub(super) root: Root,
-    /// Where the nodes are, in f64, which `root` rounds.
+    /// The placements of the nodes in f64; `root` rounds them to f32.
     pub(super) placements: Vec<Option<Box<Placement>>>,
-    /// The bytes of each buffer, no more than it says it has.
+    /// The bytes of each buffer, cut to the declared length.
     pub(super) buffers: Vec<Cow<'a, [u8]>>,
-    /// The bytes of views that are streams, by their numbers.
+    /// The decoded bytes of compressed views, by index.
     pub(super) unpacked: BTreeMap<usize, Vec<u8>>,
-    /// The files beside it.
+    /// The files beside the document.
     beside: &'a dyn Beside,
 }
 
 impl<'a> Document<'a> {
-    /// A document; `binary` is the second chunk of GLB. What it holds is taken from the room.
+    /// Parses a document, whose `binary` is the second chunk of GLB, and takes its memory from the room.
     pub(super) fn of_json(
         json: &[u8],
         binary: Option<&'a [u8]>,
@@ -88,7 +88,7 @@ impl<'a> Document<'a> {
     ) -> Result<Self, String> {
         let json = json.strip_prefix(&[0xef, 0xbb, 0xbf]).unwrap_or(json);
         census::admit(json, room)?;
-        // a text in the wrong place would be repeated in full
+        // the parser repeats a misplaced string in full, so the message is cut
         let no_gltf = |error: serde_json::Error| {
             let detail = PLAIN.iter().fold(error.to_string(), |detail, (word, plain)| detail.replace(word, plain));
             format!("the document is no glTF: {}", fault::cut(&detail, 200))
@@ -118,7 +118,7 @@ impl<'a> Document<'a> {
                     Cow::Owned(referred(uri, beside, room).map_err(|detail| format!("buffer {i}: {detail}"))?)
                 }
                 (None, Some(binary)) if i == 0 => Cow::Borrowed(binary),
-                // it is there for what reads no streams
+                // this is a fallback buffer for readers without the extension
                 (None, _) if is_packed => {
                     buffers.push(Cow::Borrowed(&[][..]));
                     continue;
@@ -135,7 +135,7 @@ impl<'a> Document<'a> {
         Ok(Self { root, placements, buffers, unpacked, beside })
     }
 
-    /// A document in the binary container.
+    /// Parses a document in the binary container.
     pub(super) fn of_glb(file: &File<'a>, room: &mut Room) -> Result<Self, String> {
         let bytes = file.bytes;
         let word = |at: usize| bytes.get(at..at + 4)?.try_into().ok().map(u32::from_le_bytes);
@@ -163,7 +163,7 @@ impl<'a> Document<'a> {
     }
 }
 
-/// The content of the chunk that starts at a byte, and where the next one starts.
+/// Returns the content of the chunk that starts at byte `at`, and the offset of the next chunk.
 fn chunk(bytes: &[u8], at: usize, kind: Option<[u8; 4]>) -> Result<(&[u8], usize), String> {
     let header =
         bytes.get(at..at + CHUNK).ok_or_else(|| format!("byte {at}: the file ends within a chunk's header"))?;
@@ -183,7 +183,7 @@ fn chunk(bytes: &[u8], at: usize, kind: Option<[u8; 4]>) -> Result<(&[u8], usize
     }
 }
 
-/// The first `length` bytes of a buffer; what follows them fills a chunk up, or belongs to nothing.
+/// Cuts a buffer to its first `length` bytes; the rest is padding or unused.
 fn cut(bytes: Cow<'_, [u8]>, length: usize) -> Cow<'_, [u8]> {
     match bytes {
         Cow::Borrowed(bytes) => Cow::Borrowed(&bytes[..length]),
@@ -195,13 +195,13 @@ fn cut(bytes: Cow<'_, [u8]>, length: usize) -> Cow<'_, [u8]> {
 }
 
 impl Document<'_> {
-    /// The bytes that a URI leads to, embedded or beside the document.
+    /// Reads the bytes that a URI refers to, embedded or beside the document.
     pub(super) fn referred(&self, uri: &str, room: &mut Room) -> Result<Vec<u8>, String> {
         referred(uri, self.beside, room)
     }
 }
 
-/// The bytes that a URI leads to.
+/// Reads the bytes that a URI refers to.
 fn referred(uri: &str, beside: &dyn Beside, room: &mut Room) -> Result<Vec<u8>, String> {
     if uri.starts_with("data:") {
         room.take(uri.len()).and_then(|()| embedded(uri))
@@ -210,7 +210,7 @@ fn referred(uri: &str, beside: &dyn Beside, room: &mut Room) -> Result<Vec<u8>, 
     }
 }
 
-/// The bytes of a data URI.
+/// Decodes a data URI.
 fn embedded(uri: &str) -> Result<Vec<u8>, String> {
     match uri.split_once(";base64,") {
         Some((_, text)) => base64::decode(text),
@@ -218,7 +218,7 @@ fn embedded(uri: &str) -> Result<Vec<u8>, String> {
     }
 }
 
-/// The bytes of a file beside the document, whose name may have `%20` for a blank and the like.
+/// Reads a file beside the document, whose name may be percent-encoded.
 fn neighbour(uri: &str, beside: &dyn Beside, room: &mut Room) -> Result<Vec<u8>, String> {
     let bytes = beside.read(&percent_decoded(uri), u64::MAX)?;
     room.widen(bytes.len());
@@ -226,7 +226,7 @@ fn neighbour(uri: &str, beside: &dyn Beside, room: &mut Room) -> Result<Vec<u8>,
     Ok(bytes)
 }
 
-/// A reference with its escapes resolved (RFC 3986, section 2.1); what is no escape stays as it is.
+/// Resolves percent escapes (RFC 3986, section 2.1); invalid escapes stay as they are.
 fn percent_decoded(uri: &str) -> String {
     let mut bytes = Vec::with_capacity(uri.len());
     let mut rest = uri.as_bytes();

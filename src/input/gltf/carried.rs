@@ -1,4 +1,4 @@
-//! What applications say of vertices and triangles beyond glTF: attributes of their own, and the groups of primitives.
+//! Application-specific data of vertices and triangles: custom attributes, and the groups that primitives name.
 
 use std::collections::BTreeMap;
 use std::ops::Range;
@@ -18,14 +18,14 @@ use crate::shape::attachments::COLOR;
 use crate::shape::attachments::ChannelInput;
 use crate::shape::labels::FaceSet;
 
-/// Most attributes that a note names.
+/// Maximum number of attributes that a note names.
 const NAMED: usize = 8;
 
-/// What the attribute `_ORIGIN` of a file that tells origins is: no channel.
+/// The name of the attribute `_ORIGIN`, which holds origins and does not become a channel.
 const ORIGIN: &str = "origin";
 
-/// The channel that an attribute of applications is: `_HEAT` is `heat`. Its letters are small ones, as glTF has great
-/// ones only, but for a name that would then be the colour.
+/// Returns the channel name of an application-specific attribute: `_HEAT` becomes `heat`. glTF permits upper case only,
+/// so the name is made lower case, unless it would then be that of the colour.
 pub(super) fn name(semantic: &Checked<Semantic>) -> Option<String> {
     let Valid(Semantic::Extras(name)) = semantic else { return None };
     let small = name.to_ascii_lowercase();
@@ -33,21 +33,21 @@ pub(super) fn name(semantic: &Checked<Semantic>) -> Option<String> {
     (kept != ORIGIN).then_some(kept)
 }
 
-/// Attributes that nothing is made of, by their names, with the number of primitives that have them.
+/// Names of attributes that are not read, with the number of primitives that have them.
 #[derive(Debug, Default)]
 pub(super) struct Unread {
     found: BTreeMap<String, usize>,
 }
 
 impl Unread {
-    /// Takes the attributes of a primitive.
+    /// Counts the attributes of a primitive that are not read.
     pub(super) fn take(&mut self, primitive: &Primitive) {
         for name in primitive.attributes.keys().filter_map(unread) {
             *self.found.entry(name).or_default() += 1;
         }
     }
 
-    /// Names them.
+    /// Adds a note that names the attributes.
     pub(super) fn finish(self, mesh: &mut ReadMesh) {
         let n = self.found.len();
         let first: Vec<String> =
@@ -59,7 +59,8 @@ impl Unread {
     }
 }
 
-/// The name of an attribute that nothing is made of: normals are made anew, and those of applications are channels.
+/// Returns the name of an attribute that is not read; normals are computed anew, and application-specific attributes
+/// become channels.
 fn unread(semantic: &Checked<Semantic>) -> Option<String> {
     match semantic {
         Valid(
@@ -78,21 +79,21 @@ fn unread(semantic: &Checked<Semantic>) -> Option<String> {
     }
 }
 
-/// The group that a primitive names among its extras: `"extras": {"group": "top"}`.
+/// Returns the group that a primitive names among its extras: `"extras": {"group": "top"}`.
 pub(super) fn group(primitive: &Primitive) -> Option<String> {
     let extras: Value = serde_json::from_str(primitive.extras.as_ref()?.get()).ok()?;
     Some(extras.get("group")?.as_str()?.to_owned())
 }
 
-/// Numbers of vertices by the names of attributes, as long as all vertices have them.
+/// Values of vertices by attribute name, as long as all vertices have them.
 #[derive(Debug, Default)]
 pub(super) struct Channels {
     found: BTreeMap<String, AccessorRows>,
 }
 
 impl Channels {
-    /// Takes the attributes of `n` vertices, the first of which has the number `start`. What there is no room for is
-    /// left out: these numbers are not what a mesh is made of, and accessors may share their bytes.
+    /// Adds the attributes of `n` vertices, whose first index is `start`. Attributes that exceed the room are left out,
+    /// because a mesh does not depend on them, and accessors may share their bytes.
     pub(super) fn take(
         &mut self,
         document: &Document<'_>,
@@ -119,7 +120,7 @@ impl Channels {
         }
     }
 
-    /// Hands the channels over that all vertices have, and names the others.
+    /// Moves the channels that all vertices have into the mesh, and notes the others.
     pub(super) fn finish(self, mesh: &mut ReadMesh) {
         let n = mesh.positions.len();
         let mut others = Vec::new();
@@ -137,20 +138,20 @@ impl Channels {
     }
 }
 
-/// Groups of faces: those that primitives name, else the nodes.
+/// Groups of faces: those that primitives name, otherwise the nodes.
 #[derive(Debug, Default)]
 pub(super) struct Groups {
     told: Vec<FaceSet>,
-    /// Places of the names in `told`.
+    /// Indices into `told` by name.
     numbers: BTreeMap<String, usize>,
-    /// Faces of the node that is being read which are in a group.
+    /// Faces of the current node that are in a named group.
     taken: Vec<Range<u64>>,
-    /// Faces of nodes that are in no other group.
+    /// Faces of each node that are in no named group.
     nodes: Vec<FaceSet>,
 }
 
 impl Groups {
-    /// Puts faces into a group that a primitive names.
+    /// Adds faces to the group that a primitive names.
     pub(super) fn told(&mut self, name: String, faces: Range<u64>) {
         let number = *self.numbers.entry(name.clone()).or_insert(self.told.len());
         if number == self.told.len() {
@@ -160,7 +161,7 @@ impl Groups {
         self.taken.push(faces);
     }
 
-    /// Ends a node with these faces.
+    /// Ends a node, whose faces without a named group form a group of its own.
     pub(super) fn node(&mut self, name: String, faces: Range<usize>) {
         let mut free = Vec::new();
         let mut next = faces.start as u64;
@@ -174,7 +175,7 @@ impl Groups {
         }
     }
 
-    /// The groups. One node alone with faces in no other group tells nothing apart.
+    /// Returns the groups. A single node group is dropped because it distinguishes nothing.
     pub(super) fn finish(self) -> Vec<FaceSet> {
         let nodes = if self.nodes.len() > 1 { self.nodes } else { Vec::new() };
         self.told.into_iter().chain(nodes).collect()

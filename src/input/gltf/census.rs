@@ -1,7 +1,7 @@
-//! What a glTF document will take of memory, counted in its text before anything is made of it.
+//! Estimate of the memory that parsing a glTF document takes, counted in its text beforehand.
 //!
-//! The reader of the document makes a structure of hundreds of bytes of each `{}`. This looks at brackets, commas and
-//! colons only: text that is no JSON is refused later, and up to the place where it is wrong the counts are right.
+//! The parser of the document makes a structure of hundreds of bytes of each `{}`. The census reads only strings,
+//! brackets, commas and colons; invalid JSON is refused later, and the counts are right up to the fault.
 
 use std::mem::size_of;
 
@@ -15,40 +15,42 @@ use super::transform::Placement;
 use crate::input::room::{GROWN, Room};
 use crate::input::text::quoted;
 
-/// Copies of the text at worst: names and extras as they are, and what takes the escapes out of them as it grows.
+/// Maximum number of copies of the text: names and extras, and the growing buffer of the parser for strings with
+/// escapes.
 const TEXT: usize = 4;
-/// Bytes of an entry of a `BTreeMap` of small keys and values: nodes of eleven, of which five may be in use.
+/// Bytes of an entry of a `BTreeMap` of small keys and values, whose nodes have eleven slots, of which only five may be
+/// in use.
 const IN_MAP: usize = 96;
 /// Bytes of the first node of such a map.
 const MAP: usize = 512;
-/// Deeper than that the reader of JSON does not go.
+/// The maximum depth that the JSON parser accepts.
 const MAX_DEPTH: usize = 128;
 
-/// What the parts of a list at the root take, bytes.
+/// Memory in bytes of the parts of a list at the root.
 #[derive(Debug, Clone, Copy, Default)]
 struct Prices {
     /// An entry of the list.
     entry: usize,
-    /// A list within an entry; a list of one entry has room for four.
+    /// A list within an entry; a list of one entry has capacity for four.
     list: usize,
     /// An entry of such a list.
     value: usize,
-    /// An object in a list right in an entry: a primitive.
+    /// An object in a list directly within an entry, such as a primitive.
     object: usize,
-    /// An object further within.
+    /// An object nested more deeply.
     inner: usize,
-    /// A member of an object, from `members` open brackets on.
+    /// A member of an object with at least `members` brackets open.
     member: usize,
     members: usize,
 }
 
-/// What the entries of a list at the root take; of what the reader does not know it makes nothing.
+/// Returns the prices of a list at the root; the parser skips unknown lists, which are free.
 fn prices(list: &[u8]) -> Prices {
     let none = Prices { members: MAX_DEPTH, ..Prices::default() };
     let of = |size: usize| Prices { entry: GROWN * size, ..none };
     let slot = size_of::<usize>();
     match list {
-        // its text, its place, and whether it was seen
+        // includes its text, its placement, and whether it was visited
         b"nodes" => {
             let entry = size_of::<Node>() + 2 * slot + size_of::<Option<Box<Placement>>>();
             Prices { list: size_of::<Placement>() + 4, value: GROWN * 4, ..of(entry + slot) }
@@ -67,7 +69,7 @@ fn prices(list: &[u8]) -> Prices {
             Prices { list: part, object: GROWN * part, ..of(size_of::<Animation>()) }
         }
         b"buffers" => of(size_of::<Buffer>() + 3 * slot),
-        // and its text, and where its stream is unpacked
+        // includes its text and its decoded bytes
         b"bufferViews" => of(size_of::<View>() + 2 * slot + IN_MAP),
         b"cameras" => of(size_of::<Camera>()),
         b"images" => of(size_of::<Image>()),
@@ -81,7 +83,7 @@ fn prices(list: &[u8]) -> Prices {
     }
 }
 
-/// The lists at the root that the reader knows.
+/// The lists at the root that the parser knows.
 const LISTS: &[&str] = &[
     "nodes",
     "accessors",
@@ -100,7 +102,7 @@ const LISTS: &[&str] = &[
     "extensionsRequired",
 ];
 
-/// The prices of a list by its name as it is written: one with escapes may be any.
+/// Returns the prices of a list by its name in the text; a name with escapes gets the maximum of all prices.
 fn prices_as_written(name: &[u8]) -> Prices {
     if !name.contains(&b'\\') {
         return prices(name);
@@ -117,28 +119,28 @@ fn prices_as_written(name: &[u8]) -> Prices {
     LISTS.iter().map(|list| prices(list.as_bytes())).fold(prices(b""), dearest)
 }
 
-/// What has been counted of a document.
+/// The state of the count.
 #[derive(Debug, Default)]
 struct Census<'a> {
     depth: usize,
-    /// The last text at the root, which is the name of what follows.
+    /// The last string at the root level, which is the name of the following value.
     name: &'a [u8],
     prices: Prices,
-    /// Entries of the list that is being counted, and what it takes.
+    /// Entries of the current list, and its memory in bytes.
     entries: usize,
     bytes: usize,
-    /// Members of the entry that is being counted, and the most of one.
+    /// Members of the current entry, and the maximum over all entries.
     members: usize,
     most_members: usize,
-    /// The list that takes most: name, entries, bytes.
+    /// The list with the most memory: name, entries, bytes.
     largest: (&'a [u8], usize, usize),
     all: usize,
 }
 
-/// Takes what reading a document needs.
+/// Takes from the room the memory for parsing a document.
 ///
 /// # Errors
-/// The list that takes most, where it is more than the file may take.
+/// The document takes more than the file may take; the message names the list that takes most.
 pub(super) fn admit(json: &[u8], room: &mut Room) -> Result<(), String> {
     let mut census = Census::default();
     let mut at = 0;
@@ -164,7 +166,7 @@ pub(super) fn admit(json: &[u8], room: &mut Room) -> Result<(), String> {
     room.take(bytes).map_err(|detail| format!("{name}: {entries} entries take {of_list} bytes: {detail}"))
 }
 
-/// Where a text ends that starts here.
+/// Returns the end of the string that starts at `start`.
 fn end_of_text(json: &[u8], start: usize) -> usize {
     let mut at = start;
     while let Some(&byte) = json.get(at) {
@@ -201,7 +203,7 @@ impl Census<'_> {
             }
             b',' if depth == 2 => self.enter(),
             b',' if depth > 3 => self.add(prices.value),
-            // the members of the root, and of one entry at a time, are kept as they are
+            // the members of the root, and of one entry at a time, are kept as raw text
             b':' if depth == 1 => self.all = self.all.saturating_add(IN_MAP),
             b':' if depth == 3 => {
                 self.members += 1;
@@ -215,7 +217,7 @@ impl Census<'_> {
         }
     }
 
-    /// An entry of a list at the root.
+    /// Counts an entry of a list at the root.
     fn enter(&mut self) {
         if self.bytes == 0 && self.entries == 0 {
             self.prices = prices_as_written(self.name);
@@ -228,7 +230,7 @@ impl Census<'_> {
         self.bytes = self.bytes.saturating_add(bytes);
     }
 
-    /// Ends what stands at the root.
+    /// Ends a value at the root level.
     fn close(&mut self) {
         if self.bytes >= self.largest.2 {
             self.largest = (self.name, self.entries, self.bytes);

@@ -1,4 +1,4 @@
-//! Materials of glTF: names, faces, how they look, and what of that is left out.
+//! Materials of glTF: names, faces, looks, and notes on what is left out.
 
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -18,18 +18,18 @@ use crate::shape::labels::FaceSet;
 use crate::shape::looks::{Alpha, Look, PLAIN, PLAIN_SURFACE};
 use crate::shape::textures::{Filter, Image, Texture, Wrap};
 
-/// What the names of extensions hold that say how faces look: those of materials, those that move pictures or have
-/// them in other formats, and the techniques of glTF 1.0.
+/// Parts of the names of extensions that affect looks: those of materials, those that transform textures or add picture
+/// formats, and the techniques of glTF 1.0.
 const OF_LOOKS: [&str; 3] = ["KHR_materials_", "_texture_", "KHR_technique"];
 
-/// Extensions that are read, or that leave a document what it is: its finest level is that of the document.
+/// Extensions that are read, or that may be ignored: with `MSFT_lod` the finest level is the document itself.
 const READ: [&str; 3] = [PACKED, "KHR_mesh_quantization", "MSFT_lod"];
-/// Most extensions that a note names.
+/// Maximum number of extensions that a note names.
 const NAMED: usize = 8;
 
-/// Hands over the materials with their faces, given by the numbers of materials, in their order.
+/// Adds the materials with their faces, given by material index, to the mesh in order.
 pub(super) fn finish(document: &Document<'_>, faces: BTreeMap<usize, Vec<u64>>, room: &mut Room, mesh: &mut ReadMesh) {
-    // what is white below colours of vertices looks like nothing in particular
+    // under vertex colours, white is the plain colour
     let is_colored = mesh.channels.iter().any(|channel| channel.name == COLOR);
     let plain = if is_colored { [1.0; 4] } else { PLAIN };
     let has_uvs = mesh.uvs.is_some();
@@ -39,7 +39,7 @@ pub(super) fn finish(document: &Document<'_>, faces: BTreeMap<usize, Vec<u64>>, 
     let nameless = faces.keys().filter(|&&i| name_of(i).is_none()).count();
     for (i, faces) in faces {
         let look = materials.get(i).map(|material| looks.of(material, room)).unwrap_or_default();
-        // one nameless material that looks like nothing in particular says no more of its faces than none
+        // a single nameless material with a plain look is dropped
         if nameless == 1 && name_of(i).is_none() && (look.is_silent() || is_usual(&look)) {
             continue;
         }
@@ -61,26 +61,26 @@ pub(super) fn finish(document: &Document<'_>, faces: BTreeMap<usize, Vec<u64>>, 
     }
 }
 
-/// Whether it is the look that glTF gives to whatever has no material.
+/// Whether the look is the default material of glTF.
 fn is_usual(look: &Look) -> bool {
     let plain = (look.metallic, look.roughness, look.double_sided) == (Some(1.0), Some(1.0), Some(false));
     plain && look.color == Some([1.0; 4]) && look.alpha == Some(Alpha::Opaque) && look.texture.is_none()
 }
 
-/// Reads looks, each picture once.
+/// Reads looks, and each picture once.
 struct Looks<'a> {
     document: &'a Document<'a>,
-    /// The pictures by their numbers; those that cannot be read are nothing.
+    /// The pictures by index; `None` if a picture cannot be read.
     images: BTreeMap<usize, Option<Arc<Image>>>,
-    /// What is left out, and how often.
+    /// The features that are left out, with their number.
     left_out: BTreeMap<String, usize>,
     has_uvs: bool,
-    /// The colour that planish writes where nothing is said.
+    /// The colour that planish writes for materials without one.
     plain: [f32; 4],
 }
 
 impl Looks<'_> {
-    /// How a material looks. What planish writes where nothing is said is read as nothing.
+    /// Reads the look of a material. Values that planish writes as defaults are read as absent.
     fn of(&mut self, material: &Material, room: &mut Room) -> Look {
         self.note_left_out(material);
         let pbr = &material.pbr_metallic_roughness;
@@ -144,7 +144,7 @@ impl Looks<'_> {
         Some(sampler.map_or_else(|| Texture::new(image.clone()), |sampler| sampled(image.clone(), sampler)))
     }
 
-    /// A picture by its number; one that cannot be read is named in a note.
+    /// Reads a picture by index; a picture that cannot be read is reported in a note.
     fn image(&mut self, i: usize, room: &mut Room) -> Option<Arc<Image>> {
         if let Some(known) = self.images.get(&i) {
             return known.clone();
@@ -175,7 +175,7 @@ fn bits<const N: usize>(numbers: &[f32; N]) -> [u32; N] {
     numbers.map(f32::to_bits)
 }
 
-/// A picture as a sampler shows it.
+/// Combines a picture with the wrapping and filters of its sampler.
 fn sampled(image: Arc<Image>, sampler: &Sampler) -> Texture {
     let wrap = |wrap: &Checked<WrappingMode>| match wrap {
         Valid(WrappingMode::ClampToEdge) => Wrap::ClampToEdge,

@@ -1,4 +1,4 @@
-//! Views of buffers that are streams of `EXT_meshopt_compression`.
+//! Decoder of buffer views that are compressed with `EXT_meshopt_compression`.
 //!
 //! Source: A. Kapoulkine, glTF extension `EXT_meshopt_compression` (2021).
 
@@ -11,16 +11,16 @@ use serde_json::value::RawValue;
 
 use crate::input::room::Room;
 
-/// The extension, whose buffers that hold nothing but room need no data.
+/// The name of the extension, whose fallback buffers need no data.
 pub(super) const PACKED: &str = "EXT_meshopt_compression";
 
-/// Bytes that decoding takes at most for each byte of what is made: the result, and indices of 32 bits before they are
-/// written as 16.
+/// Maximum number of bytes that decoding takes per decoded byte: the result, and indices of 32 bits before they are
+/// stored as 16.
 const EACH: usize = 4;
-/// The same whatever is made: blocks of rows.
+/// Bytes that decoding takes whatever the length of the result: blocks of rows.
 const LEAST: usize = 1 << 16;
 
-/// What is said of a stream.
+/// The parameters of a compressed stream.
 struct Stream {
     buffer: usize,
     byte_offset: usize,
@@ -31,13 +31,13 @@ struct Stream {
     filter: Option<String>,
 }
 
-/// The members of an object, unread.
+/// The members of an object as raw JSON.
 type Members<'a> = BTreeMap<String, &'a RawValue>;
 
-/// The bytes of all views that are streams, by their numbers, given those of the buffers.
+/// Decodes all compressed views from the bytes of the buffers, and returns them by index.
 ///
 /// # Errors
-/// A stream that is broken, or that comes to more than there is room for.
+/// A stream is broken or takes more than the room has.
 pub(super) fn views(
     json: &[u8],
     buffers: &[Cow<'_, [u8]>],
@@ -64,7 +64,7 @@ pub(super) fn views(
 }
 
 impl Stream {
-    /// What an object says.
+    /// Parses the extension object of a view.
     fn of(text: &str) -> serde_json::Result<Self> {
         let members: Members<'_> = serde_json::from_str(text)?;
         let text = |name: &str| members.get(name).map_or("null", |value| value.get());
@@ -80,7 +80,7 @@ impl Stream {
         })
     }
 
-    /// What the stream stands for, which is taken from the room.
+    /// Decodes the stream, and takes its memory from the room.
     fn bytes(&self, buffers: &[Cow<'_, [u8]>], room: &mut Room) -> Result<Vec<u8>, String> {
         let Self { buffer: b, byte_offset: start, byte_length: length, byte_stride: stride, count, mode, filter } =
             self;

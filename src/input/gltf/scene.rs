@@ -1,4 +1,4 @@
-//! The nodes of the scene, and the triangles of their meshes.
+//! Traversal of the nodes of a scene, and the triangles of their meshes.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::ops::Range;
@@ -23,27 +23,28 @@ use crate::shape::attachments::ChannelInput;
 use crate::shape::labels::FaceSet;
 use crate::shape::topology::index;
 
-/// A file may come to so many primitives, or to as many as it has bytes, and to three corners for each: nodes that
-/// share a mesh must not make much work of little, even where nothing is kept of it.
+/// Number of primitives that a file may always have after instancing; a longer file may have as many primitives as
+/// bytes, and three corners for each. Nodes that share a mesh must not make much work of a small file, even if nothing
+/// of it is kept.
 const LEAST_PRIMITIVES: usize = 1_000_000;
 
-/// Bytes of a vertex, of the numbers that it may carry, and of a triangle, as they are kept in lists that grow.
+/// Bytes of memory of the position, texture coordinates and colour of a vertex, each kept in lists that grow.
 const POSITION: usize = GROWN * 24;
 const UV: usize = GROWN * 16;
 const COLOR: usize = GROWN * 32 + 32;
-/// A triangle has three corners, a start, and perhaps three corners of texture coordinates.
+/// Bytes of memory of a triangle: three corners, a start, and perhaps three corners of texture coordinates.
 const TRIANGLE: usize = GROWN * 16 + 12;
-/// Bytes of the number of a triangle in the set of its material, or of its node or group.
+/// Bytes of a triangle's index in the set of its material, or of its node or group.
 const MEMBER: usize = GROWN * 8;
-/// Bytes of the name of a set, its place by its name, and the set.
+/// Bytes of a set, with its name and its index by name.
 const SET: usize = GROWN * size_of::<FaceSet>() + 128;
-/// Bytes of a node on the way from the root to the one that is read.
+/// Bytes of a node on the path from the root to the current node.
 const FRAME: usize = GROWN * size_of::<Frame<'static>>();
 
-/// The children of a node that are still to be read, and where they are.
+/// The children of a node that are still to be read, and the transform of the node.
 type Frame<'a> = (std::slice::Iter<'a, Index<Node>>, Transform);
 
-/// Reads the default scene, else the first, else all nodes that are nobody's child.
+/// Reads the default scene, otherwise the first scene, otherwise all nodes without a parent.
 pub(super) fn read(
     document: &Document<'_>,
     length: usize,
@@ -102,18 +103,18 @@ struct Reading<'a> {
     most_primitives: usize,
     primitives: usize,
     corners: usize,
-    /// Texture coordinates of vertices, zero for those that have none.
+    /// Texture coordinates of vertices, zero where a vertex has none.
     uvs: Option<Vec<[f64; 2]>>,
-    /// Number of those that have none.
+    /// Number of vertices without texture coordinates.
     without_uvs: usize,
-    /// Red, green, blue and alpha of vertices, as long as all have them.
+    /// Red, green, blue and alpha of vertices, as long as all have a colour.
     colors: Option<Vec<f64>>,
-    /// Number of vertices that have one.
+    /// Number of vertices with a colour.
     with_colors: usize,
     color_width: usize,
-    /// Faces of each material; those without one are in none.
+    /// Faces of each material; faces without a material are not listed.
     materials: BTreeMap<usize, Vec<u64>>,
-    /// Attributes of applications.
+    /// Application-specific attributes.
     channels: Channels,
     unread: Unread,
     groups: Groups,
@@ -123,12 +124,12 @@ struct Reading<'a> {
     is_posed: bool,
 }
 
-/// Vertices that primitives of one place share: those of the nodes one after another with one transform, as long as no
-/// mesh comes a second time.
+/// Vertices that primitives with one transform share. They are shared among consecutive nodes with equal transforms, as
+/// long as no mesh is repeated.
 struct Shared {
     transform: Transform,
     meshes: BTreeSet<usize>,
-    /// Where vertices start, and how many they are.
+    /// The first vertex and the number of vertices, by attributes.
     vertices: BTreeMap<Attributes, (usize, usize)>,
 }
 
@@ -138,8 +139,8 @@ impl Shared {
     }
 }
 
-/// Accessors that make the vertices of a primitive: places, texture coordinates, colours, then those of applications by
-/// their names.
+/// The accessors of the vertices of a primitive: positions, texture coordinates, colours, and application-specific
+/// attributes by name.
 #[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord)]
 struct Attributes {
     known: [Option<usize>; 3],
@@ -147,7 +148,7 @@ struct Attributes {
 }
 
 impl Reading<'_> {
-    /// Reads a node and all below it, each before its children.
+    /// Reads a node and its descendants, parents before children.
     fn tree(&mut self, root: usize, seen: &mut [bool]) -> Result<(), String> {
         let mut path: Vec<Frame<'_>> = Vec::new();
         let mut longest = 0;
@@ -249,7 +250,7 @@ impl Reading<'_> {
         Ok(())
     }
 
-    /// The vertices of a primitive of `n` vertices in the order in which its triangles take them.
+    /// Returns the indices of the vertices of a primitive, which has `n` vertices, in the order of its triangles.
     fn order(&mut self, primitive: &Primitive, n: usize) -> Result<Vec<u32>, String> {
         let order = if let Some(indices) = primitive.indices {
             self.document.indices(indices, &mut self.room)?
@@ -268,7 +269,7 @@ impl Reading<'_> {
         Ok(order)
     }
 
-    /// Takes the triangles of a primitive whose vertices start at `start`. Returns the faces that they have become.
+    /// Adds the triangles of a primitive whose vertices start at `start`. Returns the range of the new faces.
     fn faces(
         &mut self,
         mode: Mode,
@@ -278,7 +279,7 @@ impl Reading<'_> {
     ) -> Result<Range<usize>, String> {
         let faces = self.mesh.mesh.faces.len();
         let n_triangles = if mode == Mode::Triangles { order.len() / 3 } else { order.len().saturating_sub(2) };
-        // the numbers of those that are left out are given back
+        // the memory of triangles that are left out is returned
         self.room.take(n_triangles * TRIANGLE)?;
         for triangle in (0..n_triangles).map(|t| triangle(mode, order, t)) {
             let mut corners = triangle.map(|v| index(start) + v);
@@ -296,7 +297,7 @@ impl Reading<'_> {
         Ok(made)
     }
 
-    /// Appends the vertices of a primitive: where they start, how many they are.
+    /// Appends the vertices of a primitive, and returns the first one and their number.
     fn vertices(
         &mut self,
         positions: Index<Accessor>,
@@ -317,7 +318,7 @@ impl Reading<'_> {
         }
         let (uvs, colors) = (self.others(uvs, n)?, self.others(colors, n)?);
         match (uvs.as_ref().and_then(|rows| rows.rows::<2>()), &mut self.uvs) {
-            // the origin of glTF is the upper left corner of a picture
+            // glTF places the origin at the upper left corner of a picture
             (Some(rows), Some(all)) => all.extend(rows.iter().map(|[u, v]| [*u, 1.0 - v])),
             (None, Some(all)) => {
                 self.without_uvs += n;
@@ -341,7 +342,7 @@ impl Reading<'_> {
         Ok((start, n))
     }
 
-    /// The finite numbers of an accessor that `n` vertices have besides their places.
+    /// Reads an optional accessor of finite numbers, one row for each of `n` vertices.
     fn others(&mut self, accessor: Option<Index<Accessor>>, n: usize) -> Result<Option<AccessorRows>, String> {
         let Some(accessor) = accessor else { return Ok(None) };
         let found = self.document.rows(accessor, &mut self.room)?;

@@ -9,7 +9,7 @@ use crate::input::transform::Transform;
 /// How far the last row of a matrix may be from 0, 0, 0, 1.
 const AFFINE: f64 = 1e-6;
 
-/// What a node says of its place, as its text has it.
+/// The transform properties of a node, as in the text.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub(super) struct Placement {
     matrix: Option<[f64; 16]>,
@@ -18,14 +18,14 @@ pub(super) struct Placement {
     translation: Option<[f64; 3]>,
 }
 
-/// The members of an object, unread.
+/// The members of an object as raw JSON.
 type Members<'a> = BTreeMap<String, &'a RawValue>;
 
 impl Placement {
-    /// The placements of all nodes of a document; none where a node says nothing of its place.
+    /// Reads the placements of all nodes of a document; `None` for nodes without transform properties.
     ///
     /// # Errors
-    /// What is no glTF.
+    /// The document is not valid glTF.
     pub(super) fn all(json: &[u8]) -> serde_json::Result<Vec<Option<Box<Self>>>> {
         let document: Members<'_> = serde_json::from_slice(json)?;
         let Some(nodes) = document.get("nodes") else { return Ok(Vec::new()) };
@@ -44,11 +44,11 @@ impl Placement {
         nodes.iter().map(placement).collect()
     }
 
-    /// The map of a node: its matrix, or its scale, then rotation, then translation. A rotation is divided by its
-    /// length, which is near 1.
+    /// Returns the map of the node: its matrix, or its scale, then rotation, then translation. A rotation is normalised
+    /// if its length is near 1.
     ///
     /// # Errors
-    /// A matrix that is no affine map, a rotation that is no unit quaternion.
+    /// The matrix is not affine, the rotation is not a unit quaternion, or both forms are given.
     pub(super) fn transform(&self) -> Result<Transform, String> {
         let Self { matrix, rotation, scale, translation } = self;
         if matrix.is_some() && (rotation.is_some() || scale.is_some() || translation.is_some()) {

@@ -16,7 +16,7 @@ use crate::shape::textures::{Image, Texture, Wrap};
 /// it adds nothing visible to a surface.
 const MOST_BYTES: u64 = 64 << 20;
 
-/// Maximum number of kinds of ignored statements that a note names.
+/// Maximum number of names that a note lists.
 const MOST_TOLD: usize = 8;
 
 /// Options of a picture statement, with the maximum number of arguments of each.

@@ -1,10 +1,10 @@
-//! Materials: their names, and how their `UsdPreviewSurface` looks.
+//! Materials: the looks of their `UsdPreviewSurface`.
 
 use super::tree::{Layer, Prim};
 use crate::input::colors::encoded;
 use crate::shape::looks::{Alpha, Look};
 
-/// The prim of a path.
+/// Returns the prim with this path.
 pub(super) fn at<'p, 'a>(layer: &'p Layer<'a>, path: &str) -> Option<&'p Prim<'a>> {
     let mut names = path.strip_prefix('/')?.split('/');
     let named = |prims: &'p [Prim<'a>], name: &str| prims.iter().find(|prim| prim.name == name);
@@ -12,7 +12,7 @@ pub(super) fn at<'p, 'a>(layer: &'p Layer<'a>, path: &str) -> Option<&'p Prim<'a
     names.try_fold(root, |prim, name| named(&prim.children, name))
 }
 
-/// How a material looks, and whether it has textures, which are not read.
+/// Returns the look of a material, and whether it has textures, which are not read.
 ///
 /// Source: `UsdPreviewSurface` specification 2.6.
 pub(super) fn look(layer: &Layer<'_>, material: &Prim<'_>) -> (Look, bool) {

@@ -1,4 +1,4 @@
-//! Where prims stand: the operations of their transforms, in the order in which they are named.
+//! Transforms of prims: their operations in the order of `xformOpOrder`.
 
 use super::tree::Prim;
 use crate::input::text::quoted;
@@ -9,10 +9,10 @@ use crate::math::vector::{cross, dot, times};
 /// How far the last column of a matrix may be from 0, 0, 0, 1.
 const AFFINE: f64 = 1e-6;
 
-/// The transform of a prim below that of its parent.
+/// Returns the transform of a prim, composed with the transform of its parent.
 ///
 /// # Errors
-/// Operations that are not known, have other numbers than they need, or cannot be turned round.
+/// An operation is unknown, has the wrong number of values, or cannot be inverted.
 pub(super) fn of(prim: &Prim<'_>, outer: &Transform) -> Result<Transform, String> {
     let order = prim.value("xformOpOrder").map_or(&[][..], |order| &order.words);
     let mut all = *outer;
@@ -32,8 +32,8 @@ pub(super) fn of(prim: &Prim<'_>, outer: &Transform) -> Result<Transform, String
     Ok(all)
 }
 
-/// An operation by its name, such as `xformOp:rotateXYZ:pivot`. Angles are degrees, quaternions begin with their real
-/// part, matrices have rows that are multiplied from the left.
+/// Returns the transform of an operation by its name, such as `xformOp:rotateXYZ:pivot`. Angles are in degrees,
+/// quaternions begin with their real part, and matrices act on row vectors.
 fn operation(name: &str, numbers: &[f64]) -> Option<Transform> {
     if numbers.iter().any(|x| !x.is_finite()) {
         return None;
@@ -81,7 +81,7 @@ fn scaled([x, y, z]: [f64; 3]) -> Transform {
     Transform([[x, 0.0, 0.0], [0.0, y, 0.0], [0.0, 0.0, z], [0.0; 3]])
 }
 
-/// Turned around an axis, counter-clockwise where that points at the viewer; quarters of a turn are exact.
+/// Returns the rotation around an axis, counter-clockwise if the axis points at the viewer; quarter turns are exact.
 fn rotated(axis: usize, degrees: f64) -> Transform {
     let turn = degrees.rem_euclid(360.0);
     let quarters = [270.0, 180.0, 90.0].iter().position(|&least| turn >= least).map_or(0, |i| 3 - i);
@@ -95,7 +95,7 @@ fn rotated(axis: usize, degrees: f64) -> Transform {
     Transform(columns)
 }
 
-/// The transform that undoes another; none where that is flat.
+/// Returns the inverse; `None` if the map is singular.
 fn inverse(of: &Transform) -> Option<Transform> {
     let [a, b, c, t] = of.0;
     let rows = [cross(b, c), cross(c, a), cross(a, b)];
@@ -111,7 +111,7 @@ mod tests {
     use super::*;
     use crate::math::functions::sqrt;
 
-    /// The bits of a point, whatever the sign of its zeros.
+    /// Returns the bits of a point, ignoring the sign of zeros.
     fn bits(point: [f64; 3]) -> [u64; 3] {
         point.map(|x| (x + 0.0).to_bits())
     }

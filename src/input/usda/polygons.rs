@@ -1,4 +1,4 @@
-//! One mesh: its points and faces, and the tags of a subdivision surface.
+//! One mesh: its points and faces, and its subdivision tags.
 
 use super::tree::Prim;
 use crate::input::collect::Collected;
@@ -8,13 +8,13 @@ use crate::input::transform::Transform;
 use crate::scheme::tags::Boundary;
 use crate::shape::topology::index;
 
-/// Bytes of a vertex, of a corner of a face, of a face and of a tag, as they are kept in lists that grow.
+/// Bytes of memory of a vertex, of a corner of a face, of a face and of a tag, each kept in lists that grow.
 const POSITION: usize = GROWN * 24;
 const CORNER: usize = GROWN * 8;
 const FACE: usize = GROWN * 8;
 const TAG: usize = GROWN * 24;
 
-/// Where the parts of a mesh lie in the whole.
+/// The ranges of one mesh within the combined mesh.
 #[derive(Debug)]
 pub(super) struct Part {
     pub(super) first_vertex: usize,
@@ -22,33 +22,33 @@ pub(super) struct Part {
     pub(super) first_face: usize,
     pub(super) n_faces: usize,
     pub(super) first_corner: usize,
-    /// For each corner as it is kept the one in the file: those of faces that were turned round are others.
+    /// The index in the file of each stored corner; reversed faces have theirs in another order.
     pub(super) corners: Vec<u32>,
 }
 
-/// A number as a whole one below `n`, for what is named by `what`.
+/// Converts a number to an index below `n`; `what` names the number in messages.
 pub(super) fn below(x: f64, n: usize, what: &str) -> Result<u32, String> {
     let refused = || format!("{what}: {x} is no whole number below {n}");
     let whole = u32::try_from(whole(x).ok_or_else(refused)?).ok();
     whole.filter(|&k| (k as usize) < n).ok_or_else(refused)
 }
 
-/// A number as that of the indices a face or crease takes of those that are left.
+/// Converts the number of indices of a face or crease, which is at most the number of indices left.
 fn taken(x: f64, left: usize, what: &str) -> Result<usize, String> {
     let refused = |_| format!("{what}: {x} indices of {left} that are left; give so many, or another number");
     below(x, left + 1, what).map(|n| n as usize).map_err(refused)
 }
 
-/// A number as a count.
+/// Converts a number to a count.
 #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "it is a whole number below 2^32")]
 fn whole(x: f64) -> Option<u64> {
     (x >= 0.0 && x.fract() == 0.0 && x <= f64::from(u32::MAX)).then_some(x as u64)
 }
 
-/// Takes points and faces of a mesh.
+/// Adds the points and faces of a mesh.
 ///
 /// # Errors
-/// Lists that do not fit together, and more than may be kept.
+/// The lists do not fit together, or the mesh takes more than is allowed.
 pub(super) fn faces(
     prim: &Prim<'_>,
     transform: &Transform,
@@ -99,10 +99,10 @@ pub(super) fn faces(
     Ok(Part { first_vertex, n_vertices, first_face, n_faces, first_corner, corners })
 }
 
-/// Takes creases, corners and holes of a mesh that has been taken.
+/// Adds the creases, corners and holes of a mesh whose faces were added.
 ///
 /// # Errors
-/// Lists that do not fit together, vertices and faces that do not exist, negative sharpness.
+/// The lists do not fit together, a vertex or face does not exist, or a sharpness is negative.
 pub(super) fn tags(prim: &Prim<'_>, part: &Part, room: &mut Room, all: &mut Collected) -> Result<(), String> {
     let sharp = |name: &str, i: usize| {
         let x = prim.numbers(name).get(i).copied().unwrap_or(f64::NAN);
@@ -141,10 +141,10 @@ pub(super) fn tags(prim: &Prim<'_>, part: &Part, room: &mut Room, all: &mut Coll
     Ok(())
 }
 
-/// The boundary rule of a subdivision surface; none of polygons.
+/// Returns the boundary rule of a subdivision surface; `None` for polygons.
 ///
 /// # Errors
-/// A rule that is not known.
+/// The rule is unknown.
 pub(super) fn boundary(prim: &Prim<'_>) -> Result<Option<Boundary>, String> {
     if !is_subdivided(prim) {
         return Ok(None);
@@ -157,7 +157,7 @@ pub(super) fn boundary(prim: &Prim<'_>) -> Result<Option<Boundary>, String> {
     }
 }
 
-/// Whether a mesh is a subdivision surface, as it is where nothing is said.
+/// Whether a mesh is a subdivision surface, which is the default.
 pub(super) fn is_subdivided(prim: &Prim<'_>) -> bool {
     prim.word("subdivisionScheme") != Some("none")
 }

@@ -1,4 +1,4 @@
-//! Primvars: texture coordinates, colours and other numbers of vertices and corners, of all meshes together.
+//! Primvars of all meshes: texture coordinates, colours and other values of vertices and corners.
 
 use std::collections::BTreeMap;
 
@@ -13,39 +13,39 @@ use crate::shape::check::FaceList;
 use crate::shape::seams::{Interpolation, SeamsInput};
 use crate::shape::topology::index;
 
-/// What all primvars begin with.
+/// The namespace of primvars.
 const SPACE: &str = "primvars:";
 /// Bytes of a primvar with its name, and perhaps with a note.
 const PRIMVAR: usize = GROWN * (size_of::<Rows>() + 24) + 256;
-/// Bytes of the colour of a vertex or corner: its number, and where each has its own the number in the map and the
+/// Bytes of the colour of a vertex or corner: its index, and, if all colours are distinct, its map entry and the
 /// colour.
 const COLOR_BYTES: usize = 4 + 48 + GROWN * 32;
-/// What stands for a row that is not there.
+/// Marks a vertex or corner without a row.
 const MISSING: u32 = u32::MAX;
 const UV: &str = "st";
 const COLORS: &str = "displayColor";
 const OPACITY: &str = "displayOpacity";
 
-/// Primvars by their names, as far as they were read.
+/// The primvars read so far, by name.
 #[derive(Debug, Default)]
 pub(super) struct Primvars(BTreeMap<String, Rows>);
 
-/// Rows of numbers, with those of vertices and corners.
+/// Rows of values, with the rows of vertices and corners.
 #[derive(Debug, Default)]
 struct Rows {
     width: usize,
     values: Vec<f64>,
-    /// For each vertex its row, or [`MISSING`].
+    /// The row of each vertex, or [`MISSING`].
     of_vertices: Vec<u32>,
-    /// The same for each corner.
+    /// The row of each corner, or [`MISSING`].
     of_corners: Vec<u32>,
-    /// Whether some stand at corners, where those of one vertex may differ.
+    /// Whether some values belong to corners, so that the corners at a vertex may differ.
     has_seams: bool,
-    /// Where those of corners are interpolated linearly.
+    /// Where corner values are interpolated linearly.
     interpolation: Interpolation,
 }
 
-/// The numbers a value of a type has; none for types without numbers.
+/// Returns the number of components of a type; `None` for types without numbers.
 fn width(kind: &str) -> Option<usize> {
     const STEMS: [&str; 10] =
         ["float", "double", "half", "int", "uint", "color", "vector", "normal", "point", "texCoord"];
@@ -58,10 +58,10 @@ fn width(kind: &str) -> Option<usize> {
 }
 
 impl Primvars {
-    /// Takes the primvars of a mesh that has been taken. What does not fit is left out with a note.
+    /// Adds the primvars of a mesh whose faces were added. Invalid primvars are left out with a note.
     ///
     /// # Errors
-    /// More than may be kept.
+    /// The primvars take more than is allowed.
     pub(super) fn take(
         &mut self,
         prim: &Prim<'_>,
@@ -89,10 +89,10 @@ impl Primvars {
         Ok(())
     }
 
-    /// Hands over what all meshes have, and colours where some have them.
+    /// Moves the primvars that all meshes have into the mesh, and colours if any mesh has them.
     ///
     /// # Errors
-    /// More than may be kept.
+    /// The primvars take more than is allowed.
     pub(super) fn finish(mut self, room: &mut Room, mesh: &mut ReadMesh) -> Result<(), String> {
         let ends = [mesh.positions.len(), mesh.faces.n_half_edges()];
         for name in [UV, COLORS, OPACITY] {
@@ -107,7 +107,7 @@ impl Primvars {
         }
         for (name, rows) in self.0 {
             if rows.values.is_empty() {
-                continue; // a note has told why
+                continue; // already reported in a note
             }
             if rows.ends() != ends || rows.is_missing() {
                 mesh.notes.push(format!("the primvar {} is left out, as not every mesh has it", quoted(&name)));
@@ -123,7 +123,7 @@ impl Primvars {
     }
 }
 
-/// Where values of corners are interpolated linearly: everywhere on polygons.
+/// Returns where corner values are interpolated linearly: everywhere on polygons.
 fn interpolation(prim: &Prim<'_>) -> Interpolation {
     match prim.word("faceVaryingLinearInterpolation") {
         _ if !is_subdivided(prim) => Interpolation::All,
@@ -136,7 +136,7 @@ fn interpolation(prim: &Prim<'_>) -> Interpolation {
     }
 }
 
-/// Colours as sRGB with their opacity; white where there are none.
+/// Converts colours to sRGB with their opacity; missing colours are white.
 fn colored(colors: &Rows, opacity: Option<&Rows>) -> Rows {
     let has_seams = colors.has_seams || opacity.is_some_and(|rows| rows.has_seams);
     let width = if opacity.is_some() { 4 } else { 3 };
@@ -164,7 +164,7 @@ fn colored(colors: &Rows, opacity: Option<&Rows>) -> Rows {
 }
 
 impl Rows {
-    /// Takes those of a mesh, or says why not.
+    /// Adds the rows of a mesh, or returns why they are invalid.
     fn take(
         &mut self,
         prim: &Prim<'_>,
@@ -233,12 +233,12 @@ impl Rows {
         Ok(Ok(()))
     }
 
-    /// How many vertices and corners have come.
+    /// Returns the numbers of vertices and corners so far.
     fn ends(&self) -> [usize; 2] {
         [self.of_vertices.len(), self.of_corners.len()]
     }
 
-    /// Has so many vertices and corners, of which those that are new have nothing.
+    /// Extends the rows to these numbers of vertices and corners; the new ones are [`MISSING`].
     fn fill(&mut self, ends: [usize; 2], room: &mut Room) -> Result<(), String> {
         let [vertices, corners] = self.ends();
         room.take(GROWN * 4 * (ends[0].saturating_sub(vertices) + ends[1].saturating_sub(corners)))?;
@@ -251,13 +251,13 @@ impl Rows {
         self.values.chunks_exact(self.width).nth(number as usize)
     }
 
-    /// Whether something of some mesh is not there.
+    /// Whether a vertex or corner has no row.
     fn is_missing(&self) -> bool {
         let list = if self.has_seams { &self.of_corners } else { &self.of_vertices };
         list.contains(&MISSING)
     }
 
-    /// The channel that they are.
+    /// Converts the rows to a channel.
     fn channel(self, name: &str, faces: &FaceList) -> ChannelInput {
         let Self { width, values, of_vertices, of_corners, has_seams, interpolation } = self;
         let name = name.to_owned();

@@ -1,4 +1,4 @@
-//! The prims that are shown, as one mesh.
+//! Combines the visible prims into one mesh.
 
 use std::collections::BTreeMap;
 
@@ -15,10 +15,10 @@ use crate::scheme::tags::Boundary;
 use crate::shape::labels::{FaceSet, MAX_LABELS};
 use crate::shape::looks::Look;
 
-/// Bytes of a set of faces, and of the number of a face in it, as they are kept in lists that grow.
+/// Bytes of memory of a set of faces, and of a face index in it, each kept in lists that grow.
 const SET: usize = GROWN * size_of::<FaceSet>() + 128;
 const MEMBER: usize = GROWN * 8;
-/// Shapes that are no meshes.
+/// Shapes that are not meshes.
 const OTHER_SHAPES: [&str; 13] = [
     "BasisCurves",
     "Capsule",
@@ -35,10 +35,10 @@ const OTHER_SHAPES: [&str; 13] = [
     "TetMesh",
 ];
 
-/// Reads the meshes of a layer, whose lengths may have to be multiplied with `scale`.
+/// Reads the meshes of a layer; `scale` is the factor of lengths, if any.
 ///
 /// # Errors
-/// Meshes whose lists do not fit together, named by their paths, and more than may be kept.
+/// The lists of a mesh, named by its path, do not fit together, or the meshes take more than is allowed.
 pub(super) fn read(layer: &Layer<'_>, room: Room, limits: &ReadLimits, scale: Option<f64>) -> Result<ReadMesh, String> {
     let mut reading = Reading {
         layer,
@@ -66,7 +66,7 @@ pub(super) fn read(layer: &Layer<'_>, room: Room, limits: &ReadLimits, scale: Op
     reading.finish()
 }
 
-/// Whether some metadata name files, or other prims.
+/// Whether any metadata of these names refer to files or other prims.
 fn has_files(metadata: &[(&str, Value<'_>)], names: &[&str]) -> bool {
     names
         .iter()
@@ -81,10 +81,10 @@ struct Reading<'t, 'a> {
     primvars: Primvars,
     /// Subsets that bind no material.
     groups: Vec<FaceSet>,
-    /// Faces of each mesh that are in none of these.
+    /// Faces of each mesh that are in none of `groups`.
     meshes: Vec<FaceSet>,
     materials: Vec<Bound<'a>>,
-    /// Places of paths among these.
+    /// Indices into `materials` by path.
     numbers: BTreeMap<&'a str, usize>,
     boundary: Option<Boundary>,
     notes: BTreeMap<&'static str, usize>,
@@ -94,7 +94,7 @@ struct Reading<'t, 'a> {
 struct Bound<'a> {
     path: &'a str,
     faces: Vec<u64>,
-    /// Whether meshes say of some that their inside is not seen.
+    /// Whether a mesh with this material is declared single-sided.
     is_one_sided: bool,
 }
 
@@ -105,7 +105,7 @@ impl<'a> Reading<'_, 'a> {
         }
     }
 
-    /// Reads a prim and all below it; `bound` is the material of its parent.
+    /// Reads a prim and its descendants; `bound` is the material of its parent.
     fn prim(
         &mut self,
         prim: &Prim<'a>,
@@ -162,7 +162,7 @@ impl<'a> Reading<'_, 'a> {
         self.sets(prim, &part, bound)
     }
 
-    /// Takes groups and materials of the faces of a mesh.
+    /// Adds the groups and materials of the faces of a mesh.
     fn sets(&mut self, prim: &Prim<'a>, part: &Part, bound: Option<&'a str>) -> Result<(), String> {
         let is_one_sided = prim.value("doubleSided").and_then(Value::number) == Some(0.0);
         self.room.take(2 * SET + part.n_faces * (2 * MEMBER + 2))?;
@@ -214,7 +214,7 @@ impl<'a> Reading<'_, 'a> {
         mesh.boundary = self.boundary;
         std::mem::take(&mut self.primvars).finish(&mut self.room, &mut mesh)?;
         for (i, Bound { path, faces, is_one_sided }) in std::mem::take(&mut self.materials).into_iter().enumerate() {
-            // a mesh has no more
+            // a mesh holds at most this many
             let found = if i < MAX_LABELS { looks::at(self.layer, path) } else { None };
             let (name, mut look) = if let Some(prim) = found {
                 let (look, has_textures) = looks::look(self.layer, prim);
@@ -230,7 +230,7 @@ impl<'a> Reading<'_, 'a> {
             mesh.materials.push(FaceSet { name, faces });
             mesh.looks.push(look);
         }
-        // one mesh alone tells nothing apart
+        // a single mesh group distinguishes nothing
         let meshes = if self.meshes.len() > 1 { self.meshes } else { Vec::new() };
         mesh.groups = self.groups.into_iter().chain(meshes).collect();
         mesh.notes.extend(self.notes.into_iter().map(|(what, n)| format!("{what}: {n}")));

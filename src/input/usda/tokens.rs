@@ -2,50 +2,50 @@
 
 use crate::input::text::{at_line, quoted};
 
-/// What a text is made of; marks are single letters such as brackets.
+/// A token; marks are single characters such as brackets.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum Token<'a> {
     /// An identifier with its namespaces, or a keyword.
     Word(&'a str),
-    /// A number, which may be infinite or none.
+    /// A number, which may be infinite or NaN.
     Number(f64),
-    /// What stands between quotes, escapes included.
+    /// A quoted string, with its escapes unresolved.
     Text(&'a str),
-    /// What stands between `<` and `>`.
+    /// A path, from between `<` and `>`.
     Path(&'a str),
-    /// A file, which stands between `@`.
+    /// A reference to a file, between `@`.
     Asset,
     Mark(u8),
     End,
 }
 
-/// The tokens of a text, one after the other.
+/// The tokens of a text, in order.
 #[derive(Debug, Clone)]
 pub(super) struct Tokens<'a> {
     text: &'a str,
-    /// Bytes that were read.
+    /// Number of bytes read.
     at: usize,
-    /// Bytes before the last token.
+    /// The byte offset of the last token.
     start: usize,
     peeked: Option<Token<'a>>,
 }
 
 impl<'a> Tokens<'a> {
-    /// The tokens of a text.
+    /// Creates the tokens of a text.
     pub(super) fn new(text: &'a str) -> Self {
         Self { text, at: 0, start: 0, peeked: None }
     }
 
-    /// A fault at the last token.
+    /// Formats a fault at the last token.
     pub(super) fn fault(&self, detail: impl std::fmt::Display) -> String {
         let lines = self.text[..self.start].matches('\n').count();
         at_line(lines + 1, detail)
     }
 
-    /// The next token, which stays the next one.
+    /// Returns the next token without consuming it.
     ///
     /// # Errors
-    /// As those of [`next`](Self::next).
+    /// The same as for [`next`](Self::next).
     pub(super) fn peek(&mut self) -> Result<Token<'a>, String> {
         if self.peeked.is_none() {
             self.peeked = Some(self.read()?);
@@ -53,10 +53,10 @@ impl<'a> Tokens<'a> {
         Ok(self.peeked.unwrap_or(Token::End))
     }
 
-    /// The next token.
+    /// Returns the next token.
     ///
     /// # Errors
-    /// What no token begins with, and what does not end.
+    /// A character begins no token, or a token does not end.
     pub(super) fn next(&mut self) -> Result<Token<'a>, String> {
         match self.peeked.take() {
             Some(token) => Ok(token),
@@ -64,10 +64,10 @@ impl<'a> Tokens<'a> {
         }
     }
 
-    /// Takes a mark, where it is the next token.
+    /// Consumes a mark if it is the next token.
     ///
     /// # Errors
-    /// As those of [`next`](Self::next).
+    /// The same as for [`next`](Self::next).
     pub(super) fn takes(&mut self, mark: u8) -> Result<bool, String> {
         let is_next = self.peek()? == Token::Mark(mark);
         if is_next {
@@ -76,15 +76,15 @@ impl<'a> Tokens<'a> {
         Ok(is_next)
     }
 
-    /// Takes a mark.
+    /// Consumes a mark.
     ///
     /// # Errors
-    /// Another token.
+    /// The next token is another one.
     pub(super) fn expect(&mut self, mark: u8) -> Result<(), String> {
         if self.takes(mark)? { Ok(()) } else { Err(self.unexpected(char::from(mark))) }
     }
 
-    /// A fault that says what was expected in place of the next token.
+    /// Formats a fault that names what was expected in place of the last token.
     pub(super) fn unexpected(&self, expected: impl std::fmt::Display) -> String {
         let found = self.text[self.start..].lines().next().unwrap_or_default();
         let found = if found.is_empty() { "the end".to_owned() } else { quoted(found) };
@@ -110,7 +110,7 @@ impl<'a> Tokens<'a> {
         }
     }
 
-    /// Passes over blanks and comments, whose three kinds are those of Python, C and C++.
+    /// Skips blanks and comments in the styles of Python, C and C++.
     fn pass_blanks(&mut self) -> Result<(), String> {
         loop {
             let rest = self.text[self.at..].trim_start();
@@ -147,7 +147,7 @@ impl<'a> Tokens<'a> {
         Err(self.fault("a text without its closing quotes"))
     }
 
-    /// What stands between two marks, of which the second is like the first where it is empty.
+    /// Returns the text between two marks; an empty `last` means the same mark as `first`.
     fn between(&mut self, first: &str, last: &str) -> Result<&'a str, String> {
         let last = if last.is_empty() { first } else { last };
         let rest = &self.text[self.at + first.len()..];
@@ -175,7 +175,7 @@ impl<'a> Tokens<'a> {
     }
 }
 
-/// The text of a literal, its escapes read; those of codes are left out.
+/// Resolves the escapes of a string; `\n`, `\t` and `\r` become blanks, and any other backslash is dropped.
 pub(super) fn unescaped(literal: &str) -> String {
     let mut letters = literal.chars();
     let mut text = String::new();

@@ -1,14 +1,14 @@
-//! The prims of a layer with their properties, each as it stands in the text.
+//! The prims of a layer with their properties, as parsed.
 
 use super::tokens::{Token, Tokens, unescaped};
 use crate::input::room::{GROWN, Room};
 use crate::input::text::quoted;
 
-/// How deep prims may lie in each other.
+/// Maximum depth of nested prims.
 const MAX_DEPTH: usize = 64;
-/// How deep lists may lie in each other: those of matrices are three deep.
+/// Maximum depth of nested lists; lists of matrices are three deep.
 const MAX_LISTS: usize = 8;
-/// Bytes of a number, of a word, of a property and of a prim, as they are kept in lists that grow.
+/// Bytes of memory of a number, of a word, of a property and of a prim, each kept in lists that grow.
 const NUMBER: usize = GROWN * 8;
 const WORD: usize = GROWN * 16;
 const PROPERTY: usize = GROWN * size_of::<Property<'static>>();
@@ -19,7 +19,7 @@ const PRIM: usize = GROWN * size_of::<Prim<'static>>();
 pub(super) struct Layer<'a> {
     pub(super) metadata: Vec<(&'a str, Value<'a>)>,
     pub(super) prims: Vec<Prim<'a>>,
-    /// What was passed over.
+    /// The number of variant sets that were skipped.
     pub(super) variants: usize,
 }
 
@@ -28,11 +28,11 @@ pub(super) struct Layer<'a> {
 pub(super) struct Prim<'a> {
     /// `def`, `over` or `class`.
     pub(super) specifier: &'a str,
-    /// The type; empty where it has none.
+    /// The type, or empty.
     pub(super) kind: &'a str,
     pub(super) name: &'a str,
     pub(super) metadata: Vec<(&'a str, Value<'a>)>,
-    /// One of each name, by their names.
+    /// Properties with distinct names, sorted by name.
     pub(super) properties: Vec<Property<'a>>,
     pub(super) children: Vec<Prim<'a>>,
 }
@@ -40,31 +40,31 @@ pub(super) struct Prim<'a> {
 /// An attribute or a relationship.
 #[derive(Debug, Default)]
 pub(super) struct Property<'a> {
-    /// The type of an attribute without brackets; `rel` of a relationship.
+    /// The type of an attribute without brackets; `rel` for a relationship.
     pub(super) kind: &'a str,
     pub(super) name: &'a str,
     pub(super) value: Value<'a>,
     pub(super) metadata: Vec<(&'a str, Value<'a>)>,
 }
 
-/// All numbers of a value, and all its words, texts and paths, in their order.
+/// All numbers of a value, and all its words, texts and paths, in order.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub(super) struct Value<'a> {
     pub(super) numbers: Vec<f64>,
     pub(super) words: Vec<&'a str>,
-    /// Whether it names files.
+    /// Whether the value refers to files.
     pub(super) has_assets: bool,
-    /// Whether it is the first of several over time.
+    /// Whether the value is the first of several time samples.
     pub(super) is_sampled: bool,
 }
 
 impl<'a> Value<'a> {
-    /// Its first word.
+    /// Returns the first word.
     pub(super) fn word(&self) -> Option<&'a str> {
         self.words.first().copied()
     }
 
-    /// Its first number, or whether it is true.
+    /// Returns the first number; booleans become 1 and 0.
     pub(super) fn number(&self) -> Option<f64> {
         let truth = match self.word() {
             Some("true") => Some(1.0),
@@ -75,34 +75,34 @@ impl<'a> Value<'a> {
     }
 }
 
-/// The value of a name among metadata.
+/// Returns the metadata value with this name.
 pub(super) fn told<'p, 'a>(metadata: &'p [(&'a str, Value<'a>)], name: &str) -> Option<&'p Value<'a>> {
     metadata.iter().find(|(found, _)| *found == name).map(|(_, value)| value)
 }
 
 impl<'a> Prim<'a> {
-    /// A property by its name.
+    /// Returns the property with this name.
     pub(super) fn property(&self, name: &str) -> Option<&Property<'a>> {
         let at = self.properties.partition_point(|property| property.name < name);
         self.properties.get(at).filter(|property| property.name == name)
     }
 
-    /// The value of a property.
+    /// Returns the value of a property.
     pub(super) fn value(&self, name: &str) -> Option<&Value<'a>> {
         self.property(name).map(|property| &property.value)
     }
 
-    /// The first word of a property.
+    /// Returns the first word of a property.
     pub(super) fn word(&self, name: &str) -> Option<&'a str> {
         self.value(name)?.word()
     }
 
-    /// The numbers of a property; none where it is not there.
+    /// Returns the numbers of a property; empty if it is absent.
     pub(super) fn numbers(&self, name: &str) -> &[f64] {
         self.value(name).map_or(&[], |value| &value.numbers)
     }
 
-    /// Its name for people.
+    /// Returns the display name, or else the name.
     pub(super) fn label(&self) -> String {
         let shown = told(&self.metadata, "displayName").and_then(Value::word).filter(|name| !name.is_empty());
         shown.map_or_else(|| self.name.to_owned(), unescaped)
@@ -112,7 +112,7 @@ impl<'a> Prim<'a> {
 /// Reads a layer.
 ///
 /// # Errors
-/// What is no USD, with its line, and what comes to more than may be kept.
+/// The text is not valid USD, which the message reports by line, or takes more than is allowed.
 pub(super) fn read<'a>(text: &'a str, room: &mut Room) -> Result<Layer<'a>, String> {
     let mut reading = Reading { tokens: Tokens::new(text), room, variants: 0 };
     let metadata = reading.metadata()?;
@@ -153,16 +153,16 @@ impl<'a> Reading<'a, '_> {
         prim.metadata = self.metadata()?;
         self.tokens.expect(b'{')?;
         self.body(&mut prim, depth)?;
-        // what holds at all times comes before what holds at some
+        // a constant value precedes time samples of the same name
         prim.properties.sort_by_key(|property| (property.name, property.value.is_sampled));
         prim.properties.dedup_by_key(|property| property.name);
-        // a list begins with room for four
+        // small lists have capacity for four
         prim.properties.shrink_to_fit();
         prim.children.shrink_to_fit();
         Ok(prim)
     }
 
-    /// Reads what stands between the braces of a prim.
+    /// Reads the body of a prim.
     fn body(&mut self, prim: &mut Prim<'a>, depth: usize) -> Result<(), String> {
         loop {
             match self.tokens.next()? {
@@ -183,7 +183,7 @@ impl<'a> Reading<'a, '_> {
         }
     }
 
-    /// Reads a property whose first word was read; none where it takes from a list that is not there.
+    /// Reads a property whose first word was read; `None` for a list operation `delete`.
     fn property(&mut self, first: &'a str) -> Result<Option<Property<'a>>, String> {
         self.room.take(PROPERTY)?;
         let mut kind = first;
@@ -212,7 +212,7 @@ impl<'a> Reading<'a, '_> {
         Ok(word)
     }
 
-    /// Reads metadata, where they follow.
+    /// Reads metadata, if any follow.
     fn metadata(&mut self) -> Result<Vec<(&'a str, Value<'a>)>, String> {
         let mut all = Vec::new();
         if !self.tokens.takes(b'(')? {
@@ -223,7 +223,7 @@ impl<'a> Reading<'a, '_> {
                 Token::Mark(b')') => return Ok(all),
                 Token::Mark(b';' | b',') | Token::Text(_) => {}
                 Token::Word(mut name) => {
-                    // lists that are added to are lists; the types of dictionaries' entries say nothing here
+                    // list operations are read as lists, and the types of dictionary entries are ignored
                     while let Token::Word(next) = self.tokens.peek()? {
                         name = next;
                         self.tokens.next()?;
@@ -239,7 +239,7 @@ impl<'a> Reading<'a, '_> {
         }
     }
 
-    /// Reads a value; of those over time the first one, of dictionaries nothing.
+    /// Reads a value: the first of time samples, and nothing of dictionaries.
     fn value(&mut self) -> Result<Value<'a>, String> {
         let mut value = Value::default();
         if !self.tokens.takes(b'{')? {
@@ -292,12 +292,12 @@ impl<'a> Reading<'a, '_> {
         Ok(())
     }
 
-    /// Passes over what is said of a reference to a file in brackets.
+    /// Skips the parentheses after a reference to a file.
     fn pass_of_reference(&mut self, value: &Value<'a>) -> Result<(), String> {
         if value.has_assets && self.tokens.takes(b'(')? { self.pass(b'(', b')') } else { Ok(()) }
     }
 
-    /// Passes over all up to the mark that closes one that was read.
+    /// Skips everything up to the mark that closes `open`.
     fn pass(&mut self, open: u8, close: u8) -> Result<(), String> {
         let mut depth = 1_usize;
         while depth > 0 {
@@ -311,7 +311,7 @@ impl<'a> Reading<'a, '_> {
         Ok(())
     }
 
-    /// Passes over variants, whose braces hold prims.
+    /// Skips variants, whose braces hold prims.
     fn pass_variants(&mut self, depth: usize) -> Result<(), String> {
         let Token::Text(name) = self.tokens.next()? else {
             return Err(self.tokens.unexpected("the name of a set of variants"));
@@ -325,7 +325,7 @@ impl<'a> Reading<'a, '_> {
         self.pass(b'{', b'}')
     }
 
-    /// Passes over an order of names: prims stand in the order of the text.
+    /// Skips an order of names; prims keep the order of the text.
     fn pass_reorder(&mut self) -> Result<(), String> {
         self.word("what is put in order")?;
         self.tokens.expect(b'=')?;
