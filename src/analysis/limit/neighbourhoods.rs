@@ -8,8 +8,6 @@ use crate::math::rows::Rows;
 use crate::shape::numbering::Numbering;
 use crate::watch::{Stopped, Watch};
 
-/// The neighbourhoods of the vertices of a refined net.
-///
 /// The interface to the neighbourhoods of the vertices of a refined net.
 ///
 /// Limits are computed for vertices, as weighted means of points; both are numbered by the path that refined the net.

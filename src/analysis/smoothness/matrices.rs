@@ -1,6 +1,6 @@
-//! The matrices whose products describe how differences of the data evolve. For a residual b with entries 0 to n, `N =
-//! max(1, ceil(n / (d-1)))` and e from 0 to d - 1, the N x N matrices are `(T_e)[p][q] = b[r + p - d i(q)]` with `r = e
-//! + d N` and `i(q) = floor((r + N - 1) / d) - (N - 1) + q`.
+//! The matrices whose products describe how differences of the data evolve. For a residual b with entries 0 to n,
+//! `N = max(1, ceil(n / (d-1)))` and e from 0 to d - 1, the N x N matrices are `(T_e)[p][q] = b[r + p - d i(q)]` with
+//! `r = e + d N` and `i(q) = floor((r + N - 1) / d) - (N - 1) + q`.
 //!
 //! Source: Daubechies and Lagarias, SIAM Journal on Mathematical Analysis 23 (1992), 1031-1079.
 

@@ -1,5 +1,5 @@
-//! The symbol of a scheme of arity d, `a(z) = sum a[j] z^j`, and its factors: `a = d (sigma/d)^K b` with `sigma = 1 + z
-//! + ... + z^(d-1)` and a residual b without a further factor sigma.
+//! The symbol of a scheme of arity d, `a(z) = sum a[j] z^j`, and its factors: `a = d (sigma/d)^K b` with
+//! `sigma = 1 + z + ... + z^(d-1)` and a residual b without a further factor sigma.
 //!
 //! Source: Dyn and Levin, Acta Numerica 11 (2002), sections 2 and 4; Conti and Hormann, Journal of Approximation Theory
 //! 163 (2011), 413-437, on reproduction.

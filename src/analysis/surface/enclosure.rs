@@ -1,8 +1,8 @@
 //! Eigenvalues with proved error bounds, which include the roundings of the weights and of all computations with them.
 //!
 //! For approximate eigenvectors `l` (left) and `r` (right) of a value v, with `l r = 1`, let `B = A - v r l`. If all
-//! eigenvalues of B are below theta, the eigenvalues of A beyond theta are the zeros of `1 - v l (z - B)^-1 r`, and `(z
-//! - B)^-1 r = r / z + (z - B)^-1 B r / z`. With `|(z - B)^-1| <= g` and `|B r| <= e` there is exactly one such
+//! eigenvalues of B are below theta, the eigenvalues of A beyond theta are the zeros of `1 - v l (z - B)^-1 r`, and
+//! `(z - B)^-1 r = r / z + (z - B)^-1 B r / z`. With `|(z - B)^-1| <= g` and `|B r| <= e` there is exactly one such
 //! eigenvalue, simple and real, within `v |l| g e` of v (Rouche), and its eigenvector differs from r by at most `g e`.
 
 use crate::math::dense::Dense;

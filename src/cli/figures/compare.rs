@@ -28,8 +28,8 @@ pub(super) struct Difference {
     pub(super) where_: Option<Vec<u8>>,
     /// Number of different pixels, number of all pixels, and largest difference of colours from 0 to 1.
     pub(super) pixels: Option<(u64, u64, f64)>,
-    /// Of a moving picture, the number of frames that differ and of all; then `pixels` and `where_` are those of the frame
-    /// with the most different pixels.
+    /// Of a moving picture, the number of frames that differ and of all; then `pixels` and `where_` are those of the
+    /// frame with the most different pixels.
     pub(super) frames: Option<(usize, usize)>,
     /// The numbers that differ: name, old value, new value.
     pub(super) numbers: Vec<(String, Option<Value>, Option<Value>)>,
@@ -88,8 +88,8 @@ impl Difference {
 /// of colours from 0 to 1.
 type PixelsCompared = (Option<Vec<u8>>, (u64, u64, f64));
 
-/// Compares two pictures, frame by frame if they move; `None` if either is not a PNG, or their sizes or numbers of frames
-/// differ. The counts of frames come with the comparison of the frame with the most different pixels.
+/// Compares two pictures, frame by frame if they move; `None` if either is not a PNG, or their sizes or numbers of
+/// frames differ. The counts of frames come with the comparison of the frame with the most different pixels.
 fn compared(before: &[u8], after: &[u8]) -> Option<(Option<(usize, usize)>, PixelsCompared)> {
     let (Some(mut before), Some(mut after)) = (frames(before), frames(after)) else {
         return Some((None, pixels(before, after)?));
@@ -111,7 +111,7 @@ fn compared(before: &[u8], after: &[u8]) -> Option<(Option<(usize, usize)>, Pixe
     Some((Some((differ, n)), worst?))
 }
 
-/// Returns the frames of a moving picture, each as a PNG file or `None` where it cannot be read; `None` for anything else.
+/// Returns the frames of a moving picture, each as a PNG file or `None` if it cannot be read; `None` for anything else.
 fn frames(bytes: &[u8]) -> Option<impl Iterator<Item = Option<Vec<u8>>>> {
     let decoder = PngDecoder::new(Cursor::new(bytes)).ok()?;
     let frames = decoder.is_apng().ok()?.then_some(decoder)?.apng().ok()?.into_frames();

@@ -57,8 +57,8 @@ pub(crate) fn fits(counts: &Counts) -> Result<(), Fault> {
         return Ok(());
     }
     let detail = format!(
-        "the mesh has {n} triangles, a drawing in lines takes at most {MAX_LINE_TRIANGLES}; ask for fewer levels, or for \
-         \"png\""
+        "the mesh has {n} triangles, a drawing in lines takes at most {MAX_LINE_TRIANGLES}; ask for fewer levels, or \
+         for \"png\""
     );
     Err(Fault::new("/format", detail))
 }
