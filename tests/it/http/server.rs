@@ -80,7 +80,7 @@ pub(crate) fn story_at<T>(settings: Settings, clock: Arc<dyn Clock>, tell: impl 
         let client = client_builder().build().unwrap();
         let desk = app.desk.clone();
         let server = Server { address, app, client };
-        let told = tokio::time::timeout(PATIENCE, tell(&server)).await.expect("the story has an end");
+        let told = tokio::time::timeout(2 * PATIENCE, tell(&server)).await.expect("the story has an end");
         drop(server);
         let _ = stop.send(());
         tokio::time::timeout(PATIENCE, served).await.expect("the server stops").unwrap();
