@@ -164,7 +164,7 @@ fn a_wall_clock_that_jumps_ends_no_job_and_keeps_none_for_ever() {
     let folder = Folder::new();
     let lasting = || Settings { job_ttl_s: 1000, ..lasting(&folder) };
     let clock = Jumping::at(START_S);
-    let (waiting, done) = story_at(lasting(), clock.clone(), async |server| {
+    let (waiting, done, held) = story_at(lasting(), clock.clone(), async |server| {
         let done = server.post_with("/v1/jobs", &with(mesh(1), "stats"), &[("prefer", "wait=60")]).await.ok();
         // when a job was settled is written by the wall clock, so that has happened before the clock jumps
         let id = planish::job::key::Key::parse(done.json()["id"].as_str().unwrap()).unwrap();
@@ -178,9 +178,10 @@ fn a_wall_clock_that_jumps_ends_no_job_and_keeps_none_for_ever() {
             assert_eq!(server.get(done.header("location")).await.ok().json()["state"], "done");
         }
         clock.wall_s.store(START_S, Ordering::SeqCst);
-        drop(held);
-        (waiting.header("location").to_owned(), done.header("location").to_owned())
+        // the place is held to the end, so that the waiting job is left to the next process
+        (waiting.header("location").to_owned(), done.header("location").to_owned(), held)
     });
+    drop(held);
     // the next process starts 900 s later; settled jobs continue to age, and accepted ones are finished
     story_at(lasting(), Jumping::at(START_S + 900), async |server| {
         assert_eq!(server.settled(&waiting).await["state"], "done");
