@@ -174,8 +174,8 @@ impl Finisher {
 }
 
 /// Least growth of the number of an isophote over a pixel. A surface on which it grows less counts as a plane, since
-/// normals in f32 make some 1e-6 of it by rounding. Half of it is closer to that; twice of it widens lines that are more
-/// than 5,000 pixels apart.
+/// normals in f32 make some 1e-6 of it by rounding. Half of it is closer to that; twice of it widens lines that are
+/// more than 5,000 pixels apart.
 const FLAT: f32 = 1e-4;
 
 impl Stripes {
