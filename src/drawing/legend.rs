@@ -93,25 +93,42 @@ fn text(label: Label, at: Point, size_px: f32) -> Item {
 /// Number of colours of a bar: enough that steps are invisible; twice as many would only make the file longer.
 const STEPS: u16 = 256;
 
+/// Height of the tip of a bar, in its widths. At half of it the sides meet at a right angle, which is seen in large
+/// pictures only; at twice of it the tip looks like a part of the scale.
+const TIP: f32 = 0.8;
+
 /// Share of the size of the font down to which what is written at a bar becomes smaller; a third cannot be read.
 const LEAST_SHARE: f32 = 0.5;
 
 /// A bar of colours with a scale at its right: `low` at the bottom, `high` at the top of a rectangle (left, top, width,
-/// height, pixels) that holds the bar alone. `color` is that of a share of the way from one to the other. What the
-/// numbers are stands above. What is written ends before `end`, smaller where that is needed.
+/// height, pixels) that holds the bar alone. `color` is that of a share of the way from one to the other. An end of the
+/// bar has a tip if there are numbers `beyond` it, which have its colour. What the numbers are stands above. What is
+/// written ends before `end`, smaller where that is needed.
 pub fn color_bar(
     [left, top, width, height]: [f32; 4],
-    [low, high]: [f64; 2],
+    ([low, high], beyond): ([f64; 2], [bool; 2]),
     color: impl Fn(f64) -> Color,
     label: Option<Label>,
     size_px: f32,
     end: f32,
 ) -> Vec<Item> {
+    let tips = beyond.map(|is_beyond| if is_beyond { (TIP * width).min(0.25 * height) } else { 0.0 });
+    let (tip, top, height) = (top, top + tips[1], height - tips[0] - tips[1]);
     let shares = (0..STEPS).rev().map(|i| (f64::from(i) + 0.5) / f64::from(STEPS));
-    let pixels = shares.flat_map(color).collect();
+    let pixels = shares.flat_map(&color).collect();
     let bar = Picture { size: [1, u32::from(STEPS)], pixels, at: [left, top], extent: [width, height] };
     let [right, bottom] = [left + width, top + height];
-    let mut runs = vec![vec![[left, top], [right, top], [right, bottom], [left, bottom], [left, top]]];
+    let middle = left + 0.5 * width;
+    let points = [[middle, bottom + tips[0]], [middle, tip]];
+    let corners = [[[left, bottom], [right, bottom]], [[right, top], [left, top]]];
+    let area = |k: usize| vec![corners[k][0], points[k], corners[k][1]];
+    let areas = [0, 1].into_iter().filter(|k| beyond[*k]).map(|k| {
+        let end = if k == 0 { 0.0 } else { 1.0 };
+        Item::new("bar", Mark::Areas(vec![area(k)], color(end)))
+    });
+    let areas: Vec<Item> = areas.collect();
+    let around = [area(0), area(1), vec![[left, bottom]]].concat();
+    let mut runs = vec![around];
     #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a few ticks")]
     let room = (height / (2.5 * size_px)) as usize;
     let mut texts = Vec::new();
@@ -127,9 +144,9 @@ pub fn color_bar(
     }
     if let Some(label) = label {
         let size_px = fitted(label.width(size_px), left);
-        texts.push(text(label, [left, top - 1.1 * size_px], size_px));
+        texts.push(text(label, [left, tip - 1.1 * size_px], size_px));
     }
     let frame = Stroke { cap: Cap::Butt, ..Stroke::solid(0.07 * size_px, INK) };
     let items = [Item::new("bar", Mark::Picture(bar)), Item::lines("axis", runs, frame)];
-    items.into_iter().chain(texts).collect()
+    items.into_iter().chain(areas).chain(texts).collect()
 }

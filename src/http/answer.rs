@@ -18,7 +18,7 @@ use crate::job::key::Key;
 use crate::service::computation::{Outcome, Timings};
 use crate::service::lent::{Lent, is_free};
 use crate::service::peer::{Kind, Paid, Peer};
-use crate::service::pool::Busy;
+use crate::service::pool::{Busy, Lack};
 use crate::service::store::{Manifest, PART_BYTES, Pin};
 use crate::service::under_way::Provenance;
 use crate::service::variant::Coding;
@@ -88,7 +88,7 @@ impl From<Lost> for Problem {
                 let detail = "the stored result was damaged or has just left the cache; send the job again";
                 Self::new(problem::GONE, detail)
             }
-            Lost::Crowded => Busy { retry_after: Duration::from_secs(1) }.into(),
+            Lost::Crowded => Busy { lack: Lack::Answers, retry_after: Duration::from_secs(1) }.into(),
         }
     }
 }

@@ -22,7 +22,7 @@ use super::zip::Zip;
 use crate::job::key::{Key, content};
 use crate::service::job_key::Tenant;
 use crate::service::peer::{Kind, Paid, Peer};
-use crate::service::pool::Lane;
+use crate::service::pool::{Lack, Lane};
 use crate::service::store::Manifest;
 use crate::wire::archive::{Contents, contents};
 
@@ -64,7 +64,7 @@ fn answered(app: &Arc<App>, client: &Client, id: &str, headers: &HeaderMap) -> R
     }
     let (desk, request) = (&app.desk, &standing.batch.request);
     let bytes = request.text.len() as u64 + FILE_BYTES * (request.n() as u64 + 2 * request.n_outputs);
-    let busy = |_| desk.pool.busy(Lane::Reading);
+    let busy = |_| desk.pool.busy(Lane::Reading, Lack::Answers);
     let paid = desk.peers.charge(&desk.account.answers, Kind::AnswerBytes, peer, bytes).map_err(busy)?;
     let Contents { manifest, files } = contents(&standing.batch);
     let key = content(&manifest);

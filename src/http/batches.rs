@@ -24,7 +24,7 @@ use crate::service::job_key::{JobKey, Priority};
 use crate::service::jobs::{Phase, State as JobState};
 use crate::service::lent::Lent;
 use crate::service::peer::{Kind, Peer};
-use crate::service::pool::Lane;
+use crate::service::pool::{Lack, Lane};
 use crate::wire::batch::BatchRequest;
 use crate::wire::batch_standing::{BatchAnswer, BatchProgress, BatchesAnswer};
 
@@ -230,7 +230,7 @@ fn answer(standing: &BatchStanding) -> BatchAnswer {
 /// Returns the answer with the state of a batch; its memory is charged to the client.
 fn told(app: &Arc<App>, peer: Peer, status: StatusCode, standing: &BatchStanding) -> Result<Response, Problem> {
     let text = Bytes::from(json!(answer(standing)).to_string());
-    let (desk, busy) = (&app.desk, |_| app.desk.pool.busy(Lane::Reading));
+    let (desk, busy) = (&app.desk, |_| app.desk.pool.busy(Lane::Reading, Lack::Answers));
     let paid = desk.peers.charge(&desk.account.answers, Kind::AnswerBytes, peer, text.len() as u64).map_err(busy)?;
     let kind = [(header::CONTENT_TYPE, "application/json"), (header::CACHE_CONTROL, "no-cache")];
     let mut response = (status, kind, Body::from(Lent::new(text, paid))).into_response();

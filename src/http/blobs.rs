@@ -20,7 +20,7 @@ use crate::input::{Alone, READERS};
 use crate::job::key::Key;
 use crate::service::computation::Failure;
 use crate::service::peer::{Kind as Held, Paid, Peer};
-use crate::service::pool::Lane;
+use crate::service::pool::{Lack, Lane};
 use crate::service::read_lane::Unread;
 use crate::service::store::{Manifest, PART_BYTES, StoreError};
 use crate::service::uploads::{Unknown, Upload};
@@ -111,7 +111,7 @@ pub(super) async fn blob(
     }
     match parts(&app, client.peer(), manifest) {
         Some(body) => (head, body).into_response(),
-        None => Problem::from(app.desk.pool.busy(Lane::Reading)).into_response(),
+        None => Problem::from(app.desk.pool.busy(Lane::Reading, Lack::Answers)).into_response(),
     }
 }
 
@@ -150,7 +150,7 @@ async fn kept(app: &Arc<App>, client: &Client, headers: &HeaderMap, body: &mut B
     }
     let (desk, peer) = (&app.desk, client.peer());
     // one piece that arrives, and one that is being written
-    let busy = |_| desk.pool.busy(Lane::Reading);
+    let busy = |_| desk.pool.busy(Lane::Reading, Lack::Bodies);
     let _paid = desk.peers.charge(&desk.account.bodies, Held::BodyBytes, peer, 2 * PIECE_BYTES as u64).map_err(busy)?;
     let mut arriving = Arriving::new(app, body, limit);
     let (mut piece, mut upload, mut media_type) = (Vec::with_capacity(PIECE_BYTES), None, None);
@@ -300,7 +300,7 @@ pub(super) async fn loaded(
     if manifest.length > limit {
         return Err(too_long(manifest.length, limit));
     }
-    let (desk, busy) = (&app.desk, |_| app.desk.pool.busy(Lane::Reading));
+    let (desk, busy) = (&app.desk, |_| app.desk.pool.busy(Lane::Reading, Lack::Bodies));
     let paid = desk.peers.charge(&desk.account.bodies, Held::BodyBytes, peer, manifest.length).map_err(busy)?;
     let bytes = desk.uploads.whole(&manifest).await.ok_or_else(missing)?;
     Ok((id, manifest, bytes, paid))

@@ -5,7 +5,7 @@ use super::client::Client;
 use super::problem::Problem;
 use crate::service::account::Held;
 use crate::service::peer::{Kind, Ticket};
-use crate::service::pool::Lane;
+use crate::service::pool::{Lack, Lane};
 
 /// Maximum length of bodies that are not charged, in bytes: as there is one per connection, the number of connections
 /// bounds them, and a small request is read although large ones have taken the whole share. Twice of it may hold twice
@@ -42,6 +42,6 @@ impl Charge {
                 self.memory = bodies.try_take(more).ok();
                 self.memory.is_some()
             };
-        if is_there { Ok(()) } else { Err(app.desk.pool.busy(Lane::Reading).into()) }
+        if is_there { Ok(()) } else { Err(app.desk.pool.busy(Lane::Reading, Lack::Bodies).into()) }
     }
 }

@@ -18,7 +18,7 @@ use crate::job::key::Key;
 use crate::job::{PngFile, Side};
 use crate::service::computation::Phase;
 use crate::service::peer::{Kind, Paid, Peer};
-use crate::service::pool::Lane;
+use crate::service::pool::{Lack, Lane};
 use crate::service::store::Manifest;
 use crate::service::task::Render;
 use crate::wire::JobRequest;
@@ -113,7 +113,7 @@ async fn whole(app: &Arc<App>, peer: Peer, manifest: &Arc<Manifest>) -> Result<(
 fn charged(app: &Arc<App>, peer: Peer, bytes: u64) -> Result<Paid, Problem> {
     let desk = &app.desk;
     let paid = desk.peers.charge(&desk.account.bodies, Kind::BodyBytes, peer, bytes);
-    paid.map_err(|_| desk.pool.busy(Lane::Reading).into())
+    paid.map_err(|_| desk.pool.busy(Lane::Reading, Lack::Bodies).into())
 }
 
 async fn of_upload(app: &Arc<App>, peer: Peer, place: &str, id: &str) -> Result<FoundSide, Problem> {

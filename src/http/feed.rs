@@ -16,7 +16,7 @@ use super::client::Client;
 use super::problem::Problem;
 use crate::service::jobs::Phase;
 use crate::service::peer::{Kind, Paid, Ticket};
-use crate::service::pool::Lane;
+use crate::service::pool::{Lack, Lane};
 
 /// Maximum silence of a stream: half of what proxies usually allow. Half of it wakes idle connections twice as often;
 /// twice of it is cut by some proxies.
@@ -67,7 +67,7 @@ pub(super) fn stream(
             let unbuffered = [(HeaderName::from_static("x-accel-buffering"), HeaderValue::from_static("no"))];
             (kind, kept, unbuffered, body).into_response()
         }
-        None => Problem::from(app.desk.pool.busy(Lane::Long)).into_response(),
+        None => Problem::from(app.desk.pool.busy(Lane::Long, Lack::Streams)).into_response(),
     }
 }
 

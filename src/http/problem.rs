@@ -241,7 +241,7 @@ impl From<Refusal> for Problem {
 impl From<Busy> for Problem {
     fn from(busy: Busy) -> Self {
         let seconds = busy.retry_after.as_secs().max(1);
-        let detail = format!("too much is waiting already, of all clients or of yours; come back in {seconds} s");
+        let detail = format!("{}; come back in {seconds} s", busy.lack);
         Self { retry_after: Some(busy.retry_after), ..Self::new(BUSY, detail) }
     }
 }
@@ -305,7 +305,7 @@ impl Problem {
                     format!("the computation ran for {seconds} s, the most this server allows; {remedy}"),
                 )
             }
-            Failure::Busy(retry_after) => Busy { retry_after }.into(),
+            Failure::Busy(busy) => busy.into(),
             Failure::Internal(error) => {
                 tracing::error!(%error, "a computation failed");
                 Self::new(INTERNAL, "the computation failed; this is a fault of planish, please report it")

@@ -18,7 +18,7 @@ use crate::job::{Draft, Job, KeepWork, Report, RunError, Search, SearchError};
 use crate::math::amounts::in_bytes;
 use crate::service::computation::{Outcome, Phase};
 use crate::service::peer::{Kind, Paid, Peer};
-use crate::service::pool::Lane;
+use crate::service::pool::{Lack, Lane};
 use crate::service::task::{Cost, Task};
 use crate::watch::Watch;
 use crate::wire::JobRequest;
@@ -107,7 +107,7 @@ pub(super) async fn draft(
             return Err(too_large("the input takes", bytes, inputs.capacity / 2));
         }
         let input = desk.peers.charge(inputs, Kind::InputBytes, peer, bytes);
-        let input = Arc::new(input.map_err(|_| desk.pool.busy(Lane::Long))?);
+        let input = Arc::new(input.map_err(|_| desk.pool.busy(Lane::Long, Lack::Inputs))?);
         Ok(match draft {
             Draft::Job(job) => Step::Complete(Box::new(ReadJob { job: *job, input, sent })),
             Draft::Search(search) => Step::Search(Arc::from(search), input, sent),

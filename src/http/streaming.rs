@@ -19,7 +19,7 @@ use crate::math::amounts::in_bytes;
 use crate::output::Size;
 use crate::service::computation::Timings;
 use crate::service::peer::Paid;
-use crate::service::pool::Busy;
+use crate::service::pool::{Busy, Lack};
 use crate::service::read_lane::Unread;
 use crate::service::task::{Render, Task};
 use crate::shape::mesh::Mesh;
@@ -74,7 +74,7 @@ pub(super) fn check_kept(app: &App, admitted: &Admitted) -> Result<(), Problem> 
 
 /// Returns the refusal of a job that cannot be computed in time.
 pub(super) fn too_busy() -> Problem {
-    Busy { retry_after: Duration::from_secs(1) }.into()
+    Busy { lack: Lack::Patience, retry_after: Duration::from_secs(1) }.into()
 }
 
 /// Returns an answer that carries a result while it is computed, or `None` if the first bytes do not come within

@@ -24,7 +24,7 @@ use crate::service::driving::{ReadJobs, Tasks, Unreadable};
 use crate::service::job_key::JobKey;
 use crate::service::jobs::{JobSummary, Predicted, Product, Record};
 use crate::service::peer::{Kind, Peer};
-use crate::service::pool::Lane;
+use crate::service::pool::{Lack, Lane};
 use crate::service::task::{Render, Task};
 use crate::wire::JobRequest;
 use crate::wire::posted::{AnalysisJob, asks_for_analysis};
@@ -211,7 +211,8 @@ impl ReadItems for Reader {
             let (desk, text) = (&app.desk, &batch.request.text);
             // the memory of the job is charged to its own record later
             let booked = desk.peers.charge_self(&desk.account.bodies, Kind::BodyBytes, text.len() as u64);
-            let _paid = booked.map_err(|_| Unreadable::Later(desk.pool.busy(Lane::Reading).retry_after))?;
+            let _paid =
+                booked.map_err(|_| Unreadable::Later(desk.pool.busy(Lane::Reading, Lack::Bodies).retry_after))?;
             let text = batch.request.layout.text(text, at).into();
             let item = async {
                 let asked = asked(app, peer, &HeaderMap::new(), Sent::job(text)).await?;

@@ -57,6 +57,10 @@ const FIRM: f64 = 0.01;
 /// Half of it takes corners of a triangle of feet for sides, twice of it takes twice as long.
 const DIRECTIONS: usize = 16;
 
+/// Width of the band along the edge of the picture in which the shadow fades out, as a share of the smaller side, of
+/// which the model keeps 0.06 free. At half of it shadows seem cut off; at twice of it those of feet at the margin fade.
+const FADE: f64 = 0.045;
+
 /// The shadow of a model on the ground.
 #[derive(Debug)]
 pub(super) struct Shadow {
@@ -75,6 +79,8 @@ pub(super) struct Shadow {
 /// The shadow in a row of pixels.
 pub(super) struct ShadowRow<'a> {
     shadow: &'a Shadow,
+    /// Distance from the upper or lower edge of the picture, pixels.
+    edge_px: f64,
     /// Origin and direction of the ray at the left end, and their increments per pixel.
     origin: [Vector; 2],
     ray: [Vector; 2],
@@ -129,7 +135,9 @@ impl Shadow {
         let down = y as f64 + 0.5 - self.middle_px[1];
         let left = 0.5 - self.middle_px[0];
         let start = |v: &[Vector; 3]| [plus(v[0], plus(times(left, v[1]), times(down, v[2]))), v[1]];
-        (y >= top && y < bottom).then(|| ShadowRow { shadow: self, origin: start(&self.origin), ray: start(&self.ray) })
+        let edge_px = self.middle_px[1] - down.abs();
+        let row = || ShadowRow { shadow: self, edge_px, origin: start(&self.origin), ray: start(&self.ray) };
+        (y >= top && y < bottom).then(row)
     }
 
     /// Returns the interpolated darkness at a place of the map, whose coordinates range from -1 to 1.
@@ -159,7 +167,13 @@ impl ShadowRow<'_> {
             return 0.0;
         }
         let place = [0, 1].map(|k| along(&self.origin, k) + way * along(&self.ray, k));
-        if place[0].abs() < 1.0 && place[1].abs() < 1.0 { self.shadow.blended(place) } else { 0.0 }
+        if place.iter().any(|x| x.abs() >= 1.0) {
+            return 0.0;
+        }
+        let middle_px = self.shadow.middle_px;
+        let edge_px = self.edge_px.min(middle_px[0] - (x as f64 + 0.5 - middle_px[0]).abs());
+        let inside = (edge_px / (FADE * 2.0 * middle_px[0].min(middle_px[1]))).min(1.0) as f32;
+        self.shadow.blended(place) * inside * inside * (3.0 - 2.0 * inside)
     }
 }
 

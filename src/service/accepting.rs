@@ -8,7 +8,7 @@ use super::desk::Desk;
 use super::job_key::{JobKey, JobTerms};
 use super::jobs::{Holder, JobSummary, Made, New, Placed, Record, Run, Standing, State};
 use super::peer::{Kind, Paid, Peer};
-use super::pool::{Busy, Lane};
+use super::pool::{Busy, Lack, Lane};
 use super::queue::Item;
 use super::store::{Pin, StoreError};
 use super::under_way::Interest;
@@ -22,7 +22,7 @@ const TICK: Duration = Duration::from_millis(500);
 #[derive(Debug, thiserror::Error)]
 pub enum NotAccepted {
     /// Too many jobs wait already, or there is no memory for the record of the job.
-    #[error("too much is waiting already")]
+    #[error("there is no room for more work")]
     Busy(Busy),
     /// The record cannot be written, so that the job would be lost when the process ends.
     #[error("the job cannot be written down: {0}")]
@@ -72,15 +72,15 @@ impl Desk {
         }
         let lane = self.pool.lane_of(summary.cost.time_ms.into(), summary.cost.memory_bytes.into());
         let waiting = self.queue.waiting(lane);
-        let busy = || self.pool.busy_behind(lane, waiting);
+        let busy = |lack| self.pool.busy_behind(lane, lack, waiting);
         let ticket = match made.is_empty() {
-            true if waiting >= self.terms.most_jobs => return Err(busy().into()),
-            true => Some(self.ticket(peer, Kind::Detached).ok_or_else(busy)?),
+            true if waiting >= self.terms.most_jobs => return Err(busy(Lack::Jobs).into()),
+            true => Some(self.ticket(peer, Kind::Detached).ok_or_else(|| busy(Lack::Jobs))?),
             false => None,
         };
         let pins = if made.is_empty() { self.pins(&summary) } else { Vec::new() };
         let new = New { job, summary, terms, peer, holder, ticket, made, pins };
-        let placed = self.jobs.accept(self.record_memory(peer), new, false).map_err(|_| busy())?;
+        let placed = self.jobs.accept(self.record_memory(peer), new, false).map_err(|_| busy(Lack::Records))?;
         let Placed::New(run) = placed else { return Ok(self.jobs.written(job).await?) };
         // a task of its own, which continues if the client disconnects here
         let desk = self.clone();
@@ -98,7 +98,7 @@ impl Desk {
             Err(error) => Err(error),
         };
         if lined_up.is_err() {
-            self.jobs.settle(run, State::Cancelled);
+            self.jobs.settle(run, State::Failed("it could not be written down".to_owned()));
             self.jobs.remove(&item.job);
         }
         lined_up
@@ -120,7 +120,9 @@ impl Desk {
         self.jobs.join(&job, Holder::Client);
         let run = match self.jobs.run(&job) {
             Some((run, _)) => run,
-            None => self.detached(job, summary, &interest, (peer, entries)).map_err(|Full| self.pool.busy(lane))?,
+            None => self
+                .detached(job, summary, &interest, (peer, entries))
+                .map_err(|Full| self.pool.busy(lane, Lack::Jobs))?,
         };
         if let Some(ticket) = self.peers.take(peer, Kind::Accepted, 1, u64::MAX, u64::MAX) {
             interest.count_as(ticket);
@@ -164,7 +166,7 @@ impl Desk {
         let (terms, pins) = (JobTerms::default(), Vec::new());
         let new = New { job, summary, terms, peer, holder: Holder::Client, ticket: None, made, pins };
         let put = self.jobs.accept(self.record_memory(peer), new, false);
-        put.map(drop).map_err(|_| self.pool.busy(Lane::Long))
+        put.map(drop).map_err(|_| self.pool.busy(Lane::Long, Lack::Records))
     }
 
     /// Returns the state and progress of a job, if the job is known.
@@ -194,7 +196,7 @@ impl Desk {
     /// the process is queued only after a pause ([`Record::pause`]).
     ///
     /// # Errors
-    /// When the records cannot be read, or a job cannot be queued.
+    /// When the records cannot be read.
     pub async fn recover(self: &Arc<Self>) -> Result<usize, StoreError> {
         let memory = |bytes| self.peers.charge_self(&self.account.records, Kind::RecordBytes, bytes);
         let runs = self.jobs.recover(memory, |summary| self.pins(summary))?;
@@ -202,18 +204,18 @@ impl Desk {
             let Some(record) = self.jobs.get(&run.job) else { continue };
             let lane = record.lane(|time, memory| self.pool.lane_of(time, memory));
             let item = Item { job: run.job, lane, priority: record.terms.priority, peer: record.peer };
-            let pause = record.pause();
-            if pause.is_zero() {
-                self.queue.push(item).await.map_err(|error| StoreError::Io(std::io::Error::other(error)))?;
-                continue;
-            }
-            let desk = self.clone();
-            tokio::spawn(async move {
+            let (desk, pause) = (self.clone(), record.pause());
+            let queued = async move {
                 desk.clock.sleep(pause).await;
                 if let Err(error) = desk.queue.push(item).await {
                     tracing::warn!(%error, job = %item.job.id, "a job waits for a next start");
                 }
-            });
+            };
+            if pause.is_zero() {
+                queued.await;
+            } else {
+                tokio::spawn(queued);
+            }
         }
         Ok(runs.len())
     }

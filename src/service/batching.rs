@@ -15,7 +15,7 @@ use super::driving::{LEAST_PAUSE, Unreadable, found};
 use super::job_key::{JobKey, JobTerms};
 use super::jobs::{Holder, JobSummary, Made, State};
 use super::peer::{Kind, Paid, Peer};
-use super::pool::Lane;
+use super::pool::{Lack, Lane};
 use super::store::StoreError;
 
 /// Pause before a job is put into the queue again after the disk failed to take its record. Half of it would retry on a
@@ -67,11 +67,14 @@ impl Desk {
         terms: JobTerms,
         peer: Peer,
     ) -> Result<(), NotAccepted> {
-        let busy = || self.pool.busy_behind(Lane::Long, self.queue.waiting(Lane::Long));
+        let busy = |lack| self.pool.busy_behind(Lane::Long, lack, self.queue.waiting(Lane::Long));
         let most = (self.terms.most_a_peer / 4).max(1);
-        let ticket = self.peers.take(peer, Kind::Batch, 1, most, self.terms.most_jobs as u64).ok_or_else(busy)?;
+        let ticket = self
+            .peers
+            .take(peer, Kind::Batch, 1, most, self.terms.most_jobs as u64)
+            .ok_or_else(|| busy(Lack::Batches))?;
         let new = NewBatch { batch, request: Arc::new(request), terms, peer, ticket };
-        let begun = self.batches.accept(self.batch_memory(peer), new).map_err(|Full| busy())?;
+        let begun = self.batches.accept(self.batch_memory(peer), new).map_err(|Full| busy(Lack::Records))?;
         // a task of its own, which continues if the client disconnects here
         let desk = self.clone();
         let written = tokio::spawn(async move {

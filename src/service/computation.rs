@@ -10,6 +10,7 @@ use tokio::sync::{Notify, watch};
 
 use super::clock::Clock;
 use super::job_key::Tenant;
+use super::pool::Busy;
 use super::store::{Manifest, Owners};
 use crate::job::key::Key;
 use crate::job::{JobFault, RunError};
@@ -55,8 +56,8 @@ pub enum Failure {
     Impossible(JobFault),
     /// The computation ran longer than this limit.
     TimedOut(Duration),
-    /// The computation ran too long for the short lane, and the long lane had no place; retry after this duration.
-    Busy(Duration),
+    /// The computation ran too long for the short lane, and the long lane had no place.
+    Busy(Busy),
     /// A fault of the service itself.
     Internal(String),
 }

@@ -13,7 +13,7 @@ use super::jobs::Jobs;
 use super::kept_work::KeptWork;
 use super::lent::{InFlight, Lent};
 use super::peer::{Kind, Peer, Peers, Ticket};
-use super::pool::{Busy, Lane, Memory, Panicked, Pool, Turn, Waiting};
+use super::pool::{Busy, Lack, Lane, Memory, Panicked, Pool, Turn, Waiting};
 use super::queue::Queue;
 use super::result_buffer::ResultBuffer;
 use super::store::{Description, Manifest, Usage};
@@ -156,7 +156,7 @@ impl Desk {
     pub fn compute(self: &Arc<Self>, task: Arc<dyn Task>, peer: Peer) -> Result<Interest, Busy> {
         let cost = task.cost();
         let lane = self.pool.lane_of(cost.time_ms, cost.memory_bytes);
-        let ticket = self.ticket(peer, Kind::Waiting).ok_or_else(|| self.pool.busy(lane))?;
+        let ticket = self.ticket(peer, Kind::Waiting).ok_or_else(|| self.pool.busy(lane, Lack::Waiting))?;
         self.compute_for(task, peer, ticket, |bytes| self.pool.line_up(lane, peer, bytes))
     }
 
@@ -169,7 +169,7 @@ impl Desk {
         let cost = task.cost();
         let lane = self.pool.lane_of(cost.time_ms, cost.memory_bytes);
         let ticket = self.peers.take(peer, Kind::Accepted, 1, u64::MAX, u64::MAX);
-        let ticket = ticket.ok_or_else(|| self.pool.busy(lane))?;
+        let ticket = ticket.ok_or_else(|| self.pool.busy(lane, Lack::Waiting))?;
         self.compute_for(task, peer, ticket, |bytes| self.pool.line_up_again(lane, peer, bytes))
     }
 
@@ -222,7 +222,7 @@ impl Desk {
             lane = Lane::Long;
             match self.pool.line_up_again(lane, peer, task.cost().memory_bytes) {
                 Ok(place) => waiting = place,
-                Err(busy) => break Phase::Failed(Failure::Busy(busy.retry_after)),
+                Err(busy) => break Phase::Failed(Failure::Busy(busy)),
             }
             computation.watch.begin_again();
             computation.set(Phase::Queued);

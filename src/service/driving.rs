@@ -116,7 +116,7 @@ impl Desk {
                 return Went::Over;
             }
             match computation.finished().await {
-                Phase::Failed(Failure::Busy(pause)) => self.clock.sleep(pause).await,
+                Phase::Failed(Failure::Busy(busy)) => self.clock.sleep(busy.retry_after).await,
                 phase => return self.went(run, phase, |fault| task.fault(fault).to_string()),
             }
         }

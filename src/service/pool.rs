@@ -2,6 +2,7 @@
 //! memory, and a line in which peers take turns.
 
 use std::any::Any;
+use std::fmt;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -37,9 +38,58 @@ pub enum Lane {
     Long,
 }
 
-/// Refusal of work, since the line is full.
+/// What there is too little of for more work.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Lack {
+    /// Places in the line of a lane.
+    Places,
+    /// Places of requests that wait for computations.
+    Waiting,
+    /// Places of jobs that continue without their request.
+    Jobs,
+    /// Places of batches.
+    Batches,
+    /// Places of event streams, or memory for what they send.
+    Streams,
+    /// Memory for request bodies.
+    Bodies,
+    /// Memory for inputs of jobs.
+    Inputs,
+    /// Memory for answers.
+    Answers,
+    /// Memory for records of jobs.
+    Records,
+    /// Time: the first bytes of a result that is not kept did not come before the client's patience ended.
+    Patience,
+}
+
+impl fmt::Display for Lack {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::Places => "as many requests wait in line as may (`max_queue`; `max_queue_per_peer` of one client)",
+            Self::Waiting => {
+                "as many requests wait for computations as may (3/4 of `max_connections`; `max_queue_per_peer` of one \
+                 client)"
+            }
+            Self::Jobs => "as many jobs wait as may (`max_queue`; `max_queue_per_peer` of one client)",
+            Self::Batches => {
+                "as many batches are active as may (`max_queue`; a quarter of `max_queue_per_peer` of one client)"
+            }
+            Self::Streams => "as many event streams are open as may (`max_queue_per_peer` of one client)",
+            Self::Bodies => "the memory for request bodies is taken (half of it by one client at most)",
+            Self::Inputs => "the memory for inputs of jobs is taken (half of it by one client at most)",
+            Self::Answers => "the memory for answers is taken (half of it by one client at most)",
+            Self::Records => "the memory for records of jobs is taken (half of it by one client at most)",
+            Self::Patience => "the first bytes of the result, which is not kept, did not come in time",
+        })
+    }
+}
+
+/// Refusal of work, since there is no room for it now.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Busy {
+    /// What there is too little of.
+    pub lack: Lack,
     /// Time after which to retry, from the rate at which work was finished recently.
     pub retry_after: Duration,
 }
@@ -159,7 +209,7 @@ impl Pool {
     /// # Errors
     /// [`Busy`] when the line, or this peer's part of it, is full.
     pub fn line_up(&self, lane: Lane, peer: Peer, memory_bytes: u128) -> Result<Waiting, Busy> {
-        self.lane(lane).line.join(peer, bytes(memory_bytes)).map_err(|_| self.busy(lane))
+        self.lane(lane).line.join(peer, bytes(memory_bytes)).map_err(|_| self.busy(lane, Lack::Places))
     }
 
     /// As [`Pool::line_up`], for work that was admitted earlier and that more peers than the first may wait for: not
@@ -168,7 +218,7 @@ impl Pool {
     /// # Errors
     /// [`Busy`] when the line is full.
     pub fn line_up_again(&self, lane: Lane, peer: Peer, memory_bytes: u128) -> Result<Waiting, Busy> {
-        self.lane(lane).line.join_again(peer, bytes(memory_bytes)).map_err(|_| self.busy(lane))
+        self.lane(lane).line.join_again(peer, bytes(memory_bytes)).map_err(|_| self.busy(lane, Lack::Places))
     }
 
     /// Waits for the turn.
@@ -177,17 +227,17 @@ impl Pool {
     }
 
     /// Returns a refusal, with the time until the line of this lane will have passed, at least a second.
-    pub fn busy(&self, lane: Lane) -> Busy {
-        self.busy_behind(lane, 0)
+    pub fn busy(&self, lane: Lane, lack: Lack) -> Busy {
+        self.busy_behind(lane, lack, 0)
     }
 
     /// As [`Pool::busy`], if `more` pieces of work wait before the line.
-    pub fn busy_behind(&self, lane: Lane, more: usize) -> Busy {
+    pub fn busy_behind(&self, lane: Lane, lack: Lack, more: usize) -> Busy {
         let state = self.lane(lane);
         let waiting = state.line.waiting().saturating_add(more) as u64;
         let us = state.average_us.load(Ordering::Relaxed).saturating_mul(waiting);
         let us = us / (state.places as u64).max(1);
-        Busy { retry_after: Duration::from_micros(us).max(Duration::from_secs(1)) }
+        Busy { lack, retry_after: Duration::from_micros(us).max(Duration::from_secs(1)) }
     }
 
     /// Returns the number of places of a lane.

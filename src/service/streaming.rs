@@ -14,7 +14,7 @@ use super::clock::Clock;
 use super::computation::Failure;
 use super::desk::Desk;
 use super::peer::{Kind, Peer, Ticket};
-use super::pool::{Lane, panicked};
+use super::pool::{Lack, Lane, panicked};
 use super::read_lane::{StopOnDrop, Unread};
 use super::task::Task;
 use crate::job::{KeepWork, RunError};
@@ -76,7 +76,8 @@ impl Desk {
         peer: Peer,
     ) -> Result<Streamed, Unread> {
         let start = self.clock.now();
-        let ticket = self.ticket(peer, Kind::Waiting).ok_or_else(|| Unread::Busy(self.pool.busy(Lane::Long)))?;
+        let ticket =
+            self.ticket(peer, Kind::Waiting).ok_or_else(|| Unread::Busy(self.pool.busy(Lane::Long, Lack::Waiting)))?;
         let memory_bytes = memory_bytes.saturating_add(STREAM_BYTES);
         let waiting = self.pool.line_up(Lane::Long, peer, memory_bytes).map_err(Unread::Busy)?;
         let memory = self.pool.turn(Lane::Long, waiting).await.into_memory();

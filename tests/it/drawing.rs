@@ -47,7 +47,14 @@ fn everything() -> Drawing {
         let byte = (255.0 * share) as u8;
         [byte, 80, 255 - byte, 255]
     };
-    items.extend(color_bar([420.0, 50.0, 16.0, 180.0], [-2e-6, 2e-6], gray, Some(label("H")), 12.0, 500.0));
+    items.extend(color_bar(
+        [420.0, 50.0, 16.0, 180.0],
+        ([-2e-6, 2e-6], [false, true]),
+        gray,
+        Some(label("H")),
+        12.0,
+        500.0,
+    ));
     let ways = [(Anchor::Start, Level::Baseline), (Anchor::Middle, Level::Middle), (Anchor::End, Level::Top)];
     for (i, (anchor, level)) in (0_u8..).zip(ways) {
         let label = Label::plain("Ägypten (γ)", Weight::Bold).expect("it can be set");

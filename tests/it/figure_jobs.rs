@@ -160,6 +160,24 @@ fn panels_of_one_scale_are_framed_by_the_box_around_all() {
 }
 
 #[test]
+fn panels_of_one_scale_keep_it_beside_a_legend() {
+    let [plain, mut curved] = [solid(1, [400, 300]), solid(1, [400, 300])];
+    let look = json!({ "shading": "gaussian-curvature", "color_map": "viridis", "quality": "draft" });
+    curved["outputs"][0].as_object_mut().expect("an output").extend(look.as_object().expect("options").clone());
+    let mut one_scale = figure(2, &[plain, curved], 808);
+    one_scale["figure"]["panels"][0]["job"]["outputs"][0]["quality"] = json!("draft");
+    one_scale["figure"]["shared"] = json!({ "scale": true });
+    let whole = picture(&one_scale);
+    let covered = |left: u32| -> Vec<bool> {
+        part(&whole, [left, 0], [340, 300]).pixels().map(|pixel| pixel.0 != [255; 4]).collect()
+    };
+    assert!(covered(0).contains(&true));
+    assert_eq!(covered(0), covered(408), "both surfaces cover the same pixels");
+    let strip = part(&whole, [340, 0], [60, 300]);
+    assert!(strip.pixels().all(|pixel| pixel.0 == [255; 4]), "what is left free has the background");
+}
+
+#[test]
 fn a_shared_camera_takes_the_place_of_those_of_the_panels() {
     let mut shared = figure(1, &[solid(1, [90, 60])], 90);
     shared["figure"]["shared"] = json!({ "camera": { "azimuth_deg": 80, "elevation_deg": 5 } });

@@ -1,10 +1,12 @@
-//! The bounding box of everything that pictures show, for pictures with the same framing.
+//! What pictures with the same framing need in common: the bounding box of everything that they show, and the room for
+//! their legends.
 
 use crate::math::parameter::Values;
 use crate::math::vector::Vector;
 use crate::output::error::FormatError;
 use crate::output::picture::framing::boxed;
-use crate::output::picture::options::{CAMERA, Options};
+use crate::output::picture::options::{CAMERA, Options, WIDTH};
+use crate::output::picture::{legend, lines, shading};
 use crate::output::scene::{Curve, MeshSource, Scene, Shape, in_chunks};
 use crate::watch::Watch;
 
@@ -13,12 +15,14 @@ use crate::watch::Watch;
 pub struct Extent {
     low: Vector,
     high: Vector,
+    /// Width of the widest legend, and that of its picture, pixels.
+    strip: [u32; 2],
 }
 
 impl Default for Extent {
     /// The box of no points.
     fn default() -> Self {
-        Self { low: [f64::INFINITY; 3], high: [f64::NEG_INFINITY; 3] }
+        Self { low: [f64::INFINITY; 3], high: [f64::NEG_INFINITY; 3], strip: [0, 1] }
     }
 }
 
@@ -29,16 +33,32 @@ impl Extent {
     /// When the watch says stop.
     pub fn add(&mut self, scene: &Scene<'_>, values: &Values, watch: &Watch) -> Result<(), FormatError> {
         let options = Options::new(values, scene.frame);
-        let is_mesh = matches!(scene.shape, Shape::Mesh(_));
-        let usual: &[&str] = if is_mesh { &["surface"] } else { &["curve", "control"] };
-        let shows = |items: &[&str]| items.iter().any(|item| options.shows(item, usual));
-        if shows(&["surface", "wireframe", "isolines", "curve", "vertices", "comb", "tangents"]) {
+        let (shows_shape, shows_control) = match scene.shape {
+            Shape::Curves(_) => {
+                let shows = |items: &[&str]| items.iter().any(|item| options.shows(item, &["curve", "control"]));
+                (shows(&["curve", "vertices", "comb", "tangents"]), shows(&["control", "points"]))
+            }
+            Shape::Mesh(mesh) => {
+                let shows = |item| shading::shows(&options, item);
+                self.leave(legend::width(mesh.attachments(), &options, shows("surface")), options.size[0]);
+                (lines::shows_body(&options), shows("control") || shows("points"))
+            }
+        };
+        if shows_shape {
             self.reach(scene.shape, watch)?;
         }
-        if shows(&["control", "points"]) {
+        if shows_control {
             self.reach(scene.control.shape(), watch)?;
         }
         Ok(())
+    }
+
+    /// Extends the strip for a legend to `strip` of `width` pixels, if that is a larger share.
+    fn leave(&mut self, strip: u32, width: u32) {
+        let [known, of] = self.strip.map(u64::from);
+        if u64::from(strip) * of > known * u64::from(width) {
+            self.strip = [strip, width];
+        }
     }
 
     fn reach(&mut self, shape: Shape<'_>, watch: &Watch) -> Result<(), FormatError> {
@@ -77,12 +97,15 @@ impl Extent {
     }
 }
 
-/// Returns the options of a picture framed by a box in place of the shown items, unless the options have a box already.
+/// Returns the options of a picture framed by a box in place of the shown items, with room for the widest legend.
+/// Options that have a box already stay as they are.
 pub fn framed(values: &Values, extent: &Extent) -> Values {
     let mut values = values.clone();
     let camera = values.group(CAMERA.name).cloned().unwrap_or_default();
     if extent.low[0] <= extent.high[0] && camera.group("box").is_none() {
-        boxed(&mut values, extent.low, extent.high);
+        let [strip, of] = extent.strip.map(u64::from);
+        let strip = values.integer(WIDTH.name).and_then(|width| u64::try_from(width).ok()).unwrap_or(0) * strip / of;
+        boxed(&mut values, [extent.low, extent.high], u32::try_from(strip).unwrap_or(0));
     }
     values
 }

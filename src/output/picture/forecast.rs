@@ -19,7 +19,7 @@ pub(crate) fn work(input: &Mesh, counts: &Counts, options: &Options<'_>) -> u128
     }
     let topology = &input.topology;
     let points = input.positions.as_chunks::<3>().0;
-    let camera = options.camera(&[points], options.size);
+    let camera = options.camera(&[points], options.size_beside(0));
     let triangles = (topology.n_half_edges()).saturating_sub(2 * topology.n_faces()).max(1);
     let stride = topology.n_faces().div_ceil(MAX_FACES).max(1);
     let parts = (real(counts.triangles()) / real(triangles as u128)).max(1.0);

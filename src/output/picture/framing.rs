@@ -1,17 +1,18 @@
 //! The framing of a picture by its camera.
 
 use super::options::{CAMERA, CAMERA_FIELDS, Options};
-use super::view_box::{BOX, BOX_FIELDS};
+use super::view_box::{BOX, BOX_FIELDS, LEGEND_PX};
 use crate::math::parameter::{Value, Values};
 use crate::math::vector::{Vector, minus, times};
 use crate::raster::{Camera, Projection, View};
 
-/// Sets the box that the camera frames.
-pub(crate) fn boxed(values: &mut Values, min: Vector, max: Vector) {
+/// Sets the box that the camera frames, and the width in pixels that is left free for a legend.
+pub(crate) fn boxed(values: &mut Values, [min, max]: [Vector; 2], legend_px: u32) {
     let mut camera = values.group(CAMERA.name).cloned().unwrap_or_else(|| Values::usual(CAMERA_FIELDS));
     let mut corners = Values::usual(BOX_FIELDS);
     corners.set(&BOX_FIELDS[0], Value::Vector(min));
     corners.set(&BOX_FIELDS[1], Value::Vector(max));
+    corners.set(&LEGEND_PX, Value::Integer(legend_px.into()));
     camera.set(&BOX, Value::Group(corners));
     values.set(&CAMERA, Value::Group(camera));
 }
@@ -19,9 +20,21 @@ pub(crate) fn boxed(values: &mut Values, min: Vector, max: Vector) {
 impl Options<'_> {
     /// Returns the corners of the box that is framed in place of the shown items, if one is given.
     pub(crate) fn corners(&self) -> Option<[Vector; 8]> {
-        let corners = self.values.group(CAMERA.name)?.group(BOX.name)?;
+        let corners = self.view_box()?;
         let ends = [corners.vector("min")?, corners.vector("max")?];
         Some(std::array::from_fn(|i| [0, 1, 2].map(|k| ends[i >> k & 1][k])))
+    }
+
+    /// Returns the size in pixels of the picture without the width that is left free for a legend.
+    pub(super) fn size_beside(&self, legend_px: u32) -> [u32; 2] {
+        let asked = self.view_box().and_then(|corners| corners.integer(LEGEND_PX.name));
+        let asked = asked.and_then(|asked| u32::try_from(asked).ok()).unwrap_or(0);
+        let [width, height] = self.size;
+        [width - legend_px.max(asked).min(width / 2), height]
+    }
+
+    fn view_box(&self) -> Option<&Values> {
+        self.values.group(CAMERA.name)?.group(BOX.name)
     }
 
     /// Returns the camera that frames these points, or the given box, in a picture of `width` by `height` pixels.

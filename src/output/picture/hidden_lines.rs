@@ -98,7 +98,7 @@ pub(crate) fn drawing(
 ) -> Result<Drawing, FormatError> {
     let shows = |item: &str| options.shows(item, DEFAULT_SHOW);
     let positions = Positions::of_mesh(mesh).held(watch)?;
-    let camera = options.camera(&[positions.rows()], options.size);
+    let camera = options.camera(&[positions.rows()], options.size_beside(0));
     let seen: Option<Vec<Seen>> = positions.rows().par_iter().map(|point| camera.seen(*point)).collect();
     let seen = seen.ok_or_else(|| {
         FormatError::Unfit("parts of the mesh are not before the camera; move its eye away, or ask for \"png\"".into())
@@ -138,7 +138,7 @@ pub(crate) fn drawing(
     for class in CLASSES.into_iter().rev() {
         items.extend(artist.lines(class));
     }
-    Ok(Drawing { size: options.size, background: options.background, title: String::new(), items })
+    Ok(Drawing { size: options.size, background: options.background, title: "Subdivision surface".to_owned(), items })
 }
 
 struct Artist<'a> {

@@ -29,9 +29,9 @@ const FONT: [f32; 2] = [15.0, 9.0];
 /// Margin around names, in sizes of the font.
 const MARGIN: f32 = 0.6;
 
-/// Returns the width in pixels of the legend of a picture of a mesh with the attachments `carried`; 0 without a legend.
-/// Numbers colour the surface, so there is a bar only if `has_surface`.
-pub(super) fn width(carried: &Attachments, options: &Options<'_>, has_surface: bool) -> u32 {
+/// Returns the width in pixels of the legend of a picture of a mesh with the attachments `carried`, or of what is left
+/// free for it; 0 without both. Numbers colour the surface: there is a bar only if `has_surface`.
+pub(in crate::output) fn width(carried: &Attachments, options: &Options<'_>, has_surface: bool) -> u32 {
     let are_numbers = shading::measure(options.values).is_some() || coat::numbers_of(carried, options.values).is_some();
     let has_room = options.size.iter().zip(LEAST_PX).all(|(side, least)| *side >= least);
     let is_asked = match options.values.get(COLOR_BAR.name) {
@@ -43,7 +43,7 @@ pub(super) fn width(carried: &Attachments, options: &Options<'_>, has_surface: b
     let names = names(carried, options).map_or(0.0, |names| names.extent()[0] + 2.0 * MARGIN * font);
     #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a strip is some hundred pixels wide")]
     let strip = bar.max(names) as u32;
-    strip.min(options.size[0] / 2)
+    options.size[0] - options.size_beside(strip)[0]
 }
 
 /// Returns the names of colours that are not numbers, if the legend shows them: as many as fit one above the other.
@@ -105,7 +105,7 @@ fn bar(scale: NumberScale, [taken, width]: [f32; 2], carried: &Attachments, opti
     // names of channels may contain characters that cannot be typeset
     let label = Label::parse(&title(carried, options), Weight::Regular).ok();
     let (place, end) = ([BAR[0] * unit, top, BAR[1] * unit, tall], width - EDGE * unit);
-    color_bar(place, [scale.low, scale.high], color, label, unit * FONT[0], end)
+    color_bar(place, ([scale.low, scale.high], scale.beyond), color, label, unit * FONT[0], end)
 }
 
 /// Returns the size of the font, pixels.

@@ -42,7 +42,7 @@ pub(super) const LEGEND: &str = "legend";
 
 /// Lines that show tags of the input, with their colours, the undermost first.
 const TAGS: [(&str, [u8; 4]); 4] = [
-    (SEAMS, [217, 119, 6, 255]),
+    (SEAMS, [132, 204, 22, 255]),
     (LONGITUDE, [126, 34, 206, 255]),
     (LATITUDE, [4, 120, 87, 255]),
     (CREASES, [190, 18, 60, 255]),
@@ -64,7 +64,7 @@ pub(crate) const SHOWN: &[&str] = &[
 ];
 
 /// Returns whether the refined mesh itself is shown, and not only the control net.
-pub(super) fn shows_body(options: &Options<'_>) -> bool {
+pub(in crate::output) fn shows_body(options: &Options<'_>) -> bool {
     SHOWN.iter().any(|item| !matches!(*item, "control" | "points" | LEGEND) && shading::shows(options, item))
 }
 

@@ -34,6 +34,10 @@ pub(super) fn entries(carried: &Attachments, options: &Options<'_>) -> Vec<Entry
         let key = Key::Area(shading::color(options, SURFACE));
         found.extend(label("without a name").map(|label| Entry { key, label }));
     }
+    if shading::shows_normals(options) {
+        let axis = |k: usize| label(AXES[k]).map(|label| Entry { key: Key::Area(axis_color(k)), label });
+        found.extend((0..AXES.len()).filter_map(axis));
+    }
     let line = |(name, key): (&str, Key)| label(name).map(|label| Entry { key, label });
     found.extend(lines::meanings(options).into_iter().filter_map(line));
     found
@@ -44,10 +48,20 @@ pub(crate) fn check(kind: ShapeKind, carried: &Attachments, values: &Values) -> 
     let says_nothing = || entries(carried, &Options::new(values, Frame::default())).is_empty();
     if kind == ShapeKind::Mesh && values.has("show", LEGEND) && says_nothing() {
         let detail = "there is nothing that a \"legend\" could explain: it tells the names of groups or materials that \
-                      \"color_by\" shows, and what lines and dots are";
+                      \"color_by\" shows, the colours of normals, and what lines and dots are";
         return Err(Fault::new("/show", detail));
     }
     Ok(())
+}
+
+/// What the colours of normals along the positive axes stand for.
+const AXES: [&str; 3] = ["normal +x", "normal +y", "normal +z"];
+
+/// Returns the colour of a normal along axis `k`.
+fn axis_color(k: usize) -> Color {
+    let mut color = [128, 128, 128, 255];
+    color[k] = 255;
+    color
 }
 
 fn label(text: &str) -> Option<Label> {

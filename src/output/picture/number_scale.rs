@@ -41,18 +41,21 @@ pub(super) struct NumberScale {
     pub(super) low: f64,
     /// The greatest number with a colour of its own.
     pub(super) high: f64,
+    /// Whether there are numbers below the least and above the greatest.
+    pub(super) beyond: [bool; 2],
     /// The table of colours.
     pub(super) map: ColorMap,
 }
 
 impl NumberScale {
-    /// Returns the scale that the options give, with the range `usual` and the map `map` as defaults.
-    pub(super) fn new(options: &Values, map: ColorMap, usual: impl FnOnce() -> [f64; 2]) -> Self {
+    /// Returns the scale of some numbers that the options give, with the range `usual` and the map `map` as defaults.
+    pub(super) fn new(numbers: &[f64], options: &Values, map: ColorMap, usual: impl FnOnce() -> [f64; 2]) -> Self {
         let [low, high] = match *options.numbers(RANGE.name) {
             [low, high] => [low, high],
             _ => usual(),
         };
-        Self { low, high, map: ColorMap::of(options, map) }
+        let [least, greatest] = extent(numbers);
+        Self { low, high, beyond: [least < low, greatest > high], map: ColorMap::of(options, map) }
     }
 
     /// Returns the place of a number in the table of colours, from 0 to 1 over the range. In diverging maps the number
@@ -115,7 +118,7 @@ mod tests {
 
     #[test]
     fn shares_run_from_end_to_end_and_are_half_at_zero_where_the_middle_is_pale() {
-        let scale = |low, high, map| NumberScale { low, high, map };
+        let scale = |low, high, map| NumberScale { low, high, beyond: [false; 2], map };
         let plain = scale(1.0, 3.0, ColorMap::EVEN);
         let signed = scale(-1.0, 4.0, ColorMap::SIGNED);
         for (scale, x, expected) in [

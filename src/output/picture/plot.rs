@@ -212,7 +212,7 @@ impl Sheet {
         if options.shows("legend", &[]) {
             items.extend(self.legend(plot.entries, options));
         }
-        let title = options.values.name(TITLE.name).map(str::to_owned).unwrap_or_default();
+        let title = options.values.name(TITLE.name).unwrap_or("Subdivision curves").to_owned();
         let spoken = self.title.as_ref().map_or(title, Label::text);
         if let Some(label) = self.title {
             #[expect(clippy::cast_precision_loss, reason = "pictures have some thousand pixels a side")]

@@ -39,7 +39,12 @@ pub(crate) fn drawing(
     let stroke = Stroke::solid(WIDTH * options.unit_px(), options.color(CURVE));
     let item = |curves: &Vec<Curve>| Ok(Item::lines("section", easel.runs(curves, watch)?, stroke.clone()));
     let items = drawn.iter().map(item).collect::<Result<_, FormatError>>()?;
-    Ok(Drawing { size: options.size, background: options.background, title: String::new(), items })
+    Ok(Drawing {
+        size: options.size,
+        background: options.background,
+        title: "Sections of a subdivision surface".to_owned(),
+        items,
+    })
 }
 
 /// Returns the directions to the right and up in a plane, of length one, for a viewer towards whom the normal points.

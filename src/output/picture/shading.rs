@@ -14,7 +14,7 @@ pub(crate) const SHADING: Parameter = Parameter {
         "smooth",
         "flat",
         "matcap",
-        "normals",
+        NORMALS,
         HIDDEN_LINE,
         GAUSSIAN,
         MEAN,
@@ -60,6 +60,7 @@ pub(crate) const STRIPE_DIRECTION: Parameter = Parameter {
 /// Default colour of surfaces.
 pub(super) const SURFACE: [u8; 4] = [112, 160, 222, 255];
 
+const NORMALS: &str = "normals";
 pub(super) const HIDDEN_LINE: &str = "hidden-line";
 const GAUSSIAN: &str = "gaussian-curvature";
 const MEAN: &str = "mean-curvature";
@@ -109,13 +110,18 @@ pub fn shows_distances(options: &Values) -> bool {
 const DEFAULT_SHOW: [&[&str]; 2] = [&["surface"], &["surface", ISOLINES]];
 
 /// Returns whether a picture of a mesh shows an item.
-pub(super) fn shows(options: &Options<'_>, item: &str) -> bool {
+pub(in crate::output) fn shows(options: &Options<'_>, item: &str) -> bool {
     options.shows(item, DEFAULT_SHOW[usize::from(is_drawing(options.values))])
 }
 
 /// Returns whether the shading is a drawing of the lines of the surface.
 pub(super) fn is_drawing(options: &Values) -> bool {
     options.choice(SHADING.name) == Some(HIDDEN_LINE)
+}
+
+/// Returns whether the colours of a picture with these options are normals.
+pub(super) fn shows_normals(options: &Options<'_>) -> bool {
+    options.values.choice(SHADING.name) == Some(NORMALS) && shows(options, "surface")
 }
 
 fn pattern(options: &Values) -> Option<(&'static str, Pattern, u8)> {
@@ -137,7 +143,7 @@ pub(super) fn finish(options: &Options<'_>, right: [f64; 3]) -> Option<Finish> {
     }
     match options.values.choice(SHADING.name)? {
         "matcap" => Some(Finish::Matcap),
-        "normals" => Some(Finish::Normals),
+        NORMALS => Some(Finish::Normals),
         HIDDEN_LINE => Some(Finish::Bare),
         GAUSSIAN | MEAN | DISTANCE => Some(Finish::Matt),
         _ => None,
@@ -175,7 +181,7 @@ pub(crate) fn check(kind: ShapeKind, options: &Values) -> Result<(), Fault> {
         let detail = format!("\"{shading}\" has colours of its own; leave \"color_by\" or \"shading\" out");
         return Err(Fault::new("/color_by", detail));
     }
-    if (measure(options).is_some() || shading == "normals") && options.color("color").is_some() {
+    if (measure(options).is_some() || shading == NORMALS) && options.color("color").is_some() {
         return Err(Fault::new("/color", format!("the colours of \"{shading}\" are numbers; leave it out")));
     }
     for option in [STRIPES, STRIPE_DIRECTION] {

@@ -1,6 +1,7 @@
 //! The box that a camera frames, as an option.
 
 use crate::math::parameter::{Default, Kind, Parameter};
+use crate::raster::MAX_SIDE_PX;
 
 /// A box that is framed in place of the shown items.
 pub(super) const BOX: Parameter = Parameter {
@@ -27,4 +28,15 @@ pub(super) const BOX_FIELDS: &[Parameter] = &[
         default: Default::Required,
         doc: "The corner opposite to it.",
     },
+    LEGEND_PX,
 ];
+
+/// Width that is left free for a legend.
+pub(super) const LEGEND_PX: Parameter = Parameter {
+    name: "legend_px",
+    kind: Kind::Integer { min: 0, max: MAX_SIDE_PX as i64 },
+    unit: "pixels",
+    default: Default::Absent,
+    doc: "Width that is left free at the right, at most half of the picture, where its own legend needs less, so that \
+          pictures of meshes with and without a legend have one scale.",
+};

@@ -201,20 +201,28 @@ impl Jobs {
         kept.sort_by_key(|kept| kept.number);
         let (now, wall) = (self.clock.now(), self.clock.wall());
         let mut table = self.table();
-        let mut runs = Vec::new();
+        // jobs that wait for a next start keep their numbers, too
+        table.next = table.next.max(kept.last().map_or(0, |last| last.number + 1));
+        let (mut runs, mut failed) = (Vec::new(), Vec::new());
         for kept in kept {
+            let was_active = kept.state == State::Active;
             let Ok(memory) = memory(kept.summary.record_bytes()) else {
                 tracing::warn!(job = %kept.job.id, "no room for the record of a job; it waits for a next start");
                 continue;
             };
-            table.next = table.next.max(kept.number + 1);
             let mut record = revived(kept, memory, now, wall);
+            if was_active && !record.is_active() {
+                failed.push(record.job);
+            }
             if record.is_active() {
                 record.pins = pins(&record.summary);
                 runs.push(Run { job: record.job, number: record.number, ended: record.ended.subscribe() });
             }
             table.insert(record);
         }
+        drop(table);
+        // so that it is forgotten a time to live after this start, and not after each
+        failed.into_iter().for_each(|job| self.note(job));
         Ok(runs)
     }
 

@@ -31,13 +31,21 @@ const PAUSE: Duration = Duration::from_secs(5);
 /// log line shows.
 const REASON: usize = 400;
 
+/// Ends the outage, if there is one.
+fn end(outage: &Mutex<Option<Outage>>, clock: &dyn Clock) {
+    if let Some(outage) = lock(outage).take() {
+        let lasted = clock.now().saturating_sub(outage.since).as_secs();
+        tracing::warn!(lasted_s = lasted, "the shared store answers again");
+    }
+}
+
 /// A client of an object store over a network.
 #[derive(Debug)]
 pub(super) struct Calls {
     objects: Arc<dyn ObjectStore>,
     /// The runtime whose single thread drives all calls, so that no other blocked task delays a call.
     runtime: Option<Runtime>,
-    outage: Mutex<Option<Outage>>,
+    outage: Arc<Mutex<Option<Outage>>>,
     clock: Arc<dyn Clock>,
 }
 
@@ -78,7 +86,7 @@ enum Answer<T> {
 impl Calls {
     pub(super) fn new(objects: Arc<dyn ObjectStore>, clock: Arc<dyn Clock>) -> io::Result<Self> {
         let runtime = Builder::new_multi_thread().worker_threads(1).thread_name("shared-store").enable_all().build()?;
-        Ok(Self { objects, runtime: Some(runtime), outage: Mutex::default(), clock })
+        Ok(Self { objects, runtime: Some(runtime), outage: Arc::default(), clock })
     }
 
     /// Fetches an object of at most `most` bytes.
@@ -130,9 +138,23 @@ impl Calls {
         }
     }
 
-    /// Returns whether the store is in an outage, that is, whether the last call failed.
-    pub(super) fn is_away(&self) -> bool {
-        lock(&self.outage).is_some()
+    /// Returns whether the store is in an outage, that is, whether the last call failed. After a pause it is asked again
+    /// in the background for the object `probe`, so that the end of an outage is noticed even if nobody needs the store.
+    pub(super) fn is_away(&self, probe: &Path) -> bool {
+        if lock(&self.outage).is_none() {
+            return false;
+        }
+        if let (Ok(()), Some(runtime)) = (self.let_through(), &self.runtime) {
+            let (objects, probe) = (Arc::clone(&self.objects), probe.clone());
+            let (outage, clock) = (Arc::clone(&self.outage), Arc::clone(&self.clock));
+            runtime.spawn(async move {
+                if let Ok(Ok(_) | Err(Error::NotFound { .. })) = tokio::time::timeout(LOOK, objects.head(&probe)).await
+                {
+                    end(&outage, &*clock);
+                }
+            });
+        }
+        true
     }
 
     /// Runs a call on the runtime and blocks until it ends.
@@ -162,10 +184,7 @@ impl Calls {
             Ok(Err(_)) => return Err(self.away(format!("no answer within {patience:?}"), false)),
             Err(_) => return Err(self.away("a call was lost".to_owned(), false)),
         };
-        if let Some(outage) = lock(&self.outage).take() {
-            let lasted = self.clock.now().saturating_sub(outage.since).as_secs();
-            tracing::warn!(lasted_s = lasted, "the shared store answers again");
-        }
+        end(&self.outage, &*self.clock);
         Ok(answer)
     }
 

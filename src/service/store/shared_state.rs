@@ -94,7 +94,7 @@ impl State {
     /// Returns the counts of the remembered manifests, the capacity, and whether the object store is in an outage.
     pub(super) fn usage(&self) -> Usage {
         let usage = lock(&self.shelf).usage();
-        Usage { capacity: self.capacity, away: self.calls.is_away(), ..usage }
+        Usage { capacity: self.capacity, away: self.calls.is_away(&self.manifest_path(&content(b"probe"))), ..usage }
     }
 
     fn path(&self, kind: &str, key: &Key) -> Path {

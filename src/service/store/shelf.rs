@@ -62,9 +62,11 @@ impl<V> Shelf<V> {
         self.entries.get(key).map(|entry| &entry.value)
     }
 
-    /// Removes and returns the least recently used entry, unless an entry of this cost fits already.
+    /// Removes and returns the least recently used entry, unless an entry of this cost fits already, or would not fit
+    /// beside those that are pinned, so that nothing is evicted in vain.
     pub(in crate::service) fn evict_for(&mut self, cost: u64) -> Option<(Key, V)> {
-        if self.has_room(cost) {
+        let pinned: u64 = self.pinned.keys().filter_map(|key| self.entries.get(key)).map(|entry| entry.cost).sum();
+        if self.has_room(cost) || pinned.saturating_add(cost) > self.capacity {
             return None;
         }
         self.evict_oldest().map(|(key, _, value)| (key, value))

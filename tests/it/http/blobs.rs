@@ -180,6 +180,24 @@ fn what_is_pinned_stays_and_a_store_full_of_it_refuses() {
 }
 
 #[test]
+fn nothing_is_evicted_for_what_does_not_fit_beside_what_is_pinned() {
+    let store: Arc<dyn Store> = Arc::new(Memory::new(12_000));
+    let put = |number: u8, length: usize| {
+        let mut spool = store.spool(Key::from_bytes([number; 32])).unwrap();
+        spool.write_all(&vec![number; length]).unwrap();
+        let description =
+            Description { media_type: "model/obj".to_owned(), warnings: Vec::new(), owners: Owners::default() };
+        spool.commit_by_content(description).map(|manifest| manifest.key)
+    };
+    let [first, second, third] = [1, 2, 3].map(|number| put(number, 3000).unwrap());
+    let pins = [first, second].map(|key| Pin::new(&store, key).unwrap());
+    assert!(matches!(put(4, 5000), Err(StoreError::InUse)));
+    assert!(store.manifest(&third).unwrap().is_some(), "it would have been evicted in vain");
+    drop(pins);
+    put(4, 5000).unwrap();
+}
+
+#[test]
 fn panels_of_a_figure_may_name_uploads_and_validate_looks_at_them() {
     story(settings(), async |server| {
         let id = send(server, "", OBJ.as_bytes()).await.json()["id"].as_str().unwrap().to_owned();

@@ -210,6 +210,25 @@ fn while_the_store_is_away_one_call_is_made_now_and_then_and_nothing_waits() {
 }
 
 #[test]
+fn the_end_of_an_outage_is_noticed_though_nobody_needs_the_store() {
+    let (bucket, clock) = (FaultyBucket::new(), Arc::new(Manual::default()));
+    let store = bucket.open_at(ROOMY, clock.clone()).unwrap();
+    bucket.away.store(true, SeqCst);
+    store.look_up(&key(1)).unwrap_err();
+    for _ in 0..3 {
+        clock.advance(Duration::from_secs(6));
+        assert!(store.usage().away);
+    }
+    bucket.away.store(false, SeqCst);
+    clock.advance(Duration::from_secs(6));
+    store.usage();
+    assert!((0..1000).any(|_| {
+        std::thread::sleep(Duration::from_millis(5));
+        !store.usage().away
+    }));
+}
+
+#[test]
 fn a_store_that_hangs_holds_a_look_for_a_moment_only() {
     let (bucket, clock) = (FaultyBucket::new(), Arc::new(Manual::default()));
     let store = bucket.open_at(ROOMY, clock).unwrap();
