@@ -58,7 +58,7 @@ const FIRM: f64 = 0.01;
 const DIRECTIONS: usize = 16;
 
 /// Width of the band along the edge of the picture in which the shadow fades out, as a share of the smaller side, of
-/// which the model keeps 0.06 free. At half of it shadows seem cut off; at twice of it those of feet at the margin fade.
+/// which the model keeps 0.06 free. At half of it shadows seem cut off; at twice of it those at the margin fade.
 const FADE: f64 = 0.045;
 
 /// The shadow of a model on the ground.

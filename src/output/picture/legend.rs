@@ -31,7 +31,7 @@ const MARGIN: f32 = 0.6;
 
 /// Returns the width in pixels of the legend of a picture of a mesh with the attachments `carried`, or of what is left
 /// free for it; 0 without both. Numbers colour the surface: there is a bar only if `has_surface`.
-pub(in crate::output) fn width(carried: &Attachments, options: &Options<'_>, has_surface: bool) -> u32 {
+pub(crate) fn width(carried: &Attachments, options: &Options<'_>, has_surface: bool) -> u32 {
     let are_numbers = shading::measure(options.values).is_some() || coat::numbers_of(carried, options.values).is_some();
     let has_room = options.size.iter().zip(LEAST_PX).all(|(side, least)| *side >= least);
     let is_asked = match options.values.get(COLOR_BAR.name) {

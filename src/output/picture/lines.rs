@@ -64,7 +64,7 @@ pub(crate) const SHOWN: &[&str] = &[
 ];
 
 /// Returns whether the refined mesh itself is shown, and not only the control net.
-pub(in crate::output) fn shows_body(options: &Options<'_>) -> bool {
+pub(crate) fn shows_body(options: &Options<'_>) -> bool {
     SHOWN.iter().any(|item| !matches!(*item, "control" | "points" | LEGEND) && shading::shows(options, item))
 }
 

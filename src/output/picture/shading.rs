@@ -110,7 +110,7 @@ pub fn shows_distances(options: &Values) -> bool {
 const DEFAULT_SHOW: [&[&str]; 2] = [&["surface"], &["surface", ISOLINES]];
 
 /// Returns whether a picture of a mesh shows an item.
-pub(in crate::output) fn shows(options: &Options<'_>, item: &str) -> bool {
+pub(crate) fn shows(options: &Options<'_>, item: &str) -> bool {
     options.shows(item, DEFAULT_SHOW[usize::from(is_drawing(options.values))])
 }
 

@@ -189,14 +189,10 @@ impl Jobs {
     ) -> Result<Vec<Run>, StoreError> {
         let Some(journal) = &self.journal else { return Ok(Vec::new()) };
         let mut kept = Vec::new();
-        journal.each(&mut |record| {
-            if !is_job(record) {
-                return;
-            }
-            let Some(record) = decode(record) else {
-                return tracing::warn!("a record of a job cannot be read; it is left as it is");
-            };
-            kept.push(record);
+        journal.each(&mut |record| match decode(record) {
+            _ if !is_job(record) => {}
+            Some(record) => kept.push(record),
+            None => tracing::warn!("a record of a job cannot be read; it is left as it is"),
         })?;
         kept.sort_by_key(|kept| kept.number);
         let (now, wall) = (self.clock.now(), self.clock.wall());
@@ -211,17 +207,16 @@ impl Jobs {
                 continue;
             };
             let mut record = revived(kept, memory, now, wall);
-            if was_active && !record.is_active() {
-                failed.push(record.job);
-            }
             if record.is_active() {
                 record.pins = pins(&record.summary);
                 runs.push(Run { job: record.job, number: record.number, ended: record.ended.subscribe() });
+            } else if was_active {
+                failed.push(record.job);
             }
             table.insert(record);
         }
         drop(table);
-        // so that it is forgotten a time to live after this start, and not after each
+        // its time to live counts from this start, not from each
         failed.into_iter().for_each(|job| self.note(job));
         Ok(runs)
     }
@@ -338,8 +333,7 @@ impl Jobs {
             let is_waiting = record.is_active() && record.begun.is_none();
             is_waiting && longest.is_some_and(|longest| now.saturating_sub(record.queued) >= longest)
         };
-        let is_old =
-            |record: &&Record| record.settled.is_some_and(|settled| now.saturating_sub(settled) >= time_to_live);
+        let is_old = |record: &&Record| record.settled.is_some_and(|at| now.saturating_sub(at) >= time_to_live);
         let jobs = |is: &dyn Fn(&&Record) -> bool| table.records.values().filter(is).map(|record| record.job).collect();
         (jobs(&waits_too_long), jobs(&is_old))
     }
