@@ -138,8 +138,8 @@ impl Calls {
         }
     }
 
-    /// Returns whether the store is in an outage, that is, whether the last call failed. After a pause it is asked again
-    /// in the background for the object `probe`, so that the end of an outage is noticed even if nobody needs the store.
+    /// Returns whether the store is in an outage, that is, whether the last call failed. After a pause the object
+    /// `probe` is asked for in the background, so that the end of an outage is noticed even if nobody needs the store.
     pub(super) fn is_away(&self, probe: &Path) -> bool {
         if lock(&self.outage).is_none() {
             return false;
