@@ -43,11 +43,12 @@ const TOGETHER: f64 = 1e-18;
 /// largest of their distances counts; the more vectors, the less it underestimates. With half of it points may count as
 /// coinciding a level early; with twice of it each level takes longer.
 const WITNESSES: usize = 8;
-/// Number of vertices whose surroundings are counted at a time. Half of it synchronises all threads and checks the watch
-/// twice as often; twice of it delays a refusal by as much.
+/// Number of vertices whose surroundings are counted at a time. Half of it synchronises all threads and checks the
+/// watch twice as often; twice of it delays a refusal by as much.
 const CHUNK: usize = 4_096;
 
-/// Returns the perturbation of a plan if it has an effect: a nonzero amplitude, and averages or push-backs in the cycle.
+/// Returns the perturbation of a plan if it has an effect: a nonzero amplitude, and averages or push-backs in the
+/// cycle.
 pub(super) fn of(plan: &Plan) -> Option<Perturbation> {
     let uses = |role: Role| matches!(role, Role::Average | Role::PushBack);
     let acts = plan.word.cycle.iter().any(|letter| uses(letter.facts().role));

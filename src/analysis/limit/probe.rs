@@ -95,8 +95,8 @@ impl Regular {
         Ok(true)
     }
 
-    /// Returns whether the disc of an inner vertex with these rings has the same weights as a larger one, and a complete
-    /// child that agrees with the larger one's; for two levels.
+    /// Returns whether the disc of an inner vertex with these rings has the same weights as a larger one, and a
+    /// complete child that agrees with the larger one's; for two levels.
     fn agrees(self, cycle: &Cycle<'_>, rings: Rings, tagged: bool) -> Result<bool, Unlimited> {
         let larger = Rings { disc: rings.support + 3, ..rings };
         let mut pair = [rings, larger].map(|rings| self.disc(rings, tagged));
@@ -113,8 +113,8 @@ impl Regular {
         Ok(true)
     }
 
-    /// Returns whether, for [`STEPS`] levels, the discs at all other places have the same weights and children as larger
-    /// ones.
+    /// Returns whether, for [`STEPS`] levels, the discs at all other places have the same weights and children as
+    /// larger ones.
     fn agrees_elsewhere(self, cycle: &Cycle<'_>, rings: Rings, starts: Starts) -> Result<bool, Unlimited> {
         let larger = Rings { disc: rings.disc + 2 + starts.wider(cycle.n_duals()), ..rings };
         for (net, centre) in self.places(starts, cycle.n_duals(), larger.disc) {

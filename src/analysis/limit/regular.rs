@@ -1,5 +1,5 @@
-//! Regular nets, and the places on them at which the reach of a cycle is examined: inside and, if D removes rings there,
-//! on the boundary.
+//! Regular nets, and the places on them at which the reach of a cycle is examined: inside and, if D removes rings
+//! there, on the boundary.
 
 use std::sync::Arc;
 

@@ -1,7 +1,7 @@
 //! Sectors: the runs of faces around a vertex between infinitely sharp edges.
 //!
-//! Such an edge acts as a boundary from both sides, so that the surface has a tangent plane on each side of it. A single
-//! sharp edge that ends at an inner vertex does not separate sectors.
+//! Such an edge acts as a boundary from both sides, so that the surface has a tangent plane on each side of it. A
+//! single sharp edge that ends at an inner vertex does not separate sectors.
 
 use std::collections::BTreeMap;
 
@@ -74,8 +74,8 @@ pub(super) struct SectorSupport {
 }
 
 impl SectorSupport {
-    /// Collects a sector of a disc: what can be reached from its faces at the centre without crossing an edge that stays
-    /// sharp for ever.
+    /// Collects a sector of a disc: what can be reached from its faces at the centre without crossing an edge that
+    /// stays sharp for ever.
     pub(super) fn of(disc: &Disc, sectors: &Sectors, sector: usize) -> Self {
         let faces: Vec<&[u32]> = disc.faces().collect();
         let mut beside: BTreeMap<(u32, u32), Vec<usize>> = BTreeMap::new();

@@ -14,8 +14,8 @@ const MAX_INNER: usize = 800;
 /// K vectors of equal length.
 pub(super) type Vectors<const K: usize> = [Vec<f64>; K];
 
-/// Returns an orthonormal basis of the left eigenspace of the K largest eigenvalues of a small matrix, and the modulus of
-/// the largest other eigenvalue; `None` if the iteration does not separate them.
+/// Returns an orthonormal basis of the left eigenspace of the K largest eigenvalues of a small matrix, and the modulus
+/// of the largest other eigenvalue; `None` if the iteration does not separate them.
 pub(super) fn leading_block<const K: usize>(h: &[Vec<f64>]) -> Option<(Vectors<K>, f64)> {
     let (block, others) = leading_basis::<K>(h)?;
     let rest: Vec<Vec<f64>> = others.iter().map(|u| times(u, h)).collect();

@@ -25,8 +25,8 @@ use crate::watch::Watch;
 const NEAREST: Rings = Rings { support: 1, disc: 1 };
 
 /// Refines a mesh patch by patch and computes the requested parts of its limit; `ahead` are the steps that would refine
-/// it further. Returns `None` if this is not possible: the mesh must be refined patch by patch, the limit of a point must
-/// depend on the faces at it only, and every vertex with faces must have a normal if normals are requested.
+/// it further. Returns `None` if this is not possible: the mesh must be refined patch by patch, the limit of a point
+/// must depend on the faces at it only, and every vertex with faces must have a normal if normals are requested.
 ///
 /// # Errors
 /// [`LimitError`] if the refinement fails or is stopped.
@@ -115,8 +115,8 @@ struct SmallNets<'a> {
 }
 
 impl SmallNets<'_> {
-    /// Returns the mask of a vertex and the vertices to which its weights belong; `None` if the vertex has no mask, for a
-    /// reason that limits by rows of the whole net name.
+    /// Returns the mask of a vertex and the vertices to which its weights belong; `None` if the vertex has no mask, for
+    /// a reason that limits by rows of the whole net name.
     ///
     /// # Errors
     /// [`Unlimited::Stopped`].
