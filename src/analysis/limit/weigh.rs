@@ -99,7 +99,7 @@ fn add_points(recorder: &mut Recorder, points: &[u32]) {
     points.iter().for_each(|&point| recorder.add(&empty, 0, Some(point)));
 }
 
-/// Records the requested parts of a limit as the masks of all vertices of a net.
+/// Records the requested parts of the limit of a net by the masks of all its vertices.
 fn by_rows(
     recorder: &mut Recorder,
     net: &MeshNet,
