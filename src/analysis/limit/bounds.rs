@@ -9,8 +9,8 @@ pub(super) const MAX_DISC_VERTICES: usize = 20_000;
 pub(super) const VERTICES_A_ROW: u64 = 2;
 
 /// Maximum number of points that all operators of one level make of a net together. At 160 bytes a point they take 160
-/// MiB: half as many would refuse cycles whose upsamplings together are finer by a root of 2; twice as many would take
-/// 320 MiB beside the result of a job.
+/// MiB: half as many would admit only cycles that are coarser by a root of 2; twice as many would take 320 MiB beside
+/// the result of a job.
 pub(super) const MAX_LEVEL_POINTS: usize = 1 << 20;
 
 /// Maximum number of discs whose vertices carry parameters that differ; each is followed separately. Their time is

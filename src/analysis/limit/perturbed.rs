@@ -1,9 +1,10 @@
-//! Limits under perturbations that decay: each vertex is followed through the levels with its surroundings.
+//! Limits of plans with decaying perturbations: each vertex is followed through the levels with its surroundings.
 //!
-//! The perturbation of a point at a later level goes by its number in the whole net there, so that no two vertices
-//! share a mask. The numbers of the points around a vertex follow from level to level (see [`Numbering`]), and with
-//! them the matrices. The product of these ends where what is left of the perturbation no longer matters, or where the
-//! points around the vertex are together. The rest is a mask of the plan without perturbation.
+//! The perturbation of a point at a later level depends on the number of the point in the whole net there, so no two
+//! vertices share a mask. The numbers around a vertex at one level determine those at the next (see [`Numbering`]), and
+//! with them the local subdivision matrices. The product of these matrices ends at the level from which on the
+//! perturbation is negligible, or at which the points around the vertex coincide. It is applied to the mask that the
+//! plan without perturbation has there.
 
 use std::convert::Infallible;
 use std::sync::Arc;
@@ -27,35 +28,35 @@ use crate::shape::numbering::Numbering;
 use crate::shape::topology::index;
 use crate::watch::Watch;
 
-/// Rows that take as long as following one of them: measured, 50 to 200 microseconds.
-/// It only says how much of the budget a point takes: with half of it limits are told half as long as they take, at
-/// twice of it twice as long.
+/// Number of table rows, at about 100 ns each, that take as long as following one point: 50 to 200 microseconds,
+/// measured. It only converts points into predicted and reported work: half of it predicts half the time, twice of it
+/// twice the time.
 pub const ROWS_A_POINT: u64 = 1_000;
-/// Perturbations below which what is still to come is left out: times the distances they act on for positions, by
-/// themselves for tangents.
-/// It is half of the rounding of 1, so that what is left out would be lost in sums with coordinates of size 1. Half and
-/// twice of it follow about one level more or less for a decay of 1/2.
+/// Bound on the sum of all remaining perturbations below which they are ignored; for positions the sum is multiplied by
+/// the distance between the points that they move. It is half the rounding of 1, so what is ignored would be lost in
+/// sums with coordinates of size 1. For a decay of 1/2, half of it follows about one level more, twice of it one less.
 const QUIET: f64 = 1e-16;
-/// Points that are no further apart, of 1 at the beginning, are together.
-/// It is a 200th of the rounding of coordinates of size 1. Half and twice of it follow about one level more or less.
+/// Distance within which points count as coinciding, relative to their distance at the first level. It is a 200th of
+/// the rounding of coordinates of size 1. Half of it follows about one level more, twice of it one less.
 const TOGETHER: f64 = 1e-18;
-/// Vectors of coordinates that tell how far the points around a vertex are apart.
-/// The largest of them is what counts, which random columns underestimate by less the more there are. With half of it
-/// points may be called together a level early; with twice of it each level takes longer.
+/// Number of random coordinate vectors that are refined to measure the distance between the points around a vertex. The
+/// largest of their distances counts; the more vectors, the less it underestimates. With half of it points may count as
+/// coinciding a level early; with twice of it each level takes longer.
 const WITNESSES: usize = 8;
-/// Vertices whose surroundings are counted at a time.
-/// Half of it waits for all threads, and looks at the watch, twice as often; with twice of it a refusal comes later by
-/// as much.
+/// Number of vertices whose surroundings are counted at a time. Half of it synchronises all threads and checks the
+/// watch twice as often; twice of it delays a refusal by as much.
 const CHUNK: usize = 4_096;
 
-/// The perturbation of a plan, if it has any say in the cycle.
+/// Returns the perturbation of a plan if it has an effect: a nonzero amplitude, and averages or push-backs in the
+/// cycle.
 pub(super) fn of(plan: &Plan) -> Option<Perturbation> {
     let uses = |role: Role| matches!(role, Role::Average | Role::PushBack);
     let acts = plan.word.cycle.iter().any(|letter| uses(letter.facts().role));
     plan.perturbation.filter(|perturbation| acts && perturbation.amplitude != 0.0)
 }
 
-/// About how many points are around a vertex that is followed by itself for what is asked of a mesh; 0 where none is.
+/// Returns the approximate number of points around each vertex that has to be followed through the levels to answer
+/// `request`; 0 if no vertex has to be.
 pub fn followed_points(plan: &Plan, request: LimitRequest) -> u64 {
     let with_normals = |perturbation: &Perturbation| request.normals && no_normals(perturbation).is_none();
     if !of(plan).is_some_and(|perturbation| request.positions || with_normals(&perturbation)) {
@@ -65,7 +66,7 @@ pub fn followed_points(plan: &Plan, request: LimitRequest) -> u64 {
     (2 * rings + 1).saturating_pow(2)
 }
 
-/// Why there are no limit normals: perturbations are known to leave tangents where they decay by less than 1/2.
+/// Returns why there are no limit normals, if so: tangents are known to exist only for decays below 1/2.
 pub(super) fn no_normals(perturbation: &Perturbation) -> Option<String> {
     let decay = perturbation.decay;
     (decay >= 0.5).then(|| {
@@ -76,7 +77,11 @@ pub(super) fn no_normals(perturbation: &Perturbation) -> Option<String> {
     })
 }
 
-/// The masks of all vertices of a net; each counts as work of so many rows.
+/// Computes the masks of all vertices of a net, each as a part of the whole net. `rows` is the work per mask, in rows.
+///
+/// # Errors
+/// [`Unlimited`], in particular [`Unlimited::Followed`] for too many points around all vertices and [`Unlimited::Wild`]
+/// for perturbations that do not fade.
 pub(super) fn field<'a>(
     around: &'a dyn Neighbourhoods,
     rings: Rings,
@@ -101,7 +106,10 @@ pub(super) fn field<'a>(
     Ok(Field::of_masks(around, rings, masks))
 }
 
-/// Whether not too many points are around all vertices together.
+/// Checks that the discs of all vertices together have at most [`MAX_FOLLOWED_POINTS`] points.
+///
+/// # Errors
+/// [`Unlimited::Followed`], and [`Unlimited::Size`] if a single disc is too large.
 fn check_size(around: &dyn Neighbourhoods, rings: Rings, watch: &Watch) -> Result<(), Unlimited> {
     let all: Vec<Centre> = (0..around.n_vertices()).filter_map(|v| around.centre(v)).collect();
     let mut points = 0;
@@ -117,7 +125,7 @@ fn check_size(around: &dyn Neighbourhoods, rings: Rings, watch: &Watch) -> Resul
     Ok(())
 }
 
-/// Follows vertices.
+/// Computes the mask of one vertex at a time by following its disc through the levels.
 struct Follower<'a> {
     finder: &'a Finder<'a>,
     plain: &'a Masks<'a>,
@@ -126,7 +134,7 @@ struct Follower<'a> {
 }
 
 impl Follower<'_> {
-    /// The mask of a disc whose parts have these numbers in the whole net.
+    /// Returns the mask of a disc. `numbering` holds the numbers of its vertices, edges and faces in the whole net.
     fn mask(&self, found: Located, parameters: VertexParameters, numbering: Numbering) -> Result<Mask, Unlimited> {
         let (mut disc, mut parameters, mut numbering) = (found.disc, parameters, numbering);
         let mut spread = Spread::new(disc.support);
@@ -154,16 +162,16 @@ impl Follower<'_> {
         Ok(levels.iter().rev().fold(last, |mask, (disc, child)| before(&mask, disc, child)))
     }
 
-    /// Whether the perturbations from a level on change nothing.
+    /// Returns whether all perturbations from `level` on are negligible together.
     fn is_quiet(&self, level: usize, spread: &Spread) -> bool {
         let cycle = self.finder.cycle;
         let upsamplings = cycle.level(level).first().map_or(0, |step| cycle.upsamplings(level, step));
-        // c gamma^h (1 + gamma + gamma^2 + ...)
+        // the sum c gamma^h (1 + gamma + gamma^2 + ...) after h upsamplings
         let left = self.perturbation.at(upsamplings).amplitude / (1.0 - self.perturbation.decay);
         left * if self.finder.with_tangents { 1.0 } else { spread.now.min(1.0) } <= QUIET
     }
 
-    /// The mask of the plan without perturbation.
+    /// Returns the mask that a disc before `level` has under the plan without perturbation.
     fn unperturbed(&self, level: usize, disc: &Disc, parameters: &VertexParameters) -> Result<Mask, Unlimited> {
         let common = parameters.first();
         let mask = if common.are_there() {
@@ -175,10 +183,10 @@ impl Follower<'_> {
     }
 }
 
-/// Returns a limit as it is seen from one level before.
+/// Returns the mask of a disc, given the mask of its child.
 ///
-/// Of two tangents the second is cleared of the first, which changes no normal: where the first grows faster backwards
-/// the second would drown in it.
+/// The second tangent is made orthogonal to the first, which does not change the normal: if the first grows faster from
+/// level to level backwards, the second would otherwise become parallel to it within rounding.
 fn before(mask: &Mask, disc: &Disc, child: &Child) -> Mask {
     let both = |[t, u]: &[Vec<f64>; 2]| {
         let t = tangential(child.back(t));
@@ -191,13 +199,14 @@ fn before(mask: &Mask, disc: &Disc, child: &Child) -> Mask {
     mask
 }
 
-/// How far the points around a vertex are apart, of 1 at the beginning.
+/// The distance between the points around a vertex from level to level, relative to the first level.
 struct Spread {
-    /// Coordinates, less those of the centre.
+    /// Coordinate vectors refined so far, relative to the centre.
     witnesses: Vec<Vec<f64>>,
     now: f64,
     least: f64,
-    /// By what it grew at most between any two levels: perturbations to come are smaller.
+    /// The largest factor by which the distance grew between any two levels; it bounds later growth, as later
+    /// perturbations are smaller.
     growth: f64,
 }
 
@@ -206,7 +215,7 @@ impl Spread {
         Self { witnesses: starting_vectors(support, WITNESSES), now: 1.0, least: 1.0, growth: 1.0 }
     }
 
-    /// After a level.
+    /// Applies one level to the witnesses and updates the distances.
     fn go_on(&mut self, child: &Child) {
         for witness in &mut self.witnesses {
             let mut next = child.forth(witness);
@@ -221,7 +230,7 @@ impl Spread {
         self.growth = self.growth.max(self.now / self.least);
     }
 
-    /// Whether the points are together, and stay so.
+    /// Returns whether the points coincide and will continue to.
     fn is_none(&self) -> bool {
         self.now * self.growth <= TOGETHER
     }

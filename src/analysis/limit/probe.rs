@@ -1,4 +1,4 @@
-//! Determines how far the stencils of a cycle reach on regular nets.
+//! Determines on regular nets how many rings of faces influence a limit.
 
 use super::bounds::MAX_RINGS;
 use super::cycle::Cycle;
@@ -8,18 +8,19 @@ use super::regular::{Regular, Starts};
 use super::walk::WholeNet;
 use crate::shape::topology::{Topology, index};
 
-/// Rings that are tried one after another before it is asked whether the most are enough: cost grows with their fourth
-/// power.
-/// Words of up to 7 averages need up to 8 rings. Half of it asks about the most rings from 4 averages on, where one
-/// large disc takes longer than all the small ones; twice of it is all of [`MAX_RINGS`], where what fails takes
-/// longest.
+/// Number of supports that are tried in ascending order before checking that [`MAX_RINGS`] are enough; the cost of a
+/// trial grows with the fourth power of the rings. Words of up to 7 averages need up to 8 rings. Half of it would check
+/// [`MAX_RINGS`] from 4 averages on, where one large disc takes longer than all the small ones; twice of it would try
+/// every support up to [`MAX_RINGS`], so that refusals take longest.
 const TRIED: usize = 8;
-/// Steps after which children of places on the boundary, of edges and of faces are like those before.
-/// A first step leaves the start, a second gives the children of children, and a third repeats them. One step would not
-/// show that they repeat; twice of it takes twice as long.
+/// Number of levels for which boundary vertices, edges and faces are followed. The first level leaves the start, the
+/// second gives the children of children, and the third repeats them. A single level would not show that they repeat;
+/// twice of it takes twice as long.
 const STEPS: usize = 3;
+
 impl Regular {
-    /// What a cycle makes of a mesh: triangles stay triangles under triangle splits only.
+    /// Returns the kind of regular net to which a cycle refines a mesh: triangles if all faces are triangles and remain
+    /// so, else quads.
     pub(super) fn of(cycle: &Cycle<'_>, topology: &Topology) -> Result<Self, Unlimited> {
         if !is_triangular(topology) {
             return Ok(Self::Quads);
@@ -28,21 +29,26 @@ impl Regular {
         Ok(if is_triangular(&refined.mesh.topology()) { Self::Triangles } else { Self::Quads })
     }
 
+    /// Returns the disc around an inner vertex of a regular net; `None` if it is too large.
     fn disc(self, rings: Rings, tagged: bool) -> Option<Disc> {
         let (net, middle) = self.grid(rings, tagged);
         let whole = WholeNet::of(&net, &net.mesh.base);
         whole.disc(Centre::Vertex(index(middle)), rings).map(|found| found.disc)
     }
 
-    /// The fewest rings that decide about a limit.
+    /// Returns the smallest numbers of rings that determine a limit.
     ///
-    /// The support is the least number of rings such that the points of as many rings around the child come of no
-    /// others. But for those that say so, the operators' rules reach as many rings at every valence, so that what holds
-    /// here holds everywhere. The disc is larger where points of its rim would take their connectivity from beyond it.
+    /// The support is the least number of rings such that the points within as many rings of the child depend on no
+    /// points outside it. Rules reach equally far at every valence, apart from operators that declare
+    /// `reaches_farther`, so the support of a regular net is enough everywhere. The disc has more rings than the
+    /// support if the rules at its rim need connectivity beyond it.
+    ///
+    /// # Errors
+    /// [`Unlimited`], in particular [`Unlimited::Reach`] if more than [`MAX_RINGS`] rings are needed.
     pub(super) fn rings(self, cycle: &Cycle<'_>, tagged: bool, starts: Starts) -> Result<Rings, Unlimited> {
         let mut failed = Unlimited::Reach;
         let mut closed = |support: usize| match self.closed(cycle, support, tagged, starts) {
-            // of so few rings nothing may be left
+            // a disc of so few rings may have no child
             Err(error @ (Unlimited::Later(_) | Unlimited::Lost | Unlimited::Separated)) => {
                 failed = error;
                 Ok(false)
@@ -56,8 +62,8 @@ impl Regular {
                 return Err(failed);
             }
         }
-        // where boundary edges are cut in some steps only, rules reach one vertex farther along the boundary than
-        // inside, and discs lose faces where their rim meets it
+        // if boundary edges are cut in some steps only, rules reach one vertex farther along the boundary than inside,
+        // and discs lose faces where their rim meets the boundary
         let spare = usize::from(cycle.disc_rules.boundary_every > 1);
         let support = support + spare + usize::from(cycle.reaches_farther());
         let most = support + 2 + starts.wider(cycle.n_duals());
@@ -70,10 +76,12 @@ impl Regular {
         Ok(Rings { support, disc: most + spare })
     }
 
+    /// Returns whether a support is closed: whether the points within `support` rings of a child depend only on points
+    /// within `support` rings of its parent.
     fn closed(self, cycle: &Cycle<'_>, support: usize, tagged: bool, starts: Starts) -> Result<bool, Unlimited> {
         let rings = Rings { support, disc: support + 2 };
         let disc = self.disc(rings, tagged).ok_or(Unlimited::Size)?;
-        // the second child of a dual scheme lies around a face as the first one does
+        // two levels, since under a dual scheme the first child is a face, whose child is a face again
         if !closes(cycle, disc, rings, 2)? {
             return Ok(false);
         }
@@ -87,7 +95,8 @@ impl Regular {
         Ok(true)
     }
 
-    /// Whether a disc of so many rings leads to the same child and the same weights as a larger one.
+    /// Returns whether the disc of an inner vertex with these rings has the same weights as a larger one, and a
+    /// complete child that agrees with the larger one's; for two levels.
     fn agrees(self, cycle: &Cycle<'_>, rings: Rings, tagged: bool) -> Result<bool, Unlimited> {
         let larger = Rings { disc: rings.support + 3, ..rings };
         let mut pair = [rings, larger].map(|rings| self.disc(rings, tagged));
@@ -104,7 +113,8 @@ impl Regular {
         Ok(true)
     }
 
-    /// Whether the other places agree, too.
+    /// Returns whether, for [`STEPS`] levels, the discs at all other places have the same weights and children as
+    /// larger ones.
     fn agrees_elsewhere(self, cycle: &Cycle<'_>, rings: Rings, starts: Starts) -> Result<bool, Unlimited> {
         let larger = Rings { disc: rings.disc + 2 + starts.wider(cycle.n_duals()), ..rings };
         for (net, centre) in self.places(starts, cycle.n_duals(), larger.disc) {
@@ -127,10 +137,10 @@ impl Regular {
         Ok(true)
     }
 
-    /// Whether there are as many faces as so many rings have in a regular net.
+    /// Returns whether a disc has as many faces as its rings have in a regular net.
     fn is_complete(self, faces: &[Vec<u32>], rings: Rings) -> bool {
         let k = rings.disc;
-        // around a vertex, or around a face
+        // the numbers around a vertex and around a face
         match self {
             Self::Quads => [4 * k * k, (2 * k + 1) * (2 * k + 1)].contains(&faces.len()),
             Self::Triangles => [6 * k * k, 6 * k * k + 6 * k + 1].contains(&faces.len()),
@@ -138,7 +148,8 @@ impl Regular {
     }
 }
 
-/// Whether what could have a weight in the support of a disc's child, and so on, lies in its support.
+/// Returns whether, for `steps` levels in turn, every point that could have a weight in the support of the child lies
+/// in the support of its parent.
 fn closes(cycle: &Cycle<'_>, mut disc: Disc, rings: Rings, steps: usize) -> Result<bool, Unlimited> {
     for _ in 0..steps {
         let (closes, child) = cycle.closes(&disc, rings)?;
@@ -150,7 +161,7 @@ fn closes(cycle: &Cycle<'_>, mut disc: Disc, rings: Rings, steps: usize) -> Resu
     Ok(true)
 }
 
-/// The faces of a disc.
+/// Returns the faces of a disc, each as its vertices.
 fn begins(disc: &Disc) -> Vec<Vec<u32>> {
     disc.faces().map(<[u32]>::to_vec).collect()
 }

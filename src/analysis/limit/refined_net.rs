@@ -1,4 +1,4 @@
-//! The neighbourhoods of a net as operators construct it.
+//! The neighbourhoods of a net in the order of construction.
 
 use std::collections::BTreeSet;
 use std::sync::{Arc, OnceLock};
@@ -21,17 +21,19 @@ use crate::watch::{Stopped, Watch};
 #[derive(Debug)]
 pub(super) struct RefinedNet {
     net: MeshNet,
-    /// The topology of the net made explicit.
+    /// The explicit topology of the net.
     topology: Arc<Topology>,
-    /// For each vertex what took its place, if that was no vertex without faces; `None` where these are the net's own.
+    /// For each vertex what took its place, or `None` for a vertex without faces. The whole field is `None` if the
+    /// vertices are those of the net itself.
     centres: Option<Vec<Option<Centre>>>,
-    /// What has to be known of the net beyond a disc, where it has a say.
+    /// What rules need to know of the net beyond a disc, if anything.
     surroundings: Option<Surroundings>,
     numbering: OnceLock<Numbering>,
 }
 
 impl RefinedNet {
-    /// A net with its topology, what took the place of the vertices that it came of, and its surroundings.
+    /// Creates the neighbourhoods of a net with this topology. `centres` are what took the place of the original
+    /// vertices, if these are not the net's own.
     pub(super) fn new(
         net: MeshNet,
         topology: Arc<Topology>,
@@ -97,12 +99,13 @@ impl Neighbourhoods for RefinedNet {
     }
 }
 
-/// Whether vertices or edges of a net carry what others do not.
+/// Returns whether vertices of a net carry parameters or edges carry directions.
 pub(super) fn carries(net: &MeshNet) -> bool {
     net.annotations.attributes.is_some() || net.annotations.directions.is_some()
 }
 
-/// For each vertex whether one of the rings around it, but for the rim of the last, is not part of a grid of quads.
+/// Returns for each vertex whether a vertex fewer than `rings.disc` rings away is not a regular vertex of a grid of
+/// smooth quads.
 fn near_extraordinary(whole: &WholeNet<'_>, rings: Rings) -> Vec<bool> {
     let topology = whole.topology;
     let extraordinary = |v: usize| {

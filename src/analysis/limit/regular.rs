@@ -1,5 +1,5 @@
-//! Regular nets, and the places there at which a cycle shows how far it reaches: inside, and where D takes rings away,
-//! on the boundary.
+//! Regular nets, and the places on them at which the reach of a cycle is examined: inside and, if D removes rings
+//! there, on the boundary.
 
 use std::sync::Arc;
 
@@ -10,13 +10,12 @@ use crate::shape::check::{FaceList, Winding};
 use crate::shape::directions::{Direction, Directions};
 use crate::shape::topology::{Topology, index};
 
-/// Boundary vertices with so many faces and fewer are looked at: a path of points has its middle at a vertex or an
-/// edge, beside its ends or not.
-/// Fans of one and two faces are the ends, those of three and four the two kinds of middle. Half of it would leave out
-/// the middles; twice of it repeats what is known.
+/// Maximum number of faces around the boundary vertices that are examined. Under D a boundary vertex with m faces
+/// becomes the middle of a path of m points: a vertex if m is odd, an edge if it is even. For 1 and 2 faces the middle
+/// contains an end of the path, for 3 and 4 it does not. Half of it would leave out 3 and 4; twice of it repeats them.
 const MOST_SECTORS: usize = 4;
 
-/// How many sides the faces have around which a scheme is regular.
+/// The kind of net on which a scheme is regular.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Regular {
     /// Quads, four around a vertex.
@@ -25,25 +24,25 @@ pub(super) enum Regular {
     Triangles,
 }
 
-/// Where limits are looked for besides the vertices of a closed mesh.
+/// The places besides the vertices of a closed mesh whose limits are computed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct Starts {
-    /// Whether vertices lie on a boundary.
+    /// Whether the mesh has a boundary.
     pub(super) is_open: bool,
-    /// Whether edges and faces stand for vertices.
+    /// Whether edges or faces have taken the place of vertices.
     pub(super) others: bool,
 }
 
 impl Starts {
-    /// Rings by which discs are wider where D takes some away on the boundary, half a ring each.
+    /// Returns the number of rings by which discs must be wider, as each D removes half a ring at a boundary.
     pub(super) fn wider(self, n_duals: usize) -> usize {
         if self.is_open { n_duals.div_ceil(2) } else { 0 }
     }
 }
 
 impl Regular {
-    /// A regular net of `side x side` squares, each cut into two triangles where it is made of these; its rows are
-    /// latitude lines where it is tagged.
+    /// Returns a regular net of `side x side` squares, each cut into two if the net consists of triangles. If it is
+    /// tagged, the edges along its rows are on latitude lines and all others on longitude lines.
     pub(super) fn net(self, side: usize, tagged: bool) -> MeshNet {
         let at = |i: usize, j: usize| index(j * (side + 1) + i);
         let squares = (0..side).flat_map(|j| (0..side).map(move |i| (i, j)));
@@ -58,14 +57,15 @@ impl Regular {
         net.carrying(None, directions)
     }
 
-    /// A regular net and the vertex in its middle, which is so far from the boundary that no disc reaches it.
+    /// Returns a regular net and its middle vertex, which is so far from the boundary that no disc reaches it.
     pub(super) fn grid(self, rings: Rings, tagged: bool) -> (MeshNet, usize) {
         let side = 2 * (rings.disc + 2);
         (self.net(side, tagged), (side / 2) * (side + 1) + side / 2)
     }
 
-    /// Regular nets with a place at their middle from which it is `reach` rings to anywhere else, besides an inner
-    /// vertex of a net without tags.
+    /// Returns the places other than inner vertices at which a cycle has to be examined, each with a regular net that
+    /// continues for more than `reach` rings around it: boundary vertices if the mesh is open and the cycle contains
+    /// duals, then a face and, on such boundaries, an edge if these have taken the place of vertices.
     pub(super) fn places(self, starts: Starts, n_duals: usize, reach: usize) -> Vec<(MeshNet, Centre)> {
         let mut places = Vec::new();
         let side = 2 * (reach + 2);
@@ -87,8 +87,8 @@ impl Regular {
         places
     }
 
-    /// `n` sectors of `side x side` squares around a boundary vertex, number 0, each square cut where it is made of
-    /// triangles.
+    /// Returns a net of `n` blocks of `side x side` squares around vertex 0, which lies on the boundary. Each square is
+    /// cut into two if the net consists of triangles.
     fn fan(self, n: usize, side: usize) -> MeshNet {
         let inner = 1 + (n + 1) * side;
         let at = |sector: usize, i: usize, j: usize| match (i, j) {
@@ -102,7 +102,7 @@ impl Regular {
         self.of_squares(inner + n * side * side, squares.map(corners))
     }
 
-    /// The net of squares, each cut into two triangles where it is made of these.
+    /// Returns the net of some squares, each cut into two if the net consists of triangles.
     fn of_squares(self, n_vertices: usize, squares: impl Iterator<Item = [u32; 4]>) -> MeshNet {
         let faces: FaceList = match self {
             Self::Quads => squares.collect(),

@@ -1,11 +1,11 @@
 //! Rotations of the neighbourhood of a vertex from level to level.
 //!
-//! A step that puts the middles of faces around a vertex, between its neighbours, rotates what is there: two such steps
-//! lead from the place of a neighbour to that of the next one. Where neighbours stand at the corners of a regular
-//! n-gon, as the complex numbers `exp(2 pi i j/n)`, a matrix that rotates by k faces multiplies them by
-//! `a exp(2 pi i k/n)`, with a positive a.
+//! A step that makes the middles of the faces around a vertex its new neighbours rotates the neighbourhood by half a
+//! face: after two such steps each neighbour stands in the direction of the next one. If the neighbours are at the
+//! corners of a regular n-gon, the complex numbers `exp(2 pi i j/n)`, a matrix that rotates by k faces multiplies them
+//! by `a exp(2 pi i k/n)` with a positive a.
 //!
-//! Source: L. Kobbelt, SIGGRAPH 2000, 103-112, section 4, where the matrix of two steps is turned back.
+//! Source: L. Kobbelt, SIGGRAPH 2000, 103-112, section 4, which rotates the matrix of two steps back.
 
 use super::cycle::Cycle;
 use super::disc::{Centre, Disc, Rings};
@@ -13,8 +13,8 @@ use super::walk::WholeNet;
 use crate::math::functions::{cos, real, sin};
 use crate::shape::topology::index;
 
-/// By how many faces `forth`, a matrix that maps the support of a disc to itself, turns the neighbours of the vertex
-/// inside at its centre; `None` for other discs.
+/// Returns the number of faces by which `forth` rotates the neighbours of an inner vertex at the centre of a disc;
+/// `None` for other discs. `forth` multiplies a column by a matrix that maps the support of the disc to itself.
 pub(super) fn by(disc: &Disc, forth: impl Fn(&[f64]) -> Vec<f64>) -> Option<usize> {
     let faces: Vec<&[u32]> = disc.central_faces().collect();
     if disc.centre() != Centre::Vertex(0) || !disc.is_closed() {
@@ -29,7 +29,7 @@ pub(super) fn by(disc: &Disc, forth: impl Fn(&[f64]) -> Vec<f64>) -> Option<usiz
         *corners[1].get_mut(place)? = sin(angle(j));
     }
     let [x, y] = corners.map(|column| forth(&column));
-    // the sum of the new corners times the conjugates of the old ones
+    // the sum of the new corners, each times the conjugate of the old one
     let sum = faces.iter().enumerate().fold([0.0, 0.0], |[real, imaginary], (j, face)| {
         let (x, y) = (x[face[1] as usize], y[face[1] as usize]);
         let (cos, sin) = (cos(angle(j)), sin(angle(j)));
@@ -39,8 +39,8 @@ pub(super) fn by(disc: &Disc, forth: impl Fn(&[f64]) -> Vec<f64>) -> Option<usiz
     (0..n).reduce(|best, k| if along[k] > along[best] { k } else { best })
 }
 
-/// For each vertex of the support of a disc the one in whose place it comes when the disc is turned by so many faces;
-/// `None` where it does not look the same then.
+/// Returns for each vertex of the support of a disc the vertex to which a rotation of the disc by `faces` faces takes
+/// it; `None` if the rotation does not map the disc to itself.
 pub(super) fn places(disc: &Disc, cycle: &Cycle<'_>, rings: Rings, faces: usize) -> Option<Vec<u32>> {
     let (net, origins) = disc.net(cycle.disc_rules)?;
     let (centre, whole) = (disc.centre(), WholeNet::of(&net, &net.mesh.base));

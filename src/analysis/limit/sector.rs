@@ -1,19 +1,19 @@
 //! Sectors: the runs of faces around a vertex between infinitely sharp edges.
 //!
-//! Such an edge is a boundary seen from both sides, so that the surface has a tangent plane on each side of it. A
-//! single sharp edge that ends at the vertex parts nothing.
+//! Such an edge acts as a boundary from both sides, so that the surface has a tangent plane on each side of it. A
+//! single sharp edge that ends at an inner vertex does not separate sectors.
 
 use std::collections::BTreeMap;
 
 use super::disc::{Centre, Disc};
 use crate::shape::topology::index;
 
-/// To which sector each face at the centre of a disc belongs.
+/// The sectors to which the faces at the centre of a disc belong.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(super) struct Sectors {
     /// The sector of each face at the centre, in the order of the disc; numbered by first appearance.
     of_faces: Vec<usize>,
-    /// How many there are.
+    /// Number of sectors.
     pub(super) n: usize,
 }
 
@@ -24,7 +24,7 @@ impl Sectors {
             return Self { of_faces: vec![0], n: 1 };
         }
         let faces: Vec<&[u32]> = disc.central_faces().collect();
-        // the edge by which the walk around the centre enters each face
+        // the half-edge from the centre with which each face begins
         let mut half_edge = 0;
         let mut parts = Vec::with_capacity(faces.len());
         for face in &faces {
@@ -46,12 +46,13 @@ impl Sectors {
         Self { of_faces: of_faces.collect(), n }
     }
 
-    /// The sector of a face at the centre.
+    /// Returns the sector of a face at the centre.
     pub(super) fn of_face(&self, face: usize) -> usize {
         self.of_faces[face]
     }
 
-    /// For each sector of a disc the one that it becomes in a child's disc, whose face 0 comes of face `rotation`.
+    /// Returns for each sector of a disc the sector that it becomes in the disc of the child, whose face 0 comes from
+    /// face `rotation`.
     pub(super) fn children(disc: &Disc, child: &Disc, rotation: usize) -> Vec<usize> {
         let [before, after] = [disc, child].map(Self::of);
         let faces = before.of_faces.len();
@@ -60,18 +61,21 @@ impl Sectors {
     }
 }
 
-/// A sector of a disc that is like itself from level to level: its points come of no others.
+/// The points of a disc's support in one sector. Tangents of a sector are computed only if these points depend on no
+/// others from level to level.
 #[derive(Debug)]
 pub(super) struct SectorSupport {
-    /// The vertices of the support that belong to it, ascending.
+    /// The vertices of the support that belong to the sector, ascending.
     vertices: Vec<u32>,
-    /// The faces at the centre, in the numbers of these.
+    /// The faces of the sector at the centre, as indices into `vertices`.
     pub(super) faces: Vec<Vec<u32>>,
+    /// Number of points of the disc's support.
     n: usize,
 }
 
 impl SectorSupport {
-    /// One sector of a disc: what is reached from its faces at the centre without crossing an edge that stays sharp.
+    /// Collects a sector of a disc: what can be reached from its faces at the centre without crossing an edge that
+    /// stays sharp for ever.
     pub(super) fn of(disc: &Disc, sectors: &Sectors, sector: usize) -> Self {
         let faces: Vec<&[u32]> = disc.faces().collect();
         let mut beside: BTreeMap<(u32, u32), Vec<usize>> = BTreeMap::new();
@@ -109,19 +113,19 @@ impl SectorSupport {
         Self { vertices, faces, n: disc.support }
     }
 
-    /// The numbers of the sector's vertices among those of the support.
+    /// Returns those of the support's numbers that belong to the sector's vertices.
     pub(super) fn within(&self, numbers: &[f64]) -> Vec<f64> {
         self.vertices.iter().map(|&v| numbers[v as usize]).collect()
     }
 
-    /// Numbers of the sector's vertices as numbers of the support, zero elsewhere.
+    /// Extends numbers of the sector's vertices to the support, with zeros elsewhere.
     pub(super) fn widened(&self, numbers: &[f64]) -> Vec<f64> {
         let mut all = vec![0.0; self.n];
         self.vertices.iter().zip(numbers).for_each(|(&v, &x)| all[v as usize] = x);
         all
     }
 
-    /// Whether numbers of the support vanish outside, but for rounding.
+    /// Returns whether numbers of the support are zero outside the sector, up to rounding (1e-13).
     pub(super) fn holds(&self, numbers: &[f64]) -> bool {
         let outside = |(v, _): &(usize, &f64)| self.vertices.binary_search(&index(*v)).is_err();
         numbers.iter().enumerate().filter(outside).all(|(_, x)| x.abs() <= 1e-13)

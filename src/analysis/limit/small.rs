@@ -2,19 +2,20 @@
 
 use crate::math::functions::{exp, ln, sqrt};
 
-/// Squarings before a step of the inner iteration, on matrices of a few rows: it applies their 32nd power.
-/// Half of it applies the 4th power, which takes 8 times as many steps; twice of it the 1,024th, in which eigenvalues
-/// below 0.96 of the largest are lost to rounding.
+/// Number of squarings of the small matrix before it is iterated: each step applies its 32nd power. Half of it applies
+/// the 4th power, which takes 8 times as many steps; twice of it the 1,024th, in which eigenvalues below 0.96 of the
+/// largest are lost to rounding.
 const SQUARINGS: usize = 5;
-/// Most of these steps.
-/// With 32nd powers these are 25,600 steps, which part eigenvalues whose quotient is 0.9988. Half of it parts 0.9977,
-/// twice of it 0.9994, and takes twice as long where they are equal.
+/// Maximum number of steps of the iteration. With 32nd powers they apply the matrix 25,600 times, which separates
+/// eigenvalues whose quotient is 0.9988. Half of it separates 0.9977; twice of it separates 0.9994, and takes twice as
+/// long if they are equal.
 const MAX_INNER: usize = 800;
-/// K vectors.
+
+/// K vectors of equal length.
 pub(super) type Vectors<const K: usize> = [Vec<f64>; K];
 
-/// The combinations of rows that span the space of the K largest eigenvalues of a small matrix, and the size of the
-/// largest other one.
+/// Returns an orthonormal basis of the left eigenspace of the K largest eigenvalues of a small matrix, and the modulus
+/// of the largest other eigenvalue; `None` if the iteration does not separate them.
 pub(super) fn leading_block<const K: usize>(h: &[Vec<f64>]) -> Option<(Vectors<K>, f64)> {
     let (block, others) = leading_basis::<K>(h)?;
     let rest: Vec<Vec<f64>> = others.iter().map(|u| times(u, h)).collect();
@@ -22,8 +23,10 @@ pub(super) fn leading_block<const K: usize>(h: &[Vec<f64>]) -> Option<(Vectors<K
     Some((block, spectral_radius(rest)))
 }
 
-/// The combinations of rows that span the space of the K largest eigenvalues of a small matrix, and what completes them
-/// to an orthonormal basis: `u -> u H`, iterated until the first no longer mix with the others.
+/// Returns an orthonormal basis of the left eigenspace of the K largest eigenvalues of a small matrix, and the vectors
+/// that complete it to a basis of the whole space; `None` if the iteration does not separate them.
+///
+/// Iterates `u -> u H` until the images of the first K vectors have no part in the others.
 pub(super) fn leading_basis<const K: usize>(h: &[Vec<f64>]) -> Option<(Vectors<K>, Vec<Vec<f64>>)> {
     let width = h.len();
     let mut power = h.to_vec();
@@ -48,7 +51,8 @@ pub(super) fn leading_basis<const K: usize>(h: &[Vec<f64>]) -> Option<(Vectors<K
     None
 }
 
-/// `|B^m|^(1/m)` for `m = 2^24`, far enough for blocks that are not diagonalisable.
+/// Returns the largest modulus of an eigenvalue of B, as `|B^m|^(1/m)` for `m = 2^24`: accurate enough also for blocks
+/// that are not diagonalisable.
 fn spectral_radius(mut b: Vec<Vec<f64>>) -> f64 {
     let (mut logarithm, mut share) = (0.0, 1.0);
     for _ in 0..24 {
@@ -64,17 +68,19 @@ fn spectral_radius(mut b: Vec<Vec<f64>>) -> f64 {
     exp(logarithm)
 }
 
-/// `u H`.
+/// Returns the product `u H` of a row and a square matrix.
 pub(super) fn times(u: &[f64], h: &[Vec<f64>]) -> Vec<f64> {
     (0..h.len()).map(|k| u.iter().zip(h).map(|(x, row)| x * row[k]).sum()).collect()
 }
 
+/// Returns the linear combination of `vectors` with the factors `mix`.
 pub(super) fn mixed(mix: &[f64], vectors: &[Vec<f64>]) -> Vec<f64> {
     let n = vectors[0].len();
     (0..n).map(|k| mix.iter().zip(vectors).map(|(factor, vector)| factor * vector[k]).sum()).collect()
 }
 
-/// Gram and Schmidt, twice, so that nearly parallel vectors end orthogonal too. What vanishes becomes zero.
+/// Makes vectors orthonormal by Gram and Schmidt's method, applied twice, so that nearly parallel vectors become
+/// orthogonal too. Vectors that depend on those before them become zero.
 pub(super) fn orthonormalise(vectors: &mut [Vec<f64>]) {
     for i in 0..vectors.len() {
         let (before, rest) = vectors.split_at_mut(i);
@@ -92,6 +98,7 @@ pub(super) fn orthonormalise(vectors: &mut [Vec<f64>]) {
     }
 }
 
+/// Returns the dot product.
 pub(super) fn dot(a: &[f64], b: &[f64]) -> f64 {
     a.iter().zip(b).map(|(x, y)| x * y).sum()
 }

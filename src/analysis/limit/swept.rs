@@ -1,4 +1,4 @@
-//! Limits of meshes that are refined patch by patch: the masks of the few kinds of points that there are, read off
+//! Limits of meshes that are refined patch by patch: the masks of the few kinds of points that occur there, computed on
 //! small nets.
 
 use std::sync::Arc;
@@ -21,14 +21,15 @@ use crate::scheme::plan::{Plan, Scheduled};
 use crate::shape::mesh::Mesh;
 use crate::watch::Watch;
 
-/// The faces around a vertex alone.
+/// The faces at a vertex, without further rings.
 const NEAREST: Rings = Rings { support: 1, disc: 1 };
 
-/// A mesh after some steps with what is asked for of its limit, where both are found patch by patch: the limit of a
-/// point has to depend on the faces around it alone, and every normal has to exist. `ahead` would refine it further.
+/// Refines a mesh patch by patch and computes the requested parts of its limit; `ahead` are the steps that would refine
+/// it further. Returns `None` if this is not possible: the mesh must be refined patch by patch, the limit of a point
+/// must depend on the faces at it only, and every vertex with faces must have a normal if normals are requested.
 ///
 /// # Errors
-/// [`LimitError`].
+/// [`LimitError`] if the refinement fails or is stopped.
 pub(super) fn refine_swept(
     mesh: &Mesh,
     plan: &Plan,
@@ -40,14 +41,15 @@ pub(super) fn refine_swept(
     let [limits, normals] = match stencils(&program, mesh, plan, ahead, request, watch) {
         Ok(Some(found)) => found,
         Err(stopped @ Unlimited::Stopped(_)) => return Err(stopped.into()),
-        // what the whole net has to say about it is more exact
+        // limits by rows of the whole net name the reason more exactly
         Ok(None) | Err(_) => return Ok(None),
     };
     let refined = program.refine(mesh, plan, steps, watch)?;
     Ok(program.at_limit(refined, limits.as_ref(), normals.as_ref(), watch).map_err(Unlimited::Stopped)?)
 }
 
-/// The rows of what is asked for of the limit of such a mesh, over its points, where [`refine_swept`] finds that.
+/// Returns the rows of the requested limit positions and normals over the points of the refined mesh, each `None` if it
+/// is not requested. Returns `None` if [`refine_swept`] does.
 ///
 /// # Errors
 /// [`LimitError`].
@@ -69,7 +71,8 @@ pub(super) fn trace_swept(
     Ok(Some([limits.map_err(Unlimited::Stopped)?, normals.map_err(Unlimited::Stopped)?]))
 }
 
-/// The stencils of limits and of normals, as far as they are asked for; none where they cannot be read off small nets.
+/// Returns the stencils of limit positions and of normals as far as they are requested; `None` if small nets do not
+/// determine them.
 fn stencils(
     program: &Program,
     mesh: &Mesh,
@@ -102,18 +105,21 @@ fn stencils(
     Ok(all.then_some(found))
 }
 
-/// A mask and the vertices that it weighs.
+/// A mask and the vertices to which its weights belong.
 type Weighed = (Arc<Mask>, Vec<u32>);
 
-/// Masks of vertices of small nets.
+/// Computes masks of vertices of small nets.
 struct SmallNets<'a> {
     rings: Rings,
     masks: Masks<'a>,
 }
 
 impl SmallNets<'_> {
-    /// The mask of a vertex, and the vertices that it weighs; none where the vertex has none, about which nets as a
-    /// whole say more.
+    /// Returns the mask of a vertex and the vertices to which its weights belong; `None` if the vertex has no mask, for
+    /// a reason that limits by rows of the whole net name.
+    ///
+    /// # Errors
+    /// [`Unlimited::Stopped`].
     fn mask(&self, net: &MeshNet, v: u32) -> Result<Option<Weighed>, Unlimited> {
         let whole = WholeNet::of(net, &net.mesh.base);
         let Some(found) = whole.disc(Centre::Vertex(v), self.rings) else { return Ok(None) };
@@ -124,6 +130,7 @@ impl SmallNets<'_> {
         }
     }
 
+    /// Returns the stencil of the limit position of a vertex.
     fn position(&self, net: &MeshNet, v: u32) -> Result<Option<Stencil<u32>>, Unlimited> {
         let stencil = |(mask, vertices): Weighed| {
             let weights = vertices.into_iter().zip(mask.position.iter().copied()).collect();
@@ -132,6 +139,7 @@ impl SmallNets<'_> {
         Ok(self.mask(net, v)?.map(stencil))
     }
 
+    /// Returns the stencil of the two tangents in each sector of a vertex; `None` if a sector has none.
     fn tangents(&self, net: &MeshNet, v: u32) -> Result<Option<Stencil<u32>>, Unlimited> {
         let Some((mask, vertices)) = self.mask(net, v)? else { return Ok(None) };
         let weights = |tangent: &Vec<f64>| vertices.iter().copied().zip(tangent.iter().copied()).collect();

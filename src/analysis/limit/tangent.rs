@@ -5,60 +5,59 @@
 //! characteristic map, `t p` and `u p` span the tangent plane. Source: U. Reif, CAGD 12 (1995), 153-174; D. Zorin,
 //! Constructive Approximation 16 (2000), 359-397.
 //!
-//! The eigenvectors come from orthogonal iteration with a few vectors more than needed and a Rayleigh-Ritz step: plain
-//! sums and products in a fixed order, so that every machine finds the same bits. (A general eigensolver would bring a
-//! dependency, and its answer within a double eigenvalue would depend on rounding.) Constants are split off exactly:
-//! rows that sum to 0 stay so under M, columns that the limit mask maps to 0 too.
+//! The eigenvectors are computed by orthogonal iteration, with a few vectors more than needed, and a Rayleigh-Ritz
+//! step: sums and products in a fixed order, so that every machine computes the same bits. (A general eigensolver would
+//! add a dependency, and its result for a double eigenvalue would depend on rounding.) The eigenvalue 1 is split off
+//! exactly: M keeps rows that sum to 0 and columns that the limit mask maps to 0.
 
 use super::disc::Centre;
 use super::small::{Vectors, dot, leading_basis, leading_block, mixed, orthonormalise, times};
 use crate::math::functions::{exp, ln, real, sqrt};
 use crate::math::vector::cross;
 
-/// Vectors iterated at once.
-/// Vectors of the five largest eigenvalues are taken out of it at most, so that three are left to tell how large the
-/// next ones are. With half of it chains are not found, and convergence is slower; with twice of it each step takes
-/// four times as long to make orthogonal.
+/// Number of vectors that are iterated together. At most five of them are taken as eigenvectors, so that three are left
+/// to estimate the next eigenvalues. With half of it the longest chains are not found, and convergence is slower; with
+/// twice of it each orthogonalisation takes four times as long.
 const WIDTH: usize = 8;
-/// Steps before the first look at the outcome; each look comes after twice as many.
-/// It parts eigenvalues whose quotient is 0.53 to [`RESIDUAL`]. With half of it most masks need a second look, with
-/// twice of it all take 80 steps.
+/// Number of steps before convergence is first checked; each later check comes after twice as many more. These steps
+/// separate eigenvalues whose quotient is 0.53 up to [`RESIDUAL`]. With half of it most masks need a second check; with
+/// twice of it all masks take 80 steps.
 const FIRST_LOOK: usize = 40;
-/// Looks before an eigenvalue after the second counts as equally large.
-/// These are 40 (2^8 - 1) = 10,200 steps, which part eigenvalues whose quotient is 0.9975 to [`RESIDUAL`]. With one
-/// less half of the steps are left and with one more twice as many, for quotients of 0.995 and 0.9988; the time to
-/// refuse follows.
+/// Number of checks after which the third eigenvalue counts as equal to the second. They take 40 (2^8 - 1) = 10,200
+/// steps, which separate eigenvalues whose quotient is 0.9975 up to [`RESIDUAL`]. One check less halves the steps and
+/// the time of a refusal, for a quotient of 0.995; one more doubles them, for 0.9988.
 const MAX_LOOKS: usize = 8;
-/// How far below the second eigenvalue the third has to be, relative to it.
-/// It is well above the root of the rounding of 1, 1.5e-8, by which rounding splits equal eigenvalues of a chain. Half
-/// of it comes closer to that; twice of it refuses surfaces whose third eigenvalue is less than 2e-5 below the second.
+/// Minimum gap between the second eigenvalue and the third, relative to the second. It is well above the root of the
+/// rounding of 1, 1.5e-8, by which rounding separates equal eigenvalues of a chain. Half of it comes closer to that;
+/// twice of it refuses surfaces whose third eigenvalue is less than 2e-5 below the second.
 const GAP: f64 = 1e-5;
-/// Most faces around a vertex, or corners of a face, with which tangents are looked for. Around n faces the eigenvalues
-/// of waves that go around once and four times differ by about `100/n^2` of them, so that from some 300 faces on the
-/// steps of all looks do not part their vectors to [`RESIDUAL`], and each step takes as long as there are faces: beyond
-/// this many it is known that none are found.
-/// Half of it would refuse without a try what already fails; twice of it tries twice as long to fail.
+/// Maximum number of faces around a vertex, or of corners of a face, for which tangents are searched. Around n faces
+/// the eigenvalues of the vectors that oscillate once and four times around the centre differ by about `100/n^2`,
+/// relative to their size, so that from some 300 faces on all steps together do not separate them up to [`RESIDUAL`];
+/// beyond the maximum the search is known to fail. The time of each step is proportional to the number of faces. Half
+/// of it would refuse without a search what fails anyway; twice of it searches twice as long in vain.
 const MAX_AROUND: usize = 2048;
-/// The part of the last vector of a chain in the characteristic map, small as after many levels: where the others
-/// vanish, as on a boundary that is refined by itself, it alone tells the points apart.
-/// Sides and sines below 1e-9 count as none: half and twice of it leave three digits between.
+/// Weight of the last vector of a chain in the characteristic map, relative to the first; small, as it is after many
+/// levels. Where the other vectors vanish, for example on a boundary that is refined by itself, only the last vector
+/// separates the points. Lengths and sines below 1e-9 count as zero: half and twice of it keep three digits above that.
 const LATE: f64 = 1e-6;
-/// What two vectors may leave behind beside their span, relative to their eigenvalues.
-/// It is 45,000 times the rounding of 1, for sums over wide discs, and a hundredth of the least sine that counts.
-/// Half of it may take another look; twice of it may spare one, and the last digits are less sure.
+/// Maximum norm of the part of the images of the two vectors outside their span, relative to their eigenvalues. It is
+/// 45,000 times the rounding of 1, as sums over wide discs need, and a hundredth of the smallest sine that counts. Half
+/// of it may need another check; twice of it may save one, with less accurate last digits.
 const RESIDUAL: f64 = 1e-11;
 
-/// Why there are no tangents.
+/// The reason for which there are no tangents.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum NoTangents {
-    /// The third eigenvalue is as large as the second, or they are not positive reals.
+    /// No two eigenvectors span a tangent plane: the eigenvalues are not positive reals or not separated from the next
+    /// ones, or points of the characteristic map coincide.
     Eigenvalues,
     /// The characteristic map folds over.
     Folded,
 }
 
 impl NoTangents {
-    /// Says the reason in a sentence about a place.
+    /// Returns the reason as a sentence about a place.
     pub(super) fn at(self, place: &str) -> String {
         match self {
             Self::Folded => format!("the surface folds over at {place}"),
@@ -67,8 +66,12 @@ impl NoTangents {
     }
 }
 
-/// Two tangents as weights of the points around a centre, such that their cross product points to the side from which
-/// the `faces` at it are counter-clockwise. `back` is the product of a row with M, `forth` that of M with a column.
+/// Returns two tangents as weights of the points around a centre. Their cross product points to the side from which the
+/// `faces` at the centre are counter-clockwise. `limit` is the limit mask of the centre; `back` multiplies a row by M,
+/// `forth` multiplies M by a column.
+///
+/// # Errors
+/// [`NoTangents`].
 pub(super) fn of<'a>(
     centre: Centre,
     faces: impl Iterator<Item = &'a [u32]>,
@@ -88,8 +91,7 @@ pub(super) fn of<'a>(
     };
     let [[t, u], [x, y]] = match (leading(n, &back, sum_to_zero)?, leading(n, &forth, off_limit)?) {
         (Leading::Plane([t, u]), Leading::Plane([x, y])) => {
-            // the coordinates in which t and u are the derivatives: (x, y) times the inverse of ((t x, t y), (u x, u
-            // y))
+            // scaled so that t and u are dual to them: (x, y) times the inverse of ((t x, t y), (u x, u y))
             let [[a, b], [c, d]] = [[dot(&t, &x), dot(&t, &y)], [dot(&u, &x), dot(&u, &y)]];
             let determinant = a * d - b * c;
             if determinant.abs() < 1e-9 {
@@ -109,9 +111,14 @@ pub(super) fn of<'a>(
     Ok(if is_left { [t, u] } else { [u, t] })
 }
 
-/// The tangents and the characteristic map where the second eigenvalue b has a chain `M y_1 = b y_1`,
-/// `M y_i = b y_i + y_(i-1)` of length L: with `u M = b u` the points are, after k levels, `1 (l p) + a^k x (t p) +
-/// C(k, L-1) b^(k-L+1) (y_1 + (L-1) e y_2 + (L-1) (L-2) e^2 y_3 + ...) (u p) / (u y_L) + ...` with `e = b/k`.
+/// Returns the tangents and the characteristic map if the second eigenvalue b has a chain `M y_1 = b y_1`,
+/// `M y_i = b (y_i + y_(i-1))` of length L. With `u M = b u` and `e = 1/k` the points after k levels are
+///
+/// ```text
+/// 1 (l p) + a^k x (t p) + C(k, L-1) b^k (y_1 + (L-1) e y_2 + (L-1) (L-2) e^2 y_3 + ...) (u p) / (u y_L) + ...
+/// ```
+///
+/// The map takes `e^(L-1)` to be [`LATE`].
 fn chained(rows: Chain, columns: Chain) -> Result<[[Vec<f64>; 2]; 2], NoTangents> {
     let (length, t, mut u) = (columns.steps.len(), rows.first, rows.steps.into_iter().next().unwrap_or_default());
     let mut x = columns.first;
@@ -135,14 +142,15 @@ fn chained(rows: Chain, columns: Chain) -> Result<[[Vec<f64>; 2]; 2], NoTangents
     Ok([[t, u], [x, y]])
 }
 
-/// The tangents and the characteristic map where the second eigenvalue a is there three times, with `R M = a (I + N) R`
-/// for three rows R, `N = p q`, `q p = 0`: after k levels the points are `1 (l p) + a^k Y (I + k N) (R p) + ...` with
-/// the columns Y for which `R Y = I`. What is orthogonal to p, which q is, too, spans the tangent plane.
+/// Returns the tangents and the characteristic map if the second eigenvalue a has multiplicity three, with
+/// `R M = a (I + N) R` for three rows R and `N = p q`, `q p = 0`. After k levels the points v become
+/// `1 (l v) + a^k Y (I + k N) (R v) + ...` with the columns Y for which `R Y = I`. The combinations of R with factors
+/// orthogonal to p, such as q, are the tangents.
 fn thrice(rows: &Vectors<3>, map: &[[f64; 3]; 3], columns: &Vectors<3>) -> Result<[[Vec<f64>; 2]; 2], NoTangents> {
     let a = (map[0][0] + map[1][1] + map[2][2]) / 3.0;
     let n: [[f64; 3]; 3] =
         std::array::from_fn(|i| std::array::from_fn(|k| map[i][k] / a - f64::from(u8::from(i == k))));
-    // the largest column is p, the largest row q, but for factors
+    // p and q up to factors: the longest column and the longest row of N
     let longest =
         |all: [[f64; 3]; 3]| all.into_iter().max_by(|a, b| dot(a, a).total_cmp(&dot(b, b))).unwrap_or_default();
     let (p, q) = (longest([0, 1, 2].map(|k| [0, 1, 2].map(|i| n[i][k]))), longest(n));
@@ -171,15 +179,18 @@ fn thrice(rows: &Vectors<3>, map: &[[f64; 3]; 3], columns: &Vectors<3>) -> Resul
     Ok([[mixed(&along, rows), mixed(&across, rows)], [x, y]])
 }
 
-/// Subtracts the mean.
+/// Subtracts the mean of a row from its entries.
 pub(super) fn sum_to_zero(row: &mut [f64]) {
     let mean = row.iter().sum::<f64>() / real(row.len());
     row.iter_mut().for_each(|x| *x -= mean);
 }
 
-/// Whether the faces at the centre turn to the left at their vertices in the plane, or all to the right. A face that is
-/// alone around a vertex may be straight there. Where points come together, as those of a boundary that shrinks faster
-/// than what is inside, there is no plane.
+/// Returns whether the faces at the centre turn to the left at all their vertices in the plane of the characteristic
+/// map; `false` means that all turn to the right. A face that is the only one around a vertex may be straight there.
+///
+/// # Errors
+/// [`NoTangents::Eigenvalues`] if neighbouring points coincide, as on a boundary that shrinks faster than the inside;
+/// [`NoTangents::Folded`] if the faces turn both ways or not at all.
 fn turns_left(centre: Centre, faces: &[&[u32]], place: impl Fn(u32) -> [f64; 2]) -> Result<bool, NoTangents> {
     let mut sines = Vec::new();
     let mut alone = 0.0;
@@ -210,25 +221,30 @@ fn turns_left(centre: Centre, faces: &[&[u32]], place: impl Fn(u32) -> [f64; 2])
     }
 }
 
-/// What is larger than everything else after many steps.
+/// The eigenvectors that dominate after many steps.
 enum Leading {
-    /// The plane of two eigenvalues: an orthonormal basis.
+    /// An orthonormal basis of the plane of the two largest eigenvalues.
     Plane([Vec<f64>; 2]),
-    /// A vector, and a chain for an eigenvalue that is there several times.
+    /// An eigenvector and a chain of a repeated second eigenvalue.
     Chain(Chain),
-    /// The space of an eigenvalue that is there three times, and what it is mapped to in terms of itself.
+    /// An orthonormal basis of the space of a triple eigenvalue, and the matrix of the map in this basis.
     Thrice(Vectors<3>, [[f64; 3]; 3]),
 }
 
-/// The eigenvector of the largest eigenvalue a, and the longest chain of the next one b: an eigenvector, then vectors
-/// that are mapped to b times themselves and the one before, each but for a multiple of `first`.
+/// The eigenvector of the largest eigenvalue, and the longest chain of the next one.
 struct Chain {
     first: Vec<f64>,
+    /// An eigenvector of the second eigenvalue b, then vectors that are mapped to b times the sum of themselves and the
+    /// vector before; all up to multiples of `first`.
     steps: Vec<Vec<f64>>,
 }
 
-/// What the two largest eigenvalues lead to, where these are positive reals and larger than all others, or a larger one
-/// is followed by one that is there several times, with a single longest chain, or the largest is there three times.
+/// Finds the dominating eigenvectors of the map `apply` on the vectors of length `n` that `deflate` leaves unchanged.
+/// They are found in three cases: the two largest eigenvalues are positive reals and larger than all others; the second
+/// is repeated and has a single longest chain; or the largest has multiplicity three.
+///
+/// # Errors
+/// [`NoTangents::Eigenvalues`] in all other cases.
 fn leading(n: usize, apply: impl Fn(&[f64]) -> Vec<f64>, deflate: impl Fn(&mut [f64])) -> Result<Leading, NoTangents> {
     let width = WIDTH.min(n - 1);
     let mut vectors = starting_vectors(n, width);
@@ -241,7 +257,7 @@ fn leading(n: usize, apply: impl Fn(&[f64]) -> Vec<f64>, deflate: impl Fn(&mut [
             orthonormalise(&mut vectors);
         }
         let images: Vec<Vec<f64>> = vectors.iter().map(|vector| apply(vector)).collect();
-        // images = H vectors, but for what is left over
+        // images = H vectors, up to the part outside their span
         let h: Vec<Vec<f64>> = images.iter().map(|image| vectors.iter().map(|v| dot(image, v)).collect()).collect();
         let Some((block, third)) = leading_block::<2>(&h) else {
             let of_two = || chain::<3>(&h, &vectors, &images);
@@ -267,7 +283,8 @@ fn leading(n: usize, apply: impl Fn(&[f64]) -> Vec<f64>, deflate: impl Fn(&mut [
     Err(NoTangents::Eigenvalues)
 }
 
-/// The space of the largest eigenvalue, where that is there three times.
+/// Returns the space of the largest eigenvalue a, if it has multiplicity three and its matrix is `a (I + N)` with
+/// `N^2 = 0`.
 fn three_times(h: &[Vec<f64>], vectors: &[Vec<f64>], images: &[Vec<f64>]) -> Option<Leading> {
     let (block, fourth) = leading_block::<3>(h)?;
     let (found, map, left_over) = seen(&block, vectors, images);
@@ -279,7 +296,8 @@ fn three_times(h: &[Vec<f64>], vectors: &[Vec<f64>], images: &[Vec<f64>]) -> Opt
     (vanishes && left_over <= RESIDUAL * a && fourth < (1.0 - GAP) * a).then_some(Leading::Thrice(found, map))
 }
 
-/// The vectors of a leading block, what they are mapped to in terms of themselves, and what this leaves over.
+/// Returns the vectors of a leading block, the matrix of the map in terms of these vectors, and the norm of the part of
+/// their images outside their span.
 fn seen<const K: usize>(
     block: &Vectors<K>,
     vectors: &[Vec<f64>],
@@ -297,12 +315,13 @@ fn seen<const K: usize>(
     (found, map, sqrt(left_over.iter().sum()))
 }
 
-/// The longest chain of the second eigenvalue, where that is there K - 1 times and one chain is longer than any other.
+/// Returns the longest chain of the second eigenvalue, if its multiplicity is K - 1 and one chain is longer than all
+/// others.
 fn chain<const K: usize>(h: &[Vec<f64>], vectors: &[Vec<f64>], images: &[Vec<f64>]) -> Option<Chain> {
     let (block, after) = leading_block::<K>(h)?;
     let (found, map, left_over) = seen(&block, vectors, images);
     let size: f64 = map.iter().flatten().map(|x| x.abs()).sum();
-    // the largest one first, the others orthogonal to it
+    // the eigenvector of the largest eigenvalue, and vectors orthogonal to it
     let small: Vec<Vec<f64>> = map.iter().map(|row| row.to_vec()).collect();
     let ([first], others) = leading_basis::<1>(&small)?;
     let image = |u: &[f64]| times(u, &small);
@@ -318,8 +337,9 @@ fn chain<const K: usize>(h: &[Vec<f64>], vectors: &[Vec<f64>], images: &[Vec<f64
     Some(Chain { first: mixed(&first, &found), steps })
 }
 
-/// The longest chain of rows of a small matrix B whose only eigenvalue is b: `u_L = (0, .., 1, .., 0)`, then
-/// `u_(i-1) = u_i (B - b)`, from the last to the first. `None` where there are several, or other eigenvalues.
+/// Returns the longest chain `u_1, ..., u_L` of rows of a small matrix B whose only eigenvalue is b: u_L is a unit
+/// vector `(0, .., 1, .., 0)`, and `u_(i-1) = u_i (B - b) / b`. `None` if several chains are longest, if all have
+/// length 1, or if B has other eigenvalues.
 fn longest(mut matrix: Vec<Vec<f64>>, b: f64) -> Option<Vec<Vec<f64>>> {
     let n = matrix.len();
     (0..n).for_each(|i| matrix[i][i] -= b);
@@ -348,7 +368,8 @@ fn longest(mut matrix: Vec<Vec<f64>>, b: f64) -> Option<Vec<Vec<f64>>> {
     Some(powers.iter().rev().map(|power| power[from].clone()).collect())
 }
 
-/// Fixed vectors without a pattern that a symmetry of a disc could share.
+/// Returns `width` vectors of length `n` with pseudo-random entries between -0.5 and 0.5: always the same, and without
+/// a pattern that a symmetry of a disc could share.
 pub(super) fn starting_vectors(n: usize, width: usize) -> Vec<Vec<f64>> {
     let mut state = 0x9E37_79B9_7F4A_7C15_u64;
     let mut next = || {

@@ -1,36 +1,36 @@
-//! Parameters that the vertices of a disc carry: their own alpha, kernel, compensation and delta.
+//! The parameters that vertices of a disc may carry: alpha, kernel, compensation and delta.
 
 use crate::scheme::mesh_net::MeshNet;
 use crate::shape::attributes::Attributes;
 
-/// Parameters that differ by no more than this, relative to 1 or their size, are the same.
-/// It is about 5 units in the last place of 1. With half of it one level more is followed, as each halves differences;
-/// with twice of it one less, and the limit may differ by as much.
+/// Tolerance within which parameters are equal, relative to the larger of 1 and their size. It is about 5 units in the
+/// last place of 1. Each level halves differences, so that half of it follows one level more; twice of it follows one
+/// less, and the limit may differ by as much.
 const SAME: f64 = 1e-15;
 
-/// The bits of the parameters that the vertices of a disc carry, where they carry any.
+/// The bits of the parameters that the vertices of a disc carry, for each kind one array if they carry it.
 #[derive(Debug, Clone, Default, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) struct VertexParameters([Option<Vec<u64>>; 4]);
 
-/// The bits of parameters that all vertices of a disc have in common.
+/// The bits of the parameters that all vertices of a disc share, for each kind one number if they carry it.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) struct CommonParameters([Option<u64>; 4]);
 
 impl VertexParameters {
-    /// The parameters that some vertices of a net carry.
+    /// Returns the parameters that these vertices of a net carry.
     pub(super) fn of(net: &MeshNet, vertices: &[u32]) -> Self {
         let Some(attributes) = &net.annotations.attributes else { return Self::default() };
         let bits = |array: &[f64]| vertices.iter().map(|&v| array[v as usize].to_bits()).collect();
         Self(attributes.arrays().map(|(_, array)| array.map(bits)))
     }
 
-    /// Returns the net of a disc, whose vertices have these `origins` there, such that they carry the parameters.
+    /// Adds these parameters to the net of a disc. `origins` are the indices of the net's vertices in the disc.
     pub(super) fn carried_by(&self, net: MeshNet, origins: &[u32]) -> MeshNet {
         let directions = net.annotations.directions.as_deref().cloned();
         if self.first().are_there() { net.carrying(Some(self.attributes(origins)), directions) } else { net }
     }
 
-    /// The parameters as attributes of the vertices that have these `origins` in the disc.
+    /// Returns the parameters as attributes of vertices that have these `origins` in the disc.
     fn attributes(&self, origins: &[u32]) -> Attributes {
         let numbers = |bits: &Option<Vec<u64>>| {
             bits.as_ref().map(|bits| origins.iter().map(|&v| f64::from_bits(bits[v as usize])).collect())
@@ -39,12 +39,12 @@ impl VertexParameters {
         Attributes { alpha, kernel, compensation, delta }
     }
 
-    /// The parameters of the first vertex.
+    /// Returns the parameters of the first vertex.
     pub(super) fn first(&self) -> CommonParameters {
         CommonParameters(self.0.each_ref().map(|bits| bits.as_ref().and_then(|bits| bits.first().copied())))
     }
 
-    /// Whether all vertices have the parameters of the first, but for rounding.
+    /// Returns whether all vertices have the parameters of the first, up to rounding.
     pub(super) fn agree(&self) -> bool {
         self.0.iter().flatten().all(|bits| {
             let first = bits.first().map_or(0.0, |&bits| f64::from_bits(bits));
@@ -54,24 +54,24 @@ impl VertexParameters {
 }
 
 impl CommonParameters {
-    /// The parameters of `n` vertices.
+    /// Returns these parameters for each of `n` vertices.
     pub(super) fn of_all(self, n: usize) -> VertexParameters {
         VertexParameters(self.0.map(|bits| bits.map(|bits| vec![bits; n])))
     }
 
-    /// The alpha.
+    /// Returns the alpha in radians, if the vertices carry one.
     pub(super) fn alpha(&self) -> Option<f64> {
         self.0[0].map(f64::from_bits)
     }
 
-    /// Whether there are any.
+    /// Returns whether the vertices carry any parameters.
     pub(super) fn are_there(self) -> bool {
         self.0.iter().any(Option::is_some)
     }
 }
 
-/// All parameters that are made of the least and the largest of each kind; without any, those of vertices that carry
-/// none.
+/// Returns all combinations of the smallest and the largest value of each kind of parameter; for vertices without
+/// parameters the single empty combination.
 pub(super) fn extremes(attributes: Option<&Attributes>) -> Vec<CommonParameters> {
     let mut all = vec![CommonParameters::default()];
     for (place, (_, array)) in attributes.map(Attributes::arrays).into_iter().flatten().enumerate() {

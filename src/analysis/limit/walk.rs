@@ -99,6 +99,8 @@ impl WholeNet<'_> {
         around.into_iter().flatten().chain(sides).chain(of.into_iter().flatten())
     }
 
+    /// Returns the disc that a walk around a centre finds from the half-edge `start`; `None` if it has more than
+    /// [`MAX_DISC_VERTICES`] vertices.
     pub(super) fn walk(&self, centre: Centre, start: u32, rings: Rings) -> Option<Located> {
         let mut walk = Walk {
             whole: *self,
@@ -171,7 +173,9 @@ impl WholeNet<'_> {
 /// The state of a walk ring by ring.
 struct Walk<'a> {
     whole: WholeNet<'a>,
+    /// For each face of the disc its number of vertices.
     sizes: Vec<u32>,
+    /// The vertices of the faces, face after face, in the numbers of the disc.
     local: Vec<u32>,
     /// For each vertex of the disc the half-edge from it by which it was reached.
     reached: Vec<u32>,

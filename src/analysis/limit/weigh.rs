@@ -1,4 +1,4 @@
-//! The weights of limits: the rows of the sums in [`refine_mesh_to_limit`](super::refine_mesh_to_limit).
+//! Records limits as rows of weights: those that [`refine_mesh_to_limit`](super::refine_mesh_to_limit) applies.
 
 use super::error::{LimitError, Unlimited};
 use super::field::{Field, Functional};
@@ -38,12 +38,14 @@ impl From<RefineError> for NoWeights {
     }
 }
 
-/// Records how a mesh is refined by `levels` levels and how what is asked for of its limit is made, so that it has the
-/// bits of [`refine_mesh_to_limit`](super::refine_mesh_to_limit). The results are the points in the documented order,
-/// and then two tangents for each normal.
+/// Records the rows by which a mesh is refined by `levels` levels and by which the requested parts of its limit are
+/// computed, so that the results have the same bits as those of
+/// [`refine_mesh_to_limit`](super::refine_mesh_to_limit). The results are the points in the documented order; then, if
+/// normals are requested, two tangents for each point, and two for each further sector. Returns how tangents yield
+/// normals, or `None` if no normals are requested.
 ///
 /// # Errors
-/// [`NoWeights`].
+/// [`NoWeights`], also if a vertex with faces has no limit normal.
 pub fn weigh_mesh_to_limit(
     recorder: &mut Recorder,
     mesh: &Mesh,
@@ -78,7 +80,7 @@ pub fn weigh_mesh_to_limit(
     Ok(Some(NormalWeights { sectors, product: NormalProduct::OfTangents }))
 }
 
-/// Adds the rows of a sector of a point, so many; empty rows, or a value, of points without faces.
+/// Adds the `n` rows of one sector of a point as results. A point without faces has the value `instead`, or empty rows.
 fn add_traced(recorder: &mut Recorder, traced: &Traced, v: usize, sector: usize, n: usize, instead: Option<u32>) {
     let mut empty = Rows::default();
     empty.end_row();
@@ -90,14 +92,14 @@ fn add_traced(recorder: &mut Recorder, traced: &Traced, v: usize, sector: usize,
     }
 }
 
-/// Adds these values as results.
+/// Adds values as results.
 fn add_points(recorder: &mut Recorder, points: &[u32]) {
     let mut empty = Rows::default();
     empty.end_row();
     points.iter().for_each(|&point| recorder.add(&empty, 0, Some(point)));
 }
 
-/// Limits by the masks of all vertices of a net.
+/// Records the requested parts of the limit of a net by the masks of all its vertices.
 fn by_rows(
     recorder: &mut Recorder,
     net: &MeshNet,
@@ -138,7 +140,7 @@ fn by_rows(
     found.map_err(NoWeights::Normals)
 }
 
-/// Adds some rows of a source; where they are empty the values that stand at their numbers, if there are any.
+/// Adds the rows `which` of a source as results. An empty row `r` is replaced by the value `instead[r]`, if given.
 fn add_rows(recorder: &mut Recorder, source: &dyn RowSource, which: &[usize], instead: Option<&[u32]>) {
     let mut rows = Rows::default();
     for &r in which {
@@ -148,7 +150,7 @@ fn add_rows(recorder: &mut Recorder, source: &dyn RowSource, which: &[usize], in
     }
 }
 
-/// Why a vertex with faces has no normal, if there is one.
+/// Returns why some vertex with faces has no limit normal, if there is such a vertex.
 fn missing(field: &Field<'_>, sectors: &[(u32, usize)]) -> Option<String> {
     let why = |&(v, sector): &(u32, usize)| {
         let why = field.no_tangents(v as usize, sector)?;
