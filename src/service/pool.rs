@@ -66,16 +66,18 @@ pub enum Lack {
 impl fmt::Display for Lack {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(match self {
-            Self::Places => "as many requests wait in line as may (`max_queue`; `max_queue_per_peer` of one client)",
+            Self::Places => "as many requests wait in line as may (`max-queue`; `max-queue-per-peer` of one client)",
             Self::Waiting => {
-                "as many requests wait for computations as may (3/4 of `max_connections`; `max_queue_per_peer` of one \
+                "as many requests wait for computations as may (3/4 of `max-connections`; `max-queue-per-peer` of one \
                  client)"
             }
-            Self::Jobs => "as many jobs wait as may (`max_queue`; `max_queue_per_peer` of one client)",
+            Self::Jobs => "as many jobs wait as may (`max-queue`; `max-queue-per-peer` of one client)",
             Self::Batches => {
-                "as many batches are active as may (`max_queue`; a quarter of `max_queue_per_peer` of one client)"
+                "as many batches are active as may (`max-queue`; a quarter of `max-queue-per-peer` of one client)"
             }
-            Self::Streams => "as many event streams are open as may (`max_queue_per_peer` of one client)",
+            Self::Streams => {
+                "as many event streams are open as may (1/4 of `max-connections`, half of it by one client at most)"
+            }
             Self::Bodies => "the memory for request bodies is taken (half of it by one client at most)",
             Self::Inputs => "the memory for inputs of jobs is taken (half of it by one client at most)",
             Self::Answers => "the memory for answers is taken (half of it by one client at most)",
