@@ -8,12 +8,12 @@ use crate::shape::creases::INFINITE_SHARPNESS;
 use crate::shape::tile::Tile;
 use crate::shape::topology::{NONE, Topology};
 
-/// Second differences at a vertex.
+/// The size of the second differences at a vertex, in model units.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Bend {
-    /// The length of the greatest one.
+    /// The greatest length.
     pub(super) most: f64,
-    /// How far one goes along the normal of the vertex, at most.
+    /// The greatest component along the normal of the vertex, or the greatest length if it has no normal.
     pub(super) rise: f64,
 }
 
@@ -21,16 +21,16 @@ impl Bend {
     const NONE: Self = Self { most: 0.0, rise: 0.0 };
     const UNBOUNDED: Self = Self { most: f64::INFINITY, rise: f64::INFINITY };
 
-    /// The greater ones of both.
+    /// Returns the maximum of each size.
     pub(super) fn or(self, other: Self) -> Self {
         Self { most: self.most.max(other.most), rise: self.rise.max(other.rise) }
     }
 }
 
-/// For each vertex its greatest second differences: over the lines of edges that run through it, on triangles also over
-/// the rhombi of its edges, `c + d - a - b` for the edge (a, b) between the triangles with c and d. Infinite where the
-/// net is not regular, as there second differences need not fall. `normals` are those of the vertices, zero where there
-/// is none.
+/// Returns for each vertex the size of its second differences: `a - 2 v + b` over the straight lines of edges through
+/// the vertex v, from a to b, and on triangles also `c + d - a - b` over its edges (a, b) between the triangles with c
+/// and d. Infinite where the net is not regular, because second differences need not shrink there; zero at vertices
+/// without faces. `normals` are the unit normals of the vertices, zero where there is none.
 pub(super) fn bends(
     net: &MeshNet,
     topology: &Topology,
@@ -57,7 +57,7 @@ impl Bending<'_> {
             return Bend::NONE;
         }
         let sides = if self.tile == Tile::Quad { 4 } else { 3 };
-        // faces on one side of a straight line through a regular vertex
+        // number of faces on one side of a straight line through a regular vertex
         let half = if self.tile == Tile::Quad { 2 } else { 3 };
         let ring: Vec<u32> = topology.ring(v).take(2 * half + 1).collect();
         if ring.len() > 2 * half || ring.iter().any(|&c| topology.face(topology.face_of(c)).len() != sides) {
@@ -67,7 +67,7 @@ impl Bending<'_> {
         let Some(sharp) = self.sharp(v, &ring) else { return Bend::UNBOUNDED };
         let end = |half_edge: u32| topology.vertex(topology.next(half_edge)) as usize;
         let lines: Vec<[usize; 2]> = match (open, ring.len(), sharp.as_slice()) {
-            // a fixed corner of one quad: where two boundary lines end
+            // a fixed corner of one quad, where two boundary lines end
             (true, 1, []) if self.net.tags.is_corner(v) && sides == 4 => return Bend::NONE,
             _ if self.net.tags.is_corner(v) => return Bend::UNBOUNDED,
             (true, n, []) if n == half => {
@@ -92,7 +92,8 @@ impl Bending<'_> {
         inner.filter_map(|(_, &half_edge)| self.rhombus(half_edge).map(bend)).fold(along, Bend::or)
     }
 
-    /// Places in the ring of the edges that are sharp for ever; `None` where something is sharp for a while.
+    /// Returns the positions in the ring of the infinitely sharp edges, ascending; `None` if the vertex is sharp or an
+    /// edge has finite sharpness.
     fn sharp(&self, v: usize, ring: &[u32]) -> Option<Vec<usize>> {
         let Some(sharpness) = &self.net.sharpness else { return Some(Vec::new()) };
         let all = ring.iter().map(|&half_edge| sharpness.edge(self.topology.edge(half_edge) as usize));
@@ -105,7 +106,8 @@ impl Bending<'_> {
         Some(all.enumerate().filter(|&(_, s)| s > 0.0).map(|(i, _)| i).collect())
     }
 
-    /// `c + d - a - b` for the edge of a half-edge; `None` on the boundary.
+    /// Returns `c + d - a - b` for the edge (a, b) of a half-edge between the triangles with c and d; `None` on the
+    /// boundary.
     fn rhombus(&self, half_edge: u32) -> Option<Vector> {
         let topology = self.topology;
         let twin = topology.twin(half_edge);
@@ -119,7 +121,8 @@ impl Bending<'_> {
     }
 }
 
-/// What is known of vertices and of those around them, as far as so many rings of faces, for each vertex.
+/// Returns for each vertex the values of all vertices within `rings` rings of faces around it, joined into one. `join`
+/// must be commutative, associative and idempotent.
 pub(super) fn spread<T: Copy + Send + Sync>(
     topology: &Topology,
     mut values: Vec<T>,
@@ -135,10 +138,10 @@ pub(super) fn spread<T: Copy + Send + Sync>(
     values
 }
 
-/// A box along the axes: its least and its greatest corner.
+/// An axis-aligned box: its least and its greatest corner.
 pub(super) type Box3 = [Vector; 2];
 
-/// The least box around two.
+/// Returns the smallest box around two boxes.
 pub(super) fn around(a: Box3, b: Box3) -> Box3 {
     let each = |k: usize| [a[0][k].min(b[0][k]), a[1][k].max(b[1][k])];
     let [x, y, z] = [each(0), each(1), each(2)];

@@ -1,4 +1,4 @@
-//! The distance between a net's surface and the limit, by what some more levels measure and second differences bound.
+//! Bounds the distance between a net's surface and its limit by measuring finer levels and bounding their remainders.
 
 use rayon::prelude::*;
 
@@ -11,70 +11,71 @@ use super::spline::Spline;
 use crate::analysis::no_level::NoLevel;
 use crate::math::vector::{Vector, length, minus};
 
-/// Faces of a net up to which it is refined further.
-/// Half and twice of it halve and double the time, and shift by half a level where the whole net is followed.
+/// Maximum number of faces of a whole net that is measured.
+/// Half and twice of it halve and double the time, and shift by half a level up to where the whole net is followed.
 pub(super) const FOLLOWED_FACES: usize = 1 << 16;
-/// Faces of a part of a net up to which it is refined further.
-/// Half and twice of it halve and double the memory of the part, and shift bounds of the faces left out.
+/// Maximum number of faces of a part of a net that is refined further.
+/// Half and twice of it halve and double the memory of the part, and shift the bounds of the faces that are left out.
 const PART_FACES: usize = 1 << 17;
-/// Levels that are measured at all faces, where they are not too many: what is bounded after them is a 16th of the
-/// whole.
-/// With one level a 4th is left, and more faces are followed; with four a 256th, for 16 times as many faces.
+/// Number of levels by which the whole net is refined before it is measured, unless it has too many faces: remainders
+/// are then a 16th of those of the net.
+/// With one level they are a 4th, and more faces have to be followed; with four a 256th, for 16 times as many faces.
 const WHOLE: usize = 2;
-/// Most levels that are measured around vertices where the net is not regular.
-/// Where distances fall by a half at each level, 40 levels leave 1e-12 of them, 20 leave 1e-6 and 80 less than
-/// rounding; where they fall to 0.8, 40 leave 1e-4.
+/// Maximum number of levels that are measured around vertices where the net is not regular.
+/// Where remainders halve at each level, 40 levels leave 1e-12 of them, 20 leave 1e-6 and 80 less than rounding; where
+/// each level leaves 0.8 of them, 40 leave 1e-4.
 const AHEAD: usize = 40;
-/// What is bounded after the levels that are measured, over the greatest distance measured, at most, unless that takes
-/// too many faces.
+/// The remainder that need not be reduced further, relative to the greatest distance measured; larger ones remain only
+/// where reducing them takes too many faces.
 /// With half of it bounds are up to 0.1 closer and more faces are followed; with twice of it bounds may be up to 0.4
-/// above what was measured, so that a level more may be asked for.
+/// above what was measured, so that one level more may be used than needed.
 const SLACK: f64 = 0.2;
-/// Of the faces that are farthest from their limit, half as many are followed until they are not too many, or this few.
-/// Half of it tries one halving more before all others are bounded as they are, twice of it one less; bounds hold with
-/// either.
+/// Number of faces down to which the faces with the greatest remainders are halved as long as following them takes too
+/// many faces.
+/// Half of it tries one more halving before all faces keep their remainders, twice of it one less; both are valid.
 const FEW: usize = 64;
-/// Faces whose distances are measured at a time, those first that may be farthest.
-/// Half of it looks at the greatest distance twice as often, where threads wait for each other; with twice of it up to
-/// 256 faces more are measured than needed.
+/// Number of pieces that are measured at a time, in descending order of their bounds.
+/// Half of it looks at the greatest distance twice as often, and threads wait for each other there; twice of it
+/// measures up to 256 more pieces than needed.
 const CHUNK: usize = 256;
-/// How often a piece of a surface is cut into quarters at first, until all of a part is near one face.
+/// Maximum number of cuts into quarters of each piece at the first attempt; later ones allow four times as many each.
 /// Half and twice of it only shift where cutting begins.
 const FIRST_CUTS: usize = 1 << 4;
-/// How often one piece is cut at most.
+/// Maximum number of cuts of one piece.
 /// Half of it gives up sooner, and the bound is larger there; twice of it may take twice as long for a piece.
 const CUTS: usize = 1 << 12;
-/// How often all pieces together are cut at most.
-/// Half and twice of it halve and double the time of bounds that stay open.
+/// Maximum number of cuts of all pieces together.
+/// Half and twice of it halve and double the time of bounds that do not get close.
 const ALL_CUTS: usize = 1 << 16;
 
-/// What is known of a level.
+/// The distances that are known of a level.
 struct Seen {
-    /// For each of its live faces how far its limit is from the net, and the face from the limit, at most.
+    /// For each live face an upper bound of the distance of its limit from the net, and of the face from the limit.
     remainders: Vec<(u32, f64)>,
-    /// How far they and those around them are from the output, at most.
+    /// An upper bound of the distance of the live faces and those around them from the output.
     there: f64,
 }
 
-/// The surface of an output and what is known of its limit.
+/// The comparison of an output with its limit surface.
 struct Comparison<'a> {
     spline: &'a Spline,
     output: Surface,
-    /// The first level that was looked at, whole, and how far the pieces of the output are from the limit as it tells.
+    /// The pieces of the output at the first measured level, and upper bounds of their distances from the limit.
     first: Option<(Vec<Piece>, Vec<f64>)>,
-    /// Faces of the levels that are followed no longer, all together near the whole limit.
+    /// Faces of several levels that are not followed further; in the end, together they approximate the whole limit.
     limit: Vec<Faces>,
     /// The greatest distance that was measured.
     greatest: f64,
-    /// What rounding makes of distances, at most.
+    /// An upper bound of the rounding errors of distances.
     rounding: f64,
-    /// How often pieces may still be cut.
+    /// Number of cuts that pieces may still take.
     cuts: usize,
     budget: &'a Budget,
 }
 
 impl Comparison<'_> {
-    /// What is known of a level; `None` as soon as a distance above `most` is measured.
+    /// Measures the distances of a level from the output, of the first level both ways, and bounds the others. `None`
+    /// as soon as a distance above `most` is measured.
     fn seen(&mut self, level: &Level, most: f64) -> Result<Option<Seen>, NoLevel> {
         let output = self.output.first();
         let belongs = |f: usize| output.slot(level.home[f]).is_some();
@@ -102,7 +103,7 @@ impl Comparison<'_> {
         let little = self.little();
         let found = remainders.distances(&level.live, little, belongs)?;
         if let Some(displaced) = displaced {
-            // at first all faces that are shown are live
+            // one piece per live face: at the first level, the live faces are those that belong to the output
             let plain = |(piece, &face): (&Piece, &u32)| piece.moved + remainders.plain(face);
             let known = pieces.par_iter().zip(&level.live).with_min_len(64);
             let known = known.map(|of| plain(of).min(displaced.back(output, of.0, &found))).collect();
@@ -111,12 +112,13 @@ impl Comparison<'_> {
         Ok(Some(Seen { remainders: level.live.iter().copied().zip(found).collect(), there }))
     }
 
-    /// Some faces of a level, in the limit's place.
+    /// Returns some faces of a level as an approximation of their limit, with their remainders.
     fn near(level: &Level, faces: &[u32], remainders: Vec<f64>) -> Faces {
         Faces::of(&level.topology, level.points.now.as_chunks().0, faces, remainders, false)
     }
 
-    /// Leaves the faces of a level that are followed no longer; returns how far their limit is from the output at most.
+    /// Stops following the live faces whose remainders satisfy `left`, and adds them to the approximation of the limit.
+    /// Returns an upper bound of the distance of their limit from the output.
     fn leave(&mut self, level: &Level, seen: &Seen, left: impl Fn(f64) -> bool) -> f64 {
         let left = seen.remainders.iter().copied().filter(|&(_, remainder)| left(remainder));
         let (faces, remainders): (Vec<u32>, Vec<f64>) = left.unzip();
@@ -125,18 +127,19 @@ impl Comparison<'_> {
         most
     }
 
-    /// What distances may come to without being worth more work.
+    /// Returns the distance up to which bounds need not be improved.
     fn enough(&self) -> f64 {
         ((1.0 + SLACK) * self.greatest).max(self.rounding)
     }
 
-    /// What is not worth to be followed.
+    /// Returns the remainder up to which faces need not be followed.
     fn little(&self) -> f64 {
         (SLACK * self.greatest).max(self.rounding)
     }
 
-    /// The greatest distance of pieces, but for a part that does not matter, looked for where `moved` is great, which
-    /// it is at most; with `briefly` only as long as it grows, and never beyond `most`.
+    /// Returns the greatest of `self.greatest` and the measured distances of pieces. These are measured in descending
+    /// order of their upper bounds `moved`, until none can exceed the greatest by more than the share [`SLACK`], the
+    /// greatest is above `most` or, if `briefly` is set, a chunk does not increase it.
     fn measured(
         &self,
         pieces: &[Piece],
@@ -163,17 +166,18 @@ impl Comparison<'_> {
         Ok(greatest)
     }
 
-    /// How far the corners of a piece are from the output.
+    /// Returns the greatest distance of the corners of a piece from the output.
     fn there(&self, piece: &Piece) -> f64 {
         piece.points().iter().map(|&p| self.output.from(p, piece.home)).fold(0.0, f64::max)
     }
 
-    /// How far the corners of a piece of the output are from a whole level.
+    /// Returns the greatest distance of the corners of a piece of the output from a whole level, in which `slot` is its
+    /// face, and adds what cutting the output may add.
     fn back(level: &Surface, piece: &Piece, slot: usize) -> f64 {
         piece.flat().iter().map(|&p| level.from(p, Some(slot))).fold(0.0, f64::max) + piece.cut
     }
 
-    /// How far pieces are from the output, at most, and the cuts made; none is farther than it was moved.
+    /// Returns an upper bound of the distance of the pieces from the output, `moved` or less, and the number of cuts.
     fn there_at_most(&self, pieces: &[Piece], moved: impl Fn(&Piece) -> f64) -> Result<(f64, usize), NoLevel> {
         let known: Vec<f64> = pieces.iter().map(moved).collect();
         let cut = |piece: &Piece, cuts, enough| {
@@ -182,7 +186,7 @@ impl Comparison<'_> {
         self.cut(pieces, known, self.enough(), cut)
     }
 
-    /// How far the output is from the limit, at most.
+    /// Returns an upper bound of the distance of the output from the limit; 0 if no level was measured.
     fn back_at_most(&mut self) -> Result<f64, NoLevel> {
         let Some((pieces, known)) = self.first.take() else { return Ok(0.0) };
         let limit = Surface::of(std::mem::take(&mut self.limit), self.budget);
@@ -194,8 +198,9 @@ impl Comparison<'_> {
         Ok(self.cut(&pieces, known, self.enough() + self.little(), cut)?.0)
     }
 
-    /// The greatest distance of pieces, at most, and how many cuts that took. They are cut where more than `enough` is
-    /// known; those for which some cuts do not suffice have more of them, as long as there are some left.
+    /// Returns an upper bound of the distance of all pieces, and the number of cuts made. `known` are upper bounds for
+    /// each piece; where they are above `enough`, `cut` improves them with a given number of cuts. Pieces that use up
+    /// their cuts get four times as many in the next attempt, as long as there are enough left.
     fn cut(
         &self,
         pieces: &[Piece],
@@ -219,17 +224,17 @@ impl Comparison<'_> {
     }
 }
 
-/// How far the faces of an output are displaced by a later level.
+/// The displacement of the faces of an output at a later level.
 struct Displaced {
-    /// For each face of the output its pieces.
+    /// For each face of the output the indices of its pieces.
     pieces: Vec<Vec<usize>>,
-    /// How far the pieces of a face are from the output, and the face from the level, however it is cut; infinite where
-    /// that is not known.
+    /// For each face of the output an upper bound of the distance of its pieces from the output and of the face from
+    /// the level, however the output is cut; infinite if unknown.
     moved: Vec<f64>,
 }
 
 impl Displaced {
-    /// Distances up to `little` are not looked into.
+    /// Bounds the displacement by the pieces `all`, unless no piece of a face moved by more than `cut + little`.
     fn of(output: &Faces, all: &[Piece], little: f64) -> Self {
         let mut pieces: Vec<Vec<usize>> = vec![Vec::new(); output.len()];
         for (i, slot) in all.iter().enumerate().filter_map(|(i, piece)| Some((i, piece.home?))) {
@@ -250,11 +255,13 @@ impl Displaced {
         Self { pieces, moved }
     }
 
+    /// Returns the bound of the face of which a piece is a part.
     fn moved(&self, piece: &Piece) -> f64 {
         piece.home.map_or(f64::INFINITY, |slot| self.moved[slot])
     }
 
-    /// How far the face of the output that a piece is part of is from the limit; `remainders` are those of the pieces.
+    /// Returns an upper bound of the distance from the limit of the output's face of which a piece is a part;
+    /// `remainders` are those of the pieces.
     fn back(&self, output: &Faces, piece: &Piece, remainders: &[f64]) -> f64 {
         if self.moved(piece).is_infinite() {
             return f64::INFINITY;
@@ -267,16 +274,18 @@ impl Displaced {
     }
 }
 
-/// A face of a later level, and the piece of the output that it was before.
+/// A face of a later level, with the piece of the output that it is the displacement of.
 struct Piece {
     sides: usize,
+    /// The corners of the face.
     points: [Vector; 4],
+    /// The corners of the piece.
     flat: [Vector; 4],
-    /// The slot of the face of the output that it is part of.
+    /// The slot of the output's face of which it is a part.
     home: Option<usize>,
-    /// How far the output is from its face when that is cut.
+    /// An upper bound of the distance between the output's face and the same face cut.
     cut: f64,
-    /// How far the two are apart at most, point by point, however the output is cut.
+    /// An upper bound of the distance between face and piece, point by point, however the output is cut.
     moved: f64,
 }
 
@@ -297,7 +306,7 @@ impl Piece {
         Self { sides, points, flat, home, cut, moved: apart + cut }
     }
 
-    /// How far its corners are displaced.
+    /// Returns the displacements of the corners.
     fn displacements(&self) -> impl Iterator<Item = Vector> {
         (0..self.sides).map(|j| minus(self.points[j], self.flat[j]))
     }
@@ -311,11 +320,12 @@ impl Piece {
     }
 }
 
-/// The distance between the limit of the live faces of a net and the surface that the net is compared with, which has
-/// the same faces, at most; either from the other. Infinite where it is soon seen to be above the tolerance.
+/// Returns an upper bound of the distance, either from the other, between the limit of the live faces of a net and the
+/// surface that the net is compared with, which has the same faces. Infinite as soon as a distance clearly above the
+/// tolerance is measured. `rounding` is an upper bound of rounding errors.
 ///
 /// # Errors
-/// [`NoLevel`], when a level cannot be computed.
+/// [`NoLevel`] when a level cannot be computed or the budget is over.
 pub(super) fn bound(
     base: &Level,
     spline: &Spline,
@@ -348,8 +358,8 @@ pub(super) fn bound(
             let part = few.then(|| level.focused(&kept, spline.margin()))?;
             (part.faces_after(1) <= PART_FACES).then_some((part, least))
         };
-        // where too many faces are farther from their limit than what is little, those that are farthest are followed,
-        // as long as that makes a difference
+        // if too many faces have a remainder above `little`, the greatest half, quarter, ... of them is followed, as
+        // long as those left out have at most half of the greatest remainder
         let remainders = seen.remainders.iter().map(|&(_, remainder)| remainder);
         let mut far: Vec<f64> = remainders.filter(|&remainder| remainder > little).collect();
         far.sort_by(|a, b| b.total_cmp(a));
@@ -366,7 +376,7 @@ pub(super) fn bound(
     Ok(bound.max(comparison.back_at_most()?))
 }
 
-/// Bounds the distance of nets of too many faces to be measured.
+/// Returns the upper bound of [`bound`] for nets that have too many faces to be measured.
 fn plain(base: &Level, spline: &Spline, budget: &Budget) -> Result<f64, NoLevel> {
     let (points, flat) = (base.points.now.as_chunks::<3>().0, base.flat.now.as_chunks::<3>().0);
     let remainders = Remainders::of(base, spline, budget)?;
@@ -380,7 +390,7 @@ fn plain(base: &Level, spline: &Spline, budget: &Budget) -> Result<f64, NoLevel>
     let moved: Vec<f64> = base.live.iter().map(of_face).collect();
     let most = moved.iter().copied().fold(0.0, f64::max);
     let distances = remainders.distances(&base.live, 0.0, |f| live.binary_search(&f).is_ok())?;
-    // point by point, or from the faces around, which may have moved farther
+    // a face from its own limit point by point, or its limit from the faces around, which may have moved farther
     let each = base.live.iter().zip(moved).zip(distances);
     Ok(each
         .map(|((&face, moved), remainder)| (moved + remainders.plain(face)).min(most + remainder))

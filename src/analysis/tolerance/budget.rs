@@ -1,36 +1,36 @@
-//! The budget of a search: it ends when the watch says stop, or when its work is used up.
+//! The budget of a search, which ends when its watch says stop or its work is used up.
 
 use super::bounds::MAX_WORK;
 use crate::analysis::no_level::NoLevel;
 use crate::watch::Watch;
 
-/// A watch, and the work that it counts at most.
+/// A watch, and the maximum of the work that it counts.
 ///
-/// Once either says no, distances that are asked for are not found any more, and whoever asked finds that out before
-/// using them. What was counted by then is more than the most in any case, so that it makes no difference which thread
-/// came first.
+/// Once the budget is over, distances are no longer computed but reported as infinite or unknown; callers have to call
+/// [`Budget::check`] before they use any. The count never decreases, so that the outcome does not depend on which
+/// thread exceeds the maximum.
 #[derive(Debug, Clone)]
 pub(super) struct Budget {
     pub(super) watch: Watch,
-    /// What the watch counts at most.
+    /// Maximum of the watch's count.
     most: u64,
 }
 
 impl Budget {
-    /// So much work from now on.
+    /// Creates a budget of `work` units from now on.
     pub(super) fn of(watch: &Watch, work: u64) -> Self {
         Self { watch: watch.clone(), most: watch.done().saturating_add(work) }
     }
 
-    /// Whether nothing more is to be done.
+    /// Returns whether the watch says stop or the work is used up.
     pub(super) fn is_over(&self) -> bool {
         self.watch.check().is_err() || self.watch.done() > self.most
     }
 
-    /// Goes on, or says why not.
+    /// Checks that the budget is not over.
     ///
     /// # Errors
-    /// [`NoLevel`].
+    /// [`NoLevel`] if it is over, with the reason.
     pub(super) fn check(&self) -> Result<(), NoLevel> {
         self.watch.check()?;
         if self.watch.done() <= self.most {
@@ -42,7 +42,7 @@ impl Budget {
         )))
     }
 
-    /// Counts work as done.
+    /// Counts `work` more units as done.
     pub(super) fn advance(&self, work: u64) {
         self.watch.advance(work);
     }

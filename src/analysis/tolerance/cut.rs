@@ -1,4 +1,4 @@
-//! The distance of faces from their triangulations.
+//! Bounds the distance between faces and their triangulations.
 
 use std::f64::consts::TAU;
 
@@ -7,7 +7,8 @@ use crate::math::functions::{cos, real, sin};
 use crate::math::vector::{Vector, cross, dot, length, minus, plus, times};
 use crate::shape::topology::Topology;
 
-/// How far a bilinear quad is from itself cut along either diagonal, at most; nothing for other faces.
+/// Returns an upper bound of the distance between a bilinear quad and the quad cut along either diagonal; 0 for other
+/// faces.
 pub(super) fn twist(topology: &Topology, face: usize, points: &[Vector]) -> f64 {
     match topology.face(face) {
         &[a, b, c, d] => twisted([a, b, c, d].map(|v| points[v as usize])),
@@ -15,16 +16,16 @@ pub(super) fn twist(topology: &Topology, face: usize, points: &[Vector]) -> f64 
     }
 }
 
-/// Bounds the twist of a quad with these corners: a quarter of `a - b + c - d` point by point, or its height where
-/// that is less.
+/// Returns the bound for a quad with these corners: the length of `(a - b + c - d) / 4`, which bounds the distance
+/// point by point, or the height of the quad if that is less.
 fn twisted(p: [Vector; 4]) -> f64 {
     let [a, b, c, d] = p;
     let quarter = length(minus(plus(a, c), plus(b, d))) / 4.0;
     height(&p).map_or(quarter, |height| height.min(quarter))
 }
 
-/// How far the faces of a surface, split into quads around their centres, are from the same faces cut into triangles,
-/// at most.
+/// Returns an upper bound of the distance between the live faces of a surface, split into quads around their centres,
+/// and the same faces cut into triangles.
 pub(super) fn cut(base: &Level) -> f64 {
     let points = base.flat.now.as_chunks::<3>().0;
     let of_face = |&f: &u32| {
@@ -38,9 +39,10 @@ pub(super) fn cut(base: &Level) -> f64 {
     base.live.iter().map(of_face).fold(0.0, f64::max)
 }
 
-/// The height of a face seen along its area vector n, where all its corners and its triangles at corner 0 turn to the
-/// left there: then it is convex, and however it is cut, it is a graph over it between the least and the greatest n p
-/// of a corner.
+/// Returns the height of a face along its area vector n: the difference between the greatest and the least `n p / |n|`
+/// of its corners p. `None` unless all corners, and all triangles of the fan around corner 0, are counter-clockwise
+/// seen along n. If they are, the projection along n is convex, and however the face is cut, it is a graph over the
+/// projection within that height.
 fn height(p: &[Vector]) -> Option<f64> {
     let n = p.len();
     let area = |[a, b, c]: [usize; 3]| cross(minus(p[b % n], p[a % n]), minus(p[c % n], p[a % n]));
@@ -55,8 +57,9 @@ fn height(p: &[Vector]) -> Option<f64> {
     Some(high - low)
 }
 
-/// Twice the distance of the corners of a face from those of a regular polygon under an affine map, `c + a cos(2 pi
-/// i/n) + b sin(2 pi i/n)`: that polygon is flat, and either surface is once the distance from it at most.
+/// Returns twice the greatest distance between the corners of a face and those of an affine image of a regular polygon,
+/// `c + a cos(2 pi i/n) + b sin(2 pi i/n)`. The image is flat, and both surfaces of the face, split and cut, are within
+/// once that distance of it.
 fn irregularity(p: &[Vector]) -> f64 {
     let n = real(p.len());
     let turned = |i: usize| [cos, sin].map(|of| of(TAU * real(i) / n));

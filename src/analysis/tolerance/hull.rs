@@ -1,5 +1,5 @@
-//! Bounds the distance of a face from its limit at irregular places by the hull of the points on which the limit
-//! depends.
+//! Bounds the distance between a face and its limit where the net is not regular, by the convex hull of the points that
+//! the limit depends on.
 
 use std::sync::OnceLock;
 
@@ -9,37 +9,39 @@ use crate::math::functions::{real, sqrt};
 use crate::math::vector::{Vector, cross, dot, length, mean, minus, plus, times, unit};
 use crate::shape::topology::NONE;
 
-/// How often the normal of a line between points is turned.
-/// Half of it misses lines that only the ninth turn and later ones find, where the bound is then larger; twice of it
-/// takes up to twice as long where there is no line.
+/// Maximum number of corrections to the normal of a separating line.
+/// Half of it misses lines that are found at the ninth correction or later, and the bound is larger there; twice of it
+/// takes up to twice as long where no line separates the points.
 const TURNS: usize = 16;
-/// Most rings of faces that a limit may depend on; with more, there are too many points to look at.
-/// Points grow with its fourth power, 1,764 a face at 2. Half of it leaves out limits that depend on two rings; twice
-/// of it looks at 12,100 points a face.
+/// Maximum number of rings of faces that a limit may depend on; with more, there are too many points to project.
+/// Their number grows with the fourth power of the rings and is 1,764 per face at 2. Half of it leaves out limits that
+/// depend on two rings; twice of it projects 12,100 points per face.
 pub(super) const MAX_REACH: usize = 2;
-/// Most points that are looked at for all faces of a level.
-/// At about 25 ns a point it is a second. Half and twice of it halve and double that and the faces to which it applies;
-/// others are bounded by second differences.
+/// Maximum number of points that are projected for all faces of a level together.
+/// At about 25 ns a point they take a second. Half and twice of it halve and double that time and the number of faces
+/// up to which hulls are used; beyond, faces are bounded by second differences or by boxes.
 const WORK: usize = 1 << 25;
 
 /// The points that the limits of faces depend on.
 ///
-/// Let W be the faces within one ring more around a face than its limit depends on, all of which look to the side of a
-/// direction n and wind around no vertex more than once, so that they are locally a graph over the plane across n; and
-/// let the hull K(g) be that of the points which the limit of a face g depends on, so that both are in it.
+/// Let W be the faces around a face within one ring more than its limit depends on. Let all their normals have positive
+/// products with a direction n, and let them wind around no inner vertex more than once, so that W is locally a graph
+/// over the plane across n. Let K(g) be the convex hull of the points that the limit of a face g depends on; it
+/// contains both g and its limit.
 ///
-/// 1. Where K of the face in the middle does not come to the boundary of W, seen along n, the graph can be lifted over
-///    all of K: the limit of the face is above or below some point of W.
-/// 2. Where K of the faces beyond the boundary do not come to the face in the middle, the straight way from the
-///    boundary to its limit does not either. So the limit of W winds around each point of that face as often as W does,
-///    which is at least once: some point of it is above or below (invariance of the degree).
+/// 1. If K of the central face does not meet the boundary of W, seen along n, the graph can be lifted over all of K:
+///    each point of the limit of the central face is above or below some point of W.
+/// 2. If K of no face beyond the boundary of W meets the central face, the straight homotopy from the boundary to its
+///    limit does not meet it either. So the limit of W winds around each point of the central face as often as W does,
+///    which is at least once: some point of the limit is above or below it (invariance of the degree).
 ///
-/// In either case the two are as far from each other as points in the K that come to the face differ along n, at most.
+/// If both hold, the distance either way is at most the height along n of the corners of W and of those K(g) of its
+/// faces that meet the central face.
 pub(super) struct Hulls<'a> {
     level: &'a Level,
-    /// Rings of faces that the limit of a face depends on.
+    /// Number of rings of faces that the limit of a face depends on.
     reach: usize,
-    /// For each face the vertices that its limit depends on.
+    /// For each face the vertices that its limit depends on, once they are needed.
     near: Vec<OnceLock<Vec<u32>>>,
 }
 
@@ -48,19 +50,20 @@ impl<'a> Hulls<'a> {
         Self { level, reach, near: (0..level.topology.n_faces()).map(|_| OnceLock::new()).collect() }
     }
 
-    /// These, if so many faces are not too much work: for each, the faces of W and the points that each depends on.
+    /// Returns `self` if the heights of `faces` faces are not too much work.
     pub(super) fn affordable(&self, faces: usize) -> Option<&Self> {
         (self.reach <= MAX_REACH && self.work(faces) <= WORK).then_some(self)
     }
 
-    /// Points that are looked at for so many faces.
+    /// Returns the number of points that are projected for `faces` faces: on regular quads, each has `(2 reach + 3)^2`
+    /// faces in W, whose limits depend on `(2 reach + 2)^2` points each.
     pub(super) fn work(&self, faces: usize) -> usize {
         let square = |side: usize| side * side;
         faces.saturating_mul(square(2 * self.reach + 3) * square(2 * self.reach + 2))
     }
 
-    /// How far a face and its limit are from the limit and the net, at most, if the faces around belong to the surface;
-    /// `None` where that is not known.
+    /// Returns an upper bound of the distance of a face from the limit, and of its limit from the net. `None` if the
+    /// conditions of [`Hulls`] are not found to hold or a face of W does not belong to the surface, as `belongs` tells.
     pub(super) fn height(&self, face: usize, belongs: impl Fn(usize) -> bool) -> Option<f64> {
         let topology = &self.level.topology;
         let points = self.level.points.now.as_chunks::<3>().0;
@@ -111,7 +114,7 @@ impl<'a> Hulls<'a> {
         Some(high - low)
     }
 
-    /// The vertices that the limit of a face depends on.
+    /// Returns the vertices that the limit of a face depends on.
     fn near(&self, face: usize) -> &[u32] {
         self.near[face].get_or_init(|| {
             let faces = self.around(face, self.reach);
@@ -122,7 +125,7 @@ impl<'a> Hulls<'a> {
         })
     }
 
-    /// The faces up to so many rings around a face, and itself, ascending.
+    /// Returns a face and the faces within `rings` rings around it, ascending.
     fn around(&self, face: usize, rings: usize) -> Vec<usize> {
         let topology = &self.level.topology;
         let mut all = vec![face];
@@ -144,15 +147,15 @@ impl<'a> Hulls<'a> {
 /// A point of a plane.
 type Point = [f64; 2];
 
-/// A plane across a direction, with coordinates in which some points are about as far from each other to all sides;
-/// whether lines are between points does not depend on them.
+/// A plane across a direction, with affine coordinates in which given points have the same variance in all directions.
+/// Whether a line separates points does not depend on the coordinates.
 struct Plane {
     origin: Vector,
     axes: [Vector; 2],
 }
 
 impl Plane {
-    /// `None` where the points are on a line.
+    /// Creates the plane across `n` for some points; `None` if their projections lie on a line.
     fn of(n: Vector, points: impl Iterator<Item = Vector> + Clone) -> Option<Self> {
         let origin = mean(points.clone());
         let longest = |most: Vector, p: Vector| {
@@ -167,7 +170,7 @@ impl Plane {
             let (u, v) = (dot(along, x), dot(across, x));
             moments.iter_mut().zip([u * u, u * v, v * v]).for_each(|(sum, part)| *sum += part);
         }
-        // the factor of Cholesky of the moments
+        // the Cholesky factor of the matrix of moments
         let [uu, uv, vv] = moments;
         let first = sqrt(uu);
         let mixed = uv / first;
@@ -182,8 +185,9 @@ impl Plane {
     }
 }
 
-/// Whether a line is found between two sets of points: again and again its normal is turned to those points that it
-/// fails at most (Rosenblatt, 1958).
+/// Returns whether a line is found that separates two sets of points. As with the perceptron, its normal is corrected
+/// up to [`TURNS`] times by the pair of points that it separates worst.
+/// Source: F. Rosenblatt, Psychological Review 65 (1958), 386-408.
 fn are_apart(a: &[Point], b: &[Point]) -> bool {
     let mean_of = |points: &[Point]| points.iter().copied().fold([0.0; 2], plus).map(|x| x / real(points.len()));
     let mut normal = unit(minus(mean_of(b), mean_of(a)));

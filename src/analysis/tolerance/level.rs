@@ -1,4 +1,4 @@
-//! A net on the way to its limit: whole, or what is left of it around faces that are still followed.
+//! A net under refinement towards its limit: the whole net, or its part around the faces that are still followed.
 
 use std::sync::Arc;
 
@@ -14,23 +14,26 @@ use crate::shape::tile::Tile;
 use crate::shape::topology::{NONE, Topology, index};
 use crate::watch::Watch;
 
-/// A net with its points, and with those of the surface that it is compared with.
+/// A net with its points, and for each vertex its place on the surface that the net is compared with.
 #[derive(Clone)]
 pub(super) struct Level {
     pub(super) net: MeshNet,
     /// The net's topology made explicit.
     pub(super) topology: Arc<Topology>,
     pub(super) points: Points,
-    /// The places of the vertices on the surface that the net is compared with: bilinear quads, or triangles.
+    /// The places of the vertices on the surface that the net is compared with, which consists of bilinear quads or of
+    /// triangles.
     pub(super) flat: Points,
-    /// For each face the face of that surface in which it lies.
+    /// For each face the face of that surface of which it is a part.
     pub(super) home: Vec<u32>,
-    /// Faces that are still followed, ascending; the others give them their surroundings.
+    /// The faces that are still followed, ascending; the other faces are kept because the limits of these depend on
+    /// them.
     pub(super) live: Vec<u32>,
 }
 
 impl Level {
-    /// A net, of which all faces are followed that are not hidden.
+    /// Creates the level of a net that is compared with its own surface. All its faces are followed, except for holes
+    /// as long as the net is not split.
     pub(super) fn new(net: MeshNet, points: Points) -> Self {
         let topology = net.mesh.topology();
         let n = index(topology.n_faces());
@@ -39,20 +42,21 @@ impl Level {
         Self { flat: points.clone(), home: (0..n).collect(), live, net, topology, points }
     }
 
-    /// Returns the net as the surface that later ones are compared with, its vertices being at `places`.
+    /// Returns the same level, compared with the surface of its net whose vertices are at `places`.
     pub(super) fn compared(&self, places: Vec<f64>) -> Self {
         let home = (0..index(self.topology.n_faces())).collect();
         Self { flat: Points::new(places, 3), home, ..self.clone() }
     }
 
-    /// Faces after so many rounds, faces of any size being split into quads by the first one.
+    /// Returns an upper bound of the number of faces after `rounds` rounds, at least one: the first splits a face into
+    /// a quad per corner or, if it splits into triangles, into four, and each later one into four.
     pub(super) fn faces_after(&self, rounds: usize) -> usize {
-        // a quad has as many children as corners, a triangle one more
         let first = self.topology.n_half_edges().max(4 * self.topology.n_faces());
         (1..rounds).fold(first, |faces, _| faces.saturating_mul(4))
     }
 
-    /// The net after an upsampling and its averages; of the surface that it is compared with, other points.
+    /// Returns the level after a round, an upsampling and its averages. The places on the compared surface are only
+    /// upsampled, so that the surface stays the same.
     ///
     /// # Errors
     /// [`RefineError`].
@@ -70,7 +74,7 @@ impl Level {
         let topology = net.mesh.topology();
         let tile = net.mesh.tile;
         let parent = |child: usize| match tile {
-            // the children of a face have the numbers of its corners
+            // the children of a face are numbered like its half-edges
             Tile::Quad => self.topology.face_of(index(child)),
             Tile::Triangle => child / 4,
         };
@@ -81,8 +85,9 @@ impl Level {
         Ok(Self { net, topology, points, flat, home, live })
     }
 
-    /// The net split into quads, and the surface with it, which stays what it is: a quad is four quarters, another face
-    /// as many quads as corners.
+    /// Returns the level after an upsampling of the net and of the compared surface, which then has the faces of the
+    /// split net. Of a quad these are the four quarters, which leave the surface the same, of another face one quad per
+    /// corner. All faces are followed.
     ///
     /// # Errors
     /// [`RefineError`].
@@ -93,12 +98,12 @@ impl Level {
         Ok(Self::new(net, points).compared(flat.now))
     }
 
-    /// The net after the averages of a round, of which the last is half a one, and the upsampling after them; of the
-    /// surface that it is compared with, other points.
+    /// Returns the level after the averages of a round, the last of which is half an average, and the next upsampling.
+    /// The places on the compared surface are only upsampled.
     ///
-    /// Half an average puts vertices at the centres of faces, and the upsampling adds the means of the centres beside
-    /// an edge and those around a vertex: in all a split of each quad, in which the children of vertices, edges and
-    /// faces are means of the centres of the faces around them.
+    /// Half an average puts vertices at the centres of faces, and the upsampling adds the means of the two centres
+    /// beside an edge and of those around a vertex. Together they split each quad of the net; the children of its
+    /// vertices, edges and faces are the means of the centres of the faces around them.
     ///
     /// # Errors
     /// [`RefineError`].
@@ -112,7 +117,8 @@ impl Level {
         Ok(Self { points: Points::new(averaged.means_of_centres(), 3), ..next })
     }
 
-    /// For each vertex, then each edge, then each face the mean of the centres of the faces around it.
+    /// Returns for each vertex, then each edge, then each face the mean of the centres of the faces around it, which
+    /// for a face is its own centre; `n x 3`. Vertices without faces keep their place.
     fn means_of_centres(&self) -> Vec<f64> {
         let (topology, points) = (&self.topology, self.points.now.as_chunks::<3>().0);
         let centres: Vec<Vector> =
@@ -125,10 +131,10 @@ impl Level {
         vertices.chain(edges).chain(centres.iter().copied()).flatten().collect()
     }
 
-    /// The part of the net within so many rings of faces around some faces, which alone are followed on.
+    /// Returns the part of the net within `rings` rings of faces around the faces `on`, which alone stay followed.
     ///
-    /// Where it is cut out it has a boundary that is none; that changes points of the next level in as many rings there
-    /// as a round has averages.
+    /// The part has a boundary where it is cut out of the net. This makes points of the next level wrong in as many
+    /// rings along the cut as a round has averages.
     pub(super) fn focused(&self, on: &[u32], rings: usize) -> Self {
         let kept = self.surroundings(on, rings);
         let (topology, vertices) = self.topology.part(&kept).expect("a part of an oriented manifold is one");
@@ -147,7 +153,7 @@ impl Level {
         Self { net, topology, points: picked(&self.points), flat: picked(&self.flat), home, live }
     }
 
-    /// Faces within so many rings around some, at least one, ascending.
+    /// Returns the faces `on` and those within `rings` rings around them, ascending; `rings` is at least 1.
     pub(super) fn surroundings(&self, on: &[u32], rings: usize) -> Vec<u32> {
         let mut reached = vec![false; self.topology.n_vertices()];
         on.iter().flat_map(|&f| self.topology.face(f as usize)).for_each(|&v| reached[v as usize] = true);
@@ -155,7 +161,8 @@ impl Level {
         (0..kept.len()).filter(|&f| kept[f]).map(index).collect()
     }
 
-    /// The sharpness of a part: the faces `kept` with the vertices `vertices` are those of `topology`, in order.
+    /// Returns the sharpness of a part of the net; the faces and vertices of its `topology` are the faces `kept` and
+    /// the vertices `vertices` of the net, in this order.
     fn sharpness(
         &self,
         sharpness: &Sharpness,

@@ -1,9 +1,11 @@
-//! Finds the level at which a mesh is within a tolerance of its limit surface.
+//! Finds the first level at which a mesh is within a tolerance of its limit surface.
 //!
-//! Where a net is regular, averages move vertices by multiples of second differences, which a level divides by 4
-//! ([`spline`], [`bend`]); elsewhere the limit lies in the hull of the points around ([`mod@bound`]). Further levels
-//! are measured until what is left is small, at last only around faces where it is not ([`level`]). Where points move
-//! along the surface, they do not leave it ([`sheet`]).
+//! Where a net is regular, averages move vertices by at most a multiple of the second differences, which each level
+//! divides by 4 ([`spline`], [`bend`]). Elsewhere the limit of a face lies in the convex hull of the points that it
+//! depends on ([`hull`]). Together these bound the remainder, the distance between a net and its limit ([`remainder`]).
+//! The distance between the output and finer nets is measured until the remainder is small; in the end, only the
+//! surroundings of faces with a large remainder are refined ([`mod@bound`], [`level`]). Movements along the surface do
+//! not count as distance, as far as the surface is a graph over a plane ([`sheet`]).
 //!
 //! Derivation and sources: `docs/tolerance.md`; Dyn and Levin, Acta Numerica 11 (2002), section 3; Cheng, Chen and
 //! Yong, LNCS 4035 (2006), 404-416; Lane and Riesenfeld, IEEE PAMI 2 (1980), 35-46.

@@ -1,4 +1,4 @@
-//! The distance of points and small pieces of surfaces from the faces of a net, for any triangulation of these.
+//! The distance of points and small pieces of surfaces from the faces of nets, however these are triangulated.
 
 use std::sync::{Arc, OnceLock};
 
@@ -12,83 +12,84 @@ use crate::math::functions::sqrt;
 use crate::math::vector::{Vector, mean, minus, plus, square_from_triangle, times};
 use crate::shape::topology::Topology;
 
-/// Nodes of a tree and faces that are looked at in the time of a row of a table, about 100 ns.
-/// It only says how much of the budget a visit takes: with twice of it searches may do twice as much.
+/// Number of tree nodes and faces that are visited in the time of one unit of work, a table row, about 100 ns.
+/// It only determines the share of the budget that a visit takes: with twice of it searches may do twice as much.
 const VISITS_A_ROW: u64 = 4;
-/// Most faces of a leaf.
-/// Half of it doubles the nodes of the tree; twice of it measures up to 8 faces where a box would do. Distances are the
+/// Maximum number of faces of a leaf.
+/// Half of it doubles the nodes of the tree; twice of it tests up to 8 faces where one box would do. Distances are the
 /// same.
 const LEAF: usize = 4;
-/// The triangles that a quad is cut into: the number of the diagonal, and the corners.
+/// The triangles of a quad cut along either diagonal: the number of the diagonal, and the corners.
 const QUAD: [(usize, [usize; 3]); 4] = [(0, [0, 1, 2]), (0, [0, 2, 3]), (1, [1, 2, 3]), (1, [1, 3, 0])];
-/// A triangle, which both diagonals leave as it is.
+/// The same for a triangle, which is not cut.
 const TRIANGLE: [(usize, [usize; 3]); 2] = [(0, [0, 1, 2]), (1, [0, 1, 2])];
 
 /// Triangles and quads of a net.
 pub(super) struct Faces {
     topology: Arc<Topology>,
     points: Vec<Vector>,
-    /// Ascending; what is said of a slot is of the face with this place here.
+    /// The faces, ascending; the index of a face here is its slot.
     shown: Vec<u32>,
-    /// For each slot how far what is looked for may be beyond the bilinear face.
+    /// For each slot an upper bound of the distance between the bilinear face and the surface that it approximates.
     beyond: Vec<f64>,
-    /// Whether quads may be cut, which is farther for some cuts than for others.
+    /// Whether quads may be cut along either diagonal; then the distance is the greatest one for all cuts.
     cuttable: bool,
+    /// For each slot its sheet, once it is needed.
     sheets: Vec<OnceLock<Option<Sheet>>>,
 }
 
-/// Faces of several nets, in one tree of boxes.
+/// The faces of several nets in one tree of bounding boxes.
 pub(super) struct Surface {
     nets: Vec<Faces>,
-    /// Nets and slots, leaf after leaf.
+    /// Net and slot of each face, leaf after leaf.
     order: Vec<(usize, usize)>,
-    /// Their boxes.
+    /// The boxes of the faces, in the same order.
     boxes: Vec<Box3>,
     nodes: Vec<Node>,
-    /// Counts the nodes and faces that are looked at; once it is over, nothing is found.
+    /// Counts the nodes and faces that are visited; once it is over, no distance is found.
     budget: Budget,
 }
 
-/// A box around places in the order.
+/// A node of the tree: a box and the faces inside.
 struct Node {
     bounds: Box3,
     inside: Inside,
 }
 
 enum Inside {
-    /// From here to there.
+    /// The faces of a leaf: from the first place in the order to the second, exclusive.
     Places(usize, usize),
-    /// Two nodes.
+    /// The indices of two child nodes.
     Halves(usize, usize),
 }
 
 /// The triangle nearest to a point.
 #[derive(Clone, Copy)]
 struct Hit {
-    /// Of the distance.
+    /// The square of the distance.
     square: f64,
     net: usize,
     slot: usize,
     corners: [usize; 3],
 }
 
-/// How far a piece is from a surface.
+/// The distance of a piece from a surface.
 #[derive(Clone, Copy)]
 pub(super) struct Away {
-    /// All of it, at most.
+    /// An upper bound for all points of the piece.
     pub(super) most: f64,
-    /// The middle of the piece.
+    /// An upper bound for the middle of the piece.
     pub(super) middle: f64,
 }
 
 impl Away {
-    /// Nothing is known.
+    /// The distance of a piece of which nothing is known.
     pub(super) const UNKNOWN: Self = Self { most: f64::INFINITY, middle: f64::INFINITY };
 }
 
 impl Faces {
-    /// The faces `shown` of a net, ascending. With `cuttable` the distance is that from quads however they are cut;
-    /// else that from bilinear ones, which what is looked for is within `beyond` of, face by face.
+    /// Creates the faces `shown` of a net, ascending. If `cuttable` is set, distances hold however quads are cut;
+    /// otherwise faces are bilinear, and approximate a surface within `beyond`, which has an entry per face.
     pub(super) fn of(
         topology: &Arc<Topology>,
         points: &[Vector],
@@ -100,22 +101,23 @@ impl Faces {
         Self { topology: topology.clone(), points: points.to_vec(), shown: shown.to_vec(), beyond, cuttable, sheets }
     }
 
-    /// Number of slots.
+    /// Returns the number of slots.
     pub(super) fn len(&self) -> usize {
         self.shown.len()
     }
 
-    /// The slot of a face.
+    /// Returns the slot of a face, if it has one.
     pub(super) fn slot(&self, face: u32) -> Option<usize> {
         self.shown.binary_search(&face).ok()
     }
 
-    /// How far a quad is from itself cut along a diagonal, at most; nothing where it is not cut.
+    /// Returns an upper bound of the distance between a quad and the quad cut along a diagonal; 0 unless quads may be
+    /// cut.
     pub(super) fn cut(&self, slot: usize) -> f64 {
         if self.cuttable { self.twist(slot) } else { 0.0 }
     }
 
-    /// How far a bilinear quad is from itself cut along a diagonal, at most.
+    /// Returns an upper bound of the distance between a bilinear quad and the quad cut along a diagonal.
     fn twist(&self, slot: usize) -> f64 {
         twist(&self.topology, self.shown[slot] as usize, &self.points)
     }
@@ -125,32 +127,33 @@ impl Faces {
         corners.map(|j| self.points[face[j] as usize])
     }
 
-    /// The box around a face.
+    /// Returns the box around a face.
     fn boxed(&self, slot: usize) -> Box3 {
         let corners = self.topology.face(self.shown[slot] as usize).iter().map(|&v| self.points[v as usize]);
         corners.map(|p| [p, p]).reduce(around).unwrap_or_default()
     }
 
-    /// The triangles of a face, cut along either diagonal, each with the number of the diagonal.
+    /// Returns the triangles of a face cut along either diagonal, each with the number of the diagonal.
     fn triangles(&self, slot: usize) -> &'static [(usize, [usize; 3])] {
         if self.topology.face(self.shown[slot] as usize).len() == 4 { &QUAD } else { &TRIANGLE }
     }
 
-    /// The sheet around a face.
+    /// Returns the sheet around a face, if its surroundings are one.
     pub(super) fn sheet(&self, slot: usize) -> Option<&Sheet> {
         let is_shown = |face: usize| u32::try_from(face).is_ok_and(|face| self.slot(face).is_some());
         let around = || Sheet::around(&self.topology, &self.points, self.shown[slot] as usize, is_shown);
         self.sheets[slot].get_or_init(around).as_ref()
     }
 
-    /// The slots of the faces around one, first itself.
+    /// Returns the slots of the faces in the sheet of a face, itself first.
     pub(super) fn around(&self, slot: usize) -> Option<Vec<usize>> {
         let slots =
             self.sheet(slot)?.faces().iter().map(|&face| u32::try_from(face).ok().and_then(|face| self.slot(face)));
         slots.collect()
     }
 
-    /// How far any mean of some points is from the surface near a triangle, at most.
+    /// Returns an upper bound of the distance of all convex combinations of some points from the surface near a
+    /// triangle.
     fn most(&self, hit: &Hit, points: &[Vector]) -> f64 {
         let triangle = self.triangle(hit.slot, hit.corners);
         let plain = sqrt(points.iter().map(|&p| square_from_triangle(p, triangle)).fold(0.0, f64::max));
@@ -160,7 +163,7 @@ impl Faces {
 }
 
 impl Surface {
-    /// The tree of some nets. Whoever asks it for distances asks the budget before they are used.
+    /// Builds the tree of the faces of some nets. Distances are valid only if the budget is not over afterwards.
     pub(super) fn of(nets: Vec<Faces>, budget: &Budget) -> Self {
         let slots = |(net, faces): (usize, &Faces)| (0..faces.len()).map(move |slot| (net, slot));
         let all: Vec<(usize, usize)> = nets.iter().enumerate().flat_map(slots).collect();
@@ -177,20 +180,23 @@ impl Surface {
         Self { nets, order, boxes, nodes, budget: budget.clone() }
     }
 
-    /// The faces of the first net.
+    /// Returns the faces of the first net.
     pub(super) fn first(&self) -> &Faces {
         &self.nets[0]
     }
 
-    /// How far a point is; `near` is a slot of the first net that is near.
+    /// Returns an upper bound of the distance of a point. The search begins with the face `near`, a slot of the first
+    /// net.
     pub(super) fn from(&self, point: Vector, near: Option<usize>) -> f64 {
         let Some(hits) = self.nearest(point, near) else { return f64::INFINITY };
         self.joined(hits.map(|hit| (hit, sqrt(hit.square))), |_| 0.0)
     }
 
-    /// How far any mean of some points is, at most; `near` is a slot of the first net that is near.
+    /// Returns upper bounds of the distance of all convex combinations of some points. The search begins with the face
+    /// `near`, a slot of the first net.
     ///
-    /// Both the distance from a triangle and what a [`Sheet`] knows of it are convex: they are greatest at a corner.
+    /// The distance from a triangle and the bound of a [`Sheet`] are convex functions of the point, so that they are
+    /// greatest at a corner.
     pub(super) fn over(&self, corners: &[Vector], near: Option<usize>) -> Away {
         let Some(hits) = self.nearest(mean(corners.iter().copied()), near) else { return Away::UNKNOWN };
         let beyond = |hit: &Hit| self.nets[hit.net].beyond[hit.slot];
@@ -199,7 +205,8 @@ impl Surface {
         Away { most, middle }
     }
 
-    /// The worst of what may be taken for the surface: cut along either diagonal, or bilinear.
+    /// Returns the greatest distance for all shapes that the surface may have: bilinear or, if cuttable, cut along
+    /// either diagonal. `hits` are the nearest triangles for each diagonal, with distances from them.
     fn joined(&self, hits: [(Hit, f64); 2], beyond: impl Fn(&Hit) -> f64) -> f64 {
         let bilinear = |(hit, distance): (Hit, f64)| distance + self.nets[hit.net].twist(hit.slot) + beyond(&hit);
         let bilinear = hits.map(bilinear).into_iter().fold(f64::INFINITY, f64::min);
@@ -207,8 +214,8 @@ impl Surface {
         cuttable.fold(bilinear, |most, &(_, distance)| most.max(distance))
     }
 
-    /// The nearest triangles of faces cut along either diagonal, beginning with a slot that is near; `None` without
-    /// faces.
+    /// Returns for each of the two diagonals the triangle nearest to a point. The search begins with the face `near`, a
+    /// slot of the first net. `None` if there are no faces or the budget is over.
     fn nearest(&self, point: Vector, near: Option<usize>) -> Option<[Hit; 2]> {
         if self.budget.is_over() {
             return None;
@@ -263,7 +270,8 @@ impl Surface {
     }
 }
 
-/// Adds the node of some faces, which stand from `start` on in the order, and those below it.
+/// Adds the node of some faces, whose places in the order begin at `start`, and the nodes below it; sorts the faces
+/// accordingly. Returns the index of the node.
 fn grow(nodes: &mut Vec<Node>, boxes: &[Box3], faces: &mut [usize], start: usize) -> usize {
     let bounds = faces.iter().map(|&face| boxes[face]).reduce(around).unwrap_or_default();
     let here = nodes.len();
@@ -282,7 +290,7 @@ fn grow(nodes: &mut Vec<Node>, boxes: &[Box3], faces: &mut [usize], start: usize
     here
 }
 
-/// A part of a piece of surface, all of it a mean of its corners.
+/// A part of a piece of surface; all its points are convex combinations of its corners.
 #[derive(Clone, Copy)]
 struct Fragment {
     sides: usize,
@@ -297,7 +305,7 @@ impl Fragment {
         Self { sides: corners.len().min(4), corners: four, away: away(corners) }
     }
 
-    /// The four quarters of the piece.
+    /// Returns the corners of the four quarters of the fragment; those of a triangle are followed by a repetition.
     fn quarters(&self) -> [[Vector; 4]; 4] {
         let middle = |a: Vector, b: Vector| times(0.5, plus(a, b));
         let [a, b, c, d] = self.corners;
@@ -311,9 +319,10 @@ impl Fragment {
     }
 }
 
-/// How far a piece of surface between corners, all of it a mean of them, is from a surface at most. Where that is more
-/// than `enough`, the part that is farthest is cut into quarters, as long as it is not that far itself, up to so many
-/// times; how often that was comes with it.
+/// Returns an upper bound of the distance of a piece, whose points are convex combinations of its corners, from a
+/// surface, and the number of cuts made. As long as the bound is above `enough`, the fragment with the greatest one is
+/// cut into quarters, up to `cuts` times, unless its middle is itself farther than `enough`. `away` bounds the distance
+/// of a fragment from its corners.
 pub(super) fn farthest(
     corners: &[Vector],
     cuts: usize,
@@ -338,7 +347,7 @@ pub(super) fn farthest(
     (first, cuts)
 }
 
-/// The square of the distance from a box.
+/// Returns the square of the distance of a point from a box.
 fn to_box(p: Vector, [low, high]: &Box3) -> f64 {
     let [x, y, z] = [0, 1, 2].map(|k| (low[k] - p[k]).max(p[k] - high[k]).max(0.0));
     x * x + y * y + z * z

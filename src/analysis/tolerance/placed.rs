@@ -1,10 +1,10 @@
-//! The positions of an output's vertices.
+//! Where the vertices of an output are.
 
-/// The positions of an output's vertices.
+/// Where the vertices of an output are.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Placed {
-    /// Where the levels put them.
+    /// At the positions of the refined net.
     Refined,
-    /// At their limits.
+    /// At their limit positions.
     Limit,
 }

@@ -1,4 +1,4 @@
-//! Bounds the distance of the limit of a net's faces from the faces.
+//! Bounds the remainders of a net: the distances between its faces and their limits.
 
 use rayon::prelude::*;
 
@@ -11,17 +11,17 @@ use super::spline::Spline;
 use crate::analysis::no_level::NoLevel;
 use crate::math::vector::{Vector, length, minus, plus, times};
 
-/// A vector at length 1; zero for zero.
+/// Returns a vector scaled to length 1; zero stays zero.
 fn at_unit_length(x: Vector) -> Vector {
     let size = length(x);
     if size > 0.0 { times(1.0 / size, x) } else { [0.0; 3] }
 }
 
-/// Points of hulls that are looked at in the time of a row of a table, about 100 ns.
-/// It only says how much of the budget a point takes: with twice of it searches may do twice as much.
+/// Number of points of hulls that are projected in the time of one unit of work, a table row, about 100 ns.
+/// It only determines the share of the budget that a point takes: with twice of it searches may do twice as much.
 const POINTS_A_ROW: u64 = 4;
 
-/// What is known of the vertices near one.
+/// Bounds over some vertices: of their second differences, their points, and their normals and those of their faces.
 #[derive(Clone, Copy)]
 struct Near {
     bend: Bend,
@@ -39,24 +39,25 @@ impl Near {
     }
 }
 
-/// The distances of the limit from the faces of a net.
+/// Bounds of the distances between the faces of a net and their limits.
 pub(super) struct Remainders<'a> {
     level: &'a Level,
     spline: &'a Spline,
-    /// For each vertex what the limit of the faces around it depends on.
+    /// For each vertex the bounds over the vertices within `spline.reach` rings. Joined over the corners of a face,
+    /// they cover all vertices that its limit depends on.
     near: Vec<Near>,
-    /// What is near each face with a ring of faces more.
+    /// The same with one ring more.
     beside: Vec<Near>,
     hulls: Hulls<'a>,
-    /// Once it is over, nothing more is looked into.
+    /// The budget; once it is over, bounds are no longer improved.
     budget: &'a Budget,
 }
 
 impl<'a> Remainders<'a> {
-    /// Bounds the remainders of a level.
+    /// Prepares the bounds of a level.
     ///
     /// # Errors
-    /// [`NoLevel`].
+    /// [`NoLevel`] if the budget is over.
     pub(super) fn of(level: &'a Level, spline: &'a Spline, budget: &'a Budget) -> Result<Self, NoLevel> {
         budget.check()?;
         let (topology, points) = (&level.topology, level.points.now.as_chunks::<3>().0);
@@ -81,11 +82,13 @@ impl<'a> Remainders<'a> {
         Ok(Self { level, spline, near, beside, hulls: Hulls::of(level, spline.reach), budget })
     }
 
+    /// Returns the bounds over the corners of a face.
     fn joined(&self, values: &[Near], face: u32) -> Option<Near> {
         self.level.topology.face(face as usize).iter().map(|&v| values[v as usize]).reduce(Near::or)
     }
 
-    /// By second differences alone; infinite where the net is not regular.
+    /// Returns the bound from second differences alone; infinite where the net is not regular. It holds point by point,
+    /// like [`plain`](Self::plain).
     pub(super) fn bend(&self, face: u32) -> f64 {
         if self.spline.reach == 0 {
             return 0.0;
@@ -93,8 +96,8 @@ impl<'a> Remainders<'a> {
         self.joined(&self.near, face).map_or(0.0, |near| self.spline.factor * near.bend.most)
     }
 
-    /// By second differences, or by the box around the points that the limit depends on. A point of the limit is as far
-    /// from its place on the face.
+    /// Returns the lesser bound from second differences and from the box around the points that the limit depends on.
+    /// It holds point by point: for each point of the limit and the point of the face with the same parameters.
     pub(super) fn plain(&self, face: u32) -> f64 {
         if self.spline.reach == 0 {
             return 0.0;
@@ -103,12 +106,12 @@ impl<'a> Remainders<'a> {
         self.bend(face).min(hull)
     }
 
-    /// For each of these faces the distance of its limit from the faces up to `Spline::rings` around it, and of the
-    /// face from the limit of those; as soon as it is known to be `little`, it is not looked into. Faces belong to the
-    /// surface that `belongs` says.
+    /// Returns for each of some faces an upper bound of the distance of its limit from the faces up to
+    /// [`Spline::rings`] around it, and of the face from the limit of those. Bounds up to `little` are not improved.
+    /// `belongs` tells which faces belong to the surface.
     ///
     /// # Errors
-    /// [`NoLevel`].
+    /// [`NoLevel`] if the budget is over.
     pub(super) fn distances(
         &self,
         faces: &[u32],
@@ -136,11 +139,12 @@ impl<'a> Remainders<'a> {
         Ok(distances)
     }
 
-    /// The distance of the limit from the face and those around it, and of the face from the limit, where points move
-    /// along their sheet; `None` where that is not known. Faces belong to the sheet that `belongs` says.
+    /// Returns an upper bound of the distance of the limit of a face from the face and those around it, and of the face
+    /// from the limit of these, where points move within the sheet of the face; `None` if it has no sheet or points may
+    /// leave it. `belongs` tells which faces belong to the surface.
     ///
-    /// Second differences d of vertices with the normals m move points by `n d <= |m d| + |n - m| |d|` along the normal
-    /// n of the sheet.
+    /// Points move by at most `factor` times the second differences. A second difference d at a vertex with the normal
+    /// m has a component `n d <= |m d| + |n - m| |d|` along the normal n of the sheet.
     fn on_sheet(&self, face: u32, belongs: impl Fn(usize) -> bool) -> Option<f64> {
         let near = self.joined(&self.beside, face).filter(|near| near.bend.most.is_finite())?;
         let level = self.level;

@@ -1,4 +1,4 @@
-//! Searches for the first level that is within a tolerance.
+//! Searches for the first level that is within a tolerance of the limit surface.
 
 use super::bounds::{LEAST, MAX_FACES, MAX_LEVEL, MAX_WORK};
 use super::budget::Budget;
@@ -12,26 +12,29 @@ use crate::scheme::plan::Plan;
 use crate::shape::mesh::Mesh;
 use crate::watch::Watch;
 
-/// What a search takes for each face of the net that is looked at, bytes: measured with a cube one corner of which is a
-/// million times as far as the others, which takes 550 MiB at [`MAX_FACES`].
-/// That is 2.2 KiB a face, so that a quarter is spare. Half of it promises less than is taken; twice of it lets half as
-/// many searches run at once.
+/// Memory that a search takes per face of the largest net, in bytes.
+/// A cube with one corner a million times as far away as the others takes 550 MiB at [`MAX_FACES`] faces, 2.2 KiB per
+/// face, so that a quarter is spare. Half of it promises less than is taken; twice of it lets half as many searches run
+/// at once.
 const BYTES_A_FACE: u64 = 3 << 10;
-/// What rounding adds to a bound, over the greatest coordinate.
-/// It is 45 times the spacing of numbers there, nearly three roundings for each of 16 levels. Half of it leaves half of
-/// these; twice of it adds as much to every bound, a 50th of [`LEAST`].
+/// Allowance for rounding that is added to a bound, relative to the greatest coordinate.
+/// It is 45 times the spacing of numbers there, nearly three roundings for each of 16 levels. Half of it allows for
+/// half of these; twice of it adds a 50th of [`LEAST`] to every bound.
 const ROUNDING: f64 = 1e-14;
 
-/// Whether a level could be searched for, as far as that can be told at once.
+/// Checks whether a level can be searched for, as far as that is known without a search.
 ///
 /// # Errors
-/// [`NoLevel`].
+/// [`NoLevel`] with the reason why not.
 pub fn check(mesh: &Mesh, plan: &Plan, tolerance: f64) -> Result<(), NoLevel> {
     Spline::of(plan, mesh)?;
     check_size(mesh, tolerance).map(|_| ())
 }
 
-/// The greatest coordinate.
+/// Returns the greatest absolute coordinate of a mesh.
+///
+/// # Errors
+/// [`NoLevel`] if the tolerance is less than [`LEAST`] of it.
 fn check_size(mesh: &Mesh, tolerance: f64) -> Result<f64, NoLevel> {
     let size = mesh.positions.iter().fold(0.0, |most: f64, x| most.max(x.abs()));
     if tolerance >= LEAST * size {
@@ -43,17 +46,17 @@ fn check_size(mesh: &Mesh, tolerance: f64) -> Result<f64, NoLevel> {
     )))
 }
 
-/// Bytes that a search takes at most.
+/// Returns an upper bound of the memory that a search takes, in bytes.
 pub fn search_bytes(mesh: &Mesh) -> u64 {
     let faces = mesh.topology.n_half_edges().max(mesh.topology.n_faces()).max(MAX_FACES);
     BYTES_A_FACE.saturating_mul(faces as u64)
 }
 
-/// The first level at which a mesh is known to be within `tolerance` of its limit surface, with its vertices at each of
-/// these places.
+/// Returns the first level at which a mesh is known to be within `tolerance`, in model units, of its limit surface for
+/// all given placements of its vertices, and the bound that is known there.
 ///
 /// # Errors
-/// [`NoLevel`], also when `watch` says stop.
+/// [`NoLevel`] if there is no such level within the limits of a search, and when `watch` says stop.
 pub fn reach(mesh: &Mesh, plan: &Plan, placed: &[Placed], tolerance: f64, watch: &Watch) -> Result<Reached, NoLevel> {
     let spline = Spline::of(plan, mesh)?;
     let size = check_size(mesh, tolerance)?;

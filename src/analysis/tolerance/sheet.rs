@@ -1,35 +1,36 @@
-//! Sheets: the faces around a face, if they are a graph over its plane.
+//! Sheets: the faces around a face, if they are locally a graph over its plane.
 
 use crate::math::vector::{Vector, cross, dot, from_segment, length, minus, plus, times};
 use crate::shape::topology::{NONE, Topology};
 
-/// The surroundings of a face, seen along a direction.
+/// The surroundings of a face, projected along a direction n, the normal of the sheet.
 ///
-/// The surface of the faces is made of bilinear quads and triangles, or of quads cut along either diagonal. Where all
+/// The surface of the faces is made of bilinear quads and triangles, or of quads cut along either diagonal. If all
 /// normals at corners of faces have positive products with n, so do the normals everywhere, which are sums of them with
 /// positive weights; then the projection along n is open, and straight paths in the plane can be lifted to the surface
-/// as long as they do not come to the boundary. No vertex of the face is a branch point, around which the faces would
-/// wind more than once, so that discs inside have one lift. A path as long as r climbs by `slope r` at most, and so
-/// does the plane of a triangle of the surface. So a point that is h above or below the plane of a triangle, along n,
-/// and r beside the triangle, seen along n, is within `h + 2 slope r` of the surface.
+/// as long as they do not meet its boundary. No vertex of the central face is a branch point, around which the faces
+/// would wind more than once, so that discs inside have one lift. A lifted path of length r in the plane climbs by at
+/// most `slope r`, and so does the plane of a triangle of the surface. So a point that is h above or below the plane of
+/// a triangle, along n, and r beside the triangle, seen along n, is within `h + 2 slope r` of the surface.
 #[derive(Debug, Clone)]
 pub(super) struct Sheet {
-    /// Unit vector.
+    /// The direction, a unit vector.
     normal: Vector,
-    /// The greatest tangent of the angle between a normal and it.
+    /// The greatest tangent of the angle between the direction and a normal of a face at a corner.
     slope: f64,
-    /// The edges at which the faces end, seen along the normal.
+    /// The edges at which the faces end, projected.
     boundary: Vec<[Vector; 2]>,
-    /// The faces.
+    /// The faces, the central one first.
     faces: Vec<usize>,
-    /// The corners of the face in the middle, seen along the normal.
+    /// The corners of the central face, projected.
     outline: [Vector; 4],
+    /// Number of corners of the central face.
     sides: usize,
 }
 
 impl Sheet {
-    /// The sheet of a face and the faces at its corners, as far as they belong to the surface; `None` where it folds or
-    /// has no direction.
+    /// Creates the sheet of a face and the faces at its corners, as far as they belong to the surface; `None` if it
+    /// folds over, winds more than once around a corner or has no direction.
     pub(super) fn around(
         topology: &Topology,
         points: &[Vector],
@@ -76,18 +77,19 @@ impl Sheet {
         Some(Self { normal: n, slope, boundary, faces, outline, sides: corners.len().min(4) })
     }
 
-    /// The faces, first the one in the middle.
+    /// Returns the faces, the central one first.
     pub(super) fn faces(&self) -> &[usize] {
         &self.faces
     }
 
-    /// How far the surface, and what it is displaced to, are from each other near the face in the middle, where all its
-    /// faces are displaced by means of these vectors; `None` where that could lead out of the sheet.
+    /// Returns an upper bound of the distance, either from the other, between the central face and the surface if all
+    /// faces are displaced by convex combinations of the given vectors; `None` if points could leave the sheet.
     ///
-    /// Let v be the greatest length of a displacement across the normal, less than the way to the boundary. A point y
-    /// of the face lifts the disc of the radius v around it; the map that takes a point q of the disc to itself less
-    /// the displacement across the normal of the surface over q has a fixed point in it, moved by y's place (Brouwer),
-    /// so that some point of the disc is displaced to a place over y.
+    /// A displaced point of the central face is near the surface, because the path to it can be lifted. Conversely, let
+    /// v be the greatest length of a displacement across the normal, less than the distance to the boundary, and y a
+    /// point of the face. The disc of radius v around y in the plane can be lifted; the map that takes its point q to y
+    /// minus the displacement across the normal of the surface over q maps the disc to itself, so that it has a fixed
+    /// point (Brouwer), and the surface over that is displaced to a point above or below y.
     pub(super) fn displaced(&self, displacements: impl Iterator<Item = Vector>) -> Option<f64> {
         let (mut rise, mut along) = (0.0_f64, 0.0_f64);
         for x in displacements {
@@ -97,12 +99,12 @@ impl Sheet {
         (along < self.exit()).then_some(rise + self.slope * along)
     }
 
-    /// The greatest tangent of the angle between the normal of the sheet and others.
+    /// Returns the greatest tangent of the angle between the normal of the sheet and the normals of its faces.
     pub(super) fn slope(&self) -> f64 {
         self.slope
     }
 
-    /// The length of the shortest way in the plane from the face to the boundary.
+    /// Returns the distance in the plane between the central face and the boundary of the sheet.
     pub(super) fn exit(&self) -> f64 {
         let [a, b, c, d] = self.outline;
         let halves = [[a, b, c], [a, c, d]];
@@ -111,8 +113,8 @@ impl Sheet {
         self.boundary.iter().flat_map(apart).fold(f64::INFINITY, f64::min)
     }
 
-    /// How far any mean of some points is from the surface, at most, seen from a triangle of the face; `None` where the
-    /// way there could lead out of the sheet.
+    /// Returns an upper bound of the distance of all convex combinations of some points from the surface, by way of a
+    /// triangle of the central face; `None` if the path to them could leave the sheet.
     pub(super) fn distance(&self, triangle: [Vector; 3], points: &[Vector]) -> Option<f64> {
         let n = self.normal;
         let [a, b, c] = triangle;
@@ -138,7 +140,7 @@ impl Sheet {
         (farthest <= 0.0 || self.boundary.iter().all(harmless)).then_some(most)
     }
 
-    /// The distance in the plane of a point from a triangle.
+    /// Returns the distance in the plane of a point from a triangle.
     fn beside(&self, triangle: [Vector; 3], p: Vector) -> f64 {
         let sides = sides(triangle);
         if sides.iter().all(|&side| self.left(side, p) >= 0.0) {
@@ -147,7 +149,7 @@ impl Sheet {
         sides.iter().map(|&side| from_segment(p, side)).fold(f64::INFINITY, f64::min)
     }
 
-    /// The distance in the plane of a segment from a triangle.
+    /// Returns the distance in the plane of a segment from a triangle.
     fn apart(&self, triangle: [Vector; 3], [q, r]: [Vector; 2]) -> f64 {
         let crosses = |[a, b]: [Vector; 2]| {
             self.left([a, b], q) * self.left([a, b], r) <= 0.0 && self.left([q, r], a) * self.left([q, r], b) <= 0.0
@@ -159,7 +161,8 @@ impl Sheet {
         triangle.iter().map(|&p| from_segment(p, [q, r])).chain(ends).fold(f64::INFINITY, f64::min)
     }
 
-    /// Twice the area between a side and a point, positive where the point is on the left, seen along the normal.
+    /// Returns twice the signed area of the triangle of a side and a point, positive if the point is on the left of the
+    /// side, seen along the normal.
     fn left(&self, [q, r]: [Vector; 2], p: Vector) -> f64 {
         dot(self.normal, cross(minus(r, q), minus(p, q)))
     }
@@ -169,14 +172,14 @@ fn sides([a, b, c]: [Vector; 3]) -> [[Vector; 2]; 3] {
     [[a, b], [b, c], [c, a]]
 }
 
-/// The normal where a half-edge starts, as long as the area between the sides there.
+/// Returns the normal of a face at the start of a half-edge: the cross product of the two sides that meet there.
 pub(super) fn normal(topology: &Topology, points: &[Vector], half_edge: u32) -> Vector {
     let at = |half_edge: u32| points[topology.vertex(half_edge) as usize];
     let here = at(half_edge);
     cross(minus(at(topology.next(half_edge)), here), minus(at(topology.previous(half_edge)), here))
 }
 
-/// How often vectors that follow each other to the left turn around, seen along the normal.
+/// Returns how often consecutive vectors, each to the left of the one before, wind around, seen along the normal.
 pub(super) fn windings(n: Vector, mut around: impl Iterator<Item = Vector>) -> usize {
     let Some(first) = around.next() else { return 0 };
     let mut is_left = true;
@@ -188,7 +191,7 @@ pub(super) fn windings(n: Vector, mut around: impl Iterator<Item = Vector>) -> u
     windings
 }
 
-/// What is across a unit vector.
+/// Returns the component of a vector across the unit vector `n`.
 pub(super) fn flat(n: Vector, p: Vector) -> Vector {
     minus(p, times(dot(n, p), n))
 }

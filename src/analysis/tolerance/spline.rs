@@ -1,4 +1,4 @@
-//! Which plans refine splines, so that second differences bound the distance from the limit.
+//! Determines whether a plan refines splines, so that second differences bound the distance from the limit.
 
 use super::hull::MAX_REACH;
 use crate::analysis::no_level::NoLevel;
@@ -10,37 +10,38 @@ use crate::scheme::word::Word;
 use crate::shape::mesh::Mesh;
 use crate::shape::tile::Tile;
 
-/// Levels whose numbers are looked at.
+/// Number of levels whose kernels are checked.
 /// Kernels that are functions of alpha settle after 26 halvings of it, as cosines do. Half of it may miss a kernel that
-/// differs from 1 later only; twice of it schedules twice as many.
+/// differs from 1 only later; twice of it schedules twice as many levels.
 const LOOKED_AT: u32 = 32;
 
-/// A plan whose cycle is one or several upsamplings, each with its averages, as a spline has them.
+/// A plan that refines splines: each cycle is one or several rounds, an upsampling followed by averages.
 #[derive(Debug)]
 pub(super) struct Spline {
-    /// The plan, two D in a row written as one C.
+    /// The plan, with each pair of D written as one C.
     pub(super) plan: Plan,
-    /// What comes before the first cycle.
+    /// The steps before the first cycle.
     pub(super) prefix: Vec<Scheduled>,
-    /// The steps of one cycle, upsampling by upsampling.
+    /// The rounds of one cycle; each begins with its upsampling.
     pub(super) rounds: Vec<Vec<Scheduled>>,
-    /// Rings of faces around a face that its limit depends on: the most averages after an upsampling.
+    /// Number of rings of faces around a face that its limit depends on: the greatest number of averages in a round,
+    /// counted twice if `halved`.
     pub(super) reach: usize,
-    /// The distance from the limit over the greatest second difference, at most.
+    /// An upper bound of the distance between a face and its limit, relative to the greatest second difference.
     pub(super) factor: f64,
-    /// Into what faces are split.
+    /// The tile into which faces are split.
     pub(super) tile: Tile,
-    /// Whether each upsampling is followed by half an average more, which puts vertices in the place of faces. Then
-    /// nets are looked at after the upsampling: the next one is that after half an average and the upsampling that
-    /// follows, whose faces are quarters of the faces before.
+    /// Whether each round ends with half an average, a D without a partner, which replaces faces by vertices. Then
+    /// nets are compared after the upsampling: the faces of the net after the rest of a round and the next upsampling
+    /// are quarters of its faces.
     pub(super) halved: bool,
 }
 
 impl Spline {
-    /// The spline that a plan refines on a mesh.
+    /// Returns the spline that a plan refines on a mesh.
     ///
     /// # Errors
-    /// Why second differences bound nothing.
+    /// [`NoLevel`] if second differences do not bound the distance from the limit, with the reason.
     pub(super) fn of(plan: &Plan, mesh: &Mesh) -> Result<Self, NoLevel> {
         let local = [
             (plan.perturbation.is_some(), "perturbation"),
@@ -99,37 +100,38 @@ impl Spline {
         Ok(Self { plan, prefix, rounds, reach, factor, tile, halved })
     }
 
-    /// The steps of the round that comes after so many, the cycle beginning with round 0.
+    /// Returns the steps of round `number`, counted from 0 over all cycles.
     pub(super) fn round(&self, number: usize) -> &[Scheduled] {
         &self.rounds[number % self.rounds.len()]
     }
 
-    /// Rings of faces around a face that are compared with its limit, and it with theirs.
+    /// Returns the number of rings of faces around a face that are compared with its limit, and whose limits are
+    /// compared with it.
     pub(super) fn rings(&self) -> usize {
         if self.reach <= MAX_REACH { self.reach + 1 } else { 1 }
     }
 
-    /// Rings of faces that are kept around those that are followed. A level makes twice as many of them, of which a cut
-    /// changes as many as the limit depends on; what is left has to hold all that the limits of the faces that are
-    /// compared, and of those beside them, depend on.
+    /// Returns the number of rings of faces that are kept around the faces that are followed. A level doubles them, but
+    /// makes `reach` of them wrong along the cut; the others must contain all that the limits of the compared faces and
+    /// of the faces next to them depend on.
     pub(super) fn margin(&self) -> usize {
         (self.reach + 2).max((2 * self.reach + self.rings() + 1).div_ceil(2))
     }
 }
 
-/// The refusal of what lets no distance be known.
+/// Returns the refusal of plans or meshes for which no distance is known in advance.
 fn unknown(why: &str) -> NoLevel {
     NoLevel::Refused(format!("{why} no distance to the limit is known in advance; give \"levels\" as a number"))
 }
 
-/// The refusal of another scheme, which makes no splines for a reason.
+/// Returns the refusal of schemes that do not refine splines.
 fn no_spline(why: &str) -> NoLevel {
     NoLevel::Refused(format!(
         "distances are bounded for {SPLINES}, which this plan does not as {why}; give \"levels\" as a number"
     ))
 }
 
-/// The refusal of D that stand alone in other places than the last before an upsampling.
+/// Returns the refusal of plans in which a D without a partner does not end each round.
 fn single_dual() -> NoLevel {
     NoLevel::Refused(
         "distances are bounded where each U of the cycle is followed by C and pairs of D, or each by one D more, \
@@ -138,12 +140,13 @@ fn single_dual() -> NoLevel {
     )
 }
 
+/// Returns the role of a letter in refining splines, or why it has none.
 fn step(plan: &Plan, letter: &Letter) -> Result<SplineStep, &'static str> {
     letter.operator.spline(&letter.settings, plan.mu)
 }
 
-/// The cycle with each pair of D as one C, on closed meshes the same net in another order; a D that is left over comes
-/// last before the next upsampling.
+/// Returns the cycle with each pair of consecutive D replaced by one C, which on closed meshes makes the same net in
+/// another order. A D without a partner must be the last letter before the next upsampling.
 fn paired(plan: &Plan) -> Result<Vec<Letter>, NoLevel> {
     let mut cycle: Vec<Letter> = Vec::new();
     let mut half: Option<&Letter> = None;
@@ -155,7 +158,7 @@ fn paired(plan: &Plan) -> Result<Vec<Letter>, NoLevel> {
                 cycle.push(Letter { operator: whole, ..letter.clone() });
                 half = None;
             }
-            // halves that are not next to each other do not make a whole where averages see the net between them
+            // two D do not make a C if another average is applied between them
             (Ok(SplineStep::Mean) | Err(_), Some(_)) => return Err(single_dual()),
             _ => {
                 cycle.extend(half.take().cloned());
@@ -167,14 +170,17 @@ fn paired(plan: &Plan) -> Result<Vec<Letter>, NoLevel> {
     Ok(cycle)
 }
 
-/// The same where half an average is the last of so many, for quads after the upsampling: each moves by half of the
-/// greatest second difference at most, and half an average and the next upsampling by no more.
+/// Returns [`Spline::factor`] for rounds of `averages` averages on quads, the last of which is half an average, with
+/// second differences taken after the upsampling: `4/3 averages/2`. Each average moves points by at most half of the
+/// greatest second difference, and so do half an average and the next upsampling together.
 fn halved_factor(averages: usize) -> f64 {
     4.0 / 3.0 * 0.5 * real(averages)
 }
 
-/// The sum of what all averages of all levels move, over the greatest second difference before them, at most: the first
-/// average after each upsampling and the others, the upsampling and the first average together dividing by 4.
+/// Returns [`Spline::factor`] for rounds of `averages` averages: `4/3 (1/4 + (averages - 1)/8)` on quads and
+/// `4/3 (3/16 + 3 (averages - 1)/32)` on triangles; 0 without averages. The summands bound the movements by the first
+/// average of a round and by the others, relative to the greatest second difference before the round; each round
+/// divides that by 4, so that the sum over all rounds is 4/3 of the first.
 fn factor(tile: Tile, averages: usize) -> f64 {
     let Some(others) = averages.checked_sub(1) else { return 0.0 };
     let (first, each) = match tile {

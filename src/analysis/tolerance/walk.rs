@@ -1,4 +1,4 @@
-//! Proceeds from level to level with the current net, and with the bounds of faces that are no longer followed.
+//! Proceeds from level to level with the current net and the bound of the faces that are no longer followed.
 
 use super::bend;
 use super::bound::{FOLLOWED_FACES, bound};
@@ -15,28 +15,32 @@ use crate::scheme::mesh_net::MeshNet;
 use crate::shape::tile::Tile;
 use crate::watch::Watch;
 
-/// The level that is looked at, and what is known of faces that are followed no longer.
+/// The current level, and the bound of the faces that are no longer followed.
 pub(super) struct Walk {
     pub(super) level: Level,
-    /// How far they are from their limit, at most; a quarter of it a round later.
+    /// An upper bound of the distance between these faces and their limits; each round divides it by 4.
     left: f64,
 }
 
 impl Walk {
-    /// From a net with these points on.
+    /// Creates the walk that starts at a net with these points.
     pub(super) fn new(net: MeshNet, points: Points) -> Self {
         Self { level: Level::new(net, points), left: 0.0 }
     }
 
-    /// Whether all faces are those that the scheme splits regularly.
+    /// Returns whether the level can be bounded: whether all live faces are of the kind that the scheme splits into, or
+    /// the spline is halved, for which any faces can be bounded.
     pub(super) fn is_ready(&self, spline: &Spline) -> bool {
         let sides = if spline.tile == Tile::Quad { 4 } else { 3 };
         let topology = &self.level.topology;
         spline.halved || self.level.live.iter().all(|&f| topology.face(f as usize).len() == sides)
     }
 
-    /// How far the output is from the limit at most, with its vertices there; infinite where it is soon seen to be
-    /// above the tolerance.
+    /// Returns an upper bound of the distance, either from the other, between the limit and the output with its
+    /// vertices placed as given; infinite as soon as a distance clearly above the tolerance is measured.
+    ///
+    /// # Errors
+    /// [`NoLevel`] when a level or a limit cannot be computed or the budget is over.
     pub(super) fn bound(
         &self,
         spline: &Spline,
@@ -45,6 +49,7 @@ impl Walk {
         rounding: f64,
         budget: &Budget,
     ) -> Result<f64, NoLevel> {
+        // with vertices at their limits, faces move by up to the bound, which then counts twice
         let (places, times) = match placed {
             Placed::Refined => (self.level.points.now.clone(), 1.0),
             Placed::Limit => (self.limits(spline, &budget.watch)?, 2.0),
@@ -63,7 +68,7 @@ impl Walk {
         Ok(bound(&base, spline, tolerance, rounding, budget)?.max(left))
     }
 
-    /// The limits of the vertices.
+    /// Returns the limit positions of the vertices, `n x 3`.
     fn limits(&self, spline: &Spline, watch: &Watch) -> Result<Vec<f64>, NoLevel> {
         if self.level.live.is_empty() {
             return Ok(self.level.points.now.clone());
@@ -76,8 +81,8 @@ impl Walk {
         Ok(found.points.and_then(|mut points| points.pop()).unwrap_or_default())
     }
 
-    /// Leaves faces behind whose distance second differences bound, where there are too many to go on with all: first
-    /// those that are within half the tolerance.
+    /// Stops following faces that second differences bound if there are too many to follow all: those that are bounded
+    /// by half the tolerance or, if too many are left then, all that have a bound. Halved splines follow all faces.
     pub(super) fn leave(&mut self, spline: &Spline, tolerance: f64, budget: &Budget) -> Result<(), NoLevel> {
         let fits = |level: &Level| level.faces_after(1) <= FOLLOWED_FACES;
         if fits(&self.level) || spline.halved {
@@ -109,7 +114,7 @@ impl Walk {
         Ok(())
     }
 
-    /// One level further.
+    /// Refines by one level.
     pub(super) fn on(&mut self, spline: &Spline, watch: &Watch) -> Result<(), NoLevel> {
         for round in &spline.rounds {
             if spline.halved {
