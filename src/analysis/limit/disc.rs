@@ -1,4 +1,4 @@
-//! Discs: the faces around a vertex, an edge or a face, numbered in an order that depends on their connectivity only.
+//! Discs: the faces around a vertex, an edge or a face, numbered in an order that depends only on their connectivity.
 
 use std::sync::Arc;
 
@@ -12,65 +12,71 @@ use crate::shape::creases::INFINITE_SHARPNESS;
 use crate::shape::directions::{Direction, Directions};
 use crate::shape::topology::{NONE, Topology, index};
 
-/// What a disc lies around.
+/// The vertex, edge or face that a disc lies around.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(in crate::analysis) enum Centre {
     /// A vertex.
     Vertex(u32),
-    /// The edge of a half-edge, as dual schemes have it where a boundary was.
+    /// The edge of a half-edge. Under dual schemes it takes the place of a boundary vertex with an even number of
+    /// faces, or of an inner vertex with two.
     Edge(u32),
-    /// A face, as dual schemes have it around their limit points.
+    /// A face. Under dual schemes it takes the place of a vertex.
     Face(u32),
 }
 
-/// How many rings of faces belong to a disc.
+/// The number of rings of faces of a disc.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct Rings {
-    /// Rings whose vertices decide about the limit.
+    /// Number of rings whose vertices influence the limit.
     pub(super) support: usize,
-    /// Rings whose connectivity decides about it; at least as many.
+    /// Number of rings whose connectivity influences the limit; at least `support`.
     pub(super) disc: usize,
 }
 
-/// The connectivity of a disc and everything else that the weights of its limit depend on.
+/// The connectivity of a disc and all else that the weights of its limit depend on.
 ///
-/// Vertices are numbered ring by ring around the centre; the centre is vertex 0, or the edge or the face of the first
-/// vertices, which then begins the first face.
+/// Vertices are numbered ring by ring around the centre. The centre is vertex 0, or the edge or face of the first
+/// vertices, with which face 0 then begins.
 #[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) struct Disc {
     /// Number of vertices of the face or the edge at the centre; 0 where the centre is a vertex.
     pub(super) central: u32,
-    /// Number of vertices within the rings that decide about the limit.
+    /// Number of vertices within the rings of the support; they have the lowest numbers.
     pub(super) support: usize,
     pub(super) n_vertices: usize,
+    /// Number of steps of a scheme with its own connectivity that led to the net, as far as it matters.
     pub(super) rounds: u32,
+    /// What rules need to know of the net beyond the disc, if anything.
     pub(super) surroundings: Option<Surroundings>,
+    /// Number of vertices of each face.
     pub(super) sizes: Vec<u32>,
+    /// The vertices of the faces, face after face.
     pub(super) vertices: Vec<u32>,
     /// Vertices that keep their place, ascending.
     pub(super) fixed: Vec<u32>,
-    /// The bits of the sharpness of edges, each at its half-edges, and of vertices; ascending.
+    /// The half-edges of sharp edges with the bits of their sharpness, ascending.
     pub(super) sharp_edges: Vec<(u32, u64)>,
+    /// The sharp vertices with the bits of their sharpness, ascending.
     pub(super) sharp_vertices: Vec<(u32, u64)>,
-    /// The direction of the edge of each half-edge, where edges have any.
+    /// The direction of the edge of each half-edge; empty if no edges have directions.
     pub(super) directions: Vec<Direction>,
 }
 
-/// A disc and where it was found.
+/// A disc with its location in a net.
 #[derive(Debug, Clone)]
 pub(super) struct Located {
     /// The disc.
     pub(super) disc: Disc,
-    /// For each of its vertices the number in the whole.
+    /// For each vertex of the disc its number in the net.
     pub(super) vertices: Vec<u32>,
-    /// For each of its faces the half-edge in the whole net that is the first one here.
+    /// For each face of the disc the half-edge of the net with which it begins here.
     pub(super) half_edges: Vec<u32>,
-    /// Where the walk started: this many half-edges after the first in the ring of the centre.
+    /// The number of the start of the walk, counted from the first half-edge in the ring of the centre.
     pub(super) rotation: usize,
 }
 
 impl Disc {
-    /// The centre, in the numbers of the disc.
+    /// Returns the centre, in the numbers of the disc.
     pub(super) fn centre(&self) -> Centre {
         match self.central {
             0 => Centre::Vertex(0),
@@ -79,7 +85,8 @@ impl Disc {
         }
     }
 
-    /// The centre as weights of vertices: itself, or the mean of the vertices of the edge or face.
+    /// Returns the weights of the support's vertices in the centre: 1 for a central vertex, or the mean of the vertices
+    /// of the central edge or face.
     pub(super) fn middle(&self) -> Vec<f64> {
         let mut weights = vec![0.0; self.support];
         if self.central == 0 {
@@ -90,7 +97,8 @@ impl Disc {
         weights
     }
 
-    /// The faces, one slice of vertices each, those at the centre first and each starting nearest to it.
+    /// Returns the faces, one slice of vertices each; those at the centre come first, and each begins with its vertex
+    /// nearest to the centre.
     pub(super) fn faces(&self) -> impl Iterator<Item = &[u32]> {
         let mut rest = self.vertices.as_slice();
         self.sizes.iter().map(move |&size| {
@@ -100,21 +108,21 @@ impl Disc {
         })
     }
 
-    /// The faces around the vertex at the centre, the one that is the centre, or the one that begins with its edge.
+    /// Returns the faces around the central vertex, or the central face, or the face that begins with the central edge.
     pub(super) fn central_faces(&self) -> impl Iterator<Item = &[u32]> {
         let central = self.central as usize;
         let at_centre = move |(i, face): &(usize, &[u32])| if central == 0 { face[0] == 0 } else { *i == 0 };
         self.faces().enumerate().take_while(at_centre).map(|(_, face)| face)
     }
 
-    /// Whether faces lie all around the vertex at the centre.
+    /// Returns whether faces lie all around the central vertex.
     pub(super) fn is_closed(&self) -> bool {
         let mut faces = self.central_faces();
         let first = faces.next().unwrap_or_default();
         first.get(1) == faces.last().unwrap_or(first).last()
     }
 
-    /// What the centre is, in words: its number would be one of a net that the client never sees.
+    /// Describes the centre in words, because its number would belong to a net that the client never sees.
     pub(super) fn describe(&self) -> String {
         let has_edge = |face: &&[u32]| face.contains(&0) && face.contains(&1);
         let (kind, n) = match self.central as usize {
@@ -127,13 +135,14 @@ impl Disc {
         format!("{kind} with {n} {}", if n == 1 { "face" } else { "faces" })
     }
 
-    /// Whether the edge of a half-edge, counted over all faces, stays sharp for ever.
+    /// Returns whether the edge of a half-edge, numbered over all faces, is infinitely sharp.
     pub(super) fn is_sharp_for_ever(&self, half_edge: usize) -> bool {
         let found = self.sharp_edges.binary_search_by_key(&index(half_edge), |&(half_edge, _)| half_edge);
         found.is_ok_and(|at| f64::from_bits(self.sharp_edges[at].1) >= INFINITE_SHARPNESS)
     }
 
-    /// The disc as a net of its own, with the origin of each of its vertices in the disc.
+    /// Returns the disc as a net of its own, and for each vertex of the net the vertex of the disc; `None` if the faces
+    /// are no valid mesh.
     pub(super) fn net(&self, disc_rules: DiscRules) -> Option<(MeshNet, Vec<u32>)> {
         let DiscRules { rules, boundary, cut, boundary_every } = disc_rules;
         let faces = self.faces().map(|face| face.iter().copied()).collect();
@@ -158,7 +167,7 @@ impl Disc {
             directions[net.mesh.base.edge(index(half_edge)) as usize] = direction;
         }
         let directions = (!self.directions.is_empty()).then(|| Directions::of_edges(directions));
-        // nothing that a D would lose was tagged where there is one
+        // in a plan with a D, nothing is tagged that the D would lose
         let mut net = net.carrying(None, directions);
         net.tags = Tags { lost_by_dual: None, boundary, cut, ..net.tags };
         net.mesh.rounds = self.rounds;
@@ -167,16 +176,16 @@ impl Disc {
     }
 }
 
-/// The faces without those that have two edges on the boundary, if there are any: a scheme that cuts boundary
-/// edges in some steps only cuts one of a face at most, and where a disc ends at the boundary of its mesh it may have
-/// such faces.
+/// Returns the faces without those that have two or more edges on the boundary; `None` if there are none of these. A
+/// scheme that cuts boundary edges in some steps only cuts at most one edge of a face, and a disc may have faces with
+/// more where it ends at the boundary of its mesh.
 fn without_ears(topology: &Topology) -> Option<FaceList> {
     let is_ear = |&f: &usize| topology.half_edges(f).filter(|&half_edge| topology.twin(half_edge) == NONE).count() > 1;
     (0..topology.n_faces()).find(is_ear)?;
     Some((0..topology.n_faces()).filter(|f| !is_ear(f)).map(|f| topology.face(f).iter().copied()).collect())
 }
 
-/// Whether every face is a triangle.
+/// Returns whether there are faces and all of them are triangles.
 pub(super) fn is_triangular(topology: &Topology) -> bool {
     topology.n_faces() > 0 && (0..topology.n_faces()).all(|f| topology.face(f).len() == 3)
 }

@@ -1,4 +1,4 @@
-//! The children of vertices, edges and faces under D, in whole nets.
+//! Finds the children of vertices, edges and faces under D in whole nets.
 
 use std::sync::Arc;
 
@@ -14,7 +14,7 @@ use crate::shape::check::{FaceList, Winding};
 use crate::shape::topology::{NONE, Topology, index};
 use crate::watch::Watch;
 
-/// A net in the order of its construction.
+/// The topology of a net in the order of its construction.
 #[derive(Debug)]
 struct Constructed {
     topology: Arc<Topology>,
@@ -25,9 +25,9 @@ struct Constructed {
 /// A net and its dual.
 #[derive(Debug)]
 pub(super) struct Dual<'a> {
-    /// The net that D was applied to, in the documented order, in which D numbers.
+    /// The net that D was applied to, in the documented order, which D follows.
     old: Arc<Topology>,
-    /// The order of construction, where that is another one.
+    /// The same net in the order of its construction, if that is another one.
     constructed: Option<Constructed>,
     new: &'a Topology,
     /// For each vertex of `old` its face in the dual, or [`NONE`].
@@ -35,11 +35,14 @@ pub(super) struct Dual<'a> {
 }
 
 impl<'a> Dual<'a> {
-    /// The nets `before` and `after` a D.
+    /// Creates the dual from the nets `before` and `after` a D.
+    ///
+    /// # Errors
+    /// [`Unlimited::Lost`] if the net in the documented order is no valid mesh.
     pub(super) fn of(before: &MeshNet, after: &'a MeshNet) -> Result<Self, Unlimited> {
         let (old, constructed) = documented(before)?;
         let mut n_faces = 0;
-        // inner vertices in their order, but for those between two faces
+        // inner vertices with at least three faces have faces in the dual, in the same order
         let face = |v: usize| {
             let inside = !old.is_isolated(v) && old.boundary_edges(v).is_none() && old.ring(v).nth(2).is_some();
             if !inside {
@@ -52,10 +55,10 @@ impl<'a> Dual<'a> {
         Ok(Self { old, constructed, new: &after.mesh.base, faces })
     }
 
-    /// What takes the place of a centre of the net before.
+    /// Returns the child of a vertex, edge or face of the net before D, which is in the order of construction.
     ///
     /// # Errors
-    /// [`Unlimited::Lost`] where nothing is left of it, [`Unlimited::Separated`].
+    /// [`Unlimited::Lost`] if D leaves nothing of it, [`Unlimited::Separated`] if it leaves several equal parts.
     pub(super) fn child(&self, centre: Centre) -> Result<Centre, Unlimited> {
         let Some(Constructed { topology: constructed, numbers }) = &self.constructed else {
             return match centre {
@@ -89,7 +92,8 @@ impl<'a> Dual<'a> {
         }
     }
 
-    /// A vertex becomes its face in the dual; one without becomes the middle of the path of points there.
+    /// Returns the child of a vertex: its face in the dual. A vertex without one has a path of dual vertices, and its
+    /// child is the middle of the path: a vertex, or an edge.
     fn of_vertex(&self, v: u32) -> Result<Centre, Unlimited> {
         let (old, v) = (&self.old, v as usize);
         if self.faces[v] != NONE {
@@ -107,7 +111,7 @@ impl<'a> Dual<'a> {
         ring.get(half).and_then(|&half_edge| self.between(half_edge)).ok_or(Unlimited::Lost)
     }
 
-    /// An edge becomes the one between its two faces, or the vertex of the only one.
+    /// Returns the child of an edge: the dual edge between its two faces, or the vertex of its only face.
     fn of_edge(&self, half_edge: u32) -> Result<Centre, Unlimited> {
         match self.old.twin(half_edge) {
             NONE => self.of_face(self.old.face_of(half_edge)),
@@ -115,8 +119,8 @@ impl<'a> Dual<'a> {
         }
     }
 
-    /// The edge of the dual between the two faces beside the inner edge of a half-edge, in the face that the edge's end
-    /// has.
+    /// Returns the dual edge between the two faces beside an inner edge, as a half-edge of the dual face of the vertex
+    /// where the given half-edge ends; `None` if that vertex has no face in the dual.
     fn between(&self, half_edge: u32) -> Option<Centre> {
         let old = &self.old;
         let end = old.next(half_edge);
@@ -124,12 +128,13 @@ impl<'a> Dual<'a> {
         if face == NONE {
             return None;
         }
-        // counter-clockwise around the end, the face of the twin comes after that of the half-edge
+        // counter-clockwise around that vertex, the face of the twin follows the face of the half-edge
         let place = self.place(old.vertex(end), old.face_of(half_edge))?;
         Some(Centre::Edge(self.new.half_edges(face as usize).start + place))
     }
 
-    /// The place of a face in the cycle of those around an inner vertex, which starts at the lowest.
+    /// Returns the position of a face in the cycle of the faces around an inner vertex, which begins with the face of
+    /// the lowest number.
     fn place(&self, v: u32, face: usize) -> Option<u32> {
         let cycle: Vec<usize> = self.old.ring(v as usize).map(|half_edge| self.old.face_of(half_edge)).collect();
         let lowest = (0..cycle.len()).min_by_key(|&i| cycle[i])?;
@@ -137,8 +142,11 @@ impl<'a> Dual<'a> {
         Some(index((at + cycle.len() - lowest) % cycle.len()))
     }
 
-    /// A face becomes its vertex in the dual. Where the inner vertices of the face are apart from each other, so are
-    /// the faces of the dual there: then it is that with the most faces.
+    /// Returns the child of a face: its vertex in the dual. Where dual faces of its inner vertices do not share edges,
+    /// there may be several such vertices; then it is the one with the most faces.
+    ///
+    /// # Errors
+    /// [`Unlimited::Lost`] if there is none, [`Unlimited::Separated`] if several have the most faces.
     fn of_face(&self, f: usize) -> Result<Centre, Unlimited> {
         let mut found: Vec<(u32, usize)> = Vec::new();
         for &v in self.old.face(f) {
@@ -159,7 +167,7 @@ impl<'a> Dual<'a> {
     }
 }
 
-/// The topology of a net in the documented order, and that of its construction, where it is another one.
+/// Returns the topology of a net in the documented order, and in the order of construction if that is another one.
 fn documented(net: &MeshNet) -> Result<(Arc<Topology>, Option<Constructed>), Unlimited> {
     let topology = net.mesh.topology();
     let Some(order) = net.mesh.order() else { return Ok((topology, None)) };
@@ -175,19 +183,22 @@ fn documented(net: &MeshNet) -> Result<(Arc<Topology>, Option<Constructed>), Unl
     Ok((Arc::new(old), Some(Constructed { topology, numbers })))
 }
 
-/// A net after the steps before its next upsampling, with its points, and for each vertex that it came of what took its
-/// place, if that was no vertex without faces.
+/// A net and its points after the steps that come before the next upsampling.
 pub(super) struct Unrefined {
     /// The net.
     pub(super) net: MeshNet,
     /// The points of the net, channel by channel.
     pub(super) points: Vec<Points>,
-    /// For each vertex from which it came its child; `None` where these are the vertices of the net themselves.
+    /// For each vertex of the net before the first D its child, or `None` if it has no faces; `None` if no step was a
+    /// D, so that vertices are their own children.
     pub(super) centres: Option<Vec<Option<Centre>>>,
 }
 
 impl Unrefined {
     /// Applies steps that do not refine.
+    ///
+    /// # Errors
+    /// [`Unlimited`] if a step cannot be applied or a D leaves a vertex with faces no child.
     pub(super) fn by(
         net: &MeshNet,
         points: &[Points],
@@ -211,7 +222,7 @@ impl Unrefined {
     }
 }
 
-/// The vertices of a net that have faces.
+/// Returns each vertex of a net as its own child; `None` for vertices without faces.
 fn vertices(net: &MeshNet) -> Vec<Option<Centre>> {
     let topology = net.mesh.topology();
     let vertex = |v: usize| (!topology.is_isolated(v)).then(|| Centre::Vertex(index(v)));

@@ -11,80 +11,80 @@ use crate::watch::Stopped;
 /// The reason for which there is no limit.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum Unlimited {
-    /// It was asked to stop.
+    /// The computation was asked to stop.
     #[error(transparent)]
     Stopped(#[from] Stopped),
     /// A later level cannot be computed.
     #[error("the limit needs later levels, of which one cannot be computed: {0}")]
     Later(String),
-    /// Nothing in the cycle refines.
+    /// No operator of the cycle refines.
     #[error("there is no limit surface where no operator of the plan's cycle refines")]
     NoUpsampling,
-    /// A D that leaves nothing of a vertex.
+    /// A D leaves no faces near a vertex.
     #[error(
         "a vertex has no limit, as D leaves no faces near it, where all vertices lie on the boundary; widen the mesh \
          there, or close it"
     )]
     Lost,
-    /// A boundary of faces that take the place of vertices.
+    /// Faces take the place of vertices, so that no boundary vertex has a vertex as child.
     #[error("faces take the place of vertices here, so that no boundary vertex stays one")]
     NoVertex,
-    /// Rules that differ from their mirror image.
+    /// The rules differ from their mirror image.
     #[error("the rules there are not their own mirror image, as the analysis takes them to be")]
     Lopsided,
-    /// Steps towards eigenvalues that go on and on.
+    /// The iteration for eigenvalues does not converge.
     #[error("the eigenvalues of the local matrix were not found")]
     NoEigenvalues,
-    /// A D that leaves several things of a vertex.
+    /// A D separates the faces near a vertex, so that several vertices take the place of one face.
     #[error(
         "a vertex has no limit, as D parts the faces near it, where the mesh is one face wide; widen it there, or \
          refine once more"
     )]
     Separated,
-    /// New points are no weighted means of old ones.
+    /// The scheme is not linear: new points are no weighted means of old ones.
     #[error("limits are known for linear schemes only")]
     NotLinear,
-    /// More perturbed points than are followed.
+    /// The surroundings of all vertices of a perturbed plan have more than `MAX_FOLLOWED_POINTS` points together.
     #[error(
         "the vertices of a perturbed plan have more than {} points around them in all, with which each is followed by \
              itself, beyond which no limit is computed; ask for fewer levels",
         MAX_FOLLOWED_POINTS
     )]
     Followed,
-    /// Perturbations that do not fade.
+    /// A perturbation keeps the points around a vertex from converging within `MAX_FOLLOWED_LEVELS` levels.
     #[error(
         "the perturbation keeps the points around a vertex apart for more than {} levels, beyond which no limit is \
              computed; choose a smaller amplitude or decay",
         MAX_FOLLOWED_LEVELS
     )]
     Wild,
-    /// More vertices with different parameters than are followed.
+    /// More than `MAX_DISCES` different discs have vertex parameters that differ.
     #[error(
         "the parameters around more than {} vertices differ, each of which is followed by itself, beyond which no \
              limit is computed; ask for fewer levels",
         MAX_DISCES
     )]
     Different,
-    /// More rings than are followed.
+    /// More than `MAX_RINGS` rings of faces influence a limit.
     #[error("the scheme reaches farther than {} rings of faces, beyond which no limit is computed", MAX_RINGS)]
     Reach,
-    /// A disc beyond the bound.
+    /// A disc has more than `MAX_DISC_VERTICES` vertices.
     #[error(
         "a vertex has more than {} others near it, beyond which no limit is computed; refine once more",
         MAX_DISC_VERTICES
     )]
     Size,
-    /// More points than are followed.
+    /// The operators of a level make more than `MAX_LEVEL_POINTS` points near a vertex.
     #[error(
         "a level of the plan makes more than {} points of those near a vertex, beyond which no limit is computed; \
          write a cycle with fewer or smaller upsamplings",
         MAX_LEVEL_POINTS
     )]
     Fine,
-    /// Neighbourhoods that never look alike, or weights that never settle.
+    /// The discs of a vertex and its children never repeat, or weights do not converge.
     #[error("the plan has no limit, as its levels do not settle")]
     Unsettled,
-    /// Differences that do not shrink.
+    /// Differences between neighbours do not shrink from level to level.
     #[error(
         "the plan has no continuous limit, as differences between neighbours do not shrink from level to level; choose \
          tamer parameters"
@@ -93,7 +93,7 @@ pub enum Unlimited {
 }
 
 impl Unlimited {
-    /// Whether a wider disc may have what this one lacks.
+    /// Returns whether the reason may be that a disc is too narrow.
     pub(super) fn may_be_of_the_disc(&self) -> bool {
         matches!(self, Self::Reach | Self::Later(_) | Self::Lost | Self::Separated)
     }
@@ -124,7 +124,7 @@ impl From<Unlimited> for NoLevel {
 /// The reason for which a mesh could not be refined to its limit.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum LimitError {
-    /// It could not be refined.
+    /// The mesh could not be refined.
     #[error(transparent)]
     Refine(#[from] RefineError),
     /// There is no limit.

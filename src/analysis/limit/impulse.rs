@@ -1,10 +1,10 @@
 //! Decides whether the limit of a cycle is continuous and smooth on regular nets.
 //!
-//! An impulse on a regular net is refined, and its differences are compared at two levels. Where they do not shrink
-//! clearly between these, as they may grow at first, or later, or somewhere else, they are followed through many more
-//! levels at the places that a level or two carry back to themselves: at vertices, and in thirds of edges and faces
-//! where edges are halved. What does not vanish there does not vanish; products of other matrices grew no faster on any
-//! plan that was tried.
+//! An impulse on a regular net is refined, and its differences are compared at two levels. If they do not clearly
+//! shrink between these, they may still do so later or grow elsewhere. Then differences are followed through many more
+//! levels at the places that one or two levels map to themselves: vertices and, where edges are halved, thirds of edges
+//! and faces. Differences that do not vanish there do not vanish; the converse is not proved, but on all plans that
+//! were tried, products of the matrices of other places grew no faster.
 
 use super::bounds::MAX_LEVEL_POINTS;
 use super::cycle::made;
@@ -21,31 +21,31 @@ use crate::scheme::mesh_net::MeshNet;
 use crate::shape::topology::{Topology, index};
 use crate::watch::{Stopped, Watch};
 
-/// Levels of the impulse whose differences are compared: the first that do not take too many points.
+/// Pairs of levels of the impulse whose differences are compared; the first pair that does not take too many points is
+/// used.
 const LEVELS: [[usize; 2]; 4] = [[2, 4], [1, 3], [1, 2], [0, 1]];
-/// The first and the last level at which differences are compared to those of half as many levels where places are
-/// followed: so many that what grows by a power of the level, times what shrinks, is seen to shrink.
+/// The first and the last level at which differences at a place are compared with those at half that level. The last is
+/// so high that the product of a power of the level and a decaying factor is seen to shrink.
 const PLACE_LEVELS: [usize; 2] = [16, 256];
-/// Differences that are so many times as large after as many levels again grow by more than a power of the level; those
-/// that are so many times as small vanish. What is between these is looked at again after twice as many.
-/// A linear growth doubles over twice as many levels, a quadratic one is 4 times as large, so that 8 keeps both out.
-/// Half of it calls quadratic growth divergent; twice of it looks again, at twice the levels, at what is between 8 and
-/// 16.
+/// Differences that grow by this factor while the level doubles grow faster than a power of the level, and diverge;
+/// those that shrink by it vanish. Between the two, they are compared again at twice the level.
+/// Linear growth doubles as the level does, and quadratic growth is fourfold, so that 8 excludes both. Half of it calls
+/// quadratic growth divergent; twice of it compares factors between 8 and 16 again at twice the level.
 const GROWS: f64 = 8.0;
-/// Most points that are made of the surroundings of all places.
-/// At some hundred nanoseconds a point it is below a second. With half of it wide cycles fall back on the impulse alone
-/// sooner; with twice of it that takes up to twice as long.
+/// Maximum number of points that are made around all places together.
+/// At some hundred nanoseconds a point they take less than a second. With half of it wide cycles are decided by the
+/// impulse alone sooner; with twice of it that takes up to twice as long.
 const MAX_PLACE_POINTS: usize = 1 << 22;
-/// Differences that shrink below this part of what they were between these levels vanish.
-/// Bilinear refinement halves its differences in one level, and most schemes do so in the levels compared. Half of it
-/// follows more of them at places, which costs time; twice of it would call vanishing what stays as it is.
+/// Differences that shrink to this share between the two levels of the impulse vanish.
+/// Bilinear refinement halves its differences in one level, and most schemes do so within the levels compared. Half of
+/// it follows more differences at places, which costs time; twice of it would accept differences that do not change.
 const VANISHES: f64 = 0.5;
-/// Differences that do not shrink below this part of what they were do not vanish.
-/// 1 would count what rounding makes smaller as vanishing. At 0.96, twice as far from 1, schemes that shrink by 3 in
-/// 100 are refused; at 0.99, half as far, the least that counts is 1 in 100, still far above rounding.
+/// Differences that do not shrink to this share do not vanish.
+/// With 1, a decrease by rounding would count. At 0.96, twice as far from 1, schemes whose differences shrink by 3 in
+/// 100 are refused; at 0.99, half as far, a decrease by 1 in 100 counts, still far above rounding.
 const SHRINKS: f64 = 0.98;
 
-/// What an impulse shows of a scheme.
+/// The smoothness of a scheme on regular nets, as an impulse shows it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) enum Smoothness {
     /// The differences of an impulse do not vanish: there is no continuous limit.
@@ -56,26 +56,29 @@ pub(super) enum Smoothness {
     Smooth,
 }
 
-/// A cycle, as it is after its numbers have settled, on regular nets whose vertices all carry the same parameters.
+/// A cycle on regular nets whose vertices all carry the same parameters, which is applied with its settled values.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Impulse<'a> {
-    /// The cycle, and what it is regular on.
+    /// The cycle, with the kind of net on which it is regular.
     pub(super) on_net: &'a CycleOnNet<'a>,
     /// The parameters that all vertices carry.
     pub(super) common: CommonParameters,
-    /// Rings that decide about a limit.
+    /// Number of rings whose vertices influence a limit.
     pub(super) support: usize,
 }
 
-/// A net and its points: their places in the plane, and as third coordinate what the impulse leads to.
+/// A net and its points: places in the plane, with the refined impulse as height.
 struct ImpulseNet {
     net: MeshNet,
     points: Points,
 }
 
 impl Impulse<'_> {
-    /// Refines an impulse, and compares how its differences shrink. What is continuous counts as smooth where nobody
-    /// asks for `tangents`.
+    /// Refines an impulse and returns the smoothness that its differences show. Without `tangents`, a continuous limit
+    /// counts as smooth.
+    ///
+    /// # Errors
+    /// [`Unlimited`], for instance [`Unlimited::Fine`] if all pairs of levels take too many points.
     pub(super) fn smoothness(&self, tangents: bool, watch: &Watch) -> Result<Smoothness, Unlimited> {
         let side = side(self.support, self.on_net.cycle.n_duals());
         let mut impulse_net = self.on(self.on_net.regular.net(side, self.on_net.tagged), side);
@@ -103,7 +106,7 @@ impl Impulse<'_> {
         })
     }
 
-    /// An impulse in the middle of a regular net of `side x side` squares.
+    /// Returns an impulse in the middle of a regular net of `side x side` squares.
     fn on(&self, net: MeshNet, side: usize) -> ImpulseNet {
         let all: Vec<u32> = (0..index(net.mesh.n_vertices())).collect();
         let net = self.common.of_all(all.len()).carried_by(net, &all);
@@ -112,9 +115,9 @@ impl Impulse<'_> {
         ImpulseNet { points: Points::new((0..net.mesh.n_vertices()).flat_map(place).collect(), 3), net }
     }
 
-    /// One level more.
+    /// Refines by one level with settled values.
     fn refined(&self, ImpulseNet { net, mut points }: ImpulseNet) -> Result<ImpulseNet, Unlimited> {
-        // work that no forecast counts
+        // forecasts do not count this work
         let uncounted = Watch::new();
         let net = self.on_net.cycle.applied(net, |action, step| {
             points.act(action, step.level, &uncounted).map_err(|error| match error {
@@ -125,7 +128,8 @@ impl Impulse<'_> {
         Ok(ImpulseNet { net, points })
     }
 
-    /// Whether differences vanish at all places that are followed; `None` where too many points are around one.
+    /// Returns whether differences vanish at all places that the cycle maps to themselves; `None` if there are too many
+    /// points around a place.
     fn vanish_at_places(&self, measure: Measure, watch: &Watch) -> Result<Option<bool>, Unlimited> {
         let mut budget = MAX_PLACE_POINTS;
         for place in places(self.on_net.cycle.pieces().last().copied().unwrap_or(2)) {
@@ -137,7 +141,8 @@ impl Impulse<'_> {
         Ok(Some(true))
     }
 
-    /// Whether differences vanish at a place, from heights without a pattern on.
+    /// Returns whether differences vanish at a place, starting with heights without a pattern. At each level, the
+    /// surroundings of the vertex nearest to the place are cut out and rescaled.
     fn vanish_at(
         &self,
         place: RecurrentPlace,
@@ -145,8 +150,8 @@ impl Impulse<'_> {
         budget: &mut usize,
         watch: &Watch,
     ) -> Result<Option<bool>, Unlimited> {
-        // no point of the rim reaches what is around a vertex at the next level, not even where edges become shorter by
-        // the root of 3 only
+        // so wide that points on the boundary of the disc do not influence the surroundings of a vertex at the next
+        // level, even if edges become shorter only by a factor of the square root of 3
         let rings = self.support + self.support / 4 + 5;
         let rings = Rings { support: rings, disc: rings };
         let side = 2 * (rings.disc + 2);
@@ -173,7 +178,7 @@ impl Impulse<'_> {
             for v in 0..topology.n_vertices() {
                 let off = [0, 1].map(|k| (impulse_net.points.now[3 * v + k] - target[k]).abs());
                 let off = off[0].max(off[1]);
-                // within an edge of the level before
+                // within the length of an edge of the level before
                 if off <= 1.0 {
                     largest = largest.or(&Differences::at(&topology, &impulse_net.points.now, v));
                 }
@@ -182,7 +187,7 @@ impl Impulse<'_> {
                 }
             }
             let size = measure.of(&largest);
-            // none, or too large to go on
+            // the differences are zero, or too large to be followed further
             if size == 0.0 || !size.is_finite() {
                 return Ok(Some(size == 0.0));
             }
@@ -206,29 +211,30 @@ impl Impulse<'_> {
     }
 }
 
-/// A place in the plane, in edges from a vertex, that levels carry back to itself, or to its like at another vertex.
+/// A place in the plane that one or two levels map to itself, or to the same place relative to another vertex.
 #[derive(Debug, Clone, Copy)]
 struct RecurrentPlace {
+    /// The place relative to a vertex, in edge lengths.
     at: [f64; 2],
-    /// What its coordinates are whole multiples of, at all levels: one part of so many, or half of it in duals.
+    /// The number of parts of an edge: at all levels, coordinates are multiples of `1/parts`, or in duals of half that.
     parts: f64,
 }
 
 impl RecurrentPlace {
-    /// A coordinate of it without rounding, which would grow with every level.
+    /// Returns a coordinate without its rounding error, which would grow at every level.
     fn rounded(&self, x: f64) -> f64 {
         (x * 2.0 * self.parts).round() / (2.0 * self.parts)
     }
 }
 
-/// The places that a cut of edges in so many pieces carries back to themselves in one level or two, but for those that
-/// are mirror images of others.
+/// Returns the places that one or two levels map to themselves if they cut edges into `pieces` pieces, without those
+/// that are mirror images of others.
 fn places(pieces: usize) -> Vec<RecurrentPlace> {
     let mut places = Vec::new();
     for parts in [pieces.saturating_sub(1), pieces + 1] {
         let is_own_mirror = |p: usize| p == 0 || 2 * p == parts;
         for (i, j) in (0..=parts / 2).flat_map(|j| (0..=j).map(move |i| (i, j))) {
-            // vertices once
+            // vertices only once
             let direct = (j > 0 || parts == 1).then_some(j);
             let mirrored = (!is_own_mirror(i) && !is_own_mirror(j)).then_some(parts - j);
             let place = |y: usize| RecurrentPlace { at: [i, y].map(|p| real(p) / real(parts)), parts: real(parts) };
@@ -238,21 +244,24 @@ fn places(pieces: usize) -> Vec<RecurrentPlace> {
     places
 }
 
-/// Squares along a side of the net under an impulse whose limit reaches so many rings.
+/// Returns the number of squares along a side of the net for an impulse that influences limits within `support` rings,
+/// under a cycle with `n_duals` D.
 pub(super) fn side(support: usize, n_duals: usize) -> usize {
     2 * (support + 1 + n_duals)
 }
 
-/// The levels of an impulse on `side x side` squares whose differences are compared, where they do not take too many
-/// points, and how many these are. `pieces` are those of an edge after each operator of a level.
+/// Returns the two levels of an impulse on `side x side` squares whose differences are compared, and the number of
+/// points that they take; `None` if that is always too large. `pieces` are the numbers of pieces of an edge after each
+/// operator of a level.
 pub(super) fn compared(side: usize, pieces: &[usize]) -> Option<([usize; 2], usize)> {
     let found = LEVELS.map(|levels| (levels, made((side + 1) * (side + 1), pieces, levels[1])));
     found.into_iter().find(|&(_, points)| points <= MAX_LEVEL_POINTS)
 }
 
 impl ImpulseNet {
-    /// What is around a vertex inside, seen from it and in other units of length and height: its place is 0, and the
-    /// plane through it and two others is taken off the heights. `None` where this is too much, or not of the net.
+    /// Returns the disc around an inner vertex as a net of its own. The vertex is moved to 0, the plane through it and
+    /// two neighbours is subtracted from the heights, and lengths and heights are divided by `units`. `None` if the
+    /// disc has too many vertices or is no valid mesh, or the vertex has fewer than two neighbours.
     fn around(
         &self,
         topology: &Topology,
@@ -271,7 +280,7 @@ impl ImpulseNet {
         let determinant = a * d - b * c;
         let slope = [(z * d - w * b) / determinant, (w * a - z * c) / determinant];
         let [length, size] = units;
-        // regular vertices lie at whole edges, or halves: rounding would grow as the differences do
+        // vertices of a regular net lie at multiples of half an edge; rounding errors would grow at every level
         let whole = |x: f64| (2.0 * x / length).round() / 2.0;
         let scaled = |[x, y, z]: [f64; 3]| [whole(x), whole(y), (z - slope[0] * x - slope[1] * y) / size];
         let points = origins.iter().flat_map(|&origin| scaled(seen(found.vertices[origin as usize]))).collect();
@@ -280,7 +289,7 @@ impl ImpulseNet {
     }
 }
 
-/// Which differences are compared.
+/// The kind of differences that are compared.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Measure {
     First,
@@ -295,19 +304,21 @@ impl Measure {
         }
     }
 
-    /// The units of length and height in which these differences are 1.
+    /// Returns the units of length and height in which the differences of this kind are 1.
     fn units(self, differences: &Differences) -> [f64; 2] {
         let height = if self == Self::First { differences.first } else { differences.second };
         [differences.length, height]
     }
 }
 
-/// Largest differences of the third coordinate along edges, and largest edge in the first two.
+/// The greatest differences of heights, and the greatest edge length, around some vertices.
 #[derive(Debug, Clone, Copy, Default)]
 struct Differences {
+    /// The greatest difference of heights along an edge.
     first: f64,
-    /// Between an edge and the one opposite to it.
+    /// The greatest second difference of heights over two opposite edges of an inner vertex of even valence.
     second: f64,
+    /// The greatest edge length in the plane, by the greater of its two coordinates.
     length: f64,
 }
 
@@ -332,12 +343,12 @@ impl Differences {
         largest
     }
 
-    /// Returns the differences around all vertices, each the greatest.
+    /// Returns the greatest differences around all vertices.
     fn of(topology: &Topology, points: &[f64]) -> Self {
         (0..topology.n_vertices()).map(|v| Self::at(topology, points, v)).fold(Self::default(), |a, b| a.or(&b))
     }
 
-    /// The larger of each.
+    /// Returns the maximum of each difference.
     fn or(&self, other: &Self) -> Self {
         Self {
             first: self.first.max(other.first),

@@ -1,4 +1,4 @@
-//! The limit positions of the vertices of a net.
+//! Computes the limit positions and normals of the vertices of a net.
 
 use std::fmt;
 
@@ -21,41 +21,41 @@ use crate::scheme::mesh_net::MeshNet;
 use crate::scheme::plan::{Plan, Scheduled};
 use crate::watch::{Stopped, Watch};
 
-/// Rings by which discs are wider at most where regular nets need fewer than a mesh: where it is narrow at its
-/// boundary, or has vertices between two faces.
-/// Each ring more takes another search of all discs, and only where the last one failed. With half of it narrow
-/// boundaries of dual schemes may be refused; with twice of it a refusal takes about twice as long.
+/// Maximum number of rings by which discs are widened. A mesh may need more rings than regular nets where it is narrow
+/// at its boundary or has vertices between two faces.
+/// Each further ring takes another search of all discs, and only if the last one failed. Half of it may refuse narrow
+/// boundaries of dual schemes; twice of it takes about twice as long to refuse.
 const MOST_WIDER: usize = 3;
 
-/// The limit of each vertex of a net, in the order of construction.
+/// The limits of the vertices of a net, in the order of construction.
 #[derive(Debug, Default)]
 pub(in crate::analysis) struct Limits {
-    /// Positions, `n x 3`, and the numbers of each channel, where they were asked for.
+    /// Positions, `n x 3`, and the values of each channel, if requested.
     pub(in crate::analysis) points: Option<Vec<Vec<f64>>>,
-    /// Normals where they were asked for and exist.
+    /// Normals, if requested and existing.
     pub(super) normals: Option<Normals>,
-    /// Why there are no normals, or some are missing.
+    /// Why there are no normals, or why some are missing.
     pub(super) warning: Option<String>,
 }
 
-/// The warning that there are no normals, as `why` says.
+/// Returns the warning that there are no limit normals, because of `why`.
 pub(super) fn without_normals(why: impl fmt::Display) -> String {
     format!("the normals are weighted by area, as limit ones do not exist: {why}")
 }
 
-/// What limits of a net are made of.
+/// The masks and points from which the limits of a net are computed.
 pub(super) struct Looked<'a> {
-    /// The masks of all vertices; none where nothing is left to be found.
+    /// The masks of all vertices; `None` if only normals are requested and there are none.
     pub(super) field: Option<&'a Field<'a>>,
     /// The sectors of all vertices.
     pub(super) sectors: &'a [(u32, usize)],
-    /// The points that the masks weigh.
+    /// The points to which the masks apply.
     pub(super) points: &'a [Points],
-    /// Why there are no normals although they are asked for.
+    /// Why there are no normals although they are requested.
     pub(super) warning: Option<String>,
 }
 
-/// The limits of a net that `ahead` would refine further.
+/// Returns the limits of a net that the steps `ahead` would refine further. `given` are its points and channels.
 ///
 /// # Errors
 /// [`Unlimited`].
@@ -80,13 +80,13 @@ pub(in crate::analysis) fn limits(
     })
 }
 
-/// Steps that come before limits are looked for: what comes before the first upsampling moves points, and puts faces in
-/// the place of vertices, but the limits stay.
+/// Returns the number of steps before the first upsampling. They are applied before limits are computed: they move
+/// points and may put faces in the place of vertices, but do not change the limits.
 pub(super) fn before(ahead: &[Scheduled]) -> usize {
     ahead.iter().take_while(|step| !step.letter.facts().children.refine()).count()
 }
 
-/// Finds the masks of a net that `ahead` would refine further, and what `then` makes of them.
+/// Finds the masks of a net that the steps `ahead` would refine further, and returns what `then` makes of them.
 ///
 /// # Errors
 /// [`Unlimited`].
@@ -128,7 +128,7 @@ pub(super) fn look<T>(
     then(Looked { field: Some(&field), sectors: &field.sectors(), points: &points, warning })
 }
 
-/// What `find` finds with these rings, or with a few more where a wider disc may have what a narrower one lacks.
+/// Returns what `find` finds with these rings or, if they may be too few, with up to [`MOST_WIDER`] more.
 fn widened<T>(rings: Rings, find: impl Fn(Rings) -> Result<T, Unlimited>) -> Result<T, Unlimited> {
     find(rings).or_else(|error| {
         let more = if error.may_be_of_the_disc() { MOST_WIDER } else { 0 };
@@ -139,8 +139,8 @@ fn widened<T>(rings: Rings, find: impl Fn(Rings) -> Result<T, Unlimited>) -> Res
     })
 }
 
-/// The limits of points and of the numbers of each channel. Where steps before the next upsampling left nothing of a
-/// vertex without faces, it stays where it was `given`.
+/// Returns the limits of positions and channels. A vertex without faces that the steps before the next upsampling
+/// removed keeps its `given` values.
 fn moved(
     field: &Field<'_>,
     vertices: &[(u32, usize)],

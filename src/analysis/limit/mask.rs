@@ -1,4 +1,4 @@
-//! Limit masks: the weights of a disc's points in the limit of its centre, and in the two tangents there.
+//! Computes limit masks: the weights of a disc's points in the limit of its centre, and in the two tangents there.
 
 use std::collections::BTreeMap;
 use std::convert::Infallible;
@@ -13,57 +13,57 @@ use super::skeleton::{Skeletons, Traced};
 use super::tangent::{self, NoTangents, starting_vectors};
 use super::vertex_parameters::{CommonParameters, VertexParameters};
 
-/// Levels after which a neighbourhood has to look like itself: vertices that differ from their surroundings move apart
-/// with every level, and nothing else changes it.
+/// Maximum number of levels within which the disc of a child must repeat. Each level moves vertices that differ from
+/// their surroundings farther apart, and nothing else changes discs.
 /// Extraordinary vertices are about twice as far apart after each level, so that 16 levels clear any disc. Half of it
-/// clears 2^8 rings, still more than the 16 that may decide about a limit; twice of it only takes longer to refuse.
+/// clears 2^8 rings, still more than the 16 that may influence a limit; twice of it only takes longer to refuse.
 const MAX_CHAIN: usize = 16;
-/// A mask that changes by less than this has settled.
+/// Change per step up to which a mask counts as converged.
 /// It is about 5 units in the last place of 1, the sum of the weights. Half of it may leave short masks to
-/// [`ROUNDING`], which takes [`PATIENCE`] steps more; twice of it stops earlier, and the last digits differ.
+/// [`ROUNDING`], which takes [`PATIENCE`] more steps; twice of it stops earlier, and the last digits differ.
 const SETTLED: f64 = 1e-15;
-/// Rounding changes a wide mask by up to this for ever: it has settled, too, once its changes are below this and have
-/// not become smaller for [`PATIENCE`] steps.
+/// Change per step that rounding may cause for ever in a wide mask. A mask also counts as converged once its least
+/// change is at most this, and no lesser one has followed for [`PATIENCE`] steps.
 /// It is 450 units in the last place of 1, for the sum of up to some thousand weights. Half of it refuses wide masks
-/// that go on moving by more; twice of it accepts them with a digit less.
+/// that keep changing by more; twice of it accepts them with one digit less.
 const ROUNDING: f64 = 1e-13;
-/// Steps without a smaller change than before.
-/// Rounding makes no new least change for many steps, convergence makes one at every step or, where it oscillates,
-/// every few. Half of it may stop an oscillation too early; twice of it takes 32 steps more a mask.
+/// Number of steps without a new least change after which changes count as rounding.
+/// Rounding makes no new least change for many steps; convergence makes one at every step or, if it oscillates, every
+/// few steps. Half of it may stop an oscillation too early; twice of it takes 32 more steps per mask.
 const PATIENCE: usize = 32;
-/// Columns of which it is seen whether points come together.
-/// A column without a pattern contains the direction that does not vanish; a second one guards against a chance. One
-/// would do almost always; four take twice the time.
+/// Number of columns by which convergence of the points is tested.
+/// A column without a pattern has a component along any direction that does not vanish; a second one guards against
+/// coincidence. One would almost always be enough; four take twice the time.
 const WITNESSES: usize = 2;
-/// Steps after which only the largest eigenvalue is seen; what shrinks from there on, in as many steps again, vanishes.
-/// After it, an eigenvalue that is 0.9 of the largest has left 0.9^256, 2e-12. Half of it leaves 1e-6, and what grows
-/// at first may be mistaken; twice of it takes twice as long where points come together slowly.
+/// Number of steps after which the largest eigenvalue dominates; columns that shrink in as many further steps vanish.
+/// Of an eigenvalue that is 0.9 of the largest, 0.9^256, 2e-12, is left. Half of it leaves 1e-6, and initial growth may
+/// mislead; twice of it takes twice as long where points converge slowly.
 const WARM_UP: usize = 256;
-/// Points that are no farther apart than this, of about 1 before, come together.
-/// Columns that shrink to it go on shrinking under the same matrix, unless some part of them is below it, which a start
-/// without a pattern excludes. Half and twice of it take a step more or less.
+/// Distance of the points from their limit, relative to that at the start, up to which they count as converging.
+/// Columns that shrink to it go on shrinking under the same matrix, unless some component of them is below it, which a
+/// start without a pattern excludes. Half and twice of it take one step more or less.
 const TOGETHER: f64 = 1e-6;
-/// Levels after which the parameters of vertices agree: their differences are halved.
-/// The largest numbers, 2^1024, differ by less than 1e-15 after 1,074 halvings, so that parameters that halve their
-/// differences never meet it. Half of it refuses differences above 2^500; twice of it changes nothing.
+/// Maximum number of levels within which the parameters of vertices must agree; each level halves their differences.
+/// The largest numbers, 2^1024, differ by less than 1e-15 after 1,074 halvings, so that parameters whose differences
+/// are halved never reach it. Half of it refuses differences above 2^500; twice of it changes nothing.
 const MAX_LEVELS: usize = 1_100;
-/// Levels after which a mask has to have settled.
-/// A mask settles at a rate b within 36 / (1 - b) steps, so that 0.998 is the slowest. Half of it ends at 0.996 and
-/// calls what is between unsettled; twice of it takes up to twice as long to refuse.
+/// Maximum number of steps within which a mask must converge.
+/// A mask that converges at the rate b takes up to 36 / (1 - b) steps, so that 0.998 is the slowest rate. Half of it
+/// ends at 0.996 and refuses rates above; twice of it takes up to twice as long to refuse.
 const MAX_STEPS: usize = 20_000;
 
-/// The weights of one disc, over the points of its support.
+/// The limit mask of a disc, over the points of its support.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Mask {
-    /// Of the limit position; they sum to 1.
+    /// The weights of the limit position; they sum to 1.
     pub(super) position: Vec<f64>,
-    /// For each sector those of two tangents whose cross product is the normal, where they exist; empty where nobody
-    /// asked.
+    /// For each sector the weights of two tangents whose cross product is the normal, or why there are none; empty if
+    /// tangents are not requested.
     pub(super) tangents: Vec<Result<[Vec<f64>; 2], NoTangents>>,
 }
 
 impl Mask {
-    /// Returns the limit as it is seen from one level before, on the parent of its disc.
+    /// Returns the mask of `disc`, of which `child` is the child with this mask.
     fn before(&self, disc: &Disc, child: &Child) -> Self {
         let back = |row: &[f64]| Ok::<_, Infallible>(child.back(row));
         let both = |[t, u]: &[Vec<f64>; 2]| Ok([tangential(back(t)?), tangential(back(u)?)]);
@@ -71,15 +71,17 @@ impl Mask {
         mask
     }
 
-    /// Returns the limit as it is seen from one level before, without making the level a matrix.
+    /// Returns the mask of `disc`, of which `level` makes the child with this mask, without computing the matrix of the
+    /// level.
     fn before_traced(&self, disc: &Disc, level: &Traced) -> Result<Self, Unlimited> {
         let back = |row: &[f64]| level.times_row(row);
         let both = |[t, u]: &[Vec<f64>; 2]| Ok([tangential(back(t)?), tangential(back(u)?)]);
         self.seen_from(disc, (level.disc(), level.rotation()), back, both)
     }
 
-    /// The mask of a disc whose child has this one: `back` makes rows of the disc of those of its child, and `both`
-    /// the two tangents of a sector. Face 0 of the child comes of face `rotation`.
+    /// Returns the mask of a disc whose child has this mask. `back` turns a row over the child's points into one over
+    /// the disc's points, and `both` does so for the two tangents of a sector. Face 0 of the child is the child of face
+    /// `rotation`.
     pub(super) fn seen_from<E>(
         &self,
         disc: &Disc,
@@ -97,15 +99,15 @@ impl Mask {
     }
 }
 
-/// Weights divided by their sum, which differs from 1 by rounding only.
+/// Returns weights divided by their sum, which differs from 1 only by rounding.
 fn summing_to_one(mut row: Vec<f64>) -> Vec<f64> {
     let sum: f64 = row.iter().sum();
     row.iter_mut().for_each(|x| *x /= sum);
     row
 }
 
-/// The weights of a tangent, cleared of what they sum to, which is rounding and would grow against them from level to
-/// level, and divided by the largest, so that they do not vanish.
+/// Returns the weights of a tangent corrected to sum to 0, as their sum is a rounding error that would grow relative to
+/// them from level to level, and divided by the largest absolute weight, so that they do not vanish.
 pub(super) fn tangential(mut row: Vec<f64>) -> Vec<f64> {
     tangent::sum_to_zero(&mut row);
     let largest = row.iter().fold(0.0, |most: f64, x| most.max(x.abs()));
@@ -115,7 +117,7 @@ pub(super) fn tangential(mut row: Vec<f64>) -> Vec<f64> {
     row
 }
 
-/// Finds masks of discs whose vertices all carry the same parameters, and remembers them.
+/// Finds masks of discs whose vertices all carry the same parameters, and keeps them.
 #[derive(Debug)]
 pub(super) struct Masks<'a> {
     finder: &'a Finder<'a>,
@@ -123,34 +125,35 @@ pub(super) struct Masks<'a> {
     known: Mutex<BTreeMap<(usize, Disc), Known>>,
 }
 
-/// A mask, and what it took to find it.
+/// A mask, with the length of the chain of discs from which it was found.
 #[derive(Debug, Clone)]
 struct Known {
     mask: Arc<Mask>,
-    /// Discs from its own, which is one of them, until one came again; 0 before the settled level.
+    /// Number of discs from that of the mask through its children until one repeats; 0 before the settled level.
     chain: usize,
 }
 
-/// What is needed to find masks.
+/// The data that all searches for masks share.
 #[derive(Debug)]
 pub(super) struct Finder<'a> {
-    /// The levels.
+    /// The levels that are applied to discs.
     pub(super) cycle: &'a Cycle<'a>,
-    /// How far they reach.
+    /// The rings of the discs.
     pub(super) rings: Rings,
-    /// Whether tangents are asked for.
+    /// Whether tangents are requested.
     pub(super) with_tangents: bool,
     /// Steps of discs whose vertices carry parameters.
     pub(super) skeletons: Skeletons<'a>,
 }
 
 impl<'a> Finder<'a> {
-    /// For the levels of a cycle, with tangents or without.
+    /// Creates a finder for the levels of a cycle, with tangents or without.
     pub(super) fn new(cycle: &'a Cycle<'a>, rings: Rings, with_tangents: bool) -> Self {
         Self { cycle, rings, with_tangents, skeletons: Skeletons::new(cycle, rings) }
     }
 
-    /// The mask of a disc whose vertices carry parameters that differ: level after level, until they no longer do.
+    /// Returns the mask of a disc whose vertices carry different parameters: follows the disc level by level until they
+    /// agree, and turns the mask of the last disc back into one of the first.
     pub(super) fn varying(&self, disc: &Disc, parameters: &VertexParameters) -> Result<Mask, Unlimited> {
         let (mut disc, mut parameters) = (disc.clone(), parameters.clone());
         let mut steps = Vec::new();
@@ -163,7 +166,7 @@ impl<'a> Finder<'a> {
             steps.push((before, level));
             parameters = next;
         }
-        // what no other vertex has is not kept
+        // parameters that no other vertex has: their masks are not kept
         let last = Masks::new(self, parameters.first()).of(steps.len(), &disc)?;
         let back = |mask: Mask, (disc, level): &(Disc, Traced)| mask.before_traced(disc, level);
         steps.iter().rev().try_fold(Mask::clone(&last), back)
@@ -171,11 +174,12 @@ impl<'a> Finder<'a> {
 }
 
 impl<'a> Masks<'a> {
-    /// The masks where all vertices have these parameters.
+    /// Creates an empty set of masks of discs whose vertices all carry these parameters.
     pub(super) fn new(finder: &'a Finder<'a>, common: CommonParameters) -> Self {
         Self { finder, common, known: Mutex::default() }
     }
 
+    /// Returns the child of a disc under a level.
     fn step(&self, level: usize, disc: &Disc) -> Result<Child, Unlimited> {
         let finder = self.finder;
         if self.common.are_there() {
@@ -186,10 +190,10 @@ impl<'a> Masks<'a> {
         }
     }
 
-    /// The mask of a disc of the net before level `level` of the cycle.
+    /// Returns the mask of a disc of the net before level `level` of the cycle.
     ///
-    /// While numbers change, a mask is that of the child's disc times the matrix between them; once they do not, the
-    /// disc soon is its own child, and the mask a fixed point.
+    /// While the values of the plan change from level to level, the mask of a disc is that of its child times the
+    /// matrix of the level. Once they are settled, the disc soon is its own child, and the mask a fixed point.
     pub(super) fn of(&self, level: usize, disc: &Disc) -> Result<Arc<Mask>, Unlimited> {
         let level = level.min(self.finder.cycle.settled);
         let key = (level, disc.clone());
@@ -209,13 +213,15 @@ impl<'a> Masks<'a> {
         self.known.lock().unwrap_or_else(PoisonError::into_inner).get(key).cloned()
     }
 
+    /// Keeps a mask and returns the one that is kept.
     fn keep(&self, key: (usize, Disc), mask: Mask, chain: usize) -> Arc<Mask> {
         let mut all = self.known.lock().unwrap_or_else(PoisonError::into_inner);
-        // whoever comes first, all find the same
+        // all threads find the same mask, so that it does not matter which one comes first
         all.entry(key).or_insert_with(|| Known { mask: Arc::new(mask), chain }).mask.clone()
     }
 
-    /// Follows a disc to one that comes again, or whose mask is known, and its mask back to the disc.
+    /// Returns the mask of a disc at the settled level: follows its children until one repeats or its mask is known,
+    /// and turns that mask back into one of the disc.
     fn settled(&self, disc: &Disc) -> Result<Arc<Mask>, Unlimited> {
         let level = self.finder.cycle.settled;
         let mut discs = vec![disc.clone()];
@@ -246,9 +252,9 @@ impl<'a> Masks<'a> {
         Ok(mask)
     }
 
-    /// Finds the masks of discs each of which is the child of the one before, and the first that of the last.
+    /// Finds the masks of a cycle of discs, each the child of the one before and the first the child of the last.
     ///
-    /// The least of them is the fixed point, whichever was met first, so that the masks are always the same.
+    /// The fixed point is computed for the least of the discs, so that the masks do not depend on which was met first.
     fn come_again(&self, discs: &mut [Disc], children: &mut [Child]) -> Result<(), Unlimited> {
         let level = self.finder.cycle.settled;
         let least = (0..discs.len()).min_by_key(|&i| &discs[i]).unwrap_or_default();
@@ -261,11 +267,12 @@ impl<'a> Masks<'a> {
         Ok(())
     }
 
-    /// The mask of a disc that comes again after some levels, the last of `children` being it: `middle M^k` for
-    /// growing k, with the product M of the matrices.
+    /// Returns the mask of a disc that repeats as the last of `children`: the limit of `middle M^k` for growing k,
+    /// where `middle` are the weights of the centre and M is the product of the matrices of the children. It is a left
+    /// eigenvector of the eigenvalue 1; found as the limit of the centre itself, it exposes plans without a limit.
     ///
-    /// This is the left eigenvector of the eigenvalue 1, reached as the limit of the centre itself, so that a plan
-    /// without a limit is found out.
+    /// # Errors
+    /// [`Unlimited::Unsettled`] if the weights do not converge, [`Unlimited::Rough`] if the points of the disc do not.
     fn fixed_point(&self, disc: &Disc, children: &[Child]) -> Result<Mask, Unlimited> {
         let back = |row: &[f64]| children.iter().rev().fold(row.to_vec(), |row, child| child.back(&row));
         let mut position = disc.middle();
@@ -276,7 +283,7 @@ impl<'a> Masks<'a> {
             let change: f64 = next.iter().zip(&position).map(|(a, b)| (a - b).abs()).sum();
             let size: f64 = next.iter().map(|x| x.abs()).sum();
             position = next;
-            // also false for a change that is not a number
+            // false if the change is NaN
             if change <= SETTLED * size.max(1.0) {
                 break;
             }
@@ -300,7 +307,7 @@ impl<'a> Masks<'a> {
         let tangents = match sectors.n {
             _ if !self.finder.with_tangents => Vec::new(),
             1 => vec![self.tangents(disc, &position, back, forth)],
-            // a disc that comes again is the least one there is, and so is its child
+            // one-sided tangents need sectors that are their own children, which a rotation does not ensure
             _ if children.iter().any(|child| child.rotation > 0) => vec![Err(NoTangents::Eigenvalues); sectors.n],
             n => (0..n)
                 .map(|sector| one_sided(&SectorSupport::of(disc, &sectors, sector), &position, back, forth))
@@ -309,8 +316,9 @@ impl<'a> Masks<'a> {
         Ok(Mask { position, tangents })
     }
 
-    /// The tangents of a disc that comes again by a matrix, as it is or, where they are none then, rotated back by as
-    /// many faces as the matrix rotates it: a rotation makes a pair of complex eigenvalues of one that is there twice.
+    /// Returns the tangents of a disc that repeats, from its matrix or, if that has none, from the matrix followed by
+    /// the rotation back by as many faces as the matrix rotates the disc. A rotation turns a double eigenvalue into a
+    /// pair of complex ones.
     fn tangents(
         &self,
         disc: &Disc,
@@ -325,7 +333,7 @@ impl<'a> Masks<'a> {
         let Some(faces) = rotation::by(disc, &forth).filter(|&faces| faces > 0) else { return found };
         let finder = self.finder;
         let Some(places) = rotation::places(disc, finder.cycle, finder.rings, faces) else { return found };
-        // the points after the matrix, each in its place before the rotation
+        // the points after the matrix, each at its place before the rotation
         let forth = |column: &[f64]| {
             let mut moved = vec![0.0; column.len()];
             forth(column).into_iter().zip(&places).for_each(|(x, &place)| moved[place as usize] = x);
@@ -339,8 +347,8 @@ impl<'a> Masks<'a> {
     }
 }
 
-/// Whether all points of a disc that comes again come to the limit of its centre: whether columns that the limit mask
-/// maps to 0 vanish under more and more steps of the matrix.
+/// Returns whether all points of a disc that repeats converge to the limit of its centre: whether columns that the
+/// limit mask maps to 0 vanish under repeated multiplication by the matrix.
 fn comes_together(position: &[f64], forth: impl Fn(&[f64]) -> Vec<f64>) -> bool {
     starting_vectors(position.len(), WITNESSES).into_iter().all(|mut column| {
         let (mut size, mut early) = (1.0, f64::INFINITY);
@@ -361,7 +369,10 @@ fn comes_together(position: &[f64], forth: impl Fn(&[f64]) -> Vec<f64>) -> bool 
     })
 }
 
-/// The tangents of one sector: those of the part of the matrix that belongs to it.
+/// Returns the tangents of one sector, from the part of the matrix that belongs to it.
+///
+/// # Errors
+/// [`NoTangents::Eigenvalues`] if the limit or the points of the sector depend on others, and as [`tangent::of`].
 fn one_sided(
     part: &SectorSupport,
     position: &[f64],

@@ -1,4 +1,4 @@
-//! Refines meshes and moves their vertices to the limit.
+//! Refines meshes and moves their vertices to their limits.
 
 use std::sync::Arc;
 
@@ -13,8 +13,8 @@ use crate::scheme::plan::{Plan, Scheduled};
 use crate::shape::mesh::Mesh;
 use crate::watch::{Stage, Watch};
 
-/// Refines a mesh in all its frames by `levels` levels and finds what is asked for of its limit; the warnings say what
-/// has none.
+/// Refines a mesh in all its frames by `levels` levels and computes the limit positions and normals that are requested.
+/// Also returns warnings about normals that do not exist.
 ///
 /// # Errors
 /// [`LimitError`], also where there is no limit.
@@ -38,6 +38,7 @@ pub fn refine_mesh_to_limit(
     Ok((refined.with_frames(frames), warnings))
 }
 
+/// Refines a mesh with a single frame, patch by patch if possible.
 fn at_one_frame(
     mesh: &Mesh,
     plan: &Plan,
@@ -50,20 +51,21 @@ fn at_one_frame(
     if let Some(refined) = refine_swept(mesh, plan, steps, request, watch)? {
         return Ok((refined, Vec::new()));
     }
-    // it may have been tried patch by patch
+    // the attempt to refine patch by patch may have entered another stage
     watch.enter(Stage::Refine);
     by_rows(mesh, plan, steps, request, watch)
 }
 
-/// The steps of so many levels and of those that limits look ahead, and the number of the former.
+/// Returns the steps of `levels` levels and of the [`AHEAD`] levels after them that limits use, and the number of the
+/// former.
 pub(super) fn scheduled(plan: &Plan, levels: u32) -> Result<(Vec<Scheduled>, usize), Unlimited> {
     let later = |fault: Fault| Unlimited::Later(fault.detail);
     let steps = plan.schedule(levels + AHEAD).map_err(later)?;
     Ok((steps, plan.word.prefix.len() + levels as usize * plan.word.cycle.len()))
 }
 
-/// Refines a mesh by rows of whole nets and finds what is asked for of its limit by the masks of all its vertices: the
-/// definition of what [`refine_mesh_to_limit`] finds, up to rounding.
+/// Refines a mesh by the rows of whole nets and computes its limits by the masks of all vertices. This defines the
+/// result of [`refine_mesh_to_limit`] up to rounding.
 ///
 /// # Errors
 /// [`LimitError`], also where there is no limit.
@@ -78,7 +80,7 @@ pub fn to_limit_by_rows(
     by_rows(mesh, plan, steps.split_at(at), request, watch)
 }
 
-/// Limits by rows, given the steps of the levels and those ahead of them.
+/// Refines a mesh by rows and computes its limits by masks, given the steps of the levels and those ahead of them.
 fn by_rows(
     mesh: &Mesh,
     plan: &Plan,

@@ -4,8 +4,9 @@ use super::field::Field;
 use crate::math::vector::{cross, direction, length, plus};
 use crate::refine::Normals;
 
-/// The normals of all vertices, given the sectors of the field with two tangents each; and what is missing, in a
-/// sentence.
+/// Returns the unit normals of all vertices, and a warning if some do not exist. `places` are the sectors of the field,
+/// sector 0 of all vertices first; `first` and `second` are their tangents, `n x 3`. A vertex with several sectors has
+/// a normal per side, and as its own the direction of their sum. Missing normals are zero.
 pub(super) fn of(
     field: &Field<'_>,
     places: &[(u32, usize)],
@@ -42,13 +43,13 @@ pub(super) fn of(
     (Normals { of_vertices: of_vertices.into_flattened().into(), sides }, warning)
 }
 
-/// The warning that some of all normals are missing.
+/// Returns the warning that `missing` of `all` vertices have no limit normal, because of `why`.
 fn explained(missing: usize, all: usize, why: &str) -> String {
     let vertices = if all == 1 { "vertex" } else { "vertices" };
     format!("at {missing} of {all} {vertices} the normal is weighted by area, as a limit one does not exist: {why}")
 }
 
-/// `t x u` at length one; `None` for vectors whose sine is below 1e-9.
+/// Returns the unit vector along `t x u`; `None` if the sine of the angle between t and u is at most 1e-9.
 fn normal(t: [f64; 3], u: [f64; 3]) -> Option<[f64; 3]> {
     let product = cross(direction(t)?, direction(u)?);
     if length(product) > 1e-9 { direction(product) } else { None }

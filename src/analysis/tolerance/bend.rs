@@ -1,4 +1,4 @@
-//! Second differences of a net where it is regular, and their propagation from vertices to the surrounding faces.
+//! Second differences of a net where it is regular, and the joining of vertex values over rings of faces.
 
 use rayon::prelude::*;
 

@@ -30,8 +30,8 @@ const AHEAD: usize = 40;
 /// With half of it bounds are up to 0.1 closer and more faces are followed; with twice of it bounds may be up to 0.4
 /// above what was measured, so that one level more may be used than needed.
 const SLACK: f64 = 0.2;
-/// Number of faces down to which the faces with the greatest remainders are halved as long as following them takes too
-/// many faces.
+/// Where following all faces takes too many, the half, quarter, ... of them with the greatest remainders is tried, down
+/// to this number of faces.
 /// Half of it tries one more halving before all faces keep their remainders, twice of it one less; both are valid.
 const FEW: usize = 64;
 /// Number of pieces that are measured at a time, in descending order of their bounds.

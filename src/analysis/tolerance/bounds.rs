@@ -1,8 +1,8 @@
 //! The bounds of a search for a level, which refusals state.
 
 /// Highest level that is considered.
-/// Level 16 has 2^32 times as many faces as the input, more than can be numbered; so has twice this value. Half of it
-/// would refuse tolerances that are met at level 9 or later.
+/// Level 16 has 2^32 times as many faces as the input, more than can be numbered. Half of it would refuse tolerances
+/// that are met at level 9 or later.
 pub(super) const MAX_LEVEL: u32 = 16;
 /// Maximum number of faces of a net that is considered.
 /// As a level multiplies faces by 4, half and twice of it shift what is refused by half a level, and halve and double
