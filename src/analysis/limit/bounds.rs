@@ -15,7 +15,7 @@ pub(super) const MAX_LEVEL_POINTS: usize = 1 << 20;
 
 /// Maximum number of discs whose vertices carry parameters that differ; each is followed separately. Their time is
 /// proportional to their number: half as many would refuse half the mesh; twice as many would take twice as long.
-pub(super) const MAX_DISCES: usize = 16_384;
+pub(super) const MAX_DISCS: usize = 16_384;
 
 /// Maximum number of rings whose vertices may influence a limit. Cost grows with the fourth power of the rings: twice
 /// as many would take 16 times as long; half as many would refuse cycles with more than 7 averages.

@@ -1,7 +1,7 @@
 //! The reasons for which there is no limit.
 
 use super::bounds::{
-    MAX_DISC_VERTICES, MAX_DISCES, MAX_FOLLOWED_LEVELS, MAX_FOLLOWED_POINTS, MAX_LEVEL_POINTS, MAX_RINGS,
+    MAX_DISC_VERTICES, MAX_DISCS, MAX_FOLLOWED_LEVELS, MAX_FOLLOWED_POINTS, MAX_LEVEL_POINTS, MAX_RINGS,
 };
 use crate::analysis::no_level::NoLevel;
 use crate::refine::RefineError;
@@ -58,11 +58,11 @@ pub enum Unlimited {
         MAX_FOLLOWED_LEVELS
     )]
     Wild,
-    /// More than `MAX_DISCES` different discs have vertex parameters that differ.
+    /// More than `MAX_DISCS` different discs have vertex parameters that differ.
     #[error(
         "the parameters around more than {} vertices differ, each of which is followed by itself, beyond which no \
              limit is computed; ask for fewer levels",
-        MAX_DISCES
+        MAX_DISCS
     )]
     Different,
     /// More than `MAX_RINGS` rings of faces influence a limit.

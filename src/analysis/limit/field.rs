@@ -6,7 +6,7 @@ use std::sync::Arc;
 
 use rayon::prelude::*;
 
-use super::bounds::{CHUNK, CHUNK_VERTICES, FIRST_CHUNK, MAX_DISCES, VERTICES_A_ROW};
+use super::bounds::{CHUNK, CHUNK_VERTICES, FIRST_CHUNK, MAX_DISCS, VERTICES_A_ROW};
 use super::disc::{Centre, Disc, Located, Rings};
 use super::error::Unlimited;
 use super::grid::regular_mask;
@@ -89,8 +89,7 @@ impl<'a> Field<'a> {
                 let next = index(known.len()) + ISOLATED + 1;
                 classes[v as usize] = disc.map_or(ISOLATED, |disc| *known.entry(disc).or_insert(next));
             }
-            if known.len() > MAX_DISCES
-                && known.keys().filter(|(_, parameters)| !parameters.agree()).count() > MAX_DISCES
+            if known.len() > MAX_DISCS && known.keys().filter(|(_, parameters)| !parameters.agree()).count() > MAX_DISCS
             {
                 return Err(Unlimited::Different);
             }

@@ -337,7 +337,7 @@ fn chain<const K: usize>(h: &[Vec<f64>], vectors: &[Vec<f64>], images: &[Vec<f64
     Some(Chain { first: mixed(&first, &found), steps })
 }
 
-/// Returns the longest chain `u_1, ..., u_L` of rows of a small matrix B whose only eigenvalue is b: u_L is a unit
+/// Returns the longest chain `u_1, ..., u_L` of rows of a small matrix B with the only eigenvalue b: `u_L` is a unit
 /// vector `(0, .., 1, .., 0)`, and `u_(i-1) = u_i (B - b) / b`. `None` if several chains are longest, if all have
 /// length 1, or if B has other eigenvalues.
 fn longest(mut matrix: Vec<Vec<f64>>, b: f64) -> Option<Vec<Vec<f64>>> {
