@@ -3,7 +3,7 @@
 
 use std::ops::Range;
 
-use super::number_scale::{NumberScale, extent};
+use super::number_scale::NumberScale;
 use super::options::{COLOR, Options, shown_as};
 use super::skin;
 use crate::fault::Fault;
@@ -264,7 +264,7 @@ fn by_channel(mesh: &dyn MeshSource, channel: usize, options: &Values, watch: &W
     let component = component(options).or((width == 1).then_some(0));
     if let Some(component) = component.filter(|component| *component < width) {
         let numbers: Vec<f64> = values.into_iter().skip(component).step_by(width).collect();
-        let scale = NumberScale::new(&numbers, options, ColorMap::EVEN, || extent(&numbers));
+        let scale = NumberScale::new(&numbers, options, ColorMap::EVEN, |extent| extent);
         return Ok(Coat::numbers(&numbers, corners, scale));
     }
     let color = |row: &[f64]| std::array::from_fn(|k| single(linear(k, row[k])));

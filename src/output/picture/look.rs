@@ -3,7 +3,7 @@
 use super::coat::{self, Coat};
 use super::contours;
 use super::lines::LEGEND;
-use super::number_scale::{NumberScale, extent, symmetric};
+use super::number_scale::{NumberScale, symmetric};
 use super::options::Options;
 use super::shading::{self, Measure, SURFACE};
 use crate::math::parameter::Values;
@@ -86,7 +86,7 @@ fn by_curvature(
         Measure::Gaussian => (found.gaussian, flat * flat),
         _ => (found.mean, flat),
     };
-    let scale = NumberScale::new(&numbers, options, ColorMap::SIGNED, || symmetric(&numbers, &found.areas, least));
+    let scale = NumberScale::new(&numbers, options, ColorMap::SIGNED, |_| symmetric(&numbers, &found.areas, least));
     Ok(Coat::numbers(&numbers, None, scale))
 }
 
@@ -105,7 +105,7 @@ fn by_distance(
     distances.iter_mut().filter(|distance| !distance.is_finite()).for_each(|distance| *distance = 0.0);
     // smaller distances come from rounding
     let least = SAME / normals::scale(positions);
-    let scale = NumberScale::new(&distances, options, ColorMap::VIRIDIS, || [0.0, extent(&distances)[1].max(least)]);
+    let scale = NumberScale::new(&distances, options, ColorMap::VIRIDIS, |[_, most]| [0.0, most.max(least)]);
     Ok(Coat::numbers(&distances, None, scale))
 }
 

@@ -48,13 +48,19 @@ pub(super) struct NumberScale {
 }
 
 impl NumberScale {
-    /// Returns the scale of some numbers that the options give, with the range `usual` and the map `map` as defaults.
-    pub(super) fn new(numbers: &[f64], options: &Values, map: ColorMap, usual: impl FnOnce() -> [f64; 2]) -> Self {
+    /// Returns the scale of some numbers that the options give, with the map `map` and the range that `usual` makes of
+    /// the least and the greatest number as defaults.
+    pub(super) fn new(
+        numbers: &[f64],
+        options: &Values,
+        map: ColorMap,
+        usual: impl FnOnce([f64; 2]) -> [f64; 2],
+    ) -> Self {
+        let [least, greatest] = extent(numbers);
         let [low, high] = match *options.numbers(RANGE.name) {
             [low, high] => [low, high],
-            _ => usual(),
+            _ => usual([least, greatest]),
         };
-        let [least, greatest] = extent(numbers);
         Self { low, high, beyond: [least < low, greatest > high], map: ColorMap::of(options, map) }
     }
 
@@ -91,7 +97,7 @@ pub(super) fn symmetric(numbers: &[f64], weights: &[f64], least: f64) -> [f64; 2
 }
 
 /// Returns the least and the greatest of some numbers; two zeros for none.
-pub(super) fn extent(numbers: &[f64]) -> [f64; 2] {
+fn extent(numbers: &[f64]) -> [f64; 2] {
     let first = numbers.first().copied().unwrap_or(0.0);
     numbers.iter().fold([first; 2], |[low, high], &x| [low.min(x), high.max(x)])
 }

@@ -154,16 +154,19 @@ fn an_upload_that_a_job_needs_does_not_leave_for_others() {
     });
 }
 
+/// Puts an upload of equal bytes into a store.
+fn put(store: &Arc<dyn Store>, number: u8, length: usize) -> Result<Key, StoreError> {
+    let mut spool = store.spool(Key::from_bytes([number; 32])).unwrap();
+    spool.write_all(&vec![number; length]).unwrap();
+    let description =
+        Description { media_type: "model/obj".to_owned(), warnings: Vec::new(), owners: Owners::default() };
+    spool.commit_by_content(description).map(|manifest| manifest.key)
+}
+
 #[test]
 fn what_is_pinned_stays_and_a_store_full_of_it_refuses() {
     let store: Arc<dyn Store> = Arc::new(Memory::new(10_000));
-    let put = |number: u8| {
-        let mut spool = store.spool(Key::from_bytes([number; 32])).unwrap();
-        spool.write_all(&[number; 3000]).unwrap();
-        let description =
-            Description { media_type: "model/obj".to_owned(), warnings: Vec::new(), owners: Owners::default() };
-        spool.commit_by_content(description).map(|manifest| manifest.key)
-    };
+    let put = |number| put(&store, number, 3000);
     let first = put(1).unwrap();
     assert_eq!(first, content(&[1; 3000]));
     let pin = Pin::new(&store, first).unwrap();
@@ -182,13 +185,7 @@ fn what_is_pinned_stays_and_a_store_full_of_it_refuses() {
 #[test]
 fn nothing_is_evicted_for_what_does_not_fit_beside_what_is_pinned() {
     let store: Arc<dyn Store> = Arc::new(Memory::new(12_000));
-    let put = |number: u8, length: usize| {
-        let mut spool = store.spool(Key::from_bytes([number; 32])).unwrap();
-        spool.write_all(&vec![number; length]).unwrap();
-        let description =
-            Description { media_type: "model/obj".to_owned(), warnings: Vec::new(), owners: Owners::default() };
-        spool.commit_by_content(description).map(|manifest| manifest.key)
-    };
+    let put = |number, length| put(&store, number, length);
     let [first, second, third] = [1, 2, 3].map(|number| put(number, 3000).unwrap());
     let pins = [first, second].map(|key| Pin::new(&store, key).unwrap());
     assert!(matches!(put(4, 5000), Err(StoreError::InUse)));
