@@ -100,7 +100,7 @@ fn seeds(target: &str) -> Vec<Vec<u8>> {
     let jobs = || read(&here.join("../../api/examples/jobs"));
     match target {
         "job" => found.extend(jobs()),
-        "link" => found.extend(jobs().into_iter().map(|job| [vec![0], job].concat())),
+        "link" => found.extend(jobs().iter().flat_map(|job| [[&[0], &job[..]].concat(), [&[4], &job[..]].concat()])),
         "reader" => {
             let files = read(&here.join("../../api/examples/meshes"));
             let choices = 0..u8::try_from(planish::input::READERS.len()).unwrap_or(u8::MAX);

@@ -1,33 +1,46 @@
 //! What is fuzzed: everything that reads what strangers send. A target takes any bytes and returns, or has found a
 //! fault; what it checks besides is said with `assert!`.
 
+use std::collections::BTreeMap;
 use std::io::{Read, Write};
 use std::net::{SocketAddr, TcpStream};
-use std::path::PathBuf;
-use std::sync::OnceLock;
+use std::sync::{Arc, Mutex, OnceLock};
 use std::time::Duration;
 
 use base64::Engine;
 use base64::engine::general_purpose::URL_SAFE_NO_PAD;
 use planish::config::Settings;
+use planish::config::keys::{KeyEntry, KeyFile, Link, Role, Token};
 use planish::http::serve::{bind_at, serve};
 use planish::input::{READERS, ReadLimits};
 use planish::job::limits::Limits;
 use planish::job::run;
 use planish::math::expression::Expression;
 use planish::scheme::word::{MAX_LETTERS, Word};
+use planish::service::account::{Account, Full};
+use planish::service::batches::Batches;
 use planish::service::clock::Monotonic;
-use planish::service::store::Manifest;
+use planish::service::jobs::{Jobs, State};
+use planish::service::peer::{Kind, Paid, Peers};
+use planish::service::store::{Manifest, Records, StoreError};
 use planish::watch::Watch;
 use planish::wire::JobRequest;
+use planish::wire::batch::layout;
 use planish::wire::read::read;
 
 /// A target, and what it is called.
 pub type Target = (&'static str, fn(&[u8]));
 
 /// All targets.
-pub const TARGETS: [Target; 6] =
-    [("job", job), ("reader", reader), ("expression", expression), ("word", word), ("link", link), ("codec", codec)];
+pub const TARGETS: [Target; 7] = [
+    ("job", job),
+    ("reader", reader),
+    ("expression", expression),
+    ("word", word),
+    ("link", link),
+    ("codec", codec),
+    ("record", record),
+];
 
 /// So small that no job takes long: what is looked for is what a job says, not how much it asks for.
 const LIMITS: Limits = Limits {
@@ -97,11 +110,75 @@ pub fn codec(data: &[u8]) {
     }
 }
 
+/// What the records of jobs and batches begin with.
+const RECORD: &[u8] = b"plnsh";
+
+/// Records of jobs and batches, under checksums that fit, as an earlier process may have left them: they are taken up,
+/// and what is written of them afterwards is taken up again.
+pub fn record(data: &[u8]) {
+    let starts = (0..data.len()).filter(|at| data[*at..].starts_with(RECORD));
+    let mut starts: Vec<usize> = starts.take(8).collect();
+    starts.push(data.len());
+    let sealed = |ends: &[usize]| {
+        let record = &data[ends[0]..ends[1]];
+        (vec![ends[0].to_le_bytes()[0]], [record, blake3::hash(record).as_bytes()].concat())
+    };
+    let left = Arc::new(Rows(Mutex::new(starts.windows(2).map(sealed).collect())));
+    let (clock, patience) = (Arc::new(Monotonic::default()), Duration::from_secs(10));
+    let (peers, account) = (Arc::<Peers>::default(), Account::new(1 << 30, 0));
+    let memory = |bytes| -> Result<Paid, Full> { peers.charge_self(&account.records, Kind::RecordBytes, bytes) };
+    let jobs = Jobs::new(Some(left.clone()), clock.clone());
+    let active = jobs.recover(memory, |_| Vec::new()).expect("the rows can be read");
+    for run in &active {
+        jobs.end(&run.job, State::Cancelled, |_| true);
+    }
+    jobs.close(patience);
+    let batches = Batches::new(Some(left.clone()), clock.clone(), |text| layout(text).ok());
+    for run in &batches.recover(memory).expect("the rows can be read") {
+        batches.end(&run.batch, Some(run), State::Cancelled);
+    }
+    batches.close(patience);
+    // rows of one byte are those from before
+    left.0.lock().expect("nobody fails").retain(|key, _| key.len() > 1);
+    let again = Jobs::new(Some(left.clone()), clock.clone());
+    let runs = again.recover(memory, |_| Vec::new()).expect("the rows can be read");
+    assert!(runs.is_empty(), "what ended is not begun again");
+    assert!(active.iter().all(|run| again.get(&run.job).is_some()), "what was written can be read");
+    again.close(patience);
+    let again = Batches::new(Some(left), clock, |text| layout(text).ok());
+    assert!(again.recover(memory).expect("the rows can be read").is_empty(), "what ended is not begun again");
+    again.close(patience);
+}
+
+/// Records in memory.
+#[derive(Debug)]
+struct Rows(Mutex<BTreeMap<Vec<u8>, Vec<u8>>>);
+
+impl Records for Rows {
+    fn each(&self, tell: &mut dyn FnMut(&[u8], &[u8])) -> Result<(), StoreError> {
+        self.0.lock().expect("nobody fails").iter().for_each(|(key, record)| tell(key, record));
+        Ok(())
+    }
+
+    fn write(&self, changes: &[(Vec<u8>, Option<Vec<u8>>)]) -> Result<(), StoreError> {
+        let mut rows = self.0.lock().expect("nobody fails");
+        for (key, record) in changes {
+            match record {
+                Some(record) => rows.insert(key.clone(), record.clone()),
+                None => rows.remove(key),
+            };
+        }
+        Ok(())
+    }
+}
+
 /// An address, asked of a service on a port of its own; the first byte says what the rest is in it. Any answer is
 /// right but those that say the service is at fault.
 pub fn link(data: &[u8]) {
     let Some((kind, rest)) = data.split_first() else { return };
-    let path = match kind % 4 {
+    let (token, signed) = (&service().1, kind % 7 >= 4);
+    let sign = |rest: &str| Link::sign(token.id(), &token.link_secret(), LATER, rest);
+    let path = match kind % 7 {
         0 => format!("/v1/render?job={}", URL_SAFE_NO_PAD.encode(rest)),
         1 => {
             let mut packed = flate2::write::ZlibEncoder::new(Vec::new(), flate2::Compression::fast());
@@ -109,11 +186,23 @@ pub fn link(data: &[u8]) {
             format!("/kroki/svg/{}", URL_SAFE_NO_PAD.encode(packed.finish().expect("memory takes it")))
         }
         2 => format!("/v1/{}", escaped(rest)),
-        _ => format!("/v1/render?{}", escaped(rest)),
+        3 => format!("/v1/render?{}", escaped(rest)),
+        4 => {
+            let mut packed = flate2::write::DeflateEncoder::new(Vec::new(), flate2::Compression::fast());
+            packed.write_all(rest).expect("memory takes it");
+            sign(&format!("{}.svg", URL_SAFE_NO_PAD.encode(packed.finish().expect("memory takes it"))))
+        }
+        // signed, whatever it is; and signed, but changed
+        5 => sign(&escaped(rest)),
+        _ => format!("/v1/r/{}", escaped(rest).replace("TOKEN", token.id())),
     };
-    let status = asked(&path);
+    let status = asked(&path, signed);
     assert!(status < 500 || status == 503, "{status} for {path}");
+    assert!(kind % 7 != 6 || status >= 400, "{status} for {path}, which nobody signed");
 }
+
+/// When signed addresses end: the year 2100, in seconds since 1970.
+const LATER: u64 = 4_102_444_800;
 
 /// Bytes that may stand in an address, and others by their numbers.
 fn escaped(bytes: &[u8]) -> String {
@@ -122,36 +211,62 @@ fn escaped(bytes: &[u8]) -> String {
     bytes.iter().map(letter).collect()
 }
 
-/// The status that a GET is answered with.
-fn asked(path: &str) -> u16 {
-    let mut stream = TcpStream::connect(service()).expect("the service listens");
+/// The status that a GET is answered with; signed addresses are asked for without a key.
+fn asked(path: &str, signed: bool) -> u16 {
+    let (host, token) = service();
+    let mut stream = TcpStream::connect(host).expect("the service listens");
     stream.set_read_timeout(Some(Duration::from_mins(1))).expect("a time to wait can be set");
-    let host = service();
-    write!(stream, "GET {path} HTTP/1.1\r\nhost: {host}\r\nconnection: close\r\n\r\n").expect("it takes a request");
+    let key = if signed { String::new() } else { format!("authorization: Bearer {}\r\n", token.tell()) };
+    write!(stream, "GET {path} HTTP/1.1\r\nhost: {host}\r\n{key}connection: close\r\n\r\n")
+        .expect("it takes a request");
     let mut answer = Vec::new();
     let _ = stream.take(1 << 16).read_to_end(&mut answer);
     let status = answer.get(9..12).and_then(|digits| std::str::from_utf8(digits).ok()?.parse().ok());
     status.unwrap_or_else(|| panic!("no answer to {path}"))
 }
 
-/// Where the service is, which is started when it is first asked for.
-fn service() -> SocketAddr {
-    static ADDRESS: OnceLock<SocketAddr> = OnceLock::new();
-    *ADDRESS.get_or_init(|| {
+/// Where the service is, which is started when it is first asked for, and the only key that it knows.
+fn service() -> &'static (SocketAddr, Token) {
+    static SERVICE: OnceLock<(SocketAddr, Token)> = OnceLock::new();
+    SERVICE.get_or_init(|| {
+        let folder = std::env::temp_dir().join(format!("planish-fuzz-{}", std::process::id()));
+        let token = Token::new(|bytes| {
+            bytes.fill(1);
+            Ok(())
+        });
+        let token = token.expect("it is given its bytes");
+        let entry = KeyEntry {
+            id: token.id().to_owned(),
+            tenant: "fuzz".to_owned(),
+            role: Role::Render,
+            hash: token.hash(),
+            link: token.link_secret(),
+            created: 0,
+            expires: None,
+            requests_per_minute: None,
+            in_flight: None,
+        };
+        let keys = KeyFile::of(&folder);
+        std::fs::create_dir_all(&folder).expect("there is a folder for what lasts a while");
+        keys.change(|keys| {
+            keys.push(entry);
+            Ok(())
+        })
+        .expect("the file of keys can be written");
         let (told, heard) = std::sync::mpsc::channel();
         std::thread::spawn(move || {
             let listen = SocketAddr::from(([127, 0, 0, 1], 0));
             let Limits { max_faces, max_vertices, .. } = LIMITS;
-            let known = Settings { data_dir: PathBuf::new(), threads: 1, ..Settings::default() };
+            let known = Settings { data_dir: folder, threads: 1, ..Settings::default() };
             let settings = Settings { listen, max_faces, max_vertices, ..known };
             let runtime = tokio::runtime::Runtime::new().expect("a runtime can be made");
             runtime.block_on(async {
-                let clock = std::sync::Arc::new(Monotonic::default());
+                let clock = Arc::new(Monotonic::default());
                 let (listener, app) = bind_at(settings, clock).await.expect("a port is free");
                 told.send(listener.local_addr().expect("it has an address")).expect("somebody listens");
                 let _ = serve(listener, app, std::future::pending()).await;
             });
         });
-        heard.recv().expect("the service starts")
+        (heard.recv().expect("the service starts"), token)
     })
 }
