@@ -7,6 +7,7 @@ mod crash;
 mod disk;
 mod faults;
 pub(crate) mod faulty;
+mod records;
 mod shared;
 
 use std::io::Write;
