@@ -4,11 +4,12 @@ use std::sync::{Arc, Once};
 use std::time::Duration;
 
 use reqwest::header::{AUTHORIZATION, CONTENT_TYPE, LOCATION, RETRY_AFTER};
-use reqwest::{Client, ClientBuilder, RequestBuilder, Response, StatusCode};
+use reqwest::{Client, ClientBuilder, RequestBuilder, Response, StatusCode, Url};
 use serde_json::Value;
 use tokio::time::{Instant, sleep};
 
 use super::error::{CliError, Kind};
+use crate::fault::shortened;
 use crate::http::trust;
 
 /// Maximum time between two requests, whatever the service asks for. Half of it would send twice as many requests to a
@@ -35,9 +36,19 @@ pub(super) struct Remote {
     notes: Option<Arc<Once>>,
 }
 
-/// Returns a builder of an HTTP client for the service at this address.
-pub(super) fn client(url: &str) -> Result<ClientBuilder, CliError> {
-    let tls = if url.starts_with("https://") { trust::tls() } else { trust::none() };
+/// Returns a builder of an HTTP client for the service at the address that this flag gives.
+///
+/// # Errors
+/// When it is no address of a service, or no client can be made.
+pub(super) fn client(flag: &str, url: &str) -> Result<ClientBuilder, CliError> {
+    let tls = match Url::parse(url).as_ref().map(Url::scheme) {
+        Ok("https") => trust::tls(),
+        Ok("http") => trust::none(),
+        _ => {
+            let detail = format!("{flag}: {} is no address; write http://HOST:PORT or https://HOST", shortened(url));
+            return Err(CliError::usage(detail));
+        }
+    };
     Ok(Client::builder().no_proxy().tls_backend_preconfigured(tls.map_err(CliError::other)?))
 }
 
@@ -58,11 +69,7 @@ impl From<CliError> for Failed {
 impl Remote {
     /// Creates a client of the service at `url`, which gives up a job after `patience`.
     pub(super) fn new(url: &str, key: Option<&str>, patience: Duration, is_quiet: bool) -> Result<Self, CliError> {
-        if !url.starts_with("http://") && !url.starts_with("https://") {
-            let detail = format!("--server: {url} is no address; write http://HOST:PORT or https://HOST");
-            return Err(CliError::usage(detail));
-        }
-        let client = client(url)?.read_timeout(SILENCE).connect_timeout(Duration::from_secs(10));
+        let client = client("--server", url)?.read_timeout(SILENCE).connect_timeout(Duration::from_secs(10));
         let client = client.build().map_err(CliError::other)?;
         let (url, key) = (url.trim_end_matches('/').to_owned(), key.map(str::to_owned));
         let notes = (!is_quiet).then(|| Arc::new(Once::new()));

@@ -309,6 +309,9 @@ fn health_tells_by_its_code_whether_a_service_is_ready() {
     }
     assert_eq!(ended(service), Some(0));
     fails(OTHER, &run(&["health", "--url", &format!("http://{url}")]), &["no answer"]);
+    for wrong in ["nonsense", "ftp://127.0.0.1", "http://", "http://127.0.0.1:port"] {
+        fails(USAGE, &run(&["health", "--url", wrong]), &["--url: ", wrong, "is no address; write http://HOST:PORT"]);
+    }
 }
 
 #[test]

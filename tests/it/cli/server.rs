@@ -141,6 +141,7 @@ fn patience_ends_and_keys_and_addresses_are_told_to_be_wrong() {
     // nothing listens there any more
     fails(FILES, &call(&url), &["no answer"]);
     fails(USAGE, &call("ftp://127.0.0.1"), &["--server"]);
+    fails(USAGE, &call("http://"), &["--server"]);
     let value: Value = serde_json::from_str(&fs::read_to_string(&job).unwrap()).unwrap();
     assert_eq!(value["levels"], 1, "the job is left alone");
 }
