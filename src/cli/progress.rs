@@ -139,8 +139,8 @@ mod tests {
     #[test]
     fn a_task_that_panics_ends() {
         let progress = Progress { bar: Some(ProgressBar::hidden()), ..Progress::new(1, true) };
-        let panics = || -> () { resume_unwind(Box::new("a fault of the task")) };
-        let ended = catch_unwind(AssertUnwindSafe(|| progress.during(&Watch::new(), 1, panics)));
+        let panics = || resume_unwind(Box::new("a fault of the task"));
+        let ended = catch_unwind(AssertUnwindSafe(|| progress.during::<()>(&Watch::new(), 1, panics)));
         assert!(ended.is_err());
         assert_eq!(progress.during(&Watch::new(), 1, || 7), 7);
     }
