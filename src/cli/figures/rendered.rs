@@ -78,8 +78,8 @@ pub(super) fn render(path: &Path, known: &Manifest, folder: Option<&Path>) -> Re
     Ok(made)
 }
 
-/// Returns the names of the pictures that the job in a file makes, as its outputs say. A file that is no job has none; it
-/// is refused when it is rendered.
+/// Returns the names of the pictures that the job in a file makes, as its outputs say. A file that is no job has none;
+/// it is refused when it is rendered.
 pub(super) fn names(path: &Path) -> Vec<String> {
     #[derive(Deserialize)]
     struct Peek {
