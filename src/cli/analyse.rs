@@ -3,6 +3,7 @@
 use std::path::PathBuf;
 
 use super::error::{CliError, Kind};
+use super::files::to_new_file;
 use super::inputs::Source;
 use super::say::answer;
 use crate::fault::Fault;
@@ -78,8 +79,10 @@ impl Question {
         match &self.output {
             None => answer(&bytes),
             Some(path) if path.as_os_str() == "-" => answer(&bytes),
-            Some(path) => std::fs::write(path, &bytes)
-                .map_err(|error| CliError::files(format!("cannot write {}: {error}", path.display()))),
+            Some(path) => to_new_file(path, |out| {
+                let cannot = |error| CliError::files(format!("cannot write {}: {error}", path.display()));
+                out.write_all(&bytes).map_err(cannot)
+            }),
         }
     }
 

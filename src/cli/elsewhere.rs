@@ -4,6 +4,7 @@ use std::time::Duration;
 
 use futures_util::{StreamExt, stream};
 use serde_json::Value;
+use tokio::time::Instant;
 
 use super::error::CliError;
 use super::files::to_new_file;
@@ -62,17 +63,19 @@ impl ServerOptions {
 }
 
 impl Order<'_> {
-    /// Renders one input on the service and writes its file.
+    /// Renders one input on the service and writes its file. The patience is that of the input: its upload and its job
+    /// have one together.
     async fn made(&self, remote: &Remote, Piece { source, target, wanted }: &Piece) -> Result<(), CliError> {
+        let begun = Instant::now();
         let (mut job, file) = self.options.told(source, *wanted)?;
         if !job["outputs"][0]["lod"].is_null() {
             let detail = "--lod: levels of detail are several files; render them without --server";
             return Err(CliError::usage(detail));
         }
         if let Some((bytes, media_type)) = file {
-            job["input"]["blob"] = Value::from(remote.upload(&bytes, media_type).await?);
+            job["input"]["blob"] = Value::from(remote.upload(&bytes, media_type, begun).await?);
         }
-        let bytes = remote.render(&job).await?;
+        let bytes = remote.render(&job, begun).await?;
         let Some(target) = target else { return answer(&bytes) };
         if let Some(folder) = target.parent().filter(|folder| self.makes_folders && !folder.as_os_str().is_empty()) {
             std::fs::create_dir_all(folder)

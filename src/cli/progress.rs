@@ -83,9 +83,8 @@ impl Progress {
         };
         thread::scope(|scope| {
             scope.spawn(show);
-            let result = task();
-            ended.store(true, Ordering::Relaxed);
-            result
+            let _ended = Ended(&ended);
+            task()
         })
     }
 
@@ -110,6 +109,16 @@ impl Progress {
     }
 }
 
+/// Sets its flag when it is dropped, also when a task panics: the scope of the thread that shows the bar waits for that
+/// thread.
+struct Ended<'a>(&'a AtomicBool);
+
+impl Drop for Ended<'_> {
+    fn drop(&mut self) {
+        self.0.store(true, Ordering::Relaxed);
+    }
+}
+
 fn counted(kind: Kind, n: u64) -> String {
     let n = thousands(n.into());
     match kind {
@@ -118,5 +127,21 @@ fn counted(kind: Kind, n: u64) -> String {
         Kind::Files => format!("{n} not read or written"),
         Kind::Usage => format!("{n} with flags that do not fit"),
         Kind::Other => format!("{n} stopped"),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
+
+    use super::*;
+
+    #[test]
+    fn a_task_that_panics_ends() {
+        let progress = Progress { bar: Some(ProgressBar::hidden()), ..Progress::new(1, true) };
+        let panics = || resume_unwind(Box::new("a fault of the task"));
+        let ended = catch_unwind(AssertUnwindSafe(|| progress.during::<()>(&Watch::new(), 1, panics)));
+        assert!(ended.is_err());
+        assert_eq!(progress.during(&Watch::new(), 1, || 7), 7);
     }
 }

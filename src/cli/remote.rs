@@ -4,11 +4,12 @@ use std::sync::{Arc, Once};
 use std::time::Duration;
 
 use reqwest::header::{AUTHORIZATION, CONTENT_TYPE, LOCATION, RETRY_AFTER};
-use reqwest::{Client, ClientBuilder, RequestBuilder, Response, StatusCode};
+use reqwest::{Client, ClientBuilder, RequestBuilder, Response, StatusCode, Url};
 use serde_json::Value;
 use tokio::time::{Instant, sleep};
 
 use super::error::{CliError, Kind};
+use crate::fault::shortened;
 use crate::http::trust;
 
 /// Maximum time between two requests, whatever the service asks for. Half of it would send twice as many requests to a
@@ -35,9 +36,19 @@ pub(super) struct Remote {
     notes: Option<Arc<Once>>,
 }
 
-/// Returns a builder of an HTTP client for the service at this address.
-pub(super) fn client(url: &str) -> Result<ClientBuilder, CliError> {
-    let tls = if url.starts_with("https://") { trust::tls() } else { trust::none() };
+/// Returns a builder of an HTTP client for the service at the address that this flag gives.
+///
+/// # Errors
+/// When it is no address of a service, or no client can be made.
+pub(super) fn client(flag: &str, url: &str) -> Result<ClientBuilder, CliError> {
+    let tls = match Url::parse(url).as_ref().map(Url::scheme) {
+        Ok("https") => trust::tls(),
+        Ok("http") => trust::none(),
+        _ => {
+            let detail = format!("{flag}: {} is no address; write http://HOST:PORT or https://HOST", shortened(url));
+            return Err(CliError::usage(detail));
+        }
+    };
     Ok(Client::builder().no_proxy().tls_backend_preconfigured(tls.map_err(CliError::other)?))
 }
 
@@ -58,45 +69,43 @@ impl From<CliError> for Failed {
 impl Remote {
     /// Creates a client of the service at `url`, which gives up a job after `patience`.
     pub(super) fn new(url: &str, key: Option<&str>, patience: Duration, is_quiet: bool) -> Result<Self, CliError> {
-        if !url.starts_with("http://") && !url.starts_with("https://") {
-            let detail = format!("--server: {url} is no address; write http://HOST:PORT or https://HOST");
-            return Err(CliError::usage(detail));
-        }
-        let client = client(url)?.read_timeout(SILENCE).connect_timeout(Duration::from_secs(10));
+        let client = client("--server", url)?.read_timeout(SILENCE).connect_timeout(Duration::from_secs(10));
         let client = client.build().map_err(CliError::other)?;
         let (url, key) = (url.trim_end_matches('/').to_owned(), key.map(str::to_owned));
         let notes = (!is_quiet).then(|| Arc::new(Once::new()));
         Ok(Self { client, url, key, patience, notes })
     }
 
-    /// Renders a job and returns the bytes of its result.
-    pub(super) async fn render(&self, job: &Value) -> Result<Vec<u8>, CliError> {
+    /// Renders a job and returns the bytes of its result; `begun` is when its input was begun.
+    pub(super) async fn render(&self, job: &Value, begun: Instant) -> Result<Vec<u8>, CliError> {
         let body = job.to_string();
         let ask = || {
             let request = self.client.post(self.address("/v1/render")).header(CONTENT_TYPE, "application/json");
             request.header("prefer", format!("wait={HELD_S}")).body(body.clone())
         };
-        self.patiently(async || {
+        self.patiently(begun, async || {
             let response = self.sent(ask()).await?;
-            match (response.status(), place(&response)) {
-                (StatusCode::ACCEPTED, Some(place)) => self.followed(&place).await,
-                _ => whole(response).await,
+            if response.status() != StatusCode::ACCEPTED {
+                return whole(response).await;
             }
+            let place = place(&response)
+                .ok_or_else(|| self.strange("202 for a job, without a Location on this service where it stands"))?;
+            self.followed(&place, begun).await
         })
         .await
     }
 
-    /// Uploads a mesh file and returns its id.
-    pub(super) async fn upload(&self, bytes: &[u8], media_type: &str) -> Result<String, CliError> {
+    /// Uploads a mesh file and returns its id; `begun` is when its input was begun.
+    pub(super) async fn upload(&self, bytes: &[u8], media_type: &str, begun: Instant) -> Result<String, CliError> {
         let ask = || self.client.post(self.address("/v1/blobs")).header(CONTENT_TYPE, media_type).body(bytes.to_vec());
-        let answer = self.patiently(async || whole(self.sent(ask()).await?).await).await?;
+        let answer = self.patiently(begun, async || whole(self.sent(ask()).await?).await).await?;
         let answer: Value = serde_json::from_slice(&answer).map_err(|error| self.strange(&error.to_string()))?;
         answer["id"].as_str().map(str::to_owned).ok_or_else(|| self.strange("an upload has no id"))
     }
 
-    /// Repeats a request after temporary failures, until `patience` has passed.
-    async fn patiently<T>(&self, ask: impl AsyncFn() -> Result<T, Failed>) -> Result<T, CliError> {
-        let (begun, mut wait) = (Instant::now(), FIRST_WAIT);
+    /// Repeats a request after temporary failures, until `patience` has passed since `begun`.
+    async fn patiently<T>(&self, begun: Instant, ask: impl AsyncFn() -> Result<T, Failed>) -> Result<T, CliError> {
+        let mut wait = FIRST_WAIT;
         loop {
             let (after, why) = match ask().await {
                 Ok(answer) => return Ok(answer),
@@ -117,9 +126,8 @@ impl Remote {
         }
     }
 
-    /// Polls a job until it ends, and fetches its first result.
-    async fn followed(&self, place: &str) -> Result<Vec<u8>, Failed> {
-        let begun = Instant::now();
+    /// Polls a job until it ends or `patience` has passed since `begun`, and fetches its first result.
+    async fn followed(&self, place: &str, begun: Instant) -> Result<Vec<u8>, Failed> {
         loop {
             let response = self.sent(self.client.get(self.address(place))).await?;
             let pause = after(&response).unwrap_or(Duration::from_secs(1)).clamp(FIRST_WAIT, MOST_WAIT);
@@ -137,10 +145,11 @@ impl Remote {
                     return Err(CliError::refused(why).into());
                 }
                 Some("cancelled") => return Err(CliError::other("the job was cancelled at the service").into()),
-                _ => {
+                Some("queued" | "running") => {
                     let seconds = self.patience.as_secs();
                     return Err(CliError::files(format!("the job is not finished after {seconds} s")).into());
                 }
+                _ => return Err(self.strange("a job is in no state that is known").into()),
             }
         }
     }

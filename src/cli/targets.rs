@@ -112,11 +112,14 @@ pub(super) fn of_extension(extension: &str) -> Option<&'static dyn Format> {
     output::named(&extension).or_else(by_extension)
 }
 
-/// Checks that all placeholders of a pattern are known.
+/// Checks that all placeholders of a pattern are closed and known.
 fn check(pattern: &str) -> Result<(), CliError> {
     let known = "{stem} (name without extension), {name} (name), {dir} (folder)";
-    let names = pattern.split('{').skip(1).map(|rest| rest.split_once('}').map_or(rest, |(name, _)| name));
-    for name in names {
+    for rest in pattern.split('{').skip(1) {
+        let Some((name, _)) = rest.split_once('}') else {
+            let detail = format!("--output: the placeholder {{{rest} has no closing brace; known are {known}");
+            return Err(CliError::usage(detail));
+        };
         if !PLACEHOLDERS.contains(&name) {
             return Err(CliError::usage(format!("--output: there is no placeholder {{{name}}}; known are {known}")));
         }

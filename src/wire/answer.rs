@@ -10,8 +10,8 @@ use crate::job::Resolved;
 use crate::job::limits::Estimate;
 use crate::output::Size;
 
-/// Maximum number of characters of a JSON pointer in an answer: eight names of the maximum length, deeper than any
-/// place of a request.
+/// Maximum number of characters of a JSON pointer in an answer: seven names of the 128 characters at which names are
+/// cut, deeper than any place of a request.
 const MOST_POINTER: usize = 1000;
 /// Maximum number of characters of the sentence about a fault. The longest sentences list all presets or options, and
 /// take half as many.

@@ -201,6 +201,24 @@ fn an_estimate_is_that_of_the_service() {
 }
 
 #[test]
+fn an_analysis_takes_the_place_of_a_file_only_when_it_is_whole() {
+    let folder = Folder::new();
+    let path = |name: &str| folder.path().join(name);
+    std::fs::write(path("found.json"), "before").unwrap();
+    // A second name of the same file tells whether the file is written over or another one takes its place.
+    std::fs::hard_link(path("found.json"), path("kept.json")).unwrap();
+    let output = run(&["analyse", "--preset", "chaikin", "-o", path("found.json").to_str().unwrap()]);
+    assert!(output.status.success(), "{}", text(&output.stderr));
+    let found: Value = serde_json::from_slice(&std::fs::read(path("found.json")).unwrap()).unwrap();
+    assert!(found.is_object());
+    assert_eq!(std::fs::read(path("kept.json")).unwrap(), b"before");
+    assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 2, "nothing unfinished is left");
+    let nowhere = path("none/found.json");
+    let output = run(&["analyse", "--preset", "chaikin", "-o", nowhere.to_str().unwrap()]);
+    fails(FILES, &output, &["cannot write", "found.json"]);
+}
+
+#[test]
 fn presets_are_listed_and_explained() {
     let list = text(&run(&["presets"]).stdout);
     for preset in planish::scheme::presets::PRESETS {
@@ -291,6 +309,9 @@ fn health_tells_by_its_code_whether_a_service_is_ready() {
     }
     assert_eq!(ended(service), Some(0));
     fails(OTHER, &run(&["health", "--url", &format!("http://{url}")]), &["no answer"]);
+    for wrong in ["nonsense", "ftp://127.0.0.1", "http://", "http://127.0.0.1:port"] {
+        fails(USAGE, &run(&["health", "--url", wrong]), &["--url: ", wrong, "is no address; write http://HOST:PORT"]);
+    }
 }
 
 #[test]

@@ -60,8 +60,8 @@ pub enum Unlimited {
     Wild,
     /// More than `MAX_DISCS` different discs have vertex parameters that differ.
     #[error(
-        "the parameters around more than {} vertices differ, each of which is followed by itself, beyond which no \
-             limit is computed; ask for fewer levels",
+        "vertices whose parameters differ from those around them have more than {} different surroundings, each of \
+             which is followed by itself, beyond which no limit is computed; ask for fewer levels",
         MAX_DISCS
     )]
     Different,

@@ -43,6 +43,10 @@ const WARM_UP: usize = 256;
 /// Columns that shrink to it go on shrinking under the same matrix, unless some component of them is below it, which a
 /// start without a pattern excludes. Half and twice of it take one step more or less.
 const TOGETHER: f64 = 1e-6;
+/// Share by which the distance must become less in the last [`WARM_UP`] steps, if it is not below [`TOGETHER`] by then.
+/// Points that stay apart change by rounding alone, by some 1e-12 in so many steps, while 4e-12 of the distance in each
+/// step makes 1e-9. Half and twice of it stay far above rounding, and demand 2e-12 and 8e-12 a step.
+const LEAST_DECREASE: f64 = 1e-9;
 /// Maximum number of levels within which the parameters of vertices must agree; each level halves their differences.
 /// The largest numbers, 2^1024, differ by less than 1e-15 after 1,074 halvings, so that parameters whose differences
 /// are halved never reach it. Half of it refuses differences above 2^500; twice of it changes nothing.
@@ -365,7 +369,7 @@ fn comes_together(position: &[f64], forth: impl Fn(&[f64]) -> Vec<f64>) -> bool 
             }
             column = forth(&column);
         }
-        size < (1.0 - 1e-9) * early
+        size < (1.0 - LEAST_DECREASE) * early
     })
 }
 

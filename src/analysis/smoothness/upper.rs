@@ -26,9 +26,9 @@ const UNIT: f64 = f64::EPSILON;
 /// interval to a half or a third. Finer steps try more trees for less.
 const GAPS: [f64; 16] = [1.0, 0.5, 0.3, 0.2, 0.1, 0.05, 0.02, 0.01, 0.005, 0.002, 1e-3, 5e-4, 2e-4, 1e-4, 1e-5, 1e-6];
 /// Maximum size of matrices for which ellipsoidal coordinates are computed, exactly; larger matrices are only scaled.
-/// The 2n-point schemes have matrices of size 2n - 2, which is 28 for n = 15. Half of it leaves those from n = 9 on
-/// wider intervals; twice of it takes eight times as long and more, because the fractions grow.
-const MAX_TURNED: usize = 28;
+/// The 2n-point schemes have matrices of size 2n - 2, which is 30 for n = 16, the largest. Half of it leaves those from
+/// n = 9 on wider intervals; twice of it takes eight times as long and more, because the fractions grow.
+const MAX_TURNED: usize = 30;
 /// Denominator of the entries of coordinate transformations. Half or twice as many steps are as good; finer ones make
 /// longer fractions.
 const DIGITS: f64 = 4096.0;

@@ -1,8 +1,11 @@
 //! The rendering of one job of a folder to its pictures.
 
 use std::collections::BTreeMap;
+use std::ffi::OsStr;
+use std::fs;
 use std::path::Path;
 
+use serde::Deserialize;
 use serde_json::Value;
 
 use super::manifest::{Entry, Manifest, hash, numbers};
@@ -12,10 +15,13 @@ use crate::cli::job::{JobOptions, Loaded};
 use crate::cli::told::Teller;
 use crate::job::limits::{Admitted, Limits};
 use crate::job::{RunError, run};
-use crate::output;
+use crate::output::{self, Format};
 use crate::watch::Watch;
 use crate::wire::JobRequest;
 use crate::wire::output::OutputRequest;
+
+/// Name of the format of a job that names no output.
+const USUAL: &str = "png";
 
 /// A picture of a job.
 #[derive(Debug)]
@@ -35,7 +41,7 @@ pub(super) fn load(path: &Path) -> Result<JobRequest, CliError> {
         return Err(CliError::refused("it is no job; a folder of figures holds jobs (JSON)"));
     }
     if request.outputs.is_empty() {
-        request.outputs = vec![OutputRequest::of_format("png")];
+        request.outputs = vec![OutputRequest::of_format(USUAL)];
     }
     Ok(request)
 }
@@ -43,23 +49,17 @@ pub(super) fn load(path: &Path) -> Result<JobRequest, CliError> {
 /// Renders the pictures of a job; skips pictures that `folder` has already with the same key in the manifest.
 pub(super) fn render(path: &Path, known: &Manifest, folder: Option<&Path>) -> Result<Vec<Rendered>, CliError> {
     let request = load(path)?;
-    let part = |of: Option<&std::ffi::OsStr>| of.unwrap_or_default().to_string_lossy().into_owned();
-    let (stem, job) = (part(path.file_stem()), part(path.file_name()));
+    let job = part(path.file_name());
     let admitted = admitted(request.clone())?;
-    let pictures: Vec<usize> = (0..admitted.job().outputs.len()).filter(|&i| is_picture(&admitted, i)).collect();
+    let outputs = admitted.job().outputs.iter().map(|output| (output.format, output.name.as_str()));
+    let pictures = pictures(path, outputs);
     if pictures.is_empty() {
         return Err(CliError::refused("it asks for no picture; pictures are png, apng, svg, ..."));
     }
     let mut all_numbers = None;
     let mut made = Vec::with_capacity(pictures.len());
-    for &i in &pictures {
-        let (asked, key) = (&admitted.job().outputs[i], admitted.job().keys()[i].to_string());
-        let extension = asked.format.extension();
-        let name = if pictures.len() == 1 {
-            format!("{stem}.{extension}")
-        } else {
-            format!("{stem}-{}.{extension}", asked.name)
-        };
+    for (i, name) in pictures {
+        let key = admitted.job().keys()[i].to_string();
         let old = known.figures.get(&name).filter(|entry| entry.key == key);
         let there = old.filter(|entry| folder.is_some_and(|folder| entry.is_in(folder, &name)));
         made.push(if let Some(entry) = there {
@@ -78,9 +78,51 @@ pub(super) fn render(path: &Path, known: &Manifest, folder: Option<&Path>) -> Re
     Ok(made)
 }
 
-fn is_picture(admitted: &Admitted, output: usize) -> bool {
-    let media_type = admitted.job().outputs[output].format.media_type();
-    media_type.starts_with("image/") || media_type == "application/pdf"
+/// Returns the names of the pictures that the job in a file makes, as its outputs say. A file that is no job has none;
+/// it is refused when it is rendered.
+pub(super) fn names(path: &Path) -> Vec<String> {
+    #[derive(Deserialize)]
+    struct Peek {
+        #[serde(default)]
+        outputs: Vec<PeekOutput>,
+    }
+    #[derive(Deserialize)]
+    struct PeekOutput {
+        format: String,
+        name: Option<String>,
+    }
+    let peek: Option<Peek> = fs::read(path).ok().and_then(|bytes| serde_json::from_slice(&bytes).ok());
+    let Some(Peek { mut outputs }) = peek else { return Vec::new() };
+    if outputs.is_empty() {
+        outputs = vec![PeekOutput { format: USUAL.to_owned(), name: None }];
+    }
+    let outputs = outputs.iter().filter_map(|output| {
+        let format = output::named(&output.format)?;
+        Some((format, output.name.as_deref().unwrap_or(format.name())))
+    });
+    pictures(path, outputs).into_iter().map(|(_, name)| name).collect()
+}
+
+/// Returns the places of the pictures among the outputs of a job, which are given by format and name, and the names of
+/// their files.
+fn pictures<'a>(path: &Path, outputs: impl Iterator<Item = (&'static dyn Format, &'a str)>) -> Vec<(usize, String)> {
+    let is_picture = |format: &dyn Format| {
+        let media_type = format.media_type();
+        media_type.starts_with("image/") || media_type == "application/pdf"
+    };
+    let stem = part(path.file_stem());
+    let found: Vec<_> = outputs.enumerate().filter(|(_, (format, _))| is_picture(*format)).collect();
+    let is_only = found.len() == 1;
+    let named = |(i, (format, name)): (usize, (&dyn Format, &str))| {
+        let extension = format.extension();
+        (i, if is_only { format!("{stem}.{extension}") } else { format!("{stem}-{name}.{extension}") })
+    };
+    found.into_iter().map(named).collect()
+}
+
+/// Returns a part of a path as text.
+fn part(of: Option<&OsStr>) -> String {
+    of.unwrap_or_default().to_string_lossy().into_owned()
 }
 
 /// Checks a job and admits it within the default limits.

@@ -9,7 +9,7 @@ use rayon::prelude::*;
 
 use super::compare::{Difference, output_of, side_by_side};
 use super::manifest::{Entry, Manifest, put};
-use super::rendered::{Rendered, admitted, load, render};
+use super::rendered::{Rendered, admitted, load, names, render};
 use super::report;
 use crate::cli::error::CliError;
 use crate::cli::inputs::Source;
@@ -45,6 +45,7 @@ impl FigureOptions {
     /// Renders the jobs, or checks their pictures for changes.
     pub(crate) fn run(&self) -> Result<(), CliError> {
         let jobs = jobs(&self.jobs)?;
+        check_names(&jobs)?;
         let known = match (Manifest::read(&self.output)?, self.check) {
             (None, true) => {
                 let detail =
@@ -71,7 +72,6 @@ impl FigureOptions {
         let (made, outcomes): (Vec<Vec<Rendered>>, Vec<bool>) = all.into_iter().unzip();
         let is_whole = outcomes.iter().all(|is_whole| *is_whole);
         let made: Vec<Rendered> = made.into_iter().flatten().collect();
-        check_names(&made)?;
         let progress = progress.into_inner().unwrap_or_else(PoisonError::into_inner);
         if self.check {
             let ended = progress.end("inputs checked");
@@ -190,12 +190,15 @@ fn jobs(folder: &Path) -> Result<Vec<PathBuf>, CliError> {
     Ok(found)
 }
 
-/// Refuses two pictures of the same name.
-fn check_names(made: &[Rendered]) -> Result<(), CliError> {
-    let mut seen: BTreeMap<&str, &str> = BTreeMap::new();
-    for Rendered { name, entry, .. } in made {
-        if let Some(other) = seen.insert(name, &entry.job) {
-            let detail = format!("{other} and {} both make {name}; rename one of them", entry.job);
+/// Refuses jobs that make pictures of the same name.
+fn check_names(jobs: &[PathBuf]) -> Result<(), CliError> {
+    let mut seen: BTreeMap<String, &Path> = BTreeMap::new();
+    let all: Vec<Vec<String>> = jobs.par_iter().map(|job| names(job)).collect();
+    for (job, name) in jobs.iter().zip(all).flat_map(|(job, names)| names.into_iter().map(move |name| (job, name))) {
+        // A job whose own outputs have one name is refused with its other faults.
+        if let Some(other) = seen.insert(name.clone(), job).filter(|other| *other != job.as_path()) {
+            let (other, job) = (file_name(other), file_name(job));
+            let detail = format!("{other} and {job} both make {name}; rename one of them; nothing was rendered");
             return Err(CliError::usage(detail));
         }
     }

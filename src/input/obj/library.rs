@@ -170,17 +170,20 @@ impl Entry {
     fn say(&mut self, keyword: &str, rest: &str, folder: &str) -> Result<(), String> {
         let mut words = rest.split_ascii_whitespace();
         let within = |x: f64| x.clamp(0.0, 1.0);
-        let one = || words.clone().last().and_then(|word| number(word).ok()).map(within);
+        let one = || {
+            let last = words.clone().last().and_then(|word| number(word).ok());
+            last.map(within).ok_or_else(|| format!("{keyword} without a number"))
+        };
         match keyword {
             "" => {}
             "Kd" => {
                 let color = numbers::<3>(&mut words, "a colour").map_err(|_| "Kd without three numbers".to_owned())?;
                 self.color = Some(color.map(within));
             }
-            "d" => self.alpha[0] = one(),
-            "Tr" => self.alpha[1] = one().map(|x| 1.0 - x),
-            "Pm" => self.metallic = one(),
-            "Pr" => self.roughness = one(),
+            "d" => self.alpha[0] = Some(one()?),
+            "Tr" => self.alpha[1] = Some(1.0 - one()?),
+            "Pm" => self.metallic = Some(one()?),
+            "Pr" => self.roughness = Some(one()?),
             "map_Kd" => return self.picture(rest, folder),
             _ if says_nothing(keyword, rest) => {}
             _ => return Err(quoted(keyword)),

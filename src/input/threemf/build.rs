@@ -39,6 +39,9 @@ const NO_MATERIAL: &str = "default";
 /// # Errors
 /// An object does not exist or contains itself, or the mesh takes more than is allowed.
 pub(super) fn built(mut model: Model, mut room: Room, limits: &ReadLimits) -> Result<ReadMesh, String> {
+    if let Some(id) = inside_itself(&model.objects) {
+        return Err(format!("object {id} holds itself by its components; an object holds only others before it"));
+    }
     let mut items = std::mem::take(&mut model.items);
     if items.is_empty() {
         let inside: BTreeSet<u64> =
@@ -65,6 +68,32 @@ pub(super) fn built(mut model: Model, mut room: Room, limits: &ReadLimits) -> Re
         building.place(item, &Transform::IDENTITY, 0)?;
     }
     building.finish()
+}
+
+/// Returns an object to which its own components lead back, if there is one. Without a build no item would lead to it.
+fn inside_itself(objects: &BTreeMap<u64, Object>) -> Option<u64> {
+    let mut done = BTreeSet::new();
+    for (&outermost, _) in objects.iter().filter(|(_, object)| !object.components.is_empty()) {
+        // The objects from the outermost inwards, each with the components that are still to be followed.
+        let (mut path, mut open) = (Vec::new(), BTreeSet::new());
+        let mut next = Some(outermost);
+        loop {
+            if let Some(id) = next.filter(|id| !done.contains(id)) {
+                if !open.insert(id) {
+                    return Some(id);
+                }
+                path.push((id, objects.get(&id).map_or(&[][..], |object| object.components.as_slice()).iter()));
+            }
+            let Some((id, components)) = path.last_mut() else { break };
+            next = components.next().map(|part| part.object);
+            if next.is_none() {
+                done.insert(*id);
+                open.remove(id);
+                path.pop();
+            }
+        }
+    }
+    None
 }
 
 struct Building<'a> {
@@ -114,7 +143,7 @@ impl Building<'_> {
         let object = model.objects.get(&id).ok_or_else(|| format!("there is no object {id}, which is to be built"))?;
         self.n_built += 1;
         if depth > MAX_DEPTH {
-            return Err(format!("object {id} lies deeper in others than {MAX_DEPTH}, or holds itself"));
+            return Err(format!("object {id} lies deeper in others than {MAX_DEPTH}; nest them less deep"));
         }
         if self.n_built > MAX_BUILT {
             return Err(format!("more than {MAX_BUILT} objects are built; send a smaller model"));

@@ -175,18 +175,40 @@ impl<'a> Tokens<'a> {
     }
 }
 
-/// Resolves the escapes of a string; `\n`, `\t` and `\r` become blanks, and any other backslash is dropped.
+/// Resolves the escapes of a string, which are those of C without `\u`: `\n` and the like, and bytes of UTF-8 in up to
+/// two hexadecimal or three octal digits. Before any other character the backslash is dropped. Source: Pixar, `OpenUSD`
+/// 26.11, `TfEscapeString`.
 pub(super) fn unescaped(literal: &str) -> String {
-    let mut letters = literal.chars();
-    let mut text = String::new();
-    while let Some(c) = letters.next() {
-        match (c, c == '\\') {
-            (_, true) => match letters.next() {
-                Some('n' | 't' | 'r') | None => text.push(' '),
-                Some(other) => text.push(other),
-            },
-            (c, false) => text.push(c),
+    let mut rest = literal.as_bytes();
+    let mut text = Vec::with_capacity(rest.len());
+    while let Some((&first, after)) = rest.split_first() {
+        rest = after;
+        if first != b'\\' {
+            text.push(first);
+            continue;
         }
+        let Some((&letter, after)) = rest.split_first() else { break };
+        let (byte, after) = match letter {
+            b'a' => (0x07, after),
+            b'b' => (0x08, after),
+            b't' => (b'\t', after),
+            b'n' => (b'\n', after),
+            b'v' => (0x0b, after),
+            b'f' => (0x0c, after),
+            b'r' => (b'\r', after),
+            b'x' => of_digits(after, 16, 2),
+            b'0'..=b'7' => of_digits(rest, 8, 3),
+            other => (other, after),
+        };
+        text.push(byte);
+        rest = after;
     }
-    text
+    String::from_utf8_lossy(&text).into_owned()
+}
+
+/// Returns the lowest byte of the number that up to `most` digits spell, 0 without digits, and what follows them.
+fn of_digits(text: &[u8], radix: u32, most: usize) -> (u8, &[u8]) {
+    let digits = text.iter().take(most).map_while(|&byte| char::from(byte).to_digit(radix));
+    let (number, n) = digits.fold((0, 0), |(number, n), digit| (number * radix + digit, n + 1));
+    (number.to_le_bytes()[0], &text[n..])
 }

@@ -46,6 +46,20 @@ fn jobs_bring_the_library_of_an_obj_file_along() {
 }
 
 #[test]
+fn values_of_a_library_that_cannot_be_read_are_named() {
+    let mut job = with("newmtl red\nKd 1 0 0\nd half\nPm\nPr 0.5\nPr nan\nnewmtl of glass\nd -halo 0.5\nTr 1,5\n");
+    let materials = json!([
+        { "name": "red", "faces": [0], "color": [1, 0, 0, 1], "roughness": 0.5 },
+        { "name": "of_glass", "faces": [1], "color": [1, 1, 1, 0.5] },
+    ]);
+    assert_eq!(told(job.clone())["materials"], materials);
+    job["outputs"] = json!([{ "format": "json" }]);
+    let left_out = "what libraries say of materials beyond this is left out: Pm without a number (1), \
+                    Pr without a number (1), Tr without a number (1), d without a number (1)";
+    assert_eq!(render(&job).unwrap().1.warnings, [left_out]);
+}
+
+#[test]
 fn a_library_that_is_not_there_is_named() {
     let job = json!({ "input": { "text": { "format": "obj", "data": OBJ } }, "outputs": [{ "format": "json" }] });
     let (_, report) = render(&job).unwrap();

@@ -84,6 +84,8 @@ fn outputs_that_would_take_each_others_place_are_refused_before_anything_is_rend
     refused(&["a.obj", "b/a.obj", "-o", "./{dir}/a.obj"], &["would take the place of the input a.obj"]);
     refused(&["a.obj", "-o", "a.obj"], &["would take the place of the input a.obj; give it another place"]);
     refused(&["a.obj", "-o", "{stm}.glb"], &["there is no placeholder {stm}; known are {stem}"]);
+    refused(&["a.obj", "-o", "{stem.glb"], &["the placeholder {stem.glb has no closing brace; known are {stem}"]);
+    refused(&["a.obj", "-o", "{dir}/{stem"], &["the placeholder {stem has no closing brace"]);
     let named = within(&folder, &["render", "a.*", "-o", "out/{name}.glb"]);
     assert!(named.status.success(), "{}", text(&named.stderr));
     assert_eq!(files(&folder, "out"), ["a.obj.glb", "a.off.glb"]);

@@ -6,7 +6,7 @@ use std::process::Output;
 
 use serde_json::{Value, json};
 
-use super::{FILES, OTHER, REFUSED, planish, text};
+use super::{FILES, OTHER, REFUSED, USAGE, fails, planish, text};
 use crate::http::jobs::{mesh, polygon, with};
 use crate::http::server::Folder;
 use crate::support::render;
@@ -132,6 +132,24 @@ fn new_gone_and_damaged_pictures_differ() {
         assert!(said.contains(part), "{part}: {said}");
     }
     assert!(folder.path().join("out.report/report.html").exists());
+}
+
+#[test]
+fn jobs_with_pictures_of_one_name_are_refused_before_anything_is_written() {
+    let folder = rendered();
+    let kept = fs::read(folder.path().join("out/cube.png")).unwrap();
+    let mut two = png(mesh(1), 64);
+    two["outputs"] = json!([{ "format": "png", "name": "top" }, { "format": "svg" }, { "format": "obj" }]);
+    put(&folder, "jobs/cube.json", &two);
+    put(&folder, "jobs/cube-svg.json", &json!({ "input": mesh(1)["input"], "outputs": [{ "format": "svg" }] }));
+    let call = |more: &[&str]| within(&folder, &[&["figures", "jobs", "-o", "out"], more].concat());
+    for more in [&[][..], &["--check"]] {
+        fails(USAGE, &call(more), &["cube-svg.json and cube.json both make cube-svg.svg", "nothing was rendered"]);
+    }
+    let names: Vec<_> =
+        fs::read_dir(folder.path().join("out")).unwrap().map(|entry| entry.unwrap().file_name()).collect();
+    assert_eq!(names.len(), 3, "{names:?}");
+    assert_eq!(fs::read(folder.path().join("out/cube.png")).unwrap(), kept);
 }
 
 #[test]

@@ -141,8 +141,49 @@ fn patience_ends_and_keys_and_addresses_are_told_to_be_wrong() {
     // nothing listens there any more
     fails(FILES, &call(&url), &["no answer"]);
     fails(USAGE, &call("ftp://127.0.0.1"), &["--server"]);
+    fails(USAGE, &call("http://"), &["--server"]);
     let value: Value = serde_json::from_str(&fs::read_to_string(&job).unwrap()).unwrap();
     assert_eq!(value["levels"], 1, "the job is left alone");
+}
+
+#[test]
+fn answers_that_no_planish_gives_are_no_results() {
+    let folder = Folder::new();
+    let job = saved(&folder, &with(mesh(1), "obj"));
+    let out = folder.path().join("out.obj");
+    let call = |url: &str| run(&["render", &job, "-o", out.to_str().unwrap(), "--patience", "2", "--server", url]);
+    let place = "location: /v1/jobs/7\r\n";
+    let (nowhere, elsewhere) = ("", "location: http://elsewhere.example/v1/jobs/7\r\n");
+    for headers in [nowhere, elsewhere] {
+        let (url, service) = scripted(vec![answer("202 Accepted", headers, "{\"state\":\"queued\"}")]);
+        fails(FILES, &call(&url), &[&url, "as no planish does", "202", "Location"]);
+        service.join().unwrap();
+    }
+    let (url, service) = scripted(vec![answer("202 Accepted", place, "{}"), answer("200 OK", "", "{}")]);
+    fails(FILES, &call(&url), &[&url, "as no planish does", "no state"]);
+    service.join().unwrap();
+    assert!(!out.exists(), "what is no result is not written");
+}
+
+#[test]
+fn the_upload_the_job_and_its_states_have_one_patience_together() {
+    let folder = Folder::new();
+    let job = saved(&folder, &with(mesh(1), "obj"));
+    let file = folder.path().join("triangle.obj");
+    fs::write(&file, "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n").unwrap();
+    let busy = || problem("503 Service Unavailable", "retry-after: 1\r\n", "all lanes are full");
+    let running = || answer("200 OK", "retry-after: 1\r\n", &json!({ "state": "running" }).to_string());
+    let accepted = answer("202 Accepted", "location: /v1/jobs/7\r\n", "{}");
+    // The service is gone after its last answer. A client that began to count anew with the job, or with its states,
+    // would ask once more and find nobody; one on a slow machine gives up earlier.
+    let call = |input: &str, answers: Vec<String>| {
+        let (url, _service) = scripted(answers);
+        let made = run(&["render", input, "-o", "-", "--format", "obj", "--patience", "2", "--server", &url]);
+        fails(FILES, &made, &["2 s"]);
+        assert!(!text(&made.stderr).contains("no answer"), "{}", text(&made.stderr));
+    };
+    call(file.to_str().unwrap(), vec![busy(), answer("200 OK", "", &json!({ "id": "7" }).to_string()), busy()]);
+    call(&job, vec![busy(), accepted, running(), running()]);
 }
 
 /// Starts a service that answers one request over TLS, and returns its certificate.

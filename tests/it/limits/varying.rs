@@ -129,7 +129,7 @@ fn too_many_vertices_with_different_parameters_are_refused() {
     let job = json!({ "input": { "mesh": with(&net, &json!({ "delta": numbers(&net, 0.0, 1.0) })) },
         "plan": { "word": "UCP" }, "levels": 6, "outputs": [{ "format": "obj", "positions": "limit" }] });
     let faults = render(&job).expect_err("there are too many");
-    assert!(faults[0].detail.contains("more than 16384 vertices differ"), "{faults:?}");
+    assert!(faults[0].detail.contains("more than 16384 different surroundings"), "{faults:?}");
     assert!(faults[0].detail.contains("ask for fewer levels"), "{faults:?}");
 }
 

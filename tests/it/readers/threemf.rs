@@ -220,9 +220,29 @@ fn broken_models_are_refused_by_line_and_name() {
         let found = sentences("3mf", &bytes);
         assert!(found[0].contains(expected), "{expected}: {found:?}");
     }
-    let holds_itself = "<object id=\"2\"><components><component objectid=\"2\"/></components></object>";
-    let found = sentences("3mf", &tetrahedron("", ["", holds_itself], "<item objectid=\"2\"/>"));
-    assert!(found[0].contains("or holds itself"), "{found:?}");
+}
+
+/// Returns an object with other objects as its components.
+fn composed(id: u64, parts: &[u64]) -> String {
+    let parts: String = parts.iter().map(|part| format!("<component objectid=\"{part}\"/>")).collect();
+    format!("<object id=\"{id}\"><components>{parts}</components></object>")
+}
+
+#[test]
+fn objects_that_hold_themselves_are_refused_by_name() {
+    let itself = composed(2, &[2]);
+    let mutual = composed(3, &[1, 4]) + &composed(4, &[1, 5]) + &composed(5, &[1, 4]);
+    // without a build no object stands for those that hold each other
+    for (objects, build, id) in [(&itself, "", 2), (&itself, "<item objectid=\"2\"/>", 2), (&mutual, "", 4)] {
+        let found = sentences("3mf", &tetrahedron("", ["", objects], build));
+        assert!(found[0].contains(&format!("object {id} holds itself by its components")), "{found:?}");
+    }
+    let twice = composed(3, &[1, 1]) + &composed(4, &[3, 1, 3]) + &composed(5, &[4, 3]);
+    let found = mesh("3mf", &tetrahedron("", ["", &twice], ""));
+    assert_eq!(found.faces.len(), 4 * 7, "an object may come again, in others");
+    let deep: String = (2..20).map(|id| composed(id, &[id - 1])).collect();
+    let found = sentences("3mf", &tetrahedron("", ["", &deep], ""));
+    assert!(found[0].contains("lies deeper in others than 16; "), "{found:?}");
 }
 
 #[test]

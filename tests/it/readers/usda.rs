@@ -102,6 +102,27 @@ def Scope "Looks"
 }
 
 #[test]
+fn names_have_the_escapes_of_usd() {
+    let names = [
+        (r"a\n\tb", "a\n\tb"),
+        (r#"\"a\'"#, "\"a'"),
+        (r"\\n", r"\n"),
+        (r"\x41\x4a2\x", "AJ2\0"),
+        (r"\101\0602", "A02"),
+        (r"caf\xc3\xa9", "caf\u{e9}"),
+        (r"\303\251", "\u{e9}"),
+        ("\u{e9}\u{4e16}", "\u{e9}\u{4e16}"),
+        (r"\xff", "\u{fffd}"),
+        (r"\u00e9\q", "u00e9q"),
+    ];
+    for (literal, name) in names {
+        let first = format!("def Mesh \"a\" (displayName = \"{literal}\") {{ {SQUARE} }}");
+        let found = mesh("usda", &layer("", &format!("{first}\ndef Mesh \"b\" {{ {SQUARE} }}")));
+        assert_eq!(found.groups[0].name, name, "{literal}");
+    }
+}
+
+#[test]
 fn prims_stand_where_their_transforms_put_them() {
     let found = mesh("usda", scene().as_bytes());
     assert_eq!((found.unit, found.up), (Some(Unit::Millimetre), Some(Up::Z)));
