@@ -119,9 +119,7 @@ pub(super) async fn list_batches(State(app): State<Shared>, client: Client, RawQ
     let next = batches.last().filter(|_| is_more).map(|batch| batch.number.to_string());
     let brief = |batch| BatchAnswer::brief(&app.desk.standing_of_batch(batch));
     let batches = batches.into_iter().map(brief).collect();
-    let mut response = axum::Json(BatchesAnswer { batches, next }).into_response();
-    response.headers_mut().insert(header::CACHE_CONTROL, HeaderValue::from_static("no-cache"));
-    response
+    ([(header::CACHE_CONTROL, "no-cache")], axum::Json(BatchesAnswer { batches, next })).into_response()
 }
 
 /// Cancels a batch: its jobs that nobody else wants are cancelled, and what is done stays. The batch stays known;

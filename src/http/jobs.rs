@@ -56,9 +56,7 @@ pub(super) async fn list(State(app): State<Shared>, client: Client, RawQuery(que
     let (records, is_more) = app.desk.jobs.page(client.tenant(), page.0, page.1);
     let next = records.last().filter(|_| is_more).map(|record| record.number.to_string());
     let jobs = records.into_iter().map(|record| answer(&app.desk.standing_of(record))).collect();
-    let mut response = axum::Json(JobsAnswer { jobs, next }).into_response();
-    response.headers_mut().insert(header::CACHE_CONTROL, HeaderValue::from_static("no-cache"));
-    response
+    ([(header::CACHE_CONTROL, "no-cache")], axum::Json(JobsAnswer { jobs, next })).into_response()
 }
 
 /// Cancels a job: what nobody else waits for ends within 65,536 rows or one tile. The job stays known; posted again, it
@@ -111,8 +109,8 @@ pub(super) fn answer(standing: &Standing) -> JobAnswer {
 
 /// Returns the answer with the state of a job.
 fn told(status: StatusCode, standing: &Standing) -> Response {
-    let mut response = (status, axum::Json(answer(standing))).into_response();
-    response.headers_mut().insert(header::CACHE_CONTROL, HeaderValue::from_static("no-cache"));
+    let head = [(header::CACHE_CONTROL, "no-cache")];
+    let mut response = (status, head, axum::Json(answer(standing))).into_response();
     if !standing.phase.is_settled() {
         response.headers_mut().insert(header::RETRY_AFTER, HeaderValue::from_static("1"));
     }
