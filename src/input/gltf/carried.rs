@@ -18,8 +18,8 @@ use crate::shape::attachments::COLOR;
 use crate::shape::attachments::ChannelInput;
 use crate::shape::labels::FaceSet;
 
-/// Maximum number of attributes that a note names.
-const NAMED: usize = 8;
+/// Maximum number of attributes or extensions that a note names.
+pub(super) const NAMED: usize = 8;
 
 /// The name of the attribute `_ORIGIN`, which holds origins and does not become a channel.
 const ORIGIN: &str = "origin";
