@@ -47,10 +47,7 @@ const FACTS: &FormatFacts = &FormatFacts {
     doc: "The library of materials of a mesh, for the obj output of the same job: colours, alpha, metalness, roughness",
     parameters: &[TEXTURES],
     holds_frames: true,
-    holds: |kind, _| match kind {
-        ShapeKind::Mesh => Ok(()),
-        ShapeKind::Curves { .. } => Err("curves have no materials; ask for obj alone".to_owned()),
-    },
+    holds: |kind, _| kind.only_meshes("curves have no materials; ask for obj alone"),
     ..FormatFacts::USUAL
 };
 
