@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use axum::body::Body;
 use axum::extract::State;
-use axum::http::{HeaderMap, HeaderValue, StatusCode, header};
+use axum::http::HeaderMap;
 use axum::response::{IntoResponse, Response};
 
 use super::answer::{self, Artifact, Lost};
@@ -80,7 +80,7 @@ pub(super) async fn made(
 ) -> Result<Response, Problem> {
     let key = task.key();
     if let Some(tag) = negotiate::has_already(headers, &key) {
-        return Ok(not_modified(&key, extension, tag));
+        return Ok(answer::not_modified(HeaderMap::new(), tag, &address::of_extension(key, extension)));
     }
     if let Some(manifest) = app.desk.find(key, client.peer()).await {
         // a damaged artifact has been dropped from the store, and is computed again
@@ -109,18 +109,6 @@ async fn whole(
     let found = coded(app, headers, found).await;
     let head = answer::headers(&found, &address::of_extension(key, extension));
     answer::bytes(app, found, head, ByteRange::Whole).await
-}
-
-fn not_modified(key: &Key, extension: &str, tag: String) -> Response {
-    let mut headers = HeaderMap::new();
-    headers.insert(header::VARY, HeaderValue::from_static(answer::VARY));
-    if let (Ok(tag), Ok(address)) =
-        (HeaderValue::try_from(tag), HeaderValue::try_from(address::of_extension(key, extension)))
-    {
-        headers.insert(header::ETAG, tag);
-        headers.insert(header::CONTENT_LOCATION, address);
-    }
-    (StatusCode::NOT_MODIFIED, headers).into_response()
 }
 
 /// The task that computes an analysis in one form.

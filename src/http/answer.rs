@@ -94,7 +94,7 @@ impl From<Lost> for Problem {
 }
 
 /// The request headers by which answers about artifacts differ.
-pub(super) const VARY: &str = "accept, accept-encoding";
+const VARY: &str = "accept, accept-encoding";
 
 /// Returns the headers that every answer about an artifact has.
 pub(super) fn headers(found: &Artifact, address: &str) -> HeaderMap {
@@ -119,6 +119,16 @@ pub(super) fn headers(found: &Artifact, address: &str) -> HeaderMap {
         headers.insert(header::CONTENT_LOCATION, address);
     }
     headers
+}
+
+/// Returns the answer that the client has the artifact at this address already, with these headers and its tag.
+pub(super) fn not_modified(mut headers: HeaderMap, tag: String, address: &str) -> Response {
+    headers.insert(header::VARY, HeaderValue::from_static(VARY));
+    if let (Ok(tag), Ok(address)) = (HeaderValue::try_from(tag), HeaderValue::try_from(address)) {
+        headers.insert(header::ETAG, tag);
+        headers.insert(header::CONTENT_LOCATION, address);
+    }
+    (StatusCode::NOT_MODIFIED, headers).into_response()
 }
 
 /// The facts in the headers of a result, whether it is stored or not.

@@ -13,7 +13,7 @@ use futures_util::stream;
 use super::answer::PartReader;
 use super::app::{App, Shared};
 use super::artifacts::made_again;
-use super::batches::{parse, unknown};
+use super::batches::unknown;
 use super::client::Client;
 use super::negotiate;
 use super::problem::Problem;
@@ -58,7 +58,7 @@ pub(super) async fn archive(
 
 fn answered(app: &Arc<App>, client: &Client, id: &str, headers: &HeaderMap) -> Result<Response, Problem> {
     let peer = client.peer();
-    let standing = parse(client, id).and_then(|batch| app.desk.batch_standing(&batch)).ok_or_else(unknown)?;
+    let standing = client.named(id).and_then(|batch| app.desk.batch_standing(&batch)).ok_or_else(unknown)?;
     if !standing.phase.is_settled() {
         return Err(Problem::unfinished());
     }

@@ -17,7 +17,6 @@ use super::feed::{self, Followed};
 use super::problem::{self, Problem};
 use super::segment::Segment;
 use super::{batch_checks, body, jobs, negotiate, posting};
-use crate::job::key::Key;
 use crate::service::accepting::NotAccepted;
 use crate::service::batches::BatchStanding;
 use crate::service::job_key::{JobKey, Priority};
@@ -95,7 +94,7 @@ pub(super) async fn post_batch(
     )
 )]
 pub(super) async fn batch(State(app): State<Shared>, client: Client, Segment(id): Segment) -> Response {
-    let standing = parse(&client, &id).and_then(|batch| app.desk.batch_standing(&batch)).ok_or_else(unknown);
+    let standing = client.named(&id).and_then(|batch| app.desk.batch_standing(&batch)).ok_or_else(unknown);
     standing.and_then(|standing| told(&app, client.peer(), StatusCode::OK, &standing)).into_response()
 }
 
@@ -120,9 +119,7 @@ pub(super) async fn list_batches(State(app): State<Shared>, client: Client, RawQ
     let next = batches.last().filter(|_| is_more).map(|batch| batch.number.to_string());
     let brief = |batch| BatchAnswer::brief(&app.desk.standing_of_batch(batch));
     let batches = batches.into_iter().map(brief).collect();
-    let mut response = axum::Json(BatchesAnswer { batches, next }).into_response();
-    response.headers_mut().insert(header::CACHE_CONTROL, HeaderValue::from_static("no-cache"));
-    response
+    ([(header::CACHE_CONTROL, "no-cache")], axum::Json(BatchesAnswer { batches, next })).into_response()
 }
 
 /// Cancels a batch: its jobs that nobody else wants are cancelled, and what is done stays. The batch stays known;
@@ -137,7 +134,7 @@ pub(super) async fn list_batches(State(app): State<Shared>, client: Client, RawQ
     )
 )]
 pub(super) async fn cancel_batch(State(app): State<Shared>, client: Client, Segment(id): Segment) -> Response {
-    let Some(batch) = parse(&client, &id) else { return unknown().into_response() };
+    let Some(batch) = client.named(&id) else { return unknown().into_response() };
     let status = if app.desk.cancel_batch(&batch) { StatusCode::ACCEPTED } else { StatusCode::OK };
     if let Err(error) = app.desk.batch_written(&batch).await {
         return Problem::from(error).into_response();
@@ -156,7 +153,7 @@ pub(super) async fn cancel_batch(State(app): State<Shared>, client: Client, Segm
     )
 )]
 pub(super) async fn forget_batch(State(app): State<Shared>, client: Client, Segment(id): Segment) -> Response {
-    if let Some(batch) = parse(&client, &id).filter(|batch| app.desk.forget_batch(batch)) {
+    if let Some(batch) = client.named(&id).filter(|batch| app.desk.forget_batch(batch)) {
         let written = app.desk.batch_written(&batch).await.map_err(Problem::from);
         return written.map(|()| StatusCode::NO_CONTENT).into_response();
     }
@@ -185,7 +182,7 @@ pub(super) async fn batch_events(
     Segment(id): Segment,
     headers: HeaderMap,
 ) -> Response {
-    let found = parse(&client, &id).and_then(|batch| Some((batch, app.desk.batch_standing(&batch)?)));
+    let found = client.named(&id).and_then(|batch| Some((batch, app.desk.batch_standing(&batch)?)));
     let Some((batch, standing)) = found else { return unknown().into_response() };
     let ended = standing.batch.ended.subscribe();
     let look: feed::Look = Box::new(move |app| Some(Box::new(app.desk.batch_standing(&batch)?)));
@@ -208,11 +205,6 @@ impl Followed for BatchStanding {
     fn progress(&self) -> Value {
         json!(BatchProgress::new(self))
     }
-}
-
-/// Parses the id of a batch, and combines it with the tenant of the client.
-pub(super) fn parse(client: &Client, id: &str) -> Option<JobKey> {
-    Key::parse(id).map(|id| JobKey { tenant: client.tenant(), id })
 }
 
 /// Returns the answer about an unknown batch.

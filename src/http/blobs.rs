@@ -33,7 +33,7 @@ use crate::wire::text::MeshFile;
 /// upload.
 const PIECE_BYTES: usize = 1 << 20;
 const JSON: &str = "application/json";
-const PICTURE: &str = "image/png";
+pub(super) const PICTURE: &str = "image/png";
 /// The signature of a PNG.
 const PICTURE_STARTS: &[u8] = b"\x89PNG\r\n\x1a\n";
 
@@ -212,16 +212,17 @@ fn media_type_of(kind: Kind, headers: &HeaderMap, first: &[u8]) -> Result<&'stat
     }
 }
 
-/// Returns the name of the format of a media type.
-fn format_of(media_type: &str) -> &'static str {
-    READERS.iter().find(|reader| reader.media_type == media_type).map_or("json", |reader| reader.name)
+/// Returns the name of the format of meshes with a media type.
+pub(super) fn format_of(media_type: &str) -> Option<&'static str> {
+    let reader = READERS.iter().find(|reader| reader.media_type == media_type).map(|reader| reader.name);
+    reader.or((media_type == JSON).then_some("json"))
 }
 
 fn told(manifest: &Manifest) -> Response {
     let id = written_id(&manifest.key);
     let href = format!("/v1/blobs/{id}");
     let is_picture = manifest.media_type == PICTURE;
-    let format = if is_picture { "png" } else { format_of(&manifest.media_type) }.to_owned();
+    let format = if is_picture { "png" } else { format_of(&manifest.media_type).unwrap_or("json") }.to_owned();
     let answer = BlobAnswer { id, bytes: manifest.length, format, href: href.clone() };
     let mut response = (StatusCode::CREATED, axum::Json(answer)).into_response();
     response.headers_mut().extend(HeaderValue::try_from(href).map(|href| (header::LOCATION, href)));
@@ -273,7 +274,7 @@ async fn read(app: &Arc<App>, peer: Peer, named: &NamedUpload) -> Result<Attache
         let detail = format!("the upload {} is a picture; only /v1/compare takes it", written_id(&id));
         return Err(Problem::invalid(vec![Fault::new(named.pointer(), detail)]));
     }
-    let format = format_of(&manifest.media_type).to_owned();
+    let format = format_of(&manifest.media_type).unwrap_or("json").to_owned();
     let file = MeshFile { format, bytes, beside: Arc::new(Alone) };
     Ok(Attached::new(id, file, paid))
 }

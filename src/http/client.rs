@@ -8,7 +8,8 @@ use axum::http::request;
 
 use super::connections::{Connection, Phase};
 use super::problem::Problem;
-use crate::service::job_key::Tenant;
+use crate::job::key::Key;
+use crate::service::job_key::{JobKey, Tenant};
 use crate::service::peer::Peer;
 
 /// The client that sent a request.
@@ -49,6 +50,11 @@ impl Client {
     /// Returns the tenant whose jobs, results and uploads the client sees.
     pub(super) fn tenant(&self) -> Tenant {
         self.peer().tenant()
+    }
+
+    /// Returns the job or the batch that the client names by an id; `None` if the text is no id.
+    pub(super) fn named(&self, id: &str) -> Option<JobKey> {
+        Key::parse(id).map(|id| JobKey { tenant: self.tenant(), id })
     }
 
     /// Returns whether shared caches must not store the answers to this client.

@@ -7,13 +7,13 @@ use axum::body::Bytes;
 use serde_json::Value;
 
 use super::app::App;
-use super::blobs;
+use super::blobs::{self, PICTURE};
 use super::body::{Attached, Sent};
 use super::inflate::too_long;
 use super::problem::{self, Problem};
 use super::reading::{self, ReadJob};
 use crate::fault::{Fault, shortened, under};
-use crate::input::{Alone, READERS};
+use crate::input::Alone;
 use crate::job::key::Key;
 use crate::job::{PngFile, Side};
 use crate::service::computation::Phase;
@@ -26,8 +26,6 @@ use crate::wire::output::OutputRequest;
 use crate::wire::place::InputPlace;
 use crate::wire::text::MeshFile;
 
-/// The media type of pictures that are compared.
-const PICTURE: &str = "image/png";
 /// The job for a mesh file that is compared unrefined.
 const FILE: &[u8] = br#"{"input":{},"outputs":[{"format":"stats"}]}"#;
 
@@ -48,7 +46,11 @@ pub(super) struct FoundSide {
 pub(super) async fn side(app: &Arc<App>, peer: Peer, place: &str, named: &Value) -> Result<FoundSide, Problem> {
     let fault = |detail: String| Problem::invalid(vec![Fault::new(place, detail)]);
     match named {
-        Value::String(id) if id.starts_with("b3-") => of_upload(app, peer, place, id).await,
+        Value::String(id) if id.starts_with("b3-") => {
+            let (key, manifest, bytes, paid) = blobs::loaded(app, peer, id, place).await?;
+            let holds = Holds::of(&manifest.media_type).map_err(fault)?;
+            of_file(app, peer, place, (key, holds), (bytes, paid), false).await
+        }
         Value::String(id) => {
             let key = Key::parse(id).ok_or_else(|| {
                 fault(format!(
@@ -58,14 +60,8 @@ pub(super) async fn side(app: &Arc<App>, peer: Peer, place: &str, named: &Value)
             })?;
             let missing = || fault(format!("there is no artifact {key} here; give the job that makes it"));
             let manifest = app.desk.find(key, peer).await.ok_or_else(missing)?;
-            let Some(file) = format_of(&manifest.media_type) else {
-                return Err(fault(format!("{} is neither a PNG nor a mesh file that is read", manifest.media_type)));
-            };
-            let (bytes, paid) = whole(app, peer, &manifest).await?;
-            match file {
-                Holds::Picture => picture(bytes, paid, true).map_err(fault),
-                Holds::Mesh(format) => of_file(app, peer, place, (key, format), (bytes, paid)).await,
-            }
+            let holds = Holds::of(&manifest.media_type).map_err(fault)?;
+            of_file(app, peer, place, (key, holds), whole(app, peer, &manifest).await?, true).await
         }
         Value::Object(_) => {
             of_job(app, peer, named).await.map_err(|problem| problem.at(|pointer| format!("{place}{pointer}")))
@@ -81,12 +77,13 @@ enum Holds {
     Mesh(&'static str),
 }
 
-fn format_of(media_type: &str) -> Option<Holds> {
-    let reader = || READERS.iter().find(|reader| reader.media_type == media_type);
-    match media_type {
-        PICTURE => Some(Holds::Picture),
-        "application/json" => Some(Holds::Mesh("json")),
-        _ => reader().map(|reader| Holds::Mesh(reader.name)),
+impl Holds {
+    fn of(media_type: &str) -> Result<Self, String> {
+        if media_type == PICTURE {
+            return Ok(Self::Picture);
+        }
+        let refusal = || format!("{media_type} is neither a PNG nor a mesh file that is read");
+        blobs::format_of(media_type).map(Self::Mesh).ok_or_else(refusal)
     }
 }
 
@@ -116,24 +113,18 @@ fn charged(app: &Arc<App>, peer: Peer, bytes: u64) -> Result<Paid, Problem> {
     paid.map_err(|_| desk.pool.busy(Lane::Reading, Lack::Bodies).into())
 }
 
-async fn of_upload(app: &Arc<App>, peer: Peer, place: &str, id: &str) -> Result<FoundSide, Problem> {
-    let fault = |detail: String| Problem::invalid(vec![Fault::new(place, detail)]);
-    let (key, manifest, bytes, paid) = blobs::loaded(app, peer, id, place).await?;
-    match format_of(&manifest.media_type) {
-        Some(Holds::Picture) => picture(bytes, paid, false).map_err(fault),
-        Some(Holds::Mesh(format)) => of_file(app, peer, place, (key, format), (bytes, paid)).await,
-        None => Err(fault(format!("{} is neither a PNG nor a mesh file that is read", manifest.media_type))),
-    }
-}
-
-/// Reads a mesh file unrefined.
+/// Reads a picture, which `is_own` if this service drew it, or a mesh file unrefined.
 async fn of_file(
     app: &Arc<App>,
     peer: Peer,
     place: &str,
-    (key, format): (Key, &str),
+    (key, holds): (Key, Holds),
     (bytes, paid): (Vec<u8>, Paid),
+    is_own: bool,
 ) -> Result<FoundSide, Problem> {
+    let Holds::Mesh(format) = holds else {
+        return picture(bytes, paid, is_own).map_err(|detail| Problem::invalid(vec![Fault::new(place, detail)]));
+    };
     let file = MeshFile { format: format.to_owned(), bytes, beside: Arc::new(Alone) };
     let attached = Arc::new(Attached::new(key, file, paid));
     let sent = Sent::job(Bytes::from_static(FILE)).with_uploads(vec![(InputPlace::default(), attached)]);

@@ -3,9 +3,9 @@
 use std::io::Write;
 use std::sync::Arc;
 
-use axum::body::Body;
+use axum::body::{Body, Bytes};
 use axum::extract::State;
-use axum::http::{HeaderMap, HeaderValue, header};
+use axum::http::{HeaderMap, HeaderName, header};
 use axum::response::{IntoResponse, Response};
 
 use super::address::of_extension;
@@ -18,7 +18,6 @@ use super::{body, reading};
 use crate::fault::Fault;
 use crate::job::key::Key;
 use crate::job::{Comparison, KeepWork, Report, RunError};
-use crate::service::computation::{Outcome, Phase};
 use crate::service::peer::Peer;
 use crate::service::task::{Cost, Task};
 use crate::watch::Watch;
@@ -81,38 +80,13 @@ async fn answered(app: &Arc<App>, client: &Client, headers: &HeaderMap, body: Bo
         answer.insert("outputs".to_owned(), serde_json::to_value(outputs).map_err(|_| compared::lost())?);
     }
     let status = if is_hit { "planish; hit" } else { "planish; fwd=miss; stored" };
-    let mut response = axum::Json(answer).into_response();
-    response.headers_mut().insert("cache-status", HeaderValue::from_static(status));
-    response.headers_mut().insert(header::CACHE_CONTROL, HeaderValue::from_static("no-cache"));
-    Ok(response)
+    let kept = [(HeaderName::from_static("cache-status"), status), (header::CACHE_CONTROL, "no-cache")];
+    Ok((kept, axum::Json(answer)).into_response())
 }
 
 /// Returns the first part of a task's result, and whether it was in the cache.
-async fn made(app: &Arc<App>, peer: Peer, task: ComparisonTask) -> Result<(axum::body::Bytes, bool), Problem> {
-    if let Some(manifest) = app.desk.find(task.key(), peer).await
-        && let Some(bytes) = app.desk.tiers.part(&manifest, 0).await
-    {
-        return Ok((bytes, true));
-    }
-    let (needs, has) = (task.cost().memory_bytes, app.desk.account.long.capacity);
-    if needs > u128::from(has) {
-        let needs = u64::try_from(needs).unwrap_or(u64::MAX);
-        return Err(reading::too_large("the comparison takes", needs, has));
-    }
-    let interest = app.desk.compute(Arc::new(task), peer)?;
-    match interest.computation.finished().await {
-        Phase::Done(outcome) => Ok((first(app, &outcome).await?, false)),
-        Phase::Failed(failure) => Err(Problem::of_failure(failure, |refused| refused.fault)),
-        Phase::Queued | Phase::Running => Err(Problem::cancelled()),
-    }
-}
-
-async fn first(app: &Arc<App>, outcome: &Outcome) -> Result<axum::body::Bytes, Problem> {
-    let bytes = match &outcome.loose {
-        Some(bytes) => Some(bytes.clone()),
-        None => app.desk.tiers.part(&outcome.manifest, 0).await,
-    };
-    bytes.ok_or_else(compared::lost)
+async fn made(app: &Arc<App>, peer: Peer, task: ComparisonTask) -> Result<(Bytes, bool), Problem> {
+    reading::first_part(app, peer, Arc::new(task), "the comparison takes").await?.ok_or_else(compared::lost)
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

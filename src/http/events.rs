@@ -39,7 +39,7 @@ pub(super) async fn events(
     Segment(id): Segment,
     headers: HeaderMap,
 ) -> Response {
-    let found = jobs::parse(&client, &id).and_then(|job| Some((job, app.desk.standing(&job)?)));
+    let found = client.named(&id).and_then(|job| Some((job, app.desk.standing(&job)?)));
     let Some((job, standing)) = found else { return jobs::unknown().into_response() };
     let ended = standing.record.ended.subscribe();
     let look: feed::Look = Box::new(move |app| Some(Box::new(app.desk.standing(&job)?)));

@@ -13,7 +13,6 @@ use super::client::Client;
 use super::problem::{self, Problem};
 use super::segment::Segment;
 use crate::fault::{Fault, shortened};
-use crate::job::key::Key;
 use crate::service::accepting::NotAccepted;
 use crate::service::job_key::JobKey;
 use crate::service::jobs::Standing;
@@ -35,7 +34,7 @@ const LARGEST_PAGE: usize = 100;
     )
 )]
 pub(super) async fn job(State(app): State<Shared>, client: Client, Segment(id): Segment) -> Response {
-    let standing = parse(&client, &id).and_then(|job| app.desk.standing(&job));
+    let standing = client.named(&id).and_then(|job| app.desk.standing(&job));
     standing.map_or_else(|| unknown().into_response(), |standing| told(StatusCode::OK, &standing))
 }
 
@@ -57,9 +56,7 @@ pub(super) async fn list(State(app): State<Shared>, client: Client, RawQuery(que
     let (records, is_more) = app.desk.jobs.page(client.tenant(), page.0, page.1);
     let next = records.last().filter(|_| is_more).map(|record| record.number.to_string());
     let jobs = records.into_iter().map(|record| answer(&app.desk.standing_of(record))).collect();
-    let mut response = axum::Json(JobsAnswer { jobs, next }).into_response();
-    response.headers_mut().insert(header::CACHE_CONTROL, HeaderValue::from_static("no-cache"));
-    response
+    ([(header::CACHE_CONTROL, "no-cache")], axum::Json(JobsAnswer { jobs, next })).into_response()
 }
 
 /// Cancels a job: what nobody else waits for ends within 65,536 rows or one tile. The job stays known; posted again, it
@@ -74,7 +71,7 @@ pub(super) async fn list(State(app): State<Shared>, client: Client, RawQuery(que
     )
 )]
 pub(super) async fn cancel(State(app): State<Shared>, client: Client, Segment(id): Segment) -> Response {
-    let Some(job) = parse(&client, &id) else { return unknown().into_response() };
+    let Some(job) = client.named(&id) else { return unknown().into_response() };
     let status = if app.desk.cancel(&job) { StatusCode::ACCEPTED } else { StatusCode::OK };
     if let Err(error) = app.desk.jobs.written(job).await {
         return Problem::from(NotAccepted::from(error)).into_response();
@@ -92,16 +89,11 @@ pub(super) async fn cancel(State(app): State<Shared>, client: Client, Segment(id
     )
 )]
 pub(super) async fn forget(State(app): State<Shared>, client: Client, Segment(id): Segment) -> Response {
-    if let Some(job) = parse(&client, &id).filter(|job| app.desk.forget(job)) {
+    if let Some(job) = client.named(&id).filter(|job| app.desk.forget(job)) {
         let written = app.desk.jobs.written(job).await.map_err(|error| Problem::from(NotAccepted::from(error)));
         return written.map(|()| StatusCode::NO_CONTENT).into_response();
     }
     Problem::new(problem::NOT_FOUND, "there is no job of this id, or it is forgotten already").into_response()
-}
-
-/// Parses the id of a job, and combines it with the tenant of the client.
-pub(super) fn parse(client: &Client, id: &str) -> Option<JobKey> {
-    Key::parse(id).map(|id| JobKey { tenant: client.tenant(), id })
 }
 
 /// Returns the answer about an unknown job.
@@ -117,8 +109,8 @@ pub(super) fn answer(standing: &Standing) -> JobAnswer {
 
 /// Returns the answer with the state of a job.
 fn told(status: StatusCode, standing: &Standing) -> Response {
-    let mut response = (status, axum::Json(answer(standing))).into_response();
-    response.headers_mut().insert(header::CACHE_CONTROL, HeaderValue::from_static("no-cache"));
+    let head = [(header::CACHE_CONTROL, "no-cache")];
+    let mut response = (status, head, axum::Json(answer(standing))).into_response();
     if !standing.phase.is_settled() {
         response.headers_mut().insert(header::RETRY_AFTER, HeaderValue::from_static("1"));
     }

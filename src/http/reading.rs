@@ -4,6 +4,7 @@
 use std::io::Write;
 use std::sync::Arc;
 
+use axum::body::Bytes;
 use serde::{Deserialize, Serialize};
 
 use super::app::App;
@@ -16,7 +17,7 @@ use crate::job::key::Key;
 use crate::job::limits::Admitted;
 use crate::job::{Draft, Job, KeepWork, Report, RunError, Search, SearchError};
 use crate::math::amounts::in_bytes;
-use crate::service::computation::{Outcome, Phase};
+use crate::service::computation::Phase;
 use crate::service::peer::{Kind, Paid, Peer};
 use crate::service::pool::{Lack, Lane};
 use crate::service::task::{Cost, Task};
@@ -138,31 +139,40 @@ pub(super) async fn admit(app: &Arc<App>, peer: Peer, job: Job) -> Result<Arc<Ad
 /// Returns the level for a tolerance: stored from an earlier search, or searched for like any other computation.
 async fn reached(app: &Arc<App>, peer: Peer, search: &Arc<Search>, input: &Arc<Paid>) -> Result<Reached, Problem> {
     let task = Arc::new(SearchTask { search: search.clone(), _input: input.clone() });
+    let found = first_part(app, peer, task, "the search for the level of this tolerance may take").await?;
+    answered(&found.ok_or(super::answer::Lost::Gone)?.0)
+}
+
+/// Returns the first part of the result of a task without outputs, and whether it was in the cache; `None` if the
+/// result has just left the cache. `what` begins the refusal of a task that needs more memory than its share.
+pub(super) async fn first_part(
+    app: &Arc<App>,
+    peer: Peer,
+    task: Arc<dyn Task>,
+    what: &str,
+) -> Result<Option<(Bytes, bool)>, Problem> {
     if let Some(manifest) = app.desk.find(task.key(), peer).await
         && let Some(bytes) = app.desk.tiers.part(&manifest, 0).await
     {
-        return answered(&bytes);
+        return Ok(Some((bytes, true)));
     }
-    let (needs, has) = (search.cost().bytes, app.desk.account.long.capacity);
-    if needs > has {
-        return Err(too_large("the search for the level of this tolerance may take", needs, has));
+    let (needs, has) = (task.cost().memory_bytes, app.desk.account.long.capacity);
+    if needs > u128::from(has) {
+        return Err(too_large(what, u64::try_from(needs).unwrap_or(u64::MAX), has));
     }
     let interest = app.desk.compute(task, peer)?;
     match interest.computation.finished().await {
-        Phase::Done(outcome) => answered(&whole(app, &outcome).await?),
-        // a search has no outputs whose faults would need other pointers
+        Phase::Done(outcome) => {
+            let bytes = match &outcome.loose {
+                Some(bytes) => Some(bytes.clone()),
+                None => app.desk.tiers.part(&outcome.manifest, 0).await,
+            };
+            Ok(bytes.map(|bytes| (bytes, false)))
+        }
+        // there are no outputs whose faults would need other pointers
         Phase::Failed(failure) => Err(Problem::of_failure(failure, |refused| refused.fault)),
         Phase::Queued | Phase::Running => Err(Problem::cancelled()),
     }
-}
-
-/// Returns the bytes of an outcome that consists of one part.
-async fn whole(app: &Arc<App>, outcome: &Outcome) -> Result<axum::body::Bytes, Problem> {
-    let bytes = match &outcome.loose {
-        Some(bytes) => Some(bytes.clone()),
-        None => app.desk.tiers.part(&outcome.manifest, 0).await,
-    };
-    bytes.ok_or_else(|| super::answer::Lost::Gone.into())
 }
 
 /// The result of a search as it is stored; refusals are stored like results.

@@ -4,7 +4,7 @@ use std::sync::Arc;
 use std::time::Duration;
 
 use axum::extract::{RawQuery, State};
-use axum::http::{HeaderMap, HeaderName, HeaderValue, StatusCode, header};
+use axum::http::{HeaderMap, HeaderName, HeaderValue, StatusCode};
 use axum::response::{IntoResponse, Response};
 
 use super::answer::{self, Artifact, Lost};
@@ -245,11 +245,6 @@ fn said(reached: Option<Resolved>, headers: &mut HeaderMap) {
 fn not_modified(known: &Known, tag: String) -> Response {
     let mut headers = HeaderMap::new();
     said(known.reached, &mut headers);
-    headers.insert(header::VARY, HeaderValue::from_static(answer::VARY));
-    if let (Ok(etag), Ok(address)) = (HeaderValue::try_from(tag), HeaderValue::try_from(&*known.address)) {
-        headers.insert(header::ETAG, etag);
-        headers.insert(header::CONTENT_LOCATION, address);
-    }
     headers.insert(HeaderName::from_static("cache-status"), HeaderValue::from_static("planish; hit"));
-    (StatusCode::NOT_MODIFIED, headers).into_response()
+    answer::not_modified(headers, tag, &known.address)
 }

@@ -10,16 +10,13 @@ mod tags;
 
 use std::collections::BTreeMap;
 
-use self::faces::Faces;
+use self::faces::{Faces, MAX_FAULTS};
 use self::library::Library;
 use super::beside::File;
 use super::collect::Collected;
 use super::reader::{ReadLimits, ReadMesh, Reader, Vertices};
 use super::text::{at_line, number, numbers, quoted, text, without_comment};
 use crate::shape::attachments::ChannelInput;
-
-/// Maximum number of faults that are reported individually.
-const MAX_FAULTS: usize = 20;
 
 /// Statements for display or naming that do not affect a mesh.
 const PASSED_OVER: &[&str] =

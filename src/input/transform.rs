@@ -4,6 +4,8 @@ use crate::math::vector::{cross, dot};
 
 /// How far the length of a quaternion may be from 1, because writers round to a few digits.
 const UNIT: f64 = 1e-3;
+/// How far the last row of a matrix, or column where vectors are rows, may be from 0, 0, 0, 1.
+pub(super) const AFFINE: f64 = 1e-6;
 
 /// An affine map `x -> A x + t`, stored as the columns of `A`, then `t`.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -69,6 +69,16 @@ impl Parameter {
         Self { name, kind: Kind::Choice(names), unit: "", default: Default::Text(names[0]), doc }
     }
 
+    /// Declares a flag that is `false` by default.
+    pub const fn flag(name: &'static str, doc: &'static str) -> Self {
+        Self { name, kind: Kind::Flag, unit: "", default: Default::Flag(false), doc }
+    }
+
+    /// Declares a parameter without unit that may be left out and then has no value.
+    pub const fn optional(name: &'static str, kind: Kind, doc: &'static str) -> Self {
+        Self { name, kind, unit: "", default: Default::Absent, doc }
+    }
+
     /// Declares a whole number in `[min, max]` without unit.
     pub const fn integer(name: &'static str, [min, max]: [i64; 2], default: f64, doc: &'static str) -> Self {
         Self { name, kind: Kind::Integer { min, max }, unit: "", default: Default::Number(default), doc }

@@ -6,7 +6,7 @@ use serde_json::{Value, json};
 
 use crate::fault::Fault;
 use crate::math::parameter::Values;
-use crate::output::counts::{Counts, ShapeKind};
+use crate::output::counts::Counts;
 use crate::output::error::FormatError;
 use crate::output::format::{Content, Costs, Format, FormatFacts, MadeOf, Requirements};
 use crate::output::numbers::total;
@@ -39,10 +39,7 @@ const FACTS: &FormatFacts = &FormatFacts {
     parameters: SOLID_OPTIONS,
     made_of: MadeOf::Limit,
     tells_plan: true,
-    holds: |kind, _| match kind {
-        ShapeKind::Mesh => Ok(()),
-        ShapeKind::Curves { .. } => Err("certificates are of solids, these are curves; ask for stats".into()),
-    },
+    holds: |kind, _| kind.only_meshes("certificates are of solids, these are curves; ask for stats"),
     ..FormatFacts::USUAL
 };
 

@@ -2,12 +2,12 @@
 
 use super::colors::{byte, encoded, linear, scale, signed};
 use super::numbers::rounded;
-use crate::math::parameter::{Default, Kind, Parameter, Values};
+use crate::math::parameter::{Kind, Parameter, Values};
 
 /// The colour map of numbers.
-pub(super) const COLOR_MAP: Parameter = Parameter {
-    name: "color_map",
-    kind: Kind::Choice(&[
+pub(super) const COLOR_MAP: Parameter = Parameter::optional(
+    "color_map",
+    Kind::Choice(&[
         "even",
         "viridis",
         "magma",
@@ -20,13 +20,11 @@ pub(super) const COLOR_MAP: Parameter = Parameter {
         "purple-green",
         "brown-teal",
     ]),
-    unit: "",
-    default: Default::Absent,
-    doc: "The colours of numbers. \"even\" runs from dark blue over green to yellow, equal steps of lightness apart; \
-          viridis, magma, inferno, plasma and cividis (for the colour-blind) are perceptually uniform too, turbo is a \
-          rainbow, greys run from white to black; blue-red, purple-green and brown-teal are pale in the middle and \
-          belong to numbers with a sign. Left out, blue-red for curvature, viridis for distances, even for channels.",
-};
+    "The colours of numbers. \"even\" runs from dark blue over green to yellow, equal steps of lightness apart; \
+     viridis, magma, inferno, plasma and cividis (for the colour-blind) are perceptually uniform too, turbo is a \
+     rainbow, greys run from white to black; blue-red, purple-green and brown-teal are pale in the middle and \
+     belong to numbers with a sign. Left out, blue-red for curvature, viridis for distances, even for channels.",
+);
 
 const BLUE_RED: &str = "blue-red";
 

@@ -18,6 +18,13 @@ pub enum ShapeKind {
     Mesh,
 }
 
+impl ShapeKind {
+    /// Accepts meshes, and refuses curves with this message.
+    pub(super) fn only_meshes(self, refusal: &str) -> Result<(), String> {
+        if self == Self::Mesh { Ok(()) } else { Err(refusal.to_owned()) }
+    }
+}
+
 /// Exact counts of a result, known before it is computed.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Counts {

@@ -20,13 +20,7 @@ use crate::watch::{Stage, Watch};
 const MAX_FRAMES: i64 = 240;
 
 /// Frames of a moving picture.
-pub(super) const FRAMES: Parameter = Parameter {
-    name: "frames",
-    kind: Kind::Integer { min: 2, max: MAX_FRAMES },
-    unit: "",
-    default: Default::Number(24.0),
-    doc: "How many frames there are.",
-};
+pub(super) const FRAMES: Parameter = Parameter::integer("frames", [2, MAX_FRAMES], 24.0, "How many frames there are.");
 
 /// The duration of a frame.
 pub(super) const DELAY: Parameter = Parameter {
@@ -38,9 +32,9 @@ pub(super) const DELAY: Parameter = Parameter {
 };
 
 /// The path of the camera.
-pub(super) const TURNTABLE: Parameter = Parameter {
-    name: "turntable",
-    kind: Kind::Group(&[
+pub(super) const TURNTABLE: Parameter = Parameter::optional(
+    "turntable",
+    Kind::Group(&[
         Parameter {
             name: "from_deg",
             kind: Kind::Number { min: -3600.0, max: 3600.0 },
@@ -56,16 +50,14 @@ pub(super) const TURNTABLE: Parameter = Parameter {
             doc: "The azimuth of the last frame, or, after whole turns, of the frame that would follow it.",
         },
     ]),
-    unit: "",
-    default: Default::Absent,
-    doc: "The camera goes around the up axis, in place of its azimuth. Left out, once around unless there is a \
-          `sweep`.",
-};
+    "The camera goes around the up axis, in place of its azimuth. Left out, once around unless there is a \
+     `sweep`.",
+);
 
 /// The parameter that changes from frame to frame.
-pub(super) const SWEEP: Parameter = Parameter {
-    name: "sweep",
-    kind: Kind::Group(&[
+pub(super) const SWEEP: Parameter = Parameter::optional(
+    "sweep",
+    Kind::Group(&[
         Parameter {
             name: "pointer",
             kind: Kind::Name,
@@ -76,10 +68,8 @@ pub(super) const SWEEP: Parameter = Parameter {
         Parameter::number("from", UNBOUNDED, Default::Required, "Its value in the first frame."),
         Parameter::number("to", UNBOUNDED, Default::Required, "Its value in the last frame."),
     ]),
-    unit: "",
-    default: Default::Absent,
-    doc: "A parameter of the plan that goes evenly from one value to another; all frames have one camera.",
-};
+    "A parameter of the plan that goes evenly from one value to another; all frames have one camera.",
+);
 
 const UNBOUNDED: [f64; 2] = [f64::NEG_INFINITY, f64::INFINITY];
 

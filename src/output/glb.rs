@@ -14,7 +14,6 @@ use crate::output::gltf_buffer::{Buffer, buffered};
 use crate::output::gltf_document::{PARAMETERS, document};
 use crate::output::gltf_pack::Packed;
 use crate::output::gltf_packing::{self, Packing};
-use crate::output::hard_edges;
 use crate::output::numbers::total;
 use crate::output::scene::Scene;
 use crate::output::size::Size;
@@ -99,7 +98,7 @@ impl Costs for Glb {
     }
 
     fn memory(&self, counts: &Counts, options: &Values) -> u128 {
-        hard_edges::memory(counts, options).saturating_add(gltf_amounts::packing_memory(counts, options))
+        gltf_amounts::memory(counts, options)
     }
 
     fn work(&self, _: Option<&Mesh>, counts: &Counts, options: &Values) -> u128 {

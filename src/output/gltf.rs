@@ -17,7 +17,6 @@ use crate::output::gltf_document::{PARAMETERS, document};
 use crate::output::gltf_levels::{self, LOD};
 use crate::output::gltf_pack::Packed;
 use crate::output::gltf_packing::{self, Packing};
-use crate::output::hard_edges;
 use crate::output::numbers::total;
 use crate::output::scene::Scene;
 use crate::output::size::Size;
@@ -101,7 +100,7 @@ impl Requirements for Gltf {
 
 impl Costs for Gltf {
     fn memory(&self, counts: &Counts, options: &Values) -> u128 {
-        hard_edges::memory(counts, options).saturating_add(gltf_amounts::packing_memory(counts, options))
+        gltf_amounts::memory(counts, options)
     }
 
     fn work(&self, _: Option<&Mesh>, counts: &Counts, options: &Values) -> u128 {

@@ -79,14 +79,15 @@ pub(super) fn fits(counts: &Counts, options: &Values) -> Result<(), Fault> {
     check_origins([vertices, counts.input_edges, counts.input_faces], ids).map_err(|detail| Fault::new("/ids", detail))
 }
 
-/// Returns the memory of packing besides the memory of the result, bytes.
-pub(super) fn packing_memory(counts: &Counts, options: &Values) -> u128 {
+/// Returns the memory of splitting vertices and of packing, besides the memory of the result, bytes.
+pub(super) fn memory(counts: &Counts, options: &Values) -> u128 {
+    let splitting = hard_edges::memory(counts, options);
     if Packing::of(options).is_none() {
-        return 0;
+        return splitting;
     }
     let amounts = Amounts::of(counts, options);
     let loose = amounts.bytes();
-    total(&[(loose, 2), (amounts.vertices, VERTEX_BYTES), (amounts.triangles, TRIANGLE_BYTES)])
+    total(&[(splitting, 1), (loose, 2), (amounts.vertices, VERTEX_BYTES), (amounts.triangles, TRIANGLE_BYTES)])
 }
 
 /// Returns the work of packing, in rows of 100 ns: one per triangle and one per vertex.

@@ -31,10 +31,7 @@ const FACTS: &FormatFacts = &FormatFacts {
     content: Content::Binary,
     doc: "The buffer of a glTF model: what the documents of gltf with lod refer to",
     parameters: PARAMETERS,
-    holds: |kind, _| match kind {
-        ShapeKind::Mesh => Ok(()),
-        ShapeKind::Curves { .. } => Err("gltf-bin holds the buffers of meshes; ask for gltf".into()),
-    },
+    holds: |kind, _| kind.only_meshes("gltf-bin holds the buffers of meshes; ask for gltf"),
     ..FormatFacts::USUAL
 };
 
@@ -94,7 +91,7 @@ impl Costs for GltfBin {
     }
 
     fn memory(&self, counts: &Counts, options: &Values) -> u128 {
-        hard_edges::memory(counts, options).saturating_add(gltf_amounts::packing_memory(counts, options))
+        gltf_amounts::memory(counts, options)
     }
 
     fn work(&self, _: Option<&Mesh>, counts: &Counts, options: &Values) -> u128 {

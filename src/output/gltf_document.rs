@@ -9,7 +9,7 @@ use gltf::json::{self, Accessor, Asset, Extras, Index, Mesh, Node, Root, Scene};
 use serde_json::value::{RawValue, to_raw_value};
 use serde_json::{Map, Value, json};
 
-use crate::math::parameter::{Default as Otherwise, Kind, Parameter};
+use crate::math::parameter::Parameter;
 use crate::output::bounds::Bounds;
 use crate::output::error::FormatError;
 use crate::output::gltf_amounts::{ORIGIN, VECTOR};
@@ -30,14 +30,12 @@ const CURVE: [f32; 4] = [0.03, 0.06, 0.1, 1.0];
 
 /// Options of both containers.
 pub(super) const PARAMETERS: &[Parameter] = &[
-    Parameter {
-        name: "normals",
-        kind: Kind::Choice(&["area", "none", "limit"]),
-        unit: "",
-        default: Otherwise::Text("area"),
-        doc: "Vertex normals of a mesh: weighted by the area of the faces around the vertex, none (flat shading), or \
-              those of the limit surface",
-    },
+    Parameter::choice(
+        "normals",
+        &["area", "none", "limit"],
+        "Vertex normals of a mesh: weighted by the area of the faces around the vertex, none (flat shading), or \
+         those of the limit surface",
+    ),
     CREASE_ANGLE,
     POSITIONS,
     IDS,

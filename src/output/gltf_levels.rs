@@ -7,7 +7,7 @@ use std::io::Write;
 use serde_json::{Map, Value, json};
 
 use crate::fault::Fault;
-use crate::math::parameter::{Default as Otherwise, Kind, Parameter, Values};
+use crate::math::parameter::{Kind, Parameter, Values};
 use crate::output::counts::{Counts, ShapeKind};
 use crate::output::error::FormatError;
 use crate::output::gltf_amounts::Contents;
@@ -30,14 +30,12 @@ const MOST: usize = 16;
 const ADDRESS: u128 = 128;
 
 /// The option of `gltf` that writes a buffer for each level.
-pub(super) const LOD: Parameter = Parameter {
-    name: "lod",
-    kind: Kind::Numbers { most: MOST },
-    unit: "",
-    default: Otherwise::Absent,
-    doc: "Levels of detail of a mesh, ascending, the last of which is `levels`: the buffer of each is a file of its \
-          own (gltf-bin), which the document names by its key, and MSFT_lod says which nodes stand for which",
-};
+pub(super) const LOD: Parameter = Parameter::optional(
+    "lod",
+    Kind::Numbers { most: MOST },
+    "Levels of detail of a mesh, ascending, the last of which is `levels`: the buffer of each is a file of its \
+     own (gltf-bin), which the document names by its key, and MSFT_lod says which nodes stand for which",
+);
 
 /// Returns the levels that the options give, if any.
 pub(super) fn of(options: &Values) -> Option<Vec<u32>> {

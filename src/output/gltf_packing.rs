@@ -1,29 +1,25 @@
 //! The options that make glTF smaller.
 
 use crate::fault::Fault;
-use crate::math::parameter::{Default as Otherwise, Kind, Parameter, Values};
+use crate::math::parameter::{Parameter, Values};
 use crate::output::counts::{Counts, ShapeKind};
 
 /// The option of both containers that makes numbers smaller.
-pub(super) const COMPRESSION: Parameter = Parameter {
-    name: "compression",
-    kind: Kind::Choice(&["none", "quantize", "meshopt"]),
-    unit: "",
-    default: Otherwise::Text("none"),
-    doc: "How a mesh is made smaller: not at all; positions, texture coordinates and colours in 16 bits and normals in \
-          8 (KHR_mesh_quantization); or these encoded (EXT_meshopt_compression), with vertex_order cache. The extras \
-          of each mesh tell the error of positions in model units",
-};
+pub(super) const COMPRESSION: Parameter = Parameter::choice(
+    "compression",
+    &["none", "quantize", "meshopt"],
+    "How a mesh is made smaller: not at all; positions, texture coordinates and colours in 16 bits and normals in \
+     8 (KHR_mesh_quantization); or these encoded (EXT_meshopt_compression), with vertex_order cache. The extras \
+     of each mesh tell the error of positions in model units",
+);
 
 /// The option of both containers that orders vertices and triangles.
-pub(super) const VERTEX_ORDER: Parameter = Parameter {
-    name: "vertex_order",
-    kind: Kind::Choice(&["documented", "cache"]),
-    unit: "",
-    default: Otherwise::Text("documented"),
-    doc: "Whether vertices and triangles of a mesh have the order that all formats have, or one in which graphics \
-          processors meet vertices again soon",
-};
+pub(super) const VERTEX_ORDER: Parameter = Parameter::choice(
+    "vertex_order",
+    &["documented", "cache"],
+    "Whether vertices and triangles of a mesh have the order that all formats have, or one in which graphics \
+     processors meet vertices again soon",
+);
 
 /// The steps of packing a model in memory.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

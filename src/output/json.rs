@@ -11,7 +11,7 @@ use std::io::Write;
 use serde_json::Value;
 
 use crate::fault::Fault;
-use crate::math::parameter::{Default, Kind, Parameter, Values};
+use crate::math::parameter::{Parameter, Values};
 use crate::output::control_source::ControlSource;
 use crate::output::counts::{Counts, ShapeKind};
 use crate::output::curvature;
@@ -31,33 +31,24 @@ use crate::watch::Watch;
 use row::{faces, row, vectors};
 
 /// The option of discrete curvature.
-const CURVATURE: Parameter = Parameter {
-    name: "discrete_curvature",
-    kind: Kind::Flag,
-    unit: "",
-    default: Default::Flag(false),
-    doc: "Whether the curvature of the circle through each point and its neighbours is written, signed in the plane; \
-          null at ends and at repeated points. Curves in the plane and in space only.",
-};
+const CURVATURE: Parameter = Parameter::flag(
+    "discrete_curvature",
+    "Whether the curvature of the circle through each point and its neighbours is written, signed in the plane; \
+     null at ends and at repeated points. Curves in the plane and in space only.",
+);
 
 /// The option of the edges of the input.
-const EDGES: Parameter = Parameter {
-    name: ISOLINES,
-    kind: Kind::Flag,
-    unit: "",
-    default: Default::Flag(false),
-    doc: "For each edge of the input mesh the vertices along it, from its start to its end. Meshes only.",
-};
+const EDGES: Parameter = Parameter::flag(
+    ISOLINES,
+    "For each edge of the input mesh the vertices along it, from its start to its end. Meshes only.",
+);
 
 /// The option of the control mesh.
-const CONTROL: Parameter = Parameter {
-    name: CAGE,
-    kind: Kind::Flag,
-    unit: "",
-    default: Default::Flag(false),
-    doc: "The control mesh in place of what is made of it: all its faces, with the numbers of hidden ones as `holes`, \
-          its creases and corners, and what it carries. It goes with no other option. Meshes only.",
-};
+const CONTROL: Parameter = Parameter::flag(
+    CAGE,
+    "The control mesh in place of what is made of it: all its faces, with the numbers of hidden ones as `holes`, \
+     its creases and corners, and what it carries. It goes with no other option. Meshes only.",
+);
 
 /// Maximum number of bytes of the entry of the warnings, and of its parts besides the warnings.
 const WARNINGS: usize = 8_192;

@@ -3,7 +3,7 @@
 use std::io::Write;
 
 use crate::fault::Fault;
-use crate::math::parameter::{Default, Kind, Parameter, Values};
+use crate::math::parameter::{Kind, Parameter, Values};
 use crate::output::counts::{Counts, ShapeKind};
 use crate::output::error::FormatError;
 use crate::output::format::{Content, Costs, Format, FormatFacts, Requirements};
@@ -23,14 +23,12 @@ const HEADER: &[u8] = b"# planish\n";
 const WORDS: u128 = b"newmtl \nKd   \nd \nPm \nPr \nmap_Kd -clamp on -256.jpg\n".len() as u128;
 
 /// The option of textures.
-const TEXTURES: Parameter = Parameter {
-    name: "textures",
-    kind: Kind::Name,
-    unit: "",
-    default: Default::Absent,
-    doc: "What the names of the files with the textures begin with: \"wall\" names wall-1.png, wall-2.jpg, ..., in the \
-          order in which materials first have them; left out, no texture is named.",
-};
+const TEXTURES: Parameter = Parameter::optional(
+    "textures",
+    Kind::Name,
+    "What the names of the files with the textures begin with: \"wall\" names wall-1.png, wall-2.jpg, ..., in the \
+     order in which materials first have them; left out, no texture is named.",
+);
 
 /// The materials of a mesh as a library for OBJ files: `newmtl` with the name, and, as far as they are given, `Kd`
 /// (red, green, blue as given), `d` (alpha), `Pm` (metallic), `Pr` (roughness), and `map_Kd` if textures have file
@@ -47,10 +45,7 @@ const FACTS: &FormatFacts = &FormatFacts {
     doc: "The library of materials of a mesh, for the obj output of the same job: colours, alpha, metalness, roughness",
     parameters: &[TEXTURES],
     holds_frames: true,
-    holds: |kind, _| match kind {
-        ShapeKind::Mesh => Ok(()),
-        ShapeKind::Curves { .. } => Err("curves have no materials; ask for obj alone".to_owned()),
-    },
+    holds: |kind, _| kind.only_meshes("curves have no materials; ask for obj alone"),
     ..FormatFacts::USUAL
 };
 

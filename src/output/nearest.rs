@@ -2,7 +2,7 @@
 
 use rayon::prelude::*;
 
-use super::scene::{CHUNK, Curve, FaceChunk, MeshSource, in_chunks, triangles};
+use super::scene::{CHUNK, Curve, MeshSource, each_face, triangles};
 use crate::math::functions::sqrt;
 use crate::math::vector::{Vector, length, minus, square_from_triangle};
 use crate::watch::{Stopped, Watch};
@@ -41,12 +41,8 @@ impl Triangles {
     /// [`Stopped`] when the watch says so.
     pub(super) fn of(mesh: &dyn MeshSource, positions: &[Vector], watch: &Watch) -> Result<Self, Stopped> {
         let mut corners = Vec::with_capacity(mesh.n_half_edges().saturating_sub(2 * mesh.n_faces()));
-        let mut chunk = FaceChunk::default();
-        in_chunks(mesh.n_faces(), |range| {
-            watch.check()?;
-            mesh.faces(range, &mut chunk);
-            corners.extend(chunk.iter().flat_map(triangles).map(|face| face.map(|v| positions[v as usize])));
-            Ok(())
+        each_face(mesh, watch, |face| {
+            corners.extend(triangles(face).map(|face| face.map(|v| positions[v as usize])));
         })?;
         Self::new(corners, watch)
     }

@@ -3,7 +3,7 @@
 use std::io::Write;
 
 use crate::fault::Fault;
-use crate::math::parameter::{Default, Kind, Parameter, Values};
+use crate::math::parameter::{Kind, Parameter, Values};
 use crate::output::colors::within;
 use crate::output::counts::{Counts, ShapeKind};
 use crate::output::error::FormatError;
@@ -29,14 +29,12 @@ use crate::shape::tile::Tile;
 use crate::watch::Watch;
 
 /// The option of a library of materials.
-const LIBRARY: Parameter = Parameter {
-    name: "mtllib",
-    kind: Kind::Name,
-    unit: "",
-    default: Default::Absent,
-    doc: "The name of a file beside this one with the materials, as the format \"mtl\" writes it; left out, none is \
-          named.",
-};
+const LIBRARY: Parameter = Parameter::optional(
+    "mtllib",
+    Kind::Name,
+    "The name of a file beside this one with the materials, as the format \"mtl\" writes it; left out, none is \
+     named.",
+);
 
 /// The warning about an OBJ file whose materials have looks, if the file names no library.
 pub const WITHOUT_LIBRARY: &str = "how materials look is left out, as no library is named; give \"mtllib\" and ask for \

@@ -1,15 +1,12 @@
 //! Options that several formats declare.
 
-use crate::math::parameter::{Default, Kind, Parameter};
+use crate::math::parameter::Parameter;
 
 /// The option of mesh formats that writes the origin of each face and vertex in the input.
-pub(super) const IDS: Parameter = Parameter {
-    name: "ids",
-    kind: Kind::Flag,
-    unit: "",
-    default: Default::Flag(false),
-    doc: "For each face of a mesh the input face it came of, for each vertex the input vertex, edge or face",
-};
+pub(super) const IDS: Parameter = Parameter::flag(
+    "ids",
+    "For each face of a mesh the input face it came of, for each vertex the input vertex, edge or face",
+);
 
 /// The option that writes the control mesh in place of its refinement.
 pub const CAGE: &str = "cage";
@@ -24,20 +21,15 @@ pub const DIRECTIONS: [&str; 2] = ["latitude", "longitude"];
 pub const LIMIT: &str = "limit";
 
 /// The option for the positions of the points of the last level.
-pub const POSITIONS: Parameter = Parameter {
-    name: "positions",
-    kind: Kind::Choice(&["refined", LIMIT]),
-    unit: "",
-    default: Default::Text("refined"),
-    doc: "Whether the points of the last level stay where refinement put them, or move to their limit.",
-};
+pub const POSITIONS: Parameter = Parameter::choice(
+    "positions",
+    &["refined", LIMIT],
+    "Whether the points of the last level stay where refinement put them, or move to their limit.",
+);
 
 /// The option of unit tangents.
-pub const TANGENTS: Parameter = Parameter {
-    name: "tangents",
-    kind: Kind::Flag,
-    unit: "",
-    default: Default::Flag(false),
-    doc: "Whether the unit tangents of the limit curve at the points are written; null where there is none. Curves \
-          only.",
-};
+pub const TANGENTS: Parameter = Parameter::flag(
+    "tangents",
+    "Whether the unit tangents of the limit curve at the points are written; null where there is none. Curves \
+     only.",
+);

@@ -8,7 +8,7 @@ use std::io::Write;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 use crate::fault::Fault;
-use crate::math::parameter::{Default, Kind, Parameter, Values};
+use crate::math::parameter::{Parameter, Values};
 use crate::output::counts::{Counts, ShapeKind};
 use crate::output::error::FormatError;
 use crate::output::format::{Content, Costs, Format, FormatFacts, Requirements};
@@ -103,29 +103,15 @@ impl Costs for Ply {
 }
 
 const PARAMETERS: &[Parameter] = &[
-    Parameter {
-        name: "ascii",
-        kind: Kind::Flag,
-        unit: "",
-        default: Default::Flag(false),
-        doc: "Text instead of binary little endian",
-    },
-    Parameter {
-        name: "precision",
-        kind: Kind::Choice(&["f64", "f32"]),
-        unit: "",
-        default: Default::Text("f64"),
-        doc: "Coordinates as double, or rounded once to float",
-    },
+    Parameter::flag("ascii", "Text instead of binary little endian"),
+    Parameter::choice("precision", &["f64", "f32"], "Coordinates as double, or rounded once to float"),
     NORMALS,
     POSITIONS,
-    Parameter {
-        name: "face_sizes",
-        kind: Kind::Choice(&["uchar", "uint"]),
-        unit: "",
-        default: Default::Text("uchar"),
-        doc: "Type of the number of corners of a face: uchar, which every program reads, or uint for more than 255",
-    },
+    Parameter::choice(
+        "face_sizes",
+        &["uchar", "uint"],
+        "Type of the number of corners of a face: uchar, which every program reads, or uint for more than 255",
+    ),
     IDS,
 ];
 

@@ -53,9 +53,9 @@ pub(super) const PARAMETERS: &[Parameter] = &[
     DPI,
     QUALITY,
     BACKGROUND,
-    Parameter {
-        name: "show",
-        kind: Kind::Choices(&[
+    Parameter::optional(
+        "show",
+        Kind::Choices(&[
             "surface",
             "wireframe",
             "isolines",
@@ -74,16 +74,14 @@ pub(super) const PARAMETERS: &[Parameter] = &[
             "grid",
             "legend",
         ]),
-        unit: "",
-        default: Default::Absent,
-        doc: "What is drawn: of a mesh its surface, its wireframe, the edges of the input on it (isolines), the \
-              control net and its points, and what is tagged of the input as coloured lines and dots: creases (red), \
-              latitude (green) and longitude lines (purple), seams of texture coordinates (orange), extraordinary \
-              vertices (yellow), and a legend that tells the names of groups or materials and what \
-              lines and dots are; of curves the curve, the control polygon and its points, the points of the curve \
-              (vertices), a curvature comb, tangents, axes, a grid, a legend. Left out: the surface, or a curve with \
-              its control polygon and points.",
-    },
+        "What is drawn: of a mesh its surface, its wireframe, the edges of the input on it (isolines), the \
+         control net and its points, and what is tagged of the input as coloured lines and dots: creases (red), \
+         latitude (green) and longitude lines (purple), seams of texture coordinates (orange), extraordinary \
+         vertices (yellow), and a legend that tells the names of groups or materials and what \
+         lines and dots are; of curves the curve, the control polygon and its points, the points of the curve \
+         (vertices), a curvature comb, tangents, axes, a grid, a legend. Left out: the surface, or a curve with \
+         its control polygon and points.",
+    ),
     SHADING,
     STRIPES,
     STRIPE_DIRECTION,

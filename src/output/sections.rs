@@ -15,14 +15,12 @@ use chain::{Crossing, Segment, chains};
 const MAX_PLANES: usize = 64;
 
 /// The option of formats that write or draw sections.
-pub(super) const SECTIONS: Parameter = Parameter {
-    name: "sections",
-    kind: Kind::Groups { fields: PLANE, most: MAX_PLANES },
-    unit: "",
-    default: Default::Absent,
-    doc: "Planes that cut the triangles of a mesh; each gives a list of polylines. Of a closed mesh they are closed, \
-          with the inside on their left where the normal points to the viewer. Meshes only.",
-};
+pub(super) const SECTIONS: Parameter = Parameter::optional(
+    "sections",
+    Kind::Groups { fields: PLANE, most: MAX_PLANES },
+    "Planes that cut the triangles of a mesh; each gives a list of polylines. Of a closed mesh they are closed, \
+     with the inside on their left where the normal points to the viewer. Meshes only.",
+);
 
 const PLANE: &[Parameter] = &[
     Parameter {

@@ -11,7 +11,7 @@ mod moments;
 use std::io::Write;
 
 use crate::fault::Fault;
-use crate::math::parameter::{Default, Kind, Parameter, Values};
+use crate::math::parameter::{Parameter, Values};
 use crate::output::certificate;
 use crate::output::counts::{Counts, ShapeKind};
 use crate::output::error::FormatError;
@@ -46,23 +46,17 @@ use crate::watch::Watch;
 pub(super) struct Stats;
 
 /// Whether the report has entries about curvature.
-const CURVATURE: Parameter = Parameter {
-    name: "curvature",
-    kind: Kind::Flag,
-    unit: "",
-    default: Default::Flag(false),
-    doc: "Whether the ranges of Gaussian and mean curvature and the largest angle between the normals of faces at an \
-          edge are told, with their places. Meshes only.",
-};
+const CURVATURE: Parameter = Parameter::flag(
+    "curvature",
+    "Whether the ranges of Gaussian and mean curvature and the largest angle between the normals of faces at an \
+     edge are told, with their places. Meshes only.",
+);
 
 /// Whether the report has the certificate of the solid.
-const CERTIFICATE: Parameter = Parameter {
-    name: "certificate",
-    kind: Kind::Flag,
-    unit: "",
-    default: Default::Flag(false),
-    doc: "Whether the certificate of the solid that step writes by default is told, as the format certificate does.",
-};
+const CERTIFICATE: Parameter = Parameter::flag(
+    "certificate",
+    "Whether the certificate of the solid that step writes by default is told, as the format certificate does.",
+);
 
 const FACTS: &FormatFacts = &FormatFacts {
     name: "stats",

@@ -4,7 +4,7 @@
 use std::io::Write;
 
 use crate::fault::Fault;
-use crate::math::parameter::{Default, Kind, Parameter, Values};
+use crate::math::parameter::{Parameter, Values};
 use crate::output::counts::{Counts, ShapeKind};
 use crate::output::error::FormatError;
 use crate::output::format::{Content, Costs, Format, FormatFacts, MadeOf, Requirements};
@@ -72,14 +72,12 @@ const FACTS: FormatFacts = FormatFacts {
 };
 
 /// The option of normals.
-const NORMALS: Parameter = Parameter {
-    name: "normals",
-    kind: Kind::Choice(&["none", LIMIT]),
-    unit: "",
-    default: Default::Text("none"),
-    doc: "Whether rows follow for two tangents of the limit surface at each vertex of a mesh, whose vector product \
-          has the direction of the normal.",
-};
+const NORMALS: Parameter = Parameter::choice(
+    "normals",
+    &["none", LIMIT],
+    "Whether rows follow for two tangents of the limit surface at each vertex of a mesh, whose vector product \
+     has the direction of the normal.",
+);
 
 /// The order in which rows are summed, in a sentence.
 const ORDER: &str = "values are the input points, then the rows; a row sums its terms from 0 in order, a term of \

@@ -10,7 +10,7 @@ use std::io::Write;
 use self::entities::Entities;
 use crate::fault::Fault;
 use crate::math::parameter::Values;
-use crate::output::counts::{Counts, ShapeKind};
+use crate::output::counts::Counts;
 use crate::output::error::FormatError;
 use crate::output::format::{Content, Costs, Format, FormatFacts, MadeOf, Requirements};
 use crate::output::left_out::{Datum, left_out};
@@ -36,10 +36,7 @@ const FACTS: &FormatFacts = &FormatFacts {
     parameters: SOLID_OPTIONS,
     made_of: MadeOf::Limit,
     tells_plan: true,
-    holds: |kind, _| match kind {
-        ShapeKind::Mesh => Ok(()),
-        ShapeKind::Curves { .. } => Err("step holds surfaces only, these are curves; ask for svg or json".into()),
-    },
+    holds: |kind, _| kind.only_meshes("step holds surfaces only, these are curves; ask for svg or json"),
     ..FormatFacts::USUAL
 };
 

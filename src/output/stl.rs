@@ -5,7 +5,7 @@ use std::io::Write;
 use crate::fault::Fault;
 use crate::math::parameter::{Default, Parameter, Values};
 use crate::math::vector::{plus, unit};
-use crate::output::counts::{Counts, ShapeKind};
+use crate::output::counts::Counts;
 use crate::output::error::FormatError;
 use crate::output::format::{Content, Costs, Format, FormatFacts, Requirements};
 use crate::output::hard_edges::HardEdges;
@@ -47,10 +47,7 @@ const FACTS: &FormatFacts = &FormatFacts {
     content: Content::Binary,
     doc: "Binary STL: loose triangles with facet normals, f32",
     parameters: &[POSITIONS, FACETS],
-    holds: |kind, _| match kind {
-        ShapeKind::Mesh => Ok(()),
-        ShapeKind::Curves { .. } => Err("stl holds triangles only, these are curves; ask for json or obj".into()),
-    },
+    holds: |kind, _| kind.only_meshes("stl holds triangles only, these are curves; ask for json or obj"),
     has_no_tags: true,
     ..FormatFacts::USUAL
 };

@@ -1,17 +1,15 @@
 //! Options that formats of meshes share.
 
-use crate::math::parameter::{Default, Kind, Parameter, Values};
+use crate::math::parameter::{Parameter, Values};
 use crate::output::options::{LIMIT, POSITIONS};
 
 /// Normals of vertices, for formats that have none by default.
-pub(super) const NORMALS: Parameter = Parameter {
-    name: "normals",
-    kind: Kind::Choice(&["none", "area", "limit"]),
-    unit: "",
-    default: Default::Text("none"),
-    doc: "Vertex normals of a mesh: none, weighted by the area of the faces around the vertex, or those of the limit \
-          surface.",
-};
+pub(super) const NORMALS: Parameter = Parameter::choice(
+    "normals",
+    &["none", "area", "limit"],
+    "Vertex normals of a mesh: none, weighted by the area of the faces around the vertex, or those of the limit \
+     surface.",
+);
 
 /// Returns whether normals are requested.
 pub fn with_normals(options: &Values) -> bool {

@@ -12,7 +12,7 @@ use self::parts::{MAX_PARTS, Parts, TRIANGLE_BYTES, VERTEX_BYTES};
 use crate::fault::Fault;
 use crate::math::amounts::in_bytes;
 use crate::math::parameter::{Parameter, Values};
-use crate::output::counts::{Counts, ShapeKind};
+use crate::output::counts::Counts;
 use crate::output::error::FormatError;
 use crate::output::format::{Content, Costs, Format, FormatFacts, Requirements};
 use crate::output::left_out::{Datum, left_out};
@@ -72,10 +72,7 @@ const FACTS: &FormatFacts = &FormatFacts {
     content: Content::Packed,
     doc: "3MF for printers: triangles with unit, up axis, materials or colours of vertices, parts on request",
     parameters: &[POSITIONS, PARTS],
-    holds: |kind, _| match kind {
-        ShapeKind::Mesh => Ok(()),
-        ShapeKind::Curves { .. } => Err("3mf holds triangles only, these are curves; ask for json or obj".into()),
-    },
+    holds: |kind, _| kind.only_meshes("3mf holds triangles only, these are curves; ask for json or obj"),
     has_no_tags: true,
     ..FormatFacts::USUAL
 };

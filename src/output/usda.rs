@@ -13,7 +13,7 @@ use self::cage::Cage;
 use crate::fault::Fault;
 use crate::math::parameter::Values;
 use crate::output::control_source::ControlSource;
-use crate::output::counts::{Counts, ShapeKind};
+use crate::output::counts::Counts;
 use crate::output::error::FormatError;
 use crate::output::format::{Content, Costs, Format, FormatFacts, Requirements};
 use crate::output::hard_edges::HardEdges;
@@ -63,10 +63,7 @@ const FACTS: &FormatFacts = &FormatFacts {
     doc: "USD as text: at level 0 of catmull-clark, loop and bilinear the cage as a subdivision surface, else polygons",
     parameters: &[POSITIONS, NORMALS],
     tells_plan: true,
-    holds: |kind, _| match kind {
-        ShapeKind::Mesh => Ok(()),
-        ShapeKind::Curves { .. } => Err("usda holds meshes here, these are curves; ask for json or obj".into()),
-    },
+    holds: |kind, _| kind.only_meshes("usda holds meshes here, these are curves; ask for json or obj"),
     ..FormatFacts::USUAL
 };
 

@@ -5,7 +5,7 @@
 use super::camera::{Camera, Projection, unit};
 use super::paint::stripes;
 use super::pixmap::linear;
-use super::shade::Vec3f;
+use super::shade::{Vec3f, dot};
 use crate::math::functions::atan2;
 use crate::math::vector::{cross, times};
 
@@ -207,10 +207,6 @@ impl Stripes {
             }
         }
     }
-}
-
-fn dot(a: Vec3f, b: Vec3f) -> f32 {
-    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 }
 
 /// Returns a vector scaled to length one; zero if it has no direction.

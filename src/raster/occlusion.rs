@@ -16,7 +16,7 @@ use rayon::prelude::*;
 use super::bins::{Grid, TILE};
 use super::camera::{Camera, Projection};
 use super::desk::Drawn;
-use super::shade::Vec3f;
+use super::shade::{Vec3f, dot};
 use crate::math::functions::{cos, sin};
 use crate::watch::{Stopped, Watch};
 
@@ -257,8 +257,4 @@ impl Occlusion {
         }
         sum / weights
     }
-}
-
-fn dot(a: Vec3f, b: Vec3f) -> f32 {
-    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 }

@@ -14,22 +14,11 @@ pub const DEFAULT_MU: f64 = 0.25;
 pub const ARITIES: RangeInclusive<i64> = 2..=8;
 
 /// The arity of an upsampling, and of operators that average as many points.
-pub const ARITY: Parameter = Parameter {
-    name: "arity",
-    kind: Kind::Integer { min: *ARITIES.start(), max: *ARITIES.end() },
-    unit: "",
-    default: Default::Number(2.0),
-    doc: "New points for each old one.",
-};
+pub const ARITY: Parameter =
+    Parameter::integer("arity", [*ARITIES.start(), *ARITIES.end()], 2.0, "New points for each old one.");
 
 /// The number of averages within an operator.
-pub const AVERAGES: Parameter = Parameter {
-    name: "averages",
-    kind: Kind::Integer { min: 0, max: 12 },
-    unit: "",
-    default: Default::Number(1.0),
-    doc: "Number m of averages of d points.",
-};
+pub const AVERAGES: Parameter = Parameter::integer("averages", [0, 12], 1.0, "Number m of averages of d points.");
 
 /// The entries of a mask.
 pub const MASK: Parameter = Parameter {
@@ -97,49 +86,37 @@ pub const COMPENSATION_ALPHA: Parameter = Parameter {
 };
 
 /// The tile into which the faces of a mesh are split.
-pub const SPLIT: Parameter = Parameter {
-    name: "split",
-    kind: Kind::Choice(&["quad", "triangle"]),
-    unit: "",
-    default: Default::Text("quad"),
-    doc: "Into what U splits the faces of a mesh: quads, or triangles if all faces are triangles. Without effect on \
-          polygons.",
-};
+pub const SPLIT: Parameter = Parameter::choice(
+    "split",
+    &["quad", "triangle"],
+    "Into what U splits the faces of a mesh: quads, or triangles if all faces are triangles. Without effect on \
+     polygons.",
+);
 
 /// The weight of a vertex in averages of triangles.
-pub const MU: Parameter = Parameter {
-    name: "mu",
-    kind: Kind::Number { min: 0.0, max: 1.0 },
-    unit: "",
-    default: Default::Number(DEFAULT_MU),
-    doc: "Weight of a vertex itself in averages with split triangle; 1/4 makes UC Loop's scheme at regular vertices, \
-          1/3 averages the centroids. Without effect with split quad.",
-};
+pub const MU: Parameter = Parameter::number(
+    "mu",
+    [0.0, 1.0],
+    Default::Number(DEFAULT_MU),
+    "Weight of a vertex itself in averages with split triangle; 1/4 makes UC Loop's scheme at regular vertices, \
+     1/3 averages the centroids. Without effect with split quad.",
+);
 
 /// The random perturbation.
-pub const PERTURBATION: Parameter = Parameter {
-    name: "perturbation",
-    kind: Kind::Group(&[
-        Parameter {
-            name: "amplitude",
-            kind: Kind::Number { min: 0.0, max: 1e3 },
-            unit: "",
-            default: Default::Required,
-            doc: "Amplitude c at the first U.",
-        },
-        Parameter {
-            name: "decay",
-            kind: Kind::Number { min: 0.0, max: 0.999 },
-            unit: "",
-            default: Default::Number(0.5),
-            doc: "Decay gamma: each U multiplies the amplitude by it; below 1/2 the limit stays C1.",
-        },
+pub const PERTURBATION: Parameter = Parameter::optional(
+    "perturbation",
+    Kind::Group(&[
+        Parameter::number("amplitude", [0.0, 1e3], Default::Required, "Amplitude c at the first U."),
+        Parameter::number(
+            "decay",
+            [0.0, 0.999],
+            Default::Number(0.5),
+            "Decay gamma: each U multiplies the amplitude by it; below 1/2 the limit stays C1.",
+        ),
     ]),
-    unit: "",
-    default: Default::Absent,
-    doc: "Random perturbation of kernel and compensation by c gamma^h xi at the h-th U, from the plan's seed; on \
-          meshes in words over U, C and P with split quad.",
-};
+    "Random perturbation of kernel and compensation by c gamma^h xi at the h-th U, from the plan's seed; on \
+     meshes in words over U, C and P with split quad.",
+);
 
 /// Returns the tile into which the faces of a mesh are split.
 pub(super) fn tile(values: &Values) -> Tile {
@@ -157,25 +134,21 @@ pub const WORD_PARAMETERS: &[Parameter] =
     &[ALPHA, KERNEL, KERNEL_LONGITUDE, COMPENSATION, COMPENSATION_ALPHA, DELTA, LATITUDE_RULE, PERTURBATION, SPLIT, MU];
 
 /// The kernel along longitude lines.
-pub const KERNEL_LONGITUDE: Parameter = Parameter {
-    name: "kernel_longitude",
-    kind: Kind::Expression { variable: "alpha" },
-    unit: "",
-    default: Default::Absent,
-    doc: "Weight of vertices in the first average after a U along longitude edges; the kernel when left out. Meshes \
-          with latitude tags only.",
-};
+pub const KERNEL_LONGITUDE: Parameter = Parameter::optional(
+    "kernel_longitude",
+    Kind::Expression { variable: "alpha" },
+    "Weight of vertices in the first average after a U along longitude edges; the kernel when left out. Meshes \
+     with latitude tags only.",
+);
 
 /// The effect of latitude tags.
-pub const LATITUDE_RULE: Parameter = Parameter {
-    name: "latitude_rule",
-    kind: Kind::Choice(&["difference", "position", "isotropic"]),
-    unit: "",
-    default: Default::Text("difference"),
-    doc: "What P does along latitude lines: odd points follow the displacements of even ones, or their places, or the \
-          tags are not looked at. With tags, kernel and compensation default to cos(alpha/2) and 1/cos(alpha/2), and \
-          alpha to 2 pi / n on closed lines of n vertices.",
-};
+pub const LATITUDE_RULE: Parameter = Parameter::choice(
+    "latitude_rule",
+    &["difference", "position", "isotropic"],
+    "What P does along latitude lines: odd points follow the displacements of even ones, or their places, or the \
+     tags are not looked at. With tags, kernel and compensation default to cos(alpha/2) and 1/cos(alpha/2), and \
+     alpha to 2 pi / n on closed lines of n vertices.",
+);
 
 /// Returns the rule for latitude tags.
 pub(super) fn latitude_rule(values: &Values) -> LatitudeRule {

@@ -29,7 +29,7 @@ pub struct JobKey {
 }
 
 /// Length of a job key in bytes.
-pub const JOB_KEY_BYTES: usize = 40;
+const JOB_KEY_BYTES: usize = 40;
 
 impl JobKey {
     /// Returns the key of a job of clients without a key.

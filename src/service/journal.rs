@@ -11,14 +11,11 @@ use std::time::Duration;
 use tokio::sync::oneshot;
 
 use super::store::{Records, StoreError};
+use super::writer::LAST_WAIT;
 
 /// Pause after a failed write before the remaining records are tried again. Half of it would retry on a full disk twice
 /// as often; twice of it would lose the state of more jobs in a crash, which are then done once more.
 const PAUSE: Duration = Duration::from_secs(1);
-
-/// How long a dropped journal waits for its thread: half of the service's own time to end. Twice of it would leave
-/// nothing of that time for the rest; half of it would lose the state of more jobs.
-const LAST_WAIT: Duration = Duration::from_secs(10);
 
 /// The identity of a record in a table.
 pub(super) trait Row: Copy + Ord + Send + 'static {

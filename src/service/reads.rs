@@ -12,6 +12,10 @@ use super::store::StoreError;
 /// spinning one loses. Half as many would leave a solid-state disk idle; twice as many would gain little and hold twice
 /// as many parts.
 const PLACES: usize = 4;
+/// Maximum time that a response or a job waits for its next part; after it the response is cut off, or the job fails.
+/// It is less than most clients wait. Half of it would do so more often under load; twice of it is longer than some
+/// clients wait.
+pub(super) const PART_PATIENCE: Duration = Duration::from_secs(10);
 
 /// The reading places of one disk.
 #[derive(Debug)]

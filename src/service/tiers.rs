@@ -8,7 +8,7 @@ use bytes::Bytes;
 
 use super::clock::{Clock, Monotonic};
 use super::disk_counts::DiskCounts;
-use super::reads::Reads;
+use super::reads::{PART_PATIENCE, Reads};
 use super::store::{Description, LargeSpool, Manifest, Memory, Pin, Store, StoreError, Usage, part_of};
 use super::writer::{Trouble, Waiting, Writer};
 use crate::job::key::Key;
@@ -20,9 +20,6 @@ const PROMOTED_BYTES: u64 = 4 << 20;
 /// four mebibytes in this time. Half of it would compute again what a busy disk has; twice of it would wait longer than
 /// many results take to compute.
 const LOOKUP_PATIENCE: Duration = Duration::from_secs(2);
-/// Maximum time that a response waits for its next part; after it the response is cut off. It is less than most clients
-/// wait. Half of it would cut off more responses under load; twice of it is longer than some clients wait.
-const PART_PATIENCE: Duration = Duration::from_secs(10);
 
 /// The memory store with the disk store behind it.
 #[derive(Debug)]

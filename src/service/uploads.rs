@@ -4,19 +4,14 @@
 use std::io::{self, Write};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
-use std::time::Duration;
 
 use bytes::Bytes;
 
 use super::disk_counts::DiskCounts;
 use super::job_key::Tenant;
-use super::reads::Reads;
+use super::reads::{PART_PATIENCE, Reads};
 use super::store::{Description, Manifest, Owners, Pin, Spool, Store, StoreError, Usage};
 use crate::job::key::{Key, content};
-
-/// Maximum time that reading a part waits for the disk, the same as for parts of responses. Half of it would fail more
-/// jobs under load; twice of it is longer than some clients wait.
-const PATIENCE: Duration = Duration::from_secs(10);
 
 /// The files that clients sent.
 #[derive(Debug)]
@@ -82,7 +77,7 @@ impl Uploads {
             return Ok(here);
         }
         let (store, id) = (self.store.clone(), *id);
-        let found = self.reads.read(PATIENCE, move || store.look_up(&id)).await.ok_or(Unknown)?;
+        let found = self.reads.read(PART_PATIENCE, move || store.look_up(&id)).await.ok_or(Unknown)?;
         Ok(found.filter(is_his))
     }
 
@@ -94,7 +89,7 @@ impl Uploads {
     /// Returns a verified part of an upload; `None` if it is gone or damaged, or if the disk does not answer in time.
     pub async fn part(&self, manifest: &Arc<Manifest>, index: usize) -> Option<Bytes> {
         let (store, of) = (self.store.clone(), manifest.clone());
-        self.reads.read(PATIENCE, move || store.part(&of, index)).await.flatten()
+        self.reads.read(PART_PATIENCE, move || store.part(&of, index)).await.flatten()
     }
 
     /// Returns all bytes of an upload; the caller has taken the memory for them.

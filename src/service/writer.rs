@@ -32,9 +32,9 @@ const STUCK: Duration = Duration::from_secs(30);
 /// service that is not ready may not get, no write could show that the disk has recovered. Half of it would send
 /// traffic back to a disk that may still fail; twice of it would keep a service out of use for longer.
 const MEMORY: Duration = Duration::from_mins(1);
-/// How long a dropped writer waits for its threads: half of the service's own time to end. Twice of it would leave
-/// nothing of that time for the rest; half of it would lose more writes.
-const LAST_WAIT: Duration = Duration::from_secs(10);
+/// How long a dropped writer of artifacts or records waits for its threads: half of the service's own time to end.
+/// Twice of it would leave nothing of that time for the rest; half of it would lose more writes.
+pub(super) const LAST_WAIT: Duration = Duration::from_secs(10);
 
 /// An artifact that waits to be written to disk.
 #[derive(Debug, Clone)]

@@ -30,7 +30,7 @@ const TAKEN: &[&str] =
     &["x", "y", "z", "nx", "ny", "nz", "s", "t", "red", "green", "blue", "alpha", "origin", "origin_dimension"];
 
 /// The glTF attribute that holds origins, `_ORIGIN`, reserved at any width.
-const ORIGIN: &str = "origin";
+pub(crate) const ORIGIN: &str = "origin";
 
 /// Values on vertices, or on face corners, that are refined like positions.
 #[derive(Debug, Clone, PartialEq)]

@@ -7,7 +7,7 @@ use super::described::description as description_of;
 use super::literal::{WireFields, WireLiteral, written};
 use crate::fault::{Fault, did_you_mean, shortened, under};
 use crate::job::Output;
-use crate::math::parameter::{Default, Kind, Literal, Parameter, Values};
+use crate::math::parameter::{Kind, Literal, Parameter, Values};
 use crate::output::{self, Format, POSITIONS, description};
 use crate::shape::mesh::MAX_FRAMES;
 
@@ -171,22 +171,17 @@ fn known_format(value: &Literal) -> Result<&'static dyn Format, Vec<Fault>> {
 }
 
 /// The frame field, common to all formats.
-pub(super) const FRAME: Parameter = Parameter {
-    name: "frame",
-    kind: Kind::Integer { min: 0, max: MAX_FRAMES.cast_signed() as i64 - 1 },
-    unit: "",
-    default: Default::Absent,
-    doc: "The frame of a mesh that is shown, as if the mesh had these positions alone.",
-};
+pub(super) const FRAME: Parameter = Parameter::optional(
+    "frame",
+    Kind::Integer { min: 0, max: MAX_FRAMES.cast_signed() as i64 - 1 },
+    "The frame of a mesh that is shown, as if the mesh had these positions alone.",
+);
 
 /// The description field, common to the formats with room for a description.
-pub(super) const DESCRIBE: Parameter = Parameter {
-    name: "describe",
-    kind: Kind::Flag,
-    unit: "",
-    default: Default::Flag(false),
-    doc: "Whether the bytes say of which job they are: \"planish reproduce\" reads it, renders it again and compares.",
-};
+pub(super) const DESCRIBE: Parameter = Parameter::flag(
+    "describe",
+    "Whether the bytes say of which job they are: \"planish reproduce\" reads it, renders it again and compares.",
+);
 
 /// Returns the common fields of the format with this name.
 pub(super) fn common(format: &str) -> Vec<Parameter> {

@@ -16,14 +16,11 @@ use crate::analysis::surface::{
     BoundaryReport, Extraordinary, Kind, LatticeCertificate, Proof, Quotient, RegularMask, RegularSmoothness, Status,
     ValenceReport, Weight, evidence, verdict,
 };
-use parts::{coordinates, is_there, name};
+use parts::{MAX_EIGENVALUES, coordinates, is_there, name};
 
 use crate::job::{SurfaceFindings, Survey};
 use crate::math::mask::Mask;
 
-/// Maximum number of eigenvalues listed for a valence, the largest first. Those that decide are among the first ten at
-/// any valence. Half as many would show less of the rest; twice as many would make answers longer.
-const MAX_EIGENVALUES: usize = 16;
 /// What can be said of a scheme for surfaces.
 #[derive(Debug, Clone, Serialize, ToSchema)]
 pub struct SurfaceAnswer {

@@ -33,6 +33,9 @@ pub(super) struct Rings {
     pub(super) disc: usize,
 }
 
+/// The faces at a vertex, without further rings.
+pub(super) const NEAREST: Rings = Rings { support: 1, disc: 1 };
+
 /// The connectivity of a disc and all else that the weights of its limit depend on.
 ///
 /// Vertices are numbered ring by ring around the centre. The centre is vertex 0, or the edge or face of the first

@@ -7,7 +7,7 @@ use std::sync::Arc;
 use rayon::prelude::*;
 
 use super::bounds::{CHUNK, CHUNK_VERTICES, FIRST_CHUNK, MAX_DISCS, VERTICES_A_ROW};
-use super::disc::{Centre, Disc, Located, Rings};
+use super::disc::{Centre, Disc, Located, NEAREST, Rings};
 use super::error::Unlimited;
 use super::grid::regular_mask;
 use super::mask::{Finder, Mask, Masks};
@@ -25,9 +25,6 @@ use crate::watch::Watch;
 const REGULAR: u32 = 0;
 /// The class of vertices without faces.
 const ISOLATED: u32 = 1;
-
-/// The faces around a vertex alone.
-const NEAREST: Rings = Rings { support: 1, disc: 1 };
 
 /// The masks of all vertices of a net.
 #[derive(Debug)]

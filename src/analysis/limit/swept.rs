@@ -4,7 +4,7 @@
 use std::sync::Arc;
 
 use super::continuity::{check, smoothness};
-use super::disc::{Centre, Rings};
+use super::disc::{Centre, NEAREST, Rings};
 use super::error::{LimitError, Unlimited};
 use super::impulse::Smoothness;
 use super::mask::{Finder, Mask, Masks};
@@ -20,9 +20,6 @@ use crate::scheme::operator::Role;
 use crate::scheme::plan::{Plan, Scheduled};
 use crate::shape::mesh::Mesh;
 use crate::watch::Watch;
-
-/// The faces at a vertex, without further rings.
-const NEAREST: Rings = Rings { support: 1, disc: 1 };
 
 /// Refines a mesh patch by patch and computes the requested parts of its limit; `ahead` are the steps that would refine
 /// it further. Returns `None` if this is not possible: the mesh must be refined patch by patch, the limit of a point

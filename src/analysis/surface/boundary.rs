@@ -11,7 +11,7 @@ use std::collections::BTreeMap;
 
 use super::characteristic::{ring, sine};
 use super::fan::{Beyond, FanPlace, FanRows, mirrored, places, radius};
-use super::local::Applied;
+use super::local::{Applied, closed};
 use super::regular::RegularMask;
 use super::sectors::{Kind, PlaneNet, Point, SAME};
 use super::spectrum::Weight;
@@ -163,7 +163,7 @@ impl Applied {
         }
         let rows = self.fan(m, farthest, Beyond::Nothing, watch)?;
         let is_side_of_crease = self.is_side_of_crease(&rows, farthest, watch)?;
-        let closed = closed(kind, &rows, farthest)?;
+        let closed = closed(farthest, rows.reach_of(kind, farthest), |radius| rows.reach_of(kind, radius))?;
         if !is_mirrored(&rows) {
             return Err(Unlimited::Lopsided);
         }
@@ -200,23 +200,6 @@ impl Applied {
             criteria: criteria.map(|(statement, status)| Criterion { statement, status }).into(),
         })
     }
-}
-
-/// Returns the least radius for which the points up to it depend only on each other, and all read points depend only on
-/// them.
-fn closed(kind: Kind, rows: &FanRows, farthest: i32) -> Result<i32, Unlimited> {
-    let reach = |from: i32| {
-        let near = rows.rows.iter().filter(|(place, _)| radius(kind, **place) <= from);
-        near.flat_map(|(_, row)| row.keys()).map(|&place| radius(kind, place)).max().unwrap_or(0)
-    };
-    let mut closed = reach(farthest).min(farthest);
-    while reach(closed) > closed {
-        closed = reach(closed);
-        if closed > farthest {
-            return Err(Unlimited::Reach);
-        }
-    }
-    if reach(farthest) > closed { Err(Unlimited::Reach) } else { Ok(closed) }
 }
 
 /// Returns whether the reflection maps the rows to each other.

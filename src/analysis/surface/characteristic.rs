@@ -16,6 +16,7 @@ use super::convergence::{derivative, lebesgue_bound};
 use super::regular::{Polynomial, RegularMask};
 use super::sectors::{Kind, Point};
 use crate::math::functions::{cos, real, sin, sqrt};
+use crate::math::vector::minus;
 use crate::watch::{Stopped, Watch};
 
 /// Maximum number of cells examined for one valence. Splines need some hundred, interpolating schemes some thousand.
@@ -96,10 +97,6 @@ impl CharacteristicNet {
 pub(super) fn sine([a, b, c]: [[f64; 2]; 3]) -> f64 {
     let (u, v) = (minus(c, b), minus(a, b));
     cross(u, v) / (length(u) * length(v))
-}
-
-fn minus(a: [f64; 2], b: [f64; 2]) -> [f64; 2] {
-    [a[0] - b[0], a[1] - b[1]]
 }
 
 fn cross(a: [f64; 2], b: [f64; 2]) -> f64 {

@@ -42,6 +42,14 @@ pub(super) struct FanRows {
     pub(super) rows: BTreeMap<FanPlace, BTreeMap<FanPlace, f64>>,
 }
 
+impl FanRows {
+    /// Returns the radius of the farthest point that has a weight in the rows of the points up to a radius.
+    pub(super) fn reach_of(&self, kind: Kind, farthest: i32) -> i32 {
+        let near = self.rows.iter().filter(|(place, _)| radius(kind, **place) <= farthest);
+        near.flat_map(|(_, row)| row.keys()).map(|&place| radius(kind, place)).max().unwrap_or(0)
+    }
+}
+
 /// A net around a vertex, and the place of each of its vertices.
 struct Fan {
     net: MeshNet,

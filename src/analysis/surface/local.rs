@@ -159,6 +159,21 @@ impl Local {
     }
 }
 
+/// Returns the least radius, at most `farthest`, for which the points up to it depend only on each other, and all read
+/// points depend only on them. `reach` is the radius of the farthest point that has a weight; `reach_of` returns it for
+/// the rows of the points up to a radius.
+pub(super) fn closed(farthest: i32, reach: i32, reach_of: impl Fn(i32) -> i32) -> Result<i32, Unlimited> {
+    let mut radius = reach.min(farthest);
+    // the closed part must include all points that influence it
+    while reach_of(radius) > radius {
+        radius = reach_of(radius);
+        if radius > farthest {
+            return Err(Unlimited::Reach);
+        }
+    }
+    if reach > radius { Err(Unlimited::Reach) } else { Ok(radius) }
+}
+
 /// Reads rows off a record.
 struct Reader<'a> {
     star: &'a Star,

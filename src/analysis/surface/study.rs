@@ -6,7 +6,7 @@ use std::sync::OnceLock;
 use super::blocks::{Block, components, row};
 use super::boundary::BoundaryReport;
 use super::characteristic::{CharacteristicNet, RingProof, ring};
-use super::local::{Applied, Local};
+use super::local::{Applied, Local, closed};
 use super::regular::RegularMask;
 use super::sectors::{Kind, PlaneNet, Point, SAME};
 use super::smoothness::RegularSmoothness;
@@ -133,7 +133,8 @@ impl SurfaceStudy {
         let (from, farthest) = ring(&self.regular);
         let local = |farthest: i32| {
             let local = self.applied.wide_enough(valence, farthest, watch)?.ok_or(Unlimited::Unsettled)?;
-            Ok::<_, Unlimited>((closed(kind, &local, farthest)?, local))
+            let radius = closed(farthest, local.reach(kind), |radius| local.reach_of(kind, radius))?;
+            Ok::<_, Unlimited>((radius, local))
         };
         let d = self.regular.arity;
         let mut ring = None;
@@ -211,20 +212,6 @@ fn kinds(plan: &Plan) -> Vec<Kind> {
         [Kind::Quads, Kind::Dual]
     };
     if plan.tile() == Tile::Triangle { vec![Kind::Triangles] } else { [&quads[..], &[Kind::Triangles]].concat() }
-}
-
-/// Returns the least radius for which the points up to it depend only on each other, and all read points depend only on
-/// them.
-fn closed(kind: Kind, local: &Local, farthest: i32) -> Result<i32, Unlimited> {
-    let mut radius = local.reach(kind).min(farthest);
-    // the closed part must include all points that influence it
-    while local.reach_of(kind, radius) > radius {
-        radius = local.reach_of(kind, radius);
-        if radius > farthest {
-            return Err(Unlimited::Reach);
-        }
-    }
-    if local.reach(kind) > radius { Err(Unlimited::Reach) } else { Ok(radius) }
 }
 
 /// Returns the value of the first point of a sector, by which the eigenvector is divided to place this point at 1.

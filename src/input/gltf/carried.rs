@@ -14,15 +14,11 @@ use super::buffers::Document;
 use crate::input::reader::ReadMesh;
 use crate::input::room::{GROWN, Room};
 use crate::input::text::quoted;
-use crate::shape::attachments::COLOR;
-use crate::shape::attachments::ChannelInput;
+use crate::shape::attachments::{COLOR, ChannelInput, ORIGIN};
 use crate::shape::labels::FaceSet;
 
-/// Maximum number of attributes that a note names.
-const NAMED: usize = 8;
-
-/// The name of the attribute `_ORIGIN`, which holds origins and does not become a channel.
-const ORIGIN: &str = "origin";
+/// Maximum number of attributes or extensions that a note names.
+pub(super) const NAMED: usize = 8;
 
 /// Returns the channel name of an application-specific attribute: `_HEAT` becomes `heat`. glTF permits upper case only,
 /// so the name is made lower case, unless it would then be that of the colour.
@@ -30,6 +26,7 @@ pub(super) fn name(semantic: &Checked<Semantic>) -> Option<String> {
     let Valid(Semantic::Extras(name)) = semantic else { return None };
     let small = name.to_ascii_lowercase();
     let kept = if small == COLOR { name.clone() } else { small };
+    // origins do not become a channel
     (kept != ORIGIN).then_some(kept)
 }
 

@@ -8,6 +8,7 @@ use gltf::json::texture::{Info, MagFilter, MinFilter, Sampler, WrappingMode};
 use gltf::json::validation::Checked::{self, Valid};
 
 use super::buffers::Document;
+use super::carried::NAMED;
 use super::packed::PACKED;
 use crate::input::colors::encoded;
 use crate::input::reader::ReadMesh;
@@ -24,8 +25,6 @@ const OF_LOOKS: [&str; 3] = ["KHR_materials_", "_texture_", "KHR_technique"];
 
 /// Extensions that are read, or that may be ignored: with `MSFT_lod` the finest level is the document itself.
 const READ: [&str; 3] = [PACKED, "KHR_mesh_quantization", "MSFT_lod"];
-/// Maximum number of extensions that a note names.
-const NAMED: usize = 8;
 
 /// Adds the materials with their faces, given by material index, to the mesh in order.
 pub(super) fn finish(document: &Document<'_>, faces: BTreeMap<usize, Vec<u64>>, room: &mut Room, mesh: &mut ReadMesh) {

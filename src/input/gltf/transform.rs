@@ -4,10 +4,7 @@ use std::collections::BTreeMap;
 
 use serde_json::value::RawValue;
 
-use crate::input::transform::Transform;
-
-/// How far the last row of a matrix may be from 0, 0, 0, 1.
-const AFFINE: f64 = 1e-6;
+use crate::input::transform::{AFFINE, Transform};
 
 /// The transform properties of a node, as in the text.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]

@@ -14,7 +14,7 @@ use crate::shape::topology::{NONE, index};
 /// Maximum number of groups that contain a face at once.
 const MAX_AT_ONCE: usize = 16;
 /// Maximum number of faults that are reported individually.
-const MAX_FAULTS: usize = 20;
+pub(super) const MAX_FAULTS: usize = 20;
 /// The name that stands for no group and for no material.
 const NONE_OF_THEM: &str = "default";
 

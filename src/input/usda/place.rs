@@ -2,12 +2,9 @@
 
 use super::tree::Prim;
 use crate::input::text::quoted;
-use crate::input::transform::Transform;
+use crate::input::transform::{AFFINE, Transform};
 use crate::math::functions::{cos, sin};
 use crate::math::vector::{cross, dot, times};
-
-/// How far the last column of a matrix may be from 0, 0, 0, 1.
-const AFFINE: f64 = 1e-6;
 
 /// Returns the transform of a prim, composed with the transform of its parent.
 ///

@@ -7,7 +7,7 @@ use super::number_scale::NumberScale;
 use super::options::{COLOR, Options, shown_as};
 use super::skin;
 use crate::fault::Fault;
-use crate::math::parameter::{Default, Kind, Parameter, Value, Values};
+use crate::math::parameter::{Kind, Parameter, Value, Values};
 use crate::output::color_maps::ColorMap;
 use crate::output::colors::{linear, mark};
 use crate::output::counts::{Counts, ShapeKind};
@@ -24,34 +24,28 @@ use crate::watch::{Stopped, Watch};
 const FACES: &str = "faces";
 
 /// The attachment that colours follow.
-pub(crate) const COLOR_BY: Parameter = Parameter {
-    name: "color_by",
-    kind: Kind::Choice(&["none", "channel", "uvs", "groups", "materials", FACES]),
-    unit: "",
-    default: Default::Text("none"),
-    doc: "What the colours of a mesh follow: nothing but what its materials say of their looks, unless `color` is \
-          given; a channel of its vertices, squares an eighth wide in its texture coordinates, the names of the groups \
-          or materials of its faces, or the faces of the input that they came of.",
-};
+pub(crate) const COLOR_BY: Parameter = Parameter::choice(
+    "color_by",
+    &["none", "channel", "uvs", "groups", "materials", FACES],
+    "What the colours of a mesh follow: nothing but what its materials say of their looks, unless `color` is \
+     given; a channel of its vertices, squares an eighth wide in its texture coordinates, the names of the groups \
+     or materials of its faces, or the faces of the input that they came of.",
+);
 
 /// The channel that colours follow.
-pub(crate) const CHANNEL: Parameter = Parameter {
-    name: "channel",
-    kind: Kind::Name,
-    unit: "",
-    default: Default::Absent,
-    doc: "The channel that `color_by` \"channel\" shows; left out, \"color\". One of 3 or 4 numbers is a colour (sRGB \
-          from 0 to 1), one of 1 number, or the `component` of others, has the colours of `color_map` over `range`.",
-};
+pub(crate) const CHANNEL: Parameter = Parameter::optional(
+    "channel",
+    Kind::Name,
+    "The channel that `color_by` \"channel\" shows; left out, \"color\". One of 3 or 4 numbers is a colour (sRGB \
+     from 0 to 1), one of 1 number, or the `component` of others, has the colours of `color_map` over `range`.",
+);
 
 /// The component of a channel that colours follow.
-pub(crate) const COMPONENT: Parameter = Parameter {
-    name: "component",
-    kind: Kind::Integer { min: 0, max: 3 },
-    unit: "",
-    default: Default::Absent,
-    doc: "The component of the channel whose numbers are shown, the first being 0; left out, all of them as a colour.",
-};
+pub(crate) const COMPONENT: Parameter = Parameter::optional(
+    "component",
+    Kind::Integer { min: 0, max: 3 },
+    "The component of the channel whose numbers are shown, the first being 0; left out, all of them as a colour.",
+);
 
 /// Number of squares per unit of a texture coordinate.
 const SQUARES: f64 = 8.0;

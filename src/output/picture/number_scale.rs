@@ -3,31 +3,27 @@
 use rayon::prelude::*;
 
 use crate::fault::Fault;
-use crate::math::parameter::{Default, Kind, Parameter, Value, Values};
+use crate::math::parameter::{Kind, Parameter, Value, Values};
 use crate::output::color_maps::{COLOR_MAP, ColorMap};
 use crate::output::numbers::rounded;
 
 /// The range of numbers that colours cover.
-pub(crate) const RANGE: Parameter = Parameter {
-    name: "range",
-    kind: Kind::Numbers { most: 2 },
-    unit: "",
-    default: Default::Absent,
-    doc: "The least and the greatest number that have a colour of their own, where colours are numbers; what is beyond \
-          has the colour of the end. Curvature is in 1 / model units, Gaussian in 1 / model units squared, distance in \
-          model units. Left out: of curvature, symmetric about 0, what 95 % of the surface keeps to; of distances 0 \
-          to the largest; of channels the least to the greatest.",
-};
+pub(crate) const RANGE: Parameter = Parameter::optional(
+    "range",
+    Kind::Numbers { most: 2 },
+    "The least and the greatest number that have a colour of their own, where colours are numbers; what is beyond \
+     has the colour of the end. Curvature is in 1 / model units, Gaussian in 1 / model units squared, distance in \
+     model units. Left out: of curvature, symmetric about 0, what 95 % of the surface keeps to; of distances 0 \
+     to the largest; of channels the least to the greatest.",
+);
 
 /// Whether there is a legend.
-pub(crate) const COLOR_BAR: Parameter = Parameter {
-    name: "color_bar",
-    kind: Kind::Flag,
-    unit: "",
-    default: Default::Absent,
-    doc: "Whether a bar at the right says which colour stands for which number. Left out, it does where colours are \
-          numbers and the picture is at least 320 x 200 pixels.",
-};
+pub(crate) const COLOR_BAR: Parameter = Parameter::optional(
+    "color_bar",
+    Kind::Flag,
+    "Whether a bar at the right says which colour stands for which number. Left out, it does where colours are \
+     numbers and the picture is at least 320 x 200 pixels.",
+);
 
 /// Share of the surface whose curvature is within the default range. Curvature grows without bound towards
 /// extraordinary vertices of many schemes, and is large on small details: at 97.5 % these pale the rest of meshes with

@@ -42,13 +42,11 @@ pub(crate) const BACKGROUND: Parameter = Parameter {
 };
 
 /// Colour of the refined shape.
-pub(crate) const COLOR: Parameter = Parameter {
-    name: "color",
-    kind: Kind::Color,
-    unit: "",
-    default: Default::Absent,
-    doc: "Colour of the refined shape, whatever its materials; left out, theirs, and a calm blue where they have none.",
-};
+pub(crate) const COLOR: Parameter = Parameter::optional(
+    "color",
+    Kind::Color,
+    "Colour of the refined shape, whatever its materials; left out, theirs, and a calm blue where they have none.",
+);
 
 /// How well edges are drawn.
 pub(crate) const QUALITY: Parameter = Parameter {
@@ -61,16 +59,14 @@ pub(crate) const QUALITY: Parameter = Parameter {
 };
 
 /// How the model is grounded: occlusion and shadow.
-pub(crate) const GROUNDING: Parameter = Parameter {
-    name: "grounding",
-    kind: Kind::Choice(&["auto", "none", "occlusion", "shadow"]),
-    unit: "",
-    default: Default::Text("auto"),
-    doc: "Less light in hollows (\"occlusion\"), and with it a soft shadow on the ground, the level plane through the \
-          lowest point (\"shadow\"). \"auto\" is \"occlusion\", and \"shadow\" where the model stands: the centre of \
-          its surface is over the hull of what is near the ground, and it is no flat sheet. The ground is only seen \
-          from above.",
-};
+pub(crate) const GROUNDING: Parameter = Parameter::choice(
+    "grounding",
+    &["auto", "none", "occlusion", "shadow"],
+    "Less light in hollows (\"occlusion\"), and with it a soft shadow on the ground, the level plane through the \
+     lowest point (\"shadow\"). \"auto\" is \"occlusion\", and \"shadow\" where the model stands: the centre of \
+     its surface is over the hull of what is near the ground, and it is no flat sheet. The ground is only seen \
+     from above.",
+);
 
 /// Resolution of the picture on paper.
 pub(crate) const DPI: Parameter = Parameter {
@@ -82,68 +78,51 @@ pub(crate) const DPI: Parameter = Parameter {
 };
 
 /// Width of lines.
-pub(crate) const LINE_WIDTH: Parameter = Parameter {
-    name: "line_width",
-    kind: Kind::Number { min: 0.1, max: 20.0 },
-    unit: "",
-    default: Default::Number(1.0),
-    doc: "By what the usual width of lines is multiplied, which keeps its proportion to the picture.",
-};
+pub(crate) const LINE_WIDTH: Parameter = Parameter::number(
+    "line_width",
+    [0.1, 20.0],
+    Default::Number(1.0),
+    "By what the usual width of lines is multiplied, which keeps its proportion to the picture.",
+);
 
 /// Colour of wireframe and isolines.
-pub(crate) const WIRE_COLOR: Parameter = Parameter {
-    name: "wire_color",
-    kind: Kind::Color,
-    unit: "",
-    default: Default::Absent,
-    doc: "Colour of the wireframe and of isolines; left out, a dark blue.",
-};
+pub(crate) const WIRE_COLOR: Parameter =
+    Parameter::optional("wire_color", Kind::Color, "Colour of the wireframe and of isolines; left out, a dark blue.");
 
 /// Colour of the control net.
-pub(crate) const CONTROL_COLOR: Parameter = Parameter {
-    name: "control_color",
-    kind: Kind::Color,
-    unit: "",
-    default: Default::Absent,
-    doc: "Colour of the edges of the control net, which are faint behind the surface; left out, orange.",
-};
+pub(crate) const CONTROL_COLOR: Parameter = Parameter::optional(
+    "control_color",
+    Kind::Color,
+    "Colour of the edges of the control net, which are faint behind the surface; left out, orange.",
+);
 
 /// Colour of control points.
-pub(crate) const POINT_COLOR: Parameter = Parameter {
-    name: "point_color",
-    kind: Kind::Color,
-    unit: "",
-    default: Default::Absent,
-    doc: "Colour of control points; left out, a dark orange.",
-};
+pub(crate) const POINT_COLOR: Parameter =
+    Parameter::optional("point_color", Kind::Color, "Colour of control points; left out, a dark orange.");
 
 /// Size of points.
-pub(crate) const POINT_SIZE: Parameter = Parameter {
-    name: "point_size",
-    kind: Kind::Number { min: 0.1, max: 20.0 },
-    unit: "",
-    default: Default::Absent,
-    doc: "By what the usual size of points is multiplied; left out, points are smaller where they crowd. Curves only.",
-};
+pub(crate) const POINT_SIZE: Parameter = Parameter::number(
+    "point_size",
+    [0.1, 20.0],
+    Default::Absent,
+    "By what the usual size of points is multiplied; left out, points are smaller where they crowd. Curves only.",
+);
 
 /// Colour of the inside of closed curves.
-pub(crate) const FILL: Parameter = Parameter {
-    name: "fill",
-    kind: Kind::Color,
-    unit: "",
-    default: Default::Absent,
-    doc: "Colour of what closed curves lead around an odd number of times. Curves only.",
-};
+pub(crate) const FILL: Parameter = Parameter::optional(
+    "fill",
+    Kind::Color,
+    "Colour of what closed curves lead around an odd number of times. Curves only.",
+);
 
 /// Length of the teeth of combs.
-pub(crate) const COMB_SCALE: Parameter = Parameter {
-    name: "comb_scale",
-    kind: Kind::Number { min: -1000.0, max: 1000.0 },
-    unit: "",
-    default: Default::Number(1.0),
-    doc: "By what the usual length of the teeth of curvature combs is multiplied, at which most are up to an eighth of \
-          the picture long; below 0 they stand on the other side.",
-};
+pub(crate) const COMB_SCALE: Parameter = Parameter::number(
+    "comb_scale",
+    [-1000.0, 1000.0],
+    Default::Number(1.0),
+    "By what the usual length of the teeth of curvature combs is multiplied, at which most are up to an eighth of \
+     the picture long; below 0 they stand on the other side.",
+);
 
 /// The camera.
 pub(crate) const CAMERA: Parameter = Parameter {
@@ -156,13 +135,7 @@ pub(crate) const CAMERA: Parameter = Parameter {
 };
 
 pub(super) const CAMERA_FIELDS: &[Parameter] = &[
-    Parameter {
-        name: "projection",
-        kind: Kind::Choice(&["perspective", "orthographic"]),
-        unit: "",
-        default: Default::Text("perspective"),
-        doc: "Whether far things look smaller.",
-    },
+    Parameter::choice("projection", &["perspective", "orthographic"], "Whether far things look smaller."),
     Parameter {
         name: "azimuth_deg",
         kind: Kind::Number { min: -360.0, max: 360.0 },
@@ -184,13 +157,7 @@ pub(super) const CAMERA_FIELDS: &[Parameter] = &[
         default: Default::Number(30.0),
         doc: "Vertical angle of view of the perspective camera.",
     },
-    Parameter {
-        name: "zoom",
-        kind: Kind::Number { min: 0.001, max: 1000.0 },
-        unit: "",
-        default: Default::Number(1.0),
-        doc: "Magnification about the centre of the picture.",
-    },
+    Parameter::number("zoom", [0.001, 1000.0], Default::Number(1.0), "Magnification about the centre of the picture."),
     Parameter {
         name: "eye",
         kind: Kind::Vector,
@@ -205,13 +172,11 @@ pub(super) const CAMERA_FIELDS: &[Parameter] = &[
         default: Default::Absent,
         doc: "What stands in the centre of the picture; left out, the middle of what is shown.",
     },
-    Parameter {
-        name: "up",
-        kind: Kind::Vector,
-        unit: "",
-        default: Default::Absent,
-        doc: "The direction that points up in the picture; left out, that of the input's `up`: +y, or +z.",
-    },
+    Parameter::optional(
+        "up",
+        Kind::Vector,
+        "The direction that points up in the picture; left out, that of the input's `up`: +y, or +z.",
+    ),
     BOX,
 ];
 

@@ -15,31 +15,19 @@ use crate::output::scene::Curve;
 use crate::raster::View;
 
 /// The title of the drawing.
-pub(crate) const TITLE: Parameter = Parameter {
-    name: "title",
-    kind: Kind::Name,
-    unit: "",
-    default: Default::Absent,
-    doc: "What stands above the drawing, with markup as labels have. Curves only.",
-};
+pub(crate) const TITLE: Parameter =
+    Parameter::optional("title", Kind::Name, "What stands above the drawing, with markup as labels have. Curves only.");
 
 /// The label of the numbers from left to right.
-pub(crate) const X_LABEL: Parameter = Parameter {
-    name: "x_label",
-    kind: Kind::Name,
-    unit: "",
-    default: Default::Absent,
-    doc: "What stands below the axis from left to right, where axes are shown.",
-};
+pub(crate) const X_LABEL: Parameter =
+    Parameter::optional("x_label", Kind::Name, "What stands below the axis from left to right, where axes are shown.");
 
 /// The label of the numbers from the bottom to the top.
-pub(crate) const Y_LABEL: Parameter = Parameter {
-    name: "y_label",
-    kind: Kind::Name,
-    unit: "",
-    default: Default::Absent,
-    doc: "What stands beside the axis from the bottom to the top, where axes are shown.",
-};
+pub(crate) const Y_LABEL: Parameter = Parameter::optional(
+    "y_label",
+    Kind::Name,
+    "What stands beside the axis from the bottom to the top, where axes are shown.",
+);
 
 /// The position of the legend.
 pub(crate) const LEGEND: Parameter = Parameter::choice(
@@ -49,13 +37,12 @@ pub(crate) const LEGEND: Parameter = Parameter::choice(
 );
 
 /// The size of letters.
-pub(crate) const TEXT_SIZE: Parameter = Parameter {
-    name: "text_size",
-    kind: Kind::Number { min: 0.2, max: 10.0 },
-    unit: "",
-    default: Default::Number(1.0),
-    doc: "By what the usual size of letters is multiplied, which keeps its proportion to the picture.",
-};
+pub(crate) const TEXT_SIZE: Parameter = Parameter::number(
+    "text_size",
+    [0.2, 10.0],
+    Default::Number(1.0),
+    "By what the usual size of letters is multiplied, which keeps its proportion to the picture.",
+);
 
 /// Minimum default size of letters, pixels, at which they can be read in panels of figures and other small pictures. At
 /// half of it they cannot; twice of it leaves no room for curves there.

@@ -2,60 +2,42 @@
 
 use super::options::Options;
 use crate::fault::Fault;
-use crate::math::parameter::{Default, Kind, Parameter, Value, Values};
+use crate::math::parameter::{Kind, Parameter, Value, Values};
 use crate::output::counts::ShapeKind;
 use crate::output::options::ISOLINES;
 use crate::raster::{Finish, Pattern, Stripes};
 
 /// How a surface is shown.
-pub(crate) const SHADING: Parameter = Parameter {
-    name: "shading",
-    kind: Kind::Choice(&[
-        "smooth",
-        "flat",
-        "matcap",
-        NORMALS,
-        HIDDEN_LINE,
-        GAUSSIAN,
-        MEAN,
-        ZEBRA,
-        REFLECTION_LINES,
-        ISOPHOTES,
-        DISTANCE,
-    ]),
-    unit: "",
-    default: Default::Text("smooth"),
-    doc: "How the surface of a mesh is shown. Lit: smooth or by its faces (flat), as clay in a studio (matcap). As a \
-          drawing: in the colour of the paper, with its outline, boundary, hard edges and the edges of the input \
-          (hidden-line). Inspected: the normal as a colour (normals), colours of curvature (gaussian-curvature, \
-          mean-curvature) or of the distance from the control net, or from the surface of the job that `distance_to` \
-          of the job holds (distance), the mirror images of bands (zebra) and of strips of light (reflection-lines), \
-          lines of equal angle to a direction (isophotes).",
-};
+pub(crate) const SHADING: Parameter = Parameter::choice(
+    "shading",
+    &["smooth", "flat", "matcap", NORMALS, HIDDEN_LINE, GAUSSIAN, MEAN, ZEBRA, REFLECTION_LINES, ISOPHOTES, DISTANCE],
+    "How the surface of a mesh is shown. Lit: smooth or by its faces (flat), as clay in a studio (matcap). As a \
+     drawing: in the colour of the paper, with its outline, boundary, hard edges and the edges of the input \
+     (hidden-line). Inspected: the normal as a colour (normals), colours of curvature (gaussian-curvature, \
+     mean-curvature) or of the distance from the control net, or from the surface of the job that `distance_to` \
+     of the job holds (distance), the mirror images of bands (zebra) and of strips of light (reflection-lines), \
+     lines of equal angle to a direction (isophotes).",
+);
 
 /// The number of stripes.
-pub(crate) const STRIPES: Parameter = Parameter {
-    name: "stripes",
-    kind: Kind::Integer { min: 1, max: MOST_STRIPES },
-    unit: "",
-    default: Default::Absent,
-    doc: "How many stripes shading zebra, reflection-lines and isophotes shows: dark bands from one end of their axis \
-          to the other, strips of light around half of it, lines between the angles of 90 and 0 degrees. Left out, \
-          12, 18 and 12.",
-};
+pub(crate) const STRIPES: Parameter = Parameter::optional(
+    "stripes",
+    Kind::Integer { min: 1, max: MOST_STRIPES },
+    "How many stripes shading zebra, reflection-lines and isophotes shows: dark bands from one end of their axis \
+     to the other, strips of light around half of it, lines between the angles of 90 and 0 degrees. Left out, \
+     12, 18 and 12.",
+);
 
 /// Maximum number of stripes; more would be finer than the pixels of the largest pictures.
 const MOST_STRIPES: i64 = 256;
 
 /// The axis of stripes.
-pub(crate) const STRIPE_DIRECTION: Parameter = Parameter {
-    name: "stripe_direction",
-    kind: Kind::Direction,
-    unit: "",
-    default: Default::Absent,
-    doc: "The axis of the stripes of zebra (across it), reflection-lines (along it) and isophotes (towards it), in \
-          model coordinates. Left out, up; for reflection-lines, from left to right in the picture.",
-};
+pub(crate) const STRIPE_DIRECTION: Parameter = Parameter::optional(
+    "stripe_direction",
+    Kind::Direction,
+    "The axis of the stripes of zebra (across it), reflection-lines (along it) and isophotes (towards it), in \
+     model coordinates. Left out, up; for reflection-lines, from left to right in the picture.",
+);
 
 /// Default colour of surfaces.
 pub(super) const SURFACE: [u8; 4] = [112, 160, 222, 255];

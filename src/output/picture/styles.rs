@@ -8,45 +8,27 @@ use crate::math::parameter::{Default, Kind, Parameter, Values};
 const MAX_STYLES: usize = 64;
 
 /// The styles of single curves.
-pub(crate) const STYLES: Parameter = Parameter {
-    name: "styles",
-    kind: Kind::Groups { fields: FIELDS, most: MAX_STYLES },
-    unit: "",
-    default: Default::Absent,
-    doc: "Looks of the polygons' curves, one each in their order and from the first again where there are more \
-          polygons. Curves only.",
-};
+pub(crate) const STYLES: Parameter = Parameter::optional(
+    "styles",
+    Kind::Groups { fields: FIELDS, most: MAX_STYLES },
+    "Looks of the polygons' curves, one each in their order and from the first again where there are more \
+     polygons. Curves only.",
+);
 
 const FIELDS: &[Parameter] = &[
-    Parameter {
-        name: "color",
-        kind: Kind::Color,
-        unit: "",
-        default: Default::Absent,
-        doc: "Colour of the curve; left out, the next of six that are told apart with every kind of sight.",
-    },
+    Parameter::optional(
+        "color",
+        Kind::Color,
+        "Colour of the curve; left out, the next of six that are told apart with every kind of sight.",
+    ),
     Parameter::choice("dash", &["solid", "dashed", "dotted", "dash-dot"], "How the line is broken."),
-    Parameter {
-        name: "width",
-        kind: Kind::Number { min: 0.1, max: 20.0 },
-        unit: "",
-        default: Default::Number(1.0),
-        doc: "By what the usual width of the line is multiplied.",
-    },
-    Parameter {
-        name: "label",
-        kind: Kind::Name,
-        unit: "",
-        default: Default::Absent,
-        doc: "What the legend says of it, with markup: `_x` and `^{...}` for small letters, `\\alpha` for Greek ones.",
-    },
-    Parameter {
-        name: "fill",
-        kind: Kind::Color,
-        unit: "",
-        default: Default::Absent,
-        doc: "Colour of the inside where the curve is closed.",
-    },
+    Parameter::number("width", [0.1, 20.0], Default::Number(1.0), "By what the usual width of the line is multiplied."),
+    Parameter::optional(
+        "label",
+        Kind::Name,
+        "What the legend says of it, with markup: `_x` and `^{...}` for small letters, `\\alpha` for Greek ones.",
+    ),
+    Parameter::optional("fill", Kind::Color, "Colour of the inside where the curve is closed."),
 ];
 
 /// Colours that can be told apart with every kind of sight: those of M. Okabe and K. Ito, Color Universal Design

@@ -34,18 +34,16 @@ pub(crate) const PARAMETERS: &[Parameter] = &[
     WIDTH,
     HEIGHT,
     BACKGROUND,
-    Parameter {
-        name: "show",
-        kind: Kind::Choices(ITEMS),
-        unit: "",
-        default: Default::Absent,
-        doc: "What is drawn. Of curves: the refined curve, the control polygon, the control points, the points of the \
-              refined curve (vertices), a curvature comb, tangents, axes, a grid, a legend; left out, the first \
-              three. Of a mesh the lines that its faces do not hide: its outline (silhouettes), its boundary, its \
-              creases, the edges of the input (isolines), all edges of its faces (wireframe), as dashes the hidden \
-              parts of the first three (hidden), and strokes that are the closer the less light falls there \
-              (hatching); left out, the first four. Of sections only these are.",
-    },
+    Parameter::optional(
+        "show",
+        Kind::Choices(ITEMS),
+        "What is drawn. Of curves: the refined curve, the control polygon, the control points, the points of the \
+         refined curve (vertices), a curvature comb, tangents, axes, a grid, a legend; left out, the first \
+         three. Of a mesh the lines that its faces do not hide: its outline (silhouettes), its boundary, its \
+         creases, the edges of the input (isolines), all edges of its faces (wireframe), as dashes the hidden \
+         parts of the first three (hidden), and strokes that are the closer the less light falls there \
+         (hatching); left out, the first four. Of sections only these are.",
+    ),
     COLOR,
     LINE_WIDTH,
     CONTROL_COLOR,

@@ -4,14 +4,12 @@ use crate::math::parameter::{Default, Kind, Parameter};
 use crate::raster::MAX_SIDE_PX;
 
 /// A box that is framed in place of the shown items.
-pub(super) const BOX: Parameter = Parameter {
-    name: "box",
-    kind: Kind::Group(BOX_FIELDS),
-    unit: "",
-    default: Default::Absent,
-    doc: "A box that is framed in place of what is shown, so that pictures of several shapes have one scale. Values of \
-          functions stand as y.",
-};
+pub(super) const BOX: Parameter = Parameter::optional(
+    "box",
+    Kind::Group(BOX_FIELDS),
+    "A box that is framed in place of what is shown, so that pictures of several shapes have one scale. Values of \
+     functions stand as y.",
+);
 
 pub(super) const BOX_FIELDS: &[Parameter] = &[
     Parameter {

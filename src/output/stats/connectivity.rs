@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use rayon::prelude::*;
 
-use crate::output::scene::{FaceChunk, MeshSource, in_chunks};
+use crate::output::scene::{MeshSource, each_face};
 use crate::shape::topology::index;
 use crate::watch::{Stopped, Watch};
 
@@ -83,18 +83,10 @@ impl Connectivity {
 fn keys(mesh: &dyn MeshSource, watch: &Watch) -> Result<(Vec<u64>, BTreeMap<u32, u64>), Stopped> {
     let mut keys = Vec::with_capacity(mesh.n_half_edges());
     let mut face_sizes = BTreeMap::new();
-    let mut chunk = FaceChunk::default();
-    in_chunks(mesh.n_faces(), |range| {
-        watch.check()?;
-        mesh.faces(range, &mut chunk);
-        for face in chunk.iter() {
-            *face_sizes.entry(index(face.len())).or_default() += 1;
-        }
-        for face in chunk.iter() {
-            let after = face.iter().skip(1).chain(face.first());
-            keys.extend(face.iter().zip(after).map(|(&a, &b)| u64::from(a.min(b)) << 32 | u64::from(a.max(b))));
-        }
-        Ok(())
+    each_face(mesh, watch, |face| {
+        *face_sizes.entry(index(face.len())).or_default() += 1;
+        let after = face.iter().skip(1).chain(face.first());
+        keys.extend(face.iter().zip(after).map(|(&a, &b)| u64::from(a.min(b)) << 32 | u64::from(a.max(b))));
     })?;
     Ok((keys, face_sizes))
 }

@@ -3,7 +3,7 @@
 use super::around;
 use super::cosines::cosine;
 use crate::math::functions::ratio;
-use crate::math::parameter::{Default, Kind, Parameter};
+use crate::math::parameter::{Default, Parameter};
 use crate::math::rows::{Rows, RowsBy};
 use crate::scheme::mesh_net::MeshNet;
 use crate::scheme::operator::{Facts, Nets, Operator};
@@ -29,13 +29,12 @@ pub struct ButterflyEdges;
 
 impl ButterflyEdges {
     /// The tension.
-    pub const W: Parameter = Parameter {
-        name: "w",
-        kind: Kind::Number { min: -1e3, max: 1e3 },
-        unit: "",
-        default: Default::Number(1.0 / 16.0),
-        doc: "Tension: what edge points are off the middles of their edges at 1/16 is multiplied by 16 w.",
-    };
+    pub const W: Parameter = Parameter::number(
+        "w",
+        [-1e3, 1e3],
+        Default::Number(1.0 / 16.0),
+        "Tension: what edge points are off the middles of their edges at 1/16 is multiplied by 16 w.",
+    );
 }
 
 static FACTS: Facts = Facts {

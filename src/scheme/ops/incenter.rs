@@ -5,7 +5,7 @@ use std::sync::Arc;
 use rayon::prelude::*;
 
 use crate::math::functions::sin;
-use crate::math::parameter::{Default, Kind, Parameter};
+use crate::math::parameter::{Default, Parameter};
 use crate::math::planar::{Neighbours, Vector, angle, half_chord, length, rotated};
 use crate::math::vector::{direction, plus, times};
 use crate::scheme::operator::{Children, Facts, Nets, Operator, Role};
@@ -33,14 +33,13 @@ pub struct Incenter;
 
 impl Incenter {
     /// The fraction by which tangents are turned towards the circle.
-    pub const MU: Parameter = Parameter {
-        name: "mu",
-        kind: Kind::Number { min: 0.0, max: 1.0 },
-        unit: "",
-        default: Default::Number(0.25),
-        doc: "How far tangents follow the circle through three points: 0 keeps those of the biarcs, 1 takes the \
-              circle's.",
-    };
+    pub const MU: Parameter = Parameter::number(
+        "mu",
+        [0.0, 1.0],
+        Default::Number(0.25),
+        "How far tangents follow the circle through three points: 0 keeps those of the biarcs, 1 takes the \
+         circle's.",
+    );
 }
 
 static FACTS: Facts = Facts {

@@ -1,7 +1,7 @@
 //! The table of records of batches.
 
 use std::collections::{BTreeMap, BTreeSet, HashMap};
-use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::sync::{Arc, Mutex, MutexGuard};
 use std::time::Duration;
 
 use bytes::Bytes;
@@ -16,6 +16,7 @@ use crate::service::clock::Clock;
 use crate::service::job_key::{JobKey, Tenant};
 use crate::service::jobs::State;
 use crate::service::journal::Journal;
+use crate::service::lock::lock;
 use crate::service::peer::{Paid, Peer};
 use crate::service::store::{Records, StoreError};
 
@@ -85,7 +86,7 @@ impl Batches {
         let journal = records.map(|records| {
             let (table, clock) = (table.clone(), clock.clone());
             Journal::new(records, move |row| {
-                let table = locked(&table);
+                let table = lock(&table);
                 match row {
                     Written::Batch(batch) => {
                         let batch = table.batches.get(batch)?;
@@ -103,7 +104,7 @@ impl Batches {
     }
 
     fn table(&self) -> MutexGuard<'_, Table> {
-        locked(&self.table)
+        lock(&self.table)
     }
 
     fn note(&self, batch: JobKey) {
@@ -356,8 +357,4 @@ impl Batches {
     pub fn close(&self, patience: Duration) {
         self.journal.iter().for_each(|journal| journal.close(patience));
     }
-}
-
-fn locked(table: &Mutex<Table>) -> MutexGuard<'_, Table> {
-    table.lock().unwrap_or_else(PoisonError::into_inner)
 }

@@ -7,15 +7,13 @@ use bytes::Bytes;
 
 use super::record::{Batch, Ending, Item};
 use crate::service::fields::{Fields, Writing};
-use crate::service::job_key::{JOB_KEY_BYTES, JobKey, JobTerms, Priority};
-use crate::service::jobs::{State, output, outputs};
+use crate::service::job_key::{JobKey, JobTerms};
+use crate::service::jobs::{NONE, State, given, numbered, numbers_of, output, outputs, state_of, terms};
 use crate::service::journal::Row;
 
 const BATCH: [u8; 8] = *b"plnshbat";
 const ITEM: [u8; 8] = *b"plnshitm";
 const VERSION: u32 = 1;
-/// Stands for an absent number.
-const NONE: u64 = u64::MAX;
 
 /// Tags of the fields in their order; the fields of outputs follow those of an item.
 mod tag {
@@ -64,36 +62,15 @@ pub(super) struct KeptBatch {
     pub(super) text: Bytes,
 }
 
-fn named(state: &State) -> (u64, &str) {
-    match state {
-        State::Active => (0, ""),
-        State::Done => (1, ""),
-        State::Failed(reason) => (2, reason),
-        State::Cancelled => (3, ""),
-    }
-}
-
-fn state(number: u64, reason: String) -> Option<State> {
-    Some(match number {
-        0 => State::Active,
-        1 => State::Done,
-        2 => State::Failed(reason),
-        3 => State::Cancelled,
-        _ => return None,
-    })
-}
-
 /// Encodes a batch without its items; `settled` is the time since 1970 at which the batch was settled, if it is.
 pub(super) fn encode(batch: &Batch, settled: Option<Duration>) -> Vec<u8> {
     let mut out = Writing::new(BATCH, VERSION, 256 + batch.request.text.len());
     out.field(tag::BATCH, &batch.batch.to_bytes());
-    let (number, reason) = named(&batch.state);
+    let (number, reason) = numbered(&batch.state);
     let settled = settled.map_or(NONE, |at| at.as_secs());
     let standing = [batch.number, batch.attempts.into(), number, settled, batch.request.n_outputs];
     out.numbers(tag::STANDING, &standing);
-    let JobTerms { priority, queue_timeout_s, run_timeout_s } = batch.terms;
-    let is_batch = u64::from(priority == Priority::Batch);
-    out.numbers(tag::TERMS, &[is_batch, queue_timeout_s.unwrap_or(NONE), run_timeout_s.unwrap_or(NONE)]);
+    out.numbers(tag::TERMS, &numbers_of(batch.terms));
     out.field(tag::REASON, reason.as_bytes());
     out.field(tag::TEXT, &batch.request.text);
     out.closed()
@@ -103,7 +80,7 @@ pub(super) fn encode(batch: &Batch, settled: Option<Duration>) -> Vec<u8> {
 pub(super) fn encode_item(batch: &JobKey, at: u32, item: &Item) -> Vec<u8> {
     let mut out = Writing::new(ITEM, VERSION, 256);
     out.field(tag::BATCH, &batch.to_bytes());
-    let (number, reason) = item.ending.as_ref().map_or((0, ""), |ending| named(&ending.state));
+    let (number, reason) = item.ending.as_ref().map_or((0, ""), |ending| numbered(&ending.state));
     out.numbers(tag::STANDING, &[at.into(), number, item.is_hit.into()]);
     out.field(tag::REASON, reason.as_bytes());
     out.hashes(tag::JOB, &item.job);
@@ -124,27 +101,20 @@ pub(super) fn decode(bytes: &[u8]) -> Option<Kept> {
         return decode_item(bytes);
     }
     let mut fields = Fields::of(bytes, BATCH, VERSION)?;
-    let batch = key(&mut fields)?;
+    let batch = JobKey::from_bytes(fields.take(tag::BATCH)?)?;
     let [number, attempts, standing, settled, n_outputs] = fields.numbers(tag::STANDING)?.try_into().ok()?;
-    let [is_batch, queue, run] = fields.numbers(tag::TERMS)?.try_into().ok()?;
-    let given = |number: u64| Some(number).filter(|number| *number != NONE);
-    let priority = if is_batch == 1 { Priority::Batch } else { Priority::Interactive };
-    let terms = JobTerms { priority, queue_timeout_s: given(queue), run_timeout_s: given(run) };
-    let state = state(standing, fields.text(tag::REASON)?)?;
+    let terms = terms(&fields.numbers(tag::TERMS)?)?;
+    let state = state_of(standing, fields.text(tag::REASON)?)?;
     let text = Bytes::copy_from_slice(fields.take(tag::TEXT)?);
     let (attempts, settled_s) = (u32::try_from(attempts).ok()?, given(settled));
     Some(Kept::Batch(Box::new(KeptBatch { batch, number, attempts, terms, state, settled_s, n_outputs, text })))
 }
 
-fn key(fields: &mut Fields<'_>) -> Option<JobKey> {
-    JobKey::from_bytes(&fields.fixed::<JOB_KEY_BYTES>(tag::BATCH)?)
-}
-
 fn decode_item(bytes: &[u8]) -> Option<Kept> {
     let mut fields = Fields::of(bytes, ITEM, VERSION)?;
-    let batch = key(&mut fields)?;
+    let batch = JobKey::from_bytes(fields.take(tag::BATCH)?)?;
     let [at, number, is_hit] = fields.numbers(tag::STANDING)?.try_into().ok()?;
-    let state = state(number, fields.text(tag::REASON)?)?;
+    let state = state_of(number, fields.text(tag::REASON)?)?;
     let job = fields.hashes(tag::JOB)?.first().copied();
     let (products, made) = outputs(&mut fields)?;
     let outputs = products.into_iter().zip(made).collect();

@@ -12,4 +12,4 @@ pub use attempt::{New, Placed, Run};
 pub use record::{Holder, JobSummary, Made, Predicted, Product, Record, State, Wanted};
 pub use standing::{Phase, Standing};
 pub use table::Jobs;
-pub(super) use written::{output, outputs};
+pub(super) use written::{NONE, given, numbered, numbers_of, output, outputs, state_of, terms};

@@ -1,6 +1,6 @@
 //! The table of records of jobs.
 
-use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::sync::{Arc, Mutex, MutexGuard};
 use std::time::Duration;
 
 use tokio::sync::watch;
@@ -14,6 +14,7 @@ use crate::service::account::Full;
 use crate::service::clock::Clock;
 use crate::service::job_key::{JobKey, Tenant};
 use crate::service::journal::{Journal, Row};
+use crate::service::lock::lock;
 use crate::service::peer::{Paid, Peer};
 use crate::service::store::{Pin, Records, StoreError};
 use crate::service::tally::Tally;
@@ -45,7 +46,7 @@ impl Jobs {
         let journal = records.map(|records| {
             let (table, clock) = (table.clone(), clock.clone());
             Journal::new(records, move |job| {
-                let record = locked(&table).records.get(job).cloned()?;
+                let record = lock(&table).records.get(job).cloned()?;
                 let since = record.settled.map(|at| clock.now().saturating_sub(at));
                 Some(encode(&record, since.map(|since| clock.wall().saturating_sub(since))))
             })
@@ -59,7 +60,7 @@ impl Jobs {
     }
 
     fn table(&self) -> MutexGuard<'_, Table> {
-        locked(&self.table)
+        lock(&self.table)
     }
 
     fn note(&self, job: JobKey) {
@@ -364,10 +365,6 @@ impl Jobs {
             journal.close(patience);
         }
     }
-}
-
-fn locked(table: &Mutex<Table>) -> MutexGuard<'_, Table> {
-    table.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
 /// Restores a record of an earlier process; an active job gets a further attempt, or fails if it was started too often.

@@ -14,7 +14,7 @@ use crate::service::job_key::{JobKey, JobTerms, Priority};
 const MAGIC: [u8; 8] = *b"plnshjob";
 const VERSION: u32 = 1;
 /// Stands for an absent number.
-const NONE: u64 = u64::MAX;
+pub(in crate::service) const NONE: u64 = u64::MAX;
 
 /// Tags of the fields in their order; the fields of the outputs follow, each with a tag of its own.
 mod tag {
@@ -57,18 +57,11 @@ pub(super) fn encode(record: &Record, settled: Option<Duration>) -> Vec<u8> {
     let summary = &record.summary;
     let mut out = Writing::new(MAGIC, VERSION, 1024 + summary.request.len());
     out.field(tag::JOB, &record.job.to_bytes());
-    let (state, reason) = match &record.state {
-        State::Active => (0, ""),
-        State::Done => (1, ""),
-        State::Failed(reason) => (2, reason.as_str()),
-        State::Cancelled => (3, ""),
-    };
+    let (state, reason) = numbered(&record.state);
     let settled = settled.map_or(NONE, |at| at.as_secs());
     let (starts, is_posted) = (record.starts.into(), record.wanted.is_posted.into());
     out.numbers(tag::STANDING, &[record.number, record.attempts.into(), state, settled, starts, is_posted]);
-    let JobTerms { priority, queue_timeout_s, run_timeout_s } = record.terms;
-    let is_batch = u64::from(priority == Priority::Batch);
-    out.numbers(tag::TERMS, &[is_batch, queue_timeout_s.unwrap_or(NONE), run_timeout_s.unwrap_or(NONE)]);
+    out.numbers(tag::TERMS, &numbers_of(record.terms));
     out.field(tag::REASON, reason.as_bytes());
     out.field(tag::REQUEST, &summary.request);
     let Predicted { vertices, faces, memory_bytes, time_ms } = &summary.cost;
@@ -84,6 +77,23 @@ pub(super) fn encode(record: &Record, settled: Option<Duration>) -> Vec<u8> {
         output(&mut out, product, made.as_ref());
     }
     out.closed()
+}
+
+/// Returns the number of a state in a record, and the reason of a failure.
+pub(in crate::service) fn numbered(state: &State) -> (u64, &str) {
+    match state {
+        State::Active => (0, ""),
+        State::Done => (1, ""),
+        State::Failed(reason) => (2, reason),
+        State::Cancelled => (3, ""),
+    }
+}
+
+/// Returns the terms of a job or a batch as numbers in a record.
+pub(in crate::service) fn numbers_of(terms: JobTerms) -> [u64; 3] {
+    let JobTerms { priority, queue_timeout_s, run_timeout_s } = terms;
+    let is_batch = u64::from(priority == Priority::Batch);
+    [is_batch, queue_timeout_s.unwrap_or(NONE), run_timeout_s.unwrap_or(NONE)]
 }
 
 /// Writes an output and its result.
@@ -118,18 +128,8 @@ pub(super) fn decode(bytes: &[u8]) -> Option<Kept> {
         [number, attempts, state, settled, starts, is_posted] => [number, attempts, state, settled, starts, is_posted],
         _ => return None,
     };
-    let [is_batch, queue, run] = fields.numbers(tag::TERMS)?.try_into().ok()?;
-    let given = |number: u64| Some(number).filter(|number| *number != NONE);
-    let priority = if is_batch == 1 { Priority::Batch } else { Priority::Interactive };
-    let terms = JobTerms { priority, queue_timeout_s: given(queue), run_timeout_s: given(run) };
-    let reason = fields.text(tag::REASON)?;
-    let state = match state {
-        0 => State::Active,
-        1 => State::Done,
-        2 => State::Failed(reason),
-        3 => State::Cancelled,
-        _ => return None,
-    };
+    let terms = terms(&fields.numbers(tag::TERMS)?)?;
+    let state = state_of(state, fields.text(tag::REASON)?)?;
     let request = Bytes::copy_from_slice(fields.take(tag::REQUEST)?);
     let vertices = fields.numbers(tag::VERTICES)?;
     let [faces, memory_bytes, time_ms] = fields.numbers(tag::COST)?.try_into().ok()?;
@@ -148,6 +148,29 @@ pub(super) fn decode(bytes: &[u8]) -> Option<Kept> {
     let (attempts, starts) = (u32::try_from(attempts).ok()?, u32::try_from(starts).ok()?);
     let (settled_s, is_posted) = (given(settled), is_posted == 1);
     Some(Kept { job, number, attempts, starts, is_posted, terms, state, made, settled_s, summary })
+}
+
+/// Returns the state of a number and a reason that [`numbered`] gave.
+pub(in crate::service) fn state_of(number: u64, reason: String) -> Option<State> {
+    match number {
+        0 => Some(State::Active),
+        1 => Some(State::Done),
+        2 => Some(State::Failed(reason)),
+        3 => Some(State::Cancelled),
+        _ => None,
+    }
+}
+
+/// Returns the terms whose numbers [`numbers_of`] gave.
+pub(in crate::service) fn terms(numbers: &[u64]) -> Option<JobTerms> {
+    let &[is_batch, queue, run] = numbers else { return None };
+    let priority = if is_batch == 1 { Priority::Batch } else { Priority::Interactive };
+    Some(JobTerms { priority, queue_timeout_s: given(queue), run_timeout_s: given(run) })
+}
+
+/// Returns a number, unless it stands for an absent one.
+pub(in crate::service) fn given(number: u64) -> Option<u64> {
+    Some(number).filter(|number| *number != NONE)
 }
 
 /// Reads all remaining outputs with their results.

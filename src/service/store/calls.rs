@@ -13,9 +13,9 @@ use object_store::{Error, ObjectStore, ObjectStoreExt, PutMode, PutPayload};
 use tokio::runtime::{Builder, Runtime};
 
 use super::error::StoreError;
-use super::lock::lock;
 use crate::fault::cut;
 use crate::service::clock::Clock;
+use crate::service::lock::lock;
 
 /// Time limit of one call in total, retries included; it is shorter than the time a response waits for a part. Half of
 /// it would cut off a mebibyte that arrives at 250 kB/s; twice of it would outlast the waiting response.

@@ -13,11 +13,11 @@ use super::error::StoreError;
 use super::files::{Folder, Tmp, cost};
 use super::index::Index;
 use super::interface::Usage;
-use super::lock::lock;
 use super::manifest::Manifest;
 use super::shelf::{self, Shelf};
 use super::sweep::{self, Swept};
 use crate::job::key::Key;
+use crate::service::lock::lock;
 
 /// Number of attempts of a computation to get the lock for evicting artifacts, with [`PAUSE`] between two of them: one
 /// second at most, about as long as one durable write takes on a disk under load. After that the bytes stay in memory,

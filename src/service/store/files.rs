@@ -23,12 +23,12 @@ use bytes::Bytes;
 
 use super::disk::Disk;
 use super::disk_files::{at, remove_file};
-use super::lock::lock;
 use super::manifest::Manifest;
 use super::parts;
 use super::records::{self, RECORDS_FILE};
 use crate::fault::shortened;
 use crate::job::key::{Key, content};
+use crate::service::lock::lock;
 
 /// Suffix of the name of a manifest file, after the key.
 pub(super) const MANIFEST_SUFFIX: &str = ".manifest";

@@ -8,11 +8,11 @@ use bytes::Bytes;
 
 use super::error::StoreError;
 use super::interface::{Spool, Store, Usage};
-use super::lock::lock;
 use super::manifest::{Description, Manifest};
 use super::parts::{self, Parts};
 use super::shelf::{self, Shelf};
 use crate::job::key::{Key, content};
+use crate::service::lock::lock;
 
 /// Estimated bytes of an entry besides its contents and encoded manifest: structures, strings, map entries. Half of it
 /// would let many tiny artifacts take more memory than the cache may; twice of it would hold fewer of them.

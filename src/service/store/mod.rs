@@ -11,7 +11,6 @@ mod error;
 mod files;
 mod index;
 mod interface;
-mod lock;
 mod manifest;
 mod memory;
 mod parts;

@@ -10,7 +10,7 @@ use redb::{Database, ReadableDatabase, ReadableTable, TableDefinition, TableErro
 use super::database::{builder, guarded};
 use super::disk_files::{at, remove_file};
 use super::error::StoreError;
-use super::lock::lock;
+use crate::service::lock::lock;
 
 /// Name of the file of records in a folder.
 pub(super) const RECORDS_FILE: &str = "jobs.redb";

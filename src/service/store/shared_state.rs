@@ -10,11 +10,11 @@ use object_store::path::Path;
 use super::calls::{Calls, Fetched, LOOK, PATIENCE};
 use super::error::StoreError;
 use super::interface::{Place, Room, Usage};
-use super::lock::lock;
 use super::manifest::{Manifest, PART_BYTES};
 use super::parts;
 use super::shelf::{self, Shelf};
 use crate::job::key::{Key, RESULTS_VERSION, content};
+use crate::service::lock::lock;
 
 /// Maximum size of a manifest in bytes: enough for the parts of 16 GiB. A longer object was not written by this
 /// service. Half of it would limit artifacts to 8 GiB; twice of it would let a foreign object take 2 MiB of memory.

@@ -5,12 +5,8 @@ use std::collections::BTreeMap;
 use serde::Serialize;
 use utoipa::ToSchema;
 
-use super::parts::{CriterionAnswer, NetAnswer, coordinates, is_there, name};
+use super::parts::{CriterionAnswer, MAX_EIGENVALUES, NetAnswer, coordinates, is_there, name};
 use crate::analysis::surface::{BoundaryReport, Sided, Status, Weight, evidence, verdict};
-
-/// Maximum number of eigenvalues listed, the largest first; as many as for inner vertices. Half as many would show less
-/// of the rest; twice as many would make answers longer.
-const MAX_EIGENVALUES: usize = 16;
 
 /// What is known of boundary vertices with a number of faces.
 #[derive(Debug, Clone, Serialize, ToSchema)]

@@ -5,6 +5,9 @@ use utoipa::ToSchema;
 
 use crate::analysis::surface::{Criterion, PlaneNet, Status, Weight};
 
+/// Maximum number of eigenvalues listed for a vertex, the largest first. Those that decide are among the first ten at
+/// any valence. Half as many would show less of the rest; twice as many would make answers longer.
+pub(super) const MAX_EIGENVALUES: usize = 16;
 /// Weights of masks below this size are omitted as rounding errors. It is some thousand roundings of 1. Half or twice
 /// of it would decide alike, as weights are products of few fractions.
 const NONE: f64 = 1e-12;

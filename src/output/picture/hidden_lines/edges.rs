@@ -5,7 +5,7 @@ use rayon::prelude::*;
 use crate::math::parameter::Values;
 use crate::output::error::FormatError;
 use crate::output::hard_edges::HardEdges;
-use crate::output::scene::{FaceChunk, MeshSource, Scene, in_chunks, triangles};
+use crate::output::scene::{MeshSource, Scene, each_face, in_chunks, triangles};
 use crate::raster::Seen;
 use crate::shape::topology::NONE;
 use crate::watch::Watch;
@@ -136,22 +136,16 @@ fn firsts(positions: &[[f64; 3]]) -> Vec<u32> {
 /// Returns the triangles of all faces with three distinct corners, and the face of each.
 fn cut(mesh: &dyn MeshSource, first: &[u32], watch: &Watch) -> Result<(Vec<[u32; 3]>, Vec<u32>), FormatError> {
     let (mut all, mut faces) = (Vec::new(), Vec::new());
-    let mut chunk = FaceChunk::default();
     let mut number = 0;
-    in_chunks(mesh.n_faces(), |range| {
-        watch.check()?;
-        mesh.faces(range, &mut chunk);
-        for face in chunk.iter() {
-            for triangle in triangles(face).map(|triangle| triangle.map(|v| first[v as usize])) {
-                let [a, b, c] = triangle;
-                if a != b && b != c && c != a {
-                    all.push(triangle);
-                    faces.push(number);
-                }
+    each_face(mesh, watch, |face| {
+        for triangle in triangles(face).map(|triangle| triangle.map(|v| first[v as usize])) {
+            let [a, b, c] = triangle;
+            if a != b && b != c && c != a {
+                all.push(triangle);
+                faces.push(number);
             }
-            number += 1;
         }
-        Ok::<_, FormatError>(())
+        number += 1;
     })?;
     Ok((all, faces))
 }

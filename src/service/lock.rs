@@ -1,4 +1,4 @@
-//! Locking of the mutexes of the stores.
+//! Locking of the mutexes of stores and tables.
 
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
