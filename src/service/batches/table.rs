@@ -128,6 +128,11 @@ impl Batches {
         }
     }
 
+    /// Returns why batches cannot be written now, so that none can be accepted; `None` if they can.
+    pub fn trouble(&self) -> Option<String> {
+        self.journal.as_ref()?.trouble()
+    }
+
     /// Returns a batch, if it is known.
     pub fn get(&self, batch: &JobKey) -> Option<Batch> {
         self.table().batches.get(batch).cloned()

@@ -3,6 +3,7 @@
 
 mod attempt;
 mod record;
+mod revived;
 mod rows;
 mod standing;
 mod table;
