@@ -51,7 +51,7 @@ pub(super) struct ShareAnswer {
     taken: u64,
     /// Most bytes that were taken at once since the start.
     most: u64,
-    /// How often somebody found it empty.
+    /// How often a request was refused because it was empty.
     refused: u64,
 }
 
