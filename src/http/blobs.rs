@@ -135,17 +135,17 @@ fn parts(app: &Arc<App>, peer: Peer, manifest: Arc<Manifest>) -> Option<Body> {
 
 /// Stores the file in a body.
 async fn kept(app: &Arc<App>, client: &Client, headers: &HeaderMap, body: &mut Body) -> Result<Response, Problem> {
-    let mut headers = headers.clone();
+    let mut of_reader = headers.clone();
     if headers.get(header::CONTENT_TYPE).is_some_and(|named| named == PICTURE) {
         // the first bytes show that it is a PNG
-        headers.remove(header::CONTENT_TYPE);
+        of_reader.remove(header::CONTENT_TYPE);
     }
-    let (kind, coding) = content::of(&headers, Takes::Files(""))?;
+    let (kind, coding) = content::of(&of_reader, Takes::Uploads)?;
     if coding != Coding::Identity {
         return Err(Problem::new(problem::MEDIA_TYPE, "files are kept as they are; send it without Content-Encoding"));
     }
     let limit = app.settings.max_body_bytes;
-    if let Some(length) = announced(&headers).filter(|length| *length > limit) {
+    if let Some(length) = announced(headers).filter(|length| *length > limit) {
         return Err(too_long(length, limit));
     }
     let (desk, peer) = (&app.desk, client.peer());
@@ -159,7 +159,7 @@ async fn kept(app: &Arc<App>, client: &Client, headers: &HeaderMap, body: &mut B
         piece.extend_from_slice(data.as_deref().unwrap_or_default());
         if piece.len() >= PIECE_BYTES || data.is_none() {
             if media_type.is_none() {
-                media_type = Some(media_type_of(kind, &headers, &piece)?);
+                media_type = Some(media_type_of(kind, headers, &piece)?);
             }
             let before = match upload.take() {
                 Some(upload) => upload,
@@ -206,7 +206,7 @@ fn media_type_of(kind: Kind, headers: &HeaderMap, first: &[u8]) -> Result<&'stat
     if matches!(kind, Kind::Untold) && first.starts_with(PICTURE_STARTS) {
         return Ok(PICTURE);
     }
-    match kind.notation(headers, Takes::Files(""), first)? {
+    match kind.notation(headers, Takes::Uploads, first)? {
         Notation::Job | Notation::JobAs(_) => Ok(JSON),
         Notation::File(reader, _) => Ok(reader.media_type),
     }

@@ -68,7 +68,8 @@ kinds! {
     BODY_TOO_LONG: "body-too-long", PAYLOAD_TOO_LARGE, "The body is too long",
         "The body has more bytes than this server reads; see /v1/limits.";
     MEDIA_TYPE: "unsupported-media-type", UNSUPPORTED_MEDIA_TYPE, "The body is of the wrong media type",
-        "Jobs are sent as `Content-Type: application/json`, and mesh files, to /v1/render, as what /v1/readers lists.";
+        "Jobs are sent as `Content-Type: application/json`, and mesh files, to /v1/render and /v1/blobs, as what \
+         /v1/readers lists.";
     CODING: "unsupported-content-coding", UNSUPPORTED_MEDIA_TYPE, "The body is compressed in a way that is not read",
         "The header `Accept-Encoding` of the answer lists the codings that bodies may have.";
     NOT_CODED: "not-coded", BAD_REQUEST, "The body cannot be inflated",
@@ -300,10 +301,8 @@ impl Problem {
             Failure::TimedOut(limit) => {
                 let seconds = limit.as_secs();
                 let remedy = "ask for fewer levels or a smaller picture";
-                Self::new(
-                    TIMED_OUT,
-                    format!("the computation ran for {seconds} s, the most this server allows; {remedy}"),
-                )
+                let ran = format!("the computation ran for {seconds} s, the most this server allows");
+                Self::new(TIMED_OUT, format!("{ran}; {remedy}"))
             }
             Failure::Busy(busy) => busy.into(),
             Failure::Internal(error) => {

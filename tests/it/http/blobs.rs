@@ -89,8 +89,18 @@ fn a_job_that_names_no_upload_says_so_at_its_place() {
 #[test]
 fn what_is_no_file_of_a_reader_or_too_long_is_refused_and_leaves_nothing() {
     story(Settings { max_body_bytes: 1 << 20, ..settings() }, async |server| {
-        send(server, "text/html", b"<p>").await.problem(415, "unsupported-media-type");
-        send(server, "", b"what is this").await.problem(415, "unsupported-media-type");
+        for (media_type, bytes, said, meant) in [
+            ("text/html", &b"<p>"[..], "Content-Type is text/html;", "model/obj"),
+            ("", b"what is this", "Content-Type is missing, and the first bytes are those of no format", "model/obj"),
+            ("image/png", b"no picture", "Content-Type is image/png, and the first bytes are those", "model/obj"),
+            ("", b"{\"positions\": []}", "Content-Type is missing, and", "application/json"),
+            ("", b"{\"asset\": {}}", "Content-Type is missing, and", "model/gltf+json"),
+        ] {
+            let problem = send(server, media_type, bytes).await.problem(415, "unsupported-media-type");
+            let told = problem["detail"].as_str().unwrap();
+            assert!(told.starts_with(said) && told.contains("a picture as image/png"), "{problem}");
+            assert!(told.ends_with(&format!("-H 'Content-Type: {meant}'")) && !told.contains("job"), "{problem}");
+        }
         let coded = [("content-type", "model/obj"), ("content-encoding", "gzip")];
         let coded = server.ask(Method::POST, "/v1/blobs", &coded, OBJ.into()).await;
         coded.problem(415, "unsupported-media-type");
