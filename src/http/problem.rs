@@ -74,6 +74,8 @@ kinds! {
         "The header `Accept-Encoding` of the answer lists the codings that bodies may have.";
     NOT_CODED: "not-coded", BAD_REQUEST, "The body cannot be inflated",
         "The bytes of the body are not what `Content-Encoding` says, or end early.";
+    BROKEN_OFF: "broken-off", BAD_REQUEST, "The body broke off",
+        "The connection or a chunk ended before the whole body had arrived. Send the request again.";
     NOT_FOUND: "not-found", NOT_FOUND, "There is no such thing here",
         "No page, job, artifact or catalogue entry has this address; see /openapi.json for those that exist.";
     GONE: "gone", GONE, "It was here, but is no longer kept",
