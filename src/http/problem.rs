@@ -378,10 +378,7 @@ pub(super) fn crowded() -> Vec<u8> {
 pub(super) fn unreadable(refusal: &[u8]) -> Vec<u8> {
     let is = |status: &[u8]| refusal.strip_prefix(b"HTTP/1.1 ").is_some_and(|rest| rest.starts_with(status));
     let problem = if is(b"431") {
-        Problem::new(
-            HEAD_TOO_LONG,
-            "the request's line and headers are too long, 64 KiB or 100 headers; send fewer or shorter ones",
-        )
+        Problem::new(HEAD_TOO_LONG, "the head has more than 64 KiB or 100 headers; send fewer or shorter ones")
     } else if is(b"414") {
         Problem::new(URI_TOO_LONG, "the request's address is longer than 64 KiB; send the job in a body")
     } else {
