@@ -17,13 +17,13 @@ use crate::config::Settings;
 use crate::config::authority::Authority;
 use crate::fault::shortened;
 
-/// Maximum length of the line and the headers of a request in bytes, and the size of the buffer in which they arrive. The
-/// HTTP library alone takes up to twice of it, as its last read may exceed the buffer. Half of it would refuse addresses
-/// of the maximum length; twice of it would let each connection hold twice as much.
+/// Maximum length of the line and the headers of a request in bytes, and the size of the buffer in which they arrive.
+/// The HTTP library alone takes up to twice of it, as its last read may exceed the buffer. Half of it would refuse
+/// addresses of the maximum length; twice of it would let each connection hold twice as much.
 pub(super) const MOST_HEAD_BYTES: usize = 64 << 10;
 
-/// Refuses requests whose head is too long, or that do not name exactly one host; on a loopback address it also refuses other than loopback names,
-/// against DNS rebinding.
+/// Refuses requests whose head is too long, or that do not name exactly one host; on a loopback address it also refuses
+/// other than loopback names, against DNS rebinding.
 pub(super) async fn check_head(State(app): State<Shared>, request: Request, next: Next) -> Response {
     let (parts, body) = request.into_parts();
     match head(&parts, &app.settings) {

@@ -167,7 +167,11 @@ fn a_head_has_64_kib_however_it_arrives() {
                 .await;
             let _ = stream.write_all(format!("{}\r\n\r\n", &x[30_000..]).as_bytes()).await;
             let answer = rest(stream).await;
-            assert!(answer.starts_with(&format!("HTTP/1.1 {status} ")), "{length}: {}", &answer[..answer.len().min(99)]);
+            assert!(
+                answer.starts_with(&format!("HTTP/1.1 {status} ")),
+                "{length}: {}",
+                &answer[..answer.len().min(99)]
+            );
         }
     });
 }
