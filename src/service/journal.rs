@@ -16,8 +16,9 @@ use super::store::{Records, StoreError};
 /// as often; twice of it would lose the state of more jobs in a crash, which are then done once more.
 const PAUSE: Duration = Duration::from_secs(1);
 
-/// Time without changes after which the store is checked, so that a removed file is told before the next job comes. Half
-/// of it would look twice as often; twice of it would call the service ready for longer while jobs would be refused.
+/// Time without changes after which the store is checked, so that a removed file is told before the next job comes.
+/// Half of it would look twice as often; twice of it would call the service ready for longer while jobs would be
+/// refused.
 const CHECK: Duration = Duration::from_secs(1);
 
 /// How long a dropped journal waits for its thread: half of the service's own time to end. Twice of it would leave

@@ -45,8 +45,8 @@ impl<V> Shelf<V> {
         self.touch_mut(key).map(|value| &*value)
     }
 
-    /// Returns the value of `key` for a change, and counts this as a use. A change that affects the cost of the entry is
-    /// followed by [`set_cost`](Self::set_cost).
+    /// Returns the value of `key` for a change, and counts this as a use. A change that affects the cost of the entry
+    /// is followed by [`set_cost`](Self::set_cost).
     pub(in crate::service) fn touch_mut(&mut self, key: &Key) -> Option<&mut V> {
         let entry = self.entries.get_mut(key)?;
         if entry.last_use + 1 < self.next_use {
