@@ -13,6 +13,7 @@ use super::body::{Arriving, Attached, Sent, announced, drain};
 use super::client::Client;
 use super::content::{self, Coding, Kind, Notation, Takes};
 use super::inflate::too_long;
+use super::negotiate::has_tag;
 use super::problem::{self, Problem};
 use super::segment::Segment;
 use crate::fault::{Fault, shortened};
@@ -91,8 +92,6 @@ pub(super) async fn blob(
     };
     let mut head = HeaderMap::new();
     let etag = format!("\"{id}\"");
-    let has_it = headers.get(header::IF_NONE_MATCH).and_then(|tags| tags.to_str().ok());
-    let has_it = has_it.is_some_and(|tags| tags.split(',').any(|tag| tag.trim().trim_start_matches("W/") == etag));
     for (name, value) in [
         (header::ETAG, etag.as_str()),
         (header::CACHE_CONTROL, "private, max-age=31536000, immutable"),
@@ -101,7 +100,7 @@ pub(super) async fn blob(
     ] {
         head.extend(HeaderValue::try_from(value).map(|value| (name, value)));
     }
-    if has_it {
+    if has_tag(&headers, &etag) {
         return (StatusCode::NOT_MODIFIED, head).into_response();
     }
     head.extend(HeaderValue::try_from(&manifest.media_type).map(|value| (header::CONTENT_TYPE, value)));

@@ -87,6 +87,19 @@ fn a_job_that_names_no_upload_says_so_at_its_place() {
 }
 
 #[test]
+fn an_upload_that_the_client_has_is_not_sent_again() {
+    story(settings(), async |server| {
+        let kept = send(server, "model/obj", OBJ.as_bytes()).await.json();
+        let (place, etag) = (kept["href"].as_str().unwrap(), format!("\"{}\"", kept["id"].as_str().unwrap()));
+        for (tags, status) in
+            [(etag.clone(), 304), (format!("\"x\", W/{etag}"), 304), ("*".into(), 304), ("x".into(), 200)]
+        {
+            assert_eq!(server.get_with(place, &[("if-none-match", &tags)]).await.status, status, "{tags}");
+        }
+    });
+}
+
+#[test]
 fn what_is_no_file_of_a_reader_or_too_long_is_refused_and_leaves_nothing() {
     story(Settings { max_body_bytes: 1 << 20, ..settings() }, async |server| {
         for (media_type, bytes, said, meant) in [
