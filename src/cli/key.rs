@@ -34,7 +34,7 @@ enum KeyCommand {
         #[arg(long, value_enum, default_value = "render")]
         role: Role,
         /// When it ends, from now on, like 90d; never when left out.
-        #[arg(long, value_name = "TIME", value_parser = seconds)]
+        #[arg(long, value_name = "TIME", value_parser = lifetime)]
         expires_in: Option<u64>,
         /// Most requests for work a minute, in place of the setting.
         #[arg(long)]
@@ -152,6 +152,17 @@ fn failed(error: KeyFileError) -> CliError {
     match error {
         KeyFileError::Refused(detail) => CliError::refused(detail),
         other => CliError::files(other),
+    }
+}
+
+/// Reads how long something is valid, in seconds.
+///
+/// # Errors
+/// A text that is no time, and the time 0, in which nothing could be opened.
+pub(super) fn lifetime(text: &str) -> Result<u64, String> {
+    match seconds(text)? {
+        0 => Err("0 seconds are over at once; give a time like 1h or 90d".to_owned()),
+        time => Ok(time),
     }
 }
 

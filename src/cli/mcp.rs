@@ -93,7 +93,7 @@ impl ServerHandler for Toolbox {
         };
         let (watch, arguments) = (Watch::new(), Value::Object(request.arguments.unwrap_or_default()));
         let (of_task, out) = (watch.clone(), self.out.clone());
-        let mut running = tokio::task::spawn_blocking(move || (facts.call)(arguments, out.as_deref(), &of_task));
+        let mut running = tokio::task::spawn_blocking(move || facts.run(arguments, out.as_deref(), &of_task));
         let ended = tokio::select! {
             ended = &mut running => ended,
             () = context.ct.cancelled() => {

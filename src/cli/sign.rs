@@ -10,10 +10,9 @@ use flate2::write::DeflateEncoder;
 
 use super::error::{CliError, Kind};
 use super::inputs::Source;
-use super::key::now_s;
+use super::key::{lifetime, now_s};
 use super::say::answer;
 use crate::config::keys::{Link, MODEL, Token};
-use crate::config::seconds;
 use crate::fault::{Fault, shortened};
 use crate::job::key::Key;
 use crate::output::{FORMATS, named};
@@ -44,7 +43,7 @@ pub(crate) struct SignOptions {
     #[arg(long)]
     format: Option<String>,
     /// How long the address opens it, like 30min or 7d.
-    #[arg(long, value_name = "TIME", default_value = "1h", value_parser = seconds)]
+    #[arg(long, value_name = "TIME", default_value = "1h", value_parser = lifetime)]
     expires_in: u64,
     /// The service, where the address should be a whole one, like `https://planish.example.org`.
     #[arg(long, default_value = "")]
@@ -68,7 +67,11 @@ impl SignOptions {
                 check_extension(extension)?;
                 format!("artifacts/{}.{extension}", id(key)?)
             }
-            (.., Some(job)) => of_job(&Source::of(job).read()?, self.format.as_deref())?,
+            (.., Some(job)) => {
+                let source = Source::of(job);
+                let json = source.read().map_err(|error| CliError::files(format!("{source}: {error}")))?;
+                of_job(&json, self.format.as_deref())?
+            }
             (None, None, None, None) => return Err(CliError::usage("name a job")),
         };
         let path = Link::sign(token.id(), &token.link_secret(), now_s().saturating_add(self.expires_in), &rest);

@@ -5,6 +5,7 @@ use std::path::Path;
 use serde_json::{Value, json};
 
 use super::files::to_new_file;
+use crate::fault::shortened;
 use crate::http::validate::report;
 use crate::job::limits::{Admitted, Limits, Refusal};
 use crate::job::{Report, run};
@@ -51,7 +52,22 @@ pub(super) struct ToolFacts {
     /// Returns the JSON schema of the arguments.
     pub(super) schema: fn() -> Value,
     /// Runs the tool with its arguments and the folder for files.
-    pub(super) call: fn(Value, Option<&Path>, &Watch) -> Said,
+    call: fn(Value, Option<&Path>, &Watch) -> Said,
+}
+
+impl ToolFacts {
+    /// Runs the tool, unless it does not know one of the arguments.
+    pub(super) fn run(&self, arguments: Value, out: Option<&Path>, watch: &Watch) -> Said {
+        let schema = (self.schema)();
+        let known = &schema["properties"];
+        let unknown = arguments.as_object().and_then(|given| given.keys().find(|name| known.get(name).is_none()));
+        if let Some(unknown) = unknown {
+            let known: Vec<&str> = known.as_object().into_iter().flatten().map(|(name, _)| name.as_str()).collect();
+            let unknown = shortened(unknown);
+            return Err(format!("there is no argument \"{unknown}\"; {} knows {}", self.name, known.join(", ")));
+        }
+        (self.call)(arguments, out, watch)
+    }
 }
 
 /// All tools.
@@ -88,7 +104,11 @@ pub(super) const TOOLS: &[ToolFacts] = &[
             json!({ "type": "object", "additionalProperties": false, "properties": {
             "name": { "type": "string", "description": "The name of a scheme; all are listed when left out." } } })
         },
-        call: |arguments, _, _| list(arguments["name"].as_str()),
+        call: |arguments, _, _| match &arguments["name"] {
+            Value::Null => list(None),
+            Value::String(name) => list(Some(name)),
+            _ => Err("name is no text; give the name of a scheme, or leave it out to list all".to_owned()),
+        },
     },
 ];
 

@@ -20,7 +20,7 @@ use super::{batch_checks, body, jobs, negotiate, posting};
 use crate::service::accepting::NotAccepted;
 use crate::service::batches::BatchStanding;
 use crate::service::job_key::{JobKey, Priority};
-use crate::service::jobs::{Phase, State as JobState};
+use crate::service::jobs::Phase;
 use crate::service::lent::Lent;
 use crate::service::peer::{Kind, Peer};
 use crate::service::pool::{Lack, Lane};
@@ -64,8 +64,7 @@ pub(super) async fn post_batch(
         let terms = posting::terms(query.as_deref().unwrap_or_default(), Priority::Batch).map_err(Problem::invalid)?;
         let (id, layout) = batch_checks::read(&app, client.peer(), &sent).await?;
         let batch = JobKey { tenant: client.tenant(), id };
-        let known = app.desk.batches.get(&batch).filter(|known| known.is_active() || known.state == JobState::Done);
-        if known.is_some() {
+        if app.desk.batches.join(&batch) {
             app.desk.batches.written(batch).await.map_err(NotAccepted::from)?;
         } else {
             let request = batch_checks::checked(&app, &client, &sent, layout).await?;

@@ -13,6 +13,7 @@ use super::body::{Arriving, Attached, Sent, announced, drain};
 use super::client::Client;
 use super::content::{self, Coding, Kind, Notation, Takes};
 use super::inflate::too_long;
+use super::negotiate::has_tag;
 use super::problem::{self, Problem};
 use super::segment::Segment;
 use crate::fault::{Fault, shortened};
@@ -91,8 +92,6 @@ pub(super) async fn blob(
     };
     let mut head = HeaderMap::new();
     let etag = format!("\"{id}\"");
-    let has_it = headers.get(header::IF_NONE_MATCH).and_then(|tags| tags.to_str().ok());
-    let has_it = has_it.is_some_and(|tags| tags.split(',').any(|tag| tag.trim().trim_start_matches("W/") == etag));
     for (name, value) in [
         (header::ETAG, etag.as_str()),
         (header::CACHE_CONTROL, "private, max-age=31536000, immutable"),
@@ -101,7 +100,7 @@ pub(super) async fn blob(
     ] {
         head.extend(HeaderValue::try_from(value).map(|value| (name, value)));
     }
-    if has_it {
+    if has_tag(&headers, &etag) {
         return (StatusCode::NOT_MODIFIED, head).into_response();
     }
     head.extend(HeaderValue::try_from(&manifest.media_type).map(|value| (header::CONTENT_TYPE, value)));
@@ -135,17 +134,17 @@ fn parts(app: &Arc<App>, peer: Peer, manifest: Arc<Manifest>) -> Option<Body> {
 
 /// Stores the file in a body.
 async fn kept(app: &Arc<App>, client: &Client, headers: &HeaderMap, body: &mut Body) -> Result<Response, Problem> {
-    let mut headers = headers.clone();
+    let mut of_reader = headers.clone();
     if headers.get(header::CONTENT_TYPE).is_some_and(|named| named == PICTURE) {
         // the first bytes show that it is a PNG
-        headers.remove(header::CONTENT_TYPE);
+        of_reader.remove(header::CONTENT_TYPE);
     }
-    let (kind, coding) = content::of(&headers, Takes::Files(""))?;
+    let (kind, coding) = content::of(&of_reader, Takes::Uploads)?;
     if coding != Coding::Identity {
         return Err(Problem::new(problem::MEDIA_TYPE, "files are kept as they are; send it without Content-Encoding"));
     }
     let limit = app.settings.max_body_bytes;
-    if let Some(length) = announced(&headers).filter(|length| *length > limit) {
+    if let Some(length) = announced(headers).filter(|length| *length > limit) {
         return Err(too_long(length, limit));
     }
     let (desk, peer) = (&app.desk, client.peer());
@@ -159,7 +158,7 @@ async fn kept(app: &Arc<App>, client: &Client, headers: &HeaderMap, body: &mut B
         piece.extend_from_slice(data.as_deref().unwrap_or_default());
         if piece.len() >= PIECE_BYTES || data.is_none() {
             if media_type.is_none() {
-                media_type = Some(media_type_of(kind, &headers, &piece)?);
+                media_type = Some(media_type_of(kind, headers, &piece)?);
             }
             let before = match upload.take() {
                 Some(upload) => upload,
@@ -206,7 +205,7 @@ fn media_type_of(kind: Kind, headers: &HeaderMap, first: &[u8]) -> Result<&'stat
     if matches!(kind, Kind::Untold) && first.starts_with(PICTURE_STARTS) {
         return Ok(PICTURE);
     }
-    match kind.notation(headers, Takes::Files(""), first)? {
+    match kind.notation(headers, Takes::Uploads, first)? {
         Notation::Job | Notation::JobAs(_) => Ok(JSON),
         Notation::File(reader, _) => Ok(reader.media_type),
     }

@@ -133,7 +133,7 @@ where
 {
     let collected = collected(app, client, headers, takes, &mut body).await;
     let is_coming =
-        collected.as_ref().is_err_and(|problem| !problem.is(problem::SLOW) && !problem.is(problem::NOT_JSON));
+        collected.as_ref().is_err_and(|problem| !problem.is(problem::SLOW) && !problem.is(problem::BROKEN_OFF));
     if is_coming && !headers.contains_key(header::EXPECT) && announced(headers).unwrap_or(0) <= DRAINED_BYTES {
         drain(body, Duration::from_secs(app.settings.body_timeout_s)).await;
     }
@@ -228,7 +228,7 @@ impl<'a, B: Body<Data = Bytes> + Unpin> Arriving<'a, B> {
             let slow = self.start + self.pace.allows(self.length);
             let frame = tokio::time::timeout_at(late.min(slow), self.body.frame()).await;
             let Some(frame) = frame.map_err(|_| too_slow(self.pace, late < slow))? else { return Ok(None) };
-            let frame = frame.map_err(|_| Problem::new(problem::NOT_JSON, "the body broke off; send it again"))?;
+            let frame = frame.map_err(|_| broken_off(self.length))?;
             let Ok(data) = frame.into_data() else { continue };
             self.length += data.len() as u64;
             if self.length > self.limit {
@@ -237,6 +237,11 @@ impl<'a, B: Body<Data = Bytes> + Unpin> Arriving<'a, B> {
             return Ok(Some(data));
         }
     }
+}
+
+/// Returns the refusal of a body that ended early, after `length` bytes.
+fn broken_off(length: u64) -> Problem {
+    Problem::new(problem::BROKEN_OFF, format!("the body broke off after {length} bytes; send it again"))
 }
 
 /// Returns the refusal of a body that stopped arriving, or arrives too slowly.

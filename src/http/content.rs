@@ -53,10 +53,12 @@ pub(super) enum Takes<'a> {
     Jobs,
     /// Jobs and mesh files; this is the query, which contains the rest of the job for a mesh file.
     Files(&'a str),
+    /// Files to be kept: mesh files, meshes as JSON, and pictures.
+    Uploads,
 }
 
 impl<'a> Takes<'a> {
-    /// Returns the query; it is empty if only jobs are accepted.
+    /// Returns the query; it is empty if it contains no part of a job.
     fn query(self) -> &'a str {
         if let Self::Files(query) = self { query } else { "" }
     }
@@ -68,7 +70,7 @@ impl<'a> Takes<'a> {
 /// A media type, content coding or transfer coding that is not supported.
 pub(super) fn of(headers: &HeaderMap, takes: Takes<'_>) -> Result<(Kind, Coding), Problem> {
     check_transfer_coding(headers)?;
-    Ok((kind(headers, matches!(takes, Takes::Files(_)))?, coding(headers)?))
+    Ok((kind(headers, takes)?, coding(headers)?))
 }
 
 impl Kind {
@@ -83,7 +85,7 @@ impl Kind {
                 return Ok(Notation::Job);
             }
             Self::File(reader) => reader,
-            Self::Untold => input::of_bytes(body).ok_or_else(|| unknown(headers, true, body))?,
+            Self::Untold => input::of_bytes(body).ok_or_else(|| unknown(headers, takes, body))?,
         };
         Ok(Notation::File(reader, takes.query().into()))
     }
@@ -120,7 +122,8 @@ fn coding(headers: &HeaderMap) -> Result<Coding, Problem> {
     }
 }
 
-fn kind(headers: &HeaderMap, takes_files: bool) -> Result<Kind, Problem> {
+fn kind(headers: &HeaderMap, takes: Takes<'_>) -> Result<Kind, Problem> {
+    let takes_files = !matches!(takes, Takes::Jobs);
     let named = text(headers, &header::CONTENT_TYPE);
     let essence = named.as_deref().map(|value| value.split(';').next().unwrap_or("").trim());
     let reader = READERS.iter().find(|reader| essence == Some(reader.media_type));
@@ -129,27 +132,42 @@ fn kind(headers: &HeaderMap, takes_files: bool) -> Result<Kind, Problem> {
         (_, Some(reader)) if takes_files => Ok(Kind::File(reader)),
         (None, _) if takes_files => Ok(Kind::Untold),
         (Some(essence), _) if takes_files && UNTOLD.contains(&essence) => Ok(Kind::Untold),
-        _ => Err(unknown(headers, takes_files, &[])),
+        _ => Err(unknown(headers, takes, &[])),
     }
 }
 
 /// Returns the refusal of a body whose media type is neither declared nor recognized; `body` is empty if it is not read
 /// yet.
-fn unknown(headers: &HeaderMap, takes_files: bool, body: &[u8]) -> Problem {
+fn unknown(headers: &HeaderMap, takes: Takes<'_>, body: &[u8]) -> Problem {
     let said = match text(headers, &header::CONTENT_TYPE) {
         Some(named) => format!("Content-Type is {}", shortened(&named)),
         None => "Content-Type is missing".to_owned(),
     };
-    let shown = input::foreign(body).map(|what| format!(", and the body is {what}")).unwrap_or_default();
-    let mut detail = format!("{said}{shown}; send the job as Content-Type: application/json");
-    if takes_files {
-        let types: Vec<&str> = READERS.iter().map(|reader| reader.media_type).collect();
-        let is_job = body.windows(7).any(|word| word == b"\"input\"");
-        let meant = if is_job { "application/json" } else { types.first().unwrap_or(&"model/obj") };
-        detail =
-            format!("{detail}, or a mesh file as {}; curl says so with -H 'Content-Type: {meant}'", types.join(", "));
-    }
-    Problem::new(problem::MEDIA_TYPE, detail)
+    let shown = match input::foreign(body) {
+        Some(what) => format!(", and the body is {what}"),
+        None if matches!(takes, Takes::Uploads) && !body.is_empty() => {
+            ", and the first bytes are those of no format that is read".to_owned()
+        }
+        None => String::new(),
+    };
+    let types: Vec<&str> = READERS.iter().map(|reader| reader.media_type).collect();
+    let has = |word: &[u8; 7]| body.windows(7).any(|found| found == word);
+    let meant = match takes {
+        Takes::Files(_) if has(b"\"input\"") => "application/json",
+        Takes::Uploads if has(b"\"asset\"") => "model/gltf+json",
+        Takes::Uploads if body.trim_ascii_start().starts_with(b"{") => "application/json",
+        _ => types.first().unwrap_or(&"model/obj"),
+    };
+    let (types, curl) = (types.join(", "), format!("curl says so with -H 'Content-Type: {meant}'"));
+    let job = "send the job as Content-Type: application/json";
+    let remedy = match takes {
+        Takes::Jobs => job.to_owned(),
+        Takes::Files(_) => format!("{job}, or a mesh file as {types}; {curl}"),
+        Takes::Uploads => {
+            format!("send a mesh file as {types}, a mesh as application/json, or a picture as image/png; {curl}")
+        }
+    };
+    Problem::new(problem::MEDIA_TYPE, format!("{said}{shown}; {remedy}"))
 }
 
 /// Returns all values of a header, joined by commas, in lower case.

@@ -80,6 +80,7 @@ const ANYWHERE: &[Kind] = &[
 const BODY: &[Kind] = &[
     problem::NOT_JSON,
     problem::NOT_CODED,
+    problem::BROKEN_OFF,
     problem::SLOW,
     problem::BODY_TOO_LONG,
     problem::MEDIA_TYPE,

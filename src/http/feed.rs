@@ -144,7 +144,7 @@ impl Feed {
         };
         let event = event.or_else(|| {
             let is_silent = now.saturating_sub(self.last_sent) >= HEARTBEAT;
-            is_silent.then(|| ": the job goes on\n\n".to_owned())
+            is_silent.then(|| ": it goes on\n\n".to_owned())
         })?;
         self.last_sent = now;
         Some(event)

@@ -17,18 +17,43 @@ use crate::config::Settings;
 use crate::config::authority::Authority;
 use crate::fault::shortened;
 
-/// Refuses requests that do not name exactly one host; on a loopback address it also refuses other than loopback names,
-/// against DNS rebinding.
-pub(super) async fn check_host(State(app): State<Shared>, request: Request, next: Next) -> Response {
+/// Maximum length of the line and the headers of a request in bytes, and the size of the buffer in which they arrive.
+/// The HTTP library alone takes up to twice of it, as its last read may exceed the buffer. Half of it would refuse
+/// addresses of the maximum length; twice of it would let each connection hold twice as much.
+pub(super) const MOST_HEAD_BYTES: usize = 64 << 10;
+
+/// Refuses requests whose head is too long, or that do not name exactly one host; on a loopback address it also refuses
+/// other than loopback names, against DNS rebinding.
+pub(super) async fn check_head(State(app): State<Shared>, request: Request, next: Next) -> Response {
     let (parts, body) = request.into_parts();
-    match hosts(&parts, &app.settings) {
+    match head(&parts, &app.settings) {
         Ok(()) => next.run(Request::from_parts(parts, body)).await,
         Err(problem) => problem.into_response(),
     }
 }
 
+/// Checks the length of a request's head, and its hosts.
+pub(super) fn head(request: &request::Parts, settings: &Settings) -> Result<(), Problem> {
+    let length = length(request);
+    if length > MOST_HEAD_BYTES {
+        let detail = format!(
+            "the request's line and headers have {length} bytes, and a server reads {MOST_HEAD_BYTES}; send fewer or \
+             shorter headers"
+        );
+        return Err(Problem::new(problem::HEAD_TOO_LONG, detail));
+    }
+    hosts(request, settings)
+}
+
+/// Returns the length of the line and the headers of a request, with their separators, in bytes.
+fn length(request: &request::Parts) -> usize {
+    let fields = request.headers.iter().map(|(name, value)| name.as_str().len() + value.len() + ": \r\n".len());
+    let address = request.uri.path_and_query().map_or(1, |path| path.as_str().len());
+    request.method.as_str().len() + address + "  HTTP/1.1\r\n\r\n".len() + fields.sum::<usize>()
+}
+
 /// Checks the host in the header `Host`, and the host of an absolute request target.
-pub(super) fn hosts(request: &request::Parts, settings: &Settings) -> Result<(), Problem> {
+fn hosts(request: &request::Parts, settings: &Settings) -> Result<(), Problem> {
     let only_loopback = settings.listen.ip().is_loopback();
     let bad = |detail: &str| {
         let remedy = "send one like \"Host: localhost:8080\"";

@@ -51,12 +51,12 @@ pub(super) struct ShareAnswer {
     taken: u64,
     /// Most bytes that were taken at once since the start.
     most: u64,
-    /// How often somebody found it empty.
+    /// How often a request was refused because it was empty.
     refused: u64,
 }
 
-/// A small real job was computed lately, no line and no share of the memory is full, and the disk takes what it is
-/// given.
+/// A small real job was computed lately, no line and no share of the memory is full, and the disk takes
+/// results and the records of jobs.
 #[utoipa::path(
     get, path = "/readyz", tag = "operations",
     responses(
@@ -84,6 +84,10 @@ pub(super) async fn readyz(State(app): State<Shared>) -> Response {
         let remedy = "results are answered all the same, but not kept; look at the disk of --data-dir";
         let reason = &trouble.reason;
         return not_ready(format!("the disk has been failing for {seconds} s, {n} writes so far: {reason}; {remedy}"));
+    }
+    if let Some(trouble) = app.desk.jobs.trouble().or_else(|| app.desk.batches.trouble()) {
+        let remedy = "jobs and batches are refused meanwhile, /v1/render answers; look at the disk of --data-dir";
+        return not_ready(format!("the records of jobs cannot be written: {trouble}; {remedy}"));
     }
     let share = |share: &Arc<Share>| {
         let ShareUsage { taken, most, refused } = share.usage();

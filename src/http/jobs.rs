@@ -22,7 +22,7 @@ use crate::wire::standing::{JobAnswer, JobsAnswer};
 /// Default number of jobs on a page; [`LARGEST_PAGE`] is the maximum. Half of it needs more requests; twice of it
 /// answers up to 4 MiB at once, for jobs of 64 outputs.
 const PAGE: usize = 50;
-const LARGEST_PAGE: usize = 100;
+const LARGEST_PAGE: u64 = 100;
 
 /// How a job stands: state, stage, level, progress, place in line, timings, cost, outputs.
 #[utoipa::path(
@@ -156,7 +156,7 @@ pub(super) fn page(query: &str) -> Result<(u64, usize), Fault> {
         match (&*name, number) {
             ("cursor", Some(number)) => before = number,
             ("cursor", None) => return Err(wrong("it is no cursor; take \"next\" of the page before".to_owned())),
-            ("limit", Some(number @ 1..=100)) => limit = usize::try_from(number).unwrap_or(LARGEST_PAGE),
+            ("limit", Some(number @ 1..=LARGEST_PAGE)) => limit = usize::try_from(number).unwrap_or(PAGE),
             ("limit", _) => return Err(wrong(format!("give a number from 1 to {LARGEST_PAGE}"))),
             _ => return Err(wrong("it is unknown; known are limit and cursor".to_owned())),
         }

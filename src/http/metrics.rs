@@ -146,7 +146,7 @@ fn stores(page: &mut Page, app: &App) {
     page.by(taken, "share", shares.iter().map(|(name, usage, _)| (*name, usage.taken)));
     let capacity = ("planish_memory_capacity_bytes", gauge, "Memory there is, by share.");
     page.by(capacity, "share", shares.iter().map(|(name, _, capacity)| (*name, *capacity)));
-    let refused = ("planish_memory_refused_total", counter, "How often a share was found empty.");
+    let refused = ("planish_memory_refused_total", counter, "Requests refused because a share was empty.");
     page.by(refused, "share", shares.iter().map(|(name, usage, _)| (*name, usage.refused)));
     let tiers = desk.stores();
     let artifacts = ("planish_store_artifacts", gauge, "Files or results held.");

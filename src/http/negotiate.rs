@@ -156,6 +156,11 @@ pub(super) fn has_kept(headers: &HeaderMap, key: &Key) -> Option<String> {
     has_already(headers, key).or_else(|| unwanted(headers).any(|tag| tag == "*").then(|| etag(key, None)))
 }
 
+/// Returns whether `If-None-Match` matches something that is stored here and has this ETag, compared weakly.
+pub(super) fn has_tag(headers: &HeaderMap, etag: &str) -> bool {
+    unwanted(headers).any(|tag| tag == "*" || tag.strip_prefix("W/").unwrap_or(tag) == etag)
+}
+
 /// Returns the coding that `Accept-Encoding` prefers, or `None` if it prefers uncompressed bytes (RFC 9110, 12.5.3).
 pub(super) fn coding(headers: &HeaderMap) -> Option<Coding> {
     let values = headers.get_all(header::ACCEPT_ENCODING).iter().filter_map(|value| value.to_str().ok());

@@ -68,11 +68,14 @@ kinds! {
     BODY_TOO_LONG: "body-too-long", PAYLOAD_TOO_LARGE, "The body is too long",
         "The body has more bytes than this server reads; see /v1/limits.";
     MEDIA_TYPE: "unsupported-media-type", UNSUPPORTED_MEDIA_TYPE, "The body is of the wrong media type",
-        "Jobs are sent as `Content-Type: application/json`, and mesh files, to /v1/render, as what /v1/readers lists.";
+        "Jobs are sent as `Content-Type: application/json`, and mesh files, to /v1/render and /v1/blobs, as what \
+         /v1/readers lists.";
     CODING: "unsupported-content-coding", UNSUPPORTED_MEDIA_TYPE, "The body is compressed in a way that is not read",
         "The header `Accept-Encoding` of the answer lists the codings that bodies may have.";
     NOT_CODED: "not-coded", BAD_REQUEST, "The body cannot be inflated",
         "The bytes of the body are not what `Content-Encoding` says, or end early.";
+    BROKEN_OFF: "broken-off", BAD_REQUEST, "The body broke off",
+        "The connection or a chunk ended before the whole body had arrived. Send the request again.";
     NOT_FOUND: "not-found", NOT_FOUND, "There is no such thing here",
         "No page, job, artifact or catalogue entry has this address; see /openapi.json for those that exist.";
     GONE: "gone", GONE, "It was here, but is no longer kept",
@@ -300,10 +303,8 @@ impl Problem {
             Failure::TimedOut(limit) => {
                 let seconds = limit.as_secs();
                 let remedy = "ask for fewer levels or a smaller picture";
-                Self::new(
-                    TIMED_OUT,
-                    format!("the computation ran for {seconds} s, the most this server allows; {remedy}"),
-                )
+                let ran = format!("the computation ran for {seconds} s, the most this server allows");
+                Self::new(TIMED_OUT, format!("{ran}; {remedy}"))
             }
             Failure::Busy(busy) => busy.into(),
             Failure::Internal(error) => {
@@ -377,10 +378,7 @@ pub(super) fn crowded() -> Vec<u8> {
 pub(super) fn unreadable(refusal: &[u8]) -> Vec<u8> {
     let is = |status: &[u8]| refusal.strip_prefix(b"HTTP/1.1 ").is_some_and(|rest| rest.starts_with(status));
     let problem = if is(b"431") {
-        Problem::new(
-            HEAD_TOO_LONG,
-            "the request's line and headers are too long, 64 KiB or 100 headers; send fewer or shorter ones",
-        )
+        Problem::new(HEAD_TOO_LONG, "the head has more than 64 KiB or 100 headers; send fewer or shorter ones")
     } else if is(b"414") {
         Problem::new(URI_TOO_LONG, "the request's address is longer than 64 KiB; send the job in a body")
     } else {

@@ -62,7 +62,7 @@ impl Requests {
         let is_let_in = caller.refused.is_none();
         let (client, mut asked) = (Client { connection: self.connection.clone(), caller }, by_address);
         let is_job = parts.method == Method::POST && parts.uri.path() == RENDER;
-        let body = if is_job && is_let_in && guard::hosts(&parts, &self.app.settings).is_ok() {
+        let body = if is_job && is_let_in && guard::head(&parts, &self.app.settings).is_ok() {
             let early = Early::read(&self.app, &client, &parts, body).await;
             asked = Asked::render(&parts, early.identity);
             if let Some(answer) = self.again(asked, &parts) {
@@ -106,7 +106,7 @@ impl Service<Request<Incoming>> for Requests {
         let (parts, body) = request.into_parts();
         let caller = self.app.gate.who(&parts, connection.peer);
         let trace = Trace::of(&parts.headers);
-        let is_plain = caller.refused.is_none() && guard::hosts(&parts, &self.app.settings).is_ok();
+        let is_plain = caller.refused.is_none() && guard::head(&parts, &self.app.settings).is_ok();
         let asked = Asked::get(&parts, caller.peer.tenant()).filter(|_| is_plain);
         if let Some(mut response) = self.again(asked, &parts) {
             trace.told(response.headers_mut());

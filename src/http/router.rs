@@ -43,7 +43,7 @@ pub fn router(app: Arc<App>) -> Router {
         .layer(middleware::from_fn_with_state(app.clone(), guard::check_key))
         .layer(middleware::from_fn_with_state(app.clone(), metrics::counted))
         .layer(CatchPanicLayer::custom(problem::panicked))
-        .layer(middleware::from_fn_with_state(app.clone(), guard::check_host))
+        .layer(middleware::from_fn_with_state(app.clone(), guard::check_head))
         .layer(cors(&app.settings))
         .layer(middleware::from_fn(guard::headers))
         .with_state(app)

@@ -19,6 +19,7 @@ use super::bucket_client;
 use super::canary::{self, Canary};
 use super::connections::{Connections, Open};
 use super::gate::Gate;
+use super::guard::MOST_HEAD_BYTES;
 use super::memo::Memo;
 use super::pace::Pace;
 use super::problem;
@@ -316,7 +317,7 @@ fn attend(stream: TcpStream, open: Open, app: &Arc<App>, router: Router, gracefu
     let served = http1::Builder::new()
         .timer(TokioTimer::new())
         .header_read_timeout(Duration::from_secs(settings.header_timeout_s))
-        .max_buf_size(64 << 10)
+        .max_buf_size(MOST_HEAD_BYTES)
         .serve_connection(TokioIo::new(stream), Answering::new(app.clone(), router, connection.clone()));
     let served = graceful.watch(served);
     tokio::spawn(async move {

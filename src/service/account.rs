@@ -143,14 +143,18 @@ impl Share {
     /// # Errors
     /// [`Full`], which is counted.
     pub fn try_take(self: &Arc<Self>, bytes: u64) -> Result<Held, Full> {
+        self.take_if_free(bytes).ok_or_else(|| {
+            self.refused.fetch_add(1, Ordering::Relaxed);
+            Full
+        })
+    }
+
+    /// As [`Share::try_take`], for callers that refuse nobody if the bytes are not free; this is not counted.
+    pub fn take_if_free(self: &Arc<Self>, bytes: u64) -> Option<Held> {
         let mut state = self.state();
         state.forget_those_who_left();
-        if state.waiting.is_empty() && self.book(&mut state, bytes) {
-            return Ok(Held { share: Arc::clone(self), bytes });
-        }
-        drop(state);
-        self.refused.fetch_add(1, Ordering::Relaxed);
-        Err(Full)
+        let is_taken = state.waiting.is_empty() && self.book(&mut state, bytes);
+        is_taken.then(|| Held { share: Arc::clone(self), bytes })
     }
 
     /// Takes bytes, waiting in line for them; a request for more than the capacity takes the whole share.

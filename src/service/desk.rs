@@ -5,7 +5,7 @@ use std::pin::pin;
 use std::sync::Arc;
 use std::time::Duration;
 
-use super::account::{Account, Full};
+use super::account::Account;
 use super::batches::{Batches, Begun};
 use super::clock::Clock;
 use super::computation::{Computation, Failure, Outcome, Phase};
@@ -276,12 +276,12 @@ impl Desk {
     fn lent(&self, mut outcome: Outcome, memory: Option<Memory>) -> Outcome {
         let Some(bytes) = outcome.loose.take() else { return outcome };
         let length = bytes.len() as u64;
-        outcome.loose = Some(match (self.account.answers.try_take(length), memory) {
-            (Err(Full), Some(mut memory)) => {
+        outcome.loose = Some(match (self.account.answers.take_if_free(length), memory) {
+            (None, Some(mut memory)) => {
                 memory.shrink_to(length);
                 Lent::new(bytes, memory)
             }
-            (held, _) => Lent::new(bytes, held.ok()),
+            (held, _) => Lent::new(bytes, held),
         });
         outcome
     }

@@ -17,6 +17,11 @@ use super::writer::LAST_WAIT;
 /// as often; twice of it would lose the state of more jobs in a crash, which are then done once more.
 const PAUSE: Duration = Duration::from_secs(1);
 
+/// Time without changes after which the store is checked, so that a removed file is told before the next job comes.
+/// Half of it would look twice as often; twice of it would call the service ready for longer while jobs would be
+/// refused.
+const CHECK: Duration = Duration::from_secs(1);
+
 /// The identity of a record in a table.
 pub(super) trait Row: Copy + Ord + Send + 'static {
     /// Returns the key of the record in the store; no two tables share a key.
@@ -42,6 +47,8 @@ struct Shared<R> {
 struct Pending<R> {
     /// The rows that have changed, each with the senders that report when it is written.
     rows: BTreeMap<R, Vec<oneshot::Sender<Result<(), String>>>>,
+    /// Why the last write or check failed, if it did.
+    trouble: Option<String>,
     closed: bool,
     ended: bool,
 }
@@ -59,7 +66,7 @@ impl<R: Row> Journal<R> {
         records: Arc<dyn Records>,
         encoded: impl Fn(&R) -> Option<Vec<u8>> + Send + Sync + 'static,
     ) -> Self {
-        let pending = Pending { rows: BTreeMap::new(), closed: false, ended: false };
+        let pending = Pending { rows: BTreeMap::new(), trouble: None, closed: false, ended: false };
         let (pending, changed) = (Mutex::new(pending), Condvar::new());
         let shared =
             Arc::new(Shared { records: Mutex::new(Some(records)), encoded: Box::new(encoded), pending, changed });
@@ -92,6 +99,11 @@ impl<R: Row> Journal<R> {
         let ended = || Err("nothing is written any more".to_owned());
         let written = written.await.unwrap_or_else(|_| ended());
         written.map_err(|error| StoreError::Io(io::Error::other(error)))
+    }
+
+    /// Returns why nothing can be written now, as far as the last write or check has shown.
+    pub(super) fn trouble(&self) -> Option<String> {
+        self.shared.pending().trouble.clone()
     }
 
     /// Calls `tell` with every record in the store, including those of other tables.
@@ -129,27 +141,33 @@ impl<R: Row> Shared<R> {
         self.records.lock().unwrap_or_else(PoisonError::into_inner).clone()
     }
 
-    /// Writes changes until the journal is closed.
+    /// Writes changes until the journal is closed, and checks the store while there are none.
     fn work(&self) {
         loop {
             let idle = |pending: &mut Pending<R>| pending.rows.is_empty() && !pending.closed;
-            let waited = self.changed.wait_while(self.pending(), idle);
-            let mut pending = waited.unwrap_or_else(PoisonError::into_inner);
+            let waited = self.changed.wait_timeout_while(self.pending(), CHECK, idle);
+            let (mut pending, _) = waited.unwrap_or_else(PoisonError::into_inner);
             let rows = std::mem::take(&mut pending.rows);
             let is_last = pending.closed;
             drop(pending);
             let changes: Vec<_> = rows.keys().map(|row| (row.key(), (self.encoded)(row))).collect();
-            let records = self.records().filter(|_| !changes.is_empty());
-            let written = records.map_or(Ok(()), |records| records.write(&changes));
+            let written = match self.records() {
+                Some(records) if changes.is_empty() => records.check(),
+                Some(records) => records.write(&changes),
+                None => Ok(()),
+            };
             // converted to drop the prefix of a store's failure, which `written` adds again
             let written = written.map_err(|error| io::Error::from(error).to_string());
-            if let Err(error) = &written {
-                tracing::warn!(error, records = rows.len(), "records of jobs could not be written");
+            let trouble = written.as_ref().err().cloned();
+            let is_told = self.pending().trouble == trouble;
+            if let Some(error) = trouble.as_ref().filter(|_| !is_told) {
+                tracing::warn!(error, records = rows.len(), "records of jobs cannot be written");
             }
             if is_last {
                 drop(self.records.lock().unwrap_or_else(PoisonError::into_inner).take());
             }
             let mut pending = self.pending();
+            pending.trouble = trouble;
             if is_last {
                 pending.ended = true;
                 self.changed.notify_all();

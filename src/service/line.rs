@@ -132,7 +132,7 @@ impl Line {
                 return;
             };
             // the first request waits for its memory and holds up the others: overtaken, it might wait forever
-            let Ok(held) = self.share.try_take(bytes) else { return };
+            let Some(held) = self.share.take_if_free(bytes) else { return };
             let memory = Memory { line: Arc::clone(self), held: Some(held) };
             let (peer, mut queue) = state.queues.pop_front().expect("it was just looked at");
             let request = queue.pop_front().expect("no queue is empty");

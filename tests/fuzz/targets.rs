@@ -170,6 +170,10 @@ impl Records for Rows {
         }
         Ok(())
     }
+
+    fn check(&self) -> Result<(), StoreError> {
+        Ok(())
+    }
 }
 
 /// An address, asked of a service on a port of its own; the first byte says what the rest is in it. Any answer is

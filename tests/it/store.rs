@@ -16,6 +16,7 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicU32, Ordering};
 
 use planish::job::key::Key;
+use planish::service::job_key::Tenant;
 use planish::service::store::{Description, Embedded, Manifest, Memory, Owners, PART_BYTES, Store, StoreError};
 
 pub(crate) const ROOMY: u64 = 1 << 30;
@@ -132,6 +133,25 @@ fn small_writes_make_the_same_artifact_as_one_large_write() {
         let pieces = spool.commit(description()).unwrap();
         assert_eq!((pieces.content, &pieces.parts), (whole.content, &whole.parts));
         assert_eq!(get(store, 2).unwrap(), bytes);
+    });
+}
+
+#[test]
+fn owners_that_are_added_count_in_the_size_of_an_artifact() {
+    let kept = |store: &dyn Store, owners: std::ops::Range<u64>| {
+        let mut spool = store.spool(key(1)).unwrap();
+        spool.write_all(&noise(1, 5000)).unwrap();
+        // with the later owners the manifest takes a second block of the disk
+        let (warnings, owners) = (vec!["x".repeat(3000)], owners.map(Tenant).collect());
+        spool.commit(Description { warnings, owners, ..description() }).unwrap();
+        store.usage().bytes
+    };
+    on_every_store(ROOMY, |store| {
+        let (few, more) = (kept(store, 1..2), kept(store, 1..250));
+        assert!(few < more, "{few} {more}");
+        store.remove(&key(1)).unwrap();
+        assert_eq!(store.usage().bytes, 0);
+        assert_eq!(kept(store, 1..250), more, "as if all had come at once");
     });
 }
 

@@ -73,6 +73,19 @@ impl Table {
         Some(known)
     }
 
+    /// Returns whether a batch is active or done. One that is done counts as newly settled, so that its record is kept
+    /// for the full time to live.
+    fn join(&mut self, batch: &JobKey, now: Duration) -> bool {
+        let Some(known) = self.batches.get_mut(batch) else { return false };
+        if known.state == State::Done {
+            self.by_number.remove(&known.number);
+            (known.number, known.settled) = (self.next, Some(now));
+            self.by_number.insert(self.next, *batch);
+            self.next += 1;
+        }
+        known.is_active() || known.state == State::Done
+    }
+
     /// Returns the batch of an attempt that is still active.
     fn running(&mut self, run: &BatchRun) -> Option<&mut Batch> {
         self.batches.get_mut(&run.batch).filter(|batch| batch.number == run.number && batch.is_active())
@@ -129,6 +142,11 @@ impl Batches {
         }
     }
 
+    /// Returns why batches cannot be written now, so that none can be accepted; `None` if they can.
+    pub fn trouble(&self) -> Option<String> {
+        self.journal.as_ref()?.trouble()
+    }
+
     /// Returns a batch, if it is known.
     pub fn get(&self, batch: &JobKey) -> Option<Batch> {
         self.table().batches.get(batch).cloned()
@@ -153,6 +171,16 @@ impl Batches {
         (page, is_more)
     }
 
+    /// Returns whether a batch that is posted again is active or done, so that it need not be begun. One that is done
+    /// counts as newly settled, so that its record is kept for the full time to live.
+    pub fn join(&self, batch: &JobKey) -> bool {
+        let is_joined = self.table().join(batch, self.clock.now());
+        if is_joined {
+            self.note(*batch);
+        }
+        is_joined
+    }
+
     /// Accepts a batch; returns `None` if it is active or done already. A batch that failed or was cancelled is begun
     /// again, with those of its jobs that were not done. `memory` allocates bytes for the record; if it fails, the
     /// oldest settled batches are removed.
@@ -161,8 +189,9 @@ impl Batches {
     /// [`Full`] if active batches leave no room.
     pub fn accept(&self, memory: impl Fn(u64) -> Result<Paid, Full>, new: NewBatch) -> Result<Option<BatchRun>, Full> {
         let mut table = self.table();
-        let known = table.batches.get(&new.batch);
-        if known.is_some_and(|known| known.is_active() || known.state == State::Done) {
+        if table.join(&new.batch, self.clock.now()) {
+            drop(table);
+            self.note(new.batch);
             return Ok(None);
         }
         let before = table.forget(&new.batch);

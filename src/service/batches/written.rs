@@ -8,7 +8,7 @@ use bytes::Bytes;
 use super::record::{Batch, Ending, Item};
 use crate::service::fields::{Fields, Writing};
 use crate::service::job_key::{JobKey, JobTerms};
-use crate::service::jobs::{NONE, State, given, numbered, numbers_of, output, outputs, state_of, terms};
+use crate::service::jobs::{NONE, State, counted, given, numbered, numbers_of, output, outputs, state_of, terms};
 use crate::service::journal::Row;
 
 const BATCH: [u8; 8] = *b"plnshbat";
@@ -106,7 +106,7 @@ pub(super) fn decode(bytes: &[u8]) -> Option<Kept> {
     let terms = terms(&fields.numbers(tag::TERMS)?)?;
     let state = state_of(standing, fields.text(tag::REASON)?)?;
     let text = Bytes::copy_from_slice(fields.take(tag::TEXT)?);
-    let (attempts, settled_s) = (u32::try_from(attempts).ok()?, given(settled));
+    let ((number, attempts), settled_s) = (counted(number, attempts)?, given(settled));
     Some(Kept::Batch(Box::new(KeptBatch { batch, number, attempts, terms, state, settled_s, n_outputs, text })))
 }
 

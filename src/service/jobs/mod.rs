@@ -3,6 +3,7 @@
 
 mod attempt;
 mod record;
+mod revived;
 mod rows;
 mod standing;
 mod table;
@@ -12,4 +13,4 @@ pub use attempt::{New, Placed, Run};
 pub use record::{Holder, JobSummary, Made, Predicted, Product, Record, State, Wanted};
 pub use standing::{Phase, Standing};
 pub use table::Jobs;
-pub(super) use written::{NONE, given, numbered, numbers_of, output, outputs, state_of, terms};
+pub(super) use written::{NONE, counted, given, numbered, numbers_of, output, outputs, state_of, terms};

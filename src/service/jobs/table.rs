@@ -6,16 +6,17 @@ use std::time::Duration;
 use tokio::sync::watch;
 
 use super::attempt::{New, Placed, Run};
-use super::record::{Holder, JobSummary, MOST_STARTS, Made, Record, State, Wanted};
+use super::record::{Holder, JobSummary, Made, Record, State, Wanted};
+use super::revived::revived;
 use super::rows::Table;
-use super::written::{Kept, decode, encode, is_job};
+use super::written::{decode, encode, is_job};
 use crate::job::key::Key;
 use crate::service::account::Full;
 use crate::service::clock::Clock;
 use crate::service::job_key::{JobKey, Tenant};
 use crate::service::journal::{Journal, Row};
 use crate::service::lock::lock;
-use crate::service::peer::{Paid, Peer};
+use crate::service::peer::Paid;
 use crate::service::store::{Pin, Records, StoreError};
 use crate::service::tally::Tally;
 use crate::service::under_way::Interest;
@@ -23,6 +24,7 @@ use crate::service::under_way::Interest;
 /// Maximum number of records. With 8 KiB each they take 80 MiB. Half of it would forget jobs sooner; twice of it may
 /// take twice that memory.
 const MAX_RECORDS: usize = 10_000;
+
 /// The records of all jobs.
 #[derive(Debug)]
 pub struct Jobs {
@@ -64,9 +66,7 @@ impl Jobs {
     }
 
     fn note(&self, job: JobKey) {
-        if let Some(journal) = &self.journal {
-            journal.note(job);
-        }
+        self.journal.iter().for_each(|journal| journal.note(job));
     }
 
     /// Returns whether records outlast the process.
@@ -83,6 +83,11 @@ impl Jobs {
             Some(journal) => journal.written(job).await,
             None => Ok(()),
         }
+    }
+
+    /// Returns why records cannot be written now, so that no job can be accepted; `None` if they can.
+    pub fn trouble(&self) -> Option<String> {
+        self.journal.as_ref()?.trouble()
     }
 
     /// Returns the record of a job.
@@ -364,34 +369,5 @@ impl Jobs {
             }
             journal.close(patience);
         }
-    }
-}
-
-/// Restores a record of an earlier process; an active job gets a further attempt, or fails if it was started too often.
-fn revived(kept: Kept, memory: Paid, now: Duration, wall: Duration) -> Record {
-    let Kept { job, number, attempts, starts, is_posted, terms, state, made, settled_s, summary } = kept;
-    let is_poison = state == State::Active && starts >= MOST_STARTS;
-    let state = if is_poison { State::poisoned(starts) } else { state };
-    let is_active = state == State::Active;
-    let age = settled_s.map(|at| wall.saturating_sub(Duration::from_secs(at)));
-    Record {
-        job,
-        number,
-        attempts: attempts + u32::from(is_active),
-        starts,
-        terms,
-        peer: Peer::service(job.tenant),
-        wanted: Wanted { is_posted, ..Wanted::default() },
-        state,
-        made: if is_active { vec![None; made.len()] } else { made },
-        summary: Arc::new(summary),
-        computing: None,
-        queued: now,
-        begun: None,
-        settled: age.map(|age| now.saturating_sub(age)).or(is_poison.then_some(now)),
-        ended: Arc::new(watch::channel(!is_active).0),
-        _memory: Arc::new(memory),
-        pins: Vec::new(),
-        ticket: None,
     }
 }

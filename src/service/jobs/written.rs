@@ -145,7 +145,7 @@ pub(super) fn decode(bytes: &[u8]) -> Option<Kept> {
     let (details, blobs) = (fields.hashes(tag::DETAILS)?, fields.hashes(tag::BLOBS)?);
     let (products, made) = outputs(&mut fields)?;
     let summary = JobSummary { products, cost, reached, details, blobs, request };
-    let (attempts, starts) = (u32::try_from(attempts).ok()?, u32::try_from(starts).ok()?);
+    let ((number, attempts), starts) = (counted(number, attempts)?, u32::try_from(starts).ok()?);
     let (settled_s, is_posted) = (given(settled), is_posted == 1);
     Some(Kept { job, number, attempts, starts, is_posted, terms, state, made, settled_s, summary })
 }
@@ -166,6 +166,12 @@ pub(in crate::service) fn terms(numbers: &[u64]) -> Option<JobTerms> {
     let &[is_batch, queue, run] = numbers else { return None };
     let priority = if is_batch == 1 { Priority::Batch } else { Priority::Interactive };
     Some(JobTerms { priority, queue_timeout_s: given(queue), run_timeout_s: given(run) })
+}
+
+/// Returns the number of a job or a batch and the number of its attempts, if both can be counted onwards.
+pub(in crate::service) fn counted(number: u64, attempts: u64) -> Option<(u64, u32)> {
+    let attempts = u32::try_from(attempts).ok()?;
+    (number < u64::MAX && attempts < u32::MAX).then_some((number, attempts))
 }
 
 /// Returns a number, unless it stands for an absent one.

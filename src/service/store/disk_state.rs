@@ -153,9 +153,12 @@ impl DiskState {
             }
             // The bytes are the same and only the owners are new, so only the manifest is replaced.
             self.folder.describe(&key, record)?;
-            if let Some(held) = lock(&self.shelf).touch_mut(&key) {
+            let mut shelf = lock(&self.shelf);
+            if let Some(held) = shelf.touch_mut(&key) {
                 *held = Arc::clone(&manifest);
             }
+            shelf.set_cost(&key, cost);
+            drop(shelf);
             return Ok(manifest);
         }
         if self.discard(&mut index, &key)? {

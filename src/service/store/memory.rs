@@ -60,7 +60,7 @@ impl Memory {
     /// [`StoreError::TooLarge`], [`StoreError::InUse`].
     pub(in crate::service) fn keep(&self, manifest: Arc<Manifest>, bytes: Bytes) -> Result<Arc<Manifest>, StoreError> {
         let key = manifest.key;
-        let cost = manifest.length + manifest.encode().len() as u64 + ENTRY_BYTES;
+        let cost = cost(&manifest);
         shelf::admit(cost, self.capacity)?;
         let held = Held { manifest: Arc::clone(&manifest), bytes };
 
@@ -70,7 +70,9 @@ impl Memory {
             if let Some(owners) = present.manifest.owners.with(&manifest.owners) {
                 present.manifest = Arc::new(Manifest { owners, ..(*present.manifest).clone() });
             }
-            return Ok(Arc::clone(&present.manifest));
+            let manifest = Arc::clone(&present.manifest);
+            shelf.set_cost(&key, self::cost(&manifest));
+            return Ok(manifest);
         }
         let replaced = shelf.remove(&key);
         while let Some((_, evicted)) = shelf.evict_for(cost) {
@@ -86,6 +88,11 @@ impl Memory {
         }
         Ok(manifest)
     }
+}
+
+/// Returns the number of bytes of an artifact in memory, with its manifest and its entry.
+fn cost(manifest: &Manifest) -> u64 {
+    manifest.length + manifest.encode().len() as u64 + ENTRY_BYTES
 }
 
 impl Store for Memory {

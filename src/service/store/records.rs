@@ -1,6 +1,6 @@
 //! A durable map of small records, such as those of jobs and batches; it knows their keys and bytes only.
 
-use std::fs::{self, File};
+use std::fs::{self, File, Metadata};
 use std::io::{self, Read};
 use std::path::{Path, PathBuf};
 use std::sync::Mutex;
@@ -31,6 +31,12 @@ pub trait Records: std::fmt::Debug + Send + Sync {
     /// # Errors
     /// When the store fails.
     fn write(&self, changes: &[(Vec<u8>, Option<Vec<u8>>)]) -> Result<(), StoreError>;
+
+    /// Returns an error if records that are written now would be lost when the process ends.
+    ///
+    /// # Errors
+    /// When the store fails.
+    fn check(&self) -> Result<(), StoreError>;
 }
 
 /// Records in one file of a local disk.
@@ -39,7 +45,52 @@ pub(super) struct RecordFile {
     path: PathBuf,
     /// The open database; `None` after a failure, until the next operation opens it again: a database that has failed
     /// once, for instance on a full disk, accepts nothing more.
-    database: Mutex<Option<Database>>,
+    open: Mutex<Option<OpenFile>>,
+}
+
+/// An open database, and the file that it was opened from.
+#[derive(Debug)]
+struct OpenFile {
+    database: Database,
+    file: FileId,
+}
+
+impl OpenFile {
+    /// Opens the database at a path. If the file is replaced in between, the next operation fails, and the one
+    /// after it opens the file again.
+    fn open(path: &Path) -> Result<Self, String> {
+        let file = file_at(path)?;
+        let database = guarded(|| Ok(builder().open(path)?))?;
+        Ok(Self { database, file })
+    }
+}
+
+/// The numbers of a file's device and inode, which tell it from every other file whatever their names. Both are 0 on
+/// systems without inodes, which let nobody remove an open file.
+type FileId = (u64, u64);
+
+/// What is wrong when the path of the records leads to no file, or to another one than the open one: records that are
+/// written into a removed file do not outlast the process.
+const REMOVED: &str = "it was removed or replaced while the service ran; put it back, or start the service again";
+
+/// Returns the identity of the file that has this path now.
+fn file_at(path: &Path) -> Result<FileId, String> {
+    match fs::metadata(path) {
+        Ok(file) => Ok(identity(&file)),
+        Err(error) if error.kind() == io::ErrorKind::NotFound => Err(REMOVED.to_owned()),
+        Err(error) => Err(error.to_string()),
+    }
+}
+
+#[cfg(unix)]
+fn identity(file: &Metadata) -> FileId {
+    use std::os::unix::fs::MetadataExt;
+    (file.dev(), file.ino())
+}
+
+#[cfg(not(unix))]
+fn identity(_: &Metadata) -> FileId {
+    (0, 0)
 }
 
 impl RecordFile {
@@ -54,23 +105,22 @@ impl RecordFile {
             guarded(|| Ok(builder().create(&aside).map(drop)?)).map_err(damaged)?;
             fs::rename(&aside, path).map_err(at("make", path))?;
         }
-        let database = guarded(|| Ok(builder().open(path)?)).map_err(damaged)?;
-        let file = Self { database: Mutex::new(Some(database)), path: path.to_owned() };
+        let open = OpenFile::open(path).map_err(damaged)?;
+        let file = Self { open: Mutex::new(Some(open)), path: path.to_owned() };
         // All records are read now, so that damage is found here and not at a later request.
         file.each(&mut |_, _| {}).map_err(|error| damaged(error.to_string()))?;
         Ok(file)
     }
 
-    /// Runs an operation on the database, which is opened again first if an earlier operation failed.
+    /// Runs an operation on the database, which is opened again first if an earlier operation failed. Fails as well if
+    /// the file is no longer at its path afterwards.
     fn with<T>(&self, work: impl FnOnce(&Database) -> Result<T, redb::Error>) -> Result<T, StoreError> {
-        let mut held = lock(&self.database);
-        let opened = match held.take() {
-            Some(database) => Ok(database),
-            None => guarded(|| Ok(builder().open(&self.path)?)),
-        };
-        let done = opened.and_then(|database| {
-            let database = held.insert(database);
-            guarded(|| work(database))
+        let mut held = lock(&self.open);
+        let opened = held.take().map_or_else(|| OpenFile::open(&self.path), Ok);
+        let done = opened.and_then(|opened| {
+            let OpenFile { database, file } = held.insert(opened);
+            let done = guarded(|| work(database))?;
+            if file_at(&self.path)? == *file { Ok(done) } else { Err(REMOVED.to_owned()) }
         });
         done.map_err(|error| {
             if let Some(failed) = held.take() {
@@ -150,5 +200,9 @@ impl Records for RecordFile {
             transaction.commit()?;
             Ok(())
         })
+    }
+
+    fn check(&self) -> Result<(), StoreError> {
+        self.with(|_| Ok(()))
     }
 }

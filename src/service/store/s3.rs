@@ -63,6 +63,10 @@ impl Records for HeldRecords {
     fn write(&self, changes: &[(Vec<u8>, Option<Vec<u8>>)]) -> Result<(), StoreError> {
         self.records.write(changes)
     }
+
+    fn check(&self) -> Result<(), StoreError> {
+        self.records.check()
+    }
 }
 
 /// Makes a client of a bucket. Credentials come from the environment variables `AWS_...`, or from the metadata services

@@ -16,8 +16,9 @@ use super::shelf::{self, Shelf};
 use crate::job::key::{Key, RESULTS_VERSION, content};
 use crate::service::lock::lock;
 
-/// Maximum size of a manifest in bytes: enough for the parts of 16 GiB. A longer object was not written by this
-/// service. Half of it would limit artifacts to 8 GiB; twice of it would let a foreign object take 2 MiB of memory.
+/// Maximum size of a manifest in bytes: with 32 bytes for each part of a mebibyte, enough for artifacts of nearly
+/// 32 GiB. A longer object was not written by this service. Half of it would limit artifacts to 16 GiB; twice of it
+/// would let a foreign object take 2 MiB of memory.
 const MANIFEST_BYTES: u64 = 1 << 20;
 /// Memory for remembered manifests in bytes, some ten thousand of them. With half of it twice as many lookups go to the
 /// object store; twice of it would take 16 MiB more beside the memory account.

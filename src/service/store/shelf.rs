@@ -45,7 +45,8 @@ impl<V> Shelf<V> {
         self.touch_mut(key).map(|value| &*value)
     }
 
-    /// Returns the value of `key` for a change that does not affect its cost, and counts this as a use.
+    /// Returns the value of `key` for a change, and counts this as a use. A change that affects the cost of the entry
+    /// is followed by [`set_cost`](Self::set_cost).
     pub(in crate::service) fn touch_mut(&mut self, key: &Key) -> Option<&mut V> {
         let entry = self.entries.get_mut(key)?;
         if entry.last_use + 1 < self.next_use {
@@ -55,6 +56,15 @@ impl<V> Shelf<V> {
             self.next_use += 1;
         }
         Some(&mut entry.value)
+    }
+
+    /// Sets the cost of an entry whose value has changed. If it has become larger, the entries may cost more than the
+    /// capacity until the next [`evict_for`](Self::evict_for).
+    pub(in crate::service) fn set_cost(&mut self, key: &Key, cost: u64) {
+        if let Some(entry) = self.entries.get_mut(key) {
+            self.bytes = self.bytes - entry.cost + cost;
+            entry.cost = cost;
+        }
     }
 
     /// Returns the value of `key` without counting a use.

@@ -11,8 +11,8 @@ use super::files::{self, Folder, MANIFEST_SUFFIX};
 use super::manifest::{Manifest, PART_BYTES};
 use crate::job::key::{Key, RESULTS_VERSION};
 
-/// Maximum size of a manifest file in bytes; enough for the parts of a terabyte. Larger files are damaged or foreign;
-/// half of it would still hold the parts of half a terabyte.
+/// Maximum size of a manifest file in bytes; enough for the parts of two tebibytes. Larger files are damaged or
+/// foreign; half of it would still hold the parts of one tebibyte.
 const MANIFEST_BYTES: u64 = 64 << 20;
 
 /// The result of a sweep.
@@ -125,4 +125,4 @@ fn name(entry: &DirEntry) -> Option<String> {
     entry.file_name().into_string().ok()
 }
 
-const _: () = assert!(MANIFEST_BYTES / 32 * PART_BYTES as u64 >= 1 << 40, "the parts of a terabyte fit");
+const _: () = assert!(MANIFEST_BYTES / 32 * PART_BYTES as u64 >= 1 << 40, "the parts of a tebibyte fit");

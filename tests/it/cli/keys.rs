@@ -2,7 +2,7 @@
 
 use planish::config::keys::{Link, Token};
 
-use super::{REFUSED, USAGE, planish, text};
+use super::{FILES, REFUSED, USAGE, planish, text};
 use crate::http::jobs::{mesh, polygon, with};
 use crate::http::keys::keyed;
 use crate::http::server::{Folder, story, until};
@@ -86,6 +86,8 @@ fn what_is_signed_on_the_command_line_opens_on_a_service_and_the_folder_stays_fi
         (&["--artifact", &format!("{id}.exe")], USAGE, "no extension"),
         (&[], USAGE, "required"),
         (&[name, "--key", "secret"], USAGE, "the key is none"),
+        (&[name, "--expires-in", "0s"], USAGE, "over at once; give a time"),
+        (&["no-such-job.json"], FILES, "no-such-job.json: cannot be read"),
     ] {
         let (ended, _, told) = sign(arguments);
         assert!(ended == code && told.contains(says), "{arguments:?}: {told}");

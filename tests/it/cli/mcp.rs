@@ -125,6 +125,9 @@ fn what_a_tool_cannot_do_is_a_failure_that_the_client_can_read() {
         ("render", json!({ "job": with(mesh(20), "png") }), "ask for at most"),
         ("views", json!({}), "job"),
         ("presets", json!({ "name": "nothing" }), "four-point"),
+        ("presets", json!({ "preset": "four-point" }), "presets knows name"),
+        ("presets", json!({ "name": 5 }), "no text"),
+        ("estimate", json!({ "job": mesh(1), "level": 3 }), "estimate knows job"),
     ] {
         let (content, is_error) = client.call(tool, &arguments);
         assert!(is_error && content[0]["text"].as_str().unwrap().contains(told), "{tool}: {content}");

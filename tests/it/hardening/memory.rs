@@ -5,6 +5,7 @@ use std::sync::Arc;
 use planish::config::Settings;
 use planish::service::account::{Account, Full, Share, kept_buffers};
 use planish::service::peer::{Kind, Peer};
+use planish::service::pool::Lane;
 use serde_json::json;
 use tokio::io::{AsyncReadExt, AsyncWriteExt};
 
@@ -63,6 +64,21 @@ fn a_share_gives_only_what_it_has_and_serves_those_who_wait_in_their_order() {
         assert_eq!(small.await.unwrap().bytes(), 5, "whoever has left is passed by");
         let usage = share.usage();
         assert_eq!((usage.taken, usage.most, usage.refused), (0, 70, 3));
+    });
+}
+
+#[test]
+fn work_that_waits_for_the_memory_of_its_lane_is_not_counted_as_refused() {
+    story(Settings { threads: 4, ..settings() }, async |server| {
+        let (pool, share) = (&server.app.desk.pool, &server.app.desk.account.long);
+        let line_up = || pool.line_up(Lane::Long, Peer::SELF, share.capacity.into()).unwrap();
+        let first = pool.turn(Lane::Long, line_up()).await;
+        let second = line_up();
+        assert_eq!(pool.waiting(), [0, 1], "a place is free, but no memory");
+        drop(first);
+        let second = pool.turn(Lane::Long, second).await;
+        assert_eq!((share.usage().taken, share.usage().refused), (share.capacity, 0));
+        drop(second);
     });
 }
 

@@ -158,6 +158,25 @@ fn a_body_that_arrives_more_slowly_than_at_the_least_rate_is_answered_408() {
 }
 
 #[test]
+fn a_head_has_64_kib_however_it_arrives() {
+    story(settings(), async |server| {
+        for (length, status) in [(60_000, "200"), (66_000, "431"), (100_000, "431"), (120_000, "431")] {
+            let x = "a".repeat(length);
+            let mut stream = server
+                .said(&format!("GET /livez HTTP/1.1\r\nhost: localhost\r\nconnection: close\r\nx: {}", &x[..30_000]))
+                .await;
+            let _ = stream.write_all(format!("{}\r\n\r\n", &x[30_000..]).as_bytes()).await;
+            let answer = rest(stream).await;
+            assert!(
+                answer.starts_with(&format!("HTTP/1.1 {status} ")),
+                "{length}: {}",
+                &answer[..answer.len().min(99)]
+            );
+        }
+    });
+}
+
+#[test]
 fn refusals_of_the_http_library_are_problems_too() {
     story(settings(), async |server| {
         let long = format!("GET / HTTP/1.1\r\nhost: localhost\r\nx: {}\r\n\r\n", "a".repeat(300_000));

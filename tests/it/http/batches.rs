@@ -2,14 +2,17 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
+use std::sync::Arc;
+use std::time::Duration;
 
 use axum::http::Method;
 use planish::config::Settings;
+use planish::service::clock::Manual;
 use serde_json::{Value, json};
 
 use super::events::Listening;
 use super::jobs::{detailed, endless, mesh, polygon, with};
-use super::server::{Answer, Folder, Server, settings, story, until};
+use super::server::{Answer, Folder, Server, settings, story, story_at, until};
 
 const WAIT: [(&str, &str); 1] = [("prefer", "wait=200")];
 
@@ -385,6 +388,27 @@ fn an_accepted_batch_is_finished_by_the_next_process_and_what_is_done_is_not_don
         server.get(&place).await.problem(404, "not-found");
     });
     story(lasting(&folder), async |server| drop(server.get(&place).await.problem(404, "not-found")));
+}
+
+#[test]
+fn a_done_batch_that_is_posted_again_is_kept_for_its_full_time() {
+    let clock = Arc::new(Manual::default());
+    story_at(Settings { job_ttl_s: 1000, ..settings() }, clock.clone(), async |server| {
+        let desk = &server.app.desk;
+        let place = waited(server, &three()).await.0;
+        let other = waited(server, &grid()).await.0;
+        clock.advance(Duration::from_secs(999));
+        server.post("/v1/batches", &three()).await.ok();
+        let newest = server.get("/v1/batches?limit=1").await.ok().json();
+        assert_eq!(newest["batches"][0]["id"].as_str(), place.rsplit('/').next());
+        clock.advance(Duration::from_secs(999));
+        desk.tidy();
+        server.get(&place).await.ok();
+        server.get(&other).await.problem(404, "not-found");
+        clock.advance(Duration::from_secs(1));
+        desk.tidy();
+        server.get(&place).await.problem(404, "not-found");
+    });
 }
 
 #[test]

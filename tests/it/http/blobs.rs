@@ -87,10 +87,33 @@ fn a_job_that_names_no_upload_says_so_at_its_place() {
 }
 
 #[test]
+fn an_upload_that_the_client_has_is_not_sent_again() {
+    story(settings(), async |server| {
+        let kept = send(server, "model/obj", OBJ.as_bytes()).await.json();
+        let (place, etag) = (kept["href"].as_str().unwrap(), format!("\"{}\"", kept["id"].as_str().unwrap()));
+        for (tags, status) in
+            [(etag.clone(), 304), (format!("\"x\", W/{etag}"), 304), ("*".into(), 304), ("x".into(), 200)]
+        {
+            assert_eq!(server.get_with(place, &[("if-none-match", &tags)]).await.status, status, "{tags}");
+        }
+    });
+}
+
+#[test]
 fn what_is_no_file_of_a_reader_or_too_long_is_refused_and_leaves_nothing() {
     story(Settings { max_body_bytes: 1 << 20, ..settings() }, async |server| {
-        send(server, "text/html", b"<p>").await.problem(415, "unsupported-media-type");
-        send(server, "", b"what is this").await.problem(415, "unsupported-media-type");
+        for (media_type, bytes, said, meant) in [
+            ("text/html", &b"<p>"[..], "Content-Type is text/html;", "model/obj"),
+            ("", b"what is this", "Content-Type is missing, and the first bytes are those of no format", "model/obj"),
+            ("image/png", b"no picture", "Content-Type is image/png, and the first bytes are those", "model/obj"),
+            ("", b"{\"positions\": []}", "Content-Type is missing, and", "application/json"),
+            ("", b"{\"asset\": {}}", "Content-Type is missing, and", "model/gltf+json"),
+        ] {
+            let problem = send(server, media_type, bytes).await.problem(415, "unsupported-media-type");
+            let told = problem["detail"].as_str().unwrap();
+            assert!(told.starts_with(said) && told.contains("a picture as image/png"), "{problem}");
+            assert!(told.ends_with(&format!("-H 'Content-Type: {meant}'")) && !told.contains("job"), "{problem}");
+        }
         let coded = [("content-type", "model/obj"), ("content-encoding", "gzip")];
         let coded = server.ask(Method::POST, "/v1/blobs", &coded, OBJ.into()).await;
         coded.problem(415, "unsupported-media-type");

@@ -13,6 +13,7 @@ use planish::service::job_key::JobKey;
 use serde_json::Value;
 
 use super::jobs::{endless, mesh, with};
+use super::operations::ready;
 use super::server::{Folder, settings, story, story_at, until};
 
 fn lasting(folder: &Folder) -> Settings {
@@ -119,6 +120,32 @@ fn an_evicted_result_whose_upload_is_gone_is_gone() {
         assert_eq!(gone.status, 410, "{}", gone.json());
         assert!(gone.json()["detail"].as_str().unwrap().contains("/v1/blobs"), "{}", gone.json());
     });
+}
+
+/// Other systems let nobody remove or rename what is open.
+#[test]
+#[cfg(unix)]
+fn jobs_are_refused_while_the_data_directory_is_gone() {
+    let folder = Folder::new();
+    let (data, aside) = (folder.path().join("data"), folder.path().join("aside"));
+    let location = story(lasting(&folder), async |server| {
+        ready(server).await;
+        std::fs::rename(&data, &aside).unwrap();
+        until("it is noticed without a job", || server.app.desk.jobs.trouble().is_some()).await;
+        let told = server.get("/readyz").await.problem(503, "not-ready");
+        assert!(told["detail"].as_str().unwrap().contains("jobs.redb"), "{told}");
+        for (path, body) in [("/v1/jobs", two()), ("/v1/batches", serde_json::json!({ "jobs": [two()] }))] {
+            let refused = server.post(path, &body).await.problem(507, "unwritten");
+            assert!(refused["detail"].as_str().unwrap().contains("removed or replaced"), "{refused}");
+        }
+        assert_eq!(server.app.desk.jobs.len(), 0);
+        std::fs::rename(&aside, &data).unwrap();
+        ready(server).await;
+        let accepted = server.post("/v1/jobs", &two()).await;
+        assert_eq!(accepted.status, 202, "{}", accepted.text());
+        accepted.header("location").to_owned()
+    });
+    story(lasting(&folder), async |server| assert_eq!(server.settled(&location).await["state"], "done"));
 }
 
 /// A manual clock, whose wall clock can be set.

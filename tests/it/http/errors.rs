@@ -4,7 +4,7 @@ use axum::http::Method;
 use serde_json::{Value, json};
 
 use super::jobs::{cube, mesh, polygon, square, with};
-use super::server::{settings, story};
+use super::server::{rest, settings, story};
 
 #[test]
 fn text_that_is_not_json_is_400_with_line_and_column() {
@@ -243,6 +243,23 @@ fn a_body_of_another_kind_is_415() {
             server.post_text("/v1/render", mesh(1).to_string(), &[("content-type", fine)]).await.ok();
         }
         server.post_text("/v1/render", mesh(1).to_string(), &[("content-encoding", "Identity")]).await.ok();
+    });
+}
+
+#[test]
+fn a_body_that_breaks_off_is_told_as_such_and_not_as_broken_json() {
+    story(settings(), async |server| {
+        for (path, media_type, chunk) in [
+            ("/v1/render", "application/json", "{\"inp"),
+            ("/v1/jobs", "application/json", "{\"inp"),
+            ("/v1/blobs", "model/obj", "v 0 0"),
+        ] {
+            let head = format!("POST {path} HTTP/1.1\r\nhost: {}\r\ncontent-type: {media_type}\r\n", server.address);
+            let broken = format!("{head}transfer-encoding: chunked\r\n\r\n5\r\n{chunk}\r\nno length\r\n");
+            let answer = rest(server.said(&broken).await).await;
+            assert!(answer.starts_with("HTTP/1.1 400 "), "{path}: {answer}");
+            assert!(answer.contains("/docs/problems/broken-off") && answer.contains("after 5 bytes"), "{answer}");
+        }
     });
 }
 

@@ -4,7 +4,7 @@ use std::time::Instant;
 
 use super::server::{PATIENCE, Server, settings, story};
 
-async fn ready(server: &Server) -> serde_json::Value {
+pub(super) async fn ready(server: &Server) -> serde_json::Value {
     let start = Instant::now();
     loop {
         let answer = server.get("/readyz").await;

@@ -33,6 +33,10 @@ impl Records for Rows {
         }
         Ok(())
     }
+
+    fn check(&self) -> Result<(), StoreError> {
+        Ok(())
+    }
 }
 
 /// Sets the number at an index of the second field, which holds the standing of a job or a batch.
