@@ -67,7 +67,7 @@ fn taken_up(record: &[u8]) -> [usize; 2] {
 }
 
 /// The number of the job or batch, and how often it was attempted: each is counted onwards when the record is taken up.
-const COUNTED: [(usize, u64); 3] = [(0, u64::MAX), (1, u64::from(u32::MAX)), (1, u64::MAX)];
+const COUNTED: [(usize, u64); 3] = [(0, u64::MAX), (1, u32::MAX as u64), (1, u64::MAX)];
 
 #[test]
 fn records_whose_numbers_cannot_be_counted_onwards_are_left_as_they_are() {
