@@ -19,7 +19,7 @@ use std::path::{Path, PathBuf};
 use crate::fault::nearest;
 use crate::job::limits::Limits;
 
-use written::{Written, shown};
+use written::{SettingValue, shown};
 
 pub use error::ConfigError;
 pub use levels::LogLevels;
@@ -28,28 +28,28 @@ pub use written::seconds;
 
 /// Maximum number of bytes in a setting, 1 PiB: beyond the memory and the disks of one machine, and so small that sums
 /// of a thousand of them fit into 63 bits, the size of TOML integers.
-const MOST_BYTES: u64 = 1 << 50;
+const MAX_BYTES: u64 = 1 << 50;
 /// Minimum memory of a service, 256 MiB: its shares then still hold a small job each.
 const LEAST_MEMORY_BYTES: u64 = 256 << 20;
 /// Maximum of the setting for the length of request bodies, 1 GiB: bodies are held in memory, and a gibibyte of JSON is
 /// read into several.
-const MOST_BODY_BYTES: u64 = 1 << 30;
+const MAX_BODY_BYTES: u64 = 1 << 30;
 /// Maximum of the settings for jobs and connections: each connection has a file descriptor and its buffers, each job
 /// its request, and 65,536 of them are more than two lanes or one address can serve.
-const MOST_WAITING: u64 = 1 << 16;
+const MAX_WAITING: u64 = 1 << 16;
 /// Maximum of the setting for requests per minute: 16,666 a second are more than one machine answers.
-const MOST_REQUESTS: u64 = 1_000_000;
+const MAX_REQUESTS: u64 = 1_000_000;
 /// Maximum of the setting for jobs of a batch: a response about a batch has the state of each job, some megabytes for
 /// 10,000 jobs.
-const MOST_BATCH_ITEMS: u64 = 10_000;
+const MAX_BATCH_ITEMS: u64 = 10_000;
 /// Maximum number of compute threads per lane: more than machines have cores, and two lanes of them still fit under the
 /// usual limit on the threads of a process.
-const MOST_THREADS: u64 = 1024;
+const MAX_THREADS: u64 = 1024;
 /// Maximum duration in a setting, a day in seconds: longer waits are of no use to a service, and clocks can add a day
 /// to any time without overflow.
-const MOST_SECONDS: u64 = 24 * 60 * 60;
+const MAX_SECONDS: u64 = 24 * 60 * 60;
 /// Maximum of the settings for faces and vertices: indices are 32 bits wide.
-const MOST_INDEXED: u64 = u32::MAX as u64;
+const MAX_INDEXED: u64 = u32::MAX as u64;
 
 /// One setting in the list of all settings.
 #[derive(Debug, Clone, PartialEq)]
@@ -70,7 +70,7 @@ pub struct Setting {
 
 impl Setting {
     /// Returns the value and the range in readable form.
-    pub fn told(&self) -> String {
+    pub fn readable(&self) -> String {
         let amount = |n: u64| match (self.unit, shown(n, self.unit)) {
             ("bytes" | "", size) => size,
             ("bytes a second", size) => format!("{size} a second"),
@@ -94,16 +94,16 @@ macro_rules! settings {
     )*) => {
         /// Settings as far as they were given in one place: flags, environment, or the file.
         #[derive(Debug, Clone, Default, PartialEq, clap::Args)]
-        pub struct Given {
+        pub struct PartialSettings {
             $(
                 $(#[doc = $doc])+
                 #[arg(long, allow_negative_numbers = true)]
-                #[arg(value_parser = |text: &str| <$type as Written>::read(text, $unit))]
+                #[arg(value_parser = |text: &str| <$type as SettingValue>::read(text, $unit))]
                 pub $name: Option<$type>,
             )*
         }
 
-        impl Given {
+        impl PartialSettings {
             /// The names of the settings.
             const NAMES: &[&'static str] = &[$(stringify!($name)),*];
             /// The environment variables of the settings, in the same order.
@@ -118,7 +118,7 @@ macro_rules! settings {
             /// Sets the setting with this name to the value read from `text`.
             fn set(&mut self, name: &str, text: &str) -> Result<(), String> {
                 $(if name == stringify!($name) {
-                    self.$name = Some(<$type as Written>::read(text, $unit)?);
+                    self.$name = Some(<$type as SettingValue>::read(text, $unit)?);
                 })*
                 Ok(())
             }
@@ -138,7 +138,7 @@ macro_rules! settings {
 
         impl Settings {
             /// Returns the given settings, completed by the defaults.
-            fn of(given: Given) -> Self {
+            fn of(given: PartialSettings) -> Self {
                 let default = Self::default();
                 Self { $($name: given.$name.unwrap_or(default.$name),)* }
             }
@@ -174,43 +174,43 @@ settings! {
     /// Folder for the cache; by the platform's convention when left out.
     data_dir: PathBuf = default_data_dir(), "PLANISH_DATA_DIR", "";
     /// Compute threads a lane; 0 means one a core.
-    threads: usize = 0, in 0..=MOST_THREADS, "PLANISH_THREADS", "threads";
+    threads: usize = 0, in 0..=MAX_THREADS, "PLANISH_THREADS", "threads";
     /// Most faces of a mesh at any level.
-    max_faces: u64 = Limits::default().max_faces, in 1..=MOST_INDEXED, "PLANISH_MAX_FACES", "faces";
+    max_faces: u64 = Limits::default().max_faces, in 1..=MAX_INDEXED, "PLANISH_MAX_FACES", "faces";
     /// Most points of all polygons, or vertices of a mesh, at any level.
-    max_vertices: u64 = Limits::default().max_vertices, in 1..=MOST_INDEXED, "PLANISH_MAX_VERTICES", "vertices";
+    max_vertices: u64 = Limits::default().max_vertices, in 1..=MAX_INDEXED, "PLANISH_MAX_VERTICES", "vertices";
     /// Most bytes of one result.
-    max_output_bytes: u64 = Limits::default().max_output_bytes, in 1..=MOST_BYTES, "PLANISH_MAX_OUTPUT_BYTES", "bytes";
+    max_output_bytes: u64 = Limits::default().max_output_bytes, in 1..=MAX_BYTES, "PLANISH_MAX_OUTPUT_BYTES", "bytes";
     /// Most memory one job may need.
-    max_job_bytes: u64 = Limits::default().max_job_bytes, in 1..=MOST_BYTES, "PLANISH_MAX_JOB_BYTES", "bytes";
+    max_job_bytes: u64 = Limits::default().max_job_bytes, in 1..=MAX_BYTES, "PLANISH_MAX_JOB_BYTES", "bytes";
     /// Memory of everything that is held for requests: bodies, computations, answers, caches. Who finds none left waits
     /// or is answered 503. Where it is not given, less is taken where the machine or its control group has less.
-    max_memory_bytes: u64 = 12 << 30, in LEAST_MEMORY_BYTES..=MOST_BYTES, "PLANISH_MAX_MEMORY_BYTES", "bytes";
+    max_memory_bytes: u64 = 12 << 30, in LEAST_MEMORY_BYTES..=MAX_BYTES, "PLANISH_MAX_MEMORY_BYTES", "bytes";
     /// Most bytes of a request body, as it comes and inflated.
-    max_body_bytes: u64 = 32 << 20, in 1..=MOST_BODY_BYTES, "PLANISH_MAX_BODY_BYTES", "bytes";
+    max_body_bytes: u64 = 32 << 20, in 1..=MAX_BODY_BYTES, "PLANISH_MAX_BODY_BYTES", "bytes";
     /// Most jobs waiting in each of the two lanes; more are answered 503.
-    max_queue: usize = 256, in 1..=MOST_WAITING, "PLANISH_MAX_QUEUE", "jobs";
+    max_queue: usize = 256, in 1..=MAX_WAITING, "PLANISH_MAX_QUEUE", "jobs";
     /// Most jobs of one peer address that wait at once, joined ones included, and most that go on without their
     /// request; more are answered 503.
-    max_queue_per_peer: usize = 64, in 1..=MOST_WAITING, "PLANISH_MAX_QUEUE_PER_PEER", "jobs";
+    max_queue_per_peer: usize = 64, in 1..=MAX_WAITING, "PLANISH_MAX_QUEUE_PER_PEER", "jobs";
     /// Most requests for work that one key, or one address where there are no keys, may send in a minute; as many may
     /// come at once. More are answered 429. 0 sets no bound.
-    requests_per_minute: u64 = 0, in 0..=MOST_REQUESTS, "PLANISH_REQUESTS_PER_MINUTE", "requests";
+    requests_per_minute: u64 = 0, in 0..=MAX_REQUESTS, "PLANISH_REQUESTS_PER_MINUTE", "requests";
     /// Most requests for work of one key, or one address where there are no keys, that are answered at once; more are
     /// answered 429. 0 sets no bound.
-    requests_in_flight: u64 = 0, in 0..=MOST_WAITING, "PLANISH_REQUESTS_IN_FLIGHT", "requests";
+    requests_in_flight: u64 = 0, in 0..=MAX_WAITING, "PLANISH_REQUESTS_IN_FLIGHT", "requests";
     /// Most jobs of one batch.
-    max_batch_items: u64 = 1000, in 1..=MOST_BATCH_ITEMS, "PLANISH_MAX_BATCH_ITEMS", "jobs";
+    max_batch_items: u64 = 1000, in 1..=MAX_BATCH_ITEMS, "PLANISH_MAX_BATCH_ITEMS", "jobs";
     /// Most connections open at once; a further one takes the place of the one that has been idle or slow for longest.
-    max_connections: usize = 1024, in 1..=MOST_WAITING, "PLANISH_MAX_CONNECTIONS", "connections";
+    max_connections: usize = 1024, in 1..=MAX_WAITING, "PLANISH_MAX_CONNECTIONS", "connections";
     /// Most connections of one peer address open at once; the same holds for a further one.
-    max_connections_per_peer: usize = 512, in 1..=MOST_WAITING, "PLANISH_MAX_CONNECTIONS_PER_PEER", "connections";
+    max_connections_per_peer: usize = 512, in 1..=MAX_WAITING, "PLANISH_MAX_CONNECTIONS_PER_PEER", "connections";
     /// Memory for cached results, at most a quarter of max-memory-bytes; 0 turns the memory cache off.
-    memory_cache_bytes: u64 = 512 << 20, in 0..=MOST_BYTES, "PLANISH_MEMORY_CACHE_BYTES", "bytes";
+    memory_cache_bytes: u64 = 512 << 20, in 0..=MAX_BYTES, "PLANISH_MEMORY_CACHE_BYTES", "bytes";
     /// Disk space for cached results; 0 keeps nothing on disk.
-    cache_bytes: u64 = 8 << 30, in 0..=MOST_BYTES, "PLANISH_CACHE_BYTES", "bytes";
+    cache_bytes: u64 = 8 << 30, in 0..=MAX_BYTES, "PLANISH_CACHE_BYTES", "bytes";
     /// Disk space for files that clients send to /v1/blobs; those that no job needs leave for others.
-    uploads_bytes: u64 = 2 << 30, in 1..=MOST_BYTES, "PLANISH_UPLOADS_BYTES", "bytes";
+    uploads_bytes: u64 = 2 << 30, in 1..=MAX_BYTES, "PLANISH_UPLOADS_BYTES", "bytes";
     /// Where results and uploads are kept: `folder`, in data-dir, or `s3`, in a bucket that servers share. Credentials
     /// for the bucket are read from the variables `AWS_ACCESS_KEY_ID`, `AWS_SECRET_ACCESS_KEY` and
     /// `AWS_SESSION_TOKEN`, or are those of the machine.
@@ -224,20 +224,20 @@ settings! {
     /// Region of the bucket; `us-east-1` when left out here and in `AWS_REGION`.
     s3_region: String = String::new(), "PLANISH_S3_REGION", "";
     /// Results that are larger are sent while they are made and not kept, unless the request asks for it.
-    keep_at_most_bytes: u64 = 64 << 20, in 0..=MOST_BYTES, "PLANISH_KEEP_AT_MOST_BYTES", "bytes";
+    keep_at_most_bytes: u64 = 64 << 20, in 0..=MAX_BYTES, "PLANISH_KEEP_AT_MOST_BYTES", "bytes";
     /// How long a job is known after it is done, has failed or was cancelled; its results may leave the cache before.
-    job_ttl_s: u64 = 86_400, in 1..=MOST_SECONDS, "PLANISH_JOB_TTL_S", "seconds";
+    job_ttl_s: u64 = 86_400, in 1..=MAX_SECONDS, "PLANISH_JOB_TTL_S", "seconds";
     /// Longest time one computation may run.
-    run_timeout_s: u64 = 300, in 1..=MOST_SECONDS, "PLANISH_RUN_TIMEOUT_S", "seconds";
+    run_timeout_s: u64 = 300, in 1..=MAX_SECONDS, "PLANISH_RUN_TIMEOUT_S", "seconds";
     /// Longest time a client may take for its request headers, or stay silent between requests.
-    header_timeout_s: u64 = 10, in 1..=MOST_SECONDS, "PLANISH_HEADER_TIMEOUT_S", "seconds";
+    header_timeout_s: u64 = 10, in 1..=MAX_SECONDS, "PLANISH_HEADER_TIMEOUT_S", "seconds";
     /// Longest silence within a request body, and how long a body or the reading of an answer may be slow at first.
-    body_timeout_s: u64 = 15, in 1..=MOST_SECONDS, "PLANISH_BODY_TIMEOUT_S", "seconds";
+    body_timeout_s: u64 = 15, in 1..=MAX_SECONDS, "PLANISH_BODY_TIMEOUT_S", "seconds";
     /// Least rate at which a body has to arrive and an answer has to be read, averaged over all but its first
     /// body-timeout-s.
-    least_rate_bytes_s: u64 = 16 << 10, in 1..=MOST_BYTES, "PLANISH_LEAST_RATE_BYTES_S", "bytes a second";
+    least_rate_bytes_s: u64 = 16 << 10, in 1..=MAX_BYTES, "PLANISH_LEAST_RATE_BYTES_S", "bytes a second";
     /// Time for running requests and jobs to end after the signal to stop.
-    shutdown_timeout_s: u64 = 20, in 0..=MOST_SECONDS, "PLANISH_SHUTDOWN_TIMEOUT_S", "seconds";
+    shutdown_timeout_s: u64 = 20, in 0..=MAX_SECONDS, "PLANISH_SHUTDOWN_TIMEOUT_S", "seconds";
     /// How much is logged: `off`, `error`, `warn`, `info`, `debug` or `trace`, of parts of the program as in
     /// `warn,planish=debug`.
     log: LogLevels = LogLevels::default(), "PLANISH_LOG", "";
@@ -259,7 +259,7 @@ fn in_range(
     Err(ConfigError::OutOfRange { name, value, range, unit, variable })
 }
 
-impl Given {
+impl PartialSettings {
     /// Reads the settings from environment variables.
     ///
     /// # Errors
@@ -294,7 +294,7 @@ impl Settings {
     ///
     /// # Errors
     /// [`ConfigError`].
-    pub fn read(given: Given, file: Option<&Path>) -> Result<Self, ConfigError> {
+    pub fn read(given: PartialSettings, file: Option<&Path>) -> Result<Self, ConfigError> {
         Self::read_within(given, file, None)
     }
 
@@ -303,8 +303,12 @@ impl Settings {
     ///
     /// # Errors
     /// [`ConfigError`].
-    pub fn read_within(given: Given, file: Option<&Path>, available: Option<u64>) -> Result<Self, ConfigError> {
-        let from_file = file.map(Given::of_file).transpose()?.unwrap_or_default();
+    pub fn read_within(
+        given: PartialSettings,
+        file: Option<&Path>,
+        available: Option<u64>,
+    ) -> Result<Self, ConfigError> {
+        let from_file = file.map(PartialSettings::of_file).transpose()?.unwrap_or_default();
         let mut given = given.or(from_file);
         let usual = Self::default().max_memory_bytes;
         given.max_memory_bytes.get_or_insert_with(|| memory::budget(usual, LEAST_MEMORY_BYTES, available));
@@ -314,8 +318,8 @@ impl Settings {
     /// Returns the limits on one job.
     pub fn limits(&self) -> Limits {
         Limits {
-            max_faces: self.max_faces.min(MOST_INDEXED),
-            max_vertices: self.max_vertices.min(MOST_INDEXED),
+            max_faces: self.max_faces.min(MAX_INDEXED),
+            max_vertices: self.max_vertices.min(MAX_INDEXED),
             max_output_bytes: self.max_output_bytes,
             max_job_bytes: self.max_job_bytes,
             ..Limits::default()

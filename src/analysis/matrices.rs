@@ -6,7 +6,7 @@ use crate::math::rows::Rows;
 use crate::scheme::operator::Role;
 use crate::scheme::plan::{Plan, Scheduled};
 use crate::scheme::polygon_net::PolygonNet;
-use crate::scheme::step::{Action, Source};
+use crate::scheme::step::{Action, TermKind};
 use crate::scheme::stepper::Stepper;
 
 /// Maximum number of entries of all matrices together: enough for 16 points and the widest usual masks. Half as many
@@ -103,9 +103,9 @@ impl StepMatrix {
         let mut is_lost = false;
         for (r, index) in (0..after).zip(0_u32..) {
             action.weights(index, rows.row(r), |source, weight| match source {
-                Source::Point(i) => points[r][i as usize] += weight,
-                Source::Anchor(i) => of_coarse[r][i as usize] += weight,
-                Source::Lost => is_lost = true,
+                TermKind::Point(i) => points[r][i as usize] += weight,
+                TermKind::Anchor(i) => of_coarse[r][i as usize] += weight,
+                TermKind::Lost => is_lost = true,
             });
         }
         let facts = step.letter.facts();

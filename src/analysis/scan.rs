@@ -21,7 +21,7 @@ const HALVINGS: u32 = 16;
 /// Maximum number of values analysed in addition to those of the scan. The two ends of a range take 64 at most. Half as
 /// many leave the ends of schemes with four ranges as wide as a step; twice as many take twice as long for schemes with
 /// many ranges.
-pub const MOST_BETWEEN: u32 = 256;
+pub const MAX_BETWEEN: u32 = 256;
 
 /// A parameter and the range of its values.
 #[derive(Debug, Clone, PartialEq)]
@@ -44,23 +44,23 @@ pub struct Scan {
 #[derive(Debug, Clone, PartialEq)]
 pub struct Scanned {
     /// The results at the values of the scan, in ascending order of the values.
-    pub rows: Vec<Row>,
+    pub rows: Vec<ScanRow>,
     /// The intervals on which C^k is proved, by ascending k, then by ascending value.
     pub intervals: Vec<Interval>,
 }
 
 /// A value of the parameter and the result there.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Row {
+pub struct ScanRow {
     /// The value.
     pub value: Exact,
     /// The result at the value.
-    pub found: Found,
+    pub found: ScanResult,
 }
 
 /// The result for the scheme at one value.
 #[derive(Debug, Clone, PartialEq)]
-pub enum Found {
+pub enum ScanResult {
     /// What is proved and disproved about the scheme.
     Verdict(Verdict),
     /// The plan has no scheme that can be analysed, for the reason given.
@@ -95,7 +95,7 @@ pub struct Interval {
     pub after: Option<Exact>,
 }
 
-impl Found {
+impl ScanResult {
     fn proves(&self, k: i64) -> bool {
         matches!(self, Self::Verdict(verdict) if verdict.proved_c >= k)
     }
@@ -138,25 +138,25 @@ impl Scan {
         watch: &Watch,
     ) -> Result<Scanned, Stopped> {
         let look = |value: &Exact| match study(&self.at(value)) {
-            Ok(study) => verdict(&study, nodes, watch).map(Found::Verdict),
+            Ok(study) => verdict(&study, nodes, watch).map(ScanResult::Verdict),
             Err(faults) => {
                 // a stopped search also arrives here as a fault
                 watch.check()?;
                 let details: Vec<&str> = faults.iter().map(|fault| fault.detail.as_str()).collect();
-                Ok(Found::Refused(details.join("; ")))
+                Ok(ScanResult::Refused(details.join("; ")))
             }
         };
-        let mut known = Known { values: BTreeMap::new(), left: MOST_BETWEEN };
+        let mut known = KnownResults { values: BTreeMap::new(), left: MAX_BETWEEN };
         for step in 0..=self.steps {
             let value = self.value(step);
             let found = look(&value)?;
             known.values.insert(value, found);
         }
-        let rows = known.values.iter().map(|(value, found)| Row { value: value.clone(), found: found.clone() });
-        let rows: Vec<Row> = rows.collect();
+        let rows = known.values.iter().map(|(value, found)| ScanRow { value: value.clone(), found: found.clone() });
+        let rows: Vec<ScanRow> = rows.collect();
         let most = rows.iter().filter_map(|row| match &row.found {
-            Found::Verdict(verdict) => Some(verdict.proved_c),
-            Found::Refused(_) => None,
+            ScanResult::Verdict(verdict) => Some(verdict.proved_c),
+            ScanResult::Refused(_) => None,
         });
         let most = most.max().unwrap_or(-1);
         for k in 0..=most {
@@ -180,20 +180,25 @@ fn verdict(study: &Study, nodes: u64, watch: &Watch) -> Result<Verdict, Stopped>
 }
 
 /// The results at all values analysed so far.
-struct Known {
-    values: BTreeMap<Exact, Found>,
+struct KnownResults {
+    values: BTreeMap<Exact, ScanResult>,
     /// The number of further values that may be analysed.
     left: u32,
 }
 
-impl Known {
+impl KnownResults {
     /// Halves the gaps between values with a proof of C^k and neighbours without one; then, next to neighbours where
     /// C^k is undecided, the gaps between undecided values and those where C^k is disproved.
-    fn narrow(&mut self, k: i64, scan: &Scan, look: &impl Fn(&Exact) -> Result<Found, Stopped>) -> Result<(), Stopped> {
+    fn narrow(
+        &mut self,
+        k: i64,
+        scan: &Scan,
+        look: &impl Fn(&Exact) -> Result<ScanResult, Stopped>,
+    ) -> Result<(), Stopped> {
         for ends in self.changes(|found| found.proves(k)) {
             self.halve(scan, ends, |found| found.proves(k), look)?;
         }
-        let is_open = |found: &Found| !found.disproves(k);
+        let is_open = |found: &ScanResult| !found.disproves(k);
         for (inside, outside) in self.changes(is_open) {
             // between a value with a proof and one with a disproof the gap is already narrow
             if !self.values.get(&inside).is_some_and(|found| found.proves(k)) {
@@ -204,7 +209,7 @@ impl Known {
     }
 
     /// Returns the pairs of neighbouring values of which only one satisfies `holds`, that one first.
-    fn changes(&self, holds: impl Fn(&Found) -> bool) -> Vec<(Exact, Exact)> {
+    fn changes(&self, holds: impl Fn(&ScanResult) -> bool) -> Vec<(Exact, Exact)> {
         let neighbours = self.values.iter().zip(self.values.iter().skip(1));
         let ordered = neighbours.filter_map(|((a, found), (b, next))| match (holds(found), holds(next)) {
             (true, false) => Some((a.clone(), b.clone())),
@@ -218,8 +223,8 @@ impl Known {
         &mut self,
         scan: &Scan,
         (mut inside, mut outside): (Exact, Exact),
-        holds: impl Fn(&Found) -> bool,
-        look: &impl Fn(&Exact) -> Result<Found, Stopped>,
+        holds: impl Fn(&ScanResult) -> bool,
+        look: &impl Fn(&Exact) -> Result<ScanResult, Stopped>,
     ) -> Result<(), Stopped> {
         for _ in 0..HALVINGS {
             let middle = scan.among((&inside + &outside) / Exact::whole(2));
@@ -252,7 +257,7 @@ impl Known {
             is_inside = proves;
         }
         for interval in &mut found {
-            let decided = |(value, at): (&Exact, &Found)| {
+            let decided = |(value, at): (&Exact, &ScanResult)| {
                 if at.proves(k) { Some(None) } else { at.disproves(k).then(|| Some(value.clone())) }
             };
             let below = self.values.range(..interval.from.clone()).rev();
@@ -264,7 +269,7 @@ impl Known {
     }
 }
 
-impl Row {
+impl ScanRow {
     /// Returns the value in f64.
     pub fn rounded(&self) -> f64 {
         rounded(&self.value)

@@ -37,8 +37,8 @@ impl Decay {
         let gamma = study.rate().filter(|gamma| *gamma < 1.0)?;
         let scaled = (0_u16..).zip(&study.levels).map(|(h, level)| level.distance / pow(gamma, f64::from(h)));
         // the distances of the last levels are rounding errors only
-        let told = study.levels.iter().take_while(|level| level.distance > 1e-9).count();
-        Some(Self { c: scaled.take(told.max(1)).fold(0.0, f64::max), gamma })
+        let n_significant = study.levels.iter().take_while(|level| level.distance > 1e-9).count();
+        Some(Self { c: scaled.take(n_significant.max(1)).fold(0.0, f64::max), gamma })
     }
 }
 

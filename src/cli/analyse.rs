@@ -2,9 +2,9 @@
 
 use std::path::PathBuf;
 
-use super::error::{CliError, Kind};
+use super::error::{CliError, ExitKind};
 use super::files::to_new_file;
-use super::inputs::Source;
+use super::inputs::InputSource;
 use super::say::answer;
 use crate::fault::Fault;
 use crate::job::Form;
@@ -65,7 +65,7 @@ impl Question {
     pub(super) fn analyse(&self) -> Result<(), CliError> {
         let watch = Watch::new();
         let form = self.form()?;
-        let refused = |faults: Vec<Fault>| CliError::faults(Kind::Refused, &faults);
+        let refused = |faults: Vec<Fault>| CliError::faults(ExitKind::Refused, &faults);
         let analysis = self.request()?.resolve(form, &watch).map_err(refused)?;
         let found = AnalysisAnswer::of(&analysis, &watch).map_err(CliError::other)?;
         let mut bytes = Vec::new();
@@ -108,11 +108,11 @@ impl Question {
         let given = |numbers: &Vec<u64>| (!numbers.is_empty()).then(|| numbers.clone());
         let (valences, boundaries) = (given(&self.valences), given(&self.boundaries));
         if let Some(path) = file {
-            let source = Source::of(path);
+            let source = InputSource::of(path);
             let bytes = source.read().map_err(|error| error.about(&source))?;
             let mut request: AnalysisRequest = read(&bytes).map_err(|error| match error {
                 ReadError::NotJson(detail) => CliError::refused(detail),
-                ReadError::Unfit(faults) => CliError::faults(Kind::Refused, &faults),
+                ReadError::Unfit(faults) => CliError::faults(ExitKind::Refused, &faults),
             })?;
             request.nodes = nodes.or(request.nodes);
             request.grid = grid.or(request.grid);

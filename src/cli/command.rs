@@ -19,7 +19,7 @@ use super::reproduce::ReproduceOptions;
 use super::sign::SignOptions;
 use super::validate::ValidateOptions;
 use super::{catalogue, health, serve, shell};
-use crate::config::{Given, Setting, Settings};
+use crate::config::{PartialSettings, Setting, Settings};
 
 /// Refines control polygons and control meshes by subdivision.
 #[derive(Debug, Parser)]
@@ -41,7 +41,7 @@ enum Command {
         #[arg(long, env = "PLANISH_CONFIG")]
         config: Option<PathBuf>,
         #[command(flatten)]
-        given: Box<Given>,
+        given: Box<PartialSettings>,
     },
     /// Render jobs, or mesh files, to files; the format follows the extension.
     ///
@@ -138,7 +138,7 @@ fn whole() -> clap::Command {
     let with_defaults = |serve: clap::Command| {
         defaults.iter().fold(serve, |serve, setting| {
             let Setting { name, variable, doc, .. } = setting;
-            let help = format!("{doc} [env: {variable}] [default: {}]", setting.told());
+            let help = format!("{doc} [env: {variable}] [default: {}]", setting.readable());
             serve.mut_arg(name, |arg| arg.help(help).long_help(None))
         })
     };

@@ -3,10 +3,10 @@
 use std::path::PathBuf;
 use std::sync::Arc;
 
-use super::error::{CliError, Kind};
+use super::error::{CliError, ExitKind};
 use super::files::to_new_file;
-use super::inputs::Source;
-use super::job::{JobOptions, Loaded, Wanted};
+use super::inputs::InputSource;
+use super::job::{JobOptions, Loaded, OutputChoice};
 use super::say::answer;
 use crate::fault::Fault;
 use crate::job::limits::Limits;
@@ -54,17 +54,17 @@ impl CompareOptions {
     /// Prints the differences as JSON, and fails with code 1 if there are any.
     pub(super) fn compare(&self) -> Result<(), CliError> {
         let asked = self.tolerances()?;
-        let [a, b] = [&self.a, &self.b].map(|path| Source::of(path));
+        let [a, b] = [&self.a, &self.b].map(|path| InputSource::of(path));
         let [read_a, read_b] = [read(&a)?, read(&b)?];
         let is_picture = read_a.is_picture() || read_b.is_picture();
         let sides = [read_a.side(&a, is_picture)?, read_b.side(&b, is_picture)?];
-        let comparison = Comparison::new(sides, asked).map_err(|faults| told(&faults))?;
+        let comparison = Comparison::new(sides, asked).map_err(|faults| fault_error(&faults))?;
         if self.output.is_some() && !is_picture {
             return Err(CliError::refused("--output: only two pictures have a picture of what differs"));
         }
         let watch = Watch::new();
         let unmade = |error: RunError| match error {
-            RunError::Impossible(fault) => told(&[fault.fault]),
+            RunError::Impossible(fault) => fault_error(&[fault.fault]),
             error => CliError::files(error),
         };
         let found = comparison.run(&KeepNothing, &watch).map_err(unmade)?;
@@ -77,7 +77,7 @@ impl CompareOptions {
             let text = serde_json::to_string_pretty(&found).map_err(CliError::files)?;
             answer(format!("{text}\n").as_bytes())?;
         }
-        if found.equal { Ok(()) } else { Err(CliError::told(Kind::Other)) }
+        if found.equal { Ok(()) } else { Err(CliError::printed(ExitKind::Other)) }
     }
 
     fn tolerances(&self) -> Result<Tolerances, CliError> {
@@ -91,7 +91,7 @@ impl CompareOptions {
     }
 }
 
-fn read(source: &Source) -> Result<Read, CliError> {
+fn read(source: &InputSource) -> Result<Read, CliError> {
     let named = |error: CliError| error.about(source);
     let bytes = source.read().map_err(named)?;
     if bytes.starts_with(PNG) {
@@ -112,7 +112,7 @@ impl Read {
     }
 
     /// Makes one side of the comparison: a picture, drawn from a job if necessary, or a refined shape.
-    fn side(self, source: &Source, is_picture: bool) -> Result<Side, CliError> {
+    fn side(self, source: &InputSource, is_picture: bool) -> Result<Side, CliError> {
         let named = |error: CliError| error.about(source);
         let refused = |detail: String| CliError::refused(detail).about(source);
         let options = JobOptions::default();
@@ -120,7 +120,7 @@ impl Read {
             Self::Picture(bytes) => Ok(Side::Picture(PngFile::new(bytes.into(), false).map_err(refused)?)),
             Self::Job(mut loaded) if is_picture => {
                 let png = output::named("png").ok_or_else(|| refused("there is no format png".to_owned()))?;
-                loaded.choose(Wanted::Named(png), &options).map_err(named)?;
+                loaded.choose(OutputChoice::Named(png), &options).map_err(named)?;
                 let admitted = loaded.admit(&options, &Limits::default()).map_err(named)?;
                 let mut bytes = Vec::new();
                 run(&admitted, &admitted.job().outputs[0], &mut bytes, &Watch::new())
@@ -129,7 +129,7 @@ impl Read {
             }
             Self::Job(mut loaded) => {
                 let shape = OutputRequest::of_shape(loaded.request.outputs.first());
-                let shape = shape.map_err(|faults| CliError::faults(Kind::Refused, &faults)).map_err(named)?;
+                let shape = shape.map_err(|faults| CliError::faults(ExitKind::Refused, &faults)).map_err(named)?;
                 loaded.request.outputs = vec![shape];
                 Ok(Side::Shape(Arc::new(loaded.admit(&options, &Limits::default()).map_err(named)?)))
             }
@@ -138,7 +138,7 @@ impl Read {
 }
 
 /// Converts faults to an error, with flags in place of JSON pointers.
-fn told(faults: &[Fault]) -> CliError {
+fn fault_error(faults: &[Fault]) -> CliError {
     let flagged = |fault: &Fault| {
         let place = match fault.pointer.as_str() {
             "/threshold" => "--threshold".to_owned(),
@@ -151,5 +151,5 @@ fn told(faults: &[Fault]) -> CliError {
         Fault::new(place, detail)
     };
     let faults: Vec<Fault> = faults.iter().map(flagged).collect();
-    CliError::faults(Kind::Refused, &faults)
+    CliError::faults(ExitKind::Refused, &faults)
 }

@@ -9,7 +9,7 @@ use tokio::time::Instant;
 use super::error::CliError;
 use super::files::to_new_file;
 use super::job::JobOptions;
-use super::pieces::Piece;
+use super::pieces::OutputTarget;
 use super::progress::Progress;
 use super::remote::Remote;
 use super::say::answer;
@@ -35,7 +35,7 @@ pub(super) struct ServerOptions {
 
 /// The inputs that a service is to render, and whether missing folders are created for the files.
 pub(super) struct Order<'a> {
-    pub(super) pieces: &'a [Piece],
+    pub(super) pieces: &'a [OutputTarget],
     pub(super) makes_folders: bool,
     pub(super) options: &'a JobOptions,
 }
@@ -65,9 +65,13 @@ impl ServerOptions {
 impl Order<'_> {
     /// Renders one input on the service and writes its file. The patience is that of the input: its upload and its job
     /// have one together.
-    async fn made(&self, remote: &Remote, Piece { source, target, wanted }: &Piece) -> Result<(), CliError> {
+    async fn made(
+        &self,
+        remote: &Remote,
+        OutputTarget { source, target, wanted }: &OutputTarget,
+    ) -> Result<(), CliError> {
         let begun = Instant::now();
-        let (mut job, file) = self.options.told(source, *wanted)?;
+        let (mut job, file) = self.options.job_json(source, *wanted)?;
         if !job["outputs"][0]["lod"].is_null() {
             let detail = "--lod: levels of detail are several files; render them without --server";
             return Err(CliError::usage(detail));

@@ -6,7 +6,7 @@ use crate::fault::Fault;
 
 /// The kinds of errors; the value of each is its exit code, so that scripts can tell them apart.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-pub(crate) enum Kind {
+pub(crate) enum ExitKind {
     /// None of the other kinds, or several inputs that failed in different ways.
     Other = 1,
     /// The command line, a setting or an environment variable is wrong.
@@ -36,7 +36,7 @@ Where several inputs fail in one way, the code is that of this way.";
 #[derive(Debug)]
 pub(super) struct CliError {
     /// The kind, which determines the exit code.
-    pub(super) kind: Kind,
+    pub(super) kind: ExitKind,
     /// The error messages, one line each; empty if they were printed already.
     pub(super) details: Vec<String>,
 }
@@ -54,12 +54,12 @@ impl fmt::Display for CliError {
 }
 
 impl CliError {
-    fn of(kind: Kind, text: &impl fmt::Display) -> Self {
+    fn of(kind: ExitKind, text: &impl fmt::Display) -> Self {
         Self { kind, details: vec![text.to_string()] }
     }
 
     /// Creates an error whose messages were printed already.
-    pub(super) fn told(kind: Kind) -> Self {
+    pub(super) fn printed(kind: ExitKind) -> Self {
         Self { kind, details: Vec::new() }
     }
 
@@ -71,31 +71,31 @@ impl CliError {
 
     /// Creates an error of no other kind.
     pub(super) fn other(text: impl fmt::Display) -> Self {
-        Self::of(Kind::Other, &text)
+        Self::of(ExitKind::Other, &text)
     }
 
     /// Creates an error for a wrong command line or setting.
     pub(super) fn usage(text: impl fmt::Display) -> Self {
-        Self::of(Kind::Usage, &text)
+        Self::of(ExitKind::Usage, &text)
     }
 
     /// Creates an error for a refused input.
     pub(super) fn refused(text: impl fmt::Display) -> Self {
-        Self::of(Kind::Refused, &text)
+        Self::of(ExitKind::Refused, &text)
     }
 
     /// Creates an error for an exceeded limit.
     pub(super) fn too_large(text: impl fmt::Display) -> Self {
-        Self::of(Kind::TooLarge, &text)
+        Self::of(ExitKind::TooLarge, &text)
     }
 
     /// Creates an error for something that cannot be read or written.
     pub(super) fn files(text: impl fmt::Display) -> Self {
-        Self::of(Kind::Files, &text)
+        Self::of(ExitKind::Files, &text)
     }
 
     /// Creates an error from faults of the command line or of an input.
-    pub(super) fn faults(kind: Kind, faults: &[Fault]) -> Self {
+    pub(super) fn faults(kind: ExitKind, faults: &[Fault]) -> Self {
         Self { kind, details: faults.iter().map(ToString::to_string).collect() }
     }
 }

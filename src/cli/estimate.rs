@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use super::error::CliError;
-use super::inputs::Source;
+use super::inputs::InputSource;
 use super::job::JobOptions;
 use super::say::answer;
 use crate::job::limits::Limits;
@@ -23,7 +23,7 @@ impl EstimateOptions {
     /// Prints the estimate as JSON.
     pub(super) fn estimate(&self) -> Result<(), CliError> {
         self.options.check()?;
-        let source = Source::of(&self.input);
+        let source = InputSource::of(&self.input);
         let named = |error: CliError| error.about(&source);
         let mut loaded = self.options.load(&source).map_err(named)?;
         loaded.settle(&self.options)?;

@@ -5,9 +5,9 @@ use std::sync::Arc;
 
 use serde_json::{Value, json};
 
-use super::error::{CliError, Kind};
+use super::error::{CliError, ExitKind};
 use super::files::to_new_file;
-use super::inputs::Source;
+use super::inputs::InputSource;
 use super::job::JobOptions;
 use super::say::answer;
 use crate::fault::Fault;
@@ -51,9 +51,9 @@ impl EvaluateOptions {
     pub(super) fn evaluate(&self) -> Result<(), CliError> {
         self.options.check()?;
         let request = self.request()?;
-        let at = places(&request.at).map_err(|faults| told(&faults))?;
-        let values = request.values().map_err(|faults| told(&faults))?;
-        let source = Source::of(&self.input);
+        let at = places(&request.at).map_err(|faults| fault_error(&faults))?;
+        let values = request.values().map_err(|faults| fault_error(&faults))?;
+        let source = InputSource::of(&self.input);
         let named = |error: CliError| error.about(&source);
         let mut loaded = self.options.load(&source).map_err(named)?;
         let usual = || PlanRequest { preset: Some(BICUBIC_PRESET.to_owned()), ..PlanRequest::default() };
@@ -61,9 +61,10 @@ impl EvaluateOptions {
         loaded.request.levels = Some(LevelsRequest(Levels::Count(0)));
         loaded.request.outputs = vec![OutputRequest::of_format("stats")];
         let admitted = Arc::new(loaded.admit(&self.options, &Limits::default()).map_err(named)?);
-        let evaluation = Evaluation::new(admitted, at, request.closest, values).map_err(|faults| told(&faults))?;
+        let evaluation =
+            Evaluation::new(admitted, at, request.closest, values).map_err(|faults| fault_error(&faults))?;
         let found = evaluation.run(&Watch::new()).map_err(|error| match error {
-            RunError::Impossible(fault) => told(&[fault.fault]).about(&source),
+            RunError::Impossible(fault) => fault_error(&[fault.fault]).about(&source),
             error => CliError::files(error),
         })?;
         let answered = EvaluationAnswer::new(&found, evaluation.values());
@@ -80,7 +81,7 @@ impl EvaluateOptions {
         let mut whole = match &self.questions {
             None => json!({}),
             Some(path) => {
-                let source = Source::of(path);
+                let source = InputSource::of(path);
                 let bytes = source.read().map_err(|error| error.about(&source))?;
                 serde_json::from_slice(&bytes).map_err(|error| CliError::refused(error).about(&source))?
             }
@@ -102,7 +103,7 @@ impl EvaluateOptions {
         fields.insert("plan".to_owned(), json!({}));
         read(whole.to_string().as_bytes()).map_err(|error| match error {
             ReadError::NotJson(detail) => CliError::refused(detail),
-            ReadError::Unfit(faults) => told(&faults),
+            ReadError::Unfit(faults) => fault_error(&faults),
         })
     }
 }
@@ -119,7 +120,7 @@ fn numbers(flag: &str, text: &str) -> Result<Value, CliError> {
 }
 
 /// Converts faults to an error, with flags in place of JSON pointers.
-fn told(faults: &[Fault]) -> CliError {
+fn fault_error(faults: &[Fault]) -> CliError {
     let flagged = |fault: &Fault| {
         let place = match fault.pointer.split_once('/') {
             Some(("", "input")) => "the input".to_owned(),
@@ -130,5 +131,5 @@ fn told(faults: &[Fault]) -> CliError {
         Fault::new(place, fault.detail.clone())
     };
     let faults: Vec<Fault> = faults.iter().map(flagged).collect();
-    CliError::faults(Kind::Refused, &faults)
+    CliError::faults(ExitKind::Refused, &faults)
 }

@@ -5,11 +5,11 @@ use clap::builder::{PossibleValue, StringValueParser, TypedValueParser};
 use clap::{Arg, ArgAction, ArgMatches, Command};
 use serde_json::{Value, json};
 
-use crate::math::parameter::{Kind, Parameter};
+use crate::math::parameter::{Parameter, ParameterKind};
 use crate::scheme::parameters::WORD_PARAMETERS;
 use crate::scheme::presets::PRESETS;
 use crate::wire::catalogue::ParameterEntry;
-use crate::wire::fields::{Field, OutputField, Part, Takes, fields, output_fields};
+use crate::wire::fields::{Field, FieldSection, FieldValues, OutputField, fields, output_fields};
 use crate::wire::written::{number, separator, written};
 
 /// The values of flags for fields of a job; they take precedence over the values in the job itself.
@@ -37,9 +37,9 @@ impl clap::FromArgMatches for JobFlags {
         let all = |id: &str| Some(matches.get_many::<String>(id)?.map(String::as_str).collect::<Vec<_>>());
         let mut found = Self::default();
         for field in fields() {
-            let part = if field.part == Part::Input { "input" } else { "plan" };
+            let part = if field.part == FieldSection::Input { "input" } else { "plan" };
             let text = match &field.takes {
-                Takes::Object(_) => all(&dashed(&field.name)).map(|texts| texts.join(",")),
+                FieldValues::Object(_) => all(&dashed(&field.name)).map(|texts| texts.join(",")),
                 _ => last(&dashed(&field.name)),
             };
             if let Some(text) = text {
@@ -95,7 +95,7 @@ impl JobFlags {
     }
 
     /// Returns the flag that sets the field at `pointer`, if any.
-    pub(super) fn says(&self, pointer: &str) -> Option<&str> {
+    pub(super) fn flag_of(&self, pointer: &str) -> Option<&str> {
         self.fields.iter().find(|(_, known, _)| known == pointer).map(|(flag, ..)| flag.as_str())
     }
 }
@@ -106,7 +106,7 @@ pub(super) fn dashed(name: &str) -> String {
 }
 
 /// Returns the kind of values of a parameter: as the preset declares it, else as words or other presets do.
-fn declared(preset: Option<&str>, name: &str) -> Option<&'static Kind> {
+fn declared(preset: Option<&str>, name: &str) -> Option<&'static ParameterKind> {
     let own = PRESETS.iter().filter(|known| Some(known.name) == preset).flat_map(|preset| preset.parameters);
     let others = PRESETS.iter().flat_map(|preset| preset.parameters);
     let mut all = own.chain(WORD_PARAMETERS).chain(others);
@@ -114,7 +114,8 @@ fn declared(preset: Option<&str>, name: &str) -> Option<&'static Kind> {
 }
 
 fn arguments() -> Vec<Arg> {
-    let (input, plan): (Vec<Field>, Vec<Field>) = fields().into_iter().partition(|field| field.part == Part::Input);
+    let (input, plan): (Vec<Field>, Vec<Field>) =
+        fields().into_iter().partition(|field| field.part == FieldSection::Input);
     let levels = Arg::new("levels").long("levels").value_name("N").help("How often the scheme is applied");
     let tolerance = Arg::new("tolerance")
         .long("tolerance")
@@ -143,15 +144,15 @@ fn of_field(field: &Field) -> Arg {
     let doc = field.doc.replace("/v1/presets", "planish presets").replace("/v1/operators", "planish operators");
     let arg = Arg::new(dashed(&field.name)).long(dashed(&field.name)).help(doc.trim_end_matches('.').to_owned());
     match &field.takes {
-        Takes::Flag => switch(arg),
-        Takes::Text(choices) if field.name == "preset" && choices.is_empty() => arg
+        FieldValues::Flag => switch(arg),
+        FieldValues::Text(choices) if field.name == "preset" && choices.is_empty() => arg
             .value_name("NAME")
             .value_parser(Hint(PRESETS.iter().map(|preset| preset.name.to_owned()).collect()))
             .hide_possible_values(true),
-        Takes::Text(choices) => arg.value_name(field.name.to_uppercase()).value_parser(Hint(choices.clone())),
-        Takes::Number | Takes::Scalar => arg.value_name("NUMBER"),
-        Takes::Numbers => arg.value_name("NUMBER,..."),
-        Takes::Object(fields) => {
+        FieldValues::Text(choices) => arg.value_name(field.name.to_uppercase()).value_parser(Hint(choices.clone())),
+        FieldValues::Number | FieldValues::Scalar => arg.value_name("NUMBER"),
+        FieldValues::Numbers => arg.value_name("NUMBER,..."),
+        FieldValues::Object(fields) => {
             let way = names_of(fields.iter().map(|field| field.name.as_str()));
             arg.value_name("NAME=VALUE,...").action(ArgAction::Append).help(format!("{doc} Written {way}"))
         }
@@ -170,18 +171,19 @@ pub(super) fn flag(name: &str) -> String {
 
 fn of_option(field: &OutputField) -> Arg {
     let name = flag(field.name);
-    let arg = Arg::new(name.clone()).long(name).help(told(field)).hide_short_help(true).allow_hyphen_values(true);
+    let arg =
+        Arg::new(name.clone()).long(name).help(option_help(field)).hide_short_help(true).allow_hyphen_values(true);
     let hint = |names: &[&str]| Hint(names.iter().map(|name| (*name).to_owned()).collect());
     let arg = if separator(field.kind()).is_some() { arg.action(ArgAction::Append) } else { arg };
     match field.kind() {
-        Kind::Flag => switch(arg).allow_hyphen_values(false),
-        Kind::Choice(names) | Kind::Choices(names) => {
+        ParameterKind::Flag => switch(arg).allow_hyphen_values(false),
+        ParameterKind::Choice(names) | ParameterKind::Choices(names) => {
             arg.value_name(field.name.to_uppercase()).value_parser(hint(names)).hide_possible_values(true)
         }
-        Kind::Group(_) => arg.value_name("NAME=VALUE,..."),
-        Kind::Groups { .. } => arg.value_name("NAME=VALUE,...;..."),
-        Kind::Vector | Kind::Direction => arg.value_name("X,Y,Z"),
-        Kind::Number { .. } | Kind::Integer { .. } => arg.value_name("NUMBER"),
+        ParameterKind::Group(_) => arg.value_name("NAME=VALUE,..."),
+        ParameterKind::Groups { .. } => arg.value_name("NAME=VALUE,...;..."),
+        ParameterKind::Vector | ParameterKind::Direction => arg.value_name("X,Y,Z"),
+        ParameterKind::Number { .. } | ParameterKind::Integer { .. } => arg.value_name("NUMBER"),
         _ => arg.value_name(field.name.to_uppercase()),
     }
 }
@@ -196,7 +198,7 @@ fn switch(arg: Arg) -> Arg {
 }
 
 /// Formats the help of an option: its meaning, and the values that each format with this option accepts.
-fn told(field: &OutputField) -> String {
+fn option_help(field: &OutputField) -> String {
     let mut ways: Vec<(Vec<&str>, String)> = Vec::new();
     for &(format, parameter) in &field.declared {
         let way = way(parameter);
@@ -213,12 +215,12 @@ fn way(parameter: &Parameter) -> String {
     let entry = ParameterEntry::new(parameter);
     let blank = if entry.unit.is_empty() { "" } else { ", " };
     let expects = match parameter.kind {
-        Kind::Choice(names) => names.join(", "),
-        Kind::Choices(names) => format!("some of {}, with commas between", names.join(",")),
-        Kind::Group(fields) => objects(fields),
-        Kind::Groups { fields, .. } => format!("{}; semicolons between several", objects(fields)),
-        Kind::Color => "a colour like #fff or #ff8800, or transparent".to_owned(),
-        Kind::Vector | Kind::Direction => "three numbers like 0,0,1".to_owned(),
+        ParameterKind::Choice(names) => names.join(", "),
+        ParameterKind::Choices(names) => format!("some of {}, with commas between", names.join(",")),
+        ParameterKind::Group(fields) => objects(fields),
+        ParameterKind::Groups { fields, .. } => format!("{}; semicolons between several", objects(fields)),
+        ParameterKind::Color => "a colour like #fff or #ff8800, or transparent".to_owned(),
+        ParameterKind::Vector | ParameterKind::Direction => "three numbers like 0,0,1".to_owned(),
         _ => entry.expects,
     };
     let default = match &entry.default {
@@ -232,13 +234,13 @@ fn way(parameter: &Parameter) -> String {
 /// Describes how an object or a list of objects at `pointer` is written in a flag; `None` if the field is neither.
 pub(super) fn way_of(pointer: &str) -> Option<String> {
     if let Some(name) = pointer.strip_prefix("/input/") {
-        let field = fields().into_iter().find(|field| field.part == Part::Input && field.name == name)?;
-        let Takes::Object(inner) = field.takes else { return None };
+        let field = fields().into_iter().find(|field| field.part == FieldSection::Input && field.name == name)?;
+        let FieldValues::Object(inner) = field.takes else { return None };
         return Some(names_of(inner.iter().map(|field| field.name.as_str())));
     }
     let name = pointer.strip_prefix("/outputs/0/")?.split('/').next()?;
     match output_fields().iter().find(|field| field.name == name)?.kind() {
-        Kind::Group(fields) | Kind::Groups { fields, .. } => Some(objects(fields)),
+        ParameterKind::Group(fields) | ParameterKind::Groups { fields, .. } => Some(objects(fields)),
         _ => None,
     }
 }

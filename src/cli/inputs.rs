@@ -9,18 +9,18 @@ use crate::input;
 
 /// Maximum number of inputs of one command. A hundred thousand names take some ten megabytes, and folders of meshes
 /// have fewer files; half of it would split large collections, twice of it would accept a folder tree named by mistake.
-const MOST_INPUTS: usize = 100_000;
+const MAX_INPUTS: usize = 100_000;
 
 /// One input.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub(super) enum Source {
+pub(super) enum InputSource {
     /// Standard input.
     Standard,
     /// A file.
     File(PathBuf),
 }
 
-impl Source {
+impl InputSource {
     /// Returns the input named by an argument that is not a pattern.
     pub(super) fn of(argument: &Path) -> Self {
         if argument == Path::new("-") { Self::Standard } else { Self::File(argument.to_owned()) }
@@ -54,7 +54,7 @@ impl Source {
     }
 }
 
-impl fmt::Display for Source {
+impl fmt::Display for InputSource {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Standard => f.write_str("standard input"),
@@ -65,16 +65,16 @@ impl fmt::Display for Source {
 
 /// Returns the inputs named by the arguments, without duplicates. An argument that is not an existing file and contains
 /// `*`, `?` or `[` is a pattern, for shells that do not expand patterns.
-pub(super) fn inputs(arguments: &[PathBuf]) -> Result<Vec<Source>, CliError> {
-    let mut found: Vec<Source> = Vec::new();
+pub(super) fn inputs(arguments: &[PathBuf]) -> Result<Vec<InputSource>, CliError> {
+    let mut found: Vec<InputSource> = Vec::new();
     for argument in arguments {
         let pattern = argument.to_str().filter(|text| text.contains(['*', '?', '[']) && !argument.exists());
         match pattern {
-            Some(pattern) => found.extend(matching(pattern)?.map(Source::File)),
-            None => found.push(Source::of(argument)),
+            Some(pattern) => found.extend(matching(pattern)?.map(InputSource::File)),
+            None => found.push(InputSource::of(argument)),
         }
-        if found.len() > MOST_INPUTS {
-            let detail = format!("more than {MOST_INPUTS} inputs; name fewer at once");
+        if found.len() > MAX_INPUTS {
+            let detail = format!("more than {MAX_INPUTS} inputs; name fewer at once");
             return Err(CliError::usage(detail));
         }
     }
@@ -84,7 +84,7 @@ pub(super) fn inputs(arguments: &[PathBuf]) -> Result<Vec<Source>, CliError> {
 }
 
 /// Returns the inputs like [`inputs`], but expands folders to the jobs and mesh files in them, sorted by name.
-pub(super) fn jobs_and_meshes(arguments: &[PathBuf]) -> Result<Vec<Source>, CliError> {
+pub(super) fn jobs_and_meshes(arguments: &[PathBuf]) -> Result<Vec<InputSource>, CliError> {
     let mut all = Vec::new();
     for argument in arguments {
         if argument.is_dir() { all.extend(within(argument)?) } else { all.push(argument.clone()) }
@@ -112,7 +112,7 @@ fn within(folder: &Path) -> Result<Vec<PathBuf>, CliError> {
 /// Returns the files that match a pattern, sorted by name.
 fn matching(pattern: &str) -> Result<impl Iterator<Item = PathBuf>, CliError> {
     let paths = glob::glob(pattern).map_err(|error| CliError::usage(format!("the pattern {pattern}: {error}")))?;
-    let files: Vec<PathBuf> = paths.flatten().filter(|path| path.is_file()).take(MOST_INPUTS + 1).collect();
+    let files: Vec<PathBuf> = paths.flatten().filter(|path| path.is_file()).take(MAX_INPUTS + 1).collect();
     if files.is_empty() {
         return Err(CliError::files(format!("no file has a name like {pattern}")));
     }

@@ -6,12 +6,12 @@ use std::sync::Arc;
 use base64::prelude::{BASE64_STANDARD, Engine};
 use serde_json::{Value, json};
 
-use super::error::{CliError, Kind};
+use super::error::{CliError, ExitKind};
+use super::fault_translator::FaultTranslator;
 use super::flags::JobFlags;
 use super::folder::Folder;
-use super::inputs::Source;
+use super::inputs::InputSource;
 use super::sniff::sniffed;
-use super::told::Teller;
 use crate::fault::{did_you_mean, under};
 use crate::input::{self, Alone, Beside};
 use crate::job::limits::{Admitted, Limits};
@@ -52,7 +52,7 @@ pub(super) type MediaFile = (Vec<u8>, &'static str);
 
 /// Which output to render.
 #[derive(Debug, Clone, Copy)]
-pub(super) enum Wanted {
+pub(super) enum OutputChoice {
     /// The only output of the job.
     Only,
     /// The output of the job with this index.
@@ -73,15 +73,15 @@ impl JobOptions {
             return Err(CliError::usage(detail));
         }
         let job = self.whole(json!({ "input": {} }))?;
-        let usage = |error: CliError| CliError { kind: Kind::Usage, ..error };
-        let teller = Teller { flags: &self.flags, is_file: true, format: None };
-        let request: JobRequest = read(job.to_string().as_bytes()).map_err(|error| usage(teller.unread(error)))?;
+        let usage = |error: CliError| CliError { kind: ExitKind::Usage, ..error };
+        let translator = FaultTranslator { flags: &self.flags, is_file: true, format: None };
+        let request: JobRequest = read(job.to_string().as_bytes()).map_err(|error| usage(translator.unread(error)))?;
         // Whether a scheme fits its input depends on the input.
         let Some(plan) = request.plan.filter(|plan| plan.preset.is_some() || plan.word.is_some()) else {
             return Ok(());
         };
         let plan = plan.resolve();
-        let under = |faults| usage(teller.refused(under("/plan", faults)));
+        let under = |faults| usage(translator.refused(under("/plan", faults)));
         let polygons = Plan::resolve(&plan, Subject::default());
         polygons
             .map(drop)
@@ -90,11 +90,11 @@ impl JobOptions {
     }
 
     /// Checks the output options of the flags, if the format is known.
-    pub(super) fn check_for(&self, wanted: Wanted) -> Result<(), CliError> {
-        let (Wanted::Named(format) | Wanted::Extension(format)) = wanted else { return Ok(()) };
-        let teller = Teller { flags: &self.flags, is_file: true, format: Some("--format") };
+    pub(super) fn check_for(&self, wanted: OutputChoice) -> Result<(), CliError> {
+        let (OutputChoice::Named(format) | OutputChoice::Extension(format)) = wanted else { return Ok(()) };
+        let translator = FaultTranslator { flags: &self.flags, is_file: true, format: Some("--format") };
         let is_meant = |other: &&&dyn Format| match wanted {
-            Wanted::Extension(_) => other.extension() == format.extension(),
+            OutputChoice::Extension(_) => other.extension() == format.extension(),
             _ => other.name() == format.name(),
         };
         let mut wrong = None;
@@ -106,8 +106,8 @@ impl JobOptions {
                 Err(faults) => wrong = wrong.or(Some(faults)),
             }
         }
-        let refused = |faults| teller.refused(under("/outputs/0", faults));
-        wrong.map_or(Ok(()), |faults| Err(CliError { kind: Kind::Usage, ..refused(faults) }))
+        let refused = |faults| translator.refused(under("/outputs/0", faults));
+        wrong.map_or(Ok(()), |faults| Err(CliError { kind: ExitKind::Usage, ..refused(faults) }))
     }
 
     /// Writes the output options of the flags into an output.
@@ -119,12 +119,12 @@ impl JobOptions {
     }
 
     /// Reads an input and makes its job.
-    pub(super) fn load(&self, source: &Source) -> Result<Loaded, CliError> {
+    pub(super) fn load(&self, source: &InputSource) -> Result<Loaded, CliError> {
         self.read(source, source.read()?)
     }
 
     /// Returns the kind of an input with these bytes: from `--input-format`, the extension, or the contents.
-    pub(super) fn kind(&self, source: &Source, bytes: &[u8]) -> Result<&str, CliError> {
+    pub(super) fn kind(&self, source: &InputSource, bytes: &[u8]) -> Result<&str, CliError> {
         let by_name = || source.extension().and_then(input::of_extension).map(|reader| reader.name);
         match &self.input_format {
             Some(kind) => Ok(kind),
@@ -134,7 +134,11 @@ impl JobOptions {
 
     /// Returns the job of an input as JSON with its one output. If the input is a mesh file, also returns its bytes and
     /// media type; the job then has no mesh yet.
-    pub(super) fn told(&self, source: &Source, wanted: Wanted) -> Result<(Value, Option<MediaFile>), CliError> {
+    pub(super) fn job_json(
+        &self,
+        source: &InputSource,
+        wanted: OutputChoice,
+    ) -> Result<(Value, Option<MediaFile>), CliError> {
         let bytes = source.read()?;
         let kind = self.kind(source, &bytes)?.to_owned();
         let is_file = kind != "job";
@@ -145,33 +149,33 @@ impl JobOptions {
             job = serde_json::from_slice(&bytes).map_err(CliError::refused)?;
         }
         job = self.whole(job)?;
-        job["outputs"] = json!([loaded.request.outputs[0].told()]);
+        job["outputs"] = json!([loaded.request.outputs[0].to_json()]);
         let media_type = input::named(&kind).map_or("application/json", |reader| reader.media_type);
         Ok((job, is_file.then_some((bytes, media_type))))
     }
 
     /// Makes the job of an input with these bytes.
-    pub(super) fn read(&self, source: &Source, bytes: Vec<u8>) -> Result<Loaded, CliError> {
+    pub(super) fn read(&self, source: &InputSource, bytes: Vec<u8>) -> Result<Loaded, CliError> {
         let kind = self.kind(source, &bytes)?;
         let is_file = kind != "job";
-        let teller = Teller { flags: &self.flags, is_file, format: None };
+        let translator = FaultTranslator { flags: &self.flags, is_file, format: None };
         let request = if is_file {
             let beside: Arc<dyn Beside> = match source {
-                Source::File(path) => Arc::new(Folder::of(path)),
-                Source::Standard => Arc::new(Alone),
+                InputSource::File(path) => Arc::new(Folder::of(path)),
+                InputSource::Standard => Arc::new(Alone),
             };
             let job = self.whole(json!({ "input": {} }))?.to_string();
-            let mut request: JobRequest = read(job.as_bytes()).map_err(|error| teller.unread(error))?;
+            let mut request: JobRequest = read(job.as_bytes()).map_err(|error| translator.unread(error))?;
             request.source = if self.describes() { self.text_of_file(kind, &bytes)? } else { None };
             request.input.file = Some(MeshFile { format: kind.to_owned(), bytes, beside });
             request
         } else {
-            let mut request: JobRequest = read(&bytes).map_err(|error| teller.unread(error))?;
+            let mut request: JobRequest = read(&bytes).map_err(|error| translator.unread(error))?;
             let mut text = bytes;
             if !self.flags.fields.is_empty() || self.distance_to.is_some() {
                 let job = self.whole(serde_json::from_slice(&text).map_err(CliError::refused)?)?;
                 text = job.to_string().into_bytes();
-                request = read(&text).map_err(|error| teller.unread(error))?;
+                request = read(&text).map_err(|error| translator.unread(error))?;
             }
             if self.describes() || request.describes() {
                 request.source = String::from_utf8(text).ok().map(Arc::from);
@@ -200,7 +204,7 @@ impl JobOptions {
     fn whole(&self, mut job: Value) -> Result<Value, CliError> {
         self.flags.onto(&mut job);
         if let Some(path) = &self.distance_to {
-            let source = Source::of(path);
+            let source = InputSource::of(path);
             let other = || {
                 let bytes = source.read()?;
                 match Self::default().kind(&source, &bytes)? {
@@ -223,25 +227,25 @@ fn of_file(kind: &str, bytes: &[u8]) -> Value {
 impl Loaded {
     /// Keeps one output only: the first requested output that fits `wanted`, else a new one. If nothing determines the
     /// format, it is the job's only output. Then sets the output options of the flags.
-    pub(super) fn choose(&mut self, wanted: Wanted, options: &JobOptions) -> Result<(), CliError> {
+    pub(super) fn choose(&mut self, wanted: OutputChoice, options: &JobOptions) -> Result<(), CliError> {
         let request = &mut self.request;
         let fits = |asked: &'static dyn Format| match wanted {
-            Wanted::Named(format) => asked.name() == format.name(),
-            Wanted::Extension(format) => asked.extension() == format.extension(),
-            Wanted::Only | Wanted::At(_) => true,
+            OutputChoice::Named(format) => asked.name() == format.name(),
+            OutputChoice::Extension(format) => asked.extension() == format.extension(),
+            OutputChoice::Only | OutputChoice::At(_) => true,
         };
         let asked = |output: &OutputRequest| output.format().and_then(output::named).is_some_and(fits);
         match (wanted, request.outputs.iter().position(asked)) {
-            (Wanted::Only, _) if request.outputs.len() == 1 => {}
-            (Wanted::At(i), _) if i < request.outputs.len() => {
+            (OutputChoice::Only, _) if request.outputs.len() == 1 => {}
+            (OutputChoice::At(i), _) if i < request.outputs.len() => {
                 (request.outputs, request.left_out) = (vec![request.outputs.swap_remove(i)], i);
             }
-            (Wanted::Only | Wanted::At(_), _) => {
+            (OutputChoice::Only | OutputChoice::At(_), _) => {
                 return Err(CliError::usage("nothing tells the format of the output; name one with --format"));
             }
             (_, Some(i)) => (request.outputs, request.left_out) = (vec![request.outputs.swap_remove(i)], i),
-            (Wanted::Named(format) | Wanted::Extension(format), None) => {
-                self.format = Some(if matches!(wanted, Wanted::Named(_)) { "--format" } else { "--output" });
+            (OutputChoice::Named(format) | OutputChoice::Extension(format), None) => {
+                self.format = Some(if matches!(wanted, OutputChoice::Named(_)) { "--format" } else { "--output" });
                 (request.outputs, request.left_out) = (vec![OutputRequest::of_format(format.name())], 0);
             }
         }
@@ -259,8 +263,8 @@ impl Loaded {
 
     /// Checks the job and admits it within the limits.
     pub(super) fn admit(self, options: &JobOptions, limits: &Limits) -> Result<Admitted, CliError> {
-        let teller = Teller { flags: &options.flags, is_file: self.is_file, format: self.format };
-        let job = self.request.resolve_within(&limits.reading()).map_err(|faults| teller.refused(faults))?;
-        limits.admit(job).map_err(|refusal| teller.not_admitted(refusal))
+        let translator = FaultTranslator { flags: &options.flags, is_file: self.is_file, format: self.format };
+        let job = self.request.resolve_within(&limits.reading()).map_err(|faults| translator.refused(faults))?;
+        limits.admit(job).map_err(|refusal| translator.not_admitted(refusal))
     }
 }

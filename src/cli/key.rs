@@ -9,7 +9,7 @@ use clap::Subcommand;
 use super::error::CliError;
 use super::say::answer;
 use crate::config::keys::{KeyEntry, KeyFile, KeyFileError, Role, SHARED, Token, tenant_fault};
-use crate::config::{Given, Settings, seconds};
+use crate::config::{PartialSettings, Settings, seconds};
 
 /// What to do with the keys of which service.
 #[derive(Debug, clap::Args)]
@@ -55,8 +55,8 @@ enum KeyCommand {
 impl KeyOptions {
     /// Runs the subcommand.
     pub(super) fn run(self) -> Result<(), CliError> {
-        let from_variables = Given::of_variables(std::env::vars_os()).map_err(CliError::usage)?;
-        let given = Given { data_dir: self.data_dir, ..Given::default() }.or(from_variables);
+        let from_variables = PartialSettings::of_variables(std::env::vars_os()).map_err(CliError::usage)?;
+        let given = PartialSettings { data_dir: self.data_dir, ..PartialSettings::default() }.or(from_variables);
         let settings = Settings::read(given, None).map_err(CliError::usage)?;
         let file = KeyFile::of(&settings.data_dir);
         match self.command {
@@ -103,7 +103,7 @@ fn add(file: &KeyFile, token: &Token, entry: KeyEntry) -> Result<(), CliError> {
         "planish: a key of {tenant} with the role {role}, kept in {}; it is shown this once:",
         file.path().display()
     );
-    answer(format!("{}\n", token.tell()).as_bytes())
+    answer(format!("{}\n", token.expose()).as_bytes())
 }
 
 fn revoke(keys: &mut Vec<KeyEntry>, id: &str) -> Result<(), KeyFileError> {

@@ -14,11 +14,11 @@ use crate::config::LogLevels;
 use crate::fault::cut;
 
 /// Maximum total length of waiting lines in bytes: some thousand lines, more than a working reader falls behind.
-const MOST_BYTES: usize = 1 << 20;
+const MAX_BYTES: usize = 1 << 20;
 /// Maximum wait at the end for lines to be written; a working reader takes a mebibyte in a small part of it.
 const PATIENCE: Duration = Duration::from_secs(1);
 /// Maximum length of a panic message in characters; a message may repeat the input that caused the panic.
-const MOST_MESSAGE: usize = 1000;
+const MAX_MESSAGE: usize = 1000;
 
 /// The queue of lines to be written. Dropping it waits up to [`PATIENCE`] for the waiting lines.
 #[derive(Debug)]
@@ -52,7 +52,7 @@ impl Log {
         // A second subscriber in one process is refused, and the first stays in use.
         let _ = if json { subscriber.json().try_init() } else { subscriber.try_init() };
         std::panic::set_hook(Box::new(|panic| {
-            let text = cut(panic.payload_as_str().unwrap_or("no message"), MOST_MESSAGE);
+            let text = cut(panic.payload_as_str().unwrap_or("no message"), MAX_MESSAGE);
             let place = panic.location().map(ToString::to_string).unwrap_or_default();
             let backtrace = std::backtrace::Backtrace::capture();
             tracing::error!(%text, place, %backtrace, "a thread panicked");
@@ -82,7 +82,7 @@ impl Queue {
     /// Appends a line to the queue, or drops it if the queue is full.
     fn push(&self, line: Vec<u8>) {
         let mut state = self.state();
-        if state.bytes + line.len() > MOST_BYTES {
+        if state.bytes + line.len() > MAX_BYTES {
             state.dropped += 1;
             return;
         }

@@ -8,6 +8,7 @@ mod elsewhere;
 mod error;
 mod estimate;
 mod evaluate;
+mod fault_translator;
 mod figures;
 mod files;
 mod flags;
@@ -31,7 +32,6 @@ mod sign;
 mod signals;
 mod sniff;
 mod targets;
-mod told;
 mod tools;
 mod validate;
 

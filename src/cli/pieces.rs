@@ -6,17 +6,17 @@ use std::path::{Path, PathBuf};
 use serde::Deserialize;
 
 use super::error::CliError;
-use super::inputs::Source;
-use super::job::{JobOptions, Wanted};
+use super::inputs::InputSource;
+use super::job::{JobOptions, OutputChoice};
 use super::targets::{Target, keep_apart};
 use crate::output;
 
 /// An output of an input, and its target file; `None` is standard output.
 #[derive(Debug, Clone)]
-pub(super) struct Piece {
-    pub(super) source: Source,
+pub(super) struct OutputTarget {
+    pub(super) source: InputSource,
     pub(super) target: Option<PathBuf>,
-    pub(super) wanted: Wanted,
+    pub(super) wanted: OutputChoice,
 }
 
 /// Returns one output of each input, of the same format or the input's only one; if the target is a folder and no
@@ -26,16 +26,16 @@ pub(super) struct Piece {
 /// When two outputs would have the same file, an output would overwrite an input, or a mesh file, which names no
 /// outputs, is to be rendered to a folder without a given format.
 pub(super) fn pieces(
-    sources: &[Source],
+    sources: &[InputSource],
     target: &Target,
-    wanted: Wanted,
+    wanted: OutputChoice,
     options: &JobOptions,
-) -> Result<Vec<Piece>, CliError> {
+) -> Result<Vec<OutputTarget>, CliError> {
     let mut found = Vec::with_capacity(sources.len());
     for source in sources {
         match target {
             Target::Folder(folder) => found.extend(named(source, folder, options)?),
-            _ => found.push(Piece { source: source.clone(), target: target.of(source), wanted }),
+            _ => found.push(OutputTarget { source: source.clone(), target: target.of(source), wanted }),
         }
     }
     let files = found.iter().filter_map(|piece| Some((piece.target.as_deref()?, &piece.source)));
@@ -45,15 +45,15 @@ pub(super) fn pieces(
 
 /// Returns the outputs that a job names, as files in a folder: the name of the job with the extension of each output,
 /// numbered if several have the same extension.
-fn named(source: &Source, folder: &Path, options: &JobOptions) -> Result<Vec<Piece>, CliError> {
+fn named(source: &InputSource, folder: &Path, options: &JobOptions) -> Result<Vec<OutputTarget>, CliError> {
     let stem = source.path().file_stem().unwrap_or_default().to_string_lossy();
     let piece = |name: String, wanted| {
         let target = Some(folder.join(name));
-        Piece { source: source.clone(), target, wanted }
+        OutputTarget { source: source.clone(), target, wanted }
     };
     // An unreadable input is reported later, when it is rendered.
-    let unread = || vec![piece(stem.clone().into_owned(), Wanted::Only)];
-    if matches!(source, Source::Standard) {
+    let unread = || vec![piece(stem.clone().into_owned(), OutputChoice::Only)];
+    if matches!(source, InputSource::Standard) {
         return Err(no_format(source));
     }
     let Ok(bytes) = source.read() else { return Ok(unread()) };
@@ -70,7 +70,7 @@ fn named(source: &Source, folder: &Path, options: &JobOptions) -> Result<Vec<Pie
     let pieces = extensions.into_iter().enumerate().map(|(at, extension)| {
         let number = met.entry(extension).and_modify(|number| *number += 1).or_insert(1);
         let name = if *number > 1 { format!("{stem}-{number}.{extension}") } else { format!("{stem}.{extension}") };
-        piece(name, Wanted::At(at))
+        piece(name, OutputChoice::At(at))
     });
     Ok(pieces.collect())
 }
@@ -91,7 +91,7 @@ fn extensions(job: &[u8]) -> Vec<&'static str> {
     peek.and_then(|peek| peek.outputs.into_iter().map(extension).collect()).unwrap_or_default()
 }
 
-fn no_format(source: &Source) -> CliError {
+fn no_format(source: &InputSource) -> CliError {
     CliError::usage(format!(
         "--output: a folder does not tell the format, nor does {source}; name one, as in --format glb, or give a \
          pattern, as in -o 'out/{{stem}}.glb'"

@@ -8,9 +8,9 @@ use std::time::{Duration, Instant};
 
 use indicatif::{ProgressBar, ProgressStyle};
 
-use super::error::{CliError, Kind};
-use super::inputs::Source;
-use super::told::flagged;
+use super::error::{CliError, ExitKind};
+use super::fault_translator::flagged;
+use super::inputs::InputSource;
 use crate::math::amounts::thousands;
 use crate::watch::Watch;
 
@@ -25,7 +25,7 @@ pub(super) struct Progress {
     inputs: usize,
     /// Number of inputs that are finished.
     past: u64,
-    failed: BTreeMap<Kind, u64>,
+    failed: BTreeMap<ExitKind, u64>,
     begun: Instant,
 }
 
@@ -43,7 +43,7 @@ impl Progress {
     }
 
     /// Prints a note about an input, unless the command is quiet.
-    pub(super) fn note(&self, source: &Source, text: &str) {
+    pub(super) fn note(&self, source: &InputSource, text: &str) {
         if !self.is_quiet {
             self.say(&format!("planish: {source}: note: {}", flagged(text)));
         }
@@ -58,7 +58,7 @@ impl Progress {
     }
 
     /// Records the outcome of an input and prints its error, if any.
-    pub(super) fn done(&mut self, source: &Source, outcome: Result<(), CliError>) {
+    pub(super) fn done(&mut self, source: &InputSource, outcome: Result<(), CliError>) {
         self.past += 1;
         if let Err(error) = outcome {
             *self.failed.entry(error.kind).or_default() += 1;
@@ -103,8 +103,8 @@ impl Progress {
         }
         match self.failed.keys().copied().collect::<Vec<_>>().as_slice() {
             [] => Ok(()),
-            [one] => Err(CliError::told(*one)),
-            _ => Err(CliError::told(Kind::Other)),
+            [one] => Err(CliError::printed(*one)),
+            _ => Err(CliError::printed(ExitKind::Other)),
         }
     }
 }
@@ -119,14 +119,14 @@ impl Drop for Ended<'_> {
     }
 }
 
-fn counted(kind: Kind, n: u64) -> String {
+fn counted(kind: ExitKind, n: u64) -> String {
     let n = thousands(n.into());
     match kind {
-        Kind::Refused => format!("{n} refused"),
-        Kind::TooLarge => format!("{n} beyond a limit"),
-        Kind::Files => format!("{n} not read or written"),
-        Kind::Usage => format!("{n} with flags that do not fit"),
-        Kind::Other => format!("{n} stopped"),
+        ExitKind::Refused => format!("{n} refused"),
+        ExitKind::TooLarge => format!("{n} beyond a limit"),
+        ExitKind::Files => format!("{n} not read or written"),
+        ExitKind::Usage => format!("{n} with flags that do not fit"),
+        ExitKind::Other => format!("{n} stopped"),
     }
 }
 

@@ -8,13 +8,13 @@ use reqwest::{Client, ClientBuilder, RequestBuilder, Response, StatusCode, Url};
 use serde_json::Value;
 use tokio::time::{Instant, sleep};
 
-use super::error::{CliError, Kind};
+use super::error::{CliError, ExitKind};
 use crate::fault::shortened;
 use crate::http::trust;
 
 /// Maximum time between two requests, whatever the service asks for. Half of it would send twice as many requests to a
 /// service that is restarting; twice of it would notice late that the service is back.
-const MOST_WAIT: Duration = Duration::from_mins(1);
+const MAX_WAIT: Duration = Duration::from_mins(1);
 /// First delay of a retry if the service does not name one; each further delay is twice the last.
 const FIRST_WAIT: Duration = Duration::from_millis(500);
 /// Number of seconds that one request waits for the result before the job is polled; proxies cut requests that take a
@@ -23,7 +23,7 @@ const HELD_S: u64 = 30;
 /// Maximum silence of a service during a response: the time that it waits for a result, and some seconds.
 const SILENCE: Duration = Duration::from_secs(HELD_S + 30);
 /// Maximum number of bytes read of an error response.
-const MOST_REFUSAL: usize = 1 << 20;
+const MAX_REFUSAL: usize = 1 << 20;
 
 /// A remote service.
 #[derive(Debug, Clone)]
@@ -112,7 +112,7 @@ impl Remote {
                 Err(Failed::ForGood(error)) => return Err(error),
                 Err(Failed::ForNow(after, why)) => (after, why),
             };
-            let pause = after.unwrap_or(wait).clamp(FIRST_WAIT, MOST_WAIT);
+            let pause = after.unwrap_or(wait).clamp(FIRST_WAIT, MAX_WAIT);
             if begun.elapsed() + pause > self.patience {
                 let seconds = self.patience.as_secs();
                 return Err(CliError::files(format!("{} gave no result within {seconds} s: {why}", self.url)));
@@ -130,18 +130,18 @@ impl Remote {
     async fn followed(&self, place: &str, begun: Instant) -> Result<Vec<u8>, Failed> {
         loop {
             let response = self.sent(self.client.get(self.address(place))).await?;
-            let pause = after(&response).unwrap_or(Duration::from_secs(1)).clamp(FIRST_WAIT, MOST_WAIT);
-            let told = whole(response).await?;
-            let told: Value = serde_json::from_slice(&told).map_err(|error| self.strange(&error.to_string()))?;
-            match told["state"].as_str() {
+            let pause = after(&response).unwrap_or(Duration::from_secs(1)).clamp(FIRST_WAIT, MAX_WAIT);
+            let status = whole(response).await?;
+            let status: Value = serde_json::from_slice(&status).map_err(|error| self.strange(&error.to_string()))?;
+            match status["state"].as_str() {
                 Some("queued" | "running") if begun.elapsed() < self.patience => sleep(pause).await,
                 Some("done") => {
-                    let href = told["outputs"][0]["href"].as_str();
+                    let href = status["outputs"][0]["href"].as_str();
                     let href = href.ok_or_else(|| self.strange("a job that is done has no result"))?;
                     return whole(self.sent(self.client.get(self.address(href))).await?).await;
                 }
                 Some("failed") => {
-                    let why = told["error"].as_str().unwrap_or("the job failed");
+                    let why = status["error"].as_str().unwrap_or("the job failed");
                     return Err(CliError::refused(why).into());
                 }
                 Some("cancelled") => return Err(CliError::other("the job was cancelled at the service").into()),
@@ -166,7 +166,7 @@ impl Remote {
     async fn sent(&self, request: RequestBuilder) -> Result<Response, Failed> {
         let request =
             self.key.iter().fold(request, |request, key| request.header(AUTHORIZATION, format!("Bearer {key}")));
-        let response = request.send().await.map_err(|error| unheard(&error))?;
+        let response = request.send().await.map_err(|error| transport_error(&error))?;
         let status = response.status();
         if status.is_success() {
             return Ok(response);
@@ -189,11 +189,11 @@ struct Refused {
 
 impl Refused {
     /// Returns the kind of error that the same problem would have locally.
-    fn kind(&self, status: StatusCode) -> Kind {
+    fn kind(&self, status: StatusCode) -> ExitKind {
         match (self.slug.as_str(), status.as_u16()) {
-            ("too-large" | "body-too-long" | "timed-out", _) | (_, 413) => Kind::TooLarge,
-            (_, 400..500) => Kind::Refused,
-            _ => Kind::Files,
+            ("too-large" | "body-too-long" | "timed-out", _) | (_, 413) => ExitKind::TooLarge,
+            (_, 400..500) => ExitKind::Refused,
+            _ => ExitKind::Files,
         }
     }
 
@@ -207,7 +207,7 @@ async fn refusal(mut response: Response) -> Refused {
     let (status, mut bytes) = (response.status(), Vec::new());
     while let Ok(Some(chunk)) = response.chunk().await {
         bytes.extend_from_slice(&chunk);
-        if bytes.len() > MOST_REFUSAL {
+        if bytes.len() > MAX_REFUSAL {
             break;
         }
     }
@@ -225,10 +225,10 @@ async fn refusal(mut response: Response) -> Refused {
 
 /// Reads the whole body of a response.
 async fn whole(response: Response) -> Result<Vec<u8>, Failed> {
-    Ok(response.bytes().await.map_err(|error| unheard(&error))?.to_vec())
+    Ok(response.bytes().await.map_err(|error| transport_error(&error))?.to_vec())
 }
 
-fn unheard(error: &reqwest::Error) -> Failed {
+fn transport_error(error: &reqwest::Error) -> Failed {
     Failed::ForNow(None, format!("no answer: {}", innermost(error)))
 }
 

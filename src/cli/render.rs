@@ -7,14 +7,14 @@ use rayon::ThreadPoolBuilder;
 
 use super::elsewhere::{Order, ServerOptions};
 use super::error::CliError;
+use super::fault_translator::FaultTranslator;
 use super::files::Files;
-use super::inputs::{Source, jobs_and_meshes};
-use super::job::{JobOptions, Loaded, Wanted};
+use super::inputs::{InputSource, jobs_and_meshes};
+use super::job::{JobOptions, Loaded, OutputChoice};
 use super::library::Library;
-use super::pieces::{Piece, pieces};
+use super::pieces::{OutputTarget, pieces};
 use super::progress::Progress;
 use super::targets::{Target, of_extension};
-use super::told::Teller;
 use crate::fault::{did_you_mean, shortened};
 use crate::job::limits::{Admitted, Limits};
 use crate::job::{Report, RunError, run};
@@ -58,7 +58,7 @@ impl RenderOptions {
         self.options.check()?;
         let format = self.format.as_deref().map(known).transpose()?;
         let sources = jobs_and_meshes(&self.inputs)?;
-        let open = self.inputs.iter().any(|argument| !sources.contains(&Source::of(argument)));
+        let open = self.inputs.iter().any(|argument| !sources.contains(&InputSource::of(argument)));
         let place = Target::new(&self.output, (sources.len(), open), format)?;
         let wanted = wanted(&place, format)?;
         self.options.check_for(wanted)?;
@@ -71,7 +71,7 @@ impl RenderOptions {
             return progress.end(what);
         }
         let limits = self.limits();
-        for Piece { source, target, wanted } in &pieces {
+        for OutputTarget { source, target, wanted } in &pieces {
             let rendered = self.options.load(source).and_then(|mut loaded| {
                 loaded.choose(*wanted, &self.options)?;
                 let target = target.as_deref().map(|path| (path, place.makes_folders()));
@@ -111,11 +111,11 @@ fn known(name: &str) -> Result<&'static dyn Format, CliError> {
 }
 
 /// Determines the format of the outputs from the flag, or from the extension of the target.
-fn wanted(target: &Target, format: Option<&'static dyn Format>) -> Result<Wanted, CliError> {
+fn wanted(target: &Target, format: Option<&'static dyn Format>) -> Result<OutputChoice, CliError> {
     match (format, target.extension()) {
-        (Some(format), _) => Ok(Wanted::Named(format)),
-        (None, None) => Ok(Wanted::Only),
-        (None, Some(extension)) => of_extension(extension).map(Wanted::Extension).ok_or_else(|| {
+        (Some(format), _) => Ok(OutputChoice::Named(format)),
+        (None, None) => Ok(OutputChoice::Only),
+        (None, Some(extension)) => of_extension(extension).map(OutputChoice::Extension).ok_or_else(|| {
             let near = did_you_mean(extension, FORMATS.iter().map(|format| format.extension()));
             let detail =
                 format!("--output: no format has the extension .{extension}; {near}name a format with --format");
@@ -126,7 +126,7 @@ fn wanted(target: &Target, format: Option<&'static dyn Format>) -> Result<Wanted
 
 /// The rendering of one input.
 struct Task<'a> {
-    source: &'a Source,
+    source: &'a InputSource,
     /// The target file, and whether missing folders are created for it; `None` is standard output.
     target: Option<(&'a Path, bool)>,
     options: &'a JobOptions,
@@ -141,13 +141,13 @@ impl Task<'_> {
         let is_short = is_only && admitted.estimate().time_ms <= ALONE_MS;
         let alone = || ThreadPoolBuilder::new().num_threads(1).use_current_thread().build().map_err(CliError::other);
         let _pool = is_short.then(alone).transpose()?;
-        let teller = Teller { flags: &self.options.flags, is_file, format };
+        let translator = FaultTranslator { flags: &self.options.flags, is_file, format };
         if self.target.is_none() && admitted.job().detail_keys().next().is_some() {
             let detail = "--output: levels of detail are files beside the document; give it a file";
             return Err(CliError::usage(detail));
         }
         let report = match self.target {
-            None => self.write(&admitted, &teller, &mut io::stdout().lock())?,
+            None => self.write(&admitted, &translator, &mut io::stdout().lock())?,
             Some((target, makes_folders)) => {
                 let folder = target.parent().filter(|folder| makes_folders && !folder.as_os_str().is_empty());
                 let made = folder.map_or(Ok(()), std::fs::create_dir_all);
@@ -156,8 +156,9 @@ impl Task<'_> {
                 })?;
                 let library = Library::of(&admitted, target);
                 let mut files = Files::default();
-                let report = to_file(&mut files, target, library.as_ref(), |out| self.write(&admitted, &teller, out))?;
-                self.write_details(&admitted, &teller, (&mut files, target), limits)?;
+                let report =
+                    to_file(&mut files, target, library.as_ref(), |out| self.write(&admitted, &translator, out))?;
+                self.write_details(&admitted, &translator, (&mut files, target), limits)?;
                 files.finish().map_err(|error| unwritten(target, &error))?;
                 report
             }
@@ -177,27 +178,32 @@ impl Task<'_> {
     fn write_details(
         &self,
         admitted: &Admitted,
-        teller: &Teller<'_>,
+        translator: &FaultTranslator<'_>,
         (files, target): (&mut Files, &Path),
         limits: &Limits,
     ) -> Result<(), CliError> {
         let job = admitted.job();
         for detail in job.details(&job.outputs[0]) {
             let name = format!("{}.{}", detail.keys()[0], detail.outputs[0].format.extension());
-            let detail = limits.admit(detail).map_err(|refusal| teller.not_admitted(refusal))?;
-            to_file(files, &target.with_file_name(name), None, |out| self.write(&detail, teller, out))?;
+            let detail = limits.admit(detail).map_err(|refusal| translator.not_admitted(refusal))?;
+            to_file(files, &target.with_file_name(name), None, |out| self.write(&detail, translator, out))?;
         }
         Ok(())
     }
 
     /// Runs the job.
-    fn write(&self, admitted: &Admitted, teller: &Teller<'_>, out: &mut dyn Write) -> Result<Report, CliError> {
+    fn write(
+        &self,
+        admitted: &Admitted,
+        translator: &FaultTranslator<'_>,
+        out: &mut dyn Write,
+    ) -> Result<Report, CliError> {
         let watch = Watch::new();
         let output = &admitted.job().outputs[0];
         let work = admitted.estimate().forecast.work;
         let report = self.progress.during(&watch, work, || run(admitted, output, out, &watch));
         report.map_err(|error| match error {
-            RunError::Impossible(fault) => teller.refused(vec![admitted.job().entries(output).fault(fault)]),
+            RunError::Impossible(fault) => translator.refused(vec![admitted.job().entries(output).fault(fault)]),
             RunError::Io(error) => CliError::files(format!("cannot write the result: {error}")),
             RunError::Stopped(stopped) => CliError::other(stopped),
         })

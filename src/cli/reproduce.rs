@@ -3,8 +3,8 @@
 use std::path::PathBuf;
 use std::sync::Arc;
 
-use super::error::{CliError, Kind};
-use super::inputs::{Source, inputs};
+use super::error::{CliError, ExitKind};
+use super::inputs::{InputSource, inputs};
 use super::job::{JobOptions, Loaded};
 use super::say::answer;
 use super::sniff::sniffed;
@@ -54,14 +54,14 @@ impl ReproduceOptions {
             }
         }
         match worst {
-            Some(kind) => Err(CliError::told(kind)),
+            Some(kind) => Err(CliError::printed(kind)),
             None if is_same => Ok(()),
-            None => Err(CliError::told(Kind::Other)),
+            None => Err(CliError::printed(ExitKind::Other)),
         }
     }
 
     /// Renders a file again and describes the difference; `None` if the bytes are the same.
-    fn difference(&self, source: &Source) -> Result<Option<String>, CliError> {
+    fn difference(&self, source: &InputSource) -> Result<Option<String>, CliError> {
         let bytes = source.read()?;
         let said = description(&bytes).ok_or_else(|| {
             CliError::refused("it does not say of which job it is; render it with the option \"describe\" (--describe)")
@@ -95,7 +95,7 @@ impl ReproduceOptions {
     /// Reads the file of an upload that a job names.
     fn upload(&self, id: &str) -> Result<MeshFile, CliError> {
         let needed = || CliError::refused(format!("its job names the upload {id}; give that file with --input"));
-        let source = Source::of(self.input.as_ref().ok_or_else(needed)?);
+        let source = InputSource::of(self.input.as_ref().ok_or_else(needed)?);
         let bytes = source.read().map_err(|error| error.about(&source))?;
         let found = format!("b3-{}", content(&bytes));
         if found != id {

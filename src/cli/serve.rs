@@ -7,15 +7,15 @@ use std::time::{Duration, Instant};
 use super::error::CliError;
 use super::log::Log;
 use super::signals::Signals;
-use crate::config::{Given, Settings, memory};
+use crate::config::{PartialSettings, Settings, memory};
 use crate::http::serve::{StartError, bind, serve as serve_http};
 use crate::kept::keep_at_most;
 use crate::service::account::kept_buffers;
 
 /// Serves until a signal asks the process to stop. Then each store and table gets what is left of the shutdown timeout
 /// to write its pending records, and threads that still wait for a disk are abandoned.
-pub(super) fn serve(given: Given, file: Option<&Path>) -> Result<(), CliError> {
-    let given = given.or(Given::of_variables(std::env::vars_os()).map_err(CliError::usage)?);
+pub(super) fn serve(given: PartialSettings, file: Option<&Path>) -> Result<(), CliError> {
+    let given = given.or(PartialSettings::of_variables(std::env::vars_os()).map_err(CliError::usage)?);
     let available = memory::available();
     let settings = Settings::read_within(given, file, available).map_err(CliError::usage)?;
     keep_at_most(usize::try_from(kept_buffers(settings.max_memory_bytes)).unwrap_or(usize::MAX));

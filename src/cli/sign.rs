@@ -8,8 +8,8 @@ use base64::engine::general_purpose::URL_SAFE_NO_PAD;
 use flate2::Compression;
 use flate2::write::DeflateEncoder;
 
-use super::error::{CliError, Kind};
-use super::inputs::Source;
+use super::error::{CliError, ExitKind};
+use super::inputs::InputSource;
 use super::key::{lifetime, now_s};
 use super::say::answer;
 use crate::config::keys::{Link, MODEL, Token};
@@ -20,8 +20,8 @@ use crate::wire::JobRequest;
 use crate::wire::read::{ReadError, read};
 
 /// Maximum length of an address that a service accepts, and of a job in it, in bytes.
-const MOST_ADDRESS_BYTES: usize = 8 << 10;
-const MOST_JOB_BYTES: usize = 64 << 10;
+const MAX_ADDRESS_BYTES: usize = 8 << 10;
+const MAX_JOB_BYTES: usize = 64 << 10;
 
 /// What the address is to open.
 #[derive(Debug, clap::Args)]
@@ -68,16 +68,16 @@ impl SignOptions {
                 format!("artifacts/{}.{extension}", id(key)?)
             }
             (.., Some(job)) => {
-                let source = Source::of(job);
+                let source = InputSource::of(job);
                 let json = source.read().map_err(|error| CliError::files(format!("{source}: {error}")))?;
                 of_job(&json, self.format.as_deref())?
             }
             (None, None, None, None) => return Err(CliError::usage("name a job")),
         };
         let path = Link::sign(token.id(), &token.link_secret(), now_s().saturating_add(self.expires_in), &rest);
-        if path.len() > MOST_ADDRESS_BYTES {
+        if path.len() > MAX_ADDRESS_BYTES {
             let detail = format!(
-                "the address would have {} bytes, and services read {MOST_ADDRESS_BYTES}; send the mesh to /v1/blobs \
+                "the address would have {} bytes, and services read {MAX_ADDRESS_BYTES}; send the mesh to /v1/blobs \
                  and name it as input.blob, or have the job done and sign its --artifact",
                 path.len()
             );
@@ -99,14 +99,14 @@ fn check_extension(extension: &str) -> Result<(), CliError> {
 
 /// Encodes a job, with the extension of its format, as part of an address.
 fn of_job(json: &[u8], format: Option<&str>) -> Result<String, CliError> {
-    if json.len() > MOST_JOB_BYTES {
-        let detail = format!("the job has {} bytes, and an address holds {MOST_JOB_BYTES}", json.len());
+    if json.len() > MAX_JOB_BYTES {
+        let detail = format!("the job has {} bytes, and an address holds {MAX_JOB_BYTES}", json.len());
         return Err(CliError::too_large(format!("{detail}; send the mesh to /v1/blobs and name it as input.blob")));
     }
-    let refused = |detail: String| CliError::faults(Kind::Refused, &[Fault::new("/outputs", detail)]);
+    let refused = |detail: String| CliError::faults(ExitKind::Refused, &[Fault::new("/outputs", detail)]);
     let request: JobRequest = read(json).map_err(|error| match error {
         ReadError::NotJson(detail) => CliError::refused(detail),
-        ReadError::Unfit(faults) => CliError::faults(Kind::Refused, &faults),
+        ReadError::Unfit(faults) => CliError::faults(ExitKind::Refused, &faults),
     })?;
     let own = match request.outputs.as_slice() {
         [] => format,

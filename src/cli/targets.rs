@@ -4,7 +4,7 @@ use std::collections::HashMap;
 use std::path::{Component, Path, PathBuf};
 
 use super::error::CliError;
-use super::inputs::Source;
+use super::inputs::InputSource;
 use crate::output::{self, FORMATS, Format};
 
 /// The placeholders of patterns for parts of the path of an input: the name without extension, the name, and the
@@ -78,7 +78,7 @@ impl Target {
     }
 
     /// Returns the file of an input; `None` for standard output, and for a folder without a format.
-    pub(super) fn of(&self, input: &Source) -> Option<PathBuf> {
+    pub(super) fn of(&self, input: &InputSource) -> Option<PathBuf> {
         match self {
             Self::Standard | Self::Folder(_) => None,
             Self::File(path) => Some(path.clone()),
@@ -131,8 +131,8 @@ fn check(pattern: &str) -> Result<(), CliError> {
 ///
 /// # Errors
 /// Names the first two inputs with the same target file, or the input that would be overwritten.
-pub(super) fn keep_apart<'a>(files: impl Iterator<Item = (&'a Path, &'a Source)> + Clone) -> Result<(), CliError> {
-    let mut taken: HashMap<PathBuf, &Source> = HashMap::new();
+pub(super) fn keep_apart<'a>(files: impl Iterator<Item = (&'a Path, &'a InputSource)> + Clone) -> Result<(), CliError> {
+    let mut taken: HashMap<PathBuf, &InputSource> = HashMap::new();
     for (target, input) in files.clone() {
         if let Some(other) = taken.insert(target.components().collect(), input) {
             let detail = format!(
@@ -144,7 +144,7 @@ pub(super) fn keep_apart<'a>(files: impl Iterator<Item = (&'a Path, &'a Source)>
         }
     }
     let real = |path: &Path| path.canonicalize().ok();
-    let read: HashMap<PathBuf, &Source> =
+    let read: HashMap<PathBuf, &InputSource> =
         files.clone().filter_map(|(_, input)| Some((real(input.path())?, input))).collect();
     let hit = files.map(|(target, _)| target).find_map(|target| Some((target, read.get(&real(target)?)?)));
     hit.map_or(Ok(()), |(target, input)| {

@@ -19,14 +19,14 @@ use crate::wire::read::{ReadError, read};
 
 /// Maximum length of a text answer in bytes: some ten thousand words, which is a good part of what a model reads at
 /// once. Half of it would send small meshes to files; twice of it would fill the context of the model with coordinates.
-const MOST_TEXT: usize = 64 << 10;
+const MAX_TEXT: usize = 64 << 10;
 /// Maximum size of a picture in bytes before base64; clients refuse messages of some megabytes. Half of it would refuse
 /// pictures of 2,000 pixels a side; with twice of it some clients would refuse the message.
-const MOST_PICTURE: usize = 4 << 20;
+const MAX_PICTURE: usize = 4 << 20;
 /// Maximum number of faces, and maximum memory of a job in bytes: they allow seconds of work, because a client waits
 /// for its tools. Half of them would refuse level 9 of a cube; twice of them would let a call take a minute.
-const MOST_FACES: u64 = 2_000_000;
-const MOST_MEMORY: u64 = 2 << 30;
+const MAX_FACES: u64 = 2_000_000;
+const MAX_MEMORY: u64 = 2 << 30;
 /// The four views: caption, azimuth and elevation in degrees.
 const VIEWS: [(&str, f64, f64); 4] =
     [("above", 0.0, 90.0), ("front", 0.0, 0.0), ("side", 90.0, 0.0), ("corner", 35.0, 25.0)];
@@ -142,7 +142,7 @@ fn listed(lines: impl Iterator<Item = impl ToString>) -> String {
 }
 
 fn admitted(request: JobRequest, watch: &Watch) -> Result<Admitted, String> {
-    let limits = Limits { max_faces: MOST_FACES, max_job_bytes: MOST_MEMORY, ..Limits::default() };
+    let limits = Limits { max_faces: MAX_FACES, max_job_bytes: MAX_MEMORY, ..Limits::default() };
     let job = request.resolve_within(&limits.reading()).map_err(|faults| listed(faults.iter()))?;
     limits.admit_under(job, watch).map_err(|refusal| match refusal {
         Refusal::Impossible(faults) => listed(faults.iter()),
@@ -171,9 +171,9 @@ fn render(job: &Value, out: Option<&Path>, watch: &Watch) -> Said {
     }
     let (bytes, report) = made(&admitted, watch)?;
     let format = admitted.job().outputs[0].format;
-    let is_text = matches!(format.facts().content, Content::Json | Content::Text) && bytes.len() <= MOST_TEXT;
+    let is_text = matches!(format.facts().content, Content::Json | Content::Text) && bytes.len() <= MAX_TEXT;
     let mut answers = match (format.name(), String::from_utf8(bytes)) {
-        ("png", Err(bytes)) if bytes.as_bytes().len() <= MOST_PICTURE => vec![Answered::Picture(bytes.into_bytes())],
+        ("png", Err(bytes)) if bytes.as_bytes().len() <= MAX_PICTURE => vec![Answered::Picture(bytes.into_bytes())],
         (_, Ok(text)) if is_text => vec![Answered::Text(text)],
         (_, bytes) => {
             let bytes = bytes.map_or_else(std::string::FromUtf8Error::into_bytes, String::into_bytes);
@@ -218,12 +218,12 @@ fn views(job: &Value, watch: &Watch) -> Said {
 
 fn validate(job: &Value) -> Said {
     let mut request = request(job)?;
-    let purpose = request.asked();
+    let purpose = request.stated_purpose();
     if request.outputs.is_empty() {
         request.outputs = vec![OutputRequest::of_format(request.usual_format())];
     }
     let limits = Limits::default();
-    told(&report(request.examine(purpose, &limits.reading()).bounded(&limits, &Watch::new())))
+    json_answer(&report(request.examine(purpose, &limits.reading()).bounded(&limits, &Watch::new())))
 }
 
 fn estimate(job: &Value, watch: &Watch) -> Said {
@@ -232,7 +232,7 @@ fn estimate(job: &Value, watch: &Watch) -> Said {
         request.outputs = vec![OutputRequest::of_format(request.usual_format())];
     }
     let admitted = admitted(request, watch)?;
-    told(&EstimateAnswer::new(admitted.job(), admitted.estimate()))
+    json_answer(&EstimateAnswer::new(admitted.job(), admitted.estimate()))
 }
 
 fn list(name: Option<&str>) -> Said {
@@ -242,7 +242,7 @@ fn list(name: Option<&str>) -> Said {
             all.iter().map(|preset| format!("{} ({}): {}", preset.name, preset.refines.join(", "), preset.doc)),
         ))]),
         Some(name) => match all.iter().find(|preset| preset.name == name) {
-            Some(preset) => told(preset),
+            Some(preset) => json_answer(preset),
             None => Err(format!("there is no preset \"{name}\"; there are {}", {
                 let names: Vec<&str> = all.iter().map(|preset| preset.name).collect();
                 names.join(", ")
@@ -251,6 +251,6 @@ fn list(name: Option<&str>) -> Said {
     }
 }
 
-fn told(value: &impl serde::Serialize) -> Said {
+fn json_answer(value: &impl serde::Serialize) -> Said {
     Ok(vec![Answered::Text(serde_json::to_string(value).map_err(|error| error.to_string())?)])
 }

@@ -4,11 +4,11 @@ use std::path::PathBuf;
 
 use serde_json::{Value, json};
 
-use super::error::{CliError, Kind};
-use super::inputs::{Source, jobs_and_meshes};
+use super::error::{CliError, ExitKind};
+use super::fault_translator::FaultTranslator;
+use super::inputs::{InputSource, jobs_and_meshes};
 use super::job::JobOptions;
 use super::say::answer;
-use super::told::Teller;
 use crate::http::validate::report;
 use crate::job::limits::Limits;
 use crate::watch::Watch;
@@ -37,7 +37,7 @@ impl ValidateOptions {
         for source in &sources {
             let found = match self.examined(source) {
                 Ok(found) => found,
-                Err(error) if error.kind == Kind::Refused => of_refusal(&error),
+                Err(error) if error.kind == ExitKind::Refused => of_refusal(&error),
                 Err(error) => {
                     eprintln!("planish: {source}: {error}");
                     worst = worst.max(Some(error.kind));
@@ -45,24 +45,24 @@ impl ValidateOptions {
                 }
             };
             if found["valid"] != true {
-                worst = worst.max(Some(Kind::Refused));
+                worst = worst.max(Some(ExitKind::Refused));
             }
             if !self.quiet {
                 print(source, &found, sources.len() == 1)?;
             }
         }
-        worst.map_or(Ok(()), |kind| Err(CliError::told(kind)))
+        worst.map_or(Ok(()), |kind| Err(CliError::printed(kind)))
     }
 
     /// Examines an input and returns the report as JSON.
-    fn examined(&self, source: &Source) -> Result<Value, CliError> {
+    fn examined(&self, source: &InputSource) -> Result<Value, CliError> {
         let mut loaded = self.options.load(source)?;
-        let purpose = loaded.request.asked();
+        let purpose = loaded.request.stated_purpose();
         loaded.settle(&self.options)?;
-        let teller = Teller { flags: &self.options.flags, is_file: loaded.is_file, format: loaded.format };
+        let translator = FaultTranslator { flags: &self.options.flags, is_file: loaded.is_file, format: loaded.format };
         let limits = Limits::default();
         let mut examined = loaded.request.examine(purpose, &limits.reading()).bounded(&limits, &Watch::new());
-        examined.faults = examined.faults.into_iter().map(|fault| teller.told(fault)).collect();
+        examined.faults = examined.faults.into_iter().map(|fault| translator.with_flags(fault)).collect();
         serde_json::to_value(report(examined)).map_err(CliError::other)
     }
 }
@@ -73,7 +73,7 @@ fn of_refusal(error: &CliError) -> Value {
     json!({ "valid": false, "errors": faults, "warnings": [] })
 }
 
-fn print(source: &Source, found: &Value, is_only: bool) -> Result<(), CliError> {
+fn print(source: &InputSource, found: &Value, is_only: bool) -> Result<(), CliError> {
     if is_only {
         let text = serde_json::to_string_pretty(found).map_err(CliError::other)?;
         return answer(format!("{text}\n").as_bytes());

@@ -7,7 +7,7 @@ use super::authority::Authority;
 use crate::fault::shortened;
 
 /// Maximum number of origins in the list, since each response searches all of them.
-const MOST_ORIGINS: usize = 64;
+const MAX_ORIGINS: usize = 64;
 
 /// The web pages that may send requests, by their origins.
 #[derive(Clone, PartialEq, Eq, Default)]
@@ -39,14 +39,14 @@ impl CorsOrigins {
 
     /// Reads the entries of the setting.
     fn of<'a>(entries: impl Iterator<Item = &'a str>) -> Result<Self, String> {
-        let entries: Vec<&str> = entries.map(str::trim).take(MOST_ORIGINS + 1).collect();
+        let entries: Vec<&str> = entries.map(str::trim).take(MAX_ORIGINS + 1).collect();
         match entries.as_slice() {
             ["*"] => Ok(Self::Any),
             ["none"] => Ok(Self::None),
             ["loopback"] => Ok(Self::Loopback),
             [] => Err("it names no origin; give none, loopback, *, or origins like https://example.org".to_owned()),
-            entries if entries.len() > MOST_ORIGINS => {
-                Err(format!("it names more than {MOST_ORIGINS} origins; name fewer, or give *"))
+            entries if entries.len() > MAX_ORIGINS => {
+                Err(format!("it names more than {MAX_ORIGINS} origins; name fewer, or give *"))
             }
             entries => entries.iter().map(|entry| origin(entry)).collect::<Result<_, _>>().map(Self::Listed),
         }

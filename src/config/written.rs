@@ -27,12 +27,12 @@ const SIZES: &[(&str, u64)] = &[
 const TIMES: &[(&str, u64)] = &[("d", 86_400), ("h", 3600), ("min", 60), ("s", 1)];
 
 /// A type that the value of a setting can have.
-pub(super) trait Written: Sized {
+pub(super) trait SettingValue: Sized {
     /// Reads a value; numbers count `unit`.
     fn read(text: &str, unit: &str) -> Result<Self, String>;
 }
 
-impl Written for u64 {
+impl SettingValue for u64 {
     fn read(text: &str, unit: &str) -> Result<Self, String> {
         match unit {
             "bytes" | "bytes a second" => with_unit(text, SIZES).ok_or_else(|| {
@@ -46,13 +46,13 @@ impl Written for u64 {
     }
 }
 
-impl Written for usize {
+impl SettingValue for usize {
     fn read(text: &str, unit: &str) -> Result<Self, String> {
         u64::read(text, unit)?.try_into().map_err(|_| wrong(text, "is too large; write it like 256"))
     }
 }
 
-impl Written for SocketAddr {
+impl SettingValue for SocketAddr {
     fn read(text: &str, _: &str) -> Result<Self, String> {
         let local = text.strip_prefix("localhost").unwrap_or(text);
         let local = local.strip_prefix(':').filter(|port| !port.is_empty()).map(|port| format!("127.0.0.1:{port}"));
@@ -62,31 +62,31 @@ impl Written for SocketAddr {
     }
 }
 
-impl Written for bool {
+impl SettingValue for bool {
     fn read(text: &str, _: &str) -> Result<Self, String> {
         text.parse().map_err(|_| wrong(text, "is neither true nor false; write it like true"))
     }
 }
 
-impl Written for PathBuf {
+impl SettingValue for PathBuf {
     fn read(text: &str, _: &str) -> Result<Self, String> {
         Ok(text.into())
     }
 }
 
-impl Written for String {
+impl SettingValue for String {
     fn read(text: &str, _: &str) -> Result<Self, String> {
         Ok(text.to_owned())
     }
 }
 
-impl Written for CorsOrigins {
+impl SettingValue for CorsOrigins {
     fn read(text: &str, _: &str) -> Result<Self, String> {
         text.parse()
     }
 }
 
-impl Written for LogLevels {
+impl SettingValue for LogLevels {
     fn read(text: &str, _: &str) -> Result<Self, String> {
         text.parse()
     }

@@ -1,7 +1,7 @@
 //! The frame of a plot: axes with ticks, their labels and a grid.
 
 use super::label::Label;
-use super::scene::{Anchor, Cap, Color, Item, Level, Mark, Point, Stroke, Text};
+use super::scene::{Cap, Color, HorizontalAlign, Item, Mark, Point, Stroke, Text, VerticalAlign};
 use super::ticks::{Tick, ticks};
 
 /// Colour of the frame and of its labels.
@@ -9,7 +9,7 @@ const INK: Color = [51, 65, 85, 255];
 /// Colour of the grid; it must not be mistaken for a line of the plot.
 const GRID: Color = [226, 232, 240, 255];
 /// Maximum number of ticks of an axis; twice as many would be a ruler, half as many too few to read values.
-const MOST: usize = 9;
+const MAX_TICKS: usize = 9;
 
 /// A range of numbers along a side of a plot.
 #[derive(Debug, Clone, PartialEq)]
@@ -50,7 +50,7 @@ impl Axes {
     pub fn margins(x: &Axis, y: &Axis, size_px: f32) -> [f32; 4] {
         let line = 1.8 * size_px;
         let labelled = |axis: &Axis| if axis.label.is_some() { line } else { 0.0 };
-        let widest = ticks(y.low, y.high, MOST).iter().map(|tick| tick.label.width(size_px)).fold(0.0, f32::max);
+        let widest = ticks(y.low, y.high, MAX_TICKS).iter().map(|tick| tick.label.width(size_px)).fold(0.0, f32::max);
         [widest + size_px + labelled(y), 0.7 * size_px, 1.2 * size_px, 2.0 * size_px + labelled(x)]
     }
 
@@ -91,28 +91,36 @@ impl Axes {
         for Tick { value, label } in self.x_ticks() {
             let [x, _] = self.place([value, self.y.low]);
             runs.push(vec![[x, bottom], [x, bottom + reach]]);
-            texts.push(self.text(label, [x, bottom + reach + 0.35 * size], Anchor::Middle, Level::Top));
+            texts.push(self.text(
+                label,
+                [x, bottom + reach + 0.35 * size],
+                HorizontalAlign::Middle,
+                VerticalAlign::Top,
+            ));
         }
         for Tick { value, label } in self.y_ticks() {
             let [_, y] = self.place([self.x.low, value]);
             widest = widest.max(label.width(size));
             runs.push(vec![[left - reach, y], [left, y]]);
-            texts.push(self.text(label, [left - reach - 0.3 * size, y], Anchor::End, Level::Middle));
+            texts.push(self.text(label, [left - reach - 0.3 * size, y], HorizontalAlign::End, VerticalAlign::Middle));
         }
         if let Some(label) = self.x.label.clone() {
             let at = [left + 0.5 * width, bottom + reach + 1.7 * size];
-            texts.push(self.text(label, at, Anchor::Middle, Level::Top));
+            texts.push(self.text(label, at, HorizontalAlign::Middle, VerticalAlign::Top));
         }
         if let Some(label) = self.y.label.clone() {
             let at = [left - reach - 0.9 * size - widest, top + 0.5 * height];
-            texts.push(Text { turn_deg: -90.0, ..self.text(label, at, Anchor::Middle, Level::Baseline) });
+            texts.push(Text {
+                turn_deg: -90.0,
+                ..self.text(label, at, HorizontalAlign::Middle, VerticalAlign::Baseline)
+            });
         }
         let frame = Item::lines("axis", runs, Stroke { cap: Cap::Butt, ..Stroke::solid(0.08 * size, INK) });
         let texts = texts.into_iter().map(|text| Item::new("label", Mark::Text(text)));
         std::iter::once(frame).chain(texts).collect()
     }
 
-    fn text(&self, label: Label, at: Point, anchor: Anchor, level: Level) -> Text {
+    fn text(&self, label: Label, at: Point, anchor: HorizontalAlign, level: VerticalAlign) -> Text {
         Text { label, at, size_px: self.size_px, anchor, level, turn_deg: 0.0, color: INK }
     }
 
@@ -127,7 +135,7 @@ impl Axes {
                 b - a >= 0.5 * (left + right + self.size_px)
             })
         };
-        let found = (2..=room.clamp(2, MOST)).rev().map(|most| ticks(self.x.low, self.x.high, most));
+        let found = (2..=room.clamp(2, MAX_TICKS)).rev().map(|most| ticks(self.x.low, self.x.high, most));
         let alone = || ticks(self.x.low, self.x.high, 2).into_iter().take(1).collect();
         found.into_iter().find(|found| fits(found)).unwrap_or_else(alone)
     }
@@ -136,6 +144,6 @@ impl Axes {
     fn y_ticks(&self) -> Vec<Tick> {
         #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a few ticks")]
         let room = (self.frame[3] / (2.5 * self.size_px)) as usize;
-        ticks(self.y.low, self.y.high, room.clamp(2, MOST))
+        ticks(self.y.low, self.y.high, room.clamp(2, MAX_TICKS))
     }
 }

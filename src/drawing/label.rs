@@ -15,12 +15,12 @@ const RAISED: f32 = 0.36;
 #[derive(Debug, Clone, PartialEq)]
 pub struct Label {
     weight: Weight,
-    pieces: Vec<Piece>,
+    pieces: Vec<LetterRun>,
 }
 
 /// Letters of one size at one height.
 #[derive(Debug, Clone, PartialEq)]
-pub(super) struct Piece {
+pub(super) struct LetterRun {
     pub(super) text: String,
     pub(super) script: Script,
 }
@@ -269,7 +269,7 @@ impl Writer {
         match pieces.last_mut().filter(|last| last.script == script) {
             Some(last) if c == ' ' && last.text.ends_with(' ') => {}
             Some(last) => last.text.push(c),
-            None => pieces.push(Piece { text: c.into(), script }),
+            None => pieces.push(LetterRun { text: c.into(), script }),
         }
         Ok(())
     }

@@ -1,7 +1,7 @@
 //! Legends, which explain the lines, marks and colours of a drawing.
 
 use super::label::Label;
-use super::scene::{Anchor, Cap, Color, Discs, Item, Level, Mark, Picture, Point, Stroke, Text};
+use super::scene::{Cap, Color, Discs, HorizontalAlign, Item, Mark, Picture, Point, Stroke, Text, VerticalAlign};
 use super::ticks::ticks;
 
 /// Colour of the text.
@@ -86,7 +86,7 @@ impl Key {
 }
 
 fn text(label: Label, at: Point, size_px: f32) -> Item {
-    let (anchor, level) = (Anchor::Start, Level::Middle);
+    let (anchor, level) = (HorizontalAlign::Start, VerticalAlign::Middle);
     Item::new("label", Mark::Text(Text { label, at, size_px, anchor, level, turn_deg: 0.0, color: INK }))
 }
 

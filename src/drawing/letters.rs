@@ -3,7 +3,7 @@
 use ttf_parser::OutlineBuilder;
 
 use super::font::{CAPITAL, UNITS_PER_EM};
-use super::scene::{Anchor, Level, Text};
+use super::scene::{HorizontalAlign, Text, VerticalAlign};
 use crate::math::functions::{cos, sin};
 
 impl Text {
@@ -16,14 +16,14 @@ impl Text {
     pub(super) fn offset(&self) -> [f32; 2] {
         let capital = CAPITAL * self.size_px;
         let x = match self.anchor {
-            Anchor::Start => 0.0,
-            Anchor::Middle => -0.5 * self.width_px(),
-            Anchor::End => -self.width_px(),
+            HorizontalAlign::Start => 0.0,
+            HorizontalAlign::Middle => -0.5 * self.width_px(),
+            HorizontalAlign::End => -self.width_px(),
         };
         let y = match self.level {
-            Level::Baseline => 0.0,
-            Level::Middle => 0.5 * capital,
-            Level::Top => capital,
+            VerticalAlign::Baseline => 0.0,
+            VerticalAlign::Middle => 0.5 * capital,
+            VerticalAlign::Top => capital,
         };
         [x, y]
     }
@@ -49,7 +49,7 @@ impl Text {
             let scale = piece.size_px / UNITS_PER_EM;
             let [mut x, y] = piece.at;
             for (_, glyph) in self.label.glyphs(piece.text) {
-                let mut placed = Placed { to: &mut *to, at: [x, y], scale };
+                let mut placed = PlacedGlyph { to: &mut *to, at: [x, y], scale };
                 // letters without ink have no outline
                 weight.face().outline_glyph(glyph, &mut placed);
                 x += weight.advance(glyph) * scale;
@@ -59,19 +59,19 @@ impl Text {
 }
 
 /// Transforms the outline of a glyph, in design units with y upwards, to its place.
-struct Placed<'a> {
+struct PlacedGlyph<'a> {
     to: &'a mut dyn OutlineBuilder,
     at: [f32; 2],
     scale: f32,
 }
 
-impl Placed<'_> {
+impl PlacedGlyph<'_> {
     fn place(&self, x: f32, y: f32) -> [f32; 2] {
         [self.at[0] + self.scale * x, self.at[1] - self.scale * y]
     }
 }
 
-impl OutlineBuilder for Placed<'_> {
+impl OutlineBuilder for PlacedGlyph<'_> {
     fn move_to(&mut self, x: f32, y: f32) {
         let [x, y] = self.place(x, y);
         self.to.move_to(x, y);

@@ -26,7 +26,8 @@ pub use legend::{Entry, Key, Legend, color_bar};
 pub use pdf::pdf;
 pub use pixels::pixels;
 pub use scene::{
-    Anchor, Cap, Color, Discs, Drawing, Group, Item, Lettering, Level, Mark, Picture, Point, Run, Stroke, Text,
+    Cap, Color, Discs, Drawing, Group, HorizontalAlign, Item, Lettering, Mark, Picture, Point, PolylinePoints, Stroke,
+    Text, VerticalAlign,
 };
 pub use svg::svg;
 pub use ticks::{Tick, ticks};

@@ -9,7 +9,7 @@ use tiny_skia::{
 use ttf_parser::OutlineBuilder;
 
 use super::error::DrawError;
-use super::scene::{Cap, Color, Discs, Drawing, Group, Item, Mark, Picture, Point, Run, Stroke, Text};
+use super::scene::{Cap, Color, Discs, Drawing, Group, Item, Mark, Picture, Point, PolylinePoints, Stroke, Text};
 use crate::watch::Watch;
 
 /// Number of discs painted at a time.
@@ -60,7 +60,7 @@ impl Canvas<'_> {
         Ok(())
     }
 
-    fn lines(&mut self, runs: &[Run], stroke: &Stroke, view: View<'_>) -> Result<(), DrawError> {
+    fn lines(&mut self, runs: &[PolylinePoints], stroke: &Stroke, view: View<'_>) -> Result<(), DrawError> {
         if stroke.dash.is_empty() {
             return self.solid(runs, stroke, view);
         }
@@ -71,7 +71,7 @@ impl Canvas<'_> {
         Ok(())
     }
 
-    fn solid(&mut self, runs: &[Run], stroke: &Stroke, view: View<'_>) -> Result<(), DrawError> {
+    fn solid(&mut self, runs: &[PolylinePoints], stroke: &Stroke, view: View<'_>) -> Result<(), DrawError> {
         let line_cap = match stroke.cap {
             Cap::Round => LineCap::Round,
             Cap::Butt => LineCap::Butt,
@@ -88,7 +88,7 @@ impl Canvas<'_> {
         Ok(())
     }
 
-    fn areas(&mut self, outlines: &[Run], color: Color, view: View<'_>) -> Result<(), DrawError> {
+    fn areas(&mut self, outlines: &[PolylinePoints], color: Color, view: View<'_>) -> Result<(), DrawError> {
         let mut path = PathBuilder::new();
         for outline in outlines {
             self.watch.check()?;

@@ -7,7 +7,7 @@ pub type Point = [f32; 2];
 /// A colour: red, green, blue and alpha, straight sRGB.
 pub type Color = [u8; 4];
 /// A polyline of two or more points; closed if it ends where it starts.
-pub type Run = Vec<Point>;
+pub type PolylinePoints = Vec<Point>;
 
 /// Items over a background.
 #[derive(Debug, Clone, PartialEq)]
@@ -47,9 +47,9 @@ pub struct Item {
 #[derive(Debug, Clone, PartialEq)]
 pub enum Mark {
     /// Polylines with round joins.
-    Lines(Vec<Run>, Stroke),
+    Lines(Vec<PolylinePoints>, Stroke),
     /// The areas that polygons enclose by the even-odd rule; each polygon is closed.
-    Areas(Vec<Run>, Color),
+    Areas(Vec<PolylinePoints>, Color),
     /// Filled discs with a ring.
     Discs(Discs),
     /// A line of text.
@@ -114,9 +114,9 @@ pub struct Text {
     /// Font size, in pixels: the size of the em square.
     pub size_px: f32,
     /// The horizontal position of the anchor in the text.
-    pub anchor: Anchor,
+    pub anchor: HorizontalAlign,
     /// The vertical position of the anchor in the text.
-    pub level: Level,
+    pub level: VerticalAlign,
     /// Rotation about the anchor, in degrees, clockwise.
     pub turn_deg: f32,
     /// Colour.
@@ -125,7 +125,7 @@ pub struct Text {
 
 /// The horizontal position of the anchor in a text.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Anchor {
+pub enum HorizontalAlign {
     /// The left end.
     Start,
     /// The middle.
@@ -136,7 +136,7 @@ pub enum Anchor {
 
 /// The vertical position of the anchor in a text.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Level {
+pub enum VerticalAlign {
     /// The baseline.
     Baseline,
     /// The middle of a capital letter.
@@ -184,7 +184,7 @@ impl Item {
     }
 
     /// Creates lines of one style.
-    pub fn lines(class: &'static str, runs: Vec<Run>, stroke: Stroke) -> Self {
+    pub fn lines(class: &'static str, runs: Vec<PolylinePoints>, stroke: Stroke) -> Self {
         Self::new(class, Mark::Lines(runs, stroke))
     }
 
@@ -196,7 +196,7 @@ impl Item {
 
     /// Creates upright text.
     pub fn text(class: &'static str, label: Label, at: Point, size_px: f32, color: Color) -> Self {
-        let (anchor, level) = (Anchor::Start, Level::Baseline);
+        let (anchor, level) = (HorizontalAlign::Start, VerticalAlign::Baseline);
         Self::new(class, Mark::Text(Text { label, at, size_px, anchor, level, turn_deg: 0.0, color }))
     }
 }

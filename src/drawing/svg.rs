@@ -11,7 +11,9 @@ use ttf_parser::OutlineBuilder;
 
 use super::error::DrawError;
 use super::font::{FAMILIES, Weight};
-use super::scene::{Anchor, Cap, Discs, Drawing, Group, Item, Lettering, Mark, Picture, Run, Stroke, Text};
+use super::scene::{
+    Cap, Discs, Drawing, Group, HorizontalAlign, Item, Lettering, Mark, Picture, PolylinePoints, Stroke, Text,
+};
 use crate::watch::Watch;
 use page::Page;
 
@@ -115,7 +117,7 @@ impl Writer<'_, '_> {
         page.text += "\"";
     }
 
-    fn paths(&mut self, runs: &[Run]) -> Result<(), DrawError> {
+    fn paths(&mut self, runs: &[PolylinePoints]) -> Result<(), DrawError> {
         for run in runs {
             self.watch.check()?;
             self.page.text += "<path d=\"";
@@ -168,8 +170,8 @@ impl Writer<'_, '_> {
         let [left, down] = text.offset();
         let single = text.label.pieces(text.size_px).count() == 1;
         let anchor = match text.anchor {
-            Anchor::Middle if single => Some("middle"),
-            Anchor::End if single => Some("end"),
+            HorizontalAlign::Middle if single => Some("middle"),
+            HorizontalAlign::End if single => Some("end"),
             _ => None,
         };
         if let Some(anchor) = anchor {

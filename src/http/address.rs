@@ -23,7 +23,7 @@ pub(super) fn etag(key: &Key, coding: Option<Coding>) -> String {
 
 /// Maximum length of an address that contains a job, in bytes: every browser, proxy and server accepts as much. Some of
 /// them cut twice of it; half of it holds jobs of half as many points.
-pub(super) const MOST_LINK_BYTES: usize = 8 << 10;
+pub(super) const MAX_LINK_BYTES: usize = 8 << 10;
 /// The path of addresses that contain a job in the query. (Addresses below [`KROKI`] contain it after the name of a
 /// format.)
 pub(super) const RENDER: &str = "/v1/render";
@@ -32,5 +32,5 @@ const KROKI: &str = "/kroki/";
 /// Returns whether an address may contain a job, by its path and its length.
 pub(super) fn is_link(address: &Uri) -> bool {
     let length = address.path_and_query().map_or(0, |both| both.as_str().len());
-    length <= MOST_LINK_BYTES && (address.path() == RENDER || address.path().starts_with(KROKI))
+    length <= MAX_LINK_BYTES && (address.path() == RENDER || address.path().starts_with(KROKI))
 }

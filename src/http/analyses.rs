@@ -9,9 +9,9 @@ use axum::http::HeaderMap;
 use axum::response::{IntoResponse, Response};
 
 use super::answer::{self, Artifact, Lost};
-use super::app::{App, Shared};
+use super::app::{App, SharedApp};
 use super::client::Client;
-use super::content::Takes;
+use super::content::AcceptedBodies;
 use super::negotiate::{self, ByteRange};
 use super::problem::Problem;
 use super::variants::coded;
@@ -50,12 +50,12 @@ const ANSWER_BYTES: u128 = 4 << 20;
         (status = 304, description = "The client has the answer already (`If-None-Match`)"),
     )
 )]
-pub(super) async fn analyse(State(app): State<Shared>, client: Client, headers: HeaderMap, body: Body) -> Response {
-    answered(&app, &client, &headers, body).await.unwrap_or_else(IntoResponse::into_response)
+pub(super) async fn analyse(State(app): State<SharedApp>, client: Client, headers: HeaderMap, body: Body) -> Response {
+    respond(&app, &client, &headers, body).await.unwrap_or_else(IntoResponse::into_response)
 }
 
-async fn answered(app: &Arc<App>, client: &Client, headers: &HeaderMap, body: Body) -> Result<Response, Problem> {
-    let sent = body::collect(app, client, headers, Takes::Jobs, body).await?;
+async fn respond(app: &Arc<App>, client: &Client, headers: &HeaderMap, body: Body) -> Result<Response, Problem> {
+    let sent = body::collect(app, client, headers, AcceptedBodies::Jobs, body).await?;
     let bytes = weight(sent.bytes.len() as u64);
     let form = negotiate::form(headers)?;
     let analysis = app.desk.read(client.peer(), bytes, move |watch| {
@@ -82,7 +82,7 @@ pub(super) async fn made(
     if let Some(tag) = negotiate::has_already(headers, &key) {
         return Ok(answer::not_modified(HeaderMap::new(), tag, &address::of_extension(key, extension)));
     }
-    if let Some(manifest) = app.desk.find(key, client.peer()).await {
+    if let Some(manifest) = app.desk.find_artifact(key, client.peer()).await {
         // a damaged artifact has been dropped from the store, and is computed again
         match whole(app, headers, Artifact::kept(manifest, client.peer()), (&key, extension)).await {
             Err(Lost::Gone) => {}

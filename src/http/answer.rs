@@ -17,7 +17,7 @@ use super::short::Plain;
 use crate::job::key::Key;
 use crate::service::computation::{Outcome, Timings};
 use crate::service::lent::{Lent, is_free};
-use crate::service::peer::{Kind, Paid, Peer};
+use crate::service::peer::{Paid, Peer, QuotaKind};
 use crate::service::pool::{Busy, Lack};
 use crate::service::store::{Manifest, PART_BYTES, Pin};
 use crate::service::under_way::Provenance;
@@ -34,12 +34,12 @@ pub(super) struct Artifact {
     /// The client of the answer.
     pub(super) peer: Peer,
     /// The form in which it is sent.
-    pub(super) form: Form,
+    pub(super) form: ArtifactForm,
 }
 
 /// The form in which an artifact is sent.
 #[derive(Debug, Clone)]
-pub(super) enum Form {
+pub(super) enum ArtifactForm {
     /// Uncompressed.
     Plain,
     /// Uncompressed for now, as the variant that the client prefers is not available yet.
@@ -52,23 +52,23 @@ impl Artifact {
     /// Creates the answer with an artifact from the cache.
     pub(super) fn kept(manifest: Arc<Manifest>, peer: Peer) -> Self {
         let (loose, provenance, timings) = (None, Provenance::Hit, Timings::default());
-        Self { manifest, loose, provenance, timings, peer, form: Form::Plain }
+        Self { manifest, loose, provenance, timings, peer, form: ArtifactForm::Plain }
     }
 
     /// Creates the answer with an artifact that was computed, for this client or for another.
     pub(super) fn made(outcome: &Outcome, provenance: Provenance, peer: Peer) -> Self {
         let (manifest, loose) = (outcome.manifest.clone(), outcome.loose.clone());
-        Self { manifest, loose, provenance, timings: outcome.timings, peer, form: Form::Plain }
+        Self { manifest, loose, provenance, timings: outcome.timings, peer, form: ArtifactForm::Plain }
     }
 
     /// Returns the content coding of the answer.
     pub(super) fn coding(&self) -> Option<Coding> {
-        if let Form::Coded(coding, _) = self.form { Some(coding) } else { None }
+        if let ArtifactForm::Coded(coding, _) = self.form { Some(coding) } else { None }
     }
 
     /// Returns the manifest of the bytes that are sent.
     pub(super) fn sent(&self) -> &Arc<Manifest> {
-        if let Form::Coded(_, variant) = &self.form { variant } else { &self.manifest }
+        if let ArtifactForm::Coded(_, variant) = &self.form { variant } else { &self.manifest }
     }
 }
 
@@ -230,7 +230,7 @@ pub(super) async fn bytes(
         headers.insert(header::CONTENT_RANGE, range);
     }
     let plain = Plain(found.sent().clone());
-    let is_settled = found.provenance == Provenance::Hit && !matches!(found.form, Form::PlainForNow);
+    let is_settled = found.provenance == Provenance::Hit && !matches!(found.form, ArtifactForm::PlainForNow);
     let is_plain = range == ByteRange::Whole && is_settled && is_free(&plain.0);
     let body = if content == 0 { Body::empty() } else { body(app, found, first, last).await? };
     let mut response = (status, headers, body).into_response();
@@ -306,7 +306,7 @@ impl PartReader {
         let desk = &app.desk;
         let mut from = Source::Disk;
         if desk.tiers.part_at_hand(&manifest, 0).is_some() {
-            let pay = |bytes| desk.peers.charge(&desk.account.answers, Kind::AnswerBytes, peer, bytes);
+            let pay = |bytes| desk.peers.charge(&desk.account.answers, QuotaKind::AnswerBytes, peer, bytes);
             match desk.in_flight.hold(&manifest, pay) {
                 Ok(paid) => from = Source::Memory(paid),
                 Err(_) if desk.tiers.is_on_disk(&manifest.key) => {}
@@ -344,7 +344,7 @@ impl PartReader {
         }
         let (answers, length) = (&self.app.desk.account.answers, self.manifest.length.min(PART_BYTES as u64));
         let (most, peers) = (answers.capacity / 2, &self.app.desk.peers);
-        let ticket = peers.take(self.peer, Kind::AnswerBytes, length, most, u64::MAX).ok_or(Lost::Crowded)?;
+        let ticket = peers.take(self.peer, QuotaKind::AnswerBytes, length, most, u64::MAX).ok_or(Lost::Crowded)?;
         let paid = tokio::time::timeout(PART_PATIENCE, answers.take(length)).await.map_err(|_| Lost::Crowded)?;
         let part = tiers.part_on_disk(&self.manifest, index).await.ok_or(Lost::Gone)?;
         Ok(Lent::new(part, (paid, ticket)))

@@ -6,7 +6,7 @@ use super::canary::Canary;
 use super::connections::Connections;
 use super::gate::Gate;
 use super::memo::Memo;
-use super::request_counts::Requests;
+use super::request_counts::RequestCounts;
 use super::short::Short;
 use crate::config::Settings;
 use crate::service::desk::Desk;
@@ -30,7 +30,7 @@ pub struct App {
     /// Recent answers that can be sent again without the router.
     pub short: Short,
     /// The numbers of answers, and of their bytes.
-    pub(super) requests: Requests,
+    pub(super) requests: RequestCounts,
     /// The open connections.
     pub connections: Arc<Connections>,
     /// The OpenAPI document, written at its first use.
@@ -38,4 +38,4 @@ pub struct App {
 }
 
 /// The state of the router.
-pub(super) type Shared = Arc<App>;
+pub(super) type SharedApp = Arc<App>;

@@ -11,7 +11,7 @@ use flate2::Crc;
 use futures_util::stream;
 
 use super::answer::PartReader;
-use super::app::{App, Shared};
+use super::app::{App, SharedApp};
 use super::artifacts::made_again;
 use super::batches::unknown;
 use super::client::Client;
@@ -21,7 +21,7 @@ use super::segment::Segment;
 use super::zip::Zip;
 use crate::job::key::{Key, content};
 use crate::service::job_key::Tenant;
-use crate::service::peer::{Kind, Paid, Peer};
+use crate::service::peer::{Paid, Peer, QuotaKind};
 use crate::service::pool::{Lack, Lane};
 use crate::service::store::Manifest;
 use crate::wire::archive::{Contents, contents};
@@ -48,15 +48,15 @@ const FILE_BYTES: u64 = 512;
     )
 )]
 pub(super) async fn archive(
-    State(app): State<Shared>,
+    State(app): State<SharedApp>,
     client: Client,
     Segment(id): Segment,
     headers: HeaderMap,
 ) -> Response {
-    answered(&app, &client, &id, &headers).unwrap_or_else(IntoResponse::into_response)
+    respond(&app, &client, &id, &headers).unwrap_or_else(IntoResponse::into_response)
 }
 
-fn answered(app: &Arc<App>, client: &Client, id: &str, headers: &HeaderMap) -> Result<Response, Problem> {
+fn respond(app: &Arc<App>, client: &Client, id: &str, headers: &HeaderMap) -> Result<Response, Problem> {
     let peer = client.peer();
     let standing = client.named(id).and_then(|batch| app.desk.batch_standing(&batch)).ok_or_else(unknown)?;
     if !standing.phase.is_settled() {
@@ -65,7 +65,7 @@ fn answered(app: &Arc<App>, client: &Client, id: &str, headers: &HeaderMap) -> R
     let (desk, request) = (&app.desk, &standing.batch.request);
     let bytes = request.text.len() as u64 + FILE_BYTES * (request.n() as u64 + 2 * request.n_outputs);
     let busy = |_| desk.pool.busy(Lane::Reading, Lack::Answers);
-    let paid = desk.peers.charge(&desk.account.answers, Kind::AnswerBytes, peer, bytes).map_err(busy)?;
+    let paid = desk.peers.charge(&desk.account.answers, QuotaKind::AnswerBytes, peer, bytes).map_err(busy)?;
     let Contents { manifest, files } = contents(&standing.batch);
     let key = content(&manifest);
     let mut head = HeaderMap::new();
@@ -87,7 +87,7 @@ fn answered(app: &Arc<App>, client: &Client, id: &str, headers: &HeaderMap) -> R
     head.insert(header::CONTENT_LENGTH, zip.length().into());
     let files = files.into_iter().map(|file| (file.key, file.bytes)).collect();
     let tenant = standing.batch.batch.tenant;
-    let writing = Writing {
+    let writing = ArchiveWriter {
         app: app.clone(),
         peer,
         tenant,
@@ -108,7 +108,7 @@ fn answered(app: &Arc<App>, client: &Client, id: &str, headers: &HeaderMap) -> R
 }
 
 /// An archive that is written as fast as its client reads it; each result is looked up or computed only at its turn.
-struct Writing {
+struct ArchiveWriter {
     app: Arc<App>,
     peer: Peer,
     tenant: Tenant,
@@ -132,7 +132,7 @@ enum Open {
     Kept(PartReader, usize, usize),
 }
 
-impl Writing {
+impl ArchiveWriter {
     /// Returns the next bytes, or `None` at the end.
     async fn next(&mut self) -> io::Result<Option<Bytes>> {
         match self.open.take() {
@@ -164,7 +164,7 @@ impl Writing {
 
     /// Opens a result and reads it once for its checksum, which precedes it in the archive.
     async fn opened(&self, key: Key, length: u64) -> io::Result<(Open, u32)> {
-        if let Some(manifest) = self.app.desk.find(key, self.peer).await
+        if let Some(manifest) = self.app.desk.find_artifact(key, self.peer).await
             && let Some(open) = self.kept(&manifest, length).await?
         {
             return Ok(open);

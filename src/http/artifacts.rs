@@ -9,13 +9,13 @@ use axum::response::{IntoResponse, Response};
 
 use super::address::{etag, of_extension};
 use super::answer::{self, Artifact, Lost};
-use super::app::{App, Shared};
+use super::app::{App, SharedApp};
 use super::client::Client;
 use super::negotiate;
 use super::problem::{self, Problem};
 use super::segment::Segment;
 use super::variants::coded;
-use super::working::{self, Asked};
+use super::working::{self, ParsedJob};
 use crate::job::Form;
 use crate::job::key::Key;
 use crate::output::{FORMATS, Format};
@@ -44,7 +44,7 @@ use crate::service::peer::Peer;
     )
 )]
 pub(super) async fn artifact(
-    State(app): State<Shared>,
+    State(app): State<SharedApp>,
     client: Client,
     Segment(file): Segment,
     method: Method,
@@ -53,10 +53,10 @@ pub(super) async fn artifact(
     if method == Method::HEAD {
         headers.remove(header::RANGE); // ranges are for GET alone (RFC 9110, 14.2)
     }
-    answered(&app, &client, &file, &headers).await.unwrap_or_else(IntoResponse::into_response)
+    respond(&app, &client, &file, &headers).await.unwrap_or_else(IntoResponse::into_response)
 }
 
-async fn answered(app: &Arc<App>, client: &Client, file: &str, headers: &HeaderMap) -> Result<Response, Problem> {
+async fn respond(app: &Arc<App>, client: &Client, file: &str, headers: &HeaderMap) -> Result<Response, Problem> {
     let unknown = || {
         let detail =
             "there is no artifact of this name; an address is /v1/artifacts/{64 hexadecimal digits}.{extension}";
@@ -64,19 +64,19 @@ async fn answered(app: &Arc<App>, client: &Client, file: &str, headers: &HeaderM
     };
     let (id, extension) = file.split_once('.').ok_or_else(unknown)?;
     let key = Key::parse(id).ok_or_else(unknown)?;
-    if let Some(manifest) = app.desk.find(key, client.peer()).await {
+    if let Some(manifest) = app.desk.find_artifact(key, client.peer()).await {
         // a damaged artifact has been dropped from the store, and is computed again if its job is known
-        match tell(app, &key, extension, headers, Artifact::kept(manifest, client.peer())).await? {
+        match respond_with(app, &key, extension, headers, Artifact::kept(manifest, client.peer())).await? {
             Err(Lost::Gone) => {}
             answered => return Ok(answered?),
         }
     }
     let found = made_again(app, client.peer(), client.tenant(), &key).await?;
-    Ok(tell(app, &key, extension, headers, found).await??)
+    Ok(respond_with(app, &key, extension, headers, found).await??)
 }
 
 /// Returns the answer about an artifact that was found.
-async fn tell(
+async fn respond_with(
     app: &Arc<App>,
     key: &Key,
     extension: &str,
@@ -126,8 +126,8 @@ pub(super) async fn made_again(app: &Arc<App>, peer: Peer, tenant: Tenant, key: 
         }
         Err(problem) => problem,
     };
-    let mut asked = working::asked_again(app, peer, request, format).await.map_err(outdated)?;
-    if let Asked::Render(read) = &mut asked
+    let mut asked = working::read_again(app, peer, request, format).await.map_err(outdated)?;
+    if let ParsedJob::Render(read) = &mut asked
         && let Some(detail) = read.job.detail(key)
     {
         // the key is that of a file to which a result of the job refers

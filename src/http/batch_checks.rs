@@ -14,7 +14,7 @@ use super::working;
 use crate::fault::Fault;
 use crate::job::key::{Key, content};
 use crate::math::amounts::{in_bytes, thousands};
-use crate::service::batches::{BatchRequest, Layout};
+use crate::service::batches::{Layout, ParsedBatch};
 use crate::service::peer::Peer;
 use crate::wire::batch::{layout, placed};
 use crate::wire::read::weight;
@@ -22,13 +22,13 @@ use crate::wire::read::weight;
 /// Upper bound of the texts of all jobs of a batch, in multiples of the maximum length of a body: by default 256 MiB,
 /// read in some seconds. Half of it refuses grids of templates that hold a large mesh sooner; twice of it checks for
 /// twice as long before the answer.
-const MOST_BODIES: u64 = 8;
+const MAX_BODIES: u64 = 8;
 /// Maximum number of outputs of all jobs of a batch: its state is 2 MiB of JSON then. Half of it refuses batches of
 /// 1,000 jobs with three outputs; twice of it sends 4 MiB to each listener.
-const MOST_OUTPUTS: u64 = 4096;
+const MAX_OUTPUTS: u64 = 4096;
 /// Number of faults after which no further job is checked: more than a client mends at once. Half or twice of it halves
 /// or doubles the time that a wrong batch takes.
-const MOST_FAULTS: usize = 50;
+const MAX_FAULTS: usize = 50;
 
 /// Finds the jobs of a batch in its text, and computes its id: the hash of the texts of its jobs in their order.
 ///
@@ -38,7 +38,7 @@ pub(super) async fn read(app: &Arc<App>, peer: Peer, sent: &Sent) -> Result<(Key
     let (text, most, bodies) = (sent.bytes.clone(), app.settings.max_batch_items, app.settings.max_body_bytes);
     let read = app.desk.read(peer, weight(sent.length()), move |_| {
         let layout = layout(&text)?;
-        bounded(&layout, most, MOST_BODIES * bodies).map_err(|fault| Problem::invalid(vec![fault]))?;
+        bounded(&layout, most, MAX_BODIES * bodies).map_err(|fault| Problem::invalid(vec![fault]))?;
         let mut hashes = b"planish batch 1".to_vec();
         let n = usize::try_from(layout.n()).unwrap_or(usize::MAX);
         for at in 0..n {
@@ -81,9 +81,9 @@ pub(super) async fn checked(
     client: &Client,
     sent: &Sent,
     layout: Layout,
-) -> Result<BatchRequest, Problem> {
+) -> Result<ParsedBatch, Problem> {
     let n = usize::try_from(layout.n()).unwrap_or(usize::MAX);
-    let (mut faults, mut told, mut n_outputs) = (Vec::new(), BTreeSet::new(), 0);
+    let (mut faults, mut reported, mut n_outputs) = (Vec::new(), BTreeSet::new(), 0);
     let (mut charge, most) = (Charge::default(), app.desk.most_item_bytes());
     for at in 0..n {
         let text = Bytes::from(layout.text(&sent.bytes, at));
@@ -97,23 +97,23 @@ pub(super) async fn checked(
             Err(problem) => {
                 let of_job = problem.placed(at, |fault| placed(&layout, at, fault)).faults()?;
                 faults.extend(
-                    of_job.into_iter().filter(|fault| told.insert((fault.pointer.clone(), fault.detail.clone()))),
+                    of_job.into_iter().filter(|fault| reported.insert((fault.pointer.clone(), fault.detail.clone()))),
                 );
             }
         }
-        if faults.len() >= MOST_FAULTS {
+        if faults.len() >= MAX_FAULTS {
             break;
         }
     }
     if !faults.is_empty() {
         return Err(Problem::invalid(faults));
     }
-    if n_outputs > MOST_OUTPUTS {
-        let (n, most) = (thousands(n_outputs.into()), thousands(MOST_OUTPUTS.into()));
+    if n_outputs > MAX_OUTPUTS {
+        let (n, most) = (thousands(n_outputs.into()), thousands(MAX_OUTPUTS.into()));
         let detail = format!("its jobs have {n} outputs together, at most {most}; send several batches");
         return Err(Problem::new(problem::TOO_LARGE, detail));
     }
-    let request = BatchRequest { text: sent.text(), layout, n_outputs };
+    let request = ParsedBatch { text: sent.text(), layout, n_outputs };
     let (bytes, most) = (request.bytes(), app.desk.most_batch_bytes());
     if bytes > most {
         return Err(Problem::new(problem::TOO_LARGE, too_long("the batch takes", bytes, most)));

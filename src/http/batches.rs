@@ -10,9 +10,9 @@ use axum::response::{IntoResponse, Response};
 use serde_json::{Value, json};
 
 use super::address::address;
-use super::app::{App, Shared};
+use super::app::{App, SharedApp};
 use super::client::Client;
-use super::content::Takes;
+use super::content::AcceptedBodies;
 use super::feed::{self, Followed};
 use super::problem::{self, Problem};
 use super::segment::Segment;
@@ -20,9 +20,9 @@ use super::{batch_checks, body, jobs, negotiate, posting};
 use crate::service::accepting::NotAccepted;
 use crate::service::batches::BatchStanding;
 use crate::service::job_key::{JobKey, Priority};
-use crate::service::jobs::Phase;
+use crate::service::jobs::JobPhase;
 use crate::service::lent::Lent;
-use crate::service::peer::{Kind, Peer};
+use crate::service::peer::{Peer, QuotaKind};
 use crate::service::pool::{Lack, Lane};
 use crate::wire::batch::BatchRequest;
 use crate::wire::batch_standing::{BatchAnswer, BatchProgress, BatchesAnswer};
@@ -53,14 +53,14 @@ use crate::wire::batch_standing::{BatchAnswer, BatchProgress, BatchesAnswer};
     )
 )]
 pub(super) async fn post_batch(
-    State(app): State<Shared>,
+    State(app): State<SharedApp>,
     client: Client,
     headers: HeaderMap,
     RawQuery(query): RawQuery,
     body: Body,
 ) -> Response {
     let answer = async {
-        let sent = body::collect(&app, &client, &headers, Takes::Jobs, body).await?;
+        let sent = body::collect(&app, &client, &headers, AcceptedBodies::Jobs, body).await?;
         let terms = posting::terms(query.as_deref().unwrap_or_default(), Priority::Batch).map_err(Problem::invalid)?;
         let (id, layout) = batch_checks::read(&app, client.peer(), &sent).await?;
         let batch = JobKey { tenant: client.tenant(), id };
@@ -77,8 +77,12 @@ pub(super) async fn post_batch(
         }
         let standing = app.desk.batch_standing(&batch).ok_or_else(unknown)?;
         let status = if standing.phase.is_settled() { StatusCode::OK } else { StatusCode::ACCEPTED };
-        let told = told(&app, client.peer(), status, &standing)?;
-        Ok::<_, Problem>(jobs::located(told, &format!("/v1/batches/{id}"), said.then_some(patience.as_secs())))
+        let response = state_response(&app, client.peer(), status, &standing)?;
+        Ok::<_, Problem>(jobs::with_location(
+            response,
+            &format!("/v1/batches/{id}"),
+            said.then_some(patience.as_secs()),
+        ))
     };
     answer.await.into_response()
 }
@@ -92,9 +96,9 @@ pub(super) async fn post_batch(
         (status = 200, description = "How it stands", body = BatchAnswer),
     )
 )]
-pub(super) async fn batch(State(app): State<Shared>, client: Client, Segment(id): Segment) -> Response {
+pub(super) async fn batch(State(app): State<SharedApp>, client: Client, Segment(id): Segment) -> Response {
     let standing = client.named(&id).and_then(|batch| app.desk.batch_standing(&batch)).ok_or_else(unknown);
-    standing.and_then(|standing| told(&app, client.peer(), StatusCode::OK, &standing)).into_response()
+    standing.and_then(|standing| state_response(&app, client.peer(), StatusCode::OK, &standing)).into_response()
 }
 
 /// Batches, the newest first, by pages, without their jobs.
@@ -109,7 +113,7 @@ pub(super) async fn batch(State(app): State<Shared>, client: Client, Segment(id)
         (status = 200, description = "A page of them", body = BatchesAnswer, example = json!({ "batches": [] })),
     )
 )]
-pub(super) async fn list_batches(State(app): State<Shared>, client: Client, RawQuery(query): RawQuery) -> Response {
+pub(super) async fn list_batches(State(app): State<SharedApp>, client: Client, RawQuery(query): RawQuery) -> Response {
     let page = match jobs::page(query.as_deref().unwrap_or_default()) {
         Ok(page) => page,
         Err(fault) => return Problem::invalid(vec![fault]).into_response(),
@@ -132,14 +136,14 @@ pub(super) async fn list_batches(State(app): State<Shared>, client: Client, RawQ
         (status = 202, description = "It is cancelled", body = BatchAnswer),
     )
 )]
-pub(super) async fn cancel_batch(State(app): State<Shared>, client: Client, Segment(id): Segment) -> Response {
+pub(super) async fn cancel_batch(State(app): State<SharedApp>, client: Client, Segment(id): Segment) -> Response {
     let Some(batch) = client.named(&id) else { return unknown().into_response() };
     let status = if app.desk.cancel_batch(&batch) { StatusCode::ACCEPTED } else { StatusCode::OK };
     if let Err(error) = app.desk.batch_written(&batch).await {
         return Problem::from(error).into_response();
     }
     let standing = app.desk.batch_standing(&batch).ok_or_else(unknown);
-    standing.and_then(|standing| told(&app, client.peer(), status, &standing)).into_response()
+    standing.and_then(|standing| state_response(&app, client.peer(), status, &standing)).into_response()
 }
 
 /// Forgets a batch; when it is still under way it is cancelled. Its results and the jobs that are done stay.
@@ -151,7 +155,7 @@ pub(super) async fn cancel_batch(State(app): State<Shared>, client: Client, Segm
         (status = 204, description = "It is forgotten"),
     )
 )]
-pub(super) async fn forget_batch(State(app): State<Shared>, client: Client, Segment(id): Segment) -> Response {
+pub(super) async fn forget_batch(State(app): State<SharedApp>, client: Client, Segment(id): Segment) -> Response {
     if let Some(batch) = client.named(&id).filter(|batch| app.desk.forget_batch(batch)) {
         let written = app.desk.batch_written(&batch).await.map_err(Problem::from);
         return written.map(|()| StatusCode::NO_CONTENT).into_response();
@@ -176,7 +180,7 @@ pub(super) async fn forget_batch(State(app): State<Shared>, client: Client, Segm
     )
 )]
 pub(super) async fn batch_events(
-    State(app): State<Shared>,
+    State(app): State<SharedApp>,
     client: Client,
     Segment(id): Segment,
     headers: HeaderMap,
@@ -184,7 +188,7 @@ pub(super) async fn batch_events(
     let found = client.named(&id).and_then(|batch| Some((batch, app.desk.batch_standing(&batch)?)));
     let Some((batch, standing)) = found else { return unknown().into_response() };
     let ended = standing.batch.ended.subscribe();
-    let look: feed::Look = Box::new(move |app| Some(Box::new(app.desk.batch_standing(&batch)?)));
+    let look: feed::StateLookup = Box::new(move |app| Some(Box::new(app.desk.batch_standing(&batch)?)));
     feed::stream(&app, (&client, &headers), Box::new(standing), ended, look)
 }
 
@@ -193,7 +197,7 @@ impl Followed for BatchStanding {
         Self::sequence(self)
     }
 
-    fn phase(&self) -> &Phase {
+    fn phase(&self) -> &JobPhase {
         &self.phase
     }
 
@@ -219,10 +223,16 @@ fn answer(standing: &BatchStanding) -> BatchAnswer {
 }
 
 /// Returns the answer with the state of a batch; its memory is charged to the client.
-fn told(app: &Arc<App>, peer: Peer, status: StatusCode, standing: &BatchStanding) -> Result<Response, Problem> {
+fn state_response(
+    app: &Arc<App>,
+    peer: Peer,
+    status: StatusCode,
+    standing: &BatchStanding,
+) -> Result<Response, Problem> {
     let text = Bytes::from(json!(answer(standing)).to_string());
     let (desk, busy) = (&app.desk, |_| app.desk.pool.busy(Lane::Reading, Lack::Answers));
-    let paid = desk.peers.charge(&desk.account.answers, Kind::AnswerBytes, peer, text.len() as u64).map_err(busy)?;
+    let paid =
+        desk.peers.charge(&desk.account.answers, QuotaKind::AnswerBytes, peer, text.len() as u64).map_err(busy)?;
     let kind = [(header::CONTENT_TYPE, "application/json"), (header::CACHE_CONTROL, "no-cache")];
     let mut response = (status, kind, Body::from(Lent::new(text, paid))).into_response();
     if !standing.phase.is_settled() {

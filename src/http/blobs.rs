@@ -8,10 +8,10 @@ use axum::http::{HeaderMap, HeaderName, HeaderValue, Method, StatusCode, header}
 use axum::response::{IntoResponse, Response};
 use futures_util::stream;
 
-use super::app::{App, Shared};
+use super::app::{App, SharedApp};
 use super::body::{Arriving, Attached, Sent, announced, drain};
 use super::client::Client;
-use super::content::{self, Coding, Kind, Notation, Takes};
+use super::content::{self, AcceptedBodies, BodyCoding, BodyKind, Notation};
 use super::inflate::too_long;
 use super::negotiate::has_tag;
 use super::problem::{self, Problem};
@@ -20,9 +20,9 @@ use crate::fault::{Fault, shortened};
 use crate::input::{Alone, READERS};
 use crate::job::key::Key;
 use crate::service::computation::Failure;
-use crate::service::peer::{Kind as Held, Paid, Peer};
+use crate::service::peer::{Paid, Peer, QuotaKind};
 use crate::service::pool::{Lack, Lane};
-use crate::service::read_lane::Unread;
+use crate::service::read_lane::ReadRefusal;
 use crate::service::store::{Manifest, PART_BYTES, StoreError};
 use crate::service::uploads::{Unknown, Upload};
 use crate::wire::answer::BlobAnswer;
@@ -52,7 +52,12 @@ const PICTURE_STARTS: &[u8] = b"\x89PNG\r\n\x1a\n";
             body = BlobAnswer),
     )
 )]
-pub(super) async fn upload(State(app): State<Shared>, client: Client, headers: HeaderMap, mut body: Body) -> Response {
+pub(super) async fn upload(
+    State(app): State<SharedApp>,
+    client: Client,
+    headers: HeaderMap,
+    mut body: Body,
+) -> Response {
     let kept = kept(&app, &client, &headers, &mut body).await;
     if kept.is_err() && !headers.contains_key(header::EXPECT) {
         drain(body, std::time::Duration::from_secs(app.settings.body_timeout_s)).await;
@@ -77,7 +82,7 @@ pub(super) async fn upload(State(app): State<Shared>, client: Client, headers: H
     )
 )]
 pub(super) async fn blob(
-    State(app): State<Shared>,
+    State(app): State<SharedApp>,
     client: Client,
     Segment(id): Segment,
     method: Method,
@@ -118,7 +123,7 @@ pub(super) async fn blob(
 fn parts(app: &Arc<App>, peer: Peer, manifest: Arc<Manifest>) -> Option<Body> {
     let desk = &app.desk;
     let part = manifest.length.min(PART_BYTES as u64);
-    let paid: Paid = desk.peers.charge(&desk.account.answers, Held::AnswerBytes, peer, 2 * part).ok()?;
+    let paid: Paid = desk.peers.charge(&desk.account.answers, QuotaKind::AnswerBytes, peer, 2 * part).ok()?;
     let pin = desk.uploads.pin(&manifest.key);
     let next = (app.clone(), manifest, 0, (paid, pin));
     let parts = stream::unfold(next, |(app, manifest, at, held)| async move {
@@ -139,8 +144,8 @@ async fn kept(app: &Arc<App>, client: &Client, headers: &HeaderMap, body: &mut B
         // the first bytes show that it is a PNG
         of_reader.remove(header::CONTENT_TYPE);
     }
-    let (kind, coding) = content::of(&of_reader, Takes::Uploads)?;
-    if coding != Coding::Identity {
+    let (kind, coding) = content::of(&of_reader, AcceptedBodies::Uploads)?;
+    if coding != BodyCoding::Identity {
         return Err(Problem::new(problem::MEDIA_TYPE, "files are kept as they are; send it without Content-Encoding"));
     }
     let limit = app.settings.max_body_bytes;
@@ -150,7 +155,8 @@ async fn kept(app: &Arc<App>, client: &Client, headers: &HeaderMap, body: &mut B
     let (desk, peer) = (&app.desk, client.peer());
     // one piece that arrives, and one that is being written
     let busy = |_| desk.pool.busy(Lane::Reading, Lack::Bodies);
-    let _paid = desk.peers.charge(&desk.account.bodies, Held::BodyBytes, peer, 2 * PIECE_BYTES as u64).map_err(busy)?;
+    let _paid =
+        desk.peers.charge(&desk.account.bodies, QuotaKind::BodyBytes, peer, 2 * PIECE_BYTES as u64).map_err(busy)?;
     let mut arriving = Arriving::new(app, body, limit);
     let (mut piece, mut upload, mut media_type) = (Vec::with_capacity(PIECE_BYTES), None, None);
     loop {
@@ -173,7 +179,7 @@ async fn kept(app: &Arc<App>, client: &Client, headers: &HeaderMap, body: &mut B
     let (Some(upload), Some(media_type)) = (upload, media_type) else { return Err(internal()) };
     let finished = tokio::task::spawn_blocking(move || upload.finish(media_type, peer.tenant())).await;
     let manifest = finished.map_err(|_| internal())?.map_err(not_kept)?;
-    Ok(told(&manifest))
+    Ok(upload_response(&manifest))
 }
 
 /// Appends a piece to an upload.
@@ -184,7 +190,7 @@ async fn written(mut upload: Upload, piece: Vec<u8>) -> Result<Upload, Problem> 
 
 fn internal() -> Problem {
     let failure = Failure::Internal("an upload was lost".to_owned());
-    Problem::from(Unread::Failed(failure))
+    Problem::from(ReadRefusal::Failed(failure))
 }
 
 /// Returns the refusal of a file that the store does not take.
@@ -201,11 +207,11 @@ fn not_kept(error: StoreError) -> Problem {
 }
 
 /// Returns the media type under which a file is stored: as declared by the client, or recognized by the first bytes.
-fn media_type_of(kind: Kind, headers: &HeaderMap, first: &[u8]) -> Result<&'static str, Problem> {
-    if matches!(kind, Kind::Untold) && first.starts_with(PICTURE_STARTS) {
+fn media_type_of(kind: BodyKind, headers: &HeaderMap, first: &[u8]) -> Result<&'static str, Problem> {
+    if matches!(kind, BodyKind::Untold) && first.starts_with(PICTURE_STARTS) {
         return Ok(PICTURE);
     }
-    match kind.notation(headers, Takes::Uploads, first)? {
+    match kind.notation(headers, AcceptedBodies::Uploads, first)? {
         Notation::Job | Notation::JobAs(_) => Ok(JSON),
         Notation::File(reader, _) => Ok(reader.media_type),
     }
@@ -217,7 +223,7 @@ pub(super) fn format_of(media_type: &str) -> Option<&'static str> {
     reader.or((media_type == JSON).then_some("json"))
 }
 
-fn told(manifest: &Manifest) -> Response {
+fn upload_response(manifest: &Manifest) -> Response {
     let id = written_id(&manifest.key);
     let href = format!("/v1/blobs/{id}");
     let is_picture = manifest.media_type == PICTURE;
@@ -301,7 +307,7 @@ pub(super) async fn loaded(
         return Err(too_long(manifest.length, limit));
     }
     let (desk, busy) = (&app.desk, |_| app.desk.pool.busy(Lane::Reading, Lack::Bodies));
-    let paid = desk.peers.charge(&desk.account.bodies, Held::BodyBytes, peer, manifest.length).map_err(busy)?;
+    let paid = desk.peers.charge(&desk.account.bodies, QuotaKind::BodyBytes, peer, manifest.length).map_err(busy)?;
     let bytes = desk.uploads.whole(&manifest).await.ok_or_else(missing)?;
     Ok((id, manifest, bytes, paid))
 }

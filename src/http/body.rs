@@ -13,7 +13,7 @@ use tokio::time::Instant;
 use super::app::App;
 use super::charge::Charge;
 use super::client::Client;
-use super::content::{self, Coding, Kind, Notation, Takes};
+use super::content::{self, AcceptedBodies, BodyCoding, BodyKind, Notation};
 use super::inflate::{inflated, too_long};
 use super::pace::Pace;
 use super::problem::{self, Problem};
@@ -125,7 +125,7 @@ pub(super) async fn collect<B>(
     app: &Arc<App>,
     client: &Client,
     headers: &HeaderMap,
-    takes: Takes<'_>,
+    takes: AcceptedBodies<'_>,
     mut body: B,
 ) -> Result<Sent, Problem>
 where
@@ -148,8 +148,8 @@ where
 struct Collected {
     bytes: Vec<u8>,
     charge: Charge,
-    kind: Kind,
-    coding: Coding,
+    kind: BodyKind,
+    coding: BodyCoding,
 }
 
 /// Reads and discards the rest of a refused body, as most clients read no answer before they have sent everything.
@@ -175,7 +175,7 @@ async fn collected<B>(
     app: &App,
     client: &Client,
     headers: &HeaderMap,
-    takes: Takes<'_>,
+    takes: AcceptedBodies<'_>,
     body: &mut B,
 ) -> Result<Collected, Problem>
 where

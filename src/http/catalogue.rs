@@ -6,7 +6,7 @@ use axum::response::{IntoResponse, Response};
 use serde::Serialize;
 use utoipa::ToSchema;
 
-use super::app::Shared;
+use super::app::SharedApp;
 use super::problem::{self, Problem};
 use super::segment::Segment;
 use crate::config::Setting;
@@ -96,7 +96,7 @@ pub(super) struct LimitEntry {
     responses((status = 200, description = "The limits", body = Vec<LimitEntry>,
         example = json!([{ "name": "max_levels", "value": 64, "unit": "levels", "doc": "Most levels of any plan." }])))
 )]
-pub(super) async fn limits(State(app): State<Shared>) -> Json<Vec<LimitEntry>> {
+pub(super) async fn limits(State(app): State<SharedApp>) -> Json<Vec<LimitEntry>> {
     let fixed = [
         ("max_levels", u64::from(crate::scheme::plan::MAX_LEVELS), "levels", "Most levels of any plan."),
         (

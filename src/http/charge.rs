@@ -3,8 +3,8 @@
 use super::app::App;
 use super::client::Client;
 use super::problem::Problem;
-use crate::service::account::Held;
-use crate::service::peer::{Kind, Ticket};
+use crate::service::account::Reservation;
+use crate::service::peer::{QuotaKind, Ticket};
 use crate::service::pool::{Lack, Lane};
 
 /// Maximum length of bodies that are not charged, in bytes: as there is one per connection, the number of connections
@@ -15,14 +15,14 @@ const SHORT_BYTES: usize = 16 << 10;
 /// The memory that is charged for a body, in the account and to its peer.
 #[derive(Debug, Default)]
 pub(super) struct Charge {
-    memory: Option<Held>,
+    memory: Option<Reservation>,
     ticket: Option<Ticket>,
 }
 
 impl Charge {
     /// Raises the charge to a buffer of `bytes` bytes in total, before it is allocated; short bodies are free.
     pub(super) fn cover(&mut self, app: &App, client: &Client, bytes: usize) -> Result<(), Problem> {
-        let more = (bytes as u64).saturating_sub(self.memory.as_ref().map_or(0, Held::bytes));
+        let more = (bytes as u64).saturating_sub(self.memory.as_ref().map_or(0, Reservation::bytes));
         if bytes <= SHORT_BYTES || more == 0 {
             return Ok(());
         }
@@ -32,7 +32,7 @@ impl Charge {
         let is_fair = if let Some(ticket) = &mut self.ticket {
             ticket.grow(more, most_a_peer, bodies.capacity)
         } else {
-            self.ticket = peers.take(client.peer(), Kind::BodyBytes, more, most_a_peer, bodies.capacity);
+            self.ticket = peers.take(client.peer(), QuotaKind::BodyBytes, more, most_a_peer, bodies.capacity);
             self.ticket.is_some()
         };
         let is_there = is_fair

@@ -6,7 +6,7 @@ use std::sync::Arc;
 use axum::extract::FromRequestParts;
 use axum::http::request;
 
-use super::connections::{Connection, Phase};
+use super::connections::{Connection, ConnectionPhase};
 use super::problem::Problem;
 use crate::job::key::Key;
 use crate::service::job_key::{JobKey, Tenant};
@@ -25,14 +25,14 @@ pub(super) struct Caller {
     /// The key that the request shows or that signed its address; without a key, the IP address.
     pub(super) peer: Peer,
     /// The credentials of the request.
-    pub(super) shown: Shown,
+    pub(super) shown: Credentials,
     /// The refusal, if the request is not permitted.
     pub(super) refused: Option<Problem>,
 }
 
 /// The credentials of a request.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Shown {
+pub(super) enum Credentials {
     /// None: the service has no keys, or the resource is public.
     Nothing,
     /// A key, with its own limits of requests per minute and of requests in flight, if it has any.
@@ -59,12 +59,12 @@ impl Client {
 
     /// Returns whether shared caches must not store the answers to this client.
     pub(super) fn is_private(&self) -> bool {
-        matches!(self.caller.shown, Shown::Key(..)) && self.tenant() != Tenant::ANYONE
+        matches!(self.caller.shown, Credentials::Key(..)) && self.tenant() != Tenant::ANYONE
     }
 
     /// Records that the request has arrived completely.
     pub(super) fn has_sent(&self) {
-        self.connection.enter(Phase::Working);
+        self.connection.enter(ConnectionPhase::Working);
     }
 }
 

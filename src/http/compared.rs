@@ -17,7 +17,7 @@ use crate::input::Alone;
 use crate::job::key::Key;
 use crate::job::{PngFile, Side};
 use crate::service::computation::Phase;
-use crate::service::peer::{Kind, Paid, Peer};
+use crate::service::peer::{Paid, Peer, QuotaKind};
 use crate::service::pool::{Lack, Lane};
 use crate::service::store::Manifest;
 use crate::service::task::Render;
@@ -59,7 +59,7 @@ pub(super) async fn side(app: &Arc<App>, peer: Peer, place: &str, named: &Value)
                 ))
             })?;
             let missing = || fault(format!("there is no artifact {key} here; give the job that makes it"));
-            let manifest = app.desk.find(key, peer).await.ok_or_else(missing)?;
+            let manifest = app.desk.find_artifact(key, peer).await.ok_or_else(missing)?;
             let holds = Holds::of(&manifest.media_type).map_err(fault)?;
             of_file(app, peer, place, (key, holds), whole(app, peer, &manifest).await?, true).await
         }
@@ -109,7 +109,7 @@ async fn whole(app: &Arc<App>, peer: Peer, manifest: &Arc<Manifest>) -> Result<(
 /// Charges memory for bytes to a peer.
 fn charged(app: &Arc<App>, peer: Peer, bytes: u64) -> Result<Paid, Problem> {
     let desk = &app.desk;
-    let paid = desk.peers.charge(&desk.account.bodies, Kind::BodyBytes, peer, bytes);
+    let paid = desk.peers.charge(&desk.account.bodies, QuotaKind::BodyBytes, peer, bytes);
     paid.map_err(|_| desk.pool.busy(Lane::Reading, Lack::Bodies).into())
 }
 
@@ -151,7 +151,7 @@ async fn of_job(app: &Arc<App>, peer: Peer, job: &Value) -> Result<FoundSide, Pr
     let ReadJob { job, input, .. } = reading::job(app, peer, sent, 1, prepare).await?;
     let is_picture = job.outputs[0].format.media_type() == PICTURE;
     let (key, entries) = (job.keys()[0], job.entries(&job.outputs[0]));
-    if is_picture && let Some(manifest) = app.desk.find(key, peer).await {
+    if is_picture && let Some(manifest) = app.desk.find_artifact(key, peer).await {
         let (bytes, paid) = whole(app, peer, &manifest).await?;
         return picture(bytes, paid, true).map_err(|detail| Problem::invalid(vec![Fault::new("", detail)]));
     }

@@ -9,10 +9,10 @@ use axum::http::{HeaderMap, HeaderName, header};
 use axum::response::{IntoResponse, Response};
 
 use super::address::of_extension;
-use super::app::{App, Shared};
+use super::app::{App, SharedApp};
 use super::client::Client;
 use super::compared::{self, Booked};
-use super::content::Takes;
+use super::content::AcceptedBodies;
 use super::problem::Problem;
 use super::{body, reading};
 use crate::fault::Fault;
@@ -44,12 +44,12 @@ const PICTURE_BYTES: [u128; 2] = [4, 64 << 10];
         (status = 200, description = "What differs", body = ComparisonAnswer),
     )
 )]
-pub(super) async fn compare(State(app): State<Shared>, client: Client, headers: HeaderMap, body: Body) -> Response {
-    answered(&app, &client, &headers, body).await.unwrap_or_else(IntoResponse::into_response)
+pub(super) async fn compare(State(app): State<SharedApp>, client: Client, headers: HeaderMap, body: Body) -> Response {
+    respond(&app, &client, &headers, body).await.unwrap_or_else(IntoResponse::into_response)
 }
 
-async fn answered(app: &Arc<App>, client: &Client, headers: &HeaderMap, body: Body) -> Result<Response, Problem> {
-    let sent = body::collect(app, client, headers, Takes::Jobs, body).await?;
+async fn respond(app: &Arc<App>, client: &Client, headers: &HeaderMap, body: Body) -> Result<Response, Problem> {
+    let sent = body::collect(app, client, headers, AcceptedBodies::Jobs, body).await?;
     let (bytes, peer) = (weight(sent.bytes.len() as u64), client.peer());
     let (request, tolerances) = app
         .desk

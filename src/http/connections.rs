@@ -13,7 +13,7 @@ use crate::service::peer::Peer;
 /// What a connection is waiting for, in the order in which connections are closed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 #[repr(u8)]
-pub(super) enum Phase {
+pub(super) enum ConnectionPhase {
     /// The client, to send a request or the rest of one.
     Listening,
     /// The client, to read an answer.
@@ -96,7 +96,7 @@ impl Connections {
         let connection = Arc::new(Connection {
             peer,
             number,
-            phase: AtomicU8::new(Phase::Listening as u8),
+            phase: AtomicU8::new(ConnectionPhase::Listening as u8),
             since_us: AtomicU64::new(micros(self.clock.now())),
             clock: self.clock.clone(),
             closing: Notify::new(),
@@ -135,7 +135,8 @@ impl Table {
             (phase, usize::MAX - crowd, connection.since_us.load(Ordering::Relaxed), connection.number)
         };
         let waiting = self.open.values().filter(|connection| of.is_none_or(|peer| connection.peer == peer));
-        let waiting = waiting.filter(|connection| connection.phase.load(Ordering::Relaxed) != Phase::Working as u8);
+        let waiting =
+            waiting.filter(|connection| connection.phase.load(Ordering::Relaxed) != ConnectionPhase::Working as u8);
         waiting.min_by_key(rank).cloned()
     }
 
@@ -153,7 +154,7 @@ impl Table {
 
 impl Connection {
     /// Sets what the connection is waiting for from now on.
-    pub(super) fn enter(&self, phase: Phase) {
+    pub(super) fn enter(&self, phase: ConnectionPhase) {
         if self.phase.swap(phase as u8, Ordering::Relaxed) != phase as u8 {
             self.since_us.store(micros(self.clock.now()), Ordering::Relaxed);
         }
@@ -161,13 +162,13 @@ impl Connection {
 
     /// Records that a request has begun to arrive.
     pub(super) fn begin(&self) {
-        self.phase.store(Phase::Listening as u8, Ordering::Relaxed);
+        self.phase.store(ConnectionPhase::Listening as u8, Ordering::Relaxed);
         self.since_us.store(micros(self.clock.now()), Ordering::Relaxed);
     }
 
     /// Records that the client has read bytes of an answer; a connection that waits for a request keeps its phase.
     pub(super) fn is_read(&self) {
-        let (blocked, working) = (Phase::Blocked as u8, Phase::Working as u8);
+        let (blocked, working) = (ConnectionPhase::Blocked as u8, ConnectionPhase::Working as u8);
         let _ = self.phase.compare_exchange(blocked, working, Ordering::Relaxed, Ordering::Relaxed);
     }
 

@@ -8,7 +8,7 @@ use super::problem::{self, Problem};
 use crate::fault::shortened;
 use crate::input::{self, READERS, Reader};
 use crate::output::Format;
-use crate::wire::query::{BESIDE_THE_JOB, says_nothing};
+use crate::wire::query::{BESIDE_THE_JOB, refuse_parameters};
 
 /// Media types that clients send by default: `curl --data-binary`, and browsers for files of an unknown type.
 const UNTOLD: [&str; 2] = ["application/x-www-form-urlencoded", "application/octet-stream"];
@@ -26,7 +26,7 @@ pub(super) enum Notation {
 
 /// The content coding of a body.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Coding {
+pub(super) enum BodyCoding {
     /// No coding.
     Identity,
     /// gzip.
@@ -37,7 +37,7 @@ pub(super) enum Coding {
 
 /// The declared kind of a body.
 #[derive(Debug, Clone, Copy)]
-pub(super) enum Kind {
+pub(super) enum BodyKind {
     /// A job as JSON.
     Job,
     /// A mesh file of this reader's format.
@@ -48,7 +48,7 @@ pub(super) enum Kind {
 
 /// The kinds of bodies that a resource accepts.
 #[derive(Debug, Clone, Copy)]
-pub(super) enum Takes<'a> {
+pub(super) enum AcceptedBodies<'a> {
     /// Jobs only.
     Jobs,
     /// Jobs and mesh files; this is the query, which contains the rest of the job for a mesh file.
@@ -57,7 +57,7 @@ pub(super) enum Takes<'a> {
     Uploads,
 }
 
-impl<'a> Takes<'a> {
+impl<'a> AcceptedBodies<'a> {
     /// Returns the query; it is empty if it contains no part of a job.
     fn query(self) -> &'a str {
         if let Self::Files(query) = self { query } else { "" }
@@ -68,20 +68,25 @@ impl<'a> Takes<'a> {
 ///
 /// # Errors
 /// A media type, content coding or transfer coding that is not supported.
-pub(super) fn of(headers: &HeaderMap, takes: Takes<'_>) -> Result<(Kind, Coding), Problem> {
+pub(super) fn of(headers: &HeaderMap, takes: AcceptedBodies<'_>) -> Result<(BodyKind, BodyCoding), Problem> {
     check_transfer_coding(headers)?;
     Ok((kind(headers, takes)?, coding(headers)?))
 }
 
-impl Kind {
+impl BodyKind {
     /// Returns the form in which the request describes its job, given the bytes of its body.
     ///
     /// # Errors
     /// Parameters in the query that are not known beside a job, and bytes of an unknown format.
-    pub(super) fn notation(self, headers: &HeaderMap, takes: Takes<'_>, body: &[u8]) -> Result<Notation, Problem> {
+    pub(super) fn notation(
+        self,
+        headers: &HeaderMap,
+        takes: AcceptedBodies<'_>,
+        body: &[u8],
+    ) -> Result<Notation, Problem> {
         let reader = match self {
             Self::Job => {
-                says_nothing(takes.query(), BESIDE_THE_JOB).map_err(Problem::invalid)?;
+                refuse_parameters(takes.query(), BESIDE_THE_JOB).map_err(Problem::invalid)?;
                 return Ok(Notation::Job);
             }
             Self::File(reader) => reader,
@@ -108,12 +113,12 @@ fn check_transfer_coding(headers: &HeaderMap) -> Result<(), Problem> {
 }
 
 /// Returns the coding that `Content-Encoding` names; several codings in sequence are not supported.
-fn coding(headers: &HeaderMap) -> Result<Coding, Problem> {
+fn coding(headers: &HeaderMap) -> Result<BodyCoding, Problem> {
     let named = text(headers, &header::CONTENT_ENCODING).unwrap_or_default();
     match named.as_str() {
-        "" | "identity" => Ok(Coding::Identity),
-        "gzip" | "x-gzip" => Ok(Coding::Gzip),
-        "zstd" => Ok(Coding::Zstd),
+        "" | "identity" => Ok(BodyCoding::Identity),
+        "gzip" | "x-gzip" => Ok(BodyCoding::Gzip),
+        "zstd" => Ok(BodyCoding::Zstd),
         other => {
             let other = shortened(other);
             let detail = format!("Content-Encoding \"{other}\" is not read; send the body as it is, or gzip or zstd");
@@ -122,30 +127,30 @@ fn coding(headers: &HeaderMap) -> Result<Coding, Problem> {
     }
 }
 
-fn kind(headers: &HeaderMap, takes: Takes<'_>) -> Result<Kind, Problem> {
-    let takes_files = !matches!(takes, Takes::Jobs);
+fn kind(headers: &HeaderMap, takes: AcceptedBodies<'_>) -> Result<BodyKind, Problem> {
+    let takes_files = !matches!(takes, AcceptedBodies::Jobs);
     let named = text(headers, &header::CONTENT_TYPE);
     let essence = named.as_deref().map(|value| value.split(';').next().unwrap_or("").trim());
     let reader = READERS.iter().find(|reader| essence == Some(reader.media_type));
     match (essence, reader) {
-        (Some("application/json"), _) => Ok(Kind::Job),
-        (_, Some(reader)) if takes_files => Ok(Kind::File(reader)),
-        (None, _) if takes_files => Ok(Kind::Untold),
-        (Some(essence), _) if takes_files && UNTOLD.contains(&essence) => Ok(Kind::Untold),
+        (Some("application/json"), _) => Ok(BodyKind::Job),
+        (_, Some(reader)) if takes_files => Ok(BodyKind::File(reader)),
+        (None, _) if takes_files => Ok(BodyKind::Untold),
+        (Some(essence), _) if takes_files && UNTOLD.contains(&essence) => Ok(BodyKind::Untold),
         _ => Err(unknown(headers, takes, &[])),
     }
 }
 
 /// Returns the refusal of a body whose media type is neither declared nor recognized; `body` is empty if it is not read
 /// yet.
-fn unknown(headers: &HeaderMap, takes: Takes<'_>, body: &[u8]) -> Problem {
+fn unknown(headers: &HeaderMap, takes: AcceptedBodies<'_>, body: &[u8]) -> Problem {
     let said = match text(headers, &header::CONTENT_TYPE) {
         Some(named) => format!("Content-Type is {}", shortened(&named)),
         None => "Content-Type is missing".to_owned(),
     };
     let shown = match input::foreign(body) {
         Some(what) => format!(", and the body is {what}"),
-        None if matches!(takes, Takes::Uploads) && !body.is_empty() => {
+        None if matches!(takes, AcceptedBodies::Uploads) && !body.is_empty() => {
             ", and the first bytes are those of no format that is read".to_owned()
         }
         None => String::new(),
@@ -153,17 +158,17 @@ fn unknown(headers: &HeaderMap, takes: Takes<'_>, body: &[u8]) -> Problem {
     let types: Vec<&str> = READERS.iter().map(|reader| reader.media_type).collect();
     let has = |word: &[u8; 7]| body.windows(7).any(|found| found == word);
     let meant = match takes {
-        Takes::Files(_) if has(b"\"input\"") => "application/json",
-        Takes::Uploads if has(b"\"asset\"") => "model/gltf+json",
-        Takes::Uploads if body.trim_ascii_start().starts_with(b"{") => "application/json",
+        AcceptedBodies::Files(_) if has(b"\"input\"") => "application/json",
+        AcceptedBodies::Uploads if has(b"\"asset\"") => "model/gltf+json",
+        AcceptedBodies::Uploads if body.trim_ascii_start().starts_with(b"{") => "application/json",
         _ => types.first().unwrap_or(&"model/obj"),
     };
     let (types, curl) = (types.join(", "), format!("curl says so with -H 'Content-Type: {meant}'"));
     let job = "send the job as Content-Type: application/json";
     let remedy = match takes {
-        Takes::Jobs => job.to_owned(),
-        Takes::Files(_) => format!("{job}, or a mesh file as {types}; {curl}"),
-        Takes::Uploads => {
+        AcceptedBodies::Jobs => job.to_owned(),
+        AcceptedBodies::Files(_) => format!("{job}, or a mesh file as {types}; {curl}"),
+        AcceptedBodies::Uploads => {
             format!("send a mesh file as {types}, a mesh as application/json, or a picture as image/png; {curl}")
         }
     };

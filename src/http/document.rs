@@ -13,7 +13,7 @@ use utoipa::openapi::{
 
 use super::document_examples;
 use super::gate::{Need, needed};
-use super::problem::{self, Kind};
+use super::problem::{self, ProblemKind};
 use crate::config::keys::Role;
 use crate::input::READERS;
 use crate::output::{self, FORMATS};
@@ -67,7 +67,7 @@ const RESULT: &[&str] =
     &["ETag", "Content-Location", "Cache-Status", "Server-Timing", "Planish-Warnings", "Content-Encoding", "Vary"];
 const KEPT: &[&str] = &["Cache-Control", "Accept-Ranges"];
 /// Problems that every address may answer.
-const ANYWHERE: &[Kind] = &[
+const ANYWHERE: &[ProblemKind] = &[
     problem::NOT_HTTP,
     problem::BAD_HOST,
     problem::HOST,
@@ -77,7 +77,7 @@ const ANYWHERE: &[Kind] = &[
     problem::BUSY,
 ];
 /// Problems of bodies, and of the jobs in them.
-const BODY: &[Kind] = &[
+const BODY: &[ProblemKind] = &[
     problem::NOT_JSON,
     problem::NOT_CODED,
     problem::BROKEN_OFF,
@@ -89,9 +89,9 @@ const BODY: &[Kind] = &[
     problem::TRANSFER_CODING,
 ];
 /// Problems of jobs that are forecast.
-const FORECAST: &[Kind] = &[problem::TOO_LARGE, problem::TIMED_OUT];
+const FORECAST: &[ProblemKind] = &[problem::TOO_LARGE, problem::TIMED_OUT];
 /// Problems of jobs that are computed.
-const COMPUTED: &[Kind] = &[problem::INVALID, problem::GONE, problem::CANCELLED];
+const COMPUTED: &[ProblemKind] = &[problem::INVALID, problem::GONE, problem::CANCELLED];
 
 /// Adds to every operation what the handlers need not repeat.
 pub(super) fn completed(mut document: Api) -> Api {
@@ -312,7 +312,7 @@ fn refused() -> Content {
 }
 
 /// Adds problems to an operation; those with the same status share an entry.
-fn refuse(operation: &mut Operation, kinds: &[Kind]) {
+fn refuse(operation: &mut Operation, kinds: &[ProblemKind]) {
     for kind in kinds {
         let status = kind.status.as_u16().to_string();
         let text = format!("{} (`{}`)", kind.title, kind.slug);

@@ -7,10 +7,10 @@ use axum::body::Bytes;
 use axum::extract::{FromRequest, Request};
 use axum::http::request;
 
-use super::app::Shared;
+use super::app::SharedApp;
 use super::body::{self, Sent};
 use super::client::Client;
-use super::content::Takes;
+use super::content::AcceptedBodies;
 use super::memo;
 use super::problem::Problem;
 use crate::job::key::Key;
@@ -24,11 +24,11 @@ pub(super) struct Early {
 
 impl Early {
     /// Reads the body of a request, and computes its identity.
-    pub(super) async fn read<B>(app: &Shared, client: &Client, request: &request::Parts, body: B) -> Self
+    pub(super) async fn read<B>(app: &SharedApp, client: &Client, request: &request::Parts, body: B) -> Self
     where
         B: http_body::Body<Data = Bytes> + Unpin,
     {
-        let takes = Takes::Files(request.uri.query().unwrap_or_default());
+        let takes = AcceptedBodies::Files(request.uri.query().unwrap_or_default());
         let sent = body::collect(app, client, &request.headers, takes, body).await;
         let identity = sent
             .as_ref()
@@ -38,10 +38,10 @@ impl Early {
     }
 }
 
-impl FromRequest<Shared> for Early {
+impl FromRequest<SharedApp> for Early {
     type Rejection = Infallible;
 
-    async fn from_request(mut request: Request, _: &Shared) -> Result<Self, Infallible> {
+    async fn from_request(mut request: Request, _: &SharedApp) -> Result<Self, Infallible> {
         Ok(request.extensions_mut().remove().expect("every connection reads the bodies of jobs to be rendered"))
     }
 }

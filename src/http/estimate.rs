@@ -6,14 +6,14 @@ use axum::extract::{RawQuery, State};
 use axum::http::HeaderMap;
 use axum::response::{IntoResponse, Response};
 
-use super::app::Shared;
+use super::app::SharedApp;
 use super::client::Client;
-use super::content::Takes;
+use super::content::AcceptedBodies;
 use super::problem::Problem;
 use super::{body, negotiate, reading};
 use crate::wire::JobRequest;
 use crate::wire::answer::EstimateAnswer;
-use crate::wire::query::says_nothing;
+use crate::wire::query::refuse_parameters;
 
 /// What a job would come to: exact counts a level, bytes and key of each output, predicted time and memory.
 ///
@@ -26,15 +26,15 @@ use crate::wire::query::says_nothing;
     )
 )]
 pub(super) async fn estimate(
-    State(app): State<Shared>,
+    State(app): State<SharedApp>,
     client: Client,
     headers: HeaderMap,
     RawQuery(query): RawQuery,
     body: Body,
 ) -> Response {
     let answer = async {
-        let sent = body::collect(&app, &client, &headers, Takes::Jobs, body).await?;
-        says_nothing(query.as_deref().unwrap_or_default(), &[]).map_err(Problem::invalid)?;
+        let sent = body::collect(&app, &client, &headers, AcceptedBodies::Jobs, body).await?;
+        refuse_parameters(query.as_deref().unwrap_or_default(), &[]).map_err(Problem::invalid)?;
         let read = reading::job(&app, client.peer(), sent, usize::MAX, |request| {
             negotiate::settle(&HeaderMap::new(), request)
         });

@@ -9,10 +9,10 @@ use axum::http::HeaderMap;
 use axum::response::{IntoResponse, Response};
 
 use super::analyses::made;
-use super::app::{App, Shared};
+use super::app::{App, SharedApp};
 use super::body::Sent;
 use super::client::Client;
-use super::content::Takes;
+use super::content::AcceptedBodies;
 use super::problem::Problem;
 use super::reading::ReadJob;
 use super::{body, reading};
@@ -41,12 +41,12 @@ use crate::wire::read::{read, weight};
         (status = 304, description = "The client has the answer already (`If-None-Match`)"),
     )
 )]
-pub(super) async fn evaluate(State(app): State<Shared>, client: Client, headers: HeaderMap, body: Body) -> Response {
-    answered(&app, &client, &headers, body).await.unwrap_or_else(IntoResponse::into_response)
+pub(super) async fn evaluate(State(app): State<SharedApp>, client: Client, headers: HeaderMap, body: Body) -> Response {
+    respond(&app, &client, &headers, body).await.unwrap_or_else(IntoResponse::into_response)
 }
 
-async fn answered(app: &Arc<App>, client: &Client, headers: &HeaderMap, body: Body) -> Result<Response, Problem> {
-    let sent = body::collect(app, client, headers, Takes::Jobs, body).await?;
+async fn respond(app: &Arc<App>, client: &Client, headers: &HeaderMap, body: Body) -> Result<Response, Problem> {
+    let sent = body::collect(app, client, headers, AcceptedBodies::Jobs, body).await?;
     let (bytes, peer) = (weight(sent.bytes.len() as u64), client.peer());
     // the body stays charged while its places are in memory
     let text = sent.bytes.clone();

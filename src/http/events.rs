@@ -5,12 +5,12 @@ use axum::http::HeaderMap;
 use axum::response::{IntoResponse, Response};
 use serde_json::{Value, json};
 
-use super::app::Shared;
+use super::app::SharedApp;
 use super::client::Client;
 use super::feed::{self, Followed};
 use super::jobs;
 use super::segment::Segment;
-use crate::service::jobs::{Phase, Standing};
+use crate::service::jobs::{JobPhase, Standing};
 use crate::wire::standing::ProgressAnswer;
 
 /// What happens to a job, as it happens: `state` with the whole of it, at first and when it changes, `progress` with
@@ -34,7 +34,7 @@ use crate::wire::standing::ProgressAnswer;
     )
 )]
 pub(super) async fn events(
-    State(app): State<Shared>,
+    State(app): State<SharedApp>,
     client: Client,
     Segment(id): Segment,
     headers: HeaderMap,
@@ -42,7 +42,7 @@ pub(super) async fn events(
     let found = client.named(&id).and_then(|job| Some((job, app.desk.standing(&job)?)));
     let Some((job, standing)) = found else { return jobs::unknown().into_response() };
     let ended = standing.record.ended.subscribe();
-    let look: feed::Look = Box::new(move |app| Some(Box::new(app.desk.standing(&job)?)));
+    let look: feed::StateLookup = Box::new(move |app| Some(Box::new(app.desk.standing(&job)?)));
     feed::stream(&app, (&client, &headers), Box::new(standing), ended, look)
 }
 
@@ -51,7 +51,7 @@ impl Followed for Standing {
         Self::sequence(self)
     }
 
-    fn phase(&self) -> &Phase {
+    fn phase(&self) -> &JobPhase {
         &self.phase
     }
 

@@ -14,8 +14,8 @@ use tokio::sync::watch;
 use super::app::App;
 use super::client::Client;
 use super::problem::Problem;
-use crate::service::jobs::Phase;
-use crate::service::peer::{Kind, Paid, Ticket};
+use crate::service::jobs::JobPhase;
+use crate::service::peer::{Paid, QuotaKind, Ticket};
 use crate::service::pool::{Lack, Lane};
 
 /// Maximum silence of a stream: half of what proxies usually allow. Half of it wakes idle connections twice as often;
@@ -32,7 +32,7 @@ pub(super) trait Followed {
     /// Returns a number that grows with every change.
     fn sequence(&self) -> u64;
     /// Returns the phase.
-    fn phase(&self) -> &Phase;
+    fn phase(&self) -> &JobPhase;
     /// Returns the complete state as JSON, for the events `state` and `done`.
     fn whole(&self) -> Value;
     /// Returns the progress as JSON, for the event `progress`.
@@ -40,7 +40,7 @@ pub(super) trait Followed {
 }
 
 /// Returns the current state, or `None` if the job or batch has been forgotten.
-pub(super) type Look = Box<dyn Fn(&App) -> Option<Box<dyn Followed>> + Send + Sync>;
+pub(super) type StateLookup = Box<dyn Fn(&App) -> Option<Box<dyn Followed>> + Send + Sync>;
 
 /// Returns the event stream of a job or batch with the state `now`. `ended` becomes true when nothing more will happen
 /// to it, and `look` returns its state at any time.
@@ -49,7 +49,7 @@ pub(super) fn stream(
     (client, headers): (&Client, &HeaderMap),
     now: Box<dyn Followed>,
     ended: watch::Receiver<bool>,
-    look: Look,
+    look: StateLookup,
 ) -> Response {
     let seen = headers.get("last-event-id").and_then(|id| id.to_str().ok()).and_then(|id| id.trim().parse().ok());
     let feed = Feed::new(seen, app.desk.clock().now());
@@ -74,7 +74,7 @@ pub(super) fn stream(
 /// One client that listens.
 struct Listener {
     app: Arc<App>,
-    look: Look,
+    look: StateLookup,
     feed: Feed,
     ended: watch::Receiver<bool>,
     _held: (Ticket, Paid),
@@ -86,12 +86,12 @@ impl Listener {
         app: &Arc<App>,
         client: &Client,
         bytes: u64,
-        (look, feed, ended): (Look, Feed, watch::Receiver<bool>),
+        (look, feed, ended): (StateLookup, Feed, watch::Receiver<bool>),
     ) -> Option<Self> {
         let (desk, peer) = (&app.desk, client.peer());
         let most = (app.settings.max_connections as u64 / 4).max(2);
-        let ticket = desk.peers.take(peer, Kind::Listening, 1, most / 2, most)?;
-        let paid = desk.peers.charge(&desk.account.answers, Kind::AnswerBytes, peer, bytes).ok()?;
+        let ticket = desk.peers.take(peer, QuotaKind::Listening, 1, most / 2, most)?;
+        let paid = desk.peers.charge(&desk.account.answers, QuotaKind::AnswerBytes, peer, bytes).ok()?;
         Some(Self { app: app.clone(), look, feed, ended, _held: (ticket, paid) })
     }
 
@@ -122,14 +122,14 @@ struct Feed {
     /// The number of the last event that the client saw.
     seen: Option<u64>,
     /// The last complete state that was sent, and its phase.
-    told: Option<(Value, Phase)>,
+    last_state: Option<(Value, JobPhase)>,
     last_sent: Duration,
     is_done: bool,
 }
 
 impl Feed {
     fn new(seen: Option<u64>, now: Duration) -> Self {
-        Self { seen, told: None, last_sent: now, is_done: false }
+        Self { seen, last_state: None, last_sent: now, is_done: false }
     }
 
     fn has_seen_the_end(&self, standing: &dyn Followed) -> bool {
@@ -153,7 +153,7 @@ impl Feed {
     fn changed(&mut self, standing: &dyn Followed) -> Option<String> {
         let number = standing.sequence();
         let is_new = self.seen.is_none_or(|seen| number > seen);
-        let is_known = self.told.as_ref().is_some_and(|(_, phase)| phase == standing.phase());
+        let is_known = self.last_state.as_ref().is_some_and(|(_, phase)| phase == standing.phase());
         if !is_new && !standing.phase().is_settled() {
             return None;
         }
@@ -166,16 +166,16 @@ impl Feed {
             return Some(event(number, "progress", &standing.progress()));
         }
         let whole = standing.whole();
-        let told = event(number, "state", &whole);
-        self.told = Some((whole, standing.phase().clone()));
-        Some(told)
+        let sent = event(number, "state", &whole);
+        self.last_state = Some((whole, standing.phase().clone()));
+        Some(sent)
     }
 
     /// Returns the last event of a job or batch that has been forgotten.
     fn forgotten(&mut self) -> String {
         self.is_done = true;
         let number = self.seen.map_or(0, |seen| seen + 1);
-        let mut whole = self.told.take().map_or_else(|| json!({}), |(whole, _)| whole);
+        let mut whole = self.last_state.take().map_or_else(|| json!({}), |(whole, _)| whole);
         whole["state"] = "cancelled".into();
         event(number, "done", &whole)
     }

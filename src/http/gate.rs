@@ -8,7 +8,7 @@ use std::time::Duration;
 
 use axum::http::{HeaderMap, Method, header, request};
 
-use super::client::{Caller, Shown};
+use super::client::{Caller, Credentials};
 use super::problem::{self, Problem};
 use crate::config::keys::{KeyEntry, KeyFile, KeyFileError, LINKS, Link, LinkFault, Role, SHARED, Token, has_job};
 use crate::service::clock::Clock;
@@ -37,13 +37,13 @@ pub(super) enum Need {
 }
 
 /// The valid keys by id; `None` if there is no key file, so that everybody is let in.
-type Ring = Option<HashMap<String, KeyEntry>>;
+type KeyRing = Option<HashMap<String, KeyEntry>>;
 
 /// The gate of a service.
 #[derive(Debug)]
 pub struct Gate {
     file: Option<KeyFile>,
-    ring: RwLock<Arc<Ring>>,
+    ring: RwLock<Arc<KeyRing>>,
     clock: Arc<dyn Clock>,
 }
 
@@ -58,7 +58,7 @@ impl Gate {
         Ok(Self { file, ring: RwLock::new(Arc::new(ring)), clock })
     }
 
-    fn ring(&self) -> Arc<Ring> {
+    fn ring(&self) -> Arc<KeyRing> {
         self.ring.read().unwrap_or_else(PoisonError::into_inner).clone()
     }
 
@@ -81,7 +81,7 @@ impl Gate {
             self.clock.sleep(READ_AGAIN).await;
             let of_thread = file.clone();
             let read = tokio::task::spawn_blocking(move || read(&of_thread)).await;
-            let told = match read {
+            let message = match read {
                 Ok(Ok(None)) if self.is_shut() => {
                     Some(format!("{} is gone; the keys stay as they were", file.path().display()))
                 }
@@ -92,14 +92,14 @@ impl Gate {
                 Ok(Err(error)) => Some(format!("{error}; the keys stay as they were")),
                 Err(error) => Some(error.to_string()),
             };
-            if told != trouble {
-                told.iter().for_each(|told| tracing::error!("{told}"));
-                trouble = told;
+            if message != trouble {
+                message.iter().for_each(|message| tracing::error!("{message}"));
+                trouble = message;
             }
         }
     }
 
-    fn take(&self, ring: Ring) {
+    fn take(&self, ring: KeyRing) {
         if *self.ring() != ring {
             tracing::info!(keys = ring.as_ref().map_or(0, HashMap::len), "the keys have changed");
             *self.ring.write().unwrap_or_else(PoisonError::into_inner) = Arc::new(ring);
@@ -114,17 +114,17 @@ impl Gate {
         let judged = match (need, ring.as_ref()) {
             (Need::Signature { .. }, None) => Err(no_keys_here()),
             (Need::Signature { works }, Some(keys)) => signed(keys, request, works, now_s),
-            (Need::Nothing, _) | (_, None) => return caller(address, Shown::Nothing, None),
+            (Need::Nothing, _) | (_, None) => return caller(address, Credentials::Nothing, None),
             (Need::Role(role), Some(keys)) => shown(keys, &request.headers, role, now_s),
         };
         match judged {
             Ok((key, shown)) => caller(Peer::of_key(key.number(), tenant(key)), shown, None),
-            Err(problem) => caller(address, Shown::Nothing, Some(problem)),
+            Err(problem) => caller(address, Credentials::Nothing, Some(problem)),
         }
     }
 }
 
-fn read(file: &KeyFile) -> Result<Ring, KeyFileError> {
+fn read(file: &KeyFile) -> Result<KeyRing, KeyFileError> {
     let keys = file.read()?;
     Ok(keys.map(|keys| keys.into_iter().map(|key| (key.id.clone(), key)).collect()))
 }
@@ -160,7 +160,7 @@ fn shown<'a>(
     headers: &HeaderMap,
     role: Role,
     now_s: u64,
-) -> Result<(&'a KeyEntry, Shown), Problem> {
+) -> Result<(&'a KeyEntry, Credentials), Problem> {
     let refused = |detail: &str| Problem::new(problem::UNAUTHORIZED, detail);
     let Some(written) = headers.get(header::AUTHORIZATION) else {
         return Err(refused("the request shows no key; send the header \"Authorization: Bearer planish_...\""));
@@ -179,7 +179,7 @@ fn shown<'a>(
         let detail = format!("the key has the role {own}, and this takes {needs}; use a key with that role");
         return Err(Problem::new(problem::FORBIDDEN, detail));
     }
-    Ok((key, Shown::Key(key.requests_per_minute, key.in_flight)))
+    Ok((key, Credentials::Key(key.requests_per_minute, key.in_flight)))
 }
 
 /// Checks the signature of the address of a request, and returns the key that made it.
@@ -188,7 +188,7 @@ fn signed<'a>(
     request: &request::Parts,
     works: bool,
     now_s: u64,
-) -> Result<(&'a KeyEntry, Shown), Problem> {
+) -> Result<(&'a KeyEntry, Credentials), Problem> {
     let refused = |detail: &str| Problem::new(problem::BAD_LINK, detail);
     if ![Method::GET, Method::HEAD].contains(&request.method) {
         return Err(refused("a signed address can be read alone; send GET"));
@@ -210,7 +210,7 @@ fn signed<'a>(
         Ok(()) if works && key.role < Role::Render => {
             Err(refused("the key that signed the address may read only; sign it with one of the role render"))
         }
-        Ok(()) => Ok((key, Shown::Link(link.expires, key.requests_per_minute, key.in_flight))),
+        Ok(()) => Ok((key, Credentials::Link(link.expires, key.requests_per_minute, key.in_flight))),
     }
 }
 

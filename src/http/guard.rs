@@ -8,10 +8,10 @@ use axum::http::{HeaderValue, Version, header, request};
 use axum::middleware::Next;
 use axum::response::{IntoResponse, Response};
 
-use super::app::Shared;
+use super::app::SharedApp;
 use super::body::drain;
 use super::client::Client;
-use super::connections::Phase;
+use super::connections::ConnectionPhase;
 use super::problem::{self, Problem};
 use crate::config::Settings;
 use crate::config::authority::Authority;
@@ -20,11 +20,11 @@ use crate::fault::shortened;
 /// Maximum length of the line and the headers of a request in bytes, and the size of the buffer in which they arrive.
 /// The HTTP library alone takes up to twice of it, as its last read may exceed the buffer. Half of it would refuse
 /// addresses of the maximum length; twice of it would let each connection hold twice as much.
-pub(super) const MOST_HEAD_BYTES: usize = 64 << 10;
+pub(super) const MAX_HEAD_BYTES: usize = 64 << 10;
 
 /// Refuses requests whose head is too long, or that do not name exactly one host; on a loopback address it also refuses
 /// other than loopback names, against DNS rebinding.
-pub(super) async fn check_head(State(app): State<Shared>, request: Request, next: Next) -> Response {
+pub(super) async fn check_head(State(app): State<SharedApp>, request: Request, next: Next) -> Response {
     let (parts, body) = request.into_parts();
     match head(&parts, &app.settings) {
         Ok(()) => next.run(Request::from_parts(parts, body)).await,
@@ -35,9 +35,9 @@ pub(super) async fn check_head(State(app): State<Shared>, request: Request, next
 /// Checks the length of a request's head, and its hosts.
 pub(super) fn head(request: &request::Parts, settings: &Settings) -> Result<(), Problem> {
     let length = length(request);
-    if length > MOST_HEAD_BYTES {
+    if length > MAX_HEAD_BYTES {
         let detail = format!(
-            "the request's line and headers have {length} bytes, and a server reads {MOST_HEAD_BYTES}; send fewer or \
+            "the request's line and headers have {length} bytes, and a server reads {MAX_HEAD_BYTES}; send fewer or \
              shorter headers"
         );
         return Err(Problem::new(problem::HEAD_TOO_LONG, detail));
@@ -81,12 +81,12 @@ fn hosts(request: &request::Parts, settings: &Settings) -> Result<(), Problem> {
 
 /// Refuses requests that the gate refused; replaces `public` by `private` in the Cache-Control of answers to private
 /// clients.
-pub(super) async fn check_key(State(app): State<Shared>, client: Client, request: Request, next: Next) -> Response {
+pub(super) async fn check_key(State(app): State<SharedApp>, client: Client, request: Request, next: Next) -> Response {
     if let Some(problem) = client.caller.refused {
         if !request.headers().contains_key(header::EXPECT) {
             drain(request.into_body(), Duration::from_secs(app.settings.body_timeout_s)).await;
         }
-        client.connection.enter(Phase::Working);
+        client.connection.enter(ConnectionPhase::Working);
         return problem.into_response();
     }
     let is_private = client.is_private();

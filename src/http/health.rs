@@ -9,7 +9,7 @@ use axum::response::{IntoResponse, Response};
 use serde::Serialize;
 use utoipa::ToSchema;
 
-use super::app::Shared;
+use super::app::SharedApp;
 use super::problem::{self, Problem};
 use crate::service::account::{Share, ShareUsage};
 
@@ -65,7 +65,7 @@ pub(super) struct ShareAnswer {
             "memory": [{ "name": "answers", "capacity": 805_306_368, "taken": 0, "most": 20_044, "refused": 0 }] })),
     )
 )]
-pub(super) async fn readyz(State(app): State<Shared>) -> Response {
+pub(super) async fn readyz(State(app): State<SharedApp>) -> Response {
     let not_ready = |detail: String| Problem::new(problem::NOT_READY, detail).into_response();
     let (age, took) = match app.canary.last_success() {
         Some((age, took)) if age <= super::canary::STALE => (age, took),
@@ -80,7 +80,7 @@ pub(super) async fn readyz(State(app): State<Shared>) -> Response {
         ));
     }
     if let Some(trouble) = app.desk.tiers.disk_trouble() {
-        let (n, seconds) = (trouble.failures, trouble.lasts.as_secs());
+        let (n, seconds) = (trouble.failures, trouble.duration.as_secs());
         let remedy = "results are answered all the same, but not kept; look at the disk of --data-dir";
         let reason = &trouble.reason;
         return not_ready(format!("the disk has been failing for {seconds} s, {n} writes so far: {reason}; {remedy}"));

@@ -9,7 +9,7 @@ use flate2::bufread::MultiGzDecoder;
 use super::app::App;
 use super::charge::Charge;
 use super::client::Client;
-use super::content::Coding;
+use super::content::BodyCoding;
 use super::problem::{self, Problem};
 use crate::math::amounts::in_bytes;
 use crate::watch::Watch;
@@ -30,11 +30,11 @@ const PIECE_BYTES: usize = 64 << 10;
 pub(super) async fn inflated(
     app: &Arc<App>,
     client: &Client,
-    coding: Coding,
+    coding: BodyCoding,
     packed: Vec<u8>,
     charge: Charge,
 ) -> Result<(Vec<u8>, Charge), Problem> {
-    if coding == Coding::Identity {
+    if coding == BodyCoding::Identity {
         return Ok((packed, charge));
     }
     let (of_lane, of_client) = (app.clone(), client.clone());
@@ -49,7 +49,7 @@ pub(super) async fn inflated(
 fn inflate(
     app: &App,
     client: &Client,
-    coding: Coding,
+    coding: BodyCoding,
     packed: &[u8],
     watch: &Watch,
 ) -> Result<(Vec<u8>, Charge), Problem> {
@@ -76,11 +76,11 @@ fn inflate(
     }
 }
 
-fn decoder(coding: Coding, packed: &[u8]) -> std::io::Result<Box<dyn Read + '_>> {
+fn decoder(coding: BodyCoding, packed: &[u8]) -> std::io::Result<Box<dyn Read + '_>> {
     Ok(match coding {
-        Coding::Identity => Box::new(packed),
-        Coding::Gzip => Box::new(MultiGzDecoder::new(packed)),
-        Coding::Zstd => {
+        BodyCoding::Identity => Box::new(packed),
+        BodyCoding::Gzip => Box::new(MultiGzDecoder::new(packed)),
+        BodyCoding::Zstd => {
             let mut decoder = zstd::stream::read::Decoder::with_buffer(packed)?;
             decoder.window_log_max(WINDOW_LOG)?;
             Box::new(decoder)

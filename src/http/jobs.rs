@@ -8,7 +8,7 @@ use axum::http::{HeaderName, HeaderValue, StatusCode, header};
 use axum::response::{IntoResponse, Response};
 
 use super::address::address;
-use super::app::{App, Shared};
+use super::app::{App, SharedApp};
 use super::client::Client;
 use super::problem::{self, Problem};
 use super::segment::Segment;
@@ -33,9 +33,9 @@ const LARGEST_PAGE: u64 = 100;
         (status = 200, description = "How it stands", body = JobAnswer),
     )
 )]
-pub(super) async fn job(State(app): State<Shared>, client: Client, Segment(id): Segment) -> Response {
+pub(super) async fn job(State(app): State<SharedApp>, client: Client, Segment(id): Segment) -> Response {
     let standing = client.named(&id).and_then(|job| app.desk.standing(&job));
-    standing.map_or_else(|| unknown().into_response(), |standing| told(StatusCode::OK, &standing))
+    standing.map_or_else(|| unknown().into_response(), |standing| state_response(StatusCode::OK, &standing))
 }
 
 /// Jobs, the newest first, by pages.
@@ -48,7 +48,7 @@ pub(super) async fn job(State(app): State<Shared>, client: Client, Segment(id): 
     ),
     responses((status = 200, description = "A page of them", body = JobsAnswer, example = json!({ "jobs": [] })))
 )]
-pub(super) async fn list(State(app): State<Shared>, client: Client, RawQuery(query): RawQuery) -> Response {
+pub(super) async fn list(State(app): State<SharedApp>, client: Client, RawQuery(query): RawQuery) -> Response {
     let page = match page(query.as_deref().unwrap_or_default()) {
         Ok(page) => page,
         Err(fault) => return Problem::invalid(vec![fault]).into_response(),
@@ -70,13 +70,13 @@ pub(super) async fn list(State(app): State<Shared>, client: Client, RawQuery(que
         (status = 202, description = "It is cancelled", body = JobAnswer),
     )
 )]
-pub(super) async fn cancel(State(app): State<Shared>, client: Client, Segment(id): Segment) -> Response {
+pub(super) async fn cancel(State(app): State<SharedApp>, client: Client, Segment(id): Segment) -> Response {
     let Some(job) = client.named(&id) else { return unknown().into_response() };
     let status = if app.desk.cancel(&job) { StatusCode::ACCEPTED } else { StatusCode::OK };
     if let Err(error) = app.desk.jobs.written(job).await {
         return Problem::from(NotAccepted::from(error)).into_response();
     }
-    app.desk.standing(&job).map_or_else(|| unknown().into_response(), |standing| told(status, &standing))
+    app.desk.standing(&job).map_or_else(|| unknown().into_response(), |standing| state_response(status, &standing))
 }
 
 /// Forgets a job; when it is still under way and nobody else waits for its result, it is cancelled.
@@ -88,7 +88,7 @@ pub(super) async fn cancel(State(app): State<Shared>, client: Client, Segment(id
         (status = 204, description = "It is forgotten"),
     )
 )]
-pub(super) async fn forget(State(app): State<Shared>, client: Client, Segment(id): Segment) -> Response {
+pub(super) async fn forget(State(app): State<SharedApp>, client: Client, Segment(id): Segment) -> Response {
     if let Some(job) = client.named(&id).filter(|job| app.desk.forget(job)) {
         let written = app.desk.jobs.written(job).await.map_err(|error| Problem::from(NotAccepted::from(error)));
         return written.map(|()| StatusCode::NO_CONTENT).into_response();
@@ -108,7 +108,7 @@ pub(super) fn answer(standing: &Standing) -> JobAnswer {
 }
 
 /// Returns the answer with the state of a job.
-fn told(status: StatusCode, standing: &Standing) -> Response {
+fn state_response(status: StatusCode, standing: &Standing) -> Response {
     let head = [(header::CACHE_CONTROL, "no-cache")];
     let mut response = (status, head, axum::Json(answer(standing))).into_response();
     if !standing.phase.is_settled() {
@@ -121,19 +121,20 @@ fn told(status: StatusCode, standing: &Standing) -> Response {
 pub(super) fn accepted(app: &Arc<App>, job: &JobKey, waited: Option<u64>) -> Response {
     let Some(standing) = app.desk.standing(job) else { return unknown().into_response() };
     let status = if standing.phase.is_settled() { StatusCode::OK } else { StatusCode::ACCEPTED };
-    located(told(status, &standing), &format!("/v1/jobs/{}", job.id), waited)
+    with_location(state_response(status, &standing), &format!("/v1/jobs/{}", job.id), waited)
 }
 
 /// Returns the answer 202 with the location of a job that is under way.
 pub(super) fn later(app: &Arc<App>, job: &JobKey, waited: Option<u64>) -> Response {
     let Some(standing) = app.desk.standing(job) else { return unknown().into_response() };
-    let mut response = located(told(StatusCode::ACCEPTED, &standing), &format!("/v1/jobs/{}", job.id), waited);
+    let mut response =
+        with_location(state_response(StatusCode::ACCEPTED, &standing), &format!("/v1/jobs/{}", job.id), waited);
     response.headers_mut().insert(header::RETRY_AFTER, HeaderValue::from_static("1"));
     response
 }
 
 /// Adds the location of a posted job or batch, and the wait that was granted, to an answer.
-pub(super) fn located(mut response: Response, place: &str, waited: Option<u64>) -> Response {
+pub(super) fn with_location(mut response: Response, place: &str, waited: Option<u64>) -> Response {
     let headers = response.headers_mut();
     if let Ok(location) = HeaderValue::try_from(place) {
         headers.insert(header::LOCATION, location);

@@ -13,20 +13,20 @@ use base64::alphabet::URL_SAFE;
 use base64::engine::{DecodePaddingMode, GeneralPurpose, GeneralPurposeConfig};
 use flate2::read::ZlibDecoder;
 
-use super::address::MOST_LINK_BYTES;
-use super::app::{App, Shared};
+use super::address::MAX_LINK_BYTES;
+use super::app::{App, SharedApp};
 use super::body::Sent;
 use super::client::Client;
 use super::problem::{self, Problem};
-use super::render::{Wanted, rendered};
+use super::render::{ResultRequest, rendered};
 use super::{memo, streaming};
 use crate::fault::{Fault, shortened};
 use crate::output::{self, FORMATS};
-use crate::wire::query::says_nothing;
+use crate::wire::query::refuse_parameters;
 
 /// Maximum length of a job in an address, inflated, in bytes, which is a promise of the interface. Half of it refuses
 /// meshes that still fit into an address; twice of it lets an address hold twice as much uncharged memory.
-const MOST_JOB_BYTES: usize = 64 << 10;
+const MAX_JOB_BYTES: usize = 64 << 10;
 /// Maximum time for which caches may store the result of an address. The job determines the result, but a new version
 /// of planish may change it: with a day, pages see that the next day, and repeated requests until then cost nothing;
 /// half or twice of it changes only that time.
@@ -57,7 +57,7 @@ const BASE64: GeneralPurpose = GeneralPurpose::new(
     )
 )]
 pub(super) async fn link(
-    State(app): State<Shared>,
+    State(app): State<SharedApp>,
     client: Client,
     headers: HeaderMap,
     uri: Uri,
@@ -71,11 +71,11 @@ pub(super) async fn link(
         Problem::invalid(vec![Fault::new(at, detail)])
     });
     let wanted = wanted.and_then(|job| {
-        says_nothing(&query, &["job", "keep"]).map_err(Problem::invalid)?;
+        refuse_parameters(&query, &["job", "keep"]).map_err(Problem::invalid)?;
         wanted_by((&client, &headers), &uri, &job, at)
     });
-    let wanted = wanted.and_then(|wanted| Ok(Wanted { keep: streaming::asks_to_keep(Some(&query))?, ..wanted }));
-    answered(&app, &client, &headers, wanted).await.unwrap_or_else(IntoResponse::into_response)
+    let wanted = wanted.and_then(|wanted| Ok(ResultRequest { keep: streaming::asks_to_keep(Some(&query))?, ..wanted }));
+    respond(&app, &client, &headers, wanted).await.unwrap_or_else(IntoResponse::into_response)
 }
 
 /// Renders a job as Kroki's clients ask for it: the format in the address, and behind it the job without `outputs`,
@@ -95,7 +95,7 @@ pub(super) async fn link(
     )
 )]
 pub(super) async fn kroki(
-    State(app): State<Shared>,
+    State(app): State<SharedApp>,
     client: Client,
     headers: HeaderMap,
     uri: Uri,
@@ -109,24 +109,29 @@ pub(super) async fn kroki(
             unknown(format!("there is no format \"{}\"; known are {}", shortened(&name), known.join(", ")))
         })?;
         let wanted = wanted_by((&client, &headers), &uri, &data, "")?;
-        Ok(Wanted { sent: wanted.sent.drawn(format), ..wanted })
+        Ok(ResultRequest { sent: wanted.sent.drawn(format), ..wanted })
     };
-    answered(&app, &client, &headers, wanted()).await.unwrap_or_else(IntoResponse::into_response)
+    respond(&app, &client, &headers, wanted()).await.unwrap_or_else(IntoResponse::into_response)
 }
 
 /// Decodes the job of an address; `at` is its place in the request, for faults.
-fn wanted_by((client, headers): (&Client, &HeaderMap), address: &Uri, job: &str, at: &str) -> Result<Wanted, Problem> {
+fn wanted_by(
+    (client, headers): (&Client, &HeaderMap),
+    address: &Uri,
+    job: &str,
+    at: &str,
+) -> Result<ResultRequest, Problem> {
     check_length(address)?;
     let sent = Sent::job(decoded(job, at)?);
     let identity = memo::link_identity(client.tenant(), headers, &address.to_string());
-    Ok(Wanted { sent, identity: Some(identity), keep: false })
+    Ok(ResultRequest { sent, identity: Some(identity), keep: false })
 }
 
-/// Refuses an address that is longer than [`MOST_LINK_BYTES`].
+/// Refuses an address that is longer than [`MAX_LINK_BYTES`].
 pub(super) fn check_length(address: &Uri) -> Result<(), Problem> {
     let length = address.path_and_query().map_or(0, |both| both.as_str().len());
-    if length > MOST_LINK_BYTES {
-        let detail = format!("the address has {length} bytes, at most {MOST_LINK_BYTES} are read; POST the job");
+    if length > MAX_LINK_BYTES {
+        let detail = format!("the address has {length} bytes, at most {MAX_LINK_BYTES} are read; POST the job");
         return Err(Problem::new(problem::URI_TOO_LONG, detail));
     }
     Ok(())
@@ -146,23 +151,23 @@ fn decoded(job: &str, at: &str) -> Result<Bytes, Problem> {
     inflated(ZlibDecoder::new(&bytes[..]), |error| wrong(format!("it is neither JSON nor compressed by zlib: {error}")))
 }
 
-/// Inflates the JSON of a job in an address, up to [`MOST_JOB_BYTES`].
+/// Inflates the JSON of a job in an address, up to [`MAX_JOB_BYTES`].
 pub(super) fn inflated(inflating: impl Read, wrong: impl FnOnce(std::io::Error) -> Problem) -> Result<Bytes, Problem> {
     let mut json = Vec::new();
-    inflating.take(MOST_JOB_BYTES as u64 + 1).read_to_end(&mut json).map_err(wrong)?;
-    if json.len() > MOST_JOB_BYTES {
-        let detail = format!("the job in the address has more than {MOST_JOB_BYTES} bytes; POST it");
+    inflating.take(MAX_JOB_BYTES as u64 + 1).read_to_end(&mut json).map_err(wrong)?;
+    if json.len() > MAX_JOB_BYTES {
+        let detail = format!("the job in the address has more than {MAX_JOB_BYTES} bytes; POST it");
         return Err(Problem::new(problem::BODY_TOO_LONG, detail));
     }
     Ok(json.into())
 }
 
 /// Answers with the result or a refusal, and with no other status of success that could be taken for the result.
-pub(super) async fn answered(
+pub(super) async fn respond(
     app: &Arc<App>,
     client: &Client,
     headers: &HeaderMap,
-    wanted: Result<Wanted, Problem>,
+    wanted: Result<ResultRequest, Problem>,
 ) -> Result<Response, Problem> {
     let mut response = rendered(app, client, headers, wanted?).await?;
     match response.status() {

@@ -22,11 +22,11 @@ const MAX_REQUESTS: usize = 16_384;
 
 /// The requests whose jobs were admitted, by their identity.
 #[derive(Debug, Default)]
-pub struct Memo(Mutex<HashMap<Key, Known>>);
+pub struct Memo(Mutex<HashMap<Key, RememberedRequest>>);
 
 /// What is remembered of a request.
 #[derive(Debug, Clone)]
-pub(super) struct Known {
+pub(super) struct RememberedRequest {
     /// The key of the result.
     pub(super) key: Key,
     /// The address of the result.
@@ -35,7 +35,7 @@ pub(super) struct Known {
     pub(super) reached: Option<Resolved>,
 }
 
-impl Known {
+impl RememberedRequest {
     /// Creates the entry of a job with one output.
     pub(super) fn of(job: &Job) -> Self {
         let (key, output) = (job.keys()[0], &job.outputs[0]);
@@ -76,7 +76,7 @@ fn accepting(tenant: Tenant, headers: &HeaderMap, mut bytes: Vec<u8>) -> Key {
 
 impl Memo {
     /// Returns what is remembered of a request.
-    pub(super) fn get(&self, request: &Key) -> Option<Known> {
+    pub(super) fn get(&self, request: &Key) -> Option<RememberedRequest> {
         self.0.lock().unwrap_or_else(PoisonError::into_inner).get(request).cloned()
     }
 
@@ -91,7 +91,7 @@ impl Memo {
     }
 
     /// Remembers a request whose job was admitted, now or when its result was made.
-    pub(super) fn put(&self, request: Key, known: Known) {
+    pub(super) fn put(&self, request: Key, known: RememberedRequest) {
         let mut requests = self.0.lock().unwrap_or_else(PoisonError::into_inner);
         if requests.len() >= MAX_REQUESTS {
             requests.clear();

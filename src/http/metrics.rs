@@ -7,14 +7,14 @@ use axum::http::header;
 use axum::middleware::Next;
 use axum::response::{IntoResponse, Response};
 
-use super::app::{App, Shared};
-use super::request_counts::Requests;
-use crate::service::peer::Kind;
+use super::app::{App, SharedApp};
+use super::request_counts::RequestCounts;
+use crate::service::peer::QuotaKind;
 use crate::service::pool::Lane;
 use crate::service::tally::BOUNDS_MS;
 
 /// Counts and logs the answers of the router, by route.
-pub(super) async fn counted(State(app): State<Shared>, request: Request, next: Next) -> Response {
+pub(super) async fn counted(State(app): State<SharedApp>, request: Request, next: Next) -> Response {
     let method = request.method().clone();
     let route = request.extensions().get::<MatchedPath>().map_or("none", MatchedPath::as_str).to_owned();
     let begun = app.desk.clock().now();
@@ -32,7 +32,7 @@ pub(super) async fn counted(State(app): State<Shared>, request: Request, next: N
     responses((status = 200, description = "The metrics", body = String, content_type = "text/plain",
         example = "# TYPE planish_jobs_known gauge\nplanish_jobs_known 0\n"))
 )]
-pub(super) async fn metrics(State(app): State<Shared>) -> Response {
+pub(super) async fn metrics(State(app): State<SharedApp>) -> Response {
     ([(header::CONTENT_TYPE, "text/plain; version=0.0.4")], text(&app)).into_response()
 }
 
@@ -80,7 +80,7 @@ fn text(app: &App) -> String {
     page.0
 }
 
-fn requests(page: &mut Page, requests: &Requests) {
+fn requests(page: &mut Page, requests: &RequestCounts) {
     page.family("planish_requests_total", "counter", "Answers by method, route and status.");
     requests.each(|method, route, status, n| {
         let status = status.to_string();
@@ -123,9 +123,9 @@ fn work(page: &mut Page, app: &App) {
     page.one(("planish_keys", gauge, "Keys that are let in; 0 where there are none."), app.gate.n_keys());
     page.one(
         ("planish_requests_in_flight", gauge, "Requests for work under a bound."),
-        desk.peers.held(Kind::InFlight),
+        desk.peers.held(QuotaKind::InFlight),
     );
-    page.one(("planish_listeners", gauge, "Clients that listen to events."), desk.peers.held(Kind::Listening));
+    page.one(("planish_listeners", gauge, "Clients that listen to events."), desk.peers.held(QuotaKind::Listening));
     let [made_room, refused] = app.connections.crowding();
     let crowding = [("made_room", made_room), ("refused", refused)];
     page.by(("planish_connections_crowded_total", counter, "Connections that were too many."), "what", crowding);
@@ -139,7 +139,7 @@ fn work(page: &mut Page, app: &App) {
 fn stores(page: &mut Page, app: &App) {
     let (desk, counter, gauge) = (&app.desk, "counter", "gauge");
     let found = ("planish_results_found_total", counter, "Looks for results by the tier that had them.");
-    page.by(found, "tier", desk.tally.found());
+    page.by(found, "tier", desk.tally.lookups());
     let shares: Vec<_> =
         desk.account.shares().into_iter().map(|share| (share.name, share.usage(), share.capacity)).collect();
     let taken = ("planish_memory_taken_bytes", gauge, "Memory taken, by share.");

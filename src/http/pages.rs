@@ -6,7 +6,7 @@ use axum::extract::State;
 use axum::http::header;
 use axum::response::{Html, IntoResponse, Response};
 
-use super::app::Shared;
+use super::app::SharedApp;
 use super::problem::{self, KINDS, Problem};
 use super::reference;
 use super::segment::Segment;
@@ -18,7 +18,7 @@ use crate::fault::shortened;
     responses((status = 200, description = "This document", body = Object, content_type = "application/json",
         example = json!({ "openapi": "3.1.0" })))
 )]
-pub(super) async fn openapi(State(app): State<Shared>) -> Response {
+pub(super) async fn openapi(State(app): State<SharedApp>) -> Response {
     ([(header::CONTENT_TYPE, "application/json")], app.openapi.clone()).into_response()
 }
 
@@ -28,7 +28,7 @@ pub(super) async fn openapi(State(app): State<Shared>) -> Response {
     responses((status = 200, description = "A page", body = String, content_type = "text/html",
         example = "<!doctype html>"))
 )]
-pub(super) async fn docs(State(app): State<Shared>) -> Response {
+pub(super) async fn docs(State(app): State<SharedApp>) -> Response {
     // the document does not change while the process lives
     static PAGE: OnceLock<String> = OnceLock::new();
     let written = || reference::page(&serde_json::from_str(&app.openapi).unwrap_or_default());

@@ -8,23 +8,23 @@ use axum::http::HeaderMap;
 use axum::response::{IntoResponse, Response};
 use tokio::sync::watch;
 
-use super::app::Shared;
+use super::app::SharedApp;
 use super::client::Client;
-use super::content::Takes;
+use super::content::AcceptedBodies;
 use super::problem::Problem;
 use super::working::{self, Work};
 use super::{body, jobs, negotiate};
 use crate::fault::{Fault, did_you_mean, shortened};
 use crate::service::accepting::NotAccepted;
 use crate::service::job_key::{JobKey, JobTerms, Priority};
-use crate::service::jobs::{Holder, State as JobState};
+use crate::service::jobs::{Holder, JobState};
 use crate::wire::posted::PostedJob;
 use crate::wire::query::repeated;
 use crate::wire::standing::JobAnswer;
 
 /// Maximum time that a job may be given to wait or to run, in seconds: a day. Half of it refuses night runs that begin
 /// at noon; twice of it keeps jobs whose clients are long gone.
-const MOST_SECONDS: u64 = 24 * 60 * 60;
+const MAX_SECONDS: u64 = 24 * 60 * 60;
 
 /// Accepts a job with up to 64 outputs, or an analysis, and has it done in its turn.
 ///
@@ -52,16 +52,16 @@ const MOST_SECONDS: u64 = 24 * 60 * 60;
     )
 )]
 pub(super) async fn post(
-    State(app): State<Shared>,
+    State(app): State<SharedApp>,
     client: Client,
     headers: HeaderMap,
     RawQuery(query): RawQuery,
     body: Body,
 ) -> Response {
     let answer = async {
-        let sent = body::collect(&app, &client, &headers, Takes::Jobs, body).await?;
+        let sent = body::collect(&app, &client, &headers, AcceptedBodies::Jobs, body).await?;
         let terms = terms(query.as_deref().unwrap_or_default(), Priority::Interactive).map_err(Problem::invalid)?;
-        let asked = working::asked(&app, client.peer(), &headers, sent).await?;
+        let asked = working::read_job(&app, client.peer(), &headers, sent).await?;
         let job = JobKey { tenant: client.tenant(), id: asked.id() };
         match app.desk.jobs.join(&job, Holder::Client) {
             Some(JobState::Active) => app.desk.jobs.written(job).await.map_err(NotAccepted::from)?,
@@ -127,9 +127,9 @@ fn keep(found: Result<u64, Fault>, place: &mut Option<u64>, faults: &mut Vec<Fau
 
 fn seconds(place: String, text: &str) -> Result<u64, Fault> {
     let is_number = !text.is_empty() && text.bytes().all(|byte| byte.is_ascii_digit());
-    let found = text.parse().ok().filter(|seconds| is_number && (1..=MOST_SECONDS).contains(seconds));
+    let found = text.parse().ok().filter(|seconds| is_number && (1..=MAX_SECONDS).contains(seconds));
     found.ok_or_else(|| {
-        let detail = format!("\"{}\" is no number of seconds from 1 to {MOST_SECONDS}", shortened(text));
+        let detail = format!("\"{}\" is no number of seconds from 1 to {MAX_SECONDS}", shortened(text));
         Fault::new(place, detail)
     })
 }

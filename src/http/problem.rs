@@ -14,17 +14,17 @@ use crate::service::accepting::NotAccepted;
 use crate::service::computation::Failure;
 use crate::service::driving::Unreadable;
 use crate::service::pool::Busy;
-use crate::service::read_lane::Unread;
+use crate::service::read_lane::ReadRefusal;
 use crate::wire::answer::{FaultAnswer, ProblemAnswer};
 use crate::wire::read::ReadError;
 
 /// Maximum number of bytes of the faults in one answer: some hundred faults, more than a client mends at once. With the
 /// detail, in which every character may be escaped by six, the whole answer stays below 64 KiB. Half or twice of it
 /// halves or doubles the listed faults; twice of it passes 64 KiB.
-const MOST_FAULT_BYTES: usize = 32 << 10;
+const MAX_FAULT_BYTES: usize = 32 << 10;
 /// Maximum number of characters of a detail: a place and a sentence of maximum length. Half of it may cut a sentence;
 /// twice of it, escaped, would pass 64 KiB with the faults.
-const MOST_DETAIL: usize = 4000;
+const MAX_DETAIL: usize = 4000;
 
 /// Retry-After for a shared store that did not answer: as long as the service leaves it alone after a failure. Half of
 /// it makes clients ask in vain; twice of it makes them wait longer than necessary.
@@ -32,7 +32,7 @@ const AGAIN: Duration = Duration::from_secs(5);
 
 /// A kind of problem: its slug, title and status, and the explanation on its page.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Kind {
+pub(super) struct ProblemKind {
     pub(super) slug: &'static str,
     pub(super) title: &'static str,
     pub(super) status: StatusCode,
@@ -41,10 +41,10 @@ pub(super) struct Kind {
 
 macro_rules! kinds {
     ($($name:ident: $slug:literal, $status:ident, $title:literal, $doc:literal;)*) => {
-        $(pub(super) const $name: Kind =
-            Kind { slug: $slug, title: $title, status: StatusCode::$status, doc: $doc };)*
+        $(pub(super) const $name: ProblemKind =
+            ProblemKind { slug: $slug, title: $title, status: StatusCode::$status, doc: $doc };)*
         /// All kinds, for their pages.
-        pub(super) const KINDS: &[Kind] = &[$($name),*];
+        pub(super) const KINDS: &[ProblemKind] = &[$($name),*];
     };
 }
 
@@ -126,14 +126,14 @@ kinds! {
 /// A refusal.
 #[derive(Debug, Clone)]
 pub(super) struct Problem {
-    kind: Kind,
+    kind: ProblemKind,
     detail: String,
     errors: Vec<Fault>,
     retry_after: Option<Duration>,
 }
 
 impl Problem {
-    pub(super) fn new(kind: Kind, detail: impl Into<String>) -> Self {
+    pub(super) fn new(kind: ProblemKind, detail: impl Into<String>) -> Self {
         Self { kind, detail: detail.into(), errors: Vec::new(), retry_after: None }
     }
 
@@ -144,7 +144,7 @@ impl Problem {
     }
 
     /// Returns whether the problem is of this kind.
-    pub(super) fn is(&self, kind: Kind) -> bool {
+    pub(super) fn is(&self, kind: ProblemKind) -> bool {
         self.kind.slug == kind.slug
     }
 
@@ -168,7 +168,7 @@ impl Problem {
     fn answer(self) -> ProblemAnswer {
         let n_faults = self.errors.len();
         let errors = listed(self.errors);
-        let detail = cut(&self.detail, MOST_DETAIL);
+        let detail = cut(&self.detail, MAX_DETAIL);
         let detail = match errors.len() {
             n if n < n_faults => format!("{detail}; errors lists the first {n}"),
             _ => detail.into_owned(),
@@ -261,12 +261,12 @@ impl From<NotAccepted> for Problem {
     }
 }
 
-impl From<Unread> for Problem {
-    fn from(unread: Unread) -> Self {
+impl From<ReadRefusal> for Problem {
+    fn from(unread: ReadRefusal) -> Self {
         match unread {
-            Unread::Busy(busy) => busy.into(),
+            ReadRefusal::Busy(busy) => busy.into(),
             // reading has no outputs whose faults would need other pointers
-            Unread::Failed(failure) => Self::of_failure(failure, |refused| refused.fault),
+            ReadRefusal::Failed(failure) => Self::of_failure(failure, |refused| refused.fault),
         }
     }
 }
@@ -276,7 +276,7 @@ impl Problem {
     pub(super) fn unreadable(self) -> Unreadable {
         match self.retry_after {
             Some(pause) => Unreadable::Later(pause),
-            None => Unreadable::Never(cut(&self.detail, MOST_DETAIL).into_owned()),
+            None => Unreadable::Never(cut(&self.detail, MAX_DETAIL).into_owned()),
         }
     }
 
@@ -339,7 +339,7 @@ impl IntoResponse for Problem {
 
 /// Returns the first faults, as many as fit into one answer.
 fn listed(faults: Vec<Fault>) -> Vec<FaultAnswer> {
-    let mut left = MOST_FAULT_BYTES;
+    let mut left = MAX_FAULT_BYTES;
     let fitting = faults.into_iter().map(FaultAnswer::from).take_while(|fault| {
         let length = serde_json::to_string(fault).expect("a fault is plain text").len();
         left.checked_sub(length).map(|rest| left = rest).is_some()
@@ -392,7 +392,7 @@ pub(super) fn unreadable(refusal: &[u8]) -> Vec<u8> {
 pub(super) fn panicked(panic: Box<dyn Any + Send>) -> Response {
     let text = panic.downcast_ref::<String>().map(String::as_str);
     let text = text.or_else(|| panic.downcast_ref::<&str>().copied());
-    tracing::error!(panic = %cut(text.unwrap_or("no message"), MOST_DETAIL), "a handler panicked");
+    tracing::error!(panic = %cut(text.unwrap_or("no message"), MAX_DETAIL), "a handler panicked");
     Problem::new(INTERNAL, "the request made planish fail; this is a fault of planish, please report it")
         .into_response()
 }

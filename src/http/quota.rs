@@ -5,11 +5,11 @@ use std::time::Duration;
 use axum::http::{HeaderMap, HeaderName, HeaderValue, request};
 
 use super::app::App;
-use super::client::{Caller, Shown};
+use super::client::{Caller, Credentials};
 use super::gate::{Need, needed};
 use super::problem::Problem;
 use crate::config::keys::Role;
-use crate::service::peer::{Kind, Peer, Ticket};
+use crate::service::peer::{Peer, QuotaKind, Ticket};
 use crate::service::rate::{Exceeded, Quota};
 
 /// A request that counts against the quotas of its client while it is answered.
@@ -33,14 +33,14 @@ impl Counted {
             return Self::default();
         }
         let (per_minute, at_once) = match caller.shown {
-            Shown::Nothing => (None, None),
-            Shown::Key(per_minute, at_once) | Shown::Link(_, per_minute, at_once) => (per_minute, at_once),
+            Credentials::Nothing => (None, None),
+            Credentials::Key(per_minute, at_once) | Credentials::Link(_, per_minute, at_once) => (per_minute, at_once),
         };
         let per_minute = per_minute.unwrap_or(app.settings.requests_per_minute);
         let at_once = at_once.unwrap_or(app.settings.requests_in_flight);
         let mut counted = Self::default();
         if at_once > 0 {
-            counted.in_flight = app.desk.peers.take(caller.peer, Kind::InFlight, 1, at_once, u64::MAX);
+            counted.in_flight = app.desk.peers.take(caller.peer, QuotaKind::InFlight, 1, at_once, u64::MAX);
             if counted.in_flight.is_none() {
                 caller.refused = Some(too_many_at_once(at_once));
                 return counted;
@@ -70,7 +70,7 @@ impl Counted {
 
     /// Adds the remaining quota to the headers of an answer; a cache hit is taken back from the quota instead. The
     /// returned ticket is the request's place among those in flight.
-    pub(super) fn told(mut self, app: &App, headers: &mut HeaderMap) -> Option<Ticket> {
+    pub(super) fn add_headers(mut self, app: &App, headers: &mut HeaderMap) -> Option<Ticket> {
         if headers.get("cache-status").is_some_and(|status| status == "planish; hit") {
             let in_flight = self.in_flight.take();
             self.give_back(app);

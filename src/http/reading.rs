@@ -18,7 +18,7 @@ use crate::job::limits::Admitted;
 use crate::job::{Draft, Job, KeepWork, Report, RunError, Search, SearchError};
 use crate::math::amounts::in_bytes;
 use crate::service::computation::Phase;
-use crate::service::peer::{Kind, Paid, Peer};
+use crate::service::peer::{Paid, Peer, QuotaKind};
 use crate::service::pool::{Lack, Lane};
 use crate::service::task::{Cost, Task};
 use crate::watch::Watch;
@@ -49,7 +49,7 @@ pub(super) struct ReadJob {
 }
 
 /// A request that is read and checked as far as that is possible without a search.
-pub(super) enum Step {
+pub(super) enum ReadStage {
     Complete(Box<ReadJob>),
     Search(Arc<Search>, Arc<Paid>, Sent),
 }
@@ -66,8 +66,8 @@ pub(super) async fn job(
     prepare: impl FnOnce(&mut JobRequest) -> Result<(), Problem> + Send + 'static,
 ) -> Result<ReadJob, Problem> {
     match draft(app, peer, sent, most_outputs, prepare).await? {
-        Step::Complete(asked) => Ok(*asked),
-        Step::Search(search, input, sent) => {
+        ReadStage::Complete(asked) => Ok(*asked),
+        ReadStage::Search(search, input, sent) => {
             let reached = reached(app, peer, &search, &input).await?;
             let completing = app.desk.read(peer, COMPLETING * search.bytes(), move |_| {
                 let job = Arc::unwrap_or_clone(search).complete(reached).map_err(Problem::invalid)?;
@@ -88,7 +88,7 @@ pub(super) async fn draft(
     sent: Sent,
     most_outputs: usize,
     prepare: impl FnOnce(&mut JobRequest) -> Result<(), Problem> + Send + 'static,
-) -> Result<Step, Problem> {
+) -> Result<ReadStage, Problem> {
     let (desk, limits) = (app.desk.clone(), app.desk.limits.reading());
     let sent = attached(app, peer, sent).await?;
     let bytes = weight(sent.length());
@@ -107,11 +107,11 @@ pub(super) async fn draft(
         if bytes > inputs.capacity / 2 {
             return Err(too_large("the input takes", bytes, inputs.capacity / 2));
         }
-        let input = desk.peers.charge(inputs, Kind::InputBytes, peer, bytes);
+        let input = desk.peers.charge(inputs, QuotaKind::InputBytes, peer, bytes);
         let input = Arc::new(input.map_err(|_| desk.pool.busy(Lane::Long, Lack::Inputs))?);
         Ok(match draft {
-            Draft::Job(job) => Step::Complete(Box::new(ReadJob { job: *job, input, sent })),
-            Draft::Search(search) => Step::Search(Arc::from(search), input, sent),
+            Draft::Job(job) => ReadStage::Complete(Box::new(ReadJob { job: *job, input, sent })),
+            Draft::Search(search) => ReadStage::Search(Arc::from(search), input, sent),
         })
     });
     step.await?
@@ -140,7 +140,7 @@ pub(super) async fn admit(app: &Arc<App>, peer: Peer, job: Job) -> Result<Arc<Ad
 async fn reached(app: &Arc<App>, peer: Peer, search: &Arc<Search>, input: &Arc<Paid>) -> Result<Reached, Problem> {
     let task = Arc::new(SearchTask { search: search.clone(), _input: input.clone() });
     let found = first_part(app, peer, task, "the search for the level of this tolerance may take").await?;
-    answered(&found.ok_or(super::answer::Lost::Gone)?.0)
+    parse_reached(&found.ok_or(super::answer::Lost::Gone)?.0)
 }
 
 /// Returns the first part of the result of a task without outputs, and whether it was in the cache; `None` if the
@@ -151,7 +151,7 @@ pub(super) async fn first_part(
     task: Arc<dyn Task>,
     what: &str,
 ) -> Result<Option<(Bytes, bool)>, Problem> {
-    if let Some(manifest) = app.desk.find(task.key(), peer).await
+    if let Some(manifest) = app.desk.find_artifact(task.key(), peer).await
         && let Some(bytes) = app.desk.tiers.part(&manifest, 0).await
     {
         return Ok(Some((bytes, true)));
@@ -183,7 +183,7 @@ enum SearchAnswer {
     Refused { pointer: String, detail: String },
 }
 
-fn answered(bytes: &[u8]) -> Result<Reached, Problem> {
+fn parse_reached(bytes: &[u8]) -> Result<Reached, Problem> {
     match serde_json::from_slice(bytes) {
         Ok(SearchAnswer::Reached { level, bound }) => Ok(Reached { level, bound }),
         Ok(SearchAnswer::Refused { pointer, detail }) => Err(Problem::invalid(vec![Fault::new(pointer, detail)])),

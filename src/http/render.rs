@@ -8,12 +8,12 @@ use axum::http::{HeaderMap, HeaderName, HeaderValue, StatusCode};
 use axum::response::{IntoResponse, Response};
 
 use super::answer::{self, Artifact, Lost};
-use super::app::{App, Shared};
+use super::app::{App, SharedApp};
 use super::body::Sent;
 use super::client::Client;
 use super::content::Notation;
 use super::early::Early;
-use super::memo::Known;
+use super::memo::RememberedRequest;
 use super::negotiate::{self, ByteRange};
 use super::problem::Problem;
 use super::reading::ReadJob;
@@ -23,7 +23,7 @@ use crate::job::Resolved;
 use crate::job::key::Key;
 use crate::job::limits::Admitted;
 use crate::service::computation::Phase;
-use crate::service::driving::{self, found};
+use crate::service::driving::{self, stored_result};
 use crate::service::job_key::JobKey;
 use crate::service::peer::Paid;
 use crate::service::task::Render;
@@ -63,7 +63,7 @@ use crate::wire::query::name_of;
     )
 )]
 pub(super) async fn render(
-    State(app): State<Shared>,
+    State(app): State<SharedApp>,
     client: Client,
     headers: HeaderMap,
     RawQuery(query): RawQuery,
@@ -72,7 +72,7 @@ pub(super) async fn render(
     let answer = async {
         let (sent, identity) = (early.sent?, early.identity);
         let notation = sent.notation.clone();
-        let wanted = Wanted { sent, identity, keep: streaming::asks_to_keep(query.as_deref())? };
+        let wanted = ResultRequest { sent, identity, keep: streaming::asks_to_keep(query.as_deref())? };
         let answered = rendered(&app, &client, &headers, wanted).await;
         answered.map_err(|problem| match notation {
             Notation::Job | Notation::JobAs(_) => problem,
@@ -84,7 +84,7 @@ pub(super) async fn render(
 
 /// A request for a result.
 #[derive(Debug)]
-pub(super) struct Wanted {
+pub(super) struct ResultRequest {
     /// The body of the request.
     pub(super) sent: Sent,
     /// The identity of the request.
@@ -98,21 +98,21 @@ pub(super) async fn rendered(
     app: &Arc<App>,
     client: &Client,
     headers: &HeaderMap,
-    wanted: Wanted,
+    wanted: ResultRequest,
 ) -> Result<Response, Problem> {
-    let Wanted { sent, identity: request, keep } = wanted;
+    let ResultRequest { sent, identity: request, keep } = wanted;
     if let Some(response) = again(app, client, headers, request).await {
         return Ok(response);
     }
     let read = read(app, client, headers, sent).await?;
-    let known = Known::of(&read.job);
+    let known = RememberedRequest::of(&read.job);
     if read.job.detail_keys().next().is_some() {
         return referring(app, client, headers, read, known).await;
     }
     if let Some(tag) = negotiate::has_already(headers, &known.key) {
         return Ok(not_modified(&known, tag));
     }
-    if let Some(manifest) = app.desk.find(known.key, client.peer()).await {
+    if let Some(manifest) = app.desk.find_artifact(known.key, client.peer()).await {
         if let Some(tag) = negotiate::has_kept(headers, &known.key) {
             return Ok(not_modified(&known, tag));
         }
@@ -132,7 +132,7 @@ pub(super) async fn rendered(
     if !keep && streaming::streams(app, &admitted, patience) {
         let streamed = streaming::streamed(app, client, admitted.clone(), input.clone(), patience.0).await?;
         if let Some(mut response) = streamed {
-            said(known.reached, response.headers_mut());
+            add_resolved_level(known.reached, response.headers_mut());
             return Ok(response);
         }
         // no bytes came in time: the result is computed for a later request, if it can be stored
@@ -150,7 +150,7 @@ async fn referring(
     client: &Client,
     headers: &HeaderMap,
     ReadJob { job, input, sent }: ReadJob,
-    known: Known,
+    known: RememberedRequest,
 ) -> Result<Response, Problem> {
     let admitted = reading::admit(app, client.peer(), job).await?;
     streaming::check_kept(app, &admitted)?;
@@ -162,7 +162,7 @@ async fn referring(
 }
 
 /// Remembers a request whose job was admitted, now or when its result was made.
-fn remember(app: &Arc<App>, request: Option<Key>, known: &Known) {
+fn remember(app: &Arc<App>, request: Option<Key>, known: &RememberedRequest) {
     if let Some(request) = request {
         app.memo.put(request, known.clone());
     }
@@ -185,7 +185,7 @@ async fn made(
     headers: &HeaderMap,
     (patience, said): (Duration, bool),
     (admitted, input, sent): (Arc<Admitted>, Arc<Paid>, Sent),
-    known: Known,
+    known: RememberedRequest,
 ) -> Result<Response, Problem> {
     let job = admitted.job();
     let id = JobKey { tenant: client.tenant(), id: job.id() };
@@ -198,7 +198,7 @@ async fn made(
         && let Ok(response) = whole(app, headers, Artifact::kept(manifest.clone(), client.peer()), &known).await
     {
         if refers {
-            app.desk.record(id, summary(&sent), vec![found(&manifest)], client.peer())?;
+            app.desk.record(id, summary(&sent), vec![stored_result(&manifest)], client.peer())?;
         }
         return Ok(response);
     }
@@ -207,7 +207,7 @@ async fn made(
     match tokio::time::timeout(patience, computation.finished()).await {
         Ok(Phase::Done(outcome)) => {
             if refers {
-                app.desk.record(id, summary(&sent), vec![driving::made(&outcome)], client.peer())?;
+                app.desk.record(id, summary(&sent), vec![driving::computed_result(&outcome)], client.peer())?;
             }
             let found = Artifact::made(&outcome, interest.provenance, client.peer());
             Ok(whole(app, headers, found, &known).await?)
@@ -220,10 +220,15 @@ async fn made(
     }
 }
 
-async fn whole(app: &Arc<App>, headers: &HeaderMap, found: Artifact, known: &Known) -> Result<Response, Lost> {
+async fn whole(
+    app: &Arc<App>,
+    headers: &HeaderMap,
+    found: Artifact,
+    known: &RememberedRequest,
+) -> Result<Response, Lost> {
     let found = coded(app, headers, found).await;
     let mut head = answer::headers(&found, &known.address);
-    said(known.reached, &mut head);
+    add_resolved_level(known.reached, &mut head);
     answer::bytes(app, found, head, ByteRange::Whole).await
 }
 
@@ -234,7 +239,7 @@ pub(super) async fn read(app: &Arc<App>, client: &Client, headers: &HeaderMap, s
 }
 
 /// Adds the level that a tolerance or "auto" resolved to, and for a tolerance the bound of the distance from the limit.
-fn said(reached: Option<Resolved>, headers: &mut HeaderMap) {
+fn add_resolved_level(reached: Option<Resolved>, headers: &mut HeaderMap) {
     let Some(reached) = reached else { return };
     headers.insert(HeaderName::from_static("planish-level"), reached.level.into());
     if let Some(Ok(bound)) = reached.bound.map(|bound| HeaderValue::try_from(bound.to_string())) {
@@ -242,9 +247,9 @@ fn said(reached: Option<Resolved>, headers: &mut HeaderMap) {
     }
 }
 
-fn not_modified(known: &Known, tag: String) -> Response {
+fn not_modified(known: &RememberedRequest, tag: String) -> Response {
     let mut headers = HeaderMap::new();
-    said(known.reached, &mut headers);
+    add_resolved_level(known.reached, &mut headers);
     headers.insert(HeaderName::from_static("cache-status"), HeaderValue::from_static("planish; hit"));
     answer::not_modified(headers, tag, &known.address)
 }

@@ -9,12 +9,12 @@ use axum::http::Method;
 /// The number of answers by method, route and status. All three are closed sets, so that no client can make the table
 /// grow.
 #[derive(Debug, Default)]
-pub(super) struct Requests {
+pub(super) struct RequestCounts {
     answers: Mutex<BTreeMap<(&'static str, String, u16), u64>>,
     sent_bytes: AtomicU64,
 }
 
-impl Requests {
+impl RequestCounts {
     /// Counts an answer.
     pub(super) fn count(&self, method: &Method, route: &str, status: u16) {
         let method = ["GET", "HEAD", "POST", "DELETE", "OPTIONS"].into_iter().find(|known| method == known);

@@ -21,29 +21,29 @@ use tracing::Instrument;
 use super::address::RENDER;
 use super::app::App;
 use super::client::{Caller, Client};
-use super::connections::{Connection, Phase};
+use super::connections::{Connection, ConnectionPhase};
 use super::early::Early;
 use super::guard;
 use super::quota::Counted;
-use super::short::Asked;
+use super::short::PlainResource;
 use super::trace::Trace;
 use crate::service::peer::Ticket;
 
 /// The HTTP service of one connection, which also keeps the state of the connection.
 #[derive(Debug, Clone)]
-pub(super) struct Requests {
+pub(super) struct ConnectionService {
     app: Arc<App>,
     router: Router,
     connection: Arc<Connection>,
 }
 
-impl Requests {
+impl ConnectionService {
     pub(super) fn new(app: Arc<App>, router: Router, connection: Arc<Connection>) -> Self {
         Self { app, router, connection }
     }
 
     /// Returns the remembered answer to a plain request, and counts it.
-    fn again(&self, asked: Option<Asked>, parts: &request::Parts) -> Option<Response<Content>> {
+    fn again(&self, asked: Option<PlainResource>, parts: &request::Parts) -> Option<Response<Content>> {
         let asked = asked?;
         let answer = self.app.short.answer(&self.app.desk.tiers, &asked, parts)?;
         self.app.desk.count_hit();
@@ -56,7 +56,7 @@ impl Requests {
         self,
         mut parts: request::Parts,
         body: Incoming,
-        (mut caller, by_address): (Caller, Option<Asked>),
+        (mut caller, by_address): (Caller, Option<PlainResource>),
     ) -> (Response<Content>, Option<Ticket>) {
         let counted = Counted::new(&self.app, &mut caller, &parts);
         let is_let_in = caller.refused.is_none();
@@ -64,7 +64,7 @@ impl Requests {
         let is_job = parts.method == Method::POST && parts.uri.path() == RENDER;
         let body = if is_job && is_let_in && guard::head(&parts, &self.app.settings).is_ok() {
             let early = Early::read(&self.app, &client, &parts, body).await;
-            asked = Asked::render(&parts, early.identity);
+            asked = PlainResource::render(&parts, early.identity);
             if let Some(answer) = self.again(asked, &parts) {
                 counted.give_back(&self.app);
                 return (answer, None);
@@ -81,12 +81,12 @@ impl Requests {
         if let Some(asked) = asked {
             self.app.short.remember(asked, origin, &mut response);
         }
-        let in_flight = counted.told(&self.app, response.headers_mut());
+        let in_flight = counted.add_headers(&self.app, response.headers_mut());
         (response.map(Content::Routed), in_flight)
     }
 }
 
-impl Service<Request<Incoming>> for Requests {
+impl Service<Request<Incoming>> for ConnectionService {
     type Response = Response<Ending>;
     type Error = Infallible;
     type Future = Either<
@@ -101,15 +101,15 @@ impl Service<Request<Incoming>> for Requests {
         connection.begin();
         // until its body has arrived, a request keeps the service waiting; see `body::collect`
         if request.body().is_end_stream() {
-            connection.enter(Phase::Working);
+            connection.enter(ConnectionPhase::Working);
         }
         let (parts, body) = request.into_parts();
         let caller = self.app.gate.who(&parts, connection.peer);
         let trace = Trace::of(&parts.headers);
         let is_plain = caller.refused.is_none() && guard::head(&parts, &self.app.settings).is_ok();
-        let asked = Asked::get(&parts, caller.peer.tenant()).filter(|_| is_plain);
+        let asked = PlainResource::get(&parts, caller.peer.tenant()).filter(|_| is_plain);
         if let Some(mut response) = self.again(asked, &parts) {
-            trace.told(response.headers_mut());
+            trace.add_headers(response.headers_mut());
             let app = self.app.clone();
             let ending = |content| Ending { content, app, connection, _in_flight: None };
             return Either::Left(ready(Ok(response.map(ending))));
@@ -119,8 +119,8 @@ impl Service<Request<Incoming>> for Requests {
             // every log line of the request has its trace id
             let span = tracing::error_span!("request", trace_id = trace.id());
             let (mut response, in_flight) = trace.clone().within(answer).instrument(span).await;
-            trace.told(response.headers_mut());
-            connection.enter(Phase::Working);
+            trace.add_headers(response.headers_mut());
+            connection.enter(ConnectionPhase::Working);
             Ok(response.map(|content| Ending { content, app, connection, _in_flight: in_flight }))
         }))
     }

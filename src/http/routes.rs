@@ -5,14 +5,14 @@ use tower_http::compression::CompressionLayer;
 use utoipa_axum::router::OpenApiRouter;
 use utoipa_axum::routes;
 
-use super::app::Shared;
+use super::app::SharedApp;
 use super::{
     analyses, archive, artifacts, batches, blobs, catalogue, comparison, estimate, evaluation, events, health, jobs,
     links, metrics, pages, play, posting, render, signed, validate,
 };
 
 /// Returns all routes with their descriptions.
-pub(super) fn all() -> OpenApiRouter<Shared> {
+pub(super) fn all() -> OpenApiRouter<SharedApp> {
     // artifacts and the files of pages have compressed variants with ETags of their own; other texts are compressed
     // while they are sent
     let artifacts = OpenApiRouter::new()

@@ -19,12 +19,12 @@ use super::bucket_client;
 use super::canary::{self, Canary};
 use super::connections::{Connections, Open};
 use super::gate::Gate;
-use super::guard::MOST_HEAD_BYTES;
+use super::guard::MAX_HEAD_BYTES;
 use super::memo::Memo;
 use super::pace::Pace;
 use super::problem;
-use super::request_counts::Requests;
-use super::requests::Requests as Answering;
+use super::request_counts::RequestCounts;
+use super::requests::ConnectionService;
 use super::router::{document_text, router};
 use super::short::Short;
 use super::stream::Watched;
@@ -39,10 +39,10 @@ use crate::service::clock::{Clock, Monotonic};
 use crate::service::desk::{Desk, JobKeeping, Terms};
 use crate::service::jobs::Jobs;
 use crate::service::peer::Peer;
-use crate::service::pool::{Bounds, Lane, Pool};
+use crate::service::pool::{Lane, Pool, QueueBounds};
 use crate::service::queue;
 use crate::service::rate::Rates;
-use crate::service::store::{Bucket, Memory, Place, Records, Room, STORES, Store};
+use crate::service::store::{Bucket, Memory, Records, STORES, Store, StoreLocation, StorePurpose};
 use crate::service::tiers::Tiers;
 use crate::service::uploads::Uploads;
 use crate::wire::batch::layout;
@@ -138,7 +138,7 @@ pub async fn bind_at(mut settings: Settings, clock: Arc<dyn Clock>) -> Result<(T
     let account = Account::new(settings.max_memory_bytes, settings.memory_cache_bytes);
     let (disk, records, uploads) = stores(&settings, &account, &clock)?;
     settings.max_body_bytes = settings.max_body_bytes.min(longest_body(&account));
-    let bounds = Bounds { queue: settings.max_queue, queue_a_peer: settings.max_queue_per_peer };
+    let bounds = QueueBounds { queue: settings.max_queue, queue_a_peer: settings.max_queue_per_peer };
     let pool = Pool::new(settings.compute_threads(), &account, bounds)?;
     let tiers = Tiers::new(account.cache_bytes, disk);
     let terms = Terms {
@@ -155,7 +155,7 @@ pub async fn bind_at(mut settings: Settings, clock: Arc<dyn Clock>) -> Result<(T
     // a job is refused if it would not get its memory even when nothing else runs
     let limits = Limits { max_job_bytes: limits.max_job_bytes.min(account.long.capacity), ..limits };
     let batches = Batches::new(records.clone(), clock.clone(), |text| layout(text).ok());
-    let (jobs, queue) = (Jobs::new(records, clock.clone()), Arc::new(queue::Local::default()));
+    let (jobs, queue) = (Jobs::new(records, clock.clone()), Arc::new(queue::LocalQueue::default()));
     let keeping = JobKeeping { jobs, batches, queue, uploads };
     let desk = Arc::new(Desk::new(limits, tiers, pool, account, keeping, (terms, clock)));
     let path = || settings.data_dir.display().to_string();
@@ -177,7 +177,7 @@ pub async fn bind_at(mut settings: Settings, clock: Arc<dyn Clock>) -> Result<(T
             canary,
             memo,
             short,
-            requests: Requests::default(),
+            requests: RequestCounts::default(),
             connections,
             openapi,
         }),
@@ -185,10 +185,10 @@ pub async fn bind_at(mut settings: Settings, clock: Arc<dyn Clock>) -> Result<(T
 }
 
 /// Stores of results, of job records, and of uploads; the first two are `None` if nothing is kept on disk.
-type Lasting = (Option<Arc<dyn Store>>, Option<Arc<dyn Records>>, Uploads);
+type DurableStores = (Option<Arc<dyn Store>>, Option<Arc<dyn Records>>, Uploads);
 
 /// Opens the stores of the settings.
-fn stores(settings: &Settings, account: &Account, clock: &Arc<dyn Clock>) -> Result<Lasting, StartError> {
+fn stores(settings: &Settings, account: &Account, clock: &Arc<dyn Clock>) -> Result<DurableStores, StartError> {
     let name = &settings.cache_store;
     let kind = STORES.iter().find(|kind| kind.name == name);
     let kind = kind.ok_or_else(|| StartError::NoSuchStore { name: shortened(name) })?;
@@ -203,7 +203,7 @@ fn stores(settings: &Settings, account: &Account, clock: &Arc<dyn Clock>) -> Res
         region: settings.s3_region.clone(),
     };
     let dir = settings.data_dir.clone();
-    let place = |room, capacity_bytes| Place {
+    let place = |room, capacity_bytes| StoreLocation {
         dir: dir.clone(),
         bucket: bucket.clone(),
         room,
@@ -219,10 +219,10 @@ fn stores(settings: &Settings, account: &Account, clock: &Arc<dyn Clock>) -> Res
             StartError::Bucket { bucket: shortened(&bucket.name), error }
         }
     };
-    let store = (kind.open)(&place(Room::Results, settings.cache_bytes)).map_err(failed)?;
+    let store = (kind.open)(&place(StorePurpose::Results, settings.cache_bytes)).map_err(failed)?;
     let records = if has_folder { Some((kind.records)(&dir)) } else { None };
     let records = records.transpose().map_err(|error| StartError::Store { path: path.clone(), error })?;
-    let uploads = (kind.open)(&place(Room::Uploads, settings.uploads_bytes)).map_err(failed)?;
+    let uploads = (kind.open)(&place(StorePurpose::Uploads, settings.uploads_bytes)).map_err(failed)?;
     Ok((Some(store), records, Uploads::new(uploads)))
 }
 
@@ -317,8 +317,8 @@ fn attend(stream: TcpStream, open: Open, app: &Arc<App>, router: Router, gracefu
     let served = http1::Builder::new()
         .timer(TokioTimer::new())
         .header_read_timeout(Duration::from_secs(settings.header_timeout_s))
-        .max_buf_size(MOST_HEAD_BYTES)
-        .serve_connection(TokioIo::new(stream), Answering::new(app.clone(), router, connection.clone()));
+        .max_buf_size(MAX_HEAD_BYTES)
+        .serve_connection(TokioIo::new(stream), ConnectionService::new(app.clone(), router, connection.clone()));
     let served = graceful.watch(served);
     tokio::spawn(async move {
         let _open = open;

@@ -27,7 +27,7 @@ const KEY_DIGITS: usize = 64;
 
 /// The resource that a plain request names.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-pub(super) enum Asked {
+pub(super) enum PlainResource {
     /// The artifact of a key for a tenant, by its address, in the preferred coding.
     Artifact(Tenant, Key, Option<Coding>),
     /// The result of a request with this [identity](super::memo::identity), in the preferred coding.
@@ -36,7 +36,7 @@ pub(super) enum Asked {
 
 /// The remembered answers of the router to plain requests.
 #[derive(Debug, Default)]
-pub struct Short(Mutex<HashMap<Asked, Arc<Head>>>);
+pub struct Short(Mutex<HashMap<PlainResource, Arc<Head>>>);
 
 /// An extension of an answer: it consists of this whole artifact, which was in the cache, and its memory is not
 /// charged.
@@ -51,7 +51,7 @@ struct Head {
     headers: HeaderMap,
 }
 
-impl Asked {
+impl PlainResource {
     /// Returns the route that would have answered the request.
     pub(super) fn route(self) -> &'static str {
         match self {
@@ -99,10 +99,16 @@ impl Short {
     }
 
     /// Returns the remembered answer to a request, if its artifact is in memory. The caller has checked the host.
-    pub(super) fn answer(&self, tiers: &Tiers, asked: &Asked, request: &request::Parts) -> Option<Response<Bytes>> {
+    pub(super) fn answer(
+        &self,
+        tiers: &Tiers,
+        asked: &PlainResource,
+        request: &request::Parts,
+    ) -> Option<Response<Bytes>> {
         let head = self.0.lock().unwrap_or_else(PoisonError::into_inner).get(asked).cloned()?;
         let address = head.headers.get(header::CONTENT_LOCATION);
-        let is_there = matches!(asked, Asked::Render(..)) || address.is_some_and(|known| known == request.uri.path());
+        let is_there =
+            matches!(asked, PlainResource::Render(..)) || address.is_some_and(|known| known == request.uri.path());
         if !is_there || head.origin.as_ref() != request.headers.get(header::ORIGIN) {
             return None;
         }
@@ -112,7 +118,7 @@ impl Short {
     }
 
     /// Remembers the router's answer to a page of this origin, if it can be sent again.
-    pub(super) fn remember<B>(&self, asked: Asked, origin: Option<HeaderValue>, response: &mut Response<B>) {
+    pub(super) fn remember<B>(&self, asked: PlainResource, origin: Option<HeaderValue>, response: &mut Response<B>) {
         let Some(Plain(manifest)) = response.extensions_mut().remove() else { return };
         if response.status() != StatusCode::OK {
             return;

@@ -8,12 +8,12 @@ use base64::Engine;
 use base64::engine::general_purpose::URL_SAFE_NO_PAD;
 use flate2::read::DeflateDecoder;
 
-use super::app::Shared;
+use super::app::SharedApp;
 use super::body::Sent;
-use super::client::{Client, Shown};
-use super::links::{answered, check_length, inflated};
+use super::client::{Client, Credentials};
+use super::links::{check_length, inflated, respond};
 use super::problem::{self, Problem};
-use super::render::Wanted;
+use super::render::ResultRequest;
 use super::segment::Segment;
 use super::{artifacts, batches, events, memo, render};
 use crate::config::keys::MODEL;
@@ -22,7 +22,7 @@ use crate::job::key::Key;
 use crate::output::FORMATS;
 
 /// Maximum time for which caches may store the result of a signed address, in seconds: as for other addresses of jobs.
-const MOST_AGE_S: u64 = 86_400;
+const MAX_AGE_S: u64 = 86_400;
 
 /// The path parameters of a signed address: signature, expiry, and one name.
 type Named = Result<Path<(String, String, String)>, axum::extract::rejection::PathRejection>;
@@ -51,7 +51,7 @@ type Named = Result<Path<(String, String, String)>, axum::extract::rejection::Pa
     )
 )]
 pub(super) async fn signed(
-    State(app): State<Shared>,
+    State(app): State<SharedApp>,
     client: Client,
     headers: HeaderMap,
     uri: Uri,
@@ -85,7 +85,7 @@ pub(super) async fn signed(
     )
 )]
 pub(super) async fn signed_model(
-    State(app): State<Shared>,
+    State(app): State<SharedApp>,
     client: Client,
     mut headers: HeaderMap,
     method: Method,
@@ -113,12 +113,12 @@ pub(super) async fn signed_model(
 }
 
 /// Answers with the result of the job in a signed address.
-async fn shown(app: &Shared, client: &Client, mut headers: HeaderMap, uri: &Uri, job: &str) -> Response {
+async fn shown(app: &SharedApp, client: &Client, mut headers: HeaderMap, uri: &Uri, job: &str) -> Response {
     let wanted = check_length(uri).and_then(|()| wanted_by(client, &mut headers, job));
-    let response = answered(app, client, &headers, wanted).await;
+    let response = respond(app, client, &headers, wanted).await;
     let mut response = response.unwrap_or_else(IntoResponse::into_response);
-    if let (Shown::Link(expires, ..), true) = (client.caller.shown, response.status().as_u16() < 400) {
-        let age = expires.saturating_sub(app.desk.clock().wall().as_secs()).min(MOST_AGE_S);
+    if let (Credentials::Link(expires, ..), true) = (client.caller.shown, response.status().as_u16() < 400) {
+        let age = expires.saturating_sub(app.desk.clock().wall().as_secs()).min(MAX_AGE_S);
         if let Ok(kept) = HeaderValue::try_from(format!("public, max-age={age}")) {
             response.headers_mut().insert(header::CACHE_CONTROL, kept);
         }
@@ -144,7 +144,7 @@ async fn shown(app: &Shared, client: &Client, mut headers: HeaderMap, uri: &Uri,
         (status = 204, description = "The client has seen the end"),
     )
 )]
-pub(super) async fn signed_events(app: State<Shared>, client: Client, path: Named, headers: HeaderMap) -> Response {
+pub(super) async fn signed_events(app: State<SharedApp>, client: Client, path: Named, headers: HeaderMap) -> Response {
     match path {
         Ok(Path((_, _, id))) => events::events(app, client, Segment(id), headers).await,
         Err(_) => no_text().into_response(),
@@ -170,7 +170,7 @@ pub(super) async fn signed_events(app: State<Shared>, client: Client, path: Name
     )
 )]
 pub(super) async fn signed_batch_events(
-    app: State<Shared>,
+    app: State<SharedApp>,
     client: Client,
     path: Named,
     headers: HeaderMap,
@@ -200,7 +200,7 @@ pub(super) async fn signed_batch_events(
     )
 )]
 pub(super) async fn signed_artifact(
-    app: State<Shared>,
+    app: State<SharedApp>,
     client: Client,
     path: Named,
     method: Method,
@@ -217,7 +217,7 @@ fn no_text() -> Problem {
 }
 
 /// Decodes the job in a signed address. The extension replaces the header `Accept`.
-fn wanted_by(client: &Client, headers: &mut HeaderMap, named: &str) -> Result<Wanted, Problem> {
+fn wanted_by(client: &Client, headers: &mut HeaderMap, named: &str) -> Result<ResultRequest, Problem> {
     let wrong = |detail: String| Problem::invalid(vec![Fault::new("", detail)]);
     let (job, extension) = named.rsplit_once('.').unwrap_or((named, ""));
     let of_extension = FORMATS.iter().filter(|format| format.extension() == extension);
@@ -233,5 +233,5 @@ fn wanted_by(client: &Client, headers: &mut HeaderMap, named: &str) -> Result<Wa
     let not_deflated = |error| wrong(format!("the job is not compressed by raw deflate: {error}"));
     let sent = Sent::job(inflated(DeflateDecoder::new(&bytes[..]), not_deflated)?);
     let identity = memo::link_identity(client.tenant(), headers, named);
-    Ok(Wanted { sent, identity: Some(identity), keep: false })
+    Ok(ResultRequest { sent, identity: Some(identity), keep: false })
 }

@@ -11,7 +11,7 @@ use tokio::io::{AsyncRead, AsyncWrite, ReadBuf};
 use tokio::net::TcpStream;
 use tokio::time::{Instant, Sleep, sleep_until};
 
-use super::connections::{Connection, Phase};
+use super::connections::{Connection, ConnectionPhase};
 use super::pace::Pace;
 use super::problem;
 
@@ -45,7 +45,7 @@ impl Watched {
             }
             Poll::Ready(Err(error)) => Poll::Ready(Err(error)),
             Poll::Pending => {
-                self.connection.enter(Phase::Blocked);
+                self.connection.enter(ConnectionPhase::Blocked);
                 let deadline = *since + self.pace.allows(*taken);
                 let alarm = self.alarm.get_or_insert_with(|| Box::pin(sleep_until(deadline)));
                 ready!(alarm.as_mut().poll(context));
@@ -119,7 +119,7 @@ impl AsyncWrite for Watched {
         self.alarm = None;
         if !self.connection.serving.load(Ordering::Relaxed) {
             self.connection.answering.store(false, Ordering::Relaxed);
-            self.connection.enter(Phase::Listening);
+            self.connection.enter(ConnectionPhase::Listening);
         }
         Poll::Ready(flushed)
     }

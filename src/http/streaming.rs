@@ -20,7 +20,7 @@ use crate::output::Size;
 use crate::service::computation::Timings;
 use crate::service::peer::Paid;
 use crate::service::pool::{Busy, Lack};
-use crate::service::read_lane::Unread;
+use crate::service::read_lane::ReadRefusal;
 use crate::service::task::{Render, Task};
 use crate::shape::mesh::Mesh;
 
@@ -100,8 +100,10 @@ pub(super) async fn streamed(
     let streaming = app.desk.stream(Arc::new(task), memory_bytes, client.peer());
     let streamed = match tokio::time::timeout(patience, streaming).await {
         Ok(Ok(streamed)) => streamed,
-        Ok(Err(Unread::Failed(failure))) => return Err(Problem::of_failure(failure, |fault| entries.fault(fault))),
-        Ok(Err(Unread::Busy(busy))) => return Err(busy.into()),
+        Ok(Err(ReadRefusal::Failed(failure))) => {
+            return Err(Problem::of_failure(failure, |fault| entries.fault(fault)));
+        }
+        Ok(Err(ReadRefusal::Busy(busy))) => return Err(busy.into()),
         Err(_) => return Ok(None),
     };
     let timings = Timings { queue: streamed.queue, swept, ..Timings::default() };

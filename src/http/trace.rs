@@ -38,7 +38,7 @@ impl Trace {
     }
 
     /// Adds the trace with a new span id to an answer, if the request had a trace.
-    pub(super) fn told(&self, headers: &mut HeaderMap) {
+    pub(super) fn add_headers(&self, headers: &mut HeaderMap) {
         if let Some(flags) = &self.flags {
             let value = format!("00-{}-{}-{flags}", self.id, &new_id()[..16]);
             headers.extend(HeaderValue::try_from(value).map(|value| (TRACEPARENT, value)));

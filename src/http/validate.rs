@@ -5,10 +5,10 @@ use axum::extract::{RawQuery, State};
 use axum::http::HeaderMap;
 use axum::response::{IntoResponse, Response};
 
-use super::app::Shared;
+use super::app::SharedApp;
 use super::blobs::attached;
 use super::client::Client;
-use super::content::Takes;
+use super::content::AcceptedBodies;
 use super::problem::Problem;
 use super::reading::too_much;
 use super::{body, negotiate};
@@ -18,7 +18,7 @@ use crate::scheme::plan::{Plan, PlanInput};
 use crate::wire::JobRequest;
 use crate::wire::answer::{FaultAnswer, MeshReport, ValidateAnswer};
 use crate::wire::examined::Examined;
-use crate::wire::query::says_nothing;
+use crate::wire::query::refuse_parameters;
 use crate::wire::read::weight;
 
 /// What is wrong with a job, and what its mesh is like: boundary loops, valences, degenerate faces, latitude lines.
@@ -34,15 +34,15 @@ use crate::wire::read::weight;
     )
 )]
 pub(super) async fn validate(
-    State(app): State<Shared>,
+    State(app): State<SharedApp>,
     client: Client,
     headers: HeaderMap,
     RawQuery(query): RawQuery,
     body: Body,
 ) -> Response {
     let answer = async {
-        let sent = body::collect(&app, &client, &headers, Takes::Jobs, body).await?;
-        says_nothing(query.as_deref().unwrap_or_default(), &[]).map_err(Problem::invalid)?;
+        let sent = body::collect(&app, &client, &headers, AcceptedBodies::Jobs, body).await?;
+        refuse_parameters(query.as_deref().unwrap_or_default(), &[]).map_err(Problem::invalid)?;
         let sent = match attached(&app, client.peer(), sent).await.map_err(Problem::faults) {
             Ok(sent) => sent,
             // an unknown upload is a fault of the job like others
@@ -52,7 +52,7 @@ pub(super) async fn validate(
         let (limits, bytes) = (app.desk.limits.reading(), weight(sent.length()));
         let examined = app.desk.read(client.peer(), bytes, move |_| {
             let mut request = sent.request()?;
-            let purpose = request.asked();
+            let purpose = request.stated_purpose();
             negotiate::settle(&HeaderMap::new(), &mut request)?;
             Ok::<_, Problem>(request.examine(purpose, &limits))
         });

@@ -6,7 +6,7 @@ use std::time::Duration;
 
 use axum::http::HeaderMap;
 
-use super::answer::{Artifact, Form, PartReader};
+use super::answer::{Artifact, ArtifactForm, PartReader};
 use super::app::App;
 use super::negotiate;
 use crate::output::{Content, FORMATS};
@@ -20,7 +20,7 @@ const LEAST_BYTES: u64 = 1 << 10;
 /// Maximum length of an artifact that has variants, in bytes: the length up to which results are stored unless the
 /// client asks for more. Compressing it takes about a second. Twice of it lets a client wait for two; half of it sends
 /// some stored results uncompressed.
-const MOST_BYTES: u64 = 64 << 20;
+const MAX_BYTES: u64 = 64 << 20;
 
 /// Maximum time that an answer waits for a variant that is being made; then the client gets the uncompressed bytes, and
 /// the variant is finished for the next one. In this time some 50 MiB are compressed on an idle machine. Half of it
@@ -32,14 +32,14 @@ const PATIENCE: Duration = Duration::from_secs(1);
 /// now.
 pub(super) async fn coded(app: &Arc<App>, headers: &HeaderMap, found: Artifact) -> Artifact {
     let Some(coding) = negotiate::coding(headers).filter(|_| has_variants(&found)) else { return found };
-    let kept = match app.desk.find(coding.key(&found.manifest.key), found.peer).await {
+    let kept = match app.desk.find_artifact(coding.key(&found.manifest.key), found.peer).await {
         Some(variant) => Some(variant),
         None => made(app, &found, coding).await,
     };
     let form = match kept {
-        Some(variant) if variant.length > 0 => Form::Coded(coding, variant),
-        Some(_) => Form::Plain,
-        None => Form::PlainForNow,
+        Some(variant) if variant.length > 0 => ArtifactForm::Coded(coding, variant),
+        Some(_) => ArtifactForm::Plain,
+        None => ArtifactForm::PlainForNow,
     };
     Artifact { form, ..found }
 }
@@ -49,7 +49,7 @@ pub(super) async fn coded(app: &Arc<App>, headers: &HeaderMap, found: Artifact) 
 fn has_variants(found: &Artifact) -> bool {
     let of_type = |media_type: &str| FORMATS.iter().find(|format| format.media_type() == media_type);
     let is_packed = |media_type| of_type(media_type).is_some_and(|format| format.facts().content == Content::Packed);
-    let is_fit = (LEAST_BYTES..=MOST_BYTES).contains(&found.manifest.length);
+    let is_fit = (LEAST_BYTES..=MAX_BYTES).contains(&found.manifest.length);
     is_fit && found.loose.is_none() && !is_packed(&found.manifest.media_type)
 }
 

@@ -8,7 +8,7 @@ use axum::body::Bytes;
 use axum::http::{HeaderMap, HeaderValue, header};
 
 use super::analyses::AnalysisTask;
-use super::app::{App, Shared};
+use super::app::{App, SharedApp};
 use super::body::Sent;
 use super::problem::Problem;
 use super::reading::ReadJob;
@@ -23,7 +23,7 @@ use crate::service::batching::{ReadItems, Reading};
 use crate::service::driving::{ReadJobs, Tasks, Unreadable};
 use crate::service::job_key::JobKey;
 use crate::service::jobs::{JobSummary, Predicted, Product, Record};
-use crate::service::peer::{Kind, Peer};
+use crate::service::peer::{Peer, QuotaKind};
 use crate::service::pool::{Lack, Lane};
 use crate::service::task::{Render, Task};
 use crate::wire::JobRequest;
@@ -35,7 +35,7 @@ const ANALYSIS: &str = "analysis";
 
 /// A job that was read.
 #[derive(Debug)]
-pub(super) enum Asked {
+pub(super) enum ParsedJob {
     /// A job with outputs to be rendered.
     Render(Box<ReadJob>),
     /// The analysis of a plan.
@@ -49,7 +49,7 @@ pub(super) struct Work {
     pub(super) tasks: Tasks,
 }
 
-impl Asked {
+impl ParsedJob {
     /// Returns the id of the job.
     pub(super) fn id(&self) -> Key {
         match self {
@@ -106,7 +106,7 @@ pub(super) fn summary(admitted: &Admitted, sent: &Sent) -> JobSummary {
 }
 
 /// Reads an analysis; returns the body if it is no analysis.
-async fn analysis(app: &Arc<App>, peer: Peer, sent: Sent) -> Result<Result<Asked, Sent>, Problem> {
+async fn analysis(app: &Arc<App>, peer: Peer, sent: Sent) -> Result<Result<ParsedJob, Sent>, Problem> {
     let bytes = weight(sent.bytes.len() as u64);
     let of_lane = sent.clone();
     let analysis = app.desk.read(peer, bytes, move |watch| {
@@ -118,7 +118,7 @@ async fn analysis(app: &Arc<App>, peer: Peer, sent: Sent) -> Result<Result<Asked
         resolved.map(Some).map_err(|faults| Problem::invalid(under("/analysis", faults)))
     });
     Ok(match analysis.await?? {
-        Some(analysis) => Ok(Asked::Analysis(Arc::new(AnalysisTask(analysis, Form::Json)), sent)),
+        Some(analysis) => Ok(ParsedJob::Analysis(Arc::new(AnalysisTask(analysis, Form::Json)), sent)),
         None => Err(sent),
     })
 }
@@ -127,7 +127,12 @@ async fn analysis(app: &Arc<App>, peer: Peer, sent: Sent) -> Result<Result<Asked
 ///
 /// # Errors
 /// Every fault of the job; 503 if too much is being read already.
-pub(super) async fn asked(app: &Arc<App>, peer: Peer, headers: &HeaderMap, sent: Sent) -> Result<Asked, Problem> {
+pub(super) async fn read_job(
+    app: &Arc<App>,
+    peer: Peer,
+    headers: &HeaderMap,
+    sent: Sent,
+) -> Result<ParsedJob, Problem> {
     let sent = match analysis(app, peer, sent).await? {
         Ok(analysis) => return Ok(analysis),
         Err(sent) => sent,
@@ -137,22 +142,22 @@ pub(super) async fn asked(app: &Arc<App>, peer: Peer, headers: &HeaderMap, sent:
     let settle = move |request: &mut JobRequest| {
         if request.outputs.is_empty() { negotiate::settle(&headers, request) } else { Ok(()) }
     };
-    Ok(Asked::Render(Box::new(reading::job(app, peer, sent, usize::MAX, settle).await?)))
+    Ok(ParsedJob::Render(Box::new(reading::job(app, peer, sent, usize::MAX, settle).await?)))
 }
 
 /// Reads a job that was accepted before, whose first output had this format.
 ///
 /// # Errors
 /// Every fault that the job has now; 503 if too much is being read already.
-pub(super) async fn asked_again(
+pub(super) async fn read_again(
     app: &Arc<App>,
     peer: Peer,
     request: Bytes,
     format: &'static dyn Format,
-) -> Result<Asked, Problem> {
+) -> Result<ParsedJob, Problem> {
     // `Accept` may have chosen the format at first
     let headers = HeaderMap::from_iter([(header::ACCEPT, HeaderValue::from_static(format.media_type()))]);
-    asked(app, peer, &headers, Sent::job(request)).await
+    read_job(app, peer, &headers, Sent::job(request)).await
 }
 
 /// Checks a job of a batch, except the search for the level of a tolerance; returns the number of its outputs.
@@ -163,14 +168,14 @@ pub(super) async fn check(app: &Arc<App>, peer: Peer, sent: Sent) -> Result<usiz
     let Err(sent) = analysis(app, peer, sent).await? else { return Ok(1) };
     let settle = |request: &mut JobRequest| negotiate::settle(&HeaderMap::new(), request);
     match reading::draft(app, peer, sent, usize::MAX, settle).await? {
-        reading::Step::Complete(read) => {
+        reading::ReadStage::Complete(read) => {
             fits_an_archive(&read.job.outputs)?;
             let n = read.job.outputs.len();
             let admitted = reading::admit(app, peer, read.job).await?;
             streaming::check_kept(app, &admitted)?;
             Ok(n)
         }
-        reading::Step::Search(search, ..) => {
+        reading::ReadStage::Search(search, ..) => {
             fits_an_archive(search.outputs())?;
             Ok(search.outputs().len())
         }
@@ -189,14 +194,14 @@ fn fits_an_archive(outputs: &[Output]) -> Result<(), Problem> {
 
 /// Reads jobs for the workers.
 #[derive(Debug)]
-pub(super) struct Reader(pub(super) Shared);
+pub(super) struct Reader(pub(super) SharedApp);
 
 impl ReadJobs for Reader {
     fn tasks<'a>(&'a self, record: &'a Record) -> Pin<Box<dyn Future<Output = Result<Tasks, Unreadable>> + Send + 'a>> {
         Box::pin(async move {
             let tasks = async {
                 let format = record.summary.products.first().map_or(FORMATS[0], |product| product.format);
-                let asked = asked_again(&self.0, record.peer, record.summary.request.clone(), format).await?;
+                let asked = read_again(&self.0, record.peer, record.summary.request.clone(), format).await?;
                 Ok::<_, Problem>(asked.work(&self.0, record.peer).await?.tasks)
             };
             tasks.await.map_err(Problem::unreadable)
@@ -210,12 +215,12 @@ impl ReadItems for Reader {
             let (app, peer, tenant) = (&self.0, batch.peer, batch.batch.tenant);
             let (desk, text) = (&app.desk, &batch.request.text);
             // the memory of the job is charged to its own record later
-            let booked = desk.peers.charge_self(&desk.account.bodies, Kind::BodyBytes, text.len() as u64);
+            let booked = desk.peers.charge_self(&desk.account.bodies, QuotaKind::BodyBytes, text.len() as u64);
             let _paid =
                 booked.map_err(|_| Unreadable::Later(desk.pool.busy(Lane::Reading, Lack::Bodies).retry_after))?;
             let text = batch.request.layout.text(text, at).into();
             let item = async {
-                let asked = asked(app, peer, &HeaderMap::new(), Sent::job(text)).await?;
+                let asked = read_job(app, peer, &HeaderMap::new(), Sent::job(text)).await?;
                 let id = asked.id();
                 Ok::<_, Problem>((JobKey { tenant, id }, asked.work(app, peer).await?.summary))
             };

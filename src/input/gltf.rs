@@ -15,7 +15,7 @@ mod triangles;
 use self::buffers::Document;
 use super::beside::File;
 use super::reader::{ReadLimits, ReadMesh, Reader, Vertices};
-use super::room::Room;
+use super::room::MemoryBudget;
 
 /// The reader of glTF in JSON. Buffers are data URIs, or files beside the document if they are available.
 ///
@@ -50,9 +50,9 @@ pub(super) const GLB: Reader = Reader {
 fn read<'a>(
     file: &File<'a>,
     limits: &ReadLimits,
-    document: impl FnOnce(&mut Room) -> Result<Document<'a>, String>,
+    document: impl FnOnce(&mut MemoryBudget) -> Result<Document<'a>, String>,
 ) -> Result<ReadMesh, Vec<String>> {
-    let mut room = Room::new(file.bytes.len()).with_spare(file.beside.spare());
+    let mut room = MemoryBudget::new(file.bytes.len()).with_spare(file.beside.spare());
     let mesh = document(&mut room).and_then(|document| scene::read(&document, file.bytes.len(), room, limits));
     mesh.map_err(|detail| vec![detail])
 }

@@ -45,7 +45,7 @@ const OWN: &[(&[u8], &str)] = &[
 ];
 
 /// Maximum number of bytes that are examined to recognise text.
-const MOST: usize = 4096;
+const MAX_EXAMINED: usize = 4096;
 
 /// Describes, with an article, a file that holds no supported mesh, by its first bytes or as text. Call it only for
 /// files that could not be read.
@@ -63,7 +63,7 @@ pub fn own(bytes: &[u8]) -> Option<&'static str> {
 
 /// Whether the bytes begin like text, without control characters other than whitespace.
 pub fn is_text(bytes: &[u8]) -> bool {
-    let start = &bytes[..bytes.len().min(MOST)];
+    let start = &bytes[..bytes.len().min(MAX_EXAMINED)];
     !start.is_empty() && start.iter().all(|byte| !byte.is_ascii_control() || byte.is_ascii_whitespace())
 }
 

@@ -16,7 +16,7 @@ const TEXT_BYTES: [u64; 2] = [6, 8];
 /// components.
 const BINARY_BYTES: [u64; 2] = [12, 20];
 /// Bytes within which the first line of a binary file ends: the longest name, `BINARY`, and blanks.
-const MOST_HEAD: usize = 64;
+const MAX_HEAD: usize = 64;
 
 /// The reader of OFF with the prefixes `ST` (texture coordinates), `C` (colours) and `N` (normals), with each vertex
 /// and face on a line of its own and `#` before comments; if `BINARY` follows the name, values of 32 bits in big-endian
@@ -31,13 +31,13 @@ pub(super) const OFF: Reader = Reader {
 
 /// The vertex data that the prefix declares.
 #[derive(Debug, Clone, Copy, Default)]
-struct Kind {
+struct VertexFields {
     uvs: bool,
     colors: bool,
     normals: bool,
 }
 
-impl Kind {
+impl VertexFields {
     fn read(word: &str) -> Result<Self, String> {
         let wrong = || format!("{} stands where OFF, COFF, NOFF or STOFF should", quoted(word));
         let prefix = word.strip_suffix("OFF").ok_or_else(wrong)?;
@@ -54,13 +54,13 @@ impl Kind {
 
 fn read(bytes: &[u8], limits: &ReadLimits) -> Result<ReadMesh, String> {
     if let Some((name, start)) = binary(bytes) {
-        let kind = Kind::read(name).map_err(|detail| at_line(1, detail))?;
+        let kind = VertexFields::read(name).map_err(|detail| at_line(1, detail))?;
         return read_binary(kind, Numbers::new(bytes, start), bytes.len() as u64, limits);
     }
     let text = text(bytes);
     let mut words = Words::new(&text, 1, Some('#'));
     let mut line = words.expect_line("\"OFF\"")?;
-    let kind = Kind::read(line.next().unwrap_or_default()).map_err(|detail| at_line(words.line, detail))?;
+    let kind = VertexFields::read(line.next().unwrap_or_default()).map_err(|detail| at_line(words.line, detail))?;
     let mut counts: Vec<&str> = line.collect();
     if counts.is_empty() {
         counts = words.expect_line("the numbers of vertices, faces and edges")?.collect();
@@ -84,34 +84,34 @@ fn read(bytes: &[u8], limits: &ReadLimits) -> Result<ReadMesh, String> {
 
 /// Returns the name in the first line of a binary file, and the byte at which its values begin.
 fn binary(bytes: &[u8]) -> Option<(&str, usize)> {
-    let line = bytes.iter().take(MOST_HEAD).position(|byte| *byte == b'\n')?;
+    let line = bytes.iter().take(MAX_HEAD).position(|byte| *byte == b'\n')?;
     let words: Vec<&str> = std::str::from_utf8(&bytes[..line]).ok()?.split_ascii_whitespace().collect();
     let [name, word] = words.as_slice() else { return None };
     word.eq_ignore_ascii_case("binary").then_some((name, line + 1))
 }
 
-fn read_binary(kind: Kind, mut file: Numbers<'_>, bytes: u64, limits: &ReadLimits) -> Result<ReadMesh, String> {
+fn read_binary(kind: VertexFields, mut file: Numbers<'_>, bytes: u64, limits: &ReadLimits) -> Result<ReadMesh, String> {
     let mut off = Reading::new(kind, limits);
     let mut counts = [0; 3];
     for count in &mut counts {
         *count = file.count("the numbers of vertices, faces and edges")?;
     }
     let [n_vertices, n_faces, _] = counts;
-    off.expect(n_vertices, n_faces, BINARY_BYTES, bytes).map_err(|detail| file.said(detail))?;
+    off.expect(n_vertices, n_faces, BINARY_BYTES, bytes).map_err(|detail| file.at_offset(detail))?;
     let width = 3 + if kind.normals { 3 } else { 0 } + if kind.colors { 4 } else { 0 } + if kind.uvs { 2 } else { 0 };
     for i in 0..n_vertices {
         let what = format!("vertex {i} of {n_vertices}");
         let found = (0..width).map(|_| file.number(&what)).collect::<Result<Vec<f64>, _>>()?;
-        off.keep(&found, 1.0).map_err(|detail| file.said(format!("vertex {i}: {detail}")))?;
+        off.keep(&found, 1.0).map_err(|detail| file.at_offset(format!("vertex {i}: {detail}")))?;
     }
     for i in 0..n_faces {
         let what = format!("face {i} of {n_faces}");
         let mut face = Vec::new();
         for _ in 0..file.count(&what)? {
             let vertex = vertex_index(file.count(&what)?, off.mesh.mesh.positions.len());
-            face.push(vertex.map_err(|detail| file.said(format!("face {i}: {detail}")))?);
+            face.push(vertex.map_err(|detail| file.at_offset(format!("face {i}: {detail}")))?);
         }
-        off.mesh.face(&face).map_err(|detail| file.said(format!("face {i}: {detail}")))?;
+        off.mesh.face(&face).map_err(|detail| file.at_offset(format!("face {i}: {detail}")))?;
         let components = file.count(&what)?;
         (0..components).try_for_each(|_| file.number(&what).map(drop))?;
         off.face_colors += usize::from(components > 0);
@@ -119,13 +119,13 @@ fn read_binary(kind: Kind, mut file: Numbers<'_>, bytes: u64, limits: &ReadLimit
     if file.is_at_end() {
         Ok(off.finish())
     } else {
-        Err(file.said(format!("more follows the last of {n_faces} faces")))
+        Err(file.at_offset(format!("more follows the last of {n_faces} faces")))
     }
 }
 
 struct Reading {
     mesh: Collected,
-    kind: Kind,
+    kind: VertexFields,
     /// Four colour components per vertex, from 0 to 1.
     colors: Vec<f64>,
     uvs: Vec<[f64; 2]>,
@@ -133,7 +133,7 @@ struct Reading {
 }
 
 impl Reading {
-    fn new(kind: Kind, limits: &ReadLimits) -> Self {
+    fn new(kind: VertexFields, limits: &ReadLimits) -> Self {
         Self { mesh: Collected::new(limits), kind, colors: Vec::new(), uvs: Vec::new(), face_colors: 0 }
     }
 
@@ -164,7 +164,7 @@ impl Reading {
 
     fn vertex<'a>(&mut self, line: &mut (impl Iterator<Item = &'a str> + Clone)) -> Result<(), String> {
         let words: Vec<&str> = line.collect();
-        let Kind { uvs, colors, normals } = self.kind;
+        let VertexFields { uvs, colors, normals } = self.kind;
         let others = 3 + if normals { 3 } else { 0 } + if uvs { 2 } else { 0 };
         let color = words.len().checked_sub(others).unwrap_or(usize::MAX);
         if !(if colors { color == 3 || color == 4 } else { color == 0 }) {
@@ -180,7 +180,7 @@ impl Reading {
 
     /// Adds a vertex with the data that the prefix declares; colour components range from 0 to `scale`.
     fn keep(&mut self, found: &[f64], scale: f64) -> Result<(), String> {
-        let Kind { uvs, colors, normals } = self.kind;
+        let VertexFields { uvs, colors, normals } = self.kind;
         self.mesh.vertex([found[0], found[1], found[2]])?;
         if colors {
             let start = if normals { 6 } else { 3 };

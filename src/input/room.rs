@@ -23,14 +23,14 @@ pub const fn weight(length: u64) -> u64 {
 
 /// The remaining memory budget of a file.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Room {
+pub(super) struct MemoryBudget {
     length: u64,
     /// Bytes granted beyond the weight.
     spare: u64,
     left: u64,
 }
 
-impl Room {
+impl MemoryBudget {
     /// Creates the full budget of a file of `length` bytes.
     pub(super) fn new(length: usize) -> Self {
         Self { length: length as u64, spare: 0, left: weight(length as u64) }

@@ -2,17 +2,17 @@
 
 /// Maximum number of lines of a text that are searched for an OBJ statement. Half of it misses files with longer
 /// licences before their first vertex; twice of it searches more of other files in vain.
-const MOST_LINES: usize = 100;
+const MAX_LINES: usize = 100;
 /// Maximum number of bytes of these lines that are searched: a few thousand per line.
-const MOST_TEXT: usize = 256 << 10;
+const MAX_TEXT: usize = 256 << 10;
 /// Bytes at the end of an archive that are searched for the name of a model: the list of some hundred files.
-const MOST_LIST: usize = 64 << 10;
+const MAX_LIST: usize = 64 << 10;
 /// Bytes of a binary STL file before its triangles, and of each triangle.
 const STL: [usize; 2] = [84, 50];
 
 /// Returns the name of the reader for a file, if its first bytes show its format.
 pub(super) fn kind(bytes: &[u8]) -> Option<&'static str> {
-    let text = bytes[..bytes.len().min(MOST_TEXT)].trim_ascii_start();
+    let text = bytes[..bytes.len().min(MAX_TEXT)].trim_ascii_start();
     let first = text.split(u8::is_ascii_whitespace).next().unwrap_or_default();
     match first {
         _ if bytes.starts_with(b"glTF") => Some("glb"),
@@ -21,14 +21,14 @@ pub(super) fn kind(bytes: &[u8]) -> Option<&'static str> {
         b"ply" => Some("ply"),
         _ if first.ends_with(b"OFF") => Some("off"),
         _ if is_stl(bytes) || first == b"solid" => Some("stl"),
-        _ if text.split(|&byte| byte == b'\n').take(MOST_LINES).any(is_of_obj) => Some("obj"),
+        _ if text.split(|&byte| byte == b'\n').take(MAX_LINES).any(is_of_obj) => Some("obj"),
         _ => None,
     }
 }
 
 /// Whether the bytes are a ZIP archive whose list, at the end, names a model.
 fn is_3mf(bytes: &[u8]) -> bool {
-    let list = &bytes[bytes.len().saturating_sub(MOST_LIST)..];
+    let list = &bytes[bytes.len().saturating_sub(MAX_LIST)..];
     bytes.starts_with(b"PK\x03\x04") && list.windows(6).any(|window| window == b".model")
 }
 

@@ -8,7 +8,7 @@ mod xml;
 use self::archive::Archive;
 use self::xml::Tags;
 use super::reader::{ReadLimits, ReadMesh, Reader, Vertices};
-use super::room::Room;
+use super::room::MemoryBudget;
 use super::text::quoted;
 use crate::shape::frame::Up;
 
@@ -32,7 +32,7 @@ fn read(bytes: &[u8], limits: &ReadLimits) -> Result<ReadMesh, String> {
     let name = main_model(&archive)?;
     let file = archive.file(&name)?.ok_or_else(|| format!("the archive has no file {}", quoted(&name)))?;
     let mut tags = Tags::new(file);
-    let mut room = Room::new(bytes.len());
+    let mut room = MemoryBudget::new(bytes.len());
     let found = model::read(&mut tags, &mut room, limits);
     let model = found.map_err(|detail| format!("{}, line {}: {detail}", quoted(&name), tags.line))?;
     let unit = model.unit;

@@ -8,9 +8,9 @@ mod scene;
 mod tokens;
 mod tree;
 
-use self::tree::{Layer, Value, told};
+use self::tree::{Layer, Value, metadata_value};
 use super::reader::{ReadLimits, ReadMesh, Reader, Vertices};
-use super::room::Room;
+use super::room::MemoryBudget;
 use super::text::text;
 use crate::shape::frame::{Unit, Up};
 
@@ -40,10 +40,10 @@ fn read(bytes: &[u8], limits: &ReadLimits) -> Result<ReadMesh, String> {
     if !text.starts_with("#usda") {
         return Err("the file does not begin with #usda; it is no USD as text".to_owned());
     }
-    let mut room = Room::new(bytes.len());
+    let mut room = MemoryBudget::new(bytes.len());
     let layer = tree::read(&text, &mut room)?;
     let (unit, scale) = unit(&layer)?;
-    let up = match told(&layer.metadata, "upAxis").and_then(Value::word) {
+    let up = match metadata_value(&layer.metadata, "upAxis").and_then(Value::word) {
         None | Some("Y") => Up::Y,
         Some("Z") => Up::Z,
         Some(other) => return Err(format!("upAxis is {other:?}; it is Y or Z")),
@@ -54,7 +54,7 @@ fn read(bytes: &[u8], limits: &ReadLimits) -> Result<ReadMesh, String> {
 
 /// Returns the unit of a layer, and the factor that converts lengths to it, if needed.
 fn unit(layer: &Layer<'_>) -> Result<(Unit, Option<f64>), String> {
-    let metres = told(&layer.metadata, "metersPerUnit").map_or(Some(USUAL), Value::number);
+    let metres = metadata_value(&layer.metadata, "metersPerUnit").map_or(Some(USUAL), Value::number);
     let metres = metres.filter(|&x| x.is_finite() && x > 0.0).ok_or("metersPerUnit is no length above 0")?;
     let is_it = |unit: &Unit| (unit.metres() - metres).abs() <= SAME_UNIT * metres;
     let known = [Unit::Metre, Unit::Millimetre, Unit::Centimetre, Unit::Inch].into_iter().find(is_it);

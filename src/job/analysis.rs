@@ -6,7 +6,7 @@ use super::matrices::{AskedMatrices, FoundMatrices, MatricesWish};
 use super::polygon_survey::{MAX_POINTS, PolygonSurvey, SurveyedPolygons};
 use super::scan::{self, ScanWish};
 use crate::analysis::curve::{self, NoMask};
-use crate::analysis::scan::{MOST_BETWEEN, Scan, Scanned};
+use crate::analysis::scan::{MAX_BETWEEN, Scan, Scanned};
 use crate::analysis::smoothness::{BasicFunction, Report};
 use crate::analysis::theorems::{Decay, Theorem, theorems};
 use crate::analysis::{Level, Study};
@@ -55,13 +55,13 @@ const BASE_MS: u64 = 10;
 /// The analysis that a client requests for a plan.
 #[derive(Debug, Clone)]
 pub struct Analysis {
-    asked: Asked,
+    asked: AnalysisSubject,
     nodes: u64,
     key: Key,
 }
 
 #[derive(Debug, Clone)]
-enum Asked {
+enum AnalysisSubject {
     Scheme { study: Box<Study>, grid: Option<u32>, matrices: Option<AskedMatrices>, on: Option<Box<SurveyedPolygons>> },
     Scan(Box<Scan>),
 }
@@ -138,16 +138,16 @@ impl Analysis {
             Some(_) if wishes.input.is_some() => Err(useless_beside_scan("input")),
             Some(_) if wishes.matrices.is_some() => Err(useless_beside_scan("matrices")),
             Some(wish) => scan::scan(plan, wish, [nodes, MAX_NODES], |input| study(input, watch))
-                .map(|scan| Asked::Scan(Box::new(scan))),
+                .map(|scan| AnalysisSubject::Scan(Box::new(scan))),
         };
         match asked {
             Ok(asked) if faults.is_empty() => {
                 let key = match &asked {
-                    Asked::Scheme { study, grid, matrices, on } => {
+                    AnalysisSubject::Scheme { study, grid, matrices, on } => {
                         let on = on.as_ref().map(|on| (&on.input, &on.plan));
                         key::analysis(study, nodes, *grid, matrices.as_ref().map(AskedMatrices::item), on)
                     }
-                    Asked::Scan(scan) => scan::key(scan, nodes),
+                    AnalysisSubject::Scan(scan) => scan::key(scan, nodes),
                 };
                 Ok(Self { asked, nodes, key })
             }
@@ -163,8 +163,8 @@ impl Analysis {
     /// Returns an upper bound of the number of schemes analysed.
     fn schemes(&self) -> u64 {
         match &self.asked {
-            Asked::Scheme { .. } => 1,
-            Asked::Scan(scan) => u64::from(scan.steps) + 1 + u64::from(MOST_BETWEEN),
+            AnalysisSubject::Scheme { .. } => 1,
+            AnalysisSubject::Scan(scan) => u64::from(scan.steps) + 1 + u64::from(MAX_BETWEEN),
         }
     }
 
@@ -181,8 +181,8 @@ impl Analysis {
     /// Returns the approximate time in milliseconds on one core.
     pub fn milliseconds(&self) -> u64 {
         let residual = match &self.asked {
-            Asked::Scheme { study, .. } => study.settled.residual.len() as u64,
-            Asked::Scan(_) => 0,
+            AnalysisSubject::Scheme { study, .. } => study.settled.residual.len() as u64,
+            AnalysisSubject::Scan(_) => 0,
         };
         let search = self.surveyed().map_or(0, |on| on.input.n_points().min(MAX_POINTS) as u64 / POINTS_A_MS + BASE_MS);
         self.products() / NODES_A_MS + BASE_MS * self.schemes() + residual.pow(3) / CUBES_A_MS + search
@@ -196,7 +196,7 @@ impl Analysis {
 
     /// Returns the polygons of the request, if any.
     fn surveyed(&self) -> Option<&SurveyedPolygons> {
-        if let Asked::Scheme { on, .. } = &self.asked { on.as_deref() } else { None }
+        if let AnalysisSubject::Scheme { on, .. } = &self.asked { on.as_deref() } else { None }
     }
 
     /// Runs the analysis.
@@ -205,7 +205,7 @@ impl Analysis {
     /// [`Stopped`] when the watch says so.
     pub fn run(&self, watch: &Watch) -> Result<Findings<'_>, Stopped> {
         match &self.asked {
-            Asked::Scheme { study, grid, matrices, on } => {
+            AnalysisSubject::Scheme { study, grid, matrices, on } => {
                 let survey = on.as_ref().map(|on| on.survey(watch)).transpose()?;
                 let report = Report::of(study.settled.clone(), self.nodes, watch)?;
                 let (values, derivatives) = match grid {
@@ -233,14 +233,14 @@ impl Analysis {
                 };
                 Ok(Findings::Scheme(Box::new(found)))
             }
-            Asked::Scan(scan) => {
+            AnalysisSubject::Scan(scan) => {
                 Ok(Findings::Scan(scan, scan.run(|input| self::study(input, watch), self.nodes, watch)?))
             }
         }
     }
 }
 
-fn scheme(input: &PlanInput, wishes: &Wishes, watch: &Watch) -> Result<Asked, Vec<Fault>> {
+fn scheme(input: &PlanInput, wishes: &Wishes, watch: &Watch) -> Result<AnalysisSubject, Vec<Fault>> {
     let study = study(input, watch).map_err(|found| under("/plan", found))?;
     let on = wishes.input.as_ref().map(|shape| {
         let plan = shape.plan(input).map_err(|found| under("/plan", found))?;
@@ -258,7 +258,7 @@ fn scheme(input: &PlanInput, wishes: &Wishes, watch: &Watch) -> Result<Asked, Ve
     }
     let of_plan = |wish: MatricesWish| AskedMatrices::of(&Plan::resolve(input, Subject::default())?, &study, wish);
     let matrices = wishes.matrices.map(of_plan).transpose()?;
-    Ok(Asked::Scheme { study: Box::new(study), grid, matrices, on })
+    Ok(AnalysisSubject::Scheme { study: Box::new(study), grid, matrices, on })
 }
 
 fn useless_beside_scan(name: &str) -> Vec<Fault> {

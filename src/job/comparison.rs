@@ -21,7 +21,7 @@ use crate::watch::Watch;
 
 /// Maximum number of pixels of a picture to compare. Two such pictures with their difference take 700 MiB. Half as many
 /// would refuse scans of a page at 600 dots per inch; twice as many would take twice the memory.
-const MOST_PIXELS: u64 = 1 << 26;
+const MAX_PIXELS: u64 = 1 << 26;
 /// Bytes per pixel while two pictures are compared: two colours of four channels, possibly of sixteen bits each, and
 /// the picture of the difference, which is then compressed.
 const PIXEL_BYTES: u64 = 2 * 4 + 8 + 3 + 3;
@@ -65,12 +65,12 @@ pub struct Tolerances {
 /// A comparison of two pictures or two shapes.
 #[derive(Debug)]
 pub struct Comparison {
-    sides: Sides,
+    sides: ComparedSides,
     key: Key,
 }
 
 #[derive(Debug)]
-enum Sides {
+enum ComparedSides {
     Pictures([PngFile; 2], Measure),
     Shapes([Arc<Admitted>; 2], f64),
 }
@@ -106,8 +106,8 @@ impl PngFile {
     pub fn new(bytes: Arc<[u8]>, is_own: bool) -> Result<Self, String> {
         let reader = ImageReader::with_format(Cursor::new(&*bytes), ImageFormat::Png);
         let (width, height) = reader.into_dimensions().map_err(|error| format!("it is no PNG: {error}"))?;
-        if u64::from(width) * u64::from(height) > MOST_PIXELS {
-            return Err(format!("it has {width} x {height} pixels; at most {MOST_PIXELS} are compared"));
+        if u64::from(width) * u64::from(height) > MAX_PIXELS {
+            return Err(format!("it has {width} x {height} pixels; at most {MAX_PIXELS} are compared"));
         }
         Ok(Self { bytes, size: [width, height], is_own })
     }
@@ -152,7 +152,7 @@ impl Comparison {
                     Measure::Equality => Item::text("equality"),
                     Measure::Seen(threshold) => Item::Number(threshold),
                 };
-                (Sides::Pictures([a, b], measure), written)
+                (ComparedSides::Pictures([a, b], measure), written)
             }
             ([Side::Shape(a), Side::Shape(b)], Tolerances { tolerance, .. }) => {
                 let mut faults: Vec<Fault> = Vec::new();
@@ -166,13 +166,13 @@ impl Comparison {
                     return Err(faults);
                 }
                 let tolerance = tolerance.unwrap_or(0.0);
-                (Sides::Shapes([a, b], tolerance), Item::Number(tolerance))
+                (ComparedSides::Shapes([a, b], tolerance), Item::Number(tolerance))
             }
             _ => return out_of_place("b", "one is a picture and the other a shape; compare two of a kind"),
         };
         let keys = match &sides {
-            Sides::Pictures(pictures, _) => pictures.each_ref().map(|picture| content(&picture.bytes)),
-            Sides::Shapes(shapes, _) => shapes.each_ref().map(|shape| shape.job().keys()[0]),
+            ComparedSides::Pictures(pictures, _) => pictures.each_ref().map(|picture| content(&picture.bytes)),
+            ComparedSides::Shapes(shapes, _) => shapes.each_ref().map(|shape| shape.job().keys()[0]),
         };
         let [a, b] = keys.map(|key| Item::text(&key.to_string()));
         let version = Item::Integer(u64::from(RESULTS_VERSION));
@@ -192,25 +192,25 @@ impl Comparison {
 
     /// Returns whether both sides are pictures of equal size, so that there is a picture of their difference.
     pub fn has_picture(&self) -> bool {
-        matches!(&self.sides, Sides::Pictures([a, b], _) if a.size == b.size)
+        matches!(&self.sides, ComparedSides::Pictures([a, b], _) if a.size == b.size)
     }
 
     /// Returns the number of pixels of the first picture; 0 for shapes.
     pub fn pixels(&self) -> u64 {
-        if let Sides::Pictures([a, _], _) = &self.sides { a.pixels() } else { 0 }
+        if let ComparedSides::Pictures([a, _], _) = &self.sides { a.pixels() } else { 0 }
     }
 
     /// Returns an upper bound of the memory in bytes.
     pub fn bytes(&self) -> u128 {
         match &self.sides {
-            Sides::Pictures(pictures, _) => {
+            ComparedSides::Pictures(pictures, _) => {
                 let of = |picture: &PngFile| picture.pixels() * PIXEL_BYTES + picture.bytes.len() as u64;
                 pictures.iter().map(of).map(u128::from).sum()
             }
-            Sides::Shapes(shapes, _) => {
+            ComparedSides::Shapes(shapes, _) => {
                 let refined = shapes.iter().map(|shape| shape.estimate().memory_bytes).max().unwrap_or(0);
                 let trees: u128 = shapes.iter().map(triangles).sum();
-                refined.saturating_add((trees + Measured::MOST_PIECES).saturating_mul(Measured::TRIANGLE_BYTES))
+                refined.saturating_add((trees + Measured::MAX_PIECES).saturating_mul(Measured::TRIANGLE_BYTES))
             }
         }
     }
@@ -218,8 +218,8 @@ impl Comparison {
     /// Returns the work, in the units of the watch.
     pub fn work(&self) -> u128 {
         match &self.sides {
-            Sides::Pictures(pictures, _) => pictures[0].size[1].into(),
-            Sides::Shapes(shapes, _) => {
+            ComparedSides::Pictures(pictures, _) => pictures[0].size[1].into(),
+            ComparedSides::Shapes(shapes, _) => {
                 let refined = shapes.iter().map(|shape| shape.estimate().forecast.work);
                 let measured = shapes.iter().map(triangles);
                 refined.chain(measured).fold(0, u128::saturating_add)
@@ -230,10 +230,10 @@ impl Comparison {
     /// Returns the approximate time in milliseconds on one core.
     pub fn milliseconds(&self) -> u128 {
         match &self.sides {
-            Sides::Pictures(pictures, _) => {
+            ComparedSides::Pictures(pictures, _) => {
                 pictures.iter().map(|picture| u128::from(picture.pixels() / PIXELS_A_MS)).sum()
             }
-            Sides::Shapes(shapes, _) => {
+            ComparedSides::Shapes(shapes, _) => {
                 let of = |shape: &Arc<Admitted>| {
                     // a result that is cut into many pieces takes longer and is moved to the lane for long work
                     let queries = triangles(shape).saturating_mul(Measured::QUERIES);
@@ -250,8 +250,8 @@ impl Comparison {
     /// [`RunError`].
     pub fn run(&self, kept: &dyn KeepWork, watch: &Watch) -> Result<Compared, RunError> {
         match &self.sides {
-            Sides::Pictures([a, b], _) if a.size != b.size => Ok(Compared::Sizes([a.size, b.size])),
-            Sides::Pictures([a, b], measure) => {
+            ComparedSides::Pictures([a, b], _) if a.size != b.size => Ok(Compared::Sizes([a.size, b.size])),
+            ComparedSides::Pictures([a, b], measure) => {
                 let size = a.size;
                 let [a, b] = [("/a", a), ("/b", b)].map(|(place, picture)| {
                     picture.decoded().map_err(|detail| RunError::of_request(Fault::new(place, detail)))
@@ -259,7 +259,7 @@ impl Comparison {
                 let difference = difference(&a?, &b?, *measure, watch).map_err(RunError::Stopped)?;
                 Ok(Compared::Pixels { difference, size })
             }
-            Sides::Shapes([a, b], tolerance) => {
+            ComparedSides::Shapes([a, b], tolerance) => {
                 let [(stats_a, a), (stats_b, b)] = [measured(a, "/a", kept, watch)?, measured(b, "/b", kept, watch)?];
                 let there = a.farthest_from(&b, watch).map_err(RunError::Stopped)?;
                 let back = b.farthest_from(&a, watch).map_err(RunError::Stopped)?;

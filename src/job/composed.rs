@@ -78,7 +78,7 @@ pub(super) fn run(
     let impossible = |fault| RunError::Impossible(JobFault { part: JobPart::Request, fault });
     let sheet = figure.sheet(output).map_err(impossible)?;
     let Some(paper) = output.format.paper() else { return Ok(Report::default()) };
-    let kept = Lasting { kept, own: Mutex::default() };
+    let kept = FigureWork { kept, own: Mutex::default() };
     let mut warnings: Vec<String> = Vec::new();
     let mut each = |show_it: &mut dyn FnMut(usize, &Scene<'_>, &Output) -> Result<(), FormatError>| {
         for (n, panel) in figure.panels.iter().enumerate() {
@@ -148,12 +148,12 @@ pub(super) fn run_film(
 
 /// Keeps work until the figure is finished, and offers it to a longer-lived store.
 #[derive(Debug)]
-struct Lasting<'a> {
+struct FigureWork<'a> {
     kept: &'a dyn KeepWork,
     own: Mutex<HashMap<Key, Work>>,
 }
 
-impl KeepWork for Lasting<'_> {
+impl KeepWork for FigureWork<'_> {
     fn find(&self, key: &Key) -> Option<Work> {
         let own = self.own.lock().unwrap_or_else(PoisonError::into_inner).get(key).cloned();
         own.or_else(|| self.kept.find(key))

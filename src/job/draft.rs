@@ -48,7 +48,7 @@ impl Draft {
         let kind = input.shape_kind();
         for output in &outputs {
             faults.extend(frame_fault(&input, output));
-            if let Err(fault) = held(output, kind) {
+            if let Err(fault) = check_shape_kind(output, kind) {
                 faults.push(fault);
             } else if let Err(fault) = output.format.suits(kind, input.attachments(), &output.options) {
                 faults.push(output.fault(fault));
@@ -63,7 +63,7 @@ impl Draft {
         };
         let checked = Checked { input: Arc::new(input), entry, plan, outputs, frame, other };
         let fit = [faults_of(&checked), other_faults(&checked)].concat();
-        let asked = films::asked(&checked.outputs);
+        let asked = films::film_outputs(&checked.outputs);
         match levels {
             CheckedLevels::Count(levels) => {
                 faults.extend(fit);
@@ -113,7 +113,7 @@ impl Draft {
         let subject = Subject { is_mesh: kind == ShapeKind::Mesh, ..Subject::default() };
         let levels = levels.or(no_level(outputs).then_some(Levels::Count(0)));
         let mut faults: Vec<Fault> = levels::check(plan.is_some(), levels).err().into_iter().collect();
-        faults.extend(outputs.iter().filter_map(|output| held(output, kind).err()));
+        faults.extend(outputs.iter().filter_map(|output| check_shape_kind(output, kind).err()));
         let resolved = plan.map(|plan| Plan::resolve(plan, subject).map_err(|found| under("/plan", found)));
         faults.extend(resolved.and_then(Result::err).into_iter().flatten());
         faults
@@ -129,7 +129,7 @@ impl Draft {
 }
 
 /// Checks that the format of an output can hold a shape of this kind under its options.
-fn held(output: &Output, kind: ShapeKind) -> Result<(), Fault> {
+fn check_shape_kind(output: &Output, kind: ShapeKind) -> Result<(), Fault> {
     let held = (output.format.facts().holds)(kind, &output.options);
     held.map_err(|detail| output.fault(Fault::new("/format", detail)))
 }

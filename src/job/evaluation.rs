@@ -18,12 +18,12 @@ use crate::watch::Watch;
 
 /// Maximum number of places of one evaluation. Half as many would make scans of a part two requests; twice as many
 /// would make answers of half a gigabyte.
-pub const MOST_PLACES: usize = 1_000_000;
+pub const MAX_PLACES: usize = 1_000_000;
 /// Largest coordinate with which distances are found, as they are squared. Between it and the root of the largest
 /// number (1.3e154) is room for sums and products; a tenth of it would do for any part.
-const MOST_COORDINATE: f64 = 1e150;
+const MAX_COORDINATE: f64 = 1e150;
 /// Maximum number of faults that are reported.
-const MOST_FAULTS: usize = 64;
+const MAX_FAULTS: usize = 64;
 /// Memory of a place in bytes: the place (24), its positions in a face (24 twice), its values (208), and the same
 /// values as text (208).
 const PLACE_BYTES: u128 = 24 + 48 + 208 + 208;
@@ -131,8 +131,8 @@ impl Evaluation {
             faults.push(Fault::new("/plan", detail));
         }
         for (name, n) in [("at", at.len()), ("closest", closest.len())] {
-            if n > MOST_PLACES {
-                let detail = format!("{n} entries; one request has at most {MOST_PLACES}, send several");
+            if n > MAX_PLACES {
+                let detail = format!("{n} entries; one request has at most {MAX_PLACES}, send several");
                 faults.push(Fault::new(format!("/{name}"), detail));
             }
         }
@@ -140,13 +140,13 @@ impl Evaluation {
             let (entry, detail) = place.fault(&mesh.topology)?;
             Some(Fault::new(format!("/at/{i}/{entry}"), detail))
         });
-        faults.extend(misplaced.take(MOST_FAULTS));
-        let is_far = |x: &f64| x.abs() > MOST_COORDINATE;
+        faults.extend(misplaced.take(MAX_FAULTS));
+        let is_far = |x: &f64| x.abs() > MAX_COORDINATE;
         let far = closest.iter().enumerate().filter(|(_, point)| point.iter().any(is_far)).map(|(i, point)| {
             let detail = format!("{point:?} is too far away, distances are squared; coordinates are at most 1e150");
             Fault::new(format!("/closest/{i}"), detail)
         });
-        faults.extend(far.take(MOST_FAULTS));
+        faults.extend(far.take(MAX_FAULTS));
         if !closest.is_empty() && mesh.positions.iter().any(is_far) {
             let detail = "the mesh is too large for distances, which are squared; coordinates are at most 1e150";
             faults.push(Fault::new("/closest", detail));

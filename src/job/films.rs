@@ -10,7 +10,7 @@ use crate::scheme::plan::PlanInput;
 use super::output::Output;
 
 /// Returns the outputs whose plan changes, by index, or `None` if there are none.
-pub(super) fn asked(outputs: &[Output]) -> Option<Vec<(usize, Sweep)>> {
+pub(super) fn film_outputs(outputs: &[Output]) -> Option<Vec<(usize, Sweep)>> {
     let sweep = |(i, output): (usize, &Output)| Some((i, output.format.sweep(&output.options)?));
     let found: Vec<_> = outputs.iter().enumerate().filter_map(sweep).collect();
     (!found.is_empty()).then_some(found)
@@ -56,15 +56,15 @@ fn frames(
         let mut plan = plan.clone();
         plan.parameters.retain(|(known, _)| known != name);
         plan.parameters.push((name.to_owned(), Literal::Number(*value)));
-        let told = |faults: Vec<Fault>| {
+        let at_value = |faults: Vec<Fault>| {
             let said: Vec<String> = faults.into_iter().map(|fault| fault.detail).collect();
             Fault::new("/sweep", format!("where {name} is {value}: {}", said.join("; ")))
         };
         let outputs = vec![output.clone()];
-        let plan = resolved(&checked.input, Some(&plan), &outputs).map_err(told)?;
+        let plan = resolved(&checked.input, Some(&plan), &outputs).map_err(at_value)?;
         let checked = Checked { plan, outputs, ..checked.clone() };
         let faults = faults_of(&checked);
-        Job::new(checked, levels, None, faults).map_err(told)
+        Job::new(checked, levels, None, faults).map_err(at_value)
     };
     sweep.values.iter().map(at).collect()
 }

@@ -14,12 +14,12 @@ use crate::watch::Watch;
 /// Maximum number of faces, or points, of the level found. A picture of usual size has fewer pixels. The bound must not
 /// depend on the limits of a server, so that the same job gives the same picture everywhere. Half as many would show
 /// the faces of models seen from close by; twice as many would take twice the time and memory.
-const MOST_FACES: u128 = 1 << 21;
+const MAX_FACES: u128 = 1 << 21;
 /// Lower bound in pixels of the mean side of faces on the last level; it is less than this times the arity. Half of it
 /// would refine beyond what is visible; twice of it would show the sides of faces in outlines.
 const SIDE_PX: f64 = 1.0;
 /// Maximum number of edges to measure; of more edges, an evenly spread selection is measured in about 20 ms.
-const MOST_EDGES: usize = 1 << 17;
+const MAX_EDGES: usize = 1 << 17;
 
 /// Returns the highest level whose faces are on average at least a pixel wide in one of the pictures.
 ///
@@ -49,7 +49,7 @@ pub(super) fn level(checked: &Checked) -> Result<u32, Fault> {
         let parts = if checked.input.mesh().is_some() { parts.sqrt() } else { parts };
         // false for sides that are NaN
         let is_wide = widest / parts >= SIDE_PX;
-        if count > MOST_FACES || triangles > most_triangles || !is_wide {
+        if count > MAX_FACES || triangles > most_triangles || !is_wide {
             break;
         }
         best = level;
@@ -61,7 +61,7 @@ pub(super) fn level(checked: &Checked) -> Result<u32, Fault> {
 fn counted(checked: &Checked, levels: u32) -> Result<[u128; 2], Fault> {
     let steps = checked.plan.schedule(levels).map_err(|fault| fault.under("/plan"))?;
     let forecast = match &*checked.input {
-        Input::Mesh(mesh) => forecast::of_mesh(&mesh_net(mesh, &checked.plan), &steps, 4 * MOST_FACES, &Watch::new()),
+        Input::Mesh(mesh) => forecast::of_mesh(&mesh_net(mesh, &checked.plan), &steps, 4 * MAX_FACES, &Watch::new()),
         Input::Polygons(polygons) => {
             let nets: Vec<_> = polygons.iter().map(|polygon| polygon_net(polygon, &checked.plan)).collect();
             forecast::of_polygons(&nets, &steps)
@@ -76,7 +76,7 @@ fn counted(checked: &Checked, levels: u32) -> Result<[u128; 2], Fault> {
 /// Returns the points and some edges of the input.
 fn outline(input: &Input) -> Result<Outline, Fault> {
     let edges = |topology: &Topology| {
-        let stride = topology.n_edges().div_ceil(MOST_EDGES).max(1);
+        let stride = topology.n_edges().div_ceil(MAX_EDGES).max(1);
         (0..topology.n_edges()).step_by(stride).map(|edge| topology.ends(edge)).collect()
     };
     match input {

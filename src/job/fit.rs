@@ -44,8 +44,8 @@ pub(super) fn resolved(input: &Input, plan: Option<&PlanInput>, outputs: &[Outpu
         return Ok(Plan::none(PlanInput::default().boundary, PlanInput::default().ends));
     };
     let subject = input.subject(plan);
-    let told = outputs.iter().find_map(|output| output.format.refers(&output.options)).filter(|_| subject.is_mesh);
-    let subject = Subject { tags: subject.tags.or(told), attached: subject.attached.or(told), ..subject };
+    let referred = outputs.iter().find_map(|output| output.format.refers(&output.options)).filter(|_| subject.is_mesh);
+    let subject = Subject { tags: subject.tags.or(referred), attached: subject.attached.or(referred), ..subject };
     Plan::resolve(plan, subject).map_err(|found| under("/plan", found))
 }
 

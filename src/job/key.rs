@@ -12,7 +12,7 @@ use crate::analysis::{Level, Study};
 use crate::math::expression::{Expression, Instruction};
 use crate::math::mask::Mask;
 use crate::math::parameter::{Value, Values};
-use crate::output::figure::{Cell, Grid};
+use crate::output::figure::{Grid, PanelCell};
 use crate::output::{LIMIT, TANGENTS, shows_distances, surface};
 use crate::scheme::letter::Letter;
 use crate::scheme::operator::Role;
@@ -120,7 +120,7 @@ pub(super) fn figure(panels: impl Iterator<Item = Key>, (grid, one_scale): (&Gri
     let Grid { columns, title, letters, cells } = grid;
     let text = |text: &Option<String>| Item::List(text.iter().map(|text| Item::text(text)).collect());
     let mut panels = panels;
-    let cell = |Cell { span, proportion: _, caption, layers }: &Cell| {
+    let cell = |PanelCell { span, proportion: _, caption, layers }: &PanelCell| {
         // the proportion follows from the size, which is in the keys of the panels
         let mut items: Vec<Item<'_>> = panels.by_ref().take(*layers).map(|key| Item::text(&key.to_string())).collect();
         items.extend([Item::Indices(span.to_vec().into()), text(caption)]);

@@ -58,7 +58,7 @@ impl Default for Limits {
 
 /// Maximum number of vertices or faces that are read: indices have 32 bits, and a net has up to four corners per
 /// vertex.
-const MOST_READ: u64 = u32::MAX as u64 / 5;
+const MAX_FACES_READ: u64 = u32::MAX as u64 / 5;
 
 /// A job that is within all limits; only [`Limits::admit`] creates one.
 #[derive(Debug, Clone)]
@@ -82,7 +82,7 @@ impl Admitted {
 impl Limits {
     /// Returns the limits for reading mesh files.
     pub fn reading(&self) -> ReadLimits {
-        let [max_vertices, max_faces] = [self.max_vertices, self.max_faces].map(|n| n.min(MOST_READ));
+        let [max_vertices, max_faces] = [self.max_vertices, self.max_faces].map(|n| n.min(MAX_FACES_READ));
         ReadLimits { max_vertices, max_faces }
     }
 

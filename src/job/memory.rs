@@ -10,7 +10,7 @@ use crate::shape::tile::Tile;
 
 /// Data that is refined along with the positions.
 #[derive(Default)]
-pub(super) struct Carried {
+pub(super) struct CarriedCounts {
     /// Number of vertex channels.
     pub(super) channels: u128,
     /// Number of frames after the first.
@@ -30,13 +30,13 @@ const LOCAL_BYTES: u128 = 8 * (4 + 4 + 5) + 4;
 const NUMBERED_BYTES: [u128; 2] = [8 + 2, (24 + 4 * 16) * 5 / 4];
 
 /// Returns the data that a job refines along with the positions, with `frames` frames after the first.
-pub(super) fn carried(job: &Job, frames: u128) -> Carried {
-    let Some(mesh) = job.input.mesh() else { return Carried::default() };
+pub(super) fn carried(job: &Job, frames: u128) -> CarriedCounts {
+    let Some(mesh) = job.input.mesh() else { return CarriedCounts::default() };
     let own = mesh.attributes.is_some() || job.plan.latitude.is_some() || job.plan.perturbation.is_some();
     let local_bytes = if own { LOCAL_BYTES } else { 0 };
     let is_smooth = mesh.attachments.places().any(|places| !places.seams.linear);
     let [place, face] = if job.plan.perturbation.is_some() { NUMBERED_BYTES } else { [0, 0] };
-    Carried {
+    CarriedCounts {
         channels: mesh.attachments.channels.len() as u128,
         frames,
         numbers: mesh.attachments.width() as u128 + 3 * frames,
@@ -69,7 +69,7 @@ const SPLIT_VERTEX_BYTES: u128 = 160;
 const LARGE: u128 = 16 << 20;
 
 /// Returns the memory of a job in bytes, without that of limit positions.
-pub(super) fn needed(job: &Job, forecast: &Forecast, sizes: &[Size], carried: &Carried) -> u128 {
+pub(super) fn needed(job: &Job, forecast: &Forecast, sizes: &[Size], carried: &CarriedCounts) -> u128 {
     let by_rows = memory(forecast, sizes, carried);
     let from = if by_rows > LARGE { job.swept_from() } else { None };
     from.map_or(by_rows, |level| by_rows.min(swept(job, forecast, level, sizes, carried)))
@@ -88,7 +88,7 @@ const PATCH_BYTES: u128 = 256;
 
 /// Returns the memory in bytes of a job whose mesh is refined by rows up to a level and by a sweep from there on: the
 /// net of that level, the points of the last level, and the data of writers, as if all were held at once.
-fn swept(job: &Job, forecast: &Forecast, level: usize, sizes: &[Size], carried: &Carried) -> u128 {
+fn swept(job: &Job, forecast: &Forecast, level: usize, sizes: &[Size], carried: &CarriedCounts) -> u128 {
     let last = forecast.levels.last().copied().unwrap_or_default();
     let count = forecast.levels.get(level).copied().unwrap_or(last);
     let before = Forecast { levels: vec![count], peak: count, work: 0, topology_bytes: 0 };
@@ -119,7 +119,7 @@ fn swept(job: &Job, forecast: &Forecast, level: usize, sizes: &[Size], carried: 
 /// Returns the memory in bytes of a job that is refined by rows, without that of limit positions: points, topologies,
 /// data refined along and its topologies, copies of vertices on sharp edges, and the largest result, as if all were
 /// held at once with the largest net.
-pub(super) fn memory(forecast: &Forecast, sizes: &[Size], carried: &Carried) -> u128 {
+pub(super) fn memory(forecast: &Forecast, sizes: &[Size], carried: &CarriedCounts) -> u128 {
     let count = forecast.peak;
     let [of_place, of_face] = carried.place_bytes;
     let last = forecast.levels.last().copied().unwrap_or_default();
@@ -139,7 +139,7 @@ pub(super) fn memory(forecast: &Forecast, sizes: &[Size], carried: &Carried) -> 
 
 /// Returns the memory in bytes of the coarser levels of detail of a mesh, which are held with the finest one, and their
 /// share of the work.
-pub(super) fn details(job: &Job, forecast: &Forecast, carried: &Carried) -> (u128, u128) {
+pub(super) fn details(job: &Job, forecast: &Forecast, carried: &CarriedCounts) -> (u128, u128) {
     let last = forecast.levels.last().map_or(1, |count| count.corners.max(1));
     let coarser = job.details.iter().filter(|detail| detail.levels != job.levels);
     coarser.fold((0, 0), |(bytes, work), detail| {
@@ -173,8 +173,11 @@ pub(super) fn on_demand(forecast: &Forecast, level: usize, sizes: &[Size]) -> u1
     let bytes = sizes.iter().map(|size| size.bytes()).max().unwrap_or(0);
     let bytes_a_row = bytes / last.vertices.min(last.faces).max(1);
     let rows = ROWS_ON_THE_WAY.min(last.vertices).saturating_mul(ROW_BYTES + 2 * bytes_a_row);
-    let held =
-        memory(&Forecast { levels: vec![count], peak: count, work: 0, topology_bytes: 0 }, &[], &Carried::default());
+    let held = memory(
+        &Forecast { levels: vec![count], peak: count, work: 0, topology_bytes: 0 },
+        &[],
+        &CarriedCounts::default(),
+    );
     held.saturating_add(given.saturating_mul(PATCH_BYTES)).saturating_add(rows).saturating_add(PLANE_BYTES[1])
 }
 

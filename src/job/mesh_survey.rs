@@ -7,7 +7,7 @@ use super::input::Input;
 use super::level_bounds::{LevelBounds, level_bounds};
 use super::polygon_survey::LEVELS;
 use crate::analysis::surface::{Extraordinary, RegularSmoothness, SurfaceStudy};
-use crate::analysis::tolerance::{self, Placed};
+use crate::analysis::tolerance::{self, VertexPlacement};
 use crate::scheme::plan::Plan;
 use crate::shape::mesh::Mesh;
 use crate::watch::{Stopped, Watch};
@@ -72,7 +72,7 @@ impl Surveyed {
             return Ok(Err(format!("the mesh has {n} faces; bounds are told of those with up to {MAX_FACES}")));
         }
         level_bounds(mesh.positions.iter(), MAX_LEVEL, |tolerance| {
-            let reached = tolerance::reach(mesh, &self.plan, &[Placed::Refined], tolerance, watch)?;
+            let reached = tolerance::reach(mesh, &self.plan, &[VertexPlacement::Refined], tolerance, watch)?;
             Ok((reached.level, reached.bound))
         })
     }

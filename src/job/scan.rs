@@ -10,7 +10,7 @@ use crate::fault::Fault;
 use crate::math::exact::{self, Exact};
 use crate::math::exactly;
 use crate::math::expression::Expression;
-use crate::math::parameter::{Kind, Literal};
+use crate::math::parameter::{Literal, ParameterKind};
 use crate::scheme::parameters::WORD_PARAMETERS;
 use crate::scheme::plan::PlanInput;
 use crate::scheme::presets::PRESETS;
@@ -92,7 +92,7 @@ pub(super) fn scan(
 fn is_whole(plan: &PlanInput, name: &str) -> bool {
     let preset = PRESETS.iter().find(|preset| Some(preset.name) == plan.preset.as_deref());
     let mut declared = preset.map_or(WORD_PARAMETERS, |preset| preset.parameters).iter();
-    declared.any(|parameter| parameter.name == name && matches!(parameter.kind, Kind::Integer { .. }))
+    declared.any(|parameter| parameter.name == name && matches!(parameter.kind, ParameterKind::Integer { .. }))
 }
 
 /// Returns the exact value of an end of the range, or the shortest decimal near a value that is not a fraction.

@@ -7,7 +7,7 @@ use super::output::Output;
 use super::{curves, size};
 use crate::analysis::NoLevel;
 use crate::analysis::curve::{self, Reached, reach};
-use crate::analysis::tolerance::{self, Placed};
+use crate::analysis::tolerance::{self, VertexPlacement};
 use crate::fault::Fault;
 use crate::watch::{Stopped, Watch};
 
@@ -126,10 +126,10 @@ fn factor(outputs: &[Output]) -> f64 {
 }
 
 /// Returns the places of a mesh's vertices that outputs show.
-fn placed(outputs: &[Output]) -> Vec<Placed> {
+fn placed(outputs: &[Output]) -> Vec<VertexPlacement> {
     let moves = |output: &Output| crate::output::surface::limit(&output.options)[0];
-    let limit = outputs.iter().any(moves).then_some(Placed::Limit);
-    let refined = (limit.is_none() || !outputs.iter().all(moves)).then_some(Placed::Refined);
+    let limit = outputs.iter().any(moves).then_some(VertexPlacement::Limit);
+    let refined = (limit.is_none() || !outputs.iter().all(moves)).then_some(VertexPlacement::Refined);
     refined.into_iter().chain(limit).collect()
 }
 
@@ -140,8 +140,8 @@ fn place_names(input: &Input, outputs: &[Output]) -> Vec<&'static str> {
         Input::Polygons(_) => vec!["refined"],
         Input::Mesh(_) => {
             let name = |placed| match placed {
-                Placed::Refined => "refined",
-                Placed::Limit => "limit",
+                VertexPlacement::Refined => "refined",
+                VertexPlacement::Limit => "limit",
             };
             placed(outputs).into_iter().map(name).collect()
         }

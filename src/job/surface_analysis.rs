@@ -74,7 +74,7 @@ pub struct SurfaceFindings<'a> {
 
 /// The vertices that are analysed.
 #[derive(Debug, Clone, Copy, Default)]
-pub struct Around<'a> {
+pub struct AnalysedVertices<'a> {
     /// Valences of interior vertices.
     pub valences: Option<&'a [u64]>,
     /// Numbers of faces at boundary vertices.
@@ -89,7 +89,7 @@ impl SurfaceAnalysis {
     /// Every fault found, with pointers into the request.
     pub fn new(
         plan: &PlanInput,
-        around: Around<'_>,
+        around: AnalysedVertices<'_>,
         nodes: Option<u64>,
         input: Option<Input>,
         watch: &Watch,
@@ -115,7 +115,7 @@ impl SurfaceAnalysis {
         };
         let place = if plan.preset.is_some() { "/plan/preset" } else { "/plan/word" };
         let study = resolved.map_err(|found| under("/plan", found)).and_then(|plan| {
-            let settled = settled(&plan).map_err(|detail| vec![Fault::new(place, detail)])?;
+            let settled = at_alpha_zero(&plan).map_err(|detail| vec![Fault::new(place, detail)])?;
             let study = SurfaceStudy::of(&settled, watch).map_err(|error| vec![Fault::new(place, refusal(&error))])?;
             Ok((study, settled, plan))
         });
@@ -229,7 +229,7 @@ fn checked(asked: &[u64], name: &str, range: &RangeInclusive<usize>) -> Result<V
 }
 
 /// Returns the plan at alpha = 0, with its functions replaced by their values.
-fn settled(plan: &Plan) -> Result<Plan, String> {
+fn at_alpha_zero(plan: &Plan) -> Result<Plan, String> {
     let number = |function: &Expression| match function.value(0.0) {
         Ok(value) => Ok(Expression::constant(value)),
         Err(error) => Err(format!("the limit alpha = 0 is analysed, where {error}")),

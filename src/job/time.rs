@@ -1,7 +1,7 @@
 //! The time of a job, estimated from its work. The unit is a row of a weight table, 100 ns.
 //!
 //! The constants are measured on one core with a release build, and rounded up: a row of a refinement with its points
-//! 100 ns, a byte of a result 10 ns (pictures are counted by their pixels), drawing as `raster::Forecast` says.
+//! 100 ns, a byte of a result 10 ns (pictures are counted by their pixels), drawing as `raster::RasterForecast` says.
 
 use super::complete::Job;
 use crate::analysis::limit::sees_whole_fans;

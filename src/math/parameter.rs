@@ -44,7 +44,7 @@ pub struct Parameter {
     /// Name in requests.
     pub name: &'static str,
     /// The values that may be written.
-    pub kind: Kind,
+    pub kind: ParameterKind,
     /// Unit of the value (`"radians"`, `"pixels"`), empty when it has none.
     pub unit: &'static str,
     /// The value if the request leaves the parameter out.
@@ -56,7 +56,7 @@ pub struct Parameter {
 impl Parameter {
     /// Declares a number in `[min, max]` without unit.
     pub const fn number(name: &'static str, [min, max]: [f64; 2], default: Default, doc: &'static str) -> Self {
-        Self { name, kind: Kind::Number { min, max }, unit: "", default, doc }
+        Self { name, kind: ParameterKind::Number { min, max }, unit: "", default, doc }
     }
 
     /// Returns whether the parameter must be given.
@@ -66,28 +66,28 @@ impl Parameter {
 
     /// Declares a choice among names; the first one is the default.
     pub const fn choice(name: &'static str, names: &'static [&'static str], doc: &'static str) -> Self {
-        Self { name, kind: Kind::Choice(names), unit: "", default: Default::Text(names[0]), doc }
+        Self { name, kind: ParameterKind::Choice(names), unit: "", default: Default::Text(names[0]), doc }
     }
 
     /// Declares a flag that is `false` by default.
     pub const fn flag(name: &'static str, doc: &'static str) -> Self {
-        Self { name, kind: Kind::Flag, unit: "", default: Default::Flag(false), doc }
+        Self { name, kind: ParameterKind::Flag, unit: "", default: Default::Flag(false), doc }
     }
 
     /// Declares a parameter without unit that may be left out and then has no value.
-    pub const fn optional(name: &'static str, kind: Kind, doc: &'static str) -> Self {
+    pub const fn optional(name: &'static str, kind: ParameterKind, doc: &'static str) -> Self {
         Self { name, kind, unit: "", default: Default::Absent, doc }
     }
 
     /// Declares a whole number in `[min, max]` without unit.
     pub const fn integer(name: &'static str, [min, max]: [i64; 2], default: f64, doc: &'static str) -> Self {
-        Self { name, kind: Kind::Integer { min, max }, unit: "", default: Default::Number(default), doc }
+        Self { name, kind: ParameterKind::Integer { min, max }, unit: "", default: Default::Number(default), doc }
     }
 }
 
 /// The kind of values that may be written for a parameter.
 #[derive(Debug, Clone, Copy)]
-pub enum Kind {
+pub enum ParameterKind {
     /// A finite number or constant expression in `[min, max]`.
     Number {
         /// Smallest value allowed.
@@ -168,31 +168,31 @@ pub enum Default {
 pub enum Value {
     /// Not given, and no default.
     Absent,
-    /// See [`Kind::Number`].
+    /// See [`ParameterKind::Number`].
     Number(f64),
-    /// See [`Kind::Integer`].
+    /// See [`ParameterKind::Integer`].
     Integer(i64),
-    /// See [`Kind::Flag`].
+    /// See [`ParameterKind::Flag`].
     Flag(bool),
-    /// See [`Kind::Choice`].
+    /// See [`ParameterKind::Choice`].
     Choice(&'static str),
-    /// See [`Kind::Name`].
+    /// See [`ParameterKind::Name`].
     Name(String),
-    /// See [`Kind::Choices`]; in the order of the declaration.
+    /// See [`ParameterKind::Choices`]; in the order of the declaration.
     Choices(Vec<&'static str>),
-    /// See [`Kind::Expression`].
+    /// See [`ParameterKind::Expression`].
     Expression(Expression),
-    /// See [`Kind::Expressions`]; never empty.
+    /// See [`ParameterKind::Expressions`]; never empty.
     Expressions(Vec<Expression>),
-    /// See [`Kind::Numbers`].
+    /// See [`ParameterKind::Numbers`].
     Numbers(Vec<f64>),
-    /// See [`Kind::Color`]: red, green, blue, alpha (straight).
+    /// See [`ParameterKind::Color`]: red, green, blue, alpha (straight).
     Color([u8; 4]),
-    /// See [`Kind::Vector`] and [`Kind::Direction`], of which the largest coordinate is 1 or -1.
+    /// See [`ParameterKind::Vector`] and [`ParameterKind::Direction`], of which the largest coordinate is 1 or -1.
     Vector([f64; 3]),
-    /// See [`Kind::Group`].
+    /// See [`ParameterKind::Group`].
     Group(Values),
-    /// See [`Kind::Groups`]; never empty.
+    /// See [`ParameterKind::Groups`]; never empty.
     Groups(Vec<Values>),
 }
 
@@ -305,7 +305,7 @@ impl Values {
     }
 }
 
-impl Kind {
+impl ParameterKind {
     /// Describes in words what may be written.
     pub fn expected(&self) -> String {
         match self {

@@ -5,31 +5,31 @@ use super::vector::{self, direction, dot, minus, plus, times};
 use crate::watch::{Stopped, Watch};
 
 /// A point or a vector of the plane.
-pub type Vector = [f64; 2];
+pub type Vector2 = [f64; 2];
 
 /// Number of points processed between two checks of the watch.
 const BLOCK: usize = 65_536;
 
 /// Returns half the vector from `a` to `b`; the whole vector might overflow.
-pub fn half_chord(a: Vector, b: Vector) -> Vector {
+pub fn half_chord(a: Vector2, b: Vector2) -> Vector2 {
     [b[0] / 2.0 - a[0] / 2.0, b[1] / 2.0 - a[1] / 2.0]
 }
 
 /// Returns the length of a vector without intermediate overflow.
-pub fn length(v: Vector) -> f64 {
+pub fn length(v: Vector2) -> f64 {
     let most = v[0].abs().max(v[1].abs());
     if most > 0.0 { most * vector::length(v.map(|x| x / most)) } else { 0.0 }
 }
 
 /// Returns the angle from one direction to another, counter-clockwise, in radians in `(-pi, pi]`; pi for opposite ones.
-pub fn angle(from: Vector, to: Vector) -> f64 {
+pub fn angle(from: Vector2, to: Vector2) -> f64 {
     let cross = from[0] * to[1] - from[1] * to[0];
     // adding 0 turns the -0 of opposite directions into +0
     atan2(cross + 0.0, dot(from, to))
 }
 
 /// Returns a vector rotated counter-clockwise by an angle in radians.
-pub fn rotated(v: Vector, angle: f64) -> Vector {
+pub fn rotated(v: Vector2, angle: f64) -> Vector2 {
     let (s, c) = (sin(angle), cos(angle));
     [c * v[0] - s * v[1], s * v[0] + c * v[1]]
 }
@@ -37,7 +37,7 @@ pub fn rotated(v: Vector, angle: f64) -> Vector {
 /// Returns the tangent, at the middle of three points, of the circle through them: the direction of `u/|u|^2 + v/|v|^2`
 /// for the chords `u` to the middle and `v` from it. Opposite chords count as a turn by +pi, so that the tangent is `u`
 /// rotated to the left.
-pub fn circle_tangent(u: Vector, v: Vector) -> Option<Vector> {
+pub fn circle_tangent(u: Vector2, v: Vector2) -> Option<Vector2> {
     let (of_u, of_v) = (direction(u)?, direction(v)?);
     let (long_u, long_v) = (length(u), length(v));
     let longest = long_u.max(long_v);
@@ -61,7 +61,7 @@ impl Neighbours {
     ///
     /// # Errors
     /// [`Stopped`] when the watch says so.
-    pub fn of(points: &[Vector], closed: bool, watch: &Watch) -> Result<Self, Stopped> {
+    pub fn of(points: &[Vector2], closed: bool, watch: &Watch) -> Result<Self, Stopped> {
         let n = points.len();
         let repeated = |i: usize| half_chord(points[i], points[(i + 1) % n]) == [0.0, 0.0];
         let edges = if closed { n } else { n - 1 };
@@ -112,7 +112,7 @@ impl Neighbours {
     }
 
     /// Returns the circle tangent at point `i`; `None` at the ends of an open polygon.
-    pub fn tangent(&self, points: &[Vector], i: usize) -> Option<Vector> {
+    pub fn tangent(&self, points: &[Vector2], i: usize) -> Option<Vector2> {
         let (before, after) = (points[self.before(i)?], points[self.after(i)?]);
         circle_tangent(half_chord(before, points[i]), half_chord(points[i], after))
     }
@@ -132,7 +132,7 @@ fn known(i: u32) -> Option<usize> {
 ///
 /// # Errors
 /// [`Stopped`] when the watch says so.
-pub fn tangents(points: &[Vector], closed: bool, watch: &Watch) -> Result<Vec<Vector>, Stopped> {
+pub fn tangents(points: &[Vector2], closed: bool, watch: &Watch) -> Result<Vec<Vector2>, Stopped> {
     let neighbours = Neighbours::of(points, closed, watch)?;
     let mut tangents = Vec::with_capacity(points.len());
     for i in 0..points.len() {
@@ -145,7 +145,7 @@ pub fn tangents(points: &[Vector], closed: bool, watch: &Watch) -> Result<Vec<Ve
     Ok(tangents)
 }
 
-fn end_tangent(points: &[Vector], neighbours: &Neighbours, i: usize) -> Option<Vector> {
+fn end_tangent(points: &[Vector2], neighbours: &Neighbours, i: usize) -> Option<Vector2> {
     let (a, b, inner) = match (neighbours.before(i), neighbours.after(i)) {
         (None, Some(after)) => (i, after, after),
         (Some(before), None) => (before, i, before),

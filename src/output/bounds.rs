@@ -2,14 +2,14 @@
 
 /// Smallest and largest coordinates, in model units; empty when `min > max`.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Bounds<const D: usize> {
+pub(super) struct CoordinateBounds<const D: usize> {
     /// Smallest coordinates.
     pub(super) min: [f64; D],
     /// Largest coordinates.
     pub(super) max: [f64; D],
 }
 
-impl<const D: usize> Bounds<D> {
+impl<const D: usize> CoordinateBounds<D> {
     /// The box of no points.
     pub(super) const EMPTY: Self = Self { min: [f64::INFINITY; D], max: [f64::NEG_INFINITY; D] };
 

@@ -2,12 +2,12 @@
 
 use super::colors::{byte, encoded, linear, scale, signed};
 use super::numbers::rounded;
-use crate::math::parameter::{Kind, Parameter, Values};
+use crate::math::parameter::{Parameter, ParameterKind, Values};
 
 /// The colour map of numbers.
 pub(super) const COLOR_MAP: Parameter = Parameter::optional(
     "color_map",
-    Kind::Choice(&[
+    ParameterKind::Choice(&[
         "even",
         "viridis",
         "magma",
@@ -108,7 +108,7 @@ mod tests {
 
     #[test]
     fn maps_with_a_middle_are_pale_there_and_apart_at_their_ends() {
-        let Kind::Choice(names) = COLOR_MAP.kind else { panic!("it is a choice") };
+        let ParameterKind::Choice(names) = COLOR_MAP.kind else { panic!("it is a choice") };
         for name in names.iter().copied().filter(|name| ColorMap(name).is_diverging()) {
             let table = map(name);
             let [low, middle, high] = [table[0], table[128], table[255]];

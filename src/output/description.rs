@@ -19,11 +19,11 @@ const NAME: &str = "planish-job";
 const LINE: usize = 1024;
 /// Maximum number of bytes that are buffered in search of the place of the description. Half of it is still more than
 /// glTF documents have before their `asset`; twice of it buffers more of bytes that have no place for a description.
-const MOST_BEFORE: usize = 64 << 20;
+const MAX_BYTES_BEFORE: usize = 64 << 20;
 
 /// The place of the description in a format.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Place {
+enum DescriptionPlace {
     /// In a chunk `tEXt` after the first chunk of a PNG.
     Png,
     /// In an element `metadata`, the first of an SVG.
@@ -37,14 +37,14 @@ enum Place {
 }
 
 /// The formats that hold descriptions.
-const PLACES: [(&str, Place); 7] = [
-    ("obj", Place::Lines("#", 1)),
-    ("glb", Place::Glb),
-    ("gltf", Place::Gltf),
-    ("ply", Place::Lines("comment", 3)),
-    ("png", Place::Png),
-    ("apng", Place::Png),
-    ("svg", Place::Svg),
+const PLACES: [(&str, DescriptionPlace); 7] = [
+    ("obj", DescriptionPlace::Lines("#", 1)),
+    ("glb", DescriptionPlace::Glb),
+    ("gltf", DescriptionPlace::Gltf),
+    ("ply", DescriptionPlace::Lines("comment", 3)),
+    ("png", DescriptionPlace::Png),
+    ("apng", DescriptionPlace::Png),
+    ("svg", DescriptionPlace::Svg),
 ];
 
 /// Returns the names of the formats that hold descriptions.
@@ -52,7 +52,7 @@ pub fn described() -> impl Iterator<Item = &'static str> {
     PLACES.iter().map(|(name, _)| *name)
 }
 
-fn place(format: &str) -> Option<Place> {
+fn place(format: &str) -> Option<DescriptionPlace> {
     PLACES.iter().find(|(name, _)| *name == format).map(|(_, place)| *place)
 }
 
@@ -67,7 +67,7 @@ pub fn size(format: &str, description: &str, bare: Size) -> Size {
     }
 }
 
-impl Place {
+impl DescriptionPlace {
     /// Returns the bytes that are inserted.
     fn written(self, description: &str) -> Vec<u8> {
         match self {
@@ -123,7 +123,7 @@ pub struct Describing<'a> {
 
 /// A description that waits for its place.
 struct Put {
-    place: Place,
+    place: DescriptionPlace,
     text: Vec<u8>,
     /// The bytes before the place.
     before: Vec<u8>,
@@ -153,7 +153,7 @@ impl Write for Describing<'_> {
         let Some(put) = &mut self.put else { return self.out.write(bytes) };
         put.before.extend_from_slice(bytes);
         if let Some(at) = put.place.find(&put.before) {
-            if put.place == Place::Glb {
+            if put.place == DescriptionPlace::Glb {
                 lengthen(&mut put.before, put.text.len())?;
             }
             let (before, after) = put.before.split_at(at);
@@ -161,7 +161,7 @@ impl Write for Describing<'_> {
             self.out.write_all(&put.text)?;
             self.out.write_all(after)?;
             self.put = None;
-        } else if put.before.len() > MOST_BEFORE {
+        } else if put.before.len() > MAX_BYTES_BEFORE {
             return Err(io::Error::other("there was no place for the description"));
         }
         Ok(bytes.len())

@@ -22,7 +22,7 @@ use crate::watch::{Stopped, Watch};
 /// Maximum number of triangles that are cut in four, for each direction of a comparison. They take some seconds of one
 /// core. Half of it leaves wider bounds where two surfaces lie close but are triangulated differently; twice of it
 /// takes twice as long there.
-const MOST_CUT: usize = 1 << 16;
+const MAX_CUT: usize = 1 << 16;
 /// Accepted gap between the bounds, relative to the distance found. Half of it cuts about twice as many triangles,
 /// twice of it half as many.
 const RELATIVE: f64 = 1e-3;
@@ -52,7 +52,7 @@ pub struct Farthest {
 /// A triangle, the squared distance of its farthest known point with that point, and an upper bound of the squared
 /// distances of its points.
 #[derive(Debug, Clone, Copy)]
-struct Piece {
+struct SearchTriangle {
     corners: [Vector; 3],
     least: f64,
     at: Vector,
@@ -63,11 +63,11 @@ impl Measured {
     /// Bytes of memory per triangle in the tree.
     pub const NODE_BYTES: u128 = TRIANGLE_BYTES;
     /// Bytes of memory per triangle: in the tree, and as a piece with its number.
-    pub const TRIANGLE_BYTES: u128 = Self::NODE_BYTES + size_of::<Piece>() as u128 + 8;
+    pub const TRIANGLE_BYTES: u128 = Self::NODE_BYTES + size_of::<SearchTriangle>() as u128 + 8;
     /// Number of distances that are computed for a triangle.
     pub const QUERIES: u128 = 4;
     /// Maximum number of triangles that are measured beyond those of the shape.
-    pub const MOST_PIECES: u128 = 4 * MOST_CUT as u128;
+    pub const MAX_PIECES: u128 = 4 * MAX_CUT as u128;
 
     /// Prepares a shape, whose faces are cut into triangles as for every picture. Points have at most three
     /// coordinates.
@@ -94,12 +94,12 @@ impl Measured {
         }
         let mut pieces = other.measured(self.0.corners(), watch)?;
         let Some(first) = pieces.first() else { return Ok(None) };
-        let (mut best, mut settled, mut left) = (*first, 0.0_f64, MOST_CUT);
+        let (mut best, mut settled, mut left) = (*first, 0.0_f64, MAX_CUT);
         loop {
             best = pieces.iter().fold(best, |best, piece| if piece.least > best.least { *piece } else { best });
             let distance = sqrt(best.least);
             let enough = distance + (RELATIVE * distance).max(OF_DIAGONAL * self.0.diagonal());
-            let (open, closed): (Vec<Piece>, Vec<Piece>) =
+            let (open, closed): (Vec<SearchTriangle>, Vec<SearchTriangle>) =
                 pieces.into_iter().partition(|piece| sqrt(piece.most) > enough);
             settled = closed.iter().fold(settled, |most, piece| most.max(piece.most));
             pieces = open;
@@ -120,7 +120,7 @@ impl Measured {
     }
 
     /// Measures triangles against this shape, which has at least one triangle.
-    fn measured(&self, triangles: &[[Vector; 3]], watch: &Watch) -> Result<Vec<Piece>, Stopped> {
+    fn measured(&self, triangles: &[[Vector; 3]], watch: &Watch) -> Result<Vec<SearchTriangle>, Stopped> {
         let part = |part: &[[Vector; 3]]| {
             watch.check()?;
             let (mut near, mut waiting) = (0, Vec::new());
@@ -128,11 +128,11 @@ impl Measured {
             watch.advance(part.len() as u64);
             Ok(measured)
         };
-        let parts: Result<Vec<Vec<Piece>>, Stopped> = triangles.par_chunks(PART).map(part).collect();
+        let parts: Result<Vec<Vec<SearchTriangle>>, Stopped> = triangles.par_chunks(PART).map(part).collect();
         Ok(parts?.concat())
     }
 
-    fn piece(&self, corners: [Vector; 3], near: &mut usize, waiting: &mut Vec<(f64, u32)>) -> Piece {
+    fn piece(&self, corners: [Vector; 3], near: &mut usize, waiting: &mut Vec<(f64, u32)>) -> SearchTriangle {
         let [a, b, c] = corners;
         let centre = [0, 1, 2].map(|k| (a[k] + b[k] + c[k]) / 3.0);
         let (mut least, mut at, mut most) = (-1.0, a, f64::INFINITY);
@@ -146,7 +146,7 @@ impl Measured {
             most = most.min(from[0].max(from[1]).max(from[2]));
         }
         // rounding may swap the two bounds where they are equal
-        Piece { corners, least, at, most: most.max(least) }
+        SearchTriangle { corners, least, at, most: most.max(least) }
     }
 }
 

@@ -11,7 +11,7 @@ use super::picture::framing::facing;
 use super::picture::options::{CAMERA, Options};
 use super::png as picture;
 use super::scene::{Frame, Scene};
-use crate::math::parameter::{Default, Kind, Parameter, Values};
+use crate::math::parameter::{Default, Parameter, ParameterKind, Values};
 use crate::math::vector::minus;
 use crate::watch::{Stage, Watch};
 
@@ -25,7 +25,7 @@ pub(super) const FRAMES: Parameter = Parameter::integer("frames", [2, MAX_FRAMES
 /// The duration of a frame.
 pub(super) const DELAY: Parameter = Parameter {
     name: "delay_ms",
-    kind: Kind::Integer { min: 10, max: 10_000 },
+    kind: ParameterKind::Integer { min: 10, max: 10_000 },
     unit: "milliseconds",
     default: Default::Number(80.0),
     doc: "How long each frame is seen. The picture begins again after the last one.",
@@ -34,17 +34,17 @@ pub(super) const DELAY: Parameter = Parameter {
 /// The path of the camera.
 pub(super) const TURNTABLE: Parameter = Parameter::optional(
     "turntable",
-    Kind::Group(&[
+    ParameterKind::Group(&[
         Parameter {
             name: "from_deg",
-            kind: Kind::Number { min: -3600.0, max: 3600.0 },
+            kind: ParameterKind::Number { min: -3600.0, max: 3600.0 },
             unit: "degrees",
             default: Default::Number(0.0),
             doc: "The azimuth of the first frame.",
         },
         Parameter {
             name: "to_deg",
-            kind: Kind::Number { min: -3600.0, max: 3600.0 },
+            kind: ParameterKind::Number { min: -3600.0, max: 3600.0 },
             unit: "degrees",
             default: Default::Number(360.0),
             doc: "The azimuth of the last frame, or, after whole turns, of the frame that would follow it.",
@@ -57,10 +57,10 @@ pub(super) const TURNTABLE: Parameter = Parameter::optional(
 /// The parameter that changes from frame to frame.
 pub(super) const SWEEP: Parameter = Parameter::optional(
     "sweep",
-    Kind::Group(&[
+    ParameterKind::Group(&[
         Parameter {
             name: "pointer",
-            kind: Kind::Name,
+            kind: ParameterKind::Name,
             unit: "",
             default: Default::Required,
             doc: "The place of the parameter in the job, such as /plan/parameters/delta.",

@@ -6,7 +6,7 @@ use gltf::json::validation::Checked::Valid;
 use gltf::json::{Accessor, Extras, Index, Root};
 use serde_json::json;
 
-use crate::math::parameter::{Default as Otherwise, Kind, Parameter};
+use crate::math::parameter::{Default as Otherwise, Parameter, ParameterKind};
 use crate::output::gltf_views::{NUMBER, Views, accessor};
 use crate::output::numbers::rounded;
 use crate::shape::topology::index;
@@ -14,7 +14,7 @@ use crate::shape::topology::index;
 /// The option of both containers that requests the animation.
 pub(super) const FRAME_RATE: Parameter = Parameter {
     name: "frames_per_second",
-    kind: Kind::Number { min: 0.001, max: 1000.0 },
+    kind: ParameterKind::Number { min: 0.001, max: 1000.0 },
     unit: "frames a second",
     default: Otherwise::Absent,
     doc: "Adds an animation that leads through the frames of a mesh, blended linearly; meshes with frames only",

@@ -5,7 +5,7 @@ use std::ops::Range;
 
 use crate::math::parameter::Values;
 use crate::math::vector::minus;
-use crate::output::bounds::Bounds;
+use crate::output::bounds::CoordinateBounds;
 use crate::output::bytes::Bytes;
 use crate::output::colors::linear;
 use crate::output::counts::ShapeKind;
@@ -52,7 +52,7 @@ pub(super) struct Buffer<'a> {
 pub(super) struct PrimitiveVertices<'a> {
     positions: Positions<'a>,
     /// The bounding box of the positions, model units.
-    pub(super) bounds: Bounds<3>,
+    pub(super) bounds: CoordinateBounds<3>,
     /// Whether a polygon is closed; `None` for a mesh.
     pub(super) closed: Option<bool>,
 }
@@ -128,7 +128,7 @@ impl<'a> Buffer<'a> {
             let bounds = positions.bounds(watch)?;
             parts.push(PrimitiveVertices { positions, bounds, closed });
         }
-        let center = center(&parts.iter().fold(Bounds::EMPTY, |all, part| all.joined(&part.bounds)))?;
+        let center = center(&parts.iter().fold(CoordinateBounds::EMPTY, |all, part| all.joined(&part.bounds)))?;
         let from = parts.first().map_or(&[][..], |part| part.positions.rows());
         let targets = frames.iter().filter_map(|frame| MorphTarget::of(frame, from, center, watch).transpose());
         let targets = targets.collect::<Result<Vec<_>, _>>()?;
@@ -311,7 +311,7 @@ fn n_triangles(mesh: &dyn MeshSource, some: &Range<usize>, watch: &Watch) -> Res
 /// Returns the offset to subtract from all positions: the centre of the bounding box, rounded to f32, if it is far from
 /// the origin. It is the number that the node's translation has in decimals, so that readers who parse it as f64
 /// restore every digit.
-fn center(bounds: &Bounds<3>) -> Result<[f64; 3], FormatError> {
+fn center(bounds: &CoordinateBounds<3>) -> Result<[f64; 3], FormatError> {
     let middle = bounds.center();
     let distance = middle.iter().fold(0.0, |most: f64, x| most.max(x.abs()));
     let center = if distance > FAR * bounds.half_side() { middle.map(|x| as_written(rounded(x))) } else { [0.0; 3] };

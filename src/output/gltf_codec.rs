@@ -62,15 +62,15 @@ impl Encoded {
     }
 
     /// Returns the entry of the extension for the stream, which starts at byte `offset` of the first buffer.
-    pub(super) fn told(&self, offset: usize) -> Value {
-        let mut told = json!({
+    pub(super) fn extension_entry(&self, offset: usize) -> Value {
+        let mut entry = json!({
             "buffer": 0, "byteOffset": offset, "byteLength": self.bytes.len(), "byteStride": self.stride,
             "count": self.count, "mode": self.mode,
         });
         if let Some(filter) = self.filter {
-            told["filter"] = filter.into();
+            entry["filter"] = filter.into();
         }
-        told
+        entry
     }
 }
 

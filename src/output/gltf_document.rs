@@ -10,12 +10,12 @@ use serde_json::value::{RawValue, to_raw_value};
 use serde_json::{Map, Value, json};
 
 use crate::math::parameter::Parameter;
-use crate::output::bounds::Bounds;
+use crate::output::bounds::CoordinateBounds;
 use crate::output::error::FormatError;
 use crate::output::gltf_amounts::{ORIGIN, VECTOR};
 use crate::output::gltf_animation::{FRAME_RATE, animate};
 use crate::output::gltf_buffer::{Buffer, PrimitiveFaces, PrimitiveVertices};
-use crate::output::gltf_looks::{self, Looks};
+use crate::output::gltf_looks::{self, MaterialWriter};
 use crate::output::gltf_packing::{COMPRESSION, VERTEX_ORDER};
 use crate::output::gltf_targets::MorphTarget;
 use crate::output::gltf_views::{NUMBER, Views, accessor, length};
@@ -95,7 +95,7 @@ pub(super) fn model(buffer: &Buffer<'_>) -> Result<Root, FormatError> {
         animate(&mut root, buffer.targets.len(), rate);
     }
     if !root.textures.is_empty() {
-        Looks::of(buffer.attachments()).add_images(&mut root);
+        MaterialWriter::of(buffer.attachments()).add_images(&mut root);
     }
     Ok(root)
 }
@@ -184,7 +184,7 @@ fn curves(buffer: &Buffer<'_>, root: &mut Root) -> Vec<GroupPrimitives> {
 fn surface(buffer: &Buffer<'_>, root: &mut Root) -> Result<Vec<GroupPrimitives>, FormatError> {
     let Some(part) = buffer.parts.first().filter(|part| part.len() > 0) else { return Ok(Vec::new()) };
     let attributes = attributes(buffer, part, root);
-    let looks = Looks::of(buffer.attachments());
+    let looks = MaterialWriter::of(buffer.attachments());
     if buffer.faces.is_empty() {
         looks.add(None, root);
         let targets = targets(buffer, root);
@@ -229,17 +229,17 @@ fn extras(
     section: &PrimitiveFaces,
     faces: Option<Index<Accessor>>,
 ) -> Result<Option<Box<RawValue>>, FormatError> {
-    let mut told = Map::new();
+    let mut extras = Map::new();
     if let Some(group) = section.group {
-        told.insert("group".into(), json!(buffer.attachments().groups.names[group]));
+        extras.insert("group".into(), json!(buffer.attachments().groups.names[group]));
     }
     if let Some(faces) = faces {
-        told.insert("faces".into(), json!(faces.value()));
+        extras.insert("faces".into(), json!(faces.value()));
     }
-    if told.is_empty() {
+    if extras.is_empty() {
         return Ok(None);
     }
-    to_raw_value(&Value::Object(told)).map(Some).map_err(|error| unwritten(&error))
+    to_raw_value(&Value::Object(extras)).map(Some).map_err(|error| unwritten(&error))
 }
 
 /// Returns the names of the morph targets, by which viewers distinguish them.
@@ -254,7 +254,7 @@ fn target_names(buffer: &Buffer<'_>) -> Result<Extras, FormatError> {
 /// Returns the morph targets that all primitives of a mesh share.
 fn targets(buffer: &Buffer<'_>, root: &mut Root) -> Option<Vec<json::mesh::MorphTarget>> {
     let n = buffer.amounts.vertices;
-    let displaced = |root: &mut Root, bounds: Option<Bounds<3>>| {
+    let displaced = |root: &mut Root, bounds: Option<CoordinateBounds<3>>| {
         let view = Views::of(root).vertices(n, VECTOR);
         let limit = |corner: [f64; 3]| json!(corner.map(rounded));
         let (min, max) = (bounds.map(|bounds| limit(bounds.min)), bounds.map(|bounds| limit(bounds.max)));

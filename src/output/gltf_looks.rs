@@ -34,14 +34,14 @@ pub(super) fn room(looks: &[Look]) -> u128 {
 }
 
 /// Makes the materials of a mesh.
-pub(super) struct Looks<'a> {
+pub(super) struct MaterialWriter<'a> {
     attachments: &'a Attachments,
     images: Vec<&'a Arc<Image>>,
     /// Number of components of the colour of vertices, if they have one.
     color: Option<usize>,
 }
 
-impl<'a> Looks<'a> {
+impl<'a> MaterialWriter<'a> {
     /// Returns the looks of the attachments of a mesh.
     pub(super) fn of(attachments: &'a Attachments) -> Self {
         let color = attachments.color().map(|(_, channel)| channel.width);

@@ -81,8 +81,8 @@ impl Packed {
         if !self.encoded.is_empty() {
             value["buffers"][1]["extensions"] = json!({ MESHOPT: { "fallback": true } });
         }
-        for (view, told) in &self.encoded {
-            value["bufferViews"][*view]["extensions"] = json!({ MESHOPT: told });
+        for (view, entry) in &self.encoded {
+            value["bufferViews"][*view]["extensions"] = json!({ MESHOPT: entry });
         }
         Ok(value)
     }
@@ -269,23 +269,23 @@ impl Packer<'_> {
     fn put(&mut self, view: usize, Column { bytes, stride, encoded }: Column<'_>) {
         let Packed { root, bytes: all, encoded: views, decoded } = &mut self.packed;
         all.resize(all.len().next_multiple_of(4), 0);
-        let told = &mut root.buffer_views[view];
-        told.byte_length = (bytes.len() as u64).into();
-        told.byte_stride = stride.map(Stride);
+        let buffer_view = &mut root.buffer_views[view];
+        buffer_view.byte_length = (bytes.len() as u64).into();
+        buffer_view.byte_stride = stride.map(Stride);
         let shorter = encoded.filter(|encoded| encoded.bytes.len().next_multiple_of(4) < bytes.len());
         let offset = if let Some(encoded) = shorter {
-            views.push((view, encoded.told(all.len())));
+            views.push((view, encoded.extension_entry(all.len())));
             all.extend_from_slice(&encoded.bytes);
             let offset = decoded.next_multiple_of(4);
             *decoded = offset + bytes.len() as u64;
-            told.buffer = Index::new(1);
+            buffer_view.buffer = Index::new(1);
             offset
         } else {
             let offset = all.len() as u64;
             all.extend_from_slice(&bytes);
             offset
         };
-        told.byte_offset = (offset > 0).then(|| offset.into());
+        buffer_view.byte_offset = (offset > 0).then(|| offset.into());
     }
 
     /// Completes the document.
@@ -305,12 +305,12 @@ impl Packer<'_> {
         packed.root.extensions_used.extend(used.iter().cloned());
         packed.root.extensions_required.extend(used);
         if let Some(grid) = grid {
-            let mut told = json!({ "position_error": grid.error });
+            let mut extras = json!({ "position_error": grid.error });
             if is_unit {
-                told["texcoord_error"] = UNIT_ERROR.into();
+                extras["texcoord_error"] = UNIT_ERROR.into();
             }
-            let told = to_raw_value(&told).map_err(|error| unwritten(&error))?;
-            packed.root.meshes.iter_mut().for_each(|mesh| mesh.extras = Some(told.clone()));
+            let extras = to_raw_value(&extras).map_err(|error| unwritten(&error))?;
+            packed.root.meshes.iter_mut().for_each(|mesh| mesh.extras = Some(extras.clone()));
             place(&mut packed.root.nodes, &grid);
         }
         Ok(packed)

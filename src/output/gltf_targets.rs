@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use rayon::prelude::*;
 
-use crate::output::bounds::Bounds;
+use crate::output::bounds::CoordinateBounds;
 use crate::output::bytes::Bytes;
 use crate::output::error::FormatError;
 use crate::output::normals;
@@ -22,7 +22,7 @@ pub(super) struct MorphTarget<'a> {
     smooth: Option<&'a dyn MeshSource>,
     positions: Positions<'a>,
     /// The box around all displacements, each of which is an f32.
-    pub(super) bounds: Bounds<3>,
+    pub(super) bounds: CoordinateBounds<3>,
 }
 
 /// Returns the displacement to add to a position stored as an f32: `to - f32(from)`, rounded to f32 once.
@@ -53,7 +53,7 @@ impl<'a> MorphTarget<'a> {
         let positions = Positions::of_mesh(mesh).held(watch)?;
         let block = |range: Range<usize>| {
             watch.check()?;
-            let mut bounds = Bounds::EMPTY;
+            let mut bounds = CoordinateBounds::EMPTY;
             for (&from, &to) in from[range.clone()].iter().zip(&positions.rows()[range]) {
                 bounds.add(&[displacement(from, to, center).map(f64::from)]);
             }
@@ -62,7 +62,7 @@ impl<'a> MorphTarget<'a> {
         let starts: Vec<usize> = (0..from.len()).step_by(CHUNK).collect();
         let blocks: Result<Vec<_>, Stopped> =
             starts.into_par_iter().map(|start| block(start..from.len().min(start + CHUNK))).collect();
-        let bounds = blocks?.iter().fold(Bounds::EMPTY, Bounds::joined);
+        let bounds = blocks?.iter().fold(CoordinateBounds::EMPTY, CoordinateBounds::joined);
         if !bounds.is_empty() && ![bounds.min, bounds.max].as_flattened().iter().all(|x| x.is_finite()) {
             let most = f32::MAX;
             let detail =

@@ -7,7 +7,7 @@ use super::normals;
 use super::positions::Positions;
 use super::scene::{FaceChunk, MeshSource, Shape, in_chunks};
 use crate::math::functions::sin;
-use crate::math::parameter::{Default, Kind, Parameter, Value, Values};
+use crate::math::parameter::{Default, Parameter, ParameterKind, Value, Values};
 use crate::math::vector::{dot, unit};
 use crate::output::counts::Counts;
 use crate::watch::{Stopped, Watch};
@@ -15,7 +15,7 @@ use crate::watch::{Stopped, Watch};
 /// The angle from which edges are hard.
 pub(super) const CREASE_ANGLE: Parameter = Parameter {
     name: "crease_angle",
-    kind: Kind::Number { min: 0.0, max: LARGEST },
+    kind: ParameterKind::Number { min: 0.0, max: LARGEST },
     unit: "degrees",
     default: Default::Absent,
     doc: "Edges of a mesh whose faces meet at more than this angle look hard: normals differ on their two sides. 180 \
@@ -133,10 +133,10 @@ fn edges_of(face: &[u32]) -> impl Iterator<Item = [u32; 2]> {
 }
 
 /// A side of an edge: its ends, the lower first, and its face.
-pub(super) type Side = [u32; 3];
+pub(super) type EdgeSide = [u32; 3];
 
 /// Returns the unit normals of all faces, and the sides of all edges, ascending.
-pub(super) fn faces(mesh: &dyn MeshSource, watch: &Watch) -> Result<(Vec<[f64; 3]>, Vec<Side>), FormatError> {
+pub(super) fn faces(mesh: &dyn MeshSource, watch: &Watch) -> Result<(Vec<[f64; 3]>, Vec<EdgeSide>), FormatError> {
     let positions = Positions::of_mesh(mesh).held(watch)?;
     let scale = normals::scale(positions.rows());
     let mut normals = Vec::with_capacity(mesh.n_faces());

@@ -88,7 +88,7 @@ pub const FORMATS: &[&dyn Format] = &[
     &stl::Stl,
     &usda::Usda,
     &threemf::ThreeMf,
-    &step::Step,
+    &step::StepFormat,
     &certificate::Certificate,
     &png::Png,
     &apng::Apng,

@@ -3,7 +3,7 @@
 use std::io::Write;
 
 use crate::fault::Fault;
-use crate::math::parameter::{Kind, Parameter, Values};
+use crate::math::parameter::{Parameter, ParameterKind, Values};
 use crate::output::counts::{Counts, ShapeKind};
 use crate::output::error::FormatError;
 use crate::output::format::{Content, Costs, Format, FormatFacts, Requirements};
@@ -25,7 +25,7 @@ const WORDS: u128 = b"newmtl \nKd   \nd \nPm \nPr \nmap_Kd -clamp on -256.jpg\n"
 /// The option of textures.
 const TEXTURES: Parameter = Parameter::optional(
     "textures",
-    Kind::Name,
+    ParameterKind::Name,
     "What the names of the files with the textures begin with: \"wall\" names wall-1.png, wall-2.jpg, ..., in the \
      order in which materials first have them; left out, no texture is named.",
 );
@@ -107,7 +107,7 @@ pub fn library(carried: &Attachments, textures: Option<&str>) -> Vec<u8> {
         text.extend_from_slice(name.as_bytes());
         text.push(b'\n');
         let look = carried.look(Some(i));
-        tell(&look, &mut text);
+        write_look(&look, &mut text);
         if let (Some(stem), Some(texture)) = (textures, &look.texture) {
             let number = images.iter().position(|image| **image == texture.image).unwrap_or_default();
             let clamp = if texture.wrap == [Wrap::ClampToEdge; 2] { "-clamp on " } else { "" };
@@ -140,7 +140,7 @@ pub(super) fn check_file_name(option: &Parameter, options: &Values) -> Result<()
 }
 
 /// Appends the numbers that a look defines.
-fn tell(look: &Look, out: &mut Vec<u8>) {
+fn write_look(look: &Look, out: &mut Vec<u8>) {
     let mut line = |keyword: &str, numbers: &[f64]| {
         out.extend_from_slice(keyword.as_bytes());
         out.push(b' ');

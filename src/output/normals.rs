@@ -5,7 +5,7 @@ use std::ops::Range;
 use rayon::prelude::*;
 
 use crate::math::vector::{cross, minus, plus, times, unit};
-use crate::output::bounds::Bounds;
+use crate::output::bounds::CoordinateBounds;
 use crate::output::scene::{CHUNK, FaceChunk, MeshSource, OnDemandSource, in_chunks};
 use crate::output::vertex_sums::sums;
 use crate::watch::{Stopped, Watch};
@@ -109,16 +109,16 @@ pub(super) fn of_triangle(corners: [[f64; 3]; 3], scale: f64) -> [f64; 3] {
 /// lengths neither overflow nor vanish. A power of two changes no digit.
 pub fn scale(positions: &[[f64; 3]]) -> f64 {
     let block = |rows: &[[f64; 3]]| {
-        let mut bounds = Bounds::EMPTY;
+        let mut bounds = CoordinateBounds::EMPTY;
         bounds.add(rows);
         bounds
     };
-    let bounds = positions.par_chunks(CHUNK).map(block).reduce(|| Bounds::EMPTY, |a, b| a.joined(&b));
+    let bounds = positions.par_chunks(CHUNK).map(block).reduce(|| CoordinateBounds::EMPTY, |a, b| a.joined(&b));
     scale_of(&bounds)
 }
 
 /// Returns the [`scale`] of positions in this box.
-pub(super) fn scale_of(bounds: &Bounds<3>) -> f64 {
+pub(super) fn scale_of(bounds: &CoordinateBounds<3>) -> f64 {
     let half_side = bounds.half_side();
     if half_side > 0.0 && half_side.is_finite() { inverse_power_of_two(half_side) } else { 1.0 }
 }

@@ -3,7 +3,7 @@
 use std::io::Write;
 
 use crate::fault::Fault;
-use crate::math::parameter::{Kind, Parameter, Values};
+use crate::math::parameter::{Parameter, ParameterKind, Values};
 use crate::output::colors::within;
 use crate::output::counts::{Counts, ShapeKind};
 use crate::output::error::FormatError;
@@ -31,7 +31,7 @@ use crate::watch::Watch;
 /// The option of a library of materials.
 const LIBRARY: Parameter = Parameter::optional(
     "mtllib",
-    Kind::Name,
+    ParameterKind::Name,
     "The name of a file beside this one with the materials, as the format \"mtl\" writes it; left out, none is \
      named.",
 );
@@ -103,19 +103,19 @@ impl Format for Obj {
         match scene.shape {
             Shape::Curves(curves) => write_curves(curves, &mut stream),
             Shape::Mesh(mesh) => {
-                let told = Told { mesh, ids: options.flag("ids") };
+                let obj_mesh = ObjMesh { mesh, ids: options.flag("ids") };
                 if with_normals(options) {
-                    write_with_normals(&told, &mut stream, watch)?;
+                    write_with_normals(&obj_mesh, &mut stream, watch)?;
                     return write_tags(&mesh.tags(), &mut stream);
                 }
-                told.vertices(&Positions::of_mesh(mesh), &mut stream)?;
-                told.uvs(&mut stream)?;
-                if mesh.uvs().is_none() && !told.tells_of_faces() {
+                obj_mesh.vertices(&Positions::of_mesh(mesh), &mut stream)?;
+                obj_mesh.uvs(&mut stream)?;
+                if mesh.uvs().is_none() && !obj_mesh.tells_of_faces() {
                     stream.faces(mesh, |_, faces, out| FACE.faces(faces, 1, out))?;
                 } else {
                     stream.faces_and_uvs(mesh, |start, chunks, out| {
                         out.append(|out| {
-                            told.faces(start, chunks, out, |vertex, place, out| {
+                            obj_mesh.faces(start, chunks, out, |vertex, place, out| {
                                 number(b' ', vertex, out);
                                 place.into_iter().for_each(|place| number(b'/', place, out));
                             });
@@ -159,14 +159,14 @@ impl Costs for Obj {
                 let n_normals = counts.vertices.saturating_add(counts.split_vertices);
                 let (n_normals, corner) =
                     if with_normals(options) { (n_normals, 3 + index + digits(n_normals)) } else { (0, 1 + index) };
-                let told = told(counts, options.flag("ids"));
+                let attachment_bytes = attachment_bytes(counts, options.flag("ids"));
                 let color = if counts.attachments.color().is_some() { row } else { 0 };
                 let vertex = 2 + row + color;
                 let place = if counts.uvs > 0 { 1 + digits(counts.uvs) } else { 0 };
                 let rows = [(counts.vertices, vertex), (counts.faces, 2), (counts.half_edges, corner + place)];
                 let uvs = (counts.uvs, 3 + 2 * (1 + REAL));
                 let tags = (counts.tags as u128, "t corner 1/1/0\n".len() as u128 + 2 * (1 + index) + 1 + REAL);
-                total(&[(1, header), (1, told), tags, uvs, rows[0], (n_normals, 3 + row), rows[1], rows[2]])
+                total(&[(1, header), (1, attachment_bytes), tags, uvs, rows[0], (n_normals, 3 + row), rows[1], rows[2]])
             }
         })
     }
@@ -196,11 +196,11 @@ fn tag(kind: &str, vertices: &[u32], sharpness: f64, out: &mut Vec<u8>) {
     out.push(b'\n');
 }
 
-fn write_with_normals(told: &Told<'_>, stream: &mut Stream<'_>, watch: &Watch) -> Result<(), FormatError> {
-    let mesh = told.mesh;
+fn write_with_normals(obj_mesh: &ObjMesh<'_>, stream: &mut Stream<'_>, watch: &Watch) -> Result<(), FormatError> {
+    let mesh = obj_mesh.mesh;
     let positions = Positions::of_mesh(mesh).held(watch)?;
-    told.vertices(&positions, stream)?;
-    told.uvs(stream)?;
+    obj_mesh.vertices(&positions, stream)?;
+    obj_mesh.uvs(stream)?;
     let split_vertices = SplitVertices::of(Shape::Mesh(mesh), &HardEdges::default(), watch)?;
     let sides = split_vertices.as_ref().map_or(mesh, |split_vertices| split_vertices);
     let positions = if split_vertices.is_some() { Positions::of_mesh(sides).held(watch)? } else { positions };
@@ -212,7 +212,7 @@ fn write_with_normals(told: &Told<'_>, stream: &mut Stream<'_>, watch: &Watch) -
     })?;
     stream.faces_and_uvs(sides, |start, chunks, out| {
         out.append(|out| {
-            told.faces(start, chunks, out, |vertex, place, out| {
+            obj_mesh.faces(start, chunks, out, |vertex, place, out| {
                 number(b' ', origin(vertex), out);
                 match place {
                     Some(place) => number(b'/', place, out),
@@ -262,13 +262,13 @@ fn number(before: u8, index: u32, out: &mut Vec<u8>) {
 }
 
 /// The attachments and origins of a mesh.
-struct Told<'a> {
+struct ObjMesh<'a> {
     mesh: &'a dyn MeshSource,
     /// Whether origins are written.
     ids: bool,
 }
 
-impl Told<'_> {
+impl ObjMesh<'_> {
     /// Writes the vertices with their colours and origins.
     fn vertices(&self, positions: &Positions<'_>, stream: &mut Stream<'_>) -> Result<(), FormatError> {
         let color = self.mesh.attachments().color().filter(|(_, color)| color.seams.is_none());
@@ -375,7 +375,7 @@ fn comment(cell: &str, number: u32, out: &mut Vec<u8>) {
 }
 
 /// Returns the maximum number of bytes of the lines with origins, groups and materials.
-fn told(counts: &Counts, ids: bool) -> u128 {
+fn attachment_bytes(counts: &Counts, ids: bool) -> u128 {
     let cells = counts.half_edges.max(counts.vertices).max(counts.input_faces as u128);
     let remark = if ids { "# from vertex \n".len() as u128 + digits(cells) } else { 0 };
     let line = |keyword: &str, labels: &Labels| {

@@ -27,7 +27,7 @@ use crate::shape::attachments::Attachments;
 use crate::shape::mesh::Mesh;
 use crate::shape::tile::Tile;
 use crate::watch::Watch;
-use carried::Carried;
+use carried::VertexProperties;
 use layout::{Encoding, Layout};
 
 /// PLY, binary little endian unless `ascii`: elements `vertex` and `face` for meshes, `vertex` and `edge` for curves.
@@ -205,7 +205,7 @@ fn write_mesh(
         if layout.encoding != Encoding::Ascii && !carried::any_of_vertices(mesh, layout) {
             return bulk::vertices(rows, normals, layout, out);
         }
-        let carried = Carried::of(mesh, layout, start, rows.len());
+        let carried = VertexProperties::of(mesh, layout, start, rows.len());
         out.append(|out| {
             for (i, position) in rows.iter().enumerate() {
                 layout.vertex(position, out);

@@ -6,7 +6,7 @@ use png::{BitDepth, ColorType, Compression, Encoder, Filter, PixelDimensions, Un
 
 use crate::drawing;
 use crate::fault::Fault;
-use crate::math::parameter::{Default, Kind, Parameter, Value, Values};
+use crate::math::parameter::{Default, Parameter, ParameterKind, Value, Values};
 use crate::output::color_maps::COLOR_MAP;
 use crate::output::counts::{Counts, ShapeKind};
 use crate::output::error::FormatError;
@@ -55,7 +55,7 @@ pub(super) const PARAMETERS: &[Parameter] = &[
     BACKGROUND,
     Parameter::optional(
         "show",
-        Kind::Choices(&[
+        ParameterKind::Choices(&[
             "surface",
             "wireframe",
             "isolines",
@@ -89,7 +89,7 @@ pub(super) const PARAMETERS: &[Parameter] = &[
     POSITIONS,
     Parameter {
         name: "normals",
-        kind: Kind::Choice(&["none", "area", "limit"]),
+        kind: ParameterKind::Choice(&["none", "area", "limit"]),
         unit: "",
         default: Default::Text("area"),
         doc: "What a smooth surface is lit by: normals weighted by the area of the faces around a vertex, those of \

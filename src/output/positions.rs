@@ -5,7 +5,7 @@ use std::ops::Range;
 
 use rayon::prelude::*;
 
-use crate::output::bounds::Bounds;
+use crate::output::bounds::CoordinateBounds;
 use crate::output::error::FormatError;
 use crate::output::scene::{CHUNK, Curve, MeshSource, in_chunks, ranges};
 use crate::watch::Watch;
@@ -79,18 +79,18 @@ impl<'a> Positions<'a> {
     }
 
     /// Returns the box around all positions.
-    pub(super) fn bounds(&self, watch: &Watch) -> Result<Bounds<3>, FormatError> {
+    pub(super) fn bounds(&self, watch: &Watch) -> Result<CoordinateBounds<3>, FormatError> {
         let ranges: Vec<Range<usize>> = self.ranges(CHUNK).collect();
         let chunk = |buffer: &mut Vec<[f64; 3]>, range: Range<usize>| {
             watch.check()?;
-            let mut bounds = Bounds::EMPTY;
+            let mut bounds = CoordinateBounds::EMPTY;
             bounds.add(self.rows_in(range, buffer)?);
             Ok(bounds)
         };
         // collected in order, so that the error names the first position that does not fit
         let chunks: Vec<Result<_, FormatError>> =
             ranges.into_par_iter().map_init(Vec::new, |buffer, range| chunk(buffer, range)).collect();
-        chunks.into_iter().try_fold(Bounds::EMPTY, |all, chunk| Ok(all.joined(&chunk?)))
+        chunks.into_iter().try_fold(CoordinateBounds::EMPTY, |all, chunk| Ok(all.joined(&chunk?)))
     }
 
     /// Returns the positions in `range` and refuses coordinates that do not fit; `buffer` is scratch memory.

@@ -4,7 +4,7 @@ mod chain;
 
 use rayon::prelude::*;
 
-use crate::math::parameter::{Default, Kind, Parameter, Values};
+use crate::math::parameter::{Default, Parameter, ParameterKind, Values};
 use crate::output::scene::{FaceChunk, MeshSource, in_chunks};
 use crate::shape::topology::{NONE, index};
 use crate::watch::{Stopped, Watch};
@@ -17,7 +17,7 @@ const MAX_PLANES: usize = 64;
 /// The option of formats that write or draw sections.
 pub(super) const SECTIONS: Parameter = Parameter::optional(
     "sections",
-    Kind::Groups { fields: PLANE, most: MAX_PLANES },
+    ParameterKind::Groups { fields: PLANE, most: MAX_PLANES },
     "Planes that cut the triangles of a mesh; each gives a list of polylines. Of a closed mesh they are closed, \
      with the inside on their left where the normal points to the viewer. Meshes only.",
 );
@@ -25,14 +25,14 @@ pub(super) const SECTIONS: Parameter = Parameter::optional(
 const PLANE: &[Parameter] = &[
     Parameter {
         name: "point",
-        kind: Kind::Vector,
+        kind: ParameterKind::Vector,
         unit: "model units",
         default: Default::Required,
         doc: "A point of the plane.",
     },
     Parameter {
         name: "normal",
-        kind: Kind::Direction,
+        kind: ParameterKind::Direction,
         unit: "",
         default: Default::Required,
         doc: "The direction across the plane; its length does not count.",

@@ -9,7 +9,7 @@ use crate::scheme::plan::Plan;
 use crate::shape::frame::Unit;
 use crate::shape::labels::by_labels;
 use crate::shape::mesh::Mesh;
-use crate::solid::{Continuity, Forecast, Pack, Request, Solid, SolidError, check, operations, solid};
+use crate::solid::{Continuity, Pack, Solid, SolidError, SolidForecast, SolidRequest, check, operations, solid};
 use crate::watch::Watch;
 
 const TOLERANCE: Parameter = Parameter::number(
@@ -55,7 +55,7 @@ pub(super) const SOLID_OPTIONS: &[Parameter] = &[TOLERANCE, CONTINUITY, PACK, MA
 const SHORTEST: f64 = 1e-8;
 
 /// Returns the request for a solid with lengths in this unit; formats without these options use the defaults.
-pub(super) fn request(options: &Values, unit: Unit) -> Request {
+pub(super) fn request(options: &Values, unit: Unit) -> SolidRequest {
     let number = |parameter: &Parameter| {
         let usual = if let Default::Number(usual) = parameter.default { usual } else { 0.0 };
         options.number(parameter.name).unwrap_or(usual)
@@ -65,7 +65,7 @@ pub(super) fn request(options: &Values, unit: Unit) -> Request {
         let given = options.integer(parameter.name);
         given.unwrap_or_else(|| number(parameter) as i64)
     };
-    Request {
+    SolidRequest {
         tolerance: number(&TOLERANCE),
         continuity: match options.choice(CONTINUITY.name) {
             Some("bicubic") => Continuity::Bicubic,
@@ -84,7 +84,7 @@ pub(super) fn request(options: &Values, unit: Unit) -> Request {
 }
 
 /// Returns upper bounds of the solid of a cage under these options.
-pub(super) fn forecast(counts: &Counts, options: &Values) -> Forecast {
+pub(super) fn forecast(counts: &Counts, options: &Values) -> SolidForecast {
     counts.cage.forecast(&request(options, counts.frame.unit))
 }
 

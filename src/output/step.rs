@@ -25,7 +25,7 @@ use crate::watch::Watch;
 
 /// ISO 10303-21 with the schema of AP242: exact bicubic B-spline faces, and caps within a tolerance.
 #[derive(Debug)]
-pub(super) struct Step;
+pub(super) struct StepFormat;
 
 const FACTS: &FormatFacts = &FormatFacts {
     name: "step",
@@ -40,7 +40,7 @@ const FACTS: &FormatFacts = &FormatFacts {
     ..FormatFacts::USUAL
 };
 
-impl Format for Step {
+impl Format for StepFormat {
     fn facts(&self) -> &'static FormatFacts {
         FACTS
     }
@@ -70,7 +70,7 @@ impl Format for Step {
     }
 }
 
-impl Requirements for Step {
+impl Requirements for StepFormat {
     fn leaves_out(&self, carried: &Attachments, _: &Values) -> Vec<String> {
         let kinds = [
             Datum::Channels,
@@ -89,7 +89,7 @@ impl Requirements for Step {
     }
 }
 
-impl Costs for Step {
+impl Costs for StepFormat {
     /// A rectangle of m x n cells has (m + 3) (n + 3) control points, so all rectangles together have at most four per
     /// bicubic face and twelve per face of the result, each of a hundred bytes and eight for each reference; curves
     /// have at most as many as the surfaces that they bound. Caps have 36 control points, and names are cut.

@@ -35,12 +35,12 @@ pub(super) struct Stream<'a> {
     out: &'a mut dyn Write,
     watch: &'a Watch,
     /// The blocks that are being encoded, and those that are being written.
-    blocks: [Vec<Block>; 2],
+    blocks: [Vec<RowBlock>; 2],
 }
 
 /// A block of rows between fetching and writing, with its buffers.
 #[derive(Default)]
-struct Block {
+struct RowBlock {
     bytes: Bytes,
     failed: Option<FormatError>,
     points: Vec<[f64; 3]>,
@@ -223,11 +223,11 @@ impl<'a> Stream<'a> {
     fn encoded(
         &mut self,
         ranges: impl Iterator<Item = Range<usize>>,
-        encode: impl Fn(Range<usize>, &mut Block) -> Result<(), FormatError> + Sync,
+        encode: impl Fn(Range<usize>, &mut RowBlock) -> Result<(), FormatError> + Sync,
     ) -> Result<(), FormatError> {
         let Self { out, watch, blocks: [encoding, writing] } = self;
         let mut ranges = ranges;
-        let encode = |range, block: &mut Block| {
+        let encode = |range, block: &mut RowBlock| {
             watch.check()?;
             block.bytes.clear();
             encode(range, block)?;
@@ -239,7 +239,7 @@ impl<'a> Stream<'a> {
         let is_one = first.len() < 2;
         let mut ranges = first.into_iter().chain(ranges).peekable();
         if is_one || threads == 1 {
-            encoding.resize_with(encoding.len().max(1), Block::default);
+            encoding.resize_with(encoding.len().max(1), RowBlock::default);
             let block = &mut encoding[0];
             return ranges.try_for_each(|range| {
                 encode(range, block)?;
@@ -258,7 +258,7 @@ impl<'a> Stream<'a> {
                 }
             }
             let (n, encode) = (next.len(), &encode);
-            encoding.resize_with(encoding.len().max(n), Block::default);
+            encoding.resize_with(encoding.len().max(n), RowBlock::default);
             rayon::in_place_scope(|scope| {
                 for (range, block) in next.into_iter().zip(&mut *encoding) {
                     scope.spawn(move |_| block.failed = encode(range, block).err());
@@ -280,7 +280,7 @@ fn blocks(rows: Range<usize>) -> impl Iterator<Item = Range<usize>> {
 }
 
 /// Writes blocks up to the first that could not be encoded, and returns its error.
-fn write(blocks: &mut [Block], out: &mut dyn Write) -> Result<(), FormatError> {
+fn write(blocks: &mut [RowBlock], out: &mut dyn Write) -> Result<(), FormatError> {
     for block in blocks {
         if let Some(error) = block.failed.take() {
             return Err(error);

@@ -4,8 +4,8 @@ use crate::output::bytes::Bytes;
 use crate::output::numbers::{real, whole};
 use crate::output::scene::FaceChunk;
 
-/// Bytes that are written at once for a row of indices, of which at most [`RowStyle::MOST`] plus four times
-/// [`Index::MOST`] are part of the text: an index writes 16 bytes, whatever its length.
+/// Bytes that are written at once for a row of indices, of which at most [`RowStyle::MAX_BYTES`] plus four times
+/// [`Index::MAX_BYTES`] are part of the text: an index writes 16 bytes, whatever its length.
 const WINDOW: usize = 64;
 
 /// The characters around the numbers of a row.
@@ -23,7 +23,7 @@ pub(super) struct RowStyle {
 
 impl RowStyle {
     /// Maximum number of bytes at the start and the end of a row together.
-    const MOST: usize = 4;
+    const MAX_BYTES: usize = 4;
 
     /// Appends a row.
     pub(super) fn reals(&self, row: &[f64], out: &mut Vec<u8>) {
@@ -59,7 +59,7 @@ impl RowStyle {
     fn rows_of_indices<const N: usize>(&self, rows: &[[u32; N]], origin: u64, out: &mut Bytes) {
         let mut columns: [Index; N] =
             std::array::from_fn(|k| Index::new(if k > 0 { self.between } else { self.open }, origin));
-        out.text(rows.len() * (Self::MOST + N * Index::MOST) + WINDOW, |text| {
+        out.text(rows.len() * (Self::MAX_BYTES + N * Index::MAX_BYTES) + WINDOW, |text| {
             let mut at = 0;
             for row in rows {
                 let Some(window) = text[at..].first_chunk_mut::<WINDOW>() else { break };
@@ -89,7 +89,7 @@ struct Index {
 
 impl Index {
     /// Maximum number of bytes: the byte before, and ten digits of a number up to 2^32.
-    const MOST: usize = 11;
+    const MAX_BYTES: usize = 11;
 
     /// Returns the text of a number after the byte `before`.
     fn new(before: u8, n: u64) -> Self {

@@ -6,9 +6,9 @@ mod parts;
 
 use std::io::Write;
 
-use self::look::{Looks, color, escaped};
+use self::look::{TriangleMaterials, color, escaped};
 use self::package::{Package, overhead};
-use self::parts::{MAX_PARTS, Parts, TRIANGLE_BYTES, VERTEX_BYTES};
+use self::parts::{MAX_PARTS, MeshParts, TRIANGLE_BYTES, VERTEX_BYTES};
 use crate::fault::Fault;
 use crate::math::amounts::in_bytes;
 use crate::math::parameter::{Parameter, Values};
@@ -180,7 +180,7 @@ fn write_model(
          name=\"Application\">planish</metadata>\n<resources>\n"
     );
     stream.bytes(head.as_bytes())?;
-    let looks = Looks::of(mesh);
+    let looks = TriangleMaterials::of(mesh);
     looks.resources(stream)?;
     let n = if is_parted { write_parts(mesh, looks, stream, watch)? } else { write_one(mesh, looks, stream)? };
     stream.bytes(b"</resources>\n<build>\n")?;
@@ -194,14 +194,18 @@ fn write_model(
 /// The id of the first object; looks have lower ids.
 const FIRST_OBJECT: usize = 3;
 
-fn begin(object: usize, name: &str, looks: Looks<'_>, stream: &mut Stream<'_>) -> Result<(), FormatError> {
+fn begin(object: usize, name: &str, looks: TriangleMaterials<'_>, stream: &mut Stream<'_>) -> Result<(), FormatError> {
     let (id, name, looks) = (FIRST_OBJECT + object, escaped(name), looks.of_object());
     let head = format!("<object id=\"{id}\" type=\"model\" name=\"{name}\"{looks}>\n<mesh>\n<vertices>\n");
     stream.bytes(head.as_bytes())
 }
 
 /// Writes the whole mesh as one object.
-fn write_one(mesh: &dyn MeshSource, looks: Looks<'_>, stream: &mut Stream<'_>) -> Result<usize, FormatError> {
+fn write_one(
+    mesh: &dyn MeshSource,
+    looks: TriangleMaterials<'_>,
+    stream: &mut Stream<'_>,
+) -> Result<usize, FormatError> {
     begin(0, "planish", looks, stream)?;
     stream.positions(&Positions::of_mesh(mesh).within_f32(), |_, rows, out| {
         out.append(|out| rows.iter().for_each(|position| vertex(position, out)));
@@ -221,11 +225,11 @@ fn write_one(mesh: &dyn MeshSource, looks: Looks<'_>, stream: &mut Stream<'_>) -
 /// Writes each connected part as an object.
 fn write_parts(
     mesh: &dyn MeshSource,
-    looks: Looks<'_>,
+    looks: TriangleMaterials<'_>,
     stream: &mut Stream<'_>,
     watch: &Watch,
 ) -> Result<usize, FormatError> {
-    let parts = Parts::of(mesh, watch)?;
+    let parts = MeshParts::of(mesh, watch)?;
     let positions = Positions::of_mesh(mesh).within_f32().held(watch)?;
     let groups = &mesh.attachments().groups;
     for (part, (vertices, of_part)) in parts.vertices.iter().zip(&parts.triangles).enumerate() {
@@ -261,7 +265,7 @@ fn vertex(position: &[f64; 3], out: &mut Vec<u8>) {
 }
 
 /// Appends a triangle with the numbers of its vertices in its object; its looks depend on their numbers in the mesh.
-fn triangle(own: [u32; 3], (of_mesh, face): ([u32; 3], usize), looks: Looks<'_>, out: &mut Vec<u8>) {
+fn triangle(own: [u32; 3], (of_mesh, face): ([u32; 3], usize), looks: TriangleMaterials<'_>, out: &mut Vec<u8>) {
     out.extend_from_slice(b"<triangle");
     for (name, v) in [" v1=\"", " v2=\"", " v3=\""].iter().zip(own) {
         out.extend_from_slice(name.as_bytes());

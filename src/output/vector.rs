@@ -19,14 +19,14 @@ use crate::watch::Watch;
 
 /// A format of drawings; these formats differ only in how a drawing is written.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Vector {
+pub(super) struct VectorFormat {
     facts: &'static FormatFacts,
 }
 
 /// The format "svg".
-pub(super) const SVG: Vector = Vector { facts: SVG_FACTS };
+pub(super) const SVG: VectorFormat = VectorFormat { facts: SVG_FACTS };
 /// The format "pdf".
-pub(super) const PDF: Vector = Vector { facts: PDF_FACTS };
+pub(super) const PDF: VectorFormat = VectorFormat { facts: PDF_FACTS };
 
 const SVG_FACTS: &FormatFacts = &FormatFacts {
     name: "svg",
@@ -53,7 +53,7 @@ const PDF_FACTS: &FormatFacts = &FormatFacts {
     ..FormatFacts::USUAL
 };
 
-impl Format for Vector {
+impl Format for VectorFormat {
     fn facts(&self) -> &'static FormatFacts {
         self.facts
     }
@@ -73,7 +73,7 @@ impl Format for Vector {
     }
 }
 
-impl Requirements for Vector {
+impl Requirements for VectorFormat {
     fn suits(&self, kind: ShapeKind, _: &Attachments, options: &Values) -> Result<(), Fault> {
         vector::suits(kind, options)
     }
@@ -87,7 +87,7 @@ impl Requirements for Vector {
     }
 }
 
-impl Costs for Vector {
+impl Costs for VectorFormat {
     fn size(&self, counts: &Counts, options: &Values) -> Size {
         vector::size(counts, options)
     }

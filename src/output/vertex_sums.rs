@@ -31,8 +31,8 @@ pub(super) fn sums(
 ) -> Result<Vec<[f64; 3]>, Stopped> {
     let mut sums = vec![[0.0; 3]; mesh.n_vertices()];
     let own = own_vertices(mesh, watch)?;
-    let mut parts: Vec<Part> = Vec::new();
-    parts.resize_with(AT_ONCE.min(own.len()), Part::default);
+    let mut parts: Vec<FaceRun> = Vec::new();
+    parts.resize_with(AT_ONCE.min(own.len()), FaceRun::default);
     for (round, own) in own.chunks(AT_ONCE).enumerate() {
         watch.check()?;
         let (mut rest, mut start) = (sums.as_mut_slice(), 0);
@@ -107,7 +107,7 @@ fn partition_point(range: Range<usize>, is_before: impl Fn(usize) -> bool) -> us
 
 /// Consecutive faces, and memory for their vectors.
 #[derive(Default)]
-struct Part {
+struct FaceRun {
     faces: FaceChunk,
     /// The vector of each face.
     vectors: Vec<[f64; 3]>,
@@ -115,7 +115,7 @@ struct Part {
     shared: Vec<(u32, u32)>,
 }
 
-impl Part {
+impl FaceRun {
     /// Adds the vectors of the faces to the vertices of this part, the first of which is `start`.
     fn add(&mut self, of_face: impl Fn(&[u32]) -> [f64; 3], start: u32, own: &mut [[f64; 3]]) {
         let Self { faces, vectors, shared } = self;

@@ -2,12 +2,12 @@
 
 use rayon::prelude::*;
 
-use super::bins::{Bins, Found, Grid, TileRect};
+use super::bins::{BinnedItem, Bins, Grid, TileRect};
 use super::camera::{Camera, Projection, unit};
 use super::clip;
 use super::finish::Finisher;
 use super::line::Layer;
-use super::model::{Model, Normals, Surface};
+use super::model::{Model, Normals, TriangleAppearance};
 use super::paint::{Paint, Tint};
 use super::project::{BEHIND, FAR_OUT, STEPS, Vertex, vertex, vertices};
 use super::shade::{Lamps, Vec3f};
@@ -65,9 +65,9 @@ impl Facet {
 const STEP: f64 = STEPS as f64;
 
 /// The visible triangles of one run.
-struct Run {
+struct TriangleRun {
     /// The front-facing triangles, and the back-facing ones.
-    found: [Vec<Found>; 2],
+    found: [Vec<BinnedItem>; 2],
     pieces: Vec<ClippedPiece>,
 }
 
@@ -81,10 +81,12 @@ impl<'a> BinnedModel<'a> {
             .map(|strokes| Layer::new(camera, grid, strokes, watch))
             .collect::<Result<Vec<_>, Stopped>>()?;
         let (lamps, paint, finish) = match model.surface {
-            Surface::Lit(color) => (Some(Lamps::new(camera, color)), None, None),
-            Surface::Painted(paint) => (Some(Lamps::new(camera, [0; 4])), Some(paint), None),
-            Surface::Finished { color, paint, finish } => (Some(Lamps::new(camera, color)), paint, Some(finish)),
-            Surface::Unseen => (None, None, None),
+            TriangleAppearance::Lit(color) => (Some(Lamps::new(camera, color)), None, None),
+            TriangleAppearance::Painted(paint) => (Some(Lamps::new(camera, [0; 4])), Some(paint), None),
+            TriangleAppearance::Finished { color, paint, finish } => {
+                (Some(Lamps::new(camera, color)), paint, Some(finish))
+            }
+            TriangleAppearance::Unseen => (None, None, None),
         };
         let finisher = finish.map(|finish| Finisher::new(finish, camera));
         let (pieces, runs) = (Vec::new(), Vec::new());
@@ -102,7 +104,7 @@ impl<'a> BinnedModel<'a> {
             .enumerate()
             .map(|(i, list)| {
                 watch.check()?;
-                let mut run_of = Run { found: Default::default(), pieces: Vec::new() };
+                let mut run_of = TriangleRun { found: Default::default(), pieces: Vec::new() };
                 for (id, &triangle) in (i * run..).zip(list) {
                     self.admit(u32::try_from(id).expect("fewer than 2^32 triangles"), triangle, &mut run_of);
                 }
@@ -119,7 +121,7 @@ impl<'a> BinnedModel<'a> {
         Ok(())
     }
 
-    fn admit(&self, id: u32, triangle: [u32; 3], run: &mut Run) {
+    fn admit(&self, id: u32, triangle: [u32; 3], run: &mut TriangleRun) {
         let corners = self.placed(triangle);
         let [a, b, c] = [corners[0].sides, corners[1].sides, corners[2].sides];
         if a & b & c & !FAR_OUT != 0 {
@@ -133,7 +135,7 @@ impl<'a> BinnedModel<'a> {
     }
 
     /// Lists a triangle in the tiles that it touches; returns whether there are any.
-    fn admit_corners(&self, id: u32, corners: &[Vertex; 3], run: &mut Run) -> bool {
+    fn admit_corners(&self, id: u32, corners: &[Vertex; 3], run: &mut TriangleRun) -> bool {
         let area = area(corners);
         let rect = TileRect::of(self.grid, touched(corners)).filter(|_| area != 0);
         let nearest = corners[0].depth.max(corners[1].depth).max(corners[2].depth);
@@ -141,7 +143,7 @@ impl<'a> BinnedModel<'a> {
         rect.is_some()
     }
 
-    fn admit_pieces(&self, id: u32, triangle: [u32; 3], run: &mut Run) {
+    fn admit_pieces(&self, id: u32, triangle: [u32; 3], run: &mut TriangleRun) {
         let seen = triangle.map(|v| self.camera.view(self.model.positions[v as usize]));
         let polygon = clip::polygon(self.camera, seen);
         let corners: Vec<Vertex> = polygon.iter().map(|corner| vertex(self.camera, corner.seen)).collect();

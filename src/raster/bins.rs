@@ -61,7 +61,7 @@ impl Grid {
 pub(super) const FEW_TILES: usize = 16;
 
 /// An item, the tiles that it touches, and its largest depth.
-pub(super) type Found = (u32, TileRect, f32);
+pub(super) type BinnedItem = (u32, TileRect, f32);
 
 /// The items of one run of the submission, sorted by tile.
 #[derive(Debug, Default)]
@@ -75,7 +75,7 @@ pub(super) struct Bins {
 
 impl Bins {
     /// Sorts items by tile; the order within a tile is kept.
-    pub(super) fn sort(grid: Grid, found: &[Found]) -> Self {
+    pub(super) fn sort(grid: Grid, found: &[BinnedItem]) -> Self {
         if found.is_empty() {
             return Self::default();
         }

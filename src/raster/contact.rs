@@ -12,7 +12,7 @@ use std::f64::consts::TAU;
 use rayon::prelude::*;
 
 use super::camera::{Camera, Projection, unit};
-use super::model::{Model, Surface};
+use super::model::{Model, TriangleAppearance};
 use crate::math::functions::{cos, sin};
 use crate::math::vector::{Vector, cross, dot, minus, plus, times};
 use crate::watch::{Stopped, Watch};
@@ -35,7 +35,7 @@ const CELLS: usize = 192;
 const FEWEST_CELLS: usize = 24;
 /// Number of sampled places of triangles above which the map is made coarser: 30 ms. Half or twice of it makes maps of
 /// stacks of large triangles coarser or finer.
-const MOST_PLACES: u64 = 1 << 23;
+const MAX_PLACES: u64 = 1 << 23;
 /// Reach of the shadow beyond the model, as a fraction of half its longer side; about as much as a picture's margin.
 const REACH: f64 = 0.3;
 /// Height up to which parts darken the ground, in the same unit. Half of it leaves the shadows of feet only; twice of
@@ -88,7 +88,7 @@ pub(super) struct ShadowRow<'a> {
 
 /// The model above the ground in coordinates of its own: two horizontal directions and up, from its centre, in units of
 /// half its longer side.
-struct Frame<'a> {
+struct GroundFrame<'a> {
     axes: [Vector; 3],
     middle: Vector,
     half: f64,
@@ -105,10 +105,10 @@ impl Shadow {
         ground: Ground,
         watch: &Watch,
     ) -> Result<Option<Self>, Stopped> {
-        if ground == Ground::None || matches!(model.surface, Surface::Unseen) {
+        if ground == Ground::None || matches!(model.surface, TriangleAppearance::Unseen) {
             return Ok(None);
         }
-        let Some(frame) = Frame::of(model, camera.sky) else { return Ok(None) };
+        let Some(frame) = GroundFrame::of(model, camera.sky) else { return Ok(None) };
         watch.check()?;
         if ground == Ground::Stood && !frame.is_stood_on() {
             return Ok(None);
@@ -122,7 +122,7 @@ impl Shadow {
         if !is_above {
             return Ok(None);
         }
-        while shadow.cells > FEWEST_CELLS && frame.looks(shadow.cells) > MOST_PLACES {
+        while shadow.cells > FEWEST_CELLS && frame.looks(shadow.cells) > MAX_PLACES {
             shadow.cells /= 2;
         }
         shadow.dark = frame.dark(shadow.cells, watch)?;
@@ -180,7 +180,7 @@ impl ShadowRow<'_> {
 /// Number of triangles that a thread processes at a time.
 const PART: usize = 1 << 14;
 
-impl<'a> Frame<'a> {
+impl<'a> GroundFrame<'a> {
     /// Returns the frame of a model; `None` if the model has no extent.
     fn of(model: &Model<'a>, sky: Vector) -> Option<Self> {
         let aside = if sky[0].abs() < 0.9 { [1.0, 0.0, 0.0] } else { [0.0, 1.0, 0.0] };

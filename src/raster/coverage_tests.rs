@@ -6,17 +6,17 @@ use super::*;
 use crate::math::vector::{cross, dot, minus};
 use crate::watch::Watch;
 
-const PLAIN: Look = Look { background: [0; 4], is_fine: true, is_occluded: false, shadow: Ground::None };
+const PLAIN: RenderStyle = RenderStyle { background: [0; 4], is_fine: true, is_occluded: false, shadow: Ground::None };
 
 /// The alpha of every pixel of a picture of triangles on a transparent background.
 fn alpha(
     camera: &Camera,
     positions: &[[f64; 3]],
     triangles: &[[u32; 3]],
-    look: Look,
+    look: RenderStyle,
     [width, height]: [u32; 2],
 ) -> Vec<u8> {
-    let surface = Surface::Lit([120, 160, 220, 255]);
+    let surface = TriangleAppearance::Lit([120, 160, 220, 255]);
     let model = Model { positions, triangles, normals: Normals::Planes, surface, strokes: &[] };
     let picture = render(&model, camera, look, [width, height], &Watch::new()).expect("nobody says stop");
     picture.bytes.as_chunks::<4>().0.iter().map(|pixel| pixel[3]).collect()
@@ -186,7 +186,7 @@ proptest! {
 }
 
 /// The grey values along an edge that is crossed slowly.
-fn grey_values(look: Look) -> usize {
+fn grey_values(look: RenderStyle) -> usize {
     let positions = [[0.0, 0.0, 0.0], [1.0, 0.03, 0.0], [0.0, 1.0, 0.0]];
     let mut found = alpha(&above(700), &positions, &[[0, 1, 2]], look, [700; 2]);
     found.sort_unstable();
@@ -197,7 +197,7 @@ fn grey_values(look: Look) -> usize {
 #[test]
 fn edges_have_seventeen_grey_values_and_in_drafts_five() {
     assert_eq!(grey_values(PLAIN), 17);
-    assert_eq!(grey_values(Look { is_fine: false, ..PLAIN }), 5);
+    assert_eq!(grey_values(RenderStyle { is_fine: false, ..PLAIN }), 5);
 }
 
 /// A flat square of very many triangles of less than a pixel has the outline of two triangles.

@@ -20,7 +20,7 @@ const SIDE: u32 = TILE as u32;
 const N: usize = TILE * TILE;
 
 /// The scratch memory of one thread.
-pub(super) struct Desk {
+pub(super) struct TileScratch {
     samples: Samples,
     fine: Fine,
     lighter: Lighter,
@@ -48,7 +48,7 @@ pub(super) struct Drawn {
     pub(super) over: Vec<[u16; 4]>,
 }
 
-impl Desk {
+impl TileScratch {
     pub(super) fn new(model: &BinnedModel<'_>) -> Self {
         let lighter = || Lighter {
             light: vec![[0.0; 4]; N],

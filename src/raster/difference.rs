@@ -66,25 +66,26 @@ pub fn difference(a: &Pixels, b: &Pixels, measure: Measure, watch: &Watch) -> Re
         watch.advance(1);
         Ok(row)
     });
-    let sum = |a: Row, b: Row| Row {
+    let sum = |a: RowDifference, b: RowDifference| RowDifference {
         different: a.different + b.different,
         smoothed: a.smoothed + b.smoothed,
         largest: a.largest.max(b.largest),
     };
-    let Row { different, smoothed, largest } = rows.try_reduce(Row::default, |a, b| Ok(sum(a, b)))?;
+    let RowDifference { different, smoothed, largest } =
+        rows.try_reduce(RowDifference::default, |a, b| Ok(sum(a, b)))?;
     Ok(Difference { different, smoothed, largest: sqrt(largest / FARTHEST), picture })
 }
 
 #[derive(Debug, Clone, Copy, Default)]
-struct Row {
+struct RowDifference {
     different: u64,
     smoothed: u64,
     /// The largest squared distance.
     largest: f64,
 }
 
-fn row([a, b]: [&Pixels; 2], y: usize, measure: Measure, shown: &mut [[u8; 3]]) -> Row {
-    let mut found = Row::default();
+fn row([a, b]: [&Pixels; 2], y: usize, measure: Measure, shown: &mut [[u8; 3]]) -> RowDifference {
+    let mut found = RowDifference::default();
     for (x, out) in shown.iter_mut().enumerate() {
         let [before, after] = [a, b].map(|picture| picture.at([x, y]));
         let square = if before == after { 0.0 } else { apart(before, after) };

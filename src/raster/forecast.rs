@@ -37,12 +37,12 @@ fn in_rows(pixels: f64, triangles: f64) -> f64 {
 /// A forecast of the work of drawing triangles, in rows of a weight table, 100 ns each. Hidden triangles count in full,
 /// since they are processed unless those in front are drawn before.
 #[derive(Debug, Clone, Copy)]
-pub struct Forecast {
+pub struct RasterForecast {
     size_px: [f64; 2],
     rows: f64,
 }
 
-impl Forecast {
+impl RasterForecast {
     /// Creates an empty forecast for a picture of this size.
     pub fn of([width, height]: [u32; 2]) -> Self {
         Self { size_px: [f64::from(width), f64::from(height)], rows: 0.0 }

@@ -3,11 +3,11 @@
 use super::*;
 use crate::watch::Watch;
 
-const LOOK: Look = Look { background: [255; 4], is_fine: true, is_occluded: true, shadow: Ground::Stood };
+const LOOK: RenderStyle = RenderStyle { background: [255; 4], is_fine: true, is_occluded: true, shadow: Ground::Stood };
 const SIZE: [u32; 2] = [160, 120];
 
-fn picture(view: &View, positions: &[[f64; 3]], triangles: &[[u32; 3]], look: Look) -> Vec<u8> {
-    let surface = Surface::Lit([120, 160, 220, 255]);
+fn picture(view: &View, positions: &[[f64; 3]], triangles: &[[u32; 3]], look: RenderStyle) -> Vec<u8> {
+    let surface = TriangleAppearance::Lit([120, 160, 220, 255]);
     let model = Model { positions, triangles, normals: Normals::Planes, surface, strokes: &[] };
     let camera = Camera::framing(view, &[positions], SIZE[0], SIZE[1]);
     render(&model, &camera, look, SIZE, &Watch::new()).expect("nobody says stop").bytes
@@ -15,8 +15,8 @@ fn picture(view: &View, positions: &[[f64; 3]], triangles: &[[u32; 3]], look: Lo
 
 /// Whether the shadow of a model is seen: whether some pixel is darker with it than without.
 fn has_shadow(view: &View, positions: &[[f64; 3]], triangles: &[[u32; 3]], shadow: Ground) -> bool {
-    let without = picture(view, positions, triangles, Look { shadow: Ground::None, ..LOOK });
-    let with = picture(view, positions, triangles, Look { shadow, ..LOOK });
+    let without = picture(view, positions, triangles, RenderStyle { shadow: Ground::None, ..LOOK });
+    let with = picture(view, positions, triangles, RenderStyle { shadow, ..LOOK });
     with.iter().zip(&without).any(|(with, without)| without.saturating_sub(*with) > 10)
 }
 
@@ -71,7 +71,7 @@ fn the_ground_is_seen_from_above_only_and_along_whatever_axis_is_up() {
 fn hollows_are_darker_and_convex_models_keep_their_light() {
     let view = View { azimuth_rad: 0.7, elevation_rad: 0.5, ..View::default() };
     let mean = |positions: &[[f64; 3]], triangles: &[[u32; 3]], is_occluded| {
-        let look = Look { is_occluded, shadow: Ground::None, ..LOOK };
+        let look = RenderStyle { is_occluded, shadow: Ground::None, ..LOOK };
         let bytes = picture(&view, positions, triangles, look);
         bytes.iter().map(|&byte| f64::from(byte)).sum::<f64>() / f64::from(SIZE[0] * SIZE[1])
     };
@@ -107,10 +107,10 @@ fn lines_behind_a_surface_are_as_faint_as_they_are_asked_to_be() {
             crowding: Crowding::Keep,
             hidden,
         };
-        let surface = Surface::Lit([0, 0, 0, 255]);
+        let surface = TriangleAppearance::Lit([0, 0, 0, 255]);
         let normals = Normals::Planes;
         let model = Model { positions: &positions, triangles: &triangles, normals, surface, strokes: &[strokes] };
-        let look = Look { is_occluded: false, shadow: Ground::None, ..LOOK };
+        let look = RenderStyle { is_occluded: false, shadow: Ground::None, ..LOOK };
         let bytes = render(&model, &camera, look, SIZE, &Watch::new()).expect("nobody says stop").bytes;
         let [width, height] = SIZE.map(|side| side as usize);
         bytes[4 * (height / 2 * width + width / 2)]

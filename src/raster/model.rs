@@ -13,7 +13,7 @@ pub struct Model<'a> {
     /// Normals for shading.
     pub normals: Normals<'a>,
     /// The appearance of the triangles.
-    pub surface: Surface<'a>,
+    pub surface: TriangleAppearance<'a>,
     /// Lines and discs; the first list is drawn first.
     pub strokes: &'a [Strokes<'a>],
 }
@@ -31,7 +31,7 @@ pub enum Normals<'a> {
 
 /// The appearance of the triangles.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Surface<'a> {
+pub enum TriangleAppearance<'a> {
     /// Lit, in this sRGB colour; its alpha is ignored.
     Lit([u8; 4]),
     /// Lit, in varying colours.

@@ -22,7 +22,7 @@ use crate::watch::{Stopped, Watch};
 
 /// Most cells along a side.
 /// Half of it blurs small hollows, twice of it takes four times as long; in the largest picture a cell is a tile.
-const MOST_CELLS: usize = 256;
+const MAX_CELLS: usize = 256;
 /// How far what hides light may stand, as a share of the radius of the model.
 /// Half of it darkens creases only, twice of it darkens whole limbs.
 const REACH: f32 = 0.3;
@@ -125,7 +125,7 @@ impl Occlusion {
     pub(super) fn of(tiles: &[Option<Drawn>], grid: Grid, camera: &Camera, watch: &Watch) -> Result<Self, Stopped> {
         let [width, height] = camera.size_px.map(|side| side as usize);
         let mut cell_px = 1;
-        while width.max(height).div_ceil(cell_px) > MOST_CELLS {
+        while width.max(height).div_ceil(cell_px) > MAX_CELLS {
             cell_px *= 2;
         }
         let lens = Lens::of(camera);

@@ -9,7 +9,7 @@ use std::ops::RangeInclusive;
 use crate::math::functions::{real, sqrt};
 
 /// A point as a camera sees it: x and y, pixels, and its nearness.
-pub type Seen = [f64; 3];
+pub type ProjectedPoint = [f64; 3];
 
 /// How much nearer a triangle has to be to hide something, as a share of the range of nearness in the picture. Lines on
 /// a surface are as near as the surface but for rounding, about 1e-13; a hundred times as much lets lines show that are
@@ -20,12 +20,12 @@ const SLACK: f64 = 1e-7;
 const LEAST_AREA: f64 = 1e-6;
 /// Cells along a side of the grid at most: half of it has four times as many triangles a cell, twice of it takes four
 /// times as much memory.
-const MOST_CELLS: usize = 512;
+const MAX_CELLS: usize = 512;
 
 /// Triangles that hide what is behind them.
 #[derive(Debug)]
 pub struct Sight<'a> {
-    points: &'a [Seen],
+    points: &'a [ProjectedPoint],
     triangles: &'a [[u32; 3]],
     /// How much nearer a triangle has to be to hide something.
     slack: f64,
@@ -34,7 +34,7 @@ pub struct Sight<'a> {
 
 impl<'a> Sight<'a> {
     /// Prepares triangles, whose corners are indices of points.
-    pub fn new(points: &'a [Seen], triangles: &'a [[u32; 3]]) -> Self {
+    pub fn new(points: &'a [ProjectedPoint], triangles: &'a [[u32; 3]]) -> Self {
         let ends = |k: usize| {
             let none = (f64::INFINITY, f64::NEG_INFINITY);
             points.iter().fold(none, |(low, high), point| (low.min(point[k]), high.max(point[k])))
@@ -46,13 +46,13 @@ impl<'a> Sight<'a> {
     }
 
     /// Returns the number of triangles that are tested against a line.
-    pub fn n_candidates(&self, ends: [Seen; 2]) -> usize {
+    pub fn n_candidates(&self, ends: [ProjectedPoint; 2]) -> usize {
         self.grid.cells(bounds(ends)).map(|cell| self.grid.triangles(cell).len()).sum()
     }
 
     /// The parts of a line that triangles hide, as shares of the way from its start to its end, ascending and apart.
     /// Triangles for which `beside` holds hide nothing of it: the line is an edge of them.
-    pub fn hidden(&self, ends: [Seen; 2], beside: impl Fn(u32) -> bool) -> Vec<[f64; 2]> {
+    pub fn hidden(&self, ends: [ProjectedPoint; 2], beside: impl Fn(u32) -> bool) -> Vec<[f64; 2]> {
         let seen = bounds(ends);
         let mut found: Vec<[f64; 2]> = Vec::new();
         for cell in self.grid.cells(seen) {
@@ -77,15 +77,15 @@ impl<'a> Sight<'a> {
 }
 
 /// Left, top, right and bottom.
-type Bounds = [f64; 4];
+type ScreenRect = [f64; 4];
 
-fn bounds<const N: usize>(points: [Seen; N]) -> Bounds {
+fn bounds<const N: usize>(points: [ProjectedPoint; N]) -> ScreenRect {
     points.iter().fold([f64::INFINITY, f64::INFINITY, f64::NEG_INFINITY, f64::NEG_INFINITY], |b, [x, y, _]| {
         [b[0].min(*x), b[1].min(*y), b[2].max(*x), b[3].max(*y)]
     })
 }
 
-fn overlap(a: Bounds, b: Bounds) -> bool {
+fn overlap(a: ScreenRect, b: ScreenRect) -> bool {
     a[0] <= b[2] && b[0] <= a[2] && a[1] <= b[3] && b[1] <= a[3]
 }
 
@@ -94,7 +94,7 @@ fn overlap(a: Bounds, b: Bounds) -> bool {
 /// With `f_k` the doubled area of a point of the line and side k of the triangle, which is linear along the line, the
 /// line is inside where no `f_k` is below 0; there the triangle is as near as the mean of its corners with the weights
 /// `f_k`, which keeps it between them whatever is rounded.
-fn covered(ends: [Seen; 2], corners: [Seen; 3], slack: f64) -> Option<[f64; 2]> {
+fn covered(ends: [ProjectedPoint; 2], corners: [ProjectedPoint; 3], slack: f64) -> Option<[f64; 2]> {
     let area = doubled(corners[0], corners[1], corners[2]);
     if area.abs() < 2.0 * LEAST_AREA {
         return None;
@@ -137,7 +137,7 @@ fn covered(ends: [Seen; 2], corners: [Seen; 3], slack: f64) -> Option<[f64; 2]> 
 }
 
 /// Twice the area of a triangle in the picture.
-fn doubled(a: Seen, b: Seen, c: Seen) -> f64 {
+fn doubled(a: ProjectedPoint, b: ProjectedPoint, c: ProjectedPoint) -> f64 {
     (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])
 }
 
@@ -155,13 +155,13 @@ struct Grid {
 
 impl Grid {
     /// A grid over what is seen, as fine as triangles that reach into many cells allow.
-    fn new(ends: [(f64, f64); 2], boxes: &[Bounds]) -> Self {
+    fn new(ends: [(f64, f64); 2], boxes: &[ScreenRect]) -> Self {
         #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "the root of a count")]
         let root = sqrt(real(boxes.len())) as usize;
         let mut grid = Self {
             origin: [ends[0].0, ends[1].0],
             scale: [0.0; 2],
-            side: (2 * root).clamp(1, 2 * MOST_CELLS),
+            side: (2 * root).clamp(1, 2 * MAX_CELLS),
             starts: Vec::new(),
             triangles: Vec::new(),
         };
@@ -179,7 +179,7 @@ impl Grid {
         grid
     }
 
-    fn fill(&mut self, boxes: &[Bounds]) {
+    fn fill(&mut self, boxes: &[ScreenRect]) {
         let mut counts = vec![0; self.side * self.side + 1];
         for bounds in boxes {
             self.cells(*bounds).for_each(|cell| counts[cell + 1] += 1);
@@ -203,18 +203,18 @@ impl Grid {
     }
 
     /// Rows and columns of the cells that something reaches into.
-    fn reach(&self, [left, top, right, bottom]: Bounds) -> [RangeInclusive<usize>; 2] {
+    fn reach(&self, [left, top, right, bottom]: ScreenRect) -> [RangeInclusive<usize>; 2] {
         #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "numbers of cells, clamped")]
         let cell = |k: usize, at: f64| (((at - self.origin[k]) * self.scale[k]).max(0.0) as usize).min(self.side - 1);
         [cell(1, top)..=cell(1, bottom), cell(0, left)..=cell(0, right)]
     }
 
-    fn n_cells(&self, bounds: Bounds) -> usize {
+    fn n_cells(&self, bounds: ScreenRect) -> usize {
         let [rows, columns] = self.reach(bounds);
         (rows.end() - rows.start() + 1) * (columns.end() - columns.start() + 1)
     }
 
-    fn cells(&self, bounds: Bounds) -> impl Iterator<Item = usize> + use<> {
+    fn cells(&self, bounds: ScreenRect) -> impl Iterator<Item = usize> + use<> {
         let ([rows, columns], side) = (self.reach(bounds), self.side);
         rows.flat_map(move |row| columns.clone().map(move |column| row * side + column))
     }
@@ -224,9 +224,9 @@ impl Grid {
 mod tests {
     use super::*;
 
-    const TRIANGLE: [Seen; 3] = [[0.0, 0.0, 1.0], [8.0, 0.0, 1.0], [0.0, 8.0, 1.0]];
+    const TRIANGLE: [ProjectedPoint; 3] = [[0.0, 0.0, 1.0], [8.0, 0.0, 1.0], [0.0, 8.0, 1.0]];
 
-    fn hidden(ends: [Seen; 2]) -> Vec<[f64; 2]> {
+    fn hidden(ends: [ProjectedPoint; 2]) -> Vec<[f64; 2]> {
         Sight::new(&TRIANGLE, &[[0, 1, 2]]).hidden(ends, |_| false)
     }
 

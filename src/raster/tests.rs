@@ -80,7 +80,7 @@ fn sheet(n: u32) -> (Vec<[f64; 3]>, Vec<[u32; 3]>) {
     (positions, (0..n).flat_map(|j| (0..n).flat_map(move |i| quad(i, j))).collect())
 }
 
-const LOOK: Look = Look { background: [0; 4], is_fine: true, is_occluded: true, shadow: Ground::Stood };
+const LOOK: RenderStyle = RenderStyle { background: [0; 4], is_fine: true, is_occluded: true, shadow: Ground::Stood };
 
 fn picture(view: &View, positions: &[[f64; 3]], triangles: &[[u32; 3]], size: [u32; 2]) -> Pixmap {
     let segments: Vec<[u32; 2]> = triangles.iter().flat_map(|t| [[t[0], t[1]], [t[1], t[1]]]).collect();
@@ -92,7 +92,7 @@ fn picture(view: &View, positions: &[[f64; 3]], triangles: &[[u32; 3]], size: [u
         crowding: Crowding::Fade,
         hidden: 0.25,
     }];
-    let surface = Surface::Lit([200, 80, 40, 255]);
+    let surface = TriangleAppearance::Lit([200, 80, 40, 255]);
     let model = Model { positions, triangles, normals: Normals::Planes, surface, strokes: &strokes };
     let camera = Camera::framing(view, &[positions], size[0], size[1]);
     render(&model, &camera, LOOK, size, &Watch::new()).expect("nobody says stop")
@@ -175,7 +175,7 @@ fn a_stopped_watch_ends_the_picture() {
     let (positions, triangles) = sheet(3);
     let watch = Watch::new();
     watch.stop();
-    let surface = Surface::Lit([200, 80, 40, 255]);
+    let surface = TriangleAppearance::Lit([200, 80, 40, 255]);
     let model = Model { positions: &positions, triangles: &triangles, normals: Normals::Planes, surface, strokes: &[] };
     let camera = Camera::framing(&View::default(), &[&positions], 64, 64);
     assert_eq!(render(&model, &camera, LOOK, [64, 64], &watch), Err(Stopped));

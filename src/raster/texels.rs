@@ -19,11 +19,11 @@ static LIGHT: LazyLock<[f32; 256]> = LazyLock::new(|| std::array::from_fn(|byte|
 
 /// Texels within a pixel up to which a copy is shown; beyond it the next smaller one is.
 /// Half of it blurs what is shown at its own size; twice of it lets fine patterns flicker.
-const MOST_A_PIXEL: f32 = 1.5;
+const MAX_TEXELS_A_PIXEL: f32 = 1.5;
 
 /// How a texture continues beyond its sides.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Beyond {
+pub enum WrapMode {
     /// The texture is repeated.
     Repeat,
     /// The texture is repeated, every other time mirrored.
@@ -113,7 +113,7 @@ pub struct Cover {
     /// The texture.
     pub texels: Arc<Texels>,
     /// What lies beyond its sides: left and right, above and below.
-    pub beyond: [Beyond; 2],
+    pub beyond: [WrapMode; 2],
     /// Whether the nearest pixel is shown instead of the mean of four.
     pub nearest: bool,
 }
@@ -123,9 +123,9 @@ impl Cover {
     /// the same and leave more digits: whole periods of the picture.
     pub(super) fn period(&self, axis: usize, least: f64) -> f64 {
         match self.beyond[axis] {
-            Beyond::Repeat => least.floor(),
-            Beyond::Mirror => 2.0 * (0.5 * least).floor(),
-            Beyond::Edge => 0.0,
+            WrapMode::Repeat => least.floor(),
+            WrapMode::Mirror => 2.0 * (0.5 * least).floor(),
+            WrapMode::Edge => 0.0,
         }
     }
 
@@ -136,7 +136,7 @@ impl Cover {
         let whole = self.texels.0[0].size;
         (columns, rows) = (columns * whole[0] as f32, rows * whole[1] as f32);
         let mut copy = 0;
-        while columns.max(rows) > MOST_A_PIXEL && copy + 1 < self.texels.0.len() {
+        while columns.max(rows) > MAX_TEXELS_A_PIXEL && copy + 1 < self.texels.0.len() {
             (columns, rows, copy) = (0.5 * columns, 0.5 * rows, copy + 1);
         }
         let copy = &self.texels.0[copy];
@@ -176,9 +176,9 @@ impl Cover {
             ((i - n * (i / n).floor()).max(0.0) as usize).min(n as usize - 1)
         };
         match self.beyond[axis] {
-            Beyond::Repeat => period(n),
-            Beyond::Edge => (i.max(0.0) as usize).min(last),
-            Beyond::Mirror => {
+            WrapMode::Repeat => period(n),
+            WrapMode::Edge => (i.max(0.0) as usize).min(last),
+            WrapMode::Mirror => {
                 let there = period(2 * n);
                 there.min(2 * n - 1 - there)
             }
@@ -201,7 +201,7 @@ mod tests {
 
     #[test]
     fn pixels_are_found_from_the_lower_left_and_blended_in_linear_light() {
-        let cover = Cover { texels: texels(), beyond: [Beyond::Edge; 2], nearest: false };
+        let cover = Cover { texels: texels(), beyond: [WrapMode::Edge; 2], nearest: false };
         let grey = f64::from(linear(188));
         for (place, expected) in
             [([0.25, 0.75], 0.0), ([0.75, 0.75], 1.0), ([0.25, 0.25], grey), ([0.5, 0.75], 0.5), ([0.0, 1.0], 0.0)]
@@ -218,7 +218,7 @@ mod tests {
     fn what_is_not_seen_gives_no_light_to_what_is_beside_it() {
         // a clear black pixel beside an opaque white one
         let texels = Arc::new(Texels::new([2, 1], vec![[0; 3], [255; 3]], vec![0, 255]));
-        let cover = Cover { texels, beyond: [Beyond::Edge; 2], nearest: false };
+        let cover = Cover { texels, beyond: [WrapMode::Edge; 2], nearest: false };
         for (u, wide, expected) in [(0.75, 0.0, 1.0), (0.5, 0.0, 0.5), (0.25, 0.0, 0.0), (0.5, 4.0, 128.0 / 255.0)] {
             let (light, alpha) = cover.light([u, 0.5], [wide; 2]);
             assert!((alpha - expected).abs() < 1e-6, "{u} {wide}: {alpha}");
@@ -229,13 +229,13 @@ mod tests {
     #[test]
     fn beyond_its_sides_a_picture_repeats_is_mirrored_or_ends() {
         let column = |beyond, u: f32| {
-            let cover = Cover { texels: texels(), beyond: [beyond, Beyond::Edge], nearest: true };
+            let cover = Cover { texels: texels(), beyond: [beyond, WrapMode::Edge], nearest: true };
             cover.light([u, 0.75], [0.0; 2]).0[0] > 0.5
         };
         for (beyond, expected) in [
-            (Beyond::Repeat, [true, false, true, false, true]),
-            (Beyond::Mirror, [false, false, true, true, false]),
-            (Beyond::Edge, [false, false, true, true, true]),
+            (WrapMode::Repeat, [true, false, true, false, true]),
+            (WrapMode::Mirror, [false, false, true, true, false]),
+            (WrapMode::Edge, [false, false, true, true, true]),
         ] {
             let found = [-0.25, 0.25, 0.75, 1.25, 1.75].map(|u| column(beyond, u));
             assert_eq!(found, expected, "{beyond:?}");

@@ -6,7 +6,7 @@ use super::binned_model::BinnedModel;
 use super::bins::{Grid, TILE};
 use super::camera::Camera;
 use super::contact::{Ground, Shadow, ShadowRow};
-use super::desk::{Desk, Drawn};
+use super::desk::{Drawn, TileScratch};
 use super::model::Model;
 use super::occlusion::Occlusion;
 use super::pixmap::{ENCODING, Pixmap, premultiplied};
@@ -18,7 +18,7 @@ pub const MAX_SIDE_PX: u32 = 8192;
 
 /// The background and the quality of a picture.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Look {
+pub struct RenderStyle {
     /// Background colour, straight sRGB.
     pub background: [u8; 4],
     /// Whether edges are drawn with sixteen samples per pixel instead of four.
@@ -40,7 +40,7 @@ pub struct Look {
 pub fn render(
     model: &Model<'_>,
     camera: &Camera,
-    look: Look,
+    look: RenderStyle,
     [width, height]: [u32; 2],
     watch: &Watch,
 ) -> Result<Pixmap, Stopped> {
@@ -68,18 +68,18 @@ pub fn render(
 fn drawn(model: &BinnedModel<'_>, is_fine: bool, watch: &Watch) -> Result<Vec<Option<Drawn>>, Stopped> {
     let Grid { columns, rows } = model.grid;
     let tiles = (0..usize::from(columns) * usize::from(rows)).into_par_iter();
-    let draw = |desk: &mut Desk, tile: usize| {
+    let draw = |desk: &mut TileScratch, tile: usize| {
         watch.check()?;
         let place = [tile % usize::from(columns), tile / usize::from(columns)];
         let origin = place.map(|i| i32::try_from(i * TILE).expect("pictures are bounded"));
         desk.draw(model, (tile, origin), is_fine, watch)
     };
-    tiles.map_init(|| Desk::new(model), draw).collect()
+    tiles.map_init(|| TileScratch::new(model), draw).collect()
 }
 
 /// What makes bytes of what is drawn.
 struct Finish {
-    look: Look,
+    look: RenderStyle,
     occlusion: Option<Occlusion>,
     shadow: Option<Shadow>,
     /// The background, linear and premultiplied.

@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use super::normals::Normals;
 use super::seams::RefinedPlaces;
-use super::shown::Shown;
+use super::shown::ShownFaces;
 use super::vertex_order::VertexOrder;
 use crate::kept::Numbers;
 use crate::scheme::mesh_net::MeshNet;
@@ -25,7 +25,7 @@ pub struct RefinedMesh {
     pub(super) normals: Option<Normals>,
     pub(super) base: Arc<Topology>,
     pub(super) order: VertexOrder,
-    pub(super) shown: Shown,
+    pub(super) shown: ShownFaces,
     pub(super) attachments: Arc<Attachments>,
     pub(super) channels: Vec<RefinedChannel>,
     pub(super) uvs: Option<Arc<RefinedPlaces>>,
@@ -66,7 +66,7 @@ impl RefinedMesh {
     }
 
     fn ordered(net: &MeshNet, order: VertexOrder, points: Numbers) -> Self {
-        let shown = Shown::new(&net.mesh.base, order.order(), &net.tags.holes);
+        let shown = ShownFaces::new(&net.mesh.base, order.order(), &net.tags.holes);
         let pieces = net.mesh.pieces.iter().map(|&pieces| pieces as usize).product();
         Self {
             points,

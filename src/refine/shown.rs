@@ -7,7 +7,7 @@ use crate::shape::topology::Topology;
 
 /// The shown faces, stored as runs of consecutive faces.
 #[derive(Debug)]
-pub(super) struct Shown {
+pub(super) struct ShownFaces {
     /// For each run, its first index among the shown faces, and its first face.
     runs: Vec<(usize, usize)>,
     /// Number of shown faces.
@@ -16,7 +16,7 @@ pub(super) struct Shown {
     pub(super) n_half_edges: usize,
 }
 
-impl Shown {
+impl ShownFaces {
     /// Collects all faces but those that refine a face in `holes`; `holes` lists faces of the base, ascending.
     pub(super) fn new(base: &Topology, order: Option<&Order>, holes: &[u32]) -> Self {
         let all = order.map_or(base.n_faces(), Order::n_faces);

@@ -36,7 +36,7 @@ pub struct Anchor {
 
 /// The kind of cell from which the last upsampling made a vertex.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Label {
+pub enum CellKind {
     /// A vertex, labelled V.
     Vertex,
     /// An edge, labelled E.
@@ -73,13 +73,13 @@ impl Anchor {
     }
 
     /// Returns the label of the vertex with index `v` just after the upsampling.
-    pub fn label(&self, v: usize) -> Label {
+    pub fn label(&self, v: usize) -> CellKind {
         let parent = self.parent();
         let (n_v, n_e) = (self.topology.n_vertices(), self.topology.n_edges());
         let label = |edges: usize| match v {
-            v if v < n_v => Label::Vertex,
-            v if v < n_v + edges => Label::Edge,
-            _ => Label::Face,
+            v if v < n_v => CellKind::Vertex,
+            v if v < n_v + edges => CellKind::Edge,
+            _ => CellKind::Face,
         };
         if self.is_halving() {
             return label(n_e);
@@ -90,8 +90,8 @@ impl Anchor {
         }
         // the midpoints of the mesh's own edges come first among the edge points of the quads
         match self.tiling().ancestor(v) {
-            Ancestor::Edge(edge, _) if edge < 2 * n_e => Label::Edge,
-            _ => Label::Face,
+            Ancestor::Edge(edge, _) if edge < 2 * n_e => CellKind::Edge,
+            _ => CellKind::Face,
         }
     }
 
@@ -99,8 +99,8 @@ impl Anchor {
     /// triangles `f` for V, else 1. `v` is the index just after the upsampling.
     pub fn weight(&self, v: usize, f: f64) -> f64 {
         match (self.tile, self.label(v)) {
-            (Tile::Quad, Label::Vertex) => f * f,
-            (Tile::Quad, Label::Edge) | (Tile::Triangle, Label::Vertex) => f,
+            (Tile::Quad, CellKind::Vertex) => f * f,
+            (Tile::Quad, CellKind::Edge) | (Tile::Triangle, CellKind::Vertex) => f,
             _ => 1.0,
         }
     }
@@ -114,9 +114,9 @@ impl Anchor {
     /// first, second or third scale if `v` is a V, E or F.
     pub fn shares(&self, v: usize, scales: [f64; 3], mut add: impl FnMut(u32, f64)) {
         let scale = match self.label(v) {
-            Label::Vertex => scales[0],
-            Label::Edge => scales[1],
-            Label::Face => scales[2],
+            CellKind::Vertex => scales[0],
+            CellKind::Edge => scales[1],
+            CellKind::Face => scales[2],
         };
         if self.is_halving() {
             halved(&self.topology, v, scale, &mut add);

@@ -85,7 +85,7 @@ impl Creases {
     fn of(topology: &Topology, before: &Arc<Sharpness>, after: &After<'_>) -> Self {
         let ends = before.edges().iter().flat_map(|&(e, _)| topology.ends(e as usize));
         let mut apart: Vec<u32> = ends.chain(before.vertices().iter().map(|&(v, _)| v)).collect();
-        let around = |v: u32| Around::of(topology, before, v as usize, after);
+        let around = |v: u32| SharpEdges::of(topology, before, v as usize, after);
         let followers: BTreeMap<u32, u32> = before.followers().iter().copied().collect();
         apart.extend(followers.keys());
         apart.sort_unstable();
@@ -150,7 +150,7 @@ impl After<'_> {
 
 /// The sharp edges around a vertex.
 #[derive(Default)]
-struct Around {
+struct SharpEdges {
     /// Sharp edges before and after the level, at most three of each.
     sharp: [Vec<u32>; 2],
     /// Whether the vertex itself is sharp before and after the level.
@@ -159,7 +159,7 @@ struct Around {
     vanishing: (f64, f64),
 }
 
-impl Around {
+impl SharpEdges {
     fn of(topology: &Topology, before: &Sharpness, v: usize, after: &After<'_>) -> Self {
         let mut around = Self::default();
         let values = [before.vertex(v), after.vertex(v)];

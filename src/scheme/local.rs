@@ -81,7 +81,7 @@ impl Sources<'_> {
 
 /// Values of the points that entered the last upsampling, and of the points that it made on edges.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Local {
+pub struct LocalValues {
     /// Kernel of each vertex.
     pub kernel: Vec<f64>,
     /// Push-back factor of each vertex.
@@ -91,7 +91,7 @@ pub struct Local {
     arity: u32,
 }
 
-impl Local {
+impl LocalValues {
     /// Returns the local values at an upsampling of a polygon with `n` control points and `edges` edges; `None` if all
     /// points have the values of the plan.
     pub(super) fn of(

@@ -4,7 +4,7 @@ use std::ops::RangeInclusive;
 
 use super::rules::LatitudeRule;
 use crate::math::expression::Expression;
-use crate::math::parameter::{Default, Kind, Parameter, Values};
+use crate::math::parameter::{Default, Parameter, ParameterKind, Values};
 use crate::shape::tile::Tile;
 
 /// The weight of a vertex in averages of triangles for which `UC` is Loop's scheme at regular vertices. With any other
@@ -23,7 +23,7 @@ pub const AVERAGES: Parameter = Parameter::integer("averages", [0, 12], 1.0, "Nu
 /// The entries of a mask.
 pub const MASK: Parameter = Parameter {
     name: "mask",
-    kind: Kind::Numbers { most: 129 },
+    kind: ParameterKind::Numbers { most: 129 },
     unit: "",
     default: Default::Required,
     doc: "Entries of the mask.",
@@ -32,7 +32,7 @@ pub const MASK: Parameter = Parameter {
 /// The index of the first entry of a mask.
 pub const FIRST: Parameter = Parameter {
     name: "first",
-    kind: Kind::Integer { min: -128, max: 128 },
+    kind: ParameterKind::Integer { min: -128, max: 128 },
     unit: "",
     default: Default::Required,
     doc: "Index of the first entry.",
@@ -41,7 +41,7 @@ pub const FIRST: Parameter = Parameter {
 /// The alpha of the first U, in radians.
 pub const ALPHA: Parameter = Parameter {
     name: "alpha",
-    kind: Kind::Number { min: -1e6, max: 1e6 },
+    kind: ParameterKind::Number { min: -1e6, max: 1e6 },
     unit: "radians",
     default: Default::Number(0.0),
     doc: "Parameter spacing that enters the first U; each later U divides it by the arity of the U before it.",
@@ -50,7 +50,7 @@ pub const ALPHA: Parameter = Parameter {
 /// The kernel f(alpha).
 pub const KERNEL: Parameter = Parameter {
     name: "kernel",
-    kind: Kind::Expressions { variable: "alpha", most: 8 },
+    kind: ParameterKind::Expressions { variable: "alpha", most: 8 },
     unit: "",
     default: Default::Number(1.0),
     doc: "Weight of vertices in the first average after a U; a list gives the second, third, ... average theirs.",
@@ -59,7 +59,7 @@ pub const KERNEL: Parameter = Parameter {
 /// The compensation function omega(alpha).
 pub const COMPENSATION: Parameter = Parameter {
     name: "compensation",
-    kind: Kind::Expression { variable: "alpha" },
+    kind: ParameterKind::Expression { variable: "alpha" },
     unit: "",
     default: Default::Number(1.0),
     doc: "How strongly P moves edge points (omega) and face points (omega squared) along with the vertices.",
@@ -68,7 +68,7 @@ pub const COMPENSATION: Parameter = Parameter {
 /// The push-back factor delta.
 pub const DELTA: Parameter = Parameter {
     name: "delta",
-    kind: Kind::Expression { variable: "valence" },
+    kind: ParameterKind::Expression { variable: "valence" },
     unit: "",
     default: Default::Number(1.0),
     doc: "Push-back factor: 0 approximates, 1 interpolates; on meshes it may depend on the valence (on boundaries 4, \
@@ -78,7 +78,7 @@ pub const DELTA: Parameter = Parameter {
 /// The alpha of the compensation, if it differs.
 pub const COMPENSATION_ALPHA: Parameter = Parameter {
     name: "compensation_alpha",
-    kind: Kind::Number { min: -1e6, max: 1e6 },
+    kind: ParameterKind::Number { min: -1e6, max: 1e6 },
     unit: "radians",
     default: Default::Absent,
     doc: "The alpha that the compensation sees at the first U, divided like alpha; when left out alpha itself, which \
@@ -105,7 +105,7 @@ pub const MU: Parameter = Parameter::number(
 /// The random perturbation.
 pub const PERTURBATION: Parameter = Parameter::optional(
     "perturbation",
-    Kind::Group(&[
+    ParameterKind::Group(&[
         Parameter::number("amplitude", [0.0, 1e3], Default::Required, "Amplitude c at the first U."),
         Parameter::number(
             "decay",
@@ -136,7 +136,7 @@ pub const WORD_PARAMETERS: &[Parameter] =
 /// The kernel along longitude lines.
 pub const KERNEL_LONGITUDE: Parameter = Parameter::optional(
     "kernel_longitude",
-    Kind::Expression { variable: "alpha" },
+    ParameterKind::Expression { variable: "alpha" },
     "Weight of vertices in the first average after a U along longitude edges; the kernel when left out. Meshes \
      with latitude tags only.",
 );

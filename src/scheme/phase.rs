@@ -4,14 +4,14 @@ use super::window::steps;
 
 /// The position of the children of vertices among the control points.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Phase {
+pub struct ChildPhase {
     /// Arity of the last U.
     pub arity: u32,
     /// Offset of the first control point.
     pub offset: u32,
 }
 
-impl Phase {
+impl ChildPhase {
     /// Returns the index `j` of control point 0, counted so that children of vertices lie at the multiples of the
     /// arity.
     pub(super) fn start(self) -> isize {

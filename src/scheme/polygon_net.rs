@@ -3,8 +3,8 @@
 use std::sync::Arc;
 
 use super::extent::{Ends, Extent};
-use super::local::Local;
-use super::phase::Phase;
+use super::local::LocalValues;
+use super::phase::ChildPhase;
 use super::polygon_anchor::PolygonAnchor;
 use super::preimage::Preimages;
 use super::step_error::{About, StepError};
@@ -23,7 +23,7 @@ pub struct PolygonNet {
     /// Number of D since the last U (or since the start).
     pub duals: u32,
     /// After a U of arity d: control point `i` is a vertex if `(i + offset) % d == 0`; `None` before any U.
-    pub phase: Option<Phase>,
+    pub phase: Option<ChildPhase>,
     /// Corners, which keep their position, ascending.
     pub corners: Arc<[u32]>,
     /// Control points whose tangents stay fixed, ascending; only steps that turn tangents keep track of them.
@@ -33,7 +33,7 @@ pub struct PolygonNet {
     /// The parameters of control points.
     pub attributes: Option<Arc<Attributes>>,
     /// Values of single points at the last U.
-    pub local: Option<Arc<Local>>,
+    pub local: Option<Arc<LocalValues>>,
 }
 
 impl PolygonNet {
@@ -74,7 +74,7 @@ impl PolygonNet {
 
     /// Returns whether control point `i` is a child of a vertex of the last U.
     pub fn is_vertex(&self, i: isize) -> bool {
-        let on = |phase: Phase| (i + steps(phase.offset)).rem_euclid(steps(phase.arity)) == 0;
+        let on = |phase: ChildPhase| (i + steps(phase.offset)).rem_euclid(steps(phase.arity)) == 0;
         self.phase.is_none_or(on)
     }
 
@@ -98,9 +98,9 @@ impl PolygonNet {
     }
 
     /// Returns the phase after an upsampling of this net.
-    pub(super) fn phase_after(&self, arity: u32) -> Phase {
+    pub(super) fn phase_after(&self, arity: u32) -> ChildPhase {
         let start = Window::upsample(arity).land(self.n as u128, self.extent).start;
-        Phase { arity, offset: 0 }.moved(start)
+        ChildPhase { arity, offset: 0 }.moved(start)
     }
 
     /// Returns the weight of control point `i` in the first average after a U: `f`, or the point's own kernel, at

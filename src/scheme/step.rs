@@ -7,7 +7,7 @@ use super::local::Sources;
 use super::rules::LatitudeRule;
 use super::settings::Settings;
 use crate::math::expression::Expression;
-use crate::math::planar::Vector;
+use crate::math::planar::Vector2;
 use crate::math::rows::RowSource;
 use crate::shape::topology::NONE;
 use crate::watch::{Stopped, Watch};
@@ -67,7 +67,7 @@ pub enum Action {
 
 /// The kind of a term of a new point.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Source {
+pub enum TermKind {
     /// A point before the step.
     Point(u32),
     /// A point of the anchor.
@@ -138,16 +138,16 @@ impl Action {
 
     /// Calls `each` with the terms of point `point` and their weights in a linear step, given the point's row: the sum
     /// that [`Points::act`](crate::refine::Points::act) computes for all points at once.
-    pub fn weights(&self, point: u32, (indices, weights): (&[u32], &[f64]), mut each: impl FnMut(Source, f64)) {
+    pub fn weights(&self, point: u32, (indices, weights): (&[u32], &[f64]), mut each: impl FnMut(TermKind, f64)) {
         let entries = indices.iter().zip(weights);
         let Self::PushBack { children, .. } = self else {
-            return entries.for_each(|(&index, &weight)| each(Source::Point(index), weight));
+            return entries.for_each(|(&index, &weight)| each(TermKind::Point(index), weight));
         };
-        each(Source::Point(point), 1.0);
+        each(TermKind::Point(point), 1.0);
         for (&index, &weight) in entries {
-            each(Source::Anchor(index), weight);
+            each(TermKind::Anchor(index), weight);
             let child = children[index as usize];
-            each(if child == NONE { Source::Lost } else { Source::Point(child) }, -weight);
+            each(if child == NONE { TermKind::Lost } else { TermKind::Point(child) }, -weight);
         }
     }
 }
@@ -160,8 +160,8 @@ pub trait PointMap: fmt::Debug + Send + Sync {
     /// [`Stopped`] when the watch says so.
     fn apply(
         &self,
-        points: &[Vector],
-        tangents: &[Vector],
+        points: &[Vector2],
+        tangents: &[Vector2],
         watch: &Watch,
-    ) -> Result<(Vec<Vector>, Vec<Vector>), Stopped>;
+    ) -> Result<(Vec<Vector2>, Vec<Vector2>), Stopped>;
 }

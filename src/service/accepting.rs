@@ -6,10 +6,10 @@ use std::time::Duration;
 use super::account::Full;
 use super::desk::Desk;
 use super::job_key::{JobKey, JobTerms};
-use super::jobs::{Holder, JobSummary, Made, New, Placed, Record, Run, Standing, State};
-use super::peer::{Kind, Paid, Peer};
+use super::jobs::{Admission, Attempt, Holder, JobState, JobSummary, New, OutputResult, Record, Standing};
+use super::peer::{Paid, Peer, QuotaKind};
 use super::pool::{Busy, Lack, Lane};
-use super::queue::Item;
+use super::queue::QueuedJob;
 use super::store::{Pin, StoreError};
 use super::under_way::Interest;
 use crate::job::JobEntries;
@@ -43,7 +43,7 @@ impl From<StoreError> for NotAccepted {
 
 impl Desk {
     fn record_memory(&self, peer: Peer) -> impl Fn(u64) -> Result<Paid, Full> + '_ {
-        move |bytes| self.peers.charge(&self.account.records, Kind::RecordBytes, peer, bytes)
+        move |bytes| self.peers.charge(&self.account.records, QuotaKind::RecordBytes, peer, bytes)
     }
 
     /// Pins the uploads that a job needs, as far as they are in the store.
@@ -63,10 +63,10 @@ impl Desk {
         summary: JobSummary,
         terms: JobTerms,
         (peer, holder): (Peer, Holder),
-        made: Vec<Made>,
+        made: Vec<OutputResult>,
     ) -> Result<(), NotAccepted> {
         match self.jobs.join(&job, holder) {
-            Some(State::Active) => return Ok(self.jobs.written(job).await?),
+            Some(JobState::Active) => return Ok(self.jobs.written(job).await?),
             Some(_) => return Ok(()),
             None => {}
         }
@@ -75,30 +75,29 @@ impl Desk {
         let busy = |lack| self.pool.busy_behind(lane, lack, waiting);
         let ticket = match made.is_empty() {
             true if waiting >= self.terms.most_jobs => return Err(busy(Lack::Jobs).into()),
-            true => Some(self.ticket(peer, Kind::Detached).ok_or_else(|| busy(Lack::Jobs))?),
+            true => Some(self.ticket(peer, QuotaKind::Detached).ok_or_else(|| busy(Lack::Jobs))?),
             false => None,
         };
         let pins = if made.is_empty() { self.pins(&summary) } else { Vec::new() };
         let new = New { job, summary, terms, peer, holder, ticket, made, pins };
         let placed = self.jobs.accept(self.record_memory(peer), new, false).map_err(|_| busy(Lack::Records))?;
-        let Placed::New(run) = placed else { return Ok(self.jobs.written(job).await?) };
+        let Admission::New(run) = placed else { return Ok(self.jobs.written(job).await?) };
         // a task of its own, which continues if the client disconnects here
         let desk = self.clone();
-        let lined_up =
-            tokio::spawn(
-                async move { desk.line_up_job(&run, Item { job, lane, priority: terms.priority, peer }).await },
-            );
+        let lined_up = tokio::spawn(async move {
+            desk.line_up_job(&run, QueuedJob { job, lane, priority: terms.priority, peer }).await
+        });
         lined_up.await.unwrap_or_else(|error| Err(NotAccepted::Unwritten(error.to_string())))
     }
 
-    async fn line_up_job(&self, run: &Run, item: Item) -> Result<(), NotAccepted> {
+    async fn line_up_job(&self, run: &Attempt, item: QueuedJob) -> Result<(), NotAccepted> {
         let written = self.jobs.written(item.job).await.map_err(NotAccepted::from);
         let lined_up = match written {
             Ok(()) => self.queue.push(item).await.map_err(|error| NotAccepted::Unwritten(error.to_string())),
             Err(error) => Err(error),
         };
         if lined_up.is_err() {
-            self.jobs.settle(run, State::Failed("it could not be written down".to_owned()));
+            self.jobs.settle(run, JobState::Failed("it could not be written down".to_owned()));
             self.jobs.remove(&item.job);
         }
         lined_up
@@ -118,13 +117,13 @@ impl Desk {
     ) -> Result<(), NotAccepted> {
         let lane = self.pool.lane_of(summary.cost.time_ms.into(), summary.cost.memory_bytes.into());
         self.jobs.join(&job, Holder::Client);
-        let run = match self.jobs.run(&job) {
+        let run = match self.jobs.current_attempt(&job) {
             Some((run, _)) => run,
             None => self
                 .detached(job, summary, &interest, (peer, entries))
                 .map_err(|Full| self.pool.busy(lane, Lack::Jobs))?,
         };
-        if let Some(ticket) = self.peers.take(peer, Kind::Accepted, 1, u64::MAX, u64::MAX) {
+        if let Some(ticket) = self.peers.take(peer, QuotaKind::Accepted, 1, u64::MAX, u64::MAX) {
             interest.count_as(ticket);
         }
         self.jobs.attach(&run, 0, interest);
@@ -140,15 +139,15 @@ impl Desk {
         summary: JobSummary,
         interest: &Interest,
         (peer, entries): (Peer, JobEntries),
-    ) -> Result<Run, Full> {
-        let ticket = Some(self.ticket(peer, Kind::Detached).ok_or(Full)?);
+    ) -> Result<Attempt, Full> {
+        let ticket = Some(self.ticket(peer, QuotaKind::Detached).ok_or(Full)?);
         let (terms, made, pins) = (JobTerms::default(), Vec::new(), self.pins(&summary));
         let holder = Holder::Client;
         let new = New { job, summary, terms, peer, holder, ticket, made, pins };
         let run = match self.jobs.accept(self.record_memory(peer), new, true)? {
-            Placed::New(run) => run,
+            Admission::New(run) => run,
             // another request has accepted the job in the meantime
-            Placed::Known(record) => return self.jobs.run(&record.job).map(|(run, _)| run).ok_or(Full),
+            Admission::Known(record) => return self.jobs.current_attempt(&record.job).map(|(run, _)| run).ok_or(Full),
         };
         let (desk, watched, computation) = (self.clone(), run.clone(), interest.computation.clone());
         tokio::spawn(async move {
@@ -162,7 +161,7 @@ impl Desk {
     ///
     /// # Errors
     /// [`Busy`] when there is no room for the record.
-    pub fn record(&self, job: JobKey, summary: JobSummary, made: Vec<Made>, peer: Peer) -> Result<(), Busy> {
+    pub fn record(&self, job: JobKey, summary: JobSummary, made: Vec<OutputResult>, peer: Peer) -> Result<(), Busy> {
         let (terms, pins) = (JobTerms::default(), Vec::new());
         let new = New { job, summary, terms, peer, holder: Holder::Client, ticket: None, made, pins };
         let put = self.jobs.accept(self.record_memory(peer), new, false);
@@ -183,7 +182,7 @@ impl Desk {
     /// Cancels an active job; computations that nobody else needs are stopped. Returns false if the job is not active.
     pub fn cancel(&self, job: &JobKey) -> bool {
         self.queue.withdraw(job);
-        self.jobs.end(job, State::Cancelled, |_| true)
+        self.jobs.end(job, JobState::Cancelled, |_| true)
     }
 
     /// Cancels and forgets a job. Returns false if the job is not known.
@@ -198,12 +197,12 @@ impl Desk {
     /// # Errors
     /// When the records cannot be read.
     pub async fn recover(self: &Arc<Self>) -> Result<usize, StoreError> {
-        let memory = |bytes| self.peers.charge_self(&self.account.records, Kind::RecordBytes, bytes);
+        let memory = |bytes| self.peers.charge_self(&self.account.records, QuotaKind::RecordBytes, bytes);
         let runs = self.jobs.recover(memory, |summary| self.pins(summary))?;
         for run in &runs {
             let Some(record) = self.jobs.get(&run.job) else { continue };
             let lane = record.lane(|time, memory| self.pool.lane_of(time, memory));
-            let item = Item { job: run.job, lane, priority: record.terms.priority, peer: record.peer };
+            let item = QueuedJob { job: run.job, lane, priority: record.terms.priority, peer: record.peer };
             let (desk, pause) = (self.clone(), record.pause());
             let queued = async move {
                 desk.clock.sleep(pause).await;
@@ -226,7 +225,7 @@ impl Desk {
         let (late, old) = self.jobs.overdue(self.terms.job_ttl);
         for job in late {
             let reason = "its turn did not come in the time that `queue_timeout_s` allows; send it again";
-            if self.jobs.end(&job, State::Failed(reason.to_owned()), |record| record.begun.is_none()) {
+            if self.jobs.end(&job, JobState::Failed(reason.to_owned()), |record| record.begun.is_none()) {
                 self.queue.withdraw(&job);
             }
         }

@@ -85,7 +85,7 @@ pub struct Share {
 struct State {
     taken: u64,
     most: u64,
-    waiting: VecDeque<(u64, oneshot::Sender<Held>)>,
+    waiting: VecDeque<(u64, oneshot::Sender<Reservation>)>,
 }
 
 impl State {
@@ -111,7 +111,7 @@ pub struct ShareUsage {
 pub struct Full;
 
 /// Bytes taken from a share; dropping the value gives them back.
-pub struct Held {
+pub struct Reservation {
     share: Arc<Share>,
     bytes: u64,
 }
@@ -122,7 +122,7 @@ impl fmt::Debug for Share {
     }
 }
 
-impl fmt::Debug for Held {
+impl fmt::Debug for Reservation {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "{} bytes of {}", self.bytes, self.share.name)
     }
@@ -142,7 +142,7 @@ impl Share {
     ///
     /// # Errors
     /// [`Full`], which is counted.
-    pub fn try_take(self: &Arc<Self>, bytes: u64) -> Result<Held, Full> {
+    pub fn try_take(self: &Arc<Self>, bytes: u64) -> Result<Reservation, Full> {
         self.take_if_free(bytes).ok_or_else(|| {
             self.refused.fetch_add(1, Ordering::Relaxed);
             Full
@@ -150,21 +150,21 @@ impl Share {
     }
 
     /// As [`Share::try_take`], for callers that refuse nobody if the bytes are not free; this is not counted.
-    pub fn take_if_free(self: &Arc<Self>, bytes: u64) -> Option<Held> {
+    pub fn take_if_free(self: &Arc<Self>, bytes: u64) -> Option<Reservation> {
         let mut state = self.state();
         state.forget_those_who_left();
         let is_taken = state.waiting.is_empty() && self.book(&mut state, bytes);
-        is_taken.then(|| Held { share: Arc::clone(self), bytes })
+        is_taken.then(|| Reservation { share: Arc::clone(self), bytes })
     }
 
     /// Takes bytes, waiting in line for them; a request for more than the capacity takes the whole share.
-    pub async fn take(self: &Arc<Self>, bytes: u64) -> Held {
+    pub async fn take(self: &Arc<Self>, bytes: u64) -> Reservation {
         let bytes = bytes.min(self.capacity);
         let granted = {
             let mut state = self.state();
             state.forget_those_who_left();
             if state.waiting.is_empty() && self.book(&mut state, bytes) {
-                return Held { share: Arc::clone(self), bytes };
+                return Reservation { share: Arc::clone(self), bytes };
             }
             let (grant, granted) = oneshot::channel();
             state.waiting.push_back((bytes, grant));
@@ -196,7 +196,7 @@ impl Share {
                 break;
             }
             let (bytes, grant) = state.waiting.pop_front().expect("it was just looked at");
-            granted.push((grant, Held { share: Arc::clone(self), bytes }));
+            granted.push((grant, Reservation { share: Arc::clone(self), bytes }));
         }
         drop(state);
         // a waiter dropped in the meantime also drops its bytes, which gives them back
@@ -216,7 +216,7 @@ impl Share {
     }
 }
 
-impl Held {
+impl Reservation {
     /// Takes `bytes` more, without waiting.
     ///
     /// # Errors
@@ -242,7 +242,7 @@ impl Held {
     }
 }
 
-impl Drop for Held {
+impl Drop for Reservation {
     fn drop(&mut self) {
         if self.bytes > 0 {
             self.share.give_back(self.bytes);

@@ -9,12 +9,12 @@ use tokio::task::JoinSet;
 
 use super::accepting::NotAccepted;
 use super::account::Full;
-use super::batches::{Batch, BatchRequest, BatchRun, BatchStanding, Ending, NewBatch};
+use super::batches::{Batch, BatchRun, BatchStanding, Ending, NewBatch, ParsedBatch};
 use super::desk::Desk;
-use super::driving::{LEAST_PAUSE, Unreadable, found};
+use super::driving::{LEAST_PAUSE, Unreadable, stored_result};
 use super::job_key::{JobKey, JobTerms};
-use super::jobs::{Holder, JobSummary, Made, State};
-use super::peer::{Kind, Paid, Peer};
+use super::jobs::{Holder, JobState, JobSummary, OutputResult};
+use super::peer::{Paid, Peer, QuotaKind};
 use super::pool::{Lack, Lane};
 use super::store::StoreError;
 
@@ -39,7 +39,7 @@ impl Desk {
         let of_peer = if peer == Peer::SELF { capacity } else { capacity / 4 };
         move |bytes| {
             let most = (of_peer, capacity / 2);
-            self.peers.charge_under(&self.account.records, Kind::BatchBytes, peer, bytes, most)
+            self.peers.charge_under(&self.account.records, QuotaKind::BatchBytes, peer, bytes, most)
         }
     }
 
@@ -63,7 +63,7 @@ impl Desk {
     pub async fn accept_batch(
         self: &Arc<Self>,
         batch: JobKey,
-        request: BatchRequest,
+        request: ParsedBatch,
         terms: JobTerms,
         peer: Peer,
     ) -> Result<(), NotAccepted> {
@@ -71,7 +71,7 @@ impl Desk {
         let most = (self.terms.most_a_peer / 4).max(1);
         let ticket = self
             .peers
-            .take(peer, Kind::Batch, 1, most, self.terms.most_jobs as u64)
+            .take(peer, QuotaKind::Batch, 1, most, self.terms.most_jobs as u64)
             .ok_or_else(|| busy(Lack::Batches))?;
         let new = NewBatch { batch, request: Arc::new(request), terms, peer, ticket };
         let begun = self.batches.accept(self.batch_memory(peer), new).map_err(|Full| busy(Lack::Records))?;
@@ -103,7 +103,7 @@ impl Desk {
 
     /// Cancels an active batch, and those of its jobs that nobody else wants. Returns false if the batch is not active.
     pub fn cancel_batch(&self, batch: &JobKey) -> bool {
-        let left = self.batches.end(batch, None, State::Cancelled);
+        let left = self.batches.end(batch, None, JobState::Cancelled);
         left.map(|left| self.leave_all(batch, &left)).is_some()
     }
 
@@ -183,9 +183,10 @@ impl Desk {
     fn close_batch(&self, run: &BatchRun) {
         let Some(batch) = self.batches.get(&run.batch).filter(Batch::is_active) else { return };
         let endings = batch.items.iter().filter_map(|item| item.ending.as_ref());
-        let n_done = endings.filter(|ending| ending.state == State::Done).count();
+        let n_done = endings.filter(|ending| ending.state == JobState::Done).count();
         let (n, left) = (batch.items.len(), batch.items.len() - n_done);
-        let state = if left == 0 { State::Done } else { State::Failed(format!("{left} of {n} jobs were not done")) };
+        let state =
+            if left == 0 { JobState::Done } else { JobState::Failed(format!("{left} of {n} jobs were not done")) };
         self.batches.end(&run.batch, Some(run), state);
     }
 
@@ -224,7 +225,7 @@ impl Desk {
             Ok(read) => read,
             Err(Unreadable::Later(pause)) => return Err(pause),
             Err(Unreadable::Never(reason)) => {
-                let ending = Ending { state: State::Failed(reason), outputs: Vec::new() };
+                let ending = Ending { state: JobState::Failed(reason), outputs: Vec::new() };
                 self.batches.settle_item(run, at, ending);
                 return Ok(());
             }
@@ -235,7 +236,7 @@ impl Desk {
             return Ok(());
         }
         let made = self.all_kept(&summary, peer).await;
-        let is_done = self.jobs.get(&job).is_some_and(|known| known.state == State::Done);
+        let is_done = self.jobs.get(&job).is_some_and(|known| known.state == JobState::Done);
         let (is_hit, holder, of) = (is_done || !made.is_empty(), Holder::Batch(run.batch.id), summary.clone());
         match self.accept(job, of, terms, (peer, holder), made).await {
             Ok(()) => {}
@@ -267,7 +268,7 @@ impl Desk {
         } else {
             // the job was forgotten, or its record made room for others
             let made = self.all_kept(summary, peer).await;
-            let state = if made.is_empty() { State::Cancelled } else { State::Done };
+            let state = if made.is_empty() { JobState::Cancelled } else { JobState::Done };
             let products = summary.products.iter().cloned();
             Ending { state, outputs: products.zip(made.into_iter().map(Some)).collect() }
         };
@@ -275,11 +276,11 @@ impl Desk {
     }
 
     /// Returns what is known of all outputs of a job, if the stores have all of them; otherwise an empty list.
-    pub async fn all_kept(self: &Arc<Self>, summary: &JobSummary, peer: Peer) -> Vec<Made> {
+    pub async fn all_kept(self: &Arc<Self>, summary: &JobSummary, peer: Peer) -> Vec<OutputResult> {
         let mut made = Vec::with_capacity(summary.products.len());
         for product in &summary.products {
-            let Some(manifest) = self.find(product.key, peer).await else { return Vec::new() };
-            made.push(found(&manifest));
+            let Some(manifest) = self.find_artifact(product.key, peer).await else { return Vec::new() };
+            made.push(stored_result(&manifest));
         }
         made
     }

@@ -12,14 +12,14 @@ use super::computation::{Computation, Failure, Outcome, Phase};
 use super::jobs::Jobs;
 use super::kept_work::KeptWork;
 use super::lent::{InFlight, Lent};
-use super::peer::{Kind, Peer, Peers, Ticket};
+use super::peer::{Peer, Peers, QuotaKind, Ticket};
 use super::pool::{Busy, Lack, Lane, Memory, Panicked, Pool, Turn, Waiting};
 use super::queue::Queue;
 use super::result_buffer::ResultBuffer;
 use super::store::{Description, Manifest, Usage};
-use super::tally::{Found, Tally};
+use super::tally::{LookupResult, Tally};
 use super::task::Task;
-use super::tiers::{Kept, Tiers};
+use super::tiers::{Stored, Tiers};
 use super::under_way::{Interest, UnderWay};
 use super::uploads::Uploads;
 use crate::job::RunError;
@@ -136,16 +136,16 @@ impl Desk {
 
     /// Counts an artifact that was found in memory.
     pub fn count_hit(&self) {
-        self.tally.looked(Found::Memory);
+        self.tally.looked(LookupResult::Memory);
     }
 
     /// Returns the manifest of an artifact, if a store has it and it was made for the tenant of this peer.
-    pub async fn find(self: &Arc<Self>, key: Key, peer: Peer) -> Option<Arc<Manifest>> {
+    pub async fn find_artifact(self: &Arc<Self>, key: Key, peer: Peer) -> Option<Arc<Manifest>> {
         if let Some(manifest) = self.at_hand(&key, peer) {
             return Some(manifest);
         }
         let found = self.tiers.find(&key).await.filter(|manifest| manifest.owners.contain(peer.tenant()));
-        self.tally.looked(if found.is_some() { Found::Disk } else { Found::Nowhere });
+        self.tally.looked(if found.is_some() { LookupResult::Disk } else { LookupResult::Nowhere });
         found
     }
 
@@ -156,7 +156,7 @@ impl Desk {
     pub fn compute(self: &Arc<Self>, task: Arc<dyn Task>, peer: Peer) -> Result<Interest, Busy> {
         let cost = task.cost();
         let lane = self.pool.lane_of(cost.time_ms, cost.memory_bytes);
-        let ticket = self.ticket(peer, Kind::Waiting).ok_or_else(|| self.pool.busy(lane, Lack::Waiting))?;
+        let ticket = self.ticket(peer, QuotaKind::Waiting).ok_or_else(|| self.pool.busy(lane, Lack::Waiting))?;
         self.compute_for(task, peer, ticket, |bytes| self.pool.line_up(lane, peer, bytes))
     }
 
@@ -168,7 +168,7 @@ impl Desk {
     pub(super) fn compute_accepted(self: &Arc<Self>, task: Arc<dyn Task>, peer: Peer) -> Result<Interest, Busy> {
         let cost = task.cost();
         let lane = self.pool.lane_of(cost.time_ms, cost.memory_bytes);
-        let ticket = self.peers.take(peer, Kind::Accepted, 1, u64::MAX, u64::MAX);
+        let ticket = self.peers.take(peer, QuotaKind::Accepted, 1, u64::MAX, u64::MAX);
         let ticket = ticket.ok_or_else(|| self.pool.busy(lane, Lack::Waiting))?;
         self.compute_for(task, peer, ticket, |bytes| self.pool.line_up_again(lane, peer, bytes))
     }
@@ -195,8 +195,8 @@ impl Desk {
     }
 
     /// Takes a ticket for one more thing that a peer holds, if the limits allow it.
-    pub(super) fn ticket(&self, peer: Peer, kind: Kind) -> Option<Ticket> {
-        let most_of_all = if kind == Kind::Waiting { self.terms.most_waiting } else { u64::MAX };
+    pub(super) fn ticket(&self, peer: Peer, kind: QuotaKind) -> Option<Ticket> {
+        let most_of_all = if kind == QuotaKind::Waiting { self.terms.most_waiting } else { u64::MAX };
         self.peers.take(peer, kind, 1, self.terms.most_a_peer, most_of_all)
     }
 
@@ -255,7 +255,7 @@ impl Desk {
         let made = until_overdue(making, computation, aside, run_timeout).await;
         self.pool.finished(lane, self.clock.now().saturating_sub(start));
         match made {
-            Ok((Ok(outcome), memory)) => Phase::Done(Arc::new(self.lent(outcome, memory))),
+            Ok((Ok(outcome), memory)) => Phase::Done(Arc::new(self.charged(outcome, memory))),
             Ok((Err(RunError::Stopped(_)), _)) if computation.ran_out() => {
                 Phase::Failed(Failure::TimedOut(run_timeout))
             }
@@ -273,7 +273,7 @@ impl Desk {
 
     /// Charges the bytes of an outcome that no store has until the last response has sent them: to the share of
     /// answers, or, if that has no room, by keeping the memory of the computation.
-    fn lent(&self, mut outcome: Outcome, memory: Option<Memory>) -> Outcome {
+    fn charged(&self, mut outcome: Outcome, memory: Option<Memory>) -> Outcome {
         let Some(bytes) = outcome.loose.take() else { return outcome };
         let length = bytes.len() as u64;
         outcome.loose = Some(match (self.account.answers.take_if_free(length), memory) {
@@ -294,7 +294,7 @@ impl Desk {
             let report = task.run(buffer, &work, &computation.watch)?;
             let (media_type, owners) = (task.media_type().into(), computation.owners());
             let description = Description { media_type, warnings: report.warnings, owners };
-            let Kept { manifest, loose } = buffer.commit(description).map_err(|error| RunError::Io(error.into()))?;
+            let Stored { manifest, loose } = buffer.commit(description).map_err(|error| RunError::Io(error.into()))?;
             Ok(Outcome { manifest, loose, timings: computation.timings() })
         };
         let mut buffer = ResultBuffer::new(&self.tiers, key, about);
@@ -337,7 +337,7 @@ impl Desk {
         loop {
             if let Some(computation) = self.under_way.any() {
                 computation.finished().await;
-            } else if let Some(job) = self.jobs.any_active().filter(|_| !self.jobs.last()) {
+            } else if let Some(job) = self.jobs.any_active().filter(|_| !self.jobs.is_durable()) {
                 // the record holds the sender, and is forgotten only after the end
                 let _ = job.ended.subscribe().wait_for(|ended| *ended).await;
             } else {

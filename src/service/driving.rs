@@ -8,7 +8,7 @@ use std::time::Duration;
 
 use super::computation::{Computation, Failure, Outcome, Phase, Timings};
 use super::desk::Desk;
-use super::jobs::{Made, Record, Run, State};
+use super::jobs::{Attempt, JobState, OutputResult, Record};
 use super::peer::Peer;
 use super::pool::Lane;
 use super::store::Manifest;
@@ -34,9 +34,9 @@ pub trait ReadJobs: Send + Sync {
 }
 
 /// The outcome of one output within an attempt at a job.
-enum Went {
+enum OutputOutcome {
     /// The output was made or failed; the attempt continues.
-    On(Made),
+    On(OutputResult),
     /// The attempt is over.
     Over,
 }
@@ -51,10 +51,10 @@ impl Desk {
         loop {
             let taken = tokio::select! {
                 biased;
-                () = self.ended(), if self.jobs.last() => return,
+                () = self.ended(), if self.jobs.is_durable() => return,
                 taken = self.queue.take(lane) => taken,
             };
-            if let Some((run, record)) = self.jobs.run(&taken.item.job) {
+            if let Some((run, record)) = self.jobs.current_attempt(&taken.item.job) {
                 self.do_job(&run, record, &*reader).await;
             }
             taken.done();
@@ -62,7 +62,7 @@ impl Desk {
     }
 
     /// Processes a job: makes all its outputs, as far as they can be made.
-    async fn do_job(self: &Arc<Self>, run: &Run, record: Record, reader: &dyn ReadJobs) {
+    async fn do_job(self: &Arc<Self>, run: &Attempt, record: Record, reader: &dyn ReadJobs) {
         self.jobs.begin(run).await;
         let longest = record.terms.run_timeout_s.map(Duration::from_secs);
         let mut ended = run.ended.clone();
@@ -73,36 +73,38 @@ impl Desk {
             () = self.clock.sleep(longest.unwrap_or_default()), if longest.is_some() => {
                 let seconds = longest.unwrap_or_default().as_secs();
                 let reason = format!("it ran for {seconds} s, the most that `run_timeout_s` allows");
-                self.jobs.settle(run, State::Failed(reason));
+                self.jobs.settle(run, JobState::Failed(reason));
             }
         }
     }
 
-    async fn make_all(self: &Arc<Self>, run: &Run, record: &Record, reader: &dyn ReadJobs) {
+    async fn make_all(self: &Arc<Self>, run: &Attempt, record: &Record, reader: &dyn ReadJobs) {
         let tasks = loop {
             match reader.tasks(record).await {
                 Ok(tasks) if tasks.len() == record.made.len() => break tasks,
-                Ok(_) => return self.jobs.settle(run, State::Failed("its request has become another job".to_owned())),
+                Ok(_) => {
+                    return self.jobs.settle(run, JobState::Failed("its request has become another job".to_owned()));
+                }
                 Err(Unreadable::Later(pause)) => self.clock.sleep(pause.max(LEAST_PAUSE)).await,
-                Err(Unreadable::Never(reason)) => return self.jobs.settle(run, State::Failed(reason)),
+                Err(Unreadable::Never(reason)) => return self.jobs.settle(run, JobState::Failed(reason)),
             }
         };
         for (at, task) in tasks.iter().enumerate() {
             let key = task.key();
-            match self.made(run, at, task).await {
-                Went::On(made) => self.jobs.make(run, at, key, made),
-                Went::Over => return,
+            match self.make_output(run, at, task).await {
+                OutputOutcome::On(made) => self.jobs.record_output(run, at, key, made),
+                OutputOutcome::Over => return,
             }
         }
         self.close_run(run);
     }
 
     /// Finds an output, or computes it.
-    async fn made(self: &Arc<Self>, run: &Run, at: usize, task: &Arc<dyn Task>) -> Went {
+    async fn make_output(self: &Arc<Self>, run: &Attempt, at: usize, task: &Arc<dyn Task>) -> OutputOutcome {
         let peer = self.jobs.get(&run.job).map_or(Peer::SELF, |record| record.peer);
         loop {
-            if let Some(manifest) = self.find(task.key(), peer).await {
-                return Went::On(found(&manifest));
+            if let Some(manifest) = self.find_artifact(task.key(), peer).await {
+                return OutputOutcome::On(stored_result(&manifest));
             }
             let interest = match self.compute_accepted(task.clone(), peer) {
                 Ok(interest) => interest,
@@ -113,71 +115,77 @@ impl Desk {
             };
             let computation = interest.computation.clone();
             if !self.jobs.attach(run, at, interest) {
-                return Went::Over;
+                return OutputOutcome::Over;
             }
             match computation.finished().await {
                 Phase::Failed(Failure::Busy(busy)) => self.clock.sleep(busy.retry_after).await,
-                phase => return self.went(run, phase, |fault| task.fault(fault).to_string()),
+                phase => return self.outcome_of(run, phase, |fault| task.fault(fault).to_string()),
             }
         }
     }
 
     /// Converts the final phase of a computation into the outcome of its output; settles the job if the attempt is
     /// over.
-    fn went(&self, run: &Run, phase: Phase, told: impl FnOnce(JobFault) -> String) -> Went {
+    fn outcome_of(&self, run: &Attempt, phase: Phase, explain: impl FnOnce(JobFault) -> String) -> OutputOutcome {
         match phase {
-            Phase::Done(outcome) => Went::On(made(&outcome)),
+            Phase::Done(outcome) => OutputOutcome::On(computed_result(&outcome)),
             // the job is resumed after the restart
-            Phase::Failed(Failure::Cancelled) if self.is_ending() && self.jobs.last() => Went::Over,
+            Phase::Failed(Failure::Cancelled) if self.is_ending() && self.jobs.is_durable() => OutputOutcome::Over,
             Phase::Failed(Failure::Cancelled) | Phase::Queued | Phase::Running => {
-                self.jobs.settle(run, State::Cancelled);
-                Went::Over
+                self.jobs.settle(run, JobState::Cancelled);
+                OutputOutcome::Over
             }
-            Phase::Failed(Failure::Impossible(fault)) => Went::On(Made::Failed(told(fault))),
-            Phase::Failed(Failure::TimedOut(limit)) => {
-                Went::On(Made::Failed(format!("it ran for {} s, the most this server allows", limit.as_secs())))
-            }
-            Phase::Failed(Failure::Busy(_)) => {
-                Went::On(Made::Failed("there was no place for work as long as it came to be; send it again".to_owned()))
-            }
+            Phase::Failed(Failure::Impossible(fault)) => OutputOutcome::On(OutputResult::Failed(explain(fault))),
+            Phase::Failed(Failure::TimedOut(limit)) => OutputOutcome::On(OutputResult::Failed(format!(
+                "it ran for {} s, the most this server allows",
+                limit.as_secs()
+            ))),
+            Phase::Failed(Failure::Busy(_)) => OutputOutcome::On(OutputResult::Failed(
+                "there was no place for work as long as it came to be; send it again".to_owned(),
+            )),
             Phase::Failed(Failure::Internal(_)) => {
-                Went::On(Made::Failed("a fault of planish; please report it".to_owned()))
+                OutputOutcome::On(OutputResult::Failed("a fault of planish; please report it".to_owned()))
             }
         }
     }
 
     /// Waits for the only output of a job, whose computation is under way already, and settles the job.
-    pub(super) async fn see_single(&self, run: Run, computation: &Computation, told: impl FnOnce(JobFault) -> String) {
+    pub(super) async fn see_single(
+        &self,
+        run: Attempt,
+        computation: &Computation,
+        explain: impl FnOnce(JobFault) -> String,
+    ) {
         let mut ended = run.ended.clone();
         let phase = tokio::select! {
             phase = computation.finished() => phase,
             _ = ended.wait_for(|ended| *ended) => return,
         };
-        if let Went::On(made) = self.went(&run, phase, told) {
-            self.jobs.make(&run, 0, computation.key, made);
+        if let OutputOutcome::On(made) = self.outcome_of(&run, phase, explain) {
+            self.jobs.record_output(&run, 0, computation.key, made);
             self.close_run(&run);
         }
     }
 
     /// Settles an attempt whose outputs were all made or failed.
-    fn close_run(&self, run: &Run) {
+    fn close_run(&self, run: &Attempt) {
         let Some(record) = self.jobs.get(&run.job) else { return };
         let failed = record.made.iter().flatten().find_map(|made| match made {
-            Made::Failed(reason) => Some(reason.clone()),
-            Made::Done { .. } => None,
+            OutputResult::Failed(reason) => Some(reason.clone()),
+            OutputResult::Done { .. } => None,
         });
-        self.jobs.settle(run, failed.map_or(State::Done, State::Failed));
+        self.jobs.settle(run, failed.map_or(JobState::Done, JobState::Failed));
     }
 }
 
 /// Describes an output that a store had already.
-pub fn found(manifest: &Manifest) -> Made {
+pub fn stored_result(manifest: &Manifest) -> OutputResult {
     let timings = Timings::default();
-    Made::Done { bytes: manifest.length, warnings: manifest.warnings.clone(), timings }
+    OutputResult::Done { bytes: manifest.length, warnings: manifest.warnings.clone(), timings }
 }
 
 /// Describes an output that was computed.
-pub fn made(outcome: &Outcome) -> Made {
+pub fn computed_result(outcome: &Outcome) -> OutputResult {
     let Outcome { manifest, timings, .. } = outcome;
-    Made::Done { bytes: manifest.length, warnings: manifest.warnings.clone(), timings: *timings }
+    OutputResult::Done { bytes: manifest.length, warnings: manifest.warnings.clone(), timings: *timings }
 }

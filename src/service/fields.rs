@@ -10,9 +10,9 @@ pub(super) const HASH_BYTES: usize = 32;
 
 /// A record being written.
 #[derive(Debug)]
-pub(super) struct Writing(Vec<u8>);
+pub(super) struct RecordWriter(Vec<u8>);
 
-impl Writing {
+impl RecordWriter {
     /// Begins a record of a kind and a version, with a capacity of `room` bytes.
     pub(super) fn new(magic: [u8; 8], version: u32, room: usize) -> Self {
         let mut out = Vec::with_capacity(room);

@@ -23,7 +23,7 @@ const PAUSE: Duration = Duration::from_secs(1);
 const CHECK: Duration = Duration::from_secs(1);
 
 /// The identity of a record in a table.
-pub(super) trait Row: Copy + Ord + Send + 'static {
+pub(super) trait RowKey: Copy + Ord + Send + 'static {
     /// Returns the key of the record in the store; no two tables share a key.
     fn key(&self) -> Vec<u8>;
 }
@@ -32,7 +32,7 @@ pub(super) trait Row: Copy + Ord + Send + 'static {
 type Encoded<R> = dyn Fn(&R) -> Option<Vec<u8>> + Send + Sync;
 
 /// The writer of one table.
-pub(super) struct Journal<R: Row> {
+pub(super) struct Journal<R: RowKey> {
     shared: Arc<Shared<R>>,
 }
 
@@ -53,13 +53,13 @@ struct Pending<R> {
     ended: bool,
 }
 
-impl<R: Row> fmt::Debug for Journal<R> {
+impl<R: RowKey> fmt::Debug for Journal<R> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "{:?}", self.shared.records())
     }
 }
 
-impl<R: Row> Journal<R> {
+impl<R: RowKey> Journal<R> {
     /// Starts the writer of a table; `encoded` encodes the record of a row, or returns `None` if the record is to be
     /// removed.
     pub(super) fn new(
@@ -88,11 +88,11 @@ impl<R: Row> Journal<R> {
 
     /// Waits until the current state of a row is written durably.
     pub(super) async fn written(&self, row: R) -> Result<(), StoreError> {
-        let (told, written) = oneshot::channel();
+        let (sender, written) = oneshot::channel();
         {
             let mut pending = self.shared.pending();
             if !pending.ended {
-                pending.rows.entry(row).or_default().push(told);
+                pending.rows.entry(row).or_default().push(sender);
             }
         }
         self.shared.changed.notify_all();
@@ -124,13 +124,13 @@ impl<R: Row> Journal<R> {
     }
 }
 
-impl<R: Row> Drop for Journal<R> {
+impl<R: RowKey> Drop for Journal<R> {
     fn drop(&mut self) {
         self.close(LAST_WAIT);
     }
 }
 
-impl<R: Row> Shared<R> {
+impl<R: RowKey> Shared<R> {
     /// Locks the pending changes. Every change under this lock is complete before anything can panic.
     fn pending(&self) -> MutexGuard<'_, Pending<R>> {
         self.pending.lock().unwrap_or_else(PoisonError::into_inner)
@@ -178,7 +178,7 @@ impl<R: Row> Shared<R> {
                 }
             }
             drop(pending);
-            rows.into_values().flatten().for_each(|told| drop(told.send(written.clone())));
+            rows.into_values().flatten().for_each(|sender| drop(sender.send(written.clone())));
             if is_last {
                 return;
             }

@@ -6,7 +6,7 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use tokio::sync::oneshot;
 
-use super::account::{Held, Share};
+use super::account::{Reservation, Share};
 use super::peer::Peer;
 
 /// The line is full, or the peer has too many requests in it.
@@ -15,7 +15,7 @@ pub(super) struct Crowded;
 
 /// A bounded number of places, and the requests that wait for one.
 #[derive(Debug)]
-pub(super) struct Line {
+pub(super) struct WaitingLine {
     state: Mutex<State>,
     /// The memory of the requests that have a place.
     share: Arc<Share>,
@@ -42,7 +42,7 @@ struct Request {
 /// A request in line; it leaves the line when dropped.
 #[derive(Debug)]
 pub struct Waiting {
-    line: Arc<Line>,
+    line: Arc<WaitingLine>,
     peer: Peer,
     number: u64,
     granted: oneshot::Receiver<LinePlace>,
@@ -51,7 +51,7 @@ pub struct Waiting {
 /// A place, with the memory that belongs to it.
 #[derive(Debug)]
 pub(super) struct LinePlace {
-    line: Arc<Line>,
+    line: Arc<WaitingLine>,
     /// The memory of the request; taken out if it is needed longer than the place.
     pub(super) memory: Option<Memory>,
 }
@@ -59,8 +59,8 @@ pub(super) struct LinePlace {
 /// Memory of a lane; when it is given back, the line grants it to the next request.
 #[derive(Debug)]
 pub struct Memory {
-    line: Arc<Line>,
-    held: Option<Held>,
+    line: Arc<WaitingLine>,
+    held: Option<Reservation>,
 }
 
 impl Memory {
@@ -78,7 +78,7 @@ impl Drop for Memory {
     }
 }
 
-impl Line {
+impl WaitingLine {
     /// Creates a line before `places` places, with at most `most` waiting requests, and at most `most_a_peer` of each
     /// peer.
     pub(super) fn new(places: usize, share: Arc<Share>, most: usize, most_a_peer: usize) -> Arc<Self> {

@@ -4,7 +4,7 @@ use std::collections::HashMap;
 use std::net::{IpAddr, Ipv6Addr};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
-use super::account::{Full, Held, Share};
+use super::account::{Full, Reservation, Share};
 use super::job_key::Tenant;
 
 /// A client, and the tenant on whose behalf it acts.
@@ -53,7 +53,7 @@ impl Peer {
 
 /// A kind of thing of which a peer may hold a limited amount.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
-pub enum Kind {
+pub enum QuotaKind {
     /// Requests that wait for a computation, including joined ones.
     Waiting,
     /// Jobs that continue without their request.
@@ -84,8 +84,8 @@ pub struct Peers(Mutex<Table>);
 
 #[derive(Debug, Default)]
 struct Table {
-    of_peer: HashMap<(Peer, Kind), u64>,
-    of_all: HashMap<Kind, u64>,
+    of_peer: HashMap<(Peer, QuotaKind), u64>,
+    of_all: HashMap<QuotaKind, u64>,
 }
 
 /// An amount held by a peer until it is dropped.
@@ -93,14 +93,14 @@ struct Table {
 pub struct Ticket {
     peers: Arc<Peers>,
     peer: Peer,
-    kind: Kind,
+    kind: QuotaKind,
     amount: u64,
 }
 
 /// Bytes of a memory share, taken for a peer until they are dropped.
 #[derive(Debug)]
 pub struct Paid {
-    _held: Held,
+    _held: Reservation,
     _ticket: Ticket,
 }
 
@@ -110,7 +110,14 @@ impl Peers {
     }
 
     /// Takes an amount for a peer, if the peer then holds at most `most`, and all peers together at most `most_of_all`.
-    pub fn take(self: &Arc<Self>, peer: Peer, kind: Kind, amount: u64, most: u64, most_of_all: u64) -> Option<Ticket> {
+    pub fn take(
+        self: &Arc<Self>,
+        peer: Peer,
+        kind: QuotaKind,
+        amount: u64,
+        most: u64,
+        most_of_all: u64,
+    ) -> Option<Ticket> {
         let mut table = self.table();
         let held = table.of_peer.get(&(peer, kind)).copied().unwrap_or(0).saturating_add(amount);
         let all = table.of_all.get(&kind).copied().unwrap_or(0).saturating_add(amount);
@@ -126,7 +133,7 @@ impl Peers {
     ///
     /// # Errors
     /// [`Full`].
-    pub fn charge(self: &Arc<Self>, share: &Arc<Share>, kind: Kind, peer: Peer, bytes: u64) -> Result<Paid, Full> {
+    pub fn charge(self: &Arc<Self>, share: &Arc<Share>, kind: QuotaKind, peer: Peer, bytes: u64) -> Result<Paid, Full> {
         self.charge_under(share, kind, peer, bytes, (share.capacity / 2, u64::MAX))
     }
 
@@ -135,7 +142,7 @@ impl Peers {
     ///
     /// # Errors
     /// [`Full`].
-    pub fn charge_self(self: &Arc<Self>, share: &Arc<Share>, kind: Kind, bytes: u64) -> Result<Paid, Full> {
+    pub fn charge_self(self: &Arc<Self>, share: &Arc<Share>, kind: QuotaKind, bytes: u64) -> Result<Paid, Full> {
         self.charge_under(share, kind, Peer::SELF, bytes, (u64::MAX, u64::MAX))
     }
 
@@ -147,7 +154,7 @@ impl Peers {
     pub fn charge_under(
         self: &Arc<Self>,
         share: &Arc<Share>,
-        kind: Kind,
+        kind: QuotaKind,
         peer: Peer,
         bytes: u64,
         (most, most_of_all): (u64, u64),
@@ -157,7 +164,7 @@ impl Peers {
     }
 
     /// Returns the amount of a kind that all peers hold.
-    pub fn held(&self, kind: Kind) -> u64 {
+    pub fn held(&self, kind: QuotaKind) -> u64 {
         self.table().of_all.get(&kind).copied().unwrap_or(0)
     }
 }

@@ -11,7 +11,7 @@ use std::time::Duration;
 use tokio::sync::{Semaphore, oneshot};
 
 use super::account::{Account, Share};
-use super::line::{Line, LinePlace};
+use super::line::{LinePlace, WaitingLine};
 use super::peer::Peer;
 
 pub use super::line::{Memory, Waiting};
@@ -102,7 +102,7 @@ pub struct Panicked(pub String);
 
 /// Maximum numbers of waiting requests.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Bounds {
+pub struct QueueBounds {
     /// In each line.
     pub queue: usize,
     /// In each line, of one peer.
@@ -123,7 +123,7 @@ pub struct Pool {
 #[derive(Debug)]
 struct LaneState {
     threads: Arc<rayon::ThreadPool>,
-    line: Arc<Line>,
+    line: Arc<WaitingLine>,
     places: usize,
     share: Arc<Share>,
     /// Moving average of the time of one piece of work, in microseconds.
@@ -182,7 +182,7 @@ impl Pool {
     ///
     /// # Errors
     /// When the threads cannot be started.
-    pub fn new(threads: usize, account: &Account, bounds: Bounds) -> Result<Self, rayon::ThreadPoolBuildError> {
+    pub fn new(threads: usize, account: &Account, bounds: QueueBounds) -> Result<Self, rayon::ThreadPoolBuildError> {
         Ok(Self {
             reading: LaneState::new("reading", threads, threads, &account.reading, bounds)?,
             short: LaneState::new("short", threads, threads, &account.short, bounds)?,
@@ -297,12 +297,12 @@ impl LaneState {
         threads: usize,
         places: usize,
         share: &Arc<Share>,
-        bounds: Bounds,
+        bounds: QueueBounds,
     ) -> Result<Self, rayon::ThreadPoolBuildError> {
         let threads = self::threads(name, threads)?;
         Ok(Self {
             threads: Arc::new(threads),
-            line: Line::new(places, Arc::clone(share), bounds.queue, bounds.queue_a_peer),
+            line: WaitingLine::new(places, Arc::clone(share), bounds.queue, bounds.queue_a_peer),
             places,
             share: Arc::clone(share),
             average_us: AtomicU64::new(100_000),

@@ -12,7 +12,7 @@ const WINDOW: Duration = Duration::from_mins(1);
 /// Maximum number of clients counted; a further one replaces the one whose bucket is nearest to full, which starts anew
 /// with a full bucket. Twice as many would take twice the memory, half a megabyte; half as many would forget clients
 /// sooner when there are many.
-const MOST_CLIENTS: usize = 4096;
+const MAX_CLIENTS: usize = 4096;
 
 /// Token buckets of clients, each stored as the time at which it is full again.
 #[derive(Debug)]
@@ -65,7 +65,7 @@ impl Rates {
         if !beyond.is_zero() {
             return Err(Exceeded { retry_after: beyond, quota: quota(before) });
         }
-        if buckets.len() >= MOST_CLIENTS && !buckets.contains_key(&peer) {
+        if buckets.len() >= MAX_CLIENTS && !buckets.contains_key(&peer) {
             let fullest = buckets.iter().min_by_key(|(_, full_at)| **full_at).map(|(peer, _)| *peer);
             fullest.map(|peer| buckets.remove(&peer));
         }
@@ -133,7 +133,7 @@ mod tests {
         let rates = Rates::new(Arc::new(Manual::default()));
         (0..2).for_each(|_| assert!(rates.take(peer(0), 2).is_ok()));
         (1..10_000).for_each(|number| assert!(rates.take(peer(number), 60).is_ok()));
-        assert_eq!(rates.len(), MOST_CLIENTS);
+        assert_eq!(rates.len(), MAX_CLIENTS);
         assert!(rates.take(peer(0), 2).is_err());
     }
 }

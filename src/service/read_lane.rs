@@ -11,14 +11,14 @@ impl Desk {
     /// stopped.
     ///
     /// # Errors
-    /// [`Unread`].
+    /// [`ReadRefusal`].
     pub async fn read<T: Send + 'static>(
         &self,
         peer: Peer,
         memory_bytes: u64,
         work: impl FnOnce(&Watch) -> T + Send + 'static,
-    ) -> Result<T, Unread> {
-        let waiting = self.pool.line_up(Lane::Reading, peer, memory_bytes.into()).map_err(Unread::Busy)?;
+    ) -> Result<T, ReadRefusal> {
+        let waiting = self.pool.line_up(Lane::Reading, peer, memory_bytes.into()).map_err(ReadRefusal::Busy)?;
         let turn = self.pool.turn(Lane::Reading, waiting).await;
         let start = self.clock.now();
         let watch = StopOnDrop(Watch::new());
@@ -27,8 +27,10 @@ impl Desk {
         let read = tokio::time::timeout(self.terms.run_timeout, reading).await;
         self.pool.finished(Lane::Reading, self.clock.now().saturating_sub(start));
         match read {
-            Ok(read) => read.map_err(|_| Unread::Failed(Failure::Internal("reading a request panicked".to_owned()))),
-            Err(_) => Err(Unread::Failed(Failure::TimedOut(self.terms.run_timeout))),
+            Ok(read) => {
+                read.map_err(|_| ReadRefusal::Failed(Failure::Internal("reading a request panicked".to_owned())))
+            }
+            Err(_) => Err(ReadRefusal::Failed(Failure::TimedOut(self.terms.run_timeout))),
         }
     }
 }
@@ -45,7 +47,7 @@ impl Drop for StopOnDrop {
 
 /// The reason why a request was not read.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub enum Unread {
+pub enum ReadRefusal {
     /// Too many requests wait to be read.
     Busy(Busy),
     /// The work on the request failed.

@@ -8,7 +8,7 @@ use bytes::Bytes;
 
 use super::disk_counts::count;
 use super::store::{Description, LargeSpool, Manifest, StoreError};
-use super::tiers::{Kept, Tiers};
+use super::tiers::{Stored, Tiers};
 use super::writer::Waiting;
 use crate::job::key::Key;
 
@@ -54,12 +54,12 @@ impl<'a> ResultBuffer<'a> {
     ///
     /// # Errors
     /// When the disk [lost](Self::has_lost_bytes) bytes.
-    pub fn commit(&mut self, description: Description) -> Result<Kept, StoreError> {
+    pub fn commit(&mut self, description: Description) -> Result<Stored, StoreError> {
         if let Some(mut spool) = self.spool.take() {
             match spool.seal(description.clone()) {
                 Ok(sealed) => {
                     if self.tiers.offer(&Waiting::Sealed(Arc::clone(&sealed))) {
-                        return Ok(Kept { manifest: Arc::clone(sealed.manifest()), loose: None });
+                        return Ok(Stored { manifest: Arc::clone(sealed.manifest()), loose: None });
                     }
                     self.bytes = self.taken_back(sealed.whole())?;
                 }

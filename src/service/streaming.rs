@@ -13,9 +13,9 @@ use tokio::sync::{OwnedSemaphorePermit, Semaphore, mpsc, oneshot};
 use super::clock::Clock;
 use super::computation::Failure;
 use super::desk::Desk;
-use super::peer::{Kind, Peer, Ticket};
+use super::peer::{Peer, QuotaKind, Ticket};
 use super::pool::{Lack, Lane, panicked};
-use super::read_lane::{StopOnDrop, Unread};
+use super::read_lane::{ReadRefusal, StopOnDrop};
 use super::task::Task;
 use crate::job::{KeepWork, RunError};
 use crate::watch::Watch;
@@ -68,18 +68,19 @@ impl Desk {
     /// client gives its place back.
     ///
     /// # Errors
-    /// [`Unread`].
+    /// [`ReadRefusal`].
     pub async fn stream(
         self: &Arc<Self>,
         task: Arc<dyn Task>,
         memory_bytes: u128,
         peer: Peer,
-    ) -> Result<Streamed, Unread> {
+    ) -> Result<Streamed, ReadRefusal> {
         let start = self.clock.now();
-        let ticket =
-            self.ticket(peer, Kind::Waiting).ok_or_else(|| Unread::Busy(self.pool.busy(Lane::Long, Lack::Waiting)))?;
+        let ticket = self
+            .ticket(peer, QuotaKind::Waiting)
+            .ok_or_else(|| ReadRefusal::Busy(self.pool.busy(Lane::Long, Lack::Waiting)))?;
         let memory_bytes = memory_bytes.saturating_add(STREAM_BYTES);
-        let waiting = self.pool.line_up(Lane::Long, peer, memory_bytes).map_err(Unread::Busy)?;
+        let waiting = self.pool.line_up(Lane::Long, peer, memory_bytes).map_err(ReadRefusal::Busy)?;
         let memory = self.pool.turn(Lane::Long, waiting).await.into_memory();
         let places = self.pool.stream_places.clone();
         let permit = places.clone().acquire_owned().await.ok();
@@ -103,10 +104,10 @@ impl Desk {
                 Err(panic) => Err(Failure::Internal(format!("a computation panicked: {}", panicked(&*panic)))),
             });
         };
-        self.pool.spawn_apart(making).map_err(|error| Unread::Failed(Failure::Internal(error.to_string())))?;
+        self.pool.spawn_apart(making).map_err(|error| ReadRefusal::Failed(Failure::Internal(error.to_string())))?;
         let mut streamed = Streamed { queue, first: None, chunks, ended: Some(ended), _stop: stop, _ticket: ticket };
         let first = tokio::time::timeout(timeout, streamed.next()).await;
-        streamed.first = first.unwrap_or(Err(Failure::TimedOut(timeout))).map_err(Unread::Failed)?;
+        streamed.first = first.unwrap_or(Err(Failure::TimedOut(timeout))).map_err(ReadRefusal::Failed)?;
         Ok(streamed)
     }
 }

@@ -5,7 +5,7 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::Duration;
 
 use super::computation::{Failure, Phase, Timings};
-use super::jobs::State;
+use super::jobs::JobState;
 
 /// Upper bounds of the buckets of a histogram in milliseconds, each about five times the one before: from the time of a
 /// cached lookup to that of the longest run.
@@ -38,7 +38,7 @@ impl Histogram {
 
 /// The place where a lookup found a result.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Found {
+pub enum LookupResult {
     /// In memory.
     Memory,
     /// On disk.
@@ -81,21 +81,21 @@ impl Tally {
     }
 
     /// Counts a job that was settled.
-    pub(super) fn settled(&self, state: &State) {
+    pub(super) fn count_settled(&self, state: &JobState) {
         let at = match state {
-            State::Done => 0,
-            State::Failed(_) => 1,
-            State::Cancelled | State::Active => 2,
+            JobState::Done => 0,
+            JobState::Failed(_) => 1,
+            JobState::Cancelled | JobState::Active => 2,
         };
         self.jobs[at].fetch_add(1, Ordering::Relaxed);
     }
 
     /// Counts a lookup of a result.
-    pub(super) fn looked(&self, found: Found) {
+    pub(super) fn looked(&self, found: LookupResult) {
         let at = match found {
-            Found::Memory => 0,
-            Found::Disk => 1,
-            Found::Nowhere => 2,
+            LookupResult::Memory => 0,
+            LookupResult::Disk => 1,
+            LookupResult::Nowhere => 2,
         };
         self.found[at].fetch_add(1, Ordering::Relaxed);
     }
@@ -116,7 +116,7 @@ impl Tally {
     }
 
     /// Returns the number of lookups by where the result was found.
-    pub fn found(&self) -> impl Iterator<Item = (&'static str, u64)> + '_ {
+    pub fn lookups(&self) -> impl Iterator<Item = (&'static str, u64)> + '_ {
         named(&FOUND, &self.found)
     }
 }

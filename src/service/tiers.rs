@@ -33,7 +33,7 @@ pub struct Tiers {
 
 /// A result that was made and stored.
 #[derive(Debug)]
-pub struct Kept {
+pub struct Stored {
     /// The manifest of the bytes.
     pub manifest: Arc<Manifest>,
     /// The bytes themselves, if no store has them.
@@ -165,12 +165,12 @@ impl Tiers {
 
     /// Stores an artifact whose bytes are complete: in memory if it fits; otherwise returns the bytes as loose, and
     /// offers them to the disk writer.
-    pub(super) fn keep(&self, manifest: Arc<Manifest>, bytes: Bytes) -> Kept {
+    pub(super) fn keep(&self, manifest: Arc<Manifest>, bytes: Bytes) -> Stored {
         if let Ok(manifest) = self.memory.keep(Arc::clone(&manifest), bytes.clone()) {
-            return Kept { manifest, loose: None };
+            return Stored { manifest, loose: None };
         }
         self.offer(&Waiting::Held(Arc::clone(&manifest), bytes.clone()));
-        Kept { manifest, loose: Some(bytes) }
+        Stored { manifest, loose: Some(bytes) }
     }
 
     /// Offers an artifact in memory to the disk writer, if there is a disk, so that the artifact outlasts the process.

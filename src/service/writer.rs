@@ -77,7 +77,7 @@ impl Waiting {
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Trouble {
     /// Duration of the trouble so far.
-    pub lasts: Duration,
+    pub duration: Duration,
     /// Number of writes that failed in this time.
     pub failures: u64,
     /// The error of the last failed write, or how long a write has been hanging.
@@ -189,12 +189,12 @@ impl Writer {
         if let Some(Failing { since, last, failures, reason }) = &backlog.failing
             && now.saturating_sub(*last) < MEMORY
         {
-            let lasts = now.saturating_sub(*since);
-            return Some(Trouble { lasts, failures: *failures, reason: reason.clone() });
+            let duration = now.saturating_sub(*since);
+            return Some(Trouble { duration, failures: *failures, reason: reason.clone() });
         }
-        let lasts = now.saturating_sub(*backlog.under_way.values().min()?);
-        let reason = format!("a write has not ended for {} s", lasts.as_secs());
-        (lasts >= STUCK).then_some(Trouble { lasts, failures: 0, reason })
+        let duration = now.saturating_sub(*backlog.under_way.values().min()?);
+        let reason = format!("a write has not ended for {} s", duration.as_secs());
+        (duration >= STUCK).then_some(Trouble { duration, failures: 0, reason })
     }
 
     /// Returns whether a write hangs.

@@ -173,10 +173,10 @@ pub(super) fn check_faces(n_vertices: usize, faces: &FaceList, non_manifold: Non
 }
 
 /// A side of a face: its edge as (lower vertex, higher vertex), then its half-edge.
-pub(super) type Side = ((u32, u32), u32);
+pub(super) type FaceSide = ((u32, u32), u32);
 
 /// Returns all sides, grouped by edge and ascending by half-edge, by a bucket sort over the lower vertices.
-pub(super) fn sides(n_vertices: usize, faces: &FaceList) -> Vec<Side> {
+pub(super) fn sides(n_vertices: usize, faces: &FaceList) -> Vec<FaceSide> {
     let all = || {
         (0..faces.len()).flat_map(|f| {
             let face = faces.face(f);
@@ -195,22 +195,22 @@ pub(super) fn sides(n_vertices: usize, faces: &FaceList) -> Vec<Side> {
         sides[*place] = side;
         *place += 1;
     }
-    let same_vertex = |a: &Side, b: &Side| a.0.0 == b.0.0;
+    let same_vertex = |a: &FaceSide, b: &FaceSide| a.0.0 == b.0.0;
     if is_small(sides.len()) {
-        sides.chunk_by_mut(same_vertex).for_each(<[Side]>::sort_unstable);
+        sides.chunk_by_mut(same_vertex).for_each(<[FaceSide]>::sort_unstable);
     } else {
-        sides.par_chunk_by_mut(same_vertex).for_each(<[Side]>::sort_unstable);
+        sides.par_chunk_by_mut(same_vertex).for_each(<[FaceSide]>::sort_unstable);
     }
     sides
 }
 
 /// Returns the sides of each edge as one slice.
-pub(super) fn groups(sides: &[Side]) -> impl Iterator<Item = &[Side]> {
+pub(super) fn groups(sides: &[FaceSide]) -> impl Iterator<Item = &[FaceSide]> {
     sides.chunk_by(|a, b| a.0 == b.0)
 }
 
 /// Returns whether a side runs from the lower vertex to the higher one.
-pub(super) fn forward(faces: &FaceList, side: &Side) -> bool {
+pub(super) fn forward(faces: &FaceList, side: &FaceSide) -> bool {
     faces.vertices[side.1 as usize] == side.0.0
 }
 
@@ -220,7 +220,7 @@ pub(super) fn owner(faces: &FaceList, half_edge: u32) -> usize {
 }
 
 /// Checks that each edge has at most two faces.
-pub(super) fn check_edges(faces: &FaceList, sides: &[Side]) -> Result<(), Vec<Fault>> {
+pub(super) fn check_edges(faces: &FaceList, sides: &[FaceSide]) -> Result<(), Vec<Fault>> {
     let crowded = groups(sides).filter(|group| group.len() > 2).map(|group| {
         let ((a, b), half_edge) = group[2];
         let all: Vec<String> = group.iter().take(8).map(|side| owner(faces, side.1).to_string()).collect();
@@ -233,9 +233,9 @@ pub(super) fn check_edges(faces: &FaceList, sides: &[Side]) -> Result<(), Vec<Fa
 }
 
 /// Reverses faces so that neighbours agree, or reports why they do not; returns the reversed faces.
-pub(super) fn orient(faces: &mut FaceList, sides: &[Side], winding: Winding) -> Result<Vec<u32>, Vec<Fault>> {
-    let disagree = |group: &[Side]| group.len() == 2 && forward(faces, &group[0]) == forward(faces, &group[1]);
-    let wrong: Vec<&[Side]> = groups(sides).filter(|group| disagree(group)).collect();
+pub(super) fn orient(faces: &mut FaceList, sides: &[FaceSide], winding: Winding) -> Result<Vec<u32>, Vec<Fault>> {
+    let disagree = |group: &[FaceSide]| group.len() == 2 && forward(faces, &group[0]) == forward(faces, &group[1]);
+    let wrong: Vec<&[FaceSide]> = groups(sides).filter(|group| disagree(group)).collect();
     if wrong.is_empty() {
         return Ok(Vec::new());
     }
@@ -266,7 +266,7 @@ type Neighbour = (usize, bool, (u32, u32));
 
 /// Returns the faces to reverse so that all agree with the lowest face of their component, found by a search over
 /// neighbours, and a fault for the first two neighbours that cannot agree.
-pub(super) fn turns(faces: &FaceList, sides: &[Side]) -> (Vec<u32>, Option<Fault>) {
+pub(super) fn turns(faces: &FaceList, sides: &[FaceSide]) -> (Vec<u32>, Option<Fault>) {
     let mut neighbours: Vec<Vec<Neighbour>> = vec![Vec::new(); faces.len()];
     for group in groups(sides).filter(|group| group.len() == 2) {
         let [f, g] = [owner(faces, group[0].1), owner(faces, group[1].1)];

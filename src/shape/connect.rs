@@ -1,6 +1,6 @@
 //! Builds the topology of faces that pass the checks.
 
-use super::check::{FaceList, NonManifold, Side, Winding, check_edges, check_faces, groups, orient, sides};
+use super::check::{FaceList, FaceSide, NonManifold, Winding, check_edges, check_faces, groups, orient, sides};
 use super::topology::{Faces, NONE, Topology, index};
 use crate::fault::Fault;
 
@@ -103,7 +103,7 @@ impl Topology {
 }
 
 /// Returns the opposite half-edge of each half-edge of a manifold, or [`NONE`].
-fn opposites(n_half_edges: usize, sides: &[Side]) -> Vec<u32> {
+fn opposites(n_half_edges: usize, sides: &[FaceSide]) -> Vec<u32> {
     let mut opposite = vec![NONE; n_half_edges];
     for group in groups(sides).filter(|group| group.len() == 2) {
         opposite[group[0].1 as usize] = group[1].1;

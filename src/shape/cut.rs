@@ -9,7 +9,9 @@
 //! each later visit; then vertices are split again. Two sides that afterwards join the same two vertices are paired. As
 //! a result, no two edges join the same two vertices, so the faces alone determine the pieces.
 
-use super::check::{FaceList, NonManifold, Side, Winding, check_faces, forward, groups, orient, owner, sides, turns};
+use super::check::{
+    FaceList, FaceSide, NonManifold, Winding, check_faces, forward, groups, orient, owner, sides, turns,
+};
 use super::connect::{Checked, connect};
 use super::repairs::{Edges, Faces, Repair};
 use super::topology::{NONE, Topology, index};
@@ -85,9 +87,9 @@ fn cut(n_vertices: usize, mut faces: FaceList, winding: Winding) -> Result<(Chec
 }
 
 /// Records why the faces do not form a manifold, by kind of defect.
-fn misfits(faces: &FaceList, sides: &[Side]) -> Vec<Repair> {
-    let ends = |group: &[Side]| [group[0].0.0, group[0].0.1];
-    let opposed = |group: &&[Side]| group.len() == 2 && forward(faces, &group[0]) == forward(faces, &group[1]);
+fn misfits(faces: &FaceList, sides: &[FaceSide]) -> Vec<Repair> {
+    let ends = |group: &[FaceSide]| [group[0].0.0, group[0].0.1];
+    let opposed = |group: &&[FaceSide]| group.len() == 2 && forward(faces, &group[0]) == forward(faces, &group[1]);
     let crowded = Edges::some(groups(sides).filter(|group| group.len() > 2).map(ends));
     let opposed = Edges::some(groups(sides).filter(opposed).map(ends));
     let repeats = |&f: &u32| {
@@ -101,11 +103,11 @@ fn misfits(faces: &FaceList, sides: &[Side]) -> Vec<Repair> {
 }
 
 /// Returns the half-edge that each half-edge is paired with along its edge, or [`NONE`].
-fn pairs(faces: &FaceList, sides: &[Side]) -> Vec<u32> {
+fn pairs(faces: &FaceList, sides: &[FaceSide]) -> Vec<u32> {
     let mut opposite = vec![NONE; faces.n_half_edges()];
     for group in groups(sides) {
         // the sides that wait for a partner, all in one direction, and how many of them have been paired
-        let (mut waiting, mut taken): (Vec<&Side>, usize) = (Vec::new(), 0);
+        let (mut waiting, mut taken): (Vec<&FaceSide>, usize) = (Vec::new(), 0);
         for side in group {
             match waiting.get(taken) {
                 Some(first) if forward(faces, first) != forward(faces, side) => {
@@ -128,7 +130,7 @@ fn join(opposite: &mut [u32], a: u32, b: u32) {
 }
 
 /// Pairs the two unpaired sides that join the same two vertices after the split; returns whether there are any.
-fn rejoin(sides: &[Side], opposite: &mut [u32]) -> bool {
+fn rejoin(sides: &[FaceSide], opposite: &mut [u32]) -> bool {
     let mut is_joined = false;
     for group in groups(sides) {
         if let [a, b] = group
@@ -144,7 +146,7 @@ fn rejoin(sides: &[Side], opposite: &mut [u32]) -> bool {
 
 /// Turns the sides at which faces still meet themselves after the split into boundaries; returns whether there are
 /// any.
-fn part(faces: &FaceList, sides: &[Side], opposite: &mut [u32]) -> bool {
+fn part(faces: &FaceList, sides: &[FaceSide], opposite: &mut [u32]) -> bool {
     let mut parted = Vec::new();
     for group in groups(sides).filter(|group| group.len() > 2) {
         parted.extend(group.iter().map(|side| side.1));

@@ -35,7 +35,7 @@ pub struct Directions(Vec<Direction>);
 
 /// A latitude line: vertices one after another along latitude edges.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Line {
+pub struct LatitudeLine {
     /// The vertices of the line, in order.
     pub vertices: Vec<u32>,
     /// Whether the last one is joined to the first.
@@ -150,7 +150,7 @@ impl Directions {
 
     /// Returns the latitude lines, each found from its lowest edge; lines end at vertices whose number of latitude
     /// edges is not two.
-    pub fn lines(&self, topology: &Topology) -> Vec<Line> {
+    pub fn lines(&self, topology: &Topology) -> Vec<LatitudeLine> {
         let pairs = self.latitude_pairs(topology);
         let mut seen = vec![false; self.0.len()];
         let onward = |e: u32, v: u32| {
@@ -185,7 +185,7 @@ impl Directions {
             } else {
                 before = walk(&mut seen, start, first).0;
             }
-            lines.push(Line {
+            lines.push(LatitudeLine {
                 vertices: before.into_iter().rev().chain([first, second]).chain(after).collect(),
                 closed,
             });

@@ -5,7 +5,7 @@ use super::repairs::{Edges, Repair};
 use super::topology::index;
 
 /// The positions of the two ends of an edge as bits, the lower first.
-type Place = [[u64; 3]; 2];
+type EdgePositions = [[u64; 3]; 2];
 
 impl Mesh {
     /// Returns the boundary edges that coincide with others, if any; refinement opens gaps along them. Edges that were
@@ -16,7 +16,7 @@ impl Mesh {
         let given = topology.n_vertices() - self.split_from.len();
         let original = |v: u32| (v as usize).checked_sub(given).map_or(v, |part| self.split_from[part]);
         let open = (0..topology.n_edges()).filter(|&e| topology.is_boundary_edge(e));
-        let mut edges: Vec<(Place, u32)> = open
+        let mut edges: Vec<(EdgePositions, u32)> = open
             .map(|e| {
                 let mut ends = topology.ends(e).map(place);
                 ends.sort_unstable();

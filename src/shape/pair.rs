@@ -12,7 +12,7 @@ use crate::math::vector::{cross, direction, dot, minus, plus};
 /// Cosine of the largest angle (about 25.8 degrees) between the two triangles of a quad.
 const LEAST_FLATNESS: f64 = 0.9;
 /// Largest cosine (of 30 degrees) of a corner of a quad.
-const MOST_SKEW: f64 = 0.866_025_403_784_438_6;
+const MAX_SKEW: f64 = 0.866_025_403_784_438_6;
 /// Two candidates whose largest cosines differ by less are equally good.
 const SAME: f64 = 1e-6;
 
@@ -125,7 +125,7 @@ fn skew([a, b, c, d]: [[f64; 3]; 4]) -> Option<f64> {
         }
         largest = largest.max(dot(inward, outward).abs());
     }
-    (largest <= MOST_SKEW).then_some(largest)
+    (largest <= MAX_SKEW).then_some(largest)
 }
 
 /// Returns the candidate that pairs each face, or [`NONE`].

@@ -92,7 +92,7 @@ impl MeshInput {
 
     /// Gives each face corner a vertex of its own; only for meshes without data on vertices.
     #[must_use]
-    pub fn parted(mut self) -> Self {
+    pub fn with_split_corners(mut self) -> Self {
         self.positions = self.faces.vertices().iter().map(|&v| self.positions[v as usize]).collect();
         self.faces = self.faces.with_vertices((0..index(self.positions.len())).collect());
         self

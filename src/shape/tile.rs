@@ -42,7 +42,7 @@ pub(super) enum TilePosition {
 
 /// The kind of a side of a cell.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Piece {
+pub(super) enum CellSide {
     /// A piece, counted from 0, of the side that starts at this corner of the face.
     Outer(u32, usize),
     /// An edge inside the face.
@@ -208,27 +208,27 @@ impl Tile {
     }
 
     /// Returns what side `side` of a cell is. Inside a triangle every edge belongs to one downward cell.
-    pub(super) fn side(self, d: usize, cell: Cell, side: u32) -> Piece {
+    pub(super) fn side(self, d: usize, cell: Cell, side: u32) -> CellSide {
         let [i, j] = cell.at;
         match self {
             Self::Quad => match side {
-                0 if j == 0 => Piece::Outer(0, i),
-                1 if i == d - 1 => Piece::Outer(1, j),
-                2 if j == d - 1 => Piece::Outer(2, d - 1 - i),
-                3 if i == 0 => Piece::Outer(3, d - 1 - j),
-                0 => Piece::Inner((j - 1) * d + i),
-                2 => Piece::Inner(j * d + i),
-                1 => Piece::Inner(d * (d - 1) + i * d + j),
-                _ => Piece::Inner(d * (d - 1) + (i - 1) * d + j),
+                0 if j == 0 => CellSide::Outer(0, i),
+                1 if i == d - 1 => CellSide::Outer(1, j),
+                2 if j == d - 1 => CellSide::Outer(2, d - 1 - i),
+                3 if i == 0 => CellSide::Outer(3, d - 1 - j),
+                0 => CellSide::Inner((j - 1) * d + i),
+                2 => CellSide::Inner(j * d + i),
+                1 => CellSide::Inner(d * (d - 1) + i * d + j),
+                _ => CellSide::Inner(d * (d - 1) + (i - 1) * d + j),
             },
             Self::Triangle => {
                 let inner =
-                    |i: usize, j: usize, side: u32| Piece::Inner(3 * (Stairs(d - 1).first(j) + i) + side as usize);
+                    |i: usize, j: usize, side: u32| CellSide::Inner(3 * (Stairs(d - 1).first(j) + i) + side as usize);
                 match (cell.down, side) {
                     (true, side) => inner(i, j, side),
-                    (_, 0) if j == 0 => Piece::Outer(0, i),
-                    (_, 1) if i + j == d - 1 => Piece::Outer(1, j),
-                    (_, 2) if i == 0 => Piece::Outer(2, d - 1 - j),
+                    (_, 0) if j == 0 => CellSide::Outer(0, i),
+                    (_, 1) if i + j == d - 1 => CellSide::Outer(1, j),
+                    (_, 2) if i == 0 => CellSide::Outer(2, d - 1 - j),
                     (_, 0) => inner(i, j - 1, 0),
                     (_, 1) => inner(i, j, 1),
                     _ => inner(i - 1, j, 2),

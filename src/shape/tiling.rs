@@ -2,7 +2,7 @@
 
 use rayon::prelude::*;
 
-use super::tile::{Cell, Piece, Tile, TilePosition};
+use super::tile::{Cell, CellSide, Tile, TilePosition};
 use super::topology::{Faces, NONE, Topology, index};
 
 /// The split of a topology in closed form: the indices of vertices, edges and faces after it, and their origins.
@@ -114,13 +114,13 @@ impl<'a> Tiling<'a> {
     fn edge(&self, face: usize, cell: Cell, side: u32) -> u32 {
         let d = self.pieces;
         match self.tile.side(d, cell, side) {
-            Piece::Outer(side, piece) => {
+            CellSide::Outer(side, piece) => {
                 let half_edge = self.parent.half_edges(face).start + side;
                 let edge = self.parent.edge(half_edge) as usize;
                 let forward = self.parent.halves(edge)[0] == half_edge;
                 index(edge * d + if forward { piece } else { d - 1 - piece })
             }
-            Piece::Inner(number) => index(self.parent.n_edges() * d + face * self.tile.inner_edges(d) + number),
+            CellSide::Inner(number) => index(self.parent.n_edges() * d + face * self.tile.inner_edges(d) + number),
         }
     }
 

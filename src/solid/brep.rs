@@ -1,9 +1,9 @@
 //! Faces, edges and vertices that bound a solid, each edge shared by the faces on its two sides.
 
-use super::edges::{Edges, Step};
+use super::edges::{Edges, SidePiece};
 use super::error::SolidError;
 use super::patch::Patch;
-use super::spline::{Curve, Surface};
+use super::spline::{BSplineCurve, BSplineSurface};
 use crate::math::functions::ratio;
 use crate::math::vector::{Vector, length, minus};
 use crate::shape::topology::{NONE, index};
@@ -12,7 +12,7 @@ use crate::shape::topology::{NONE, index};
 #[derive(Debug, Clone)]
 pub struct Face {
     /// Its surface, oriented as seen from outside.
-    pub surface: Surface,
+    pub surface: BSplineSurface,
     /// Its edges counter-clockwise in (u, v), each with whether it runs in this direction.
     pub edges: Vec<(u32, bool)>,
     /// The input faces from which the face arose, ascending.
@@ -36,7 +36,7 @@ pub struct Edge {
     /// The vertices at its two ends.
     pub ends: [u32; 2],
     /// Its curve, from the first vertex to the second.
-    pub curve: Curve,
+    pub curve: BSplineCurve,
     /// Whether the surface is infinitely sharp or ends at the edge.
     pub is_sharp: bool,
     pub(super) uses: Vec<Use>,
@@ -146,7 +146,7 @@ impl Brep {
             for (side, (steps, curve)) in patch.sides.iter().zip(&curves).enumerate() {
                 let mut rest = steps.as_slice();
                 while !rest.is_empty() {
-                    let is_end = |step: &Step| assembly.joints.is_joint[step.ends[1] as usize];
+                    let is_end = |step: &SidePiece| assembly.joints.is_joint[step.ends[1] as usize];
                     let n = rest.iter().position(is_end).map_or(rest.len(), |at| at + 1);
                     let (run, others) = rest.split_at(n);
                     rest = others;
@@ -223,7 +223,7 @@ fn root(parent: &mut [u32], mut f: u32) -> u32 {
 impl Assembly<'_> {
     /// Returns the edge of a run of pieces whose curve lies along the side of a face, and whether it runs in this
     /// direction.
-    fn edge(&mut self, run: &[Step], curve: Curve, at: Use) -> Result<(u32, bool), SolidError> {
+    fn edge(&mut self, run: &[SidePiece], curve: BSplineCurve, at: Use) -> Result<(u32, bool), SolidError> {
         let last = curve.points.len() - 1;
         let outer = [run[0].ends[0], run[run.len() - 1].ends[1]];
         let ends = [self.vertex(outer[0], curve.points[0]), self.vertex(outer[1], curve.points[last])];
@@ -271,7 +271,7 @@ const PLACES: usize = 9;
 impl Use {
     /// Returns places of the edge in the surface of the face, in the direction of its side, at some distance from the
     /// ends.
-    pub(super) fn places(&self, surface: &Surface) -> Vec<[f64; 2]> {
+    pub(super) fn places(&self, surface: &BSplineSurface) -> Vec<[f64; 2]> {
         let [s, e] = self.range;
         let at = |k: usize| s + (e - s) * (0.02 + 0.96 * ratio(k, PLACES - 1));
         (0..PLACES).map(|k| surface.on_side(self.side, at(k))).collect()

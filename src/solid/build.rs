@@ -4,11 +4,11 @@ use super::brep::Brep;
 use super::certificate::Certificate;
 use super::error::SolidError;
 use super::forecast::Cage;
-use super::isolate::{Pieces, isolate};
+use super::isolate::{SurfacePieces, isolate};
 use super::level::{Level, Refiner};
 use super::pack::rectangles;
 use super::patch::Patch;
-use super::request::Request;
+use super::request::SolidRequest;
 use super::rounding::Rounding;
 use crate::math::amounts::thousands;
 use crate::math::vector::{Vector, plus, times};
@@ -31,7 +31,13 @@ pub struct Solid {
 ///
 /// # Errors
 /// [`SolidError`], in particular if the mesh gives no solid of the requested kind.
-pub fn solid(mesh: &Mesh, plan: &Plan, request: &Request, labels: &[u32], watch: &Watch) -> Result<Solid, SolidError> {
+pub fn solid(
+    mesh: &Mesh,
+    plan: &Plan,
+    request: &SolidRequest,
+    labels: &[u32],
+    watch: &Watch,
+) -> Result<Solid, SolidError> {
     check(mesh, plan, request)?;
     let (size, middle) = extent(mesh);
     let refiner = Refiner::new(plan, watch)?;
@@ -39,7 +45,7 @@ pub fn solid(mesh: &Mesh, plan: &Plan, request: &Request, labels: &[u32], watch:
     let most = usize::try_from(Cage::of(mesh).forecast(request).leaves).unwrap_or(usize::MAX);
     let rounding = Rounding::of(mesh);
     let pieces = isolate(Level::of(mesh, plan), request, (request.tolerance * size, rounding, most), &refiner)?;
-    let Pieces { leaves, caps, vertices, edges, depth } = pieces;
+    let SurfacePieces { leaves, caps, vertices, edges, depth } = pieces;
     let rectangles = rectangles(&leaves, &edges, request.pack, labels);
     let n_faces = rectangles.len() + caps.len();
     if n_faces > request.max_faces {
@@ -75,7 +81,7 @@ pub fn solid(mesh: &Mesh, plan: &Plan, request: &Request, labels: &[u32], watch:
 ///
 /// # Errors
 /// [`SolidError::Unfit`].
-pub fn check(mesh: &Mesh, plan: &Plan, request: &Request) -> Result<(), SolidError> {
+pub fn check(mesh: &Mesh, plan: &Plan, request: &SolidRequest) -> Result<(), SolidError> {
     if !plan.is_bicubic() {
         let detail = format!(
             "solids are made of {BICUBIC} alone, whose regular pieces are bicubic; choose it, or ask for stl or glb of \

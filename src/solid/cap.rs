@@ -6,21 +6,21 @@ use super::error::SolidError;
 use super::interpolated::interpolated;
 use super::level::{Level, Refiner, Spot};
 use super::request::Continuity;
-use super::sector::{Kind, Sector};
-use super::spline::Surface;
+use super::sector::{Sector, SectorKind};
+use super::spline::BSplineSurface;
 use crate::math::functions::real;
 use crate::math::vector::{Vector, plus, times};
 
 /// How a deviation was determined.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-pub enum Known {
+pub enum DeviationMethod {
     /// It is a proven bound.
     Certified,
     /// It is the largest of some samples.
     Sampled,
 }
 
-impl Known {
+impl DeviationMethod {
     /// Returns the name in certificates.
     pub fn name(self) -> &'static str {
         match self {
@@ -33,10 +33,10 @@ impl Known {
 /// The caps of one sector, one per face.
 #[derive(Debug, Clone)]
 pub(super) struct Capped {
-    pub(super) surfaces: Vec<Surface>,
+    pub(super) surfaces: Vec<BSplineSurface>,
     /// Distance from the limit surface, in model units.
     pub(super) deviation: f64,
-    pub(super) known: Known,
+    pub(super) known: DeviationMethod,
     /// Whether tangent planes agree across the edges between the caps.
     pub(super) is_tangent: bool,
 }
@@ -51,16 +51,16 @@ pub(super) fn caps(
     (continuity, tolerance): (Continuity, f64),
     refiner: &Refiner<'_>,
 ) -> Result<Result<Capped, f64>, SolidError> {
-    let smooth = sector.kind == Kind::Smooth;
+    let smooth = sector.kind == SectorKind::Smooth;
     if let (true, Continuity::Tangent, Some(table)) = (smooth, continuity, CapTable::of(sector.spokes.len())) {
         return Ok(fitted(table, &level.two_ring(sector), tolerance));
     }
     let (nearer, mut edges, spot) = level.alone(&Spot::of(level, &sector.spokes))?;
     let next = nearer.closer(&spot, refiner, &mut edges)?;
     let nets = if smooth { approximate(level, sector) } else { interpolated(level, sector, &next) };
-    let surfaces: Vec<Surface> = nets.iter().map(Surface::bezier).collect();
+    let surfaces: Vec<BSplineSurface> = nets.iter().map(BSplineSurface::bezier).collect();
     let deviation = farthest(&surfaces, sector.is_closed, next, refiner, &mut edges)?;
-    let capped = Capped { surfaces, deviation, known: Known::Sampled, is_tangent: false };
+    let capped = Capped { surfaces, deviation, known: DeviationMethod::Sampled, is_tangent: false };
     Ok(if deviation <= tolerance { Ok(capped) } else { Err(deviation) })
 }
 
@@ -75,10 +75,10 @@ fn fitted(table: &CapTable, ring: &[Vector], tolerance: f64) -> Result<Capped, f
         return Err(found.bound);
     }
     let known = match found.method {
-        Method::Certified => Known::Certified,
-        Method::Sampled => Known::Sampled,
+        Method::Certified => DeviationMethod::Certified,
+        Method::Sampled => DeviationMethod::Sampled,
     };
-    let surfaces = table.cap(ring).iter().map(Surface::bezier).collect();
+    let surfaces = table.cap(ring).iter().map(BSplineSurface::bezier).collect();
     Ok(Capped { surfaces, deviation: found.bound, known, is_tangent: true })
 }
 
@@ -86,7 +86,7 @@ fn fitted(table: &CapTable, ring: &[Vector], tolerance: f64) -> Result<Capped, f
 /// vertex.
 ///
 /// Source: C. Loop, S. Schaefer, ACM TOG 27 (2008), 8:1-8:11.
-fn approximate(level: &Level, sector: &Sector) -> Vec<super::net::Net> {
+fn approximate(level: &Level, sector: &Sector) -> Vec<super::net::BicubicNet> {
     let (spokes, n) = (&sector.spokes, sector.spokes.len());
     let [own, limit] = [level.start(spokes[0]), level.limit(spokes[0])];
     let at = |i: usize, steps| level.start(level.after(spokes[i % n], steps));

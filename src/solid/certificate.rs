@@ -1,7 +1,7 @@
 //! The certificate of a solid: its distance from the limit surface, and how its faces meet.
 
 use super::brep::{Brep, Shell};
-use super::cap::Known;
+use super::cap::DeviationMethod;
 use super::isolate::Isolated;
 use super::measure::Measure;
 use crate::math::functions::asin;
@@ -17,7 +17,7 @@ pub struct Certificate {
     /// The largest distance from the limit surface, in model units; if everything is exact, that of rounding errors.
     pub deviation: f64,
     /// How the deviation was determined; sampled if it was sampled at any vertex.
-    pub known: Known,
+    pub known: DeviationMethod,
     /// The largest angle between the normals of two faces along a smooth edge, in degrees.
     pub worst_edge_angle_deg: f64,
     /// The largest distance at an edge between the positions that its two faces give, in model units.
@@ -52,12 +52,12 @@ impl Certificate {
         for shell in shells.iter().filter(|shell| shell.was_turned) {
             brep.turn(&shell.faces);
         }
-        let worst = |known: Known, vertex: &Isolated| known.max(vertex.known);
+        let worst = |known: DeviationMethod, vertex: &Isolated| known.max(vertex.known);
         Self {
             size,
             exact_area_share: if areas[1] > 0.0 { areas[1] / (areas[0] + areas[1]) } else { 0.0 },
             deviation: vertices.iter().map(|vertex| vertex.deviation).fold(rounding, f64::max),
-            known: vertices.iter().fold(Known::Certified, worst),
+            known: vertices.iter().fold(DeviationMethod::Certified, worst),
             worst_edge_angle_deg: brep.worst_angle().to_degrees(),
             gap: brep.gap,
             counts: [brep.faces.len(), brep.edges.len(), brep.vertices.len()],

@@ -4,7 +4,7 @@
 use super::edges::Edges;
 use super::error::SolidError;
 use super::level::{Level, Refiner, Spot};
-use super::spline::{Surface, of_cell};
+use super::spline::{BSplineSurface, of_cell};
 use crate::math::functions::ratio;
 use crate::math::vector::{Vector, cross, dot, length, minus};
 
@@ -18,7 +18,7 @@ const STEPS: usize = 6;
 
 /// An exact piece of the limit surface next to a vertex.
 struct Piece {
-    surface: Surface,
+    surface: BSplineSurface,
     ring: usize,
     /// The index of its face among those around the vertex.
     face: usize,
@@ -39,7 +39,7 @@ impl Piece {
 /// # Errors
 /// If the watch says stop.
 pub(super) fn farthest(
-    caps: &[Surface],
+    caps: &[BSplineSurface],
     is_closed: bool,
     next: (Level, Spot),
     refiner: &Refiner<'_>,
@@ -99,7 +99,7 @@ fn from_pieces(point: Vector, pieces: &[Piece], own: usize, (n, is_closed): (usi
 }
 
 /// Returns the distance of a point from a cap, or from the neighbouring cap if its foot lies beyond a spoke.
-fn from_caps(point: Vector, caps: &[Surface], i: usize, is_closed: bool, [u, v]: [f64; 2]) -> f64 {
+fn from_caps(point: Vector, caps: &[BSplineSurface], i: usize, is_closed: bool, [u, v]: [f64; 2]) -> f64 {
     let n = caps.len();
     let (own, foot) = from_cap(point, &caps[i], [u, v]);
     let neighbour = |beyond: bool, other: Option<usize>, at: [f64; 2]| {
@@ -114,7 +114,7 @@ fn from_caps(point: Vector, caps: &[Surface], i: usize, is_closed: bool, [u, v]:
 
 /// Returns the distance of a point from a surface over the unit square, and the parameters of its foot, by a search
 /// from `at`.
-fn from_cap(point: Vector, surface: &Surface, mut at: [f64; 2]) -> (f64, [f64; 2]) {
+fn from_cap(point: Vector, surface: &BSplineSurface, mut at: [f64; 2]) -> (f64, [f64; 2]) {
     let mut least = (f64::INFINITY, at);
     for _ in 0..=STEPS {
         let [on, along_u, along_v] = surface.at(at);

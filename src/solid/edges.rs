@@ -24,7 +24,7 @@ pub(super) struct Edges {
 
 /// A piece of the side of a face: an edge that no face of the surface splits.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Step {
+pub(super) struct SidePiece {
     /// The edge.
     pub(super) edge: u32,
     /// The vertices at its ends, in the direction of the side.
@@ -95,11 +95,11 @@ impl Edges {
 
     /// Appends the pieces of a side that is this edge, starting at its end `from`; the range holds the side's
     /// parameters there.
-    pub(super) fn steps(&self, edge: u32, from: u32, [s, e]: [f64; 2], out: &mut Vec<Step>) {
+    pub(super) fn steps(&self, edge: u32, from: u32, [s, e]: [f64; 2], out: &mut Vec<SidePiece>) {
         let Edge { ends: [a, b], middle, half, is_split, .. } = self.all[edge as usize];
         let to = if from == a { b } else { a };
         if !is_split {
-            return out.push(Step { edge, ends: [from, to], range: [s, e] });
+            return out.push(SidePiece { edge, ends: [from, to], range: [s, e] });
         }
         let [near, far] = if from == a { [half, half + 1] } else { [half + 1, half] };
         let m = 0.5 * (s + e);

@@ -1,7 +1,7 @@
 //! The cost of a solid, before anything is refined.
 
 use super::caps::{VALENCES, cost};
-use super::request::{Continuity, Request};
+use super::request::{Continuity, SolidRequest};
 use crate::shape::creases::INFINITE_SHARPNESS;
 use crate::shape::mesh::Mesh;
 
@@ -18,7 +18,7 @@ pub struct Cage {
 
 /// Upper bounds of the size of a solid.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Forecast {
+pub struct SolidForecast {
     /// Number of bicubic faces before packing.
     pub leaves: u128,
     /// Number of faces of the result.
@@ -60,17 +60,17 @@ impl Cage {
 
     /// Returns upper bounds of the size of the solid. A face at an irregular vertex leaves up to sixteen faces on the
     /// first two levels, and three on each later level; these become one face each.
-    pub fn forecast(&self, request: &Request) -> Forecast {
+    pub fn forecast(&self, request: &SolidRequest) -> SolidForecast {
         let levels = u128::from(request.max_level);
         let most = request.max_faces as u128;
         let rings = self.irregular.saturating_mul(3 * levels).min(most.saturating_mul(6));
         let first = self.irregular.saturating_mul(16).saturating_add(self.semi_sharp);
         let leaves = self.faces.saturating_add(first).saturating_add(rings);
-        Forecast { leaves, faces: leaves.saturating_add(4 * self.irregular).min(most) }
+        SolidForecast { leaves, faces: leaves.saturating_add(4 * self.irregular).min(most) }
     }
 }
 
-impl Forecast {
+impl SolidForecast {
     /// Returns the memory in bytes, without that of the mesh and of the output.
     pub fn bytes(&self) -> u128 {
         self.leaves.saturating_mul(LEAF_BYTES).saturating_add(self.faces.saturating_mul(FACE_BYTES))
@@ -86,7 +86,7 @@ const ESTIMATES: f64 = 10.0;
 const SAMPLE_OPERATIONS: f64 = 1e6;
 
 /// Returns the number of operations for the solid of a mesh, each about a nanosecond.
-pub fn operations(mesh: &Mesh, request: &Request) -> f64 {
+pub fn operations(mesh: &Mesh, request: &SolidRequest) -> f64 {
     #[expect(clippy::cast_precision_loss, reason = "a forecast")]
     let leaves = Cage::of(mesh).forecast(request).leaves as f64;
     let topology = &mesh.topology;

@@ -1,14 +1,14 @@
 //! Bicubic caps at vertices where the surface is not smooth all around; they interpolate points of the limit surface.
 
 use super::level::{Level, Sharpened, Spot};
-use super::net::{Net, bezier};
-use super::sector::{Kind, Sector};
+use super::net::{BicubicNet, bezier};
+use super::sector::{Sector, SectorKind};
 use crate::math::vector::{Vector, minus, plus, times};
 
 /// Returns the caps of a sector. Twelve points are those of the exact surface outside, and the vertex is its limit;
 /// along spokes the caps interpolate the limit of the midpoint, or are exact if the spoke is sharp, and inside they
 /// interpolate the limit of the face's centre. `spot` is that of the sector on the next level.
-pub(super) fn interpolated(level: &Level, sector: &Sector, (next, spot): &(Level, Spot)) -> Vec<Net> {
+pub(super) fn interpolated(level: &Level, sector: &Sector, (next, spot): &(Level, Spot)) -> Vec<BicubicNet> {
     let limit = level.limit(sector.spokes[0]);
     let children = spot.half_edges(next);
     let net = |(&spoke, &child): (&u32, &u32)| {
@@ -21,7 +21,7 @@ pub(super) fn interpolated(level: &Level, sector: &Sector, (next, spot): &(Level
         let middles = [next.after(child, 1), next.after(child, 3)];
         let exact = [[net[2][0], net[3][0]], [net[0][2], net[0][3]]];
         for side in 0..2 {
-            let is_sharp = level.edge_sharpened(ends[side]) == Sharpened::Ever && sector.kind != Kind::Dart;
+            let is_sharp = level.edge_sharpened(ends[side]) == Sharpened::Ever && sector.kind != SectorKind::Dart;
             let point = if is_sharp {
                 times(1.0 / 3.0, plus(times(2.0, level.start(spoke)), far[side]))
             } else {
@@ -42,7 +42,7 @@ pub(super) fn interpolated(level: &Level, sector: &Sector, (next, spot): &(Level
 }
 
 /// Returns the point of a Bezier patch at (1/2, 1/2).
-fn middle(net: &Net) -> Vector {
+fn middle(net: &BicubicNet) -> Vector {
     let weights = [0.125, 0.375, 0.375, 0.125];
     let cells =
         net.iter().zip(weights).flat_map(|(row, a)| row.iter().zip(weights).map(move |(p, b)| times(a * b, *p)));

@@ -7,21 +7,21 @@ use std::collections::BTreeSet;
 
 use rayon::prelude::*;
 
-use super::cap::{Capped, Known, caps};
+use super::cap::{Capped, DeviationMethod, caps};
 use super::edges::Edges;
 use super::error::SolidError;
 use super::level::{Level, Refiner, Sharpened};
-use super::net::Net;
-use super::request::Request;
+use super::net::BicubicNet;
+use super::request::SolidRequest;
 use super::rounding::Rounding;
-use super::sector::{Kind, Sector};
-use super::spline::Surface;
+use super::sector::{Sector, SectorKind};
+use super::spline::BSplineSurface;
 use crate::math::vector::{Vector, cross, length};
 use crate::shape::topology::index;
 
 /// A face of some level that represents a part of the surface: corner 0 at (0, 0), side 0 along u.
 #[derive(Debug, Clone)]
-pub(super) struct Cell {
+pub(super) struct FaceCell {
     /// Its vertices and the edges from each to the next, by their indices on all levels.
     pub(super) corners: [u32; 4],
     pub(super) sides: [u32; 4],
@@ -32,15 +32,15 @@ pub(super) struct Cell {
 /// A face with a bicubic surface, with its control net.
 #[derive(Debug, Clone)]
 pub(super) struct Leaf {
-    pub(super) cell: Cell,
-    pub(super) net: Net,
+    pub(super) cell: FaceCell,
+    pub(super) net: BicubicNet,
 }
 
 /// A face at an irregular vertex.
 #[derive(Debug, Clone)]
 pub(super) struct Cap {
-    pub(super) cell: Cell,
-    pub(super) surface: Surface,
+    pub(super) cell: FaceCell,
+    pub(super) surface: BSplineSurface,
 }
 
 /// An irregular vertex, as seen from one of its sectors.
@@ -51,20 +51,20 @@ pub struct Isolated {
     /// Number of faces of the sector.
     pub faces: usize,
     /// The kind of the surface there.
-    pub kind: Kind,
+    pub kind: SectorKind,
     /// Number of levels of refinement before its caps.
     pub level: u32,
     /// Distance of the caps from the limit surface including rounding, in model units.
     pub deviation: f64,
     /// How the deviation was determined.
-    pub known: Known,
+    pub known: DeviationMethod,
     /// Whether tangent planes agree across the edges between its caps.
     pub is_tangent: bool,
 }
 
 /// The parts of a surface.
 #[derive(Debug, Default)]
-pub(super) struct Pieces {
+pub(super) struct SurfacePieces {
     pub(super) leaves: Vec<Leaf>,
     pub(super) caps: Vec<Cap>,
     pub(super) vertices: Vec<Isolated>,
@@ -75,14 +75,14 @@ pub(super) struct Pieces {
 
 /// The state of the isolation, to which each level adds pieces.
 struct Isolation<'a> {
-    request: &'a Request,
+    request: &'a SolidRequest,
     /// Largest permitted deviation, in model units.
     tolerance: f64,
     rounding: Rounding,
     refiner: &'a Refiner<'a>,
     /// Maximum number of leaves.
     most: usize,
-    pieces: Pieces,
+    pieces: SurfacePieces,
 }
 
 /// Smallest sine of the angle between the tangents at a smooth vertex. Half or twice of it matters only for meshes that
@@ -90,10 +90,10 @@ struct Isolation<'a> {
 const LEAST_SINE: f64 = 1e-9;
 
 /// Refuses a smooth vertex whose tangents do not span a plane.
-fn check_normal(sector: &Sector, surfaces: &[Surface]) -> Result<(), SolidError> {
+fn check_normal(sector: &Sector, surfaces: &[BSplineSurface]) -> Result<(), SolidError> {
     let [at, along_u, along_v] = surfaces[0].at([0.0; 2]);
     let longest = length(along_u).max(length(along_v));
-    if sector.kind != Kind::Smooth || length(cross(along_u, along_v)) > LEAST_SINE * longest * longest {
+    if sector.kind != SectorKind::Smooth || length(cross(along_u, along_v)) > LEAST_SINE * longest * longest {
         return Ok(());
     }
     let [x, y, z] = at;
@@ -113,11 +113,11 @@ fn check_normal(sector: &Sector, surfaces: &[Surface]) -> Result<(), SolidError>
 /// If that takes too many levels or faces, or the watch says stop.
 pub(super) fn isolate(
     (mut level, edges): (Level, Edges),
-    request: &Request,
+    request: &SolidRequest,
     (tolerance, rounding, most): (f64, Rounding, usize),
     refiner: &Refiner<'_>,
-) -> Result<Pieces, SolidError> {
-    let pieces = Pieces { edges, ..Pieces::default() };
+) -> Result<SurfacePieces, SolidError> {
+    let pieces = SurfacePieces { edges, ..SurfacePieces::default() };
     let mut isolation = Isolation { request, tolerance, rounding, refiner, most, pieces };
     for depth in 0..=request.max_level {
         refiner.watch.check()?;
@@ -218,7 +218,7 @@ impl Isolation<'_> {
         }
     }
 
-    fn cell(&mut self, level: &Level, half_edge: u32) -> Cell {
+    fn cell(&mut self, level: &Level, half_edge: u32) -> FaceCell {
         let sides: [u32; 4] = std::array::from_fn(|s| level.after(half_edge, s));
         for side in sides {
             let e = level.topology.edge(side);
@@ -226,7 +226,7 @@ impl Isolation<'_> {
                 self.pieces.edges.sharpen(level.edges[e as usize]);
             }
         }
-        Cell {
+        FaceCell {
             corners: sides.map(|side| level.vertices[level.topology.vertex(side) as usize]),
             sides: sides.map(|side| level.edges[level.topology.edge(side) as usize]),
             input: level.inputs[level.topology.face_of(half_edge)],
@@ -261,5 +261,5 @@ impl Isolation<'_> {
 /// Returns whether caps are possible in all faces of a sector.
 fn is_ready(level: &Level, sector: &Sector) -> bool {
     let lone = |&spoke: &u32| level.lone_irregular(index(level.topology.face_of(spoke))) == Some(spoke);
-    sector.kind != Kind::Undecided && sector.spokes.iter().all(lone)
+    sector.kind != SectorKind::Undecided && sector.spokes.iter().all(lone)
 }

@@ -1,7 +1,7 @@
 //! Limit positions of the vertices of a level.
 
 use super::level::Level;
-use super::sector::{Kind, Sector};
+use super::sector::{Sector, SectorKind};
 use crate::math::functions::real;
 use crate::math::vector::{Vector, plus, times};
 
@@ -18,20 +18,20 @@ impl Level {
         let sector = self.sector(half_edge);
         let own = self.start(half_edge);
         match sector.kind {
-            Kind::Corner | Kind::Cone | Kind::Undecided => own,
-            Kind::Crease => {
+            SectorKind::Corner | SectorKind::Cone | SectorKind::Undecided => own,
+            SectorKind::Crease => {
                 let v = self.topology.vertex(half_edge);
                 let ends = self.sharp_edges_at(half_edge);
                 let ends = ends.iter().map(|&e| self.points[self.topology.other_end(e as usize, v as usize) as usize]);
                 times(1.0 / 6.0, ends.fold(times(4.0, own), plus))
             }
-            Kind::Smooth => {
+            SectorKind::Smooth => {
                 let n = real(sector.spokes.len());
                 let sum = |steps: usize| sector.spokes.iter().map(move |&spoke| self.start(self.after(spoke, steps)));
                 let (edges, faces) = (sum(1).fold([0.0; 3], plus), sum(2).fold([0.0; 3], plus));
                 times(1.0 / (n * (n + 5.0)), plus(plus(times(n * n, own), times(4.0, edges)), faces))
             }
-            Kind::Dart => self.end_of_sharp_edge(&sector),
+            SectorKind::Dart => self.end_of_sharp_edge(&sector),
         }
     }
 

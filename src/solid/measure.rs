@@ -1,6 +1,6 @@
 //! Area and volume of faces, by Gauss quadrature on each of their polynomial pieces.
 
-use super::spline::Surface;
+use super::spline::BSplineSurface;
 use crate::math::functions::real;
 use crate::math::vector::{Vector, cross, dot, length, minus};
 
@@ -36,7 +36,7 @@ pub(super) struct Measure {
 
 impl Measure {
     /// Measures a surface; the apex of the cone is `origin`.
-    pub(super) fn of(surface: &Surface, origin: Vector) -> Self {
+    pub(super) fn of(surface: &BSplineSurface, origin: Vector) -> Self {
         let rule = if surface.degree > 3 { EIGHT } else { FIVE };
         let mut sum = Self::default();
         for (i, j) in (0..surface.spans[0]).flat_map(|i| (0..surface.spans[1]).map(move |j| (i, j))) {

@@ -26,11 +26,11 @@ mod spline;
 
 pub use brep::{Brep, Edge, Face, Shell};
 pub use build::{Solid, check, solid};
-pub use cap::Known;
+pub use cap::DeviationMethod;
 pub use certificate::Certificate;
 pub use error::SolidError;
-pub use forecast::{Cage, Forecast, operations};
+pub use forecast::{Cage, SolidForecast, operations};
 pub use isolate::Isolated;
-pub use request::{Continuity, Pack, Request};
-pub use sector::Kind;
-pub use spline::{Curve, Surface};
+pub use request::{Continuity, Pack, SolidRequest};
+pub use sector::SectorKind;
+pub use spline::{BSplineCurve, BSplineSurface};

@@ -4,7 +4,7 @@ use super::level::{Level, Sharpened};
 use crate::math::vector::{Vector, minus, plus, times};
 
 /// Points of a uniform bicubic B-spline, or of its Bezier form: `net[i][j]`, `i` along u, `j` along v.
-pub(super) type Net = [[Vector; 4]; 4];
+pub(super) type BicubicNet = [[Vector; 4]; 4];
 
 type Partial = [[Option<Vector>; 4]; 4];
 
@@ -20,9 +20,9 @@ fn moved(at: [usize; 2], by: [isize; 2], times: isize) -> Option<[usize; 2]> {
 }
 
 /// Returns the Bezier points over a cell of a uniform cubic B-spline: `B = C G C^T`.
-pub(super) fn bezier(net: &Net) -> Net {
-    let across: Net = std::array::from_fn(|i| row(net[i]));
-    let columns: Net = std::array::from_fn(|j| row(std::array::from_fn(|i| across[i][j])));
+pub(super) fn bezier(net: &BicubicNet) -> BicubicNet {
+    let across: BicubicNet = std::array::from_fn(|i| row(net[i]));
+    let columns: BicubicNet = std::array::from_fn(|j| row(std::array::from_fn(|i| across[i][j])));
     std::array::from_fn(|i| std::array::from_fn(|j| columns[j][i]))
 }
 
@@ -38,7 +38,7 @@ impl Level {
     /// Returns the control net of the face of a half-edge, whose start is the corner (0, 0) and whose side lies along
     /// u. Across infinitely sharp sides lie phantom points, `2 side - inside`. At the first corner, the point outside
     /// both sides is arbitrary if the corner is irregular.
-    pub(super) fn net(&self, half_edge: u32) -> Net {
+    pub(super) fn net(&self, half_edge: u32) -> BicubicNet {
         let mut net = Partial::default();
         let sides: [u32; 4] = std::array::from_fn(|s| self.after(half_edge, s));
         let open = sides.map(|side| self.edge_sharpened(self.topology.edge(side)) == Sharpened::Ever);

@@ -4,25 +4,25 @@ use std::collections::BTreeSet;
 
 use super::edges::Edges;
 use super::isolate::Leaf;
-use super::net::Net;
+use super::net::BicubicNet;
 use super::request::Pack;
 use crate::shape::topology::{NONE, index};
 
 /// Maximum number of cells along a side of a rectangle. Half as many make four times as many faces of large regular
 /// meshes; twice as many make faces of a megabyte, which readers take long to intersect.
-const MOST: usize = 64;
+const MAX_CELLS: usize = 64;
 
 /// A leaf in a rectangle, rotated so that the given corner comes first.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Placed {
+pub(super) struct PlacedLeaf {
     pub(super) leaf: u32,
     pub(super) corner: usize,
 }
 
 /// Rows of leaves, from v = 0 on, each along u.
-pub(super) type Rectangle = Vec<Vec<Placed>>;
+pub(super) type Rectangle = Vec<Vec<PlacedLeaf>>;
 
-impl Placed {
+impl PlacedLeaf {
     /// Returns the edge of a side: v = 0, u = 1, v = 1, u = 0.
     pub(super) fn side(self, leaves: &[Leaf], s: usize) -> u32 {
         leaves[self.leaf as usize].cell.sides[(self.corner + s) % 4]
@@ -34,8 +34,8 @@ impl Placed {
     }
 
     /// Returns the control net, rotated accordingly.
-    pub(super) fn net(self, leaves: &[Leaf]) -> Net {
-        let turned = |net: Net| std::array::from_fn(|i| std::array::from_fn(|j| net[3 - j][i]));
+    pub(super) fn net(self, leaves: &[Leaf]) -> BicubicNet {
+        let turned = |net: BicubicNet| std::array::from_fn(|i| std::array::from_fn(|j| net[3 - j][i]));
         (0..self.corner).fold(leaves[self.leaf as usize].net, |net, _| turned(net))
     }
 }
@@ -73,7 +73,7 @@ pub(super) fn rectangles(leaves: &[Leaf], edges: &Edges, pack: Pack, labels: &[u
 
 impl Packing<'_> {
     /// Returns the leaf across a side of another one, if both may be in one rectangle.
-    fn across(&self, at: Placed, s: usize) -> Option<Placed> {
+    fn across(&self, at: PlacedLeaf, s: usize) -> Option<PlacedLeaf> {
         let edge = at.side(self.leaves, s);
         let places = self.beside[edge as usize];
         let own = index(4 * at.leaf as usize + (at.corner + s) % 4);
@@ -88,7 +88,7 @@ impl Packing<'_> {
             Pack::Patch => self.label(a) == self.label(b),
         };
         // the side of the other leaf lies opposite to that of this one
-        alike.then_some(Placed { leaf: other / 4, corner: ((other % 4) as usize + 6 - s) % 4 })
+        alike.then_some(PlacedLeaf { leaf: other / 4, corner: ((other % 4) as usize + 6 - s) % 4 })
     }
 
     fn label(&self, input: u32) -> u32 {
@@ -97,7 +97,7 @@ impl Packing<'_> {
 
     /// Returns the rectangle that grows from a leaf.
     fn grown(&mut self, leaf: u32) -> Rectangle {
-        let first = Placed { leaf, corner: 0 };
+        let first = PlacedLeaf { leaf, corner: 0 };
         let mut rows: Rectangle = vec![vec![first]];
         self.used[leaf as usize] = true;
         let mut vertices: BTreeSet<u32> = self.leaves[leaf as usize].cell.corners.into_iter().collect();
@@ -121,20 +121,20 @@ impl Packing<'_> {
 
     /// Returns the leaves beyond a side of a rectangle, if they continue it and all vertices stay distinct; their
     /// vertices are added. Closed bands are cut, so that no face meets itself.
-    fn line(&self, rows: &Rectangle, s: usize, vertices: &mut BTreeSet<u32>) -> Option<Vec<Placed>> {
-        let across = |at: &Placed| self.across(*at, s);
+    fn line(&self, rows: &Rectangle, s: usize, vertices: &mut BTreeSet<u32>) -> Option<Vec<PlacedLeaf>> {
+        let across = |at: &PlacedLeaf| self.across(*at, s);
         let columns = rows[0].len();
-        let line: Vec<Placed> = match s {
+        let line: Vec<PlacedLeaf> = match s {
             1 => rows.iter().map(|row| across(&row[columns - 1])).collect::<Option<_>>()?,
             3 => rows.iter().map(|row| across(&row[0])).collect::<Option<_>>()?,
             2 => rows[rows.len() - 1].iter().map(across).collect::<Option<_>>()?,
             _ => rows[0].iter().map(across).collect::<Option<_>>()?,
         };
-        if (if s % 2 == 1 { columns } else { rows.len() }) >= MOST {
+        if (if s % 2 == 1 { columns } else { rows.len() }) >= MAX_CELLS {
             return None;
         }
         let [far, near] = if s % 2 == 1 { [2, 0] } else { [1, 3] };
-        let joined = |pair: &[Placed]| {
+        let joined = |pair: &[PlacedLeaf]| {
             let edge = pair[0].side(self.leaves, far);
             edge == pair[1].side(self.leaves, near) && !self.edges.is_sharp(edge)
         };

@@ -1,16 +1,16 @@
 //! Faces of a solid before their edges are merged.
 
-use super::edges::{Edges, Step};
+use super::edges::{Edges, SidePiece};
 use super::isolate::{Cap, Leaf};
 use super::pack::Rectangle;
-use super::spline::{Curve, Surface};
+use super::spline::{BSplineCurve, BSplineSurface};
 use crate::math::functions::real;
 
 /// A face with the pieces of its four sides, counter-clockwise from v = 0.
 #[derive(Debug, Clone)]
 pub(super) struct Patch {
-    pub(super) surface: Surface,
-    pub(super) sides: [Vec<Step>; 4],
+    pub(super) surface: BSplineSurface,
+    pub(super) sides: [Vec<SidePiece>; 4],
     /// The input faces from which it arose, ascending.
     pub(super) inputs: Vec<u32>,
     /// Whether it is exactly the limit surface.
@@ -53,7 +53,7 @@ impl Patch {
             rows.iter().flatten().map(|placed| leaves[placed.leaf as usize].cell.input).collect();
         inputs.sort_unstable();
         inputs.dedup();
-        Self { surface: Surface::of_uniform(&net), sides: [0, 1, 2, 3].map(side), inputs, is_exact: true }
+        Self { surface: BSplineSurface::of_uniform(&net), sides: [0, 1, 2, 3].map(side), inputs, is_exact: true }
     }
 
     /// Returns the face of a cap.
@@ -67,7 +67,7 @@ impl Patch {
     }
 
     /// Returns the boundary curves.
-    pub(super) fn curves(&self) -> [Curve; 4] {
+    pub(super) fn curves(&self) -> [BSplineCurve; 4] {
         [0, 1, 2, 3].map(|s| self.surface.side(s))
     }
 }

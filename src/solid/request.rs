@@ -22,7 +22,7 @@ pub enum Pack {
 
 /// The requested properties of a solid.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Request {
+pub struct SolidRequest {
     /// Largest distance from the limit surface, as a fraction of the largest side of the control mesh's bounding box.
     pub tolerance: f64,
     /// The continuity across the edges of caps.

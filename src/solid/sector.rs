@@ -5,7 +5,7 @@ use crate::shape::topology::NONE;
 
 /// The kind of the surface at a vertex, as seen from one sector.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Kind {
+pub enum SectorKind {
     /// Smooth, with faces all around.
     Smooth,
     /// A corner on a surface without sharp edges at it.
@@ -20,7 +20,7 @@ pub enum Kind {
     Undecided,
 }
 
-impl Kind {
+impl SectorKind {
     /// Returns the name in certificates.
     pub fn name(self) -> &'static str {
         match self {
@@ -42,7 +42,7 @@ pub(super) struct Sector {
     /// Whether no sharp edge bounds the sector.
     pub(super) is_closed: bool,
     /// The kind of the surface there.
-    pub(super) kind: Kind,
+    pub(super) kind: SectorKind,
 }
 
 impl Sector {
@@ -50,10 +50,10 @@ impl Sector {
     /// surface is bicubic.
     pub(super) fn is_regular(&self) -> bool {
         let regular = match self.kind {
-            Kind::Smooth => 4,
-            Kind::Crease => 2,
-            Kind::Corner => 1,
-            Kind::Cone | Kind::Dart | Kind::Undecided => return false,
+            SectorKind::Smooth => 4,
+            SectorKind::Crease => 2,
+            SectorKind::Corner => 1,
+            SectorKind::Cone | SectorKind::Dart | SectorKind::Undecided => return false,
         };
         self.spokes.len() == regular
     }
@@ -111,20 +111,20 @@ impl Level {
         })
     }
 
-    fn kind(&self, half_edge: u32, is_closed: bool) -> Kind {
+    fn kind(&self, half_edge: u32, is_closed: bool) -> SectorKind {
         let v = self.topology.vertex(half_edge);
         let own = self.vertex_sharpened(v);
         let semi = |e| self.edge_sharpened(e) == Sharpened::Semi;
         if own == Sharpened::Semi || self.edges_at(v as usize).any(semi) {
-            return Kind::Undecided;
+            return SectorKind::Undecided;
         }
         let fixed = own == Sharpened::Ever;
         match (is_closed, fixed, self.sharp_edges_at(half_edge).len()) {
-            (true, false, _) => Kind::Smooth,
-            (true, true, _) => Kind::Cone,
-            (false, true, _) | (false, false, 3..) => Kind::Corner,
-            (false, false, 2) => Kind::Crease,
-            (false, false, _) => Kind::Dart,
+            (true, false, _) => SectorKind::Smooth,
+            (true, true, _) => SectorKind::Cone,
+            (false, true, _) | (false, false, 3..) => SectorKind::Corner,
+            (false, false, 2) => SectorKind::Crease,
+            (false, false, _) => SectorKind::Dart,
         }
     }
 
@@ -155,7 +155,7 @@ impl Level {
         let (mut found, mut is_smooth) = (None, true);
         for half_edge in half_edges {
             let sector = self.sector(half_edge);
-            if sector.kind == Kind::Undecided || !self.is_of_quads(&sector) {
+            if sector.kind == SectorKind::Undecided || !self.is_of_quads(&sector) {
                 return None;
             }
             if sector.is_regular() {
@@ -164,6 +164,6 @@ impl Level {
                 return None;
             }
         }
-        found.filter(|&(_, kind)| is_smooth || kind != Kind::Smooth).map(|(half_edge, _)| half_edge)
+        found.filter(|&(_, kind)| is_smooth || kind != SectorKind::Smooth).map(|(half_edge, _)| half_edge)
     }
 }

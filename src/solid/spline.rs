@@ -1,15 +1,15 @@
 //! B-spline curves and surfaces with clamped ends and single inner knots.
 
-use super::net::Net;
+use super::net::BicubicNet;
 use crate::math::functions::real;
 use crate::math::vector::{Vector, plus, times};
 
 /// Maximum degree of a surface.
-const MOST: usize = 5;
+const MAX_DEGREE: usize = 5;
 
 /// A B-spline curve.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Curve {
+pub struct BSplineCurve {
     /// The degree.
     pub degree: usize,
     /// Its knots, ascending: the first and the last have multiplicity `degree + 1`, the others 1.
@@ -20,7 +20,7 @@ pub struct Curve {
 
 /// A tensor-product B-spline surface over `0..spans[0] x 0..spans[1]`, with a knot at each whole number.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Surface {
+pub struct BSplineSurface {
     /// The degree in both directions.
     pub degree: usize,
     /// Number of pieces along u and v.
@@ -33,7 +33,7 @@ fn between(t: f64, a: Vector, b: Vector) -> Vector {
     plus(times(1.0 - t, a), times(t, b))
 }
 
-impl Curve {
+impl BSplineCurve {
     /// Returns all knots with their multiplicities.
     fn full(&self) -> Vec<f64> {
         let (first, last) = (self.knots[0], self.knots[self.knots.len() - 1]);
@@ -85,7 +85,7 @@ impl Curve {
     }
 }
 
-impl Surface {
+impl BSplineSurface {
     /// Returns the Bezier surface of some control points.
     pub(super) fn bezier<const N: usize>(points: &[[Vector; N]; N]) -> Self {
         Self { degree: N - 1, spans: [1, 1], points: points.iter().map(|row| row.to_vec()).collect() }
@@ -115,7 +115,7 @@ impl Surface {
     }
 
     /// Returns a boundary curve; counter-clockwise: v = 0, u at its end, v at its end backwards, u = 0 backwards.
-    pub(super) fn side(&self, side: usize) -> Curve {
+    pub(super) fn side(&self, side: usize) -> BSplineCurve {
         let column = |j: usize| self.points.iter().map(|row| row[j]).collect::<Vec<_>>();
         let (last, n) = (self.points.len() - 1, self.spans[1] + self.degree - 1);
         let mut points = match side {
@@ -127,7 +127,7 @@ impl Surface {
         if side > 1 {
             points.reverse();
         }
-        Curve { degree: self.degree, knots: self.knots(side % 2), points }
+        BSplineCurve { degree: self.degree, knots: self.knots(side % 2), points }
     }
 
     /// Returns the length of the parameter range along a side.
@@ -163,17 +163,17 @@ impl Surface {
 
     /// Returns the first control point with an influence at a parameter, and the basis functions with their
     /// derivatives.
-    fn basis(&self, direction: usize, t: f64) -> (usize, [[f64; MOST + 1]; 2]) {
+    fn basis(&self, direction: usize, t: f64) -> (usize, [[f64; MAX_DEGREE + 1]; 2]) {
         let (spans, d) = (self.spans[direction], self.degree);
         let span = (1..spans).take_while(|&knot| t >= real(knot)).count();
         // knots are whole numbers between 0 and the number of pieces
         let knot = |i: usize| real((span + i).saturating_sub(d).min(spans));
-        let mut values = [0.0; MOST + 1];
+        let mut values = [0.0; MAX_DEGREE + 1];
         let mut lower = values;
         values[0] = 1.0;
         for degree in 1..=d {
             lower = values;
-            values = [0.0; MOST + 1];
+            values = [0.0; MAX_DEGREE + 1];
             for r in 0..degree {
                 let (left, right) = (knot(d + 1 + r - degree), knot(d + 1 + r));
                 let share = lower[r] / (right - left);
@@ -181,7 +181,7 @@ impl Surface {
                 values[r + 1] += (t - left) * share;
             }
         }
-        let mut slopes = [0.0; MOST + 1];
+        let mut slopes = [0.0; MAX_DEGREE + 1];
         for r in 0..d {
             let slope = real(d) * lower[r] / (knot(d + 1 + r - d) - knot(d + 1 + r)).abs();
             slopes[r] -= slope;
@@ -204,6 +204,6 @@ fn clamped(points: &[Vector]) -> Vec<Vector> {
 }
 
 /// Returns the Bezier surface of a cell.
-pub(super) fn of_cell(net: &Net) -> Surface {
-    Surface::bezier(&super::net::bezier(net))
+pub(super) fn of_cell(net: &BicubicNet) -> BSplineSurface {
+    BSplineSurface::bezier(&super::net::bezier(net))
 }

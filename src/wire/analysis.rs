@@ -28,7 +28,7 @@ use super::{object, whole};
 use crate::fault::{Fault, under};
 use crate::input::ReadLimits;
 use crate::job::{
-    Analysis, Around, Findings, Form, Input, Inquiry, SchemeFindings, SurfaceAnalysis, TubeAnalysis, Wishes,
+    AnalysedVertices, Analysis, Findings, Form, Input, Inquiry, SchemeFindings, SurfaceAnalysis, TubeAnalysis, Wishes,
     is_for_meshes,
 };
 use crate::watch::{Stopped, Watch};
@@ -143,7 +143,7 @@ impl AnalysisRequest {
             let detail = format!("{why}; leave it out, or the valences, and ask about a scheme for curves");
             return Err(vec![Fault::new(format!("/{name}"), detail)]);
         }
-        let around = Around { valences: valences.as_deref(), boundaries: boundaries.as_deref() };
+        let around = AnalysedVertices { valences: valences.as_deref(), boundaries: boundaries.as_deref() };
         let surface = SurfaceAnalysis::new(&plan, around, nodes, input, watch);
         surface.map(|surface| Inquiry::Surface(Box::new(surface)))
     }

@@ -8,11 +8,11 @@ use serde_json::value::RawValue;
 use super::batch_standing::ended;
 use crate::job::key::Key;
 use crate::service::batches::{Axis, Batch, Layout};
-use crate::service::jobs::{Made, State};
+use crate::service::jobs::{JobState, OutputResult};
 
 /// Maximum number of characters that a file name takes over from the name of an output. Half as many would cut names
 /// that people choose; twice as many would make paths too long for some systems.
-const MOST_LETTERS: usize = 80;
+const MAX_LETTERS: usize = 80;
 /// File names that some systems reserve for devices, with any extension.
 const DEVICES: [&str; 4] = ["con", "prn", "aux", "nul"];
 
@@ -108,8 +108,8 @@ fn item<'a>(batch: &'a Batch, at: usize, files: &mut Vec<ArchiveFile>) -> ItemEn
     let (mut taken, mut outputs) = (BTreeSet::new(), Vec::new());
     for (product, made) in item.ending.iter().flat_map(|ending| &ending.outputs) {
         let (bytes, error) = match made {
-            Some(Made::Done { bytes, .. }) => (Some(*bytes), None),
-            Some(Made::Failed(reason)) => (None, Some(reason.as_str())),
+            Some(OutputResult::Done { bytes, .. }) => (Some(*bytes), None),
+            Some(OutputResult::Failed(reason)) => (None, Some(reason.as_str())),
             None => (None, None),
         };
         let file = bytes.map(|bytes| {
@@ -120,8 +120,8 @@ fn item<'a>(batch: &'a Batch, at: usize, files: &mut Vec<ArchiveFile>) -> ItemEn
         let (name, format, key) = (product.name.as_str(), product.format.name(), product.key.to_string());
         outputs.push(OutputEntry { name, format, key, file, bytes, error });
     }
-    let state = item.ending.as_ref().map_or(&State::Active, |ending| &ending.state);
-    let error = if let State::Failed(reason) = state { Some(reason.as_str()) } else { None };
+    let state = item.ending.as_ref().map_or(&JobState::Active, |ending| &ending.state);
+    let error = if let JobState::Failed(reason) = state { Some(reason.as_str()) } else { None };
     let coordinates = batch.request.layout.coordinates(at);
     ItemEntry {
         index: at,
@@ -137,7 +137,7 @@ fn item<'a>(batch: &'a Batch, at: usize, files: &mut Vec<ArchiveFile>) -> ItemEn
 fn unique(name: &str, extension: &str, taken: &mut BTreeSet<String>) -> String {
     let stem = name.strip_suffix(extension).and_then(|name| name.strip_suffix('.')).unwrap_or(name);
     let safe = |letter: char| if letter.is_ascii_alphanumeric() || "-_.".contains(letter) { letter } else { '_' };
-    let stem: String = stem.chars().take(MOST_LETTERS).map(safe).collect();
+    let stem: String = stem.chars().take(MAX_LETTERS).map(safe).collect();
     let stem = stem.trim_matches('.');
     let small = stem.to_ascii_lowercase();
     let first = small.split('.').next().unwrap_or_default();

@@ -13,11 +13,11 @@ use super::object;
 use super::posted::PostedJob;
 use super::read::{ReadError, read};
 use crate::fault::{Fault, shortened, token};
-use crate::service::batches::{Axis, Layout, Piece};
+use crate::service::batches::{Axis, Layout, TemplatePiece};
 
 /// Maximum number of axes of a grid. Half as many are what a figure shows at once; twice as many, with two values each,
 /// give more jobs than any server accepts.
-const MOST_AXES: usize = 8;
+const MAX_AXES: usize = 8;
 
 /// A batch: a list of jobs, or a template and a grid.
 #[derive(Debug, Clone, Deserialize, ToSchema)]
@@ -77,8 +77,8 @@ pub fn layout(text: &Bytes) -> Result<Layout, ReadError> {
         (Some(jobs), None, None) if jobs.is_empty() => Err(unfit("/jobs", "there is no job in it; give one at least")),
         (Some(jobs), None, None) => Ok(Layout::List(jobs.into_iter().map(range).collect())),
         (None, Some(_), Some([])) => Err(unfit("/grid", "there is no axis in it; give one at least")),
-        (None, Some(_), Some(grid)) if grid.len() > MOST_AXES => {
-            let detail = format!("{} axes; a grid has at most {MOST_AXES}; join some into values of one", grid.len());
+        (None, Some(_), Some(grid)) if grid.len() > MAX_AXES => {
+            let detail = format!("{} axes; a grid has at most {MAX_AXES}; join some into values of one", grid.len());
             Err(unfit("/grid", &detail))
         }
         (None, Some(template), Some(grid)) => {
@@ -132,15 +132,15 @@ fn gridded(text: &[u8], template: &RawValue, axes: Vec<Axis>) -> Result<Layout, 
     let whole = range(text, template.get());
     let (mut pieces, mut from) = (Vec::new(), whole.start);
     for (at, edit) in edits.iter().enumerate() {
-        pieces.extend([Piece::Text(from..edit.replaced.start), Piece::Written(edit.before.clone())]);
-        pieces.push(Piece::Value(edit.axis));
+        pieces.extend([TemplatePiece::Text(from..edit.replaced.start), TemplatePiece::Written(edit.before.clone())]);
+        pieces.push(TemplatePiece::Value(edit.axis));
         let is_last_there = edits.get(at + 1).is_none_or(|next| next.replaced.start != edit.replaced.start);
         if edit.replaced.is_empty() && !(edit.in_empty && is_last_there) {
-            pieces.push(Piece::Written(",".to_owned()));
+            pieces.push(TemplatePiece::Written(",".to_owned()));
         }
         from = edit.replaced.end;
     }
-    pieces.push(Piece::Text(from..whole.end));
+    pieces.push(TemplatePiece::Text(from..whole.end));
     Ok(Layout::Grid { template: pieces, axes })
 }
 

@@ -4,8 +4,8 @@ use serde::Serialize;
 use utoipa::ToSchema;
 
 use super::standing::{OutputAnswer, state, warnings};
-use crate::service::batches::{BatchStanding, Counts};
-use crate::service::jobs::{Phase, Product, State};
+use crate::service::batches::{BatchStanding, PhaseCounts};
+use crate::service::jobs::{JobPhase, JobState, Product};
 
 /// How a batch stands.
 #[derive(Debug, Clone, Serialize, ToSchema)]
@@ -108,7 +108,7 @@ impl BatchAnswer {
     pub fn brief(standing: &BatchStanding) -> Self {
         let (batch, id) = (&standing.batch, standing.batch.batch.id);
         let error = match &standing.phase {
-            Phase::Failed(reason) => Some(reason.clone()),
+            JobPhase::Failed(reason) => Some(reason.clone()),
             _ => None,
         };
         Self {
@@ -140,7 +140,7 @@ impl BatchProgress {
 
 impl CountsAnswer {
     fn new(standing: &BatchStanding) -> Self {
-        let Counts { queued, running, done, failed, cancelled, hits } = standing.counts;
+        let PhaseCounts { queued, running, done, failed, cancelled, hits } = standing.counts;
         let total = standing.batch.items.len() as u64;
         Self { total, queued, running, done, failed, cancelled, cache_hits: hits }
     }
@@ -164,7 +164,7 @@ impl ItemAnswer {
             (None, None) => ("queued", Vec::new(), Vec::new()),
         };
         let error = match item.ending.as_ref().map(|ending| &ending.state) {
-            Some(State::Failed(reason)) => Some(reason.clone()),
+            Some(JobState::Failed(reason)) => Some(reason.clone()),
             _ => None,
         };
         let coordinates = standing.batch.request.layout.coordinates(at);
@@ -183,11 +183,11 @@ impl ItemAnswer {
 }
 
 /// Returns the name of the final state of a job; "running" if it is still active.
-pub fn ended(state: &State) -> &'static str {
+pub fn ended(state: &JobState) -> &'static str {
     match state {
-        State::Active => "running",
-        State::Done => "done",
-        State::Failed(_) => "failed",
-        State::Cancelled => "cancelled",
+        JobState::Active => "running",
+        JobState::Done => "done",
+        JobState::Failed(_) => "failed",
+        JobState::Cancelled => "cancelled",
     }
 }

@@ -7,7 +7,7 @@ use serde_json::{Value, json};
 use utoipa::ToSchema;
 
 use crate::input::{READERS, Reader};
-use crate::math::parameter::{Default, Kind, Parameter};
+use crate::math::parameter::{Default, Parameter, ParameterKind};
 use crate::output::{FORMATS, Format, ShapeKind};
 use crate::scheme::claim::Claim;
 use crate::scheme::operator::Operator;
@@ -188,26 +188,28 @@ fn number(x: f64) -> Value {
     if x.fract() == 0.0 && x.abs() < 1e15 { json!(x as i64) } else { json!(x) }
 }
 
-fn bounds(kind: &Kind) -> BoundsEntry {
+fn bounds(kind: &ParameterKind) -> BoundsEntry {
     let bound = |x: f64| Some(if x.is_finite() { number(x) } else { Value::Null });
     let of = |kind| BoundsEntry { kind, ..BoundsEntry::default() };
     match kind {
-        Kind::Number { min, max } => BoundsEntry { min: bound(*min), max: bound(*max), ..of("number") },
-        Kind::Integer { min, max } => BoundsEntry { min: Some(json!(min)), max: Some(json!(max)), ..of("integer") },
-        Kind::Flag => of("flag"),
-        Kind::Choice(names) => BoundsEntry { choices: Some(names), ..of("choice") },
-        Kind::Name => of("name"),
-        Kind::Choices(names) => BoundsEntry { choices: Some(names), ..of("choices") },
-        Kind::Expression { variable } => BoundsEntry { variable: Some(variable), ..of("expression") },
-        Kind::Expressions { variable, most } => {
+        ParameterKind::Number { min, max } => BoundsEntry { min: bound(*min), max: bound(*max), ..of("number") },
+        ParameterKind::Integer { min, max } => {
+            BoundsEntry { min: Some(json!(min)), max: Some(json!(max)), ..of("integer") }
+        }
+        ParameterKind::Flag => of("flag"),
+        ParameterKind::Choice(names) => BoundsEntry { choices: Some(names), ..of("choice") },
+        ParameterKind::Name => of("name"),
+        ParameterKind::Choices(names) => BoundsEntry { choices: Some(names), ..of("choices") },
+        ParameterKind::Expression { variable } => BoundsEntry { variable: Some(variable), ..of("expression") },
+        ParameterKind::Expressions { variable, most } => {
             BoundsEntry { variable: Some(variable), most: Some(*most), ..of("expressions") }
         }
-        Kind::Numbers { most } => BoundsEntry { most: Some(*most), ..of("numbers") },
-        Kind::Color => of("color"),
-        Kind::Vector => of("vector"),
-        Kind::Direction => of("direction"),
-        Kind::Group(fields) => BoundsEntry { fields: Some(ParameterEntry::all(fields)), ..of("group") },
-        Kind::Groups { fields, most } => {
+        ParameterKind::Numbers { most } => BoundsEntry { most: Some(*most), ..of("numbers") },
+        ParameterKind::Color => of("color"),
+        ParameterKind::Vector => of("vector"),
+        ParameterKind::Direction => of("direction"),
+        ParameterKind::Group(fields) => BoundsEntry { fields: Some(ParameterEntry::all(fields)), ..of("group") },
+        ParameterKind::Groups { fields, most } => {
             BoundsEntry { fields: Some(ParameterEntry::all(fields)), most: Some(*most), ..of("groups") }
         }
     }

@@ -131,7 +131,7 @@ impl<'de> Visitor<'de> for RowsVisitor {
 
     fn visit_seq<A: SeqAccess<'de>>(self, mut list: A) -> Result<ChannelRows, A::Error> {
         let mut rows = ChannelRows { width: 1, values: Vec::new() };
-        while let Some(row) = list.next_element::<Row>()? {
+        while let Some(row) = list.next_element::<ChannelEntry>()? {
             let n = row.n;
             if rows.values.is_empty() {
                 rows.width = n;
@@ -149,12 +149,12 @@ impl<'de> Visitor<'de> for RowsVisitor {
 
 /// One entry of a channel: a number, or a list of 1 to 4 numbers.
 #[derive(Default)]
-struct Row {
+struct ChannelEntry {
     numbers: [f64; MAX_WIDTH],
     n: usize,
 }
 
-impl<'de> Deserialize<'de> for Row {
+impl<'de> Deserialize<'de> for ChannelEntry {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
         deserializer.deserialize_any(RowVisitor)
     }
@@ -163,28 +163,28 @@ impl<'de> Deserialize<'de> for Row {
 struct RowVisitor;
 
 impl<'de> Visitor<'de> for RowVisitor {
-    type Value = Row;
+    type Value = ChannelEntry;
 
     fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "a number or a list of 1 to {MAX_WIDTH} numbers")
     }
 
-    fn visit_f64<E: Error>(self, value: f64) -> Result<Row, E> {
-        Ok(Row { numbers: [value, 0.0, 0.0, 0.0], n: 1 })
+    fn visit_f64<E: Error>(self, value: f64) -> Result<ChannelEntry, E> {
+        Ok(ChannelEntry { numbers: [value, 0.0, 0.0, 0.0], n: 1 })
     }
 
     #[expect(clippy::cast_precision_loss, reason = "JSON knows one kind of number, f64")]
-    fn visit_i64<E: Error>(self, value: i64) -> Result<Row, E> {
+    fn visit_i64<E: Error>(self, value: i64) -> Result<ChannelEntry, E> {
         self.visit_f64(value as f64)
     }
 
     #[expect(clippy::cast_precision_loss, reason = "JSON knows one kind of number, f64")]
-    fn visit_u64<E: Error>(self, value: u64) -> Result<Row, E> {
+    fn visit_u64<E: Error>(self, value: u64) -> Result<ChannelEntry, E> {
         self.visit_f64(value as f64)
     }
 
-    fn visit_seq<A: SeqAccess<'de>>(self, mut list: A) -> Result<Row, A::Error> {
-        let mut row = Row::default();
+    fn visit_seq<A: SeqAccess<'de>>(self, mut list: A) -> Result<ChannelEntry, A::Error> {
+        let mut row = ChannelEntry::default();
         while let Some(number) = list.next_element::<f64>()? {
             let Some(slot) = row.numbers.get_mut(row.n) else {
                 return Err(A::Error::custom(format!("more than {MAX_WIDTH} numbers")));

@@ -4,7 +4,7 @@ use utoipa::openapi::schema::AdditionalProperties;
 use utoipa::openapi::{Array, ArrayBuilder, Object, ObjectBuilder, OneOfBuilder, RefOr, Schema, Type};
 
 use super::schema::{COLOR_PATTERN, literal, of};
-use crate::math::parameter::{Default, Kind, MAX_NAME, Parameter};
+use crate::math::parameter::{Default, MAX_NAME, Parameter, ParameterKind};
 
 /// Adds a property for each declared parameter to the schema of an object.
 pub(super) fn with_all(object: ObjectBuilder, declared: &[Parameter]) -> ObjectBuilder {
@@ -42,29 +42,29 @@ fn described(parameter: &Parameter) -> RefOr<Schema> {
 }
 
 /// Returns the schema of the values that a kind of parameter accepts.
-pub(super) fn value(kind: &Kind, doc: Option<&str>) -> RefOr<Schema> {
+pub(super) fn value(kind: &ParameterKind, doc: Option<&str>) -> RefOr<Schema> {
     match kind {
-        Kind::Number { min, max } => number(*min, *max).description(doc).into(),
-        Kind::Integer { min, max } => {
+        ParameterKind::Number { min, max } => number(*min, *max).description(doc).into(),
+        ParameterKind::Integer { min, max } => {
             of(Type::Integer).minimum(Some(whole(*min))).maximum(Some(whole(*max))).description(doc).into()
         }
-        Kind::Flag => of(Type::Boolean).description(doc).into(),
-        Kind::Choice(names) => one_of(names).description(doc).into(),
-        Kind::Name => of(Type::String).min_length(Some(1)).max_length(Some(MAX_NAME)).description(doc).into(),
-        Kind::Choices(names) => {
+        ParameterKind::Flag => of(Type::Boolean).description(doc).into(),
+        ParameterKind::Choice(names) => one_of(names).description(doc).into(),
+        ParameterKind::Name => of(Type::String).min_length(Some(1)).max_length(Some(MAX_NAME)).description(doc).into(),
+        ParameterKind::Choices(names) => {
             let list = ArrayBuilder::new().items(one_of(names)).unique_items(true);
             list.max_items(Some(names.len())).description(doc).into()
         }
-        Kind::Expression { .. } => any_number().description(doc).into(),
-        Kind::Expressions { most, .. } => {
+        ParameterKind::Expression { .. } => any_number().description(doc).into(),
+        ParameterKind::Expressions { most, .. } => {
             let either = OneOfBuilder::new().item(any_number()).item(numbers(1, *most));
             either.description(doc).into()
         }
-        Kind::Numbers { most } => described_list(numbers(1, *most), doc),
-        Kind::Vector | Kind::Direction => described_list(numbers(3, 3), doc),
-        Kind::Color => of(Type::String).pattern(Some(COLOR_PATTERN)).description(doc).into(),
-        Kind::Group(fields) => object(fields).description(doc).into(),
-        Kind::Groups { fields, most } => {
+        ParameterKind::Numbers { most } => described_list(numbers(1, *most), doc),
+        ParameterKind::Vector | ParameterKind::Direction => described_list(numbers(3, 3), doc),
+        ParameterKind::Color => of(Type::String).pattern(Some(COLOR_PATTERN)).description(doc).into(),
+        ParameterKind::Group(fields) => object(fields).description(doc).into(),
+        ParameterKind::Groups { fields, most } => {
             let list = ArrayBuilder::new().items(object(fields));
             list.min_items(Some(1)).max_items(Some(*most)).description(doc).into()
         }

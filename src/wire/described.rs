@@ -12,10 +12,10 @@ use crate::math::amounts::in_bytes;
 
 /// Maximum length of a description in bytes. Programs that show a picture read it as a whole: half of it would refuse
 /// meshes of some five thousand vertices, twice of it would let pictures be mostly text.
-const MOST_BYTES: usize = 1 << 20;
+const MAX_BYTES: usize = 1 << 20;
 /// Maximum length in bytes of the request that is described, with blanks and other outputs. Half or twice of it would
 /// read half or twice as much of a request that is refused afterwards.
-const MOST_SOURCE: usize = 4 * MOST_BYTES;
+const MAX_SOURCE: usize = 4 * MAX_BYTES;
 
 /// The description of a job within its artifact.
 #[derive(Debug, Clone, Deserialize)]
@@ -37,8 +37,8 @@ pub(super) fn description(source: Option<&str>, mut output: Map<String, Value>) 
     let source = source.ok_or_else(|| {
         fault("the job has files beside its own that would have to be told as well; leave it out".to_owned())
     })?;
-    if source.len() > MOST_SOURCE {
-        return Err(too_long(source.len(), MOST_SOURCE));
+    if source.len() > MAX_SOURCE {
+        return Err(too_long(source.len(), MAX_SOURCE));
     }
     let mut job: Map<String, Value> = serde_json::from_str(source).map_err(|error| fault(error.to_string()))?;
     job.remove("spec");
@@ -47,7 +47,7 @@ pub(super) fn description(source: Option<&str>, mut output: Map<String, Value>) 
     let mut said = json!({ "results_version": RESULTS_VERSION, "job": job });
     said.sort_all_objects();
     let text = ascii(&said.to_string());
-    if text.len() > MOST_BYTES { Err(too_long(text.len(), MOST_BYTES)) } else { Ok(text.into()) }
+    if text.len() > MAX_BYTES { Err(too_long(text.len(), MAX_BYTES)) } else { Ok(text.into()) }
 }
 
 fn too_long(length: usize, most: usize) -> Fault {

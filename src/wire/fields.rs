@@ -8,7 +8,7 @@ use super::input::InputRequest;
 use super::output::{DESCRIBE, FRAME};
 use super::plan::PlanRequest;
 use super::written::{number, numbers, object, written};
-use crate::math::parameter::{Kind, Parameter};
+use crate::math::parameter::{Parameter, ParameterKind};
 use crate::output::{FORMATS, description};
 
 /// The input field that names an upload. Flags and queries leave it out, because they accompany a mesh file.
@@ -16,7 +16,7 @@ const UPLOAD: &str = "blob";
 
 /// The part of a job that has a field.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Part {
+pub(crate) enum FieldSection {
     /// `input`.
     Input,
     /// `plan`.
@@ -25,7 +25,7 @@ pub(crate) enum Part {
 
 /// The values that a field accepts.
 #[derive(Debug, Clone, PartialEq)]
-pub(crate) enum Takes {
+pub(crate) enum FieldValues {
     /// `true` or `false`.
     Flag,
     /// A text; one of these if the list is not empty.
@@ -44,13 +44,13 @@ pub(crate) enum Takes {
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Field {
     /// The part of the job that has the field.
-    pub(crate) part: Part,
+    pub(crate) part: FieldSection,
     /// The name.
     pub(crate) name: String,
     /// The description.
     pub(crate) doc: String,
     /// The values that the field accepts.
-    pub(crate) takes: Takes,
+    pub(crate) takes: FieldValues,
 }
 
 /// An option of outputs, with the declaration of each format that has it.
@@ -66,10 +66,12 @@ impl Field {
     /// Converts a text to the JSON value of the field.
     pub(crate) fn value(&self, text: &str) -> Value {
         match &self.takes {
-            Takes::Text(_) => text.into(),
-            Takes::Flag | Takes::Number | Takes::Scalar => text.parse().map_or_else(|_| number(text), Value::Bool),
-            Takes::Numbers => numbers(text),
-            Takes::Object(fields) => object(text, |name, text| {
+            FieldValues::Text(_) => text.into(),
+            FieldValues::Flag | FieldValues::Number | FieldValues::Scalar => {
+                text.parse().map_or_else(|_| number(text), Value::Bool)
+            }
+            FieldValues::Numbers => numbers(text),
+            FieldValues::Object(fields) => object(text, |name, text| {
                 let known = fields.iter().find(|field| field.name == name);
                 known.map_or_else(|| number(text), |field| field.value(text))
             }),
@@ -79,7 +81,7 @@ impl Field {
 
 impl OutputField {
     /// Returns the kind of the option; declarations of one name differ in their bounds only.
-    pub(crate) fn kind(&self) -> &'static Kind {
+    pub(crate) fn kind(&self) -> &'static ParameterKind {
         &self.declared[0].1.kind
     }
 
@@ -93,7 +95,7 @@ impl OutputField {
 /// such values, in their order.
 pub(crate) fn fields() -> Vec<Field> {
     let is_short = |field: &Field| field.name != UPLOAD;
-    let all = [of::<InputRequest>(Part::Input), of::<PlanRequest>(Part::Plan)].concat();
+    let all = [of::<InputRequest>(FieldSection::Input), of::<PlanRequest>(FieldSection::Plan)].concat();
     all.into_iter().filter(is_short).collect()
 }
 
@@ -114,7 +116,7 @@ pub(crate) fn output_fields() -> Vec<OutputField> {
 }
 
 /// Returns the fields of a part that a short text can give.
-fn of<T: ToSchema>(part: Part) -> Vec<Field> {
+fn of<T: ToSchema>(part: FieldSection) -> Vec<Field> {
     let mut referred = Vec::new();
     T::schemas(&mut referred);
     let json = |schema| serde_json::to_value(schema).unwrap_or_default();
@@ -125,7 +127,7 @@ fn of<T: ToSchema>(part: Part) -> Vec<Field> {
 }
 
 /// Returns the fields among `declared` that a short text can give; `referred` holds the schemas that they refer to.
-fn simple(part: Part, declared: Vec<(String, Value)>, referred: &[(String, Value)]) -> Vec<Field> {
+fn simple(part: FieldSection, declared: Vec<(String, Value)>, referred: &[(String, Value)]) -> Vec<Field> {
     let mut found = Vec::new();
     for (name, schema) in declared {
         let mut met = Met { doc: None, types: Vec::new(), choices: Vec::new(), inner: None };
@@ -178,17 +180,19 @@ impl Met {
     }
 
     /// Returns the values that a field of these types accepts; `None` if a short text cannot give them.
-    fn takes(&self, inner: Option<Vec<Field>>) -> Option<Takes> {
+    fn takes(&self, inner: Option<Vec<Field>>) -> Option<FieldValues> {
         let mut types: Vec<&str> = self.types.iter().map(String::as_str).filter(|name| *name != "null").collect();
         types.dedup();
         match types.as_slice() {
-            ["boolean"] => Some(Takes::Flag),
-            ["string"] => Some(Takes::Text(self.choices.clone())),
-            ["number"] => Some(Takes::Number),
-            ["object"] => inner.map(Takes::Object),
-            ["array", "string"] => Some(Takes::Numbers),
+            ["boolean"] => Some(FieldValues::Flag),
+            ["string"] => Some(FieldValues::Text(self.choices.clone())),
+            ["number"] => Some(FieldValues::Number),
+            ["object"] => inner.map(FieldValues::Object),
+            ["array", "string"] => Some(FieldValues::Numbers),
             [] => None,
-            types if types.iter().all(|name| ["boolean", "number", "integer"].contains(name)) => Some(Takes::Scalar),
+            types if types.iter().all(|name| ["boolean", "number", "integer"].contains(name)) => {
+                Some(FieldValues::Scalar)
+            }
             _ => None,
         }
     }

@@ -6,7 +6,7 @@ use crate::drawing::{Label, Weight};
 use crate::fault::{Fault, under};
 use crate::job::{Output, panel_place};
 use crate::math::parameter::Literal;
-use crate::output::figure::{Cell, Grid, MAX_COLUMNS, MAX_PANELS, MAX_TEXT, Sheet};
+use crate::output::figure::{Grid, MAX_COLUMNS, MAX_PANELS, MAX_TEXT, PanelCell, Sheet};
 
 /// The request of a panel without its job.
 #[derive(Debug)]
@@ -125,7 +125,7 @@ fn overlay_faults(i: usize, panel: &Panel) -> Vec<Fault> {
 }
 
 /// Returns the cell of panel `i`, and the output that it shows.
-fn cell(i: usize, panel: &Panel, columns: u32) -> Result<(Cell, OutputRequest), Vec<Fault>> {
+fn cell(i: usize, panel: &Panel, columns: u32) -> Result<(PanelCell, OutputRequest), Vec<Fault>> {
     let mut faults = overlay_faults(i, panel);
     let [across, down] = panel.span.unwrap_or([1, 1]);
     if !(1..=u64::from(columns)).contains(&across) || !(1..=u64::from(MAX_COLUMNS)).contains(&down) {
@@ -159,7 +159,7 @@ fn cell(i: usize, panel: &Panel, columns: u32) -> Result<(Cell, OutputRequest), 
             let side = |name: &str| found.options.integer(name).and_then(|side| u32::try_from(side).ok()).unwrap_or(1);
             let span = [across, down].map(|n| u32::try_from(n).unwrap_or(1));
             let caption = panel.caption.clone();
-            Ok((Cell { span, proportion: ["width", "height"].map(side), caption, layers: 1 }, shown))
+            Ok((PanelCell { span, proportion: ["width", "height"].map(side), caption, layers: 1 }, shown))
         }
         Ok(_) => Err(faults),
         Err(found) => Err(faults.into_iter().chain(found).collect()),

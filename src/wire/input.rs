@@ -8,7 +8,7 @@ use super::look::LookRequest;
 use super::mesh::MeshRequest;
 use super::object;
 use super::polygon::{PolygonRequest, polygons};
-use super::text::{Held, MeshFile, TextRequest, within};
+use super::text::{MeshFile, MeshFileContent, TextRequest, within};
 use super::weld::WeldRequest;
 use crate::fault::{Fault, under};
 use crate::input::{ReadLimits, Vertices};
@@ -187,10 +187,10 @@ impl InputRequest {
             _ => under(place, found),
         };
         if let Some(file) = text.map(TextRequest::file).transpose().map_err(|fault| in_text(vec![fault]))?.or(file) {
-            let Held { mesh, boundary, lines, vertices, told: (unit, up) } =
+            let MeshFileContent { mesh, boundary, lines, vertices, stated_frame: (unit, up) } =
                 file.read(self.winding(), limits).map_err(in_text)?;
             let is_parted = vertices == Vertices::Joined && self.weld == Some(WeldRequest::Never);
-            let mesh = self.covered(if is_parted { mesh.parted() } else { mesh })?;
+            let mesh = self.covered(if is_parted { mesh.with_split_corners() } else { mesh })?;
             let is_usual = self.weld.is_none() && purpose == Purpose::Refine;
             let may_cut = self.non_manifold != Some(NonManifoldRequest::Refuse);
             // clients did not request the edges of more than two faces that default welding makes
@@ -205,10 +205,10 @@ impl InputRequest {
                 self.distance().is_none() && !self.pair_quads && !(is_usual && vertices == Vertices::Doubled);
             let lines = if keeps_faces { lines } else { Vec::new() };
             let is_joined = is_usual && vertices != Vertices::Shared;
-            let told = |found: Vec<Fault>| -> Vec<Fault> {
+            let of_joined = |found: Vec<Fault>| -> Vec<Fault> {
                 if is_joined { found.into_iter().map(told_of_weld).collect() } else { found }
             };
-            let mesh = self.mesh(mesh, purpose)?.map_err(|found| in_text(within(told(found), &lines)))?;
+            let mesh = self.mesh(mesh, purpose)?.map_err(|found| in_text(within(of_joined(found), &lines)))?;
             let unit = self.unit.map(Into::into).or(unit).unwrap_or_default();
             let up = self.up.map(Into::into).or(up).unwrap_or_default();
             return Ok(Resolved { input: Input::Mesh(mesh), entry, boundary, frame: Frame { unit, up } });

@@ -303,7 +303,7 @@ impl JobRequest {
 
     /// Returns the purpose of the input before the outputs are settled: an input without outputs is treated as one to
     /// be refined.
-    pub fn asked(&self) -> Purpose {
+    pub fn stated_purpose(&self) -> Purpose {
         if self.outputs.is_empty() { Purpose::Refine } else { self.purpose() }
     }
 
@@ -313,13 +313,13 @@ impl JobRequest {
     }
 
     /// Checks each part by itself.
-    fn parts(self, purpose: Purpose, limits: &ReadLimits) -> Parts {
+    fn parts(self, purpose: Purpose, limits: &ReadLimits) -> JobParts {
         let outputs = outputs(&self.outputs, self.left_out, self.source.as_deref());
         self.parts_for(outputs, purpose, limits)
     }
 
     /// Checks each part by itself, with outputs that are checked already.
-    fn parts_for(self, outputs: Result<Vec<Output>, Vec<Fault>>, purpose: Purpose, limits: &ReadLimits) -> Parts {
+    fn parts_for(self, outputs: Result<Vec<Output>, Vec<Fault>>, purpose: Purpose, limits: &ReadLimits) -> JobParts {
         let mut faults = Vec::new();
         faults.extend(self.spec.filter(|spec| *spec != 1).map(unknown_spec));
         let kind = self.input.is_one().then(|| self.shape_kind());
@@ -334,12 +334,12 @@ impl JobRequest {
         if let (Some(plan), Some(boundary), false) = (&mut plan, boundary, says_boundary) {
             plan.boundary = boundary;
         }
-        Parts { faults, kind, input, plan, levels: self.levels.map(|levels| levels.0), outputs, other }
+        JobParts { faults, kind, input, plan, levels: self.levels.map(|levels| levels.0), outputs, other }
     }
 }
 
 /// The parts of a request, each checked by itself, and their faults.
-struct Parts {
+struct JobParts {
     faults: Vec<Fault>,
     /// The kind of shape of the input, if exactly one kind of input is given.
     kind: Option<ShapeKind>,
@@ -350,7 +350,7 @@ struct Parts {
     other: Option<Arc<Job>>,
 }
 
-impl Parts {
+impl JobParts {
     /// Checks that the parts fit each other. If one is invalid, the others are checked all the same, so that all faults
     /// are reported together.
     fn draft(self) -> Result<Draft, Vec<Fault>> {

@@ -14,7 +14,7 @@ use crate::job::Levels;
 const AUTO: &str = "auto";
 
 /// Maximum number of levels. Each level at least doubles the number of elements, so that no job can have more.
-pub(super) const MOST_LEVELS: usize = 64;
+pub(super) const MAX_LEVELS_ASKED: usize = 64;
 
 /// A number of levels, a tolerance, or as many levels as a picture can show: `4`, `{"tolerance": 0.01}` or `"auto"`.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -64,7 +64,7 @@ impl<'de> Visitor<'de> for LevelsVisitor {
 
 impl PartialSchema for LevelsRequest {
     fn schema() -> RefOr<Schema> {
-        let count = ObjectBuilder::new().schema_type(Type::Integer).minimum(Some(0)).maximum(Some(MOST_LEVELS));
+        let count = ObjectBuilder::new().schema_type(Type::Integer).minimum(Some(0)).maximum(Some(MAX_LEVELS_ASKED));
         let tolerance = ObjectBuilder::new()
             .schema_type(Type::Number)
             .exclusive_minimum(Some(0))

@@ -7,7 +7,7 @@ use super::described::description as description_of;
 use super::literal::{WireFields, WireLiteral, written};
 use crate::fault::{Fault, did_you_mean, shortened, under};
 use crate::job::Output;
-use crate::math::parameter::{Kind, Literal, Parameter, Values};
+use crate::math::parameter::{Literal, Parameter, ParameterKind, Values};
 use crate::output::{self, Format, POSITIONS, description};
 use crate::shape::mesh::MAX_FRAMES;
 
@@ -47,7 +47,7 @@ impl OutputRequest {
     }
 
     /// Returns the output as JSON.
-    pub(crate) fn told(&self) -> Map<String, Value> {
+    pub(crate) fn to_json(&self) -> Map<String, Value> {
         self.fields.0.iter().map(|(name, value)| (name.clone(), written(value))).collect()
     }
 
@@ -124,7 +124,7 @@ fn described(output: Output, request: &OutputRequest, source: Option<&str>) -> R
     if !request.describes() {
         return Ok(output);
     }
-    let text = description_of(source, request.told()).map_err(|fault| vec![fault])?;
+    let text = description_of(source, request.to_json()).map_err(|fault| vec![fault])?;
     Ok(Output { description: Some(text), ..output })
 }
 
@@ -173,7 +173,7 @@ fn known_format(value: &Literal) -> Result<&'static dyn Format, Vec<Fault>> {
 /// The frame field, common to all formats.
 pub(super) const FRAME: Parameter = Parameter::optional(
     "frame",
-    Kind::Integer { min: 0, max: MAX_FRAMES.cast_signed() as i64 - 1 },
+    ParameterKind::Integer { min: 0, max: MAX_FRAMES.cast_signed() as i64 - 1 },
     "The frame of a mesh that is shown, as if the mesh had these positions alone.",
 );
 

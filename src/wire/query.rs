@@ -7,14 +7,14 @@ use std::sync::LazyLock;
 use base64::Engine;
 use serde_json::{Map, Value, json};
 
-use super::fields::{Field, Part, Takes, fields, output_fields};
+use super::fields::{Field, FieldSection, FieldValues, fields, output_fields};
 use super::job::JobRequest;
 use super::output::OutputRequest;
 use super::read::{ReadError, read};
 use super::text::MeshFile;
 use super::written::{number, written};
 use crate::fault::{Fault, did_you_mean, shortened};
-use crate::math::parameter::{Kind, Parameter};
+use crate::math::parameter::{Parameter, ParameterKind};
 use crate::output;
 use crate::scheme::parameters::WORD_PARAMETERS;
 use crate::scheme::presets::PRESETS;
@@ -62,7 +62,7 @@ pub fn job(query: &str) -> Result<Map<String, Value>, Vec<Fault>> {
 ///
 /// # Errors
 /// A fault for each refused parameter, with its place in the job if it has one.
-pub fn says_nothing(query: &str, beside: &[&str]) -> Result<(), Vec<Fault>> {
+pub fn refuse_parameters(query: &str, beside: &[&str]) -> Result<(), Vec<Fault>> {
     let fault = |name: &str| {
         let detail = match place(name).as_deref() {
             // pages use `_` to bypass caches
@@ -160,7 +160,7 @@ pub fn name_of(pointer: &str) -> String {
 
 /// Returns the names of the fields of the plan.
 fn plan_fields() -> impl Iterator<Item = &'static str> {
-    FIELDS.iter().filter(|field| field.part == Part::Plan).map(|field| field.name.as_str())
+    FIELDS.iter().filter(|field| field.part == FieldSection::Plan).map(|field| field.name.as_str())
 }
 
 /// Returns the path in the job that a name of the query denotes.
@@ -214,17 +214,17 @@ impl Declared {
             let (first, inner) = rest.split_once('.').unwrap_or((rest, ""));
             let field = FIELDS.iter().find(|field| field.part == part && field.name == first)?;
             match &field.takes {
-                Takes::Object(fields) if !inner.is_empty() => fields.iter().find(|field| field.name == inner),
+                FieldValues::Object(fields) if !inner.is_empty() => fields.iter().find(|field| field.name == inner),
                 _ => Some(field).filter(|_| inner.is_empty()),
             }
         };
         let field = match family {
-            "" => field(Part::Plan),
-            "input" => field(Part::Input),
+            "" => field(FieldSection::Plan),
+            "input" => field(FieldSection::Input),
             _ => None,
         };
         match (self.kind(family, rest), field) {
-            (Some(Kind::Flag), _) if text.is_empty() => Value::Bool(true),
+            (Some(ParameterKind::Flag), _) if text.is_empty() => Value::Bool(true),
             (Some(kind), _) => written(&kind, text),
             (None, Some(field)) => field.value(text),
             (None, None) if matches!(name, "format" | "output.name") => text.into(),
@@ -233,7 +233,7 @@ impl Declared {
     }
 
     /// Returns the kind of a parameter or an option.
-    fn kind(&self, family: &str, name: &str) -> Option<Kind> {
+    fn kind(&self, family: &str, name: &str) -> Option<ParameterKind> {
         let mut parts = name.split('.');
         let first = parts.next()?;
         let named = |declared: &'static [Parameter], name: &str| {
@@ -246,7 +246,7 @@ impl Declared {
             _ => return None,
         };
         for part in parts {
-            let Kind::Group(fields) = kind else { return None };
+            let ParameterKind::Group(fields) = kind else { return None };
             kind = named(fields, part)?;
         }
         Some(kind)

@@ -7,12 +7,12 @@ use utoipa::openapi::schema::AnyOfBuilder;
 use utoipa::openapi::{RefOr, Schema, Type};
 
 use super::declared;
-use super::fields::{Field, Part, Takes, fields, output_fields};
-use super::levels::MOST_LEVELS;
+use super::fields::{Field, FieldSection, FieldValues, fields, output_fields};
+use super::levels::MAX_LEVELS_ASKED;
 use super::schema::of;
 use super::variants;
 use super::weld::WeldRequest;
-use crate::math::parameter::{Kind, Parameter};
+use crate::math::parameter::{Parameter, ParameterKind};
 use crate::output::FORMATS;
 use crate::scheme::parameters::WORD_PARAMETERS;
 use crate::scheme::preset::Refines;
@@ -26,7 +26,7 @@ pub fn described() -> Vec<Described> {
     let presets = PRESETS.iter().filter(|preset| preset.refines != Refines::Curves);
     let names = of(Type::String).enum_values(Some(presets.clone().map(|preset| preset.name)));
     let formats = of(Type::String).enum_values(Some(FORMATS.iter().map(|format| format.name())));
-    let count = of(Type::Integer).minimum(Some(0)).maximum(Some(MOST_LEVELS));
+    let count = of(Type::Integer).minimum(Some(0)).maximum(Some(MAX_LEVELS_ASKED));
     let levels = AnyOfBuilder::new().item(count).item(of(Type::String).enum_values(Some(["auto"])));
     let tolerance = of(Type::Number).exclusive_minimum(Some(0.0));
     let mut found = vec![
@@ -38,7 +38,7 @@ pub fn described() -> Vec<Described> {
     ];
     let fields = fields().into_iter().filter(|field| !["preset", "word"].contains(&field.name.as_str()));
     fields.for_each(|field| {
-        let family = if field.part == Part::Input { "input." } else { "" };
+        let family = if field.part == FieldSection::Input { "input." } else { "" };
         of_field(family, &field, &mut found);
     });
     let of_presets = presets.flat_map(|preset| preset.parameters.iter().map(|parameter| (preset.name, parameter)));
@@ -66,14 +66,14 @@ fn parameter(name: &str, doc: &str, schema: impl Into<RefOr<Schema>>) -> Describ
 fn of_field(family: &str, field: &Field, found: &mut Vec<Described>) {
     let name = format!("{family}{}", field.name);
     let schema: RefOr<Schema> = match &field.takes {
-        Takes::Flag => of(Type::Boolean).into(),
-        Takes::Text(names) if names.is_empty() => of(Type::String).into(),
-        Takes::Text(names) => of(Type::String).enum_values(Some(names.clone())).into(),
-        Takes::Scalar if field.name == "weld" => WeldRequest::schema(),
-        Takes::Number => of(Type::Number).into(),
-        Takes::Scalar => of(Type::Integer).minimum(Some(0)).into(),
-        Takes::Numbers => of(Type::String).min_length(Some(1)).into(),
-        Takes::Object(fields) => {
+        FieldValues::Flag => of(Type::Boolean).into(),
+        FieldValues::Text(names) if names.is_empty() => of(Type::String).into(),
+        FieldValues::Text(names) => of(Type::String).enum_values(Some(names.clone())).into(),
+        FieldValues::Scalar if field.name == "weld" => WeldRequest::schema(),
+        FieldValues::Number => of(Type::Number).into(),
+        FieldValues::Scalar => of(Type::Integer).minimum(Some(0)).into(),
+        FieldValues::Numbers => of(Type::String).min_length(Some(1)).into(),
+        FieldValues::Object(fields) => {
             fields.iter().for_each(|field| of_field(&format!("{name}."), field, found));
             return;
         }
@@ -96,7 +96,7 @@ fn by_name(all: impl Iterator<Item = Declared>) -> Vec<(&'static str, Vec<Declar
 /// Adds the parameters of one declared name: groups give one for each field, lists are texts.
 fn put(name: &str, declared: &[Declared], found: &mut Vec<Described>) {
     let fields = declared.iter().filter_map(|(who, parameter)| match parameter.kind {
-        Kind::Group(fields) => Some(fields.iter().map(move |field| (*who, field))),
+        ParameterKind::Group(fields) => Some(fields.iter().map(move |field| (*who, field))),
         _ => None,
     });
     let fields = by_name(fields.flatten());
@@ -106,7 +106,7 @@ fn put(name: &str, declared: &[Declared], found: &mut Vec<Described>) {
     }
     let (mut schemas, mut choices): (Vec<RefOr<Schema>>, Vec<&str>) = (Vec::new(), Vec::new());
     for (_, parameter) in declared {
-        if let Kind::Choice(names) = parameter.kind {
+        if let ParameterKind::Choice(names) = parameter.kind {
             choices.extend(names.iter().filter(|name| !choices.contains(name)).collect::<Vec<_>>());
             continue;
         }
@@ -122,11 +122,11 @@ fn put(name: &str, declared: &[Declared], found: &mut Vec<Described>) {
         [one] => one.clone(),
         several => several.iter().cloned().fold(AnyOfBuilder::new(), AnyOfBuilder::item).into(),
     };
-    found.push(parameter(name, &told(declared), schema));
+    found.push(parameter(name, &joined_docs(declared), schema));
 }
 
 /// Joins the descriptions of a parameter, each with the presets or formats that give it.
-fn told(declared: &[Declared]) -> String {
+fn joined_docs(declared: &[Declared]) -> String {
     let mut said: Vec<(&str, Vec<&str>)> = Vec::new();
     for (who, parameter) in declared {
         match said.iter_mut().find(|(doc, _)| *doc == parameter.doc) {
@@ -140,21 +140,21 @@ fn told(declared: &[Declared]) -> String {
 
 /// Returns the schema of a value as text in a query. Lists are one text, with commas or as JSON; for an array, clients
 /// would repeat the name.
-fn text_of(kind: &Kind) -> RefOr<Schema> {
+fn text_of(kind: &ParameterKind) -> RefOr<Schema> {
     match kind {
-        Kind::Choices(_)
-        | Kind::Expressions { .. }
-        | Kind::Numbers { .. }
-        | Kind::Vector
-        | Kind::Direction
-        | Kind::Groups { .. } => of(Type::String).min_length(Some(1)).into(),
-        Kind::Number { .. }
-        | Kind::Integer { .. }
-        | Kind::Flag
-        | Kind::Choice(_)
-        | Kind::Name
-        | Kind::Expression { .. }
-        | Kind::Color
-        | Kind::Group(_) => declared::value(kind, None),
+        ParameterKind::Choices(_)
+        | ParameterKind::Expressions { .. }
+        | ParameterKind::Numbers { .. }
+        | ParameterKind::Vector
+        | ParameterKind::Direction
+        | ParameterKind::Groups { .. } => of(Type::String).min_length(Some(1)).into(),
+        ParameterKind::Number { .. }
+        | ParameterKind::Integer { .. }
+        | ParameterKind::Flag
+        | ParameterKind::Choice(_)
+        | ParameterKind::Name
+        | ParameterKind::Expression { .. }
+        | ParameterKind::Color
+        | ParameterKind::Group(_) => declared::value(kind, None),
     }
 }

@@ -7,7 +7,7 @@ use super::object::Object;
 use crate::fault::{Fault, cut, did_you_mean, shortened, token};
 
 /// Maximum number of characters of the sentence about a fault; the longest of our own takes half as many.
-const MOST_DETAIL: usize = 1000;
+const MAX_DETAIL: usize = 1000;
 
 /// The reason why bytes are not a request.
 #[derive(Debug, Clone, PartialEq)]
@@ -99,9 +99,9 @@ fn briefly(text: &str) -> String {
     ];
     let shorter = repeated.iter().find_map(|(before, after)| {
         let (word, rest) = text.strip_prefix(before)?.rsplit_once(after)?;
-        Some(format!("{before}{}{after}{}", shortened(word), cut(rest, MOST_DETAIL)))
+        Some(format!("{before}{}{after}{}", shortened(word), cut(rest, MAX_DETAIL)))
     });
-    shorter.unwrap_or_else(|| cut(text, MOST_DETAIL).into_owned())
+    shorter.unwrap_or_else(|| cut(text, MAX_DETAIL).into_owned())
 }
 
 /// Replaces Rust type names by the terms of JSON.

@@ -5,7 +5,7 @@ use utoipa::ToSchema;
 
 use super::answer::ReachedAnswer;
 use crate::service::computation::Timings;
-use crate::service::jobs::{Made, Phase, Predicted, Product, Standing};
+use crate::service::jobs::{JobPhase, OutputResult, Predicted, Product, Standing};
 use crate::watch::Stage;
 
 /// How a job stands.
@@ -135,7 +135,7 @@ impl JobAnswer {
         let outputs = record.summary.products.iter().zip(&record.made);
         let outputs = outputs.map(|(product, made)| OutputAnswer::new(product, made.as_ref(), href(product)));
         let error = match &standing.phase {
-            Phase::Failed(reason) => Some(reason.clone()),
+            JobPhase::Failed(reason) => Some(reason.clone()),
             _ => None,
         };
         Self {
@@ -155,10 +155,10 @@ impl JobAnswer {
 }
 
 /// Returns the warnings of all outputs, each text once.
-pub(super) fn warnings<'a>(made: impl IntoIterator<Item = &'a Made>) -> Vec<String> {
+pub(super) fn warnings<'a>(made: impl IntoIterator<Item = &'a OutputResult>) -> Vec<String> {
     let mut all: Vec<String> = Vec::new();
     for made in made {
-        let Made::Done { warnings, .. } = made else { continue };
+        let OutputResult::Done { warnings, .. } = made else { continue };
         let new: Vec<_> = warnings.iter().filter(|warning| !all.contains(warning)).cloned().collect();
         all.extend(new);
     }
@@ -166,13 +166,13 @@ pub(super) fn warnings<'a>(made: impl IntoIterator<Item = &'a Made>) -> Vec<Stri
 }
 
 /// Returns the name of a phase.
-pub(super) fn state(phase: &Phase) -> &'static str {
+pub(super) fn state(phase: &JobPhase) -> &'static str {
     match phase {
-        Phase::Queued => "queued",
-        Phase::Running => "running",
-        Phase::Done => "done",
-        Phase::Failed(_) => "failed",
-        Phase::Cancelled => "cancelled",
+        JobPhase::Queued => "queued",
+        JobPhase::Running => "running",
+        JobPhase::Done => "done",
+        JobPhase::Failed(_) => "failed",
+        JobPhase::Cancelled => "cancelled",
     }
 }
 
@@ -193,11 +193,11 @@ impl ProgressAnswer {
 
 impl OutputAnswer {
     /// Creates the answer for an output; `href` is its address.
-    pub(super) fn new(product: &Product, made: Option<&Made>, href: String) -> Self {
+    pub(super) fn new(product: &Product, made: Option<&OutputResult>, href: String) -> Self {
         let (state, bytes, error) = match made {
             None => ("pending", None, None),
-            Some(Made::Done { bytes, .. }) => ("done", Some(*bytes), None),
-            Some(Made::Failed(reason)) => ("failed", None, Some(reason.clone())),
+            Some(OutputResult::Done { bytes, .. }) => ("done", Some(*bytes), None),
+            Some(OutputResult::Failed(reason)) => ("failed", None, Some(reason.clone())),
         };
         let (name, format, key) = (product.name.clone(), product.format.name(), product.key.to_string());
         Self { name, format, key, href, state, bytes, error }
@@ -225,8 +225,8 @@ impl ActualAnswer {
         let made = standing.record.made.iter().flatten();
         let bytes: Vec<u64> = made
             .filter_map(|made| match made {
-                Made::Done { bytes, .. } => Some(*bytes),
-                Made::Failed(_) => None,
+                OutputResult::Done { bytes, .. } => Some(*bytes),
+                OutputResult::Failed(_) => None,
             })
             .collect();
         let TimingsAnswer { refine, render, encode, .. } = standing.timings.into();

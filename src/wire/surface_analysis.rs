@@ -13,8 +13,8 @@ use utoipa::ToSchema;
 
 use super::analysis::{CertificateAnswer, LevelBoundAnswer, MaskAnswer};
 use crate::analysis::surface::{
-    BoundaryReport, Extraordinary, Kind, LatticeCertificate, Proof, Quotient, RegularMask, RegularSmoothness, Status,
-    ValenceReport, Weight, evidence, verdict,
+    BoundaryReport, Extraordinary, LatticeCertificate, NetKind, Proof, Quotient, RegularMask, RegularSmoothness,
+    Status, ValenceReport, Weight, evidence, verdict,
 };
 use parts::{MAX_EIGENVALUES, coordinates, is_there, name};
 
@@ -286,8 +286,8 @@ impl RegularAnswer {
         let factors = RegularMask::DIRECTIONS.iter().zip(&regular.factors).filter(|(_, times)| **times > 0);
         let curve = |mask: Mask| MaskAnswer { first: mask.first.into(), values: mask.values, exact: None };
         Self {
-            faces: if regular.kind == Kind::Triangles { "triangles" } else { "quads" },
-            dual: regular.kind == Kind::Dual,
+            faces: if regular.kind == NetKind::Triangles { "triangles" } else { "quads" },
+            dual: regular.kind == NetKind::Dual,
             mask,
             factors: factors.map(factor).collect(),
             product: regular.tensor().map(|both| both.map(curve)),
@@ -333,7 +333,7 @@ impl RegularSmoothnessAnswer {
 
 impl ValenceAnswer {
     fn new(report: &ValenceReport) -> Self {
-        let eigenvalue = |found: &crate::analysis::surface::Found| EigenvalueAnswer {
+        let eigenvalue = |found: &crate::analysis::surface::LocalEigenvalue| EigenvalueAnswer {
             value: found.value.re,
             imaginary: Some(found.value.im).filter(|x| *x != 0.0),
             fourier: found.fourier,

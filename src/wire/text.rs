@@ -54,7 +54,7 @@ pub struct MeshFile {
 
 /// The content of a mesh file.
 #[derive(Debug)]
-pub(super) struct Held {
+pub(super) struct MeshFileContent {
     /// The mesh, unchecked.
     pub(super) mesh: MeshInput,
     /// The boundary rule that the file states, if any.
@@ -64,7 +64,7 @@ pub(super) struct Held {
     /// The corners that share a vertex in the file.
     pub(super) vertices: Vertices,
     /// The unit and the up axis that the file states, if any.
-    pub(super) told: (Option<Unit>, Option<Up>),
+    pub(super) stated_frame: (Option<Unit>, Option<Up>),
 }
 
 impl TextRequest {
@@ -114,7 +114,7 @@ impl MeshFile {
     ///
     /// # Errors
     /// All faults, at `/format` or `/data`.
-    pub(super) fn read(&self, winding: Winding, limits: &ReadLimits) -> Result<Held, Vec<Fault>> {
+    pub(super) fn read(&self, winding: Winding, limits: &ReadLimits) -> Result<MeshFileContent, Vec<Fault>> {
         let at_data = |found: Vec<Fault>| within(found, &[]);
         if self.format == "json" {
             let request: MeshRequest = read(&self.bytes).map_err(|error| match error {
@@ -122,12 +122,12 @@ impl MeshFile {
                 ReadError::Unfit(faults) => at_data(faults),
             })?;
             let mesh = request.input(winding).map_err(at_data)?;
-            return Ok(Held {
+            return Ok(MeshFileContent {
                 mesh,
                 boundary: None,
                 lines: Vec::new(),
                 vertices: Vertices::Shared,
-                told: (None, None),
+                stated_frame: (None, None),
             });
         }
         let Some(reader) = input::named(&self.format) else {
@@ -145,8 +145,8 @@ impl MeshFile {
         }
         let (boundary, lines) = (mesh.boundary, std::mem::take(&mut mesh.lines));
         let vertices = mesh.vertices.unwrap_or(reader.vertices);
-        let told = (mesh.unit, mesh.up);
-        Ok(Held { mesh: mesh.into_input(winding), boundary, lines, vertices, told })
+        let stated_frame = (mesh.unit, mesh.up);
+        Ok(MeshFileContent { mesh: mesh.into_input(winding), boundary, lines, vertices, stated_frame })
     }
 }
 

@@ -11,7 +11,7 @@ use super::fixed;
 struct Whole(u64);
 
 /// 2^53: from here on every f64 is whole, whatever the text was.
-const MOST: f64 = 9_007_199_254_740_992.0;
+const TWO_TO_53: f64 = 9_007_199_254_740_992.0;
 
 impl<'de> Deserialize<'de> for Whole {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
@@ -38,7 +38,7 @@ impl Visitor<'_> for WholeVisitor {
 
     #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "it is whole and in range")]
     fn visit_f64<E: Error>(self, value: f64) -> Result<u64, E> {
-        let is_whole = (0.0..MOST).contains(&value) && value.fract() == 0.0;
+        let is_whole = (0.0..TWO_TO_53).contains(&value) && value.fract() == 0.0;
         if is_whole { Ok(value as u64) } else { Err(E::invalid_type(Unexpected::Float(value), &self)) }
     }
 }

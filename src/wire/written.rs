@@ -2,37 +2,42 @@
 
 use serde_json::{Map, Number, Value};
 
-use crate::math::parameter::{Kind, Parameter};
+use crate::math::parameter::{Parameter, ParameterKind};
 
 /// Converts the text of a parameter to JSON. A list is written with commas (`0,0,1`), an object as
 /// `azimuth_deg=40,zoom=2` (names with dashes or underscores), and a list of objects with semicolons between them;
 /// lists and objects may also be written as JSON. A text that does not fit remains a text, which the checks of the job
 /// refuse.
-pub(crate) fn written(kind: &Kind, text: &str) -> Value {
+pub(crate) fn written(kind: &ParameterKind, text: &str) -> Value {
     if let (true, Ok(json)) = (text.starts_with(['[', '{']), serde_json::from_str(text)) {
         return json;
     }
     match kind {
-        Kind::Number { .. } | Kind::Integer { .. } | Kind::Expression { .. } => number(text),
-        Kind::Flag => text.parse().map_or_else(|_| text.into(), Value::Bool),
-        Kind::Choice(_) | Kind::Name | Kind::Color => text.into(),
-        Kind::Choices(_) if text.is_empty() => Value::Array(Vec::new()),
-        Kind::Choices(_) => text.split(',').map(|item| Value::from(item.trim())).collect(),
-        Kind::Numbers { .. } | Kind::Vector | Kind::Direction => items(text).into_iter().map(number).collect(),
-        Kind::Expressions { .. } => match items(text).as_slice() {
+        ParameterKind::Number { .. } | ParameterKind::Integer { .. } | ParameterKind::Expression { .. } => number(text),
+        ParameterKind::Flag => text.parse().map_or_else(|_| text.into(), Value::Bool),
+        ParameterKind::Choice(_) | ParameterKind::Name | ParameterKind::Color => text.into(),
+        ParameterKind::Choices(_) if text.is_empty() => Value::Array(Vec::new()),
+        ParameterKind::Choices(_) => text.split(',').map(|item| Value::from(item.trim())).collect(),
+        ParameterKind::Numbers { .. } | ParameterKind::Vector | ParameterKind::Direction => {
+            items(text).into_iter().map(number).collect()
+        }
+        ParameterKind::Expressions { .. } => match items(text).as_slice() {
             [one] => number(one),
             several => several.iter().map(|item| number(item)).collect(),
         },
-        Kind::Group(fields) => group(fields, text),
-        Kind::Groups { fields, .. } => text.split(';').map(|item| group(fields, item)).collect(),
+        ParameterKind::Group(fields) => group(fields, text),
+        ParameterKind::Groups { fields, .. } => text.split(';').map(|item| group(fields, item)).collect(),
     }
 }
 
 /// Returns the separator that joins the values of a repeated flag, if the parameter takes several values.
-pub(crate) fn separator(kind: &Kind) -> Option<&'static str> {
+pub(crate) fn separator(kind: &ParameterKind) -> Option<&'static str> {
     match kind {
-        Kind::Choices(_) | Kind::Numbers { .. } | Kind::Expressions { .. } | Kind::Group(_) => Some(","),
-        Kind::Groups { .. } => Some(";"),
+        ParameterKind::Choices(_)
+        | ParameterKind::Numbers { .. }
+        | ParameterKind::Expressions { .. }
+        | ParameterKind::Group(_) => Some(","),
+        ParameterKind::Groups { .. } => Some(";"),
         _ => None,
     }
 }

@@ -2,7 +2,7 @@
 
 use std::hint::black_box;
 
-use planish::job::{Analysis, Around, Inquiry, ScanWish, SurfaceAnalysis, Wishes};
+use planish::job::{AnalysedVertices, Analysis, Inquiry, ScanWish, SurfaceAnalysis, Wishes};
 use planish::math::parameter::Literal;
 use planish::scheme::plan::PlanInput;
 use planish::watch::Watch;
@@ -82,7 +82,8 @@ fn plan(name: &str, parameters: &[(&str, &str)]) -> PlanInput {
 fn on_surfaces(name: &str, parameters: &[(&str, &str)]) {
     let watch = Watch::new();
     let plan = plan(name, parameters);
-    let surface = SurfaceAnalysis::new(&plan, Around::default(), None, None, &watch).expect("a scheme for surfaces");
+    let surface =
+        SurfaceAnalysis::new(&plan, AnalysedVertices::default(), None, None, &watch).expect("a scheme for surfaces");
     black_box(AnalysisAnswer::of(&Inquiry::Surface(Box::new(surface)), &watch).expect("nobody stops it"));
 }
 

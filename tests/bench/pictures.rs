@@ -7,7 +7,7 @@ use std::time::{Duration, Instant};
 use planish::math::parameter::{Literal, Values};
 use planish::output::normals;
 use planish::output::scene::{FaceChunk, Frame, Notes, Scene, Shape, triangles};
-use planish::raster::{Camera, Ground, Look, Model, Normals, Surface, View, render};
+use planish::raster::{Camera, Ground, Model, Normals, RenderStyle, TriangleAppearance, View, render};
 use planish::refine::RefinedMesh;
 use planish::shape::source::MeshSource;
 use planish::watch::{Stage, Watch};
@@ -51,10 +51,10 @@ fn picture(table: &mut Table, what: &str, mesh: &RefinedMesh, most_ms: f64) {
         positions: &positions,
         triangles: &all_triangles,
         normals: Normals::Vertices(&of_vertices),
-        surface: Surface::Lit([112, 160, 222, 255]),
+        surface: TriangleAppearance::Lit([112, 160, 222, 255]),
         strokes: &[],
     };
-    let look = Look { background: [255; 4], is_fine: true, is_occluded: true, shadow: Ground::Stood };
+    let look = RenderStyle { background: [255; 4], is_fine: true, is_occluded: true, shadow: Ground::Stood };
     let drawn = best(|| {
         black_box(render(&model, &camera, look, [SIDE, SIDE], &watch)).expect("nobody stops it");
     });

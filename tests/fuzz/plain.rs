@@ -12,7 +12,7 @@ use std::time::{Duration, Instant};
 use planish_fuzz::TARGETS;
 
 /// Most bytes of an input: enough for every kind of fault of a reader, and few enough for thousands a second.
-const MOST_BYTES: usize = 4096;
+const MAX_BYTES: usize = 4096;
 /// What is put in at random besides bytes: what readers of text and numbers trip over.
 const TOKENS: [&str; 24] = [
     "null",
@@ -83,7 +83,7 @@ fn changed(random: &mut Random, seeds: &[Vec<u8>]) -> Vec<u8> {
             _ => bytes.truncate(at),
         }
     }
-    bytes.truncate(MOST_BYTES);
+    bytes.truncate(MAX_BYTES);
     bytes
 }
 
@@ -94,7 +94,7 @@ fn seeds(target: &str) -> Vec<Vec<u8>> {
         let entries = fs::read_dir(folder).into_iter().flatten().flatten();
         let mut paths: Vec<_> = entries.map(|entry| entry.path()).filter(|path| path.is_file()).collect();
         paths.sort();
-        paths.iter().filter_map(|path| fs::read(path).ok()).filter(|bytes| bytes.len() <= MOST_BYTES).collect()
+        paths.iter().filter_map(|path| fs::read(path).ok()).filter(|bytes| bytes.len() <= MAX_BYTES).collect()
     };
     let mut found = read(&here.join("corpus").join(target));
     let jobs = || read(&here.join("../../api/examples/jobs"));

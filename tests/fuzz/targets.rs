@@ -20,8 +20,8 @@ use planish::scheme::word::{MAX_LETTERS, Word};
 use planish::service::account::{Account, Full};
 use planish::service::batches::Batches;
 use planish::service::clock::Monotonic;
-use planish::service::jobs::{Jobs, State};
-use planish::service::peer::{Kind, Paid, Peers};
+use planish::service::jobs::{JobState, Jobs};
+use planish::service::peer::{QuotaKind, Paid, Peers};
 use planish::service::store::{Manifest, Records, StoreError};
 use planish::watch::Watch;
 use planish::wire::JobRequest;
@@ -126,16 +126,16 @@ pub fn record(data: &[u8]) {
     let left = Arc::new(Rows(Mutex::new(starts.windows(2).map(sealed).collect())));
     let (clock, patience) = (Arc::new(Monotonic::default()), Duration::from_secs(10));
     let (peers, account) = (Arc::<Peers>::default(), Account::new(1 << 30, 0));
-    let memory = |bytes| -> Result<Paid, Full> { peers.charge_self(&account.records, Kind::RecordBytes, bytes) };
+    let memory = |bytes| -> Result<Paid, Full> { peers.charge_self(&account.records, QuotaKind::RecordBytes, bytes) };
     let jobs = Jobs::new(Some(left.clone()), clock.clone());
     let active = jobs.recover(memory, |_| Vec::new()).expect("the rows can be read");
     for run in &active {
-        jobs.end(&run.job, State::Cancelled, |_| true);
+        jobs.end(&run.job, JobState::Cancelled, |_| true);
     }
     jobs.close(patience);
     let batches = Batches::new(Some(left.clone()), clock.clone(), |text| layout(text).ok());
     for run in &batches.recover(memory).expect("the rows can be read") {
-        batches.end(&run.batch, Some(run), State::Cancelled);
+        batches.end(&run.batch, Some(run), JobState::Cancelled);
     }
     batches.close(patience);
     // rows of one byte are those from before
@@ -257,7 +257,7 @@ fn service() -> &'static (SocketAddr, Token) {
             Ok(())
         })
         .expect("the file of keys can be written");
-        let (told, heard) = std::sync::mpsc::channel();
+        let (sender, receiver) = std::sync::mpsc::channel();
         std::thread::spawn(move || {
             let listen = SocketAddr::from(([127, 0, 0, 1], 0));
             let Limits { max_faces, max_vertices, .. } = LIMITS;
@@ -267,10 +267,10 @@ fn service() -> &'static (SocketAddr, Token) {
             runtime.block_on(async {
                 let clock = Arc::new(Monotonic::default());
                 let (listener, app) = bind_at(settings, clock).await.expect("a port is free");
-                told.send(listener.local_addr().expect("it has an address")).expect("somebody listens");
+                sender.send(listener.local_addr().expect("it has an address")).expect("somebody listens");
                 let _ = serve(listener, app, std::future::pending()).await;
             });
         });
-        (heard.recv().expect("the service starts"), token)
+        (receiver.recv().expect("the service starts"), token)
     })
 }

@@ -5,8 +5,8 @@ mod hatching;
 mod hidden_lines;
 
 use planish::drawing::{
-    Anchor, Axes, Axis, Cap, Discs, Drawing, Entry, Group, Item, Key, Label, Legend, Lettering, Level, Mark, Picture,
-    Stroke, Text, Weight, color_bar, pdf, pixels, svg,
+    Axes, Axis, Cap, Discs, Drawing, Entry, Group, HorizontalAlign, Item, Key, Label, Legend, Lettering, Mark, Picture,
+    Stroke, Text, VerticalAlign, Weight, color_bar, pdf, pixels, svg,
 };
 use planish::math::functions::sin;
 use planish::watch::Watch;
@@ -55,7 +55,11 @@ fn everything() -> Drawing {
         12.0,
         500.0,
     ));
-    let ways = [(Anchor::Start, Level::Baseline), (Anchor::Middle, Level::Middle), (Anchor::End, Level::Top)];
+    let ways = [
+        (HorizontalAlign::Start, VerticalAlign::Baseline),
+        (HorizontalAlign::Middle, VerticalAlign::Middle),
+        (HorizontalAlign::End, VerticalAlign::Top),
+    ];
     for (i, (anchor, level)) in (0_u8..).zip(ways) {
         let label = Label::plain("Ägypten (γ)", Weight::Bold).expect("it can be set");
         let at = [540.0, 60.0 + 50.0 * f32::from(i)];

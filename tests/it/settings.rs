@@ -3,7 +3,7 @@
 
 use std::path::Path;
 
-use planish::config::{ConfigError, Given, Setting, Settings};
+use planish::config::{ConfigError, PartialSettings, Setting, Settings};
 
 use crate::http::server::Folder;
 
@@ -12,7 +12,7 @@ fn of_file(name: &str, value: u64) -> Result<Settings, ConfigError> {
     let folder = Folder::new();
     let path = folder.path().join("planish.toml");
     std::fs::write(&path, format!("{} = {value}\n", name.replace('_', "-"))).unwrap();
-    Settings::read(Given::default(), Some(&path))
+    Settings::read(PartialSettings::default(), Some(&path))
 }
 
 #[test]
@@ -36,14 +36,14 @@ fn l_every_number_has_a_range_that_holds_its_default_and_nothing_outside_it_is_t
 
 #[test]
 fn l_a_number_out_of_range_is_told_with_setting_value_bound_and_remedy() {
-    let given = Given { max_connections: Some(1 << 61), ..Given::default() };
+    let given = PartialSettings { max_connections: Some(1 << 61), ..PartialSettings::default() };
     let said = Settings::read(given, None).unwrap_err().to_string();
     assert_eq!(
         said,
         "max_connections is 2,305,843,009,213,693,952, and may be 1 to 65,536 connections; change the flag \
          --max-connections, the variable PLANISH_MAX_CONNECTIONS or the key max-connections of the settings file"
     );
-    let given = Given { header_timeout_s: Some(u64::MAX), ..Given::default() };
+    let given = PartialSettings { header_timeout_s: Some(u64::MAX), ..PartialSettings::default() };
     let said = Settings::read(given, None).unwrap_err().to_string();
     assert!(
         said.starts_with("header_timeout_s is 18,446,744,073,709,551,615, and may be 1 to 86,400 seconds;"),
@@ -55,7 +55,7 @@ fn l_a_number_out_of_range_is_told_with_setting_value_bound_and_remedy() {
 fn l_a_settings_file_is_a_regular_file_of_at_most_a_mebibyte() {
     let folder = Folder::new();
     let refused = |path: &Path, part: &str| {
-        let said = Settings::read(Given::default(), Some(path)).unwrap_err().to_string();
+        let said = Settings::read(PartialSettings::default(), Some(path)).unwrap_err().to_string();
         assert!(said.contains(path.to_str().unwrap()) && said.contains(part), "{said}");
     };
     refused(folder.path(), "no regular file");
@@ -67,7 +67,7 @@ fn l_a_settings_file_is_a_regular_file_of_at_most_a_mebibyte() {
     of_length((1 << 20) + 1);
     refused(&path, "1 MiB");
     of_length(1 << 20);
-    assert_eq!(Settings::read(Given::default(), Some(&path)).unwrap().max_queue, 7);
+    assert_eq!(Settings::read(PartialSettings::default(), Some(&path)).unwrap().max_queue, 7);
 }
 
 /// Reads the settings from a file with this text.
@@ -75,12 +75,12 @@ fn written(text: &str) -> Result<Settings, ConfigError> {
     let folder = Folder::new();
     let path = folder.path().join("planish.toml");
     std::fs::write(&path, text).unwrap();
-    Settings::read(Given::default(), Some(&path))
+    Settings::read(PartialSettings::default(), Some(&path))
 }
 
 /// Reads the settings from an environment variable.
 fn of_variable(name: &str, value: &str) -> Result<Settings, ConfigError> {
-    Settings::read(Given::of_variables([(name.into(), value.into())].into_iter())?, None)
+    Settings::read(PartialSettings::of_variables([(name.into(), value.into())].into_iter())?, None)
 }
 
 #[test]

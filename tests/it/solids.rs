@@ -9,7 +9,9 @@ use planish::math::vector::{Vector, length, minus, plus};
 use planish::scheme::tags::Boundary;
 use planish::shape::source::{FaceChunk, MeshSource};
 use planish::solid::evaluate::closest;
-use planish::solid::{Continuity, Isolated, Known, Pack, Request, Solid, SolidError, Surface, solid};
+use planish::solid::{
+    BSplineSurface, Continuity, DeviationMethod, Isolated, Pack, Solid, SolidError, SolidRequest, solid,
+};
 use planish::watch::Watch;
 use serde_json::json;
 
@@ -17,13 +19,13 @@ use crate::support::cages::{Cage, cube, prism, sheet};
 use crate::support::render;
 
 impl Cage {
-    fn solid(&self, request: &Request) -> Result<Solid, SolidError> {
+    fn solid(&self, request: &SolidRequest) -> Result<Solid, SolidError> {
         solid(&self.mesh(), &self.plan(), request, &[], &Watch::new())
     }
 }
 
 /// The request for most solids here: coarse, and without the tables of smooth caps.
-const COARSE: Request = Request {
+const COARSE: SolidRequest = SolidRequest {
     tolerance: 1e-2,
     continuity: Continuity::Bicubic,
     pack: Pack::Patch,
@@ -64,7 +66,7 @@ impl Random {
 }
 
 /// Returns a point of a surface with one span, by its Bernstein form.
-fn at(surface: &Surface, u: f64, v: f64) -> Vector {
+fn at(surface: &BSplineSurface, u: f64, v: f64) -> Vector {
     let row = |points: &[Vector], t: f64| {
         let mut points = points.to_vec();
         while points.len() > 1 {
@@ -126,7 +128,7 @@ fn exact_faces_are_the_limit_surface() {
         ("pentagons", prism(5)),
     ];
     for (name, cage) in cages {
-        let found = cage.solid(&Request { pack: Pack::Nothing, ..COARSE }).expect(name);
+        let found = cage.solid(&SolidRequest { pack: Pack::Nothing, ..COARSE }).expect(name);
         let asked = LimitRequest { positions: true, normals: false };
         let levels = 4;
         let (refined, _) = refine_mesh_to_limit(&cage.mesh(), &cage.plan(), levels, asked, &Watch::new()).expect(name);
@@ -173,7 +175,7 @@ fn faces_with_sharp_sides_are_within_the_deviation_of_their_limit() {
         let mut points = Vec::new();
         refined.positions(0..refined.n_vertices(), &mut points);
         for continuity in [Continuity::Bicubic, Continuity::Tangent] {
-            let found = cage.solid(&Request { continuity, pack: Pack::Nothing, ..COARSE }).expect(name);
+            let found = cage.solid(&SolidRequest { continuity, pack: Pack::Nothing, ..COARSE }).expect(name);
             check_topology(name, &found, cage.size());
             for face in &found.brep.faces {
                 // between their corners, caps have parameters of their own
@@ -261,7 +263,7 @@ fn random_cages_become_shells_without_gaps() {
         let pack = [Pack::Patch, Pack::Face, Pack::Nothing][random.below(3)];
         let continuity = [Continuity::Bicubic, Continuity::Tangent][round / 4 % 2];
         let found =
-            cage.solid(&Request { pack, continuity, ..COARSE }).unwrap_or_else(|error| panic!("{error} {name}"));
+            cage.solid(&SolidRequest { pack, continuity, ..COARSE }).unwrap_or_else(|error| panic!("{error} {name}"));
         check_topology(&name, &found, cage.size());
         assert!(found.certificate.deviation_of_size() <= 1e-2, "{name}");
     }
@@ -280,7 +282,7 @@ fn volumes_and_counts_are_those_of_the_reference() {
     let block = sharp.solid(&COARSE).expect("a box").certificate;
     assert_eq!(block.counts, [6, 12, 8]);
     assert!((block.volume() - 8_000.0).abs() < 1e-9, "{}", block.volume());
-    let round = cube(10.0).solid(&Request { tolerance: 1e-4, continuity: Continuity::Tangent, ..COARSE });
+    let round = cube(10.0).solid(&SolidRequest { tolerance: 1e-4, continuity: Continuity::Tangent, ..COARSE });
     let round = round.expect("a cube").certificate;
     assert!((round.volume() / 2_620.419_033 - 1.0).abs() < 2e-5, "{}", round.volume());
     assert!(round.counts[0] <= 24 && round.worst_edge_angle_deg < 1e-8, "{:?}", round.counts);
@@ -289,10 +291,10 @@ fn volumes_and_counts_are_those_of_the_reference() {
 #[test]
 fn cubes_take_no_more_faces_than_they_need() {
     for (tolerance, most) in [(1e-4, 24), (1e-5, 32), (1e-6, 80)] {
-        let found = cube(10.0).solid(&Request { tolerance, continuity: Continuity::Tangent, ..COARSE });
+        let found = cube(10.0).solid(&SolidRequest { tolerance, continuity: Continuity::Tangent, ..COARSE });
         let said = found.expect("a cube").certificate;
         assert!(said.counts[0] <= most, "{tolerance:e}: {:?}", said.counts);
-        assert!(said.known == Known::Certified && said.deviation_of_size() <= tolerance, "{tolerance:e}");
+        assert!(said.known == DeviationMethod::Certified && said.deviation_of_size() <= tolerance, "{tolerance:e}");
         // extrapolated from refined meshes
         let off = (said.volume() - 2_620.419_033_38).abs();
         assert!(off <= said.deviation * said.area() && off < 0.1, "{tolerance:e}: {}", said.volume());
@@ -305,7 +307,7 @@ fn bounds_count_the_rounding_of_coordinates_even_where_all_is_exact() {
     let moved = |by: f64| sheet(4, 3, |i, j| [i + by, j + by, 0.25 * i * j + by]);
     let by = 1_048_576.0;
     let [here, there] = [0.0, by].map(|by| moved(by).solid(&COARSE).expect("a sheet"));
-    assert!(here.certificate.vertices.is_empty() && here.certificate.known == Known::Certified);
+    assert!(here.certificate.vertices.is_empty() && here.certificate.known == DeviationMethod::Certified);
     let bounds = [&here, &there].map(|solid| solid.certificate.deviation);
     assert!(bounds[0] >= f64::EPSILON * 4.0 && bounds[0] < 1e-12, "{bounds:?}");
     let mut most = 0.0_f64;
@@ -315,7 +317,7 @@ fn bounds_count_the_rounding_of_coordinates_even_where_all_is_exact() {
         }
     }
     assert!(bounds[0] < most && most <= bounds[0] + bounds[1], "{most:e}, {bounds:?}");
-    let error = moved(by).solid(&Request { tolerance: 1e-9, ..COARSE }).expect_err("it is rounded by more");
+    let error = moved(by).solid(&SolidRequest { tolerance: 1e-9, ..COARSE }).expect_err("it is rounded by more");
     assert!(error.to_string().contains("move the mesh to the origin"), "{error}");
 }
 
@@ -348,7 +350,7 @@ fn caps_beside_holes_are_those_of_the_surface_without_them() {
         let at = face.iter().position(|&v| v == corner).expect("it is around");
         [corner, face[(at + 1) % 4]].map(u64::from)
     };
-    let request = Request { tolerance: 1e-4, continuity: Continuity::Tangent, pack: Pack::Nothing, ..COARSE };
+    let request = SolidRequest { tolerance: 1e-4, continuity: Continuity::Tangent, pack: Pack::Nothing, ..COARSE };
     for creases in [vec![], vec![(side(holes[0]), 10.0)], vec![(side(holes[1]), 10.0)]] {
         let whole = Cage { creases, ..whole.clone() };
         let all = whole.solid(&request).expect("a cube");
@@ -361,7 +363,7 @@ fn caps_beside_holes_are_those_of_the_surface_without_them() {
                 let share = vertex.deviation / other.deviation;
                 assert!((share - 1.0).abs() < 1e-9 && vertex.known == other.known, "{vertex:?} {other:?}");
             }
-            let points = |surface: &Surface| surface.points.concat();
+            let points = |surface: &BSplineSurface| surface.points.concat();
             for face in &holed.brep.faces {
                 let own = points(&face.surface);
                 let is_same = |other: &Vec<Vector>| {
@@ -386,14 +388,17 @@ fn points_of_sampled_caps_are_within_their_deviation_of_the_limit_surface() {
         }),
     ];
     for (name, cage) in cages {
-        let found = cage.solid(&Request { tolerance: 1e-3, ..COARSE }).expect(name);
+        let found = cage.solid(&SolidRequest { tolerance: 1e-3, ..COARSE }).expect(name);
         let caps = found.brep.faces.iter().filter(|face| !face.is_exact);
         let places = (0..64).map(|k| [ratio(k / 8, 8) + 0.03, ratio(k % 8, 8) + 0.04]);
         let points: Vec<Vector> = caps.flat_map(|face| places.clone().map(|[u, v]| at(&face.surface, u, v))).collect();
         let nearest = closest(&cage.mesh(), &cage.plan(), &points, &Watch::new()).expect(name);
         let most = nearest.iter().map(|closest| closest.distance).fold(0.0, f64::max);
         let said = found.certificate.deviation;
-        assert!(found.certificate.known == Known::Sampled && most <= 1.1 * said, "{name}: {most:e} of {said:e}");
+        assert!(
+            found.certificate.known == DeviationMethod::Sampled && most <= 1.1 * said,
+            "{name}: {most:e} of {said:e}"
+        );
     }
 }
 
@@ -411,9 +416,9 @@ fn faces_that_are_inside_out_are_turned() {
 
 #[test]
 fn caps_have_the_points_of_the_reference() {
-    let first = |request: &Request| {
+    let first = |request: &SolidRequest| {
         let found = cube(1.0).solid(request).expect("a cube");
-        let at_corner = |surface: &&Surface| near(surface.points[0][0], [0.5; 3], 1e-12);
+        let at_corner = |surface: &&BSplineSurface| near(surface.points[0][0], [0.5; 3], 1e-12);
         let caps = found.brep.faces.iter().filter(|face| !face.is_exact).map(|face| &face.surface);
         caps.filter(at_corner).cloned().collect::<Vec<_>>()
     };
@@ -422,16 +427,17 @@ fn caps_have_the_points_of_the_reference() {
         [0.552_083_333_333, 0.395_833_333_333, 0.552_083_333_333],
         [0.708_333_333_333, 0.395_833_333_333, 0.395_833_333_333],
     ];
-    let has = |surface: &Surface| near(surface.points[1][0], p10, 1e-11) && near(surface.points[1][1], p11, 1e-11);
+    let has =
+        |surface: &BSplineSurface| near(surface.points[1][0], p10, 1e-11) && near(surface.points[1][1], p11, 1e-11);
     assert!(approximate.iter().any(has), "{approximate:?}");
-    let fitted = first(&Request { tolerance: 1e-3, continuity: Continuity::Tangent, ..COARSE });
+    let fitted = first(&SolidRequest { tolerance: 1e-3, continuity: Continuity::Tangent, ..COARSE });
     let spoke = [
         [0.528_036_800_349, 0.443_926_399_301, 0.528_036_800_349],
         [0.609_567_901_235, 0.124_074_074_074, 0.609_567_901_235],
         [0.609_567_901_235, 0.0, 0.609_567_901_235],
     ];
     let inner = [0.701_234_567_901, 0.124_074_074_074, 0.517_901_234_568];
-    let has = |surface: &Surface| {
+    let has = |surface: &BSplineSurface| {
         let along = [1, 4, 5].iter().zip(spoke).all(|(&a, point)| near(surface.points[a][0], point, 1e-11));
         along && near(surface.points[4][1], inner, 1e-11)
     };
@@ -441,7 +447,7 @@ fn caps_have_the_points_of_the_reference() {
 #[test]
 fn nets_at_corners_of_sheets_are_those_of_the_reference() {
     let cage = sheet(2, 2, |i, j| [i, j, i * i - j]);
-    let found = cage.solid(&Request { pack: Pack::Nothing, ..COARSE }).expect("a sheet");
+    let found = cage.solid(&SolidRequest { pack: Pack::Nothing, ..COARSE }).expect("a sheet");
     let net = &found.brep.faces[0].surface.points;
     let third = 1.0 / 3.0;
     let row = [[third, 0.0, third], [third, third, 0.0], [third, 2.0 * third, -third], [third, 1.0, -2.0 * third]];
@@ -451,7 +457,7 @@ fn nets_at_corners_of_sheets_are_those_of_the_reference() {
 
 #[test]
 fn a_face_of_the_second_level_of_a_cube_is_that_of_the_reference() {
-    let request = Request { tolerance: 1e-5, continuity: Continuity::Tangent, pack: Pack::Nothing, ..COARSE };
+    let request = SolidRequest { tolerance: 1e-5, continuity: Continuity::Tangent, pack: Pack::Nothing, ..COARSE };
     let found = cube(1.0).solid(&request).expect("a cube");
     let (a, b) = (-0.609_567_901_235, -0.595_293_209_877);
     let row = [
@@ -460,7 +466,7 @@ fn a_face_of_the_second_level_of_a_cube_is_that_of_the_reference() {
         [b, b, -0.206_790_123_457],
         [-0.572_932_741_77, -0.572_932_741_77, -0.296_649_948_56],
     ];
-    let sides = |surface: &Surface| {
+    let sides = |surface: &BSplineSurface| {
         let net = &surface.points;
         let column = |j: usize| net.iter().map(|row| row[j]).collect::<Vec<_>>();
         let mut all = vec![net[0].clone(), net[3].clone(), column(0), column(3)];

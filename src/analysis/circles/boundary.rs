@@ -4,7 +4,7 @@ use crate::shape::mesh::Mesh;
 
 /// How a ring of a tube relates to the rings beyond it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Beyond {
+pub(super) enum RingContinuation {
     /// A smooth ring; the rings beyond it have an influence.
     Smooth,
     /// A boundary or a crease all around the tube: only the curve rule applies on it, and rings beyond it have no
@@ -16,7 +16,7 @@ pub(super) enum Beyond {
 ///
 /// # Errors
 /// A sentence if the ring is not the same all around.
-pub(super) fn beyond(mesh: &Mesh, on_line: &[bool], ring: &[u32]) -> Result<Beyond, String> {
+pub(super) fn beyond(mesh: &Mesh, on_line: &[bool], ring: &[u32]) -> Result<RingContinuation, String> {
     if ring.iter().any(|v| mesh.corners.binary_search(v).is_ok()) {
         return Err("a vertex is a corner".into());
     }
@@ -30,8 +30,8 @@ pub(super) fn beyond(mesh: &Mesh, on_line: &[bool], ring: &[u32]) -> Result<Beyo
         sharp.sort_unstable();
         sharp.dedup();
         match sharp.as_slice() {
-            [] => Some(Beyond::Smooth),
-            [a, b] if [[*a, *b], [*b, *a]].contains(&neighbours) => Some(Beyond::End),
+            [] => Some(RingContinuation::Smooth),
+            [a, b] if [[*a, *b], [*b, *a]].contains(&neighbours) => Some(RingContinuation::End),
             _ => None,
         }
     });

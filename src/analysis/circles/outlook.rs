@@ -1,12 +1,12 @@
 //! The reported limit of a latitude line.
 
-use crate::shape::directions::Line;
+use crate::shape::directions::LatitudeLine;
 
 /// The limit of a latitude line.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Outlook {
     /// The line.
-    pub line: Line,
+    pub line: LatitudeLine,
     /// The circle that the line becomes, or the reason why it becomes none.
     pub circle: Result<Circle, String>,
 }

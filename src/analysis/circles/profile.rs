@@ -2,7 +2,7 @@
 //! the first average multiplies by `cos(theta/2)` and each later one by `cos(theta/4)^2`; along the axis the plan is
 //! the curve scheme.
 
-use super::ring::Ring;
+use super::ring::TubeRing;
 use crate::math::functions::{cos, sqrt};
 use crate::math::vector::{cross, dot, length, times};
 use crate::scheme::operator::Role;
@@ -26,8 +26,8 @@ pub(super) struct Profile {
 impl Profile {
     /// Creates the profile of rings on one axis around the line, ring `at`; rings beyond `reach` have no influence on
     /// the line.
-    pub(super) fn of(rings: &[Ring], deltas: Vec<f64>, at: usize, reach: usize) -> Self {
-        let complex = |ring: &Ring| {
+    pub(super) fn of(rings: &[TubeRing], deltas: Vec<f64>, at: usize, reach: usize) -> Self {
+        let complex = |ring: &TubeRing| {
             let Some((seen, axis)) = rings.iter().find_map(|ring| Some((ring.first, ring.axis?))) else {
                 return [0.0; 2];
             };

@@ -18,7 +18,7 @@ const FAR: f64 = 1e-14;
 
 /// A ring of a tube: a regular polygon.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Ring {
+pub(super) struct TubeRing {
     pub(super) centre: Vector,
     /// The unit vector along the axis, around which the vertices turn counter-clockwise; `None` for a ring without
     /// extent.
@@ -32,7 +32,7 @@ pub(super) struct Ring {
     pub(super) irregularity: f64,
 }
 
-impl Ring {
+impl TubeRing {
     /// Returns the regular polygon of these points; `None` if they are not one.
     pub(super) fn of(points: &[Vector]) -> Option<Self> {
         let n = points.len();
@@ -67,7 +67,7 @@ impl Ring {
 ///
 /// # Errors
 /// A sentence if the rings do not share an axis, an orientation and a winding number.
-pub(super) fn tilt(ring: &Ring, other: &Ring) -> Result<f64, String> {
+pub(super) fn tilt(ring: &TubeRing, other: &TubeRing) -> Result<f64, String> {
     let apart = plus(other.centre, times(-1.0, ring.centre));
     let radius = length(ring.first).max(length(other.first));
     let Some(axis) = ring.axis.or(other.axis) else { return Ok(0.0) };

@@ -1,9 +1,9 @@
 //! Tubes: the rings around a latitude line, as far as the scheme reaches, and the circle that the line becomes.
 
-use super::boundary::{Beyond, beyond};
+use super::boundary::{RingContinuation, beyond};
 use super::outlook::{Circle, Outlook};
 use super::profile::Profile;
-use super::ring::{ROUNDING, Ring, tilt};
+use super::ring::{ROUNDING, TubeRing, tilt};
 use super::words;
 use crate::analysis::limit::{Unlimited, check_continuous};
 use crate::math::expression::Expression;
@@ -14,7 +14,7 @@ use crate::scheme::operator::Role;
 use crate::scheme::plan::{Plan, Scheduled};
 use crate::scheme::rules::LatitudeRule;
 use crate::shape::attributes::Attributes;
-use crate::shape::directions::{Direction, Directions, Line};
+use crate::shape::directions::{Direction, Directions, LatitudeLine};
 use crate::shape::mesh::Mesh;
 use crate::shape::topology::Topology;
 
@@ -25,15 +25,15 @@ const LEVELS: u32 = 64;
 
 /// A side of a directed line.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Side {
+enum LineSide {
     Left,
     Right,
 }
 
 /// The rings on one side of a line, the nearest first.
 #[derive(Default)]
-struct Rings {
-    nearest_first: Vec<Ring>,
+struct TubeRings {
+    nearest_first: Vec<TubeRing>,
     /// The push-back factor of each ring.
     deltas: Vec<f64>,
     /// The greatest deviation of the rings from the axis of the line, model units.
@@ -47,7 +47,7 @@ pub fn outlooks(mesh: &Mesh, plan: Result<&Plan, &str>) -> Vec<Outlook> {
     let lines = directions.lines(&mesh.topology).into_iter();
     let tube = plan.map_err(|reason| format!("the plan does not fit the mesh: {reason}"));
     let tube = tube.and_then(|plan| Tube::of(mesh, directions, plan));
-    let circle = |line: &Line| {
+    let circle = |line: &LatitudeLine| {
         if !line.closed {
             return Err("the line is open".into());
         }
@@ -108,20 +108,22 @@ impl<'a> Tube<'a> {
         &self.mesh.topology
     }
 
-    fn circle(&self, line: &Line) -> Result<Circle, String> {
+    fn circle(&self, line: &LatitudeLine) -> Result<Circle, String> {
         let [given, widest] = words::reach(&self.steps, self.is_pushed());
         let (ring, delta) = (self.ring(&line.vertices)?, self.delta(&line.vertices)?);
         let alpha = self.alpha(&line.vertices)?;
         let mut like = ring;
         let sides = match self.beyond_ring(&line.vertices)? {
-            Beyond::End => [Side::Left, Side::Right].map(|_| Rings::default()),
-            Beyond::Smooth => {
-                [self.side(line, &mut like, Side::Left, given)?, self.side(line, &mut like, Side::Right, given)?]
-            }
+            RingContinuation::End => [LineSide::Left, LineSide::Right].map(|_| TubeRings::default()),
+            RingContinuation::Smooth => [
+                self.side(line, &mut like, LineSide::Left, given)?,
+                self.side(line, &mut like, LineSide::Right, given)?,
+            ],
         };
         let [left, right] = sides;
         let place = left.nearest_first.len();
-        let rings: Vec<Ring> = left.nearest_first.into_iter().rev().chain([ring]).chain(right.nearest_first).collect();
+        let rings: Vec<TubeRing> =
+            left.nearest_first.into_iter().rev().chain([ring]).chain(right.nearest_first).collect();
         let deltas: Vec<f64> = left.deltas.into_iter().rev().chain([delta]).chain(right.deltas).collect();
         let irregularity = rings.iter().map(|ring| ring.irregularity).fold(left.tilt.max(right.tilt), f64::max);
         let profile = Profile::of(&rings, deltas, place, widest);
@@ -139,8 +141,14 @@ impl<'a> Tube<'a> {
 
     /// Returns the rings on one side of a line, up to `reach` rings or the end of the tube. All of them share the axis
     /// of `like`, which is replaced by the first ring with an extent if it has none.
-    fn side(&self, line: &Line, like: &mut Ring, side: Side, reach: usize) -> Result<Rings, String> {
-        let mut rings = Rings::default();
+    fn side(
+        &self,
+        line: &LatitudeLine,
+        like: &mut TubeRing,
+        side: LineSide,
+        reach: usize,
+    ) -> Result<TubeRings, String> {
+        let mut rings = TubeRings::default();
         let mut vertices = line.vertices.clone();
         let alpha = self.alpha(&line.vertices)?;
         for away in 1..=reach {
@@ -164,7 +172,7 @@ impl<'a> Tube<'a> {
                 break;
             }
             rings.deltas.push(self.delta(&vertices).map_err(at)?);
-            if self.beyond_ring(&vertices).map_err(at)? == Beyond::End {
+            if self.beyond_ring(&vertices).map_err(at)? == RingContinuation::End {
                 break;
             }
         }
@@ -172,12 +180,12 @@ impl<'a> Tube<'a> {
     }
 
     /// Returns the neighbours of the vertices of a line on one side, in the order of the line.
-    fn beyond(&self, line: &[u32], side: Side) -> Result<Vec<u32>, &'static str> {
+    fn beyond(&self, line: &[u32], side: LineSide) -> Result<Vec<u32>, &'static str> {
         let topology = self.topology();
         let mut sides = Vec::with_capacity(line.len());
         for (i, &v) in line.iter().enumerate() {
             let w = line[(i + 1) % line.len()];
-            let (from, to) = if side == Side::Left { (v, w) } else { (w, v) };
+            let (from, to) = if side == LineSide::Left { (v, w) } else { (w, v) };
             let half_edge = topology.ring(from as usize).find(|&c| topology.vertex(topology.next(c)) == to);
             let half_edge = half_edge.ok_or("the boundary cuts the tube")?;
             let (after, before) = (topology.next(half_edge), topology.previous(half_edge));
@@ -189,21 +197,21 @@ impl<'a> Tube<'a> {
                 return Err("the tube is not tagged");
             }
             let ends = [topology.vertex(before), topology.vertex(topology.next(after))];
-            sides.push(if side == Side::Left { ends } else { [ends[1], ends[0]] });
+            sides.push(if side == LineSide::Left { ends } else { [ends[1], ends[0]] });
         }
         let joined = (0..sides.len()).all(|i| sides[i][1] == sides[(i + 1) % sides.len()][0]);
         if joined { Ok(sides.iter().map(|ends| ends[0]).collect()) } else { Err("a vertex has more than four edges") }
     }
 
     /// Classifies the ring of these vertices by whether rings beyond it have an influence.
-    fn beyond_ring(&self, ring: &[u32]) -> Result<Beyond, String> {
+    fn beyond_ring(&self, ring: &[u32]) -> Result<RingContinuation, String> {
         beyond(self.mesh, &self.on_line, ring)
     }
 
     /// Returns the regular polygon of these vertices.
-    fn ring(&self, vertices: &[u32]) -> Result<Ring, String> {
+    fn ring(&self, vertices: &[u32]) -> Result<TubeRing, String> {
         let point = |v: &u32| -> Vector { std::array::from_fn(|k| self.mesh.positions[3 * *v as usize + k]) };
-        Ring::of(&vertices.iter().map(point).collect::<Vec<_>>()).ok_or("the ring is no regular polygon".into())
+        TubeRing::of(&vertices.iter().map(point).collect::<Vec<_>>()).ok_or("the ring is no regular polygon".into())
     }
 
     /// Returns the alpha that all these vertices carry; `None` if they have the alpha of the plan.
@@ -228,7 +236,7 @@ impl<'a> Tube<'a> {
         if !self.pushes
             || self.attributes.delta.is_some()
             || self.is_pushed()
-            || self.beyond_ring(ring) == Ok(Beyond::End)
+            || self.beyond_ring(ring) == Ok(RingContinuation::End)
         {
             return Ok(());
         }

@@ -72,7 +72,7 @@ pub struct Distances {
 
 /// Several levels combined into one cycle, with twice the new index of the place of point 0.
 #[derive(Debug, Clone)]
-struct Block {
+struct CombinedCycle {
     cycle: Cycle,
     twice_centre: i64,
 }
@@ -93,8 +93,8 @@ impl Distances {
     }
 
     /// Combines the levels of a range; an empty range gives the identity.
-    fn block(&self, levels: Range<usize>) -> Result<Block, NoBound> {
-        let mut block = Block { cycle: Cycle::identity(), twice_centre: 0 };
+    fn block(&self, levels: Range<usize>) -> Result<CombinedCycle, NoBound> {
+        let mut block = CombinedCycle { cycle: Cycle::identity(), twice_centre: 0 };
         for cycle in levels.map(|level| self.cycle(level)) {
             let done = self.watch.done().saturating_sub(self.start);
             if done.saturating_add(block.cycle.work_with(cycle)) > MAX_WORK {
@@ -194,7 +194,7 @@ impl Distances {
     }
 }
 
-impl Block {
+impl CombinedCycle {
     /// Returns the index of the first old point that enters new point `j`, and the weights of the old points from it
     /// on.
     fn row(&self, j: i64) -> (i64, Vec<f64>) {

@@ -27,7 +27,7 @@ impl ExactCycle {
     pub fn settled(plan: &Plan) -> Option<Self> {
         let settled = Plan { alpha: 0.0, compensation_alpha: None, ..plan.clone() };
         let steps = settled.schedule(1).ok()?;
-        let mut state = State::new();
+        let mut state = ImpulseResponse::new();
         for step in steps.iter().filter(|step| step.level == 1) {
             state.apply(plan, step)?;
         }
@@ -71,7 +71,7 @@ impl Points {
 
 /// The response to an impulse at point 0, after some of the steps of a cycle.
 #[derive(Clone)]
-pub(super) struct State {
+pub(super) struct ImpulseResponse {
     pub(super) points: Points,
     /// The points that entered the last upsampling.
     pub(super) anchor: Points,
@@ -82,7 +82,7 @@ pub(super) struct State {
     averages: usize,
 }
 
-impl State {
+impl ImpulseResponse {
     pub(super) fn new() -> Self {
         let points = Points::impulse(0);
         Self { anchor: points.clone(), points, arity: 1, last_arity: 1, duals: 0, averages: 0 }

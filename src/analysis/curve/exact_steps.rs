@@ -2,7 +2,7 @@
 
 use num_traits::Zero;
 
-use super::exact_cycle::{Points, State};
+use super::exact_cycle::{ImpulseResponse, Points};
 use crate::math::exact::Exact;
 use crate::scheme::operator::Role;
 use crate::scheme::plan::Plan;
@@ -22,7 +22,7 @@ pub struct ExactStep {
 pub fn exact_steps(plan: &Plan, n: usize) -> Option<Vec<ExactStep>> {
     let settled = Plan { alpha: 0.0, compensation_alpha: None, ..plan.clone() };
     let steps = settled.schedule(1).ok()?;
-    let mut state = State::new();
+    let mut state = ImpulseResponse::new();
     let mut coarse = n;
     let mut found = Vec::new();
     for step in steps.iter().filter(|step| step.level == 1) {

@@ -1,7 +1,7 @@
 //! Limit points and tangents of a refined polygon.
 
 use super::cycle::NoMask;
-use super::rows::{LimitRows, Row};
+use super::rows::{LimitRows, WeightRow};
 use crate::math::rows::{RowSource, Rows, RowsBy, blend};
 use crate::refine::{RefineError, refined_points};
 use crate::scheme::extent::{Ends, Extent};
@@ -145,7 +145,7 @@ fn kind(net: &PolygonNet, stored: usize) -> PointKind {
 
 /// Adds the row around control point `i`, or around the midpoint of the edge before it. The polygon is cut at its
 /// corners; each piece is continued beyond its ends by reflection.
-fn add(net: &PolygonNet, i: isize, row: &Row, out: &mut Rows) {
+fn add(net: &PolygonNet, i: isize, row: &WeightRow, out: &mut Rows) {
     let piece = piece(net, i);
     for (offset, weight) in row.entries() {
         // around a midpoint, the offsets -1/2 and 1/2 are the points i - 1 and i
@@ -191,7 +191,7 @@ mod tests {
     #[test]
     fn a_row_at_a_corner_allocates_nothing_of_its_own() {
         let net = PolygonNet::new(12, true, Ends::Clamped, &[3, 7]);
-        let row = Row { first: -12, weights: vec![1.0; 13] };
+        let row = WeightRow { first: -12, weights: vec![1.0; 13] };
         let mut out = Rows::default();
         add(&net, 4, &row, &mut out);
         out.clear();

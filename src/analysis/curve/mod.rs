@@ -15,5 +15,5 @@ pub use distance::{Distances, MAX_WORK, NoBound};
 pub use exact_cycle::ExactCycle;
 pub use exact_steps::{ExactStep, exact_steps};
 pub use limit::{Limit, NoLimit, check, positions, refine_to_limit};
-pub use rows::{LimitRows, Row};
+pub use rows::{LimitRows, WeightRow};
 pub use tolerance::{Reached, reach, search_bytes};

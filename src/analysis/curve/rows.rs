@@ -27,7 +27,7 @@ const AGREE: f64 = 1e-9;
 
 /// Weights of the points around a place: weight k belongs to the point at the offset `(first + 2 k) / 2`.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Row {
+pub struct WeightRow {
     /// Twice the first offset: even around a point, odd around a midpoint.
     pub first: i64,
     /// Weights.
@@ -35,7 +35,7 @@ pub struct Row {
 }
 
 /// The row around a point and the row around a midpoint.
-pub(super) type Pair = [Row; 2];
+pub(super) type Pair = [WeightRow; 2];
 
 /// Rows of the limit points and, if the limit has tangents, of the tangents of a polygon after some levels.
 #[derive(Debug, Clone, PartialEq)]
@@ -46,7 +46,7 @@ pub struct LimitRows {
     pub tangent: Option<Pair>,
 }
 
-impl Row {
+impl WeightRow {
     fn new(first: i64, weights: &[f64]) -> Self {
         Self { first, weights: weights.to_vec() }
     }
@@ -159,7 +159,7 @@ fn pure(tangent: &Pair, position: &Pair) -> Pair {
 
 /// Returns the left eigenvectors for the eigenvalue 1 of a static cycle.
 fn settled_positions(cycle: &Cycle) -> Result<Pair, NoMask> {
-    let start = [Row::new(0, &[1.0]), Row::new(-1, &[0.5, 0.5])];
+    let start = [WeightRow::new(0, &[1.0]), WeightRow::new(-1, &[0.5, 0.5])];
     let pair = settled(start, 1e9, |pair| Some(before(pair, cycle))).ok_or(NoMask::Diverges)?;
     let complete = pair.iter().all(|row| (row.sum() - 1.0).abs() < 1e-9);
     if complete { Ok(pair) } else { Err(NoMask::Diverges) }
@@ -168,8 +168,8 @@ fn settled_positions(cycle: &Cycle) -> Result<Pair, NoMask> {
 /// Returns the left eigenvectors for the eigenvalue 1/d, scaled to the value 1 for points whose positions are their
 /// offsets; `None` if the differences on the two sides do not converge to the same rows.
 fn settled_tangents(cycle: &Cycle, position: &Pair) -> Option<Pair> {
-    let after = settled_tangent(cycle, position, [Row::new(0, &[-1.0, 1.0]), Row::new(1, &[-1.0, 1.0])])?;
-    let ahead = settled_tangent(cycle, position, [Row::new(-2, &[-1.0, 1.0]), Row::new(-3, &[-1.0, 1.0])])?;
+    let after = settled_tangent(cycle, position, [WeightRow::new(0, &[-1.0, 1.0]), WeightRow::new(1, &[-1.0, 1.0])])?;
+    let ahead = settled_tangent(cycle, position, [WeightRow::new(-2, &[-1.0, 1.0]), WeightRow::new(-3, &[-1.0, 1.0])])?;
     let agree = after.iter().zip(&ahead).all(|(a, b)| a.distance(b) < AGREE);
     agree.then_some(after)
 }

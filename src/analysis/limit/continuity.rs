@@ -3,7 +3,7 @@
 use super::cost;
 use super::cycle::AHEAD;
 use super::error::Unlimited;
-use super::impulse::{Impulse, Smoothness};
+use super::impulse::{Impulse, ImpulseSmoothness};
 use super::on_net::CycleOnNet;
 use crate::scheme::mesh_net::MeshNet;
 use crate::scheme::plan::Plan;
@@ -31,12 +31,12 @@ pub(super) fn smoothness(
     support: usize,
     tangents: bool,
     watch: &Watch,
-) -> Result<Smoothness, Unlimited> {
-    let mut smoothness = Smoothness::Smooth;
+) -> Result<ImpulseSmoothness, Unlimited> {
+    let mut smoothness = ImpulseSmoothness::Smooth;
     for &common in &on_net.extremes {
         smoothness = smoothness.min(Impulse { on_net, common, support }.smoothness(tangents, watch)?);
     }
-    if smoothness == Smoothness::Rough { Err(Unlimited::Rough) } else { Ok(smoothness) }
+    if smoothness == ImpulseSmoothness::Rough { Err(Unlimited::Rough) } else { Ok(smoothness) }
 }
 
 /// Checks that a plan has a continuous limit on an unrefined net. The cycle must start with an upsampling and perturb

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use super::bounds::MAX_LEVEL_POINTS;
 use super::child::child;
-use super::disc::{Disc, Located, Rings};
+use super::disc::{Disc, Located, RingCount};
 use super::disc_rules::DiscRules;
 use super::error::Unlimited;
 use super::record::{Record, Weights};
@@ -117,7 +117,7 @@ impl<'a> Cycle<'a> {
     }
 
     /// Applies one level to the disc around a centre. Levels beyond the settled one are equal to it.
-    pub(super) fn step(&self, level: usize, disc: &Disc, rings: Rings) -> Result<Child, Unlimited> {
+    pub(super) fn step(&self, level: usize, disc: &Disc, rings: RingCount) -> Result<Child, Unlimited> {
         let parameters = VertexParameters::default();
         let (found, record, origins, _) = self.refined(level, disc, &parameters, rings, Weights::Exact)?;
         Child::new(&found, &record, &origins, disc.support)
@@ -128,7 +128,7 @@ impl<'a> Cycle<'a> {
         &self,
         disc: &Disc,
         parameters: &VertexParameters,
-        rings: Rings,
+        rings: RingCount,
     ) -> Result<(Located, Arc<Topology>), Unlimited> {
         let refined = self.refined(self.settled, disc, parameters, rings, Weights::Exact);
         refined.map(|(found, _, _, topology)| (found, topology))
@@ -136,7 +136,7 @@ impl<'a> Cycle<'a> {
 
     /// Returns whether the child's support depends on the support of the disc only, for any weights; and the child's
     /// disc.
-    pub(super) fn closes(&self, disc: &Disc, rings: Rings) -> Result<(bool, Disc), Unlimited> {
+    pub(super) fn closes(&self, disc: &Disc, rings: RingCount) -> Result<(bool, Disc), Unlimited> {
         let parameters = VertexParameters::default();
         let (found, record, origins, _) = self.refined(self.settled, disc, &parameters, rings, Weights::Structural)?;
         let matrix = record.matrix(&found.vertices[..found.disc.support], &origins, disc.support);
@@ -148,13 +148,13 @@ impl<'a> Cycle<'a> {
         level: usize,
         disc: &Disc,
         parameters: &VertexParameters,
-        rings: Rings,
+        rings: RingCount,
         weights: Weights,
     ) -> Result<(Located, Record, Vec<u32>, Arc<Topology>), Unlimited> {
         let (net, origins) = disc.net(self.disc_rules).ok_or(Unlimited::Reach)?;
         let mut net = parameters.carried_by(net, &origins);
         let mut record = Record::new(weights);
-        let (mut centre, mut made) = (disc.centre(), Made::default());
+        let (mut centre, mut made) = (disc.centre(), PointCount::default());
         for step in self.level(level) {
             let next = Stepper::new(self.plan).next(&net, step)?;
             made.add(&next.net)?;
@@ -175,7 +175,7 @@ impl<'a> Cycle<'a> {
         net: MeshNet,
         mut act: impl FnMut(&Action, &Scheduled) -> Result<(), Unlimited>,
     ) -> Result<MeshNet, Unlimited> {
-        let (mut net, mut made) = (net, Made::default());
+        let (mut net, mut made) = (net, PointCount::default());
         net.tags.cut = self.disc_rules.cut;
         for step in self.levels[self.settled] {
             let next = Stepper::new(self.plan).next(&net, step)?;
@@ -236,9 +236,9 @@ pub(super) fn made(n: usize, pieces: &[usize], levels: usize) -> usize {
 
 /// The number of points that a level has made.
 #[derive(Debug, Default)]
-struct Made(usize);
+struct PointCount(usize);
 
-impl Made {
+impl PointCount {
     /// Counts the points of a net, before any work is done on each.
     fn add(&mut self, net: &MeshNet) -> Result<(), Unlimited> {
         self.0 += net.mesh.n_vertices();

@@ -26,7 +26,7 @@ pub(in crate::analysis) enum Centre {
 
 /// The number of rings of faces of a disc.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) struct Rings {
+pub(super) struct RingCount {
     /// Number of rings whose vertices influence the limit.
     pub(super) support: usize,
     /// Number of rings whose connectivity influences the limit; at least `support`.
@@ -34,7 +34,7 @@ pub(super) struct Rings {
 }
 
 /// The faces at a vertex, without further rings.
-pub(super) const NEAREST: Rings = Rings { support: 1, disc: 1 };
+pub(super) const NEAREST: RingCount = RingCount { support: 1, disc: 1 };
 
 /// The connectivity of a disc and all else that the weights of its limit depend on.
 ///

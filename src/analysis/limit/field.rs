@@ -7,7 +7,7 @@ use std::sync::Arc;
 use rayon::prelude::*;
 
 use super::bounds::{CHUNK, CHUNK_VERTICES, FIRST_CHUNK, MAX_DISCS, VERTICES_A_ROW};
-use super::disc::{Centre, Disc, Located, NEAREST, Rings};
+use super::disc::{Centre, Disc, Located, NEAREST, RingCount};
 use super::error::Unlimited;
 use super::grid::regular_mask;
 use super::mask::{Finder, Mask, Masks};
@@ -30,7 +30,7 @@ const ISOLATED: u32 = 1;
 #[derive(Debug)]
 pub(super) struct Field<'a> {
     around: &'a dyn Neighbourhoods,
-    rings: Rings,
+    rings: RingCount,
     classes: Vec<u32>,
     masks: Vec<Arc<Mask>>,
     /// The mask on a grid, in the order of [`grid`](super::grid::grid).
@@ -51,7 +51,7 @@ impl<'a> Field<'a> {
     pub(super) fn new(
         around: &'a dyn Neighbourhoods,
         on_net: &CycleOnNet<'_>,
-        rings: Rings,
+        rings: RingCount,
         finder: &Finder<'_>,
         watch: &Watch,
     ) -> Result<Self, Unlimited> {
@@ -110,7 +110,7 @@ impl<'a> Field<'a> {
     }
 
     /// Creates a field in which each vertex has its own mask; `None` for vertices without faces.
-    pub(super) fn of_masks(around: &'a dyn Neighbourhoods, rings: Rings, masks: Vec<Option<Arc<Mask>>>) -> Self {
+    pub(super) fn of_masks(around: &'a dyn Neighbourhoods, rings: RingCount, masks: Vec<Option<Arc<Mask>>>) -> Self {
         let mut n = ISOLATED;
         let class = |mask: &Option<Arc<Mask>>| {
             n += u32::from(mask.is_some());
@@ -198,7 +198,7 @@ impl<'a> Field<'a> {
             }
             (Some(centre), class, _) => {
                 // the support comes first in a disc, so that its outer rings are not needed
-                let rings = Rings { disc: self.rings.support, ..self.rings };
+                let rings = RingCount { disc: self.rings.support, ..self.rings };
                 let mask = &self.masks[(class - ISOLATED - 1) as usize];
                 let vertices = self.around.disc(centre, rings).map_or_else(Vec::new, |found| found.vertices);
                 vertices.iter().zip(weights(mask, functional, sector)).for_each(|(&u, &w)| out.add(u, w));
@@ -224,7 +224,7 @@ fn weights(mask: &Mask, functional: Functional, sector: usize) -> &[f64] {
 pub(super) fn located(
     around: &dyn Neighbourhoods,
     v: u32,
-    rings: Rings,
+    rings: RingCount,
 ) -> Result<Option<(Located, VertexParameters)>, Unlimited> {
     let Some(centre) = around.centre(v as usize) else { return Ok(None) };
     let found = around.disc(centre, rings).ok_or(Unlimited::Size)?;

@@ -1,6 +1,6 @@
 //! Walks on grids of quads, and the mask of a vertex there.
 
-use super::disc::{Centre, Located, Rings};
+use super::disc::{Centre, Located, RingCount};
 use super::error::Unlimited;
 use super::mask::{Mask, Masks};
 use super::regular::Regular;
@@ -34,7 +34,7 @@ pub(super) fn grid(topology: &Topology, v: usize, rings: usize, mut each: impl F
 
 /// Returns the mask of a vertex of a grid, in the order of [`grid`].
 pub(super) fn regular_mask(
-    rings: Rings,
+    rings: RingCount,
     masks: &Masks<'_>,
     surroundings: Option<Surroundings>,
 ) -> Result<Mask, Unlimited> {

@@ -8,7 +8,7 @@
 
 use super::bounds::MAX_LEVEL_POINTS;
 use super::cycle::made;
-use super::disc::{Centre, Rings};
+use super::disc::{Centre, RingCount};
 use super::error::Unlimited;
 use super::on_net::CycleOnNet;
 use super::tangent::starting_vectors;
@@ -52,7 +52,7 @@ const SHRINKS: f64 = 0.98;
 
 /// The smoothness of a scheme on regular nets, as an impulse shows it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-pub(super) enum Smoothness {
+pub(super) enum ImpulseSmoothness {
     /// The differences of an impulse do not vanish: there is no continuous limit.
     Rough,
     /// The differences of an impulse vanish, the divided second differences do not.
@@ -84,7 +84,7 @@ impl Impulse<'_> {
     ///
     /// # Errors
     /// [`Unlimited`], for instance [`Unlimited::Fine`] if all pairs of levels take too many points.
-    pub(super) fn smoothness(&self, tangents: bool, watch: &Watch) -> Result<Smoothness, Unlimited> {
+    pub(super) fn smoothness(&self, tangents: bool, watch: &Watch) -> Result<ImpulseSmoothness, Unlimited> {
         let side = side(self.support, self.on_net.cycle.n_duals());
         let mut impulse_net = self.on(self.on_net.regular.net(side, self.on_net.tagged), side);
         let (levels, _) = compared(side, &self.on_net.cycle.pieces()).ok_or(Unlimited::Fine)?;
@@ -103,11 +103,11 @@ impl Impulse<'_> {
             Ok(late <= VANISHES * early || self.vanish_at_places(measure, watch)?.unwrap_or(late <= SHRINKS * early))
         };
         Ok(if !vanish(Measure::First)? {
-            Smoothness::Rough
+            ImpulseSmoothness::Rough
         } else if tangents && !vanish(Measure::DividedSecond)? {
-            Smoothness::Continuous
+            ImpulseSmoothness::Continuous
         } else {
-            Smoothness::Smooth
+            ImpulseSmoothness::Smooth
         })
     }
 
@@ -158,7 +158,7 @@ impl Impulse<'_> {
         // so wide that points on the boundary of the disc do not influence the surroundings of a vertex at the next
         // level, even if edges become shorter only by a factor of the square root of 3
         let rings = self.support + self.support / 4 + 5;
-        let rings = Rings { support: rings, disc: rings };
+        let rings = RingCount { support: rings, disc: rings };
         let side = 2 * (rings.disc + 2);
         let mut impulse_net = self.on(self.on_net.regular.net(side, self.on_net.tagged), side);
         let wild = starting_vectors(impulse_net.net.mesh.n_vertices(), 1).concat();
@@ -271,7 +271,7 @@ impl ImpulseNet {
         &self,
         topology: &Topology,
         v: usize,
-        rings: Rings,
+        rings: RingCount,
         units: [f64; 2],
         impulse: &Impulse<'_>,
     ) -> Option<Self> {

@@ -3,11 +3,11 @@
 use std::fmt;
 
 use super::continuity::{check, smoothness};
-use super::disc::Rings;
+use super::disc::RingCount;
 use super::dual::Unrefined;
 use super::error::Unlimited;
 use super::field::{Field, Functional};
-use super::impulse::Smoothness;
+use super::impulse::ImpulseSmoothness;
 use super::mask::Finder;
 use super::normals;
 use super::on_net::CycleOnNet;
@@ -25,7 +25,7 @@ use crate::watch::{Stopped, Watch};
 /// at its boundary or has vertices between two faces.
 /// Each further ring takes another search of all discs, and only if the last one failed. Half of it may refuse narrow
 /// boundaries of dual schemes; twice of it takes about twice as long to refuse.
-const MOST_WIDER: usize = 3;
+const MAX_WIDER: usize = 3;
 
 /// The limits of the vertices of a net, in the order of construction.
 #[derive(Debug, Default)]
@@ -110,7 +110,7 @@ pub(super) fn look<T>(
     if kinked.is_some() && !request.positions {
         return then(Looked { field: None, sectors: &[], points: &points, warning: kinked });
     }
-    let with_tangents = request.normals && smoothness == Smoothness::Smooth && kinked.is_none();
+    let with_tangents = request.normals && smoothness == ImpulseSmoothness::Smooth && kinked.is_none();
     let around = RefinedNet::new(net, topology, centres, on_net.surroundings);
     let rows = ROWS_A_POINT * followed_points(plan, request);
     let field = widened(rings, |rings| {
@@ -122,17 +122,17 @@ pub(super) fn look<T>(
     })?;
     let regular = || field.no_regular_tangents().map(|why| without_normals(why.at("a regular vertex")));
     let warning = match smoothness {
-        Smoothness::Continuous => Some(without_normals("the scheme has no continuous tangents")),
+        ImpulseSmoothness::Continuous => Some(without_normals("the scheme has no continuous tangents")),
         _ => kinked.or_else(regular),
     };
     then(Looked { field: Some(&field), sectors: &field.sectors(), points: &points, warning })
 }
 
-/// Returns what `find` finds with these rings or, if they may be too few, with up to [`MOST_WIDER`] more.
-fn widened<T>(rings: Rings, find: impl Fn(Rings) -> Result<T, Unlimited>) -> Result<T, Unlimited> {
+/// Returns what `find` finds with these rings or, if they may be too few, with up to [`MAX_WIDER`] more.
+fn widened<T>(rings: RingCount, find: impl Fn(RingCount) -> Result<T, Unlimited>) -> Result<T, Unlimited> {
     find(rings).or_else(|error| {
-        let more = if error.may_be_of_the_disc() { MOST_WIDER } else { 0 };
-        let wider = |by: usize| Rings { support: rings.support + by, disc: rings.disc + by };
+        let more = if error.may_be_of_the_disc() { MAX_WIDER } else { 0 };
+        let wider = |by: usize| RingCount { support: rings.support + by, disc: rings.disc + by };
         let mut found = (1..=more).map(|by| find(wider(by)));
         let done = |found: &Result<T, Unlimited>| matches!(found, Ok(_) | Err(Unlimited::Stopped(_)));
         found.find(done).unwrap_or(Err(error))

@@ -5,7 +5,7 @@ use std::convert::Infallible;
 use std::sync::{Arc, Mutex, PoisonError};
 
 use super::cycle::{Child, Cycle};
-use super::disc::{Centre, Disc, Rings};
+use super::disc::{Centre, Disc, RingCount};
 use super::error::Unlimited;
 use super::rotation;
 use super::sector::{SectorSupport, Sectors};
@@ -126,12 +126,12 @@ pub(super) fn tangential(mut row: Vec<f64>) -> Vec<f64> {
 pub(super) struct Masks<'a> {
     finder: &'a Finder<'a>,
     common: CommonParameters,
-    known: Mutex<BTreeMap<(usize, Disc), Known>>,
+    known: Mutex<BTreeMap<(usize, Disc), KnownMask>>,
 }
 
 /// A mask, with the length of the chain of discs from which it was found.
 #[derive(Debug, Clone)]
-struct Known {
+struct KnownMask {
     mask: Arc<Mask>,
     /// Number of discs from that of the mask through its children until one repeats; 0 before the settled level.
     chain: usize,
@@ -143,7 +143,7 @@ pub(super) struct Finder<'a> {
     /// The levels that are applied to discs.
     pub(super) cycle: &'a Cycle<'a>,
     /// The rings of the discs.
-    pub(super) rings: Rings,
+    pub(super) rings: RingCount,
     /// Whether tangents are requested.
     pub(super) with_tangents: bool,
     /// Steps of discs whose vertices carry parameters.
@@ -152,7 +152,7 @@ pub(super) struct Finder<'a> {
 
 impl<'a> Finder<'a> {
     /// Creates a finder for the levels of a cycle, with tangents or without.
-    pub(super) fn new(cycle: &'a Cycle<'a>, rings: Rings, with_tangents: bool) -> Self {
+    pub(super) fn new(cycle: &'a Cycle<'a>, rings: RingCount, with_tangents: bool) -> Self {
         Self { cycle, rings, with_tangents, skeletons: Skeletons::new(cycle, rings) }
     }
 
@@ -213,7 +213,7 @@ impl<'a> Masks<'a> {
         }
     }
 
-    fn known(&self, key: &(usize, Disc)) -> Option<Known> {
+    fn known(&self, key: &(usize, Disc)) -> Option<KnownMask> {
         self.known.lock().unwrap_or_else(PoisonError::into_inner).get(key).cloned()
     }
 
@@ -221,7 +221,7 @@ impl<'a> Masks<'a> {
     fn keep(&self, key: (usize, Disc), mask: Mask, chain: usize) -> Arc<Mask> {
         let mut all = self.known.lock().unwrap_or_else(PoisonError::into_inner);
         // all threads find the same mask, so that it does not matter which one comes first
-        all.entry(key).or_insert_with(|| Known { mask: Arc::new(mask), chain }).mask.clone()
+        all.entry(key).or_insert_with(|| KnownMask { mask: Arc::new(mask), chain }).mask.clone()
     }
 
     /// Returns the mask of a disc at the settled level: follows its children until one repeats or its mask is known,
@@ -230,7 +230,7 @@ impl<'a> Masks<'a> {
         let level = self.finder.cycle.settled;
         let mut discs = vec![disc.clone()];
         let mut children: Vec<Child> = Vec::new();
-        let Known { mut mask, mut chain } = loop {
+        let KnownMask { mut mask, mut chain } = loop {
             let last = &discs[discs.len() - 1];
             let known = self.known(&(level, last.clone()));
             if children.len() + known.as_ref().map_or(1, |known| known.chain) > MAX_CHAIN {

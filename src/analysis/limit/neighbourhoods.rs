@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use super::disc::{Centre, Disc, Located, Rings};
+use super::disc::{Centre, Disc, Located, RingCount};
 use super::vertex_parameters::VertexParameters;
 use crate::math::rows::Rows;
 use crate::shape::numbering::Numbering;
@@ -26,7 +26,7 @@ pub(super) trait Neighbourhoods: fmt::Debug + Sync {
     fn leaves_out(&self) -> bool;
     /// Returns the rings around a centre with their tags and sharpness, and the point number of each of their vertices;
     /// `None` if the disc is too large.
-    fn disc(&self, centre: Centre, rings: Rings) -> Option<Located>;
+    fn disc(&self, centre: Centre, rings: RingCount) -> Option<Located>;
     /// Returns the parameters that these points carry.
     fn parameters(&self, points: &[u32]) -> VertexParameters;
     /// Returns the numbers that select the perturbations of the vertices, edges and faces of a disc.
@@ -36,10 +36,10 @@ pub(super) trait Neighbourhoods: fmt::Debug + Sync {
     ///
     /// # Errors
     /// [`Stopped`].
-    fn middles(&self, but: usize, rings: Rings, watch: &Watch) -> Result<Vec<Disc>, Stopped>;
+    fn middles(&self, but: usize, rings: RingCount, watch: &Watch) -> Result<Vec<Disc>, Stopped>;
     /// Returns for each point whether the rings around it contain anything that is not part of a grid of smooth quads,
     /// or that carries data of its own.
-    fn near_extraordinary(&self, rings: Rings) -> Vec<bool>;
+    fn near_extraordinary(&self, rings: RingCount) -> Vec<bool>;
     /// Adds these weights of the points within some rings of a point on a grid of quads, in the order of
     /// [`grid`](super::grid::grid).
     fn add_on_grid(&self, point: u32, rings: usize, weights: &[f64], out: &mut Rows);

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use super::cycle::Cycle;
-use super::disc::Rings;
+use super::disc::RingCount;
 use super::disc_rules::DiscRules;
 use super::error::Unlimited;
 use super::refined_net::carries;
@@ -68,9 +68,9 @@ impl<'a> CycleOnNet<'a> {
     ///
     /// # Errors
     /// [`Unlimited`] if there are too many.
-    pub(super) fn rings(&self, starts: Starts) -> Result<Rings, Unlimited> {
+    pub(super) fn rings(&self, starts: Starts) -> Result<RingCount, Unlimited> {
         let rings = self.regular.rings(&self.cycle, self.tagged, starts)?;
         let least = if self.evens_out { rings.support + 1 } else { 0 };
-        Ok(Rings { disc: rings.disc.max(least), ..rings })
+        Ok(RingCount { disc: rings.disc.max(least), ..rings })
     }
 }

@@ -13,7 +13,7 @@ use rayon::prelude::*;
 
 use super::bounds::{MAX_FOLLOWED_LEVELS, MAX_FOLLOWED_POINTS};
 use super::cycle::Child;
-use super::disc::{Centre, Disc, Located, Rings};
+use super::disc::{Centre, Disc, Located, RingCount};
 use super::error::Unlimited;
 use super::field::{Field, located};
 use super::mask::{Finder, Mask, Masks, tangential};
@@ -84,7 +84,7 @@ pub(super) fn no_normals(perturbation: &Perturbation) -> Option<String> {
 /// for perturbations that do not fade.
 pub(super) fn field<'a>(
     around: &'a dyn Neighbourhoods,
-    rings: Rings,
+    rings: RingCount,
     finder: &Finder<'_>,
     perturbation: Perturbation,
     rows: u64,
@@ -110,7 +110,7 @@ pub(super) fn field<'a>(
 ///
 /// # Errors
 /// [`Unlimited::Followed`], and [`Unlimited::Size`] if a single disc is too large.
-fn check_size(around: &dyn Neighbourhoods, rings: Rings, watch: &Watch) -> Result<(), Unlimited> {
+fn check_size(around: &dyn Neighbourhoods, rings: RingCount, watch: &Watch) -> Result<(), Unlimited> {
     let all: Vec<Centre> = (0..around.n_vertices()).filter_map(|v| around.centre(v)).collect();
     let mut points = 0;
     for chunk in all.chunks(CHUNK) {

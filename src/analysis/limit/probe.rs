@@ -2,7 +2,7 @@
 
 use super::bounds::MAX_RINGS;
 use super::cycle::Cycle;
-use super::disc::{Centre, Disc, Rings, is_triangular};
+use super::disc::{Centre, Disc, RingCount, is_triangular};
 use super::error::Unlimited;
 use super::regular::{Regular, Starts};
 use super::walk::WholeNet;
@@ -30,7 +30,7 @@ impl Regular {
     }
 
     /// Returns the disc around an inner vertex of a regular net; `None` if it is too large.
-    fn disc(self, rings: Rings, tagged: bool) -> Option<Disc> {
+    fn disc(self, rings: RingCount, tagged: bool) -> Option<Disc> {
         let (net, middle) = self.grid(rings, tagged);
         let whole = WholeNet::of(&net, &net.mesh.base);
         whole.disc(Centre::Vertex(index(middle)), rings).map(|found| found.disc)
@@ -45,7 +45,7 @@ impl Regular {
     ///
     /// # Errors
     /// [`Unlimited`], in particular [`Unlimited::Reach`] if more than [`MAX_RINGS`] rings are needed.
-    pub(super) fn rings(self, cycle: &Cycle<'_>, tagged: bool, starts: Starts) -> Result<Rings, Unlimited> {
+    pub(super) fn rings(self, cycle: &Cycle<'_>, tagged: bool, starts: Starts) -> Result<RingCount, Unlimited> {
         let mut failed = Unlimited::Reach;
         let mut closed = |support: usize| match self.closed(cycle, support, tagged, starts) {
             // a disc of so few rings may have no child
@@ -68,24 +68,24 @@ impl Regular {
         let support = support + spare + usize::from(cycle.reaches_farther());
         let most = support + 2 + starts.wider(cycle.n_duals());
         for disc in support + spare..most {
-            let rings = Rings { support, disc };
+            let rings = RingCount { support, disc };
             if self.agrees(cycle, rings, tagged)? && self.agrees_elsewhere(cycle, rings, starts)? {
                 return Ok(rings);
             }
         }
-        Ok(Rings { support, disc: most + spare })
+        Ok(RingCount { support, disc: most + spare })
     }
 
     /// Returns whether a support is closed: whether the points within `support` rings of a child depend only on points
     /// within `support` rings of its parent.
     fn closed(self, cycle: &Cycle<'_>, support: usize, tagged: bool, starts: Starts) -> Result<bool, Unlimited> {
-        let rings = Rings { support, disc: support + 2 };
+        let rings = RingCount { support, disc: support + 2 };
         let disc = self.disc(rings, tagged).ok_or(Unlimited::Size)?;
         // two levels, since under a dual scheme the first child is a face, whose child is a face again
         if !closes(cycle, disc, rings, 2)? {
             return Ok(false);
         }
-        let rings = Rings { disc: rings.disc + starts.wider(cycle.n_duals()), ..rings };
+        let rings = RingCount { disc: rings.disc + starts.wider(cycle.n_duals()), ..rings };
         for (net, centre) in self.places(starts, cycle.n_duals(), rings.disc) {
             let disc = WholeNet::of(&net, &net.mesh.base).disc(centre, rings).ok_or(Unlimited::Size)?.disc;
             if !closes(cycle, disc, rings, STEPS)? {
@@ -97,8 +97,8 @@ impl Regular {
 
     /// Returns whether the disc of an inner vertex with these rings has the same weights as a larger one, and a
     /// complete child that agrees with the larger one's; for two levels.
-    fn agrees(self, cycle: &Cycle<'_>, rings: Rings, tagged: bool) -> Result<bool, Unlimited> {
-        let larger = Rings { disc: rings.support + 3, ..rings };
+    fn agrees(self, cycle: &Cycle<'_>, rings: RingCount, tagged: bool) -> Result<bool, Unlimited> {
+        let larger = RingCount { disc: rings.support + 3, ..rings };
         let mut pair = [rings, larger].map(|rings| self.disc(rings, tagged));
         for _ in 0..2 {
             let [Some(small), Some(large)] = pair else { return Err(Unlimited::Size) };
@@ -115,8 +115,8 @@ impl Regular {
 
     /// Returns whether, for [`STEPS`] levels, the discs at all other places have the same weights and children as
     /// larger ones.
-    fn agrees_elsewhere(self, cycle: &Cycle<'_>, rings: Rings, starts: Starts) -> Result<bool, Unlimited> {
-        let larger = Rings { disc: rings.disc + 2 + starts.wider(cycle.n_duals()), ..rings };
+    fn agrees_elsewhere(self, cycle: &Cycle<'_>, rings: RingCount, starts: Starts) -> Result<bool, Unlimited> {
+        let larger = RingCount { disc: rings.disc + 2 + starts.wider(cycle.n_duals()), ..rings };
         for (net, centre) in self.places(starts, cycle.n_duals(), larger.disc) {
             let whole = WholeNet::of(&net, &net.mesh.base);
             let [Some(mut small), Some(mut large)] =
@@ -138,7 +138,7 @@ impl Regular {
     }
 
     /// Returns whether a disc has as many faces as its rings have in a regular net.
-    fn is_complete(self, faces: &[Vec<u32>], rings: Rings) -> bool {
+    fn is_complete(self, faces: &[Vec<u32>], rings: RingCount) -> bool {
         let k = rings.disc;
         // the numbers around a vertex and around a face
         match self {
@@ -150,7 +150,7 @@ impl Regular {
 
 /// Returns whether, for `steps` levels in turn, every point that could have a weight in the support of the child lies
 /// in the support of its parent.
-fn closes(cycle: &Cycle<'_>, mut disc: Disc, rings: Rings, steps: usize) -> Result<bool, Unlimited> {
+fn closes(cycle: &Cycle<'_>, mut disc: Disc, rings: RingCount, steps: usize) -> Result<bool, Unlimited> {
     for _ in 0..steps {
         let (closes, child) = cycle.closes(&disc, rings)?;
         if !closes {

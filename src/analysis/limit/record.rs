@@ -4,7 +4,7 @@ use std::cell::RefCell;
 
 use super::error::Unlimited;
 use crate::math::rows::{Rows, collect};
-use crate::scheme::step::{Action, Source};
+use crate::scheme::step::{Action, TermKind};
 use crate::shape::topology::index;
 
 /// Whether a record uses the weights or only their positions.
@@ -33,7 +33,7 @@ struct Recorded {
 
 impl Recorded {
     /// Calls `each` with the sources and weights of a point.
-    fn weights(&self, point: u32, each: impl FnMut(Source, f64)) {
+    fn weights(&self, point: u32, each: impl FnMut(TermKind, f64)) {
         let (places, rows) = &mut *self.made.borrow_mut();
         let (row, place) = (point as usize, &mut places[point as usize]);
         if *place == 0 {
@@ -131,10 +131,10 @@ impl Trace {
         let Self { now, anchor, before } = self;
         now.drain(|point, factor| {
             recorded.weights(point, |source, weight| match source {
-                Source::Point(point) => before.add(point, factor * weigh(weight)),
-                Source::Anchor(point) => anchor.add(point, factor * weigh(weight)),
+                TermKind::Point(point) => before.add(point, factor * weigh(weight)),
+                TermKind::Anchor(point) => anchor.add(point, factor * weigh(weight)),
                 // a NaN marks every point that needs the lost one
-                Source::Lost => before.add(point, f64::NAN),
+                TermKind::Lost => before.add(point, f64::NAN),
             });
         });
         if recorded.action.sets_anchor() {

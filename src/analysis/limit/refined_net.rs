@@ -5,7 +5,7 @@ use std::sync::{Arc, OnceLock};
 
 use rayon::prelude::*;
 
-use super::disc::{Centre, Disc, Located, Rings};
+use super::disc::{Centre, Disc, Located, RingCount};
 use super::grid::grid;
 use super::neighbourhoods::Neighbourhoods;
 use super::vertex_parameters::VertexParameters;
@@ -68,7 +68,7 @@ impl Neighbourhoods for RefinedNet {
         self.centres.is_some()
     }
 
-    fn disc(&self, centre: Centre, rings: Rings) -> Option<Located> {
+    fn disc(&self, centre: Centre, rings: RingCount) -> Option<Located> {
         self.whole().disc(centre, rings)
     }
 
@@ -81,7 +81,7 @@ impl Neighbourhoods for RefinedNet {
         whole.part(&self.topology, &found.vertices, &found.half_edges)
     }
 
-    fn middles(&self, but: usize, rings: Rings, watch: &Watch) -> Result<Vec<Disc>, Stopped> {
+    fn middles(&self, but: usize, rings: RingCount, watch: &Watch) -> Result<Vec<Disc>, Stopped> {
         let mut seen = BTreeSet::from([but]);
         let first = |f: &usize| !carries(&self.net) && seen.insert(self.topology.face(*f).len());
         let least = |f: usize| self.whole().least_disc(Centre::Face(index(f)), rings, watch);
@@ -89,7 +89,7 @@ impl Neighbourhoods for RefinedNet {
         Ok(found.into_iter().flatten().map(|found| found.disc).collect())
     }
 
-    fn near_extraordinary(&self, rings: Rings) -> Vec<bool> {
+    fn near_extraordinary(&self, rings: RingCount) -> Vec<bool> {
         if carries(&self.net) { vec![true; self.n_points()] } else { near_extraordinary(&self.whole(), rings) }
     }
 
@@ -106,7 +106,7 @@ pub(super) fn carries(net: &MeshNet) -> bool {
 
 /// Returns for each vertex whether a vertex fewer than `rings.disc` rings away is not a regular vertex of a grid of
 /// smooth quads.
-fn near_extraordinary(whole: &WholeNet<'_>, rings: Rings) -> Vec<bool> {
+fn near_extraordinary(whole: &WholeNet<'_>, rings: RingCount) -> Vec<bool> {
     let topology = whole.topology;
     let extraordinary = |v: usize| {
         let quads = || topology.ring(v).all(|half_edge| topology.half_edges(topology.face_of(half_edge)).len() == 4);

@@ -3,7 +3,7 @@
 
 use std::sync::Arc;
 
-use super::disc::{Centre, Rings};
+use super::disc::{Centre, RingCount};
 use crate::scheme::mesh_net::MeshNet;
 use crate::scheme::tags::Boundary;
 use crate::shape::check::{FaceList, Winding};
@@ -13,7 +13,7 @@ use crate::shape::topology::{Topology, index};
 /// Maximum number of faces around the boundary vertices that are examined. Under D a boundary vertex with m faces
 /// becomes the middle of a path of m points: a vertex if m is odd, an edge if it is even. For 1 and 2 faces the middle
 /// contains an end of the path, for 3 and 4 it does not. Half of it would leave out 3 and 4; twice of it repeats them.
-const MOST_SECTORS: usize = 4;
+const MAX_SECTORS: usize = 4;
 
 /// The kind of net on which a scheme is regular.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -58,7 +58,7 @@ impl Regular {
     }
 
     /// Returns a regular net and its middle vertex, which is so far from the boundary that no disc reaches it.
-    pub(super) fn grid(self, rings: Rings, tagged: bool) -> (MeshNet, usize) {
+    pub(super) fn grid(self, rings: RingCount, tagged: bool) -> (MeshNet, usize) {
         let side = 2 * (rings.disc + 2);
         (self.net(side, tagged), (side / 2) * (side + 1) + side / 2)
     }
@@ -71,7 +71,7 @@ impl Regular {
         let side = 2 * (reach + 2);
         let boundaries = starts.is_open && n_duals > 0;
         if boundaries {
-            places.extend((1..=MOST_SECTORS).map(|n| (self.fan(n, reach + 2), Centre::Vertex(0))));
+            places.extend((1..=MAX_SECTORS).map(|n| (self.fan(n, reach + 2), Centre::Vertex(0))));
             places.push((self.net(side, false), Centre::Vertex(index(side / 2))));
         }
         if starts.others {

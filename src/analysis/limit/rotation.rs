@@ -8,7 +8,7 @@
 //! Source: L. Kobbelt, SIGGRAPH 2000, 103-112, section 4, which rotates the matrix of two steps back.
 
 use super::cycle::Cycle;
-use super::disc::{Centre, Disc, Rings};
+use super::disc::{Centre, Disc, RingCount};
 use super::walk::WholeNet;
 use crate::math::functions::{cos, real, sin};
 use crate::shape::topology::index;
@@ -41,7 +41,7 @@ pub(super) fn by(disc: &Disc, forth: impl Fn(&[f64]) -> Vec<f64>) -> Option<usiz
 
 /// Returns for each vertex of the support of a disc the vertex to which a rotation of the disc by `faces` faces takes
 /// it; `None` if the rotation does not map the disc to itself.
-pub(super) fn places(disc: &Disc, cycle: &Cycle<'_>, rings: Rings, faces: usize) -> Option<Vec<u32>> {
+pub(super) fn places(disc: &Disc, cycle: &Cycle<'_>, rings: RingCount, faces: usize) -> Option<Vec<u32>> {
     let (net, origins) = disc.net(cycle.disc_rules)?;
     let (centre, whole) = (disc.centre(), WholeNet::of(&net, &net.mesh.base));
     let [here, there] = [0, faces].map(|start| whole.walk(centre, whole.starts(centre).nth(start)?, rings));

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::sync::{Arc, Mutex, PoisonError};
 
 use super::cycle::{Child, Cycle};
-use super::disc::{Disc, Located, Rings};
+use super::disc::{Disc, Located, RingCount};
 use super::error::Unlimited;
 use super::record::{Record, Weights};
 use super::vertex_parameters::VertexParameters;
@@ -65,13 +65,13 @@ impl Traced {
 #[derive(Debug)]
 pub(super) struct Skeletons<'a> {
     cycle: &'a Cycle<'a>,
-    rings: Rings,
+    rings: RingCount,
     known: Mutex<BTreeMap<Disc, Arc<Skeleton>>>,
 }
 
 impl<'a> Skeletons<'a> {
     /// Creates an empty set.
-    pub(super) fn new(cycle: &'a Cycle<'a>, rings: Rings) -> Self {
+    pub(super) fn new(cycle: &'a Cycle<'a>, rings: RingCount) -> Self {
         Self { cycle, rings, known: Mutex::default() }
     }
 

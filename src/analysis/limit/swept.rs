@@ -4,9 +4,9 @@
 use std::sync::Arc;
 
 use super::continuity::{check, smoothness};
-use super::disc::{Centre, NEAREST, Rings};
+use super::disc::{Centre, NEAREST, RingCount};
 use super::error::{LimitError, Unlimited};
-use super::impulse::Smoothness;
+use super::impulse::ImpulseSmoothness;
 use super::mask::{Finder, Mask, Masks};
 use super::on_net::CycleOnNet;
 use super::regular::Starts;
@@ -86,7 +86,7 @@ fn stencils(
     let on_net = CycleOnNet::of(plan, &net, topology, ahead, watch)?;
     let rings = on_net.rings(Starts { is_open: topology.n_boundary() > 0, others: false })?;
     let smooth = smoothness(&on_net, rings.support, request.normals, watch)?;
-    if rings.support > 1 || on_net.surroundings.is_some() || (request.normals && smooth != Smoothness::Smooth) {
+    if rings.support > 1 || on_net.surroundings.is_some() || (request.normals && smooth != ImpulseSmoothness::Smooth) {
         return Ok(None);
     }
     let finder = Finder::new(&on_net.cycle, rings, request.normals);
@@ -107,7 +107,7 @@ type Weighed = (Arc<Mask>, Vec<u32>);
 
 /// Computes masks of vertices of small nets.
 struct SmallNets<'a> {
-    rings: Rings,
+    rings: RingCount,
     masks: Masks<'a>,
 }
 

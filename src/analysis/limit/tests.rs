@@ -1,7 +1,7 @@
 //! Tests that the least disc around a vertex with many faces is found without all walks, and that masks do not depend
 //! on the order of requests.
 
-use super::disc::{Centre, Located, Rings};
+use super::disc::{Centre, Located, RingCount};
 use super::mask::{Finder, Masks};
 use super::mesh::scheduled;
 use super::on_net::CycleOnNet;
@@ -31,7 +31,7 @@ fn around(sizes: &[u32]) -> MeshNet {
 }
 
 /// Returns the least of the discs of all starts, the first of equal ones.
-fn least_of_all(whole: &WholeNet<'_>, centre: Centre, rings: Rings) -> Option<Located> {
+fn least_of_all(whole: &WholeNet<'_>, centre: Centre, rings: RingCount) -> Option<Located> {
     let walks = whole.starts(centre).enumerate();
     let found =
         walks.map(|(rotation, start)| Located { rotation, ..whole.walk(centre, start, rings).expect("a small disc") });
@@ -42,7 +42,7 @@ fn least_of_all(whole: &WholeNet<'_>, centre: Centre, rings: Rings) -> Option<Lo
 fn the_least_disc_is_that_of_all_starts_whatever_comes_again_around_a_vertex() {
     let units: [&[u32]; 8] =
         [&[3], &[4], &[4, 3], &[3, 4], &[4, 4, 3], &[5, 3, 4, 3], &[3, 3, 4, 3, 4], &[4, 3, 3, 4, 3, 5]];
-    let rings = Rings { support: 1, disc: 1 };
+    let rings = RingCount { support: 1, disc: 1 };
     for (unit, times) in units.into_iter().flat_map(|unit| (1..=6).map(move |times| (unit, times))) {
         for odd in [None, Some(5)] {
             let sizes: Vec<u32> = unit.iter().copied().cycle().take(unit.len() * times).chain(odd).collect();
@@ -67,7 +67,8 @@ fn a_vertex_that_looks_the_same_from_all_its_faces_takes_two_walks() {
     let net = around(&[3; 500]);
     let whole = WholeNet::of(&net, &net.mesh.base);
     let watch = Watch::new();
-    let found = whole.least_disc(Centre::Vertex(0), Rings { support: 1, disc: 1 }, &watch).expect("nobody says stop");
+    let found =
+        whole.least_disc(Centre::Vertex(0), RingCount { support: 1, disc: 1 }, &watch).expect("nobody says stop");
     assert_eq!(found.map(|found| found.rotation), Some(0));
     assert!(watch.done() <= 2 * 501, "{} rows", watch.done());
 }

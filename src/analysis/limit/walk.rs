@@ -3,7 +3,7 @@
 use std::cmp::Ordering;
 
 use super::bounds::{MAX_DISC_VERTICES, VERTICES_A_ROW};
-use super::disc::{Centre, Disc, Located, Rings};
+use super::disc::{Centre, Disc, Located, RingCount};
 use super::first_use::FirstUse;
 use crate::scheme::mesh_net::MeshNet;
 use crate::scheme::sharpness::Sharpness;
@@ -51,7 +51,7 @@ fn common_divisor(a: usize, b: usize) -> usize {
 
 impl WholeNet<'_> {
     /// Returns the disc around a centre; `None` if it has more than [`MAX_DISC_VERTICES`] vertices.
-    pub(super) fn disc(&self, centre: Centre, rings: Rings) -> Option<Located> {
+    pub(super) fn disc(&self, centre: Centre, rings: RingCount) -> Option<Located> {
         self.walk(centre, self.starts(centre).next()?, rings)
     }
 
@@ -64,7 +64,12 @@ impl WholeNet<'_> {
     ///
     /// # Errors
     /// [`Stopped`].
-    pub(super) fn least_disc(&self, centre: Centre, rings: Rings, watch: &Watch) -> Result<Option<Located>, Stopped> {
+    pub(super) fn least_disc(
+        &self,
+        centre: Centre,
+        rings: RingCount,
+        watch: &Watch,
+    ) -> Result<Option<Located>, Stopped> {
         let starts: Vec<u32> = self.starts(centre).collect();
         let mut different = starts.len();
         let mut least: Option<Located> = None;
@@ -101,7 +106,7 @@ impl WholeNet<'_> {
 
     /// Returns the disc that a walk around a centre finds from the half-edge `start`; `None` if it has more than
     /// [`MAX_DISC_VERTICES`] vertices.
-    pub(super) fn walk(&self, centre: Centre, start: u32, rings: Rings) -> Option<Located> {
+    pub(super) fn walk(&self, centre: Centre, start: u32, rings: RingCount) -> Option<Located> {
         let mut walk = Walk {
             whole: *self,
             sizes: Vec::new(),

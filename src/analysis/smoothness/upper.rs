@@ -277,7 +277,7 @@ fn norm(matrix: &[f64], n: usize) -> f64 {
 
 /// A proved bound of products of matrices divided by `bound`: all their norms are at most `most`.
 #[derive(Debug, Clone, Copy)]
-struct Known {
+struct ProductBound {
     bound: f64,
     most: f64,
 }
@@ -292,14 +292,14 @@ impl Family {
     /// Tries a ladder of decreasing bounds until a tree of products fails to prove one.
     fn climb(&self, ladder: &[f64], budget: u64, watch: &Watch) -> Result<Climbed, Stopped> {
         let one_step = self.matrices.iter().map(|matrix| norm(matrix, self.n)).fold(0.0, f64::max);
-        let mut known = Known { bound: one_step * (1.0 + 64.0 * UNIT), most: 1.0 };
+        let mut known = ProductBound { bound: one_step * (1.0 + 64.0 * UNIT), most: 1.0 };
         let mut left = budget;
         for &bound in ladder.iter().filter(|bound| **bound < one_step) {
             let mut tree = Tree::new(self, bound, left, watch);
             let proved = tree.holds(known)?;
             left = tree.left;
             let Some(most) = proved else { break };
-            known = Known { bound, most };
+            known = ProductBound { bound, most };
         }
         Ok(Climbed { bound: known.bound, nodes: budget - left })
     }
@@ -333,7 +333,7 @@ impl<'a> Tree<'a> {
 
     /// Returns the greatest norm of all products, whatever their length, if all leaves are found within the budget.
     /// Rounding errors grow along the path as products do, which the `known` bound limits.
-    fn holds(&mut self, known: Known) -> Result<Option<f64>, Stopped> {
+    fn holds(&mut self, known: ProductBound) -> Result<Option<f64>, Stopped> {
         let (n, price) = (self.n, price(self.n));
         let growth = known.bound / self.bound * (1.0 + 4.0 * UNIT);
         #[expect(clippy::cast_precision_loss, reason = "matrices are small")]

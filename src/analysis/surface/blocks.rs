@@ -8,8 +8,8 @@
 //! Source: Ball and Storry, ACM Transactions on Graphics 7 (1988), 83-102; Peters and Reif, Subdivision Surfaces
 //! (2008), section 5.
 
-use super::local::{Entry, Local};
-use super::sectors::{Kind, Point};
+use super::local::{Entry, LocalRows};
+use super::sectors::{NetKind, Point};
 use crate::math::dense::Dense;
 use crate::math::functions::{cos, real, sin};
 
@@ -32,7 +32,7 @@ pub(super) enum Component {
 
 /// The block of one Fourier index.
 #[derive(Debug, Clone)]
-pub(super) struct Block {
+pub(super) struct FourierBlock {
     /// The components of the vectors of the block.
     pub(super) components: Vec<Component>,
     /// The matrix of the block.
@@ -53,7 +53,7 @@ pub(super) fn phase(turn: f64, n: usize) -> Complex {
 }
 
 /// Returns the components of the vectors of the block of an index, for the points up to a radius.
-pub(super) fn components(kind: Kind, radius: i32, index: usize) -> Vec<Component> {
+pub(super) fn components(kind: NetKind, radius: i32, index: usize) -> Vec<Component> {
     let mut found = Vec::new();
     if kind.has_centre() && index == 0 {
         found.push(Component::Centre);
@@ -77,7 +77,7 @@ struct Functional {
 
 impl Functional {
     /// Converts the weights `w(s, q)` of the row of a point p to weights of `u_q`.
-    fn of(kind: Kind, n: usize, index: usize, point: Option<Point>, row: &[Entry]) -> Self {
+    fn of(kind: NetKind, n: usize, index: usize, point: Option<Point>, row: &[Entry]) -> Self {
         let from = point.map_or(0.0, |p| kind.turn(p));
         let mut functional = Self { points: Vec::new(), centre: 0.0 };
         for entry in row {
@@ -136,10 +136,10 @@ impl Functional {
 /// Returns the weights of the components `of` a block in one component of the child; `None` if the rows lack the
 /// reflection symmetry.
 pub(super) fn row(
-    kind: Kind,
+    kind: NetKind,
     n: usize,
     index: usize,
-    local: &Local,
+    local: &LocalRows,
     component: Component,
     of: &[Component],
 ) -> Option<Vec<f64>> {
@@ -155,10 +155,10 @@ pub(super) fn row(
     (left <= ASYMMETRY).then_some(weights)
 }
 
-impl Block {
+impl FourierBlock {
     /// Returns the block of an index for the points up to a radius, which must not depend on points beyond it; `None`
     /// if the rows lack the reflection symmetry.
-    pub(super) fn of(kind: Kind, n: usize, index: usize, radius: i32, local: &Local) -> Option<Self> {
+    pub(super) fn of(kind: NetKind, n: usize, index: usize, radius: i32, local: &LocalRows) -> Option<Self> {
         let components = components(kind, radius, index);
         let mut matrix = Dense::zero(components.len());
         for (i, &component) in components.iter().enumerate() {

@@ -10,10 +10,10 @@
 use std::collections::BTreeMap;
 
 use super::characteristic::{ring, sine};
-use super::fan::{Beyond, FanPlace, FanRows, mirrored, places, radius};
+use super::fan::{FanBoundary, FanPlace, FanRows, mirrored, places, radius};
 use super::local::{Applied, closed};
 use super::regular::RegularMask;
-use super::sectors::{Kind, PlaneNet, Point, SAME};
+use super::sectors::{NetKind, PlaneNet, Point, SAME};
 use super::spectrum::Weight;
 use super::verdict::{Criterion, ONE, REGULAR, Status};
 use crate::analysis::limit::Unlimited;
@@ -61,7 +61,7 @@ pub struct BoundaryReport {
 }
 
 /// The block of even or of odd vectors; each component has a place in the first half of the fan and its mirror image.
-struct Block {
+struct ParityBlock {
     components: Vec<(FanPlace, FanPlace)>,
     matrix: Dense,
     values: Vec<Eigenvalue>,
@@ -69,8 +69,8 @@ struct Block {
     sign: f64,
 }
 
-impl Block {
-    fn of(rows: &FanRows, kind: Kind, farthest: i32, sign: f64) -> Option<Self> {
+impl ParityBlock {
+    fn of(rows: &FanRows, kind: NetKind, farthest: i32, sign: f64) -> Option<Self> {
         let all = places(kind, rows.faces, farthest).into_iter().map(|place| (place, mirrored(rows.faces, place)));
         let components: Vec<_> = all.filter(|(p, q)| p < q || p == q && sign > 0.0).collect();
         let mut matrix = Dense::zero(components.len());
@@ -122,7 +122,7 @@ struct Direction {
 }
 
 impl Direction {
-    fn of(block: &Block, value: f64) -> Self {
+    fn of(block: &ParityBlock, value: f64) -> Self {
         let values = block.spread(&block.matrix.eigenvector(value));
         // scale: along the boundary the first point of ray 0 lies at 1, across it the farthest of the nearest points
         let near = |point: &Point| point.iter().all(|x| (0..=1).contains(x));
@@ -158,16 +158,16 @@ impl Applied {
         watch: &Watch,
     ) -> Result<BoundaryReport, Unlimited> {
         let (kind, (_, farthest)) = (self.kind, ring(regular));
-        if kind == Kind::Dual {
+        if kind == NetKind::Dual {
             return Err(Unlimited::NoVertex);
         }
-        let rows = self.fan(m, farthest, Beyond::Nothing, watch)?;
+        let rows = self.fan(m, farthest, FanBoundary::Nothing, watch)?;
         let is_side_of_crease = self.is_side_of_crease(&rows, farthest, watch)?;
         let closed = closed(farthest, rows.reach_of(kind, farthest), |radius| rows.reach_of(kind, radius))?;
         if !is_mirrored(&rows) {
             return Err(Unlimited::Lopsided);
         }
-        let block = |sign: f64| Block::of(&rows, kind, closed, sign).ok_or(Unlimited::NoEigenvalues);
+        let block = |sign: f64| ParityBlock::of(&rows, kind, closed, sign).ok_or(Unlimited::NoEigenvalues);
         let (even, odd) = (block(1.0)?, block(-1.0)?);
         watch.advance((even.matrix.n + odd.matrix.n) as u64);
         let limit = even.shared(&even.matrix.transposed().eigenvector(1.0));
@@ -216,8 +216,8 @@ fn is_mirrored(rows: &FanRows) -> bool {
 
 /// Returns the eigenvalues of both blocks, the largest first; of those with the same absolute value up to ten digits,
 /// even ones come first.
-fn sorted(even: &Block, odd: &Block) -> Vec<Sided> {
-    let of = |block: &Block, is_odd: bool| -> Vec<Sided> {
+fn sorted(even: &ParityBlock, odd: &ParityBlock) -> Vec<Sided> {
+    let of = |block: &ParityBlock, is_odd: bool| -> Vec<Sided> {
         block.values.iter().map(|&value| Sided { value, is_odd }).collect()
     };
     let mut all = of(even, false);
@@ -244,14 +244,14 @@ fn mask(m: usize, weights: &BTreeMap<FanPlace, f64>) -> Vec<Weight> {
 
 /// Returns the faces of a fan as places; the first corner of a square or a lower triangle is the one nearest to the
 /// centre.
-fn faces(kind: Kind, m: usize, farthest: i32) -> Vec<Vec<FanPlace>> {
+fn faces(kind: NetKind, m: usize, farthest: i32) -> Vec<Vec<FanPlace>> {
     let at = |s: usize, point: Point| match point {
         [0, 0] => None,
         [0, j] => Some((s + 1, [j, 0])),
         inside => Some((s, inside)),
     };
     let shapes: &[&[Point]] = match kind {
-        Kind::Triangles => &[&[[0, 0], [1, 0], [0, 1]], &[[1, 0], [1, 1], [0, 1]]],
+        NetKind::Triangles => &[&[[0, 0], [1, 0], [0, 1]], &[[1, 0], [1, 1], [0, 1]]],
         _ => &[&[[0, 0], [1, 0], [1, 1], [0, 1]]],
     };
     let cells = (0..m).flat_map(|s| (0..farthest).flat_map(move |i| (0..farthest).map(move |j| (s, i, j))));
@@ -263,7 +263,7 @@ fn faces(kind: Kind, m: usize, farthest: i32) -> Vec<Vec<FanPlace>> {
 }
 
 /// Returns the least sine of the corner angles of all faces that do not touch the centre.
-fn least_sine(kind: Kind, m: usize, points: &BTreeMap<FanPlace, [f64; 2]>) -> f64 {
+fn least_sine(kind: NetKind, m: usize, points: &BTreeMap<FanPlace, [f64; 2]>) -> f64 {
     let farthest = points.keys().map(|&place| radius(kind, place)).max().unwrap_or(0);
     let away = faces(kind, m, farthest).into_iter().filter(|face| !face.contains(&None));
     let least = away.map(|face| {
@@ -281,7 +281,7 @@ fn least_sine(kind: Kind, m: usize, points: &BTreeMap<FanPlace, [f64; 2]>) -> f6
 }
 
 /// Returns the points and faces of the characteristic net.
-fn net(kind: Kind, m: usize, points: &BTreeMap<FanPlace, [f64; 2]>) -> PlaneNet {
+fn net(kind: NetKind, m: usize, points: &BTreeMap<FanPlace, [f64; 2]>) -> PlaneNet {
     let farthest = points.keys().map(|&place| radius(kind, place)).max().unwrap_or(0);
     let order = places(kind, m, farthest);
     let number: BTreeMap<FanPlace, usize> = order.iter().copied().zip(0..).collect();

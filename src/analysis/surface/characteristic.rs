@@ -14,7 +14,7 @@ use std::collections::BTreeMap;
 use super::blocks::phase;
 use super::convergence::{derivative, lebesgue_bound};
 use super::regular::{Polynomial, RegularMask};
-use super::sectors::{Kind, Point};
+use super::sectors::{NetKind, Point};
 use crate::math::functions::{cos, real, sin, sqrt};
 use crate::math::vector::minus;
 use crate::watch::{Stopped, Watch};
@@ -49,7 +49,7 @@ struct Disc {
 
 /// The result of the examination of a ring.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Ring {
+pub(super) enum RingVerdict {
     /// The map is proved to be regular and injective.
     Proved,
     /// The determinant is negative somewhere, although the map is counter-clockwise on the whole.
@@ -60,7 +60,7 @@ pub(super) enum Ring {
 
 impl CharacteristicNet {
     /// Returns the position of a point of a sector.
-    pub(super) fn place(&self, kind: Kind, sector: i32, point: Point) -> Option<[f64; 2]> {
+    pub(super) fn place(&self, kind: NetKind, sector: i32, point: Point) -> Option<[f64; 2]> {
         let [re, im] = *self.values.get(&point)?;
         let n = i32::try_from(self.n).unwrap_or(i32::MAX);
         let sector = usize::try_from(sector.rem_euclid(n)).unwrap_or(0);
@@ -69,7 +69,7 @@ impl CharacteristicNet {
     }
 
     /// Returns the position of a lattice point near sector 0.
-    fn at(&self, kind: Kind, point: Point) -> Option<[f64; 2]> {
+    fn at(&self, kind: NetKind, point: Point) -> Option<[f64; 2]> {
         if kind.has_centre() && point == [0, 0] {
             return Some([0.0; 2]);
         }
@@ -79,7 +79,7 @@ impl CharacteristicNet {
 
     /// Returns the least sine of the corner angles of the faces of half of sector 0 up to a radius that do not touch
     /// the centre.
-    pub(super) fn least_sine(&self, kind: Kind, radius: i32) -> f64 {
+    pub(super) fn least_sine(&self, kind: NetKind, radius: i32) -> f64 {
         let mut least = f64::INFINITY;
         for cell in cells(kind, i32::from(kind.has_centre()), radius) {
             let corners: Vec<Option<[f64; 2]>> = cell.corners(kind).map(|p| self.at(kind, p)).collect();
@@ -109,28 +109,28 @@ fn length(a: [f64; 2]) -> f64 {
 
 /// A cell of the lattice: a square, or the lower or the upper triangle of one.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-struct Cell {
+struct LatticeCell {
     at: Point,
     /// Whether the cell is the upper triangle, away from the centre.
     upper: bool,
 }
 
-impl Cell {
-    fn corners(self, kind: Kind) -> impl Iterator<Item = Point> {
+impl LatticeCell {
+    fn corners(self, kind: NetKind) -> impl Iterator<Item = Point> {
         let [x, y] = self.at;
         let all: &[Point] = match (kind, self.upper) {
-            (Kind::Triangles, false) => &[[0, 0], [1, 0], [0, 1]],
-            (Kind::Triangles, true) => &[[1, 0], [1, 1], [0, 1]],
+            (NetKind::Triangles, false) => &[[0, 0], [1, 0], [0, 1]],
+            (NetKind::Triangles, true) => &[[1, 0], [1, 1], [0, 1]],
             _ => &[[0, 0], [1, 0], [1, 1], [0, 1]],
         };
         all.iter().map(move |[i, j]| [x + i, y + j])
     }
 
     /// Returns the cells of the next level that cover this cell.
-    fn refined(self, kind: Kind, d: i32) -> Vec<Self> {
+    fn refined(self, kind: NetKind, d: i32) -> Vec<Self> {
         let [x, y] = self.at.map(|x| d * x);
         let squares = (0..d).flat_map(|i| (0..d).map(move |j| [i, j]));
-        if kind != Kind::Triangles {
+        if kind != NetKind::Triangles {
             return squares.map(|[i, j]| Self { at: [x + i, y + j], upper: false }).collect();
         }
         let both = squares.flat_map(|[i, j]| [false, true].map(|upper| (i, j, upper)));
@@ -139,10 +139,10 @@ impl Cell {
     }
 
     /// Returns the ranges of x, y and x + y in the cell.
-    fn ranges(self, kind: Kind) -> [[i32; 2]; 3] {
+    fn ranges(self, kind: NetKind) -> [[i32; 2]; 3] {
         let [x, y] = self.at;
         let sum = match kind {
-            Kind::Triangles => [x + y + i32::from(self.upper), x + y + 1 + i32::from(self.upper)],
+            NetKind::Triangles => [x + y + i32::from(self.upper), x + y + 1 + i32::from(self.upper)],
             _ => [x + y, x + y + 2],
         };
         [[x, x + 1], [y, y + 1], sum]
@@ -150,19 +150,19 @@ impl Cell {
 }
 
 /// Returns the cells of half a sector between two radii.
-fn cells(kind: Kind, from: i32, to: i32) -> Vec<Cell> {
+fn cells(kind: NetKind, from: i32, to: i32) -> Vec<LatticeCell> {
     let squares = (0..to).flat_map(|x| (0..=x).map(move |y| [x, y]));
-    if kind == Kind::Triangles {
-        let both = squares.flat_map(|at| [false, true].map(|upper| Cell { at, upper }));
-        let range = |cell: &Cell| cell.at[0] + cell.at[1] + i32::from(cell.upper);
+    if kind == NetKind::Triangles {
+        let both = squares.flat_map(|at| [false, true].map(|upper| LatticeCell { at, upper }));
+        let range = |cell: &LatticeCell| cell.at[0] + cell.at[1] + i32::from(cell.upper);
         both.filter(|cell| (from..to).contains(&range(cell))).collect()
     } else {
-        squares.filter(|[x, _]| (from..to).contains(x)).map(|at| Cell { at, upper: false }).collect()
+        squares.filter(|[x, _]| (from..to).contains(x)).map(|at| LatticeCell { at, upper: false }).collect()
     }
 }
 
 /// Returns the points that influence the limit of a scheme on a cell.
-fn influences(mask: &Polynomial, d: i32, kind: Kind, cell: Cell) -> Vec<Point> {
+fn influences(mask: &Polynomial, d: i32, kind: NetKind, cell: LatticeCell) -> Vec<Point> {
     let (ends, ranges) = (RegularMask::ends(mask), cell.ranges(kind));
     let bounds: [[i32; 2]; 3] = std::array::from_fn(|k| {
         // low - last / (d - 1) < c < high - first / (d - 1)
@@ -177,7 +177,7 @@ fn influences(mask: &Polynomial, d: i32, kind: Kind, cell: Cell) -> Vec<Point> {
 
 /// Returns the points that influence the square between (0, 0) and (1, 1).
 pub(super) fn around_square(mask: &Polynomial, d: i32) -> Vec<Point> {
-    influences(mask, d, Kind::Quads, Cell { at: [0, 0], upper: false })
+    influences(mask, d, NetKind::Quads, LatticeCell { at: [0, 0], upper: false })
 }
 
 fn ceil(a: i32, b: i32) -> i32 {
@@ -187,7 +187,7 @@ fn ceil(a: i32, b: i32) -> i32 {
 /// A regular scheme, prepared for the examination of rings of any valence.
 #[derive(Debug)]
 pub(super) struct RingProof {
-    kind: Kind,
+    kind: NetKind,
     d: i32,
     /// The weights of new points by their residue modulo d: offsets to the old points, and their weights.
     rules: BTreeMap<Point, Vec<(Point, f64)>>,
@@ -210,13 +210,13 @@ struct Followed {
 }
 
 impl Followed {
-    fn of(mask: &Polynomial, d: i32, kind: Kind) -> Option<Self> {
-        let around = [false, true].map(|upper| influences(mask, d, kind, Cell { at: [0, 0], upper }));
+    fn of(mask: &Polynomial, d: i32, kind: NetKind) -> Option<Self> {
+        let around = [false, true].map(|upper| influences(mask, d, kind, LatticeCell { at: [0, 0], upper }));
         Some(Self { around, bound: lebesgue_bound(mask, d)? })
     }
 
     /// Returns the points that influence a cell.
-    fn around(&self, Cell { at: [x, y], upper }: Cell) -> impl Iterator<Item = Point> {
+    fn around(&self, LatticeCell { at: [x, y], upper }: LatticeCell) -> impl Iterator<Item = Point> {
         self.around[usize::from(upper)].iter().map(move |[i, j]| [x + i, y + j])
     }
 }
@@ -244,7 +244,7 @@ impl RingProof {
     }
 
     /// Examines the net of an eigenvector on the ring that begins `farther` rings outside of the innermost one.
-    pub(super) fn of(&self, net: &CharacteristicNet, farther: i32, watch: &Watch) -> Result<Ring, Stopped> {
+    pub(super) fn of(&self, net: &CharacteristicNet, farther: i32, watch: &Watch) -> Result<RingVerdict, Stopped> {
         let (kind, d, from) = (self.kind, self.d, self.from + farther);
         let mut level: BTreeMap<Point, [f64; 2]> = BTreeMap::new();
         let mut open = cells(kind, from, d * from);
@@ -252,7 +252,7 @@ impl RingProof {
             for point in self.followed[0].around(*cell) {
                 match net.at(kind, point) {
                     Some(place) => level.insert(point, place),
-                    None => return Ok(Ring::Open),
+                    None => return Ok(RingVerdict::Open),
                 };
             }
         }
@@ -261,27 +261,27 @@ impl RingProof {
             watch.check()?;
             looked_at += open.len();
             if looked_at > MAX_CELLS {
-                return Ok(Ring::Open);
+                return Ok(RingVerdict::Open);
             }
             let mut failed = Vec::new();
             for cell in open {
                 match self.cell(cell, &level, net.n) {
-                    Ring::Proved => {}
-                    Ring::Folded => return Ok(Ring::Folded),
-                    Ring::Open => failed.push(cell),
+                    RingVerdict::Proved => {}
+                    RingVerdict::Folded => return Ok(RingVerdict::Folded),
+                    RingVerdict::Open => failed.push(cell),
                 }
             }
             if failed.is_empty() {
-                return Ok(Ring::Proved);
+                return Ok(RingVerdict::Proved);
             }
             open = failed.iter().flat_map(|cell| cell.refined(kind, d)).collect();
             level = self.refined(&level, &open);
         }
-        Ok(Ring::Open)
+        Ok(RingVerdict::Open)
     }
 
     /// Returns the points of the next level that influence some cells.
-    fn refined(&self, level: &BTreeMap<Point, [f64; 2]>, cells: &[Cell]) -> BTreeMap<Point, [f64; 2]> {
+    fn refined(&self, level: &BTreeMap<Point, [f64; 2]>, cells: &[LatticeCell]) -> BTreeMap<Point, [f64; 2]> {
         let d = self.d;
         let mut points: Vec<Point> = cells.iter().flat_map(|&cell| self.followed[0].around(cell)).collect();
         points.sort_unstable();
@@ -297,7 +297,7 @@ impl RingProof {
         points.into_iter().map(|point| (point, place(point))).collect()
     }
 
-    fn cell(&self, cell: Cell, level: &BTreeMap<Point, [f64; 2]>, n: usize) -> Ring {
+    fn cell(&self, cell: LatticeCell, level: &BTreeMap<Point, [f64; 2]>, n: usize) -> RingVerdict {
         let [from, to] = self.span.map(|p| [p[0] + cell.at[0], p[1] + cell.at[1]]);
         let number = |[x, y]: Point| usize::try_from((x - from[0]) * (to[1] - from[1] + 1) + y - from[1]).unwrap_or(0);
         let mut near = vec![[f64::NAN; 2]; number(to) + 1];
@@ -316,20 +316,20 @@ impl RingProof {
         let off = x.radius * b + y.radius * a + x.radius * y.radius;
         let slack = SLACK * (a + x.radius) * (b + y.radius);
         if middle + off + slack < 0.0 {
-            return Ring::Folded;
+            return RingVerdict::Folded;
         }
         let place = disc(0, &at);
         // the cells lie within the half of a sector after its ray, or before the corner of a face; those of triangles
         // reach from ray to ray
         let middle_of_cells = match self.kind {
-            Kind::Quads => 0.5,
-            Kind::Triangles => 1.0,
-            Kind::Dual => -0.5,
+            NetKind::Quads => 0.5,
+            NetKind::Triangles => 1.0,
+            NetKind::Dual => -0.5,
         };
         let half = middle_of_cells * std::f64::consts::PI / real(n);
         let ahead = place.middle[0] * cos(half) + place.middle[1] * sin(half);
         let proved = middle > off + slack && ahead > place.radius + SLACK * length(place.middle);
-        if proved { Ring::Proved } else { Ring::Open }
+        if proved { RingVerdict::Proved } else { RingVerdict::Open }
     }
 }
 
@@ -354,7 +354,7 @@ impl Disc {
 pub(super) fn ring(regular: &RegularMask) -> (i32, i32) {
     let (ends, d) = (RegularMask::ends(&regular.mask), regular.arity);
     // for squares, the range of x + y is implied by those of x and y
-    let ends = if regular.kind == Kind::Triangles { &ends[..] } else { &ends[..2] };
+    let ends = if regular.kind == NetKind::Triangles { &ends[..] } else { &ends[..2] };
     let last = ends.iter().map(|end| ceil(end[1], d - 1)).max().unwrap_or(1);
     let first = ends.iter().map(|end| ceil(-end[0], d - 1)).max().unwrap_or(1);
     let from = (last - 1).max(1);

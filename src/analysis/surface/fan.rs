@@ -9,8 +9,8 @@ use std::sync::Arc;
 
 use super::layout::Layout;
 use super::local::{Applied, MARGINS, MAX_POINTS};
-use super::sectors::{Kind, Point, SAME};
-use super::star::{Place, Star};
+use super::sectors::{NetKind, Point, SAME};
+use super::star::{SectorPoint, Star};
 use crate::analysis::limit::{Centre, Record, Unlimited, Weights, child};
 use crate::scheme::mesh_net::MeshNet;
 use crate::scheme::operator::Follows;
@@ -22,11 +22,11 @@ use crate::shape::topology::{NONE, Topology, index};
 use crate::watch::Watch;
 
 /// A place in a fan; `None` for the centre.
-pub(super) type FanPlace = Option<Place>;
+pub(super) type FanPlace = Option<SectorPoint>;
 
 /// What lies beyond the outer rays of a fan.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Beyond {
+pub(super) enum FanBoundary {
     /// Nothing: the outer rays are the boundary.
     Nothing,
     /// Other faces: the outer rays are a crease that stays sharp for ever.
@@ -44,7 +44,7 @@ pub(super) struct FanRows {
 
 impl FanRows {
     /// Returns the radius of the farthest point that has a weight in the rows of the points up to a radius.
-    pub(super) fn reach_of(&self, kind: Kind, farthest: i32) -> i32 {
+    pub(super) fn reach_of(&self, kind: NetKind, farthest: i32) -> i32 {
         let near = self.rows.iter().filter(|(place, _)| radius(kind, **place) <= farthest);
         near.flat_map(|(_, row)| row.keys()).map(|&place| radius(kind, place)).max().unwrap_or(0)
     }
@@ -57,13 +57,13 @@ struct Fan {
 }
 
 /// Returns all places up to a radius, the centre first.
-pub(super) fn places(kind: Kind, m: usize, radius: i32) -> Vec<FanPlace> {
+pub(super) fn places(kind: NetKind, m: usize, radius: i32) -> Vec<FanPlace> {
     let inside = (0..m).flat_map(|s| kind.points(radius).into_iter().map(move |p| Some((s, p))));
     std::iter::once(None).chain(inside).chain((1..=radius).map(|i| Some((m, [i, 0])))).collect()
 }
 
 /// Returns the radius of a place.
-pub(super) fn radius(kind: Kind, place: FanPlace) -> i32 {
+pub(super) fn radius(kind: NetKind, place: FanPlace) -> i32 {
     place.map_or(0, |(_, point)| kind.radius(point))
 }
 
@@ -87,7 +87,7 @@ impl Fan {
         for s in 0..m {
             for (i, j) in (0..radius).flat_map(|i| (0..radius).map(move |j| (i, j))) {
                 let corners = [[i, j], [i + 1, j], [i + 1, j + 1], [i, j + 1]];
-                if kind != Kind::Triangles {
+                if kind != NetKind::Triangles {
                     faces.push(corners.map(|p| at(s, p)));
                     continue;
                 }
@@ -129,7 +129,7 @@ impl Applied {
         if !self.follows_creases() {
             return Ok(false);
         }
-        let creased = self.fan(of.faces, radius, Beyond::Faces, watch)?;
+        let creased = self.fan(of.faces, radius, FanBoundary::Faces, watch)?;
         let close = |(a, b): (&BTreeMap<FanPlace, f64>, &BTreeMap<FanPlace, f64>)| {
             let all: BTreeSet<&FanPlace> = a.keys().chain(b.keys()).collect();
             let at = |row: &BTreeMap<FanPlace, f64>, place| row.get(place).copied().unwrap_or(0.0);
@@ -140,7 +140,7 @@ impl Applied {
 
     /// Returns the rows around a vertex with m faces between the outer rays, up to a radius, from a net that is large
     /// enough for them.
-    pub(super) fn fan(&self, m: usize, radius: i32, beyond: Beyond, watch: &Watch) -> Result<FanRows, Unlimited> {
+    pub(super) fn fan(&self, m: usize, radius: i32, beyond: FanBoundary, watch: &Watch) -> Result<FanRows, Unlimited> {
         let found = MARGINS.iter().find_map(|&margin| match self.fan_within(m, radius, beyond, margin, watch) {
             Err(Unlimited::Reach) => None,
             found => Some(found),
@@ -152,7 +152,7 @@ impl Applied {
         &self,
         m: usize,
         radius: i32,
-        beyond: Beyond,
+        beyond: FanBoundary,
         margin: i32,
         watch: &Watch,
     ) -> Result<FanRows, Unlimited> {
@@ -163,8 +163,8 @@ impl Applied {
             return Err(Unlimited::Fine);
         }
         let Fan { mut net, places: old } = match beyond {
-            Beyond::Nothing => Fan::open(self, m, side),
-            Beyond::Faces => Fan::creased(self, m, side),
+            FanBoundary::Nothing => Fan::open(self, m, side),
+            FanBoundary::Faces => Fan::creased(self, m, side),
         };
         let (mut centre, mut record, mut layout) = (Centre::Vertex(0), Record::new(Weights::Exact), Layout::new());
         for step in &self.steps {
@@ -178,7 +178,7 @@ impl Applied {
         let Centre::Vertex(middle) = centre else { return Err(Unlimited::Lost) };
         let topology = net.mesh.topology();
         let mut starts: Vec<u32> = topology.ring(middle as usize).collect();
-        if beyond == Beyond::Faces {
+        if beyond == FanBoundary::Faces {
             let n = starts.len();
             let end = topology.vertex(topology.next(starts[0]));
             let (turned, _) = layout.turned(kind, n, &old, end)?.ok_or(Unlimited::Unsettled)?;
@@ -232,10 +232,10 @@ impl Reader<'_> {
 
 /// Returns the vertices at the points of the sector that begins at a half-edge, including both rays, as far as the net
 /// reaches. It walks from cell to cell and needs nothing beyond the rays.
-fn grid(topology: &Topology, kind: Kind, start: u32, radius: i32) -> BTreeMap<Point, u32> {
+fn grid(topology: &Topology, kind: NetKind, start: u32, radius: i32) -> BTreeMap<Point, u32> {
     let known = |half_edge: u32| (half_edge != NONE).then_some(half_edge);
     let across = |half_edge: u32| known(topology.twin(topology.next(half_edge)));
-    let triangles = kind == Kind::Triangles;
+    let triangles = kind == NetKind::Triangles;
     // the half-edges along the first side of the next cells in both directions
     let right = |half_edge: u32| {
         let over = across(half_edge)?;

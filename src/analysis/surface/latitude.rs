@@ -2,7 +2,7 @@
 
 use super::local::Applied;
 use super::regular::RegularMask;
-use super::sectors::Kind;
+use super::sectors::NetKind;
 use super::smoothness::symbol;
 use crate::analysis::limit::Unlimited;
 use crate::analysis::smoothness::Symbol;
@@ -14,7 +14,7 @@ use crate::watch::Watch;
 /// # Errors
 /// [`Unlimited`] if a regular net cannot be refined.
 pub fn latitude_curves(plan: &Plan, watch: &Watch) -> Result<[Symbol; 2], Unlimited> {
-    let applied = Applied::new(plan, Kind::Quads, watch)?;
+    let applied = Applied::new(plan, NetKind::Quads, watch)?;
     let regular = RegularMask::of(&applied, watch)?;
     let symbols = regular.curves().and_then(|curves| {
         let [along, across] = curves.map(|mask| symbol(regular.arity, &mask));

@@ -1,8 +1,8 @@
 //! Tracks where the points around a child lie, using only the steps that make new points, so that arity and turn follow
 //! from the connectivity and not from the weights of averages.
 
-use super::sectors::Kind;
-use super::star::Place;
+use super::sectors::NetKind;
+use super::star::SectorPoint;
 use crate::analysis::limit::{Record, Unlimited, Weights};
 use crate::math::functions::{atan2, real, sqrt};
 use crate::scheme::mesh_net::MeshNet;
@@ -41,9 +41,9 @@ impl Layout {
     /// between two rays or corners.
     pub(super) fn turned(
         &self,
-        kind: Kind,
+        kind: NetKind,
         n: usize,
-        places: &[Option<Place>],
+        places: &[Option<SectorPoint>],
         first: u32,
     ) -> Result<Option<(usize, f64)>, Unlimited> {
         let origins: Vec<u32> = (0..index(places.len())).collect();

@@ -4,7 +4,7 @@
 use std::collections::BTreeMap;
 
 use super::layout::Layout;
-use super::sectors::{Kind, Point};
+use super::sectors::{NetKind, Point};
 use super::star::{Star, sector, starts};
 use crate::analysis::limit::{Centre, Record, Unlimited, Weights, child};
 use crate::scheme::plan::{Plan, Scheduled};
@@ -35,7 +35,7 @@ pub(super) struct Entry {
 
 /// The rows of the points of sector 0, and of the centre, after some applications of a cycle.
 #[derive(Debug, Clone)]
-pub(super) struct Local {
+pub(super) struct LocalRows {
     /// The weights of each point of sector 0.
     pub(super) rows: BTreeMap<Point, Vec<Entry>>,
     /// The weights of the centre; empty if the centre is a face.
@@ -50,7 +50,7 @@ pub(super) struct Applied {
     /// The plan at alpha = 0.
     pub(super) plan: Plan,
     /// The kind of net around the centre.
-    pub(super) kind: Kind,
+    pub(super) kind: NetKind,
     /// The operators of all applications.
     pub(super) steps: Vec<Scheduled>,
     /// The number of pieces of an edge after all applications.
@@ -66,7 +66,7 @@ impl Applied {
     ///
     /// # Errors
     /// [`Unlimited`] if the cycle cannot be applied to nets of this kind.
-    pub(super) fn new(plan: &Plan, kind: Kind, watch: &Watch) -> Result<Self, Unlimited> {
+    pub(super) fn new(plan: &Plan, kind: NetKind, watch: &Watch) -> Result<Self, Unlimited> {
         let plan = Plan { alpha: 0.0, compensation_alpha: None, ..plan.clone() };
         let tagged = plan.latitude.is_some();
         for applications in [1, 2] {
@@ -84,7 +84,7 @@ impl Applied {
 
     /// Returns the rows around a centre of n sectors, up to a radius, from a net that is large enough for them; `None`
     /// if a vertex becomes a face or a face a vertex, or if sectors are turned against those of the parent.
-    pub(super) fn wide_enough(&self, n: usize, radius: i32, watch: &Watch) -> Result<Option<Local>, Unlimited> {
+    pub(super) fn wide_enough(&self, n: usize, radius: i32, watch: &Watch) -> Result<Option<LocalRows>, Unlimited> {
         let found = MARGINS.iter().find_map(|&margin| match self.local(n, radius, margin, watch) {
             Err(Unlimited::Reach) => None,
             found => Some(found),
@@ -93,7 +93,7 @@ impl Applied {
     }
 
     /// Returns the rows around a centre of n sectors, up to a radius, from a net with `margin` additional rings.
-    fn local(&self, n: usize, radius: i32, margin: i32, watch: &Watch) -> Result<Option<Local>, Unlimited> {
+    fn local(&self, n: usize, radius: i32, margin: i32, watch: &Watch) -> Result<Option<LocalRows>, Unlimited> {
         watch.check()?;
         let side = radius / self.arity + margin + 2;
         let points = self.kind.points(side).len() * n;
@@ -134,26 +134,26 @@ impl Applied {
             Centre::Vertex(v) => reader.rows(&[v])?.swap_remove(0),
             _ => Vec::new(),
         };
-        let local = Local { rows, centre, shrinks };
+        let local = LocalRows { rows, centre, shrinks };
         // rows that the rim of the net influences are not rules of its interior
         if local.reach(self.kind) + 1 >= side { Err(Unlimited::Reach) } else { Ok(Some(local)) }
     }
 }
 
 /// Returns the first point of the sector that begins at a half-edge.
-fn first(topology: &Topology, kind: Kind, start: u32) -> u32 {
+fn first(topology: &Topology, kind: NetKind, start: u32) -> u32 {
     if kind.has_centre() { topology.vertex(topology.next(start)) } else { topology.vertex(start) }
 }
 
-impl Local {
+impl LocalRows {
     /// Returns the radius of the farthest point that has a weight.
-    pub(super) fn reach(&self, kind: Kind) -> i32 {
+    pub(super) fn reach(&self, kind: NetKind) -> i32 {
         let all = self.rows.values().flatten().chain(&self.centre);
         all.filter_map(|entry| entry.point).map(|p| kind.radius(p)).max().unwrap_or(0)
     }
 
     /// Returns the radius of the farthest point that has a weight in the rows of the points up to a radius.
-    pub(super) fn reach_of(&self, kind: Kind, radius: i32) -> i32 {
+    pub(super) fn reach_of(&self, kind: NetKind, radius: i32) -> i32 {
         let near = self.rows.iter().filter(|(p, _)| kind.radius(**p) <= radius).flat_map(|(_, row)| row);
         near.chain(&self.centre).filter_map(|entry| entry.point).map(|p| kind.radius(p)).max().unwrap_or(0)
     }

@@ -64,7 +64,8 @@ impl Quotient {
         let Some(mask) = fractions(regular) else { return Ok(None) };
         let (order, d) = (sum_rules(&mask, regular.arity), regular.arity);
         let points = around_square(&regular.mask, d);
-        let Some((corners, others)) = parted(&points, order).filter(|(_, others)| others.len() <= MAX_SIZE) else {
+        let Some((corners, others)) = split_points(&points, order).filter(|(_, others)| others.len() <= MAX_SIZE)
+        else {
             return Ok(None);
         };
         let matrices: Vec<ExactMatrix> =
@@ -127,7 +128,7 @@ fn sum_rules(mask: &ExactMask, d: i32) -> i32 {
 
 /// Splits the points into a triangle of points that determines a polynomial of a degree below the order, and the
 /// others.
-fn parted(points: &[Point], order: i32) -> Option<(Vec<Point>, Vec<Point>)> {
+fn split_points(points: &[Point], order: i32) -> Option<(Vec<Point>, Vec<Point>)> {
     let triangle = |[x, y]: Point| monomials(order).map(|[i, j]| [x + i, y + j]).collect::<Vec<_>>();
     let corners = points.iter().map(|&p| triangle(p)).find(|all| all.iter().all(|p| points.contains(p)))?;
     let others = points.iter().copied().filter(|p| !corners.contains(p)).collect::<Vec<_>>();

@@ -10,7 +10,7 @@
 use std::collections::BTreeMap;
 
 use super::local::Applied;
-use super::sectors::{Kind, Point};
+use super::sectors::{NetKind, Point};
 use crate::analysis::limit::Unlimited;
 use crate::math::mask::Mask;
 use crate::watch::Watch;
@@ -26,7 +26,7 @@ pub(super) type Polynomial = BTreeMap<Point, f64>;
 #[derive(Debug, Clone, PartialEq)]
 pub struct RegularMask {
     /// The kind of the faces and of the centre.
-    pub kind: Kind,
+    pub kind: NetKind,
     /// The number of pieces of an edge.
     pub arity: i32,
     /// The mask a, without zeros.
@@ -45,7 +45,7 @@ impl RegularMask {
     pub(super) fn of(applied: &Applied, watch: &Watch) -> Result<Self, Unlimited> {
         let (kind, d) = (applied.kind, applied.arity);
         // the points of sector 0 up to this radius include one period
-        let radius = if kind == Kind::Triangles { 2 * d - 1 } else { d };
+        let radius = if kind == NetKind::Triangles { 2 * d - 1 } else { d };
         let local = applied.wide_enough(kind.regular(), radius, watch)?.ok_or(Unlimited::Unsettled)?;
         let from = i32::from(kind.has_centre());
         let period = |[x, y]: &Point| (from..from + d).contains(x) && (0..d).contains(y);

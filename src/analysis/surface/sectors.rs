@@ -8,7 +8,7 @@ use crate::math::functions::{cos, real, sin};
 
 /// The kind of net around a centre.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Kind {
+pub enum NetKind {
     /// Quads around a vertex; valence 4 is regular.
     Quads,
     /// Triangles around a vertex; valence 6 is regular.
@@ -26,7 +26,7 @@ pub type PlaneNet = (Vec<[f64; 2]>, Vec<Vec<usize>>);
 /// A point of one sector in sector coordinates, or of the lattice.
 pub(super) type Point = [i32; 2];
 
-impl Kind {
+impl NetKind {
     /// Returns the regular valence, or number of corners, of a net of this kind.
     pub fn regular(self) -> usize {
         if self == Self::Triangles { 6 } else { 4 }

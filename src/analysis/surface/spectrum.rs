@@ -1,15 +1,15 @@
 //! The eigenvalues of all blocks around one centre, and the masks of the first two eigenvalues.
 
-use super::blocks::{Block, Component};
-use super::local::Local;
-use super::sectors::{Kind, Point};
+use super::blocks::{Component, FourierBlock};
+use super::local::LocalRows;
+use super::sectors::{NetKind, Point};
 use crate::math::functions::{cos, real, sin};
 use crate::math::spectrum::{Eigenvalue, eigenvalues};
 use crate::watch::{Stopped, Watch};
 
 /// An eigenvalue of the local matrix.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Found {
+pub struct LocalEigenvalue {
     /// The eigenvalue.
     pub value: Eigenvalue,
     /// The Fourier index of the eigenvalue, from 0 to n - 1.
@@ -29,11 +29,11 @@ pub struct Weight {
 #[derive(Debug)]
 pub(super) struct Spectrum {
     /// The kind of net around the centre.
-    pub(super) kind: Kind,
+    pub(super) kind: NetKind,
     /// The number of sectors.
     pub(super) n: usize,
     /// The blocks of the indices 0 to n / 2; the block of n - k has the eigenvalues of the block of k.
-    pub(super) blocks: Vec<Block>,
+    pub(super) blocks: Vec<FourierBlock>,
     /// The eigenvalues of each block, the largest first.
     pub(super) values: Vec<Vec<Eigenvalue>>,
 }
@@ -41,11 +41,17 @@ pub(super) struct Spectrum {
 impl Spectrum {
     /// Computes the eigenvalues for the points up to a radius; `None` if the rows lack the reflection symmetry, or an
     /// eigenvalue search fails.
-    pub(super) fn of(kind: Kind, n: usize, radius: i32, local: &Local, watch: &Watch) -> Result<Option<Self>, Stopped> {
+    pub(super) fn of(
+        kind: NetKind,
+        n: usize,
+        radius: i32,
+        local: &LocalRows,
+        watch: &Watch,
+    ) -> Result<Option<Self>, Stopped> {
         let (mut blocks, mut values) = (Vec::new(), Vec::new());
         for index in 0..=n / 2 {
             watch.check()?;
-            let Some(block) = Block::of(kind, n, index, radius, local) else { return Ok(None) };
+            let Some(block) = FourierBlock::of(kind, n, index, radius, local) else { return Ok(None) };
             let Some(found) = eigenvalues(&block.matrix.a, block.matrix.n) else { return Ok(None) };
             watch.advance(block.matrix.n as u64);
             blocks.push(block);
@@ -56,20 +62,20 @@ impl Spectrum {
 
     /// Returns all eigenvalues with their indices, the largest first; those of the same absolute value up to ten digits
     /// are in the order of their indices.
-    pub(super) fn sorted(&self) -> Vec<Found> {
+    pub(super) fn sorted(&self) -> Vec<LocalEigenvalue> {
         let mut all = Vec::new();
         for (index, values) in self.values.iter().enumerate() {
             let other = (self.n - index) % self.n;
             for &value in values {
-                all.push(Found { value, fourier: index });
+                all.push(LocalEigenvalue { value, fourier: index });
                 if other != index {
-                    all.push(Found { value, fourier: other });
+                    all.push(LocalEigenvalue { value, fourier: other });
                 }
             }
         }
         #[expect(clippy::cast_possible_truncation, reason = "sizes are far below 10^8")]
         let digits = |x: f64| (x * 1e10).round() as i64;
-        let key = |found: &Found| (-digits(found.value.modulus()), found.fourier, -digits(found.value.re));
+        let key = |found: &LocalEigenvalue| (-digits(found.value.modulus()), found.fourier, -digits(found.value.re));
         all.sort_by_key(key);
         all
     }

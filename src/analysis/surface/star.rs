@@ -4,7 +4,7 @@
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-use super::sectors::{Kind, Point};
+use super::sectors::{NetKind, Point};
 use crate::analysis::limit::Centre;
 use crate::scheme::mesh_net::MeshNet;
 use crate::scheme::tags::Boundary;
@@ -13,7 +13,7 @@ use crate::shape::directions::{Direction, Directions};
 use crate::shape::topology::{NONE, Topology, index};
 
 /// A place around the centre: a sector and a point of it.
-pub(super) type Place = (usize, Point);
+pub(super) type SectorPoint = (usize, Point);
 
 /// A net of n sectors around its centre.
 #[derive(Debug)]
@@ -23,16 +23,16 @@ pub(super) struct Star {
     /// The vertex or the face at the centre.
     pub(super) centre: Centre,
     /// The place of each vertex; `None` for the vertex at the centre.
-    pub(super) places: Vec<Option<Place>>,
+    pub(super) places: Vec<Option<SectorPoint>>,
 }
 
 impl Star {
     /// Creates the net of n sectors with points up to a radius.
-    pub(super) fn new(kind: Kind, n: usize, radius: i32) -> Self {
+    pub(super) fn new(kind: NetKind, n: usize, radius: i32) -> Self {
         let points = kind.points(radius);
-        let mut places: Vec<Option<Place>> = if kind.has_centre() { vec![None] } else { Vec::new() };
+        let mut places: Vec<Option<SectorPoint>> = if kind.has_centre() { vec![None] } else { Vec::new() };
         places.extend((0..n).flat_map(|s| points.iter().map(move |&p| Some((s, p)))));
-        let numbers: BTreeMap<Place, u32> =
+        let numbers: BTreeMap<SectorPoint, u32> =
             places.iter().enumerate().filter_map(|(v, place)| place.map(|place| (place, index(v)))).collect();
         let at = |s: usize, [i, j]: Point| match (kind.has_centre(), i, j) {
             (true, 0, 0) => 0,
@@ -48,8 +48,8 @@ impl Star {
                 let corners = [[i, j], [i + 1, j], [i + 1, j + 1], [i, j + 1]];
                 let [a, b, c, d] = corners;
                 match kind {
-                    Kind::Quads | Kind::Dual => faces.push(corners.map(|p| at(s, p))),
-                    Kind::Triangles => {
+                    NetKind::Quads | NetKind::Dual => faces.push(corners.map(|p| at(s, p))),
+                    NetKind::Triangles => {
                         if i + j < radius {
                             faces.push([a, b, d].map(|p| at(s, p)));
                         }
@@ -77,10 +77,10 @@ impl Star {
 impl Star {
     /// Returns the directions of the edges of a regular net whose first lattice coordinate counts steps along latitude
     /// lines.
-    pub(super) fn latitude_lines(&self, kind: Kind) -> Directions {
+    pub(super) fn latitude_lines(&self, kind: NetKind) -> Directions {
         let topology = &self.net.mesh.base;
         let row = |v: u32| {
-            let lattice = |(sector, point): Place| kind.rotated(point, i32::try_from(sector).unwrap_or(0));
+            let lattice = |(sector, point): SectorPoint| kind.rotated(point, i32::try_from(sector).unwrap_or(0));
             self.places[v as usize].map_or(0, |place| lattice(place)[1])
         };
         let direction = |e: usize| {
@@ -101,15 +101,15 @@ pub(super) fn starts(topology: &Topology, centre: Centre) -> Vec<u32> {
 }
 
 /// Returns the vertices at the points of the sector that begins at a half-edge, as far as the net reaches.
-pub(super) fn sector(topology: &Topology, kind: Kind, start: u32, radius: i32) -> BTreeMap<Point, u32> {
+pub(super) fn sector(topology: &Topology, kind: NetKind, start: u32, radius: i32) -> BTreeMap<Point, u32> {
     let half = kind.regular() / 2;
     let turned = |half_edge: u32, times: usize| (0..times).try_fold(half_edge, |at, _| counter_clockwise(topology, at));
     let straight = |half_edge: u32| turned(topology.twin(half_edge), half);
     let mut found = BTreeMap::new();
     // the next half-edge along the first side, and the index of the vertex from which it leaves
     let (mut along, mut i) = match kind {
-        Kind::Dual => (turned(start, half), 0),
-        Kind::Quads | Kind::Triangles => (straight(start), 1),
+        NetKind::Dual => (turned(start, half), 0),
+        NetKind::Quads | NetKind::Triangles => (straight(start), 1),
     };
     while let Some(out) = along.filter(|_| i <= radius) {
         found.insert([i, 0], topology.vertex(out));

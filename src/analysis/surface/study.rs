@@ -3,14 +3,14 @@
 use std::collections::BTreeMap;
 use std::sync::OnceLock;
 
-use super::blocks::{Block, components, row};
+use super::blocks::{FourierBlock, components, row};
 use super::boundary::BoundaryReport;
 use super::characteristic::{CharacteristicNet, RingProof, ring};
-use super::local::{Applied, Local, closed};
+use super::local::{Applied, LocalRows, closed};
 use super::regular::RegularMask;
-use super::sectors::{Kind, PlaneNet, Point, SAME};
+use super::sectors::{NetKind, PlaneNet, Point, SAME};
 use super::smoothness::RegularSmoothness;
-use super::spectrum::{Found, Spectrum, Weight};
+use super::spectrum::{LocalEigenvalue, Spectrum, Weight};
 use super::survey::{Extraordinary, on_boundary, survey};
 use super::verdict::{Case, Criterion};
 use crate::analysis::limit::Unlimited;
@@ -43,7 +43,7 @@ pub struct ValenceReport {
     /// The valence of the vertex, or the number of corners of the face.
     pub valence: usize,
     /// The eigenvalues with their Fourier indices, the largest first.
-    pub eigenvalues: Vec<Found>,
+    pub eigenvalues: Vec<LocalEigenvalue>,
     /// The subdominant eigenvalue: the largest of Fourier index 1, if it is real and positive.
     pub subdominant: Option<f64>,
     /// The ratio of the absolute value of the next eigenvalue to the subdominant eigenvalue.
@@ -177,7 +177,7 @@ impl SurfaceStudy {
     }
 
     /// Returns whether all new points that influence cells from a radius on follow the rules of the regular net.
-    fn is_regular_beyond(&self, n: usize, radius: i32, local: &Local) -> bool {
+    fn is_regular_beyond(&self, n: usize, radius: i32, local: &LocalRows) -> bool {
         let (kind, d, mask) = (self.applied.kind, self.regular.arity, &self.regular.mask);
         let ends = RegularMask::ends(mask);
         let reach = ends.iter().map(|end| (end[1] + d - 2).div_euclid(d - 1)).max().unwrap_or(1) - 1;
@@ -202,25 +202,25 @@ impl SurfaceStudy {
 }
 
 /// Returns the kinds of nets on which a plan may be regular, the most likely first.
-fn kinds(plan: &Plan) -> Vec<Kind> {
+fn kinds(plan: &Plan) -> Vec<NetKind> {
     let children = || plan.word.cycle.iter().map(|letter| letter.facts().children);
     let duals = children().filter(|children| *children == Children::Dual).count();
     // which of the two kinds of quads fits also depends on the order of U and D
     let quads = if duals % 2 == 1 || children().any(|children| children == Children::Faces) {
-        [Kind::Dual, Kind::Quads]
+        [NetKind::Dual, NetKind::Quads]
     } else {
-        [Kind::Quads, Kind::Dual]
+        [NetKind::Quads, NetKind::Dual]
     };
-    if plan.tile() == Tile::Triangle { vec![Kind::Triangles] } else { [&quads[..], &[Kind::Triangles]].concat() }
+    if plan.tile() == Tile::Triangle { vec![NetKind::Triangles] } else { [&quads[..], &[NetKind::Triangles]].concat() }
 }
 
 /// Returns the value of the first point of a sector, by which the eigenvector is divided to place this point at 1.
 fn scale(spectrum: &Spectrum, vector: &[f64]) -> f64 {
-    Block::values(&spectrum.blocks[1].components, vector).first().map_or(1.0, |(_, u)| u[0])
+    FourierBlock::values(&spectrum.blocks[1].components, vector).first().map_or(1.0, |(_, u)| u[0])
 }
 
 /// Returns the net of an eigenvector, as far as the rows reach, scaled to place its first point at 1.
-fn net(spectrum: &Spectrum, local: &Local, value: f64, vector: &[f64]) -> Option<CharacteristicNet> {
+fn net(spectrum: &Spectrum, local: &LocalRows, value: f64, vector: &[f64]) -> Option<CharacteristicNet> {
     let (kind, n) = (spectrum.kind, spectrum.n);
     let scale = scale(spectrum, vector);
     if scale == 0.0 {
@@ -234,11 +234,11 @@ fn net(spectrum: &Spectrum, local: &Local, value: f64, vector: &[f64]) -> Option
         Some(weights.iter().zip(vector).map(|(w, x)| w * x).sum::<f64>() / (value * scale))
     };
     let extended: Vec<f64> = all.iter().map(entry).collect::<Option<_>>()?;
-    Some(CharacteristicNet { n, values: Block::values(&all, &extended).into_iter().collect() })
+    Some(CharacteristicNet { n, values: FourierBlock::values(&all, &extended).into_iter().collect() })
 }
 
 /// Returns the points and faces of a net, in as many rings as a report has.
-fn shown(kind: Kind, net: &CharacteristicNet) -> (Vec<[f64; 2]>, Vec<Vec<usize>>) {
+fn shown(kind: NetKind, net: &CharacteristicNet) -> (Vec<[f64; 2]>, Vec<Vec<usize>>) {
     let farthest = net.values.keys().map(|&p| kind.radius(p)).max().unwrap_or(0);
     let fits = |radius: &i32| kind.points(*radius).len() * net.n < MAX_POINTS;
     let radius = (1..=farthest).rev().find(fits).unwrap_or(1).min(farthest);

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use super::sectors::Kind;
+use super::sectors::NetKind;
 use crate::shape::topology::{Topology, index};
 
 /// Maximum number of vertices, and of faces, of one valence that are listed. Lists are for a look at a few; all are
@@ -43,7 +43,7 @@ pub(super) fn on_boundary(topology: &Topology) -> BTreeMap<usize, Extraordinary>
 }
 
 /// Returns the extraordinary vertices inside a mesh, and the faces that are or become extraordinary, by valence.
-pub(super) fn survey(kind: Kind, topology: &Topology) -> BTreeMap<usize, Extraordinary> {
+pub(super) fn survey(kind: NetKind, topology: &Topology) -> BTreeMap<usize, Extraordinary> {
     let mut found: BTreeMap<usize, Extraordinary> = BTreeMap::new();
     let inside = |v: usize| !topology.is_isolated(v) && topology.boundary_edges(v).is_none();
     for v in (0..topology.n_vertices()).filter(|&v| inside(v)) {
@@ -53,7 +53,7 @@ pub(super) fn survey(kind: Kind, topology: &Topology) -> BTreeMap<usize, Extraor
         }
     }
     // schemes on triangles refine triangles only, which never become extraordinary points
-    let faces = if kind == Kind::Triangles { 0 } else { topology.n_faces() };
+    let faces = if kind == NetKind::Triangles { 0 } else { topology.n_faces() };
     for f in 0..faces {
         let corners = topology.face(f).len();
         if corners != kind.regular() {

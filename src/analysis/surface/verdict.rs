@@ -1,6 +1,6 @@
 //! Decides whether limits are C^1 at an extraordinary point, with the evidence.
 
-use super::characteristic::{CharacteristicNet, Ring, RingProof, SLACK};
+use super::characteristic::{CharacteristicNet, RingProof, RingVerdict, SLACK};
 use super::enclosure::{Enclosure, is_below, without_one};
 use super::spectrum::Spectrum;
 use crate::watch::{Stopped, Watch};
@@ -153,9 +153,9 @@ impl Case<'_> {
             return Ok(sampled);
         }
         Ok(match ring.of(net, farther, watch)? {
-            Ring::Proved => Status::Proved,
-            Ring::Folded => Status::Disproved,
-            Ring::Open => sampled,
+            RingVerdict::Proved => Status::Proved,
+            RingVerdict::Folded => Status::Disproved,
+            RingVerdict::Open => sampled,
         })
     }
 }

@@ -5,7 +5,7 @@ use rayon::prelude::*;
 use super::budget::Budget;
 use super::cut::twist;
 use super::level::Level;
-use super::nearest::{Faces, Surface, farthest};
+use super::nearest::{FaceTree, Faces, farthest};
 use super::remainder::Remainders;
 use super::spline::Spline;
 use crate::analysis::no_level::NoLevel;
@@ -49,7 +49,7 @@ const CUTS: usize = 1 << 12;
 const ALL_CUTS: usize = 1 << 16;
 
 /// The distances that are known of a level.
-struct Seen {
+struct KnownDistances {
     /// For each live face an upper bound of the distance of its limit from the net, and of the face from the limit.
     remainders: Vec<(u32, f64)>,
     /// An upper bound of the distance of the live faces and those around them from the output.
@@ -59,9 +59,9 @@ struct Seen {
 /// The comparison of an output with its limit surface.
 struct Comparison<'a> {
     spline: &'a Spline,
-    output: Surface,
+    output: FaceTree,
     /// The pieces of the output at the first measured level, and upper bounds of their distances from the limit.
-    first: Option<(Vec<Piece>, Vec<f64>)>,
+    first: Option<(Vec<MovedFace>, Vec<f64>)>,
     /// Faces of several levels that are not followed further; in the end, together they approximate the whole limit.
     limit: Vec<Faces>,
     /// The greatest distance that was measured.
@@ -76,20 +76,20 @@ struct Comparison<'a> {
 impl Comparison<'_> {
     /// Measures the distances of a level from the output, of the first level both ways, and bounds the others. `None`
     /// as soon as a distance above `most` is measured.
-    fn seen(&mut self, level: &Level, most: f64) -> Result<Option<Seen>, NoLevel> {
+    fn seen(&mut self, level: &Level, most: f64) -> Result<Option<KnownDistances>, NoLevel> {
         let output = self.output.first();
         let belongs = |f: usize| output.slot(level.home[f]).is_some();
         let looked_at =
             level.surroundings(&level.live, self.spline.rings()).into_iter().filter(|&f| belongs(f as usize));
         let looked_at: Vec<u32> = looked_at.collect();
-        let pieces: Vec<Piece> = looked_at.iter().map(|&face| Piece::of(level, output, face)).collect();
+        let pieces: Vec<MovedFace> = looked_at.iter().map(|&face| MovedFace::of(level, output, face)).collect();
         let displaced = self.first.is_none().then(|| Displaced::of(output, &pieces, self.rounding));
-        let moved = |piece: &Piece| displaced.as_ref().map_or(piece.moved, |all| all.moved(piece).min(piece.moved));
+        let moved = |piece: &MovedFace| displaced.as_ref().map_or(piece.moved, |all| all.moved(piece).min(piece.moved));
         self.greatest = match &displaced {
             Some(_) => {
                 let whole = Self::near(level, &looked_at, vec![0.0; looked_at.len()]);
-                let whole = Surface::of(vec![whole], self.budget);
-                let distance = |i, piece: &Piece| self.there(piece).max(Self::back(&whole, piece, i));
+                let whole = FaceTree::of(vec![whole], self.budget);
+                let distance = |i, piece: &MovedFace| self.there(piece).max(Self::back(&whole, piece, i));
                 self.measured(&pieces, moved, false, most, distance)?
             }
             None => self.measured(&pieces, moved, true, most, |_, piece| self.there(piece))?,
@@ -104,12 +104,12 @@ impl Comparison<'_> {
         let found = remainders.distances(&level.live, little, belongs)?;
         if let Some(displaced) = displaced {
             // one piece per live face: at the first level, the live faces are those that belong to the output
-            let plain = |(piece, &face): (&Piece, &u32)| piece.moved + remainders.plain(face);
+            let plain = |(piece, &face): (&MovedFace, &u32)| piece.moved + remainders.plain(face);
             let known = pieces.par_iter().zip(&level.live).with_min_len(64);
             let known = known.map(|of| plain(of).min(displaced.back(output, of.0, &found))).collect();
             self.first = Some((pieces, known));
         }
-        Ok(Some(Seen { remainders: level.live.iter().copied().zip(found).collect(), there }))
+        Ok(Some(KnownDistances { remainders: level.live.iter().copied().zip(found).collect(), there }))
     }
 
     /// Returns some faces of a level as an approximation of their limit, with their remainders.
@@ -119,7 +119,7 @@ impl Comparison<'_> {
 
     /// Stops following the live faces whose remainders satisfy `left`, and adds them to the approximation of the limit.
     /// Returns an upper bound of the distance of their limit from the output.
-    fn leave(&mut self, level: &Level, seen: &Seen, left: impl Fn(f64) -> bool) -> f64 {
+    fn leave(&mut self, level: &Level, seen: &KnownDistances, left: impl Fn(f64) -> bool) -> f64 {
         let left = seen.remainders.iter().copied().filter(|&(_, remainder)| left(remainder));
         let (faces, remainders): (Vec<u32>, Vec<f64>) = left.unzip();
         let most = remainders.iter().fold(0.0, |most: f64, &remainder| most.max(seen.there + remainder));
@@ -142,11 +142,11 @@ impl Comparison<'_> {
     /// greatest is above `most` or, if `briefly` is set, a chunk does not increase it.
     fn measured(
         &self,
-        pieces: &[Piece],
-        moved: impl Fn(&Piece) -> f64,
+        pieces: &[MovedFace],
+        moved: impl Fn(&MovedFace) -> f64,
         briefly: bool,
         most: f64,
-        distance: impl Fn(usize, &Piece) -> f64 + Sync,
+        distance: impl Fn(usize, &MovedFace) -> f64 + Sync,
     ) -> Result<f64, NoLevel> {
         let mut order: Vec<(f64, usize)> = pieces.iter().map(moved).zip(0..).collect();
         order.sort_by(|a, b| b.0.total_cmp(&a.0));
@@ -167,20 +167,20 @@ impl Comparison<'_> {
     }
 
     /// Returns the greatest distance of the corners of a piece from the output.
-    fn there(&self, piece: &Piece) -> f64 {
+    fn there(&self, piece: &MovedFace) -> f64 {
         piece.points().iter().map(|&p| self.output.from(p, piece.home)).fold(0.0, f64::max)
     }
 
     /// Returns the greatest distance of the corners of a piece of the output from a whole level, in which `slot` is its
     /// face, and adds what cutting the output may add.
-    fn back(level: &Surface, piece: &Piece, slot: usize) -> f64 {
+    fn back(level: &FaceTree, piece: &MovedFace, slot: usize) -> f64 {
         piece.flat().iter().map(|&p| level.from(p, Some(slot))).fold(0.0, f64::max) + piece.cut
     }
 
     /// Returns an upper bound of the distance of the pieces from the output, `moved` or less, and the number of cuts.
-    fn there_at_most(&self, pieces: &[Piece], moved: impl Fn(&Piece) -> f64) -> Result<(f64, usize), NoLevel> {
+    fn there_at_most(&self, pieces: &[MovedFace], moved: impl Fn(&MovedFace) -> f64) -> Result<(f64, usize), NoLevel> {
         let known: Vec<f64> = pieces.iter().map(moved).collect();
-        let cut = |piece: &Piece, cuts, enough| {
+        let cut = |piece: &MovedFace, cuts, enough| {
             farthest(piece.points(), cuts, enough, &|corners: &[Vector]| self.output.over(corners, piece.home))
         };
         self.cut(pieces, known, self.enough(), cut)
@@ -189,8 +189,8 @@ impl Comparison<'_> {
     /// Returns an upper bound of the distance of the output from the limit; 0 if no level was measured.
     fn back_at_most(&mut self) -> Result<f64, NoLevel> {
         let Some((pieces, known)) = self.first.take() else { return Ok(0.0) };
-        let limit = Surface::of(std::mem::take(&mut self.limit), self.budget);
-        let cut = |piece: &Piece, cuts, enough: f64| {
+        let limit = FaceTree::of(std::mem::take(&mut self.limit), self.budget);
+        let cut = |piece: &MovedFace, cuts, enough: f64| {
             let away = |corners: &[Vector]| limit.over(corners, None);
             let (most, used) = farthest(piece.flat(), cuts, enough - piece.cut, &away);
             (most + piece.cut, used)
@@ -203,10 +203,10 @@ impl Comparison<'_> {
     /// their cuts get four times as many in the next attempt, as long as there are enough left.
     fn cut(
         &self,
-        pieces: &[Piece],
+        pieces: &[MovedFace],
         mut known: Vec<f64>,
         enough: f64,
-        cut: impl Fn(&Piece, usize, f64) -> (f64, usize) + Sync,
+        cut: impl Fn(&MovedFace, usize, f64) -> (f64, usize) + Sync,
     ) -> Result<(f64, usize), NoLevel> {
         let mut far: Vec<usize> = (0..pieces.len()).filter(|&i| known[i] > enough).collect();
         let mut left = self.cuts;
@@ -235,7 +235,7 @@ struct Displaced {
 
 impl Displaced {
     /// Bounds the displacement by the pieces `all`, unless no piece of a face moved by more than `cut + little`.
-    fn of(output: &Faces, all: &[Piece], little: f64) -> Self {
+    fn of(output: &Faces, all: &[MovedFace], little: f64) -> Self {
         let mut pieces: Vec<Vec<usize>> = vec![Vec::new(); output.len()];
         for (i, slot) in all.iter().enumerate().filter_map(|(i, piece)| Some((i, piece.home?))) {
             pieces[slot].push(i);
@@ -256,13 +256,13 @@ impl Displaced {
     }
 
     /// Returns the bound of the face of which a piece is a part.
-    fn moved(&self, piece: &Piece) -> f64 {
+    fn moved(&self, piece: &MovedFace) -> f64 {
         piece.home.map_or(f64::INFINITY, |slot| self.moved[slot])
     }
 
     /// Returns an upper bound of the distance from the limit of the output's face of which a piece is a part;
     /// `remainders` are those of the pieces.
-    fn back(&self, output: &Faces, piece: &Piece, remainders: &[f64]) -> f64 {
+    fn back(&self, output: &Faces, piece: &MovedFace, remainders: &[f64]) -> f64 {
         if self.moved(piece).is_infinite() {
             return f64::INFINITY;
         }
@@ -275,7 +275,7 @@ impl Displaced {
 }
 
 /// A face of a later level, with the piece of the output that it is the displacement of.
-struct Piece {
+struct MovedFace {
     sides: usize,
     /// The corners of the face.
     points: [Vector; 4],
@@ -289,7 +289,7 @@ struct Piece {
     moved: f64,
 }
 
-impl Piece {
+impl MovedFace {
     fn of(level: &Level, output: &Faces, face: u32) -> Self {
         let (points, flat) = (level.points.now.as_chunks::<3>().0, level.flat.now.as_chunks::<3>().0);
         let corners = level.topology.face(face as usize);
@@ -338,7 +338,7 @@ pub(super) fn bound(
     }
     let flat = base.flat.now.as_chunks().0;
     let faces = Faces::of(&base.topology, flat, &base.live, vec![0.0; base.live.len()], !spline.halved);
-    let output = Surface::of(vec![faces], budget);
+    let output = FaceTree::of(vec![faces], budget);
     let (first, limit, cuts) = (None, Vec::new(), ALL_CUTS);
     let mut comparison = Comparison { spline, output, first, limit, greatest: 0.0, rounding, cuts, budget };
     let (mut level, mut bound) = (base.clone(), 0.0_f64);

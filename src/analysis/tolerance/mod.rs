@@ -26,5 +26,5 @@ mod spline;
 mod walk;
 
 pub use bounds::MAX_WORK;
-pub use placed::Placed;
+pub use placed::VertexPlacement;
 pub use search::{check, reach, search_bytes};

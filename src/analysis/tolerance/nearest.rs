@@ -39,7 +39,7 @@ pub(super) struct Faces {
 }
 
 /// The faces of several nets in one tree of bounding boxes.
-pub(super) struct Surface {
+pub(super) struct FaceTree {
     nets: Vec<Faces>,
     /// Net and slot of each face, leaf after leaf.
     order: Vec<(usize, usize)>,
@@ -162,7 +162,7 @@ impl Faces {
     }
 }
 
-impl Surface {
+impl FaceTree {
     /// Builds the tree of the faces of some nets. Distances are valid only if the budget is not over afterwards.
     pub(super) fn of(nets: Vec<Faces>, budget: &Budget) -> Self {
         let slots = |(net, faces): (usize, &Faces)| (0..faces.len()).map(move |slot| (net, slot));

@@ -23,13 +23,13 @@ const POINTS_A_ROW: u64 = 4;
 
 /// Bounds over some vertices: of their second differences, their points, and their normals and those of their faces.
 #[derive(Clone, Copy)]
-struct Near {
+struct NeighbourhoodBounds {
     bend: Bend,
     points: Box3,
     normals: Box3,
 }
 
-impl Near {
+impl NeighbourhoodBounds {
     fn or(self, other: Self) -> Self {
         Self {
             bend: self.bend.or(other.bend),
@@ -45,9 +45,9 @@ pub(super) struct Remainders<'a> {
     spline: &'a Spline,
     /// For each vertex the bounds over the vertices within `spline.reach` rings. Joined over the corners of a face,
     /// they cover all vertices that its limit depends on.
-    near: Vec<Near>,
+    near: Vec<NeighbourhoodBounds>,
     /// The same with one ring more.
-    beside: Vec<Near>,
+    beside: Vec<NeighbourhoodBounds>,
     hulls: Hulls<'a>,
     /// The budget; once it is over, bounds are no longer improved.
     budget: &'a Budget,
@@ -72,19 +72,19 @@ impl<'a> Remainders<'a> {
         budget.check()?;
         let single = |(v, bend): (usize, Bend)| {
             let normals = around_vertex(v).map(at_unit_length).map(|n| [n, n]).fold([normals[v]; 2], around);
-            Near { bend, points: [points[v]; 2], normals }
+            NeighbourhoodBounds { bend, points: [points[v]; 2], normals }
         };
         let single = bends.into_iter().enumerate().map(single).collect();
-        let near = spread(topology, single, spline.reach, Near::or);
+        let near = spread(topology, single, spline.reach, NeighbourhoodBounds::or);
         budget.check()?;
-        let beside = spread(topology, near.clone(), 1, Near::or);
+        let beside = spread(topology, near.clone(), 1, NeighbourhoodBounds::or);
         budget.advance((topology.n_faces() * (spline.reach + 4)) as u64);
         Ok(Self { level, spline, near, beside, hulls: Hulls::of(level, spline.reach), budget })
     }
 
     /// Returns the bounds over the corners of a face.
-    fn joined(&self, values: &[Near], face: u32) -> Option<Near> {
-        self.level.topology.face(face as usize).iter().map(|&v| values[v as usize]).reduce(Near::or)
+    fn joined(&self, values: &[NeighbourhoodBounds], face: u32) -> Option<NeighbourhoodBounds> {
+        self.level.topology.face(face as usize).iter().map(|&v| values[v as usize]).reduce(NeighbourhoodBounds::or)
     }
 
     /// Returns the bound from second differences alone; infinite where the net is not regular. It holds point by point,

@@ -2,7 +2,7 @@
 
 use super::bounds::{LEAST, MAX_FACES, MAX_LEVEL, MAX_WORK};
 use super::budget::Budget;
-use super::placed::Placed;
+use super::placed::VertexPlacement;
 use super::spline::Spline;
 use super::walk::Walk;
 use crate::analysis::curve::Reached;
@@ -57,7 +57,13 @@ pub fn search_bytes(mesh: &Mesh) -> u64 {
 ///
 /// # Errors
 /// [`NoLevel`] if there is no such level within the limits of a search, and when `watch` says stop.
-pub fn reach(mesh: &Mesh, plan: &Plan, placed: &[Placed], tolerance: f64, watch: &Watch) -> Result<Reached, NoLevel> {
+pub fn reach(
+    mesh: &Mesh,
+    plan: &Plan,
+    placed: &[VertexPlacement],
+    tolerance: f64,
+    watch: &Watch,
+) -> Result<Reached, NoLevel> {
     let spline = Spline::of(plan, mesh)?;
     let size = check_size(mesh, tolerance)?;
     let budget = &Budget::of(watch, MAX_WORK);

@@ -5,7 +5,7 @@ use super::bound::{FOLLOWED_FACES, bound};
 use super::budget::Budget;
 use super::cut::{cut, twist};
 use super::level::Level;
-use super::placed::Placed;
+use super::placed::VertexPlacement;
 use super::remainder::Remainders;
 use super::spline::Spline;
 use crate::analysis::limit::{self, LimitRequest};
@@ -44,15 +44,15 @@ impl Walk {
     pub(super) fn bound(
         &self,
         spline: &Spline,
-        placed: Placed,
+        placed: VertexPlacement,
         tolerance: f64,
         rounding: f64,
         budget: &Budget,
     ) -> Result<f64, NoLevel> {
         // with vertices at their limits, faces move by up to the bound, which then counts twice
         let (places, times) = match placed {
-            Placed::Refined => (self.level.points.now.clone(), 1.0),
-            Placed::Limit => (self.limits(spline, &budget.watch)?, 2.0),
+            VertexPlacement::Refined => (self.level.points.now.clone(), 1.0),
+            VertexPlacement::Limit => (self.limits(spline, &budget.watch)?, 2.0),
         };
         let left = times * self.left;
         if self.level.live.is_empty() {

@@ -64,7 +64,7 @@ impl Difference {
     }
 
     /// Describes the difference in words.
-    pub(super) fn told(&self) -> String {
+    pub(super) fn describe(&self) -> String {
         let of_frames = match self.frames {
             Some((n, of)) if n > 0 => format!("{n} of {of} frames differ; in the one that differs most "),
             _ => String::new(),

@@ -16,7 +16,7 @@ use crate::job::key::{Key, RESULTS_VERSION, content};
 const NAME: &str = "manifest.json";
 /// Maximum number of measured numbers per figure: those of some six panels. Half of it would omit panels of common
 /// figures; twice of it would fill reports with numbers that nobody reads.
-const MOST_NUMBERS: usize = 128;
+const MAX_NUMBERS: usize = 128;
 
 /// All figures of a folder.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -108,7 +108,7 @@ pub(super) fn numbers(of: &str, value: &Value, found: &mut BTreeMap<String, Valu
             items.iter().enumerate().for_each(|(i, value)| numbers(&place(&i.to_string()), value, found));
         }
         Value::Array(_) | Value::Null => {}
-        other if found.len() < MOST_NUMBERS => {
+        other if found.len() < MAX_NUMBERS => {
             found.insert(of.to_owned(), other.clone());
         }
         _ => {}

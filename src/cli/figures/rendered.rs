@@ -10,9 +10,9 @@ use serde_json::Value;
 
 use super::manifest::{Entry, Manifest, hash, numbers};
 use crate::cli::error::CliError;
-use crate::cli::inputs::Source;
+use crate::cli::fault_translator::FaultTranslator;
+use crate::cli::inputs::InputSource;
 use crate::cli::job::{JobOptions, Loaded};
-use crate::cli::told::Teller;
 use crate::job::limits::{Admitted, Limits};
 use crate::job::{RunError, run};
 use crate::output::{self, Format};
@@ -36,7 +36,7 @@ pub(super) struct Rendered {
 
 /// Reads the job in a file.
 pub(super) fn load(path: &Path) -> Result<JobRequest, CliError> {
-    let Loaded { mut request, is_file, .. } = JobOptions::default().load(&Source::File(path.to_owned()))?;
+    let Loaded { mut request, is_file, .. } = JobOptions::default().load(&InputSource::File(path.to_owned()))?;
     if is_file {
         return Err(CliError::refused("it is no job; a folder of figures holds jobs (JSON)"));
     }
@@ -139,8 +139,8 @@ pub(super) fn bytes(admitted: &Admitted, output: usize) -> Result<Vec<u8>, CliEr
         Ok(_) => Ok(bytes),
         Err(RunError::Impossible(fault)) => {
             let options = JobOptions::default();
-            let teller = Teller { flags: &options.flags, is_file: false, format: None };
-            Err(teller.refused(vec![admitted.job().entries(output).fault(fault)]))
+            let translator = FaultTranslator { flags: &options.flags, is_file: false, format: None };
+            Err(translator.refused(vec![admitted.job().entries(output).fault(fault)]))
         }
         Err(error) => Err(CliError::other(error)),
     }

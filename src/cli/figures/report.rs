@@ -12,7 +12,7 @@ use crate::cli::error::CliError;
 
 /// Maximum number of changed numbers listed per figure. Half of it would hide changes that belong together; twice of it
 /// would bury the pictures.
-const MOST_NUMBERS: usize = 40;
+const MAX_NUMBERS: usize = 40;
 
 const STYLE: &str = "body{font:16px/1.5 system-ui,sans-serif;margin:2rem auto;max-width:80rem;padding:0 1rem;\
     color:#16263f}figure{margin:0;flex:1 1 20rem}img{max-width:100%;border:1px solid #d5dbe3}\
@@ -49,9 +49,9 @@ pub(super) fn write(folder: &Path, head: &str, differences: &[Difference]) -> Re
 }
 
 fn of_one(folder: &Path, of: &Difference, markdown: &mut String, html: &mut String) -> Result<(), CliError> {
-    let (name, told) = (&of.name, of.told());
-    let _ = write!(markdown, "\n## {name}\n\n{told}\n");
-    let _ = write!(html, "<h2>{}</h2>\n<p>{}</p>\n<div class=\"row\">\n", escaped(name), escaped(&told));
+    let (name, description) = (&of.name, of.describe());
+    let _ = write!(markdown, "\n## {name}\n\n{description}\n");
+    let _ = write!(html, "<h2>{}</h2>\n<p>{}</p>\n<div class=\"row\">\n", escaped(name), escaped(&description));
     let shown = pictures(of);
     if !shown.is_empty() {
         let heads: Vec<&str> = shown.iter().map(|(what, ..)| *what).collect();
@@ -86,14 +86,14 @@ fn numbers(of: &Difference, markdown: &mut String, html: &mut String) {
     markdown.push_str("\n| number | before | after |\n|---|---|---|\n");
     html.push_str("<table><tr><th>number</th><th>before</th><th>after</th></tr>\n");
     let text = |value: &Option<Value>| value.as_ref().map_or_else(|| "-".to_owned(), ToString::to_string);
-    for (name, before, after) in of.numbers.iter().take(MOST_NUMBERS) {
+    for (name, before, after) in of.numbers.iter().take(MAX_NUMBERS) {
         let (before, after) = (text(before), text(after));
         let _ = writeln!(markdown, "| {name} | {before} | {after} |");
         let (name, before, after) = (escaped(name), escaped(&before), escaped(&after));
         let _ = writeln!(html, "<tr><td>{name}</td><td>{before}</td><td>{after}</td></tr>");
     }
     html.push_str("</table>\n");
-    if let Some(more) = of.numbers.len().checked_sub(MOST_NUMBERS).filter(|more| *more > 0) {
+    if let Some(more) = of.numbers.len().checked_sub(MAX_NUMBERS).filter(|more| *more > 0) {
         let _ = writeln!(markdown, "\nand {more} more");
         let _ = writeln!(html, "<p>and {more} more</p>");
     }

@@ -12,7 +12,7 @@ use super::manifest::{Entry, Manifest, put};
 use super::rendered::{Rendered, admitted, load, names, render};
 use super::report;
 use crate::cli::error::CliError;
-use crate::cli::inputs::Source;
+use crate::cli::inputs::InputSource;
 use crate::cli::progress::Progress;
 
 /// What is rendered, and where to.
@@ -65,7 +65,7 @@ impl FigureOptions {
             };
             let is_whole = outcome.is_ok();
             let mut progress = progress.lock().unwrap_or_else(PoisonError::into_inner);
-            progress.done(&Source::File(path.clone()), outcome);
+            progress.done(&InputSource::File(path.clone()), outcome);
             (made, is_whole)
         };
         let all: Vec<(Vec<Rendered>, bool)> = jobs.par_iter().map(each).collect();
@@ -145,13 +145,13 @@ impl FigureOptions {
             name.push(".report");
             self.output.with_file_name(name)
         });
-        let told =
+        let counted =
             |n: usize, one: &str, several: &str| if n == 1 { format!("1 {one}") } else { format!("{n} {several}") };
-        let differ = told(differences.len(), "picture differs", "pictures differ");
-        let head = format!("{differ}, {}.", told(same, "is as it was", "are as they were"));
+        let differ = counted(differences.len(), "picture differs", "pictures differ");
+        let head = format!("{differ}, {}.", counted(same, "is as it was", "are as they were"));
         report::write(&folder, &head, &differences)?;
         let mut lines = vec![format!("{head} {} shows them", folder.join("report.html").display())];
-        lines.extend(differences.iter().map(|difference| format!("  {}: {}", difference.name, difference.told())));
+        lines.extend(differences.iter().map(|difference| format!("  {}: {}", difference.name, difference.describe())));
         Err(CliError::other(lines.join("\n")))
     }
 

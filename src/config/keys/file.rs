@@ -13,9 +13,9 @@ use super::entry::KeyEntry;
 pub const KEYS_FILE: &str = "keys.toml";
 /// Maximum number of keys of a service. Twice as many would take twice the time to read each second, half a
 /// millisecond; half as many are few for a service whose users have a key each.
-pub const MOST_KEYS: usize = 1024;
+pub const MAX_KEYS: usize = 1024;
 /// Maximum length of the file in bytes: every key with half a page of comment.
-const MOST_BYTES: u64 = 2 << 20;
+const MAX_BYTES: u64 = 2 << 20;
 
 /// The reason why the keys cannot be read or changed.
 #[derive(Debug, thiserror::Error)]
@@ -49,7 +49,7 @@ pub struct KeyFile {
 
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
-struct Written {
+struct KeyEntries {
     #[serde(default)]
     key: Vec<KeyEntry>,
 }
@@ -66,21 +66,21 @@ impl KeyFile {
     /// [`KeyFileError`].
     pub fn read(&self) -> Result<Option<Vec<KeyEntry>>, KeyFileError> {
         let mut text = String::new();
-        let read = File::open(&self.path).and_then(|file| file.take(MOST_BYTES + 1).read_to_string(&mut text));
+        let read = File::open(&self.path).and_then(|file| file.take(MAX_BYTES + 1).read_to_string(&mut text));
         match read {
             Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(None),
             Err(error) => return Err(self.files(error)),
-            Ok(_) if text.len() as u64 > MOST_BYTES => {
-                return Err(self.unfit(format!("the file is longer than {MOST_BYTES} bytes")));
+            Ok(_) if text.len() as u64 > MAX_BYTES => {
+                return Err(self.unfit(format!("the file is longer than {MAX_BYTES} bytes")));
             }
             Ok(_) => {}
         }
-        let written: Written = toml::from_str(&text).map_err(|error| self.unfit(error.to_string()))?;
+        let written: KeyEntries = toml::from_str(&text).map_err(|error| self.unfit(error.to_string()))?;
         if let Some(fault) = written.key.iter().find_map(KeyEntry::fault) {
             return Err(self.unfit(fault));
         }
-        if written.key.len() > MOST_KEYS {
-            return Err(self.unfit(format!("there are {} keys, at most {MOST_KEYS} are read", written.key.len())));
+        if written.key.len() > MAX_KEYS {
+            return Err(self.unfit(format!("there are {} keys, at most {MAX_KEYS} are read", written.key.len())));
         }
         Ok(Some(written.key))
     }
@@ -102,8 +102,8 @@ impl KeyFile {
         lock.lock().map_err(failed)?;
         let mut keys = self.read()?.unwrap_or_default();
         let changed = change(&mut keys)?;
-        if keys.len() > MOST_KEYS {
-            let detail = format!("there are {MOST_KEYS} keys already, the most there can be; revoke some first");
+        if keys.len() > MAX_KEYS {
+            let detail = format!("there are {MAX_KEYS} keys already, the most there can be; revoke some first");
             return Err(KeyFileError::Refused(detail));
         }
         let aside = self.path.with_extension("new");

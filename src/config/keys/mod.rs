@@ -6,6 +6,6 @@ mod link;
 mod secret;
 
 pub use entry::{KeyEntry, Role, SHARED, tenant_fault};
-pub use file::{KEYS_FILE, KeyFile, KeyFileError, MOST_KEYS};
+pub use file::{KEYS_FILE, KeyFile, KeyFileError, MAX_KEYS};
 pub use link::{LINKS, Link, LinkFault, MODEL, has_job};
 pub use secret::{Random, Token};

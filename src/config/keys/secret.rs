@@ -12,7 +12,7 @@ const SECRET_BYTES: usize = 32;
 const ID_BYTES: usize = 6;
 /// Maximum length of a text that is examined as a key. Keys have 64 bytes, so half of it would leave no room; twice of
 /// it would be hashed for nothing.
-const MOST_TOKEN: usize = 128;
+const MAX_TOKEN: usize = 128;
 
 /// Fills bytes with unpredictable random numbers, or returns the reason why it cannot.
 pub type Random = fn(&mut [u8]) -> Result<(), String>;
@@ -43,7 +43,7 @@ impl Token {
     pub fn parse(text: &str) -> Option<Self> {
         let (id, secret) = text.strip_prefix(PREFIX)?.split_once('_')?;
         let is_id = id.len() == 2 * ID_BYTES && id.bytes().all(|b| matches!(b, b'0'..=b'9' | b'a'..=b'f'));
-        (is_id && !secret.is_empty() && text.len() <= MOST_TOKEN).then(|| Self(text.to_owned()))
+        (is_id && !secret.is_empty() && text.len() <= MAX_TOKEN).then(|| Self(text.to_owned()))
     }
 
     /// Returns the id, which is not secret.
@@ -52,7 +52,7 @@ impl Token {
     }
 
     /// Returns the whole key, which is shown once.
-    pub fn tell(&self) -> &str {
+    pub fn expose(&self) -> &str {
         &self.0
     }
 

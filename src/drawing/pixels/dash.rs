@@ -2,7 +2,7 @@
 
 use tiny_skia::{Pixmap, Transform};
 
-use crate::drawing::scene::{Point, Run};
+use crate::drawing::scene::{Point, PolylinePoints};
 
 /// Returns left, top, right and bottom of the visible part of a group, in its pixels, with room for the line width.
 pub(super) fn visible(pixmap: &Pixmap, transform: Transform, width_px: f32) -> [f32; 4] {
@@ -13,9 +13,9 @@ pub(super) fn visible(pixmap: &Pixmap, transform: Transform, width_px: f32) -> [
 }
 
 /// Returns the dashes of a line; `pattern` alternates lengths of dashes and gaps.
-pub(super) fn dashes(run: &[Point], pattern: &[f32], seen: [f32; 4]) -> Vec<Run> {
+pub(super) fn dashes(run: &[Point], pattern: &[f32], seen: [f32; 4]) -> Vec<PolylinePoints> {
     let period: f64 = pattern.iter().copied().map(f64::from).sum();
-    let mut found: Vec<Run> = Vec::new();
+    let mut found: Vec<PolylinePoints> = Vec::new();
     // position in the period, which continues around corners
     let mut phase = 0.0;
     for pair in run.windows(2) {
@@ -80,10 +80,10 @@ fn on(from: f64, to: f64, pattern: &[f32], period: f64) -> Vec<[f64; 2]> {
 }
 
 /// Adds a dash, or extends the last one if that ends at its start.
-fn extend(found: &mut Vec<Run>, [start, end]: [[f64; 2]; 2]) {
+fn extend(found: &mut Vec<PolylinePoints>, [start, end]: [[f64; 2]; 2]) {
     #[expect(clippy::cast_possible_truncation, reason = "pixel coordinates need no more than the precision of f32")]
     let [start, end] = [start, end].map(|place| place.map(|x| x as f32));
-    let joins = |run: &&mut Run| {
+    let joins = |run: &&mut PolylinePoints| {
         run.last().is_some_and(|last| {
             let (dx, dy) = (last[0] - start[0], last[1] - start[1]);
             dx * dx + dy * dy < 1e-4

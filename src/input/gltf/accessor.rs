@@ -6,7 +6,7 @@ use gltf::json::buffer::View;
 use gltf::json::validation::Checked::Valid;
 
 use super::buffers::Document;
-use crate::input::room::Room;
+use crate::input::room::MemoryBudget;
 
 /// Bytes of a number.
 const NUMBER: usize = size_of::<f64>();
@@ -46,7 +46,7 @@ impl Document<'_> {
     }
 
     /// Reads the scalars or vectors of an accessor. Normalized integers are mapped to -1..1 or 0..1.
-    pub(super) fn rows(&self, index: Index<Accessor>, room: &mut Room) -> Result<AccessorRows, String> {
+    pub(super) fn rows(&self, index: Index<Accessor>, room: &mut MemoryBudget) -> Result<AccessorRows, String> {
         let accessor = self.accessor(index)?;
         let place = |detail: String| format!("accessor {}: {detail}", index.value());
         let (component, width) = kind(accessor).map_err(place)?;
@@ -90,7 +90,7 @@ impl Document<'_> {
     }
 
     /// Reads the whole numbers of an accessor of indices, and takes their memory from the room.
-    pub(super) fn indices(&self, index: Index<Accessor>, room: &mut Room) -> Result<Vec<u32>, String> {
+    pub(super) fn indices(&self, index: Index<Accessor>, room: &mut MemoryBudget) -> Result<Vec<u32>, String> {
         let (component, width) = kind(self.accessor(index)?)?;
         if width != 1 || matches!(component, ComponentType::F32 | ComponentType::I8 | ComponentType::I16) {
             return Err(format!("accessor {}: indices are unsigned scalars", index.value()));
@@ -110,7 +110,7 @@ impl Document<'_> {
         component: ComponentType,
         width: usize,
         normalized: bool,
-        room: &mut Room,
+        room: &mut MemoryBudget,
     ) -> Result<Vec<f64>, String> {
         let n = usize::try_from(n).unwrap_or(usize::MAX);
         let (bytes, stride) = self.view(view)?;

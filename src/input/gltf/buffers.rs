@@ -12,7 +12,7 @@ use super::transform::Placement;
 use crate::fault;
 use crate::input::base64;
 use crate::input::beside::{Beside, File};
-use crate::input::room::Room;
+use crate::input::room::MemoryBudget;
 use crate::input::text::quoted;
 
 /// Bytes of the header of GLB, and of the header of a chunk.
@@ -84,7 +84,7 @@ impl<'a> Document<'a> {
         json: &[u8],
         binary: Option<&'a [u8]>,
         beside: &'a dyn Beside,
-        room: &mut Room,
+        room: &mut MemoryBudget,
     ) -> Result<Self, String> {
         let json = json.strip_prefix(&[0xef, 0xbb, 0xbf]).unwrap_or(json);
         census::admit(json, room)?;
@@ -136,7 +136,7 @@ impl<'a> Document<'a> {
     }
 
     /// Parses a document in the binary container.
-    pub(super) fn of_glb(file: &File<'a>, room: &mut Room) -> Result<Self, String> {
+    pub(super) fn of_glb(file: &File<'a>, room: &mut MemoryBudget) -> Result<Self, String> {
         let bytes = file.bytes;
         let word = |at: usize| bytes.get(at..at + 4)?.try_into().ok().map(u32::from_le_bytes);
         let (Some(magic), Some(version), Some(length)) = (bytes.get(..4), word(4), word(8)) else {
@@ -196,13 +196,13 @@ fn cut(bytes: Cow<'_, [u8]>, length: usize) -> Cow<'_, [u8]> {
 
 impl Document<'_> {
     /// Reads the bytes that a URI refers to, embedded or beside the document.
-    pub(super) fn referred(&self, uri: &str, room: &mut Room) -> Result<Vec<u8>, String> {
+    pub(super) fn referred(&self, uri: &str, room: &mut MemoryBudget) -> Result<Vec<u8>, String> {
         referred(uri, self.beside, room)
     }
 }
 
 /// Reads the bytes that a URI refers to.
-fn referred(uri: &str, beside: &dyn Beside, room: &mut Room) -> Result<Vec<u8>, String> {
+fn referred(uri: &str, beside: &dyn Beside, room: &mut MemoryBudget) -> Result<Vec<u8>, String> {
     if uri.starts_with("data:") {
         room.take(uri.len()).and_then(|()| embedded(uri))
     } else {
@@ -219,7 +219,7 @@ fn embedded(uri: &str) -> Result<Vec<u8>, String> {
 }
 
 /// Reads a file beside the document, whose name may be percent-encoded.
-fn neighbour(uri: &str, beside: &dyn Beside, room: &mut Room) -> Result<Vec<u8>, String> {
+fn neighbour(uri: &str, beside: &dyn Beside, room: &mut MemoryBudget) -> Result<Vec<u8>, String> {
     let bytes = beside.read(&percent_decoded(uri), u64::MAX)?;
     room.widen(bytes.len());
     room.take(bytes.len())?;

@@ -12,7 +12,7 @@ use serde_json::Value;
 use super::accessor::AccessorRows;
 use super::buffers::Document;
 use crate::input::reader::ReadMesh;
-use crate::input::room::{GROWN, Room};
+use crate::input::room::{GROWN, MemoryBudget};
 use crate::input::text::quoted;
 use crate::shape::attachments::{COLOR, ChannelInput, ORIGIN};
 use crate::shape::labels::FaceSet;
@@ -32,11 +32,11 @@ pub(super) fn name(semantic: &Checked<Semantic>) -> Option<String> {
 
 /// Names of attributes that are not read, with the number of primitives that have them.
 #[derive(Debug, Default)]
-pub(super) struct Unread {
+pub(super) struct UnreadAttributes {
     found: BTreeMap<String, usize>,
 }
 
-impl Unread {
+impl UnreadAttributes {
     /// Counts the attributes of a primitive that are not read.
     pub(super) fn take(&mut self, primitive: &Primitive) {
         for name in primitive.attributes.keys().filter_map(unread) {
@@ -96,7 +96,7 @@ impl Channels {
         document: &Document<'_>,
         attributes: &[(String, Index<Accessor>)],
         (start, n): (usize, usize),
-        room: &mut Room,
+        room: &mut MemoryBudget,
     ) {
         for (name, accessor) in attributes {
             let known = self.found.entry(name.clone()).or_default();
@@ -138,8 +138,8 @@ impl Channels {
 /// Groups of faces: those that primitives name, otherwise the nodes.
 #[derive(Debug, Default)]
 pub(super) struct Groups {
-    told: Vec<FaceSet>,
-    /// Indices into `told` by name.
+    named: Vec<FaceSet>,
+    /// Indices into `named` by name.
     numbers: BTreeMap<String, usize>,
     /// Faces of the current node that are in a named group.
     taken: Vec<Range<u64>>,
@@ -149,12 +149,12 @@ pub(super) struct Groups {
 
 impl Groups {
     /// Adds faces to the group that a primitive names.
-    pub(super) fn told(&mut self, name: String, faces: Range<u64>) {
-        let number = *self.numbers.entry(name.clone()).or_insert(self.told.len());
-        if number == self.told.len() {
-            self.told.push(FaceSet { name, faces: Vec::new() });
+    pub(super) fn add_faces(&mut self, name: String, faces: Range<u64>) {
+        let number = *self.numbers.entry(name.clone()).or_insert(self.named.len());
+        if number == self.named.len() {
+            self.named.push(FaceSet { name, faces: Vec::new() });
         }
-        self.told[number].faces.extend(faces.clone());
+        self.named[number].faces.extend(faces.clone());
         self.taken.push(faces);
     }
 
@@ -175,6 +175,6 @@ impl Groups {
     /// Returns the groups. A single node group is dropped because it distinguishes nothing.
     pub(super) fn finish(self) -> Vec<FaceSet> {
         let nodes = if self.nodes.len() > 1 { self.nodes } else { Vec::new() };
-        self.told.into_iter().chain(nodes).collect()
+        self.named.into_iter().chain(nodes).collect()
     }
 }

@@ -12,7 +12,7 @@ use gltf::json::mesh::{Mesh, Primitive};
 use gltf::json::{Accessor, Camera, Image, Node, Scene, Skin, Texture, Value, texture};
 
 use super::transform::Placement;
-use crate::input::room::{GROWN, Room};
+use crate::input::room::{GROWN, MemoryBudget};
 use crate::input::text::quoted;
 
 /// Maximum number of copies of the text: names and extras, and the growing buffer of the parser for strings with
@@ -141,7 +141,7 @@ struct Census<'a> {
 ///
 /// # Errors
 /// The document takes more than the file may take; the message names the list that takes most.
-pub(super) fn admit(json: &[u8], room: &mut Room) -> Result<(), String> {
+pub(super) fn admit(json: &[u8], room: &mut MemoryBudget) -> Result<(), String> {
     let mut census = Census::default();
     let mut at = 0;
     while let Some(&byte) = json.get(at) {

@@ -12,7 +12,7 @@ use super::carried::NAMED;
 use super::packed::PACKED;
 use crate::input::colors::encoded;
 use crate::input::reader::ReadMesh;
-use crate::input::room::Room;
+use crate::input::room::MemoryBudget;
 use crate::input::text::quoted;
 use crate::shape::attachments::COLOR;
 use crate::shape::labels::FaceSet;
@@ -27,12 +27,17 @@ const OF_LOOKS: [&str; 3] = ["KHR_materials_", "_texture_", "KHR_technique"];
 const READ: [&str; 3] = [PACKED, "KHR_mesh_quantization", "MSFT_lod"];
 
 /// Adds the materials with their faces, given by material index, to the mesh in order.
-pub(super) fn finish(document: &Document<'_>, faces: BTreeMap<usize, Vec<u64>>, room: &mut Room, mesh: &mut ReadMesh) {
+pub(super) fn finish(
+    document: &Document<'_>,
+    faces: BTreeMap<usize, Vec<u64>>,
+    room: &mut MemoryBudget,
+    mesh: &mut ReadMesh,
+) {
     // under vertex colours, white is the plain colour
     let is_colored = mesh.channels.iter().any(|channel| channel.name == COLOR);
     let plain = if is_colored { [1.0; 4] } else { PLAIN };
     let has_uvs = mesh.uvs.is_some();
-    let mut looks = Looks { document, images: BTreeMap::new(), left_out: BTreeMap::new(), has_uvs, plain };
+    let mut looks = MaterialReader { document, images: BTreeMap::new(), left_out: BTreeMap::new(), has_uvs, plain };
     let materials = &document.root.materials;
     let name_of = |i: usize| materials.get(i).and_then(|material| material.name.clone());
     let nameless = faces.keys().filter(|&&i| name_of(i).is_none()).count();
@@ -67,7 +72,7 @@ fn is_usual(look: &Look) -> bool {
 }
 
 /// Reads looks, and each picture once.
-struct Looks<'a> {
+struct MaterialReader<'a> {
     document: &'a Document<'a>,
     /// The pictures by index; `None` if a picture cannot be read.
     images: BTreeMap<usize, Option<Arc<Image>>>,
@@ -78,9 +83,9 @@ struct Looks<'a> {
     plain: [f32; 4],
 }
 
-impl Looks<'_> {
+impl MaterialReader<'_> {
     /// Reads the look of a material. Values that planish writes as defaults are read as absent.
-    fn of(&mut self, material: &Material, room: &mut Room) -> Look {
+    fn of(&mut self, material: &Material, room: &mut MemoryBudget) -> Look {
         self.note_left_out(material);
         let pbr = &material.pbr_metallic_roughness;
         let surface = [pbr.metallic_factor.0, pbr.roughness_factor.0];
@@ -123,7 +128,7 @@ impl Looks<'_> {
         kinds.into_iter().filter(|(_, is_there)| *is_there).for_each(|(what, _)| self.leave_out(what));
     }
 
-    fn texture(&mut self, info: &Info, room: &mut Room) -> Option<Texture> {
+    fn texture(&mut self, info: &Info, room: &mut MemoryBudget) -> Option<Texture> {
         if info.tex_coord != 0 {
             self.leave_out("textures that lie by another set of texture coordinates than the first are left out");
             return None;
@@ -144,7 +149,7 @@ impl Looks<'_> {
     }
 
     /// Reads a picture by index; a picture that cannot be read is reported in a note.
-    fn image(&mut self, i: usize, room: &mut Room) -> Option<Arc<Image>> {
+    fn image(&mut self, i: usize, room: &mut MemoryBudget) -> Option<Arc<Image>> {
         if let Some(known) = self.images.get(&i) {
             return known.clone();
         }
@@ -155,7 +160,7 @@ impl Looks<'_> {
         found
     }
 
-    fn read(&self, i: usize, room: &mut Room) -> Result<Image, String> {
+    fn read(&self, i: usize, room: &mut MemoryBudget) -> Result<Image, String> {
         let image = self.document.root.images.get(i).ok_or("that it has no PNG or JPEG can be said")?;
         let bytes = match (&image.uri, image.buffer_view) {
             (Some(uri), _) => self.document.referred(uri, room)?,

@@ -9,7 +9,7 @@ use meshoptimizer_rs::codec::{BufferView, Filter, Mode};
 use meshoptimizer_rs::{Limits, Workspace};
 use serde_json::value::RawValue;
 
-use crate::input::room::Room;
+use crate::input::room::MemoryBudget;
 
 /// The name of the extension, whose fallback buffers need no data.
 pub(super) const PACKED: &str = "EXT_meshopt_compression";
@@ -41,7 +41,7 @@ type Members<'a> = BTreeMap<String, &'a RawValue>;
 pub(super) fn views(
     json: &[u8],
     buffers: &[Cow<'_, [u8]>],
-    room: &mut Room,
+    room: &mut MemoryBudget,
 ) -> Result<BTreeMap<usize, Vec<u8>>, String> {
     let mut found = BTreeMap::new();
     let unread = |error: serde_json::Error| crate::fault::cut(&error.to_string(), 200).into_owned();
@@ -81,7 +81,7 @@ impl Stream {
     }
 
     /// Decodes the stream, and takes its memory from the room.
-    fn bytes(&self, buffers: &[Cow<'_, [u8]>], room: &mut Room) -> Result<Vec<u8>, String> {
+    fn bytes(&self, buffers: &[Cow<'_, [u8]>], room: &mut MemoryBudget) -> Result<Vec<u8>, String> {
         let Self { buffer: b, byte_offset: start, byte_length: length, byte_stride: stride, count, mode, filter } =
             self;
         let buffer = buffers.get(*b).ok_or_else(|| format!("there is no buffer {b}"))?;

@@ -10,14 +10,14 @@ use gltf::json::{Index, Material, Node};
 
 use super::accessor::AccessorRows;
 use super::buffers::Document;
-use super::carried::{Channels, Groups, Unread, group, name};
+use super::carried::{Channels, Groups, UnreadAttributes, group, name};
 use super::looks;
 use super::transform::Placement;
 use super::triangles::triangle;
 use crate::input::collect::Collected;
 use crate::input::colors::encoded;
 use crate::input::reader::{ReadLimits, ReadMesh, Uvs};
-use crate::input::room::{GROWN, Room};
+use crate::input::room::{GROWN, MemoryBudget};
 use crate::input::transform::Transform;
 use crate::shape::attachments::ChannelInput;
 use crate::shape::labels::FaceSet;
@@ -39,16 +39,16 @@ const MEMBER: usize = GROWN * 8;
 /// Bytes of a set, with its name and its index by name.
 const SET: usize = GROWN * size_of::<FaceSet>() + 128;
 /// Bytes of a node on the path from the root to the current node.
-const FRAME: usize = GROWN * size_of::<Frame<'static>>();
+const FRAME: usize = GROWN * size_of::<NodeFrame<'static>>();
 
 /// The children of a node that are still to be read, and the transform of the node.
-type Frame<'a> = (std::slice::Iter<'a, Index<Node>>, Transform);
+type NodeFrame<'a> = (std::slice::Iter<'a, Index<Node>>, Transform);
 
 /// Reads the default scene, otherwise the first scene, otherwise all nodes without a parent.
 pub(super) fn read(
     document: &Document<'_>,
     length: usize,
-    room: Room,
+    room: MemoryBudget,
     limits: &ReadLimits,
 ) -> Result<ReadMesh, String> {
     let mut reading = Reading {
@@ -65,9 +65,9 @@ pub(super) fn read(
         color_width: 3,
         materials: BTreeMap::new(),
         channels: Channels::default(),
-        unread: Unread::default(),
+        unread: UnreadAttributes::default(),
         groups: Groups::default(),
-        shared: Shared::at(Transform::IDENTITY),
+        shared: SharedVertices::at(Transform::IDENTITY),
         degenerate: 0,
         other: 0,
         is_posed: false,
@@ -99,7 +99,7 @@ fn roots(document: &Document<'_>) -> Result<Vec<usize>, String> {
 struct Reading<'a> {
     document: &'a Document<'a>,
     mesh: Collected,
-    room: Room,
+    room: MemoryBudget,
     most_primitives: usize,
     primitives: usize,
     corners: usize,
@@ -116,9 +116,9 @@ struct Reading<'a> {
     materials: BTreeMap<usize, Vec<u64>>,
     /// Application-specific attributes.
     channels: Channels,
-    unread: Unread,
+    unread: UnreadAttributes,
     groups: Groups,
-    shared: Shared,
+    shared: SharedVertices,
     degenerate: usize,
     other: usize,
     is_posed: bool,
@@ -126,14 +126,14 @@ struct Reading<'a> {
 
 /// Vertices that primitives with one transform share. They are shared among consecutive nodes with equal transforms, as
 /// long as no mesh is repeated.
-struct Shared {
+struct SharedVertices {
     transform: Transform,
     meshes: BTreeSet<usize>,
     /// The first vertex and the number of vertices, by attributes.
     vertices: BTreeMap<Attributes, (usize, usize)>,
 }
 
-impl Shared {
+impl SharedVertices {
     fn at(transform: Transform) -> Self {
         Self { transform, meshes: BTreeSet::new(), vertices: BTreeMap::new() }
     }
@@ -150,7 +150,7 @@ struct Attributes {
 impl Reading<'_> {
     /// Reads a node and its descendants, parents before children.
     fn tree(&mut self, root: usize, seen: &mut [bool]) -> Result<(), String> {
-        let mut path: Vec<Frame<'_>> = Vec::new();
+        let mut path: Vec<NodeFrame<'_>> = Vec::new();
         let mut longest = 0;
         let mut next = Some((root, Transform::IDENTITY));
         while let Some((i, outer)) = next {
@@ -189,7 +189,7 @@ impl Reading<'_> {
         self.is_posed |= node.skin.is_some();
         let first = self.mesh.mesh.faces.len();
         if self.shared.transform != *transform || self.shared.meshes.contains(&m) {
-            self.shared = Shared::at(*transform);
+            self.shared = SharedVertices::at(*transform);
         }
         self.shared.meshes.insert(m);
         for (p, primitive) in mesh.primitives.iter().enumerate() {
@@ -241,7 +241,7 @@ impl Reading<'_> {
         let made = made.start as u64..made.end as u64;
         if let Some(group) = group(primitive) {
             self.room.take(SET + 2 * group.len() + members)?;
-            self.groups.told(group, made.clone());
+            self.groups.add_faces(group, made.clone());
         }
         if let Some(material) = primitive.material {
             self.room.take(SET + members)?;

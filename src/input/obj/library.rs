@@ -14,10 +14,10 @@ use crate::shape::textures::{Image, Texture, Wrap};
 
 /// Maximum number of bytes of a library, and of a picture. Half of it would refuse pictures that cameras make; twice of
 /// it adds nothing visible to a surface.
-const MOST_BYTES: u64 = 64 << 20;
+const MAX_BYTES: u64 = 64 << 20;
 
 /// Maximum number of names that a note lists.
-const MOST_TOLD: usize = 8;
+const MAX_LISTED: usize = 8;
 
 /// Options of a picture statement, with the maximum number of arguments of each.
 const OPTIONS: &[(&str, usize)] = &[
@@ -70,7 +70,7 @@ impl Library {
         }
         library.is_none = names.is_empty();
         for name in names {
-            let read = |name| beside.read(name, MOST_BYTES).map(|bytes| (bytes, folder(name)));
+            let read = |name| beside.read(name, MAX_BYTES).map(|bytes| (bytes, folder(name)));
             // a name may contain blanks, or be several names
             let several = || name.split(' ').map(read).collect::<Result<Vec<_>, _>>();
             match read(name).map(|one| vec![one]).or_else(|detail| several().map_err(|_| detail)) {
@@ -104,7 +104,7 @@ impl Library {
             let mut look = entry.look();
             if let Some((name, wrap)) = entry.picture {
                 let image = images.entry(name.clone()).or_insert_with(|| {
-                    let image = beside.read(&name, MOST_BYTES).and_then(Image::new);
+                    let image = beside.read(&name, MAX_BYTES).and_then(Image::new);
                     let note = |detail| notes.push(format!("the texture {} is left out: {detail}", quoted(&name)));
                     image.map(Arc::new).map_err(note).ok()
                 });
@@ -119,16 +119,16 @@ impl Library {
         if self.is_none {
             notes.push("how materials look is not told: the file names no library (mtllib), only materials".to_owned());
         } else if !unknown.is_empty() && self.notes.is_empty() {
-            let (n, first) = (unknown.len(), unknown[..unknown.len().min(MOST_TOLD)].join(", "));
-            let more = if n > MOST_TOLD { ", ..." } else { "" };
+            let (n, first) = (unknown.len(), unknown[..unknown.len().min(MAX_LISTED)].join(", "));
+            let more = if n > MAX_LISTED { ", ..." } else { "" };
             notes.push(format!("how {n} materials look is not told, as no library has them: {first}{more}"));
         }
         notes.append(&mut self.notes);
         if !self.left_out.is_empty() {
-            let told = self.left_out.iter().take(MOST_TOLD).map(|(what, n)| format!("{what} ({n})"));
-            let told: Vec<String> = told.collect();
-            let more = if self.left_out.len() > MOST_TOLD { ", and more" } else { "" };
-            notes.push(format!("what libraries say of materials beyond this is left out: {}{more}", told.join(", ")));
+            let listed = self.left_out.iter().take(MAX_LISTED).map(|(what, n)| format!("{what} ({n})"));
+            let listed: Vec<String> = listed.collect();
+            let more = if self.left_out.len() > MAX_LISTED { ", and more" } else { "" };
+            notes.push(format!("what libraries say of materials beyond this is left out: {}{more}", listed.join(", ")));
         }
         looks
     }
@@ -185,7 +185,7 @@ impl Entry {
             "Pm" => self.metallic = Some(one()?),
             "Pr" => self.roughness = Some(one()?),
             "map_Kd" => return self.picture(rest, folder),
-            _ if says_nothing(keyword, rest) => {}
+            _ if is_ignored(keyword, rest) => {}
             _ => return Err(quoted(keyword)),
         }
         Ok(())
@@ -229,7 +229,7 @@ impl Entry {
 
 /// Whether a statement has no visible effect: no emission and no highlight, all or none of the ambient light, no
 /// refraction, and an illumination model without mirrors and glass.
-fn says_nothing(keyword: &str, rest: &str) -> bool {
+fn is_ignored(keyword: &str, rest: &str) -> bool {
     let all =
         |values: &[f64]| rest.split_ascii_whitespace().all(|word| number(word).is_ok_and(|x| values.contains(&x)));
     match keyword {

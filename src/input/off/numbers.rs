@@ -21,7 +21,8 @@ impl<'a> Numbers<'a> {
     fn next(&mut self, what: &str) -> Result<[u8; 4], String> {
         let rest = self.bytes.get(self.at..).unwrap_or_default();
         let word = rest.first_chunk::<4>().copied();
-        let word = word.ok_or_else(|| self.said(format!("the file ends where {what} should follow; send it whole")))?;
+        let word =
+            word.ok_or_else(|| self.at_offset(format!("the file ends where {what} should follow; send it whole")))?;
         self.at += word.len();
         Ok(word)
     }
@@ -46,7 +47,7 @@ impl<'a> Numbers<'a> {
     }
 
     /// Prefixes a message with the current byte offset.
-    pub(super) fn said(&self, detail: impl std::fmt::Display) -> String {
+    pub(super) fn at_offset(&self, detail: impl std::fmt::Display) -> String {
         format!("byte {}: {detail}", self.at)
     }
 

@@ -4,14 +4,14 @@ use super::header::Property;
 use crate::shape::attachments::{COLOR, MAX_WIDTH};
 
 /// The name of a channel and its number of components.
-type Run<'a> = (&'a str, usize);
+type ChannelColumns<'a> = (&'a str, usize);
 
 /// Returns for each property the multi-component channel that it belongs to and its component index there, if any.
 ///
 /// A run consists of consecutive scalar properties `a_0`, `a_1`, ... up to `a_3` of one type, as the writer splits
 /// channels. Longer runs form no channel, nor do runs beside a property `a`, nor `color_0`, because colours have
 /// property names of their own.
-pub(super) fn runs(properties: &[Property]) -> Vec<Option<(Run<'_>, usize)>> {
+pub(super) fn runs(properties: &[Property]) -> Vec<Option<(ChannelColumns<'_>, usize)>> {
     let mut found = vec![None; properties.len()];
     let mut start = 0;
     while start < properties.len() {

@@ -12,7 +12,7 @@ use crate::input::text::quoted;
 const MAX_FILES: u64 = 10_000;
 /// Maximum inflated size of a file as a multiple of the archive's length. Deflate reaches a thousand; models of planish
 /// reach 20 and those of lib3mf 15. Twice of it lets bombs take longer, and half of it refuses large flat grids.
-const MOST_INFLATED: u64 = 200;
+const MAX_INFLATED: u64 = 200;
 /// Bytes that a file may always inflate to, however short the archive is.
 const LEAST_INFLATED: u64 = 1 << 20;
 
@@ -38,7 +38,7 @@ impl<'a> Archive<'a> {
         if n > MAX_FILES {
             return Err(format!("the archive has {n} files; {MAX_FILES} are allowed; leave out what is no model"));
         }
-        Ok(Self { zip, most: MOST_INFLATED.saturating_mul(bytes.len() as u64).max(LEAST_INFLATED) })
+        Ok(Self { zip, most: MAX_INFLATED.saturating_mul(bytes.len() as u64).max(LEAST_INFLATED) })
     }
 
     /// Returns a reader of the file with this name, compared without case, which inflates and verifies the bytes as it
@@ -64,7 +64,7 @@ impl<'a> Archive<'a> {
         let (name, length) = (quoted(name), file.uncompressed_size_hint());
         if length > self.most {
             return Err(format!(
-                "{name} says that it inflates to {length} bytes, more than {MOST_INFLATED} times what the file has; \
+                "{name} says that it inflates to {length} bytes, more than {MAX_INFLATED} times what the file has; \
                  send a smaller model"
             ));
         }

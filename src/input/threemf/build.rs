@@ -2,10 +2,10 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use super::model::{LookGroup, Model, Object, Placed, TriangleLook};
+use super::model::{LookGroup, Model, Object, PlacedObject, TriangleLook};
 use crate::input::collect::Collected;
 use crate::input::reader::{ReadLimits, ReadMesh};
-use crate::input::room::{GROWN, Room};
+use crate::input::room::{GROWN, MemoryBudget};
 use crate::input::transform::Transform;
 use crate::shape::attachments::{COLOR as CHANNEL, Channel, ChannelInput};
 use crate::shape::check::FaceList;
@@ -38,7 +38,7 @@ const NO_MATERIAL: &str = "default";
 ///
 /// # Errors
 /// An object does not exist or contains itself, or the mesh takes more than is allowed.
-pub(super) fn built(mut model: Model, mut room: Room, limits: &ReadLimits) -> Result<ReadMesh, String> {
+pub(super) fn built(mut model: Model, mut room: MemoryBudget, limits: &ReadLimits) -> Result<ReadMesh, String> {
     if let Some(id) = inside_itself(&model.objects) {
         return Err(format!("object {id} holds itself by its components; an object holds only others before it"));
     }
@@ -47,7 +47,7 @@ pub(super) fn built(mut model: Model, mut room: Room, limits: &ReadLimits) -> Re
         let inside: BTreeSet<u64> =
             model.objects.values().flat_map(|object| object.components.iter().map(|part| part.object)).collect();
         let free = model.objects.keys().filter(|id| !inside.contains(id));
-        items = free.map(|&object| Placed { object, transform: Transform::IDENTITY }).collect();
+        items = free.map(|&object| PlacedObject { object, transform: Transform::IDENTITY }).collect();
     }
     let (mut starts, mut colors) = (BTreeMap::new(), Vec::new());
     collect_colors(&model, &mut room, &mut starts, &mut colors)?;
@@ -99,7 +99,7 @@ fn inside_itself(objects: &BTreeMap<u64, Object>) -> Option<u64> {
 struct Building<'a> {
     model: &'a Model,
     mesh: Collected,
-    room: Room,
+    room: MemoryBudget,
     n_built: usize,
     groups: Vec<FaceSet>,
     /// The faces of each material, by group and index in the group.
@@ -118,7 +118,7 @@ struct Building<'a> {
 /// Collects the colours of all groups, and for each group the index of its first colour.
 fn collect_colors(
     model: &Model,
-    room: &mut Room,
+    room: &mut MemoryBudget,
     starts: &mut BTreeMap<u32, u32>,
     colors: &mut Vec<[f64; 4]>,
 ) -> Result<(), String> {
@@ -137,8 +137,8 @@ fn same(a: &[f64; 4], b: &[f64; 4]) -> bool {
 }
 
 impl Building<'_> {
-    fn place(&mut self, item: Placed, outer: &Transform, depth: usize) -> Result<(), String> {
-        let Placed { object: id, transform } = item;
+    fn place(&mut self, item: PlacedObject, outer: &Transform, depth: usize) -> Result<(), String> {
+        let PlacedObject { object: id, transform } = item;
         let model = self.model;
         let object = model.objects.get(&id).ok_or_else(|| format!("there is no object {id}, which is to be built"))?;
         self.n_built += 1;
@@ -247,10 +247,10 @@ impl Building<'_> {
                 mesh.looks.push(Look { color: Some(*color), ..Look::default() });
             }
         }
-        let told = model.notes.iter().map(|(what, n)| (*what, *n));
+        let notes = model.notes.iter().map(|(what, n)| (*what, *n));
         let own = [("supports are left out", supports), ("triangles with two equal corners are left out", degenerate)];
-        let told = told.chain(own).filter(|(_, n)| *n > 0);
-        mesh.notes = told.map(|(what, n)| format!("{what}: {n}")).collect();
+        let notes = notes.chain(own).filter(|(_, n)| *n > 0);
+        mesh.notes = notes.map(|(what, n)| format!("{what}: {n}")).collect();
         Ok(mesh)
     }
 }
@@ -261,7 +261,7 @@ fn channel(
     mesh: &ReadMesh,
     colors: &[[f64; 4]],
     mut of_corners: Vec<u32>,
-    room: &mut Room,
+    room: &mut MemoryBudget,
 ) -> Result<Option<ChannelInput>, String> {
     if of_corners.is_empty() {
         return Ok(None);

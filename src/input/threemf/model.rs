@@ -5,7 +5,7 @@ use std::io::Read;
 
 use super::xml::{Tag, Tags};
 use crate::input::reader::ReadLimits;
-use crate::input::room::{GROWN, Room};
+use crate::input::room::{GROWN, MemoryBudget};
 use crate::input::text::{count, number, quoted};
 use crate::input::transform::Transform;
 use crate::shape::frame::Unit;
@@ -29,7 +29,7 @@ pub(super) struct Model {
     pub(super) objects: BTreeMap<u64, Object>,
     /// Groups of materials and colours, by id.
     pub(super) looks: BTreeMap<u64, LookGroup>,
-    pub(super) items: Vec<Placed>,
+    pub(super) items: Vec<PlacedObject>,
     pub(super) notes: BTreeMap<&'static str, usize>,
 }
 
@@ -53,7 +53,7 @@ pub(super) struct Object {
     /// The looks of the triangles in runs: the first triangle of each run, and the look of the run. Triangles before
     /// the first run have none.
     pub(super) looks: Vec<(u32, TriangleLook)>,
-    pub(super) components: Vec<Placed>,
+    pub(super) components: Vec<PlacedObject>,
     /// The group and index of the look of triangles that name none.
     usual: Option<[u64; 2]>,
 }
@@ -63,7 +63,7 @@ pub(super) type TriangleLook = Option<(u32, [u32; 3])>;
 
 /// An object with its transform.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Placed {
+pub(super) struct PlacedObject {
     pub(super) object: u64,
     pub(super) transform: Transform,
 }
@@ -72,7 +72,7 @@ pub(super) struct Placed {
 ///
 /// # Errors
 /// The document is not a valid model, or it takes more than is allowed.
-pub(super) fn read<R: Read>(tags: &mut Tags<R>, room: &mut Room, limits: &ReadLimits) -> Result<Model, String> {
+pub(super) fn read<R: Read>(tags: &mut Tags<R>, room: &mut MemoryBudget, limits: &ReadLimits) -> Result<Model, String> {
     let mut reading =
         Reading { model: Model { scale: 1.0, ..Model::default() }, object: None, group: None, changes: 0 };
     let mut counts = [0_u64; 2];
@@ -248,7 +248,7 @@ fn triangle(tag: &Tag, object: &Object) -> Result<([u32; 3], TriangleLook), Stri
     Ok((corners, look.transpose()?))
 }
 
-fn placed(tag: &Tag, scale: f64) -> Result<Placed, String> {
+fn placed(tag: &Tag, scale: f64) -> Result<PlacedObject, String> {
     if let Some(path) = tag.get("path") {
         return Err(format!("an object stands in another file, {}, which is not read; save all in one", quoted(path)));
     }
@@ -263,7 +263,7 @@ fn placed(tag: &Tag, scale: f64) -> Result<Placed, String> {
         }
         transform.0[3].iter_mut().for_each(|x| *x *= scale);
     }
-    Ok(Placed { object: whole(tag, "objectid")?, transform })
+    Ok(PlacedObject { object: whole(tag, "objectid")?, transform })
 }
 
 fn coordinate(tag: &Tag, name: &str) -> Result<f64, String> {

@@ -2,7 +2,7 @@
 
 use super::tree::Prim;
 use crate::input::collect::Collected;
-use crate::input::room::{GROWN, Room};
+use crate::input::room::{GROWN, MemoryBudget};
 use crate::input::text::quoted;
 use crate::input::transform::Transform;
 use crate::scheme::tags::Boundary;
@@ -16,7 +16,7 @@ const TAG: usize = GROWN * 24;
 
 /// The ranges of one mesh within the combined mesh.
 #[derive(Debug)]
-pub(super) struct Part {
+pub(super) struct MeshRanges {
     pub(super) first_vertex: usize,
     pub(super) n_vertices: usize,
     pub(super) first_face: usize,
@@ -52,9 +52,9 @@ fn whole(x: f64) -> Option<u64> {
 pub(super) fn faces(
     prim: &Prim<'_>,
     transform: &Transform,
-    room: &mut Room,
+    room: &mut MemoryBudget,
     all: &mut Collected,
-) -> Result<Part, String> {
+) -> Result<MeshRanges, String> {
     let points = prim.numbers("points");
     let (points, rest) = points.as_chunks::<3>();
     if !rest.is_empty() {
@@ -96,14 +96,19 @@ pub(super) fn faces(
         return Err(format!("faceVertexCounts come to {at}, and faceVertexIndices are {}", indices.len()));
     }
     let (n_vertices, n_faces) = (points.len(), counts.len());
-    Ok(Part { first_vertex, n_vertices, first_face, n_faces, first_corner, corners })
+    Ok(MeshRanges { first_vertex, n_vertices, first_face, n_faces, first_corner, corners })
 }
 
 /// Adds the creases, corners and holes of a mesh whose faces were added.
 ///
 /// # Errors
 /// The lists do not fit together, a vertex or face does not exist, or a sharpness is negative.
-pub(super) fn tags(prim: &Prim<'_>, part: &Part, room: &mut Room, all: &mut Collected) -> Result<(), String> {
+pub(super) fn tags(
+    prim: &Prim<'_>,
+    part: &MeshRanges,
+    room: &mut MemoryBudget,
+    all: &mut Collected,
+) -> Result<(), String> {
     let sharp = |name: &str, i: usize| {
         let x = prim.numbers(name).get(i).copied().unwrap_or(f64::NAN);
         if x >= 0.0 { Ok(x) } else { Err(format!("{name}, {i}: {x} is no sharpness, which is 0 or more")) }

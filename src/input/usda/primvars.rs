@@ -2,11 +2,11 @@
 
 use std::collections::BTreeMap;
 
-use super::polygons::{Part, below, is_subdivided};
-use super::tree::{Prim, Property, Value, told};
+use super::polygons::{MeshRanges, below, is_subdivided};
+use super::tree::{Prim, Property, Value, metadata_value};
 use crate::input::colors::encoded;
 use crate::input::reader::{ReadMesh, Uvs};
-use crate::input::room::{GROWN, Room};
+use crate::input::room::{GROWN, MemoryBudget};
 use crate::input::text::quoted;
 use crate::shape::attachments::{COLOR, Channel, ChannelInput};
 use crate::shape::check::FaceList;
@@ -16,7 +16,7 @@ use crate::shape::topology::index;
 /// The namespace of primvars.
 const SPACE: &str = "primvars:";
 /// Bytes of a primvar with its name, and perhaps with a note.
-const PRIMVAR: usize = GROWN * (size_of::<Rows>() + 24) + 256;
+const PRIMVAR: usize = GROWN * (size_of::<PrimvarRows>() + 24) + 256;
 /// Bytes of the colour of a vertex or corner: its index, and, if all colours are distinct, its map entry and the
 /// colour.
 const COLOR_BYTES: usize = 4 + 48 + GROWN * 32;
@@ -28,11 +28,11 @@ const OPACITY: &str = "displayOpacity";
 
 /// The primvars read so far, by name.
 #[derive(Debug, Default)]
-pub(super) struct Primvars(BTreeMap<String, Rows>);
+pub(super) struct Primvars(BTreeMap<String, PrimvarRows>);
 
 /// Rows of values, with the rows of vertices and corners.
 #[derive(Debug, Default)]
-struct Rows {
+struct PrimvarRows {
     width: usize,
     values: Vec<f64>,
     /// The row of each vertex, or [`MISSING`].
@@ -65,8 +65,8 @@ impl Primvars {
     pub(super) fn take(
         &mut self,
         prim: &Prim<'_>,
-        part: &Part,
-        room: &mut Room,
+        part: &MeshRanges,
+        room: &mut MemoryBudget,
         mesh: &mut ReadMesh,
     ) -> Result<(), String> {
         let is_uv =
@@ -93,7 +93,7 @@ impl Primvars {
     ///
     /// # Errors
     /// The primvars take more than is allowed.
-    pub(super) fn finish(mut self, room: &mut Room, mesh: &mut ReadMesh) -> Result<(), String> {
+    pub(super) fn finish(mut self, room: &mut MemoryBudget, mesh: &mut ReadMesh) -> Result<(), String> {
         let ends = [mesh.positions.len(), mesh.faces.n_half_edges()];
         for name in [UV, COLORS, OPACITY] {
             if let Some(rows) = self.0.get_mut(name) {
@@ -137,10 +137,10 @@ fn interpolation(prim: &Prim<'_>) -> Interpolation {
 }
 
 /// Converts colours to sRGB with their opacity; missing colours are white.
-fn colored(colors: &Rows, opacity: Option<&Rows>) -> Rows {
+fn colored(colors: &PrimvarRows, opacity: Option<&PrimvarRows>) -> PrimvarRows {
     let has_seams = colors.has_seams || opacity.is_some_and(|rows| rows.has_seams);
     let width = if opacity.is_some() { 4 } else { 3 };
-    let mut all = Rows { width, has_seams, interpolation: colors.interpolation, ..Rows::default() };
+    let mut all = PrimvarRows { width, has_seams, interpolation: colors.interpolation, ..PrimvarRows::default() };
     let mut numbers = BTreeMap::new();
     let mut row = |at: u32, opacity_at: u32| {
         *numbers.entry((at, opacity_at)).or_insert_with(|| {
@@ -150,11 +150,12 @@ fn colored(colors: &Rows, opacity: Option<&Rows>) -> Rows {
             index(all.values.len() / width - 1)
         })
     };
-    let at = |i: usize, list: fn(&Rows) -> &[u32]| opacity.map_or(MISSING, |rows| list(rows)[i]);
-    let of_corners: fn(&Rows) -> &[u32] = |rows| &rows.of_corners;
-    let of_vertices: fn(&Rows) -> &[u32] = |rows| &rows.of_vertices;
-    let list =
-        |list: fn(&Rows) -> &[u32]| list(colors).iter().enumerate().map(move |(i, &number)| (number, at(i, list)));
+    let at = |i: usize, list: fn(&PrimvarRows) -> &[u32]| opacity.map_or(MISSING, |rows| list(rows)[i]);
+    let of_corners: fn(&PrimvarRows) -> &[u32] = |rows| &rows.of_corners;
+    let of_vertices: fn(&PrimvarRows) -> &[u32] = |rows| &rows.of_vertices;
+    let list = |list: fn(&PrimvarRows) -> &[u32]| {
+        list(colors).iter().enumerate().map(move |(i, &number)| (number, at(i, list)))
+    };
     if has_seams {
         all.of_corners = list(of_corners).map(|(a, b)| row(a, b)).collect();
     } else {
@@ -163,22 +164,22 @@ fn colored(colors: &Rows, opacity: Option<&Rows>) -> Rows {
     all
 }
 
-impl Rows {
+impl PrimvarRows {
     /// Adds the rows of a mesh, or returns why they are invalid.
     fn take(
         &mut self,
         prim: &Prim<'_>,
         property: &Property<'_>,
         is_known: bool,
-        (part, faces): (&Part, &FaceList),
-        room: &mut Room,
+        (part, faces): (&MeshRanges, &FaceList),
+        room: &mut MemoryBudget,
     ) -> Result<Result<(), String>, String> {
         let Property { kind, name, value, metadata } = property;
         let Some(width) = width(kind) else { return Ok(Err(format!("its type is {kind}"))) };
         if self.width != 0 && self.width != width {
             return Ok(Err("another mesh has it with another type".to_owned()));
         }
-        let lies = told(metadata, "interpolation").and_then(Value::word).unwrap_or("constant");
+        let lies = metadata_value(metadata, "interpolation").and_then(Value::word).unwrap_or("constant");
         let n = match lies {
             "vertex" | "varying" => part.n_vertices,
             "faceVarying" => part.corners.len(),
@@ -239,7 +240,7 @@ impl Rows {
     }
 
     /// Extends the rows to these numbers of vertices and corners; the new ones are [`MISSING`].
-    fn fill(&mut self, ends: [usize; 2], room: &mut Room) -> Result<(), String> {
+    fn fill(&mut self, ends: [usize; 2], room: &mut MemoryBudget) -> Result<(), String> {
         let [vertices, corners] = self.ends();
         room.take(GROWN * 4 * (ends[0].saturating_sub(vertices) + ends[1].saturating_sub(corners)))?;
         self.of_vertices.resize(ends[0], MISSING);

@@ -2,13 +2,13 @@
 
 use std::collections::BTreeMap;
 
-use super::polygons::{self, Part, below};
+use super::polygons::{self, MeshRanges, below};
 use super::primvars::Primvars;
-use super::tree::{Layer, Prim, Value, told};
+use super::tree::{Layer, Prim, Value, metadata_value};
 use super::{looks, place};
 use crate::input::collect::Collected;
 use crate::input::reader::{ReadLimits, ReadMesh};
-use crate::input::room::{GROWN, Room};
+use crate::input::room::{GROWN, MemoryBudget};
 use crate::input::text::quoted;
 use crate::input::transform::Transform;
 use crate::scheme::tags::Boundary;
@@ -39,7 +39,12 @@ const OTHER_SHAPES: [&str; 13] = [
 ///
 /// # Errors
 /// The lists of a mesh, named by its path, do not fit together, or the meshes take more than is allowed.
-pub(super) fn read(layer: &Layer<'_>, room: Room, limits: &ReadLimits, scale: Option<f64>) -> Result<ReadMesh, String> {
+pub(super) fn read(
+    layer: &Layer<'_>,
+    room: MemoryBudget,
+    limits: &ReadLimits,
+    scale: Option<f64>,
+) -> Result<ReadMesh, String> {
     let mut reading = Reading {
         layer,
         mesh: Collected::new(limits),
@@ -70,14 +75,14 @@ pub(super) fn read(layer: &Layer<'_>, room: Room, limits: &ReadLimits, scale: Op
 fn has_files(metadata: &[(&str, Value<'_>)], names: &[&str]) -> bool {
     names
         .iter()
-        .filter_map(|name| told(metadata, name))
+        .filter_map(|name| metadata_value(metadata, name))
         .any(|value| value.has_assets || value.word().is_some_and(|word| word != "None"))
 }
 
 struct Reading<'t, 'a> {
     layer: &'t Layer<'a>,
     mesh: Collected,
-    room: Room,
+    room: MemoryBudget,
     primvars: Primvars,
     /// Subsets that bind no material.
     groups: Vec<FaceSet>,
@@ -113,7 +118,7 @@ impl<'a> Reading<'_, 'a> {
         outer: &Transform,
         bound: Option<&'a str>,
     ) -> Result<(), String> {
-        let is_off = told(&prim.metadata, "active").and_then(Value::number) == Some(0.0);
+        let is_off = metadata_value(&prim.metadata, "active").and_then(Value::number) == Some(0.0);
         if prim.specifier != "def" || is_off {
             return Ok(());
         }
@@ -163,7 +168,7 @@ impl<'a> Reading<'_, 'a> {
     }
 
     /// Adds the groups and materials of the faces of a mesh.
-    fn sets(&mut self, prim: &Prim<'a>, part: &Part, bound: Option<&'a str>) -> Result<(), String> {
+    fn sets(&mut self, prim: &Prim<'a>, part: &MeshRanges, bound: Option<&'a str>) -> Result<(), String> {
         let is_one_sided = prim.value("doubleSided").and_then(Value::number) == Some(0.0);
         self.room.take(2 * SET + part.n_faces * (2 * MEMBER + 2))?;
         let mut free = [vec![true; part.n_faces], vec![true; part.n_faces]];

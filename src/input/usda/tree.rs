@@ -1,7 +1,7 @@
 //! The prims of a layer with their properties, as parsed.
 
 use super::tokens::{Token, Tokens, unescaped};
-use crate::input::room::{GROWN, Room};
+use crate::input::room::{GROWN, MemoryBudget};
 use crate::input::text::quoted;
 
 /// Maximum depth of nested prims.
@@ -76,7 +76,7 @@ impl<'a> Value<'a> {
 }
 
 /// Returns the metadata value with this name.
-pub(super) fn told<'p, 'a>(metadata: &'p [(&'a str, Value<'a>)], name: &str) -> Option<&'p Value<'a>> {
+pub(super) fn metadata_value<'p, 'a>(metadata: &'p [(&'a str, Value<'a>)], name: &str) -> Option<&'p Value<'a>> {
     metadata.iter().find(|(found, _)| *found == name).map(|(_, value)| value)
 }
 
@@ -104,7 +104,7 @@ impl<'a> Prim<'a> {
 
     /// Returns the display name, or else the name.
     pub(super) fn label(&self) -> String {
-        let shown = told(&self.metadata, "displayName").and_then(Value::word).filter(|name| !name.is_empty());
+        let shown = metadata_value(&self.metadata, "displayName").and_then(Value::word).filter(|name| !name.is_empty());
         shown.map_or_else(|| self.name.to_owned(), unescaped)
     }
 }
@@ -113,7 +113,7 @@ impl<'a> Prim<'a> {
 ///
 /// # Errors
 /// The text is not valid USD, which the message reports by line, or takes more than is allowed.
-pub(super) fn read<'a>(text: &'a str, room: &mut Room) -> Result<Layer<'a>, String> {
+pub(super) fn read<'a>(text: &'a str, room: &mut MemoryBudget) -> Result<Layer<'a>, String> {
     let mut reading = Reading { tokens: Tokens::new(text), room, variants: 0 };
     let metadata = reading.metadata()?;
     let mut prims = Vec::new();
@@ -131,7 +131,7 @@ pub(super) fn read<'a>(text: &'a str, room: &mut Room) -> Result<Layer<'a>, Stri
 
 struct Reading<'a, 'r> {
     tokens: Tokens<'a>,
-    room: &'r mut Room,
+    room: &'r mut MemoryBudget,
     variants: usize,
 }
 

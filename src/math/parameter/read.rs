@@ -1,6 +1,6 @@
 //! Readers that convert literals to values of a kind, or explain what is wrong.
 
-use super::{Kind, Literal, MAX_NAME, Parameter, Value, Values, range};
+use super::{Literal, MAX_NAME, Parameter, ParameterKind, Value, Values, range};
 use crate::fault::{Fault, did_you_mean, shortened, under};
 use crate::math::expression::Expression;
 
@@ -46,7 +46,7 @@ pub(super) fn named(text: &str) -> Result<String, String> {
     if (1..=MAX_NAME).contains(&n) {
         Ok(text.to_owned())
     } else {
-        Err(format!("\"{}\" is not {}", shortened(text), Kind::Name.expected()))
+        Err(format!("\"{}\" is not {}", shortened(text), ParameterKind::Name.expected()))
     }
 }
 
@@ -129,7 +129,7 @@ pub fn color(text: &str) -> Result<[u8; 4], String> {
         Some([r, g, b]) => Ok([r * 17, g * 17, b * 17, 255]),
         Some([a, b, c, d, e, f]) => Ok([a * 16 + b, c * 16 + d, e * 16 + f, 255]),
         Some([a, b, c, d, e, f, g, h]) => Ok([a * 16 + b, c * 16 + d, e * 16 + f, g * 16 + h]),
-        _ => Err(format!("\"{}\" is not {}", shortened(text), Kind::Color.expected())),
+        _ => Err(format!("\"{}\" is not {}", shortened(text), ParameterKind::Color.expected())),
     }
 }
 

@@ -4,7 +4,7 @@ use super::read::{
     choices, chosen, color, constant, direction, expression, expressions, groups, named, numbers, one, ranged, vector,
     whole,
 };
-use super::{Default, Entry, Kind, Literal, Parameter, Value, Values};
+use super::{Default, Entry, Literal, Parameter, ParameterKind, Value, Values};
 use crate::fault::{Fault, did_you_mean, shortened, token, under};
 
 impl Values {
@@ -64,9 +64,9 @@ impl Parameter {
     /// Returns the literals of the numbers of a value.
     fn written(&self, written: Option<&Literal>) -> Option<Literal> {
         match (self.kind, self.default, written) {
-            (Kind::Number { .. } | Kind::Numbers { .. }, _, Some(literal)) => Some(literal.clone()),
-            (Kind::Number { .. }, Default::Number(x), None) => Some(Literal::Number(x)),
-            (Kind::Number { .. }, Default::Text(text), None) => Some(Literal::Text(text.into())),
+            (ParameterKind::Number { .. } | ParameterKind::Numbers { .. }, _, Some(literal)) => Some(literal.clone()),
+            (ParameterKind::Number { .. }, Default::Number(x), None) => Some(Literal::Number(x)),
+            (ParameterKind::Number { .. }, Default::Text(text), None) => Some(Literal::Text(text.into())),
             _ => None,
         }
     }
@@ -88,7 +88,7 @@ impl Parameter {
     }
 }
 
-impl Kind {
+impl ParameterKind {
     fn value(&self, literal: &Literal) -> Result<Value, Vec<Fault>> {
         match (self, literal) {
             (Self::Number { min, max }, Literal::Number(_) | Literal::Text(_)) => {

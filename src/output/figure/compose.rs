@@ -2,7 +2,7 @@
 
 use std::io::Write;
 
-use super::grid::{Place, Sheet};
+use super::grid::{PanelRect, Sheet};
 use crate::drawing::{self, Drawing, Item, Label, Mark, Weight, pdf, svg};
 use crate::fault::Fault;
 use crate::math::parameter::Values;
@@ -106,7 +106,7 @@ pub fn write(
 
 /// Returns a picture as an item of the figure.
 #[expect(clippy::cast_precision_loss, reason = "figures have some thousand pixels")]
-fn placed(Place { at, size }: Place, picture: Picture) -> Item {
+fn placed(PanelRect { at, size }: PanelRect, picture: Picture) -> Item {
     let [[x, y], extent] = [at, size].map(|pair| pair.map(|n| n as f32));
     match picture {
         Picture::Pixels(pixels) => {

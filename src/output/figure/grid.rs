@@ -1,6 +1,8 @@
 //! The layout of a figure: the places of its panels, and the texts beside them.
 
-use crate::drawing::{ASCENT, Anchor, Color, DESCENT, Item, Label, Level, Mark, Text, Weight, wrapped};
+use crate::drawing::{
+    ASCENT, Color, DESCENT, HorizontalAlign, Item, Label, Mark, Text, VerticalAlign, Weight, wrapped,
+};
 use crate::raster::MAX_SIDE_PX;
 
 /// Maximum number of panels of a figure. Papers have up to some twenty. Half of it refuses contact sheets; twice of it
@@ -19,7 +21,7 @@ const INK: Color = [30, 41, 59, 255];
 
 /// A panel and the layers on it, before its position is known.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Cell {
+pub struct PanelCell {
     /// Numbers of columns and rows that the panel spans.
     pub span: [u32; 2],
     /// Width and height of the picture, of which only the ratio matters.
@@ -40,12 +42,12 @@ pub struct Grid {
     /// Whether captions begin with (a), (b), ...
     pub letters: bool,
     /// The panels.
-    pub cells: Vec<Cell>,
+    pub cells: Vec<PanelCell>,
 }
 
 /// A rectangle of pixels.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Place {
+pub struct PanelRect {
     /// The upper left corner.
     pub at: [u32; 2],
     /// Width and height.
@@ -58,14 +60,14 @@ pub struct Sheet {
     /// Width and height, pixels.
     pub size: [u32; 2],
     /// The places of the pictures of all panels; the layers of a panel are in order from the lowest up.
-    pub pictures: Vec<Place>,
+    pub pictures: Vec<PanelRect>,
     /// The texts.
     pub texts: Vec<Item>,
 }
 
 /// Heights in a row: of its pictures, and of the captions below them.
 #[derive(Debug, Clone, Copy, Default)]
-struct Row {
+struct RowHeights {
     picture: u32,
     caption: u32,
 }
@@ -113,7 +115,7 @@ impl Grid {
             let room = tops[last].saturating_add(rows[last].picture) - tops[first];
             let height = if n == 1 { natural[i] } else { room };
             let at = [left(*column), tops[first] + (room - height) / 2];
-            pictures.extend(vec![Place { at, size: [widths[i], height] }; self.cells[i].layers]);
+            pictures.extend(vec![PanelRect { at, size: [widths[i], height] }; self.cells[i].layers]);
             let below = tops[first].saturating_add(room);
             texts.extend(font.items("caption", &captions[i], [at[0] + widths[i] / 2, below]));
         }
@@ -135,9 +137,15 @@ impl Grid {
     }
 
     /// Returns the heights of the rows.
-    fn rows(&self, seats: &[[u32; 2]], natural: &[u32], captions: &[Vec<Label>], (font, gap): (Font, u32)) -> Vec<Row> {
-        let ends = |(seat, cell): (&[u32; 2], &Cell)| (seat[1] + cell.span[1]) as usize;
-        let mut rows = vec![Row::default(); seats.iter().zip(&self.cells).map(ends).max().unwrap_or(0)];
+    fn rows(
+        &self,
+        seats: &[[u32; 2]],
+        natural: &[u32],
+        captions: &[Vec<Label>],
+        (font, gap): (Font, u32),
+    ) -> Vec<RowHeights> {
+        let ends = |(seat, cell): (&[u32; 2], &PanelCell)| (seat[1] + cell.span[1]) as usize;
+        let mut rows = vec![RowHeights::default(); seats.iter().zip(&self.cells).map(ends).max().unwrap_or(0)];
         // pictures of few rows first, so that pictures of several rows know the heights of those
         let mut order: Vec<usize> = (0..self.cells.len()).collect();
         order.sort_by_key(|&i| (self.cells[i].span[1], i));
@@ -229,8 +237,8 @@ impl Font {
                 label: label.clone(),
                 at: [x as f32, baseline],
                 size_px: self.size_px,
-                anchor: Anchor::Middle,
-                level: Level::Baseline,
+                anchor: HorizontalAlign::Middle,
+                level: VerticalAlign::Baseline,
                 turn_deg: 0.0,
                 color: INK,
             };
@@ -246,7 +254,7 @@ fn scaled(width: u32, [w, h]: [u32; 2]) -> u32 {
     u32::try_from(height).unwrap_or(u32::MAX)
 }
 
-fn check(pictures: &[Place], [width, height]: [u32; 2]) -> Result<(), String> {
+fn check(pictures: &[PanelRect], [width, height]: [u32; 2]) -> Result<(), String> {
     if let Some(n) = pictures.iter().position(|place| place.size.iter().any(|side| *side < LEAST_SIDE)) {
         let [w, h] = pictures[n].size;
         return Err(format!(

@@ -6,4 +6,4 @@ mod grid;
 
 pub use compose::{Picture, picture, size, suits, write};
 pub use extent::{Extent, framed};
-pub use grid::{Cell, Grid, MAX_COLUMNS, MAX_PANELS, MAX_TEXT, Place, Sheet};
+pub use grid::{Grid, MAX_COLUMNS, MAX_PANELS, MAX_TEXT, PanelCell, PanelRect, Sheet};

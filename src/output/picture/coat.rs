@@ -7,13 +7,13 @@ use super::number_scale::NumberScale;
 use super::options::{COLOR, Options, shown_as};
 use super::skin;
 use crate::fault::Fault;
-use crate::math::parameter::{Kind, Parameter, Value, Values};
+use crate::math::parameter::{Parameter, ParameterKind, Value, Values};
 use crate::output::color_maps::ColorMap;
 use crate::output::colors::{linear, mark};
 use crate::output::counts::{Counts, ShapeKind};
 use crate::output::error::FormatError;
 use crate::output::scene::{FaceChunk, MeshSource, in_chunks, triangles};
-use crate::raster::{Paint, Surface, Swatch};
+use crate::raster::{Paint, Swatch, TriangleAppearance};
 use crate::shape::attachments::{Attachments, COLOR as COLORS};
 use crate::shape::labels::Labels;
 use crate::shape::source::PlaceSource;
@@ -35,7 +35,7 @@ pub(crate) const COLOR_BY: Parameter = Parameter::choice(
 /// The channel that colours follow.
 pub(crate) const CHANNEL: Parameter = Parameter::optional(
     "channel",
-    Kind::Name,
+    ParameterKind::Name,
     "The channel that `color_by` \"channel\" shows; left out, \"color\". One of 3 or 4 numbers is a colour (sRGB \
      from 0 to 1), one of 1 number, or the `component` of others, has the colours of `color_map` over `range`.",
 );
@@ -43,7 +43,7 @@ pub(crate) const CHANNEL: Parameter = Parameter::optional(
 /// The component of a channel that colours follow.
 pub(crate) const COMPONENT: Parameter = Parameter::optional(
     "component",
-    Kind::Integer { min: 0, max: 3 },
+    ParameterKind::Integer { min: 0, max: 3 },
     "The component of the channel whose numbers are shown, the first being 0; left out, all of them as a colour.",
 );
 
@@ -226,10 +226,10 @@ impl Coat {
     }
 
     /// Returns the surface for the rasteriser.
-    pub(super) fn surface(&self) -> Surface<'_> {
+    pub(super) fn surface(&self) -> TriangleAppearance<'_> {
         match self {
-            Self::Plain(color) => Surface::Lit(*color),
-            _ => self.paint().map_or(Surface::Unseen, Surface::Painted),
+            Self::Plain(color) => TriangleAppearance::Lit(*color),
+            _ => self.paint().map_or(TriangleAppearance::Unseen, TriangleAppearance::Painted),
         }
     }
 
@@ -296,10 +296,10 @@ fn by_uvs(mesh: &dyn MeshSource, plain: [u8; 4], watch: &Watch) -> Result<Coat, 
 }
 
 /// Texture coordinates, and the indices of those at the corners of each triangle.
-type Places = (Vec<[f64; 2]>, Vec<[u32; 3]>);
+type TriangleUvs = (Vec<[f64; 2]>, Vec<[u32; 3]>);
 
 /// Returns the texture coordinates of a mesh, if it has any.
-fn places(mesh: &dyn MeshSource, watch: &Watch) -> Result<Option<Places>, Stopped> {
+fn places(mesh: &dyn MeshSource, watch: &Watch) -> Result<Option<TriangleUvs>, Stopped> {
     let Some(source) = mesh.uvs() else { return Ok(None) };
     let places = values(source.n_places(), 2, |range, out| source.values(range, out), watch)?;
     Ok(Some((places.as_chunks().0.to_vec(), corners(mesh, source.as_ref(), watch)?)))

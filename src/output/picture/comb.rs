@@ -1,7 +1,7 @@
 //! Curvature combs and tangents of curves.
 
 use super::easel::Easel;
-use crate::drawing::Run;
+use crate::drawing::PolylinePoints;
 use crate::math::vector::{Vector, cross, dot, minus, times, unit};
 use crate::output::error::FormatError;
 use crate::output::scene::{CHUNK, Curve};
@@ -27,8 +27,8 @@ const TANGENT: f64 = 0.14;
 
 /// The teeth of combs, each from the curve to its end, and the lines that join the ends.
 pub(super) struct Comb {
-    pub(super) teeth: Vec<Run>,
-    pub(super) ends: Vec<Run>,
+    pub(super) teeth: Vec<PolylinePoints>,
+    pub(super) ends: Vec<PolylinePoints>,
 }
 
 /// Returns the curvature combs of curves in the plane or in space: a point with curvature k and unit normal n towards
@@ -125,7 +125,7 @@ pub(super) fn tangents(
     control: &[Curve],
     side_px: f64,
     watch: &Watch,
-) -> Result<Vec<Run>, FormatError> {
+) -> Result<Vec<PolylinePoints>, FormatError> {
     let mut found = Vec::new();
     for (curve, control) in curves.iter().zip(control) {
         watch.check()?;

@@ -2,7 +2,7 @@
 
 #![expect(clippy::cast_possible_truncation, reason = "pixel coordinates need no more than the precision of f32")]
 
-use crate::drawing::{Point, Run};
+use crate::drawing::{Point, PolylinePoints};
 use crate::output::error::FormatError;
 use crate::output::scene::{CHUNK, Curve};
 use crate::raster::{Camera, Projection, View};
@@ -25,7 +25,7 @@ pub(super) struct Easel {
 }
 
 /// Left, top, width and height of a part of the picture, pixels.
-pub(super) type Part = [f32; 4];
+pub(super) type PixelRect = [f32; 4];
 
 impl Easel {
     /// Returns an easel that frames all these curves with the view `asked` in a picture of `size` pixels.
@@ -71,7 +71,7 @@ impl Easel {
 
     /// Returns the coordinates at the left, right, bottom and top of a part of the picture: of plane curves, or, if
     /// `steps` is given, of functions from 0 to `steps`.
-    pub(super) fn ranges(&self, [left, top, width, height]: Part, steps: Option<f64>) -> [f64; 4] {
+    pub(super) fn ranges(&self, [left, top, width, height]: PixelRect, steps: Option<f64>) -> [f64; 4] {
         let [left, top, width, height] = [left, top, width, height].map(f64::from);
         let at = |x: f64, y: f64| self.camera.unplaced([x - self.origin[0], y - self.origin[1]]);
         let ([x0, y0, _], [x1, y1, _]) = (at(left, top + height), at(left + width, top));
@@ -122,7 +122,7 @@ impl Easel {
         &self,
         curves: impl IntoIterator<Item = &'c Curve>,
         watch: &Watch,
-    ) -> Result<Vec<Run>, FormatError> {
+    ) -> Result<Vec<PolylinePoints>, FormatError> {
         let mut pen = Pen::default();
         for curve in curves {
             let n = curve.len();
@@ -149,8 +149,8 @@ impl Easel {
     }
 
     /// Returns a closed curve as the outline of an area.
-    pub(super) fn outline(&self, curve: &Curve, watch: &Watch) -> Result<Run, FormatError> {
-        let mut outline: Run = Vec::new();
+    pub(super) fn outline(&self, curve: &Curve, watch: &Watch) -> Result<PolylinePoints, FormatError> {
+        let mut outline: PolylinePoints = Vec::new();
         let mut kept = [f64::INFINITY; 2];
         for i in 0..curve.len() {
             if i % CHUNK == 0 {
@@ -205,8 +205,8 @@ fn corners(points: impl Iterator<Item = [f64; 3]>) -> Vec<[f64; 3]> {
 /// Joins segments to polylines and leaves out steps too small to see.
 #[derive(Default)]
 struct Pen {
-    runs: Vec<Run>,
-    run: Run,
+    runs: Vec<PolylinePoints>,
+    run: PolylinePoints,
     /// The end of the last segment; the run may end a little before it.
     here: Option<[f64; 2]>,
     kept: [f64; 2],

@@ -3,7 +3,7 @@
 use super::lines;
 use super::options::Options;
 use crate::output::counts::Counts;
-use crate::raster::Forecast;
+use crate::raster::RasterForecast;
 use crate::shape::mesh::Mesh;
 
 /// Maximum number of input faces that are projected, in about 50 ms; of more faces, an evenly spread selection is.
@@ -23,7 +23,7 @@ pub(crate) fn work(input: &Mesh, counts: &Counts, options: &Options<'_>) -> u128
     let triangles = (topology.n_half_edges()).saturating_sub(2 * topology.n_faces()).max(1);
     let stride = topology.n_faces().div_ceil(MAX_FACES).max(1);
     let parts = (real(counts.triangles()) / real(triangles as u128)).max(1.0);
-    let mut forecast = Forecast::of(options.size);
+    let mut forecast = RasterForecast::of(options.size);
     for face in (0..topology.n_faces()).step_by(stride).map(|f| topology.face(f)) {
         for pair in face[1..].windows(2) {
             forecast.add(&camera, [face[0], pair[0], pair[1]].map(|v| points[v as usize]), parts);

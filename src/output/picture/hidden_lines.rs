@@ -17,13 +17,13 @@ use crate::output::hard_edges;
 use crate::output::positions::Positions;
 use crate::output::scene::{MeshSource, Scene};
 use crate::output::size::Size;
-use crate::raster::{Seen, Sight};
+use crate::raster::{ProjectedPoint, Sight};
 use crate::watch::Watch;
 
-use chain::{Piece, chains};
+use chain::{LineSegment, chains};
 use edges::{CLASSES, Class, Edge, Edges};
 use hatching::Ground;
-use parts::{Parts, rest, tidied};
+use parts::{LineIntervals, rest, tidied};
 
 /// All items that a drawing of a mesh can show.
 pub(crate) const MESH_ITEMS: &[&str] =
@@ -44,7 +44,7 @@ const TRIANGLE_BYTES: u128 = 300;
 /// Work per triangle in rows of a table, 100 ns each: finding lines and the triangles that hide them.
 const TRIANGLE_ROWS: u128 = 30;
 /// Maximum number of pieces per line on average; usual meshes have less than one visible piece per line.
-const MOST_PIECES: usize = 2;
+const MAX_PIECES: usize = 2;
 
 const INK: Color = [15, 23, 42, 255];
 const THIN_INK: Color = [71, 85, 105, 255];
@@ -78,10 +78,10 @@ pub(crate) fn work(counts: &Counts) -> u128 {
     counts.triangles().saturating_mul(TRIANGLE_ROWS)
 }
 
-/// Returns the maximum number of bytes: three lines a triangle in [`MOST_PIECES`] pieces, 51 bytes each and counted as
+/// Returns the maximum number of bytes: three lines a triangle in [`MAX_PIECES`] pieces, 51 bytes each and counted as
 /// 64, and the strokes of hatching.
 pub(crate) fn size(counts: &Counts, options: &Values) -> Size {
-    let pieces = counts.triangles().saturating_mul(3 * MOST_PIECES as u128);
+    let pieces = counts.triangles().saturating_mul(3 * MAX_PIECES as u128);
     let strokes = if options.has("show", HATCHING) { hatching::STROKES_BYTES } else { 0 };
     Size::AtMost(pieces.saturating_mul(64).saturating_add(strokes).saturating_add(16 << 10))
 }
@@ -99,7 +99,7 @@ pub(crate) fn drawing(
     let shows = |item: &str| options.shows(item, DEFAULT_SHOW);
     let positions = Positions::of_mesh(mesh).held(watch)?;
     let camera = options.camera(&[positions.rows()], options.size_beside(0));
-    let seen: Option<Vec<Seen>> = positions.rows().par_iter().map(|point| camera.seen(*point)).collect();
+    let seen: Option<Vec<ProjectedPoint>> = positions.rows().par_iter().map(|point| camera.seen(*point)).collect();
     let seen = seen.ok_or_else(|| {
         FormatError::Unfit("parts of the mesh are not before the camera; move its eye away, or ask for \"png\"".into())
     })?;
@@ -118,9 +118,10 @@ pub(crate) fn drawing(
         let hidden = sight.hidden(ends, |triangle| edge.beside.contains(&triangle));
         Ok(tidied(&hidden, ends))
     };
-    let hidden: Vec<Parts> = edges.par_iter().with_min_len(256).map(parts).collect::<Result<_, FormatError>>()?;
+    let hidden: Vec<LineIntervals> =
+        edges.par_iter().with_min_len(256).map(parts).collect::<Result<_, FormatError>>()?;
     let n_pieces: usize = hidden.iter().map(|parts| parts.len() + 1).sum();
-    if n_pieces > MOST_PIECES * edges.len() + 4096 {
+    if n_pieces > MAX_PIECES * edges.len() + 4096 {
         let detail = "what the faces hide cuts lines into too many pieces; ask for fewer levels, or for \"png\"";
         return Err(FormatError::Unfit(detail.into()));
     }
@@ -143,10 +144,10 @@ pub(crate) fn drawing(
 
 struct Artist<'a> {
     options: &'a Options<'a>,
-    seen: &'a [Seen],
+    seen: &'a [ProjectedPoint],
     edges: &'a [&'a Edge],
     /// The hidden parts of each edge.
-    hidden: &'a [Parts],
+    hidden: &'a [LineIntervals],
 }
 
 impl Artist<'_> {
@@ -185,12 +186,12 @@ impl Artist<'_> {
         Stroke::solid(width * self.options.unit_px() * self.options.line_width(), color)
     }
 
-    fn pieces(&self, edge: &Edge, parts: Parts) -> impl Iterator<Item = Piece> + use<> {
+    fn pieces(&self, edge: &Edge, parts: LineIntervals) -> impl Iterator<Item = LineSegment> + use<> {
         let [a, b] = edge.ends.map(|v| self.seen[v as usize]);
         let ends = edge.ends;
         #[expect(clippy::cast_possible_truncation, reason = "pixel coordinates need no more than the precision of f32")]
         let place = move |t: f64| [0, 1].map(|k| (a[k] + t * (b[k] - a[k])) as f32);
-        parts.into_iter().map(move |[from, to]| Piece {
+        parts.into_iter().map(move |[from, to]| LineSegment {
             places: [place(from), place(to)],
             vertices: [(from <= 0.0).then_some(ends[0]), (to >= 1.0).then_some(ends[1])],
         })

@@ -99,7 +99,7 @@ pub(super) struct Lines<'a> {
     /// In the order of [`TAGS`].
     tags: [Vec<[u32; 2]>; TAGS.len()],
     extraordinary: Vec<[u32; 2]>,
-    net: Net<'a>,
+    net: ControlLines<'a>,
 }
 
 impl<'a> Lines<'a> {
@@ -123,8 +123,8 @@ impl<'a> Lines<'a> {
         }
         let dots = |input: &Mesh| extraordinary(input).map(|v| [v, v]).collect();
         let net = match scene.control.shape() {
-            Shape::Mesh(net) if shows("control") || shows("points") => Net::of(net, watch)?,
-            _ => Net::default(),
+            Shape::Mesh(net) if shows("control") || shows("points") => ControlLines::of(net, watch)?,
+            _ => ControlLines::default(),
         };
         Ok(Self {
             wires: if shows("wireframe") { edges(mesh, watch)? } else { Vec::new() },
@@ -189,13 +189,13 @@ impl<'a> Lines<'a> {
 
 /// The control net: its points, its edges and, for discs, each point joined to itself.
 #[derive(Default)]
-struct Net<'a> {
+struct ControlLines<'a> {
     positions: Cow<'a, [[f64; 3]]>,
     edges: Vec<[u32; 2]>,
     points: Vec<[u32; 2]>,
 }
 
-impl<'a> Net<'a> {
+impl<'a> ControlLines<'a> {
     fn of(mesh: &'a dyn MeshSource, watch: &Watch) -> Result<Self, Stopped> {
         let positions = positions(mesh, watch)?;
         let n = u32::try_from(positions.len()).expect("indices of vertices have 32 bits");

@@ -15,7 +15,7 @@ use crate::output::nearest::{self, Triangles};
 use crate::output::normals;
 use crate::output::positions::Positions;
 use crate::output::scene::{MeshSource, Scene, Shape};
-use crate::raster::{Camera, Finish, Surface};
+use crate::raster::{Camera, Finish, TriangleAppearance};
 use crate::shape::attachments::Attachments;
 use crate::watch::Watch;
 
@@ -31,13 +31,13 @@ const SAME: f64 = 1e-6;
 
 /// The look of a surface.
 #[derive(Debug)]
-pub(super) struct Look {
+pub(super) struct SurfaceLook {
     coat: Coat,
     color: [u8; 4],
     finish: Option<Finish>,
 }
 
-impl Look {
+impl SurfaceLook {
     /// Determines the look of a mesh with these positions, which differs from the shape of the scene in that some of
     /// its vertices are split.
     pub(super) fn of(
@@ -60,10 +60,10 @@ impl Look {
     }
 
     /// Returns the surface for the rasteriser.
-    pub(super) fn surface(&self) -> Surface<'_> {
+    pub(super) fn surface(&self) -> TriangleAppearance<'_> {
         match self.finish {
             None => self.coat.surface(),
-            Some(finish) => Surface::Finished { color: self.color, paint: self.coat.paint(), finish },
+            Some(finish) => TriangleAppearance::Finished { color: self.color, paint: self.coat.paint(), finish },
         }
     }
 

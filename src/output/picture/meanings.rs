@@ -45,8 +45,8 @@ pub(super) fn entries(carried: &Attachments, options: &Options<'_>) -> Vec<Entry
 
 /// Refuses a legend without entries.
 pub(crate) fn check(kind: ShapeKind, carried: &Attachments, values: &Values) -> Result<(), Fault> {
-    let says_nothing = || entries(carried, &Options::new(values, Frame::default())).is_empty();
-    if kind == ShapeKind::Mesh && values.has("show", LEGEND) && says_nothing() {
+    let has_no_entries = || entries(carried, &Options::new(values, Frame::default())).is_empty();
+    if kind == ShapeKind::Mesh && values.has("show", LEGEND) && has_no_entries() {
         let detail = "there is nothing that a \"legend\" could explain: it tells the names of groups or materials that \
                       \"color_by\" shows, the colours of normals, and what lines and dots are";
         return Err(Fault::new("/show", detail));

@@ -6,7 +6,7 @@ use rayon::prelude::*;
 
 use super::contours::contours;
 use super::lines::{self, Lines};
-use super::look::Look;
+use super::look::SurfaceLook;
 use super::options::Options;
 use super::{legend, shading};
 use crate::math::vector::unit;
@@ -15,7 +15,7 @@ use crate::output::hard_edges::HardEdges;
 use crate::output::normals;
 use crate::output::scene::{FaceChunk, MeshSource, Scene, each_face, positions, triangles};
 use crate::output::split_vertices::SplitVertices;
-use crate::raster::{Model, Normals, Surface, render};
+use crate::raster::{Model, Normals, TriangleAppearance, render};
 use crate::watch::{Stopped, Watch};
 
 /// Renders a mesh. Returns the rows of pixels from the top, with red, green, blue and straight alpha in one byte each.
@@ -41,7 +41,8 @@ pub(crate) fn picture(
     let strip = legend::width(mesh.attachments(), options, shows("surface"));
     let size = [options.size[0] - strip, options.size[1]];
     let camera = options.camera(&[&positions, lines.net_positions()], size);
-    let look = if shows("surface") { Some(Look::of(scene, sides, &positions, options, &camera, watch)?) } else { None };
+    let look =
+        if shows("surface") { Some(SurfaceLook::of(scene, sides, &positions, options, &camera, watch)?) } else { None };
     let contours =
         if drawn { contours(mesh, &positions, &hard.and(mesh.sharp_edges()), &camera, watch)? } else { Vec::new() };
     let strokes = lines.strokes(&positions, &contours, options);
@@ -53,14 +54,14 @@ pub(crate) fn picture(
             (_, true) => Normals::Triangles(&flat),
             _ => Normals::Vertices(&smooth),
         },
-        surface: look.as_ref().map_or(Surface::Unseen, Look::surface),
+        surface: look.as_ref().map_or(TriangleAppearance::Unseen, SurfaceLook::surface),
         strokes: &strokes,
     };
     let pixels = render(&model, &camera, options.look(), size, watch)?.bytes;
     if strip == 0 {
         return Ok(pixels);
     }
-    legend::beside(&pixels, look.as_ref().and_then(Look::scale), strip, mesh.attachments(), options, watch)
+    legend::beside(&pixels, look.as_ref().and_then(SurfaceLook::scale), strip, mesh.attachments(), options, watch)
 }
 
 /// Number of faces that a thread cuts into triangles at a time. Half of it queries the mesh twice as often; twice of it

@@ -3,14 +3,14 @@
 use rayon::prelude::*;
 
 use crate::fault::Fault;
-use crate::math::parameter::{Kind, Parameter, Value, Values};
+use crate::math::parameter::{Parameter, ParameterKind, Value, Values};
 use crate::output::color_maps::{COLOR_MAP, ColorMap};
 use crate::output::numbers::rounded;
 
 /// The range of numbers that colours cover.
 pub(crate) const RANGE: Parameter = Parameter::optional(
     "range",
-    Kind::Numbers { most: 2 },
+    ParameterKind::Numbers { most: 2 },
     "The least and the greatest number that have a colour of their own, where colours are numbers; what is beyond \
      has the colour of the end. Curvature is in 1 / model units, Gaussian in 1 / model units squared, distance in \
      model units. Left out: of curvature, symmetric about 0, what 95 % of the surface keeps to; of distances 0 \
@@ -20,7 +20,7 @@ pub(crate) const RANGE: Parameter = Parameter::optional(
 /// Whether there is a legend.
 pub(crate) const COLOR_BAR: Parameter = Parameter::optional(
     "color_bar",
-    Kind::Flag,
+    ParameterKind::Flag,
     "Whether a bar at the right says which colour stands for which number. Left out, it does where colours are \
      numbers and the picture is at least 320 x 200 pixels.",
 );

@@ -2,14 +2,14 @@
 
 use super::view_box::BOX;
 use crate::fault::Fault;
-use crate::math::parameter::{Default, Kind, Parameter, Value, Values};
+use crate::math::parameter::{Default, Parameter, ParameterKind, Value, Values};
 use crate::output::colors::linear;
 use crate::output::counts::ShapeKind;
 use crate::output::error::FormatError;
 use crate::output::numbers::rounded;
 use crate::output::scene::{Frame, Scene, Shape, in_chunks};
 use crate::output::surface::NORMALS;
-use crate::raster::{Ground, Look, MAX_SIDE_PX, Projection, View};
+use crate::raster::{Ground, MAX_SIDE_PX, Projection, RenderStyle, View};
 
 /// Maximum width and height, pixels.
 const MAX_SIDE: i64 = MAX_SIDE_PX as i64;
@@ -17,7 +17,7 @@ const MAX_SIDE: i64 = MAX_SIDE_PX as i64;
 /// Width of the picture.
 pub(crate) const WIDTH: Parameter = Parameter {
     name: "width",
-    kind: Kind::Integer { min: 16, max: MAX_SIDE },
+    kind: ParameterKind::Integer { min: 16, max: MAX_SIDE },
     unit: "pixels",
     default: Default::Number(1024.0),
     doc: "Width of the picture.",
@@ -26,7 +26,7 @@ pub(crate) const WIDTH: Parameter = Parameter {
 /// Height of the picture.
 pub(crate) const HEIGHT: Parameter = Parameter {
     name: "height",
-    kind: Kind::Integer { min: 16, max: MAX_SIDE },
+    kind: ParameterKind::Integer { min: 16, max: MAX_SIDE },
     unit: "pixels",
     default: Default::Number(768.0),
     doc: "Height of the picture.",
@@ -35,7 +35,7 @@ pub(crate) const HEIGHT: Parameter = Parameter {
 /// Colour behind everything.
 pub(crate) const BACKGROUND: Parameter = Parameter {
     name: "background",
-    kind: Kind::Color,
+    kind: ParameterKind::Color,
     unit: "",
     default: Default::Text("#ffffff"),
     doc: "Colour behind everything; \"transparent\" leaves it out.",
@@ -44,14 +44,14 @@ pub(crate) const BACKGROUND: Parameter = Parameter {
 /// Colour of the refined shape.
 pub(crate) const COLOR: Parameter = Parameter::optional(
     "color",
-    Kind::Color,
+    ParameterKind::Color,
     "Colour of the refined shape, whatever its materials; left out, theirs, and a calm blue where they have none.",
 );
 
 /// How well edges are drawn.
 pub(crate) const QUALITY: Parameter = Parameter {
     name: "quality",
-    kind: Kind::Choice(&["draft", "final"]),
+    kind: ParameterKind::Choice(&["draft", "final"]),
     unit: "",
     default: Default::Text("final"),
     doc: "\"final\" draws edges of meshes with 16 samples a pixel and grounds the model, \"draft\" draws with 4 and \
@@ -71,7 +71,7 @@ pub(crate) const GROUNDING: Parameter = Parameter::choice(
 /// Resolution of the picture on paper.
 pub(crate) const DPI: Parameter = Parameter {
     name: "dpi",
-    kind: Kind::Number { min: 1.0, max: 10_000.0 },
+    kind: ParameterKind::Number { min: 1.0, max: 10_000.0 },
     unit: "pixels an inch",
     default: Default::Absent,
     doc: "How large the picture is on paper, written into the file; pixels stay the same.",
@@ -86,19 +86,22 @@ pub(crate) const LINE_WIDTH: Parameter = Parameter::number(
 );
 
 /// Colour of wireframe and isolines.
-pub(crate) const WIRE_COLOR: Parameter =
-    Parameter::optional("wire_color", Kind::Color, "Colour of the wireframe and of isolines; left out, a dark blue.");
+pub(crate) const WIRE_COLOR: Parameter = Parameter::optional(
+    "wire_color",
+    ParameterKind::Color,
+    "Colour of the wireframe and of isolines; left out, a dark blue.",
+);
 
 /// Colour of the control net.
 pub(crate) const CONTROL_COLOR: Parameter = Parameter::optional(
     "control_color",
-    Kind::Color,
+    ParameterKind::Color,
     "Colour of the edges of the control net, which are faint behind the surface; left out, orange.",
 );
 
 /// Colour of control points.
 pub(crate) const POINT_COLOR: Parameter =
-    Parameter::optional("point_color", Kind::Color, "Colour of control points; left out, a dark orange.");
+    Parameter::optional("point_color", ParameterKind::Color, "Colour of control points; left out, a dark orange.");
 
 /// Size of points.
 pub(crate) const POINT_SIZE: Parameter = Parameter::number(
@@ -111,7 +114,7 @@ pub(crate) const POINT_SIZE: Parameter = Parameter::number(
 /// Colour of the inside of closed curves.
 pub(crate) const FILL: Parameter = Parameter::optional(
     "fill",
-    Kind::Color,
+    ParameterKind::Color,
     "Colour of what closed curves lead around an odd number of times. Curves only.",
 );
 
@@ -127,7 +130,7 @@ pub(crate) const COMB_SCALE: Parameter = Parameter::number(
 /// The camera.
 pub(crate) const CAMERA: Parameter = Parameter {
     name: "camera",
-    kind: Kind::Group(CAMERA_FIELDS),
+    kind: ParameterKind::Group(CAMERA_FIELDS),
     unit: "",
     default: Default::Fields,
     doc: "Where the picture is taken from; everything shown is framed unless an eye is given. Curves in the plane use \
@@ -138,21 +141,21 @@ pub(super) const CAMERA_FIELDS: &[Parameter] = &[
     Parameter::choice("projection", &["perspective", "orthographic"], "Whether far things look smaller."),
     Parameter {
         name: "azimuth_deg",
-        kind: Kind::Number { min: -360.0, max: 360.0 },
+        kind: ParameterKind::Number { min: -360.0, max: 360.0 },
         unit: "degrees",
         default: Default::Number(35.0),
         doc: "Turn about the up axis; with y up, 0 looks from +z and 90 from +x.",
     },
     Parameter {
         name: "elevation_deg",
-        kind: Kind::Number { min: -90.0, max: 90.0 },
+        kind: ParameterKind::Number { min: -90.0, max: 90.0 },
         unit: "degrees",
         default: Default::Number(25.0),
         doc: "Height above the horizon.",
     },
     Parameter {
         name: "fov_deg",
-        kind: Kind::Number { min: 1.0, max: 150.0 },
+        kind: ParameterKind::Number { min: 1.0, max: 150.0 },
         unit: "degrees",
         default: Default::Number(30.0),
         doc: "Vertical angle of view of the perspective camera.",
@@ -160,21 +163,21 @@ pub(super) const CAMERA_FIELDS: &[Parameter] = &[
     Parameter::number("zoom", [0.001, 1000.0], Default::Number(1.0), "Magnification about the centre of the picture."),
     Parameter {
         name: "eye",
-        kind: Kind::Vector,
+        kind: ParameterKind::Vector,
         unit: "model units",
         default: Default::Absent,
         doc: "Where the camera stands; with it the angles do not count.",
     },
     Parameter {
         name: "target",
-        kind: Kind::Vector,
+        kind: ParameterKind::Vector,
         unit: "model units",
         default: Default::Absent,
         doc: "What stands in the centre of the picture; left out, the middle of what is shown.",
     },
     Parameter::optional(
         "up",
-        Kind::Vector,
+        ParameterKind::Vector,
         "The direction that points up in the picture; left out, that of the input's `up`: +y, or +z.",
     ),
     BOX,
@@ -253,7 +256,7 @@ impl<'a> Options<'a> {
     }
 
     /// Returns background, quality and grounding of a mesh; by default shown numbers have no grounding.
-    pub(crate) fn look(&self) -> Look {
+    pub(crate) fn look(&self) -> RenderStyle {
         let is_fine = self.values.choice(QUALITY.name) != Some("draft");
         let shaded = matches!(self.values.choice("shading"), None | Some("smooth" | "flat"));
         let (is_occluded, shadow) = match self.values.choice(GROUNDING.name) {
@@ -263,7 +266,7 @@ impl<'a> Options<'a> {
             _ if is_fine && shaded => (true, Ground::Stood),
             _ => (false, Ground::None),
         };
-        Look { background: self.background, is_fine, is_occluded, shadow }
+        RenderStyle { background: self.background, is_fine, is_occluded, shadow }
     }
 
     /// Returns the resolution on paper, pixels per inch.

@@ -1,13 +1,14 @@
 //! The surroundings of curves in a drawing: axes, a legend, a title.
 
-use super::easel::{Easel, Part};
+use super::easel::{Easel, PixelRect};
 use super::options::{COMB_SCALE, FILL, Options, POINT_SIZE};
 use super::styles::STYLES;
 use crate::drawing::{
-    Anchor, Axes, Axis, Color, Drawing, Entry, Group, Item, Key, Label, Legend, Level, Mark, Text, Weight,
+    Axes, Axis, Color, Drawing, Entry, Group, HorizontalAlign, Item, Key, Label, Legend, Mark, Text, VerticalAlign,
+    Weight,
 };
 use crate::fault::Fault;
-use crate::math::parameter::{Default, Kind, Parameter, Values};
+use crate::math::parameter::{Default, Parameter, ParameterKind, Values};
 use crate::output::counts::ShapeKind;
 use crate::output::error::FormatError;
 use crate::output::numbers::rounded;
@@ -15,17 +16,23 @@ use crate::output::scene::Curve;
 use crate::raster::View;
 
 /// The title of the drawing.
-pub(crate) const TITLE: Parameter =
-    Parameter::optional("title", Kind::Name, "What stands above the drawing, with markup as labels have. Curves only.");
+pub(crate) const TITLE: Parameter = Parameter::optional(
+    "title",
+    ParameterKind::Name,
+    "What stands above the drawing, with markup as labels have. Curves only.",
+);
 
 /// The label of the numbers from left to right.
-pub(crate) const X_LABEL: Parameter =
-    Parameter::optional("x_label", Kind::Name, "What stands below the axis from left to right, where axes are shown.");
+pub(crate) const X_LABEL: Parameter = Parameter::optional(
+    "x_label",
+    ParameterKind::Name,
+    "What stands below the axis from left to right, where axes are shown.",
+);
 
 /// The label of the numbers from the bottom to the top.
 pub(crate) const Y_LABEL: Parameter = Parameter::optional(
     "y_label",
-    Kind::Name,
+    ParameterKind::Name,
     "What stands beside the axis from the bottom to the top, where axes are shown.",
 );
 
@@ -135,7 +142,7 @@ impl Plot {
 pub(super) struct Sheet {
     pub(super) easel: Easel,
     /// The part of the picture in which curves are visible.
-    part: Part,
+    part: PixelRect,
     axes: Option<Axes>,
     title: Option<Label>,
     size_px: f32,
@@ -166,7 +173,7 @@ impl Sheet {
         let (x_label, y_label) =
             (label(options, X_LABEL.name, Weight::Regular)?, label(options, Y_LABEL.name, Weight::Regular)?);
         let steps = steps(shown, control);
-        let axes = |easel: &Easel, part: Part| {
+        let axes = |easel: &Easel, part: PixelRect| {
             let [left, right, bottom, top] = easel.ranges(part, steps);
             let x = Axis { low: left, high: right, label: x_label.clone() };
             let y = Axis { low: bottom, high: top, label: y_label.clone() };
@@ -204,7 +211,7 @@ impl Sheet {
         if let Some(label) = self.title {
             #[expect(clippy::cast_precision_loss, reason = "pictures have some thousand pixels a side")]
             let at = [0.5 * options.size[0] as f32, 1.5 * self.size_px];
-            let (anchor, level) = (Anchor::Middle, Level::Baseline);
+            let (anchor, level) = (HorizontalAlign::Middle, VerticalAlign::Baseline);
             let text = Text { label, at, size_px: 1.1 * self.size_px, anchor, level, turn_deg: 0.0, color: INK };
             items.push(Item::new("title", Mark::Text(text)));
         }
@@ -224,13 +231,13 @@ impl Sheet {
 }
 
 /// Returns the part of the picture below its title.
-fn whole(options: &Options<'_>, head: f32) -> Part {
+fn whole(options: &Options<'_>, head: f32) -> PixelRect {
     #[expect(clippy::cast_precision_loss, reason = "pictures have some thousand pixels a side")]
     let [width, height] = options.size.map(|side| side as f32);
     [0.0, head.round(), width, (height - head.round()).max(1.0)]
 }
 
-fn easel(shown: &[&Curve], options: &Options<'_>, [left, top, width, height]: Part) -> Easel {
+fn easel(shown: &[&Curve], options: &Options<'_>, [left, top, width, height]: PixelRect) -> Easel {
     #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "whole numbers of pixels")]
     let size = [width, height].map(|side| side as u32);
     let view = options.view();

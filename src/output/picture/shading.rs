@@ -2,7 +2,7 @@
 
 use super::options::Options;
 use crate::fault::Fault;
-use crate::math::parameter::{Kind, Parameter, Value, Values};
+use crate::math::parameter::{Parameter, ParameterKind, Value, Values};
 use crate::output::counts::ShapeKind;
 use crate::output::options::ISOLINES;
 use crate::raster::{Finish, Pattern, Stripes};
@@ -22,19 +22,19 @@ pub(crate) const SHADING: Parameter = Parameter::choice(
 /// The number of stripes.
 pub(crate) const STRIPES: Parameter = Parameter::optional(
     "stripes",
-    Kind::Integer { min: 1, max: MOST_STRIPES },
+    ParameterKind::Integer { min: 1, max: MAX_STRIPES },
     "How many stripes shading zebra, reflection-lines and isophotes shows: dark bands from one end of their axis \
      to the other, strips of light around half of it, lines between the angles of 90 and 0 degrees. Left out, \
      12, 18 and 12.",
 );
 
 /// Maximum number of stripes; more would be finer than the pixels of the largest pictures.
-const MOST_STRIPES: i64 = 256;
+const MAX_STRIPES: i64 = 256;
 
 /// The axis of stripes.
 pub(crate) const STRIPE_DIRECTION: Parameter = Parameter::optional(
     "stripe_direction",
-    Kind::Direction,
+    ParameterKind::Direction,
     "The axis of the stripes of zebra (across it), reflection-lines (along it) and isophotes (towards it), in \
      model coordinates. Left out, up; for reflection-lines, from left to right in the picture.",
 );

@@ -12,7 +12,7 @@ use zune_jpeg::zune_core::options::DecoderOptions;
 use crate::output::colors::linear;
 use crate::output::error::FormatError;
 use crate::output::numbers::rounded;
-use crate::raster::{Beyond, Cover, Swatch, Texels};
+use crate::raster::{Cover, Swatch, Texels, WrapMode};
 use crate::shape::attachments::Attachments;
 use crate::shape::looks::{Alpha, Look};
 use crate::shape::textures::{Filter, Image, ImageKind, Texture, Wrap};
@@ -121,9 +121,9 @@ fn color(look: &Look, plain: [f32; 3]) -> [f32; 3] {
 
 fn cover(texture: &Texture, texels: Arc<Texels>) -> Cover {
     let beyond = texture.wrap.map(|wrap| match wrap {
-        Wrap::Repeat => Beyond::Repeat,
-        Wrap::MirroredRepeat => Beyond::Mirror,
-        Wrap::ClampToEdge => Beyond::Edge,
+        Wrap::Repeat => WrapMode::Repeat,
+        Wrap::MirroredRepeat => WrapMode::Mirror,
+        Wrap::ClampToEdge => WrapMode::Edge,
     });
     Cover { texels, beyond, nearest: texture.magnify == Some(Filter::Nearest) }
 }

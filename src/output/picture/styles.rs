@@ -2,7 +2,7 @@
 
 use super::options::Options;
 use crate::drawing::{Cap, Color, Stroke};
-use crate::math::parameter::{Default, Kind, Parameter, Values};
+use crate::math::parameter::{Default, Parameter, ParameterKind, Values};
 
 /// Maximum number of styles of one output.
 const MAX_STYLES: usize = 64;
@@ -10,7 +10,7 @@ const MAX_STYLES: usize = 64;
 /// The styles of single curves.
 pub(crate) const STYLES: Parameter = Parameter::optional(
     "styles",
-    Kind::Groups { fields: FIELDS, most: MAX_STYLES },
+    ParameterKind::Groups { fields: FIELDS, most: MAX_STYLES },
     "Looks of the polygons' curves, one each in their order and from the first again where there are more \
      polygons. Curves only.",
 );
@@ -18,17 +18,17 @@ pub(crate) const STYLES: Parameter = Parameter::optional(
 const FIELDS: &[Parameter] = &[
     Parameter::optional(
         "color",
-        Kind::Color,
+        ParameterKind::Color,
         "Colour of the curve; left out, the next of six that are told apart with every kind of sight.",
     ),
     Parameter::choice("dash", &["solid", "dashed", "dotted", "dash-dot"], "How the line is broken."),
     Parameter::number("width", [0.1, 20.0], Default::Number(1.0), "By what the usual width of the line is multiplied."),
     Parameter::optional(
         "label",
-        Kind::Name,
+        ParameterKind::Name,
         "What the legend says of it, with markup: `_x` and `^{...}` for small letters, `\\alpha` for Greek ones.",
     ),
-    Parameter::optional("fill", Kind::Color, "Colour of the inside where the curve is closed."),
+    Parameter::optional("fill", ParameterKind::Color, "Colour of the inside where the curve is closed."),
 ];
 
 /// Colours that can be told apart with every kind of sight: those of M. Okabe and K. Ito, Color Universal Design

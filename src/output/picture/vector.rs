@@ -11,7 +11,7 @@ use super::styles::STYLES;
 use super::{drawing, sections};
 use crate::drawing::{Drawing, Lettering};
 use crate::fault::Fault;
-use crate::math::parameter::{Default, Kind, Parameter, Values};
+use crate::math::parameter::{Default, Parameter, ParameterKind, Values};
 use crate::output::counts::{Counts, ShapeKind};
 use crate::output::error::FormatError;
 use crate::output::hard_edges::{self, CREASE_ANGLE};
@@ -36,7 +36,7 @@ pub(crate) const PARAMETERS: &[Parameter] = &[
     BACKGROUND,
     Parameter::optional(
         "show",
-        Kind::Choices(ITEMS),
+        ParameterKind::Choices(ITEMS),
         "What is drawn. Of curves: the refined curve, the control polygon, the control points, the points of the \
          refined curve (vertices), a curvature comb, tangents, axes, a grid, a legend; left out, the first \
          three. Of a mesh the lines that its faces do not hide: its outline (silhouettes), its boundary, its \

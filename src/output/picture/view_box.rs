@@ -1,12 +1,12 @@
 //! The box that a camera frames, as an option.
 
-use crate::math::parameter::{Default, Kind, Parameter};
+use crate::math::parameter::{Default, Parameter, ParameterKind};
 use crate::raster::MAX_SIDE_PX;
 
 /// A box that is framed in place of the shown items.
 pub(super) const BOX: Parameter = Parameter::optional(
     "box",
-    Kind::Group(BOX_FIELDS),
+    ParameterKind::Group(BOX_FIELDS),
     "A box that is framed in place of what is shown, so that pictures of several shapes have one scale. Values of \
      functions stand as y.",
 );
@@ -14,14 +14,14 @@ pub(super) const BOX: Parameter = Parameter::optional(
 pub(super) const BOX_FIELDS: &[Parameter] = &[
     Parameter {
         name: "min",
-        kind: Kind::Vector,
+        kind: ParameterKind::Vector,
         unit: "model units",
         default: Default::Required,
         doc: "The corner with the least coordinates.",
     },
     Parameter {
         name: "max",
-        kind: Kind::Vector,
+        kind: ParameterKind::Vector,
         unit: "model units",
         default: Default::Required,
         doc: "The corner opposite to it.",
@@ -32,7 +32,7 @@ pub(super) const BOX_FIELDS: &[Parameter] = &[
 /// Width that is left free for a legend.
 pub(super) const LEGEND_PX: Parameter = Parameter {
     name: "legend_px",
-    kind: Kind::Integer { min: 0, max: MAX_SIDE_PX as i64 },
+    kind: ParameterKind::Integer { min: 0, max: MAX_SIDE_PX as i64 },
     unit: "pixels",
     default: Default::Absent,
     doc: "Width that is left free at the right, at most half of the picture, where its own legend needs less, so that \

@@ -93,7 +93,7 @@ pub(super) fn any_of_faces(mesh: &dyn MeshSource, layout: Layout) -> bool {
 }
 
 /// The properties of consecutive vertices that are appended to their positions.
-pub(super) struct Carried<'a> {
+pub(super) struct VertexProperties<'a> {
     mesh: &'a dyn MeshSource,
     layout: Layout,
     start: usize,
@@ -102,7 +102,7 @@ pub(super) struct Carried<'a> {
     uvs: Vec<f64>,
 }
 
-impl<'a> Carried<'a> {
+impl<'a> VertexProperties<'a> {
     /// Reads the properties of the vertices `start .. start + n`.
     pub(super) fn of(mesh: &'a dyn MeshSource, layout: Layout, start: usize, n: usize) -> Self {
         let fetch = |channel| {

@@ -41,7 +41,7 @@ impl Connectivity {
         watch.check()?;
         let mut valences = vec![0_u32; n];
         let mut on_boundary = vec![false; n];
-        let (mut pieces, mut boundary) = (Pieces::new(n), Pieces::new(n));
+        let (mut pieces, mut boundary) = (DisjointSets::new(n), DisjointSets::new(n));
         let (mut edges, mut boundary_edges, mut closed) = (0, 0, !keys.is_empty());
         for run in keys.chunk_by(|a, b| a == b) {
             let [a, b] = ends(run[0]);
@@ -97,13 +97,13 @@ fn ends(key: u64) -> [usize; 2] {
 }
 
 /// Disjoint sets of vertices (union and find with path halving; R. Tarjan, J. van Leeuwen, J. ACM 31 (1984), 245-281).
-struct Pieces {
+struct DisjointSets {
     parents: Vec<usize>,
     /// Number of sets.
     n: usize,
 }
 
-impl Pieces {
+impl DisjointSets {
     fn new(n: usize) -> Self {
         Self { parents: (0..n).collect(), n }
     }

@@ -2,7 +2,7 @@
 
 use serde_json::{Value, json};
 
-use crate::output::bounds::Bounds;
+use crate::output::bounds::CoordinateBounds;
 use crate::output::error::FormatError;
 use crate::output::positions::unfit;
 use crate::output::scene::{CHUNK, Curve};
@@ -14,7 +14,7 @@ use super::moments::Moments;
 
 /// Returns the statistics of polygons whose points have `D` coordinates.
 pub(super) fn report<const D: usize>(curves: &[Curve], watch: &Watch) -> Result<Value, FormatError> {
-    let mut bounds = Bounds::EMPTY;
+    let mut bounds = CoordinateBounds::EMPTY;
     let mut positions_hash = PositionsHash::default();
     let mut shape_hash = ShapeHash::ZERO;
     let mut bytes = Vec::new();

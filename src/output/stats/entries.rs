@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use serde_json::{Value, json};
 
 use super::moments::Moments;
-use crate::output::bounds::Bounds;
+use crate::output::bounds::CoordinateBounds;
 
 pub(super) fn seen_from<const D: usize>(origin: [f64; D], point: &[f64; D]) -> [f64; D] {
     std::array::from_fn(|k| point[k] - origin[k])
@@ -18,7 +18,7 @@ pub(super) fn add_moments<const D: usize>(found: &mut Value, of: &str, moments: 
     found["second_moments"] = json!(centered.map(|c| c.second.iter().map(list).collect::<Vec<_>>()));
 }
 
-pub(super) fn bounding_box<const D: usize>(bounds: &Bounds<D>) -> Value {
+pub(super) fn bounding_box<const D: usize>(bounds: &CoordinateBounds<D>) -> Value {
     if bounds.is_empty() { Value::Null } else { json!({ "min": list(&bounds.min), "max": list(&bounds.max) }) }
 }
 

@@ -3,7 +3,7 @@
 use rayon::prelude::*;
 use serde_json::{Value, json};
 
-use crate::output::bounds::Bounds;
+use crate::output::bounds::CoordinateBounds;
 use crate::output::error::FormatError;
 use crate::output::normals;
 use crate::output::positions::Positions;
@@ -24,7 +24,7 @@ pub(super) fn report(
 ) -> Result<Value, FormatError> {
     let positions = Positions::of_mesh(mesh).held(watch)?;
     let rows = positions.rows();
-    let mut bounds = Bounds::EMPTY;
+    let mut bounds = CoordinateBounds::EMPTY;
     let mut positions_hash = PositionsHash::default();
     in_chunks(rows.len(), |range| {
         watch.check()?;

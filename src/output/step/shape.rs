@@ -6,7 +6,7 @@ use super::entities::{Entities, Id, List, Real, Text};
 use super::product::Product;
 use crate::math::vector::Vector;
 use crate::output::error::FormatError;
-use crate::solid::{Brep, Curve, Face, Shell, Surface};
+use crate::solid::{BSplineCurve, BSplineSurface, Brep, Face, Shell};
 use crate::watch::Watch;
 
 /// Writes all faces, and returns their entities.
@@ -78,7 +78,7 @@ fn multiplicities(n_knots: usize, degree: usize) -> Vec<usize> {
     (0..n_knots).map(|i| if i == 0 || i + 1 == n_knots { degree + 1 } else { 1 }).collect()
 }
 
-fn curve(out: &mut Entities<'_>, curve: &Curve) -> Result<Id, FormatError> {
+fn curve(out: &mut Entities<'_>, curve: &BSplineCurve) -> Result<Id, FormatError> {
     let points = points(out, &curve.points)?;
     let knots: Vec<Real> = curve.knots.iter().copied().map(Real).collect();
     out.add(format_args!(
@@ -90,7 +90,7 @@ fn curve(out: &mut Entities<'_>, curve: &Curve) -> Result<Id, FormatError> {
     ))
 }
 
-fn surface(out: &mut Entities<'_>, surface: &Surface) -> Result<Id, FormatError> {
+fn surface(out: &mut Entities<'_>, surface: &BSplineSurface) -> Result<Id, FormatError> {
     let rows = surface.points.iter().map(|row| points(out, row)).collect::<Result<Vec<_>, _>>()?;
     let rows: Vec<List<'_, Id>> = rows.iter().map(|row| List(row)).collect();
     let knots: [Vec<Real>; 2] = [0, 1].map(|d| surface.knots(d).into_iter().map(Real).collect());

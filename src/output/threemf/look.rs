@@ -16,7 +16,7 @@ const COLORS: &str = "2";
 
 /// The source of the looks of triangles.
 #[derive(Debug, Clone, Copy)]
-pub(super) enum Looks<'a> {
+pub(super) enum TriangleMaterials<'a> {
     /// No looks are given.
     Plain,
     /// Each face has a material, or none.
@@ -45,7 +45,7 @@ fn hexadecimal(color: &[f64]) -> String {
     text
 }
 
-impl<'a> Looks<'a> {
+impl<'a> TriangleMaterials<'a> {
     /// Returns the source of looks of a mesh: colours of vertices take precedence over materials.
     pub(super) fn of(mesh: &'a dyn MeshSource) -> Self {
         let carried = mesh.attachments();

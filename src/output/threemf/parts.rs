@@ -14,7 +14,7 @@ pub(super) const TRIANGLE_BYTES: u128 = 20;
 
 /// The parts of a mesh, in the order of their first triangles.
 #[derive(Debug)]
-pub(super) struct Parts {
+pub(super) struct MeshParts {
     /// The vertices of each part, ascending.
     pub(super) vertices: Vec<Vec<u32>>,
     /// The triangles of each part with the number of their face.
@@ -23,7 +23,7 @@ pub(super) struct Parts {
     pub(super) local: Vec<u32>,
 }
 
-impl Parts {
+impl MeshParts {
     /// Finds the parts: faces that share vertices are in one part.
     ///
     /// # Errors

@@ -6,7 +6,7 @@ use rayon::prelude::*;
 
 use super::grid::at_least;
 use super::kernel::{FlatGroup, FlatMask};
-use super::lattice::{AXES, Frame, axis, corner, last};
+use super::lattice::{AXES, CornerFrame, axis, corner, last};
 use super::program::Sweep;
 use super::star::StarShape;
 use super::stencils::{Stencil, Stencils};
@@ -181,7 +181,7 @@ impl<'a, const W: usize> Evaluation<'a, W> {
             }
         };
         for (side, half_edge) in surface.patches.half_edges(patch).enumerate() {
-            let frame = Frame::new(tile, n, side, 0);
+            let frame = CornerFrame::new(tile, n, side, 0);
             for steps in self.steps(frame.along(), frame.corner()[1], &reach) {
                 let place = frame.place([steps, 0]);
                 put(place, order.vertex(patch, place));
@@ -189,7 +189,7 @@ impl<'a, const W: usize> Evaluation<'a, W> {
             let twin = surface.patches.twin(half_edge);
             if twin != NONE {
                 let (neighbour, its) = surface.side(twin);
-                let there = Frame::new(tile, n, its, 0);
+                let there = CornerFrame::new(tile, n, its, 0);
                 for steps in self.steps(frame.along(), frame.place([0, -1])[1], &reach) {
                     let across = there.place([n.cast_signed() - steps, 1]);
                     if steps.unsigned_abs() >= n - last(tile, n, 1) {
@@ -232,7 +232,7 @@ impl<'a, const W: usize> Evaluation<'a, W> {
             let Some(line) = surface.line(half_edge) else { continue };
             let Some(along) = &self.stencils.lines[line] else { continue };
             let stencil = &along[axis(surface.tile, side)];
-            let frame = Frame::new(surface.tile, n, side, 0);
+            let frame = CornerFrame::new(surface.tile, n, side, 0);
             // stencils of boundaries have the faces on the left, so they are rotated by a half turn on sides that run
             // backwards
             let turn = if frame.along() == AXES[axis(surface.tile, side)] { 1 } else { -1 };
@@ -288,7 +288,7 @@ impl<'a, const W: usize> Evaluation<'a, W> {
         }
         let reach = rows.start.cast_signed()..rows.end.cast_signed();
         for (side, half_edge) in surface.patches.half_edges(patch).enumerate() {
-            let frame = Frame::new(surface.tile, n, side, 0);
+            let frame = CornerFrame::new(surface.tile, n, side, 0);
             let owned = surface.patches.halves(surface.patches.edge(half_edge) as usize)[0] == half_edge;
             let corner = surface.patches.vertex(half_edge) as usize;
             for steps in self.steps(frame.along(), frame.corner()[1], &reach) {

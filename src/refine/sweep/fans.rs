@@ -7,7 +7,7 @@ use super::window::{OnDemand, Window};
 use crate::math::vector::plus;
 
 /// A contribution of a face to a vertex: the index of the vertex in the range, the face, and the vector.
-type Given = (usize, usize, [f64; 3]);
+type FaceVector = (usize, usize, [f64; 3]);
 
 impl OnDemand {
     /// Fills `out` with the sum, for each vertex in `range`, of the vectors of the shown faces around it, added in the
@@ -33,7 +33,7 @@ impl OnDemand {
             }
         });
         strips.sort_by_key(|(_, strip)| strip.patch);
-        let mut given: Vec<Given> = Vec::new();
+        let mut given: Vec<FaceVector> = Vec::new();
         self.windows(&strips, [0, 1], |at, strip, window| {
             // each face of a strip lies between two vertices of the strip; around a corner there is a single vertex
             let n_vertices = (strip.len - 1).max(1);

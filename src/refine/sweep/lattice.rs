@@ -30,12 +30,12 @@ pub(super) fn corner(tile: Tile, n: usize, corner: usize) -> [isize; 2] {
 
 /// A local coordinate frame at a corner of a patch: the corner, and the two sides of a face there.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Frame {
+pub(super) struct CornerFrame {
     corner: [isize; 2],
     sides: [[isize; 2]; 2],
 }
 
-impl Frame {
+impl CornerFrame {
     /// Creates the frame at a corner of a patch with `n` pieces per side, for the face that is `turn` faces
     /// counter-clockwise around the corner from the patch itself.
     pub(super) fn new(tile: Tile, n: usize, at: usize, turn: isize) -> Self {

@@ -171,7 +171,7 @@ fn same(a: &Mask, b: &Mask) -> bool {
 /// Returns the smallest number of cells beyond a patch that must be known so that as many are known after a round;
 /// `None` if it is greater than [`MAX_HALO`].
 pub(super) fn halo(tile: Tile, passes: &[Pass]) -> Option<usize> {
-    (1..=MAX_HALO).find(|&halo| Known::new(tile, halo).suffices(passes))
+    (1..=MAX_HALO).find(|&halo| KnownPoints::new(tile, halo).suffices(passes))
 }
 
 /// The widest halo: that of four averages. Five averages would need five cells, and three rounds would be refined by
@@ -179,7 +179,7 @@ pub(super) fn halo(tile: Tile, passes: &[Pass]) -> Option<usize> {
 const MAX_HALO: usize = 4;
 
 /// The points of a refined grid around a patch that are known.
-struct Known {
+struct KnownPoints {
     tile: Tile,
     halo: isize,
     /// Whether each point is known, by plane and cell.
@@ -189,7 +189,7 @@ struct Known {
 /// Pieces per side of the test patch: the smallest patch whose neighbours meet and whose corners are all distinct.
 const PIECES: isize = 2;
 
-impl Known {
+impl KnownPoints {
     fn new(tile: Tile, halo: usize) -> Self {
         let halo = halo.cast_signed();
         let side = Self::side(halo);

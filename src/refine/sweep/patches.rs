@@ -6,11 +6,11 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use rayon::prelude::*;
 
 use super::grid::{GridLine, Planes, Size, at_least};
-use super::lattice::{Frame, axis, cell, corner, sector};
+use super::lattice::{CornerFrame, axis, cell, corner, sector};
 use super::program::{Flat, Sweep};
 use super::star::StarWork;
 use super::task::Task;
-use super::weave::{Row, weave};
+use super::weave::{GridRow, weave};
 use crate::kept::Numbers;
 use crate::shape::tile::Tile;
 use crate::shape::topology::{NONE, index};
@@ -50,7 +50,7 @@ impl Sweep {
         let mut all = Numbers::to_overwrite(self.n_points() * W);
         let finite = AtomicBool::new(true);
         let base = &self.surface.base;
-        let run = Run { sweep: self, flat: &self.flat(W), start, watch };
+        let run = SweepRun { sweep: self, flat: &self.flat(W), start, watch };
         let (vertices, rest) = all.as_chunks_mut::<W>().0.split_at_mut(base.n_vertices());
         let tasks = self.tasks(rest);
         let made = tasks.into_par_iter().map_init(Worker::<W>::default, |worker, mut task| {
@@ -96,7 +96,7 @@ pub(super) trait Target<const W: usize> {
 }
 
 /// The data that all patches of a sweep share.
-pub(super) struct Run<'a, const W: usize> {
+pub(super) struct SweepRun<'a, const W: usize> {
     pub(super) sweep: &'a Sweep,
     pub(super) flat: &'a Flat,
     pub(super) start: &'a [[f64; W]],
@@ -132,7 +132,7 @@ pub(super) struct Block {
 impl Block {
     /// Returns the range of vertices on a side of the patch that lie in the block, which has `cells` cells per side.
     fn on_side(self, tile: Tile, side: usize, cells: usize) -> Option<RangeInclusive<usize>> {
-        let frame = Frame::new(tile, self.pieces, side, 0);
+        let frame = CornerFrame::new(tile, self.pieces, side, 0);
         let (start, along) = (frame.corner(), frame.along());
         let (mut least, mut most) = (0, self.pieces.cast_signed());
         for axis in 0..2 {
@@ -170,7 +170,7 @@ impl<const W: usize> Worker<W> {
     }
 }
 
-impl<const W: usize> Run<'_, W> {
+impl<const W: usize> SweepRun<'_, W> {
     /// Refines one patch and hands its points to `target`.
     pub(super) fn patch(
         &self,
@@ -280,7 +280,7 @@ impl<const W: usize> Run<'_, W> {
             let Some(line) = surface.line(half_edge) else { continue };
             if let Some(range) = block.on_side(surface.tile, side, cells) {
                 let steps = [range.start().cast_signed(), 0];
-                let from = block.inside(Frame::new(surface.tile, block.pieces, side, 0).place(steps));
+                let from = block.inside(CornerFrame::new(surface.tile, block.pieces, side, 0).place(steps));
                 lines.push(GridLine { line, axis: axis(surface.tile, side), from });
             }
         }
@@ -297,7 +297,7 @@ impl<const W: usize> Run<'_, W> {
         let Worker { planes, star_of, stars, .. } = worker;
         let star = &stars[star_of[v] as usize + round * shape.len()..][..shape.len()];
         let (_, side) = surface.side(half_edge);
-        let mut put = |frame: &Frame, place: [usize; 2], point: usize| {
+        let mut put = |frame: &CornerFrame, place: [usize; 2], point: usize| {
             let (plane, place) = cell(block.inside(frame.place(place.map(usize::cast_signed))));
             let at = size.at(place);
             planes.now[plane][at..at + W].copy_from_slice(&star[point]);
@@ -305,7 +305,7 @@ impl<const W: usize> Run<'_, W> {
         let own = surface.patches.ring(v).position(|ring| ring == half_edge).unwrap_or(0);
         let sectors = [(0, Some(own)), (-1, shape.neighbour(own, false)), (1, shape.neighbour(own, true))];
         for (turn, face) in sectors.into_iter().filter_map(|(turn, face)| Some((turn, face?))) {
-            let frame = Frame::new(surface.tile, block.pieces, side, turn);
+            let frame = CornerFrame::new(surface.tile, block.pieces, side, turn);
             put(&frame, [0, 0], 0);
             sector(surface.tile, shape.reach).for_each(|place| put(&frame, place, shape.point(face, place)));
             // the points on the edge towards the next face
@@ -330,13 +330,13 @@ impl<const W: usize> Target<W> for Task<'_, W> {
             let end = if tile == Tile::Quad { n } else { n - row };
             let columns = start[0]..(at[0] + cells + 1).min(end);
             if !columns.is_empty() {
-                let row = Row::new(planes, size, row - at[1]);
+                let row = GridRow::new(planes, size, row - at[1]);
                 row.copy(columns.start - at[0], self.inside(first, columns.len()));
             }
         }
         for (side, half_edge) in surface.patches.half_edges(block.patch).enumerate() {
             let Some(range) = block.on_side(tile, side, cells) else { continue };
-            let frame = Frame::new(tile, n, side, 0);
+            let frame = CornerFrame::new(tile, n, side, 0);
             let place = |steps: usize| frame.place([steps.cast_signed(), 0]);
             let vertex = |steps: usize| order.vertex(block.patch, place(steps));
             let point = |steps: usize| planes.point(size, block.inside(place(steps)));

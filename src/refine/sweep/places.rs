@@ -3,8 +3,8 @@
 use std::ops::Range;
 use std::sync::Arc;
 
-use super::lattice::{Frame, last};
-use super::surface::Surface;
+use super::lattice::{CornerFrame, last};
+use super::surface::PatchSurface;
 use crate::shape::tile::Tile;
 use crate::shape::topology::{NONE, Topology, index};
 
@@ -15,7 +15,7 @@ const STRETCH: usize = 1 << 16;
 
 /// The places of the vertices and faces of a refined mesh.
 #[derive(Debug)]
-pub(super) struct Places {
+pub(super) struct SweepPlaces {
     base: Arc<Topology>,
     patches: Arc<Topology>,
     tile: Tile,
@@ -63,9 +63,9 @@ impl Span {
     }
 }
 
-impl Places {
+impl SweepPlaces {
     /// Creates the places after splits that divide each base edge into `n` pieces.
-    pub(super) fn new(surface: &Surface, n: usize) -> Self {
+    pub(super) fn new(surface: &PatchSurface, n: usize) -> Self {
         let (base, patches) = (surface.base.clone(), surface.patches.clone());
         let (tile, half) = (surface.tile, n / 2);
         let is_whole = tile == Tile::Triangle || base.is_quads();
@@ -266,12 +266,12 @@ impl Places {
 
     /// Returns point `at` on a side of a tile with `n` pieces.
     fn at_side(&self, n: usize, side: usize, at: usize) -> [usize; 2] {
-        Frame::new(self.tile, n, side, 0).place([at.cast_signed(), 0]).map(isize::cast_unsigned)
+        CornerFrame::new(self.tile, n, side, 0).place([at.cast_signed(), 0]).map(isize::cast_unsigned)
     }
 
     /// Returns the frame at one of the sides of a patch.
-    fn frame(&self, side: usize) -> Frame {
-        Frame::new(self.tile, self.pieces, side, 0)
+    fn frame(&self, side: usize) -> CornerFrame {
+        CornerFrame::new(self.tile, self.pieces, side, 0)
     }
 
     /// Returns the patch of a half-edge, and the side of it that the half-edge is.
@@ -281,7 +281,7 @@ impl Places {
     }
 }
 
-impl Places {
+impl SweepPlaces {
     /// Returns the best end for a range of vertices that starts at `v`, so that no block of `rows` rows is refined for
     /// two ranges.
     pub(super) fn stretch(&self, v: usize, rows: usize) -> usize {

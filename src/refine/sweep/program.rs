@@ -10,7 +10,7 @@ use super::line::Line;
 use super::mask::{Pass, halo, passes};
 use super::numbering::Numbering;
 use super::star::{StarRound, StarShape};
-use super::surface::Surface;
+use super::surface::PatchSurface;
 use crate::scheme::mesh_net::MeshNet;
 use crate::scheme::operator::Role;
 use crate::scheme::parameters::SPLIT;
@@ -22,17 +22,17 @@ use crate::shape::topology::Topology;
 /// Maximum number of cells of a grid in each direction: its planes of three coordinates take 1 MB, the size of a core's
 /// own cache. With half as many, a tenth more points are computed twice, in halos; with twice as many, the planes leave
 /// the cache.
-const MOST_CELLS: usize = 64;
+const MAX_CELLS: usize = 64;
 
 /// Maximum number of kinds of lines, boundaries included, and of sharpnesses of vertices. Vertices at which lines meet
 /// in different ways have tables of their own in every round, 256 of them around four edges. With more kinds, the first
 /// rounds are refined by rows until only infinitely sharp edges are left.
-const MOST_LINES: usize = 4;
+const MAX_LINES: usize = 4;
 
 /// The sweep of a net through the rounds of a plan.
 #[derive(Debug)]
 pub(crate) struct Sweep {
-    pub(super) surface: Surface,
+    pub(super) surface: PatchSurface,
     /// Number of cells known around a grid.
     pub(super) halo: usize,
     /// Number of rounds by which the net is refined by rows before the sweep.
@@ -154,7 +154,7 @@ impl Sweep {
     /// vertices.
     pub(crate) fn of(net: &MeshNet, plan: &Plan, steps: &[Scheduled]) -> Option<Self> {
         let Outline { tile, lines, lanes, rounds, passes, halo, before, splits } = Outline::of(net, plan, steps)?;
-        let surface = Surface::new(net, tile, (&lines, lanes), before);
+        let surface = PatchSurface::new(net, tile, (&lines, lanes), before);
         let (head, tail) = rounds.split_at(before);
         let kinds = &surface.kinds;
         let stars = |at: usize, round: &[Scheduled]| {
@@ -162,7 +162,7 @@ impl Sweep {
         };
         let stars: Vec<Arc<Vec<StarRound>>> = each_round(tail, (&surface.softening(), lanes), stars)?;
         let first_pieces = 1 << (before - splits);
-        let cells = |at: usize| (first_pieces << at).min(MOST_CELLS.max(first_pieces));
+        let cells = |at: usize| (first_pieces << at).min(MAX_CELLS.max(first_pieces));
         let entries = passes.into_iter().skip(before).zip(stars).enumerate();
         let made: Vec<Round> = entries.map(|(at, (passes, stars))| Round { passes, stars, cells: cells(at) }).collect();
         let orders = [before, rounds.len()].map(|splits| Numbering::new(&net.mesh.base, tile, splits));
@@ -277,16 +277,16 @@ fn lines(net: &MeshNet) -> Option<(Vec<Line>, usize)> {
         sharpness.edges().iter().chain(sharpness.vertices()).filter(finite).fold(0.0, |most: f64, s| most.max(s.1));
     let mut own: Vec<f64> = Vec::new();
     for &(_, sharpness) in sharpness.vertices() {
-        if own.len() <= MOST_LINES && !own.contains(&sharpness) {
+        if own.len() <= MAX_LINES && !own.contains(&sharpness) {
             own.push(sharpness);
         }
     }
-    let mut soft = (net.rules.creasing.evens_out() && most > 0.0) || own.len() > MOST_LINES;
+    let mut soft = (net.rules.creasing.evens_out() && most > 0.0) || own.len() > MAX_LINES;
     for &(_, sharpness) in sharpness.edges() {
         let line = Line::Crease(sharpness);
         if !lines.contains(&line) && !soft {
             lines.push(line);
-            soft = lines.len() > MOST_LINES;
+            soft = lines.len() > MAX_LINES;
         }
     }
     if soft {

@@ -8,7 +8,7 @@ use std::sync::Arc;
 use rayon::prelude::*;
 
 use super::lanes::Lanes;
-use super::lattice::{Frame, last, sector};
+use super::lattice::{CornerFrame, last, sector};
 use super::line::{Line, softened};
 use super::numbering::Numbering;
 use super::star::{StarKind, StarShape};
@@ -22,7 +22,7 @@ const CHUNK: usize = 1024;
 
 /// The patches of a surface.
 #[derive(Debug)]
-pub(super) struct Surface {
+pub(super) struct PatchSurface {
     pub(super) tile: Tile,
     /// The mesh that is refined.
     pub(super) base: Arc<Topology>,
@@ -41,7 +41,7 @@ pub(super) struct Surface {
     lanes: Option<(Lanes, Arc<Directions>)>,
 }
 
-impl Surface {
+impl PatchSurface {
     /// Creates the patches of an unrefined net whose sharp edges lie on these lines, as they are after `before`
     /// rounds.
     pub(super) fn new(net: &MeshNet, tile: Tile, (lines, lanes): (&[Line], Option<Lanes>), before: usize) -> Self {
@@ -216,7 +216,7 @@ impl Surface {
             let twin = patches.twin(half_edge);
             if twin != NONE {
                 let (neighbour, its) = self.side(twin);
-                let (here, there) = (Frame::new(tile, n, side, 0), Frame::new(tile, n, its, 0));
+                let (here, there) = (CornerFrame::new(tile, n, side, 0), CornerFrame::new(tile, n, its, 0));
                 for depth in 1..=depths {
                     // on triangles, lines parallel to the side become shorter across it
                     for steps in if tile == Tile::Quad { 0 } else { depth }..=most {
@@ -241,7 +241,7 @@ impl Surface {
             (half_edge, [along, beside])
         };
         let (patch, side) = self.side(inside);
-        order.vertex(patch, Frame::new(self.tile, n, side, 0).place(place))
+        order.vertex(patch, CornerFrame::new(self.tile, n, side, 0).place(place))
     }
 
     /// Calls `put` for the points beyond a corner of a patch, in the faces around it that share no side with the
@@ -259,7 +259,7 @@ impl Surface {
         for turn in 2..tile.regular_valence().cast_signed() - 1 {
             next = onward(next);
             let (patch, its) = self.side(next);
-            let (here, there) = (Frame::new(tile, n, side, turn), Frame::new(tile, n, its, 0));
+            let (here, there) = (CornerFrame::new(tile, n, side, turn), CornerFrame::new(tile, n, its, 0));
             for place in sector(tile, halo) {
                 let place = place.map(usize::cast_signed);
                 put(here.place(place), self.vertex(order, patch, there.place(place)));
@@ -277,7 +277,8 @@ impl Surface {
         mut put: impl FnMut(u32),
     ) {
         let ring = self.patches.ring(v).map(|half_edge| self.side(half_edge));
-        let ring: Vec<(usize, Frame)> = ring.map(|(patch, side)| (patch, Frame::new(self.tile, n, side, 0))).collect();
+        let ring: Vec<(usize, CornerFrame)> =
+            ring.map(|(patch, side)| (patch, CornerFrame::new(self.tile, n, side, 0))).collect();
         for (face, place) in shape.points() {
             let (patch, frame) = &ring[face];
             put(self.vertex(order, *patch, frame.place(place.map(usize::cast_signed))));

@@ -3,7 +3,7 @@
 use std::ops::Range;
 
 use super::evaluate::{BAND, Evaluation, Rule};
-use super::lattice::{AXES, Frame, axis, corner, last};
+use super::lattice::{AXES, CornerFrame, axis, corner, last};
 use super::program::Sweep;
 use super::star::StarShape;
 use super::stencils::{Stencil, Stencils};
@@ -102,7 +102,7 @@ impl Trace<'_> {
                 continue;
             };
             let stencil = &along[axis(surface.tile, side)];
-            let frame = Frame::new(surface.tile, n, side, 0);
+            let frame = CornerFrame::new(surface.tile, n, side, 0);
             let turn = if frame.along() == AXES[axis(surface.tile, side)] { 1 } else { -1 };
             for steps in run.steps(frame.along(), frame.corner()[1], &reach) {
                 let here = frame.place([steps, 0]);

@@ -3,12 +3,12 @@
 use super::grid::{Planes, Size, at_least};
 
 /// A row of a refined grid, which takes its points from two planes alternately.
-pub(super) struct Row<'a, const W: usize> {
+pub(super) struct GridRow<'a, const W: usize> {
     even: &'a [[f64; W]],
     odd: &'a [[f64; W]],
 }
 
-impl<'a, const W: usize> Row<'a, W> {
+impl<'a, const W: usize> GridRow<'a, W> {
     pub(super) fn new(planes: &'a Planes, size: Size, row: usize) -> Self {
         let start = size.at([0, (row / 2).cast_signed()]);
         let range = start..start + (size.cells + 1) * W;

@@ -4,10 +4,10 @@ use std::ops::Range;
 use std::sync::{Mutex, PoisonError};
 
 use super::grid::{Planes, Size};
-use super::patches::{Block, Run, Target, Worker};
-use super::places::{Places, Span, spans};
+use super::patches::{Block, SweepRun, Target, Worker};
+use super::places::{Span, SweepPlaces, spans};
 use super::program::{Flat, Sweep};
-use super::weave::Row;
+use super::weave::GridRow;
 use crate::shape::tile::Tile;
 use crate::watch::Watch;
 
@@ -26,7 +26,7 @@ const SPARSE: usize = 4;
 #[derive(Debug)]
 pub(crate) struct OnDemand {
     sweep: Sweep,
-    pub(super) places: Places,
+    pub(super) places: SweepPlaces,
     start: Vec<f64>,
     flat: Flat,
     /// The buffers of threads that are idle.
@@ -58,7 +58,7 @@ impl OnDemand {
     pub(crate) fn new(sweep: Sweep, start: Vec<f64>, watch: &Watch) -> Self {
         let n = sweep.orders[1].pieces();
         let sweep = sweep.with_blocks((BAND / n).max(LEAST_ROWS) / 2);
-        let places = Places::new(&sweep.surface, n);
+        let places = SweepPlaces::new(&sweep.surface, n);
         let flat = sweep.flat(3);
         Self { sweep, places, start, flat, idle: Mutex::default(), watch: watch.clone() }
     }
@@ -141,7 +141,7 @@ impl OnDemand {
         let Buffers { worker, points } = &mut idle;
         worker.begin(&self.sweep);
         let start = self.start.as_chunks().0;
-        let run = Run { sweep: &self.sweep, flat: &self.flat, start, watch: &self.watch };
+        let run = SweepRun { sweep: &self.sweep, flat: &self.flat, start, watch: &self.watch };
         let block = self.rows() * self.rows();
         for of_patch in spans.chunk_by(|(_, a), (_, b)| a.patch == b.patch) {
             let wanted: usize = of_patch.iter().map(|(_, span)| span.len).sum();
@@ -217,7 +217,7 @@ impl Target<3> for Window<'_> {
         for row in rows {
             let to = (row - self.low[1]) * width + columns.start - self.low[0];
             let out = &mut self.points[to..to + columns.len()];
-            Row::new(planes, size, row - at[1]).copy(columns.start - at[0], out);
+            GridRow::new(planes, size, row - at[1]).copy(columns.start - at[0], out);
         }
     }
 }

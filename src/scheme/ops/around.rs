@@ -6,7 +6,7 @@ use crate::shape::topology::Topology;
 /// Maximum number of vertices of a face, and of faces around a vertex: one of size n has n new points with n weights
 /// each. Half as many would quarter the cost of the largest face, and refuse faces of more than 512 vertices; twice as
 /// many take four million weights for one face.
-const MOST: usize = 1024;
+const MAX_AROUND: usize = 1024;
 
 /// Checks that a scheme can handle the sizes of all faces and vertices of a mesh.
 ///
@@ -14,15 +14,15 @@ const MOST: usize = 1024;
 /// The first face or vertex that is too large.
 pub(in crate::scheme) fn check(scheme: &'static str, topology: &Topology) -> Result<(), StepError> {
     let size = |f: usize| topology.face(f).len();
-    if let Some(face) = (0..topology.n_faces()).find(|&f| size(f) > MOST) {
+    if let Some(face) = (0..topology.n_faces()).find(|&f| size(f) > MAX_AROUND) {
         let size = size(face);
-        let found = format!("face {face} has {size} vertices; {scheme} takes at most {MOST}: split the face");
+        let found = format!("face {face} has {size} vertices; {scheme} takes at most {MAX_AROUND}: split the face");
         return Err(StepError::new(found));
     }
     let around = |v: usize| topology.ring(v).count();
-    match (0..topology.n_vertices()).find(|&v| around(v) > MOST) {
+    match (0..topology.n_vertices()).find(|&v| around(v) > MAX_AROUND) {
         Some(vertex) => {
-            let bound = format!("{scheme} takes at most {MOST} around a vertex: split the vertex");
+            let bound = format!("{scheme} takes at most {MAX_AROUND} around a vertex: split the vertex");
             Err(StepError::new(format!("vertex {vertex} has {} faces; {bound}", around(vertex))))
         }
         None => Ok(()),

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use super::local_average;
-use super::ring_average::{self, Around};
+use super::ring_average::{self, FaceContribution};
 use crate::math::functions::ratio;
 use crate::math::rows::{Rows, RowsBy};
 use crate::scheme::creases::{Blend, Creases, Rule};
@@ -81,7 +81,7 @@ impl Operator for Average {
     fn on_mesh(&self, net: &MeshNet, values: &Values<'_>) -> Result<Step<MeshNet>, StepError> {
         let action = match net.mesh.halved() {
             _ if values.settings.tile() == Tile::Triangle => {
-                ring_average::rows(net, Around::Neighbours { mu: values.mu }, values.kernel)
+                ring_average::rows(net, FaceContribution::Neighbours { mu: values.mu }, values.kernel)
             }
             Some(parent) => match net.since.local.as_ref().filter(|_| values.first) {
                 Some(local) => match local.common_kernel() {
@@ -90,7 +90,7 @@ impl Operator for Average {
                 },
                 None => split_rows(net.clone(), parent.clone(), values.kernel),
             },
-            None if net.mesh.parent.is_some() => ring_average::rows(net, Around::Faces, values.kernel),
+            None if net.mesh.parent.is_some() => ring_average::rows(net, FaceContribution::Faces, values.kernel),
             None => plain_rows(net.clone()),
         };
         Ok(Step { net: net.clone(), action })

@@ -6,7 +6,7 @@ use rayon::prelude::*;
 
 use crate::math::functions::sin;
 use crate::math::parameter::{Default, Parameter};
-use crate::math::planar::{Neighbours, Vector, angle, half_chord, length, rotated};
+use crate::math::planar::{Neighbours, Vector2, angle, half_chord, length, rotated};
 use crate::math::vector::{direction, plus, times};
 use crate::scheme::operator::{Children, Facts, Nets, Operator, Role};
 use crate::scheme::polygon_net::PolygonNet;
@@ -86,10 +86,10 @@ struct Biarcs {
 impl PointMap for Biarcs {
     fn apply(
         &self,
-        points: &[Vector],
-        tangents: &[Vector],
+        points: &[Vector2],
+        tangents: &[Vector2],
         watch: &Watch,
-    ) -> Result<(Vec<Vector>, Vec<Vector>), Stopped> {
+    ) -> Result<(Vec<Vector2>, Vec<Vector2>), Stopped> {
         let n = points.len();
         let n_new = if self.closed { 2 * n } else { 2 * n - 1 };
         let (mut new_points, mut new_tangents) = (vec![[0.0; 2]; n_new], vec![[0.0; 2]; n_new]);
@@ -118,7 +118,7 @@ impl PointMap for Biarcs {
 
 impl Biarcs {
     /// Turns each tangent by the fraction mu of the angle to the tangent of the circle.
-    fn blend(&self, points: &[Vector], tangents: &mut [Vector], watch: &Watch) -> Result<(), Stopped> {
+    fn blend(&self, points: &[Vector2], tangents: &mut [Vector2], watch: &Watch) -> Result<(), Stopped> {
         if self.mu == 0.0 {
             return Ok(());
         }
@@ -136,7 +136,7 @@ impl Biarcs {
 }
 
 /// Returns the point that is inserted between two points, and its tangent.
-fn joint(a: Vector, tangent_a: Vector, b: Vector, tangent_b: Vector) -> (Vector, Vector) {
+fn joint(a: Vector2, tangent_a: Vector2, b: Vector2, tangent_b: Vector2) -> (Vector2, Vector2) {
     let half = half_chord(a, b);
     let Some(e) = direction(half) else {
         return (a, rotated(tangent_a, angle(tangent_a, tangent_b) / 2.0));

@@ -27,7 +27,7 @@ enum Even {
 }
 
 /// The stencil of an odd point: its even neighbours, and those beyond them if the line continues.
-struct Around {
+struct OddStencil {
     rule: FourPoint,
     near: [Even; 2],
     beyond: [Option<Even>; 2],
@@ -64,7 +64,7 @@ impl Lines {
     }
 
     /// Returns the stencil of the odd point `row`; `None` if the point is on no line.
-    fn around(&self, row: usize) -> Option<Around> {
+    fn around(&self, row: usize) -> Option<OddStencil> {
         let topology = &self.topology;
         let (n_v, n_e) = (topology.n_vertices(), topology.n_edges());
         let made = row.checked_sub(n_v)?;
@@ -79,7 +79,7 @@ impl Lines {
             let half_edges = self.longitude[made - n_e]?;
             (half_edges.map(Even::Edge), half_edges.map(|half_edge| self.beyond_edge(half_edge)))
         };
-        Some(Around { rule: FourPoint::new(self.local.curve_weight[made]), near, beyond })
+        Some(OddStencil { rule: FourPoint::new(self.local.curve_weight[made]), near, beyond })
     }
 
     /// Returns the vertex at the other end of the other latitude edge of `v`.
@@ -149,7 +149,7 @@ impl Lines {
     }
 }
 
-impl Around {
+impl OddStencil {
     /// Adds the row of an odd point, as symmetric sums if the line continues at both ends; otherwise it is extended by
     /// reflection.
     fn follow(&self, add: impl Fn(Even, f64, &mut Rows), out: &mut Rows) {

@@ -2,7 +2,7 @@
 
 use crate::math::functions::ratio;
 use crate::math::rows::{Rows, RowsBy, symmetric_sum};
-use crate::scheme::anchor::{Anchor, Label};
+use crate::scheme::anchor::{Anchor, CellKind};
 use crate::scheme::creases::{Blend, Creases, Rule};
 use crate::scheme::mesh_net::MeshNet;
 use crate::scheme::step::Action;
@@ -10,7 +10,7 @@ use crate::shape::topology::{Topology, index};
 
 /// The contribution of each face around a vertex.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) enum Around {
+pub(super) enum FaceContribution {
     /// The weighted mean of its vertices.
     Faces,
     /// `mu P + (1 - mu)/2 (A + B)`, weighted, with the neighbours A and B of P in the face.
@@ -22,7 +22,7 @@ pub(super) enum Around {
 
 /// Returns the mean of the contributions of the faces around each vertex, with the weights that the kernel `f` gives to
 /// V, E and F; boundaries and creases follow the curve rule, corners stay.
-pub(super) fn rows(net: &MeshNet, around: Around, f: f64) -> Action {
+pub(super) fn rows(net: &MeshNet, around: FaceContribution, f: f64) -> Action {
     let n = net.mesh.n_vertices();
     let topology = net.mesh.topology();
     let weights = Weights { labels: net.since.anchor.clone().filter(|_| net.mesh.parent.is_some()), f };
@@ -35,8 +35,8 @@ pub(super) fn rows(net: &MeshNet, around: Around, f: f64) -> Action {
                 let ends = edges.map(|e| topology.other_end(e as usize, v));
                 crease_row(&weights, v, ends, out);
             }
-            (Rule::Smooth, Around::Faces) => faces_row(&topology, &weights, v, out),
-            (Rule::Smooth, Around::Neighbours { mu }) => neighbours_row(&topology, &weights, v, mu, out),
+            (Rule::Smooth, FaceContribution::Faces) => faces_row(&topology, &weights, v, out),
+            (Rule::Smooth, FaceContribution::Neighbours { mu }) => neighbours_row(&topology, &weights, v, mu, out),
         }
     });
     Action::Blend(Box::new(rows))
@@ -55,7 +55,7 @@ impl Weights {
     }
 
     fn on_curves(&self, v: u32) -> f64 {
-        let is_vertex = |labels: &Anchor| labels.label(v as usize) == Label::Vertex;
+        let is_vertex = |labels: &Anchor| labels.label(v as usize) == CellKind::Vertex;
         if self.labels.as_ref().is_some_and(is_vertex) { self.f } else { 1.0 }
     }
 }

@@ -91,11 +91,11 @@ impl Operator for RootThree {
                     .half_edges(face)
                     .find(|&half_edge| boundary == BoundarySplit::Thirds && old.twin(half_edge) == NONE)
                 {
-                    Some(half_edge) => third_row(&before, old.edge(half_edge), Near::Start, out),
+                    Some(half_edge) => third_row(&before, old.edge(half_edge), NearerEnd::Start, out),
                     None => old.face(face).iter().for_each(|&v| out.add(v, ratio(1, 3))),
                 }
             } else {
-                third_row(&before, cut[row - n_v - n_f], Near::End, out);
+                third_row(&before, cut[row - n_v - n_f], NearerEnd::End, out);
             }
         });
         Ok(Step { net: next, action: Action::Blend(Box::new(rows)) })
@@ -129,16 +129,16 @@ fn vertex_row(net: &MeshNet, boundary: BoundarySplit, v: usize, out: &mut Rows) 
 
 /// The end of an edge that is nearer to a new point.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Near {
+enum NearerEnd {
     Start,
     End,
 }
 
 /// Adds the row of a point at a third of a boundary edge: `(16 near + 10 far + 1 beyond)/27`, reflected at a corner.
-fn third_row(net: &MeshNet, edge: u32, near: Near, out: &mut Rows) {
+fn third_row(net: &MeshNet, edge: u32, near: NearerEnd, out: &mut Rows) {
     let topology: &Topology = &net.mesh.base;
     let [start, end] = topology.ends(edge as usize);
-    let [a, b] = if near == Near::Start { [start, end] } else { [end, start] };
+    let [a, b] = if near == NearerEnd::Start { [start, end] } else { [end, start] };
     if net.tags.is_corner(a as usize) {
         out.add(a, ratio(18, 27));
         out.add(b, ratio(9, 27));
@@ -148,7 +148,7 @@ fn third_row(net: &MeshNet, edge: u32, near: Near, out: &mut Rows) {
     out.add(b, ratio(10, 27));
     if let Some([onward, from]) = topology.boundary_edges(a as usize) {
         let beyond =
-            if near == Near::Start { topology.ends(from as usize)[0] } else { topology.ends(onward as usize)[1] };
+            if near == NearerEnd::Start { topology.ends(from as usize)[0] } else { topology.ends(onward as usize)[1] };
         out.add(beyond, ratio(1, 27));
     }
 }

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use crate::math::rows::{Rows, RowsBy};
 use crate::scheme::anchor::Anchor;
 use crate::scheme::curve_rule::{CurveRule, between};
-use crate::scheme::local::Local;
+use crate::scheme::local::LocalValues;
 use crate::scheme::local_mesh::MeshLocal;
 use crate::scheme::mesh_net::MeshNet;
 use crate::scheme::operator::{Children, Facts, Follows, Operator, Role, SplineStep, Standard};
@@ -80,7 +80,7 @@ impl Operator for Upsample {
         let anchor = net.as_anchor();
         let local = values.sources.as_ref().map_or(Ok(None), |sources| {
             let edges = if net.is_closed() { net.n_control() } else { net.n_control() - 1 };
-            Local::of([net.n_control(), edges], net.attributes.as_deref(), arity, sources)
+            LocalValues::of([net.n_control(), edges], net.attributes.as_deref(), arity, sources)
         })?;
         let attributes = net.attributes.as_ref().map(|kept| Arc::new(kept.upsampled(arity, net.is_closed())));
         let phase = Some(net.phase_after(arity));

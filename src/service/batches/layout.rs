@@ -10,7 +10,7 @@ pub enum Layout {
     /// A grid: a template filled with a value of each axis, row by row, the last axis fastest.
     Grid {
         /// The template in pieces.
-        template: Vec<Piece>,
+        template: Vec<TemplatePiece>,
         /// The axes in order.
         axes: Vec<Axis>,
     },
@@ -18,7 +18,7 @@ pub enum Layout {
 
 /// A piece of a template.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub enum Piece {
+pub enum TemplatePiece {
     /// A range of the text of the batch.
     Text(Range<usize>),
     /// Text that does not occur in the batch.
@@ -51,10 +51,10 @@ impl Layout {
         match self {
             Self::List(jobs) => jobs.iter().map(length).sum(),
             Self::Grid { template, axes } => {
-                let of_piece = |piece: &Piece| match piece {
-                    Piece::Text(range) => n.saturating_mul(length(range)),
-                    Piece::Written(text) => n.saturating_mul(text.len() as u128),
-                    Piece::Value(at) => axes.get(*at).map_or(0, |axis| {
+                let of_piece = |piece: &TemplatePiece| match piece {
+                    TemplatePiece::Text(range) => n.saturating_mul(length(range)),
+                    TemplatePiece::Written(text) => n.saturating_mul(text.len() as u128),
+                    TemplatePiece::Value(at) => axes.get(*at).map_or(0, |axis| {
                         let all: u128 = axis.values.iter().map(length).sum();
                         (n / axis.values.len().max(1) as u128).saturating_mul(all)
                     }),
@@ -83,9 +83,9 @@ impl Layout {
             Self::Grid { template, axes } => {
                 let coordinates = self.coordinates(job);
                 let parts = template.iter().map(|piece| match piece {
-                    Piece::Text(range) => of(range),
-                    Piece::Written(text) => text.as_bytes(),
-                    Piece::Value(axis) => of(&axes[*axis].values[coordinates[*axis]]),
+                    TemplatePiece::Text(range) => of(range),
+                    TemplatePiece::Written(text) => text.as_bytes(),
+                    TemplatePiece::Value(axis) => of(&axes[*axis].values[coordinates[*axis]]),
                 });
                 parts.collect::<Vec<_>>().concat()
             }
@@ -100,7 +100,12 @@ mod tests {
     #[test]
     fn the_last_axis_of_a_grid_is_the_fastest() {
         let axis = |values: &[Range<usize>]| Axis { pointer: String::new(), values: values.to_vec() };
-        let template = vec![Piece::Value(0), Piece::Written("-".to_owned()), Piece::Value(1), Piece::Text(5..6)];
+        let template = vec![
+            TemplatePiece::Value(0),
+            TemplatePiece::Written("-".to_owned()),
+            TemplatePiece::Value(1),
+            TemplatePiece::Text(5..6),
+        ];
         let layout = Layout::Grid { template, axes: vec![axis(&[0..1, 1..2]), axis(&[2..3, 3..4, 3..5])] };
         let texts: Vec<_> = (0..6).map(|at| String::from_utf8(layout.text(b"abxyz!", at)).expect("text")).collect();
         assert_eq!(texts, ["a-x!", "a-y!", "a-yz!", "b-x!", "b-y!", "b-yz!"]);

@@ -8,7 +8,7 @@ mod table;
 mod written;
 
 pub use begun::Begun;
-pub use layout::{Axis, Layout, Piece};
-pub use record::{Batch, BatchRequest, BatchRun, Ending, Item, NewBatch};
-pub use standing::{BatchStanding, Counts};
+pub use layout::{Axis, Layout, TemplatePiece};
+pub use record::{Batch, BatchRun, Ending, Item, NewBatch, ParsedBatch};
+pub use standing::{BatchStanding, PhaseCounts};
 pub use table::{Batches, ReadLayout};

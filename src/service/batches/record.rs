@@ -9,7 +9,7 @@ use tokio::sync::watch;
 use super::layout::Layout;
 use crate::job::key::Key;
 use crate::service::job_key::{JobKey, JobTerms};
-use crate::service::jobs::{Made, Product, State};
+use crate::service::jobs::{JobState, OutputResult, Product};
 use crate::service::peer::{Paid, Peer, Ticket};
 
 /// Estimated bytes of a batch besides its text and its items. Half of it is less than its map entries take; twice of it
@@ -21,7 +21,7 @@ const ITEM_BYTES: u64 = 512;
 
 /// The request of a batch.
 #[derive(Debug)]
-pub struct BatchRequest {
+pub struct ParsedBatch {
     /// The text of the batch as it was sent.
     pub text: Bytes,
     /// The positions of the jobs in the text.
@@ -30,7 +30,7 @@ pub struct BatchRequest {
     pub n_outputs: u64,
 }
 
-impl BatchRequest {
+impl ParsedBatch {
     /// Returns the number of jobs.
     pub fn n(&self) -> usize {
         usize::try_from(self.layout.n()).unwrap_or(usize::MAX)
@@ -46,9 +46,9 @@ impl BatchRequest {
 #[derive(Debug, Clone)]
 pub struct Ending {
     /// Whether all outputs were made, or why not.
-    pub state: State,
+    pub state: JobState,
     /// The outputs with their results; empty if the job was never read.
-    pub outputs: Vec<(Product, Option<Made>)>,
+    pub outputs: Vec<(Product, Option<OutputResult>)>,
 }
 
 /// One job of a batch.
@@ -70,7 +70,7 @@ pub struct Batch {
     /// Position among all batches; later batches have larger numbers.
     pub number: u64,
     /// The request.
-    pub request: Arc<BatchRequest>,
+    pub request: Arc<ParsedBatch>,
     /// Number of times that the batch was begun.
     pub attempts: u32,
     /// The priority and the time limits of the jobs.
@@ -78,7 +78,7 @@ pub struct Batch {
     /// The client whose turns the jobs take.
     pub peer: Peer,
     /// The state of the batch.
-    pub state: State,
+    pub state: JobState,
     /// The jobs of the batch.
     pub items: Vec<Item>,
     /// Time at which the batch was begun, by the clock of the service.
@@ -95,7 +95,7 @@ pub struct Batch {
 impl Batch {
     /// Returns whether the batch waits or runs.
     pub fn is_active(&self) -> bool {
-        self.state == State::Active
+        self.state == JobState::Active
     }
 
     /// Returns the jobs that were read and have not ended.
@@ -111,7 +111,7 @@ pub struct NewBatch {
     /// The batch.
     pub batch: JobKey,
     /// The request.
-    pub request: Arc<BatchRequest>,
+    pub request: Arc<ParsedBatch>,
     /// The priority and the time limits of the jobs.
     pub terms: JobTerms,
     /// The client whose turns the jobs take.

@@ -1,7 +1,7 @@
 //! The current status of a batch.
 
 use super::record::Batch;
-use crate::service::jobs::{Phase, Standing, State};
+use crate::service::jobs::{JobPhase, JobState, Standing};
 
 /// Parts of a sequence number within an attempt: [`PARTS`] for each item; attempts are [`STEPS`] apart.
 const PARTS: u64 = 1000;
@@ -9,7 +9,7 @@ const STEPS: u64 = 1 << 32;
 
 /// The number of jobs of a batch in each phase.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub struct Counts {
+pub struct PhaseCounts {
     /// Jobs that wait for their turn, or to be queued.
     pub queued: u64,
     /// Jobs that run.
@@ -30,11 +30,11 @@ pub struct BatchStanding {
     /// The record of the batch.
     pub batch: Batch,
     /// The phase of the batch.
-    pub phase: Phase,
+    pub phase: JobPhase,
     /// For each item, the status of its job if the job was read and has not ended.
     pub under_way: Vec<Option<Standing>>,
     /// The number of jobs in each phase.
-    pub counts: Counts,
+    pub counts: PhaseCounts,
     /// Fraction of the work that is done, from 0 to 1, with the same weight for every job.
     pub progress: f64,
 }
@@ -44,21 +44,21 @@ impl BatchStanding {
     pub fn of(batch: Batch, job: impl Fn(usize) -> Option<Standing>) -> Self {
         let goes_on = |at: usize| batch.items[at].ending.is_none() && batch.items[at].job.is_some();
         let under_way: Vec<_> = (0..batch.items.len()).map(|at| if goes_on(at) { job(at) } else { None }).collect();
-        let mut counts = Counts::default();
+        let mut counts = PhaseCounts::default();
         for (item, standing) in batch.items.iter().zip(&under_way) {
             let state = item.ending.as_ref().map(|ending| &ending.state);
-            let is_running = standing.as_ref().is_some_and(|standing| standing.phase == Phase::Running);
+            let is_running = standing.as_ref().is_some_and(|standing| standing.phase == JobPhase::Running);
             *match state {
-                Some(State::Done) => &mut counts.done,
-                Some(State::Failed(_)) => &mut counts.failed,
-                Some(State::Cancelled) => &mut counts.cancelled,
-                None | Some(State::Active) if is_running => &mut counts.running,
-                None | Some(State::Active) => &mut counts.queued,
+                Some(JobState::Done) => &mut counts.done,
+                Some(JobState::Failed(_)) => &mut counts.failed,
+                Some(JobState::Cancelled) => &mut counts.cancelled,
+                None | Some(JobState::Active) if is_running => &mut counts.running,
+                None | Some(JobState::Active) => &mut counts.queued,
             } += 1;
             counts.hits += u64::from(item.is_hit);
         }
         let has_begun = counts.queued < batch.items.len() as u64;
-        let phase = Phase::of(&batch.state, has_begun);
+        let phase = JobPhase::of(&batch.state, has_begun);
         let progress = progress(&batch, &under_way);
         Self { batch, phase, under_way, counts, progress }
     }
@@ -73,9 +73,9 @@ impl BatchStanding {
     pub fn sequence(&self) -> u64 {
         let parts = self.batch.items.len() as u64 * PARTS;
         let step = match self.phase {
-            Phase::Queued => 0,
-            Phase::Running => 1 + (self.progress.clamp(0.0, 1.0) * parts as f64) as u64,
-            Phase::Done | Phase::Failed(_) | Phase::Cancelled => parts + 2,
+            JobPhase::Queued => 0,
+            JobPhase::Running => 1 + (self.progress.clamp(0.0, 1.0) * parts as f64) as u64,
+            JobPhase::Done | JobPhase::Failed(_) | JobPhase::Cancelled => parts + 2,
         };
         u64::from(self.batch.attempts) * STEPS + step
     }
@@ -83,7 +83,7 @@ impl BatchStanding {
 
 #[expect(clippy::cast_precision_loss, reason = "a batch has few items")]
 fn progress(batch: &Batch, under_way: &[Option<Standing>]) -> f64 {
-    if batch.state == State::Done {
+    if batch.state == JobState::Done {
         return 1.0;
     }
     let share = |(item, standing): (&super::record::Item, &Option<Standing>)| match (&item.ending, standing) {

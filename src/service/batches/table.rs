@@ -8,13 +8,13 @@ use bytes::Bytes;
 use tokio::sync::watch;
 
 use super::layout::Layout;
-use super::record::{Batch, BatchRequest, BatchRun, Ending, Item, NewBatch};
-use super::written::{Kept, KeptBatch, Written, decode, encode, encode_item, is_of_batch};
+use super::record::{Batch, BatchRun, Ending, Item, NewBatch, ParsedBatch};
+use super::written::{BatchRow, DecodedRow, KeptBatch, decode, encode, encode_item, is_of_batch};
 use crate::job::key::Key;
 use crate::service::account::Full;
 use crate::service::clock::Clock;
 use crate::service::job_key::{JobKey, Tenant};
-use crate::service::jobs::State;
+use crate::service::jobs::JobState;
 use crate::service::journal::Journal;
 use crate::service::lock::lock;
 use crate::service::peer::{Paid, Peer};
@@ -34,7 +34,7 @@ pub struct Batches {
     clock: Arc<dyn Clock>,
     layout: ReadLayout,
     /// Writes batches to durable storage, if there is any.
-    journal: Option<Journal<Written>>,
+    journal: Option<Journal<BatchRow>>,
 }
 
 #[derive(Debug, Default)]
@@ -77,13 +77,13 @@ impl Table {
     /// for the full time to live.
     fn join(&mut self, batch: &JobKey, now: Duration) -> bool {
         let Some(known) = self.batches.get_mut(batch) else { return false };
-        if known.state == State::Done {
+        if known.state == JobState::Done {
             self.by_number.remove(&known.number);
             (known.number, known.settled) = (self.next, Some(now));
             self.by_number.insert(self.next, *batch);
             self.next += 1;
         }
-        known.is_active() || known.state == State::Done
+        known.is_active() || known.state == JobState::Done
     }
 
     /// Returns the batch of an attempt that is still active.
@@ -101,12 +101,12 @@ impl Batches {
             Journal::new(records, move |row| {
                 let table = lock(&table);
                 match row {
-                    Written::Batch(batch) => {
+                    BatchRow::Batch(batch) => {
                         let batch = table.batches.get(batch)?;
                         let since = batch.settled.map(|at| clock.now().saturating_sub(at));
                         Some(encode(batch, since.map(|since| clock.wall().saturating_sub(since))))
                     }
-                    Written::Item(batch, at) => {
+                    BatchRow::Item(batch, at) => {
                         let item = table.batches.get(batch)?.items.get(*at as usize)?;
                         Some(encode_item(batch, *at, item))
                     }
@@ -121,13 +121,13 @@ impl Batches {
     }
 
     fn note(&self, batch: JobKey) {
-        self.journal.iter().for_each(|journal| journal.note(Written::Batch(batch)));
+        self.journal.iter().for_each(|journal| journal.note(BatchRow::Batch(batch)));
     }
 
     fn note_items(&self, batch: JobKey, items: impl IntoIterator<Item = usize>) {
         let Some(journal) = &self.journal else { return };
         for at in items {
-            journal.note(Written::Item(batch, u32::try_from(at).unwrap_or(u32::MAX)));
+            journal.note(BatchRow::Item(batch, u32::try_from(at).unwrap_or(u32::MAX)));
         }
     }
 
@@ -137,7 +137,7 @@ impl Batches {
     /// When the record cannot be written.
     pub async fn written(&self, batch: JobKey) -> Result<(), StoreError> {
         match &self.journal {
-            Some(journal) => journal.written(Written::Batch(batch)).await,
+            Some(journal) => journal.written(BatchRow::Batch(batch)).await,
             None => Ok(()),
         }
     }
@@ -233,7 +233,7 @@ impl Batches {
 
     fn begun(&self, new: NewBatch, number: u64, (attempts, before): (u32, Vec<Item>), memory: Paid) -> Batch {
         let NewBatch { batch, request, terms, peer, ticket } = new;
-        let is_done = |item: &Item| item.ending.as_ref().is_some_and(|ending| ending.state == State::Done);
+        let is_done = |item: &Item| item.ending.as_ref().is_some_and(|ending| ending.state == JobState::Done);
         let mut items: Vec<Item> =
             before.into_iter().map(|item| if is_done(&item) { item } else { Item::default() }).collect();
         items.resize(request.n(), Item::default());
@@ -244,7 +244,7 @@ impl Batches {
             attempts,
             terms,
             peer,
-            state: State::Active,
+            state: JobState::Active,
             items,
             queued: self.clock.now(),
             settled: None,
@@ -263,8 +263,8 @@ impl Batches {
         let Some(journal) = &self.journal else { return Ok(Vec::new()) };
         let (mut kept, mut items) = (Vec::new(), HashMap::<JobKey, Vec<(usize, Item)>>::new());
         journal.each(&mut |record| match is_of_batch(record).then(|| decode(record)) {
-            Some(Some(Kept::Batch(batch))) => kept.push(*batch),
-            Some(Some(Kept::Item { batch, at, item })) => items.entry(batch).or_default().push((at, item)),
+            Some(Some(DecodedRow::Batch(batch))) => kept.push(*batch),
+            Some(Some(DecodedRow::Item { batch, at, item })) => items.entry(batch).or_default().push((at, item)),
             Some(None) => tracing::warn!("a record of a batch cannot be read; it is left as it is"),
             None => {}
         })?;
@@ -276,7 +276,7 @@ impl Batches {
                 tracing::warn!(batch = %key.id, "the jobs of a batch cannot be told any more; it is left as it is");
                 continue;
             };
-            let request = BatchRequest { text: kept.text.clone(), layout, n_outputs: kept.n_outputs };
+            let request = ParsedBatch { text: kept.text.clone(), layout, n_outputs: kept.n_outputs };
             let Ok(memory) = memory(request.bytes()) else {
                 tracing::warn!(batch = %key.id, "no room for the record of a batch; it waits for a next start");
                 continue;
@@ -292,7 +292,7 @@ impl Batches {
     }
 
     /// Restores a batch of an earlier process; an active batch gets a further attempt.
-    fn revived(&self, kept: KeptBatch, request: BatchRequest, known: Vec<(usize, Item)>, memory: Paid) -> Batch {
+    fn revived(&self, kept: KeptBatch, request: ParsedBatch, known: Vec<(usize, Item)>, memory: Paid) -> Batch {
         let KeptBatch { batch, number, attempts, terms, state, settled_s, n_outputs: _, text: _ } = kept;
         let (now, wall) = (self.clock.now(), self.clock.wall());
         let mut items = vec![Item::default(); request.n()];
@@ -301,7 +301,7 @@ impl Batches {
                 *place = item;
             }
         }
-        let is_active = state == State::Active;
+        let is_active = state == JobState::Active;
         let age = settled_s.map(|at| wall.saturating_sub(Duration::from_secs(at)));
         Batch {
             batch,
@@ -346,13 +346,13 @@ impl Batches {
 
     /// Ends an active batch, or only the given attempt at it; items that have not ended become cancelled. Returns those
     /// of their jobs that were read; `None` if no such batch is active.
-    pub fn end(&self, batch: &JobKey, attempt: Option<&BatchRun>, state: State) -> Option<Vec<JobKey>> {
+    pub fn end(&self, batch: &JobKey, attempt: Option<&BatchRun>, state: JobState) -> Option<Vec<JobKey>> {
         let now = self.clock.now();
         let mut table = self.table();
         let is_meant = |known: &&mut Batch| attempt.is_none_or(|run| run.number == known.number);
         let known = table.batches.get_mut(batch).filter(|known| known.is_active()).filter(is_meant)?;
         let left = known.under_way();
-        let cancelled = Arc::new(Ending { state: State::Cancelled, outputs: Vec::new() });
+        let cancelled = Arc::new(Ending { state: JobState::Cancelled, outputs: Vec::new() });
         let open: Vec<usize> = (0..known.items.len()).filter(|at| known.items[*at].ending.is_none()).collect();
         for at in &open {
             known.items[*at].ending = Some(cancelled.clone());

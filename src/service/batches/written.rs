@@ -6,10 +6,10 @@ use std::time::Duration;
 use bytes::Bytes;
 
 use super::record::{Batch, Ending, Item};
-use crate::service::fields::{Fields, Writing};
+use crate::service::fields::{Fields, RecordWriter};
 use crate::service::job_key::{JobKey, JobTerms};
-use crate::service::jobs::{NONE, State, counted, given, numbered, numbers_of, output, outputs, state_of, terms};
-use crate::service::journal::Row;
+use crate::service::jobs::{JobState, NONE, counted, given, numbered, numbers_of, output, outputs, state_of, terms};
+use crate::service::journal::RowKey;
 
 const BATCH: [u8; 8] = *b"plnshbat";
 const ITEM: [u8; 8] = *b"plnshitm";
@@ -27,12 +27,12 @@ mod tag {
 
 /// The key of a row in durable storage: a batch, or one item of a batch.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-pub(super) enum Written {
+pub(super) enum BatchRow {
     Batch(JobKey),
     Item(JobKey, u32),
 }
 
-impl Row for Written {
+impl RowKey for BatchRow {
     fn key(&self) -> Vec<u8> {
         match self {
             Self::Batch(batch) => batch.to_bytes().to_vec(),
@@ -43,7 +43,7 @@ impl Row for Written {
 
 /// A decoded row.
 #[derive(Debug)]
-pub(super) enum Kept {
+pub(super) enum DecodedRow {
     Batch(Box<KeptBatch>),
     Item { batch: JobKey, at: usize, item: Item },
 }
@@ -55,7 +55,7 @@ pub(super) struct KeptBatch {
     pub(super) number: u64,
     pub(super) attempts: u32,
     pub(super) terms: JobTerms,
-    pub(super) state: State,
+    pub(super) state: JobState,
     /// Time at which the batch was settled, in seconds since 1970.
     pub(super) settled_s: Option<u64>,
     pub(super) n_outputs: u64,
@@ -64,7 +64,7 @@ pub(super) struct KeptBatch {
 
 /// Encodes a batch without its items; `settled` is the time since 1970 at which the batch was settled, if it is.
 pub(super) fn encode(batch: &Batch, settled: Option<Duration>) -> Vec<u8> {
-    let mut out = Writing::new(BATCH, VERSION, 256 + batch.request.text.len());
+    let mut out = RecordWriter::new(BATCH, VERSION, 256 + batch.request.text.len());
     out.field(tag::BATCH, &batch.batch.to_bytes());
     let (number, reason) = numbered(&batch.state);
     let settled = settled.map_or(NONE, |at| at.as_secs());
@@ -78,7 +78,7 @@ pub(super) fn encode(batch: &Batch, settled: Option<Duration>) -> Vec<u8> {
 
 /// Encodes an item.
 pub(super) fn encode_item(batch: &JobKey, at: u32, item: &Item) -> Vec<u8> {
-    let mut out = Writing::new(ITEM, VERSION, 256);
+    let mut out = RecordWriter::new(ITEM, VERSION, 256);
     out.field(tag::BATCH, &batch.to_bytes());
     let (number, reason) = item.ending.as_ref().map_or((0, ""), |ending| numbered(&ending.state));
     out.numbers(tag::STANDING, &[at.into(), number, item.is_hit.into()]);
@@ -96,7 +96,7 @@ pub(super) fn is_of_batch(record: &[u8]) -> bool {
 }
 
 /// Decodes a record; returns `None` if it is damaged, of another version, or names an unknown format.
-pub(super) fn decode(bytes: &[u8]) -> Option<Kept> {
+pub(super) fn decode(bytes: &[u8]) -> Option<DecodedRow> {
     if bytes.starts_with(&ITEM) {
         return decode_item(bytes);
     }
@@ -107,10 +107,10 @@ pub(super) fn decode(bytes: &[u8]) -> Option<Kept> {
     let state = state_of(standing, fields.text(tag::REASON)?)?;
     let text = Bytes::copy_from_slice(fields.take(tag::TEXT)?);
     let ((number, attempts), settled_s) = (counted(number, attempts)?, given(settled));
-    Some(Kept::Batch(Box::new(KeptBatch { batch, number, attempts, terms, state, settled_s, n_outputs, text })))
+    Some(DecodedRow::Batch(Box::new(KeptBatch { batch, number, attempts, terms, state, settled_s, n_outputs, text })))
 }
 
-fn decode_item(bytes: &[u8]) -> Option<Kept> {
+fn decode_item(bytes: &[u8]) -> Option<DecodedRow> {
     let mut fields = Fields::of(bytes, ITEM, VERSION)?;
     let batch = JobKey::from_bytes(fields.take(tag::BATCH)?)?;
     let [at, number, is_hit] = fields.numbers(tag::STANDING)?.try_into().ok()?;
@@ -118,6 +118,6 @@ fn decode_item(bytes: &[u8]) -> Option<Kept> {
     let job = fields.hashes(tag::JOB)?.first().copied();
     let (products, made) = outputs(&mut fields)?;
     let outputs = products.into_iter().zip(made).collect();
-    let ending = (state != State::Active).then(|| Arc::new(Ending { state, outputs }));
-    Some(Kept::Item { batch, at: usize::try_from(at).ok()?, item: Item { job, is_hit: is_hit == 1, ending } })
+    let ending = (state != JobState::Active).then(|| Arc::new(Ending { state, outputs }));
+    Some(DecodedRow::Item { batch, at: usize::try_from(at).ok()?, item: Item { job, is_hit: is_hit == 1, ending } })
 }

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use tokio::sync::watch;
 
-use super::record::{Holder, JobSummary, Made, Record};
+use super::record::{Holder, JobSummary, OutputResult, Record};
 use crate::service::job_key::{JobKey, JobTerms};
 use crate::service::peer::{Peer, Ticket};
 use crate::service::store::Pin;
@@ -25,14 +25,14 @@ pub struct New {
     /// The job's share of the jobs that its client may have under way; `None` for a job that is done already.
     pub ticket: Option<Ticket>,
     /// The results of the job's outputs; empty for a job that is still to be done.
-    pub made: Vec<Made>,
+    pub made: Vec<OutputResult>,
     /// Pins on the uploads that the job needs.
     pub pins: Vec<Arc<Pin>>,
 }
 
 /// One attempt to run a job.
 #[derive(Debug, Clone)]
-pub struct Run {
+pub struct Attempt {
     /// The job.
     pub job: JobKey,
     pub(super) number: u64,
@@ -42,9 +42,9 @@ pub struct Run {
 
 /// The result of accepting a job.
 #[derive(Debug)]
-pub enum Placed {
+pub enum Admission {
     /// The job is under way already, or done.
     Known(Box<Record>),
     /// The job is to be done, in this attempt.
-    New(Run),
+    New(Attempt),
 }

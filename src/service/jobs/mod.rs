@@ -9,8 +9,8 @@ mod standing;
 mod table;
 mod written;
 
-pub use attempt::{New, Placed, Run};
-pub use record::{Holder, JobSummary, Made, Predicted, Product, Record, State, Wanted};
-pub use standing::{Phase, Standing};
+pub use attempt::{Admission, Attempt, New};
+pub use record::{Holder, JobState, JobSummary, OutputResult, Predicted, Product, Record, Requesters};
+pub use standing::{JobPhase, Standing};
 pub use table::Jobs;
 pub(super) use written::{NONE, counted, given, numbered, numbers_of, output, outputs, state_of, terms};

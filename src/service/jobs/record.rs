@@ -27,7 +27,7 @@ const OUTPUT_BYTES: u64 = 1 << 10;
 
 /// Maximum number of starts of a job without an end, because the process ended first. Half of it would fail jobs that
 /// happened to run during two crashes caused by others; twice of it would let one job end the process twelve times.
-pub(super) const MOST_STARTS: u32 = 6;
+pub(super) const MAX_STARTS: u32 = 6;
 /// Seconds that a job with two starts and no end waits before it is queued again; doubled for each further start. Half
 /// of it would suspect more of the jobs that run in a process that something else ends every second; twice of it would
 /// make the last attempt wait for a quarter of a minute.
@@ -101,7 +101,7 @@ impl JobSummary {
 
 /// The result of an output.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub enum Made {
+pub enum OutputResult {
     /// The output was made, or was stored already.
     Done {
         /// Length in bytes.
@@ -117,7 +117,7 @@ pub enum Made {
 
 /// The state of a job or a batch.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub enum State {
+pub enum JobState {
     /// It waits for its turn, or is being computed.
     Active,
     /// All outputs were made.
@@ -128,7 +128,7 @@ pub enum State {
     Cancelled,
 }
 
-impl State {
+impl JobState {
     /// Returns the state of a job during which the process has ended `starts` times, so that it seems to be the cause.
     pub(super) fn poisoned(starts: u32) -> Self {
         Self::Failed(format!(
@@ -142,14 +142,14 @@ impl Record {
     /// Returns how long the job waits after a start of the process before it is queued again. The pause lets other jobs
     /// finish before a job that ends the process, and spares an innocent job further starts in short-lived processes.
     pub fn pause(&self) -> Duration {
-        let doublings = self.starts.saturating_sub(2).min(MOST_STARTS);
+        let doublings = self.starts.saturating_sub(2).min(MAX_STARTS);
         Duration::from_secs(if self.starts < 2 { 0 } else { FIRST_PAUSE_S << doublings })
     }
 
     /// Returns whether results of the job that are no longer stored may be made again on request: the job is active or
     /// done.
     pub fn may_be_made_again(&self) -> bool {
-        matches!(self.state, State::Active | State::Done)
+        matches!(self.state, JobState::Active | JobState::Done)
     }
 }
 
@@ -165,14 +165,14 @@ pub enum Holder {
 /// All parties that want a job. When a batch is cancelled, jobs that a client has posted or another batch wants
 /// continue.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
-pub struct Wanted {
+pub struct Requesters {
     /// Whether a client has posted the job.
     pub is_posted: bool,
     /// The batches that want the job.
     pub batches: BTreeSet<Key>,
 }
 
-impl Wanted {
+impl Requesters {
     /// Returns the set of one party.
     pub(super) fn by(holder: Holder) -> Self {
         let mut wanted = Self::default();
@@ -211,15 +211,15 @@ pub struct Record {
     /// Number of starts of the job in processes that ended before it did, plus one while it runs.
     pub starts: u32,
     /// The parties that want the job.
-    pub wanted: Wanted,
+    pub wanted: Requesters,
     /// The priority and the time limits of the job.
     pub terms: JobTerms,
     /// The client whose turn the job takes.
     pub peer: Peer,
     /// The state of the job.
-    pub state: State,
+    pub state: JobState,
     /// The result of each output, once there is one.
-    pub made: Vec<Option<Made>>,
+    pub made: Vec<Option<OutputResult>>,
     /// The index of the output that is being computed, and this job's interest in the computation.
     pub computing: Option<(usize, Arc<Interest>)>,
     /// Time at which the job was queued, by the clock of the service.
@@ -240,7 +240,7 @@ pub struct Record {
 impl Record {
     /// Returns whether the job waits or runs.
     pub fn is_active(&self) -> bool {
-        self.state == State::Active
+        self.state == JobState::Active
     }
 
     /// Returns the lane of the job's longest computation; `lane_of` takes milliseconds and bytes.

@@ -5,16 +5,16 @@ use std::time::Duration;
 
 use tokio::sync::watch;
 
-use super::record::{MOST_STARTS, Record, State, Wanted};
-use super::written::Kept;
+use super::record::{JobState, MAX_STARTS, Record, Requesters};
+use super::written::DecodedRecord;
 use crate::service::peer::{Paid, Peer};
 
 /// Restores a record of an earlier process; an active job gets a further attempt, or fails if it was started too often.
-pub(super) fn revived(kept: Kept, memory: Paid, now: Duration, wall: Duration) -> Record {
-    let Kept { job, number, attempts, starts, is_posted, terms, state, made, settled_s, summary } = kept;
-    let is_poison = state == State::Active && starts >= MOST_STARTS;
-    let state = if is_poison { State::poisoned(starts) } else { state };
-    let is_active = state == State::Active;
+pub(super) fn revived(kept: DecodedRecord, memory: Paid, now: Duration, wall: Duration) -> Record {
+    let DecodedRecord { job, number, attempts, starts, is_posted, terms, state, made, settled_s, summary } = kept;
+    let is_poison = state == JobState::Active && starts >= MAX_STARTS;
+    let state = if is_poison { JobState::poisoned(starts) } else { state };
+    let is_active = state == JobState::Active;
     let age = settled_s.map(|at| wall.saturating_sub(Duration::from_secs(at)));
     Record {
         job,
@@ -23,7 +23,7 @@ pub(super) fn revived(kept: Kept, memory: Paid, now: Duration, wall: Duration) -
         starts,
         terms,
         peer: Peer::service(job.tenant),
-        wanted: Wanted { is_posted, ..Wanted::default() },
+        wanted: Requesters { is_posted, ..Requesters::default() },
         state,
         made: if is_active { vec![None; made.len()] } else { made },
         summary: Arc::new(summary),

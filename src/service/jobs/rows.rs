@@ -3,8 +3,8 @@
 use std::collections::{BTreeMap, BTreeSet, HashMap};
 use std::time::Duration;
 
-use super::attempt::Run;
-use super::record::{Holder, Record, State};
+use super::attempt::Attempt;
+use super::record::{Holder, JobState, Record};
 use crate::job::key::Key;
 use crate::service::job_key::{JobKey, Tenant};
 
@@ -37,17 +37,17 @@ impl Table {
     }
 
     /// Returns the record of an attempt that is still active.
-    pub(super) fn running(&mut self, run: &Run) -> Option<&mut Record> {
+    pub(super) fn running(&mut self, run: &Attempt) -> Option<&mut Record> {
         self.records.get_mut(&run.job).filter(|record| record.number == run.number && record.is_active())
     }
 
     /// Adds a party to a job that is active or done and returns the job's state; `None` if there is no such job. A job
     /// that is done counts as newly settled, so that its record is kept for the full time to live.
-    pub(super) fn join(&mut self, job: &JobKey, holder: Holder, now: Duration) -> Option<State> {
+    pub(super) fn join(&mut self, job: &JobKey, holder: Holder, now: Duration) -> Option<JobState> {
         let record = self.records.get_mut(job).filter(|record| record.may_be_made_again())?;
         record.wanted.add(holder);
         let state = record.state.clone();
-        if state == State::Done {
+        if state == JobState::Done {
             self.by_number.remove(&record.number);
             (record.number, record.settled) = (self.next, Some(now));
             self.by_number.insert(self.next, *job);

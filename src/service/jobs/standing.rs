@@ -2,7 +2,7 @@
 
 use std::time::Duration;
 
-use super::record::{Made, Record, State};
+use super::record::{JobState, OutputResult, Record};
 use crate::service::computation::{self, Computation, Timings};
 use crate::watch::Stage;
 
@@ -14,7 +14,7 @@ const STEPS: u64 = 1 << 32;
 
 /// The phase of a job or a batch.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub enum Phase {
+pub enum JobPhase {
     /// It waits for its turn.
     Queued,
     /// Some output is being computed, or was computed.
@@ -27,15 +27,15 @@ pub enum Phase {
     Cancelled,
 }
 
-impl Phase {
+impl JobPhase {
     /// Returns the phase of a job or a batch from its state, and from whether any part of it has begun.
-    pub fn of(state: &State, has_begun: bool) -> Self {
+    pub fn of(state: &JobState, has_begun: bool) -> Self {
         match state {
-            State::Active if has_begun => Self::Running,
-            State::Active => Self::Queued,
-            State::Done => Self::Done,
-            State::Failed(reason) => Self::Failed(reason.clone()),
-            State::Cancelled => Self::Cancelled,
+            JobState::Active if has_begun => Self::Running,
+            JobState::Active => Self::Queued,
+            JobState::Done => Self::Done,
+            JobState::Failed(reason) => Self::Failed(reason.clone()),
+            JobState::Cancelled => Self::Cancelled,
         }
     }
 
@@ -51,7 +51,7 @@ pub struct Standing {
     /// The record of the job.
     pub record: Record,
     /// The phase of the job.
-    pub phase: Phase,
+    pub phase: JobPhase,
     /// The stage of the running computation.
     pub stage: Option<Stage>,
     /// The level that is being made, if the computation makes levels one after another.
@@ -70,7 +70,7 @@ impl Standing {
         let computing = record.computing.as_ref().map(|(_, interest)| interest.computation.clone());
         let has_begun = record.made.iter().any(Option::is_some)
             || computing.as_ref().is_some_and(|computing| !matches!(computing.phase(), computation::Phase::Queued));
-        let phase = Phase::of(&record.state, has_begun);
+        let phase = JobPhase::of(&record.state, has_begun);
         let stage = computing.as_ref().and_then(|computing| computing.stage());
         let fraction = computing.as_ref().map_or(0.0, |computing| computing.progress());
         let level = (stage == Some(Stage::Refine)).then(|| level(&record.summary.cost.vertices, fraction));
@@ -88,9 +88,9 @@ impl Standing {
     pub fn sequence(&self) -> u64 {
         let parts = (self.progress.clamp(0.0, 1.0) * PARTS as f64) as u64;
         let step = match self.phase {
-            Phase::Queued => PLACES - self.ahead.map_or(0, |ahead| ahead as u64 + 1).min(PLACES),
-            Phase::Running => PLACES + 1 + parts,
-            Phase::Done | Phase::Failed(_) | Phase::Cancelled => PLACES + PARTS + 2,
+            JobPhase::Queued => PLACES - self.ahead.map_or(0, |ahead| ahead as u64 + 1).min(PLACES),
+            JobPhase::Running => PLACES + 1 + parts,
+            JobPhase::Done | JobPhase::Failed(_) | JobPhase::Cancelled => PLACES + PARTS + 2,
         };
         u64::from(self.record.attempts) * STEPS + step
     }
@@ -113,7 +113,7 @@ fn level(vertices: &[u64], fraction: f64) -> Option<u32> {
 #[expect(clippy::cast_precision_loss, reason = "a job has 64 outputs at most")]
 fn progress(record: &Record, fraction: f64) -> f64 {
     let made = record.made.iter().flatten().count();
-    if record.state == State::Done {
+    if record.state == JobState::Done {
         return 1.0;
     }
     let is_under_way = if record.is_active() { fraction } else { 0.0 };
@@ -124,8 +124,8 @@ fn timings(record: &Record, computing: Option<&Computation>, now: Duration) -> T
     let begun = record.begun.or(record.settled).unwrap_or(now);
     let mut sum = Timings { queue: begun.saturating_sub(record.queued), ..Timings::default() };
     let made = record.made.iter().flatten().filter_map(|made| match made {
-        Made::Done { timings, .. } => Some(*timings),
-        Made::Failed(_) => None,
+        OutputResult::Done { timings, .. } => Some(*timings),
+        OutputResult::Failed(_) => None,
     });
     for Timings { queue, refine, swept, render, encode } in made.chain(computing.map(Computation::timings)) {
         sum.queue += queue;

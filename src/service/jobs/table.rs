@@ -5,8 +5,8 @@ use std::time::Duration;
 
 use tokio::sync::watch;
 
-use super::attempt::{New, Placed, Run};
-use super::record::{Holder, JobSummary, Made, Record, State, Wanted};
+use super::attempt::{Admission, Attempt, New};
+use super::record::{Holder, JobState, JobSummary, OutputResult, Record, Requesters};
 use super::revived::revived;
 use super::rows::Table;
 use super::written::{decode, encode, is_job};
@@ -14,7 +14,7 @@ use crate::job::key::Key;
 use crate::service::account::Full;
 use crate::service::clock::Clock;
 use crate::service::job_key::{JobKey, Tenant};
-use crate::service::journal::{Journal, Row};
+use crate::service::journal::{Journal, RowKey};
 use crate::service::lock::lock;
 use crate::service::peer::Paid;
 use crate::service::store::{Pin, Records, StoreError};
@@ -35,7 +35,7 @@ pub struct Jobs {
     journal: Option<Journal<JobKey>>,
 }
 
-impl Row for JobKey {
+impl RowKey for JobKey {
     fn key(&self) -> Vec<u8> {
         self.to_bytes().to_vec()
     }
@@ -70,7 +70,7 @@ impl Jobs {
     }
 
     /// Returns whether records outlast the process.
-    pub fn last(&self) -> bool {
+    pub fn is_durable(&self) -> bool {
         self.journal.is_some()
     }
 
@@ -120,14 +120,14 @@ impl Jobs {
     ///
     /// # Errors
     /// [`Full`] if active jobs leave no room; then only settled jobs have been removed.
-    pub fn accept(&self, memory: impl Fn(u64) -> Result<Paid, Full>, new: New, again: bool) -> Result<Placed, Full> {
+    pub fn accept(&self, memory: impl Fn(u64) -> Result<Paid, Full>, new: New, again: bool) -> Result<Admission, Full> {
         let bytes = new.summary.record_bytes();
         let mut table = self.table();
         let known = table.records.get(&new.job);
-        if known.is_some_and(|known| known.is_active() || known.state == State::Done && !again) {
+        if known.is_some_and(|known| known.is_active() || known.state == JobState::Done && !again) {
             table.join(&new.job, new.holder, self.clock.now());
             self.note(new.job);
-            return Ok(Placed::Known(Box::new(table.records[&new.job].clone())));
+            return Ok(Admission::Known(Box::new(table.records[&new.job].clone())));
         }
         let memory = loop {
             if table.records.len() < MAX_RECORDS
@@ -147,9 +147,9 @@ impl Jobs {
         let record = self.record(new, number, attempts, memory);
         let (job, ended) = (record.job, record.ended.subscribe());
         let placed = if record.is_active() {
-            Placed::New(Run { job, number, ended })
+            Admission::New(Attempt { job, number, ended })
         } else {
-            Placed::Known(Box::new(record.clone()))
+            Admission::Known(Box::new(record.clone()))
         };
         table.insert(record);
         drop(table);
@@ -168,8 +168,8 @@ impl Jobs {
             starts: 0,
             terms,
             peer,
-            wanted: Wanted::by(holder),
-            state: if is_done { State::Done } else { State::Active },
+            wanted: Requesters::by(holder),
+            state: if is_done { JobState::Done } else { JobState::Active },
             made: if is_done { made.into_iter().map(Some).collect() } else { vec![None; summary.products.len()] },
             summary: Arc::new(summary),
             computing: None,
@@ -192,7 +192,7 @@ impl Jobs {
         &self,
         memory: impl Fn(u64) -> Result<Paid, Full>,
         pins: impl Fn(&JobSummary) -> Vec<Arc<Pin>>,
-    ) -> Result<Vec<Run>, StoreError> {
+    ) -> Result<Vec<Attempt>, StoreError> {
         let Some(journal) = &self.journal else { return Ok(Vec::new()) };
         let mut kept = Vec::new();
         journal.each(&mut |record| match decode(record) {
@@ -207,7 +207,7 @@ impl Jobs {
         table.next = table.next.max(kept.last().map_or(0, |last| last.number + 1));
         let (mut runs, mut failed) = (Vec::new(), Vec::new());
         for kept in kept {
-            let was_active = kept.state == State::Active;
+            let was_active = kept.state == JobState::Active;
             let Ok(memory) = memory(kept.summary.record_bytes()) else {
                 tracing::warn!(job = %kept.job.id, "no room for the record of a job; it waits for a next start");
                 continue;
@@ -215,7 +215,7 @@ impl Jobs {
             let mut record = revived(kept, memory, now, wall);
             if record.is_active() {
                 record.pins = pins(&record.summary);
-                runs.push(Run { job: record.job, number: record.number, ended: record.ended.subscribe() });
+                runs.push(Attempt { job: record.job, number: record.number, ended: record.ended.subscribe() });
             } else if was_active {
                 failed.push(record.job);
             }
@@ -228,15 +228,15 @@ impl Jobs {
     }
 
     /// Returns the current attempt of an active job, with its record.
-    pub fn run(&self, job: &JobKey) -> Option<(Run, Record)> {
+    pub fn current_attempt(&self, job: &JobKey) -> Option<(Attempt, Record)> {
         let record = self.get(job).filter(Record::is_active)?;
-        let run = Run { job: *job, number: record.number, ended: record.ended.subscribe() };
+        let run = Attempt { job: *job, number: record.number, ended: record.ended.subscribe() };
         Some((run, record))
     }
 
     /// Records that the turn of a job has come. The start is written to durable storage, so that a job that repeatedly
     /// ends the process can be recognised; from the second start on, this waits for the write.
-    pub async fn begin(&self, run: &Run) {
+    pub async fn begin(&self, run: &Attempt) {
         let now = self.clock.now();
         let was_begun = {
             let mut table = self.table();
@@ -254,7 +254,7 @@ impl Jobs {
 
     /// Adds a party to a job that is active or done and returns the job's state; `None` if there is no such job. A job
     /// that is done counts as newly settled, so that its record is kept for the full time to live.
-    pub fn join(&self, job: &JobKey, holder: Holder) -> Option<State> {
+    pub fn join(&self, job: &JobKey, holder: Holder) -> Option<JobState> {
         let state = self.table().join(job, holder, self.clock.now())?;
         self.note(*job);
         Some(state)
@@ -269,7 +269,7 @@ impl Jobs {
 
     /// Ties an interest in the computation of an output to the job, so that it is dropped with it; returns false if the
     /// attempt is over.
-    pub fn attach(&self, run: &Run, output: usize, interest: Interest) -> bool {
+    pub fn attach(&self, run: &Attempt, output: usize, interest: Interest) -> bool {
         let interest = Arc::new(interest); // dropped after unlocking: its drop calls the desk
         let mut table = self.table();
         let Some(record) = table.running(run) else { return false };
@@ -280,7 +280,7 @@ impl Jobs {
     }
 
     /// Records the result of an output.
-    pub fn make(&self, run: &Run, output: usize, key: Key, made: Made) {
+    pub fn record_output(&self, run: &Attempt, output: usize, key: Key, made: OutputResult) {
         let mut table = self.table();
         let Some(record) = table.running(run) else { return };
         let before = record.computing.take();
@@ -300,17 +300,17 @@ impl Jobs {
     }
 
     /// Ends an attempt that is still active.
-    pub fn settle(&self, run: &Run, state: State) {
+    pub fn settle(&self, run: &Attempt, state: JobState) {
         self.end(&run.job, state, |record| record.number == run.number);
     }
 
     /// Ends a job if it is active and `is_so` holds for its record; returns whether it was ended.
-    pub fn end(&self, job: &JobKey, state: State, is_so: impl Fn(&Record) -> bool) -> bool {
+    pub fn end(&self, job: &JobKey, state: JobState, is_so: impl Fn(&Record) -> bool) -> bool {
         let now = self.clock.now();
         let mut table = self.table();
         let found = table.records.get_mut(job).filter(|record| record.is_active() && is_so(record));
         let Some(record) = found else { return false };
-        self.tally.settled(&state);
+        self.tally.count_settled(&state);
         record.state = state;
         record.settled = Some(now);
         let left = (record.computing.take(), record.ticket.take(), std::mem::take(&mut record.pins));

@@ -4,11 +4,11 @@ use std::time::Duration;
 
 use bytes::Bytes;
 
-use super::record::{JobSummary, Made, Predicted, Product, Record, State};
+use super::record::{JobState, JobSummary, OutputResult, Predicted, Product, Record};
 use crate::job::Resolved;
 use crate::output::named;
 use crate::service::computation::Timings;
-use crate::service::fields::{Fields, Writing};
+use crate::service::fields::{Fields, RecordWriter};
 use crate::service::job_key::{JobKey, JobTerms, Priority};
 
 const MAGIC: [u8; 8] = *b"plnshjob";
@@ -38,15 +38,15 @@ mod tag {
 
 /// A decoded record.
 #[derive(Debug, Clone)]
-pub(super) struct Kept {
+pub(super) struct DecodedRecord {
     pub(super) job: JobKey,
     pub(super) number: u64,
     pub(super) attempts: u32,
     pub(super) starts: u32,
     pub(super) is_posted: bool,
     pub(super) terms: JobTerms,
-    pub(super) state: State,
-    pub(super) made: Vec<Option<Made>>,
+    pub(super) state: JobState,
+    pub(super) made: Vec<Option<OutputResult>>,
     /// Time at which the job was settled, in seconds since 1970.
     pub(super) settled_s: Option<u64>,
     pub(super) summary: JobSummary,
@@ -55,7 +55,7 @@ pub(super) struct Kept {
 /// Encodes a record; `settled` is the time since 1970 at which the job was settled, if it is.
 pub(super) fn encode(record: &Record, settled: Option<Duration>) -> Vec<u8> {
     let summary = &record.summary;
-    let mut out = Writing::new(MAGIC, VERSION, 1024 + summary.request.len());
+    let mut out = RecordWriter::new(MAGIC, VERSION, 1024 + summary.request.len());
     out.field(tag::JOB, &record.job.to_bytes());
     let (state, reason) = numbered(&record.state);
     let settled = settled.map_or(NONE, |at| at.as_secs());
@@ -80,12 +80,12 @@ pub(super) fn encode(record: &Record, settled: Option<Duration>) -> Vec<u8> {
 }
 
 /// Returns the number of a state in a record, and the reason of a failure.
-pub(in crate::service) fn numbered(state: &State) -> (u64, &str) {
+pub(in crate::service) fn numbered(state: &JobState) -> (u64, &str) {
     match state {
-        State::Active => (0, ""),
-        State::Done => (1, ""),
-        State::Failed(reason) => (2, reason),
-        State::Cancelled => (3, ""),
+        JobState::Active => (0, ""),
+        JobState::Done => (1, ""),
+        JobState::Failed(reason) => (2, reason),
+        JobState::Cancelled => (3, ""),
     }
 }
 
@@ -97,14 +97,14 @@ pub(in crate::service) fn numbers_of(terms: JobTerms) -> [u64; 3] {
 }
 
 /// Writes an output and its result.
-pub(in crate::service) fn output(out: &mut Writing, product: &Product, made: Option<&Made>) {
+pub(in crate::service) fn output(out: &mut RecordWriter, product: &Product, made: Option<&OutputResult>) {
     out.field(tag::NAME, product.name.as_bytes());
     out.field(tag::FORMAT, product.format.name().as_bytes());
     out.field(tag::KEY, product.key.as_bytes());
     match made {
         None => {}
-        Some(Made::Failed(reason)) => out.field(tag::FAILED, reason.as_bytes()),
-        Some(Made::Done { bytes, warnings, timings }) => {
+        Some(OutputResult::Failed(reason)) => out.field(tag::FAILED, reason.as_bytes()),
+        Some(OutputResult::Done { bytes, warnings, timings }) => {
             let Timings { queue, refine, swept, render, encode } = timings;
             let us = |time: &Duration| u64::try_from(time.as_micros()).unwrap_or(u64::MAX);
             out.numbers(tag::MADE, &[*bytes, us(queue), us(refine), us(render), us(encode), u64::from(*swept)]);
@@ -119,7 +119,7 @@ pub(super) fn is_job(record: &[u8]) -> bool {
 }
 
 /// Decodes a record; returns `None` if it is damaged, of another version, or names an unknown format.
-pub(super) fn decode(bytes: &[u8]) -> Option<Kept> {
+pub(super) fn decode(bytes: &[u8]) -> Option<DecodedRecord> {
     let mut fields = Fields::of(bytes, MAGIC, VERSION)?;
     let job = JobKey::from_bytes(fields.take(tag::JOB)?)?;
     let [number, attempts, state, settled, starts, is_posted] = match *fields.numbers(tag::STANDING)?.as_slice() {
@@ -147,16 +147,16 @@ pub(super) fn decode(bytes: &[u8]) -> Option<Kept> {
     let summary = JobSummary { products, cost, reached, details, blobs, request };
     let ((number, attempts), starts) = (counted(number, attempts)?, u32::try_from(starts).ok()?);
     let (settled_s, is_posted) = (given(settled), is_posted == 1);
-    Some(Kept { job, number, attempts, starts, is_posted, terms, state, made, settled_s, summary })
+    Some(DecodedRecord { job, number, attempts, starts, is_posted, terms, state, made, settled_s, summary })
 }
 
 /// Returns the state of a number and a reason that [`numbered`] gave.
-pub(in crate::service) fn state_of(number: u64, reason: String) -> Option<State> {
+pub(in crate::service) fn state_of(number: u64, reason: String) -> Option<JobState> {
     match number {
-        0 => Some(State::Active),
-        1 => Some(State::Done),
-        2 => Some(State::Failed(reason)),
-        3 => Some(State::Cancelled),
+        0 => Some(JobState::Active),
+        1 => Some(JobState::Done),
+        2 => Some(JobState::Failed(reason)),
+        3 => Some(JobState::Cancelled),
         _ => None,
     }
 }
@@ -180,7 +180,7 @@ pub(in crate::service) fn given(number: u64) -> Option<u64> {
 }
 
 /// Reads all remaining outputs with their results.
-pub(in crate::service) fn outputs(fields: &mut Fields<'_>) -> Option<(Vec<Product>, Vec<Option<Made>>)> {
+pub(in crate::service) fn outputs(fields: &mut Fields<'_>) -> Option<(Vec<Product>, Vec<Option<OutputResult>>)> {
     let (mut products, mut made) = (Vec::new(), Vec::new());
     while !fields.is_empty() {
         let (name, format) = (fields.text(tag::NAME)?, named(&fields.text(tag::FORMAT)?)?);
@@ -191,9 +191,9 @@ pub(in crate::service) fn outputs(fields: &mut Fields<'_>) -> Option<(Vec<Produc
 }
 
 #[expect(clippy::option_option, reason = "the outer one says whether the record can be read")]
-fn result(fields: &mut Fields<'_>) -> Option<Option<Made>> {
+fn result(fields: &mut Fields<'_>) -> Option<Option<OutputResult>> {
     if fields.is_next(tag::FAILED) {
-        return Some(Some(Made::Failed(fields.text(tag::FAILED)?)));
+        return Some(Some(OutputResult::Failed(fields.text(tag::FAILED)?)));
     }
     if !fields.is_next(tag::MADE) {
         return Some(None);
@@ -204,5 +204,9 @@ fn result(fields: &mut Fields<'_>) -> Option<Option<Made>> {
     while fields.is_next(tag::WARNING) {
         warnings.push(fields.text(tag::WARNING)?);
     }
-    Some(Some(Made::Done { bytes, warnings, timings: Timings { queue, refine, swept: swept == 1, render, encode } }))
+    Some(Some(OutputResult::Done {
+        bytes,
+        warnings,
+        timings: Timings { queue, refine, swept: swept == 1, render, encode },
+    }))
 }

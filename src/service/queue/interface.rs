@@ -13,7 +13,7 @@ pub type Later<'a, T> = Pin<Box<dyn Future<Output = T> + Send + 'a>>;
 
 /// A job in a queue.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Item {
+pub struct QueuedJob {
     /// The job.
     pub job: JobKey,
     /// The lane of the job's longest computation: short or long.
@@ -33,7 +33,7 @@ pub struct QueueError(pub String);
 /// turn in eight.
 pub trait Queue: Debug + Send + Sync {
     /// Adds a job to the queue; a job that is in the queue already keeps its place.
-    fn push(&self, item: Item) -> Later<'_, Result<(), QueueError>>;
+    fn push(&self, item: QueuedJob) -> Later<'_, Result<(), QueueError>>;
 
     /// Takes the next job of a lane, waiting until there is one.
     fn take(&self, lane: Lane) -> Later<'_, Leased>;
@@ -53,7 +53,7 @@ pub trait Queue: Debug + Send + Sync {
 #[derive(Debug)]
 pub struct Leased {
     /// The job and its place.
-    pub item: Item,
+    pub item: QueuedJob,
     /// The handle that returns the job to the queue.
     pub lease: Box<dyn Lease>,
 }

@@ -5,7 +5,7 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use tokio::sync::Notify;
 
-use super::interface::{Item, Later, Lease, Leased, Queue, QueueError};
+use super::interface::{Later, Lease, Leased, Queue, QueueError, QueuedJob};
 use crate::service::job_key::{JobKey, Priority};
 use crate::service::peer::Peer;
 use crate::service::pool::Lane;
@@ -16,7 +16,7 @@ const TURNS_A_BATCH: u64 = 8;
 
 /// The queue of one process. Clones share it.
 #[derive(Debug, Clone, Default)]
-pub struct Local(Arc<Shared>);
+pub struct LocalQueue(Arc<Shared>);
 
 #[derive(Debug, Default)]
 struct Shared {
@@ -28,7 +28,7 @@ struct Shared {
 #[derive(Debug, Default)]
 struct State {
     lanes: [Turns; 2],
-    known: HashMap<JobKey, Item>,
+    known: HashMap<JobKey, QueuedJob>,
 }
 
 /// The waiting jobs of a lane.
@@ -55,7 +55,7 @@ impl Shared {
 
     /// Adds a job that is not in the queue yet: at the front of its priority if `first`, else behind its client's other
     /// jobs.
-    fn put(&self, item: Item, first: bool) {
+    fn put(&self, item: QueuedJob, first: bool) {
         let mut state = self.state();
         if state.known.insert(item.job, item).is_none() {
             let line = &mut state.lanes[lane_number(item.lane)].lines[line_number(item.priority)];
@@ -75,7 +75,7 @@ impl Shared {
         self.came[lane_number(item.lane)].notify_one();
     }
 
-    fn next(&self, lane: Lane) -> Option<Item> {
+    fn next(&self, lane: Lane) -> Option<QueuedJob> {
         let mut state = self.state();
         let job = state.lanes[lane_number(lane)].next()?;
         let item = state.known.remove(&job);
@@ -106,7 +106,7 @@ impl Turns {
     }
 
     /// Returns how many jobs come before a job, not counting the turns that batch jobs get before interactive ones.
-    fn ahead(&self, item: &Item) -> Option<usize> {
+    fn ahead(&self, item: &QueuedJob) -> Option<usize> {
         let at = line_number(item.priority);
         let before: usize = self.lines[..at].iter().flatten().map(|(_, queue)| queue.len()).sum();
         let line = &self.lines[at];
@@ -118,8 +118,8 @@ impl Turns {
     }
 }
 
-impl Queue for Local {
-    fn push(&self, item: Item) -> Later<'_, Result<(), QueueError>> {
+impl Queue for LocalQueue {
+    fn push(&self, item: QueuedJob) -> Later<'_, Result<(), QueueError>> {
         self.0.put(item, false);
         Box::pin(std::future::ready(Ok(())))
     }
@@ -161,7 +161,7 @@ impl Queue for Local {
 #[derive(Debug)]
 struct Back {
     queue: Arc<Shared>,
-    item: Option<Item>,
+    item: Option<QueuedJob>,
 }
 
 impl Lease for Back {
@@ -185,17 +185,17 @@ mod tests {
     use super::*;
     use crate::job::key::Key;
 
-    fn item(peer: u8, number: u8, priority: Priority) -> Item {
+    fn item(peer: u8, number: u8, priority: Priority) -> QueuedJob {
         let job = JobKey::of_anyone(Key::from_bytes([number; 32]));
-        Item { job, lane: Lane::Short, priority, peer: Peer::new(IpAddr::V4(Ipv4Addr::new(10, 0, 0, peer))) }
+        QueuedJob { job, lane: Lane::Short, priority, peer: Peer::new(IpAddr::V4(Ipv4Addr::new(10, 0, 0, peer))) }
     }
 
-    fn number(item: &Item) -> u8 {
+    fn number(item: &QueuedJob) -> u8 {
         item.job.id.as_bytes()[0]
     }
 
-    fn queue(items: &[Item]) -> Local {
-        let queue = Local::default();
+    fn queue(items: &[QueuedJob]) -> LocalQueue {
+        let queue = LocalQueue::default();
         items.iter().for_each(|item| queue.0.put(*item, false));
         queue
     }
@@ -205,13 +205,13 @@ mod tests {
         let items =
             [(1, 1), (1, 2), (1, 3), (2, 4), (3, 5), (2, 6)].map(|(peer, n)| item(peer, n, Priority::Interactive));
         let line = queue(&items);
-        let told: Vec<_> = items.iter().map(|item| line.ahead(&item.job)).collect();
+        let counted_ahead: Vec<_> = items.iter().map(|item| line.ahead(&item.job)).collect();
         let mut order = Vec::new();
         while let Some(item) = line.0.next(Lane::Short) {
             order.push(number(&item));
         }
         assert_eq!(order, [1, 4, 5, 2, 6, 3]);
-        for (item, ahead) in items.iter().zip(told) {
+        for (item, ahead) in items.iter().zip(counted_ahead) {
             assert_eq!(ahead, order.iter().position(|n| *n == number(item)), "{}", number(item));
         }
     }

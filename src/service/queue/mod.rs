@@ -6,5 +6,5 @@
 mod interface;
 mod local;
 
-pub use interface::{Item, Later, Lease, Leased, Queue, QueueError};
-pub use local::Local;
+pub use interface::{Later, Lease, Leased, Queue, QueueError, QueuedJob};
+pub use local::LocalQueue;

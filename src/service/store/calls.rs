@@ -60,7 +60,7 @@ struct Outage {
 }
 
 impl Outage {
-    fn told(&self) -> StoreError {
+    fn to_error(&self) -> StoreError {
         StoreError::Away { reason: self.reason.clone(), refuses: self.refuses }
     }
 }
@@ -168,15 +168,15 @@ impl Calls {
         F: Future<Output = object_store::Result<T>> + Send + 'static,
     {
         self.let_through()?;
-        let (tell, told) = mpsc::sync_channel(1);
+        let (sender, receiver) = mpsc::sync_channel(1);
         let calling = call(Arc::clone(&self.objects));
         if let Some(runtime) = &self.runtime {
             runtime.spawn(async move {
                 // The send fails only if the receiver is gone, and then nobody needs the answer.
-                let _ = tell.send(tokio::time::timeout(patience, calling).await);
+                let _ = sender.send(tokio::time::timeout(patience, calling).await);
             });
         }
-        let answer = match told.recv() {
+        let answer = match receiver.recv() {
             Ok(Ok(Ok(done))) => Answer::Done(done),
             Ok(Ok(Err(Error::NotFound { .. }))) => Answer::Missing,
             Ok(Ok(Err(Error::AlreadyExists { .. } | Error::Precondition { .. }))) => Answer::Present,
@@ -192,7 +192,7 @@ impl Calls {
     fn let_through(&self) -> Result<(), StoreError> {
         let now = self.clock.now();
         match &mut *lock(&self.outage) {
-            Some(outage) if now < outage.next => Err(outage.told()),
+            Some(outage) if now < outage.next => Err(outage.to_error()),
             Some(outage) => {
                 outage.next = now + PAUSE;
                 Ok(())
@@ -209,7 +209,7 @@ impl Calls {
             tracing::warn!(reason, "the shared store is away; results are computed and answered without it");
         }
         let since = outage.as_ref().map_or(now, |outage| outage.since);
-        outage.insert(Outage { since, next: now + PAUSE, reason, refuses }).told()
+        outage.insert(Outage { since, next: now + PAUSE, reason, refuses }).to_error()
     }
 }
 

@@ -48,9 +48,9 @@ pub trait Disk: Debug + Send + Sync {
 
 /// The local disk of the machine.
 #[derive(Debug, Clone, Copy, Default)]
-pub struct Local;
+pub struct LocalDisk;
 
-impl Disk for Local {}
+impl Disk for LocalDisk {}
 
 /// Returns whether an operation failed for lack of space, so that removing files may help.
 pub(super) fn is_full(error: &io::Error) -> bool {

@@ -8,7 +8,7 @@ use super::error::StoreError;
 use super::files::{Tmp, cost};
 use super::interface::{LargeSpool, Sealed, Spool};
 use super::manifest::{Description, Manifest, PART_BYTES};
-use super::parts::Parts;
+use super::parts::PartHashes;
 use super::sealed::SealedFile;
 use super::shelf;
 use crate::job::key::{Key, content};
@@ -20,7 +20,7 @@ pub(super) struct DiskSpool {
     key: Key,
     /// The bytes of the current, incomplete part.
     part: Vec<u8>,
-    parts: Parts,
+    parts: PartHashes,
     tmp: Option<Tmp>,
     /// The error after which the spool accepts no more bytes: a write failed, so the bytes have a gap.
     failed: Option<StoreError>,
@@ -28,7 +28,7 @@ pub(super) struct DiskSpool {
 
 impl DiskSpool {
     pub(super) fn new(store: Arc<DiskState>, key: Key) -> Self {
-        Self { store, key, part: Vec::new(), parts: Parts::default(), tmp: None, failed: None }
+        Self { store, key, part: Vec::new(), parts: PartHashes::default(), tmp: None, failed: None }
     }
 
     /// Writes the buffered part to the temporary file and hashes it; if the disk is full, evicts artifacts to make

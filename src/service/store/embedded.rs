@@ -8,11 +8,11 @@ use std::sync::Arc;
 
 use bytes::Bytes;
 
-use super::disk::{Disk, Local};
+use super::disk::{Disk, LocalDisk};
 use super::disk_spool::DiskSpool;
 use super::disk_state::DiskState;
 use super::error::StoreError;
-use super::interface::{LargeSpool, Room, Spool, Store, StoreKind, Usage};
+use super::interface::{LargeSpool, Spool, Store, StoreKind, StorePurpose, Usage};
 use super::manifest::Manifest;
 use super::records::{RECORDS_FILE, RecordFile};
 use crate::job::key::Key;
@@ -23,8 +23,8 @@ pub(super) const KIND: StoreKind = StoreKind {
     in_folder: true,
     open: |place| {
         let dir = match place.room {
-            Room::Results => place.dir.clone(),
-            Room::Uploads => place.dir.join("uploads"),
+            StorePurpose::Results => place.dir.clone(),
+            StorePurpose::Uploads => place.dir.join("uploads"),
         };
         Ok(Arc::new(Embedded::open(&dir, place.capacity_bytes)?))
     },
@@ -45,7 +45,7 @@ impl Embedded {
     /// # Errors
     /// When another process uses the folder, or the disk fails.
     pub fn open(dir: &Path, capacity_bytes: u64) -> Result<Self, StoreError> {
-        Self::open_on(Arc::new(Local), dir, capacity_bytes)
+        Self::open_on(Arc::new(LocalDisk), dir, capacity_bytes)
     }
 
     /// Opens the store with another implementation of the disk operations.

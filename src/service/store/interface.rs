@@ -179,7 +179,7 @@ pub struct Usage {
 
 /// The purpose of a store; each purpose has a place of its own.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Room {
+pub enum StorePurpose {
     /// Results of computations.
     Results,
     /// Files uploaded by clients.
@@ -201,13 +201,13 @@ pub struct Bucket {
 
 /// The location and the parameters of a store to be opened.
 #[derive(Debug, Clone)]
-pub struct Place {
+pub struct StoreLocation {
     /// Folder of the service.
     pub dir: PathBuf,
     /// Bucket of the service.
     pub bucket: Bucket,
     /// Purpose of the store.
-    pub room: Room,
+    pub room: StorePurpose,
     /// Capacity in bytes.
     pub capacity_bytes: u64,
     /// Makes the HTTP client for the bucket.
@@ -220,7 +220,7 @@ pub struct Place {
 pub type Connect = fn() -> object_store::Result<object_store::client::HttpClient>;
 
 /// Opens a store.
-pub(super) type Open = fn(&Place) -> Result<Arc<dyn Store>, StoreError>;
+pub(super) type Open = fn(&StoreLocation) -> Result<Arc<dyn Store>, StoreError>;
 
 /// An implementation of [`Store`] that the settings can name.
 #[derive(Debug)]

@@ -1,7 +1,7 @@
 //! Manifests of artifacts, and their binary form: fields in a fixed order.
 
 use crate::job::key::Key;
-use crate::service::fields::{Fields, Writing};
+use crate::service::fields::{Fields, RecordWriter};
 use crate::service::job_key::Tenant;
 
 /// Number of bytes of one part; the last part of an artifact may be shorter. Half of it would double the hashes in a
@@ -57,7 +57,7 @@ impl Description {
 /// Maximum number of tenants that a manifest lists. One more replaces the first, for whom the artifact would be made
 /// again. Twice of it would make manifests of popular artifacts twice as long, 4 KiB; half of it would make such
 /// artifacts again if more than 128 tenants share a service.
-const MOST_OWNERS: usize = 256;
+const MAX_OWNERS: usize = 256;
 
 /// The tenants that may see an artifact: those for whom it was made, or who uploaded it. Only they find it under its
 /// key.
@@ -87,7 +87,7 @@ impl Owners {
 
     fn add(&mut self, tenant: Tenant) {
         if !self.contain(tenant) {
-            if self.0.len() >= MOST_OWNERS {
+            if self.0.len() >= MAX_OWNERS {
                 self.0.remove(0);
             }
             self.0.push(tenant);
@@ -122,7 +122,7 @@ mod tag {
 impl Manifest {
     /// Encodes the manifest in its binary form.
     pub fn encode(&self) -> Vec<u8> {
-        let mut out = Writing::new(MAGIC, VERSION, 512 + self.parts.len() * 32);
+        let mut out = RecordWriter::new(MAGIC, VERSION, 512 + self.parts.len() * 32);
         out.field(tag::KEY, self.key.as_bytes());
         out.field(tag::MEDIA_TYPE, self.media_type.as_bytes());
         out.numbers(tag::LENGTH, &[self.length]);

@@ -9,7 +9,7 @@ use bytes::Bytes;
 use super::error::StoreError;
 use super::interface::{Spool, Store, Usage};
 use super::manifest::{Description, Manifest};
-use super::parts::{self, Parts};
+use super::parts::{self, PartHashes};
 use super::shelf::{self, Shelf};
 use crate::job::key::{Key, content};
 use crate::service::lock::lock;
@@ -22,13 +22,13 @@ const ENTRY_BYTES: u64 = 512;
 /// store.
 #[derive(Debug, Clone)]
 pub struct Memory {
-    shelf: Arc<Mutex<Shelf<Held>>>,
+    shelf: Arc<Mutex<Shelf<StoredArtifact>>>,
     capacity: u64,
 }
 
 /// A stored artifact. Its bytes were hashed before it was stored and are not verified again.
 #[derive(Debug)]
-struct Held {
+struct StoredArtifact {
     manifest: Arc<Manifest>,
     bytes: Bytes,
 }
@@ -62,7 +62,7 @@ impl Memory {
         let key = manifest.key;
         let cost = cost(&manifest);
         shelf::admit(cost, self.capacity)?;
-        let held = Held { manifest: Arc::clone(&manifest), bytes };
+        let held = StoredArtifact { manifest: Arc::clone(&manifest), bytes };
 
         let mut left = Vec::new(); // freed after the lock is released
         let mut shelf = lock(&self.shelf);
@@ -159,7 +159,7 @@ impl Spool for MemorySpool {
             shelf::admit(u64::MAX, self.store.capacity)?;
         }
         let bytes = mem::take(&mut self.bytes);
-        let manifest = Arc::new(Parts::of(&bytes).manifest(self.key, description));
+        let manifest = Arc::new(PartHashes::of(&bytes).manifest(self.key, description));
         self.store.keep(manifest, Bytes::from(bytes.into_boxed_slice()))
     }
 

@@ -12,13 +12,13 @@ const BUILD: &str = concat!("planish ", env!("CARGO_PKG_VERSION"));
 
 /// The hashes and the total length of the parts added so far.
 #[derive(Debug, Clone, Default)]
-pub(super) struct Parts {
+pub(super) struct PartHashes {
     whole: Hasher,
     hashes: Vec<Key>,
     length: u64,
 }
 
-impl Parts {
+impl PartHashes {
     /// Hashes all parts of complete bytes.
     pub(super) fn of(bytes: &[u8]) -> Self {
         let mut parts = Self::default();

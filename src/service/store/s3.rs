@@ -13,7 +13,7 @@ use super::error::StoreError;
 use super::files;
 use super::interface::{Bucket, Connect, Store, StoreKind};
 use super::records::{RECORDS_FILE, RecordFile, Records};
-use super::shared::Shared;
+use super::shared::BucketStore;
 
 /// Maximum number of retries of a call within its time limit. Half of it would fail while one machine of the store
 /// restarts; with twice of it the time limit ends first.
@@ -30,7 +30,7 @@ pub(super) const KIND: StoreKind = StoreKind {
     in_folder: false,
     open: |place| {
         let bucket: Arc<AmazonS3> = Arc::new(client(&place.bucket, place.connect)?);
-        Ok(Arc::new(Shared::open(bucket, place)?) as Arc<dyn Store>)
+        Ok(Arc::new(BucketStore::open(bucket, place)?) as Arc<dyn Store>)
     },
     records: |dir| {
         let held = files::take_hold(dir)?;

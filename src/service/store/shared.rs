@@ -17,29 +17,29 @@ use bytes::Bytes;
 use object_store::ObjectStore;
 
 use super::error::StoreError;
-use super::interface::{Place, Spool, Store, Usage};
+use super::interface::{Spool, Store, StoreLocation, Usage};
 use super::manifest::Manifest;
 use super::shared_spool::SharedSpool;
-use super::shared_state::State;
+use super::shared_state::SharedState;
 use crate::job::key::Key;
 
 /// Artifacts in a bucket. Clones share the store.
 #[derive(Debug, Clone)]
-pub struct Shared {
-    state: Arc<State>,
+pub struct BucketStore {
+    state: Arc<SharedState>,
 }
 
-impl Shared {
+impl BucketStore {
     /// Opens the store in a bucket. If the object store does not answer, this succeeds, and later calls try again.
     ///
     /// # Errors
     /// When the bucket does not exist, access is refused, or the object store ignores conditional writes.
-    pub fn open(objects: Arc<dyn ObjectStore>, place: &Place) -> Result<Self, StoreError> {
-        Ok(Self { state: Arc::new(State::open(objects, place)?) })
+    pub fn open(objects: Arc<dyn ObjectStore>, place: &StoreLocation) -> Result<Self, StoreError> {
+        Ok(Self { state: Arc::new(SharedState::open(objects, place)?) })
     }
 }
 
-impl Store for Shared {
+impl Store for BucketStore {
     fn manifest(&self, key: &Key) -> Result<Option<Arc<Manifest>>, StoreError> {
         Ok(self.state.known(key))
     }

@@ -9,26 +9,26 @@ use bytes::Bytes;
 use super::error::StoreError;
 use super::interface::Spool;
 use super::manifest::{Description, Manifest, PART_BYTES};
-use super::parts::Parts;
-use super::shared_state::State;
+use super::parts::PartHashes;
+use super::shared_state::SharedState;
 use crate::job::key::{Key, content};
 
 /// The [`Spool`] of the shared store. If dropped, it leaves parts that no manifest names; the lifecycle rules of the
 /// bucket remove them.
 #[derive(Debug)]
 pub(super) struct SharedSpool {
-    store: Arc<State>,
+    store: Arc<SharedState>,
     key: Key,
     /// The bytes of the current, incomplete part.
     part: Vec<u8>,
-    parts: Parts,
+    parts: PartHashes,
     /// The error after which the spool accepts no more bytes: a part was not written, so the bytes have a gap.
     failed: Option<StoreError>,
 }
 
 impl SharedSpool {
-    pub(super) fn new(store: Arc<State>, key: Key) -> Self {
-        Self { store, key, part: Vec::new(), parts: Parts::default(), failed: None }
+    pub(super) fn new(store: Arc<SharedState>, key: Key) -> Self {
+        Self { store, key, part: Vec::new(), parts: PartHashes::default(), failed: None }
     }
 
     /// Writes the buffered part to the bucket.
@@ -54,7 +54,7 @@ impl SharedSpool {
     }
 
     /// Writes the last part and returns the hashes of all parts.
-    fn end(&mut self) -> Result<Parts, StoreError> {
+    fn end(&mut self) -> Result<PartHashes, StoreError> {
         if let Some(failed) = self.failed.take() {
             return Err(failed);
         }

@@ -9,7 +9,7 @@ use object_store::path::Path;
 
 use super::calls::{Calls, Fetched, LOOK, PATIENCE};
 use super::error::StoreError;
-use super::interface::{Place, Room, Usage};
+use super::interface::{StoreLocation, StorePurpose, Usage};
 use super::manifest::{Manifest, PART_BYTES};
 use super::parts;
 use super::shelf::{self, Shelf};
@@ -29,7 +29,7 @@ const ENTRY_BYTES: u64 = 512;
 
 /// The state of a store, shared with its open spools.
 #[derive(Debug)]
-pub(super) struct State {
+pub(super) struct SharedState {
     calls: Calls,
     /// Prefix of the names of all objects.
     root: String,
@@ -50,18 +50,18 @@ enum Checked {
     Unfit(String),
 }
 
-impl State {
+impl SharedState {
     /// Opens the store in a bucket. If the object store does not answer, this succeeds, and later calls try again.
-    pub(super) fn open(objects: Arc<dyn ObjectStore>, place: &Place) -> Result<Self, StoreError> {
+    pub(super) fn open(objects: Arc<dyn ObjectStore>, place: &StoreLocation) -> Result<Self, StoreError> {
         let room = match place.room {
-            Room::Results => "results",
-            Room::Uploads => "uploads",
+            StorePurpose::Results => "results",
+            StorePurpose::Uploads => "uploads",
         };
         let prefix = place.bucket.prefix.trim_matches('/');
         let root = if prefix.is_empty() { room.to_owned() } else { format!("{prefix}/{room}") };
         let calls = Calls::new(objects, Arc::clone(&place.clock))?;
         let (shelf, checked) = (Mutex::new(Shelf::new(REMEMBERED_BYTES)), Mutex::new(Checked::NotYet));
-        let state = State { calls, root, capacity: place.capacity_bytes, shelf, checked };
+        let state = SharedState { calls, root, capacity: place.capacity_bytes, shelf, checked };
         match state.check() {
             Err(StoreError::Away { reason, refuses: true }) => {
                 let needs = "it has to allow GetObject, PutObject, DeleteObject and ListBucket to these credentials";
@@ -120,7 +120,7 @@ impl State {
         let checked = lock(&self.checked).clone();
         let checked = match checked {
             Checked::NotYet => {
-                let found = self.tried()?;
+                let found = self.probed()?;
                 *lock(&self.checked) = found.clone();
                 found
             }
@@ -134,7 +134,7 @@ impl State {
 
     /// Creates the same object twice and expects a refusal the second time. The first read, of an object that cannot
     /// exist yet, shows whether the object store distinguishes a missing object from a forbidden one.
-    fn tried(&self) -> Result<Checked, StoreError> {
+    fn probed(&self) -> Result<Checked, StoreError> {
         let mut name = [0; 16];
         getrandom::fill(&mut name).map_err(io::Error::from)?;
         let path = Path::from(format!("{}/checks/{}", self.root, hex::encode(name)));

@@ -76,13 +76,13 @@ fn sweep_shard(folder: &Folder, shard: &str, swept: &mut Swept) -> io::Result<()
     for (key, metadata) in manifests {
         let written = metadata.modified().unwrap_or(SystemTime::UNIX_EPOCH);
         match judge(folder, &key, lengths.get(&key).copied()) {
-            Verdict::Whole(manifest) => {
+            ArtifactCondition::Whole(manifest) => {
                 lengths.remove(&key);
                 swept.found.push(WholeArtifact { manifest, written });
                 continue;
             }
-            Verdict::Damaged => swept.damaged += 1,
-            Verdict::LeftOver => swept.removed += 1,
+            ArtifactCondition::Damaged => swept.damaged += 1,
+            ArtifactCondition::LeftOver => swept.removed += 1,
         }
         lengths.remove(&key);
         folder.remove(&key)?;
@@ -94,20 +94,22 @@ fn sweep_shard(folder: &Folder, shard: &str, swept: &mut Swept) -> io::Result<()
     Ok(())
 }
 
-enum Verdict {
+enum ArtifactCondition {
     Whole(Manifest),
     Damaged,
     LeftOver,
 }
 
 /// Compares a manifest with the length of the bytes beside it. The bytes themselves are verified when they are read.
-fn judge(folder: &Folder, key: &Key, length: Option<u64>) -> Verdict {
-    let Some(length) = length else { return Verdict::LeftOver };
+fn judge(folder: &Folder, key: &Key, length: Option<u64>) -> ArtifactCondition {
+    let Some(length) = length else { return ArtifactCondition::LeftOver };
     match read_manifest(&folder.manifest(key)) {
         // An artifact whose key is the hash of its bytes is the same in every results version.
-        Some(manifest) if manifest.results_version != RESULTS_VERSION && manifest.content != *key => Verdict::LeftOver,
-        Some(manifest) if manifest.key == *key && manifest.length == length => Verdict::Whole(manifest),
-        _ => Verdict::Damaged,
+        Some(manifest) if manifest.results_version != RESULTS_VERSION && manifest.content != *key => {
+            ArtifactCondition::LeftOver
+        }
+        Some(manifest) if manifest.key == *key && manifest.length == length => ArtifactCondition::Whole(manifest),
+        _ => ArtifactCondition::Damaged,
     }
 }
 

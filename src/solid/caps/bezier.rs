@@ -5,7 +5,7 @@ use crate::math::vector::{dot, minus, plus, times};
 
 /// Coefficients of a patch of degree `K - 1` in both directions: `net.0[a][b]`, a along u and b along v.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Net<const D: usize, const K: usize>(pub(super) [[[f64; D]; K]; K]);
+pub(super) struct BezierNet<const D: usize, const K: usize>(pub(super) [[[f64; D]; K]; K]);
 
 /// The binomial coefficient n choose k.
 pub(super) fn choose(n: usize, k: usize) -> f64 {
@@ -49,18 +49,18 @@ pub(super) fn raised<const D: usize, const K: usize, const M: usize>(curve: &[[f
     })
 }
 
-impl<const D: usize, const K: usize> Net<D, K> {
+impl<const D: usize, const K: usize> BezierNet<D, K> {
     /// Returns the patch with u and v exchanged.
     pub(super) fn transposed(&self) -> Self {
         Self(std::array::from_fn(|a| std::array::from_fn(|b| self.0[b][a])))
     }
 
     /// Returns the patch elevated to a higher degree in both directions.
-    pub(super) fn raised<const M: usize>(&self) -> Net<D, M> {
+    pub(super) fn raised<const M: usize>(&self) -> BezierNet<D, M> {
         let rows: [[[f64; D]; M]; K] = self.0.map(|row| raised(&row));
         let columns: [[[f64; D]; M]; M] =
             std::array::from_fn(|b| raised(&std::array::from_fn::<_, K, _>(|a| rows[a][b])));
-        Net(columns).transposed()
+        BezierNet(columns).transposed()
     }
 
     /// Returns the point with the given Bernstein values in both directions.
@@ -115,12 +115,12 @@ const SPAN: [[f64; 4]; 4] = [
     [0.0, 1.0 / 6.0, 4.0 / 6.0, 1.0 / 6.0],
 ];
 
-impl<const D: usize> Net<D, 4> {
+impl<const D: usize> BezierNet<D, 4> {
     /// Returns the patch of the middle span of a uniform bicubic spline with these control points.
     pub(super) fn of_spline(control: &[[[f64; D]; 4]; 4]) -> Self {
         let rows: [[[f64; D]; 4]; 4] = control.map(|row| SPAN.map(|weights| weighted(&weights, &row)));
-        let turned = Net(rows).transposed();
-        Net(turned.0.map(|column| SPAN.map(|weights| weighted(&weights, &column)))).transposed()
+        let turned = BezierNet(rows).transposed();
+        BezierNet(turned.0.map(|column| SPAN.map(|weights| weighted(&weights, &column)))).transposed()
     }
 }
 
@@ -151,12 +151,12 @@ pub(super) fn restriction<const K: usize>([a, b]: [f64; 2]) -> [[f64; K]; K] {
     })
 }
 
-impl<const D: usize, const K: usize> Net<D, K> {
+impl<const D: usize, const K: usize> BezierNet<D, K> {
     /// Returns the patch after linear maps of its coefficients in both directions, for example its restriction to a
     /// part.
-    pub(super) fn mapped<const M: usize>(&self, along: &[[f64; K]; M], across: &[[f64; K]; M]) -> Net<D, M> {
+    pub(super) fn mapped<const M: usize>(&self, along: &[[f64; K]; M], across: &[[f64; K]; M]) -> BezierNet<D, M> {
         let rows: [[[f64; D]; M]; K] = self.0.map(|row| std::array::from_fn(|j| weighted(&across[j], &row)));
-        Net(std::array::from_fn(|i| {
+        BezierNet(std::array::from_fn(|i| {
             std::array::from_fn(|j| weighted(&along[i], &std::array::from_fn(|k| rows[k][j]))) //
         }))
     }

@@ -3,7 +3,7 @@
 use super::bezier::{restriction, weighted};
 use super::composed::TERMS;
 use super::join::Patch;
-use super::proof::{Cell, Proof};
+use super::proof::{LeafCell, Proof};
 use super::rings::{LEAVES, Rings};
 use super::stretch::Slopes;
 use super::table::{CapTable, Residual};
@@ -71,7 +71,13 @@ fn rounding(two_ring: &[Vector], limit: Vector) -> f64 {
 }
 
 /// Returns the maximum of `most` and of the distances over the cells of one ring in one sector.
-fn ring(rings: &Rings<3>, s: usize, cells: &[Cell], (patch, slopes): (&Patch<3>, &Slopes<3>), mut most: f64) -> f64 {
+fn ring(
+    rings: &Rings<3>,
+    s: usize,
+    cells: &[LeafCell],
+    (patch, slopes): (&Patch<3>, &Slopes<3>),
+    mut most: f64,
+) -> f64 {
     let steepest = slopes.most();
     let leaves = LEAVES.map(|lower| rings.leaf(s, lower));
     let flat: Vec<Vector> = patch.0.iter().flatten().copied().collect();

@@ -1,7 +1,7 @@
 //! Patches of bidegree 5 with common tangent planes along the spokes of a vertex: unfitted caps and their free
 //! parameters. Sources: J. Peters, CAGD 8 (1991); T. Hermann, J. Peters, T. Strotman, Computers and Graphics 35 (2011).
 
-use super::bezier::{Net, differences, raised};
+use super::bezier::{BezierNet, differences, raised};
 use super::characteristic::{subdominant, turn_cos, turn_sin};
 use super::rings::Rings;
 use crate::math::functions::{cos, real, sqrt};
@@ -15,7 +15,7 @@ pub(super) const FREE: usize = 6;
 pub(super) type Free<const D: usize> = [[f64; D]; FREE];
 
 /// The patch of one sector.
-pub(super) type Patch<const D: usize> = Net<D, 6>;
+pub(super) type Patch<const D: usize> = BezierNet<D, 6>;
 
 /// Returns the limit point of the vertex: `(N^2 V + 4 sum e + sum f) / (N (N + 5))`.
 pub(super) fn limit<const D: usize>(rings: &Rings<D>) -> [f64; D] {
@@ -51,7 +51,7 @@ struct Spokes<const D: usize> {
     bends: Vec<[f64; D]>,
 }
 
-fn spokes<const D: usize>(rings: &Rings<D>, outside: &[Net<D, 4>], sigma: f64, free: &[Free<D>]) -> Spokes<D> {
+fn spokes<const D: usize>(rings: &Rings<D>, outside: &[BezierNet<D, 4>], sigma: f64, free: &[Free<D>]) -> Spokes<D> {
     let n = rings.valence();
     let (limit, [first, second]) = (limit(rings), tangents(rings));
     let mut curves: Vec<[[f64; D]; 5]> = (0..n)
@@ -107,7 +107,12 @@ fn share(k: usize, n: usize) -> f64 {
 
 /// Returns the cross derivatives along spoke s of the patches before and behind it, without the part along the spoke,
 /// in degree 5.
-fn ribbon<const D: usize>(s: usize, outside: &[Net<D, 4>], spokes: &Spokes<D>, twists: &[[f64; D]]) -> [[f64; D]; 6] {
+fn ribbon<const D: usize>(
+    s: usize,
+    outside: &[BezierNet<D, 4>],
+    spokes: &Spokes<D>,
+    twists: &[[f64; D]],
+) -> [[f64; D]; 6] {
     let n = outside.len();
     let (own, before) = (&outside[s].0, &outside[(s + n - 1) % n].0);
     let exact = |k: usize| times(1.5, minus(minus(own[k][1], own[k][0]), minus(before[1][k], before[0][k])));
@@ -130,7 +135,7 @@ fn shared<const D: usize>(spoke: &[[f64; D]; 5], c: f64) -> [[f64; D]; 6] {
 /// net and in the free parameters. `sigma` is the length of the first leg of a spoke whose tangent has length 1.
 pub(super) fn join<const D: usize>(rings: &Rings<D>, sigma: f64, free: &[Free<D>]) -> Vec<Patch<D>> {
     let n = rings.valence();
-    let outside: Vec<Net<D, 4>> = (0..n).map(|s| rings.outside(s)).collect();
+    let outside: Vec<BezierNet<D, 4>> = (0..n).map(|s| rings.outside(s)).collect();
     let spokes = spokes(rings, &outside, sigma, free);
     let twists = twists(rings, &spokes);
     let c = turn_cos(1, n);
@@ -175,7 +180,7 @@ fn sector<const D: usize>(
     p[3][2] = plus(p[3][2], free[3]);
     p[2][3] = plus(p[2][3], free[4]);
     p[3][3] = plus(p[3][3], free[5]);
-    Net(p)
+    BezierNet(p)
 }
 
 /// Returns the length of the first leg of spokes whose tangents have length 1: the leg for which the spokes of the

@@ -1,7 +1,7 @@
 //! Facts about all caps of one valence, computed once: how the planar cap runs under the leaves of each ring, and how
 //! much it stretches distances.
 
-use super::bezier::Net;
+use super::bezier::BezierNet;
 use super::characteristic::decay;
 use super::composed::{Composed, Path, TERMS, part_of_cubic, raised_whole};
 use super::join::Patch;
@@ -12,7 +12,7 @@ use crate::math::functions::{cos, ratio, real, sin};
 
 /// A cell of a leaf of one ring; the same in all sectors.
 #[derive(Debug)]
-pub(super) struct Cell {
+pub(super) struct LeafCell {
     /// The index of the leaf among the three of the ring.
     pub(super) leaf: usize,
     /// The weights that map a leaf's coefficients to those of the cell, of degree 5, in both directions.
@@ -29,7 +29,7 @@ pub(super) struct Cell {
 #[derive(Debug)]
 pub(super) struct Proof {
     /// The cells of each ring, the outermost first.
-    pub(super) rings: Vec<Vec<Cell>>,
+    pub(super) rings: Vec<Vec<LeafCell>>,
     /// Bound of the parameters of foot points inside all rings.
     pub(super) inside: f64,
 }
@@ -84,7 +84,7 @@ impl Proof {
                 for at in (0..n_cells * n_cells).map(|k| [k / n_cells, k % n_cells]) {
                     let sides = at.map(|i| [ratio(i, n_cells), ratio(i + 1, n_cells)]);
                     let path = path(plane, &surface, |x| in_sector(ring, lower, x), sides);
-                    let cell = Cell::of(leaf, &surface, sides, &path, &plane_cap);
+                    let cell = LeafCell::of(leaf, &surface, sides, &path, &plane_cap);
                     inside = inner_side(leaf, at, &path).into_iter().fold(inside, |most, x| most.max(x + cell.off));
                     cells.push(cell);
                 }
@@ -95,9 +95,9 @@ impl Proof {
     }
 }
 
-impl Cell {
+impl LeafCell {
     /// Creates the cell of a leaf of the characteristic surface between the given sides, with its path of foot points.
-    fn of(leaf: usize, surface: &Net<2, 4>, sides: [[f64; 2]; 2], path: &Path, plane: &PlaneCap) -> Self {
+    fn of(leaf: usize, surface: &BezierNet<2, 4>, sides: [[f64; 2]; 2], path: &Path, plane: &PlaneCap) -> Self {
         let composed = Composed::along(path);
         let part = sides.map(part_of_cubic);
         let target = surface.mapped(&part[0], &part[1]);
@@ -152,7 +152,7 @@ const ROUNDING: f64 = 1e-12;
 /// clamped to the unit square.
 fn path(
     plane: &Patch<2>,
-    surface: &Net<2, 4>,
+    surface: &BezierNet<2, 4>,
     start: impl Fn([f64; 2]) -> [f64; 2],
     [along, across]: [[f64; 2]; 2],
 ) -> Path {

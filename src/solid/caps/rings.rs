@@ -1,6 +1,6 @@
 //! The two-ring of a smooth vertex among quads, its refinement, and the bicubic nets of the limit surface around it.
 
-use super::bezier::Net;
+use super::bezier::BezierNet;
 use crate::math::functions::real;
 use crate::math::vector::{plus, times};
 
@@ -85,14 +85,14 @@ impl<const D: usize> Rings<D> {
     }
 
     /// Returns the limit surface of one of the [`LEAVES`] of a refined net, as a bicubic net.
-    pub(super) fn leaf(&self, s: usize, lower: [usize; 2]) -> Net<D, 4> {
-        Net::of_spline(&self.control(s, lower))
+    pub(super) fn leaf(&self, s: usize, lower: [usize; 2]) -> BezierNet<D, 4> {
+        BezierNet::of_spline(&self.control(s, lower))
     }
 
     /// Returns the exact data of the surface outside for sector s: all coefficients except the one at the vertex
     /// continue it with two derivatives.
-    pub(super) fn outside(&self, s: usize) -> Net<D, 4> {
-        Net::of_spline(&self.control(s, [0, 0]))
+    pub(super) fn outside(&self, s: usize) -> BezierNet<D, 4> {
+        BezierNet::of_spline(&self.control(s, [0, 0]))
     }
 
     /// Returns the net after one refinement with the same centre vertex.

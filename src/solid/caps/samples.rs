@@ -1,6 +1,6 @@
 //! Samples of the limit surface around a vertex, ring by ring, and the corresponding foot points on the planar cap.
 
-use super::bezier::{Net, bernstein};
+use super::bezier::{BezierNet, bernstein};
 use super::join::Patch;
 use super::rings::{LEAVES, Rings};
 use crate::math::functions::real;
@@ -84,7 +84,7 @@ impl Samples {
         }
     }
 
-    fn leaf<const D: usize>(&self, leaf: &Net<D, 4>, mut visit: impl FnMut(usize, [f64; D])) {
+    fn leaf<const D: usize>(&self, leaf: &BezierNet<D, 4>, mut visit: impl FnMut(usize, [f64; D])) {
         for (i, x) in self.within.iter().enumerate() {
             for (j, y) in self.within.iter().enumerate() {
                 visit(i * self.within.len() + j, leaf.blend(x, y));

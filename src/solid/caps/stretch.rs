@@ -1,6 +1,6 @@
 //! Lower and upper bounds of the factor by which patches stretch distances.
 
-use super::bezier::{Net, restriction};
+use super::bezier::{BezierNet, restriction};
 use super::characteristic::turned;
 use super::join::Patch;
 use crate::math::functions::{real, sqrt};
@@ -72,7 +72,7 @@ impl Slopes<2> {
 /// Returns the derivative by the first parameter, in degree 5.
 fn by_first<const D: usize>(net: &Patch<D>) -> Patch<D> {
     let step = |i: usize, j: usize| minus(net.0[i + 1][j], net.0[i][j]);
-    Net(std::array::from_fn(|i| {
+    BezierNet(std::array::from_fn(|i| {
         std::array::from_fn(|j| {
             // derivative of degree 4, elevated: coefficient i is i/5 of the previous one plus the rest of its own
             let before = if i > 0 { times(real(i), step(i - 1, j)) } else { [0.0; D] };

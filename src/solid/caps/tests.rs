@@ -1,6 +1,6 @@
 //! Caps on nets whose limit surfaces are known, and on random ones.
 
-use super::bezier::{Net, spaced};
+use super::bezier::{BezierNet, spaced};
 use super::bound::{Deviation, Method};
 use super::characteristic::{characteristic_net, subdominant, turn_cos, turn_sin};
 use super::join::{first_leg, limit, tangents};
@@ -77,7 +77,7 @@ pub(super) fn deviation(two_ring: &[Vector], fine: usize) -> f64 {
     let patches = table.cap(two_ring);
     let mut most = 0.0_f64;
     samples.limits(&Rings::of_two_ring(two_ring), |s, k, point| {
-        most = most.max(length(minus(point, samples.on(&Net(patches[s]), k))));
+        most = most.max(length(minus(point, samples.on(&BezierNet(patches[s]), k))));
     });
     most
 }
@@ -90,7 +90,7 @@ pub(super) fn worst_angle(patches: &[CapPatch]) -> f64 {
         for k in 1..=20 {
             let t = real(k) / 20.0;
             let [a, b] = [(s, [t, 0.0]), ((s + n - 1) % n, [0.0, t])].map(|(s, at)| {
-                let [u, v] = Net(patches[s]).slopes(at);
+                let [u, v] = BezierNet(patches[s]).slopes(at);
                 unit(cross(u, v))
             });
             most = most.max(2.0 * asin((length(minus(a, b)) / 2.0).min(1.0)).to_degrees());
@@ -221,7 +221,7 @@ fn caps_continue_the_surface_outside_with_its_first_derivatives() {
         let ring = random(n, 0.1, 7);
         let rings = Rings::of_two_ring(&ring);
         for (s, patch) in CapTable::of(n).expect("a table").cap(&ring).into_iter().enumerate() {
-            let (patch, outside) = (Net(patch), rings.outside(s));
+            let (patch, outside) = (BezierNet(patch), rings.outside(s));
             for k in 0..=8 {
                 let t = real(k) / 8.0;
                 for at in [[1.0, t], [t, 1.0]] {
@@ -313,7 +313,7 @@ impl Grid {
             // from ring to ring leaves have half as many steps along a side
             let step = 1 << self.0.ring(k);
             if k / side % side % step == 0 && k % side % step == 0 {
-                most = most.max(length(minus(point, self.0.on(&Net(patches[s]), k))));
+                most = most.max(length(minus(point, self.0.on(&BezierNet(patches[s]), k))));
             }
         });
         most

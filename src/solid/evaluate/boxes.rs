@@ -10,12 +10,12 @@ const LEAF: usize = 4;
 
 /// An axis-aligned box.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Bounds {
+pub(super) struct BoundingBox {
     low: Vector,
     high: Vector,
 }
 
-impl Bounds {
+impl BoundingBox {
     const NOTHING: Self = Self { low: [f64::INFINITY; 3], high: [f64::NEG_INFINITY; 3] };
 
     /// Returns the box around some points.
@@ -46,7 +46,7 @@ impl Bounds {
 /// or 0 if the node is a leaf.
 #[derive(Debug)]
 struct Node {
-    bounds: Bounds,
+    bounds: BoundingBox,
     from: u32,
     to: u32,
     second: u32,
@@ -61,7 +61,7 @@ pub(super) struct Tree {
 
 impl Tree {
     /// Builds the tree of some boxes.
-    pub(super) fn of(all: &[Bounds]) -> Self {
+    pub(super) fn of(all: &[BoundingBox]) -> Self {
         let mut tree = Self { order: (0..index(all.len())).collect(), nodes: Vec::new() };
         if !all.is_empty() {
             tree.grow(all, 0, all.len());
@@ -74,8 +74,8 @@ impl Tree {
         self.nodes.first().map_or(0.0, |all| all.bounds.diagonal())
     }
 
-    fn grow(&mut self, all: &[Bounds], from: usize, to: usize) {
-        let bounds = self.order[from..to].iter().fold(Bounds::NOTHING, |sum, &i| sum.with(all[i as usize]));
+    fn grow(&mut self, all: &[BoundingBox], from: usize, to: usize) {
+        let bounds = self.order[from..to].iter().fold(BoundingBox::NOTHING, |sum, &i| sum.with(all[i as usize]));
         let here = self.nodes.len();
         self.nodes.push(Node { bounds, from: index(from), to: index(to), second: 0 });
         if to - from <= LEAF {

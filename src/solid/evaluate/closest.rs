@@ -5,8 +5,8 @@ use std::cmp::Ordering;
 use rayon::prelude::*;
 
 use super::boxes::Tree;
-use super::patch::{Near, Patch};
-use super::pieces::{End, MOST_RINGS, Part, Parts, Ring, Square};
+use super::patch::{NearestPlace, Patch};
+use super::pieces::{End, LeafRing, MAX_RINGS, Square, SurfacePart, SurfaceParts};
 use super::place::Place;
 use crate::math::vector::{Vector, length, minus};
 use crate::scheme::plan::Plan;
@@ -42,7 +42,7 @@ pub struct Closest {
 #[derive(Debug, Clone, Copy)]
 struct Best {
     square: Option<Square>,
-    near: Near,
+    near: NearestPlace,
     /// Number of quarterings left.
     left: usize,
     is_certain: bool,
@@ -51,13 +51,13 @@ struct Best {
 impl Best {
     const NONE: Self = Self {
         square: None,
-        near: Near { uv: [0.0; 2], at: [0.0; 3], distance: f64::INFINITY, is_settled: false },
+        near: NearestPlace { uv: [0.0; 2], at: [0.0; 3], distance: f64::INFINITY, is_settled: false },
         left: QUARTERINGS,
         is_certain: true,
     };
 
     /// Replaces the best place by one that is nearer, or equally near in a lower face.
-    fn take(&mut self, square: Square, near: Near) {
+    fn take(&mut self, square: Square, near: NearestPlace) {
         let order = near.distance.total_cmp(&self.near.distance);
         let is_lower = || self.square.is_none_or(|old| (square.face, square.corner) < (old.face, old.corner));
         if order == Ordering::Less || order == Ordering::Equal && is_lower() {
@@ -67,7 +67,7 @@ impl Best {
 
     /// Replaces the best place by a vertex if that is nearer.
     fn take_vertex(&mut self, square: Square, (uv, at): ([f64; 2], Vector), point: Vector) {
-        self.take(square, Near { uv, at, distance: length(minus(at, point)), is_settled: true });
+        self.take(square, NearestPlace { uv, at, distance: length(minus(at, point)), is_settled: true });
     }
 
     /// Searches a piece for a nearer place; parts of the piece are visited in the order of their bounds.
@@ -95,17 +95,17 @@ impl Best {
 }
 
 /// An end with the rings made so far.
-struct Rings<'a> {
+struct EndRings<'a> {
     end: End,
-    made: Vec<Ring>,
+    made: Vec<LeafRing>,
     refiner: &'a Refiner<'a>,
 }
 
-impl Rings<'_> {
+impl EndRings<'_> {
     /// Searches an end for a nearer place: the vertex, then ring by ring.
     fn search(&mut self, square: Square, best: &mut Best, point: Vector, tolerance: f64) -> Result<(), SolidError> {
         best.take_vertex(square, self.end.vertex, point);
-        for i in 0..MOST_RINGS {
+        for i in 0..MAX_RINGS {
             if i == self.made.len() {
                 let ring = self.end.ring(self.refiner)?;
                 self.made.push(ring);
@@ -133,7 +133,7 @@ impl Rings<'_> {
 /// When the watch says stop, nothing of the surface is shown, or a coordinate is no longer finite.
 pub fn closest(mesh: &Mesh, plan: &Plan, points: &[Vector], watch: &Watch) -> Result<Vec<Closest>, SolidError> {
     let refiner = Refiner::new(plan, watch)?;
-    let parts = Parts::of(mesh, plan, &refiner)?;
+    let parts = SurfaceParts::of(mesh, plan, &refiner)?;
     if parts.all.is_empty() {
         return Err(SolidError::empty());
     }
@@ -157,7 +157,7 @@ pub fn closest(mesh: &Mesh, plan: &Plan, points: &[Vector], watch: &Watch) -> Re
             best.is_certain = certain;
         }
         found.extend(best.iter().filter_map(|best| {
-            let Near { uv, at, distance, .. } = best.near;
+            let NearestPlace { uv, at, distance, .. } = best.near;
             let place = best.square?.place(uv).lowest(&mesh.topology, &parts.is_shown);
             Some(Closest { place, at, distance, is_certain: best.is_certain })
         }));
@@ -167,7 +167,7 @@ pub fn closest(mesh: &Mesh, plan: &Plan, points: &[Vector], watch: &Watch) -> Re
 }
 
 /// Returns the best place in bicubic pieces, and the ends that may have a better one.
-fn in_leaves(parts: &Parts, tree: &Tree, point: Vector, tolerance: f64) -> (Best, Vec<u32>) {
+fn in_leaves(parts: &SurfaceParts, tree: &Tree, point: Vector, tolerance: f64) -> (Best, Vec<u32>) {
     let mut best = Best::NONE;
     let mut ends = Vec::new();
     tree.visit(point, |number| {
@@ -175,8 +175,8 @@ fn in_leaves(parts: &Parts, tree: &Tree, point: Vector, tolerance: f64) -> (Best
         let distance = parts.boxes[number as usize].distance(point);
         if distance < best.near.distance {
             match part {
-                Part::Leaf(patch) => best.search(*square, patch, point, tolerance),
-                Part::End(end) => {
+                SurfacePart::Leaf(patch) => best.search(*square, patch, point, tolerance),
+                SurfacePart::End(end) => {
                     // the distance of any of its points is an upper bound
                     best.take_vertex(*square, end.across, point);
                     ends.push((distance, number));
@@ -191,7 +191,7 @@ fn in_leaves(parts: &Parts, tree: &Tree, point: Vector, tolerance: f64) -> (Best
 
 /// Returns the nearer places in ends: the index of a point and its best place, end after end.
 fn in_ends(
-    parts: &Parts,
+    parts: &SurfaceParts,
     refiner: &Refiner<'_>,
     (points, best, open): (&[Vector], &[Best], &[Vec<u32>]),
     tolerance: f64,
@@ -202,8 +202,8 @@ fn in_ends(
     let runs: Vec<&[(u32, u32)]> = pairs.chunk_by(|a, b| a.0 == b.0).collect();
     let looked_at = runs.into_par_iter().map(|run| {
         let mut found = Vec::new();
-        let (square, Part::End(end)) = &parts.all[run[0].0 as usize] else { return Ok(found) };
-        let mut rings = Rings { end: (**end).clone(), made: Vec::new(), refiner };
+        let (square, SurfacePart::End(end)) = &parts.all[run[0].0 as usize] else { return Ok(found) };
+        let mut rings = EndRings { end: (**end).clone(), made: Vec::new(), refiner };
         for &(_, i) in run {
             refiner.watch.check()?;
             let mut candidate = best[i as usize];

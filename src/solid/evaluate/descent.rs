@@ -19,7 +19,7 @@ const LEVELS: u32 = 12;
 
 /// A face of a level, with the places in it.
 #[derive(Debug)]
-struct Cell {
+struct LevelFace {
     face: u32,
     /// The ratio of its parameters to those of the input face.
     scale: f64,
@@ -29,27 +29,27 @@ struct Cell {
 /// A face to be split, with the places in each of its parts, whose parameters run `scale` times as fast as those of the
 /// input face.
 #[derive(Debug)]
-struct Parts {
+struct SplitFace {
     face: u32,
     scale: f64,
     queries: Vec<Vec<Query>>,
 }
 
-impl Cell {
+impl LevelFace {
     /// Splits the cell of a quad.
-    fn split(self) -> Parts {
+    fn split(self) -> SplitFace {
         let mut queries = vec![Vec::new(); 4];
         for (part, query) in self.queries.into_iter().map(halved) {
             queries[part].push(query);
         }
-        Parts { face: self.face, scale: 2.0 * self.scale, queries }
+        SplitFace { face: self.face, scale: 2.0 * self.scale, queries }
     }
 }
 
 /// The outcome of a cell.
 enum Outcome {
     Found(Vec<(u32, Jet)>),
-    Split(Cell),
+    Split(LevelFace),
 }
 
 /// Returns the limit surface of a mesh at some places, in order, under a plan whose regular pieces are bicubic.
@@ -91,7 +91,7 @@ pub fn evaluate(mesh: &Mesh, plan: &Plan, places: &[Place], watch: &Watch) -> Re
 
 /// Returns the faces that contain places, ascending: quads with their places, and for each other face those of its
 /// squares.
-fn first(mesh: &Mesh, places: &[Place]) -> (Vec<Cell>, Vec<Parts>) {
+fn first(mesh: &Mesh, places: &[Place]) -> (Vec<LevelFace>, Vec<SplitFace>) {
     let mut order: Vec<u32> = (0..index(places.len())).collect();
     order.sort_by_key(|&i| places[i as usize].face);
     let (mut quads, mut others) = (Vec::new(), Vec::new());
@@ -103,9 +103,9 @@ fn first(mesh: &Mesh, places: &[Place]) -> (Vec<Cell>, Vec<Parts>) {
             of_squares[corner as usize].push(Query { number, uv });
         }
         if of_squares.len() == 1 {
-            quads.push(Cell { face, scale: 1.0, queries: of_squares.swap_remove(0) });
+            quads.push(LevelFace { face, scale: 1.0, queries: of_squares.swap_remove(0) });
         } else {
-            others.push(Parts { face, scale: 1.0, queries: of_squares });
+            others.push(SplitFace { face, scale: 1.0, queries: of_squares });
         }
     }
     (quads, others)
@@ -113,7 +113,7 @@ fn first(mesh: &Mesh, places: &[Place]) -> (Vec<Cell>, Vec<Parts>) {
 
 impl Level {
     /// Evaluates a face that is bicubic or has a single irregular vertex.
-    fn looked_at(&self, cell: Cell, refiner: &Refiner<'_>) -> Result<Outcome, SolidError> {
+    fn looked_at(&self, cell: LevelFace, refiner: &Refiner<'_>) -> Result<Outcome, SolidError> {
         if self.is_leaf(cell.face) {
             let net = self.net(self.topology.half_edges(cell.face as usize).start);
             let value = |query: &Query| (query.number, Jet::of(&net, cell.scale, query.uv));
@@ -128,20 +128,20 @@ impl Level {
     /// Returns the next level of some quads and some other faces, with its cells.
     fn divided(
         &self,
-        quads: Vec<Cell>,
-        others: Vec<Parts>,
+        quads: Vec<LevelFace>,
+        others: Vec<SplitFace>,
         refiner: &Refiner<'_>,
         edges: &mut Edges,
-    ) -> Result<(Self, Vec<Cell>), SolidError> {
-        let mut split: Vec<Parts> = quads.into_iter().map(Cell::split).chain(others).collect();
+    ) -> Result<(Self, Vec<LevelFace>), SolidError> {
+        let mut split: Vec<SplitFace> = quads.into_iter().map(LevelFace::split).chain(others).collect();
         split.sort_by_key(|parts| parts.face);
         let faces: Vec<u32> = split.iter().map(|parts| parts.face).collect();
         let next = self.refined(&faces, refiner, edges)?;
         // the wanted faces are the children of these faces, in order
         let wanted = (0..index(next.topology.n_faces())).filter(|&f| next.wanted[f as usize]);
         let parts =
-            split.into_iter().flat_map(|Parts { scale, queries, .. }| queries.into_iter().map(move |q| (scale, q)));
-        let cells = wanted.zip(parts).map(|(face, (scale, queries))| Cell { face, scale, queries });
+            split.into_iter().flat_map(|SplitFace { scale, queries, .. }| queries.into_iter().map(move |q| (scale, q)));
+        let cells = wanted.zip(parts).map(|(face, (scale, queries))| LevelFace { face, scale, queries });
         let cells = cells.filter(|cell| !cell.queries.is_empty()).collect();
         Ok((next, cells))
     }

@@ -32,7 +32,7 @@ pub(super) fn halved(query: Query) -> (usize, Query) {
 
 /// A single face with the neighbourhood that its limit needs; one of its vertices is the origin of all rings.
 #[derive(Debug, Clone)]
-pub(super) struct Rings {
+pub(super) struct IsolatedFace {
     pub(super) level: Level,
     edges: Edges,
     /// The corner of the face at the vertex.
@@ -45,7 +45,7 @@ pub(super) struct Rings {
     pub(super) scale: f64,
 }
 
-impl Rings {
+impl IsolatedFace {
     /// Creates the rings in the face of a half-edge that starts at its only irregular vertex; its parameters run
     /// `scale` times as fast as those of the input face.
     ///
@@ -147,7 +147,7 @@ pub(super) fn isolated(
     mut queries: Vec<Query>,
     refiner: &Refiner<'_>,
 ) -> Result<Vec<(u32, Jet)>, SolidError> {
-    let mut rings = Rings::of(level, half_edge, scale)?;
+    let mut rings = IsolatedFace::of(level, half_edge, scale)?;
     let quadrant = QUADRANTS[rings.corner];
     let corner = [quadrant % 2, quadrant / 2].map(|bit| if bit == 1 { 1.0 } else { 0.0 });
     let mut found = Vec::with_capacity(queries.len());

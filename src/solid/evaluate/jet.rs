@@ -2,7 +2,7 @@
 
 use crate::math::functions::sqrt;
 use crate::math::vector::{Vector, cross, direction, dot, plus, times};
-use crate::solid::net::Net;
+use crate::solid::net::BicubicNet;
 
 /// A point of the limit surface with its derivatives, as far as they exist.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -40,7 +40,7 @@ fn weighted(weights: [f64; 4], points: [Vector; 4]) -> Vector {
 
 impl Jet {
     /// Returns the jet of a uniform bicubic B-spline whose parameters run `scale` times as fast as those of the face.
-    pub(super) fn of(net: &Net, scale: f64, [u, v]: [f64; 2]) -> Self {
+    pub(super) fn of(net: &BicubicNet, scale: f64, [u, v]: [f64; 2]) -> Self {
         let (along_u, along_v) = (basis(u), basis(v));
         // columns[k][i]: the k-th derivative along v of the curve i
         let columns = along_v.map(|weights| net.map(|row| weighted(weights, row)));

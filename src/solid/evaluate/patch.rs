@@ -7,13 +7,13 @@
 
 use crate::math::functions::sqrt;
 use crate::math::vector::{Vector, dot, length, minus, plus, square_from_triangle, times};
-use crate::solid::net::Net;
+use crate::solid::net::BicubicNet;
 
 /// A bicubic Bezier piece over a square in the parameters of a face.
 #[derive(Debug, Clone)]
 pub(super) struct Patch {
     /// Its control points, in model units.
-    pub(super) net: Net,
+    pub(super) net: BicubicNet,
     /// The parameters of its first corner, and the side length of its square.
     pub(super) from: [f64; 2],
     pub(super) size: f64,
@@ -21,7 +21,7 @@ pub(super) struct Patch {
 
 /// The nearest place of a piece.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Near {
+pub(super) struct NearestPlace {
     pub(super) uv: [f64; 2],
     pub(super) at: Vector,
     pub(super) distance: f64,
@@ -71,7 +71,7 @@ impl Patch {
 
     /// Returns the place to which Newton's method leads from the middle of the piece; steps never increase the distance
     /// and never leave the piece. Distances are resolved down to `tolerance`.
-    pub(super) fn descend(&self, point: Vector, tolerance: f64) -> Near {
+    pub(super) fn descend(&self, point: Vector, tolerance: f64) -> NearestPlace {
         let mut uv = [0.5; 2];
         let mut here = self.slope(uv, point);
         let mut is_settled = false;
@@ -94,7 +94,7 @@ impl Patch {
             (uv, here) = (next, there);
         }
         let uv = [0, 1].map(|k| self.from[k] + self.size * uv[k]);
-        Near { uv, at: here.at, distance: sqrt(here.square), is_settled }
+        NearestPlace { uv, at: here.at, distance: sqrt(here.square), is_settled }
     }
 
     /// Returns a lower bound of the distance of the piece from a point.
@@ -191,7 +191,7 @@ fn step(here: &Slope, held: [bool; 2]) -> [f64; 2] {
 }
 
 /// Returns the two halves of a net along its first index.
-fn halves(net: &Net) -> [Net; 2] {
+fn halves(net: &BicubicNet) -> [BicubicNet; 2] {
     let mid = |a: [Vector; 4], b: [Vector; 4]| [0, 1, 2, 3].map(|j| times(0.5, plus(a[j], b[j])));
     let [a, b, c, d] = *net;
     let [ab, bc, cd] = [mid(a, b), mid(b, c), mid(c, d)];
@@ -200,6 +200,6 @@ fn halves(net: &Net) -> [Net; 2] {
     [[a, ab, abc, middle], [middle, bcd, cd, d]]
 }
 
-fn transposed(net: &Net) -> Net {
+fn transposed(net: &BicubicNet) -> BicubicNet {
     [0, 1, 2, 3].map(|i| [0, 1, 2, 3].map(|j| net[j][i]))
 }

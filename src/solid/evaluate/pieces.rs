@@ -1,7 +1,7 @@
 //! The limit surface as Bezier pieces, and ends: faces at irregular vertices, whose pieces are made on demand.
 
-use super::boxes::Bounds;
-use super::isolated::{QUADRANTS, RINGS, Rings};
+use super::boxes::BoundingBox;
+use super::isolated::{IsolatedFace, QUADRANTS, RINGS};
 use super::patch::Patch;
 use super::place::Place;
 use crate::math::vector::{Vector, plus};
@@ -43,7 +43,7 @@ impl Square {
 
 /// A part of the surface.
 #[derive(Debug)]
-pub(super) enum Part {
+pub(super) enum SurfacePart {
     /// A bicubic piece.
     Leaf(Box<Patch>),
     /// A face with an irregular vertex.
@@ -53,7 +53,7 @@ pub(super) enum Part {
 /// A face with an irregular vertex, starting at some ring.
 #[derive(Debug, Clone)]
 pub(super) struct End {
-    rings: Rings,
+    rings: IsolatedFace,
     square: Square,
     /// The parameters and the limit of the vertex.
     pub(super) vertex: ([f64; 2], Vector),
@@ -63,10 +63,10 @@ pub(super) struct End {
 
 /// A ring of an end.
 #[derive(Debug)]
-pub(super) struct Ring {
+pub(super) struct LeafRing {
     pub(super) patches: Vec<Patch>,
     /// A box around the remaining part at the vertex.
-    pub(super) rest: Bounds,
+    pub(super) rest: BoundingBox,
 }
 
 impl End {
@@ -74,19 +74,19 @@ impl End {
     ///
     /// # Errors
     /// If the watch says stop.
-    pub(super) fn ring(&mut self, refiner: &Refiner<'_>) -> Result<Ring, SolidError> {
+    pub(super) fn ring(&mut self, refiner: &Refiner<'_>) -> Result<LeafRing, SolidError> {
         let parts = self.rings.advance(refiner)?;
         let near = QUADRANTS[self.rings.corner];
         let others = (0..4).filter(|&part| part != near);
         let patch = |part: usize| self.square.quarter(part).patch(&self.rings.level, parts[part], self.rings.origin);
         let patches = others.map(patch).collect();
         self.square = self.square.quarter(near);
-        Ok(Ring { patches, rest: self.bounds() })
+        Ok(LeafRing { patches, rest: self.bounds() })
     }
 
     /// Creates the end of the face of a half-edge that starts at its only irregular vertex.
     fn of(level: &Level, half_edge: u32, square: Square) -> Result<Self, SolidError> {
-        let rings = Rings::of(level, half_edge, 1.0)?;
+        let rings = IsolatedFace::of(level, half_edge, 1.0)?;
         let at = bezier(&level.net(half_edge))[3][3];
         let quadrant = QUADRANTS[rings.corner];
         let bits = [quadrant % 2, quadrant / 2];
@@ -97,24 +97,24 @@ impl End {
     }
 
     /// Returns a box around its surface: around its control points, since each point is a mean of them.
-    fn bounds(&self) -> Bounds {
-        Bounds::of(self.rings.level.points.iter().map(|&point| plus(self.rings.origin, point)))
+    fn bounds(&self) -> BoundingBox {
+        BoundingBox::of(self.rings.level.points.iter().map(|&point| plus(self.rings.origin, point)))
     }
 }
 
 /// Maximum number of rings of an end that are examined.
-pub(super) const MOST_RINGS: usize = RINGS as usize;
+pub(super) const MAX_RINGS: usize = RINGS as usize;
 
 /// The parts of the limit surface with their squares and boxes.
 #[derive(Debug, Default)]
-pub(super) struct Parts {
-    pub(super) all: Vec<(Square, Part)>,
-    pub(super) boxes: Vec<Bounds>,
+pub(super) struct SurfaceParts {
+    pub(super) all: Vec<(Square, SurfacePart)>,
+    pub(super) boxes: Vec<BoundingBox>,
     /// Whether each face of the mesh is shown.
     pub(super) is_shown: Vec<bool>,
 }
 
-impl Parts {
+impl SurfaceParts {
     /// Returns the parts of the shown faces of a mesh.
     ///
     /// # Errors
@@ -143,12 +143,12 @@ impl Parts {
         let (part, bounds) = if level.is_leaf(face) {
             let half_edge = level.topology.half_edges(face as usize).start;
             let patch = square.patch(level, half_edge, [0.0; 3]);
-            let bounds = Bounds::of(patch.net.iter().flatten().copied());
-            (Part::Leaf(Box::new(patch)), bounds)
+            let bounds = BoundingBox::of(patch.net.iter().flatten().copied());
+            (SurfacePart::Leaf(Box::new(patch)), bounds)
         } else if let Some(half_edge) = level.lone_irregular(face) {
             let end = End::of(level, half_edge, square)?;
             let bounds = end.bounds();
-            (Part::End(Box::new(end)), bounds)
+            (SurfacePart::End(Box::new(end)), bounds)
         } else {
             return Ok(false);
         };

@@ -6,7 +6,7 @@ use super::jet::{Jet, normal};
 use crate::math::functions::{cos, real, sin, sqrt};
 use crate::math::vector::{Vector, minus, plus, times};
 use crate::solid::level::Level;
-use crate::solid::sector::{Kind, Sector};
+use crate::solid::sector::{Sector, SectorKind};
 
 impl Level {
     /// Returns the limit of the vertex at which a half-edge starts, with the normal in its face. Derivatives along u
@@ -20,9 +20,9 @@ impl Level {
     pub(super) fn vertex_normal(&self, half_edge: u32) -> Option<Vector> {
         let sector = self.sector(half_edge);
         let [t, s] = match (sector.kind, sector.spokes.len()) {
-            (Kind::Smooth, _) => self.tangents_around(&sector),
+            (SectorKind::Smooth, _) => self.tangents_around(&sector),
             // with other numbers of faces, the surface generally has no tangent plane there
-            (Kind::Crease, 3) => self.tangents_at_crease(&sector),
+            (SectorKind::Crease, 3) => self.tangents_at_crease(&sector),
             _ => return None,
         };
         normal(t, s)

@@ -5,7 +5,7 @@ mod plot;
 
 use super::markdown::number;
 use super::{AnalysisAnswer, ScanAnswer, SchemeAnswer, SmoothnessAnswer, ValuesAnswer};
-use crate::drawing::{Anchor, Drawing, Item, Label, Level, Mark, Text, Weight};
+use crate::drawing::{Drawing, HorizontalAlign, Item, Label, Mark, Text, VerticalAlign, Weight};
 use crate::wire::surface_analysis::{NetAnswer, SurfaceAnswer};
 use crate::wire::tube_analysis::TubeAnswer;
 use plot::{BLUE, GREEN, INK, Plot, RED, band, circle, dots, line, stems};
@@ -61,7 +61,7 @@ fn page(title: &str, lines: &[String], plots: Vec<Plot>, columns: u16) -> Drawin
 fn text(says: &str, at: [f32; 2], size_px: f32, weight: Weight) -> Item {
     // the texts are names and numbers; a text that cannot be set is left empty
     let label = Label::plain(says, weight).or_else(|_| Label::plain("", weight)).expect("an empty text can be set");
-    let (anchor, level) = (Anchor::Start, Level::Baseline);
+    let (anchor, level) = (HorizontalAlign::Start, VerticalAlign::Baseline);
     Item::new("label", Mark::Text(Text { label, at, size_px, anchor, level, turn_deg: 0.0, color: INK }))
 }
 
@@ -187,11 +187,11 @@ fn of_scan(scan: &ScanAnswer) -> Drawing {
 
 /// Maximum number of characteristic nets on a page, usually those of the valences 3 to 8 without the regular one. Half
 /// as many would omit some; twice as many would need a poster.
-const MOST_NETS: usize = 6;
+const MAX_NETS: usize = 6;
 
 /// Maximum number of characteristic nets of boundary vertices on a page, usually those of one to four faces. Half as
 /// many would show a corner and the regular one; twice as many would need a poster.
-const MOST_HALVES: usize = 4;
+const MAX_HALVES: usize = 4;
 
 fn of_surface(surface: &SurfaceAnswer) -> Drawing {
     let SurfaceAnswer { regular, valences, boundaries, .. } = surface;
@@ -207,7 +207,7 @@ fn of_surface(surface: &SurfaceAnswer) -> Drawing {
         plots.push(Plot::around("The next eigenvalue over it", "valence", "ratio", vec![stems(ratio, BLUE)]));
     }
     let nets = valences.iter().filter_map(|of| Some((of.valence, of.characteristic_net.as_ref()?)));
-    plots.extend(nets.take(MOST_NETS).map(|(valence, net)| characteristic(&format!("valence {valence}"), net)));
+    plots.extend(nets.take(MAX_NETS).map(|(valence, net)| characteristic(&format!("valence {valence}"), net)));
     let facts: Vec<String> = valences.iter().map(|of| format!("{}: {}", of.valence, of.c1)).collect();
     let smooth = match regular.smoothness.proved_c {
         -1 => "not proved to converge".to_owned(),
@@ -223,7 +223,7 @@ fn of_surface(surface: &SurfaceAnswer) -> Drawing {
         lines.push(format!("C1 by faces on the boundary: {}", edges.join(", ")));
     }
     let nets = boundaries.iter().filter_map(|of| Some((of.faces, of.characteristic_net.as_ref()?)));
-    plots.extend(nets.take(MOST_HALVES).map(|(faces, net)| {
+    plots.extend(nets.take(MAX_HALVES).map(|(faces, net)| {
         let faces = if faces == 1 { "1 face".to_owned() } else { format!("{faces} faces") };
         characteristic(&format!("{faces} on the boundary"), net)
     }));

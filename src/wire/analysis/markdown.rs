@@ -28,9 +28,9 @@ pub(super) fn report(answer: &AnalysisAnswer) -> String {
     text
 }
 
-type Written = std::fmt::Result;
+type FmtResult = std::fmt::Result;
 
-fn of_scheme(text: &mut String, scheme: &SchemeAnswer) -> Written {
+fn of_scheme(text: &mut String, scheme: &SchemeAnswer) -> FmtResult {
     writeln!(text, "| Quantity | Value |\n|---|---|")?;
     writeln!(text, "| limits | {} |", verdict(scheme.smoothness.proved_c, scheme.smoothness.disproved_c))?;
     if let Some(holder) = scheme.smoothness.holder {
@@ -67,7 +67,7 @@ fn of_scheme(text: &mut String, scheme: &SchemeAnswer) -> Written {
 }
 
 /// Writes how close the levels of an input are to its limit, and the warnings about it.
-fn of_levels(text: &mut String, bounds: &[LevelBoundAnswer], refused: Option<&str>, warnings: &[String]) -> Written {
+fn of_levels(text: &mut String, bounds: &[LevelBoundAnswer], refused: Option<&str>, warnings: &[String]) -> FmtResult {
     text.push_str("\n## The input\n\n");
     if let Some(reason) = refused {
         writeln!(text, "- distances of its levels from the limit are not known: {reason}")?;
@@ -88,7 +88,7 @@ fn verdict(proved_c: i64, disproved_c: Option<i64>) -> String {
     proved + &disproved.unwrap_or_else(|| ", nothing disproved".to_owned())
 }
 
-fn of_smoothness(text: &mut String, smoothness: &SmoothnessAnswer) -> Written {
+fn of_smoothness(text: &mut String, smoothness: &SmoothnessAnswer) -> FmtResult {
     text.push_str("\n## Smoothness\n\n");
     if !smoothness.certificates.is_empty() {
         text.push_str("| C^k | steps l | norm of l steps of the difference scheme |\n|---|---|---|\n");
@@ -116,7 +116,7 @@ fn of_smoothness(text: &mut String, smoothness: &SmoothnessAnswer) -> Written {
     smoothness.assumptions.iter().try_for_each(|assumption| writeln!(text, "- assumption: {assumption}"))
 }
 
-fn of_changing(text: &mut String, changing: &ChangingAnswer) -> Written {
+fn of_changing(text: &mut String, changing: &ChangingAnswer) -> FmtResult {
     let ChangingAnswer { arity, levels, rate, exponentials, static_limit, conclusion, input, .. } = changing;
     write!(text, "# A curve scheme of arity {arity} whose mask follows alpha\n\n")?;
     match conclusion.proved_c {
@@ -149,7 +149,7 @@ fn of_changing(text: &mut String, changing: &ChangingAnswer) -> Written {
     of_scheme(text, static_limit)
 }
 
-fn of_surface(text: &mut String, surface: &SurfaceAnswer) -> Written {
+fn of_surface(text: &mut String, surface: &SurfaceAnswer) -> FmtResult {
     let SurfaceAnswer { arity, regular, valences, boundaries, assumptions, .. } = surface;
     write!(text, "# A scheme for surfaces of {}, edges divided by {arity}\n\n", regular.faces)?;
     let limits = verdict(regular.smoothness.proved_c, regular.smoothness.disproved_c);
@@ -173,7 +173,7 @@ fn of_surface(text: &mut String, surface: &SurfaceAnswer) -> Written {
 }
 
 /// Writes the results for a mesh: its levels, and its extraordinary and boundary vertices.
-fn of_mesh(text: &mut String, input: &InputSurveyAnswer) -> Written {
+fn of_mesh(text: &mut String, input: &InputSurveyAnswer) -> FmtResult {
     of_levels(text, &input.bounds, input.bounds_refused.as_deref(), &input.warnings)?;
     let not_looked_at = "not looked at";
     if !input.extraordinary.is_empty() {
@@ -192,7 +192,7 @@ fn of_mesh(text: &mut String, input: &InputSurveyAnswer) -> Written {
     Ok(())
 }
 
-fn of_boundaries(text: &mut String, boundaries: &[BoundaryAnswer]) -> Written {
+fn of_boundaries(text: &mut String, boundaries: &[BoundaryAnswer]) -> FmtResult {
     text.push_str("\n## Boundary vertices\n\n| Faces | Side of a crease | Evidence | Along | Across |");
     text.push_str(" Least sine of the characteristic net |\n|---|---|---|---|---|---|\n");
     for of in boundaries {
@@ -211,7 +211,7 @@ fn of_boundaries(text: &mut String, boundaries: &[BoundaryAnswer]) -> Written {
     Ok(())
 }
 
-fn of_tube(text: &mut String, tube: &TubeAnswer) -> Written {
+fn of_tube(text: &mut String, tube: &TubeAnswer) -> FmtResult {
     let TubeAnswer { vertices, alpha, delta, factor, control_radius, limit_radius, along, across, .. } = tube;
     write!(text, "# A straight tube with {vertices} vertices around\n\n| Quantity | Value |\n|---|---|\n")?;
     let or_none = |x: &Option<f64>| x.map_or_else(|| "-".to_owned(), number);
@@ -224,7 +224,7 @@ fn of_tube(text: &mut String, tube: &TubeAnswer) -> Written {
     of_scheme(text, across)
 }
 
-fn of_scan(text: &mut String, scan: &ScanAnswer) -> Written {
+fn of_scan(text: &mut String, scan: &ScanAnswer) -> FmtResult {
     let ScanAnswer { parameter, from, to, steps, values, intervals, .. } = scan;
     write!(text, "# {parameter} from {} to {} in {steps} steps\n\n", from.exact, to.exact)?;
     text.push_str(
@@ -260,7 +260,7 @@ fn of_scan(text: &mut String, scan: &ScanAnswer) -> Written {
     Ok(())
 }
 
-fn of_matrices(text: &mut String, matrices: &MatricesAnswer) -> Written {
+fn of_matrices(text: &mut String, matrices: &MatricesAnswer) -> FmtResult {
     let ends = if matrices.closed { "a closed" } else { "an open" };
     write!(text, "\n## One step on {ends} polygon of {} points\n", matrices.points)?;
     for step in &matrices.steps {
@@ -276,7 +276,7 @@ fn of_matrices(text: &mut String, matrices: &MatricesAnswer) -> Written {
     matrices.local.limit.as_ref().map_or(Ok(()), |limit| matrix(text, "limit of the powers", limit))
 }
 
-fn matrix(text: &mut String, name: &str, matrix: &MatrixAnswer) -> Written {
+fn matrix(text: &mut String, name: &str, matrix: &MatrixAnswer) -> FmtResult {
     write!(text, "\n### {name}\n\n")?;
     let columns = matrix.rows.first().map_or(0, Vec::len);
     if columns > WIDEST {
@@ -293,7 +293,7 @@ fn matrix(text: &mut String, name: &str, matrix: &MatrixAnswer) -> Written {
     Ok(())
 }
 
-fn weights(text: &mut String, name: &str, mask: &MaskAnswer) -> Written {
+fn weights(text: &mut String, name: &str, mask: &MaskAnswer) -> FmtResult {
     let values = match &mask.exact {
         Some(exact) => exact.clone(),
         None => mask.values.iter().copied().map(number).collect(),

@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
 
-use crate::analysis::scan::{Found, Interval, Row, Scan, Scanned};
+use crate::analysis::scan::{Interval, Scan, ScanResult, ScanRow, Scanned};
 use crate::job::ScanWish;
 use crate::math::exact::{Exact, rounded};
 use crate::wire::literal::WireLiteral;
@@ -129,13 +129,13 @@ impl ExactAnswer {
 }
 
 impl ScanValueAnswer {
-    fn new(row: &Row) -> Self {
+    fn new(row: &ScanRow) -> Self {
         let ExactAnswer { value, exact } = ExactAnswer::new(&row.value);
         let none =
             Self { value, exact, refused: None, sum_rules: None, proved_c: None, disproved_c: None, holder: None };
         match &row.found {
-            Found::Refused(why) => Self { refused: Some(why.clone()), ..none },
-            Found::Verdict(verdict) => Self {
+            ScanResult::Refused(why) => Self { refused: Some(why.clone()), ..none },
+            ScanResult::Verdict(verdict) => Self {
                 sum_rules: Some(verdict.order),
                 proved_c: Some(verdict.proved_c),
                 disproved_c: verdict.disproved_c,

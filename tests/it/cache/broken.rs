@@ -44,7 +44,7 @@ fn a_writer_that_fails_half_way_leaves_no_artifact() {
             panic!("it failed")
         };
         assert!(detail.contains("8 were forecast"), "{detail}");
-        assert!(desk.find(Broken.key(), Peer::SELF).await.is_none());
+        assert!(desk.find_artifact(Broken.key(), Peer::SELF).await.is_none());
         assert!(desk.tiers.usage().iter().all(|(_, usage)| usage.artifacts == 0));
     });
 }

@@ -3,7 +3,8 @@
 use planish::job::limits::{Limits, Refusal};
 use planish::math::functions::sqrt;
 use planish::raster::{
-    Camera, Crowding, Ground, Look, Model, Normals, Seen, Sight, Strokes, Surface, View, render as paint,
+    Camera, Crowding, Ground, Model, Normals, ProjectedPoint, RenderStyle, Sight, Strokes, TriangleAppearance, View,
+    render as paint,
 };
 use planish::watch::Watch;
 use serde_json::{Value, json};
@@ -137,7 +138,7 @@ fn what_is_hidden_is_what_the_depth_buffer_hides() {
         let ends = [chance.point(3.0), chance.point(3.0)];
         positions.extend(ends);
         let camera = Camera::framing(&View::default(), &[&positions], size[0], size[1]);
-        let seen: Vec<Seen> = positions.iter().map(|p| camera.seen(*p).expect("before the camera")).collect();
+        let seen: Vec<ProjectedPoint> = positions.iter().map(|p| camera.seen(*p).expect("before the camera")).collect();
         let line = [seen[36], seen[37]];
         let sight = Sight::new(&seen, &triangles);
         let hidden = sight.hidden(line, |_| false);
@@ -155,10 +156,10 @@ fn what_is_hidden_is_what_the_depth_buffer_hides() {
             positions: &positions,
             triangles: &triangles,
             normals: Normals::Planes,
-            surface: Surface::Unseen,
+            surface: TriangleAppearance::Unseen,
             strokes: &[strokes],
         };
-        let look = Look { background: [255; 4], is_fine: false, is_occluded: false, shadow: Ground::None };
+        let look = RenderStyle { background: [255; 4], is_fine: false, is_occluded: false, shadow: Ground::None };
         let picture = paint(&model, &camera, look, size, &Watch::new()).expect("it is painted");
         let length = distance([line[0][0], line[0][1]], [line[1][0], line[1][1]]);
         let marked = |t: f64| {

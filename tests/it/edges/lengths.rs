@@ -6,7 +6,7 @@ use crate::http::jobs::{polygon, square, with};
 use crate::http::server::{settings, story};
 
 /// Maximum length in bytes of the answer to a refused request.
-const MOST_BYTES: usize = 64 << 10;
+const MAX_BYTES: usize = 64 << 10;
 
 /// Returns a job with one change.
 fn changed(change: impl FnOnce(&mut Value)) -> Value {
@@ -87,7 +87,7 @@ fn l_an_answer_is_bounded_however_many_faults_there_are() {
             "outputs": vec![wrong; 64] });
         let answer = server.post("/v1/estimate", &job).await;
         let problem = answer.problem(422, "invalid-job");
-        assert!(answer.body.len() <= MOST_BYTES, "{} bytes", answer.body.len());
+        assert!(answer.body.len() <= MAX_BYTES, "{} bytes", answer.body.len());
         let listed = problem["errors"].as_array().unwrap().len();
         let said = problem["detail"].as_str().unwrap();
         assert!(said.contains(&format!("the first {listed}")), "{said}");

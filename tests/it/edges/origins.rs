@@ -3,7 +3,7 @@
 use std::net::SocketAddr;
 
 use axum::http::Method;
-use planish::config::{ConfigError, CorsOrigins, Given, Settings};
+use planish::config::{ConfigError, CorsOrigins, PartialSettings, Settings};
 
 use crate::http::jobs::mesh;
 use crate::http::server::{Answer, Folder, Server, rest, settings, story};
@@ -122,7 +122,7 @@ fn m10_origins_are_read_strictly_and_as_browsers_write_them() {
     let path = folder.path().join("planish.toml");
     let of_file = |text: &str| -> Result<Settings, ConfigError> {
         std::fs::write(&path, text).unwrap();
-        Settings::read(Given::default(), Some(&path))
+        Settings::read(PartialSettings::default(), Some(&path))
     };
     let listed = CorsOrigins::Listed(vec!["http://a".to_owned(), "https://b:1".to_owned()]);
     for text in ["cors-origins = [\"http://a\", \"https://b:1\"]", "cors-origins = \"http://a,https://b:1\""] {

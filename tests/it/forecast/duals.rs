@@ -20,7 +20,7 @@ use crate::support::nets::{self, Net};
 use crate::support::{parsed, peak};
 
 /// Maximum number of corners up to which nets are built.
-const MOST_CORNERS: usize = 12_000;
+const MAX_CORNERS: usize = 12_000;
 const CAP: u128 = 1 << 40;
 
 /// Returns the counts of a net from its topology.
@@ -49,7 +49,7 @@ fn built<'a>(net: &MeshNet, steps: &'a [Scheduled]) -> (Vec<Count>, &'a [Schedul
         } else {
             1
         };
-        if net.mesh.topology().n_half_edges() * growth > MOST_CORNERS {
+        if net.mesh.topology().n_half_edges() * growth > MAX_CORNERS {
             return (counts, &steps[..i], None);
         }
         match Stepper::new(&plan).next_from(&net, step, None) {

@@ -8,7 +8,7 @@ use planish::http::App;
 use planish::http::serve::{bind, serve};
 use planish::service::result_buffer::ResultBuffer;
 use planish::service::store::Store;
-use planish::service::tiers::{Kept, Tiers};
+use planish::service::tiers::{Stored, Tiers};
 use tokio::net::TcpListener;
 use tokio::runtime::Runtime;
 use tokio::sync::oneshot;
@@ -62,7 +62,7 @@ pub(super) async fn served<T>(tiers: Tiers, tell: impl AsyncFnOnce(&Server) -> T
 }
 
 /// Keeps an artifact as the desk does.
-pub(super) fn make(tiers: &Tiers, number: u64, length: usize) -> Kept {
+pub(super) fn make(tiers: &Tiers, number: u64, length: usize) -> Stored {
     let mut buffer = ResultBuffer::new(tiers, key(number), length as u128);
     buffer.write_all(&noise(number, length)).unwrap();
     let kept = buffer.commit(description()).unwrap();
@@ -73,7 +73,7 @@ pub(super) fn make(tiers: &Tiers, number: u64, length: usize) -> Kept {
 }
 
 /// Reads the bytes of an artifact as an answer does.
-pub(super) async fn bytes(tiers: &Tiers, kept: &Kept) -> Option<Vec<u8>> {
+pub(super) async fn bytes(tiers: &Tiers, kept: &Stored) -> Option<Vec<u8>> {
     if let Some(loose) = &kept.loose {
         return Some(loose.to_vec());
     }

@@ -10,7 +10,7 @@ use planish::service::computation::Phase;
 use planish::service::peer::Peer;
 use planish::service::store::PART_BYTES;
 use planish::service::task::Render;
-use planish::service::tiers::Kept;
+use planish::service::tiers::Stored;
 use planish::service::tiers::Tiers;
 use serde_json::Value;
 
@@ -34,7 +34,7 @@ fn computed(tiers: Tiers) -> (u64, Vec<u8>, [(&'static str, u64); 11]) {
         let admitted = Limits::default().admit(support::parsed(job().to_string().as_bytes()).unwrap()).unwrap();
         let interest = app.desk.compute(Arc::new(Render::new(Arc::new(admitted), 0, None)), Peer::SELF).unwrap();
         let Phase::Done(outcome) = interest.computation.finished().await else { panic!("it is done") };
-        let kept = Kept { manifest: outcome.manifest.clone(), loose: outcome.loose.clone() };
+        let kept = Stored { manifest: outcome.manifest.clone(), loose: outcome.loose.clone() };
         let bytes = bytes(&app.desk.tiers, &kept).await.unwrap();
         (interest.computation.watch.done(), bytes, app.desk.tiers.disk_counts().list())
     })
@@ -131,7 +131,7 @@ fn m6_a_full_disk_is_told_until_a_write_succeeds() {
             written(&tiers).await;
             clock.advance(Duration::from_secs(7));
             let trouble = tiers.disk_trouble().unwrap();
-            assert_eq!((trouble.lasts, trouble.failures), (Duration::from_secs(7 * number), number));
+            assert_eq!((trouble.duration, trouble.failures), (Duration::from_secs(7 * number), number));
             assert!(trouble.reason.contains("cannot write"), "{trouble:?}");
         }
         assert_eq!(n(&tiers.disk_counts().dropped_failed), 2);

@@ -167,7 +167,7 @@ fn h4_a_disk_that_does_not_end_a_write_is_in_trouble_and_left_alone() {
         assert_eq!(tiers.disk_trouble(), None);
         clock.advance(Duration::from_secs(2));
         let trouble = tiers.disk_trouble().unwrap();
-        assert_eq!((trouble.lasts, trouble.failures), (Duration::from_secs(31), 0), "{trouble:?}");
+        assert_eq!((trouble.duration, trouble.failures), (Duration::from_secs(31), 0), "{trouble:?}");
         let before = disk.writes.load(Ordering::Relaxed);
         let kept = make(&tiers, 1, 20_000);
         assert_eq!(disk.writes.load(Ordering::Relaxed), before, "no computation writes to it");

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use planish::config::Settings;
 use planish::service::account::{Account, Full, Share, kept_buffers};
-use planish::service::peer::{Kind, Peer};
+use planish::service::peer::{Peer, QuotaKind};
 use planish::service::pool::Lane;
 use serde_json::json;
 use tokio::io::{AsyncReadExt, AsyncWriteExt};
@@ -201,7 +201,7 @@ fn one_peer_gets_half_of_a_share_and_no_more() {
         let desk = &server.app.desk;
         let inputs = &desk.account.inputs;
         let peer = |last| Peer::new([10, 0, 0, last].into());
-        let charge = |last, bytes| desk.peers.charge(inputs, Kind::InputBytes, peer(last), bytes);
+        let charge = |last, bytes| desk.peers.charge(inputs, QuotaKind::InputBytes, peer(last), bytes);
         let half = inputs.capacity / 2;
         let first = charge(1, half).unwrap();
         assert_eq!(charge(1, 1).unwrap_err(), Full);
@@ -210,7 +210,7 @@ fn one_peer_gets_half_of_a_share_and_no_more() {
         drop(first);
         drop(charge(1, 1).unwrap());
         drop(second);
-        assert_eq!((inputs.usage().taken, desk.peers.held(Kind::InputBytes)), (0, 0));
+        assert_eq!((inputs.usage().taken, desk.peers.held(QuotaKind::InputBytes)), (0, 0));
     });
 }
 

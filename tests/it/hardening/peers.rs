@@ -74,13 +74,13 @@ fn h2_peers_take_turns_however_many_jobs_one_has() {
         let pool = &server.app.desk.pool;
         let held = server.turn(Lane::Short).await;
         let peer = |last| Peer::new(IpAddr::V4(Ipv4Addr::new(10, 0, 0, last)));
-        let (told, mut turns) = tokio::sync::mpsc::unbounded_channel();
+        let (sender, mut turns) = tokio::sync::mpsc::unbounded_channel();
         let line_up = |name: &'static str, last| {
             let waiting = pool.line_up(Lane::Short, peer(last), 0).unwrap();
-            let (app, told) = (server.app.clone(), told.clone());
+            let (app, sender) = (server.app.clone(), sender.clone());
             tokio::spawn(async move {
                 let turn = app.desk.pool.turn(Lane::Short, waiting).await;
-                told.send(name).unwrap();
+                sender.send(name).unwrap();
                 drop(turn);
             });
         };

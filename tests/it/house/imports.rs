@@ -4,7 +4,7 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 /// Maximum number of names through which one import is followed: `use a::X` with `pub use b::X` in `a`, and so on.
-const MOST_STEPS: u32 = 12;
+const MAX_STEPS: u32 = 12;
 
 /// A module as its names from the crate's root; the root is empty.
 type Module = Vec<String>;
@@ -51,7 +51,7 @@ impl Crate {
 
     /// Returns the module that defines the target of a path in `module`; `None` outside the crate.
     fn defined_in(&self, module: &Module, path: &[String], steps: u32) -> Option<Module> {
-        let (first, rest) = path.split_first().filter(|_| steps < MOST_STEPS)?;
+        let (first, rest) = path.split_first().filter(|_| steps < MAX_STEPS)?;
         let mut here = module.clone();
         let mut rest = rest;
         match first.as_str() {

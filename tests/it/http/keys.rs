@@ -53,7 +53,7 @@ pub(crate) fn keyed(folder: &Folder) -> Settings {
 
 /// Returns the header value that presents a key.
 pub(crate) fn bearer(token: &Token) -> String {
-    format!("Bearer {}", token.tell())
+    format!("Bearer {}", token.expose())
 }
 
 #[test]
@@ -69,7 +69,7 @@ fn who_shows_no_key_or_a_wrong_one_is_told_what_to_do_and_health_and_catalogue_s
         assert!(detail.contains("Authorization: Bearer planish_"), "{detail}");
         let altered = format!("{}x", bearer(&own));
         let cut = bearer(&own)[..bearer(&own).len() - 1].to_owned();
-        for shown in [&bearer(&foreign), &altered, &cut, "Basic abc", "Bearer", "Bearer planish_", own.tell()] {
+        for shown in [&bearer(&foreign), &altered, &cut, "Basic abc", "Bearer", "Bearer planish_", own.expose()] {
             server.get_with("/v1/jobs", &[("authorization", shown)]).await.problem(401, "unauthorized");
         }
         for path in

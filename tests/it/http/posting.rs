@@ -8,7 +8,7 @@ use planish::config::Settings;
 use planish::job::key::content;
 use planish::output::named;
 use planish::service::job_key::{JobKey, JobTerms, Tenant};
-use planish::service::jobs::{Holder, JobSummary, Phase, Predicted, Product};
+use planish::service::jobs::{Holder, JobPhase, JobSummary, Predicted, Product};
 use planish::service::peer::Peer;
 use serde_json::{Value, json};
 
@@ -244,7 +244,7 @@ fn two_tenants_have_two_jobs_in_one_computation() {
         assert!(desk.jobs.of_artifact(Tenant::ANYONE, &summary.products[0].key).is_none());
         until("one waits", || desk.n_interests() == 1).await;
         drop(held);
-        until("it is done", || desk.standing(&other).unwrap().phase == Phase::Done).await;
+        until("it is done", || desk.standing(&other).unwrap().phase == JobPhase::Done).await;
         assert_eq!(server.get(&location).await.status, 404, "the job of a tenant is nobody else's");
         let list = server.get("/v1/jobs").await.ok().json();
         assert_eq!(list["jobs"], json!([]));

@@ -83,7 +83,8 @@ fn no_more_requests_of_a_client_are_answered_at_once_than_it_may_have() {
             assert_eq!(response.status().as_u16(), 200);
             drop(response.bytes().await.unwrap());
         }
-        until("both are answered", || server.app.desk.peers.held(planish::service::peer::Kind::InFlight) == 0).await;
+        until("both are answered", || server.app.desk.peers.held(planish::service::peer::QuotaKind::InFlight) == 0)
+            .await;
         server.render(&with(mesh(3), "obj")).await.ok();
     });
 }

@@ -151,7 +151,7 @@ fn shared_keys_share_with_each_other_and_with_no_tenant() {
 fn variants_searches_and_analyses_are_made_for_each_tenant() {
     let two = two();
     story(keyed(&two.folder), async |server| {
-        let found = || server.app.desk.tally.found().map(|(_, n)| n).last().unwrap();
+        let found = || server.app.desk.tally.lookups().map(|(_, n)| n).last().unwrap();
         let tolerant = json!({ "input": cube(), "plan": { "preset": "catmull-clark" }, "levels": { "tolerance": 0.05 },
             "outputs": [{ "format": "obj" }] });
         let analysis = json!({ "plan": { "preset": "four-point" } });

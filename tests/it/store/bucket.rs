@@ -14,7 +14,7 @@ use object_store::{
     PutMode, PutMultipartOptions, PutOptions, PutPayload, PutResult, Result,
 };
 use planish::service::clock::{Clock, Monotonic};
-use planish::service::store::{Bucket, Place, Room, Shared, StoreError};
+use planish::service::store::{Bucket, BucketStore, StoreError, StoreLocation, StorePurpose};
 
 /// A bucket with switchable faults; without any it works.
 #[derive(Debug, Default)]
@@ -48,15 +48,21 @@ impl FaultyBucket {
         self: &Arc<Self>,
         capacity: u64,
         clock: Arc<dyn Clock>,
-    ) -> std::result::Result<Shared, StoreError> {
+    ) -> std::result::Result<BucketStore, StoreError> {
         let bucket = Bucket { prefix: "planish".to_owned(), ..Bucket::default() };
         let connect = || unreachable!("the bucket is in memory");
-        let place =
-            Place { dir: "/nowhere".into(), bucket, room: Room::Results, capacity_bytes: capacity, connect, clock };
-        Shared::open(Arc::clone(self) as Arc<dyn ObjectStore>, &place)
+        let place = StoreLocation {
+            dir: "/nowhere".into(),
+            bucket,
+            room: StorePurpose::Results,
+            capacity_bytes: capacity,
+            connect,
+            clock,
+        };
+        BucketStore::open(Arc::clone(self) as Arc<dyn ObjectStore>, &place)
     }
 
-    pub(crate) fn open(self: &Arc<Self>) -> Shared {
+    pub(crate) fn open(self: &Arc<Self>) -> BucketStore {
         self.open_at(super::ROOMY, Arc::new(Monotonic::default())).unwrap()
     }
 

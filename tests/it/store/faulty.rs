@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Arc, Condvar, Mutex, PoisonError};
 
-use planish::service::store::{Disk, Embedded, Local};
+use planish::service::store::{Disk, Embedded, LocalDisk};
 
 /// A door for operations, which wait while it is closed.
 #[derive(Debug, Default)]
@@ -103,11 +103,11 @@ impl Disk for Faulty {
             && used(&folder) + bytes.len() as u64 > room
         {
             // as on a real disk, a part of the bytes may be written
-            Local.write(file, offset, &bytes[..bytes.len() / 3])?;
+            LocalDisk.write(file, offset, &bytes[..bytes.len() / 3])?;
             file.set_len(offset)?;
             return Err(io::ErrorKind::StorageFull.into());
         }
-        Local.write(file, offset, bytes)
+        LocalDisk.write(file, offset, bytes)
     }
 
     fn sync(&self, file: &File) -> io::Result<()> {
@@ -116,7 +116,7 @@ impl Disk for Faulty {
         if self.full_syncs.fetch_update(Ordering::Relaxed, Ordering::Relaxed, fewer).is_ok() {
             return Err(io::ErrorKind::StorageFull.into());
         }
-        Local.sync(file)
+        LocalDisk.sync(file)
     }
 
     fn read(&self, path: &Path, offset: u64, length: usize) -> io::Result<Vec<u8>> {
@@ -124,6 +124,6 @@ impl Disk for Faulty {
         if self.broken_reads.load(Ordering::Relaxed) > 0 {
             return Err(io::Error::other("the platter is scratched"));
         }
-        Local.read(path, offset, length)
+        LocalDisk.read(path, offset, length)
     }
 }

@@ -9,7 +9,7 @@ use planish::service::account::{Account, Full};
 use planish::service::batches::Batches;
 use planish::service::clock::Monotonic;
 use planish::service::jobs::Jobs;
-use planish::service::peer::{Kind, Paid, Peers};
+use planish::service::peer::{Paid, Peers, QuotaKind};
 use planish::service::store::{Records, StoreError};
 use planish::wire::batch::layout;
 
@@ -56,7 +56,7 @@ fn taken_up(record: &[u8]) -> [usize; 2] {
     let sealed = [record, content(record).as_bytes()].concat();
     let rows = Arc::new(Rows(Mutex::new([(vec![0], sealed)].into())));
     let (clock, peers, account) = (Arc::new(Monotonic::default()), Arc::<Peers>::default(), Account::new(1 << 30, 0));
-    let memory = |bytes| -> Result<Paid, Full> { peers.charge_self(&account.records, Kind::RecordBytes, bytes) };
+    let memory = |bytes| -> Result<Paid, Full> { peers.charge_self(&account.records, QuotaKind::RecordBytes, bytes) };
     let jobs = Jobs::new(Some(rows.clone()), clock.clone());
     let active = jobs.recover(memory, |_| Vec::new()).unwrap().len();
     jobs.close(Duration::from_secs(10));

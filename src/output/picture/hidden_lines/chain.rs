@@ -2,14 +2,14 @@
 
 use std::collections::BTreeMap;
 
-use crate::drawing::{Point, Run};
+use crate::drawing::{Point, PolylinePoints};
 
 /// Maximum number of points of a polyline, so that painting one takes bounded memory.
 const LONGEST: usize = 4096;
 
 /// A straight piece of a line.
 #[derive(Debug, Clone, PartialEq)]
-pub(super) struct Piece {
+pub(super) struct LineSegment {
     /// The places of its ends.
     pub(super) places: [Point; 2],
     /// The vertices at its ends, where it reaches them.
@@ -17,7 +17,7 @@ pub(super) struct Piece {
 }
 
 /// Joins pieces at vertices where exactly two pieces end. Returns the polylines in the order of their first pieces.
-pub(super) fn chains(pieces: &[Piece]) -> Vec<Run> {
+pub(super) fn chains(pieces: &[LineSegment]) -> Vec<PolylinePoints> {
     let mut around: BTreeMap<u32, Vec<usize>> = BTreeMap::new();
     for (i, piece) in pieces.iter().enumerate() {
         for vertex in piece.vertices.iter().flatten() {
@@ -30,7 +30,7 @@ pub(super) fn chains(pieces: &[Piece]) -> Vec<Run> {
         if std::mem::replace(&mut used[first], true) {
             continue;
         }
-        let mut run: Run = pieces[first].places.to_vec();
+        let mut run: PolylinePoints = pieces[first].places.to_vec();
         extend(&mut run, pieces[first].vertices[1], (pieces, &around), &mut used);
         run.reverse();
         extend(&mut run, pieces[first].vertices[0], (pieces, &around), &mut used);
@@ -41,9 +41,9 @@ pub(super) fn chains(pieces: &[Piece]) -> Vec<Run> {
 
 /// Continues a run from the vertex at its end.
 fn extend(
-    run: &mut Run,
+    run: &mut PolylinePoints,
     from: Option<u32>,
-    (pieces, around): (&[Piece], &BTreeMap<u32, Vec<usize>>),
+    (pieces, around): (&[LineSegment], &BTreeMap<u32, Vec<usize>>),
     used: &mut [bool],
 ) {
     let mut at = from;
@@ -61,9 +61,9 @@ fn extend(
 mod tests {
     use super::*;
 
-    fn piece(from: u32, to: u32) -> Piece {
+    fn piece(from: u32, to: u32) -> LineSegment {
         let place = |v: u32| [f32::from(u16::try_from(v).expect("a small number")), 0.0];
-        Piece { places: [place(from), place(to)], vertices: [Some(from), Some(to)] }
+        LineSegment { places: [place(from), place(to)], vertices: [Some(from), Some(to)] }
     }
 
     #[test]

@@ -6,7 +6,7 @@ use crate::math::parameter::Values;
 use crate::output::error::FormatError;
 use crate::output::hard_edges::HardEdges;
 use crate::output::scene::{MeshSource, Scene, each_face, in_chunks, triangles};
-use crate::raster::Seen;
+use crate::raster::ProjectedPoint;
 use crate::shape::topology::NONE;
 use crate::watch::Watch;
 
@@ -68,7 +68,7 @@ pub(super) struct Edges {
 }
 
 /// A side of a triangle: its ends, the lower first, and the triangle.
-type Side = [u32; 3];
+type TriangleSide = [u32; 3];
 
 impl Edges {
     /// Finds the lines of a mesh whose vertices have these `positions` and are `seen` in the picture. Vertices at one
@@ -77,7 +77,7 @@ impl Edges {
     pub(super) fn of(
         scene: &Scene<'_>,
         mesh: &dyn MeshSource,
-        (positions, seen): (&[[f64; 3]], &[Seen]),
+        (positions, seen): (&[[f64; 3]], &[ProjectedPoint]),
         options: &Values,
         watch: &Watch,
     ) -> Result<Self, FormatError> {
@@ -95,9 +95,9 @@ impl Edges {
         let outward: Vec<bool> = cut.iter().map(|triangle| shows_outside(triangle.map(|v| seen[v as usize]))).collect();
         let sides =
             (0..).zip(&cut).flat_map(|(t, [a, b, c])| [[a, b], [b, c], [c, a]].map(|[a, b]| [*a.min(b), *a.max(b), t]));
-        let mut sides: Vec<Side> = sides.collect();
+        let mut sides: Vec<TriangleSide> = sides.collect();
         sides.par_sort_unstable();
-        let edge = |sides: &[Side]| {
+        let edge = |sides: &[TriangleSide]| {
             let ends = [sides[0][0], sides[0][1]];
             let beside = [sides[0][2], sides.get(1).map_or(NONE, |side| side[2])];
             let inner = sides.len() == 2 && faces[beside[0] as usize] == faces[beside[1] as usize];
@@ -116,7 +116,7 @@ fn ordered([a, b]: [u32; 2]) -> [u32; 2] {
 }
 
 /// Returns whether a triangle turns counter-clockwise in the picture, where y points downwards.
-fn shows_outside([a, b, c]: [Seen; 3]) -> bool {
+fn shows_outside([a, b, c]: [ProjectedPoint; 3]) -> bool {
     (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]) < 0.0
 }
 

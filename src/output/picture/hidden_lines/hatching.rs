@@ -7,7 +7,7 @@
 use rayon::prelude::*;
 
 use super::parts::rest;
-use crate::drawing::Run;
+use crate::drawing::PolylinePoints;
 use crate::math::functions::sqrt;
 use crate::math::vector::{Vector, dot};
 use crate::output::error::FormatError;
@@ -16,7 +16,7 @@ use crate::output::normals;
 use crate::output::positions::Positions;
 use crate::output::scene::{MeshSource, Scene, each_face, triangles};
 use crate::output::split_vertices::SplitVertices;
-use crate::raster::{Camera, Seen, Sight};
+use crate::raster::{Camera, ProjectedPoint, Sight};
 use crate::watch::Watch;
 
 /// Distance between neighbouring lines, in units of line width. Half of it looks grey and doubles the file; twice of it
@@ -35,16 +35,16 @@ const LEAST: f64 = 2.0;
 const GAP_PX: f64 = 0.2;
 /// Maximum number of pieces, 56 bytes each; usual meshes have one or two per triangle. Half of it refuses meshes whose
 /// lines can be drawn; twice of it takes 120 MB more in each of the two buffers of [`PIECES_BYTES`].
-const MOST_PIECES: usize = 1 << 21;
+const MAX_PIECES: usize = 1 << 21;
 /// Bytes of memory for all pieces: as they are cut, and their visible parts.
-const PIECES_BYTES: u128 = (MOST_PIECES * 2 * size_of::<Piece>()) as u128;
+const PIECES_BYTES: u128 = (MAX_PIECES * 2 * size_of::<HatchSegment>()) as u128;
 /// Maximum number of strokes. Pictures have some thousand; twice of it writes twice as long files of black areas.
-const MOST_STROKES: usize = 1 << 17;
+const MAX_STROKES: usize = 1 << 17;
 /// Maximum number of bytes of the strokes in a file.
-pub(super) const STROKES_BYTES: u128 = (MOST_STROKES * 64) as u128;
+pub(super) const STROKES_BYTES: u128 = (MAX_STROKES * 64) as u128;
 
 /// Returns the memory in bytes for hatching: positions, normals, places and light of vertices that may be split,
-/// triangles, and at most [`MOST_PIECES`] pieces of lines.
+/// triangles, and at most [`MAX_PIECES`] pieces of lines.
 pub(super) fn memory(triangles: u128, vertices: u128) -> u128 {
     let held = vertices.saturating_mul(3 * 24 + 8).saturating_add(triangles.saturating_mul(12));
     held.saturating_add(PIECES_BYTES)
@@ -53,13 +53,13 @@ pub(super) fn memory(triangles: u128, vertices: u128) -> u128 {
 /// The hatched surface: triangles, and at each vertex its place in the picture and the cosine between normal and lamp.
 pub(super) struct Ground {
     triangles: Vec<[u32; 3]>,
-    seen: Vec<Seen>,
+    seen: Vec<ProjectedPoint>,
     light: Vec<f64>,
 }
 
 /// A piece of a line in a triangle.
 #[derive(Debug, Clone, Copy)]
-struct Piece {
+struct HatchSegment {
     /// The direction and number of the line.
     line: (usize, i64),
     triangle: u32,
@@ -106,7 +106,7 @@ impl Ground {
         unit: f32,
         most_pairs: usize,
         watch: &Watch,
-    ) -> Result<Vec<Run>, FormatError> {
+    ) -> Result<Vec<PolylinePoints>, FormatError> {
         let lines = Lines { apart: APART * f64::from(unit), size: size.map(f64::from) };
         let count = |triangle: &[u32; 3]| -> u64 {
             let numbers = (0..2).map(|direction| lines.numbers(direction, self.corners(*triangle)));
@@ -115,19 +115,19 @@ impl Ground {
         let too_many = |what: &str| {
             FormatError::Unfit(format!("{what}; ask for fewer levels, or leave \"hatching\" out of \"show\""))
         };
-        if self.triangles.par_iter().map(count).sum::<u64>() > MOST_PIECES as u64 {
+        if self.triangles.par_iter().map(count).sum::<u64>() > MAX_PIECES as u64 {
             return Err(too_many("hatching has too many lines on faces that lie behind each other"));
         }
         let of_triangle = |(number, triangle): (usize, &[u32; 3])| {
             let number = u32::try_from(number).expect("fewer than 2^32 triangles");
             self.pieces(&lines, number, *triangle)
         };
-        let pieces: Vec<Piece> = self.triangles.par_iter().enumerate().flat_map_iter(of_triangle).collect();
+        let pieces: Vec<HatchSegment> = self.triangles.par_iter().enumerate().flat_map_iter(of_triangle).collect();
         let pairs: usize = pieces.par_iter().map(|piece| sight.n_candidates(lines.ends(piece))).sum();
         if pairs > most_pairs {
             return Err(too_many("too many faces lie behind each other to find what each hides of the hatching"));
         }
-        let shown = |piece: &Piece| {
+        let shown = |piece: &HatchSegment| {
             watch.check()?;
             let hidden = sight.hidden(lines.ends(piece), |triangle| triangle == piece.triangle);
             let length = piece.to - piece.from;
@@ -145,18 +145,18 @@ impl Ground {
             }
         }
         strokes.retain(|(_, from, to)| to - from >= LEAST * f64::from(unit));
-        if strokes.len() > MOST_STROKES {
+        if strokes.len() > MAX_STROKES {
             return Err(too_many("hatching has too many strokes"));
         }
         Ok(strokes.into_iter().map(|(line, from, to)| [from, to].map(|at| lines.place(line, at)).to_vec()).collect())
     }
 
-    fn corners(&self, triangle: [u32; 3]) -> [Seen; 3] {
+    fn corners(&self, triangle: [u32; 3]) -> [ProjectedPoint; 3] {
         triangle.map(|v| self.seen[v as usize])
     }
 
     /// Returns the pieces of lines in a triangle where it is dark enough for them.
-    fn pieces(&self, lines: &Lines, number: u32, triangle: [u32; 3]) -> Vec<Piece> {
+    fn pieces(&self, lines: &Lines, number: u32, triangle: [u32; 3]) -> Vec<HatchSegment> {
         let corners = self.corners(triangle);
         let [a, b, c] = corners;
         // y points downwards: clockwise triangles show their inside, which is lit from the other side
@@ -194,7 +194,7 @@ impl Lines {
     }
 
     /// Returns the first line that reaches into both a triangle and the picture, and the end of the range.
-    fn numbers(&self, direction: usize, corners: [Seen; 3]) -> (i64, i64) {
+    fn numbers(&self, direction: usize, corners: [ProjectedPoint; 3]) -> (i64, i64) {
         let range = |places: &[[f64; 2]]| {
             let of = |place: &[f64; 2]| self.across(direction, *place);
             let least = places.iter().map(of).fold(f64::INFINITY, f64::min);
@@ -224,13 +224,19 @@ impl Lines {
     }
 
     /// Returns the ends of a piece.
-    fn ends(&self, piece: &Piece) -> [Seen; 2] {
+    fn ends(&self, piece: &HatchSegment) -> [ProjectedPoint; 2] {
         let [start, end] = [piece.from, piece.to].map(|at| self.place_exactly(piece.line, at));
         [[start[0], start[1], piece.near[0]], [end[0], end[1], piece.near[1]]]
     }
 
     /// Returns the part of a line in a triangle on which the light is below the threshold of the line.
-    fn cut(&self, line: (usize, i64), corners: [Seen; 3], light: [f64; 3], triangle: u32) -> Option<Piece> {
+    fn cut(
+        &self,
+        line: (usize, i64),
+        corners: [ProjectedPoint; 3],
+        light: [f64; 3],
+        triangle: u32,
+    ) -> Option<HatchSegment> {
         let (direction, number) = line;
         let [along, _] = Self::axes(direction);
         #[expect(clippy::cast_precision_loss, reason = "some thousand lines")]
@@ -239,7 +245,7 @@ impl Lines {
         for (i, j) in [(0, 1), (1, 2), (2, 0)] {
             if (off[i] < 0.0) != (off[j] < 0.0) {
                 let t = off[i] / (off[i] - off[j]);
-                let at = |of: fn(Seen, [f64; 2]) -> f64| {
+                let at = |of: fn(ProjectedPoint, [f64; 2]) -> f64| {
                     let [start, end] = [i, j].map(|k| of(corners[k], along));
                     start + t * (end - start)
                 };
@@ -251,7 +257,7 @@ impl Lines {
         let [start, end] = if a[0] <= b[0] { [a, b] } else { [b, a] };
         let [from, to] = darker(start[2], end[2], below(direction, number))?;
         let at = |t: f64, k: usize| start[k] + t * (end[k] - start[k]);
-        let piece = Piece { line, triangle, from: at(from, 0), to: at(to, 0), near: [at(from, 1), at(to, 1)] };
+        let piece = HatchSegment { line, triangle, from: at(from, 0), to: at(to, 0), near: [at(from, 1), at(to, 1)] };
         (piece.to > piece.from).then_some(piece)
     }
 }

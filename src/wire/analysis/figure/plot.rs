@@ -29,11 +29,11 @@ pub(super) struct Plot {
 /// Marks of one kind and colour, in the coordinates of the axes.
 pub(super) struct Marks {
     points: Vec<[f64; 2]>,
-    kind: Kind,
+    kind: MarkKind,
     color: Color,
 }
 
-enum Kind {
+enum MarkKind {
     Line,
     Guide,
     Dots,
@@ -42,29 +42,29 @@ enum Kind {
 }
 
 pub(super) fn line(points: Vec<[f64; 2]>, color: Color) -> Marks {
-    Marks { points, kind: Kind::Line, color }
+    Marks { points, kind: MarkKind::Line, color }
 }
 
 pub(super) fn dots(points: Vec<[f64; 2]>, color: Color) -> Marks {
-    Marks { points, kind: Kind::Dots, color }
+    Marks { points, kind: MarkKind::Dots, color }
 }
 
 /// Creates stems from the line y = 0 to the points.
 pub(super) fn stems(points: Vec<[f64; 2]>, color: Color) -> Marks {
-    Marks { points, kind: Kind::Stems, color }
+    Marks { points, kind: MarkKind::Stems, color }
 }
 
 /// Creates the area between two lines.
 pub(super) fn band(low: Vec<[f64; 2]>, high: Vec<[f64; 2]>, color: Color) -> Marks {
     let points = low.into_iter().chain(high.into_iter().rev()).collect();
-    Marks { points, kind: Kind::Area, color: [color[0], color[1], color[2], 64] }
+    Marks { points, kind: MarkKind::Area, color: [color[0], color[1], color[2], 64] }
 }
 
 /// Creates a circle around the origin, as a guide.
 pub(super) fn circle(radius: f64) -> Marks {
     let angle = |k: u8| std::f64::consts::TAU * f64::from(k) / f64::from(TURNS);
     let place = |k| [radius * crate::math::functions::cos(angle(k)), radius * crate::math::functions::sin(angle(k))];
-    Marks { points: (0..=TURNS).map(place).collect(), kind: Kind::Guide, color: GREY }
+    Marks { points: (0..=TURNS).map(place).collect(), kind: MarkKind::Guide, color: GREY }
 }
 
 impl Plot {
@@ -127,11 +127,11 @@ impl Marks {
         let places: Vec<Point> = self.points.iter().map(|p| axes.place(*p)).collect();
         match self.kind {
             _ if places.is_empty() => Vec::new(),
-            Kind::Line => vec![Item::lines("line", vec![places], Stroke::solid(2.0, self.color))],
-            Kind::Guide => vec![Item::lines("guide", vec![places], Stroke::solid(1.0, self.color))],
-            Kind::Area => vec![Item::new("band", Drawn::Areas(vec![places], self.color))],
-            Kind::Dots => vec![self.discs(places)],
-            Kind::Stems => {
+            MarkKind::Line => vec![Item::lines("line", vec![places], Stroke::solid(2.0, self.color))],
+            MarkKind::Guide => vec![Item::lines("guide", vec![places], Stroke::solid(1.0, self.color))],
+            MarkKind::Area => vec![Item::new("band", Drawn::Areas(vec![places], self.color))],
+            MarkKind::Dots => vec![self.discs(places)],
+            MarkKind::Stems => {
                 let foot = |p: &[f64; 2]| axes.place([p[0], 0.0]);
                 let stems = self.points.iter().zip(&places).map(|(p, place)| vec![foot(p), *place]).collect();
                 vec![Item::lines("stem", stems, Stroke::solid(1.5, self.color)), self.discs(places)]

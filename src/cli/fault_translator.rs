@@ -1,6 +1,6 @@
 //! Faults in terms of the command line: with flags in place of JSON pointers.
 
-use super::error::{CliError, Kind};
+use super::error::{CliError, ExitKind};
 use super::flags::{JobFlags, dashed, flag, way_of};
 use crate::fault::Fault;
 use crate::job::limits::Refusal;
@@ -8,7 +8,7 @@ use crate::wire::read::ReadError;
 
 /// Translates faults of a job to the command line.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Teller<'a> {
+pub(super) struct FaultTranslator<'a> {
     /// The flags that were given.
     pub(super) flags: &'a JobFlags,
     /// Whether the input is a mesh file, so that everything else comes from flags.
@@ -17,11 +17,11 @@ pub(super) struct Teller<'a> {
     pub(super) format: Option<&'static str>,
 }
 
-impl Teller<'_> {
+impl FaultTranslator<'_> {
     /// Converts faults of an input to an error.
     pub(super) fn refused(&self, faults: Vec<Fault>) -> CliError {
-        let faults: Vec<Fault> = faults.into_iter().map(|fault| self.told(fault)).collect();
-        CliError::faults(Kind::Refused, &faults)
+        let faults: Vec<Fault> = faults.into_iter().map(|fault| self.with_flags(fault)).collect();
+        CliError::faults(ExitKind::Refused, &faults)
     }
 
     /// Converts the error of reading a job to an error of the command line.
@@ -45,7 +45,7 @@ impl Teller<'_> {
     }
 
     /// Replaces the JSON pointers in a fault by flags.
-    pub(super) fn told(&self, fault: Fault) -> Fault {
+    pub(super) fn with_flags(&self, fault: Fault) -> Fault {
         let Fault { pointer, mut detail, other } = fault;
         if let Some(at) = other {
             let end = detail[at..].find([' ', ',', ';', ')']).map_or(detail.len(), |length| at + length);
@@ -74,21 +74,21 @@ impl Teller<'_> {
             }
             ("input", None) if self.is_file => Some(String::new()),
             ("distance_to", _) if self.is_file => Some("--distance-to".to_owned()),
-            ("levels", _) => match self.flags.says("/levels") {
+            ("levels", _) => match self.flags.flag_of("/levels") {
                 Some(flag) => Some(flag.to_owned()),
                 None => self.is_file.then(|| "--levels".to_owned()),
             },
             ("plan", None) => {
-                let named = ["/plan/word", "/plan/preset"].iter().find_map(|place| self.flags.says(place));
+                let named = ["/plan/word", "/plan/preset"].iter().find_map(|place| self.flags.flag_of(place));
                 named.map(str::to_owned).or_else(|| self.is_file.then(|| "--preset".to_owned()))
             }
             ("plan", Some("parameters")) => {
                 let name = parts.next()?;
-                let flag = self.flags.says(&format!("/plan/parameters/{name}")).map(str::to_owned);
+                let flag = self.flags.flag_of(&format!("/plan/parameters/{name}")).map(str::to_owned);
                 flag.or_else(|| self.is_file.then(|| format!("--parameter {name}")))
             }
             ("input" | "plan", Some(name)) => {
-                let flag = self.flags.says(&format!("/{part}/{name}")).map(str::to_owned);
+                let flag = self.flags.flag_of(&format!("/{part}/{name}")).map(str::to_owned);
                 let flag = flag.or_else(|| self.is_file.then(|| format!("--{}", dashed(name))))?;
                 Some(parts.next().map_or(flag.clone(), |inner| format!("{flag} {inner}")))
             }
