@@ -224,8 +224,8 @@ fn broken_models_are_refused_by_line_and_name() {
 
 /// Returns an object with other objects as its components.
 fn composed(id: u64, parts: &[u64]) -> String {
-    let parts: String = parts.iter().map(|part| format!("<component objectid=\"{part}\"/>")).collect();
-    format!("<object id=\"{id}\"><components>{parts}</components></object>")
+    let parts: Vec<String> = parts.iter().map(|part| format!("<component objectid=\"{part}\"/>")).collect();
+    format!("<object id=\"{id}\"><components>{}</components></object>", parts.concat())
 }
 
 #[test]
