@@ -105,6 +105,15 @@ pub(super) fn of_triangle(corners: [[f64; 3]; 3], scale: f64) -> [f64; 3] {
     unit(area_vector(&[0, 1, 2], &corners, scale))
 }
 
+/// Returns the unit normals of the triangles `a, b, c` and `a, c, d` of a quad, as [`of_triangle`] does.
+#[inline]
+pub(super) fn of_halves(quad: [[f64; 3]; 4], scale: f64) -> [[f64; 3]; 2] {
+    let [a, b, c, d] = quad.map(|corner| times(scale, corner));
+    let [b, c, d] = [b, c, d].map(|corner| minus(corner, a));
+    // as in `area_vector`, a sum that starts from zero
+    [[b, c], [c, d]].map(|[b, c]| unit(plus([0.0; 3], cross(b, c))))
+}
+
 /// Returns the power of two that brings half the longest side of the bounding box between 1 and 2, so that products of
 /// lengths neither overflow nor vanish. A power of two changes no digit.
 pub fn scale(positions: &[[f64; 3]]) -> f64 {
