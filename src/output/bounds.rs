@@ -1,5 +1,9 @@
 //! Bounding boxes of points with `D` coordinates.
 
+/// Number of boxes that grow side by side: enough for two vectors of each coordinate, few enough for registers. Half of
+/// it waits for each comparison; twice of it leaves the registers.
+const LANES: usize = 4;
+
 /// Smallest and largest coordinates, in model units; empty when `min > max`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct CoordinateBounds<const D: usize> {
@@ -15,11 +19,23 @@ impl<const D: usize> CoordinateBounds<D> {
 
     /// Grows the box so that it contains these points. Zeros lose their sign.
     pub(super) fn add(&mut self, points: &[[f64; D]]) {
-        for point in points {
-            for ((low, high), &x) in self.min.iter_mut().zip(&mut self.max).zip(point) {
-                *low = low.min(x) + 0.0;
-                *high = high.max(x) + 0.0;
-            }
+        // several boxes side by side, for vectorisation
+        let mut boxes = [*self; LANES];
+        let (lines, rest) = points.as_chunks::<LANES>();
+        for line in lines {
+            boxes.iter_mut().zip(line).for_each(|(own, point)| own.reach(point, point));
+        }
+        rest.iter().for_each(|point| boxes[0].reach(point, point));
+        boxes.iter().for_each(|own| self.reach(&own.min, &own.max));
+        self.min.iter_mut().chain(&mut self.max).for_each(|x| *x += 0.0);
+    }
+
+    /// Grows the box as far as these coordinates. A coordinate that is NaN changes nothing.
+    #[inline]
+    fn reach(&mut self, min: &[f64; D], max: &[f64; D]) {
+        for k in 0..D {
+            self.min[k] = if min[k] < self.min[k] { min[k] } else { self.min[k] };
+            self.max[k] = if max[k] > self.max[k] { max[k] } else { self.max[k] };
         }
     }
 

@@ -188,7 +188,7 @@ impl<'a> Buffer<'a> {
             )?;
         } else if self.amounts.normals {
             normals = normals_of(mesh, self.smooth, &part.positions, watch)?;
-            stream.rows(&normals, |_, rows, out| vectors(rows, out, |row| row))?;
+            stream.rows(&normals, |_, rows, out| vectors(rows, out, normals::or_up))?;
             if self.targets.is_empty() {
                 normals = Vec::new();
             }

@@ -31,8 +31,13 @@ fn displacement(from: [f64; 3], to: [f64; 3], center: [f64; 3]) -> [f32; 3] {
 }
 
 /// Encodes the displacements of rows.
-fn encode(from: &[[f64; 3]], to: &[[f64; 3]], center: [f64; 3], out: &mut Bytes) {
-    for ((slot, &from), &to) in out.rows::<12>(to.len()).iter_mut().zip(from).zip(to) {
+fn encode(
+    from: impl Iterator<Item = [f64; 3]>,
+    to: impl ExactSizeIterator<Item = [f64; 3]>,
+    center: [f64; 3],
+    out: &mut Bytes,
+) {
+    for ((slot, from), to) in out.rows::<12>(to.len()).iter_mut().zip(from).zip(to) {
         slot.copy_from_slice(displacement(from, to, center).map(f32::to_le_bytes).as_flattened());
     }
 }
@@ -79,10 +84,12 @@ impl<'a> MorphTarget<'a> {
         center: [f64; 3],
         stream: &mut Stream<'_>,
     ) -> Result<(), FormatError> {
-        stream.positions(&self.positions, |start, rows, out| encode(&from[start..], rows, center, out))
+        stream.positions(&self.positions, |start, rows, out| {
+            encode(from[start..].iter().copied(), rows.iter().copied(), center, out);
+        })
     }
 
-    /// Writes the displacements of normals.
+    /// Writes the displacements of normals from those of [`normals_of`] for the first frame.
     pub(super) fn write_normals(
         &self,
         from: &[[f64; 3]],
@@ -90,12 +97,15 @@ impl<'a> MorphTarget<'a> {
         watch: &Watch,
     ) -> Result<(), FormatError> {
         let to = normals_of(self.mesh, self.smooth, &self.positions, watch)?;
-        stream.rows(&to, |start, rows, out| encode(&from[start..], rows, [0.0; 3], out))
+        stream.rows(&to, |start, rows, out| {
+            let from = from[start..].iter().copied().map(normals::or_up);
+            encode(from, rows.iter().copied().map(normals::or_up), [0.0; 3], out);
+        })
     }
 }
 
-/// Returns the unit normals of all vertices of a mesh with these positions; if seams split vertices, those of the whole
-/// vertices.
+/// Returns the unit normals of all vertices of a mesh with these positions, zero where they are undefined; if seams
+/// split vertices, those of the whole vertices.
 ///
 /// # Errors
 /// Positions that f32 cannot hold, or a stopped watch.
@@ -105,13 +115,11 @@ pub(super) fn normals_of(
     positions: &Positions<'_>,
     watch: &Watch,
 ) -> Result<Vec<[f64; 3]>, FormatError> {
-    let mut found = match smooth {
+    Ok(match smooth {
         None => normals::of(mesh, positions.rows(), watch)?,
         Some(smooth) => {
             let positions = Positions::of_mesh(smooth).held(watch)?;
             normals::split_vertices(mesh, smooth, positions.rows(), watch)?
         }
-    };
-    found.par_iter_mut().for_each(|normal| *normal = normals::or_up(*normal));
-    Ok(found)
+    })
 }

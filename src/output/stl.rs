@@ -11,7 +11,7 @@ use crate::output::format::{Content, Costs, Format, FormatFacts, Requirements};
 use crate::output::hard_edges::HardEdges;
 use crate::output::left_out::{Datum, left_out};
 use crate::output::normals;
-use crate::output::numbers::{rounded, total};
+use crate::output::numbers::{f32_bytes, total};
 use crate::output::options::{LIMIT, POSITIONS};
 use crate::output::positions::Positions;
 use crate::output::scene::{MeshSource, OnDemandSource, Scene, Shape, triangles};
@@ -130,15 +130,12 @@ fn write_mesh(
             _ if at_limit => mean(triangle.map(|v| corners[v as usize])).unwrap_or_else(own),
             _ => own(),
         };
-        put(normal, triangle.map(at), record);
+        put(normal, triangle.map(|v| f32_bytes(at(v))), record);
     };
     stream.faces(mesh, |_, faces, out| {
-        if let Some(quads) = faces.rows::<4>() {
-            let pairs = out.rows(2 * quads.len()).as_chunks_mut::<2>().0;
-            for ([first, second], &[a, b, c, d]) in pairs.iter_mut().zip(quads) {
-                write(first, [a, b, c]);
-                write(second, [a, c, d]);
-            }
+        if let Some(quads) = faces.rows::<4>().filter(|_| !at_limit) {
+            let pairs = out.rows(2 * quads.len()).as_chunks_mut().0;
+            pairs.iter_mut().zip(quads).for_each(|(pair, quad)| put_halves(normals, quad.map(at), scale, pair));
         } else {
             let records = out.rows(faces.vertices.len() - 2 * faces.len());
             let triangles = faces.iter().flat_map(triangles);
@@ -161,23 +158,27 @@ fn write_on_demand(
     stream.bytes(HEADER)?;
     stream.bytes(&n_triangles.to_le_bytes())?;
     stream.corners(mesh.n_faces(), source, |quads, out| {
-        let pairs = out.rows(2 * quads.len()).as_chunks_mut::<2>().0;
-        for (records, &[a, b, c, d]) in pairs.iter_mut().zip(quads) {
-            for (record, triangle) in records.iter_mut().zip([[a, b, c], [a, c, d]]) {
-                let own = || normals::of_triangle(triangle, scale);
-                put(if normals == Some("none") { [0.0; 3] } else { own() }, triangle, record);
-            }
-        }
+        let pairs = out.rows(2 * quads.len()).as_chunks_mut().0;
+        pairs.iter_mut().zip(quads).for_each(|(pair, quad)| put_halves(normals, *quad, scale, pair));
     })
 }
 
 /// The bytes of a triangle.
 type Record = [u8; TRIANGLE as usize];
 
-fn put(normal: [f64; 3], [a, b, c]: [[f64; 3]; 3], record: &mut Record) {
+fn put(normal: [f64; 3], [a, b, c]: [[u8; 12]; 3], record: &mut Record) {
     let (slots, nothing) = record.as_chunks_mut();
-    slots.iter_mut().zip([normal, a, b, c].as_flattened()).for_each(|(slot, &x)| *slot = rounded(x).to_le_bytes());
+    slots.copy_from_slice(&[f32_bytes(normal), a, b, c]);
     nothing.fill(0);
+}
+
+/// Puts the two triangles of a quad, with their own normals or none.
+#[inline]
+fn put_halves(normals: Option<&str>, quad: [[f64; 3]; 4], scale: f64, [first, second]: &mut [Record; 2]) {
+    let [n, m] = if normals == Some("none") { [[0.0; 3]; 2] } else { normals::of_halves(quad, scale) };
+    let [a, b, c, d] = quad.map(f32_bytes);
+    put(n, [a, b, c], first);
+    put(m, [a, c, d], second);
 }
 
 /// Returns the direction of the sum of unit normals; `None` if they cancel.

@@ -2,6 +2,7 @@
 
 use std::ops::Range;
 
+use multiversion::multiversion;
 use rayon::prelude::*;
 
 use crate::math::vector::plus;
@@ -70,12 +71,7 @@ fn own_vertices(mesh: &dyn MeshSource, watch: &Watch) -> Result<Vec<Range<u32>>,
     let range = |faces: &mut FaceChunk, part| {
         watch.check()?;
         mesh.faces(faces_of(mesh, part), faces);
-        // without branches, for vectorisation; vertices outside the range wrap around to large numbers
-        let n = inside.end - inside.start;
-        let [low, high] = faces.vertices.iter().fold([n, 0], |[low, high], &v| {
-            let v = v.wrapping_sub(inside.start);
-            [low.min(v), high.max(if v < n { v + 1 } else { 0 })]
-        });
+        let [low, high] = span(&faces.vertices, inside.start, inside.end - inside.start);
         Ok(inside.start + low..inside.start + high)
     };
     let parts = 0..mesh.n_faces().div_ceil(PART);
@@ -93,6 +89,27 @@ fn own_vertices(mesh: &dyn MeshSource, watch: &Watch) -> Result<Vec<Range<u32>>,
         after = after.min(low);
     }
     Ok(ranges)
+}
+
+/// Returns the smallest index among those vertices that are less than `n` from `start` on, counted from there, and the
+/// largest one plus 1; `[n, 0]` if there are none.
+#[multiversion(targets("x86_64+avx2", "x86_64+sse4.1"))]
+fn span(vertices: &[u32], start: u32, n: u32) -> [u32; 2] {
+    // sixteen vertices side by side and without branches, for vectorisation; vertices outside the range wrap around to
+    // large numbers
+    let grown = |[low, high]: [u32; 2], v: u32| {
+        let v = v.wrapping_sub(start);
+        [low.min(v), high.max(if v < n { v + 1 } else { 0 })]
+    };
+    let (mut low, mut high) = ([n; 16], [0; 16]);
+    let (lines, rest) = vertices.as_chunks::<16>();
+    for line in lines {
+        for k in 0..16 {
+            [low[k], high[k]] = grown([low[k], high[k]], line[k]);
+        }
+    }
+    let joined = low.iter().zip(high).fold([n, 0], |[low, high], (&l, h)| [low.min(l), high.max(h)]);
+    rest.iter().fold(joined, |ends, &v| grown(ends, v))
 }
 
 /// Returns the first number in a range for which `is_before` is false; it must be true for all numbers before.

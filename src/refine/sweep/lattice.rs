@@ -12,6 +12,7 @@ const TRIANGLES: [[isize; 2]; 6] = [[1, 0], [0, 1], [-1, 1], [-1, 0], [0, -1], [
 
 /// Returns the direction of a side of a patch, from its start to its end, rotated counter-clockwise by `turn`
 /// directions of the lattice; `turn` is at least -1.
+#[inline]
 fn direction(tile: Tile, side: usize, turn: isize) -> [isize; 2] {
     match tile {
         Tile::Quad => QUADS[(side + 4).wrapping_add_signed(turn) % 4],
@@ -20,6 +21,7 @@ fn direction(tile: Tile, side: usize, turn: isize) -> [isize; 2] {
 }
 
 /// Returns the place of a corner of a patch with `n` pieces per side.
+#[inline]
 pub(super) fn corner(tile: Tile, n: usize, corner: usize) -> [isize; 2] {
     let n = n.cast_signed();
     match tile {
@@ -38,6 +40,7 @@ pub(super) struct CornerFrame {
 impl CornerFrame {
     /// Creates the frame at a corner of a patch with `n` pieces per side, for the face that is `turn` faces
     /// counter-clockwise around the corner from the patch itself.
+    #[inline]
     pub(super) fn new(tile: Tile, n: usize, at: usize, turn: isize) -> Self {
         Self { corner: corner(tile, n, at), sides: [turn, turn + 1].map(|turn| direction(tile, at, turn)) }
     }
@@ -62,6 +65,7 @@ impl CornerFrame {
     }
 
     /// Returns the place `a` steps along the side from the corner and `b` steps along the side before it.
+    #[inline]
     pub(super) fn place(&self, [a, b]: [isize; 2]) -> [isize; 2] {
         std::array::from_fn(|k| self.corner[k] + a * self.sides[0][k] + b * self.sides[1][k])
     }
@@ -109,6 +113,7 @@ pub(super) fn axis(tile: Tile, side: usize) -> usize {
 pub(super) const AXES: [[isize; 2]; 3] = [[1, 0], [0, 1], [-1, 1]];
 
 /// Returns the plane and the cell of a place on the refined grid.
+#[inline]
 pub(super) fn cell([i, j]: [isize; 2]) -> (usize, [isize; 2]) {
     (((i & 1) + 2 * (j & 1)).unsigned_abs(), [i.div_euclid(2), j.div_euclid(2)])
 }

@@ -16,6 +16,10 @@ use crate::shape::tile::Tile;
 use crate::shape::topology::{NONE, index};
 use crate::watch::{Stopped, Watch};
 
+/// Number of faces after which a thread reports to the watch, which all threads share. Half of it makes them wait for
+/// each other twice as often; with twice of it, a job goes on for twice as long after it was cancelled.
+const REPORT: u64 = 4_096;
+
 /// Refined points in the documented order.
 #[derive(Debug)]
 pub(crate) struct Swept {
@@ -58,6 +62,7 @@ impl Sweep {
             for patch in task.patches.clone() {
                 run.patch(patch, worker, &mut task)?;
             }
+            run.report(worker)?;
             let vertices = || task.vertices.iter().all(|(_, point)| all_finite(point));
             let others = || all_finite(task.edges.as_flattened()) && all_finite(task.inner.as_flattened());
             if !(bounded || vertices() && others()) {
@@ -118,6 +123,8 @@ pub(super) struct Worker<const W: usize> {
     stars: Vec<[f64; W]>,
     work: StarWork<W>,
     lines: Vec<GridLine>,
+    /// Number of faces that the watch does not know of yet.
+    unreported: u64,
 }
 
 /// A part of a patch in some round: a grid whose first cell is at `at`.
@@ -132,6 +139,9 @@ pub(super) struct Block {
 impl Block {
     /// Returns the range of vertices on a side of the patch that lie in the block, which has `cells` cells per side.
     fn on_side(self, tile: Tile, side: usize, cells: usize) -> Option<RangeInclusive<usize>> {
+        if cells == self.pieces {
+            return Some(0..=cells);
+        }
         let frame = CornerFrame::new(tile, self.pieces, side, 0);
         let (start, along) = (frame.corner(), frame.along());
         let (mut least, mut most) = (0, self.pieces.cast_signed());
@@ -193,6 +203,15 @@ impl<const W: usize> SweepRun<'_, W> {
         self.descend(0, Block { patch, at: [0, 0], pieces: size.cells }, worker, target)
     }
 
+    /// Counts the faces since the last report as done.
+    ///
+    /// # Errors
+    /// [`Stopped`] when the watch says so.
+    pub(super) fn report(&self, worker: &mut Worker<W>) -> Result<(), Stopped> {
+        self.watch.advance(std::mem::take(&mut worker.unreported));
+        self.watch.check()
+    }
+
     /// Refines the star around a vertex through all rounds, if the vertex has one and it was not refined yet.
     fn star(&self, v: usize, worker: &mut Worker<W>) {
         let sweep = self.sweep;
@@ -228,15 +247,20 @@ impl<const W: usize> SweepRun<'_, W> {
         worker.planes.refine(passes, size, &worker.lines);
         for (side, half_edge) in sweep.surface.patches.half_edges(block.patch).enumerate() {
             let v = sweep.surface.patches.vertex(half_edge) as usize;
+            if worker.star_of[v] == NONE {
+                continue;
+            }
             let here = block.inside(corner(tile, block.pieces, side));
-            if worker.star_of[v] != NONE && here.iter().all(|x| (0..=size.cells.cast_signed()).contains(x)) {
+            if here.iter().all(|x| (0..=size.cells.cast_signed()).contains(x)) {
                 self.overlay(round, block.refined(), half_edge, worker);
             }
         }
         if round + 1 == sweep.rounds.len() {
-            self.watch.check()?;
+            worker.unreported += 4 * (size.cells * size.cells) as u64;
+            if worker.unreported >= REPORT {
+                self.report(worker)?;
+            }
             target.take(sweep, size, block, &worker.planes);
-            self.watch.advance(4 * (size.cells * size.cells) as u64);
             return Ok(());
         }
         if worker.woven.len() <= round {
