@@ -220,7 +220,7 @@ fn asked(path: &str, signed: bool) -> u16 {
     let (host, token) = service();
     let mut stream = TcpStream::connect(host).expect("the service listens");
     stream.set_read_timeout(Some(Duration::from_mins(1))).expect("a time to wait can be set");
-    let key = if signed { String::new() } else { format!("authorization: Bearer {}\r\n", token.tell()) };
+    let key = if signed { String::new() } else { format!("authorization: Bearer {}\r\n", token.expose()) };
     write!(stream, "GET {path} HTTP/1.1\r\nhost: {host}\r\n{key}connection: close\r\n\r\n")
         .expect("it takes a request");
     let mut answer = Vec::new();

@@ -38,7 +38,8 @@ impl ParsedBatch {
 
     /// Returns the estimated bytes of a record of this batch.
     pub fn bytes(&self) -> u64 {
-        BATCH_BYTES + ITEM_BYTES * (self.n() as u64 + self.n_outputs) + self.text.len() as u64
+        let n = (self.n() as u64).saturating_add(self.n_outputs);
+        ITEM_BYTES.saturating_mul(n).saturating_add(BATCH_BYTES + self.text.len() as u64)
     }
 }
 

@@ -66,20 +66,29 @@ fn taken_up(record: &[u8]) -> [usize; 2] {
     [active, begun]
 }
 
+/// The record of a batch that is active; in the file that of an item follows.
+fn active_batch() -> &'static [u8] {
+    let rows = include_bytes!("../../fuzz/corpus/record/batch-active");
+    let end = rows.windows(8).position(|eight| eight == b"plnshitm").unwrap();
+    &rows[..end]
+}
+
 /// The number of the job or batch, and how often it was attempted: each is counted onwards when the record is taken up.
 const COUNTED: [(usize, u64); 3] = [(0, u64::MAX), (1, u32::MAX as u64), (1, u64::MAX)];
 
 #[test]
 fn records_whose_numbers_cannot_be_counted_onwards_are_left_as_they_are() {
     let job = include_bytes!("../../fuzz/corpus/record/job-active");
-    let batch = include_bytes!("../../fuzz/corpus/record/batch-active");
-    // the record of an item follows that of its batch
-    let end = batch.windows(8).position(|eight| eight == b"plnshitm").unwrap();
-    let batch = &batch[..end];
+    let batch = active_batch();
     assert_eq!(taken_up(job), [1, 0]);
     assert_eq!(taken_up(batch), [0, 1]);
     for (at, number) in COUNTED {
         assert_eq!(taken_up(&with_standing(job, at, number)), [0, 0], "{number} at {at} of a job");
         assert_eq!(taken_up(&with_standing(batch, at, number)), [0, 0], "{number} at {at} of a batch");
     }
+}
+
+#[test]
+fn a_batch_whose_outputs_take_more_memory_than_there_is_waits_for_a_next_start() {
+    assert_eq!(taken_up(&with_standing(active_batch(), 4, u64::MAX)), [0, 0]);
 }
