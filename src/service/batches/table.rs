@@ -211,7 +211,7 @@ impl Batches {
         let number = table.next;
         table.next += 1;
         let begun = memory.map(|memory| {
-            let batch = self.begun(new, number, (attempts + 1, items), memory);
+            let batch = self.begun(new, number, (attempts.saturating_add(1), items), memory);
             let run = BatchRun { batch: batch.batch, number, ended: batch.ended.subscribe() };
             table.insert(batch);
             run
@@ -307,7 +307,7 @@ impl Batches {
             batch,
             number,
             request: Arc::new(request),
-            attempts: attempts + u32::from(is_active),
+            attempts: attempts.saturating_add(u32::from(is_active)),
             terms,
             peer: Peer::service(batch.tenant),
             state,

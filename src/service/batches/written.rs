@@ -106,7 +106,7 @@ pub(super) fn decode(bytes: &[u8]) -> Option<DecodedRow> {
     let terms = terms(&fields.numbers(tag::TERMS)?)?;
     let state = state_of(standing, fields.text(tag::REASON)?)?;
     let text = Bytes::copy_from_slice(fields.take(tag::TEXT)?);
-    let ((number, attempts), settled_s) = (counted(number, attempts)?, given(settled));
+    let (number, attempts, settled_s) = (counted(number)?, u32::try_from(attempts).ok()?, given(settled));
     Some(DecodedRow::Batch(Box::new(KeptBatch { batch, number, attempts, terms, state, settled_s, n_outputs, text })))
 }
 

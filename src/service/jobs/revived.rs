@@ -19,7 +19,7 @@ pub(super) fn revived(kept: DecodedRecord, memory: Paid, now: Duration, wall: Du
     Record {
         job,
         number,
-        attempts: attempts + u32::from(is_active),
+        attempts: attempts.saturating_add(u32::from(is_active)),
         starts,
         terms,
         peer: Peer::service(job.tenant),

@@ -141,7 +141,7 @@ impl Jobs {
             }
         };
         let before = table.forget(&new.job);
-        let attempts = before.map_or(0, |record| record.attempts) + u32::from(new.made.is_empty());
+        let attempts = before.map_or(0, |record| record.attempts).saturating_add(new.made.is_empty().into());
         let number = table.next;
         table.next += 1;
         let record = self.record(new, number, attempts, memory);

@@ -145,7 +145,7 @@ pub(super) fn decode(bytes: &[u8]) -> Option<DecodedRecord> {
     let (details, blobs) = (fields.hashes(tag::DETAILS)?, fields.hashes(tag::BLOBS)?);
     let (products, made) = outputs(&mut fields)?;
     let summary = JobSummary { products, cost, reached, details, blobs, request };
-    let ((number, attempts), starts) = (counted(number, attempts)?, u32::try_from(starts).ok()?);
+    let (number, attempts, starts) = (counted(number)?, u32::try_from(attempts).ok()?, u32::try_from(starts).ok()?);
     let (settled_s, is_posted) = (given(settled), is_posted == 1);
     Some(DecodedRecord { job, number, attempts, starts, is_posted, terms, state, made, settled_s, summary })
 }
@@ -168,10 +168,9 @@ pub(in crate::service) fn terms(numbers: &[u64]) -> Option<JobTerms> {
     Some(JobTerms { priority, queue_timeout_s: given(queue), run_timeout_s: given(run) })
 }
 
-/// Returns the number of a job or a batch and the number of its attempts, if both can be counted onwards.
-pub(in crate::service) fn counted(number: u64, attempts: u64) -> Option<(u64, u32)> {
-    let attempts = u32::try_from(attempts).ok()?;
-    (number < u64::MAX && attempts < u32::MAX).then_some((number, attempts))
+/// Returns the number of a job or a batch, unless it is so large that no process can have counted so far.
+pub(in crate::service) fn counted(number: u64) -> Option<u64> {
+    Some(number).filter(|number| *number <= u64::MAX / 2)
 }
 
 /// Returns a number, unless it stands for an absent one.

@@ -73,18 +73,25 @@ fn active_batch() -> &'static [u8] {
     &rows[..end]
 }
 
-/// The number of the job or batch, and how often it was attempted: each is counted onwards when the record is taken up.
-const COUNTED: [(usize, u64); 3] = [(0, u64::MAX), (1, u32::MAX as u64), (1, u64::MAX)];
-
 #[test]
-fn records_whose_numbers_cannot_be_counted_onwards_are_left_as_they_are() {
+fn records_whose_numbers_no_process_can_have_counted_are_left_as_they_are() {
     let job = include_bytes!("../../fuzz/corpus/record/job-active");
     let batch = active_batch();
     assert_eq!(taken_up(job), [1, 0]);
     assert_eq!(taken_up(batch), [0, 1]);
-    for (at, number) in COUNTED {
-        assert_eq!(taken_up(&with_standing(job, at, number)), [0, 0], "{number} at {at} of a job");
-        assert_eq!(taken_up(&with_standing(batch, at, number)), [0, 0], "{number} at {at} of a batch");
+    // the number, and the attempts, beyond what they are written with
+    for at in [0, 1] {
+        assert_eq!(taken_up(&with_standing(job, at, u64::MAX)), [0, 0], "at {at} of a job");
+        assert_eq!(taken_up(&with_standing(batch, at, u64::MAX)), [0, 0], "at {at} of a batch");
+    }
+}
+
+#[test]
+fn attempts_are_counted_as_far_as_they_can_be() {
+    let job = include_bytes!("../../fuzz/corpus/record/job-active");
+    for attempts in [u32::MAX - 1, u32::MAX] {
+        assert_eq!(taken_up(&with_standing(job, 1, attempts.into())), [1, 0], "{attempts} of a job");
+        assert_eq!(taken_up(&with_standing(active_batch(), 1, attempts.into())), [0, 1], "{attempts} of a batch");
     }
 }
 
