@@ -20,6 +20,7 @@ mod key;
 mod library;
 mod log;
 mod mcp;
+mod peek;
 mod pieces;
 mod progress;
 mod remote;

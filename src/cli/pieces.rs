@@ -3,11 +3,10 @@
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
-use serde::Deserialize;
-
 use super::error::CliError;
 use super::inputs::InputSource;
 use super::job::{JobOptions, OutputChoice};
+use super::peek::{self, NamedOutput};
 use super::targets::{Target, keep_apart};
 use crate::output;
 
@@ -77,18 +76,8 @@ fn named(source: &InputSource, folder: &Path, options: &JobOptions) -> Result<Ve
 
 /// Returns the extensions of the outputs that a job names; empty if the job cannot be read or names an unknown format.
 fn extensions(job: &[u8]) -> Vec<&'static str> {
-    #[derive(Deserialize)]
-    struct Peek {
-        #[serde(default)]
-        outputs: Vec<PeekOutput>,
-    }
-    #[derive(Deserialize)]
-    struct PeekOutput {
-        format: String,
-    }
-    let peek: Option<Peek> = serde_json::from_slice(job).ok();
-    let extension = |output: PeekOutput| Some(output::named(&output.format)?.extension());
-    peek.and_then(|peek| peek.outputs.into_iter().map(extension).collect()).unwrap_or_default()
+    let extension = |output: NamedOutput| Some(output::named(&output.format)?.extension());
+    peek::outputs(job).and_then(|outputs| outputs.into_iter().map(extension).collect()).unwrap_or_default()
 }
 
 fn no_format(source: &InputSource) -> CliError {

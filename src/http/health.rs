@@ -55,8 +55,8 @@ pub(super) struct ShareAnswer {
     refused: u64,
 }
 
-/// A small real job was computed lately, no line and no share of the memory is full, and the disk takes
-/// results and the records of jobs.
+/// A small real job was computed lately, no line and no share of the memory is full, and the disk takes results and the
+/// records of jobs.
 #[utoipa::path(
     get, path = "/readyz", tag = "operations",
     responses(

@@ -5,7 +5,6 @@ use std::ffi::OsStr;
 use std::fs;
 use std::path::Path;
 
-use serde::Deserialize;
 use serde_json::Value;
 
 use super::manifest::{Entry, Manifest, hash, numbers};
@@ -13,6 +12,7 @@ use crate::cli::error::CliError;
 use crate::cli::fault_translator::FaultTranslator;
 use crate::cli::inputs::InputSource;
 use crate::cli::job::{JobOptions, Loaded};
+use crate::cli::peek::{self, NamedOutput};
 use crate::job::limits::{Admitted, Limits};
 use crate::job::{RunError, run};
 use crate::output::{self, Format};
@@ -81,20 +81,9 @@ pub(super) fn render(path: &Path, known: &Manifest, folder: Option<&Path>) -> Re
 /// Returns the names of the pictures that the job in a file makes, as its outputs say. A file that is no job has none;
 /// it is refused when it is rendered.
 pub(super) fn names(path: &Path) -> Vec<String> {
-    #[derive(Deserialize)]
-    struct Peek {
-        #[serde(default)]
-        outputs: Vec<PeekOutput>,
-    }
-    #[derive(Deserialize)]
-    struct PeekOutput {
-        format: String,
-        name: Option<String>,
-    }
-    let peek: Option<Peek> = fs::read(path).ok().and_then(|bytes| serde_json::from_slice(&bytes).ok());
-    let Some(Peek { mut outputs }) = peek else { return Vec::new() };
+    let Some(mut outputs) = fs::read(path).ok().and_then(|bytes| peek::outputs(&bytes)) else { return Vec::new() };
     if outputs.is_empty() {
-        outputs = vec![PeekOutput { format: USUAL.to_owned(), name: None }];
+        outputs.push(NamedOutput { format: USUAL.to_owned(), name: None });
     }
     let outputs = outputs.iter().filter_map(|output| {
         let format = output::named(&output.format)?;
