@@ -9,18 +9,18 @@ use std::sync::Mutex;
 const SMALLEST: usize = 1 << 20;
 
 /// The kept buffers, and the maximum number of bytes to keep.
-struct Shelf {
+struct KeptBuffers {
     most: usize,
     buffers: Vec<Vec<f64>>,
 }
 
-static SHELF: Mutex<Shelf> = Mutex::new(Shelf { most: 0, buffers: Vec::new() });
+static SHELF: Mutex<KeptBuffers> = Mutex::new(KeptBuffers { most: 0, buffers: Vec::new() });
 
 fn bytes(buffer: &Vec<f64>) -> usize {
     buffer.capacity() * size_of::<f64>()
 }
 
-impl Shelf {
+impl KeptBuffers {
     fn used(&self) -> usize {
         self.buffers.iter().map(bytes).sum()
     }

@@ -9,10 +9,10 @@ use std::sync::{Arc, OnceLock};
 /// Long loops call [`Watch::check`] at least every 65,536 rows or once a tile, and [`Watch::advance`] by the work they
 /// finished, in the units of the forecast (rows). Clones share the state.
 #[derive(Debug, Clone, Default)]
-pub struct Watch(Arc<State>);
+pub struct Watch(Arc<WatchState>);
 
 #[derive(Default)]
-struct State {
+struct WatchState {
     /// Zero while the work may continue, otherwise a combination of [`STOPPED`] and [`SET_ASIDE`].
     halted: AtomicU8,
     done: AtomicU64,
@@ -24,7 +24,7 @@ const STOPPED: u8 = 1;
 /// Flag of work that is to end for now and will start again later.
 const SET_ASIDE: u8 = 2;
 
-impl fmt::Debug for State {
+impl fmt::Debug for WatchState {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "halted: {:?}, done: {:?}", self.halted, self.done)
     }

@@ -13,4 +13,4 @@ pub mod theorems;
 pub mod tolerance;
 
 pub use no_level::NoLevel;
-pub use study::{Level, Study};
+pub use study::{LevelMask, Study};

@@ -1,6 +1,6 @@
 //! A plan as a curve scheme: one mask, or the masks of its levels and the mask to which they converge.
 
-use crate::analysis::curve::{Cycle, ExactCycle, NoMask, is_static};
+use crate::analysis::curve::{CycleMask, ExactCycle, NoMask, is_static};
 use crate::analysis::smoothness::Symbol;
 use crate::math::functions::{cos, sin, sqrt};
 use crate::math::mask::Mask;
@@ -37,12 +37,12 @@ pub struct Study {
     /// The scheme, or the limit of the schemes of the levels if they change.
     pub settled: Symbol,
     /// The schemes of the levels, if they change.
-    pub levels: Vec<Level>,
+    pub levels: Vec<LevelMask>,
 }
 
 /// The scheme of one level.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Level {
+pub struct LevelMask {
     /// The parameter spacing that enters the upsampling, radians.
     pub alpha: f64,
     /// The mask of the level.
@@ -61,7 +61,7 @@ impl Study {
     /// # Errors
     /// [`NoMask`].
     pub fn of(plan: &Plan, watch: &Watch) -> Result<Self, NoMask> {
-        let cycle = Cycle::settled(plan, watch)?;
+        let cycle = CycleMask::settled(plan, watch)?;
         if cycle.mask.values.len() > MAX_ENTRIES {
             return Err(NoMask::TooWide);
         }
@@ -126,16 +126,16 @@ impl Study {
     }
 }
 
-fn levels(plan: &Plan, settled: &Cycle, watch: &Watch) -> Result<Vec<Level>, NoMask> {
+fn levels(plan: &Plan, settled: &CycleMask, watch: &Watch) -> Result<Vec<LevelMask>, NoMask> {
     let mut found = Vec::new();
     for level in 0..MAX_LEVELS {
-        let cycle = Cycle::of(plan, level, watch)?;
+        let cycle = CycleMask::of(plan, level, watch)?;
         let steps = plan.schedule(level + 1).map_err(|fault| NoMask::NoValue(fault.detail))?;
         let alpha = steps.iter().find(|step| step.level == level + 1).map_or(0.0, |step| step.alpha);
         let distance = distance(&cycle, settled);
         let order = Symbol::beside(cycle.arity, &cycle.mask).map_or(0, |symbol| symbol.order);
         let keeps_circles = keeps_circles(&cycle, alpha);
-        found.push(Level { alpha, mask: cycle.mask, order, distance, keeps_circles });
+        found.push(LevelMask { alpha, mask: cycle.mask, order, distance, keeps_circles });
     }
     // levels after the last one that differs have converged
     found.truncate(found.iter().rposition(|level| level.distance > SAME).map_or(0, |last| last + 1));
@@ -143,7 +143,7 @@ fn levels(plan: &Plan, settled: &Cycle, watch: &Watch) -> Result<Vec<Level>, NoM
 }
 
 /// Returns the norm of the difference of two masks: the greatest sum of absolute values in a residue class.
-fn distance(a: &Cycle, b: &Cycle) -> f64 {
+fn distance(a: &CycleMask, b: &CycleMask) -> f64 {
     let first = a.mask.first.min(b.mask.first);
     let last = a.mask.last().max(b.mask.last());
     let difference = |j: i32| (a.at(j.into()) - b.at(j.into())).abs();
@@ -152,7 +152,7 @@ fn distance(a: &Cycle, b: &Cycle) -> f64 {
 }
 
 /// Returns whether the symbol vanishes at all d-th roots of `exp(i alpha)` other than `exp(i alpha / d)`.
-fn keeps_circles(cycle: &Cycle, alpha: f64) -> bool {
+fn keeps_circles(cycle: &CycleMask, alpha: f64) -> bool {
     #[expect(clippy::cast_precision_loss, reason = "arities are small")]
     let (d, count) = (cycle.arity as f64, cycle.arity);
     let size: f64 = cycle.mask.values.iter().map(|a| a.abs()).sum();

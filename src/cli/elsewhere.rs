@@ -34,7 +34,7 @@ pub(super) struct ServerOptions {
 }
 
 /// The inputs that a service is to render, and whether missing folders are created for the files.
-pub(super) struct Order<'a> {
+pub(super) struct RemoteRender<'a> {
     pub(super) pieces: &'a [OutputTarget],
     pub(super) makes_folders: bool,
     pub(super) options: &'a JobOptions,
@@ -48,7 +48,12 @@ impl ServerOptions {
     }
 
     /// Renders all inputs, several at once; the failure of one does not stop the others.
-    pub(super) fn render(&self, remote: &Remote, order: &Order<'_>, progress: &mut Progress) -> Result<(), CliError> {
+    pub(super) fn render(
+        &self,
+        remote: &Remote,
+        order: &RemoteRender<'_>,
+        progress: &mut Progress,
+    ) -> Result<(), CliError> {
         let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build().map_err(CliError::other)?;
         let parallel = usize::try_from(self.parallel).unwrap_or(1);
         runtime.block_on(async {
@@ -62,7 +67,7 @@ impl ServerOptions {
     }
 }
 
-impl Order<'_> {
+impl RemoteRender<'_> {
     /// Renders one input on the service and writes its file. The patience is that of the input: its upload and its job
     /// have one together.
     async fn made(

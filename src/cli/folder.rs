@@ -16,13 +16,13 @@ const MAX_BYTES: u64 = 2 << 30;
 
 /// The folder of an input file.
 #[derive(Debug)]
-pub(super) struct Folder {
+pub(super) struct InputFolder {
     path: PathBuf,
     /// Number of bytes that may still be read.
     left: AtomicU64,
 }
 
-impl Folder {
+impl InputFolder {
     /// Returns the folder of the file at a path.
     pub(super) fn of(file: &Path) -> Self {
         let parent = file.parent().filter(|parent| !parent.as_os_str().is_empty());
@@ -52,7 +52,7 @@ impl Folder {
     }
 }
 
-impl Beside for Folder {
+impl Beside for InputFolder {
     fn spare(&self) -> u64 {
         MAX_BYTES
     }

@@ -9,7 +9,7 @@ use serde_json::{Value, json};
 use super::error::{CliError, ExitKind};
 use super::fault_translator::FaultTranslator;
 use super::flags::JobFlags;
-use super::folder::Folder;
+use super::folder::InputFolder;
 use super::inputs::InputSource;
 use super::sniff::sniffed;
 use crate::fault::{did_you_mean, under};
@@ -161,7 +161,7 @@ impl JobOptions {
         let translator = FaultTranslator { flags: &self.flags, is_file, format: None };
         let request = if is_file {
             let beside: Arc<dyn Beside> = match source {
-                InputSource::File(path) => Arc::new(Folder::of(path)),
+                InputSource::File(path) => Arc::new(InputFolder::of(path)),
                 InputSource::Standard => Arc::new(Alone),
             };
             let job = self.whole(json!({ "input": {} }))?.to_string();

@@ -8,7 +8,7 @@ use clap::Subcommand;
 
 use super::error::CliError;
 use super::say::answer;
-use crate::config::keys::{KeyEntry, KeyFile, KeyFileError, Role, SHARED, Token, tenant_fault};
+use crate::config::keys::{KeyEntry, KeyFile, KeyFileError, KeyRole, SHARED, Token, tenant_fault};
 use crate::config::{PartialSettings, Settings, seconds};
 
 /// What to do with the keys of which service.
@@ -32,7 +32,7 @@ enum KeyCommand {
         tenant: String,
         /// What it allows; each role also allows what those before it do.
         #[arg(long, value_enum, default_value = "render")]
-        role: Role,
+        role: KeyRole,
         /// When it ends, from now on, like 90d; never when left out.
         #[arg(long, value_name = "TIME", value_parser = lifetime)]
         expires_in: Option<u64>,

@@ -11,14 +11,14 @@ use crate::shape::looks::images;
 
 /// The files beside one OBJ file.
 #[derive(Debug)]
-pub(super) struct Library<'a> {
+pub(super) struct CompanionFiles<'a> {
     carried: &'a Attachments,
     target: &'a Path,
     /// The common prefix of the file names.
     stem: String,
 }
 
-impl<'a> Library<'a> {
+impl<'a> CompanionFiles<'a> {
     /// Returns the files beside the first output of a job, if the output is an OBJ that names no library itself and the
     /// job has materials.
     pub(super) fn of(admitted: &'a Admitted, target: &'a Path) -> Option<Self> {

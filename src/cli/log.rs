@@ -22,16 +22,16 @@ const MAX_MESSAGE: usize = 1000;
 
 /// The queue of lines to be written. Dropping it waits up to [`PATIENCE`] for the waiting lines.
 #[derive(Debug)]
-pub(super) struct Log(Arc<Queue>);
+pub(super) struct Log(Arc<LogQueue>);
 
 #[derive(Debug, Default)]
-struct Queue {
-    state: Mutex<State>,
+struct LogQueue {
+    state: Mutex<WaitingLines>,
     changed: Condvar,
 }
 
 #[derive(Debug, Default)]
-struct State {
+struct WaitingLines {
     lines: VecDeque<Vec<u8>>,
     /// Total length of the waiting lines in bytes.
     bytes: usize,
@@ -44,11 +44,11 @@ struct State {
 impl Log {
     /// Starts the log of this process and redirects panic messages to it.
     pub(super) fn start(levels: &LogLevels, json: bool) -> io::Result<Self> {
-        let queue = Arc::new(Queue::default());
+        let queue = Arc::new(LogQueue::default());
         let worker = queue.clone();
         thread::Builder::new().name("log".to_owned()).spawn(move || worker.write_all(&mut io::stderr()))?;
         let filter = EnvFilter::new(levels.as_str());
-        let subscriber = tracing_subscriber::fmt().with_env_filter(filter).with_writer(Lines(queue.clone()));
+        let subscriber = tracing_subscriber::fmt().with_env_filter(filter).with_writer(LogWriter(queue.clone()));
         // A second subscriber in one process is refused, and the first stays in use.
         let _ = if json { subscriber.json().try_init() } else { subscriber.try_init() };
         std::panic::set_hook(Box::new(|panic| {
@@ -68,13 +68,13 @@ impl Log {
 
 impl Drop for Log {
     fn drop(&mut self) {
-        let waits = |state: &mut State| state.is_writing || !state.lines.is_empty();
+        let waits = |state: &mut WaitingLines| state.is_writing || !state.lines.is_empty();
         drop(self.0.changed.wait_timeout_while(self.0.state(), PATIENCE, waits));
     }
 }
 
-impl Queue {
-    fn state(&self) -> MutexGuard<'_, State> {
+impl LogQueue {
+    fn state(&self) -> MutexGuard<'_, WaitingLines> {
         // Nothing panics while the lock is held.
         self.state.lock().unwrap_or_else(PoisonError::into_inner)
     }
@@ -125,9 +125,9 @@ impl Queue {
 
 /// A writer that appends each write to the queue as one line.
 #[derive(Debug, Clone)]
-struct Lines(Arc<Queue>);
+struct LogWriter(Arc<LogQueue>);
 
-impl MakeWriter<'_> for Lines {
+impl MakeWriter<'_> for LogWriter {
     type Writer = Self;
 
     fn make_writer(&self) -> Self {
@@ -135,7 +135,7 @@ impl MakeWriter<'_> for Lines {
     }
 }
 
-impl Write for Lines {
+impl Write for LogWriter {
     fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
         self.0.push(bytes.to_vec());
         Ok(bytes.len())

@@ -14,9 +14,9 @@ pub(super) struct NamedOutput {
 /// Returns the outputs that a job names, in order; `None` if the text is no job.
 pub(super) fn outputs(job: &[u8]) -> Option<Vec<NamedOutput>> {
     #[derive(Deserialize)]
-    struct Peek {
+    struct PeekOutputs {
         #[serde(default)]
         outputs: Vec<NamedOutput>,
     }
-    serde_json::from_slice(job).ok().map(|peek: Peek| peek.outputs)
+    serde_json::from_slice(job).ok().map(|peek: PeekOutputs| peek.outputs)
 }

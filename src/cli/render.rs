@@ -5,13 +5,13 @@ use std::path::{Path, PathBuf};
 
 use rayon::ThreadPoolBuilder;
 
-use super::elsewhere::{Order, ServerOptions};
+use super::elsewhere::{RemoteRender, ServerOptions};
 use super::error::CliError;
 use super::fault_translator::FaultTranslator;
 use super::files::Files;
 use super::inputs::{InputSource, jobs_and_meshes};
 use super::job::{JobOptions, Loaded, OutputChoice};
-use super::library::Library;
+use super::library::CompanionFiles;
 use super::pieces::{OutputTarget, pieces};
 use super::progress::Progress;
 use super::targets::{Target, of_extension};
@@ -66,7 +66,7 @@ impl RenderOptions {
         let what = if pieces.len() > sources.len() { "outputs rendered" } else { "inputs rendered" };
         let mut progress = Progress::new(pieces.len(), self.quiet);
         if let Some(remote) = self.server.remote(self.quiet)? {
-            let order = Order { pieces: &pieces, makes_folders: place.makes_folders(), options: &self.options };
+            let order = RemoteRender { pieces: &pieces, makes_folders: place.makes_folders(), options: &self.options };
             self.server.render(&remote, &order, &mut progress)?;
             return progress.end(what);
         }
@@ -75,7 +75,7 @@ impl RenderOptions {
             let rendered = self.options.load(source).and_then(|mut loaded| {
                 loaded.choose(*wanted, &self.options)?;
                 let target = target.as_deref().map(|path| (path, place.makes_folders()));
-                let task = Task { source, target, options: &self.options, progress: &progress };
+                let task = InputRendering { source, target, options: &self.options, progress: &progress };
                 task.render(loaded, &limits, pieces.len() == 1)
             });
             progress.done(source, rendered);
@@ -125,7 +125,7 @@ fn wanted(target: &Target, format: Option<&'static dyn Format>) -> Result<Output
 }
 
 /// The rendering of one input.
-struct Task<'a> {
+struct InputRendering<'a> {
     source: &'a InputSource,
     /// The target file, and whether missing folders are created for it; `None` is standard output.
     target: Option<(&'a Path, bool)>,
@@ -133,7 +133,7 @@ struct Task<'a> {
     progress: &'a Progress,
 }
 
-impl Task<'_> {
+impl InputRendering<'_> {
     /// Renders a job. If it is the only one of the command and short, it runs on the calling thread alone.
     fn render(&self, loaded: Loaded, limits: &Limits, is_only: bool) -> Result<(), CliError> {
         let (is_file, format) = (loaded.is_file, loaded.format);
@@ -154,7 +154,7 @@ impl Task<'_> {
                 made.map_err(|error| {
                     CliError::files(format!("cannot make a folder for {}: {error}", target.display()))
                 })?;
-                let library = Library::of(&admitted, target);
+                let library = CompanionFiles::of(&admitted, target);
                 let mut files = Files::default();
                 let report =
                     to_file(&mut files, target, library.as_ref(), |out| self.write(&admitted, &translator, out))?;
@@ -214,7 +214,7 @@ impl Task<'_> {
 fn to_file(
     files: &mut Files,
     target: &Path,
-    library: Option<&Library<'_>>,
+    library: Option<&CompanionFiles<'_>>,
     write: impl FnOnce(&mut dyn Write) -> Result<Report, CliError>,
 ) -> Result<Report, CliError> {
     let cannot = |error: io::Error| unwritten(target, &error);

@@ -27,13 +27,13 @@ pub(super) fn sniffed(bytes: &[u8]) -> Result<&'static str, String> {
 /// Returns the kind of an input that is a JSON object.
 fn of_json(bytes: &[u8]) -> &'static str {
     #[derive(serde::Deserialize)]
-    struct Head {
+    struct JsonFields {
         positions: Option<serde::de::IgnoredAny>,
         asset: Option<serde::de::IgnoredAny>,
     }
-    match serde_json::from_slice::<Head>(bytes) {
-        Ok(Head { positions: Some(_), .. }) => "json",
-        Ok(Head { asset: Some(_), .. }) => "gltf",
+    match serde_json::from_slice::<JsonFields>(bytes) {
+        Ok(JsonFields { positions: Some(_), .. }) => "json",
+        Ok(JsonFields { asset: Some(_), .. }) => "gltf",
         _ => "job",
     }
 }

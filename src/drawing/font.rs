@@ -9,7 +9,7 @@ use ttf_parser::{Face, GlyphId};
 
 /// The weight of letters.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-pub enum Weight {
+pub enum FontWeight {
     /// For everything else.
     Regular,
     /// For titles and the letters of panels.
@@ -17,7 +17,7 @@ pub enum Weight {
 }
 
 /// All weights.
-pub(super) const WEIGHTS: [Weight; 2] = [Weight::Regular, Weight::Bold];
+pub(super) const WEIGHTS: [FontWeight; 2] = [FontWeight::Regular, FontWeight::Bold];
 
 /// Families for viewers of SVG: the font itself, then those with letters of much the same widths.
 pub(super) const FAMILIES: &str = "DejaVu Sans, Bitstream Vera Sans, Verdana, sans-serif";
@@ -31,7 +31,7 @@ pub const ASCENT: f32 = 0.93;
 /// Depth of letters below the baseline, relative to the font size.
 pub const DESCENT: f32 = 0.24;
 
-impl Weight {
+impl FontWeight {
     /// Returns the bytes of the font file.
     pub(super) fn bytes(self) -> &'static [u8] {
         match self {

@@ -2,7 +2,7 @@
 
 use ttf_parser::GlyphId;
 
-use super::font::{UNITS_PER_EM, Weight};
+use super::font::{FontWeight, UNITS_PER_EM};
 
 /// Size of subscripts and superscripts relative to the text. The customary 0.7; half of it is illegible in print.
 const SMALL: f32 = 0.7;
@@ -14,7 +14,7 @@ const RAISED: f32 = 0.36;
 /// Text all of whose characters can be set.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Label {
-    weight: Weight,
+    weight: FontWeight,
     pieces: Vec<LetterRun>,
 }
 
@@ -62,8 +62,8 @@ impl Label {
     ///
     /// # Errors
     /// A sentence that names a character which cannot be set.
-    pub fn plain(text: &str, weight: Weight) -> Result<Self, String> {
-        let mut writer = Writer::new(weight);
+    pub fn plain(text: &str, weight: FontWeight) -> Result<Self, String> {
+        let mut writer = LabelWriter::new(weight);
         text.chars().try_for_each(|c| writer.put(c, Script::Normal))?;
         Ok(writer.label)
     }
@@ -74,8 +74,8 @@ impl Label {
     ///
     /// # Errors
     /// A sentence that names what cannot be set or read, and what could be written instead.
-    pub fn parse(text: &str, weight: Weight) -> Result<Self, String> {
-        let mut writer = Writer::new(weight);
+    pub fn parse(text: &str, weight: FontWeight) -> Result<Self, String> {
+        let mut writer = LabelWriter::new(weight);
         let mut rest = text;
         while let Some(c) = rest.chars().next() {
             let after = &rest[c.len_utf8()..];
@@ -113,7 +113,7 @@ impl Label {
     }
 
     /// Returns the weight of the letters.
-    pub fn weight(&self) -> Weight {
+    pub fn weight(&self) -> FontWeight {
         self.weight
     }
 
@@ -163,7 +163,7 @@ const RELATIONS: [&str; 20] = [
 /// # Errors
 /// A sentence that names what cannot be set or read, or the word that is wider than a line, and what could be written
 /// instead.
-pub fn wrapped(text: &str, weight: Weight, size_px: f32, width_px: f32) -> Result<Vec<Label>, String> {
+pub fn wrapped(text: &str, weight: FontWeight, size_px: f32, width_px: f32) -> Result<Vec<Label>, String> {
     let mut lines: Vec<Label> = Vec::new();
     let mut line = String::new();
     let fits = |text: &str| Ok::<_, String>(Label::parse(text, weight)?.width(size_px) <= width_px);
@@ -225,12 +225,12 @@ fn words(text: &str) -> impl Iterator<Item = &str> {
 }
 
 /// Appends letters to a label.
-struct Writer {
+struct LabelWriter {
     label: Label,
 }
 
-impl Writer {
-    fn new(weight: Weight) -> Self {
+impl LabelWriter {
+    fn new(weight: FontWeight) -> Self {
         Self { label: Label { weight, pieces: Vec::new() } }
     }
 
@@ -331,7 +331,7 @@ mod tests {
     use super::*;
 
     fn parse(text: &str) -> Result<Vec<(String, Script)>, String> {
-        let label = Label::parse(text, Weight::Regular)?;
+        let label = Label::parse(text, FontWeight::Regular)?;
         Ok(label.pieces.into_iter().map(|piece| (piece.text, piece.script)).collect())
     }
 
@@ -369,7 +369,7 @@ mod tests {
     #[test]
     #[expect(clippy::float_cmp, reason = "at this size advances are whole numbers")]
     fn widths_are_sums_of_advances() {
-        let width = |text: &str| Label::parse(text, Weight::Regular).expect("it can be set").width(2048.0);
+        let width = |text: &str| Label::parse(text, FontWeight::Regular).expect("it can be set").width(2048.0);
         assert_eq!(width("M"), 1767.0);
         assert_eq!(width("MM"), 3534.0);
         assert_eq!(width("M^M"), 1767.0 + SMALL * 1767.0);
@@ -378,22 +378,22 @@ mod tests {
 
     #[test]
     fn lines_are_broken_between_words_that_do_not_fit() {
-        let lines = wrapped("aa bb  x^{1 2} dd", Weight::Regular, 10.0, 32.0).expect("it can be set");
+        let lines = wrapped("aa bb  x^{1 2} dd", FontWeight::Regular, 10.0, 32.0).expect("it can be set");
         let lines: Vec<String> = lines.iter().map(Label::text).collect();
         assert_eq!(lines, ["aa bb", "x1 2", "dd"]);
-        assert!(wrapped("", Weight::Bold, 10.0, 1.0).expect("nothing can be set").is_empty());
+        assert!(wrapped("", FontWeight::Bold, 10.0, 1.0).expect("nothing can be set").is_empty());
     }
 
     #[test]
     fn equations_stay_whole_where_they_fit_and_words_never_leave_a_line() {
         let lines = |width| {
-            let lines = wrapped(r"f, \alpha = 2, b", Weight::Regular, 10.0, width)?;
+            let lines = wrapped(r"f, \alpha = 2, b", FontWeight::Regular, 10.0, width)?;
             Ok::<_, String>(lines.iter().map(Label::text).collect::<Vec<_>>())
         };
         assert_eq!(lines(50.0), Ok(vec!["f, α = 2,".to_owned(), "b".to_owned()]));
         assert_eq!(lines(36.0), Ok(vec!["f,".to_owned(), "α = 2,".to_owned(), "b".to_owned()]));
         assert_eq!(lines(24.0), Ok(vec!["f, α".to_owned(), "= 2,".to_owned(), "b".to_owned()]));
-        let error = wrapped("aaaaaaaa", Weight::Regular, 10.0, 20.0).expect_err("it is too wide");
+        let error = wrapped("aaaaaaaa", FontWeight::Regular, 10.0, 20.0).expect_err("it is too wide");
         assert!(error.contains("\"aaaaaaaa\" is wider than a line"), "{error}");
     }
 }

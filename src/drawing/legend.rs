@@ -13,7 +13,7 @@ const EDGE: Color = [203, 213, 225, 255];
 
 /// The sample of an entry, as it looks in the drawing.
 #[derive(Debug, Clone, PartialEq)]
-pub enum Key {
+pub enum LegendSample {
     /// A line.
     Line(Stroke),
     /// A disc; its centres are ignored.
@@ -24,9 +24,9 @@ pub enum Key {
 
 /// An entry of a legend.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Entry {
+pub struct LegendEntry {
     /// The sample.
-    pub key: Key,
+    pub key: LegendSample,
     /// The explanation.
     pub label: Label,
 }
@@ -35,7 +35,7 @@ pub struct Entry {
 #[derive(Debug, Clone, PartialEq)]
 pub struct Legend {
     /// The entries, from the top.
-    pub entries: Vec<Entry>,
+    pub entries: Vec<LegendEntry>,
     /// Font size, in pixels.
     pub size_px: f32,
 }
@@ -60,7 +60,7 @@ impl Legend {
             Item::lines("legend", vec![edge], Stroke::solid(0.07 * size, EDGE)),
         ];
         let mut y = top + 1.1 * size;
-        for Entry { key, label } in &self.entries {
+        for LegendEntry { key, label } in &self.entries {
             let from = left + 0.7 * size;
             items.push(key.item([from, y], size));
             items.push(text(label.clone(), [from + 2.8 * size, y], size));
@@ -70,7 +70,7 @@ impl Legend {
     }
 }
 
-impl Key {
+impl LegendSample {
     /// Returns a sample, two letters wide, that starts at the given point.
     fn item(&self, [x, y]: Point, size: f32) -> Item {
         let mark = match self {

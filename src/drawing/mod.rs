@@ -20,9 +20,9 @@ mod ticks;
 
 pub use axes::{Axes, Axis};
 pub use error::DrawError;
-pub use font::{ASCENT, DESCENT, Weight};
+pub use font::{ASCENT, DESCENT, FontWeight};
 pub use label::{Label, wrapped};
-pub use legend::{Entry, Key, Legend, color_bar};
+pub use legend::{Legend, LegendEntry, LegendSample, color_bar};
 pub use pdf::pdf;
 pub use pixels::pixels;
 pub use scene::{

@@ -12,7 +12,7 @@ use super::error::DrawError;
 use super::scene::{Drawing, Lettering, Picture};
 use crate::watch::Watch;
 use pack::packed;
-use sheet::{POINTS, Sheet};
+use sheet::{POINTS, PdfPage};
 
 /// Writes a drawing as a PDF file of one page, as large as the drawing at 96 pixels an inch.
 ///
@@ -22,7 +22,7 @@ use sheet::{POINTS, Sheet};
 /// # Errors
 /// When the watch says stop, the bytes cannot be taken, or a picture is none.
 pub fn pdf(drawing: &Drawing, lettering: Lettering, out: &mut dyn Write, watch: &Watch) -> Result<(), DrawError> {
-    let sheet = Sheet::of(drawing, lettering, watch)?;
+    let sheet = PdfPage::of(drawing, lettering, watch)?;
     let mut ids = (1..).map(Ref::new);
     let mut next = || ids.next().expect("there are more numbers than objects");
     let mut pdf = Pdf::new();
@@ -36,7 +36,7 @@ pub fn pdf(drawing: &Drawing, lettering: Lettering, out: &mut dyn Write, watch: 
     }
     let pictures: Vec<Ref> = sheet.pictures.iter().map(|_| next()).collect();
     let masks: Vec<Ref> = sheet.pictures.iter().map(|_| next()).collect();
-    let fonts: Vec<(Ref, &fonts::Font)> = sheet.fonts.iter().filter(|f| f.is_used()).map(|f| (next(), f)).collect();
+    let fonts: Vec<(Ref, &fonts::PdfFont)> = sheet.fonts.iter().filter(|f| f.is_used()).map(|f| (next(), f)).collect();
     #[expect(clippy::cast_precision_loss, reason = "pictures have some thousand pixels a side")]
     let [width, height] = drawing.size.map(|side| side as f32 * POINTS);
     let mut leaf = pdf.page(page);

@@ -25,7 +25,7 @@ pub fn pixels(drawing: &Drawing, watch: &Watch) -> Result<Vec<u8>, DrawError> {
         .ok_or_else(|| DrawError::Unfit(format!("a picture of {width} x {height} pixels cannot be made")))?;
     pixmap.fill(ink(drawing.background));
     let mut canvas = Canvas { pixmap, watch };
-    canvas.items(&drawing.items, View { transform: Transform::identity(), mask: None })?;
+    canvas.items(&drawing.items, GroupView { transform: Transform::identity(), mask: None })?;
     Ok(canvas.pixmap.take_demultiplied())
 }
 
@@ -37,7 +37,7 @@ struct Canvas<'a> {
 
 /// The transform and the clip of the items of a group.
 #[derive(Clone, Copy)]
-struct View<'a> {
+struct GroupView<'a> {
     /// Maps the group's pixels to those of the drawing.
     transform: Transform,
     /// The area that may be painted; if `None`, everything.
@@ -45,7 +45,7 @@ struct View<'a> {
 }
 
 impl Canvas<'_> {
-    fn items(&mut self, items: &[Item], view: View<'_>) -> Result<(), DrawError> {
+    fn items(&mut self, items: &[Item], view: GroupView<'_>) -> Result<(), DrawError> {
         for item in items {
             self.watch.check()?;
             match &item.mark {
@@ -60,7 +60,7 @@ impl Canvas<'_> {
         Ok(())
     }
 
-    fn lines(&mut self, runs: &[PolylinePoints], stroke: &Stroke, view: View<'_>) -> Result<(), DrawError> {
+    fn lines(&mut self, runs: &[PolylinePoints], stroke: &Stroke, view: GroupView<'_>) -> Result<(), DrawError> {
         if stroke.dash.is_empty() {
             return self.solid(runs, stroke, view);
         }
@@ -71,7 +71,7 @@ impl Canvas<'_> {
         Ok(())
     }
 
-    fn solid(&mut self, runs: &[PolylinePoints], stroke: &Stroke, view: View<'_>) -> Result<(), DrawError> {
+    fn solid(&mut self, runs: &[PolylinePoints], stroke: &Stroke, view: GroupView<'_>) -> Result<(), DrawError> {
         let line_cap = match stroke.cap {
             Cap::Round => LineCap::Round,
             Cap::Butt => LineCap::Butt,
@@ -88,7 +88,7 @@ impl Canvas<'_> {
         Ok(())
     }
 
-    fn areas(&mut self, outlines: &[PolylinePoints], color: Color, view: View<'_>) -> Result<(), DrawError> {
+    fn areas(&mut self, outlines: &[PolylinePoints], color: Color, view: GroupView<'_>) -> Result<(), DrawError> {
         let mut path = PathBuilder::new();
         for outline in outlines {
             self.watch.check()?;
@@ -99,13 +99,13 @@ impl Canvas<'_> {
         Ok(())
     }
 
-    fn fill(&mut self, path: Option<Path>, rule: FillRule, color: Color, view: View<'_>) {
+    fn fill(&mut self, path: Option<Path>, rule: FillRule, color: Color, view: GroupView<'_>) {
         if let Some(path) = path {
             self.pixmap.fill_path(&path, &paint(color), rule, view.transform, view.mask);
         }
     }
 
-    fn discs(&mut self, discs: &Discs, view: View<'_>) -> Result<(), DrawError> {
+    fn discs(&mut self, discs: &Discs, view: GroupView<'_>) -> Result<(), DrawError> {
         for batch in discs.centres.chunks(BATCH) {
             self.watch.check()?;
             for &[x, y] in batch {
@@ -123,15 +123,15 @@ impl Canvas<'_> {
         Ok(())
     }
 
-    fn text(&mut self, text: &Text, view: View<'_>) {
-        let mut contours = Contours(PathBuilder::new());
+    fn text(&mut self, text: &Text, view: GroupView<'_>) {
+        let mut contours = PixelContours(PathBuilder::new());
         text.outline(&mut contours);
         let [a, b, c, d, e, f] = text.frame();
         let transform = view.transform.pre_concat(Transform::from_row(a, b, c, d, e, f));
-        self.fill(contours.0.finish(), FillRule::Winding, text.color, View { transform, ..view });
+        self.fill(contours.0.finish(), FillRule::Winding, text.color, GroupView { transform, ..view });
     }
 
-    fn picture(&mut self, picture: &Picture, view: View<'_>) -> Result<(), DrawError> {
+    fn picture(&mut self, picture: &Picture, view: GroupView<'_>) -> Result<(), DrawError> {
         let [columns, rows] = picture.size;
         let premultiplied = picture.pixels.chunks_exact(4).flat_map(|p| {
             let color = ColorU8::from_rgba(p[0], p[1], p[2], p[3]).premultiply();
@@ -153,16 +153,16 @@ impl Canvas<'_> {
         Ok(())
     }
 
-    fn group(&mut self, group: &Group, view: View<'_>) -> Result<(), DrawError> {
+    fn group(&mut self, group: &Group, view: GroupView<'_>) -> Result<(), DrawError> {
         let [x, y] = group.shift;
         let transform = view.transform.pre_concat(Transform::from_row(group.scale, 0.0, 0.0, group.scale, x, y));
         let Some([x, y, width, height]) = group.clip else {
-            return self.items(&group.items, View { transform, ..view });
+            return self.items(&group.items, GroupView { transform, ..view });
         };
         let path = Rect::from_xywh(x, y, width, height).map(PathBuilder::from_rect);
         let Some(path) = path else { return Ok(()) };
         let cut = self.cut(&path, transform, view.mask);
-        self.items(&group.items, View { transform, mask: cut.as_ref() })
+        self.items(&group.items, GroupView { transform, mask: cut.as_ref() })
     }
 
     /// Returns the intersection of the inside of a path with a mask.
@@ -194,9 +194,9 @@ fn trace(path: &mut PathBuilder, run: &[Point]) {
 }
 
 /// Collects the outlines of letters as a path.
-struct Contours(PathBuilder);
+struct PixelContours(PathBuilder);
 
-impl OutlineBuilder for Contours {
+impl OutlineBuilder for PixelContours {
     fn move_to(&mut self, x: f32, y: f32) {
         self.0.move_to(x, y);
     }

@@ -10,12 +10,12 @@ use image::{ExtendedColorType, ImageEncoder};
 use ttf_parser::OutlineBuilder;
 
 use super::error::DrawError;
-use super::font::{FAMILIES, Weight};
+use super::font::{FAMILIES, FontWeight};
 use super::scene::{
     Cap, Discs, Drawing, Group, HorizontalAlign, Item, Lettering, Mark, Picture, PolylinePoints, Stroke, Text,
 };
 use crate::watch::Watch;
-use page::Page;
+use page::SvgPage;
 
 /// Writes a drawing as an SVG file. Lengths are rounded to hundredths of a pixel.
 ///
@@ -24,7 +24,7 @@ use page::Page;
 /// # Errors
 /// When the watch says stop, the bytes cannot be taken, or a picture is none.
 pub fn svg(drawing: &Drawing, lettering: Lettering, out: &mut dyn Write, watch: &Watch) -> Result<(), DrawError> {
-    let mut page = Page::new(out);
+    let mut page = SvgPage::new(out);
     let [width, height] = drawing.size;
     page.text = format!(
         "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{width}\" height=\"{height}\" \
@@ -36,22 +36,22 @@ pub fn svg(drawing: &Drawing, lettering: Lettering, out: &mut dyn Write, watch: 
         page.color("fill", drawing.background);
         page.text += "/>\n";
     }
-    Writer { page: &mut page, lettering, watch, n_clips: 0 }.items(&drawing.items)?;
+    SvgWriter { page: &mut page, lettering, watch, n_clips: 0 }.items(&drawing.items)?;
     page.text += "</svg>\n";
     page.flush()?;
     Ok(())
 }
 
 /// Writes the items.
-struct Writer<'a, 'b> {
-    page: &'a mut Page<'b>,
+struct SvgWriter<'a, 'b> {
+    page: &'a mut SvgPage<'b>,
     lettering: Lettering,
     watch: &'a Watch,
     /// Number of clips written so far; each clip is named by its index.
     n_clips: usize,
 }
 
-impl Writer<'_, '_> {
+impl SvgWriter<'_, '_> {
     fn items(&mut self, items: &[Item]) -> Result<(), DrawError> {
         for item in items {
             self.watch.check()?;
@@ -164,7 +164,7 @@ impl Writer<'_, '_> {
         page.text += "<text font-family=\"";
         page.text += FAMILIES;
         page.number("\" font-size=\"", text.size_px);
-        if text.label.weight() == Weight::Bold {
+        if text.label.weight() == FontWeight::Bold {
             page.text += "\" font-weight=\"bold";
         }
         let [left, down] = text.offset();
@@ -214,7 +214,7 @@ impl Writer<'_, '_> {
             self.page.text += ")";
         }
         self.page.text += "\" d=\"";
-        text.outline(&mut Contours(self.page));
+        text.outline(&mut SvgContours(self.page));
         self.page.text += "\"/>\n";
     }
 
@@ -265,9 +265,9 @@ impl Writer<'_, '_> {
 }
 
 /// Writes the outlines of letters as path commands.
-struct Contours<'a, 'b>(&'a mut Page<'b>);
+struct SvgContours<'a, 'b>(&'a mut SvgPage<'b>);
 
-impl OutlineBuilder for Contours<'_, '_> {
+impl OutlineBuilder for SvgContours<'_, '_> {
     fn move_to(&mut self, x: f32, y: f32) {
         self.0.number("M", x);
         self.0.number(" ", y);

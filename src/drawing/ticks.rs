@@ -1,6 +1,6 @@
 //! Round numbers along an axis.
 
-use super::font::Weight;
+use super::font::FontWeight;
 use super::label::Label;
 
 /// A round number and how it is written.
@@ -51,7 +51,7 @@ pub fn ticks(low: f64, high: f64, most: usize) -> Vec<Tick> {
     };
     let Some((multiples, exponent)) = usual.or_else(alone) else { return Vec::new() };
     let tick = |(multiple, text): (&i64, String)| {
-        let label = Label::parse(&text.replace('-', "\u{2212}"), Weight::Regular).ok()?;
+        let label = Label::parse(&text.replace('-', "\u{2212}"), FontWeight::Regular).ok()?;
         Some(Tick { value: number(*multiple, exponent), label })
     };
     multiples.iter().zip(written(&multiples, exponent)).filter_map(tick).collect()

@@ -105,7 +105,7 @@ pub(super) fn headers(found: &Artifact, address: &str) -> HeaderMap {
         (Provenance::Joined, _) => "planish; fwd=miss; collapsed",
     };
     let manifest = &found.manifest;
-    let head = Head {
+    let head = ResultHeaders {
         key: manifest.key,
         coding: found.coding(),
         media_type: &manifest.media_type,
@@ -132,7 +132,7 @@ pub(super) fn not_modified(mut headers: HeaderMap, tag: String, address: &str) -
 }
 
 /// The facts in the headers of a result, whether it is stored or not.
-pub(super) struct Head<'a> {
+pub(super) struct ResultHeaders<'a> {
     pub(super) key: Key,
     pub(super) coding: Option<Coding>,
     pub(super) media_type: &'a str,
@@ -142,7 +142,7 @@ pub(super) struct Head<'a> {
     pub(super) timings: &'a Timings,
 }
 
-impl Head<'_> {
+impl ResultHeaders<'_> {
     /// Returns the headers.
     pub(super) fn headers(&self) -> HeaderMap {
         let mut headers = HeaderMap::with_capacity(16);
@@ -284,13 +284,13 @@ pub(super) struct PartReader {
     app: Arc<App>,
     peer: Peer,
     manifest: Arc<Manifest>,
-    from: Source,
+    from: PartSource,
     /// Keeps the artifact from being evicted from disk while it is read.
     _pin: Option<Pin>,
 }
 
 /// The source of the parts.
-enum Source {
+enum PartSource {
     /// An artifact in memory, which is charged as a whole, or so small that it is free.
     Memory(Option<Arc<Paid>>),
     /// The disk.
@@ -304,16 +304,16 @@ impl PartReader {
     /// [`Lost::Crowded`].
     pub(super) fn of(app: &Arc<App>, peer: Peer, manifest: Arc<Manifest>) -> Result<Self, Lost> {
         let desk = &app.desk;
-        let mut from = Source::Disk;
+        let mut from = PartSource::Disk;
         if desk.tiers.part_at_hand(&manifest, 0).is_some() {
             let pay = |bytes| desk.peers.charge(&desk.account.answers, QuotaKind::AnswerBytes, peer, bytes);
             match desk.in_flight.hold(&manifest, pay) {
-                Ok(paid) => from = Source::Memory(paid),
+                Ok(paid) => from = PartSource::Memory(paid),
                 Err(_) if desk.tiers.is_on_disk(&manifest.key) => {}
                 Err(_) => return Err(Lost::Crowded),
             }
         }
-        let pin = if matches!(from, Source::Disk) { desk.tiers.pin(&manifest.key) } else { None };
+        let pin = if matches!(from, PartSource::Disk) { desk.tiers.pin(&manifest.key) } else { None };
         Ok(Self { app: app.clone(), peer, manifest, from, _pin: pin })
     }
 
@@ -335,7 +335,7 @@ impl PartReader {
     /// [`Lost`].
     pub(super) async fn part(&self, index: usize) -> Result<Bytes, Lost> {
         let tiers = &self.app.desk.tiers;
-        if let Source::Memory(paid) = &self.from {
+        if let PartSource::Memory(paid) = &self.from {
             let part = tiers.part(&self.manifest, index).await.ok_or(Lost::Gone)?;
             return Ok(match paid {
                 Some(paid) => Lent::new(part, paid.clone()),

@@ -17,14 +17,14 @@ use super::batches::unknown;
 use super::client::Client;
 use super::negotiate;
 use super::problem::Problem;
-use super::segment::Segment;
+use super::segment::PathSegment;
 use super::zip::Zip;
 use crate::job::key::{Key, content};
 use crate::service::job_key::Tenant;
 use crate::service::peer::{Paid, Peer, QuotaKind};
 use crate::service::pool::{Lack, Lane};
 use crate::service::store::Manifest;
-use crate::wire::archive::{Contents, contents};
+use crate::wire::archive::{ArchiveContents, contents};
 
 /// Memory booked for each file of an archive, in bytes: its name, its position, and its entry in the central directory.
 /// Half of it is less than a long name takes; twice of it lets half as many archives be read at once.
@@ -50,7 +50,7 @@ const FILE_BYTES: u64 = 512;
 pub(super) async fn archive(
     State(app): State<SharedApp>,
     client: Client,
-    Segment(id): Segment,
+    PathSegment(id): PathSegment,
     headers: HeaderMap,
 ) -> Response {
     respond(&app, &client, &id, &headers).unwrap_or_else(IntoResponse::into_response)
@@ -66,7 +66,7 @@ fn respond(app: &Arc<App>, client: &Client, id: &str, headers: &HeaderMap) -> Re
     let bytes = request.text.len() as u64 + FILE_BYTES * (request.n() as u64 + 2 * request.n_outputs);
     let busy = |_| desk.pool.busy(Lane::Reading, Lack::Answers);
     let paid = desk.peers.charge(&desk.account.answers, QuotaKind::AnswerBytes, peer, bytes).map_err(busy)?;
-    let Contents { manifest, files } = contents(&standing.batch);
+    let ArchiveContents { manifest, files } = contents(&standing.batch);
     let key = content(&manifest);
     let mut head = HeaderMap::new();
     for (name, value) in [
@@ -119,13 +119,13 @@ struct ArchiveWriter {
     files: Vec<(Key, u64)>,
     /// The checksums of the files that were begun.
     crcs: Vec<u32>,
-    open: Option<Open>,
+    open: Option<UnsentFile>,
     has_ended: bool,
     _paid: Paid,
 }
 
 /// A file with parts still to be sent.
-enum Open {
+enum UnsentFile {
     /// Bytes in memory that are sent as one part.
     Loose(Bytes),
     /// A stored result, the index of its next part, and the number of its parts.
@@ -136,19 +136,19 @@ impl ArchiveWriter {
     /// Returns the next bytes, or `None` at the end.
     async fn next(&mut self) -> io::Result<Option<Bytes>> {
         match self.open.take() {
-            Some(Open::Loose(bytes)) => return Ok(Some(bytes)),
-            Some(Open::Kept(parts, at, n)) if at < n => {
+            Some(UnsentFile::Loose(bytes)) => return Ok(Some(bytes)),
+            Some(UnsentFile::Kept(parts, at, n)) if at < n => {
                 let part = parts.part(at).await.map_err(|_| broken("a part of it was lost"))?;
-                self.open = Some(Open::Kept(parts, at + 1, n));
+                self.open = Some(UnsentFile::Kept(parts, at + 1, n));
                 return Ok(Some(part));
             }
-            Some(Open::Kept(..)) | None => {}
+            Some(UnsentFile::Kept(..)) | None => {}
         }
         if let Some(manifest) = self.manifest.take() {
             let crc = checksum([&manifest]);
             self.crcs.push(crc);
             let head = self.zip.head(0, crc);
-            self.open = Some(Open::Loose(manifest));
+            self.open = Some(UnsentFile::Loose(manifest));
             return Ok(Some(head.into()));
         }
         let at = self.crcs.len() - 1;
@@ -163,7 +163,7 @@ impl ArchiveWriter {
     }
 
     /// Opens a result and reads it once for its checksum, which precedes it in the archive.
-    async fn opened(&self, key: Key, length: u64) -> io::Result<(Open, u32)> {
+    async fn opened(&self, key: Key, length: u64) -> io::Result<(UnsentFile, u32)> {
         if let Some(manifest) = self.app.desk.find_artifact(key, self.peer).await
             && let Some(open) = self.kept(&manifest, length).await?
         {
@@ -173,13 +173,13 @@ impl ArchiveWriter {
         let made = made.map_err(|_| broken("a result of it has left the cache and cannot be made again"))?;
         if let Some(bytes) = made.loose.filter(|bytes| bytes.len() as u64 == length) {
             let crc = checksum([&bytes]);
-            return Ok((Open::Loose(bytes), crc));
+            return Ok((UnsentFile::Loose(bytes), crc));
         }
         self.kept(&made.manifest, length).await?.ok_or_else(|| broken("a result of it was lost"))
     }
 
     /// Opens a stored result; `None` if its bytes turn out to be lost.
-    async fn kept(&self, manifest: &Arc<Manifest>, length: u64) -> io::Result<Option<(Open, u32)>> {
+    async fn kept(&self, manifest: &Arc<Manifest>, length: u64) -> io::Result<Option<(UnsentFile, u32)>> {
         if manifest.length != length {
             return Err(broken("a result of it has become another one"));
         }
@@ -190,7 +190,7 @@ impl ArchiveWriter {
             let Ok(part) = parts.part(at).await else { return Ok(None) };
             crc.update(&part);
         }
-        Ok(Some((Open::Kept(parts, 0, manifest.parts.len()), crc.sum())))
+        Ok(Some((UnsentFile::Kept(parts, 0, manifest.parts.len()), crc.sum())))
     }
 }
 

@@ -13,7 +13,7 @@ use super::app::{App, SharedApp};
 use super::client::Client;
 use super::negotiate;
 use super::problem::{self, Problem};
-use super::segment::Segment;
+use super::segment::PathSegment;
 use super::variants::coded;
 use super::working::{self, ParsedJob};
 use crate::job::Form;
@@ -46,7 +46,7 @@ use crate::service::peer::Peer;
 pub(super) async fn artifact(
     State(app): State<SharedApp>,
     client: Client,
-    Segment(file): Segment,
+    PathSegment(file): PathSegment,
     method: Method,
     mut headers: HeaderMap,
 ) -> Response {

@@ -14,7 +14,7 @@ use super::working;
 use crate::fault::Fault;
 use crate::job::key::{Key, content};
 use crate::math::amounts::{in_bytes, thousands};
-use crate::service::batches::{Layout, ParsedBatch};
+use crate::service::batches::{BatchLayout, ParsedBatch};
 use crate::service::peer::Peer;
 use crate::wire::batch::{layout, placed};
 use crate::wire::read::weight;
@@ -34,7 +34,7 @@ const MAX_FAULTS: usize = 50;
 ///
 /// # Errors
 /// A body that is no batch, or a batch that is too large; 503 if too much is being read already.
-pub(super) async fn read(app: &Arc<App>, peer: Peer, sent: &Sent) -> Result<(Key, Layout), Problem> {
+pub(super) async fn read(app: &Arc<App>, peer: Peer, sent: &Sent) -> Result<(Key, BatchLayout), Problem> {
     let (text, most, bodies) = (sent.bytes.clone(), app.settings.max_batch_items, app.settings.max_body_bytes);
     let read = app.desk.read(peer, weight(sent.length()), move |_| {
         let layout = layout(&text)?;
@@ -50,11 +50,11 @@ pub(super) async fn read(app: &Arc<App>, peer: Peer, sent: &Sent) -> Result<(Key
 }
 
 /// Refuses a batch with too many jobs or bytes, before the text of any job is made.
-fn bounded(layout: &Layout, most: u64, most_bytes: u64) -> Result<(), Fault> {
+fn bounded(layout: &BatchLayout, most: u64, most_bytes: u64) -> Result<(), Fault> {
     let (n, bytes) = (layout.n(), layout.bytes());
     let (place, factors) = match layout {
-        Layout::List(_) => ("/jobs", String::new()),
-        Layout::Grid { axes, .. } => {
+        BatchLayout::List(_) => ("/jobs", String::new()),
+        BatchLayout::Grid { axes, .. } => {
             let lengths: Vec<String> = axes.iter().map(|axis| axis.values.len().to_string()).collect();
             ("/grid", format!("{} = ", lengths.join(" x ")))
         }
@@ -80,7 +80,7 @@ pub(super) async fn checked(
     app: &Arc<App>,
     client: &Client,
     sent: &Sent,
-    layout: Layout,
+    layout: BatchLayout,
 ) -> Result<ParsedBatch, Problem> {
     let n = usize::try_from(layout.n()).unwrap_or(usize::MAX);
     let (mut faults, mut reported, mut n_outputs) = (Vec::new(), BTreeSet::new(), 0);

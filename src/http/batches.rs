@@ -15,7 +15,7 @@ use super::client::Client;
 use super::content::AcceptedBodies;
 use super::feed::{self, Followed};
 use super::problem::{self, Problem};
-use super::segment::Segment;
+use super::segment::PathSegment;
 use super::{batch_checks, body, jobs, negotiate, posting};
 use crate::service::accepting::NotAccepted;
 use crate::service::batches::BatchStanding;
@@ -96,7 +96,7 @@ pub(super) async fn post_batch(
         (status = 200, description = "How it stands", body = BatchAnswer),
     )
 )]
-pub(super) async fn batch(State(app): State<SharedApp>, client: Client, Segment(id): Segment) -> Response {
+pub(super) async fn batch(State(app): State<SharedApp>, client: Client, PathSegment(id): PathSegment) -> Response {
     let standing = client.named(&id).and_then(|batch| app.desk.batch_standing(&batch)).ok_or_else(unknown);
     standing.and_then(|standing| state_response(&app, client.peer(), StatusCode::OK, &standing)).into_response()
 }
@@ -136,7 +136,11 @@ pub(super) async fn list_batches(State(app): State<SharedApp>, client: Client, R
         (status = 202, description = "It is cancelled", body = BatchAnswer),
     )
 )]
-pub(super) async fn cancel_batch(State(app): State<SharedApp>, client: Client, Segment(id): Segment) -> Response {
+pub(super) async fn cancel_batch(
+    State(app): State<SharedApp>,
+    client: Client,
+    PathSegment(id): PathSegment,
+) -> Response {
     let Some(batch) = client.named(&id) else { return unknown().into_response() };
     let status = if app.desk.cancel_batch(&batch) { StatusCode::ACCEPTED } else { StatusCode::OK };
     if let Err(error) = app.desk.batch_written(&batch).await {
@@ -155,7 +159,11 @@ pub(super) async fn cancel_batch(State(app): State<SharedApp>, client: Client, S
         (status = 204, description = "It is forgotten"),
     )
 )]
-pub(super) async fn forget_batch(State(app): State<SharedApp>, client: Client, Segment(id): Segment) -> Response {
+pub(super) async fn forget_batch(
+    State(app): State<SharedApp>,
+    client: Client,
+    PathSegment(id): PathSegment,
+) -> Response {
     if let Some(batch) = client.named(&id).filter(|batch| app.desk.forget_batch(batch)) {
         let written = app.desk.batch_written(&batch).await.map_err(Problem::from);
         return written.map(|()| StatusCode::NO_CONTENT).into_response();
@@ -182,7 +190,7 @@ pub(super) async fn forget_batch(State(app): State<SharedApp>, client: Client, S
 pub(super) async fn batch_events(
     State(app): State<SharedApp>,
     client: Client,
-    Segment(id): Segment,
+    PathSegment(id): PathSegment,
     headers: HeaderMap,
 ) -> Response {
     let found = client.named(&id).and_then(|batch| Some((batch, app.desk.batch_standing(&batch)?)));

@@ -15,7 +15,7 @@ use super::content::{self, AcceptedBodies, BodyCoding, BodyKind, Notation};
 use super::inflate::too_long;
 use super::negotiate::has_tag;
 use super::problem::{self, Problem};
-use super::segment::Segment;
+use super::segment::PathSegment;
 use crate::fault::{Fault, shortened};
 use crate::input::{Alone, READERS};
 use crate::job::key::Key;
@@ -84,7 +84,7 @@ pub(super) async fn upload(
 pub(super) async fn blob(
     State(app): State<SharedApp>,
     client: Client,
-    Segment(id): Segment,
+    PathSegment(id): PathSegment,
     method: Method,
     headers: HeaderMap,
 ) -> Response {

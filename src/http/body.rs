@@ -138,14 +138,14 @@ where
         drain(body, Duration::from_secs(app.settings.body_timeout_s)).await;
     }
     client.has_sent();
-    let Collected { bytes, charge, kind, coding } = collected?;
+    let RawBody { bytes, charge, kind, coding } = collected?;
     let (bytes, charge) = inflated(app, client, coding, bytes, charge).await?;
     let notation = kind.notation(headers, takes, &bytes)?;
     Ok(Sent { bytes: bytes.into(), notation, uploads: Vec::new(), _charge: Some(Arc::new(charge)) })
 }
 
 /// A body as it arrived, not inflated.
-struct Collected {
+struct RawBody {
     bytes: Vec<u8>,
     charge: Charge,
     kind: BodyKind,
@@ -177,7 +177,7 @@ async fn collected<B>(
     headers: &HeaderMap,
     takes: AcceptedBodies<'_>,
     body: &mut B,
-) -> Result<Collected, Problem>
+) -> Result<RawBody, Problem>
 where
     B: Body<Data = Bytes> + Unpin,
 {
@@ -198,7 +198,7 @@ where
         }
         bytes.extend_from_slice(&data);
     }
-    Ok(Collected { bytes, charge, kind, coding })
+    Ok(RawBody { bytes, charge, kind, coding })
 }
 
 /// A body that arrives: bounded in length, in silence and in slowness.

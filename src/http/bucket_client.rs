@@ -23,7 +23,7 @@ const IDLE: usize = 16;
 
 /// A client with a pool of connections.
 #[derive(Debug)]
-struct Connections(Client<HttpsConnector<Tcp>, HttpRequestBody>);
+struct ConnectionPool(Client<HttpsConnector<Tcp>, HttpRequestBody>);
 
 /// Creates a client for the shared store.
 ///
@@ -37,11 +37,11 @@ pub(super) fn connect() -> object_store::Result<HttpClient> {
     tcp.set_connect_timeout(Some(CONNECT));
     let https = HttpsConnectorBuilder::new().with_tls_config(tls).https_or_http().enable_http1().wrap_connector(tcp);
     let client = Client::builder(TokioExecutor::new()).pool_max_idle_per_host(IDLE).build(https);
-    Ok(HttpClient::new(Connections(client)))
+    Ok(HttpClient::new(ConnectionPool(client)))
 }
 
 #[async_trait]
-impl HttpService for Connections {
+impl HttpService for ConnectionPool {
     async fn call(&self, request: HttpRequest) -> Result<HttpResponse, HttpError> {
         let answer = self.0.request(request).await.map_err(|error| {
             let kind = if error.is_connect() { HttpErrorKind::Connect } else { HttpErrorKind::Interrupted };

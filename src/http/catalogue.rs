@@ -8,7 +8,7 @@ use utoipa::ToSchema;
 
 use super::app::SharedApp;
 use super::problem::{self, Problem};
-use super::segment::Segment;
+use super::segment::PathSegment;
 use crate::config::Setting;
 use crate::fault::{did_you_mean, shortened};
 use crate::wire::catalogue::{self, FormatEntry, OperatorEntry, PresetEntry, ReaderEntry};
@@ -29,7 +29,7 @@ pub(super) async fn presets() -> Json<Vec<PresetEntry>> {
     params(("name" = String, Path, description = "Name of the preset", example = json!(catalogue::presets()[0].name))),
     responses((status = 200, description = "The preset", body = PresetEntry))
 )]
-pub(super) async fn preset(Segment(name): Segment) -> Response {
+pub(super) async fn preset(PathSegment(name): PathSegment) -> Response {
     let presets = catalogue::presets();
     let meant = did_you_mean(&name, presets.iter().map(|preset| preset.name));
     let found = presets.into_iter().find(|preset| preset.name == name);
@@ -52,7 +52,7 @@ pub(super) async fn operators() -> Json<Vec<OperatorEntry>> {
     params(("letter" = String, Path, description = "Letter of the operator", example = "U")),
     responses((status = 200, description = "The operator", body = OperatorEntry))
 )]
-pub(super) async fn operator(Segment(letter): Segment) -> Response {
+pub(super) async fn operator(PathSegment(letter): PathSegment) -> Response {
     let found = catalogue::operators().into_iter().find(|operator| letter == operator.letter.to_string());
     found.map(Json).ok_or_else(|| unknown("operator", &letter, "", "/v1/operators")).into_response()
 }

@@ -69,10 +69,10 @@ async fn respond(app: &Arc<App>, client: &Client, headers: &HeaderMap, body: Bod
     }
     let paid = Arc::new(paid);
     let task = |what| ComparisonTask { comparison: comparison.clone(), what, _paid: paid.clone() };
-    let (answer, is_hit) = made(app, peer, task(Product::Answer)).await?;
+    let (answer, is_hit) = made(app, peer, task(ComparisonProduct::Answer)).await?;
     let mut answer: serde_json::Map<_, _> = serde_json::from_slice(&answer).map_err(|_| compared::lost())?;
     if !request.outputs.is_empty() {
-        let picture = task(Product::Picture);
+        let picture = task(ComparisonProduct::Picture);
         let id = picture.key().to_string();
         made(app, peer, picture).await?;
         let href = of_extension(&id, "png");
@@ -90,7 +90,7 @@ async fn made(app: &Arc<App>, peer: Peer, task: ComparisonTask) -> Result<(Bytes
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Product {
+enum ComparisonProduct {
     Answer,
     Picture,
 }
@@ -99,7 +99,7 @@ enum Product {
 #[derive(Debug)]
 struct ComparisonTask {
     comparison: Arc<Comparison>,
-    what: Product,
+    what: ComparisonProduct,
     /// The memory of both sides.
     _paid: Arc<[Booked; 2]>,
 }
@@ -107,16 +107,16 @@ struct ComparisonTask {
 impl Task for ComparisonTask {
     fn key(&self) -> Key {
         match self.what {
-            Product::Answer => self.comparison.key(),
-            Product::Picture => self.comparison.picture_key(),
+            ComparisonProduct::Answer => self.comparison.key(),
+            ComparisonProduct::Picture => self.comparison.picture_key(),
         }
     }
 
     fn cost(&self) -> Cost {
         let [of_pixel, around] = PICTURE_BYTES;
         let result_bytes = match self.what {
-            Product::Answer => ANSWER_BYTES,
-            Product::Picture => u128::from(self.comparison.pixels()) * of_pixel + around,
+            ComparisonProduct::Answer => ANSWER_BYTES,
+            ComparisonProduct::Picture => u128::from(self.comparison.pixels()) * of_pixel + around,
         };
         Cost {
             memory_bytes: self.comparison.bytes(),
@@ -128,19 +128,19 @@ impl Task for ComparisonTask {
 
     fn media_type(&self) -> &'static str {
         match self.what {
-            Product::Answer => "application/json",
-            Product::Picture => "image/png",
+            ComparisonProduct::Answer => "application/json",
+            ComparisonProduct::Picture => "image/png",
         }
     }
 
     fn run(&self, out: &mut dyn Write, kept: &dyn KeepWork, watch: &Watch) -> Result<Report, RunError> {
         let found = self.comparison.run(kept, watch)?;
         match self.what {
-            Product::Answer => {
+            ComparisonProduct::Answer => {
                 let bytes = serde_json::to_vec(&ComparisonAnswer::new(&found)).expect("numbers and text");
                 out.write_all(&bytes).map_err(RunError::Io)?;
             }
-            Product::Picture => found.write_picture(out)?,
+            ComparisonProduct::Picture => found.write_picture(out)?,
         }
         Ok(Report::default())
     }

@@ -25,7 +25,7 @@ pub(super) enum ConnectionPhase {
 /// The open connections of a service.
 #[derive(Debug)]
 pub struct Connections {
-    table: Mutex<Table>,
+    table: Mutex<ConnectionTable>,
     most: usize,
     most_a_peer: usize,
     clock: Arc<dyn Clock>,
@@ -34,7 +34,7 @@ pub struct Connections {
 }
 
 #[derive(Debug, Default)]
-struct Table {
+struct ConnectionTable {
     next: u64,
     open: HashMap<u64, Arc<Connection>>,
     of_peer: HashMap<Peer, usize>,
@@ -59,7 +59,7 @@ pub(super) struct Connection {
 
 /// An open connection, which is counted until this is dropped.
 #[derive(Debug)]
-pub(super) struct Open {
+pub(super) struct OpenConnection {
     pub(super) connection: Arc<Connection>,
     connections: Arc<Connections>,
 }
@@ -71,14 +71,14 @@ impl Connections {
         Arc::new(Self { table: Mutex::default(), most, most_a_peer, clock, made_room: counters.0, refused: counters.1 })
     }
 
-    fn table(&self) -> MutexGuard<'_, Table> {
+    fn table(&self) -> MutexGuard<'_, ConnectionTable> {
         self.table.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
     /// Admits a connection. If there are too many, the one that has kept the service waiting for longest is closed for
     /// it: of the same peer if this peer has its maximum, else of the peer with the most connections. `None` if all of
     /// them wait for the service.
-    pub(super) fn enter(self: &Arc<Self>, peer: Peer) -> Option<Open> {
+    pub(super) fn enter(self: &Arc<Self>, peer: Peer) -> Option<OpenConnection> {
         let mut table = self.table();
         let own = table.of_peer.get(&peer).copied().unwrap_or(0);
         if own >= self.most_a_peer || table.open.len() >= self.most {
@@ -105,7 +105,7 @@ impl Connections {
         });
         table.open.insert(number, connection.clone());
         *table.of_peer.entry(peer).or_default() += 1;
-        Some(Open { connection, connections: Arc::clone(self) })
+        Some(OpenConnection { connection, connections: Arc::clone(self) })
     }
 
     /// Returns the number of open connections.
@@ -124,7 +124,7 @@ impl Connections {
     }
 }
 
-impl Table {
+impl ConnectionTable {
     /// Returns the connection to be closed, of this peer if one is given: one that waits for a request before one that
     /// is not read, then of the peer with the most connections, then the one that has waited longest.
     fn slowest(&self, of: Option<Peer>) -> Option<Arc<Connection>> {
@@ -178,7 +178,7 @@ impl Connection {
     }
 }
 
-impl Drop for Open {
+impl Drop for OpenConnection {
     fn drop(&mut self) {
         self.connections.table().remove(&self.connection);
     }

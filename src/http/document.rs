@@ -14,7 +14,7 @@ use utoipa::openapi::{
 use super::document_examples;
 use super::gate::{Need, needed};
 use super::problem::{self, ProblemKind};
-use crate::config::keys::Role;
+use crate::config::keys::KeyRole;
 use crate::input::READERS;
 use crate::output::{self, FORMATS};
 use crate::wire::answer::ProblemAnswer;
@@ -38,7 +38,7 @@ use crate::wire::query_parameters;
         (name = "operations", description = "Health, limits and documents.")
     )
 )]
-pub(super) struct Document;
+pub(super) struct ApiDocument;
 
 /// Headers of answers, with their descriptions.
 const HEADERS: &[(&str, &str)] = &[
@@ -124,7 +124,7 @@ pub(super) fn completed(mut document: Api) -> Api {
 fn let_in(method: &Method, path: &str, operation: &mut Operation) {
     match needed(method, path) {
         Need::Nothing => operation.security = Some(Vec::new()),
-        Need::Role(Role::Render) => refuse(operation, &[problem::UNAUTHORIZED, problem::FORBIDDEN, problem::QUOTA]),
+        Need::Role(KeyRole::Render) => refuse(operation, &[problem::UNAUTHORIZED, problem::FORBIDDEN, problem::QUOTA]),
         Need::Role(_) => refuse(operation, &[problem::UNAUTHORIZED, problem::FORBIDDEN]),
         Need::Signature { works } => {
             operation.security = Some(Vec::new());

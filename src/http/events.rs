@@ -9,7 +9,7 @@ use super::app::SharedApp;
 use super::client::Client;
 use super::feed::{self, Followed};
 use super::jobs;
-use super::segment::Segment;
+use super::segment::PathSegment;
 use crate::service::jobs::{JobPhase, Standing};
 use crate::wire::standing::ProgressAnswer;
 
@@ -36,7 +36,7 @@ use crate::wire::standing::ProgressAnswer;
 pub(super) async fn events(
     State(app): State<SharedApp>,
     client: Client,
-    Segment(id): Segment,
+    PathSegment(id): PathSegment,
     headers: HeaderMap,
 ) -> Response {
     let found = client.named(&id).and_then(|job| Some((job, app.desk.standing(&job)?)));

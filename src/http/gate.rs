@@ -10,7 +10,7 @@ use axum::http::{HeaderMap, Method, header, request};
 
 use super::client::{Caller, Credentials};
 use super::problem::{self, Problem};
-use crate::config::keys::{KeyEntry, KeyFile, KeyFileError, LINKS, Link, LinkFault, Role, SHARED, Token, has_job};
+use crate::config::keys::{KeyEntry, KeyFile, KeyFileError, KeyRole, LINKS, Link, LinkFault, SHARED, Token, has_job};
 use crate::service::clock::Clock;
 use crate::service::job_key::Tenant;
 use crate::service::peer::Peer;
@@ -31,7 +31,7 @@ pub(super) enum Need {
     /// None.
     Nothing,
     /// A key of this role, or of one that allows more.
-    Role(Role),
+    Role(KeyRole),
     /// A signed address; `works` says whether the request computes a job.
     Signature { works: bool },
 }
@@ -148,9 +148,9 @@ pub(super) fn needed(method: &Method, path: &str) -> Need {
         return Need::Nothing;
     }
     match path {
-        "/metrics" => Need::Role(Role::Admin),
-        _ if reads && !WORKS_BELOW.iter().any(|place| path.starts_with(place)) => Need::Role(Role::Read),
-        _ => Need::Role(Role::Render),
+        "/metrics" => Need::Role(KeyRole::Admin),
+        _ if reads && !WORKS_BELOW.iter().any(|place| path.starts_with(place)) => Need::Role(KeyRole::Read),
+        _ => Need::Role(KeyRole::Render),
     }
 }
 
@@ -158,7 +158,7 @@ pub(super) fn needed(method: &Method, path: &str) -> Need {
 fn shown<'a>(
     keys: &'a HashMap<String, KeyEntry>,
     headers: &HeaderMap,
-    role: Role,
+    role: KeyRole,
     now_s: u64,
 ) -> Result<(&'a KeyEntry, Credentials), Problem> {
     let refused = |detail: &str| Problem::new(problem::UNAUTHORIZED, detail);
@@ -207,7 +207,7 @@ fn signed<'a>(
         Err(LinkFault::Expired) => Err(refused("the time of the signed address is over; have it signed again")),
         Err(LinkFault::Signature | LinkFault::Form) => Err(refused(altered)),
         Ok(()) if key.has_expired(now_s) => Err(refused("the key that signed the address has expired")),
-        Ok(()) if works && key.role < Role::Render => {
+        Ok(()) if works && key.role < KeyRole::Render => {
             Err(refused("the key that signed the address may read only; sign it with one of the role render"))
         }
         Ok(()) => Ok((key, Credentials::Link(link.expires, key.requests_per_minute, key.in_flight))),

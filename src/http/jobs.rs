@@ -11,7 +11,7 @@ use super::address::address;
 use super::app::{App, SharedApp};
 use super::client::Client;
 use super::problem::{self, Problem};
-use super::segment::Segment;
+use super::segment::PathSegment;
 use crate::fault::{Fault, shortened};
 use crate::service::accepting::NotAccepted;
 use crate::service::job_key::JobKey;
@@ -33,7 +33,7 @@ const LARGEST_PAGE: u64 = 100;
         (status = 200, description = "How it stands", body = JobAnswer),
     )
 )]
-pub(super) async fn job(State(app): State<SharedApp>, client: Client, Segment(id): Segment) -> Response {
+pub(super) async fn job(State(app): State<SharedApp>, client: Client, PathSegment(id): PathSegment) -> Response {
     let standing = client.named(&id).and_then(|job| app.desk.standing(&job));
     standing.map_or_else(|| unknown().into_response(), |standing| state_response(StatusCode::OK, &standing))
 }
@@ -70,7 +70,7 @@ pub(super) async fn list(State(app): State<SharedApp>, client: Client, RawQuery(
         (status = 202, description = "It is cancelled", body = JobAnswer),
     )
 )]
-pub(super) async fn cancel(State(app): State<SharedApp>, client: Client, Segment(id): Segment) -> Response {
+pub(super) async fn cancel(State(app): State<SharedApp>, client: Client, PathSegment(id): PathSegment) -> Response {
     let Some(job) = client.named(&id) else { return unknown().into_response() };
     let status = if app.desk.cancel(&job) { StatusCode::ACCEPTED } else { StatusCode::OK };
     if let Err(error) = app.desk.jobs.written(job).await {
@@ -88,7 +88,7 @@ pub(super) async fn cancel(State(app): State<SharedApp>, client: Client, Segment
         (status = 204, description = "It is forgotten"),
     )
 )]
-pub(super) async fn forget(State(app): State<SharedApp>, client: Client, Segment(id): Segment) -> Response {
+pub(super) async fn forget(State(app): State<SharedApp>, client: Client, PathSegment(id): PathSegment) -> Response {
     if let Some(job) = client.named(&id).filter(|job| app.desk.forget(job)) {
         let written = app.desk.jobs.written(job).await.map_err(|error| Problem::from(NotAccepted::from(error)));
         return written.map(|()| StatusCode::NO_CONTENT).into_response();

@@ -9,7 +9,7 @@ use axum::http::{HeaderMap, header};
 use super::address::address;
 use super::content::Notation;
 use crate::job::Job;
-use crate::job::Resolved;
+use crate::job::ResolvedLevel;
 use crate::job::key::{Key, content};
 use crate::service::job_key::Tenant;
 
@@ -32,7 +32,7 @@ pub(super) struct RememberedRequest {
     /// The address of the result.
     pub(super) address: Arc<str>,
     /// The level and the bound that a tolerance or "auto" led to.
-    pub(super) reached: Option<Resolved>,
+    pub(super) reached: Option<ResolvedLevel>,
 }
 
 impl RememberedRequest {

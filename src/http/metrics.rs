@@ -38,9 +38,9 @@ pub(super) async fn metrics(State(app): State<SharedApp>) -> Response {
 
 /// A page of metrics that is being written.
 #[derive(Default)]
-struct Page(String);
+struct MetricsPage(String);
 
-impl Page {
+impl MetricsPage {
     fn family(&mut self, name: &str, kind: &str, help: &str) {
         // writing to a string does not fail
         let _ = write!(self.0, "# HELP {name} {help}\n# TYPE {name} {kind}\n");
@@ -64,7 +64,7 @@ impl Page {
     }
 }
 
-impl Page {
+impl MetricsPage {
     /// Writes a family with one value.
     fn one(&mut self, (name, kind, help): (&str, &str, &str), value: impl Display) {
         self.family(name, kind, help);
@@ -73,14 +73,14 @@ impl Page {
 }
 
 fn text(app: &App) -> String {
-    let mut page = Page::default();
+    let mut page = MetricsPage::default();
     requests(&mut page, &app.requests);
     work(&mut page, app);
     stores(&mut page, app);
     page.0
 }
 
-fn requests(page: &mut Page, requests: &RequestCounts) {
+fn requests(page: &mut MetricsPage, requests: &RequestCounts) {
     page.family("planish_requests_total", "counter", "Answers by method, route and status.");
     requests.each(|method, route, status, n| {
         let status = status.to_string();
@@ -90,7 +90,7 @@ fn requests(page: &mut Page, requests: &RequestCounts) {
     page.one(("planish_sent_bytes_total", "counter", "Bytes of answers, without their heads."), requests.sent_bytes());
 }
 
-fn work(page: &mut Page, app: &App) {
+fn work(page: &mut MetricsPage, app: &App) {
     let (desk, counter, gauge) = (&app.desk, "counter", "gauge");
     let tally = &desk.tally;
     let ended = ("planish_computations_total", counter, "Computations by how they ended.");
@@ -136,7 +136,7 @@ fn work(page: &mut Page, app: &App) {
     }
 }
 
-fn stores(page: &mut Page, app: &App) {
+fn stores(page: &mut MetricsPage, app: &App) {
     let (desk, counter, gauge) = (&app.desk, "counter", "gauge");
     let found = ("planish_results_found_total", counter, "Looks for results by the tier that had them.");
     page.by(found, "tier", desk.tally.lookups());

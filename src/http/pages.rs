@@ -9,7 +9,7 @@ use axum::response::{Html, IntoResponse, Response};
 use super::app::SharedApp;
 use super::problem::{self, KINDS, Problem};
 use super::reference;
-use super::segment::Segment;
+use super::segment::PathSegment;
 use crate::fault::shortened;
 
 /// The OpenAPI 3.1 document of this interface.
@@ -42,7 +42,7 @@ pub(super) async fn docs(State(app): State<SharedApp>) -> Response {
     params(("kind" = String, Path, description = "The last part of a problem's type", example = "too-large")),
     responses((status = 200, description = "A page", body = String, content_type = "text/html"))
 )]
-pub(super) async fn problem(Segment(kind): Segment) -> Response {
+pub(super) async fn problem(PathSegment(kind): PathSegment) -> Response {
     let Some(kind) = KINDS.iter().find(|known| known.slug == kind) else {
         let detail = format!("there is no kind of problem \"{}\"", shortened(&kind));
         return Problem::new(problem::NOT_FOUND, detail).into_response();

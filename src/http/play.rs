@@ -10,7 +10,7 @@ use axum::response::{IntoResponse, Redirect, Response};
 use super::address::etag;
 use super::negotiate;
 use super::problem::{self, Problem};
-use super::segment::Segment;
+use super::segment::PathSegment;
 use crate::fault::shortened;
 use crate::job::key::{Key, content};
 use crate::service::variant::{Coding, encoded};
@@ -79,14 +79,14 @@ const FILES: &[(&str, &str, &str)] = &[
 ];
 
 /// A file with its key, and its bytes in each coding that was requested so far.
-struct File {
+struct PlayFile {
     media_type: &'static str,
     bytes: Bytes,
     key: Key,
     coded: [OnceLock<Option<Bytes>>; Coding::ALL.len()],
 }
 
-impl File {
+impl PlayFile {
     fn of(&(_, media_type, text): &(&str, &'static str, &'static str)) -> Self {
         let bytes = Bytes::from_static(text.as_bytes());
         Self { media_type, key: content(&bytes), bytes, coded: Default::default() }
@@ -126,8 +126,8 @@ impl File {
     }
 }
 
-static KNOWN: LazyLock<HashMap<&str, File>> =
-    LazyLock::new(|| FILES.iter().chain([&PAGE]).map(|file| (file.0, File::of(file))).collect());
+static KNOWN: LazyLock<HashMap<&str, PlayFile>> =
+    LazyLock::new(|| FILES.iter().chain([&PAGE]).map(|file| (file.0, PlayFile::of(file))).collect());
 
 /// The page for trying the service: control points and vertices to drag, schemes to choose, results to take along.
 #[utoipa::path(
@@ -145,7 +145,7 @@ pub(super) async fn page(headers: HeaderMap) -> Response {
     params(("file" = String, Path, description = "Name of the file", example = "planish-view.js")),
     responses((status = 200, description = "The file", body = String, content_type = "text/javascript"))
 )]
-pub(super) async fn file(Segment(name): Segment, headers: HeaderMap) -> Response {
+pub(super) async fn file(PathSegment(name): PathSegment, headers: HeaderMap) -> Response {
     if let Some(file) = KNOWN.get(name.as_str()).filter(|_| !name.is_empty()) {
         return file.answer(&headers);
     }

@@ -12,7 +12,7 @@ use super::app::SharedApp;
 use super::client::Client;
 use super::content::AcceptedBodies;
 use super::problem::Problem;
-use super::working::{self, Work};
+use super::working::{self, AdmittedJob};
 use super::{body, jobs, negotiate};
 use crate::fault::{Fault, did_you_mean, shortened};
 use crate::service::accepting::NotAccepted;
@@ -67,7 +67,7 @@ pub(super) async fn post(
             Some(JobState::Active) => app.desk.jobs.written(job).await.map_err(NotAccepted::from)?,
             Some(_) => {}
             None => {
-                let Work { summary, tasks: _ } = asked.work(&app, client.peer()).await?;
+                let AdmittedJob { summary, tasks: _ } = asked.work(&app, client.peer()).await?;
                 let made = app.desk.all_kept(&summary, client.peer()).await;
                 app.desk.accept(job, summary, terms, (client.peer(), Holder::Client), made).await?;
             }

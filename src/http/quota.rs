@@ -8,7 +8,7 @@ use super::app::App;
 use super::client::{Caller, Credentials};
 use super::gate::{Need, needed};
 use super::problem::Problem;
-use crate::config::keys::Role;
+use crate::config::keys::KeyRole;
 use crate::service::peer::{Peer, QuotaKind, Ticket};
 use crate::service::rate::{Exceeded, Quota};
 
@@ -25,7 +25,7 @@ impl Counted {
     /// Counts a request for work; sets `caller.refused` if its client exceeds a quota.
     pub(super) fn new(app: &App, caller: &mut Caller, request: &request::Parts) -> Self {
         let works = match needed(&request.method, request.uri.path()) {
-            Need::Role(role) => role == Role::Render,
+            Need::Role(role) => role == KeyRole::Render,
             Need::Signature { works } => works,
             Need::Nothing => false,
         };

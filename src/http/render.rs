@@ -19,7 +19,7 @@ use super::problem::Problem;
 use super::reading::ReadJob;
 use super::variants::coded;
 use super::{jobs, reading, streaming, working};
-use crate::job::Resolved;
+use crate::job::ResolvedLevel;
 use crate::job::key::Key;
 use crate::job::limits::Admitted;
 use crate::service::computation::Phase;
@@ -239,7 +239,7 @@ pub(super) async fn read(app: &Arc<App>, client: &Client, headers: &HeaderMap, s
 }
 
 /// Adds the level that a tolerance or "auto" resolved to, and for a tolerance the bound of the distance from the limit.
-fn add_resolved_level(reached: Option<Resolved>, headers: &mut HeaderMap) {
+fn add_resolved_level(reached: Option<ResolvedLevel>, headers: &mut HeaderMap) {
     let Some(reached) = reached else { return };
     headers.insert(HeaderName::from_static("planish-level"), reached.level.into());
     if let Some(Ok(bound)) = reached.bound.map(|bound| HeaderValue::try_from(bound.to_string())) {

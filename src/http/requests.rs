@@ -43,12 +43,12 @@ impl ConnectionService {
     }
 
     /// Returns the remembered answer to a plain request, and counts it.
-    fn again(&self, asked: Option<PlainResource>, parts: &request::Parts) -> Option<Response<Content>> {
+    fn again(&self, asked: Option<PlainResource>, parts: &request::Parts) -> Option<Response<AnswerBody>> {
         let asked = asked?;
         let answer = self.app.short.answer(&self.app.desk.tiers, &asked, parts)?;
         self.app.desk.count_hit();
         self.app.requests.count(&parts.method, asked.route(), answer.status().as_u16());
-        Some(answer.map(|bytes| Content::Whole(Full::new(bytes))))
+        Some(answer.map(|bytes| AnswerBody::Whole(Full::new(bytes))))
     }
 
     /// Answers a request whose body has not been read.
@@ -57,7 +57,7 @@ impl ConnectionService {
         mut parts: request::Parts,
         body: Incoming,
         (mut caller, by_address): (Caller, Option<PlainResource>),
-    ) -> (Response<Content>, Option<Ticket>) {
+    ) -> (Response<AnswerBody>, Option<Ticket>) {
         let counted = Counted::new(&self.app, &mut caller, &parts);
         let is_let_in = caller.refused.is_none();
         let (client, mut asked) = (Client { connection: self.connection.clone(), caller }, by_address);
@@ -82,12 +82,12 @@ impl ConnectionService {
             self.app.short.remember(asked, origin, &mut response);
         }
         let in_flight = counted.add_headers(&self.app, response.headers_mut());
-        (response.map(Content::Routed), in_flight)
+        (response.map(AnswerBody::Routed), in_flight)
     }
 }
 
 impl Service<Request<Incoming>> for ConnectionService {
-    type Response = Response<Ending>;
+    type Response = Response<ReleasingBody>;
     type Error = Infallible;
     type Future = Either<
         Ready<Result<Self::Response, Infallible>>,
@@ -111,7 +111,7 @@ impl Service<Request<Incoming>> for ConnectionService {
         if let Some(mut response) = self.again(asked, &parts) {
             trace.add_headers(response.headers_mut());
             let app = self.app.clone();
-            let ending = |content| Ending { content, app, connection, _in_flight: None };
+            let ending = |content| ReleasingBody { content, app, connection, _in_flight: None };
             return Either::Left(ready(Ok(response.map(ending))));
         }
         let (app, answer) = (self.app.clone(), self.clone().answer(parts, body, (caller, asked)));
@@ -121,14 +121,14 @@ impl Service<Request<Incoming>> for ConnectionService {
             let (mut response, in_flight) = trace.clone().within(answer).instrument(span).await;
             trace.add_headers(response.headers_mut());
             connection.enter(ConnectionPhase::Working);
-            Ok(response.map(|content| Ending { content, app, connection, _in_flight: in_flight }))
+            Ok(response.map(|content| ReleasingBody { content, app, connection, _in_flight: in_flight }))
         }))
     }
 }
 
 /// The body of an answer.
 #[derive(Debug)]
-enum Content {
+enum AnswerBody {
     /// Bytes that are all in memory.
     Whole(Full<Bytes>),
     /// A body from the router.
@@ -137,21 +137,21 @@ enum Content {
 
 /// The body of an answer with the resources that are released at its end.
 #[derive(Debug)]
-pub(super) struct Ending {
-    content: Content,
+pub(super) struct ReleasingBody {
+    content: AnswerBody,
     app: Arc<App>,
     connection: Arc<Connection>,
     _in_flight: Option<Ticket>,
 }
 
-impl http_body::Body for Ending {
+impl http_body::Body for ReleasingBody {
     type Data = Bytes;
     type Error = axum::Error;
 
     fn poll_frame(mut self: Pin<&mut Self>, cx: &mut Context<'_>) -> Poll<Option<Result<Frame<Bytes>, axum::Error>>> {
         let frame = match &mut self.content {
-            Content::Whole(bytes) => Pin::new(bytes).poll_frame(cx).map_err(|never| match never {}),
-            Content::Routed(body) => Pin::new(body).poll_frame(cx),
+            AnswerBody::Whole(bytes) => Pin::new(bytes).poll_frame(cx).map_err(|never| match never {}),
+            AnswerBody::Routed(body) => Pin::new(body).poll_frame(cx),
         };
         if let Poll::Ready(Some(Ok(frame))) = &frame {
             self.app.requests.sent(frame.data_ref().map_or(0, Bytes::len));
@@ -161,20 +161,20 @@ impl http_body::Body for Ending {
 
     fn is_end_stream(&self) -> bool {
         match &self.content {
-            Content::Whole(bytes) => bytes.is_end_stream(),
-            Content::Routed(body) => body.is_end_stream(),
+            AnswerBody::Whole(bytes) => bytes.is_end_stream(),
+            AnswerBody::Routed(body) => body.is_end_stream(),
         }
     }
 
     fn size_hint(&self) -> SizeHint {
         match &self.content {
-            Content::Whole(bytes) => bytes.size_hint(),
-            Content::Routed(body) => body.size_hint(),
+            AnswerBody::Whole(bytes) => bytes.size_hint(),
+            AnswerBody::Routed(body) => body.size_hint(),
         }
     }
 }
 
-impl Drop for Ending {
+impl Drop for ReleasingBody {
     fn drop(&mut self) {
         self.connection.serving.store(false, Ordering::Relaxed);
     }

@@ -13,13 +13,13 @@ use utoipa::{OpenApi, openapi};
 use utoipa_axum::router::OpenApiRouter;
 
 use super::app::App;
-use super::document::{Document, completed};
+use super::document::{ApiDocument, completed};
 use super::{guard, metrics, problem, routes};
 use crate::config::{CorsOrigins, Settings};
 
 /// Returns the OpenAPI document of the interface.
 pub fn document() -> openapi::OpenApi {
-    let described = OpenApiRouter::with_openapi(Document::openapi()).merge(routes::all());
+    let described = OpenApiRouter::with_openapi(ApiDocument::openapi()).merge(routes::all());
     completed(described.into_openapi())
 }
 

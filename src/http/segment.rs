@@ -7,9 +7,9 @@ use super::problem::{self, Problem};
 
 /// The last variable segment of a path as text; if it is not UTF-8, the request is answered with 404.
 #[derive(Debug)]
-pub(super) struct Segment(pub(super) String);
+pub(super) struct PathSegment(pub(super) String);
 
-impl<S: Send + Sync> FromRequestParts<S> for Segment {
+impl<S: Send + Sync> FromRequestParts<S> for PathSegment {
     type Rejection = Problem;
 
     async fn from_request_parts(parts: &mut Parts, state: &S) -> Result<Self, Problem> {

@@ -17,7 +17,7 @@ use tokio::task::JoinSet;
 use super::app::App;
 use super::bucket_client;
 use super::canary::{self, Canary};
-use super::connections::{Connections, Open};
+use super::connections::{Connections, OpenConnection};
 use super::gate::Gate;
 use super::guard::MAX_HEAD_BYTES;
 use super::memo::Memo;
@@ -28,7 +28,7 @@ use super::requests::ConnectionService;
 use super::router::{document_text, router};
 use super::short::Short;
 use super::stream::Watched;
-use super::working::Reader;
+use super::working::JobReader;
 use crate::config::Settings;
 use crate::config::keys::KeyFileError;
 use crate::fault::shortened;
@@ -42,7 +42,7 @@ use crate::service::peer::Peer;
 use crate::service::pool::{Lane, Pool, QueueBounds};
 use crate::service::queue;
 use crate::service::rate::Rates;
-use crate::service::store::{Bucket, Memory, Records, STORES, Store, StoreLocation, StorePurpose};
+use crate::service::store::{Bucket, MemoryStore, Records, STORES, Store, StoreLocation, StorePurpose};
 use crate::service::tiers::Tiers;
 use crate::service::uploads::Uploads;
 use crate::wire::batch::layout;
@@ -194,7 +194,7 @@ fn stores(settings: &Settings, account: &Account, clock: &Arc<dyn Clock>) -> Res
     let kind = kind.ok_or_else(|| StartError::NoSuchStore { name: shortened(name) })?;
     let has_folder = settings.data_dir != Path::new("");
     if settings.cache_bytes == 0 || kind.in_folder && !has_folder {
-        return Ok((None, None, Uploads::new(Arc::new(Memory::new(account.uploads_bytes)))));
+        return Ok((None, None, Uploads::new(Arc::new(MemoryStore::new(account.uploads_bytes)))));
     }
     let bucket = Bucket {
         name: settings.s3_bucket.clone(),
@@ -287,10 +287,10 @@ fn work(app: &Arc<App>) -> JoinSet<()> {
     let mut working = JoinSet::new();
     for lane in [Lane::Short, Lane::Long] {
         for _ in 0..=app.desk.pool.places(lane) {
-            working.spawn(app.desk.clone().do_jobs(lane, Arc::new(Reader(app.clone()))));
+            working.spawn(app.desk.clone().do_jobs(lane, Arc::new(JobReader(app.clone()))));
         }
     }
-    working.spawn(app.desk.clone().do_batches(Arc::new(Reader(app.clone()))));
+    working.spawn(app.desk.clone().do_batches(Arc::new(JobReader(app.clone()))));
     let desk = app.desk.clone();
     working.spawn(async move { desk.keep_tidy().await });
     let gate = app.gate.clone();
@@ -306,7 +306,7 @@ fn turn_away(stream: TcpStream) {
 }
 
 /// Answers the requests of a connection until either side closes it.
-fn attend(stream: TcpStream, open: Open, app: &Arc<App>, router: Router, graceful: &GracefulShutdown) {
+fn attend(stream: TcpStream, open: OpenConnection, app: &Arc<App>, router: Router, graceful: &GracefulShutdown) {
     // answers are written at once or in large parts, so that Nagle's algorithm would only delay them
     if let Err(error) = stream.set_nodelay(true) {
         tracing::debug!(%error, "TCP_NODELAY was not set");

@@ -36,7 +36,7 @@ pub(super) enum PlainResource {
 
 /// The remembered answers of the router to plain requests.
 #[derive(Debug, Default)]
-pub struct Short(Mutex<HashMap<PlainResource, Arc<Head>>>);
+pub struct Short(Mutex<HashMap<PlainResource, Arc<KeptHeaders>>>);
 
 /// An extension of an answer: it consists of this whole artifact, which was in the cache, and its memory is not
 /// charged.
@@ -45,7 +45,7 @@ pub(super) struct Plain(pub(super) Arc<Manifest>);
 
 /// The headers of an answer, its artifact, and the origin of the page that sent the request.
 #[derive(Debug)]
-struct Head {
+struct KeptHeaders {
     manifest: Arc<Manifest>,
     origin: Option<HeaderValue>,
     headers: HeaderMap,
@@ -123,7 +123,7 @@ impl Short {
         if response.status() != StatusCode::OK {
             return;
         }
-        let head = Arc::new(Head { manifest, origin, headers: response.headers().clone() });
+        let head = Arc::new(KeptHeaders { manifest, origin, headers: response.headers().clone() });
         let mut answers = self.0.lock().unwrap_or_else(PoisonError::into_inner);
         if answers.len() >= MAX_ANSWERS {
             answers.clear();

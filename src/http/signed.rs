@@ -14,7 +14,7 @@ use super::client::{Client, Credentials};
 use super::links::{check_length, inflated, respond};
 use super::problem::{self, Problem};
 use super::render::ResultRequest;
-use super::segment::Segment;
+use super::segment::PathSegment;
 use super::{artifacts, batches, events, memo, render};
 use crate::config::keys::MODEL;
 use crate::fault::{Fault, shortened};
@@ -107,7 +107,7 @@ pub(super) async fn signed_model(
         read.job.detail_keys().find(|detail| *detail == key).ok_or_else(other)
     };
     match is_of_model.await {
-        Ok(_) => artifacts::artifact(State(app), client, Segment(file), method, headers).await,
+        Ok(_) => artifacts::artifact(State(app), client, PathSegment(file), method, headers).await,
         Err(problem) => problem.into_response(),
     }
 }
@@ -146,7 +146,7 @@ async fn shown(app: &SharedApp, client: &Client, mut headers: HeaderMap, uri: &U
 )]
 pub(super) async fn signed_events(app: State<SharedApp>, client: Client, path: Named, headers: HeaderMap) -> Response {
     match path {
-        Ok(Path((_, _, id))) => events::events(app, client, Segment(id), headers).await,
+        Ok(Path((_, _, id))) => events::events(app, client, PathSegment(id), headers).await,
         Err(_) => no_text().into_response(),
     }
 }
@@ -176,7 +176,7 @@ pub(super) async fn signed_batch_events(
     headers: HeaderMap,
 ) -> Response {
     match path {
-        Ok(Path((_, _, id))) => batches::batch_events(app, client, Segment(id), headers).await,
+        Ok(Path((_, _, id))) => batches::batch_events(app, client, PathSegment(id), headers).await,
         Err(_) => no_text().into_response(),
     }
 }
@@ -207,7 +207,7 @@ pub(super) async fn signed_artifact(
     headers: HeaderMap,
 ) -> Response {
     match path {
-        Ok(Path((_, _, file))) => artifacts::artifact(app, client, Segment(file), method, headers).await,
+        Ok(Path((_, _, file))) => artifacts::artifact(app, client, PathSegment(file), method, headers).await,
         Err(_) => no_text().into_response(),
     }
 }

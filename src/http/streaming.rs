@@ -9,7 +9,7 @@ use axum::http::{HeaderValue, header};
 use axum::response::{IntoResponse, Response};
 use futures_util::stream;
 
-use super::answer::Head;
+use super::answer::ResultHeaders;
 use super::app::App;
 use super::client::Client;
 use super::problem::{self, Problem};
@@ -109,7 +109,8 @@ pub(super) async fn streamed(
     let timings = Timings { queue: streamed.queue, swept, ..Timings::default() };
     let cache = "planish; fwd=miss";
     let mut headers =
-        Head { key, coding: None, media_type: &media_type, warnings: &warnings, cache, timings: &timings }.headers();
+        ResultHeaders { key, coding: None, media_type: &media_type, warnings: &warnings, cache, timings: &timings }
+            .headers();
     headers.insert(header::ACCEPT_RANGES, HeaderValue::from_static("none"));
     if let Size::Exact(bytes) = size
         && let Ok(bytes) = u64::try_from(bytes)

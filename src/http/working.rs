@@ -44,7 +44,7 @@ pub(super) enum ParsedJob {
 
 /// A job that was read and admitted.
 #[derive(Debug)]
-pub(super) struct Work {
+pub(super) struct AdmittedJob {
     pub(super) summary: JobSummary,
     pub(super) tasks: Tasks,
 }
@@ -62,7 +62,7 @@ impl ParsedJob {
     ///
     /// # Errors
     /// A job that exceeds a limit.
-    pub(super) async fn work(self, app: &Arc<App>, peer: Peer) -> Result<Work, Problem> {
+    pub(super) async fn work(self, app: &Arc<App>, peer: Peer) -> Result<AdmittedJob, Problem> {
         match self {
             Self::Render(read) => {
                 let ReadJob { job, input, sent } = *read;
@@ -71,7 +71,7 @@ impl ParsedJob {
                 let task =
                     |output| Arc::new(Render::new(admitted.clone(), output, Some(input.clone()))) as Arc<dyn Task>;
                 let tasks = (0..admitted.job().outputs.len()).map(task).collect();
-                Ok(Work { summary: summary(&admitted, &sent), tasks })
+                Ok(AdmittedJob { summary: summary(&admitted, &sent), tasks })
             }
             Self::Analysis(task, sent) => {
                 let format = named("json").expect("json is among the formats");
@@ -81,7 +81,7 @@ impl ParsedJob {
                 let cost = Predicted { memory_bytes, time_ms, ..Predicted::default() };
                 let (details, blobs, request) = (Vec::new(), Vec::new(), sent.text());
                 let summary = JobSummary { products: vec![product], cost, reached: None, details, blobs, request };
-                Ok(Work { summary, tasks: vec![task] })
+                Ok(AdmittedJob { summary, tasks: vec![task] })
             }
         }
     }
@@ -194,9 +194,9 @@ fn fits_an_archive(outputs: &[Output]) -> Result<(), Problem> {
 
 /// Reads jobs for the workers.
 #[derive(Debug)]
-pub(super) struct Reader(pub(super) SharedApp);
+pub(super) struct JobReader(pub(super) SharedApp);
 
-impl ReadJobs for Reader {
+impl ReadJobs for JobReader {
     fn tasks<'a>(&'a self, record: &'a Record) -> Pin<Box<dyn Future<Output = Result<Tasks, Unreadable>> + Send + 'a>> {
         Box::pin(async move {
             let tasks = async {
@@ -209,7 +209,7 @@ impl ReadJobs for Reader {
     }
 }
 
-impl ReadItems for Reader {
+impl ReadItems for JobReader {
     fn item(self: Arc<Self>, batch: Batch, at: usize) -> Reading {
         Box::pin(async move {
             let (app, peer, tenant) = (&self.0, batch.peer, batch.batch.tenant);

@@ -16,19 +16,19 @@ const LARGE: u16 = 45;
 /// An archive of files whose names and lengths are known.
 #[derive(Debug)]
 pub(super) struct Zip {
-    files: Vec<File>,
+    files: Vec<ZipEntry>,
     /// The offset of the central directory.
     end: u64,
 }
 
 #[derive(Debug)]
-struct File {
+struct ZipEntry {
     name: String,
     length: u64,
     offset: u64,
 }
 
-impl File {
+impl ZipEntry {
     /// Returns the ZIP64 field with those of these numbers that need it.
     fn extra(numbers: &[u64]) -> Vec<u8> {
         let large: Vec<u8> = numbers.iter().filter(|n| is_large(**n)).flat_map(|n| n.to_le_bytes()).collect();
@@ -82,7 +82,7 @@ impl Zip {
     pub(super) fn new(files: impl IntoIterator<Item = (String, u64)>) -> Self {
         let (mut all, mut offset) = (Vec::new(), 0);
         for (name, length) in files {
-            let file = File { name, length, offset };
+            let file = ZipEntry { name, length, offset };
             offset += file.head(0).len() as u64 + length;
             all.push(file);
         }

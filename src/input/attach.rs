@@ -3,7 +3,7 @@
 
 use std::collections::BTreeMap;
 
-use super::reader::{ReadMesh, Uvs};
+use super::reader::{CornerUvs, ReadMesh};
 use super::text::quoted;
 use crate::shape::attachments::{AttachmentsInput, ChannelInput, MAX_CHANNELS, MAX_TOTAL_WIDTH, check_channel};
 use crate::shape::check::{FaceList, Winding};
@@ -27,7 +27,7 @@ impl ReadMesh {
 }
 
 /// Converts the texture coordinates to one list per face.
-fn of_corners(uvs: Uvs, faces: &FaceList) -> UvsInput {
+fn of_corners(uvs: CornerUvs, faces: &FaceList) -> UvsInput {
     let mut seams = SeamsInput { interpolation: uvs.interpolation, ..SeamsInput::default() };
     let mut corners = uvs.corners.into_iter();
     for f in 0..faces.len() {

@@ -54,14 +54,14 @@ impl Beside for WithLibrary {
 
 /// A file to be read, with access to its companion files.
 #[derive(Debug, Clone, Copy)]
-pub struct File<'a> {
+pub struct InputFile<'a> {
     /// The contents of the file.
     pub bytes: &'a [u8],
     /// The companion files.
     pub beside: &'a dyn Beside,
 }
 
-impl<'a> From<&'a [u8]> for File<'a> {
+impl<'a> From<&'a [u8]> for InputFile<'a> {
     fn from(bytes: &'a [u8]) -> Self {
         Self { bytes, beside: &Alone }
     }

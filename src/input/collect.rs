@@ -7,13 +7,13 @@ const MAX_CORNERS: usize = u32::MAX as usize / 5;
 
 /// A mesh that is being read.
 #[derive(Debug)]
-pub(super) struct Collected {
+pub(super) struct MeshBuilder {
     /// The contents read so far.
     pub(super) mesh: ReadMesh,
     limits: ReadLimits,
 }
 
-impl Collected {
+impl MeshBuilder {
     /// Creates an empty mesh.
     pub(super) fn new(limits: &ReadLimits) -> Self {
         Self { mesh: ReadMesh::default(), limits: *limits }

@@ -12,8 +12,8 @@ mod scene;
 mod transform;
 mod triangles;
 
-use self::buffers::Document;
-use super::beside::File;
+use self::buffers::GltfDocument;
+use super::beside::InputFile;
 use super::reader::{ReadLimits, ReadMesh, Reader, Vertices};
 use super::room::MemoryBudget;
 
@@ -34,7 +34,7 @@ pub(super) const GLTF: Reader = Reader {
         if file.bytes.starts_with(b"glTF") {
             return Err(vec!["the file is binary; read it as glb".to_owned()]);
         }
-        read(file, limits, |room| Document::of_json(file.bytes, None, file.beside, room))
+        read(file, limits, |room| GltfDocument::of_json(file.bytes, None, file.beside, room))
     },
 };
 
@@ -44,13 +44,13 @@ pub(super) const GLB: Reader = Reader {
     media_type: "model/gltf-binary",
     doc: "Binary glTF 2.0: the triangles of its scene",
     vertices: Vertices::Doubled,
-    read: |file, limits| read(file, limits, |room| Document::of_glb(file, room)),
+    read: |file, limits| read(file, limits, |room| GltfDocument::of_glb(file, room)),
 };
 
 fn read<'a>(
-    file: &File<'a>,
+    file: &InputFile<'a>,
     limits: &ReadLimits,
-    document: impl FnOnce(&mut MemoryBudget) -> Result<Document<'a>, String>,
+    document: impl FnOnce(&mut MemoryBudget) -> Result<GltfDocument<'a>, String>,
 ) -> Result<ReadMesh, Vec<String>> {
     let mut room = MemoryBudget::new(file.bytes.len()).with_spare(file.beside.spare());
     let mesh = document(&mut room).and_then(|document| scene::read(&document, file.bytes.len(), room, limits));

@@ -23,9 +23,9 @@ pub use crate::shape::attachments::ChannelInput;
 pub use crate::shape::labels::FaceSet;
 pub use crate::shape::looks::Look;
 pub use base64::decode as from_base64;
-pub use beside::{Alone, Beside, File, WithLibrary};
+pub use beside::{Alone, Beside, InputFile, WithLibrary};
 pub use kind::{foreign, is_text, own};
-pub use reader::{ReadLimits, ReadMesh, Reader, Uvs, Vertices};
+pub use reader::{CornerUvs, ReadLimits, ReadMesh, Reader, Vertices};
 pub use room::weight;
 
 /// All readers, in the order of the documentation.

@@ -10,10 +10,10 @@ mod tags;
 
 use std::collections::BTreeMap;
 
-use self::faces::{Faces, MAX_FAULTS};
-use self::library::Library;
-use super::beside::File;
-use super::collect::Collected;
+use self::faces::{MAX_FAULTS, ObjFaces};
+use self::library::MaterialLibrary;
+use super::beside::InputFile;
+use super::collect::MeshBuilder;
 use super::reader::{ReadLimits, ReadMesh, Reader, Vertices};
 use super::text::{at_line, number, numbers, quoted, text, without_comment};
 use crate::shape::attachments::ChannelInput;
@@ -46,9 +46,9 @@ pub(super) const OBJ: Reader = Reader {
     read,
 };
 
-fn read(file: &File<'_>, limits: &ReadLimits) -> Result<ReadMesh, Vec<String>> {
+fn read(file: &InputFile<'_>, limits: &ReadLimits) -> Result<ReadMesh, Vec<String>> {
     let text = text(file.bytes);
-    let mut state = State::new(limits);
+    let mut state = ObjReader::new(limits);
     let mut lines = text.lines().enumerate();
     let mut joined = String::new();
     while let Some((i, line)) = lines.next() {
@@ -76,7 +76,7 @@ fn read(file: &File<'_>, limits: &ReadLimits) -> Result<ReadMesh, Vec<String>> {
     let libraries = std::mem::take(&mut state.libraries);
     let beyond = state.libraries_beyond;
     let mut mesh = state.finish()?;
-    let library = Library::beside(file.beside, &libraries);
+    let library = MaterialLibrary::beside(file.beside, &libraries);
     if beyond > 0 {
         mesh.notes.push(format!("libraries of materials are left out beyond the first {MAX_LIBRARIES}: {beyond}"));
     }
@@ -86,15 +86,15 @@ fn read(file: &File<'_>, limits: &ReadLimits) -> Result<ReadMesh, Vec<String>> {
 
 /// The state of the reader.
 #[derive(Debug)]
-struct State {
-    mesh: Collected,
-    faces: Faces,
+struct ObjReader {
+    mesh: MeshBuilder,
+    faces: ObjFaces,
     uvs: Vec<[f64; 2]>,
     n_normals: usize,
     /// Red, green, blue and alpha of the coloured vertices, and the number of components in the file.
     colors: Vec<f64>,
     color_width: usize,
-    tags: tags::Tags,
+    tags: tags::ObjTags,
     /// Names of material libraries.
     libraries: Vec<String>,
     /// Number of further libraries that are not read.
@@ -104,16 +104,16 @@ struct State {
     faults: Vec<String>,
 }
 
-impl State {
+impl ObjReader {
     fn new(limits: &ReadLimits) -> Self {
         Self {
-            mesh: Collected::new(limits),
-            faces: Faces::default(),
+            mesh: MeshBuilder::new(limits),
+            faces: ObjFaces::default(),
             uvs: Vec::new(),
             n_normals: 0,
             colors: Vec::new(),
             color_width: 0,
-            tags: tags::Tags::default(),
+            tags: tags::ObjTags::default(),
             libraries: Vec::new(),
             libraries_beyond: 0,
             left_out: BTreeMap::new(),

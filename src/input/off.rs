@@ -4,9 +4,9 @@
 
 mod numbers;
 
-use self::numbers::Numbers;
-use super::collect::{Collected, vertex_index};
-use super::reader::{ReadLimits, ReadMesh, Reader, Uvs, Vertices};
+use self::numbers::OffNumbers;
+use super::collect::{MeshBuilder, vertex_index};
+use super::reader::{CornerUvs, ReadLimits, ReadMesh, Reader, Vertices};
 use super::text::{Words, at_line, count, number, quoted, text};
 use crate::shape::attachments::ChannelInput;
 
@@ -55,7 +55,7 @@ impl VertexFields {
 fn read(bytes: &[u8], limits: &ReadLimits) -> Result<ReadMesh, String> {
     if let Some((name, start)) = binary(bytes) {
         let kind = VertexFields::read(name).map_err(|detail| at_line(1, detail))?;
-        return read_binary(kind, Numbers::new(bytes, start), bytes.len() as u64, limits);
+        return read_binary(kind, OffNumbers::new(bytes, start), bytes.len() as u64, limits);
     }
     let text = text(bytes);
     let mut words = Words::new(&text, 1, Some('#'));
@@ -65,7 +65,7 @@ fn read(bytes: &[u8], limits: &ReadLimits) -> Result<ReadMesh, String> {
     if counts.is_empty() {
         counts = words.expect_line("the numbers of vertices, faces and edges")?.collect();
     }
-    let mut off = Reading::new(kind, limits);
+    let mut off = OffReader::new(kind, limits);
     let [n_vertices, n_faces] =
         off.counts(&counts, bytes.len() as u64).map_err(|detail| at_line(words.line, detail))?;
     for i in 0..n_vertices {
@@ -90,8 +90,13 @@ fn binary(bytes: &[u8]) -> Option<(&str, usize)> {
     word.eq_ignore_ascii_case("binary").then_some((name, line + 1))
 }
 
-fn read_binary(kind: VertexFields, mut file: Numbers<'_>, bytes: u64, limits: &ReadLimits) -> Result<ReadMesh, String> {
-    let mut off = Reading::new(kind, limits);
+fn read_binary(
+    kind: VertexFields,
+    mut file: OffNumbers<'_>,
+    bytes: u64,
+    limits: &ReadLimits,
+) -> Result<ReadMesh, String> {
+    let mut off = OffReader::new(kind, limits);
     let mut counts = [0; 3];
     for count in &mut counts {
         *count = file.count("the numbers of vertices, faces and edges")?;
@@ -123,8 +128,8 @@ fn read_binary(kind: VertexFields, mut file: Numbers<'_>, bytes: u64, limits: &R
     }
 }
 
-struct Reading {
-    mesh: Collected,
+struct OffReader {
+    mesh: MeshBuilder,
     kind: VertexFields,
     /// Four colour components per vertex, from 0 to 1.
     colors: Vec<f64>,
@@ -132,9 +137,9 @@ struct Reading {
     face_colors: usize,
 }
 
-impl Reading {
+impl OffReader {
     fn new(kind: VertexFields, limits: &ReadLimits) -> Self {
-        Self { mesh: Collected::new(limits), kind, colors: Vec::new(), uvs: Vec::new(), face_colors: 0 }
+        Self { mesh: MeshBuilder::new(limits), kind, colors: Vec::new(), uvs: Vec::new(), face_colors: 0 }
     }
 
     /// Reads the numbers of vertices and faces, and checks that the bytes can hold them.
@@ -218,7 +223,7 @@ impl Reading {
             mesh.channels.push(ChannelInput::of_vertices("color", 4, self.colors));
         }
         if self.kind.uvs {
-            mesh.uvs = Some(Uvs::new(self.uvs, mesh.faces.vertices().to_vec()));
+            mesh.uvs = Some(CornerUvs::new(self.uvs, mesh.faces.vertices().to_vec()));
         }
         if self.face_colors > 0 {
             mesh.notes.push(format!("colours of faces are left out: {}", self.face_colors));

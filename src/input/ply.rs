@@ -10,9 +10,9 @@ mod strips;
 use std::collections::BTreeMap;
 
 use self::body::{Ascii, Binary, Body};
-use self::header::{Element, Encoding, Header, NAMED, Property, Scalar};
-use super::collect::{Collected, vertex_index};
-use super::reader::{ReadLimits, ReadMesh, Reader, Uvs, Vertices};
+use self::header::{BodyEncoding, Element, Header, NAMED, PlyProperty, Scalar};
+use super::collect::{MeshBuilder, vertex_index};
+use super::reader::{CornerUvs, ReadLimits, ReadMesh, Reader, Vertices};
 use super::text::quoted;
 use crate::shape::attachments::ChannelInput;
 use crate::shape::labels::FaceSet;
@@ -39,18 +39,18 @@ fn read(bytes: &[u8], limits: &ReadLimits) -> Result<ReadMesh, String> {
     let header = header::read(bytes)?;
     let body = &bytes[header.length..];
     match header.encoding {
-        Encoding::Ascii => {
+        BodyEncoding::Ascii => {
             let text = super::text::text(body);
             elements(&header, Ascii::new(&text, header.lines + 1), limits)
         }
-        Encoding::LittleEndian => elements(&header, Binary::new(body, header.length, false), limits),
-        Encoding::BigEndian => elements(&header, Binary::new(body, header.length, true), limits),
+        BodyEncoding::LittleEndian => elements(&header, Binary::new(body, header.length, false), limits),
+        BodyEncoding::BigEndian => elements(&header, Binary::new(body, header.length, true), limits),
     }
 }
 
 fn elements(header: &Header, mut body: impl Body, limits: &ReadLimits) -> Result<ReadMesh, String> {
-    let mut reading = Reading {
-        mesh: Collected::new(limits),
+    let mut reading = PlyReader {
+        mesh: MeshBuilder::new(limits),
         channels: Vec::new(),
         uvs: Vec::new(),
         corner_uvs: Vec::new(),
@@ -106,8 +106,8 @@ fn faces_among_vertices(element: &Element) -> Option<&str> {
     list.filter(|_| element.name == "vertex").map(|property| property.name.as_str())
 }
 
-struct Reading {
-    mesh: Collected,
+struct PlyReader {
+    mesh: MeshBuilder,
     channels: Vec<ChannelInput>,
     /// Texture coordinates of vertices.
     uvs: Vec<[f64; 2]>,
@@ -121,7 +121,7 @@ struct Reading {
 
 /// The use of a vertex property.
 #[derive(Debug, Clone, Copy, PartialEq)]
-enum Use {
+enum PropertyUse {
     Position(usize),
     Uv(usize),
     /// The channel, the component in it, and the divisor of the value.
@@ -129,7 +129,7 @@ enum Use {
     Ignored,
 }
 
-impl Reading {
+impl PlyReader {
     fn note(&mut self, note: String) {
         self.mesh.mesh.notes.push(note);
     }
@@ -137,7 +137,7 @@ impl Reading {
     fn vertices(&mut self, element: &Element, body: &mut impl Body) -> Result<(), String> {
         let uses = self.uses(element)?;
         self.mesh.expect_vertices(element.count)?;
-        let has_uvs = uses.iter().any(|what| matches!(what, Use::Uv(_)));
+        let has_uvs = uses.iter().any(|what| matches!(what, PropertyUse::Uv(_)));
         for i in 0..element.count {
             let (mut position, mut uv) = ([0.0; 3], [0.0; 2]);
             for (property, &what) in element.properties.iter().zip(&uses) {
@@ -146,14 +146,14 @@ impl Reading {
                     continue;
                 }
                 let x = body.scalar(property.kind)?;
-                if !x.is_finite() && what != Use::Ignored {
+                if !x.is_finite() && what != PropertyUse::Ignored {
                     return Err(format!("{}: {} of vertex {i} is not finite", body.place(), property.name));
                 }
                 match what {
-                    Use::Position(k) => position[k] = x,
-                    Use::Uv(k) => uv[k] = x,
-                    Use::Channel(channel, _, scale) => self.channels[channel].values.push(x / scale),
-                    Use::Ignored => {}
+                    PropertyUse::Position(k) => position[k] = x,
+                    PropertyUse::Uv(k) => uv[k] = x,
+                    PropertyUse::Channel(channel, _, scale) => self.channels[channel].values.push(x / scale),
+                    PropertyUse::Ignored => {}
                 }
             }
             self.mesh.vertex(position)?;
@@ -166,7 +166,7 @@ impl Reading {
     }
 
     /// Determines the use of each vertex property and creates the channels.
-    fn uses(&mut self, element: &Element) -> Result<Vec<Use>, String> {
+    fn uses(&mut self, element: &Element) -> Result<Vec<PropertyUse>, String> {
         let has = |name: &str| element.properties.iter().any(|p| p.name == name && p.list.is_none());
         if let Some(missing) = ["x", "y", "z"].iter().find(|name| !has(name)) {
             let detail = format!("the vertices have no property \"{missing}\"; they need x, y and z");
@@ -188,36 +188,36 @@ impl Reading {
             let name = property.name.as_str();
             uses.push(if property.list.is_some() {
                 self.note(format!("the lists {} of vertices are left out", quoted(name)));
-                Use::Ignored
+                PropertyUse::Ignored
             } else if let Some(k) = ["x", "y", "z"].iter().position(|known| *known == name) {
-                Use::Position(k)
+                PropertyUse::Position(k)
             } else if let Some(k) = uv.and_then(|pair| pair.iter().position(|known| *known == name)) {
-                Use::Uv(k)
+                PropertyUse::Uv(k)
             } else if let Some(k) = colors.iter().position(|known| *known == name) {
-                Use::Channel(0, k, full(property.kind))
+                PropertyUse::Channel(0, k, full(property.kind))
             } else if ["nx", "ny", "nz"].contains(&name) {
-                Use::Ignored
+                PropertyUse::Ignored
             } else if let Some((_, place @ 1..)) = joined {
                 // the first property of the run has created the channel
-                Use::Channel(self.channels.len() - 1, place, 1.0)
+                PropertyUse::Channel(self.channels.len() - 1, place, 1.0)
             } else if self.channels.len() == MAX_CHANNELS {
                 let detail = format!("the vertices have more than {MAX_CHANNELS} further properties; send fewer");
                 return Err(detail);
             } else {
                 let (name, width) = joined.map_or((name, 1), |(run, _)| run);
                 self.channels.push(ChannelInput::of_vertices(name, width, Vec::new()));
-                Use::Channel(self.channels.len() - 1, 0, 1.0)
+                PropertyUse::Channel(self.channels.len() - 1, 0, 1.0)
             });
         }
         Ok(uses)
     }
 
     /// Reorders colour components from file order to red, green, blue, alpha.
-    fn reorder(&mut self, uses: &[Use]) {
+    fn reorder(&mut self, uses: &[PropertyUse]) {
         let order: Vec<usize> = uses
             .iter()
             .filter_map(|what| match what {
-                Use::Channel(0, place, _) => Some(*place),
+                PropertyUse::Channel(0, place, _) => Some(*place),
                 _ => None,
             })
             .collect();
@@ -233,8 +233,8 @@ impl Reading {
             return Err("the faces need one list \"vertex_indices\" (or \"vertex_index\")".to_owned());
         }
         self.mesh.expect_faces(element.count)?;
-        let is_name = |p: &Property| p.list.is_none() && p.kind.is_whole() && NAMED.contains(&p.name.as_str());
-        let is_uvs = |p: &Property| p.list.is_some() && p.name == "texcoord";
+        let is_name = |p: &PlyProperty| p.list.is_none() && p.kind.is_whole() && NAMED.contains(&p.name.as_str());
+        let is_uvs = |p: &PlyProperty| p.list.is_some() && p.name == "texcoord";
         let others = element.properties.iter().filter(|p| !p.holds_corners() && !is_uvs(p) && !is_name(p));
         let others: Vec<String> = others.map(|property| quoted(&property.name)).collect();
         if !others.is_empty() {
@@ -304,9 +304,9 @@ impl Reading {
         mesh.channels = self.channels;
         if !self.corner_uvs.is_empty() {
             let corners = (0..).take(self.corner_uvs.len()).collect();
-            mesh.uvs = Some(Uvs::new(self.corner_uvs, corners));
+            mesh.uvs = Some(CornerUvs::new(self.corner_uvs, corners));
         } else if !self.uvs.is_empty() {
-            mesh.uvs = Some(Uvs::new(self.uvs, mesh.faces.vertices().to_vec()));
+            mesh.uvs = Some(CornerUvs::new(self.uvs, mesh.faces.vertices().to_vec()));
         }
         mesh
     }

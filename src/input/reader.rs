@@ -1,6 +1,6 @@
 //! The interface of mesh file readers, and the mesh that they return.
 
-use super::beside::File;
+use super::beside::InputFile;
 use crate::scheme::tags::Boundary;
 use crate::shape::attachments::ChannelInput;
 use crate::shape::check::FaceList;
@@ -23,7 +23,7 @@ pub struct Reader {
     /// Reads a file. The memory that it takes is bounded by the [`weight`](super::room::weight) of the length of the
     /// bytes and of the files beside it, whatever counts they claim. Errors are sentences that name the fault by line
     /// or byte.
-    pub read: fn(&File<'_>, &ReadLimits) -> Result<ReadMesh, Vec<String>>,
+    pub read: fn(&InputFile<'_>, &ReadLimits) -> Result<ReadMesh, Vec<String>>,
 }
 
 /// Which face corners share a vertex in files of a format.
@@ -76,7 +76,7 @@ pub struct ReadMesh {
     /// Which face corners share a vertex, if this file differs from its format.
     pub vertices: Option<Vertices>,
     /// Texture coordinates.
-    pub uvs: Option<Uvs>,
+    pub uvs: Option<CornerUvs>,
     /// Named sets of faces, which may overlap; a face belongs to the first set that contains it.
     pub groups: Vec<FaceSet>,
     /// Materials with their faces.
@@ -91,7 +91,7 @@ pub struct ReadMesh {
 
 /// Texture coordinates of face corners.
 #[derive(Debug, Clone, Default, PartialEq)]
-pub struct Uvs {
+pub struct CornerUvs {
     /// Coordinates, `n x 2`.
     pub values: Vec<[f64; 2]>,
     /// The row in `values` of each corner, face after face.
@@ -100,7 +100,7 @@ pub struct Uvs {
     pub interpolation: Interpolation,
 }
 
-impl Uvs {
+impl CornerUvs {
     /// Creates texture coordinates from the rows of the corners, with linear interpolation everywhere.
     pub(super) fn new(values: Vec<[f64; 2]>, corners: Vec<u32>) -> Self {
         Self { values, corners, interpolation: Interpolation::All }

@@ -2,7 +2,7 @@
 //!
 //! Source: 3D Systems, Stereolithography Interface Specification (1988), section 6.5.
 
-use super::collect::Collected;
+use super::collect::MeshBuilder;
 use super::reader::{ReadLimits, ReadMesh, Reader, Vertices};
 use super::text::{Words, at_line, number, quoted, text};
 use crate::shape::labels::FaceSet;
@@ -28,7 +28,7 @@ pub(super) const STL: Reader = Reader {
 };
 
 fn read(bytes: &[u8], limits: &ReadLimits) -> Result<ReadMesh, String> {
-    let mut soup = Soup { mesh: Collected::new(limits), solids: Vec::new() };
+    let mut soup = Soup { mesh: MeshBuilder::new(limits), solids: Vec::new() };
     // a binary file may also start with "solid", but its number of triangles has zero bytes, which no text has
     let is_text = bytes.trim_ascii_start().get(..5).is_some_and(|word| word.eq_ignore_ascii_case(b"solid"))
         && !bytes.get(HEADER..START).is_some_and(|n| n.contains(&0));
@@ -53,7 +53,7 @@ fn read(bytes: &[u8], limits: &ReadLimits) -> Result<ReadMesh, String> {
 
 /// Triangles that do not share vertices.
 struct Soup {
-    mesh: Collected,
+    mesh: MeshBuilder,
     /// The name of each solid with the index of its first triangle.
     solids: Vec<(String, usize)>,
 }

@@ -6,7 +6,7 @@ mod model;
 mod xml;
 
 use self::archive::Archive;
-use self::xml::Tags;
+use self::xml::XmlTags;
 use super::reader::{ReadLimits, ReadMesh, Reader, Vertices};
 use super::room::MemoryBudget;
 use super::text::quoted;
@@ -31,7 +31,7 @@ fn read(bytes: &[u8], limits: &ReadLimits) -> Result<ReadMesh, String> {
     let archive = Archive::new(bytes)?;
     let name = main_model(&archive)?;
     let file = archive.file(&name)?.ok_or_else(|| format!("the archive has no file {}", quoted(&name)))?;
-    let mut tags = Tags::new(file);
+    let mut tags = XmlTags::new(file);
     let mut room = MemoryBudget::new(bytes.len());
     let found = model::read(&mut tags, &mut room, limits);
     let model = found.map_err(|detail| format!("{}, line {}: {detail}", quoted(&name), tags.line))?;
@@ -44,7 +44,7 @@ fn read(bytes: &[u8], limits: &ReadLimits) -> Result<ReadMesh, String> {
 fn main_model(archive: &Archive<'_>) -> Result<String, String> {
     const RELATIONS: &str = "_rels/.rels";
     let missing = || format!("the archive has no model: {RELATIONS} names none; it is no 3MF file");
-    let mut tags = Tags::new(archive.file(RELATIONS)?.ok_or_else(missing)?);
+    let mut tags = XmlTags::new(archive.file(RELATIONS)?.ok_or_else(missing)?);
     let mut model = None;
     while let Some(tag) = tags.next().map_err(|detail| format!("{RELATIONS}, line {}: {detail}", tags.line))? {
         let is_model = tag.get("Type").is_some_and(|kind| kind.ends_with("/3dmodel"));

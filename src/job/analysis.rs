@@ -7,9 +7,9 @@ use super::polygon_survey::{MAX_POINTS, PolygonSurvey, SurveyedPolygons};
 use super::scan::{self, ScanWish};
 use crate::analysis::curve::{self, NoMask};
 use crate::analysis::scan::{MAX_BETWEEN, Scan, Scanned};
-use crate::analysis::smoothness::{BasicFunction, Report};
+use crate::analysis::smoothness::{BasicFunction, SmoothnessReport};
 use crate::analysis::theorems::{Decay, Theorem, theorems};
-use crate::analysis::{Level, Study};
+use crate::analysis::{LevelMask, Study};
 use crate::fault::{Fault, under};
 use crate::scheme::plan::{Plan, PlanInput, Subject};
 use crate::watch::{Stopped, Watch};
@@ -96,9 +96,9 @@ pub enum Findings<'a> {
 #[derive(Debug, Clone)]
 pub struct SchemeFindings<'a> {
     /// The report on the scheme, or on the limit of the schemes of the levels.
-    pub report: Report,
+    pub report: SmoothnessReport,
     /// The schemes of the levels, if they change.
-    pub levels: &'a [Level],
+    pub levels: &'a [LevelMask],
     /// The factor by which the distance of a level from the limit scheme changes from one level to the next.
     pub rate: Option<f64>,
     /// The largest k for which limits of the plan are proved to be C^k.
@@ -207,7 +207,7 @@ impl Analysis {
         match &self.asked {
             AnalysisSubject::Scheme { study, grid, matrices, on } => {
                 let survey = on.as_ref().map(|on| on.survey(watch)).transpose()?;
-                let report = Report::of(study.settled.clone(), self.nodes, watch)?;
+                let report = SmoothnessReport::of(study.settled.clone(), self.nodes, watch)?;
                 let (values, derivatives) = match grid {
                     Some(grid) => (report.basic_function(*grid, watch)?, report.derivatives(*grid, watch)?),
                     None => (None, Vec::new()),

@@ -6,11 +6,11 @@ use super::details::DetailOutput;
 use super::entry::{InputEntry, JobEntries};
 use super::input::Input;
 use super::key::{self, Key};
-use super::levels::Resolved;
+use super::levels::ResolvedLevel;
 use super::output::Output;
 use super::{curves, kernels};
 use crate::fault::Fault;
-use crate::output::figure::{self, Grid, Sheet};
+use crate::output::figure::{self, PanelGrid, Sheet};
 use crate::output::{FORMATS, hard_edges, surface};
 use crate::refine::{held_levels, is_swept, swept_from};
 use crate::scheme::plan::{Plan, PlanInput, Scheduled};
@@ -18,7 +18,7 @@ use crate::shape::frame::Frame;
 
 /// The parts of a job that are checked before its level is known.
 #[derive(Debug, Clone)]
-pub(super) struct Checked {
+pub(super) struct CheckedJob {
     pub(super) input: Arc<Input>,
     pub(super) entry: InputEntry,
     pub(super) plan: Plan,
@@ -40,7 +40,7 @@ pub struct Job {
     /// Number of applications of the plan's cycle.
     pub levels: u32,
     /// The level that was found and its bound, if the request left the level open.
-    pub reached: Option<Resolved>,
+    pub reached: Option<ResolvedLevel>,
     /// The outputs.
     pub outputs: Vec<Output>,
     /// The unit and up axis of the input's coordinates.
@@ -52,12 +52,12 @@ pub struct Job {
     refined_keys: Vec<Key>,
     pub(super) details: Vec<DetailOutput>,
     pub(super) figure: Option<Box<Figure>>,
-    pub(super) films: Vec<Film>,
+    pub(super) films: Vec<FilmJobs>,
 }
 
 /// An output whose frames come from jobs with plans of their own.
 #[derive(Debug, Clone)]
-pub(super) struct Film {
+pub(super) struct FilmJobs {
     /// The index of the output.
     pub(super) of: usize,
     /// One job per frame, each with this output alone.
@@ -70,7 +70,7 @@ pub struct Figure {
     /// The jobs, each with one output per output of the figure, at the size that it has there.
     pub panels: Vec<Job>,
     /// The layout of the panels.
-    pub grid: Grid,
+    pub grid: PanelGrid,
     /// Whether all panels are framed by the box around everything that they show.
     pub one_scale: bool,
 }
@@ -176,16 +176,16 @@ impl Job {
 
     /// Creates the job at a level, or returns all faults, after those found before.
     pub(super) fn new(
-        checked: Checked,
+        checked: CheckedJob,
         levels: u32,
-        reached: Option<Resolved>,
+        reached: Option<ResolvedLevel>,
         mut faults: Vec<Fault>,
     ) -> Result<Self, Vec<Fault>> {
         let details = details(&checked, levels).unwrap_or_else(|found| {
             faults.extend(found);
             Vec::new()
         });
-        let Checked { input, entry, plan, mut outputs, frame, other } = checked;
+        let CheckedJob { input, entry, plan, mut outputs, frame, other } = checked;
         let steps = plan.schedule(levels).unwrap_or_else(|fault| {
             faults.push(fault.under("/plan"));
             Vec::new()
@@ -226,8 +226,8 @@ impl Job {
     }
 
     /// Returns the job with the frames of its films.
-    pub(super) fn with_films(mut self, films: Vec<Film>) -> Self {
-        for Film { of, frames } in &films {
+    pub(super) fn with_films(mut self, films: Vec<FilmJobs>) -> Self {
+        for FilmJobs { of, frames } in &films {
             self.keys[*of] = key::film(frames.iter().map(|frame| frame.keys[0]));
         }
         self.films = films;
@@ -235,7 +235,7 @@ impl Job {
     }
 
     /// Returns the film that an output shows, if it is one.
-    pub(super) fn film(&self, output: &Output) -> Option<&Film> {
+    pub(super) fn film(&self, output: &Output) -> Option<&FilmJobs> {
         let at = self.outputs.iter().position(|known| known.name == output.name)?;
         self.films.iter().find(|film| film.of == at)
     }
@@ -289,7 +289,7 @@ impl Job {
         }
         let (input, plan) = (self.input.clone(), self.plan.clone());
         let (entry, frame, outputs) = (self.entry, self.frame, Vec::new());
-        let checked = Checked { input, entry, plan, outputs, frame, other: None };
+        let checked = CheckedJob { input, entry, plan, outputs, frame, other: None };
         // each job was already made once when this job was checked
         wanted.filter_map(|detail| job_of(detail, &checked).ok()).collect()
     }
@@ -299,7 +299,7 @@ impl Job {
 ///
 /// # Errors
 /// Levels beyond that of the job, or at which there is no such job.
-fn details(checked: &Checked, levels: u32) -> Result<Vec<DetailOutput>, Vec<Fault>> {
+fn details(checked: &CheckedJob, levels: u32) -> Result<Vec<DetailOutput>, Vec<Fault>> {
     let mut found = Vec::new();
     for (of, output) in checked.outputs.iter().enumerate() {
         let Some(details) = output.format.details(&output.options) else { continue };
@@ -321,6 +321,6 @@ fn details(checked: &Checked, levels: u32) -> Result<Vec<DetailOutput>, Vec<Faul
     Ok(found)
 }
 
-fn job_of(detail: &DetailOutput, checked: &Checked) -> Result<Job, Vec<Fault>> {
-    Job::new(Checked { outputs: vec![detail.output.clone()], ..checked.clone() }, detail.levels, None, Vec::new())
+fn job_of(detail: &DetailOutput, checked: &CheckedJob) -> Result<Job, Vec<Fault>> {
+    Job::new(CheckedJob { outputs: vec![detail.output.clone()], ..checked.clone() }, detail.levels, None, Vec::new())
 }

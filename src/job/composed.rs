@@ -4,7 +4,7 @@ use std::collections::HashMap;
 use std::io::Write;
 use std::sync::{Mutex, PoisonError};
 
-use super::complete::{Figure, Film, Job};
+use super::complete::{Figure, FilmJobs, Job};
 use super::entry::{JobFault, JobPart};
 use super::error::RunError;
 use super::estimate::{Estimate, panel_place};
@@ -14,7 +14,7 @@ use super::report::Report;
 use super::shown::show;
 use super::time;
 use super::work::{KeepWork, Work};
-use crate::output::figure::{self, Extent, framed};
+use crate::output::figure::{self, FigureExtent, framed};
 use crate::output::film;
 use crate::output::scene::Scene;
 use crate::output::{FormatError, Size};
@@ -99,7 +99,7 @@ pub(super) fn run(
         Ok::<_, RunError>(())
     };
     let alike = figure.framed_alike();
-    let mut extents = vec![Extent::default(); figure.panels.len()];
+    let mut extents = vec![FigureExtent::default(); figure.panels.len()];
     if alike.iter().any(Option::is_some) {
         each(&mut |n, scene, shown| alike[n].map_or(Ok(()), |of| extents[of].add(scene, &shown.options, watch)))?;
     }
@@ -120,13 +120,13 @@ pub(super) fn run(
 /// # Errors
 /// [`RunError`].
 pub(super) fn run_film(
-    film: &Film,
+    film: &FilmJobs,
     output: &Output,
     kept: &dyn KeepWork,
     out: &mut dyn Write,
     watch: &Watch,
 ) -> Result<Report, RunError> {
-    let mut extent = Extent::default();
+    let mut extent = FigureExtent::default();
     let mut report = Report::default();
     for frame in &film.frames {
         let options = &frame.outputs[0].options;

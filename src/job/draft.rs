@@ -2,13 +2,13 @@
 
 use std::sync::Arc;
 
-use super::complete::{Checked, Job};
+use super::complete::{CheckedJob, Job};
 use super::entry::InputEntry;
 use super::films;
 use super::finest;
 use super::fit::{faults_of, other_faults, resolved};
 use super::input::Input;
-use super::levels::{self, CheckedLevels, Levels, Resolved};
+use super::levels::{self, CheckedLevels, Levels, ResolvedLevel};
 use super::output::Output;
 use super::search::Search;
 use crate::fault::{Fault, under};
@@ -61,7 +61,7 @@ impl Draft {
                 return Err(faults);
             }
         };
-        let checked = Checked { input: Arc::new(input), entry, plan, outputs, frame, other };
+        let checked = CheckedJob { input: Arc::new(input), entry, plan, outputs, frame, other };
         let fit = [faults_of(&checked), other_faults(&checked)].concat();
         let asked = films::film_outputs(&checked.outputs);
         match levels {
@@ -87,7 +87,7 @@ impl Draft {
                     faults.push(fault);
                     0
                 });
-                let resolved = Resolved { level, bound: None };
+                let resolved = ResolvedLevel { level, bound: None };
                 Job::new(checked, level, Some(resolved), faults).map(|job| Self::Job(Box::new(job)))
             }
             CheckedLevels::Tolerance(_) if checked.input.mesh().is_some_and(|mesh| !mesh.frames.is_empty()) => {

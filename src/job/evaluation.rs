@@ -11,7 +11,7 @@ use crate::math::vector::Vector;
 use crate::scheme::operator::BICUBIC;
 use crate::shape::creases::INFINITE_SHARPNESS;
 use crate::shape::mesh::Mesh;
-use crate::solid::Cage;
+use crate::solid::CageCounts;
 use crate::solid::SolidError;
 use crate::solid::evaluate::{Closest, Jet, Place, closest, evaluate};
 use crate::watch::Watch;
@@ -185,7 +185,7 @@ impl Evaluation {
         let places = self.at.len() as u128 * PLACE_BYTES;
         let faces = self.mesh().map_or(0, |mesh| mesh.topology.n_faces().min(self.at.len()) as u128);
         let mesh = self.admitted.estimate().memory_bytes;
-        let pieces = match self.mesh().filter(|_| !self.closest.is_empty()).map(Cage::of) {
+        let pieces = match self.mesh().filter(|_| !self.closest.is_empty()).map(CageCounts::of) {
             Some(cage) => {
                 let pieces = cage.faces + 4 * cage.irregular + cage.semi_sharp;
                 pieces * PIECE_BYTES + 4 * cage.irregular * END_BYTES
@@ -211,7 +211,7 @@ impl Evaluation {
     /// Returns the approximate time in milliseconds on one core.
     pub fn milliseconds(&self) -> u128 {
         let Some(mesh) = self.mesh() else { return 0 };
-        let cage = if self.closest.is_empty() { Cage::default() } else { Cage::of(mesh) };
+        let cage = if self.closest.is_empty() { CageCounts::default() } else { CageCounts::of(mesh) };
         let all = cage.irregular + cage.faces / 16;
         let rings = rings(mesh, &self.at) + all;
         let points = self.closest.len() as u128 * POINT_NS;

@@ -1,16 +1,16 @@
 //! The frames of moving pictures whose plan changes; each frame is a job of its own.
 
-use super::complete::{Checked, Film, Job};
+use super::complete::{CheckedJob, FilmJobs, Job};
 use super::fit::{faults_of, resolved};
 use crate::fault::Fault;
 use crate::math::parameter::Literal;
-use crate::output::Sweep;
+use crate::output::ParameterSweep;
 use crate::scheme::plan::PlanInput;
 
 use super::output::Output;
 
 /// Returns the outputs whose plan changes, by index, or `None` if there are none.
-pub(super) fn film_outputs(outputs: &[Output]) -> Option<Vec<(usize, Sweep)>> {
+pub(super) fn film_outputs(outputs: &[Output]) -> Option<Vec<(usize, ParameterSweep)>> {
     let sweep = |(i, output): (usize, &Output)| Some((i, output.format.sweep(&output.options)?));
     let found: Vec<_> = outputs.iter().enumerate().filter_map(sweep).collect();
     (!found.is_empty()).then_some(found)
@@ -21,16 +21,16 @@ pub(super) fn film_outputs(outputs: &[Output]) -> Option<Vec<(usize, Sweep)>> {
 /// # Errors
 /// A fault of each output that cannot have all its frames.
 pub(super) fn of(
-    asked: &[(usize, Sweep)],
-    checked: &Checked,
+    asked: &[(usize, ParameterSweep)],
+    checked: &CheckedJob,
     plan: Option<&PlanInput>,
     levels: u32,
-) -> Result<Vec<Film>, Vec<Fault>> {
+) -> Result<Vec<FilmJobs>, Vec<Fault>> {
     let (mut films, mut faults) = (Vec::new(), Vec::new());
     for (of, sweep) in asked {
         let output = &checked.outputs[*of];
         match frames((output, sweep), checked, plan, levels) {
-            Ok(frames) => films.push(Film { of: *of, frames }),
+            Ok(frames) => films.push(FilmJobs { of: *of, frames }),
             Err(fault) => faults.push(output.fault(fault)),
         }
     }
@@ -42,8 +42,8 @@ pub(super) fn of(
 /// # Errors
 /// A fault below the output.
 fn frames(
-    (output, sweep): (&Output, &Sweep),
-    checked: &Checked,
+    (output, sweep): (&Output, &ParameterSweep),
+    checked: &CheckedJob,
     plan: Option<&PlanInput>,
     levels: u32,
 ) -> Result<Vec<Job>, Fault> {
@@ -62,7 +62,7 @@ fn frames(
         };
         let outputs = vec![output.clone()];
         let plan = resolved(&checked.input, Some(&plan), &outputs).map_err(at_value)?;
-        let checked = Checked { plan, outputs, ..checked.clone() };
+        let checked = CheckedJob { plan, outputs, ..checked.clone() };
         let faults = faults_of(&checked);
         Job::new(checked, levels, None, faults).map_err(at_value)
     };

@@ -1,6 +1,6 @@
 //! Finds the level at which faces are about a pixel wide in the pictures of a job.
 
-use super::complete::Checked;
+use super::complete::CheckedJob;
 use super::input::Input;
 use crate::fault::Fault;
 use crate::output::{MAX_LINE_TRIANGLES, Outline, Paper};
@@ -25,7 +25,7 @@ const MAX_EDGES: usize = 1 << 17;
 ///
 /// # Errors
 /// A fault below the job, where an output has no pixels or the plan makes no smaller faces.
-pub(super) fn level(checked: &Checked) -> Result<u32, Fault> {
+pub(super) fn level(checked: &CheckedJob) -> Result<u32, Fault> {
     let outline = outline(&checked.input)?;
     let mut widest: f64 = 0.0;
     for output in &checked.outputs {
@@ -58,7 +58,7 @@ pub(super) fn level(checked: &Checked) -> Result<u32, Fault> {
 }
 
 /// Returns the number of faces of a mesh, or of points of polygons, after `levels` levels, and of triangles.
-fn counted(checked: &Checked, levels: u32) -> Result<[u128; 2], Fault> {
+fn counted(checked: &CheckedJob, levels: u32) -> Result<[u128; 2], Fault> {
     let steps = checked.plan.schedule(levels).map_err(|fault| fault.under("/plan"))?;
     let forecast = match &*checked.input {
         Input::Mesh(mesh) => forecast::of_mesh(&mesh_net(mesh, &checked.plan), &steps, 4 * MAX_FACES, &Watch::new()),

@@ -1,6 +1,6 @@
 //! Checks how the plan, the input and the outputs of a job fit together.
 
-use super::complete::Checked;
+use super::complete::CheckedJob;
 use super::input::Input;
 use super::output::Output;
 use super::steering;
@@ -11,7 +11,7 @@ use crate::scheme::forecast::check_delta;
 use crate::scheme::plan::{Plan, PlanInput, Subject};
 
 /// Returns the faults in the fit of plan, input and outputs that do not depend on the number of levels.
-pub(super) fn faults_of(Checked { input, entry, plan, outputs, .. }: &Checked) -> Vec<Fault> {
+pub(super) fn faults_of(CheckedJob { input, entry, plan, outputs, .. }: &CheckedJob) -> Vec<Fault> {
     let mut faults = Vec::new();
     if let Input::Mesh(mesh) = &**input {
         let moves_vertices = |output: &&Output| surface::limit(&output.options)[0];
@@ -50,7 +50,7 @@ pub(super) fn resolved(input: &Input, plan: Option<&PlanInput>, outputs: &[Outpu
 }
 
 /// Returns why distances cannot be measured from the surface of another job, if one is given.
-pub(super) fn other_faults(Checked { outputs, frame, other, .. }: &Checked) -> Vec<Fault> {
+pub(super) fn other_faults(CheckedJob { outputs, frame, other, .. }: &CheckedJob) -> Vec<Fault> {
     let Some(other) = other else { return Vec::new() };
     let fault = |place: &str, detail: &str| Some(Fault::new(format!("/distance_to{place}"), detail));
     let none = !outputs.iter().any(|output| shows_distances(&output.options));

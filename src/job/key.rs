@@ -8,11 +8,11 @@ use super::input::Input;
 use super::output::Output;
 use super::shape_items::{connectivity, input, lines, mesh};
 use crate::analysis::smoothness::Symbol;
-use crate::analysis::{Level, Study};
+use crate::analysis::{LevelMask, Study};
 use crate::math::expression::{Expression, Instruction};
 use crate::math::mask::Mask;
 use crate::math::parameter::{Value, Values};
-use crate::output::figure::{Grid, PanelCell};
+use crate::output::figure::{PanelCell, PanelGrid};
 use crate::output::{LIMIT, TANGENTS, shows_distances, surface};
 use crate::scheme::letter::Letter;
 use crate::scheme::operator::Role;
@@ -115,9 +115,9 @@ pub(super) fn artifacts(
 }
 
 /// Returns the key of a figure: over the keys of its panels at their sizes, the layout, and the output.
-pub(super) fn figure(panels: impl Iterator<Item = Key>, (grid, one_scale): (&Grid, bool), output: &Output) -> Key {
+pub(super) fn figure(panels: impl Iterator<Item = Key>, (grid, one_scale): (&PanelGrid, bool), output: &Output) -> Key {
     let Output { name: _, format, options, frame: _, description, index: _ } = output;
-    let Grid { columns, title, letters, cells } = grid;
+    let PanelGrid { columns, title, letters, cells } = grid;
     let text = |text: &Option<String>| Item::List(text.iter().map(|text| Item::text(text)).collect());
     let mut panels = panels;
     let cell = |PanelCell { span, proportion: _, caption, layers }: &PanelCell| {
@@ -208,9 +208,9 @@ pub(super) fn analysis(
     let Study { settled, levels } = study;
     // order and residual follow from the mask
     let Symbol { arity, first: _, mask: _, is_exact, order: _, residual: _, reach: [from, to] } = settled;
-    let level = |level: &Level| {
+    let level = |level: &LevelMask| {
         // the other fields follow from these and the limit scheme
-        let Level { alpha, mask: Mask { first, values }, order: _, distance: _, keeps_circles: _ } = level;
+        let LevelMask { alpha, mask: Mask { first, values }, order: _, distance: _, keeps_circles: _ } = level;
         let first = Item::Integer(i64::from(*first).cast_unsigned());
         Item::List(vec![Item::Number(*alpha), first, Item::Numbers(values.clone().into())])
     };

@@ -17,14 +17,14 @@ pub enum Levels {
 
 /// A level that was found for a job.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Resolved {
+pub struct ResolvedLevel {
     /// The level.
     pub level: u32,
     /// Upper bound of the distance of the result from the limit in model units, if a tolerance was requested.
     pub bound: Option<f64>,
 }
 
-impl From<Reached> for Resolved {
+impl From<Reached> for ResolvedLevel {
     fn from(Reached { level, bound }: Reached) -> Self {
         Self { level, bound: Some(bound) }
     }

@@ -3,7 +3,7 @@
 use super::complete::Job;
 use super::input::Input;
 use super::output::Output;
-use crate::analysis::limit::{Cost, Follow, LimitRequest, ROWS_A_POINT, cost as limit_cost, followed_points};
+use crate::analysis::limit::{Follow, LimitCost, LimitRequest, ROWS_A_POINT, cost as limit_cost, followed_points};
 use crate::output::surface;
 use crate::scheme::forecast::Forecast;
 use crate::shape::attributes::Attributes;
@@ -34,8 +34,8 @@ pub(super) fn limit_surface(job: &Job, forecast: &Forecast) -> (u128, u128) {
 
 /// Returns the cost of limits apart from their rows: for extraordinary vertices, or for all vertices if they have
 /// parameters of their own or faces are triangles.
-pub(super) fn limit_patches(job: &Job, forecast: &Forecast) -> Cost {
-    let Input::Mesh(mesh) = &*job.input else { return Cost::default() };
+pub(super) fn limit_patches(job: &Job, forecast: &Forecast) -> LimitCost {
+    let Input::Mesh(mesh) = &*job.input else { return LimitCost::default() };
     let vertices = forecast.levels.last().map_or(0, |count| count.vertices);
     let (topology, cycle) = (&mesh.topology, &job.plan.word.cycle);
     let regular = |v: &usize| topology.boundary_edges(*v).is_none() && topology.ring(*v).take(5).count() == 4;

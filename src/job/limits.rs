@@ -12,7 +12,7 @@ use super::output::Output;
 use super::places::add_places;
 use super::time;
 use super::weight_count;
-use crate::analysis::limit::Cost;
+use crate::analysis::limit::LimitCost;
 use crate::fault::Fault;
 use crate::input::ReadLimits;
 use crate::math::amounts::{in_bytes, thousands};
@@ -21,7 +21,7 @@ use crate::refine::{mesh_net, polygon_net};
 use crate::scheme::forecast::{self, Count, Forecast, ForecastError};
 use crate::scheme::step_error::About;
 use crate::shape::mesh::Mesh;
-use crate::solid::Cage;
+use crate::solid::CageCounts;
 use crate::watch::Watch;
 
 /// The limits of one job.
@@ -144,7 +144,7 @@ impl Limits {
         let (detail_bytes, detail_work) = memory::details(job, &forecast, &carried);
         let work = forecast.work.saturating_add(limit_rows).saturating_add(detail_work);
         let forecast = Forecast { work, ..forecast };
-        let local = if limit_rows > 0 { limit_patches(job, &forecast) } else { Cost::default() };
+        let local = if limit_rows > 0 { limit_patches(job, &forecast) } else { LimitCost::default() };
         let compared = if limit_rows > 0 { compared_discs(job, &forecast) } else { 0 };
         let limit_bytes = limit_bytes.saturating_add(local.bytes).saturating_add(compared);
         let options = job
@@ -390,7 +390,7 @@ fn counts(job: &Job, forecast: &Forecast, level: usize) -> Counts {
         attachments: mesh.map_or_else(Arc::default, |mesh| mesh.attachments.clone()),
         input_faces: mesh.map_or(0, |mesh| mesh.topology.n_faces()),
         input_edges: mesh.map_or(0, |mesh| mesh.topology.n_edges()),
-        cage: mesh.filter(|_| makes_solid).map(Cage::of).unwrap_or_default(),
+        cage: mesh.filter(|_| makes_solid).map(CageCounts::of).unwrap_or_default(),
         weights: weight_count::most(job, forecast, level),
         tags: mesh.filter(|_| stays).map_or(0, tags),
     }

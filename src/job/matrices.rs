@@ -3,7 +3,7 @@
 use super::codec::Item;
 use crate::analysis::Study;
 use crate::analysis::matrices::{MAX_ENTRIES, Matrix, NoMatrices, StepMatrices, StepMatrix};
-use crate::analysis::smoothness::{Powers, Report};
+use crate::analysis::smoothness::{Powers, SmoothnessReport};
 use crate::fault::Fault;
 use crate::scheme::plan::Plan;
 
@@ -69,7 +69,7 @@ impl AskedMatrices {
     }
 
     /// Returns the matrices for a report on the scheme.
-    pub(super) fn found(&self, report: &Report) -> FoundMatrices<'_> {
+    pub(super) fn found(&self, report: &SmoothnessReport) -> FoundMatrices<'_> {
         let powers = Powers::of(&report.symbol, report.limit_mask.as_ref(), self.wish.powers);
         let MatricesWish { points, closed, .. } = self.wish;
         FoundMatrices { points, closed, of_steps: &self.of_steps, powers }

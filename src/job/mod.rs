@@ -58,7 +58,7 @@ pub use evaluation::{Evaluated, Evaluation, MAX_PLACES, Quantity};
 pub use form::Form;
 pub use input::Input;
 pub use inquiry::{Inquiry, is_for_meshes};
-pub use levels::{Levels, Resolved};
+pub use levels::{Levels, ResolvedLevel};
 pub use matrices::{FoundMatrices, MatricesWish};
 pub use mesh_survey::Survey;
 pub use output::Output;

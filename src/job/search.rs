@@ -1,6 +1,6 @@
 //! The search for the level that meets a tolerance, a separate computation since it may take long.
 
-use super::complete::{Checked, Job};
+use super::complete::{CheckedJob, Job};
 use super::input::Input;
 use super::key::{self, Key};
 use super::output::Output;
@@ -34,7 +34,7 @@ pub struct SearchCost {
 /// A job that is checked except for the level, which a tolerance determines.
 #[derive(Debug, Clone)]
 pub struct Search {
-    checked: Checked,
+    checked: CheckedJob,
     tolerance: f64,
 }
 
@@ -43,7 +43,7 @@ impl Search {
     ///
     /// # Errors
     /// A fault below the job, if it is known at once that there is no such level.
-    pub(super) fn new(checked: Checked, tolerance: f64) -> Result<Self, Fault> {
+    pub(super) fn new(checked: CheckedJob, tolerance: f64) -> Result<Self, Fault> {
         match &*checked.input {
             Input::Polygons(_) => {}
             Input::Mesh(mesh) => {
@@ -55,7 +55,7 @@ impl Search {
 
     /// Returns the memory in bytes of the input and the steps of the job.
     pub fn bytes(&self) -> u64 {
-        let Checked { input, plan, other, .. } = &self.checked;
+        let CheckedJob { input, plan, other, .. } = &self.checked;
         let other = other.as_ref().map_or(0, |other| other.bytes());
         input.bytes().saturating_add(size::of_most_steps(plan)).saturating_add(other)
     }
@@ -67,7 +67,7 @@ impl Search {
 
     /// Returns the key of the search, under which answers and refusals can be remembered.
     pub fn key(&self) -> Key {
-        let Checked { input, plan, outputs, .. } = &self.checked;
+        let CheckedJob { input, plan, outputs, .. } = &self.checked;
         key::search(input, plan, self.tolerance, &place_names(input, outputs))
     }
 
@@ -86,7 +86,7 @@ impl Search {
     /// # Errors
     /// [`SearchError`], also when no level is known to be close enough.
     pub fn run(&self, watch: &Watch) -> Result<Reached, SearchError> {
-        let Checked { input, plan, outputs, .. } = &self.checked;
+        let CheckedJob { input, plan, outputs, .. } = &self.checked;
         match &**input {
             Input::Polygons(polygons) => {
                 let factor = factor(outputs);

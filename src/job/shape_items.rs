@@ -11,7 +11,7 @@ use crate::shape::labels::Labels;
 use crate::shape::looks::{Alpha, Look};
 use crate::shape::mesh::Mesh;
 use crate::shape::polygon::Polygon;
-use crate::shape::repairs::{Edges, Faces, Repair};
+use crate::shape::repairs::{AffectedEdges, AffectedFaces, Repair};
 use crate::shape::seams::{Seams, Uvs};
 use crate::shape::textures::{Filter, Texture};
 use crate::shape::topology::{Topology, index};
@@ -96,8 +96,10 @@ pub(super) fn connectivity(mesh: &Mesh) -> Item<'_> {
 /// Returns the item of a repair: its kind and its numbers, independent of the message.
 fn repair(repair: &Repair) -> Item<'_> {
     let count = |n: usize| Item::Integer(n as u64);
-    let some = |Faces { count, first }: &Faces| [Item::Integer(*count as u64), Item::Indices(first.clone().into())];
-    let edges_of = |kind, Edges { count: n, first }: &Edges| {
+    let some = |AffectedFaces { count, first }: &AffectedFaces| {
+        [Item::Integer(*count as u64), Item::Indices(first.clone().into())]
+    };
+    let edges_of = |kind, AffectedEdges { count: n, first }: &AffectedEdges| {
         vec![Item::text(kind), count(*n), Item::Indices(first.concat().into())]
     };
     Item::List(match repair {

@@ -4,7 +4,7 @@ use super::analysis::{DEFAULT_NODES, MAX_NODES};
 use super::codec::Item;
 use super::key::{Key, RESULTS_VERSION, hashed, plan_of};
 use crate::analysis::circles::StraightTube;
-use crate::analysis::smoothness::{Report, Symbol};
+use crate::analysis::smoothness::{SmoothnessReport, Symbol};
 use crate::analysis::surface::latitude_curves;
 use crate::fault::{Fault, under};
 use crate::math::functions::ratio;
@@ -59,9 +59,9 @@ pub struct TubeFindings {
     /// The push-back factor that yields the desired radius from the control radius, if both are given.
     pub wanted_delta: Option<f64>,
     /// The curve scheme along latitude lines, at alpha = 0.
-    pub along: Report,
+    pub along: SmoothnessReport,
     /// The curve scheme across latitude lines, at alpha = 0.
-    pub across: Report,
+    pub across: SmoothnessReport,
 }
 
 impl TubeAnalysis {
@@ -129,8 +129,8 @@ impl TubeAnalysis {
             delta: self.tube.delta,
             factor: self.tube.factor(self.tube.delta),
             wanted_delta,
-            along: Report::of(along.clone(), self.nodes, watch)?,
-            across: Report::of(across.clone(), self.nodes, watch)?,
+            along: SmoothnessReport::of(along.clone(), self.nodes, watch)?,
+            across: SmoothnessReport::of(across.clone(), self.nodes, watch)?,
         })
     }
 }

@@ -185,7 +185,7 @@ pub trait Sink {
 /// # Errors
 /// [`ExpressionError`].
 pub fn read<S: Sink>(text: &str, variable: &str, sink: &mut S) -> Result<(), ExpressionError> {
-    let mut parser = Parser { text, at: 0, depth: 0, variable, sink };
+    let mut parser = ExpressionParser { text, at: 0, depth: 0, variable, sink };
     parser.sum()?;
     parser.skip_space();
     if parser.at < text.len() { Err(parser.expected("an operator or the end")) } else { Ok(()) }
@@ -228,7 +228,7 @@ fn emit(code: &mut Vec<Instruction>, instruction: Instruction) -> Result<(), Exp
     if code.len() > MAX_INSTRUCTIONS { Err(ExpressionError::TooLarge) } else { Ok(()) }
 }
 
-struct Parser<'a, S> {
+struct ExpressionParser<'a, S> {
     text: &'a str,
     at: usize,
     depth: usize,
@@ -236,7 +236,7 @@ struct Parser<'a, S> {
     sink: &'a mut S,
 }
 
-impl<S: Sink> Parser<'_, S> {
+impl<S: Sink> ExpressionParser<'_, S> {
     fn rest(&self) -> &[u8] {
         &self.text.as_bytes()[self.at..]
     }

@@ -198,10 +198,10 @@ pub enum Value {
 
 /// Resolved parameters: one value per declaration, in order.
 #[derive(Debug, Clone, PartialEq, std::default::Default)]
-pub struct Values(Vec<Entry>);
+pub struct Values(Vec<NamedValue>);
 
 #[derive(Debug, Clone)]
-struct Entry {
+struct NamedValue {
     name: &'static str,
     value: Value,
     /// Whether the value is the default.
@@ -210,7 +210,7 @@ struct Entry {
     written: Option<Literal>,
 }
 
-impl PartialEq for Entry {
+impl PartialEq for NamedValue {
     /// Equal values are equal, however they were written.
     fn eq(&self, other: &Self) -> bool {
         self.name == other.name && self.value == other.value && self.usual == other.usual

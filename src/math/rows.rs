@@ -9,6 +9,6 @@ mod table;
 
 pub use blend::{Blended, MAX_RUN, blend, blend_run};
 pub use group::{ascending_sum, symmetric_sum};
-pub use pattern::Pattern;
+pub use pattern::PeriodicRows;
 pub use source::{RowSource, RowsBy, collect};
 pub use table::{Rows, Term};

@@ -4,9 +4,9 @@ use std::io::Write;
 
 use super::counts::{Counts, ShapeKind};
 use super::error::FormatError;
-use super::figure::Extent;
+use super::figure::FigureExtent;
 use super::film::{self, DELAY, FRAMES, Film, SWEEP, TURNTABLE};
-use super::format::{Content, Costs, Format, FormatFacts, Requirements, Sweep};
+use super::format::{Content, Costs, Format, FormatFacts, ParameterSweep, Requirements};
 use super::picture::options::{self, CAMERA};
 use super::picture::outline::Outline;
 use super::png::Png;
@@ -77,12 +77,12 @@ impl Format for Apng {
         Png.side_px(outline, frame, values)
     }
 
-    fn sweep(&self, values: &Values) -> Option<Sweep> {
+    fn sweep(&self, values: &Values) -> Option<ParameterSweep> {
         film::sweep(values)
     }
 
     fn write(&self, scene: &Scene<'_>, values: &Values, out: &mut dyn Write, watch: &Watch) -> Result<(), FormatError> {
-        let mut extent = Extent::default();
+        let mut extent = FigureExtent::default();
         extent.add(scene, values, watch)?;
         let mut film = Film::begin(values, out)?;
         for shot in film::shots(values, &extent, scene.frame) {

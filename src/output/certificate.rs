@@ -28,7 +28,7 @@ use crate::watch::Watch;
 /// surface is not bicubic: place, `faces` around it, `kind`, `level` of isolation, deviation, method, and whether
 /// tangent planes agree by construction), `caps_without_tangent_planes`, `self_intersections` (always `not checked`).
 #[derive(Debug)]
-pub(super) struct Certificate;
+pub(super) struct CertificateFormat;
 
 const FACTS: &FormatFacts = &FormatFacts {
     name: "certificate",
@@ -43,7 +43,7 @@ const FACTS: &FormatFacts = &FormatFacts {
     ..FormatFacts::USUAL
 };
 
-impl Format for Certificate {
+impl Format for CertificateFormat {
     fn facts(&self) -> &'static FormatFacts {
         FACTS
     }
@@ -60,13 +60,13 @@ impl Format for Certificate {
     }
 }
 
-impl Requirements for Certificate {
+impl Requirements for CertificateFormat {
     fn admits(&self, mesh: &Mesh, plan: &Plan, options: &Values) -> Result<(), Fault> {
         admits(mesh, plan, options)
     }
 }
 
-impl Costs for Certificate {
+impl Costs for CertificateFormat {
     fn size(&self, counts: &Counts, options: &Values) -> Size {
         Size::AtMost(length(counts, options))
     }

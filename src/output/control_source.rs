@@ -3,7 +3,7 @@
 use std::ops::Range;
 
 use crate::shape::attachments::Attachments;
-use crate::shape::creases::Tags;
+use crate::shape::creases::CreaseTags;
 use crate::shape::mesh::Mesh;
 use crate::shape::seams::Seams;
 use crate::shape::source::{CarriedSource, FaceChunk, MeshSource, OriginSource, PlaceSource};
@@ -71,7 +71,7 @@ impl CarriedSource for ControlSource<'_> {
         }
     }
 
-    fn tags(&self) -> Tags {
+    fn tags(&self) -> CreaseTags {
         self.0.tags()
     }
 }

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use crate::shape::attachments::Attachments;
 use crate::shape::frame::Frame;
-use crate::solid::Cage;
+use crate::solid::CageCounts;
 
 /// The kind of a shape.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -61,7 +61,7 @@ pub struct Counts {
     /// Number of edges of the input mesh (0 for curves).
     pub input_edges: usize,
     /// The properties of the input mesh that determine its solid, if one is requested.
-    pub cage: Cage,
+    pub cage: CageCounts,
     /// Upper bounds of the rows and entries of the weights that make points from those of the input; 0 if no output has
     /// them.
     pub weights: [u128; 2],

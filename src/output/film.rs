@@ -5,8 +5,8 @@ use std::io::{self, Write};
 use png::{BitDepth, ColorType, Compression, Encoder, Filter, Writer};
 
 use super::error::FormatError;
-use super::figure::{Extent, framed};
-use super::format::Sweep;
+use super::figure::{FigureExtent, framed};
+use super::format::ParameterSweep;
 use super::picture::framing::facing;
 use super::picture::options::{CAMERA, Options};
 use super::png as picture;
@@ -79,11 +79,11 @@ pub(super) fn frames(values: &Values) -> usize {
 }
 
 /// Returns the parameter that changes from frame to frame and its values, if one does.
-pub(super) fn sweep(values: &Values) -> Option<Sweep> {
+pub(super) fn sweep(values: &Values) -> Option<ParameterSweep> {
     let asked = values.group(SWEEP.name)?;
     let [from, to] = [asked.number("from")?, asked.number("to")?];
     let pointer = asked.name("pointer")?.to_owned();
-    Some(Sweep { pointer, values: between(from, to, frames(values), false) })
+    Some(ParameterSweep { pointer, values: between(from, to, frames(values), false) })
 }
 
 /// Returns `n` evenly spaced numbers from `from` to `to`; if `round`, without `to`, which would be the next one.
@@ -96,7 +96,7 @@ fn between(from: f64, to: f64, n: usize, round: bool) -> Vec<f64> {
 }
 
 /// Returns the options of each frame, all framed by the box around everything that the frames show.
-pub fn shots(values: &Values, extent: &Extent, frame: Frame) -> Vec<Values> {
+pub fn shots(values: &Values, extent: &FigureExtent, frame: Frame) -> Vec<Values> {
     let values = framed(values, extent);
     let n = frames(&values);
     let turn = match values.group(TURNTABLE.name) {

@@ -8,7 +8,7 @@ use crate::math::parameter::Values;
 use crate::output::counts::{Counts, ShapeKind};
 use crate::output::error::FormatError;
 use crate::output::format::{Content, Costs, Format, FormatFacts, Requirements};
-use crate::output::gltf_amounts::{self, Amounts, Contents, split_vertices};
+use crate::output::gltf_amounts::{self, Amounts, GltfContents, split_vertices};
 use crate::output::gltf_bin;
 use crate::output::gltf_buffer::{Buffer, buffered};
 use crate::output::gltf_document::{PARAMETERS, document};
@@ -88,7 +88,7 @@ impl Requirements for Glb {
 
 impl Costs for Glb {
     fn size(&self, counts: &Counts, options: &Values) -> Size {
-        let (amounts, contents) = (Amounts::of(counts, options), Contents::of(counts, options));
+        let (amounts, contents) = (Amounts::of(counts, options), GltfContents::of(counts, options));
         if let Some(packing) = Packing::of(options) {
             return Size::AtMost(file(contents.packed_room(), amounts.packed_bytes(packing)));
         }

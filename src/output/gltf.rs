@@ -10,7 +10,7 @@ use crate::math::parameter::{Parameter, Values};
 use crate::output::counts::{Counts, ShapeKind};
 use crate::output::error::FormatError;
 use crate::output::format::{Content, Costs, Details, Format, FormatFacts, Requirements};
-use crate::output::gltf_amounts::{self, Amounts, Contents};
+use crate::output::gltf_amounts::{self, Amounts, GltfContents};
 use crate::output::gltf_bin::GltfBin;
 use crate::output::gltf_buffer::buffered;
 use crate::output::gltf_document::{PARAMETERS, document};
@@ -108,7 +108,7 @@ impl Costs for Gltf {
     }
 
     fn size(&self, counts: &Counts, options: &Values) -> Size {
-        let (amounts, contents) = (Amounts::of(counts, options), Contents::of(counts, options));
+        let (amounts, contents) = (Amounts::of(counts, options), GltfContents::of(counts, options));
         if let Some(size) = gltf_levels::size(contents, options) {
             return size;
         }

@@ -230,7 +230,7 @@ fn bytes_of_images(attachments: &Attachments, has_faces: bool) -> u128 {
 
 /// The facts that determine the length of a document.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Contents<'a> {
+pub(super) struct GltfContents<'a> {
     /// Curves or a mesh.
     pub(super) kind: ShapeKind,
     /// Number of polygons.
@@ -247,7 +247,7 @@ pub(super) struct Contents<'a> {
     pub(super) targets: u128,
 }
 
-impl<'a> Contents<'a> {
+impl<'a> GltfContents<'a> {
     /// Returns the facts for these counts.
     pub(super) fn of(counts: &'a Counts, options: &Values) -> Self {
         Self {

@@ -10,7 +10,7 @@ use crate::output::bytes::Bytes;
 use crate::output::colors::linear;
 use crate::output::counts::ShapeKind;
 use crate::output::error::FormatError;
-use crate::output::gltf_amounts::{Amounts, Contents, check_origins, with_normals};
+use crate::output::gltf_amounts::{Amounts, GltfContents, check_origins, with_normals};
 use crate::output::gltf_animation::{self as animation, FRAME_RATE};
 use crate::output::gltf_targets::{MorphTarget, normals_of};
 use crate::output::hard_edges::HardEdges;
@@ -149,8 +149,8 @@ impl<'a> Buffer<'a> {
     }
 
     /// Returns the facts that determine the length of the document.
-    pub(super) fn contents(&self) -> Contents<'a> {
-        Contents {
+    pub(super) fn contents(&self) -> GltfContents<'a> {
+        GltfContents {
             kind: if self.is_mesh() { ShapeKind::Mesh } else { ShapeKind::Curves { dimension: 3 } },
             polygons: self.parts.len() as u128,
             frame: self.frame,

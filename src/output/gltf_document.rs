@@ -269,10 +269,10 @@ fn targets(buffer: &Buffer<'_>, root: &mut Root) -> Option<Vec<json::mesh::Morph
     Some(targets).filter(|targets| !targets.is_empty())
 }
 
-type Attributes = BTreeMap<Checked<Semantic>, Index<Accessor>>;
+type AttributeMap = BTreeMap<Checked<Semantic>, Index<Accessor>>;
 
 /// Returns the attributes of the vertices of a mesh.
-fn attributes(buffer: &Buffer<'_>, part: &PrimitiveVertices<'_>, root: &mut Root) -> Attributes {
+fn attributes(buffer: &Buffer<'_>, part: &PrimitiveVertices<'_>, root: &mut Root) -> AttributeMap {
     let n = buffer.amounts.vertices;
     let view = Views::of(root).vertices(n, VECTOR);
     let mut attributes = BTreeMap::from([(Valid(Semantic::Positions), root.push(positions(buffer, part, view, 0)))]);
@@ -304,7 +304,7 @@ fn positions(buffer: &Buffer<'_>, part: &PrimitiveVertices<'_>, view: u32, start
     positions
 }
 
-fn primitive(attributes: Attributes, mode: Mode) -> Primitive {
+fn primitive(attributes: AttributeMap, mode: Mode) -> Primitive {
     Primitive {
         attributes,
         extensions: None,

@@ -18,7 +18,7 @@ pub(super) const UNIT_ERROR: f64 = 0.5 / STEPS + HALF_ULP;
 ///
 /// Corner and step mean the decimals in the document, which may differ slightly from the f32.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Grid {
+pub(super) struct PositionGrid {
     /// The position of `k = 0`, model units.
     pub(super) corner: [f32; 3],
     /// The distance between neighbours, model units.
@@ -27,7 +27,7 @@ pub(super) struct Grid {
     pub(super) error: f32,
 }
 
-impl Grid {
+impl PositionGrid {
     /// Returns the finest grid over these positions, each of which was rounded to f32 after `center` was subtracted.
     ///
     /// The error is half a step, which is the longest side of the bounding box / 65,535, plus the rounding to f32 that
@@ -103,7 +103,7 @@ mod tests {
     use super::*;
 
     /// Returns the position of a place of a grid as a reader of the document computes it.
-    fn found(grid: &Grid, place: [u16; 3]) -> [f64; 3] {
+    fn found(grid: &PositionGrid, place: [u16; 3]) -> [f64; 3] {
         [0, 1, 2].map(|k| as_written(grid.corner[k]) + as_written(grid.step) * f64::from(place[k]))
     }
 
@@ -114,7 +114,7 @@ mod tests {
             for start in [0.0_f32, -0.3, 1e-20, 0.1, -123.456, 1e6, -3e30] {
                 let at = |i: u8| start + length * (f32::from(i) / 255.0);
                 let positions: Vec<[f32; 3]> = (0..=255).map(|i| [at(i), at(255 - i), start]).collect();
-                let grid = Grid::over(&positions, [0.0; 3]).expect("it fits");
+                let grid = PositionGrid::over(&positions, [0.0; 3]).expect("it fits");
                 for &position in &positions {
                     for (x, y) in found(&grid, grid.place(position)).iter().zip(position) {
                         let error = as_written(grid.error);
@@ -127,7 +127,7 @@ mod tests {
 
     #[test]
     fn sides_longer_than_f32_holds_are_refused() {
-        let error = Grid::over(&[[-3e38; 3], [3e38; 3]], [0.0; 3]).expect_err("too long");
+        let error = PositionGrid::over(&[[-3e38; 3], [3e38; 3]], [0.0; 3]).expect_err("too long");
         assert!(error.to_string().contains("long"), "{error}");
     }
 }

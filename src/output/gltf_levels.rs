@@ -10,7 +10,7 @@ use crate::fault::Fault;
 use crate::math::parameter::{Parameter, ParameterKind, Values};
 use crate::output::counts::{Counts, ShapeKind};
 use crate::output::error::FormatError;
-use crate::output::gltf_amounts::Contents;
+use crate::output::gltf_amounts::GltfContents;
 use crate::output::gltf_buffer::buffered;
 use crate::output::gltf_document::{model, unwritten};
 use crate::output::gltf_pack::Packed;
@@ -76,7 +76,7 @@ pub(super) fn fits(counts: &Counts, options: &Values) -> Result<(), Fault> {
 }
 
 /// Returns the maximum length of a document about several levels.
-pub(super) fn size(contents: Contents<'_>, options: &Values) -> Option<Size> {
+pub(super) fn size(contents: GltfContents<'_>, options: &Values) -> Option<Size> {
     let levels = of(options)?.len() as u128;
     let room = if Packing::of(options).is_some() { contents.packed_room() } else { contents.room() };
     // references of all levels have more digits than those of one

@@ -35,7 +35,7 @@ impl Aim {
 
 /// The order of the triangles and vertices of a model.
 #[derive(Debug)]
-pub(super) struct Order {
+pub(super) struct TriangleOrder {
     /// The triangles, by the new numbers of vertices.
     pub(super) triangles: Vec<[u32; 3]>,
     /// The former index of each triangle.
@@ -44,7 +44,7 @@ pub(super) struct Order {
     pub(super) vertices: Vec<u32>,
 }
 
-impl Order {
+impl TriangleOrder {
     /// Orders triangles for an aim within consecutive parts of these lengths, and `n_vertices` vertices by the
     /// triangles.
     ///
@@ -124,11 +124,14 @@ mod tests {
         let strip = |first: u32| (first..first + 10).map(|i| [i % 12, (i + 1) % 12, (i + 2) % 12]);
         let triangles: Vec<[u32; 3]> = strip(0).chain(strip(4)).chain([[0, 1, 2]]).collect();
         for aim in [Aim::Cache, Aim::Bytes] {
-            check(&triangles, &Order::of(&triangles, &[10, 11], 13, aim, &Watch::new()).expect("nothing stops it"));
+            check(
+                &triangles,
+                &TriangleOrder::of(&triangles, &[10, 11], 13, aim, &Watch::new()).expect("nothing stops it"),
+            );
         }
     }
 
-    fn check(triangles: &[[u32; 3]], order: &Order) {
+    fn check(triangles: &[[u32; 3]], order: &TriangleOrder) {
         let same = |[a, b, c]: [u32; 3], other| [[a, b, c], [b, c, a], [c, a, b]].contains(&other);
         for (i, (triangle, &former)) in order.triangles.iter().zip(&order.former).enumerate() {
             let as_before = triangle.map(|v| order.vertices[v as usize]);

@@ -15,8 +15,8 @@ use crate::output::error::FormatError;
 use crate::output::gltf_buffer::Buffer;
 use crate::output::gltf_codec::Encoded;
 use crate::output::gltf_document::{buffer_of, model, unwritten};
-use crate::output::gltf_grid::{Grid, UNIT_ERROR, direction, unit};
-use crate::output::gltf_order::{Aim, Order, workspace};
+use crate::output::gltf_grid::{PositionGrid, UNIT_ERROR, direction, unit};
+use crate::output::gltf_order::{Aim, TriangleOrder, workspace};
 use crate::output::gltf_packing::Packing;
 use crate::shape::topology::index;
 use crate::watch::Watch;
@@ -90,7 +90,7 @@ impl Packed {
 
 /// The role of the bytes of a view.
 #[derive(Debug, Clone, PartialEq)]
-enum Role {
+enum ViewRole {
     Attribute(Semantic, Index<Accessor>),
     Indices,
     /// A number for each triangle.
@@ -99,20 +99,20 @@ enum Role {
 }
 
 /// Returns the roles of all views. Numbers of triangles come after their indices.
-fn roles(root: &Root) -> Vec<Role> {
-    let mut roles = vec![Role::Other; root.buffer_views.len()];
+fn roles(root: &Root) -> Vec<ViewRole> {
+    let mut roles = vec![ViewRole::Other; root.buffer_views.len()];
     let view = |accessor: Index<Accessor>| root.accessors[accessor.value()].buffer_view.map(|view| view.value());
     for primitive in root.meshes.iter().flat_map(|mesh| &mesh.primitives) {
         for (semantic, &accessor) in &primitive.attributes {
             if let (Valid(semantic), Some(view)) = (semantic, view(accessor)) {
-                roles[view] = Role::Attribute(semantic.clone(), accessor);
+                roles[view] = ViewRole::Attribute(semantic.clone(), accessor);
             }
         }
         if let Some(view) = primitive.indices.and_then(view) {
-            roles[view] = Role::Indices;
+            roles[view] = ViewRole::Indices;
         }
         if let Some(view) = told_faces(primitive).and_then(view) {
-            roles[view] = Role::OfTriangles;
+            roles[view] = ViewRole::OfTriangles;
         }
     }
     roles
@@ -135,9 +135,9 @@ struct Column<'a> {
 struct Packer<'a> {
     packing: Packing,
     watch: &'a Watch,
-    roles: Vec<Role>,
-    order: Option<Order>,
-    grid: Option<Grid>,
+    roles: Vec<ViewRole>,
+    order: Option<TriangleOrder>,
+    grid: Option<PositionGrid>,
     /// Whether texture coordinates are stored in 16 bits.
     is_unit: bool,
     workspace: Workspace,
@@ -155,12 +155,12 @@ impl Packer<'_> {
 
     /// Orders triangles and vertices.
     fn order(&mut self, buffer: &Buffer<'_>, loose: &[u8]) -> Result<(), FormatError> {
-        let Some(view) = self.roles.iter().position(|role| *role == Role::Indices) else { return Ok(()) };
+        let Some(view) = self.roles.iter().position(|role| *role == ViewRole::Indices) else { return Ok(()) };
         let triangles = triangles(self.view(view, loose), buffer);
         let parts = buffer.faces.iter().map(|section| usize::try_from(section.triangles).expect("they are in memory"));
         let n = usize::try_from(buffer.amounts.vertices).expect("they are in memory");
         let aim = if self.packing.encodes { Aim::Bytes } else { Aim::Cache };
-        self.order = Some(Order::of(&triangles, &parts.collect::<Vec<_>>(), n, aim, self.watch)?);
+        self.order = Some(TriangleOrder::of(&triangles, &parts.collect::<Vec<_>>(), n, aim, self.watch)?);
         Ok(())
     }
 
@@ -168,10 +168,10 @@ impl Packer<'_> {
     fn column<'b>(&mut self, buffer: &Buffer<'_>, view: usize, loose: &'b [u8]) -> Result<Column<'b>, FormatError> {
         let bytes = self.view(view, loose);
         match self.roles[view].clone() {
-            Role::Attribute(semantic, accessor) => self.attribute(buffer, view, (semantic, accessor), bytes),
-            Role::Indices => {
+            ViewRole::Attribute(semantic, accessor) => self.attribute(buffer, view, (semantic, accessor), bytes),
+            ViewRole::Indices => {
                 let stride = usize::try_from(buffer.amounts.triangle() / 3).expect("2 or 4");
-                let Some(Order { triangles, .. }) = &self.order else {
+                let Some(TriangleOrder { triangles, .. }) = &self.order else {
                     return Ok(Column { bytes: bytes.into(), stride: None, encoded: None });
                 };
                 let encode = || Encoded::triangles(triangles, stride, &mut self.workspace);
@@ -180,14 +180,14 @@ impl Packer<'_> {
                 let bytes: Vec<u8> = corners.flat_map(|v| v.to_le_bytes().into_iter().take(stride)).collect();
                 Ok(Column { bytes: bytes.into(), stride: None, encoded })
             }
-            Role::OfTriangles => {
+            ViewRole::OfTriangles => {
                 let former = self.order.as_ref().map(|order| &order.former);
                 let bytes = permuted(bytes, 4, former);
                 let encode = || Encoded::rows(&bytes, 4, &mut self.workspace);
                 let encoded = self.packing.encodes.then(encode).transpose()?;
                 Ok(Column { bytes, stride: None, encoded })
             }
-            Role::Other => Ok(Column { bytes: bytes.into(), stride: None, encoded: None }),
+            ViewRole::Other => Ok(Column { bytes: bytes.into(), stride: None, encoded: None }),
         }
     }
 
@@ -248,7 +248,7 @@ impl Packer<'_> {
         accessor: Index<Accessor>,
         positions: &[[f32; 3]],
     ) -> Result<Vec<u8>, FormatError> {
-        let grid = Grid::over(positions, buffer.center)?;
+        let grid = PositionGrid::over(positions, buffer.center)?;
         let (mut min, mut max) = ([u16::MAX; 3], [0; 3]);
         let mut bytes = Vec::with_capacity(8 * positions.len());
         for &position in positions {
@@ -319,7 +319,7 @@ impl Packer<'_> {
 
 /// Adds to nodes the transform from places of a grid to model coordinates: to nodes with meshes if they have neither a
 /// transform nor children, otherwise to new nodes below them.
-fn place(nodes: &mut Vec<Node>, grid: &Grid) {
+fn place(nodes: &mut Vec<Node>, grid: &PositionGrid) {
     for i in 0..nodes.len() {
         let next = index(nodes.len());
         let node = &mut nodes[i];

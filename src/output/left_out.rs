@@ -3,7 +3,7 @@
 use crate::math::parameter::Values;
 use crate::output::format::Format;
 use crate::shape::attachments::{Attachments, Channel};
-use crate::shape::creases::Tags;
+use crate::shape::creases::CreaseTags;
 use crate::shape::looks::{Alpha, Look};
 
 /// Maximum number of channels that a sentence names.
@@ -108,13 +108,13 @@ fn named<'a>(channels: impl Iterator<Item = &'a Channel>) -> Option<(String, boo
 
 /// Returns sentences about all that a format leaves out of a mesh: attachments, and the tags of a mesh that was not
 /// refined.
-pub fn all(format: &dyn Format, carried: &Attachments, tags: &Tags, options: &Values) -> Vec<String> {
+pub fn all(format: &dyn Format, carried: &Attachments, tags: &CreaseTags, options: &Values) -> Vec<String> {
     let sharp = if format.facts().has_no_tags { of_tags(format.name(), tags) } else { None };
     format.leaves_out(carried, options).into_iter().chain(sharp).collect()
 }
 
 /// Returns the sentence of a format that cannot hold the tags of a mesh, if the mesh has any.
-pub(super) fn of_tags(format: &str, Tags { creases, corners }: &Tags) -> Option<String> {
+pub(super) fn of_tags(format: &str, CreaseTags { creases, corners }: &CreaseTags) -> Option<String> {
     let n = creases.len() + corners.len();
     let sentence = || format!("sharp edges and vertices are left out of {format}: {n}; ask for obj or json");
     (n > 0).then(sentence)

@@ -67,7 +67,7 @@ mod vertex_sums;
 pub use counts::{Counts, ShapeKind};
 pub use error::FormatError;
 pub use farthest::{Farthest, Measured};
-pub use format::{Content, Costs, Details, Format, FormatFacts, MadeOf, Paper, Requirements, Sweep};
+pub use format::{Content, Costs, Details, Format, FormatFacts, MadeOf, Paper, ParameterSweep, Requirements};
 pub use obj::WITHOUT_LIBRARY;
 pub use options::{CAGE, DIRECTIONS, LIMIT, POSITIONS, TANGENTS};
 pub use picture::hidden_lines::MAX_LINE_TRIANGLES;
@@ -89,7 +89,7 @@ pub const FORMATS: &[&dyn Format] = &[
     &usda::Usda,
     &threemf::ThreeMf,
     &step::StepFormat,
-    &certificate::Certificate,
+    &certificate::CertificateFormat,
     &png::Png,
     &apng::Apng,
     &vector::SVG,

@@ -20,13 +20,13 @@ pub(super) const TRIANGLE_BYTES: u128 = 72 + 4 + 56;
 pub(super) struct Triangles {
     /// The corners of the triangles, leaf after leaf.
     corners: Vec<[Vector; 3]>,
-    nodes: Vec<Node>,
+    nodes: Vec<TriangleNode>,
 }
 
 /// A box around triangles `from..to`. The node of the first half of them is the next node, the node of the second half
 /// is `second`, which is 0 for a leaf.
 #[derive(Debug)]
-struct Node {
+struct TriangleNode {
     low: Vector,
     high: Vector,
     from: u32,
@@ -138,7 +138,7 @@ impl Triangles {
     }
 }
 
-impl Node {
+impl TriangleNode {
     /// Returns the squared distance of a point from the box.
     fn square(&self, point: Vector) -> f64 {
         let off = |k: usize| (self.low[k] - point[k]).max(point[k] - self.high[k]).max(0.0);
@@ -147,7 +147,12 @@ impl Node {
 }
 
 /// Adds the node of triangles, the first of which has the number `start`, and the nodes below it.
-fn grow(nodes: &mut Vec<Node>, corners: &mut [[Vector; 3]], start: usize, watch: &Watch) -> Result<(), Stopped> {
+fn grow(
+    nodes: &mut Vec<TriangleNode>,
+    corners: &mut [[Vector; 3]],
+    start: usize,
+    watch: &Watch,
+) -> Result<(), Stopped> {
     watch.check()?;
     let (mut low, mut high) = ([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]);
     for point in corners.iter().flatten() {
@@ -155,7 +160,7 @@ fn grow(nodes: &mut Vec<Node>, corners: &mut [[Vector; 3]], start: usize, watch:
     }
     let number = |n: usize| u32::try_from(n).expect("fewer than 2^32 triangles");
     let (here, n) = (nodes.len(), corners.len());
-    nodes.push(Node { low, high, from: number(start), to: number(start + n), second: 0 });
+    nodes.push(TriangleNode { low, high, from: number(start), to: number(start + n), second: 0 });
     if n > LEAF {
         let longest = (1..3).fold(0, |k, other| if high[other] - low[other] > high[k] - low[k] { other } else { k });
         let middle = |triangle: &[Vector; 3]| triangle.iter().map(|p| p[longest] / 3.0).sum::<f64>();

@@ -149,10 +149,10 @@ mod tests {
     use crate::shape::source::{CarriedSource, OriginSource};
 
     #[derive(Debug)]
-    struct Fan(usize);
+    struct FanMesh(usize);
 
     /// A fan of triangles in the plane `z = 0` around vertex 0; the last vertex is isolated.
-    impl MeshSource for Fan {
+    impl MeshSource for FanMesh {
         fn n_vertices(&self) -> usize {
             self.0 + 3
         }
@@ -184,16 +184,16 @@ mod tests {
         }
     }
 
-    impl CarriedSource for Fan {}
+    impl CarriedSource for FanMesh {}
 
-    impl OriginSource for Fan {
+    impl OriginSource for FanMesh {
         fn input_cells(&self) -> [usize; 3] {
             [self.0 + 3, 0, self.0]
         }
     }
 
     fn normals_at(size: f64) -> Vec<[f64; 3]> {
-        let mesh = Fan(6);
+        let mesh = FanMesh(6);
         let mut positions = Vec::new();
         mesh.positions(0..9, &mut positions);
         positions.iter_mut().flatten().for_each(|x| *x *= size);
@@ -213,6 +213,6 @@ mod tests {
     fn a_stopped_watch_ends_the_sum() {
         let watch = Watch::new();
         watch.stop();
-        assert_eq!(area(&Fan(1), &[[0.0; 3]; 4], &watch), Err(Stopped));
+        assert_eq!(area(&FanMesh(1), &[[0.0; 3]; 4], &watch), Err(Stopped));
     }
 }

@@ -22,7 +22,7 @@ use crate::output::stream::{Stream, holds_space};
 use crate::output::surface::{NORMALS, with_normals};
 use crate::output::text::RowStyle;
 use crate::shape::attachments::Attachments;
-use crate::shape::creases::Tags;
+use crate::shape::creases::CreaseTags;
 use crate::shape::labels::Labels;
 use crate::shape::mesh::Mesh;
 use crate::shape::tile::Tile;
@@ -173,7 +173,7 @@ impl Costs for Obj {
 }
 
 /// Writes the sharp edges and vertices; in tags vertices are counted from 0.
-fn write_tags(tags: &Tags, stream: &mut Stream<'_>) -> Result<(), FormatError> {
+fn write_tags(tags: &CreaseTags, stream: &mut Stream<'_>) -> Result<(), FormatError> {
     stream.each(0..tags.creases.len(), |i, out| {
         let (ends, sharpness) = tags.creases[i];
         tag("crease 2/1/0", &ends, sharpness, out);

@@ -28,7 +28,7 @@ use crate::shape::mesh::Mesh;
 use crate::shape::tile::Tile;
 use crate::watch::Watch;
 use carried::VertexProperties;
-use layout::{Encoding, Layout};
+use layout::{PlyEncoding, PlyLayout};
 
 /// PLY, binary little endian unless `ascii`: elements `vertex` and `face` for meshes, `vertex` and `edge` for curves.
 ///
@@ -64,7 +64,7 @@ impl Format for Ply {
     }
 
     fn streams(&self, _mesh: &Mesh, options: &Values) -> &'static [Tile] {
-        if Layout::of(options).normals { &[] } else { &[Tile::Quad, Tile::Triangle] }
+        if PlyLayout::of(options).normals { &[] } else { &[Tile::Quad, Tile::Triangle] }
     }
 
     fn write(
@@ -76,15 +76,15 @@ impl Format for Ply {
     ) -> Result<(), FormatError> {
         let mut stream = Stream::new(out, watch);
         match scene.shape {
-            Shape::Mesh(mesh) => write_mesh(mesh, scene.frame, Layout::of(options), &mut stream, watch),
-            Shape::Curves(curves) => write_curves(curves, scene.frame, Layout::of_curves(options), &mut stream),
+            Shape::Mesh(mesh) => write_mesh(mesh, scene.frame, PlyLayout::of(options), &mut stream, watch),
+            Shape::Curves(curves) => write_curves(curves, scene.frame, PlyLayout::of_curves(options), &mut stream),
         }
     }
 }
 
 impl Requirements for Ply {
     fn fits(&self, counts: &Counts, options: &Values) -> Result<(), Fault> {
-        check_face(counts.largest_face, Layout::of(options)).map_err(|detail| Fault::new("/face_sizes", detail))
+        check_face(counts.largest_face, PlyLayout::of(options)).map_err(|detail| Fault::new("/face_sizes", detail))
     }
 
     fn leaves_out(&self, carried: &Attachments, _: &Values) -> Vec<String> {
@@ -95,9 +95,9 @@ impl Requirements for Ply {
 impl Costs for Ply {
     fn size(&self, counts: &Counts, options: &Values) -> Size {
         match counts.kind {
-            ShapeKind::Mesh => mesh_size(counts, Layout::of(options)),
+            ShapeKind::Mesh => mesh_size(counts, PlyLayout::of(options)),
             // The number of edges depends on which polygons are closed.
-            ShapeKind::Curves { .. } => Size::AtMost(curves_size(counts, Layout::of_curves(options))),
+            ShapeKind::Curves { .. } => Size::AtMost(curves_size(counts, PlyLayout::of_curves(options))),
         }
     }
 }
@@ -115,7 +115,7 @@ const PARAMETERS: &[Parameter] = &[
     IDS,
 ];
 
-fn mesh_size(counts: &Counts, layout: Layout) -> Size {
+fn mesh_size(counts: &Counts, layout: PlyLayout) -> Size {
     let vertices = if counts.unfolded > 0 { counts.unfolded } else { counts.vertices };
     let attachments = &counts.attachments;
     let split_vertices = if layout.normals { counts.split_vertices } else { 0 };
@@ -124,23 +124,23 @@ fn mesh_size(counts: &Counts, layout: Layout) -> Size {
     let (carried, of_face) =
         carried::bytes(attachments, layout, counts.half_edges.max(vertices).max(counts.input_faces as u128));
     let (face, corner) = match layout.encoding {
-        Encoding::Ascii => (digits(counts.half_edges) + 1, digits(vertices) + 1),
-        Encoding::Uchar => (1, 4),
-        Encoding::Uint => (4, 4),
+        PlyEncoding::Ascii => (digits(counts.half_edges) + 1, digits(vertices) + 1),
+        PlyEncoding::Uchar => (1, 4),
+        PlyEncoding::Uint => (4, 4),
     };
     let (vertex, face) = (layout.vertex_bytes() + carried, face + of_face);
     let bytes = total(&[(1, header), (vertices, vertex), (counts.faces, face), (counts.half_edges, corner)]);
-    if layout.encoding == Encoding::Ascii || split_vertices > 0 { Size::AtMost(bytes) } else { Size::Exact(bytes) }
+    if layout.encoding == PlyEncoding::Ascii || split_vertices > 0 { Size::AtMost(bytes) } else { Size::Exact(bytes) }
 }
 
-fn curves_size(counts: &Counts, layout: Layout) -> u128 {
+fn curves_size(counts: &Counts, layout: PlyLayout) -> u128 {
     let header = curves_header(counts.vertices, counts.vertices, counts.frame, layout).len() as u128;
-    let index = if layout.encoding == Encoding::Ascii { digits(counts.vertices) + 1 } else { 4 };
+    let index = if layout.encoding == PlyEncoding::Ascii { digits(counts.vertices) + 1 } else { 4 };
     total(&[(1, header), (counts.vertices, layout.vertex_bytes()), (counts.vertices, 2 * index)])
 }
 
-fn mesh_header(vertices: u128, faces: u128, frame: Frame, attachments: &Attachments, layout: Layout) -> String {
-    let size = if layout.encoding == Encoding::Uint { "uint" } else { "uchar" };
+fn mesh_header(vertices: u128, faces: u128, frame: Frame, attachments: &Attachments, layout: PlyLayout) -> String {
+    let size = if layout.encoding == PlyEncoding::Uint { "uint" } else { "uchar" };
     let list = format!("property list {size} {} vertex_indices", index_type(vertices));
     let remarks = remarks(frame) + &carried::remarks(attachments);
     let of_vertices = vertex_header(vertices, &remarks, layout) + &carried::vertex_properties(attachments, layout);
@@ -148,7 +148,7 @@ fn mesh_header(vertices: u128, faces: u128, frame: Frame, attachments: &Attachme
     format!("{of_vertices}element face {faces}\n{list}\n{of_faces}end_header\n")
 }
 
-fn curves_header(vertices: u128, edges: u128, frame: Frame, layout: Layout) -> String {
+fn curves_header(vertices: u128, edges: u128, frame: Frame, layout: PlyLayout) -> String {
     let index = index_type(vertices);
     let ends = format!("property {index} vertex1\nproperty {index} vertex2");
     let of_vertices = vertex_header(vertices, &remarks(frame), layout);
@@ -160,8 +160,8 @@ fn remarks(frame: Frame) -> String {
     frame.remarks().iter().map(|remark| format!("comment {remark}\n")).collect::<Vec<_>>().concat()
 }
 
-fn vertex_header(vertices: u128, remarks: &str, layout: Layout) -> String {
-    let encoding = if layout.encoding == Encoding::Ascii { "ascii" } else { "binary_little_endian" };
+fn vertex_header(vertices: u128, remarks: &str, layout: PlyLayout) -> String {
+    let encoding = if layout.encoding == PlyEncoding::Ascii { "ascii" } else { "binary_little_endian" };
     let number = if layout.float { "float" } else { "double" };
     let names = &["x", "y", "z", "nx", "ny", "nz"][..layout.numbers()];
     let properties: String = names.iter().flat_map(|name| ["property ", number, " ", name, "\n"]).collect();
@@ -175,7 +175,7 @@ fn index_type(vertices: u128) -> &'static str {
 fn write_mesh(
     whole: &dyn MeshSource,
     frame: Frame,
-    layout: Layout,
+    layout: PlyLayout,
     stream: &mut Stream<'_>,
     watch: &Watch,
 ) -> Result<(), FormatError> {
@@ -202,7 +202,7 @@ fn write_mesh(
     };
     stream.positions(&positions, |start, rows, out| {
         let normals = if layout.normals { &normals[start..start + rows.len()] } else { &[] };
-        if layout.encoding != Encoding::Ascii && !carried::any_of_vertices(mesh, layout) {
+        if layout.encoding != PlyEncoding::Ascii && !carried::any_of_vertices(mesh, layout) {
             return bulk::vertices(rows, normals, layout, out);
         }
         let carried = VertexProperties::of(mesh, layout, start, rows.len());
@@ -221,7 +221,7 @@ fn write_mesh(
     write_faces(mesh, layout, stream)
 }
 
-fn write_faces(mesh: &dyn MeshSource, layout: Layout, stream: &mut Stream<'_>) -> Result<(), FormatError> {
+fn write_faces(mesh: &dyn MeshSource, layout: PlyLayout, stream: &mut Stream<'_>) -> Result<(), FormatError> {
     let largest = AtomicUsize::new(0);
     stream.faces(mesh, |start, faces, out| {
         largest.fetch_max(faces.largest(), Ordering::Relaxed);
@@ -240,8 +240,8 @@ fn write_faces(mesh: &dyn MeshSource, layout: Layout, stream: &mut Stream<'_>) -
 }
 
 /// Refuses faces with more corners than the type of their size can count.
-fn check_face(size: u128, layout: Layout) -> Result<(), String> {
-    if layout.encoding != Encoding::Uchar || size <= u8::MAX.into() {
+fn check_face(size: u128, layout: PlyLayout) -> Result<(), String> {
+    if layout.encoding != PlyEncoding::Uchar || size <= u8::MAX.into() {
         return Ok(());
     }
     Err(format!(
@@ -250,7 +250,7 @@ fn check_face(size: u128, layout: Layout) -> Result<(), String> {
     ))
 }
 
-fn write_curves(curves: &[Curve], frame: Frame, layout: Layout, stream: &mut Stream<'_>) -> Result<(), FormatError> {
+fn write_curves(curves: &[Curve], frame: Frame, layout: PlyLayout, stream: &mut Stream<'_>) -> Result<(), FormatError> {
     let n_vertices: usize = curves.iter().map(Curve::len).sum();
     let n_edges: usize = curves.iter().map(edges_of).sum();
     if u32::try_from(n_vertices).is_err() {
@@ -283,6 +283,6 @@ fn edges_of(curve: &Curve) -> usize {
     if curve.closed && curve.len() > 1 { curve.len() } else { curve.len().saturating_sub(1) }
 }
 
-fn within(positions: Positions<'_>, layout: Layout) -> Positions<'_> {
+fn within(positions: Positions<'_>, layout: PlyLayout) -> Positions<'_> {
     if layout.float { positions.within_f32() } else { positions }
 }

@@ -12,11 +12,11 @@ use crate::watch::Watch;
 
 /// A source of positions of vertices, and the largest coordinate allowed.
 pub(super) struct Positions<'a> {
-    source: Source<'a>,
+    source: PositionSource<'a>,
     largest: f64,
 }
 
-enum Source<'a> {
+enum PositionSource<'a> {
     Mesh(&'a dyn MeshSource),
     Curve(&'a Curve),
     Held(Cow<'a, [[f64; 3]]>),
@@ -25,13 +25,13 @@ enum Source<'a> {
 impl<'a> Positions<'a> {
     /// Reads the vertices of a mesh; they are fetched on each use unless the mesh holds them in order.
     pub(super) fn of_mesh(mesh: &'a dyn MeshSource) -> Self {
-        let held = mesh.held_positions().map(|rows| Source::Held(rows.into()));
-        Self { source: held.unwrap_or(Source::Mesh(mesh)), largest: f64::MAX }
+        let held = mesh.held_positions().map(|rows| PositionSource::Held(rows.into()));
+        Self { source: held.unwrap_or(PositionSource::Mesh(mesh)), largest: f64::MAX }
     }
 
     /// Reads the points of a polygon with at most three coordinates; missing coordinates are zero.
     pub(super) fn of_curve(curve: &'a Curve) -> Self {
-        Self { source: Source::Curve(curve), largest: f64::MAX }
+        Self { source: PositionSource::Curve(curve), largest: f64::MAX }
     }
 
     /// Restricts coordinates to the range of f32.
@@ -41,7 +41,7 @@ impl<'a> Positions<'a> {
 
     /// Reads all positions into memory, and refuses coordinates that do not fit.
     pub(super) fn held(self, watch: &Watch) -> Result<Self, FormatError> {
-        if let Source::Held(rows) = &self.source {
+        if let PositionSource::Held(rows) = &self.source {
             in_chunks(rows.len(), |range| {
                 watch.check()?;
                 self.check(range.start, &rows[range])
@@ -54,27 +54,28 @@ impl<'a> Positions<'a> {
             rows.extend_from_slice(self.rows_in(range, &mut buffer)?);
             Ok::<_, FormatError>(())
         })?;
-        Ok(Self { source: Source::Held(rows.into()), largest: self.largest })
+        Ok(Self { source: PositionSource::Held(rows.into()), largest: self.largest })
     }
 
     /// Returns the positions in memory: all after [`Positions::held`], otherwise possibly none.
     pub(super) fn rows(&self) -> &[[f64; 3]] {
-        if let Source::Held(rows) = &self.source { rows } else { &[] }
+        if let PositionSource::Held(rows) = &self.source { rows } else { &[] }
     }
 
     /// Returns the number of vertices.
     pub(super) fn len(&self) -> usize {
         match &self.source {
-            Source::Mesh(mesh) => mesh.n_vertices(),
-            Source::Curve(curve) => curve.len(),
-            Source::Held(rows) => rows.len(),
+            PositionSource::Mesh(mesh) => mesh.n_vertices(),
+            PositionSource::Curve(curve) => curve.len(),
+            PositionSource::Held(rows) => rows.len(),
         }
     }
 
     /// Returns consecutive ranges that cover all vertices: of `rows` each, or as given by a mesh that makes them on
     /// demand.
     pub(super) fn ranges(&self, rows: usize) -> impl Iterator<Item = Range<usize>> {
-        let (n, on_demand) = (self.len(), if let Source::Mesh(mesh) = &self.source { mesh.on_demand() } else { None });
+        let (n, on_demand) =
+            (self.len(), if let PositionSource::Mesh(mesh) = &self.source { mesh.on_demand() } else { None });
         ranges(n, move |start| on_demand.map_or(start + rows, |source| source.stretch(start)))
     }
 
@@ -106,9 +107,9 @@ impl<'a> Positions<'a> {
 
     fn fetch<'b>(&'b self, range: Range<usize>, buffer: &'b mut Vec<[f64; 3]>) -> &'b [[f64; 3]] {
         match &self.source {
-            Source::Held(rows) => return &rows[range],
-            Source::Mesh(mesh) => mesh.positions(range, buffer),
-            Source::Curve(curve) => {
+            PositionSource::Held(rows) => return &rows[range],
+            PositionSource::Mesh(mesh) => mesh.positions(range, buffer),
+            PositionSource::Curve(curve) => {
                 let d = curve.dimension;
                 let point = |p: &[f64]| [0, 1, 2].map(|k| p.get(k).copied().unwrap_or(0.0));
                 buffer.clear();

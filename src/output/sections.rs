@@ -9,7 +9,7 @@ use crate::output::scene::{FaceChunk, MeshSource, in_chunks};
 use crate::shape::topology::{NONE, index};
 use crate::watch::{Stopped, Watch};
 
-use chain::{Crossing, Segment, chains};
+use chain::{Crossing, CutSegment, chains};
 
 /// Maximum number of planes of one output.
 const MAX_PLANES: usize = 64;
@@ -93,7 +93,7 @@ pub(super) fn section(
     watch: &Watch,
 ) -> Result<Vec<Polyline>, Stopped> {
     let distances = PlaneDistances::new(plane, positions);
-    let mut segments: Vec<Segment> = Vec::new();
+    let mut segments: Vec<CutSegment> = Vec::new();
     let mut chunk = FaceChunk::default();
     in_chunks(mesh.n_faces(), |range| {
         watch.check()?;
@@ -137,7 +137,7 @@ impl<'a> PlaneDistances<'a> {
     }
 
     /// Returns the segments in the triangles of a face.
-    fn segments(&self, f: u32, face: &'a [u32]) -> impl Iterator<Item = Segment> + use<'a> {
+    fn segments(&self, f: u32, face: &'a [u32]) -> impl Iterator<Item = CutSegment> + use<'a> {
         let before: Vec<bool> = face.iter().map(|&v| self.of(v) >= 0.0).collect();
         let crosses = before.iter().any(|side| *side != before[0]);
         let last = face.len() - 1;
@@ -152,7 +152,7 @@ impl<'a> PlaneDistances<'a> {
             };
             let sides = [side(0), side(1), side(2)];
             let found = |run: [bool; 2]| sides.iter().find(|side| side.0 == run).map(|side| side.1);
-            Some(Segment { from: found([true, false])?, to: found([false, true])? })
+            Some(CutSegment { from: found([true, false])?, to: found([false, true])? })
         })
     }
 

@@ -30,13 +30,13 @@ use crate::watch::Watch;
 /// `(a + c) + (b + d)`, of 6 the sum of `a + d`, `b + e`, `c + f` from the least to the greatest, of others the sum in
 /// their order. Without `terms` all terms have one entry.
 #[derive(Debug)]
-pub(super) struct Stencils {
+pub(super) struct StencilsFormat {
     facts: &'static FormatFacts,
     is_text: bool,
 }
 
 /// The format that writes JSON text.
-pub(super) const TEXT: Stencils = Stencils {
+pub(super) const TEXT: StencilsFormat = StencilsFormat {
     facts: &FormatFacts {
         name: "stencils",
         extension: "stencils",
@@ -50,7 +50,7 @@ pub(super) const TEXT: Stencils = Stencils {
 };
 
 /// The format that writes arrays behind a line of JSON.
-pub(super) const BINARY: Stencils = Stencils {
+pub(super) const BINARY: StencilsFormat = StencilsFormat {
     facts: &FormatFacts {
         name: "stencils-bin",
         extension: "stencils-bin",
@@ -93,7 +93,7 @@ const ROW_BYTES: u128 = 2 * (8 + 4);
 /// Number of entries that are made in the time of a row of refinement.
 const ENTRIES_A_ROW: u128 = 4;
 
-impl Format for Stencils {
+impl Format for StencilsFormat {
     fn facts(&self) -> &'static FormatFacts {
         self.facts
     }
@@ -107,7 +107,7 @@ impl Format for Stencils {
     }
 }
 
-impl Requirements for Stencils {
+impl Requirements for StencilsFormat {
     fn suits(&self, kind: ShapeKind, _: &Attachments, options: &Values) -> Result<(), Fault> {
         let is_curve = matches!(kind, ShapeKind::Curves { .. });
         if is_curve && options.choice(NORMALS.name) == Some(LIMIT) {
@@ -126,7 +126,7 @@ impl Requirements for Stencils {
     }
 }
 
-impl Costs for Stencils {
+impl Costs for StencilsFormat {
     fn size(&self, counts: &Counts, _: &Values) -> Size {
         let [rows, entries] = counts.weights;
         let number = if self.is_text { digits(rows.saturating_add(counts.control)) + 2 } else { 4 };

@@ -123,7 +123,7 @@ fn write_mesh(
     let mut stream = Stream::new(out, watch);
     stream.bytes(HEADER)?;
     stream.bytes(&n.to_le_bytes())?;
-    let write = |record: &mut Record, triangle: [u32; 3]| {
+    let write = |record: &mut StlTriangle, triangle: [u32; 3]| {
         let own = || normals::of_triangle(triangle.map(at), scale);
         let normal = match normals {
             Some("none") => [0.0; 3],
@@ -164,9 +164,9 @@ fn write_on_demand(
 }
 
 /// The bytes of a triangle.
-type Record = [u8; TRIANGLE as usize];
+type StlTriangle = [u8; TRIANGLE as usize];
 
-fn put(normal: [f64; 3], [a, b, c]: [[u8; 12]; 3], record: &mut Record) {
+fn put(normal: [f64; 3], [a, b, c]: [[u8; 12]; 3], record: &mut StlTriangle) {
     let (slots, nothing) = record.as_chunks_mut();
     slots.copy_from_slice(&[f32_bytes(normal), a, b, c]);
     nothing.fill(0);
@@ -174,7 +174,7 @@ fn put(normal: [f64; 3], [a, b, c]: [[u8; 12]; 3], record: &mut Record) {
 
 /// Puts the two triangles of a quad, with their own normals or none.
 #[inline]
-fn put_halves(normals: Option<&str>, quad: [[f64; 3]; 4], scale: f64, [first, second]: &mut [Record; 2]) {
+fn put_halves(normals: Option<&str>, quad: [[f64; 3]; 4], scale: f64, [first, second]: &mut [StlTriangle; 2]) {
     let [n, m] = if normals == Some("none") { [[0.0; 3]; 2] } else { normals::of_halves(quad, scale) };
     let [a, b, c, d] = quad.map(f32_bytes);
     put(n, [a, b, c], first);

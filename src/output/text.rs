@@ -5,7 +5,7 @@ use crate::output::numbers::{real, whole};
 use crate::output::scene::FaceChunk;
 
 /// Bytes that are written at once for a row of indices, of which at most [`RowStyle::MAX_BYTES`] plus four times
-/// [`Index::MAX_BYTES`] are part of the text: an index writes 16 bytes, whatever its length.
+/// [`IndexText::MAX_BYTES`] are part of the text: an index writes 16 bytes, whatever its length.
 const WINDOW: usize = 64;
 
 /// The characters around the numbers of a row.
@@ -57,9 +57,9 @@ impl RowStyle {
     }
 
     fn rows_of_indices<const N: usize>(&self, rows: &[[u32; N]], origin: u64, out: &mut Bytes) {
-        let mut columns: [Index; N] =
-            std::array::from_fn(|k| Index::new(if k > 0 { self.between } else { self.open }, origin));
-        out.text(rows.len() * (Self::MAX_BYTES + N * Index::MAX_BYTES) + WINDOW, |text| {
+        let mut columns: [IndexText; N] =
+            std::array::from_fn(|k| IndexText::new(if k > 0 { self.between } else { self.open }, origin));
+        out.text(rows.len() * (Self::MAX_BYTES + N * IndexText::MAX_BYTES) + WINDOW, |text| {
             let mut at = 0;
             for row in rows {
                 let Some(window) = text[at..].first_chunk_mut::<WINDOW>() else { break };
@@ -81,13 +81,13 @@ impl RowStyle {
 /// A number in a column of indices as text, after one byte. In most rows it is the number of the row before plus one,
 /// so only its last digit changes. The bytes are kept as one integer, as loading what was just stored byte by byte is
 /// slow.
-struct Index {
+struct IndexText {
     n: u64,
     text: u128,
     len: usize,
 }
 
-impl Index {
+impl IndexText {
     /// Maximum number of bytes: the byte before, and ten digits of a number up to 2^32.
     const MAX_BYTES: usize = 11;
 

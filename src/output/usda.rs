@@ -9,7 +9,7 @@ mod tokens;
 use std::io::Write;
 
 use self::attributes::{INDENT, On, attribute, comma, corners, entries, faces, numbers};
-use self::cage::Cage;
+use self::cage::UsdaCage;
 use crate::fault::Fault;
 use crate::math::parameter::Values;
 use crate::output::control_source::ControlSource;
@@ -28,7 +28,7 @@ use crate::output::split_vertices::SplitVertices;
 use crate::output::stream::Stream;
 use crate::output::surface::{NORMALS, with_normals};
 use crate::shape::attachments::Attachments;
-use crate::shape::creases::Tags;
+use crate::shape::creases::CreaseTags;
 use crate::shape::frame::Up;
 use crate::shape::labels::Labels;
 use crate::shape::looks::Look;
@@ -124,15 +124,15 @@ impl Costs for Usda {
 }
 
 /// Returns the control mesh, if the scene shows it without refinement under a scheme that USD has.
-fn cage<'a>(scene: &Scene<'a>, mesh: &dyn MeshSource, options: &Values) -> Option<Cage<'a>> {
+fn cage<'a>(scene: &Scene<'a>, mesh: &dyn MeshSource, options: &Values) -> Option<UsdaCage<'a>> {
     let (given, plan) = (scene.control.mesh()?, scene.control.plan()?);
     // every level of these schemes adds vertices
     let stays = mesh.n_vertices() == given.topology.n_vertices();
     let is_plain = options.choice(POSITIONS.name) != Some(LIMIT) && !with_normals(options);
-    if stays && is_plain { Cage::of(given, plan) } else { None }
+    if stays && is_plain { UsdaCage::of(given, plan) } else { None }
 }
 
-fn tell_differences(scene: &Scene<'_>, cage: &Cage<'_>) {
+fn tell_differences(scene: &Scene<'_>, cage: &UsdaCage<'_>) {
     for name in cage.otherwise() {
         scene.notes.add(format!(
             "the channel \"{name}\" has another interpolation than USD, which knows one for all values of corners; it \
@@ -171,7 +171,7 @@ fn write_polygons(
 /// Writes a mesh without normals.
 fn write_mesh(
     mesh: &dyn MeshSource,
-    cage: Option<&Cage<'_>>,
+    cage: Option<&UsdaCage<'_>>,
     stream: &mut Stream<'_>,
     watch: &Watch,
 ) -> Result<(), FormatError> {
@@ -182,7 +182,7 @@ fn write_mesh(
 /// Writes the mesh up to its attachments.
 fn begin(
     mesh: &dyn MeshSource,
-    cage: Option<&Cage<'_>>,
+    cage: Option<&UsdaCage<'_>>,
     stream: &mut Stream<'_>,
     watch: &Watch,
 ) -> Result<(), FormatError> {
@@ -203,13 +203,13 @@ fn begin(
     attribute("point3f[] points", On::Untold, stream, |stream| {
         stream.positions(&positions, |start, rows, out| entries(start, rows.as_flattened(), 3, out))
     })?;
-    let scheme = cage.map_or("none", Cage::scheme);
+    let scheme = cage.map_or("none", UsdaCage::scheme);
     stream.bytes(format!("{INDENT}uniform token subdivisionScheme = \"{scheme}\"\n").as_bytes())?;
-    for (name, token) in cage.into_iter().flat_map(Cage::rules) {
+    for (name, token) in cage.into_iter().flat_map(UsdaCage::rules) {
         stream.bytes(format!("{INDENT}token {name} = \"{token}\"\n").as_bytes())?;
     }
     write_tags(&mesh.tags(), stream)?;
-    match cage.map(Cage::source).as_ref().map(ControlSource::holes) {
+    match cage.map(UsdaCage::source).as_ref().map(ControlSource::holes) {
         Some(holes @ [_, ..]) => numbers("int[] holeIndices", holes, stream, |&f, out| whole(out, f.into())),
         _ => Ok(()),
     }
@@ -222,8 +222,8 @@ fn end(mesh: &dyn MeshSource, stream: &mut Stream<'_>) -> Result<(), FormatError
     stream.bytes(b"    }\n")
 }
 
-fn write_tags(tags: &Tags, stream: &mut Stream<'_>) -> Result<(), FormatError> {
-    let Tags { creases, corners } = tags;
+fn write_tags(tags: &CreaseTags, stream: &mut Stream<'_>) -> Result<(), FormatError> {
+    let CreaseTags { creases, corners } = tags;
     if !corners.is_empty() {
         numbers("int[] cornerIndices", corners, stream, |&(v, _), out| whole(out, v.into()))?;
         numbers("float[] cornerSharpnesses", corners, stream, |&(_, sharpness), out| real(out, sharpness))?;

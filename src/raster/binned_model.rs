@@ -2,12 +2,12 @@
 
 use rayon::prelude::*;
 
-use super::bins::{BinnedItem, Bins, Grid, TileRect};
+use super::bins::{BinnedItem, Bins, TileGrid, TileRect};
 use super::camera::{Camera, Projection, unit};
 use super::clip;
 use super::finish::Finisher;
-use super::line::Layer;
-use super::model::{Model, Normals, TriangleAppearance};
+use super::line::StrokeLayer;
+use super::model::{Model, ShadingNormals, TriangleAppearance};
 use super::paint::{Paint, Tint};
 use super::project::{BEHIND, FAR_OUT, STEPS, Vertex, vertex, vertices};
 use super::shade::{Lamps, Vec3f};
@@ -29,12 +29,12 @@ struct ClippedPiece {
 pub(super) struct BinnedModel<'a> {
     model: &'a Model<'a>,
     pub(super) camera: &'a Camera,
-    pub(super) grid: Grid,
+    pub(super) grid: TileGrid,
     vertices: Vec<Vertex>,
     pieces: Vec<ClippedPiece>,
     /// For each run, the front-facing triangles and the back-facing ones.
     runs: Vec<[Bins; 2]>,
-    pub(super) layers: Vec<Layer>,
+    pub(super) layers: Vec<StrokeLayer>,
     /// The lamps; `None` if the surface is not visible.
     pub(super) lamps: Option<Lamps>,
     /// The paint; `None` if the surface has a single colour.
@@ -72,13 +72,18 @@ struct TriangleRun {
 }
 
 impl<'a> BinnedModel<'a> {
-    pub(super) fn new(model: &'a Model<'a>, camera: &'a Camera, grid: Grid, watch: &Watch) -> Result<Self, Stopped> {
+    pub(super) fn new(
+        model: &'a Model<'a>,
+        camera: &'a Camera,
+        grid: TileGrid,
+        watch: &Watch,
+    ) -> Result<Self, Stopped> {
         let vertices = if model.triangles.is_empty() { Vec::new() } else { vertices(camera, model.positions) };
         watch.check()?;
         let layers = model
             .strokes
             .iter()
-            .map(|strokes| Layer::new(camera, grid, strokes, watch))
+            .map(|strokes| StrokeLayer::new(camera, grid, strokes, watch))
             .collect::<Result<Vec<_>, Stopped>>()?;
         let (lamps, paint, finish) = match model.surface {
             TriangleAppearance::Lit(color) => (Some(Lamps::new(camera, color)), None, None),
@@ -192,11 +197,11 @@ impl<'a> BinnedModel<'a> {
         let whole = self.whole(id);
         let triangle = self.model.triangles[whole];
         let mut normals = match self.model.normals {
-            Normals::Vertices(list) => {
+            ShadingNormals::Vertices(list) => {
                 [list[triangle[0] as usize], list[triangle[1] as usize], list[triangle[2] as usize]]
             }
-            Normals::Triangles(list) => [list[whole]; 3],
-            Normals::Planes => [[0.0; 3]; 3],
+            ShadingNormals::Triangles(list) => [list[whole]; 3],
+            ShadingNormals::Planes => [[0.0; 3]; 3],
         };
         let undefined = |n: &[f64; 3]| n.iter().all(|c| c.abs() <= 0.0);
         if normals.iter().any(undefined) {

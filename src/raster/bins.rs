@@ -16,7 +16,7 @@ pub(super) struct TileRect {
 impl TileRect {
     /// Returns the tiles touched by the pixels `left..=right` x `top..=bottom`, or `None` if these lie outside the
     /// picture.
-    pub(super) fn of(grid: Grid, [left, top, right, bottom]: [i32; 4]) -> Option<Self> {
+    pub(super) fn of(grid: TileGrid, [left, top, right, bottom]: [i32; 4]) -> Option<Self> {
         if right < 0 || bottom < 0 || left > right || top > bottom {
             return None;
         }
@@ -40,12 +40,12 @@ const TILE_PX: i32 = TILE as i32;
 
 /// The numbers of columns and rows of tiles of a picture.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Grid {
+pub(super) struct TileGrid {
     pub(super) columns: u16,
     pub(super) rows: u16,
 }
 
-impl Grid {
+impl TileGrid {
     pub(super) fn of(width: u32, height: u32) -> Self {
         let tiles = |pixels: u32| u16::try_from((pixels as usize).div_ceil(TILE)).expect("pictures are bounded");
         Self { columns: tiles(width), rows: tiles(height) }
@@ -75,7 +75,7 @@ pub(super) struct Bins {
 
 impl Bins {
     /// Sorts items by tile; the order within a tile is kept.
-    pub(super) fn sort(grid: Grid, found: &[BinnedItem]) -> Self {
+    pub(super) fn sort(grid: TileGrid, found: &[BinnedItem]) -> Self {
         if found.is_empty() {
             return Self::default();
         }

@@ -17,7 +17,7 @@ fn alpha(
     [width, height]: [u32; 2],
 ) -> Vec<u8> {
     let surface = TriangleAppearance::Lit([120, 160, 220, 255]);
-    let model = Model { positions, triangles, normals: Normals::Planes, surface, strokes: &[] };
+    let model = Model { positions, triangles, normals: ShadingNormals::Planes, surface, strokes: &[] };
     let picture = render(&model, camera, look, [width, height], &Watch::new()).expect("nobody says stop");
     picture.bytes.as_chunks::<4>().0.iter().map(|pixel| pixel[3]).collect()
 }

@@ -5,9 +5,9 @@
 use super::binned_model::BinnedModel;
 use super::bins::TILE;
 use super::facets::Facets;
-use super::fine::{FINE, FINE_PLACES, Fine, Marks};
+use super::fine::{FINE, FINE_PLACES, Fine, PixelSet};
 use super::forecast;
-use super::line::Layer;
+use super::line::StrokeLayer;
 use super::paint::Hiding;
 use super::shade::{Lamps, Spots};
 use super::triangle::{NOBODY, PLACES, SAMPLES, Samples};
@@ -54,7 +54,7 @@ impl TileScratch {
             light: vec![[0.0; 4]; N],
             facets: Facets::default(),
             spots: Spots::new(model.lamps.as_ref().map_or([0.0; 3], |lamps| lamps.outside)),
-            marks: Marks::default(),
+            marks: PixelSet::default(),
         };
         let has_clear = model.paint.is_some_and(|paint| paint.has_clear());
         Self {
@@ -198,7 +198,7 @@ impl TileScratch {
     fn stroke(
         &mut self,
         model: &BinnedModel<'_>,
-        layer: &Layer,
+        layer: &StrokeLayer,
         tile: usize,
         origin: [i32; 2],
         watch: &Watch,
@@ -226,7 +226,7 @@ struct Lighter {
     facets: Facets,
     spots: Spots,
     /// Pixels with a visible edge: partly covered, or with parts of different light.
-    marks: Marks,
+    marks: PixelSet,
 }
 
 impl Lighter {

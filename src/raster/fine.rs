@@ -37,9 +37,9 @@ const SIDE: i32 = TILE as i32;
 
 /// A set of pixels of a tile, one bit each.
 #[derive(Debug, Clone, Default)]
-pub(super) struct Marks([u32; TILE]);
+pub(super) struct PixelSet([u32; TILE]);
 
-impl Marks {
+impl PixelSet {
     /// Adds a pixel, counted row by row.
     pub(super) fn add(&mut self, pixel: u32) {
         self.0[pixel as usize / TILE] |= 1 << (pixel as usize % TILE);
@@ -75,7 +75,7 @@ pub(super) struct Fine {
 }
 
 /// A triangle prepared for a tile; edge functions are not negative inside.
-struct Setup {
+struct FineSetup {
     /// Edge functions at the corner of the tile and their steps to the next pixel, right and down.
     edges: [i64; 3],
     right: [i64; 3],
@@ -92,7 +92,7 @@ struct Setup {
 impl Fine {
     /// Starts without triangles, in the marked pixels and their neighbours, since an edge may cross a pixel and miss
     /// its four samples.
-    pub(super) fn begin(&mut self, marks: &Marks) {
+    pub(super) fn begin(&mut self, marks: &PixelSet) {
         self.pixels = marks.widened();
         let mut n = 0;
         for (start, row) in self.starts.iter_mut().zip(&self.pixels) {
@@ -141,7 +141,7 @@ impl Fine {
             if rest == 0 {
                 continue;
             }
-            let Some(setup) = setup.get_or_insert_with(|| Setup::new(corners, origin)) else { return };
+            let Some(setup) = setup.get_or_insert_with(|| FineSetup::new(corners, origin)) else { return };
             let before = (row & ((1 << left) - 1)).count_ones();
             let mut place = (self.starts[y as usize] + before) as usize;
             while rest != 0 {
@@ -152,7 +152,14 @@ impl Fine {
         }
     }
 
-    fn cover(&mut self, place: usize, setup: &Setup, [x, y]: [i32; 2], id: u32, is_there: impl Fn([f32; 2]) -> bool) {
+    fn cover(
+        &mut self,
+        place: usize,
+        setup: &FineSetup,
+        [x, y]: [i32; 2],
+        id: u32,
+        is_there: impl Fn([f32; 2]) -> bool,
+    ) {
         let (depth, owner) = (&mut self.depth[place], &mut self.owner[place]);
         if depth.iter().all(|depth| *depth > setup.range[1]) {
             return;
@@ -172,7 +179,7 @@ impl Fine {
     }
 }
 
-impl Setup {
+impl FineSetup {
     /// `None` for a triangle without area.
     fn new(mut corners: [Vertex; 3], origin: [i32; 2]) -> Option<Self> {
         let area = area(&corners);

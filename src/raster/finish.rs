@@ -28,7 +28,7 @@ pub enum Finish {
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Stripes {
     /// The pattern that the stripes follow.
-    pub pattern: Pattern,
+    pub pattern: StripePattern,
     /// The axis of the pattern in model coordinates, of any length but 0.
     pub axis: [f64; 3],
     /// The number of stripes.
@@ -39,7 +39,7 @@ pub struct Stripes {
 
 /// What stripes follow: the unit normal `n`, the unit viewing direction `d`, and its reflection `r = d - 2 (n . d) n`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Pattern {
+pub enum StripePattern {
     /// `count` dark bands between the axis `a` and its opposite, equally high in `r . a`: dark where
     /// `count (1 + r . a) + 1 / 2`, rounded down, is odd. Both ends are in the middle of light bands.
     Zebra,
@@ -116,7 +116,7 @@ impl Finisher {
             Finish::Normals => n.map(|c| linear_of(0.5 + 0.5 * towards * c)),
             Finish::Stripes(stripes) => {
                 let here = self.measure(&stripes, n, ray);
-                let period = if stripes.pattern == Pattern::ReflectionLines { 2.0 * stripes.count } else { 0.0 };
+                let period = if stripes.pattern == StripePattern::ReflectionLines { 2.0 * stripes.count } else { 0.0 };
                 let slope = [[1.0, 0.0], [0.0, 1.0]].map(|[x, y]| {
                     let (n, ray) = at([place[0] + x, place[1] + y]);
                     let step = self.measure(&stripes, n, ray) - here;
@@ -132,12 +132,12 @@ impl Finisher {
 
     /// Returns the value that a pattern follows, in steps of the pattern.
     fn measure(&self, stripes: &Stripes, n: Vec3f, ray: Vec3f) -> f32 {
-        if stripes.pattern == Pattern::Isophotes {
+        if stripes.pattern == StripePattern::Isophotes {
             return stripes.count * dot(n, self.axes[0]);
         }
         let twice = 2.0 * dot(n, ray);
         let mirrored: Vec3f = std::array::from_fn(|k| ray[k] - twice * n[k]);
-        if stripes.pattern == Pattern::Zebra {
+        if stripes.pattern == StripePattern::Zebra {
             return stripes.count * (1.0 + dot(mirrored, self.axes[0])) + 0.5;
         }
         let [x, y] = [dot(mirrored, self.axes[1]), dot(mirrored, self.axes[2])].map(f64::from);
@@ -182,8 +182,8 @@ impl Stripes {
     /// Returns the dark fraction, 0 to 1, of a pixel at `at` over which the pattern grows by `wide`.
     fn darkness(&self, at: f32, wide: f32) -> f32 {
         match self.pattern {
-            Pattern::Zebra => 0.5 - 0.5 * stripes(at, wide),
-            Pattern::ReflectionLines => {
+            StripePattern::Zebra => 0.5 - 0.5 * stripes(at, wide),
+            StripePattern::ReflectionLines => {
                 // the integral from 0 of 1 on lines, which lie about whole numbers
                 let integral = |t: f32| {
                     let from = t + 0.5 * LINE_SHARE;
@@ -196,7 +196,7 @@ impl Stripes {
                     if from - from.floor() < LINE_SHARE { 1.0 } else { 0.0 }
                 }
             }
-            Pattern::Isophotes => {
+            StripePattern::Isophotes => {
                 let last = self.count - 1.0;
                 let off = (at - (at + 0.5).floor().clamp(-last, last)).abs();
                 let off_px = off / wide.max(FLAT);

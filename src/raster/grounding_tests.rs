@@ -8,7 +8,7 @@ const SIZE: [u32; 2] = [160, 120];
 
 fn picture(view: &View, positions: &[[f64; 3]], triangles: &[[u32; 3]], look: RenderStyle) -> Vec<u8> {
     let surface = TriangleAppearance::Lit([120, 160, 220, 255]);
-    let model = Model { positions, triangles, normals: Normals::Planes, surface, strokes: &[] };
+    let model = Model { positions, triangles, normals: ShadingNormals::Planes, surface, strokes: &[] };
     let camera = Camera::framing(view, &[positions], SIZE[0], SIZE[1]);
     render(&model, &camera, look, SIZE, &Watch::new()).expect("nobody says stop").bytes
 }
@@ -108,7 +108,7 @@ fn lines_behind_a_surface_are_as_faint_as_they_are_asked_to_be() {
             hidden,
         };
         let surface = TriangleAppearance::Lit([0, 0, 0, 255]);
-        let normals = Normals::Planes;
+        let normals = ShadingNormals::Planes;
         let model = Model { positions: &positions, triangles: &triangles, normals, surface, strokes: &[strokes] };
         let look = RenderStyle { is_occluded: false, shadow: Ground::None, ..LOOK };
         let bytes = render(&model, &camera, look, SIZE, &Watch::new()).expect("nobody says stop").bytes;

@@ -6,7 +6,7 @@
 
 use rayon::prelude::*;
 
-use super::bins::{Bins, Grid, TILE, TileRect};
+use super::bins::{Bins, TILE, TileGrid, TileRect};
 use super::camera::Camera;
 use super::clip;
 use super::model::{Crowding, Strokes};
@@ -15,7 +15,7 @@ use crate::watch::{Stopped, Watch};
 
 /// A segment in the picture.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Segment {
+pub(super) struct PixelSegment {
     /// Pixel coordinates of both ends.
     pub(super) ends: [[f32; 2]; 2],
     /// Depths of both ends.
@@ -24,8 +24,8 @@ pub(super) struct Segment {
 
 /// One list of strokes, projected and sorted into tiles.
 #[derive(Debug)]
-pub(super) struct Layer {
-    segments: Vec<Segment>,
+pub(super) struct StrokeLayer {
+    segments: Vec<PixelSegment>,
     runs: Vec<Bins>,
     half_px: f32,
     /// Linear light, premultiplied.
@@ -39,7 +39,7 @@ pub(super) struct Layer {
 /// Half of it lets slopes of 45 degrees bite into discs; twice of it lets discs behind thin bodies show through.
 const DISC_LIFT: f64 = 2.0;
 
-fn projected(camera: &Camera, strokes: &Strokes<'_>, [a, b]: [u32; 2]) -> Option<Segment> {
+fn projected(camera: &Camera, strokes: &Strokes<'_>, [a, b]: [u32; 2]) -> Option<PixelSegment> {
     let ends = [a, b].map(|i| camera.view(strokes.positions[i as usize]));
     let ends = clip::segment(camera, ends)?;
     let places = ends.map(|e| camera.pixel(e));
@@ -51,11 +51,11 @@ fn projected(camera: &Camera, strokes: &Strokes<'_>, [a, b]: [u32; 2]) -> Option
         (depth + (constant + square * depth * depth) * DISC_LIFT * radius) as f32
     });
     let finite = places.iter().flatten().all(|x| x.is_finite()) && depths.iter().all(|d| d.is_finite());
-    finite.then(|| Segment { ends: places.map(|p| p.map(|x| x as f32)), depths })
+    finite.then(|| PixelSegment { ends: places.map(|p| p.map(|x| x as f32)), depths })
 }
 
-impl Segment {
-    fn touches(&self, grid: Grid, half_px: f32) -> Option<TileRect> {
+impl PixelSegment {
+    fn touches(&self, grid: TileGrid, half_px: f32) -> Option<TileRect> {
         let [[ax, ay], [bx, by]] = self.ends;
         let reach = half_px + 1.0;
         let low = |u: f32, v: f32| (u.min(v) - reach).floor() as i32;
@@ -69,12 +69,12 @@ impl Segment {
     }
 }
 
-impl Layer {
+impl StrokeLayer {
     /// Projects and bins the strokes in runs whose borders depend on their number only.
-    pub(super) fn new(camera: &Camera, grid: Grid, strokes: &Strokes<'_>, watch: &Watch) -> Result<Self, Stopped> {
+    pub(super) fn new(camera: &Camera, grid: TileGrid, strokes: &Strokes<'_>, watch: &Watch) -> Result<Self, Stopped> {
         let half_px = 0.5 * strokes.width_px.clamp(0.5, 512.0);
         let run = strokes.segments.len().div_ceil(64).max(4096);
-        let runs: Vec<(Vec<Segment>, Bins, f64)> = strokes
+        let runs: Vec<(Vec<PixelSegment>, Bins, f64)> = strokes
             .segments
             .par_chunks(run)
             .map(|list| {
@@ -87,7 +87,7 @@ impl Layer {
                         segments.push(segment);
                     }
                 }
-                let length = segments.iter().map(Segment::length_px).sum();
+                let length = segments.iter().map(PixelSegment::length_px).sum();
                 Ok((segments, Bins::sort(grid, &found), length))
             })
             .collect::<Result<_, Stopped>>()?;
@@ -109,7 +109,7 @@ impl Layer {
     }
 
     /// Returns every segment that may touch a tile.
-    pub(super) fn tile(&self, tile: usize) -> impl Iterator<Item = &Segment> + '_ {
+    pub(super) fn tile(&self, tile: usize) -> impl Iterator<Item = &PixelSegment> + '_ {
         self.runs.iter().flat_map(move |bins| bins.tile(tile)).map(|i| &self.segments[i as usize])
     }
 
@@ -122,7 +122,7 @@ impl Layer {
     /// 0 to 1, in which something of this depth is visible.
     pub(super) fn cover(
         &self,
-        segment: &Segment,
+        segment: &PixelSegment,
         origin: [i32; 2],
         coverage: &mut [f32],
         mut seen: impl FnMut(usize, f32) -> f32,

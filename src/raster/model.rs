@@ -11,7 +11,7 @@ pub struct Model<'a> {
     /// Three corners each, counter-clockwise seen from outside.
     pub triangles: &'a [[u32; 3]],
     /// Normals for shading.
-    pub normals: Normals<'a>,
+    pub normals: ShadingNormals<'a>,
     /// The appearance of the triangles.
     pub surface: TriangleAppearance<'a>,
     /// Lines and discs; the first list is drawn first.
@@ -20,7 +20,7 @@ pub struct Model<'a> {
 
 /// Unit normals for shading; a zero normal is replaced by that of the triangle's plane.
 #[derive(Debug, Clone, Copy)]
-pub enum Normals<'a> {
+pub enum ShadingNormals<'a> {
     /// One normal per vertex, interpolated over each triangle.
     Vertices(&'a [[f64; 3]]),
     /// One normal per triangle.

@@ -13,7 +13,7 @@ use std::sync::LazyLock;
 
 use rayon::prelude::*;
 
-use super::bins::{Grid, TILE};
+use super::bins::{TILE, TileGrid};
 use super::camera::{Camera, Projection};
 use super::desk::Drawn;
 use super::shade::{Vec3f, dot};
@@ -122,7 +122,7 @@ impl Lens {
 
 impl Occlusion {
     /// Computes the occlusion of a picture whose tiles are drawn.
-    pub(super) fn of(tiles: &[Option<Drawn>], grid: Grid, camera: &Camera, watch: &Watch) -> Result<Self, Stopped> {
+    pub(super) fn of(tiles: &[Option<Drawn>], grid: TileGrid, camera: &Camera, watch: &Watch) -> Result<Self, Stopped> {
         let [width, height] = camera.size_px.map(|side| side as usize);
         let mut cell_px = 1;
         while width.max(height).div_ceil(cell_px) > MAX_CELLS {

@@ -30,12 +30,12 @@ const STEPS: usize = 4096;
 
 /// Table from linear light to sRGB bytes.
 #[derive(Debug)]
-pub(super) struct Encoding(Vec<u8>);
+pub(super) struct SrgbTable(Vec<u8>);
 
 /// The table, made once.
-pub(super) static ENCODING: LazyLock<Encoding> = LazyLock::new(Encoding::new);
+pub(super) static ENCODING: LazyLock<SrgbTable> = LazyLock::new(SrgbTable::new);
 
-impl Encoding {
+impl SrgbTable {
     fn new() -> Self {
         let last = f64::from(u32::try_from(STEPS - 1).expect("the table is short"));
         let byte = |i: u32| {

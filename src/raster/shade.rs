@@ -8,7 +8,7 @@
 use multiversion::multiversion;
 
 use super::camera::{Camera, Projection, unit};
-use super::fine::Marks;
+use super::fine::PixelSet;
 use super::pixmap::linear;
 use crate::math::vector::{Vector, plus, times};
 
@@ -90,7 +90,7 @@ impl Lamps {
 
     /// Adds the light of the waiting spots to `light`, linear and premultiplied, and marks pixels with spots of
     /// different light.
-    pub(super) fn illuminate(&self, spots: &mut Spots, light: &mut [[f32; 4]], marks: &mut Marks) {
+    pub(super) fn illuminate(&self, spots: &mut Spots, light: &mut [[f32; 4]], marks: &mut PixelSet) {
         let colors = lit(self, spots);
         spots.add(colors, light, marks);
     }
@@ -248,12 +248,12 @@ impl Spots {
     }
 
     /// Adds the colours of the waiting spots as they are to `light`, and marks pixels with spots of different colours.
-    pub(super) fn show(&mut self, light: &mut [[f32; 4]], marks: &mut Marks) {
+    pub(super) fn show(&mut self, light: &mut [[f32; 4]], marks: &mut PixelSet) {
         self.add(self.color, light, marks);
     }
 
     /// Adds red, green and blue of the waiting spots to `light`.
-    fn add(&mut self, [red, green, blue]: [[f32; LANES]; 3], light: &mut [[f32; 4]], marks: &mut Marks) {
+    fn add(&mut self, [red, green, blue]: [[f32; LANES]; 3], light: &mut [[f32; 4]], marks: &mut PixelSet) {
         for i in 0..self.waiting {
             let share = self.share[i];
             let sum = &mut light[self.pixel[i] as usize];

@@ -29,7 +29,7 @@ pub struct Sight<'a> {
     triangles: &'a [[u32; 3]],
     /// How much nearer a triangle has to be to hide something.
     slack: f64,
-    grid: Grid,
+    grid: SightGrid,
 }
 
 impl<'a> Sight<'a> {
@@ -41,7 +41,7 @@ impl<'a> Sight<'a> {
         };
         let (near, far) = ends(2);
         let boxes = triangles.iter().map(|triangle| bounds(triangle.map(|v| points[v as usize])));
-        let grid = Grid::new([ends(0), ends(1)], &boxes.collect::<Vec<_>>());
+        let grid = SightGrid::new([ends(0), ends(1)], &boxes.collect::<Vec<_>>());
         Self { points, triangles, slack: SLACK * (far - near).max(0.0), grid }
     }
 
@@ -143,7 +143,7 @@ fn doubled(a: ProjectedPoint, b: ProjectedPoint, c: ProjectedPoint) -> f64 {
 
 /// Squares of the picture with the triangles whose bounds reach into them.
 #[derive(Debug)]
-struct Grid {
+struct SightGrid {
     origin: [f64; 2],
     /// Cells a pixel, along x and y.
     scale: [f64; 2],
@@ -153,7 +153,7 @@ struct Grid {
     triangles: Vec<u32>,
 }
 
-impl Grid {
+impl SightGrid {
     /// A grid over what is seen, as fine as triangles that reach into many cells allow.
     fn new(ends: [(f64, f64); 2], boxes: &[ScreenRect]) -> Self {
         #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "the root of a count")]

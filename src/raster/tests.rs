@@ -93,7 +93,7 @@ fn picture(view: &View, positions: &[[f64; 3]], triangles: &[[u32; 3]], size: [u
         hidden: 0.25,
     }];
     let surface = TriangleAppearance::Lit([200, 80, 40, 255]);
-    let model = Model { positions, triangles, normals: Normals::Planes, surface, strokes: &strokes };
+    let model = Model { positions, triangles, normals: ShadingNormals::Planes, surface, strokes: &strokes };
     let camera = Camera::framing(view, &[positions], size[0], size[1]);
     render(&model, &camera, LOOK, size, &Watch::new()).expect("nobody says stop")
 }
@@ -176,7 +176,8 @@ fn a_stopped_watch_ends_the_picture() {
     let watch = Watch::new();
     watch.stop();
     let surface = TriangleAppearance::Lit([200, 80, 40, 255]);
-    let model = Model { positions: &positions, triangles: &triangles, normals: Normals::Planes, surface, strokes: &[] };
+    let model =
+        Model { positions: &positions, triangles: &triangles, normals: ShadingNormals::Planes, surface, strokes: &[] };
     let camera = Camera::framing(&View::default(), &[&positions], 64, 64);
     assert_eq!(render(&model, &camera, LOOK, [64, 64], &watch), Err(Stopped));
 }

@@ -3,7 +3,7 @@
 use rayon::prelude::*;
 
 use super::binned_model::BinnedModel;
-use super::bins::{Grid, TILE};
+use super::bins::{TILE, TileGrid};
 use super::camera::Camera;
 use super::contact::{Ground, Shadow, ShadowRow};
 use super::desk::{Drawn, TileScratch};
@@ -45,11 +45,11 @@ pub fn render(
     watch: &Watch,
 ) -> Result<Pixmap, Stopped> {
     let (width, height) = (width.clamp(1, MAX_SIDE_PX), height.clamp(1, MAX_SIDE_PX));
-    let grid = Grid::of(width, height);
+    let grid = TileGrid::of(width, height);
     let shadow = Shadow::of(model, camera, look.shadow, watch)?;
     let tiles = drawn(&BinnedModel::new(model, camera, grid, watch)?, look.is_fine, watch)?;
     let occlusion = if look.is_occluded { Some(Occlusion::of(&tiles, grid, camera, watch)?) } else { None };
-    let finish = Finish { look, occlusion, shadow, paper: premultiplied(look.background) };
+    let finish = TileWriter { look, occlusion, shadow, paper: premultiplied(look.background) };
     let (columns, n_rows) = (width as usize, height as usize);
     let mut bytes = vec![0; columns * n_rows * 4];
     bytes.par_chunks_mut(columns * 4).enumerate().try_for_each(|(y, line)| {
@@ -66,7 +66,7 @@ pub fn render(
 
 /// Draws all tiles, row by row.
 fn drawn(model: &BinnedModel<'_>, is_fine: bool, watch: &Watch) -> Result<Vec<Option<Drawn>>, Stopped> {
-    let Grid { columns, rows } = model.grid;
+    let TileGrid { columns, rows } = model.grid;
     let tiles = (0..usize::from(columns) * usize::from(rows)).into_par_iter();
     let draw = |desk: &mut TileScratch, tile: usize| {
         watch.check()?;
@@ -78,7 +78,7 @@ fn drawn(model: &BinnedModel<'_>, is_fine: bool, watch: &Watch) -> Result<Vec<Op
 }
 
 /// What makes bytes of what is drawn.
-struct Finish {
+struct TileWriter {
     look: RenderStyle,
     occlusion: Option<Occlusion>,
     shadow: Option<Shadow>,
@@ -86,7 +86,7 @@ struct Finish {
     paper: [f32; 4],
 }
 
-impl Finish {
+impl TileWriter {
     /// Writes the pixels of one row of a tile, from pixel `place` of the picture on.
     fn write(&self, tile: Option<&Drawn>, shadow: Option<&ShadowRow<'_>>, [left, y]: [usize; 2], part: &mut [u8]) {
         let pixels = part.as_chunks_mut::<4>().0;

@@ -62,7 +62,7 @@ pub(super) struct Done {
 }
 
 /// A triangle prepared for a tile; values are those of the first pixel of its bounding box.
-struct Setup {
+struct TriangleSetup {
     /// The edge functions at the corner of the pixel, and what is to be added at each sample; not negative inside.
     edges: [i32; 3],
     samples: [[i32; SAMPLES]; 3],
@@ -125,7 +125,7 @@ impl Samples {
         if left > right || top > bottom || self.is_hidden(pixels, nearest) {
             return;
         }
-        let Some(setup) = Setup::new(corners, pixels, origin) else { return };
+        let Some(setup) = TriangleSetup::new(corners, pixels, origin) else { return };
         self.visited += ((right - left + 1) * (bottom - top + 1)) as usize;
         self.fill(&setup, id, is_there);
         if self.visited > 4 * TILE * TILE {
@@ -153,7 +153,7 @@ impl Samples {
         })
     }
 
-    fn fill(&mut self, setup: &Setup, id: u32, is_there: impl Fn([f32; 2]) -> bool) {
+    fn fill(&mut self, setup: &TriangleSetup, id: u32, is_there: impl Fn([f32; 2]) -> bool) {
         let [left, top, right, bottom] = setup.pixels;
         let n = (right - left + 1) as usize;
         let mut start = setup.edges;
@@ -229,7 +229,7 @@ pub(super) fn touched(&[a, b, c]: &[Vertex; 3]) -> [i32; 4] {
 }
 
 /// One edge in a tile.
-enum Edge {
+enum TileEdge {
     /// The tile lies outside.
     Outside,
     /// The tile lies inside.
@@ -243,14 +243,14 @@ enum Edge {
 const NEAR: i32 = 1 << 14;
 
 /// The same as [`edge`], for corners near the tile: the edge is taken to cross it.
-fn near_edge(a: Vertex, b: Vertex, origin: [i32; 2]) -> Edge {
+fn near_edge(a: Vertex, b: Vertex, origin: [i32; 2]) -> TileEdge {
     let (dx, dy) = (b.x - a.x, b.y - a.y);
     let counts = dy > 0 || (dy == 0 && dx > 0);
     let value = dx * (origin[1] * STEPS - a.y) - dy * (origin[0] * STEPS - a.x) - i32::from(!counts);
-    Edge::Crossing(value >> EIGHTH.trailing_zeros(), -dy, dx)
+    TileEdge::Crossing(value >> EIGHTH.trailing_zeros(), -dy, dx)
 }
 
-fn edge(a: Vertex, b: Vertex, origin: [i32; 2]) -> Edge {
+fn edge(a: Vertex, b: Vertex, origin: [i32; 2]) -> TileEdge {
     let (dx, dy) = (i64::from(b.x - a.x), i64::from(b.y - a.y));
     let counts = dy > 0 || (dy == 0 && dx > 0);
     let x = i64::from(origin[0] * STEPS - a.x);
@@ -258,15 +258,15 @@ fn edge(a: Vertex, b: Vertex, origin: [i32; 2]) -> Edge {
     let value = (dx * y - dy * x - i64::from(!counts)) >> EIGHTH.trailing_zeros();
     let last = i64::from(8 * SIDE - 1);
     if value + (-dy * last).max(0) + (dx * last).max(0) < 0 {
-        Edge::Outside
+        TileEdge::Outside
     } else if value + (-dy * last).min(0) + (dx * last).min(0) >= 0 {
-        Edge::Inside
+        TileEdge::Inside
     } else {
-        Edge::Crossing(value as i32, -dy as i32, dx as i32)
+        TileEdge::Crossing(value as i32, -dy as i32, dx as i32)
     }
 }
 
-impl Setup {
+impl TriangleSetup {
     /// The triangle over these pixels of the tile: left, top, right, bottom, bounds included.
     fn new(mut corners: [Vertex; 3], pixels: [i32; 4], origin: [i32; 2]) -> Option<Self> {
         let area = area(&corners);
@@ -292,9 +292,9 @@ impl Setup {
         for k in 0..3 {
             let (a, b) = (corners[k], corners[(k + 1) % 3]);
             match if is_near { near_edge(a, b, origin) } else { edge(a, b, origin) } {
-                Edge::Outside => return None,
-                Edge::Inside => {}
-                Edge::Crossing(value, right, down) => {
+                TileEdge::Outside => return None,
+                TileEdge::Inside => {}
+                TileEdge::Crossing(value, right, down) => {
                     (setup.right[k], setup.down[k]) = (8 * right, 8 * down);
                     setup.edges[k] = value.wrapping_add(8 * right * left).wrapping_add(8 * down * top);
                     setup.samples[k] = PLACES.map(|[x, y]| right * x + down * y);

@@ -5,7 +5,7 @@ use rayon::prelude::*;
 use super::normals::Normals;
 use super::program::Program;
 use super::refined::{RefinedChannel, RefinedMesh};
-use super::sweep::{Rule, Stencils};
+use super::sweep::{Stencils, ValueRule};
 use crate::math::functions::sqrt;
 use crate::math::vector::{cross, direction, dot, length, plus};
 use crate::watch::{Stopped, Watch};
@@ -71,12 +71,13 @@ fn first<const W: usize>(values: &[[f64; W]]) -> [f64; W] {
 }
 
 /// The rule for positions and vertex channels: a vertex without faces keeps its value.
-fn positions<const W: usize>() -> Rule<W> {
-    Rule { of: first, join: first, alone: |point| point }
+fn positions<const W: usize>() -> ValueRule<W> {
+    ValueRule { of: first, join: first, alone: |point| point }
 }
 
 /// The rule for normals, each from two tangents; zero where the tangents span no plane.
-const NORMALS: Rule<3> = Rule { of: |tangents| normal(tangents[0], tangents[1]), join: sum, alone: |_| [0.0; 3] };
+const NORMALS: ValueRule<3> =
+    ValueRule { of: |tangents| normal(tangents[0], tangents[1]), join: sum, alone: |_| [0.0; 3] };
 
 /// Returns `t x u` scaled to length one, or zero if the sine of their angle is not above [`LEAST_SINE`].
 #[inline]

@@ -8,7 +8,7 @@ use super::error::RefineError;
 use super::refined::{RefinedChannel, RefinedMesh};
 use super::seams::{RefinedPlaces, followed, refine_places_by_rows, seam_net};
 use super::start::mesh_net;
-use super::sweep::Outline;
+use super::sweep::SweepOutline;
 use crate::kept::Numbers;
 use crate::scheme::mesh_net::MeshNet;
 use crate::scheme::plan::{Plan, Scheduled};
@@ -18,15 +18,15 @@ use crate::watch::Watch;
 
 /// Returns whether the vertices of `mesh` are refined patch by patch.
 pub fn is_swept(mesh: &Mesh, plan: &Plan, steps: &[Scheduled]) -> bool {
-    Outline::of(&mesh_net(mesh, plan), plan, steps).is_some()
+    SweepOutline::of(&mesh_net(mesh, plan), plan, steps).is_some()
 }
 
 /// Returns the greatest number of rounds for which the vertices or face-corner values of a mesh are refined by rows
 /// before the sweep takes over, or `None` if any of them is not refined patch by patch.
 pub fn swept_from(mesh: &Mesh, plan: &Plan, steps: &[Scheduled]) -> Option<usize> {
-    let before = Outline::of(&mesh_net(mesh, plan), plan, steps)?.before();
+    let before = SweepOutline::of(&mesh_net(mesh, plan), plan, steps)?.before();
     mesh.attachments.places().try_fold(before, |before, Places { seams, .. }| {
-        Some(before.max(Outline::of(&seam_net(mesh, seams, plan), plan, &followed(seams, steps))?.before()))
+        Some(before.max(SweepOutline::of(&seam_net(mesh, seams, plan), plan, &followed(seams, steps))?.before()))
     })
 }
 

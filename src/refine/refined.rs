@@ -11,7 +11,7 @@ use crate::kept::Numbers;
 use crate::scheme::mesh_net::MeshNet;
 use crate::scheme::sharpness::Sharpness;
 use crate::shape::attachments::Attachments;
-use crate::shape::creases::{INFINITE_SHARPNESS, Tags};
+use crate::shape::creases::{CreaseTags, INFINITE_SHARPNESS};
 use crate::shape::order::Order;
 use crate::shape::source::{FaceChunk, MeshSource};
 use crate::shape::topology::{Topology, index};
@@ -36,7 +36,7 @@ pub struct RefinedMesh {
     /// Edges that are still sharp, indexed in the order of construction.
     sharpness: Option<Arc<Sharpness>>,
     /// The tags of the input, if no step was applied; otherwise empty.
-    pub(super) tags: Tags,
+    pub(super) tags: CreaseTags,
     /// For each of the last input vertices, which were added by splitting: the vertex that it was split from.
     pub(super) split_from: Arc<[u32]>,
     /// Number of pieces of each base edge: those of edge `e` have the indices `e x pieces ..` in its direction.
@@ -77,7 +77,7 @@ impl RefinedMesh {
             attachments: Arc::default(),
             channels: Vec::new(),
             sharpness: net.sharpness.clone(),
-            tags: Tags::default(),
+            tags: CreaseTags::default(),
             split_from: Arc::default(),
             pieces,
             uvs: None,
@@ -110,7 +110,7 @@ impl RefinedMesh {
 
     /// Returns the mesh with the tags of the input; meant for an input that no step changed.
     #[must_use]
-    pub(super) fn with_tags(self, tags: Tags) -> Self {
+    pub(super) fn with_tags(self, tags: CreaseTags) -> Self {
         Self { tags, ..self }
     }
 

@@ -5,7 +5,7 @@ use std::ops::Range;
 use super::refined::{RefinedChannel, RefinedMesh};
 use super::unfolded::Unfolded;
 use crate::shape::attachments::Attachments;
-use crate::shape::creases::Tags;
+use crate::shape::creases::CreaseTags;
 use crate::shape::source::{CarriedSource, FaceChunk, MeshSource, NormalSource, Origin, OriginSource, PlaceSource};
 use crate::shape::topology::{NONE, index};
 
@@ -44,7 +44,7 @@ impl CarriedSource for RefinedMesh {
         self.sharp_pieces().map(|(edge, piece)| self.piece(&self.base, edge, piece)).collect()
     }
 
-    fn tags(&self) -> Tags {
+    fn tags(&self) -> CreaseTags {
         self.tags.clone()
     }
 

@@ -8,11 +8,11 @@ use super::error::RefineError;
 use super::mesh::carrying;
 use super::refined::RefinedMesh;
 use super::start::mesh_net;
-use super::sweep::{OnDemand, Outline, Sweep};
+use super::sweep::{OnDemand, Sweep, SweepOutline};
 use super::vertex_order::VertexOrder;
 use crate::scheme::plan::{Plan, Scheduled};
 use crate::shape::attachments::Attachments;
-use crate::shape::creases::Tags;
+use crate::shape::creases::CreaseTags;
 use crate::shape::mesh::Mesh;
 use crate::shape::source::{CarriedSource, FaceChunk, MeshSource, OnDemandSource, Origin, OriginSource};
 use crate::shape::tile::Tile;
@@ -34,7 +34,7 @@ pub fn held_levels(mesh: &Mesh, plan: &Plan, steps: &[Scheduled]) -> Option<(usi
     let attachments = &mesh.attachments;
     let carries = !attachments.channels.is_empty() || attachments.uvs.is_some() || !mesh.frames.is_empty();
     let net = mesh_net(mesh, plan);
-    let outline = Outline::of(&net, plan, steps).filter(|_| !carries)?;
+    let outline = SweepOutline::of(&net, plan, steps).filter(|_| !carries)?;
     Some((outline.before(), outline.tile()))
 }
 
@@ -95,7 +95,7 @@ impl CarriedSource for StreamedMesh {
         self.shape.sharp_edges()
     }
 
-    fn tags(&self) -> Tags {
+    fn tags(&self) -> CreaseTags {
         self.shape.tags()
     }
 }

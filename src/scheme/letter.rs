@@ -1,7 +1,7 @@
 //! Letters: operators with the values of their parameters.
 
 use super::operator::{Facts, Operator};
-use super::settings::Settings;
+use super::settings::LetterSettings;
 use crate::math::parameter::{Parameter, Value};
 
 /// One letter of a word: an operator and the values of its parameters.
@@ -10,13 +10,13 @@ pub struct Letter {
     /// The operator.
     pub operator: &'static dyn Operator,
     /// The values of its parameters.
-    pub settings: Settings,
+    pub settings: LetterSettings,
 }
 
 impl Letter {
     /// Returns an operator with the default values.
     pub fn plain(operator: &'static dyn Operator) -> Self {
-        Self { operator, settings: Settings::usual(operator.facts().parameters) }
+        Self { operator, settings: LetterSettings::usual(operator.facts().parameters) }
     }
 
     /// Returns the letter with another value of a parameter.

@@ -6,8 +6,8 @@ use super::curve_rule::CurveRule;
 use super::forecast::Census;
 use super::mesh_net::MeshNet;
 use super::polygon_net::PolygonNet;
-use super::settings::Settings;
-use super::step::{Step, Values};
+use super::settings::LetterSettings;
+use super::step::{Step, StepValues};
 use super::step_error::StepError;
 use super::window::Window;
 use crate::math::parameter::Parameter;
@@ -20,14 +20,14 @@ pub trait Operator: fmt::Debug + Send + Sync {
     fn facts(&self) -> &'static Facts;
     /// Returns how the operator moves and counts the points of a polygon after `duals` half steps since the last
     /// upsampling; `None` if every point keeps its place in the sequence.
-    fn window(&self, _settings: &Settings, _duals: u32) -> Option<Window> {
+    fn window(&self, _settings: &LetterSettings, _duals: u32) -> Option<Window> {
         None
     }
     /// Sets the values of a letter that depend on alpha.
     ///
     /// # Errors
     /// A sentence, if alpha does not allow it.
-    fn at_alpha(&self, _settings: &mut Settings, _alpha: f64) -> Result<(), String> {
+    fn at_alpha(&self, _settings: &mut LetterSettings, _alpha: f64) -> Result<(), String> {
         Ok(())
     }
     /// Returns the role of the operator in the steps of splines on meshes, with the weight `mu` of vertices on
@@ -35,7 +35,7 @@ pub trait Operator: fmt::Debug + Send + Sync {
     ///
     /// # Errors
     /// The reason for which a cycle with this operator does not make splines, as the end of a sentence.
-    fn spline(&self, _settings: &Settings, _mu: f64) -> Result<SplineStep, &'static str> {
+    fn spline(&self, _settings: &LetterSettings, _mu: f64) -> Result<SplineStep, &'static str> {
         Err("its steps are others")
     }
     /// Checks whether the operator can be applied to a mesh as it is given, as far as connectivity and tags decide.
@@ -54,14 +54,14 @@ pub trait Operator: fmt::Debug + Send + Sync {
     ///
     /// # Errors
     /// If the operator cannot be applied to this polygon.
-    fn on_polygon(&self, _net: &PolygonNet, _values: &Values<'_>) -> Result<Step<PolygonNet>, StepError> {
+    fn on_polygon(&self, _net: &PolygonNet, _values: &StepValues<'_>) -> Result<Step<PolygonNet>, StepError> {
         Err(StepError::new(self.facts().nets.not_polygons().unwrap_or_default()))
     }
     /// Applies the operator to a mesh.
     ///
     /// # Errors
     /// If the operator cannot be applied to this mesh.
-    fn on_mesh(&self, _net: &MeshNet, _values: &Values<'_>) -> Result<Step<MeshNet>, StepError> {
+    fn on_mesh(&self, _net: &MeshNet, _values: &StepValues<'_>) -> Result<Step<MeshNet>, StepError> {
         Err(StepError::new(self.facts().nets.not_meshes().unwrap_or_default()))
     }
 }

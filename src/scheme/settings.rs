@@ -11,20 +11,20 @@ use crate::shape::tile::Tile;
 
 /// A value for each parameter that an operator declares for its letters; copies share them.
 #[derive(Debug, Clone)]
-pub struct Settings {
+pub struct LetterSettings {
     values: Arc<Values>,
     /// The exact entries of the mask, if they are fractions.
     exact_mask: Option<Arc<[Exact]>>,
 }
 
-impl PartialEq for Settings {
+impl PartialEq for LetterSettings {
     /// Equal values are equal, however they were written.
     fn eq(&self, other: &Self) -> bool {
         self.values == other.values
     }
 }
 
-impl Settings {
+impl LetterSettings {
     /// Creates the default values.
     pub fn usual(declared: &'static [Parameter]) -> Self {
         Self { values: Arc::new(Values::usual(declared)), exact_mask: None }

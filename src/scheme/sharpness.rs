@@ -137,7 +137,11 @@ impl Sharpness {
             }
             Creasing::Chaikin => {
                 let mut ends = self.ends(topology);
-                ends.extend(self.elsewhere.iter().map(|&(vertex, sharpness)| End { vertex, half: NONE, sharpness }));
+                ends.extend(self.elsewhere.iter().map(|&(vertex, sharpness)| EdgeEnd {
+                    vertex,
+                    half: NONE,
+                    sharpness,
+                }));
                 ends.sort_by_key(|end| (end.vertex, end.half));
                 for (end, child) in ends.chunk_by(|a, b| a.vertex == b.vertex).flat_map(chaikin) {
                     if end.half == NONE {
@@ -171,12 +175,12 @@ impl Sharpness {
     }
 
     /// Returns both ends of every sharp edge, by vertex, then by edge.
-    fn ends(&self, topology: &Topology) -> Vec<End> {
+    fn ends(&self, topology: &Topology) -> Vec<EdgeEnd> {
         let ends = |&(e, sharpness): &(u32, f64)| {
             let [a, b] = topology.ends(e as usize);
-            [End { vertex: a, half: 2 * e, sharpness }, End { vertex: b, half: 2 * e + 1, sharpness }]
+            [EdgeEnd { vertex: a, half: 2 * e, sharpness }, EdgeEnd { vertex: b, half: 2 * e + 1, sharpness }]
         };
-        let mut ends: Vec<End> = self.edges.iter().flat_map(ends).collect();
+        let mut ends: Vec<EdgeEnd> = self.edges.iter().flat_map(ends).collect();
         ends.sort_unstable_by_key(|end| (end.vertex, end.half));
         ends
     }
@@ -202,15 +206,15 @@ impl Sharpness {
 
 /// One end of a sharp edge, and the half of the edge at this end after a split.
 #[derive(Debug, Clone, Copy)]
-struct End {
+struct EdgeEnd {
     vertex: u32,
     half: u32,
     sharpness: f64,
 }
 
 /// Applies Chaikin's rule around one vertex; returns the ends with the sharpness of their halves.
-fn chaikin(around: &[End]) -> impl Iterator<Item = (End, f64)> + '_ {
-    let semi_sharp = |end: &&End| end.sharpness < INFINITE_SHARPNESS;
+fn chaikin(around: &[EdgeEnd]) -> impl Iterator<Item = (EdgeEnd, f64)> + '_ {
+    let semi_sharp = |end: &&EdgeEnd| end.sharpness < INFINITE_SHARPNESS;
     let (sum, n) = around.iter().filter(semi_sharp).fold((0.0, 0.0), |(sum, n), end| (sum + end.sharpness, n + 1.0));
     around.iter().map(move |end| {
         let child = if semi_sharp(&end) && n > 1.0 {

@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use super::local::Sources;
 use super::rules::LatitudeRule;
-use super::settings::Settings;
+use super::settings::LetterSettings;
 use crate::math::expression::Expression;
 use crate::math::planar::Vector2;
 use crate::math::rows::RowSource;
@@ -14,9 +14,9 @@ use crate::watch::{Stopped, Watch};
 
 /// The values with which an operator is applied at one place of a plan.
 #[derive(Debug, Clone, Copy)]
-pub struct Values<'a> {
+pub struct StepValues<'a> {
     /// The values of the letter's parameters.
-    pub settings: &'a Settings,
+    pub settings: &'a LetterSettings,
     /// The alpha that entered the last upsampling, in radians.
     pub alpha: f64,
     /// Value of the kernel for this average.

@@ -6,7 +6,7 @@ use super::operator::Operator;
 use super::plan::{Plan, Scheduled};
 use super::polygon_net::PolygonNet;
 use super::rules::LatitudeRule;
-use super::step::{Step, Values};
+use super::step::{Step, StepValues};
 use super::step_error::StepError;
 
 /// A net to which operators are applied.
@@ -15,17 +15,17 @@ pub trait Net: Sized {
     ///
     /// # Errors
     /// When the operator cannot be applied here.
-    fn apply(&self, operator: &dyn Operator, values: &Values<'_>) -> Result<Step<Self>, StepError>;
+    fn apply(&self, operator: &dyn Operator, values: &StepValues<'_>) -> Result<Step<Self>, StepError>;
 }
 
 impl Net for PolygonNet {
-    fn apply(&self, operator: &dyn Operator, values: &Values<'_>) -> Result<Step<Self>, StepError> {
+    fn apply(&self, operator: &dyn Operator, values: &StepValues<'_>) -> Result<Step<Self>, StepError> {
         operator.on_polygon(self, values)
     }
 }
 
 impl Net for MeshNet {
-    fn apply(&self, operator: &dyn Operator, values: &Values<'_>) -> Result<Step<Self>, StepError> {
+    fn apply(&self, operator: &dyn Operator, values: &StepValues<'_>) -> Result<Step<Self>, StepError> {
         operator.on_mesh(self, values)
     }
 }
@@ -61,7 +61,7 @@ impl<'a> Stepper<'a> {
         step: &Scheduled,
         sources: Option<Sources<'_>>,
     ) -> Result<Step<N>, StepError> {
-        let values = Values {
+        let values = StepValues {
             settings: &step.letter.settings,
             alpha: step.alpha,
             kernel: step.kernel,

@@ -96,7 +96,7 @@ impl Word {
             return Err(WordError::TooLong(text.len()));
         }
         let characters: Vec<char> = text.chars().collect();
-        let mut parser = Parser { text: &characters, at: 0 };
+        let mut parser = WordParser { text: &characters, at: 0 };
         let (letters, cycle) = parser.items(0)?;
         if letters.is_empty() && cycle.is_none() {
             return Err(WordError::Empty);
@@ -119,12 +119,12 @@ impl Word {
     }
 }
 
-struct Parser<'a> {
+struct WordParser<'a> {
     text: &'a [char],
     at: usize,
 }
 
-impl Parser<'_> {
+impl WordParser<'_> {
     fn peek(&self) -> Option<char> {
         self.text.get(self.at).copied()
     }

@@ -77,18 +77,18 @@ pub struct Share {
     pub name: &'static str,
     /// The size in bytes.
     pub capacity: u64,
-    state: Mutex<State>,
+    state: Mutex<ShareState>,
     refused: AtomicU64,
 }
 
 #[derive(Default)]
-struct State {
+struct ShareState {
     taken: u64,
     most: u64,
     waiting: VecDeque<(u64, oneshot::Sender<Reservation>)>,
 }
 
-impl State {
+impl ShareState {
     /// Removes waiters that have been dropped.
     fn forget_those_who_left(&mut self) {
         self.waiting.retain(|(_, grant)| !grant.is_closed());
@@ -134,7 +134,7 @@ impl Share {
         Self { name, capacity, state: Mutex::default(), refused: AtomicU64::new(0) }
     }
 
-    fn state(&self) -> MutexGuard<'_, State> {
+    fn state(&self) -> MutexGuard<'_, ShareState> {
         self.state.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
@@ -174,7 +174,7 @@ impl Share {
     }
 
     /// Counts bytes as taken and returns true, if that many are left.
-    fn book(&self, state: &mut State, bytes: u64) -> bool {
+    fn book(&self, state: &mut ShareState, bytes: u64) -> bool {
         let taken = state.taken.saturating_add(bytes);
         let fits = taken <= self.capacity;
         if fits {

@@ -13,10 +13,10 @@ use super::jobs::Jobs;
 use super::kept_work::KeptWork;
 use super::lent::{InFlight, Lent};
 use super::peer::{Peer, Peers, QuotaKind, Ticket};
-use super::pool::{Busy, Lack, Lane, Memory, Panicked, Pool, Turn, Waiting};
+use super::pool::{Busy, Lack, Lane, LaneMemory, Panicked, Pool, Turn, WaitingRequest};
 use super::queue::Queue;
 use super::result_buffer::ResultBuffer;
-use super::store::{Description, Manifest, Usage};
+use super::store::{ArtifactDescription, Manifest, Usage};
 use super::tally::{LookupResult, Tally};
 use super::task::Task;
 use super::tiers::{Stored, Tiers};
@@ -178,7 +178,7 @@ impl Desk {
         task: Arc<dyn Task>,
         peer: Peer,
         ticket: Ticket,
-        line_up: impl FnOnce(u128) -> Result<Waiting, Busy>,
+        line_up: impl FnOnce(u128) -> Result<WaitingRequest, Busy>,
     ) -> Result<Interest, Busy> {
         let (key, cost) = (task.key(), task.cost());
         let lane = self.pool.lane_of(cost.time_ms, cost.memory_bytes);
@@ -207,7 +207,7 @@ impl Desk {
         task: Arc<dyn Task>,
         peer: Peer,
         mut lane: Lane,
-        mut waiting: Waiting,
+        mut waiting: WaitingRequest,
     ) {
         let phase = loop {
             let turn = tokio::select! {
@@ -273,7 +273,7 @@ impl Desk {
 
     /// Charges the bytes of an outcome that no store has until the last response has sent them: to the share of
     /// answers, or, if that has no room, by keeping the memory of the computation.
-    fn charged(&self, mut outcome: Outcome, memory: Option<Memory>) -> Outcome {
+    fn charged(&self, mut outcome: Outcome, memory: Option<LaneMemory>) -> Outcome {
         let Some(bytes) = outcome.loose.take() else { return outcome };
         let length = bytes.len() as u64;
         outcome.loose = Some(match (self.account.answers.take_if_free(length), memory) {
@@ -293,7 +293,7 @@ impl Desk {
         let made = |buffer: &mut ResultBuffer<'_>| {
             let report = task.run(buffer, &work, &computation.watch)?;
             let (media_type, owners) = (task.media_type().into(), computation.owners());
-            let description = Description { media_type, warnings: report.warnings, owners };
+            let description = ArtifactDescription { media_type, warnings: report.warnings, owners };
             let Stored { manifest, loose } = buffer.commit(description).map_err(|error| RunError::Io(error.into()))?;
             Ok(Outcome { manifest, loose, timings: computation.timings() })
         };

@@ -33,18 +33,18 @@ type Encoded<R> = dyn Fn(&R) -> Option<Vec<u8>> + Send + Sync;
 
 /// The writer of one table.
 pub(super) struct Journal<R: RowKey> {
-    shared: Arc<Shared<R>>,
+    shared: Arc<SharedJournal<R>>,
 }
 
-struct Shared<R> {
+struct SharedJournal<R> {
     /// The store of records; `None` after the thread has ended.
     records: Mutex<Option<Arc<dyn Records>>>,
     encoded: Box<Encoded<R>>,
-    pending: Mutex<Pending<R>>,
+    pending: Mutex<PendingRows<R>>,
     changed: Condvar,
 }
 
-struct Pending<R> {
+struct PendingRows<R> {
     /// The rows that have changed, each with the senders that report when it is written.
     rows: BTreeMap<R, Vec<oneshot::Sender<Result<(), String>>>>,
     /// Why the last write or check failed, if it did.
@@ -66,10 +66,14 @@ impl<R: RowKey> Journal<R> {
         records: Arc<dyn Records>,
         encoded: impl Fn(&R) -> Option<Vec<u8>> + Send + Sync + 'static,
     ) -> Self {
-        let pending = Pending { rows: BTreeMap::new(), trouble: None, closed: false, ended: false };
+        let pending = PendingRows { rows: BTreeMap::new(), trouble: None, closed: false, ended: false };
         let (pending, changed) = (Mutex::new(pending), Condvar::new());
-        let shared =
-            Arc::new(Shared { records: Mutex::new(Some(records)), encoded: Box::new(encoded), pending, changed });
+        let shared = Arc::new(SharedJournal {
+            records: Mutex::new(Some(records)),
+            encoded: Box::new(encoded),
+            pending,
+            changed,
+        });
         let of_thread = shared.clone();
         let started = thread::Builder::new().name("jobs".to_owned()).spawn(move || of_thread.work());
         if let Err(error) = started {
@@ -130,9 +134,9 @@ impl<R: RowKey> Drop for Journal<R> {
     }
 }
 
-impl<R: RowKey> Shared<R> {
+impl<R: RowKey> SharedJournal<R> {
     /// Locks the pending changes. Every change under this lock is complete before anything can panic.
-    fn pending(&self) -> MutexGuard<'_, Pending<R>> {
+    fn pending(&self) -> MutexGuard<'_, PendingRows<R>> {
         self.pending.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
@@ -144,7 +148,7 @@ impl<R: RowKey> Shared<R> {
     /// Writes changes until the journal is closed, and checks the store while there are none.
     fn work(&self) {
         loop {
-            let idle = |pending: &mut Pending<R>| pending.rows.is_empty() && !pending.closed;
+            let idle = |pending: &mut PendingRows<R>| pending.rows.is_empty() && !pending.closed;
             let waited = self.changed.wait_timeout_while(self.pending(), CHECK, idle);
             let (mut pending, _) = waited.unwrap_or_else(PoisonError::into_inner);
             let rows = std::mem::take(&mut pending.rows);

@@ -16,7 +16,7 @@ pub(super) struct Crowded;
 /// A bounded number of places, and the requests that wait for one.
 #[derive(Debug)]
 pub(super) struct WaitingLine {
-    state: Mutex<State>,
+    state: Mutex<LineState>,
     /// The memory of the requests that have a place.
     share: Arc<Share>,
     most: usize,
@@ -24,7 +24,7 @@ pub(super) struct WaitingLine {
 }
 
 #[derive(Debug)]
-struct State {
+struct LineState {
     free: usize,
     n_waiting: usize,
     next_number: u64,
@@ -41,7 +41,7 @@ struct Request {
 
 /// A request in line; it leaves the line when dropped.
 #[derive(Debug)]
-pub struct Waiting {
+pub struct WaitingRequest {
     line: Arc<WaitingLine>,
     peer: Peer,
     number: u64,
@@ -53,17 +53,17 @@ pub struct Waiting {
 pub(super) struct LinePlace {
     line: Arc<WaitingLine>,
     /// The memory of the request; taken out if it is needed longer than the place.
-    pub(super) memory: Option<Memory>,
+    pub(super) memory: Option<LaneMemory>,
 }
 
 /// Memory of a lane; when it is given back, the line grants it to the next request.
 #[derive(Debug)]
-pub struct Memory {
+pub struct LaneMemory {
     line: Arc<WaitingLine>,
     held: Option<Reservation>,
 }
 
-impl Memory {
+impl LaneMemory {
     /// Gives back all but `bytes` of the memory.
     pub fn shrink_to(&mut self, bytes: u64) {
         self.held.iter_mut().for_each(|held| held.shrink_to(bytes));
@@ -71,7 +71,7 @@ impl Memory {
     }
 }
 
-impl Drop for Memory {
+impl Drop for LaneMemory {
     fn drop(&mut self) {
         drop(self.held.take());
         self.line.serve();
@@ -82,25 +82,25 @@ impl WaitingLine {
     /// Creates a line before `places` places, with at most `most` waiting requests, and at most `most_a_peer` of each
     /// peer.
     pub(super) fn new(places: usize, share: Arc<Share>, most: usize, most_a_peer: usize) -> Arc<Self> {
-        let state = State { free: places.max(1), n_waiting: 0, next_number: 0, queues: VecDeque::new() };
+        let state = LineState { free: places.max(1), n_waiting: 0, next_number: 0, queues: VecDeque::new() };
         Arc::new(Self { state: Mutex::new(state), share, most, most_a_peer })
     }
 
-    fn state(&self) -> MutexGuard<'_, State> {
+    fn state(&self) -> MutexGuard<'_, LineState> {
         self.state.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
     /// Joins the line for a place with `bytes` of memory; a request for more than the share has takes the whole share.
-    pub(super) fn join(self: &Arc<Self>, peer: Peer, bytes: u64) -> Result<Waiting, Crowded> {
+    pub(super) fn join(self: &Arc<Self>, peer: Peer, bytes: u64) -> Result<WaitingRequest, Crowded> {
         self.join_behind(peer, bytes, self.most_a_peer)
     }
 
     /// Joins the line regardless of the number of requests that the peer has in it.
-    pub(super) fn join_again(self: &Arc<Self>, peer: Peer, bytes: u64) -> Result<Waiting, Crowded> {
+    pub(super) fn join_again(self: &Arc<Self>, peer: Peer, bytes: u64) -> Result<WaitingRequest, Crowded> {
         self.join_behind(peer, bytes, usize::MAX)
     }
 
-    fn join_behind(self: &Arc<Self>, peer: Peer, bytes: u64, most_a_peer: usize) -> Result<Waiting, Crowded> {
+    fn join_behind(self: &Arc<Self>, peer: Peer, bytes: u64, most_a_peer: usize) -> Result<WaitingRequest, Crowded> {
         let mut state = self.state();
         let own = state.queues.iter().find(|(other, _)| *other == peer).map_or(0, |(_, queue)| queue.len());
         if state.n_waiting >= self.most || own >= most_a_peer {
@@ -117,7 +117,7 @@ impl WaitingLine {
         }
         drop(state);
         self.serve();
-        Ok(Waiting { line: Arc::clone(self), peer, number, granted })
+        Ok(WaitingRequest { line: Arc::clone(self), peer, number, granted })
     }
 
     /// Grants free places to the next requests in turn.
@@ -133,7 +133,7 @@ impl WaitingLine {
             };
             // the first request waits for its memory and holds up the others: overtaken, it might wait forever
             let Some(held) = self.share.take_if_free(bytes) else { return };
-            let memory = Memory { line: Arc::clone(self), held: Some(held) };
+            let memory = LaneMemory { line: Arc::clone(self), held: Some(held) };
             let (peer, mut queue) = state.queues.pop_front().expect("it was just looked at");
             let request = queue.pop_front().expect("no queue is empty");
             if !queue.is_empty() {
@@ -174,14 +174,14 @@ impl WaitingLine {
     }
 }
 
-impl Waiting {
+impl WaitingRequest {
     /// Waits for a place.
     pub(super) async fn place(mut self) -> LinePlace {
         (&mut self.granted).await.expect("a line grants each request that stays")
     }
 }
 
-impl Drop for Waiting {
+impl Drop for WaitingRequest {
     fn drop(&mut self) {
         self.line.leave(self.peer, self.number);
     }

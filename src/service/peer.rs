@@ -80,10 +80,10 @@ pub enum QuotaKind {
 
 /// The amounts that all peers hold, by kind.
 #[derive(Debug, Default)]
-pub struct Peers(Mutex<Table>);
+pub struct Peers(Mutex<PeerTable>);
 
 #[derive(Debug, Default)]
-struct Table {
+struct PeerTable {
     of_peer: HashMap<(Peer, QuotaKind), u64>,
     of_all: HashMap<QuotaKind, u64>,
 }
@@ -105,7 +105,7 @@ pub struct Paid {
 }
 
 impl Peers {
-    fn table(&self) -> MutexGuard<'_, Table> {
+    fn table(&self) -> MutexGuard<'_, PeerTable> {
         self.0.lock().unwrap_or_else(PoisonError::into_inner)
     }
 

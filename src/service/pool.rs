@@ -14,7 +14,7 @@ use super::account::{Account, Share};
 use super::line::{LinePlace, WaitingLine};
 use super::peer::Peer;
 
-pub use super::line::{Memory, Waiting};
+pub use super::line::{LaneMemory, WaitingRequest};
 
 /// Predicted milliseconds from which work counts as long. Half of it would send more work to the long lane, where it
 /// may wait behind large jobs; twice of it would make requests in the short lane wait for each other up to twice as
@@ -139,7 +139,7 @@ pub struct Turn {
 
 impl Turn {
     /// Takes the memory out of the turn, whose place is given back.
-    pub(super) fn into_memory(mut self) -> Option<Memory> {
+    pub(super) fn into_memory(mut self) -> Option<LaneMemory> {
         self.place.memory.take()
     }
 
@@ -164,7 +164,7 @@ impl Turn {
     pub async fn spawn_keeping<T: Send + 'static>(
         mut self,
         work: impl FnOnce() -> T + Send + 'static,
-    ) -> Result<(T, Option<Memory>), Panicked> {
+    ) -> Result<(T, Option<LaneMemory>), Panicked> {
         let (done, result) = oneshot::channel();
         let threads = Arc::clone(&self.threads);
         threads.spawn(move || {
@@ -210,7 +210,7 @@ impl Pool {
     ///
     /// # Errors
     /// [`Busy`] when the line, or this peer's part of it, is full.
-    pub fn line_up(&self, lane: Lane, peer: Peer, memory_bytes: u128) -> Result<Waiting, Busy> {
+    pub fn line_up(&self, lane: Lane, peer: Peer, memory_bytes: u128) -> Result<WaitingRequest, Busy> {
         self.lane(lane).line.join(peer, bytes(memory_bytes)).map_err(|_| self.busy(lane, Lack::Places))
     }
 
@@ -219,12 +219,12 @@ impl Pool {
     ///
     /// # Errors
     /// [`Busy`] when the line is full.
-    pub fn line_up_again(&self, lane: Lane, peer: Peer, memory_bytes: u128) -> Result<Waiting, Busy> {
+    pub fn line_up_again(&self, lane: Lane, peer: Peer, memory_bytes: u128) -> Result<WaitingRequest, Busy> {
         self.lane(lane).line.join_again(peer, bytes(memory_bytes)).map_err(|_| self.busy(lane, Lack::Places))
     }
 
     /// Waits for the turn.
-    pub async fn turn(&self, lane: Lane, waiting: Waiting) -> Turn {
+    pub async fn turn(&self, lane: Lane, waiting: WaitingRequest) -> Turn {
         Turn { threads: Arc::clone(&self.lane(lane).threads), place: waiting.place().await }
     }
 

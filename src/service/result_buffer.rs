@@ -7,9 +7,9 @@ use std::sync::Arc;
 use bytes::Bytes;
 
 use super::disk_counts::count;
-use super::store::{Description, LargeSpool, Manifest, StoreError};
+use super::store::{ArtifactDescription, LargeSpool, Manifest, StoreError};
 use super::tiers::{Stored, Tiers};
-use super::writer::Waiting;
+use super::writer::UnwrittenArtifact;
 use crate::job::key::Key;
 
 /// Memory of a result beyond its estimate, in bytes. Half of it would abort results whose estimate is short by more;
@@ -54,11 +54,11 @@ impl<'a> ResultBuffer<'a> {
     ///
     /// # Errors
     /// When the disk [lost](Self::has_lost_bytes) bytes.
-    pub fn commit(&mut self, description: Description) -> Result<Stored, StoreError> {
+    pub fn commit(&mut self, description: ArtifactDescription) -> Result<Stored, StoreError> {
         if let Some(mut spool) = self.spool.take() {
             match spool.seal(description.clone()) {
                 Ok(sealed) => {
-                    if self.tiers.offer(&Waiting::Sealed(Arc::clone(&sealed))) {
+                    if self.tiers.offer(&UnwrittenArtifact::Sealed(Arc::clone(&sealed))) {
                         return Ok(Stored { manifest: Arc::clone(sealed.manifest()), loose: None });
                     }
                     self.bytes = self.taken_back(sealed.whole())?;

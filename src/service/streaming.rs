@@ -89,8 +89,8 @@ impl Desk {
         let stop = StopOnDrop(watch.clone());
         let (sender, chunks) = mpsc::channel(CHUNKS);
         let (done, ended) = oneshot::channel();
-        let pace = Pace { clock: self.clock.clone(), since: self.clock.now(), left: self.terms.run_timeout };
-        let mut out = Channel { sender, chunk: Vec::new(), places, permit, runtime: Handle::current(), pace };
+        let pace = TimeBudget { clock: self.clock.clone(), since: self.clock.now(), left: self.terms.run_timeout };
+        let mut out = ChunkSender { sender, chunk: Vec::new(), places, permit, runtime: Handle::current(), pace };
         let timeout = self.terms.run_timeout;
         let desk = self.clone();
         let making = move || {
@@ -113,25 +113,25 @@ impl Desk {
 }
 
 /// The writing end of a stream.
-struct Channel {
+struct ChunkSender {
     sender: mpsc::Sender<Bytes>,
     chunk: Vec<u8>,
     places: Arc<Semaphore>,
     /// The place in which the stream computes; given back while the stream waits for its client.
     permit: Option<OwnedSemaphorePermit>,
     runtime: Handle,
-    pace: Pace,
+    pace: TimeBudget,
 }
 
 /// The computing time that a stream has left.
-struct Pace {
+struct TimeBudget {
     clock: Arc<dyn Clock>,
     /// The time from which computing has not yet been counted.
     since: Duration,
     left: Duration,
 }
 
-impl Pace {
+impl TimeBudget {
     /// Counts the time since the last call; returns whether none is left.
     fn is_over(&mut self) -> bool {
         let now = self.clock.now();
@@ -141,7 +141,7 @@ impl Pace {
     }
 }
 
-impl Channel {
+impl ChunkSender {
     fn take(&mut self, task: &dyn Task, kept: &dyn KeepWork, watch: &Watch) -> Result<(), RunError> {
         task.run(self, kept, watch)?;
         self.send().map_err(RunError::Io)
@@ -171,7 +171,7 @@ impl Channel {
     }
 }
 
-impl Write for Channel {
+impl Write for ChunkSender {
     fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
         if self.chunk.capacity() == 0 {
             self.chunk.reserve_exact(CHUNK_BYTES);

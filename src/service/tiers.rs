@@ -9,8 +9,8 @@ use bytes::Bytes;
 use super::clock::{Clock, Monotonic};
 use super::disk_counts::DiskCounts;
 use super::reads::{PART_PATIENCE, Reads};
-use super::store::{Description, LargeSpool, Manifest, Memory, Pin, Store, StoreError, Usage, part_of};
-use super::writer::{Trouble, Waiting, Writer};
+use super::store::{ArtifactDescription, LargeSpool, Manifest, MemoryStore, Pin, Store, StoreError, Usage, part_of};
+use super::writer::{StoreWriter, Trouble, UnwrittenArtifact};
 use crate::job::key::Key;
 
 /// Artifacts up to this size are copied from disk into memory when they are requested. Half of it would read more
@@ -24,7 +24,7 @@ const LOOKUP_PATIENCE: Duration = Duration::from_secs(2);
 /// The memory store with the disk store behind it.
 #[derive(Debug)]
 pub struct Tiers {
-    memory: Memory,
+    memory: MemoryStore,
     /// Results that are expected to be larger than this go to disk directly.
     small_bytes: u64,
     disk: Option<DiskTier>,
@@ -44,7 +44,7 @@ pub struct Stored {
 #[derive(Debug)]
 struct DiskTier {
     store: Arc<dyn Store>,
-    writer: Writer,
+    writer: StoreWriter,
     reads: Reads,
 }
 
@@ -60,10 +60,10 @@ impl Tiers {
         let small_bytes = memory_bytes / 8;
         let disk = disk.map(|store| {
             // the backlog may hold an eighth of the memory cache in addition to it, so that any one small artifact fits
-            let writer = Writer::new(store.clone(), small_bytes, Arc::clone(&counts), clock);
+            let writer = StoreWriter::new(store.clone(), small_bytes, Arc::clone(&counts), clock);
             DiskTier { store, writer, reads: Reads::new(Arc::clone(&counts)) }
         });
-        Self { memory: Memory::new(memory_bytes), small_bytes, disk, counts }
+        Self { memory: MemoryStore::new(memory_bytes), small_bytes, disk, counts }
     }
 
     /// Returns the manifest of an artifact that is in memory; never blocks. Counts as a use on disk, too.
@@ -73,8 +73,8 @@ impl Tiers {
             return Some(manifest);
         }
         match self.waiting(key)? {
-            Waiting::Held(manifest, _) => Some(manifest),
-            Waiting::Sealed(_) => None,
+            UnwrittenArtifact::Held(manifest, _) => Some(manifest),
+            UnwrittenArtifact::Sealed(_) => None,
         }
     }
 
@@ -85,7 +85,7 @@ impl Tiers {
         Some(bytes)
     }
 
-    fn waiting(&self, key: &Key) -> Option<Waiting> {
+    fn waiting(&self, key: &Key) -> Option<UnwrittenArtifact> {
         self.disk.as_ref()?.writer.get(key)
     }
 
@@ -115,7 +115,7 @@ impl Tiers {
             return Some(part);
         }
         match self.waiting(&manifest.key)? {
-            Waiting::Held(held, bytes) if held.content == manifest.content => part_of(&held, &bytes, index),
+            UnwrittenArtifact::Held(held, bytes) if held.content == manifest.content => part_of(&held, &bytes, index),
             _ => None,
         }
     }
@@ -136,7 +136,7 @@ impl Tiers {
     /// Returns whether an artifact is on disk, or waits in a temporary file to be stored there.
     pub fn is_on_disk(&self, key: &Key) -> bool {
         let stored = self.disk.as_ref().is_some_and(|disk| disk.touch(key).is_some());
-        stored || matches!(self.waiting(key), Some(Waiting::Sealed(_)))
+        stored || matches!(self.waiting(key), Some(UnwrittenArtifact::Sealed(_)))
     }
 
     /// Returns a verified part of an artifact on disk; `None` if it is missing or damaged, or if the disk does not
@@ -145,7 +145,8 @@ impl Tiers {
         let disk = self.disk.as_ref()?;
         let (store, waiting, of) = (disk.store.clone(), self.waiting(&manifest.key), Arc::clone(manifest));
         let read = disk.reads.read(PART_PATIENCE, move || {
-            if let Some(Waiting::Sealed(sealed)) = waiting.filter(|waiting| waiting.manifest().content == of.content)
+            if let Some(UnwrittenArtifact::Sealed(sealed)) =
+                waiting.filter(|waiting| waiting.manifest().content == of.content)
                 && let Some(part) = sealed.part(index)?
             {
                 return Ok(Some(part));
@@ -169,7 +170,7 @@ impl Tiers {
         if let Ok(manifest) = self.memory.keep(Arc::clone(&manifest), bytes.clone()) {
             return Stored { manifest, loose: None };
         }
-        self.offer(&Waiting::Held(Arc::clone(&manifest), bytes.clone()));
+        self.offer(&UnwrittenArtifact::Held(Arc::clone(&manifest), bytes.clone()));
         Stored { manifest, loose: Some(bytes) }
     }
 
@@ -179,12 +180,12 @@ impl Tiers {
         if self.disk.is_some()
             && let Some(bytes) = self.memory.whole(manifest)
         {
-            self.offer(&Waiting::Held(Arc::clone(manifest), bytes));
+            self.offer(&UnwrittenArtifact::Held(Arc::clone(manifest), bytes));
         }
     }
 
     /// Offers an artifact to the disk writer; returns whether it will be written.
-    pub(super) fn offer(&self, waiting: &Waiting) -> bool {
+    pub(super) fn offer(&self, waiting: &UnwrittenArtifact) -> bool {
         self.disk.as_ref().is_some_and(|disk| disk.writer.offer(waiting))
     }
 
@@ -258,12 +259,12 @@ impl DiskTier {
 }
 
 /// Copies an artifact into memory; returns false if its bytes are missing or damaged.
-fn promote(memory: &Memory, disk: &dyn Store, manifest: &Manifest) -> Result<bool, StoreError> {
+fn promote(memory: &MemoryStore, disk: &dyn Store, manifest: &Manifest) -> Result<bool, StoreError> {
     let mut spool = memory.spool(manifest.key)?;
     for index in 0..manifest.parts.len() {
         let Some(part) = disk.part(manifest, index)? else { return Ok(false) };
         spool.write_all(&part)?;
     }
-    spool.commit(Description::of(manifest))?;
+    spool.commit(ArtifactDescription::of(manifest))?;
     Ok(true)
 }

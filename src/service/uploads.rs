@@ -10,7 +10,7 @@ use bytes::Bytes;
 use super::disk_counts::DiskCounts;
 use super::job_key::Tenant;
 use super::reads::{PART_PATIENCE, Reads};
-use super::store::{Description, Manifest, Owners, Pin, Spool, Store, StoreError, Usage};
+use super::store::{ArtifactDescription, Manifest, Owners, Pin, Spool, Store, StoreError, Usage};
 use crate::job::key::{Key, content};
 
 /// The files that clients sent.
@@ -45,7 +45,11 @@ impl Upload {
     /// When the store does not take it.
     pub fn finish(self, media_type: &str, tenant: Tenant) -> Result<Arc<Manifest>, StoreError> {
         let owners = Owners::from_iter([tenant]);
-        self.0.commit_by_content(Description { media_type: media_type.to_owned(), warnings: Vec::new(), owners })
+        self.0.commit_by_content(ArtifactDescription {
+            media_type: media_type.to_owned(),
+            warnings: Vec::new(),
+            owners,
+        })
     }
 }
 

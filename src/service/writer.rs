@@ -12,7 +12,7 @@ use bytes::Bytes;
 
 use super::clock::Clock;
 use super::disk_counts::{DiskCounts, count};
-use super::store::{Description, Manifest, Sealed, Store, StoreError};
+use super::store::{ArtifactDescription, Manifest, Sealed, Store, StoreError};
 use crate::job::key::Key;
 
 /// Number of writing threads. One would let small artifacts wait behind a long one; four would share the same disk.
@@ -38,14 +38,14 @@ pub(super) const LAST_WAIT: Duration = Duration::from_secs(10);
 
 /// An artifact that waits to be written to disk.
 #[derive(Debug, Clone)]
-pub(super) enum Waiting {
+pub(super) enum UnwrittenArtifact {
     /// An artifact whose bytes are in memory.
     Held(Arc<Manifest>, Bytes),
     /// An artifact whose bytes are in a temporary file.
     Sealed(Arc<dyn Sealed>),
 }
 
-impl Waiting {
+impl UnwrittenArtifact {
     pub(super) fn manifest(&self) -> &Arc<Manifest> {
         match self {
             Self::Held(manifest, _) => manifest,
@@ -67,7 +67,7 @@ impl Waiting {
             Self::Held(manifest, bytes) => {
                 let mut spool = store.spool(manifest.key)?;
                 spool.write_all(bytes)?;
-                spool.commit(Description::of(manifest)).map(drop)
+                spool.commit(ArtifactDescription::of(manifest)).map(drop)
             }
         }
     }
@@ -86,10 +86,10 @@ pub struct Trouble {
 
 /// The writer of one store.
 #[derive(Debug)]
-pub(super) struct Writer(Arc<Shared>);
+pub(super) struct StoreWriter(Arc<SharedWriter>);
 
 #[derive(Debug)]
-struct Shared {
+struct SharedWriter {
     store: Arc<dyn Store>,
     max_bytes: u64,
     counts: Arc<DiskCounts>,
@@ -103,7 +103,7 @@ struct Shared {
 struct Backlog {
     line: VecDeque<Key>,
     /// All artifacts that wait or are being written.
-    waiting: HashMap<Key, Waiting>,
+    waiting: HashMap<Key, UnwrittenArtifact>,
     held_bytes: u64,
     n_sealed: usize,
     /// The start times of the writes under way.
@@ -125,11 +125,11 @@ struct Failing {
     reason: String,
 }
 
-impl Writer {
+impl StoreWriter {
     /// Starts the threads. The waiting artifacts hold at most `max_bytes` of memory.
     pub(super) fn new(store: Arc<dyn Store>, max_bytes: u64, counts: Arc<DiskCounts>, clock: Arc<dyn Clock>) -> Self {
         let (backlog, changed) = (Mutex::new(Backlog { threads: THREADS, ..Backlog::default() }), Condvar::new());
-        let shared = Arc::new(Shared { store, max_bytes, counts, clock, backlog, changed });
+        let shared = Arc::new(SharedWriter { store, max_bytes, counts, clock, backlog, changed });
         for number in 0..THREADS {
             let of_thread = Arc::clone(&shared);
             let started = thread::Builder::new().name(format!("disk-{number}")).spawn(move || of_thread.work());
@@ -143,8 +143,8 @@ impl Writer {
 
     /// Adds an artifact to the backlog, unless there is no room for it or the store cannot take it; returns whether it
     /// will be written. An artifact with the same bytes that waits already counts as added. Never waits for the disk.
-    pub(super) fn offer(&self, waiting: &Waiting) -> bool {
-        let Shared { store, counts, .. } = &*self.0;
+    pub(super) fn offer(&self, waiting: &UnwrittenArtifact) -> bool {
+        let SharedWriter { store, counts, .. } = &*self.0;
         let manifest = waiting.manifest();
         if let Err(error) = store.admit(&manifest.key, manifest.length) {
             count(&counts.dropped_unfit);
@@ -165,10 +165,10 @@ impl Writer {
     }
 
     /// Returns an artifact that waits, or the last large one that could not be written.
-    pub(super) fn get(&self, key: &Key) -> Option<Waiting> {
+    pub(super) fn get(&self, key: &Key) -> Option<UnwrittenArtifact> {
         let backlog = self.0.backlog();
         let given_up = || backlog.given_up.as_ref().filter(|sealed| sealed.manifest().key == *key);
-        backlog.waiting.get(key).cloned().or_else(|| given_up().cloned().map(Waiting::Sealed))
+        backlog.waiting.get(key).cloned().or_else(|| given_up().cloned().map(UnwrittenArtifact::Sealed))
     }
 
     /// Returns the number of waiting artifacts, and the memory they hold in bytes.
@@ -223,7 +223,7 @@ impl Writer {
     }
 }
 
-impl Drop for Writer {
+impl Drop for StoreWriter {
     fn drop(&mut self) {
         let closed = self.0.backlog().closed;
         if !closed {
@@ -233,30 +233,30 @@ impl Drop for Writer {
 }
 
 impl Backlog {
-    fn has_room(&self, waiting: &Waiting, max_bytes: u64) -> bool {
-        let sealed = matches!(waiting, Waiting::Sealed(_));
+    fn has_room(&self, waiting: &UnwrittenArtifact, max_bytes: u64) -> bool {
+        let sealed = matches!(waiting, UnwrittenArtifact::Sealed(_));
         self.waiting.len() < MAX_WAITING
             && self.held_bytes.saturating_add(waiting.held_bytes()) <= max_bytes
             && !(sealed && self.n_sealed >= MAX_SEALED)
     }
 
-    fn put(&mut self, waiting: Waiting) {
+    fn put(&mut self, waiting: UnwrittenArtifact) {
         let key = waiting.manifest().key;
         self.held_bytes += waiting.held_bytes();
-        self.n_sealed += usize::from(matches!(waiting, Waiting::Sealed(_)));
+        self.n_sealed += usize::from(matches!(waiting, UnwrittenArtifact::Sealed(_)));
         self.line.push_back(key);
         self.waiting.insert(key, waiting);
     }
 
-    fn take(&mut self, key: &Key) -> Option<Waiting> {
+    fn take(&mut self, key: &Key) -> Option<UnwrittenArtifact> {
         let waiting = self.waiting.remove(key)?;
         self.held_bytes -= waiting.held_bytes();
-        self.n_sealed -= usize::from(matches!(waiting, Waiting::Sealed(_)));
+        self.n_sealed -= usize::from(matches!(waiting, UnwrittenArtifact::Sealed(_)));
         Some(waiting)
     }
 }
 
-impl Shared {
+impl SharedWriter {
     /// Locks the backlog. Every change under this lock is complete before anything can panic, so a poisoned lock guards
     /// sound values.
     fn backlog(&self) -> MutexGuard<'_, Backlog> {
@@ -273,7 +273,7 @@ impl Shared {
         self.leave();
     }
 
-    fn next(&self) -> Option<(Key, Waiting)> {
+    fn next(&self) -> Option<(Key, UnwrittenArtifact)> {
         let idle = |backlog: &mut Backlog| backlog.line.is_empty() && !backlog.closed;
         let waited = self.changed.wait_while(self.backlog(), idle);
         let mut backlog = waited.unwrap_or_else(PoisonError::into_inner);
@@ -283,7 +283,7 @@ impl Shared {
         Some((key, waiting))
     }
 
-    fn finish(&self, key: &Key, waiting: Waiting, written: Result<(), StoreError>) {
+    fn finish(&self, key: &Key, waiting: UnwrittenArtifact, written: Result<(), StoreError>) {
         if let Err(error) = &written
             && !matches!(error, StoreError::Away { .. })
         {
@@ -304,7 +304,7 @@ impl Shared {
             (Ok(()), _) => backlog.failing = None,
             (Err(error), waiting) => {
                 self.note(&mut backlog, &error);
-                if let Waiting::Sealed(sealed) = waiting {
+                if let UnwrittenArtifact::Sealed(sealed) = waiting {
                     left.1 = backlog.given_up.replace(sealed);
                 }
             }

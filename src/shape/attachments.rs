@@ -3,7 +3,7 @@
 
 use std::sync::Arc;
 
-use super::connect::Checked;
+use super::connect::CheckedTopology;
 use super::labels::{FaceSet, Labels};
 use super::looks::Look;
 use super::seams::{Seams, SeamsInput, Uvs, UvsInput, joint};
@@ -172,7 +172,7 @@ impl Attachments {
     pub fn new(
         input: AttachmentsInput,
         n_vertices: usize,
-        checked @ Checked { topology, split_from: _, turned }: &Checked,
+        checked @ CheckedTopology { topology, split_from: _, turned }: &CheckedTopology,
     ) -> Result<Self, Vec<Fault>> {
         let AttachmentsInput { channels, groups, materials, mut looks, uvs } = input;
         let n_faces = topology.n_faces();
@@ -202,7 +202,10 @@ impl Attachments {
 }
 
 /// Transfers a channel to the checked mesh, whose vertices may have been split.
-fn of_parts(channel: ChannelInput, Checked { topology, split_from, turned }: &Checked) -> Result<Channel, Vec<Fault>> {
+fn of_parts(
+    channel: ChannelInput,
+    CheckedTopology { topology, split_from, turned }: &CheckedTopology,
+) -> Result<Channel, Vec<Fault>> {
     let Channel { name, width, mut values, seams } = channel;
     if let Some(seams) = seams {
         let found = Seams::new(&seams, (width, &values), topology, turned);

@@ -1,12 +1,12 @@
 //! Builds the topology of faces that pass the checks.
 
 use super::check::{FaceList, FaceSide, NonManifold, Winding, check_edges, check_faces, groups, orient, sides};
-use super::topology::{Faces, NONE, Topology, index};
+use super::topology::{FaceLayout, NONE, Topology, index};
 use crate::fault::Fault;
 
 /// A topology, and how the input was changed to obtain it.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Checked {
+pub struct CheckedTopology {
     /// The topology of the faces.
     pub topology: Topology,
     /// For each vertex appended by splitting fans apart: the vertex it was split from.
@@ -24,7 +24,7 @@ impl Topology {
     /// # Errors
     /// Every fault with a pointer `/faces/...`: faces of fewer than three vertices, repeated or missing vertices, edges
     /// with three faces or more, components that cannot be oriented or are wound inconsistently.
-    pub fn of_faces(n_vertices: usize, mut faces: FaceList, winding: Winding) -> Result<Checked, Vec<Fault>> {
+    pub fn of_faces(n_vertices: usize, mut faces: FaceList, winding: Winding) -> Result<CheckedTopology, Vec<Fault>> {
         check_faces(n_vertices, &faces, NonManifold::Refuse)?;
         let mut sides = sides(n_vertices, &faces);
         check_edges(&faces, &sides)?;
@@ -35,7 +35,7 @@ impl Topology {
         let opposite = opposites(faces.n_half_edges(), &sides);
         let mut topology = connect(n_vertices, faces, &opposite);
         let split_from = topology.part_fans();
-        Ok(Checked { topology, split_from, turned })
+        Ok(CheckedTopology { topology, split_from, turned })
     }
 
     /// Returns the topology of some faces, in the given order, and the vertex of this topology for each of its
@@ -49,7 +49,7 @@ impl Topology {
         vertices.dedup();
         let number = |v: &u32| vertices.binary_search(v).map_or(NONE, index);
         let faces = faces.iter().map(|&f| self.face(f as usize).iter().map(number)).collect();
-        let Checked { topology, split_from, .. } = Self::of_faces(vertices.len(), faces, Winding::Refuse)?;
+        let CheckedTopology { topology, split_from, .. } = Self::of_faces(vertices.len(), faces, Winding::Refuse)?;
         let copies: Vec<u32> = split_from.iter().map(|&v| vertices[v as usize]).collect();
         vertices.extend(copies);
         Ok((topology, vertices))
@@ -130,13 +130,13 @@ pub(super) fn connect(n_vertices: usize, faces: FaceList, opposite: &[u32]) -> T
     let (quads, triangles) = (all(4), all(3));
     let FaceList { starts, vertices } = faces;
     let layout = if quads {
-        Faces::Quads
+        FaceLayout::Quads
     } else if triangles {
-        Faces::Triangles
+        FaceLayout::Triangles
     } else {
         let owner = starts.windows(2).enumerate();
         let owner = owner.flat_map(|(f, pair)| std::iter::repeat_n(index(f), (pair[1] - pair[0]) as usize)).collect();
-        Faces::Mixed { starts, owner }
+        FaceLayout::Mixed { starts, owner }
     };
     let outgoing = vec![NONE; n_vertices];
     Topology { n_vertices, faces: layout, vertices, edge_of, halves, outgoing }

@@ -10,8 +10,8 @@
 use rayon::prelude::*;
 
 use super::check::{FaceList, Winding};
-use super::connect::Checked;
-use super::topology::{Faces, GRAIN, NONE, Topology, index};
+use super::connect::CheckedTopology;
+use super::topology::{FaceLayout, GRAIN, NONE, Topology, index};
 use crate::fault::Fault;
 
 impl Topology {
@@ -48,7 +48,7 @@ impl Topology {
             faces.push(cycle);
         }
         let n = (n_c + 2 * boundary.len()) as usize + fixed.len();
-        Self::of_faces(n, faces, Winding::Refuse).map(|Checked { topology, .. }| topology)
+        Self::of_faces(n, faces, Winding::Refuse).map(|CheckedTopology { topology, .. }| topology)
     }
 
     /// Returns the vertices that replace the boundary vertex `v` in a first step: the fixed corner, or the two new
@@ -150,11 +150,11 @@ impl<'a> CornerCut<'a> {
     }
 
     /// Returns the sizes of the faces: those of the old faces, 4 per edge, and the number of faces around each vertex.
-    fn faces(&self) -> Faces {
+    fn faces(&self) -> FaceLayout {
         let old = self.old;
         let quads = old.is_quads() && self.starts.windows(2).all(|pair| matches!(pair[1] - pair[0], 0 | 4));
         if quads {
-            return Faces::Quads;
+            return FaceLayout::Quads;
         }
         let kept = (0..old.n_faces()).map(|f| old.half_edges(f).start);
         let of_edges = (0..index(self.n_edge_faces)).map(|rank| index(old.n_half_edges()) + 4 * rank);
@@ -166,7 +166,7 @@ impl<'a> CornerCut<'a> {
         starts.windows(2).enumerate().for_each(|(f, pair)| {
             owner[pair[0] as usize..pair[1] as usize].fill(index(f));
         });
-        Faces::Mixed { starts, owner }
+        FaceLayout::Mixed { starts, owner }
     }
 
     /// Returns the vertex and the edge of each half-edge.

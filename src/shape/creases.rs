@@ -18,7 +18,7 @@ pub type Sharp = Vec<(u32, f64)>;
 /// The sharp edges and vertices of a mesh as a client tags them: ascending, values above 0, at most
 /// [`INFINITE_SHARPNESS`].
 #[derive(Debug, Clone, Default, PartialEq)]
-pub struct Tags {
+pub struct CreaseTags {
     /// Ends and sharpness of edges.
     pub creases: Vec<([u32; 2], f64)>,
     /// Sharp vertices.

@@ -12,8 +12,8 @@
 use super::check::{
     FaceList, FaceSide, NonManifold, Winding, check_faces, forward, groups, orient, owner, sides, turns,
 };
-use super::connect::{Checked, connect};
-use super::repairs::{Edges, Faces, Repair};
+use super::connect::{CheckedTopology, connect};
+use super::repairs::{AffectedEdges, AffectedFaces, Repair};
 use super::topology::{NONE, Topology, index};
 use crate::fault::Fault;
 
@@ -29,7 +29,7 @@ impl Topology {
         faces: FaceList,
         winding: Winding,
         non_manifold: NonManifold,
-    ) -> Result<(Checked, Vec<Repair>), Vec<Fault>> {
+    ) -> Result<(CheckedTopology, Vec<Repair>), Vec<Fault>> {
         if non_manifold == NonManifold::Refuse {
             return Self::of_faces(n_vertices, faces, winding).map(|checked| (checked, Vec::new()));
         }
@@ -50,7 +50,7 @@ impl Topology {
 const ADDED_A_FACE: usize = 2;
 const ADDED: usize = 1000;
 
-fn cut(n_vertices: usize, mut faces: FaceList, winding: Winding) -> Result<(Checked, Vec<Repair>), Vec<Fault>> {
+fn cut(n_vertices: usize, mut faces: FaceList, winding: Winding) -> Result<(CheckedTopology, Vec<Repair>), Vec<Fault>> {
     check_faces(n_vertices, &faces, NonManifold::Split)?;
     let mut all = sides(n_vertices, &faces);
     let turned = if winding == Winding::Repair { turns(&faces, &all).0 } else { Vec::new() };
@@ -83,22 +83,22 @@ fn cut(n_vertices: usize, mut faces: FaceList, winding: Winding) -> Result<(Chec
     if rejoin(&all, &mut opposite) || is_parted {
         (topology, split_from) = build(&opposite);
     }
-    Ok((Checked { topology, split_from, turned }, repairs))
+    Ok((CheckedTopology { topology, split_from, turned }, repairs))
 }
 
 /// Records why the faces do not form a manifold, by kind of defect.
 fn misfits(faces: &FaceList, sides: &[FaceSide]) -> Vec<Repair> {
     let ends = |group: &[FaceSide]| [group[0].0.0, group[0].0.1];
     let opposed = |group: &&[FaceSide]| group.len() == 2 && forward(faces, &group[0]) == forward(faces, &group[1]);
-    let crowded = Edges::some(groups(sides).filter(|group| group.len() > 2).map(ends));
-    let opposed = Edges::some(groups(sides).filter(opposed).map(ends));
+    let crowded = AffectedEdges::some(groups(sides).filter(|group| group.len() > 2).map(ends));
+    let opposed = AffectedEdges::some(groups(sides).filter(opposed).map(ends));
     let repeats = |&f: &u32| {
         let mut face = faces.face(f as usize).to_vec();
         face.sort_unstable();
         face.windows(2).any(|pair| pair[0] == pair[1])
     };
     let repeating: Vec<u32> = (0..index(faces.len())).filter(repeats).collect();
-    let repeating = Faces::some(&repeating).map(Repair::Repeating);
+    let repeating = AffectedFaces::some(&repeating).map(Repair::Repeating);
     crowded.map(Repair::Crowded).into_iter().chain(opposed.map(Repair::Opposed)).chain(repeating).collect()
 }
 

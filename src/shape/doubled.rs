@@ -1,7 +1,7 @@
 //! Finds coincident boundary edges, which files with duplicated vertices leave in a closed surface.
 
 use super::mesh::Mesh;
-use super::repairs::{Edges, Repair};
+use super::repairs::{AffectedEdges, Repair};
 use super::topology::index;
 
 /// The positions of the two ends of an edge as bits, the lower first.
@@ -32,6 +32,6 @@ impl Mesh {
         let apart = groups.filter(|group| group.iter().any(|&(_, e)| ends(e) != ends(group[0].1)));
         let mut doubled: Vec<u32> = apart.flatten().map(|&(_, e)| e).collect();
         doubled.sort_unstable();
-        Edges::some(doubled.into_iter().map(|e| topology.ends(e as usize))).map(Repair::Doubled)
+        AffectedEdges::some(doubled.into_iter().map(|e| topology.ends(e as usize))).map(Repair::Doubled)
     }
 }

@@ -9,7 +9,7 @@
 use std::ops::Range;
 use std::sync::Arc;
 
-use super::line::{Line, quads};
+use super::line::{VertexLine, quads};
 use super::source::Origin;
 use super::tile::Tile;
 use super::tiling::Tiling;
@@ -18,7 +18,7 @@ use super::triangle_grid::descended;
 
 /// The order of one split mesh.
 #[derive(Debug, Clone)]
-pub struct Grid {
+pub struct QuadGrid {
     base: Arc<Topology>,
     /// The topology before the last split.
     parent: Arc<Topology>,
@@ -47,7 +47,7 @@ enum FacePosition {
     Centre,
 }
 
-impl Grid {
+impl QuadGrid {
     /// Returns the order of `base` after splits with `pieces` pieces per edge; `parent` is the topology before the last
     /// split. If some base face is not a quad, the first split has 2 pieces per edge.
     ///
@@ -132,9 +132,9 @@ impl Grid {
             (patch, out) = out.split_at_mut((n * n - local).min(out.len()));
             f += patch.len();
             if is_quad {
-                quads(n, local, patch, |j| Line::new(n, |i| self.quad_vertex(base_face, i, j)));
+                quads(n, local, patch, |j| VertexLine::new(n, |i| self.quad_vertex(base_face, i, j)));
             } else {
-                quads(n, local, patch, |j| Line::new(n, |i| self.part_vertex(base_face, part, i, j)));
+                quads(n, local, patch, |j| VertexLine::new(n, |i| self.part_vertex(base_face, part, i, j)));
             }
         }
     }

@@ -4,7 +4,7 @@ use super::topology::index;
 
 /// The indices of the `n + 1` vertices along a line of a grid.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Line {
+pub(super) struct VertexLine {
     n: usize,
     first: u32,
     last: u32,
@@ -14,7 +14,7 @@ pub(super) struct Line {
     step: u32,
 }
 
-impl Line {
+impl VertexLine {
     /// Creates a line with `n` pieces from the indices of its vertices 0 to `n`. Those of vertices 1 to `n - 1` are
     /// evenly spaced.
     pub(super) fn new(n: usize, vertex: impl Fn(usize) -> u32) -> Self {
@@ -39,7 +39,7 @@ impl Line {
 
 /// Fills `out` with quads, row by row from quad `first`: row `j` lies between lines `j` and `j + 1`, which have `n`
 /// pieces. Each quad starts at the lower line and is counter-clockwise.
-pub(super) fn quads(n: usize, first: usize, mut out: &mut [[u32; 4]], line: impl Fn(usize) -> Line) {
+pub(super) fn quads(n: usize, first: usize, mut out: &mut [[u32; 4]], line: impl Fn(usize) -> VertexLine) {
     let (mut j, mut from) = (first / n, first % n);
     let mut lower = line(j);
     while !out.is_empty() {
@@ -51,7 +51,7 @@ pub(super) fn quads(n: usize, first: usize, mut out: &mut [[u32; 4]], line: impl
     }
 }
 
-fn row_of_quads(lower: &Line, upper: &Line, from: usize, row: &mut [[u32; 4]]) {
+fn row_of_quads(lower: &VertexLine, upper: &VertexLine, from: usize, row: &mut [[u32; 4]]) {
     let quad = |i: usize| [lower.at(i), lower.at(i + 1), upper.at(i + 1), upper.at(i)];
     let to = from + row.len();
     let between = from.max(1)..to.min(lower.n - 1);
@@ -75,7 +75,12 @@ fn row_of_quads(lower: &Line, upper: &Line, from: usize, row: &mut [[u32; 4]]) {
 
 /// Fills `out` with triangles, row by row from triangle `first` of row `row`: row `j` lies between line `j`, which has
 /// `n - j` pieces, and the next. Upward and downward triangles alternate.
-pub(super) fn triangles(n: usize, [row, first]: [usize; 2], mut out: &mut [[u32; 3]], line: impl Fn(usize) -> Line) {
+pub(super) fn triangles(
+    n: usize,
+    [row, first]: [usize; 2],
+    mut out: &mut [[u32; 3]],
+    line: impl Fn(usize) -> VertexLine,
+) {
     let (mut j, mut from) = (row, first);
     let mut lower = line(j);
     while !out.is_empty() {
@@ -87,7 +92,7 @@ pub(super) fn triangles(n: usize, [row, first]: [usize; 2], mut out: &mut [[u32;
     }
 }
 
-fn row_of_triangles(lower: &Line, upper: &Line, from: usize, row: &mut [[u32; 3]]) {
+fn row_of_triangles(lower: &VertexLine, upper: &VertexLine, from: usize, row: &mut [[u32; 3]]) {
     let triangle = |k: usize| {
         let i = k / 2;
         if k.is_multiple_of(2) {

@@ -7,10 +7,10 @@ use std::sync::Arc;
 use super::attachments::{Attachments, AttachmentsInput};
 use super::attributes::Attributes;
 use super::check::{FaceList, NonManifold, Winding};
-use super::creases::{INFINITE_SHARPNESS, Pairs, Sharp, Tags, check_corners};
+use super::creases::{CreaseTags, INFINITE_SHARPNESS, Pairs, Sharp, check_corners};
 use super::directions::Directions;
 use super::indices::check_indices;
-use super::repairs::{Faces, Repair};
+use super::repairs::{AffectedFaces, Repair};
 use super::topology::{Topology, index};
 use crate::fault::{Fault, under};
 
@@ -97,12 +97,12 @@ impl Mesh {
     }
 
     /// Returns the sharp edges and vertices of the mesh.
-    pub fn tags(&self) -> Tags {
+    pub fn tags(&self) -> CreaseTags {
         let creases = self.creases.iter().map(|&(e, sharpness)| (self.topology.ends(e as usize), sharpness));
         let fixed = self.corners.iter().map(|&v| (v, INFINITE_SHARPNESS));
         let mut corners: Sharp = fixed.chain(self.semi_sharp_corners.iter().copied()).collect();
         corners.sort_unstable_by_key(|&(v, _)| v);
-        Tags { creases: creases.collect(), corners }
+        CreaseTags { creases: creases.collect(), corners }
     }
 
     /// Checks and builds a mesh.
@@ -155,7 +155,7 @@ impl Mesh {
         let (positions, frames) = (coordinates(input.positions), input.frames.into_iter().map(coordinates).collect());
         let mut repairs: Vec<Repair> = input.notes.into_iter().map(Repair::Read).chain(input.repairs).collect();
         repairs.extend(cut.into_iter().chain(Repair::split(n, &checked.split_from)));
-        repairs.extend(Faces::some(&checked.turned).map(Repair::Turned));
+        repairs.extend(AffectedFaces::some(&checked.turned).map(Repair::Turned));
         let (fixed, semi_sharp_corners): (Sharp, Sharp) = on_all_parts(corners, n, &checked.split_from)
             .into_iter()
             .partition(|&(_, sharpness)| sharpness >= INFINITE_SHARPNESS);

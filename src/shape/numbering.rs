@@ -12,16 +12,16 @@ use super::topology::Topology;
 /// whole net would be too large; beyond 64 bits the indices wrap around.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Numbering {
-    whole: Counts,
+    whole: CellCounts,
     vertices: Vec<u64>,
-    faces: Vec<Face>,
+    faces: Vec<NumberedFace>,
     /// For each half-edge its edge in the whole net.
-    sides: Vec<Side>,
+    sides: Vec<OrientedEdge>,
 }
 
 /// Numbers of cells of the whole net.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-struct Counts {
+struct CellCounts {
     vertices: u64,
     edges: u64,
     faces: u64,
@@ -29,7 +29,7 @@ struct Counts {
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-struct Face {
+struct NumberedFace {
     number: u64,
     /// The index of the face's first half-edge in the whole net.
     start: u64,
@@ -38,7 +38,7 @@ struct Face {
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-struct Side {
+struct OrientedEdge {
     edge: u64,
     /// Whether the side runs in the direction that the edge has in the whole net.
     forward: bool,
@@ -47,7 +47,7 @@ struct Side {
 impl Numbering {
     /// Returns the numbering of a whole net.
     pub fn of(topology: &Topology) -> Self {
-        let whole = Counts {
+        let whole = CellCounts {
             vertices: topology.n_vertices() as u64,
             edges: topology.n_edges() as u64,
             faces: topology.n_faces() as u64,
@@ -56,10 +56,10 @@ impl Numbering {
         let faces = 0..topology.n_faces();
         let sides = faces.clone().flat_map(|f| topology.half_edges(f)).map(|half_edge| {
             let edge = topology.edge(half_edge);
-            Side { edge: edge.into(), forward: topology.halves(edge as usize)[0] == half_edge }
+            OrientedEdge { edge: edge.into(), forward: topology.halves(edge as usize)[0] == half_edge }
         });
         let sides = sides.collect();
-        let face = |f: usize| Face { number: f as u64, start: topology.half_edges(f).start.into(), turn: 0 };
+        let face = |f: usize| NumberedFace { number: f as u64, start: topology.half_edges(f).start.into(), turn: 0 };
         Self { whole, vertices: (0..whole.vertices).collect(), faces: faces.map(face).collect(), sides }
     }
 
@@ -93,7 +93,7 @@ impl Numbering {
             let range = topology.half_edges(f);
             let face = self.faces[f];
             let turn = (face.turn + first - range.start) % (range.end - range.start);
-            part.faces.push(Face { turn, ..face });
+            part.faces.push(NumberedFace { turn, ..face });
             let mut half_edge = first;
             for _ in range {
                 part.sides.push(self.sides[half_edge as usize]);
@@ -126,7 +126,7 @@ impl Numbering {
         let vertices = self.vertices.iter().copied().chain(edges).chain(middles).collect();
         let n = topology.n_half_edges();
         let mut split = Self {
-            whole: Counts {
+            whole: CellCounts {
                 vertices: on_faces.wrapping_add(whole.faces),
                 edges: spokes.wrapping_add(whole.corners),
                 faces: whole.corners,
@@ -142,11 +142,11 @@ impl Numbering {
                 let before = topology.previous(half_edge);
                 let [along, back] = [half_edge, before].map(|half_edge| self.sides[half_edge as usize]);
                 let [here, there] = [half_edge, before].map(|half_edge| self.corner(topology, f, half_edge));
-                let half = |side: Side, second: bool| {
+                let half = |side: OrientedEdge, second: bool| {
                     let number = side.edge.wrapping_mul(2).wrapping_add(u64::from(second == side.forward));
-                    Side { edge: number, forward: side.forward }
+                    OrientedEdge { edge: number, forward: side.forward }
                 };
-                let spoke = |(start, j): (u64, u32), forward| Side {
+                let spoke = |(start, j): (u64, u32), forward| OrientedEdge {
                     edge: spokes.wrapping_add(start.wrapping_add(j.into())),
                     forward,
                 };
@@ -158,7 +158,7 @@ impl Numbering {
                 let (start, j) = here;
                 let (place, turn) = if is_quad { (ROW_BY_ROW[j as usize], (j + 4 - first) % 4) } else { (j, 0) };
                 let number = start.wrapping_add(place.into());
-                split.faces.push(Face { number, start: number.wrapping_mul(4), turn });
+                split.faces.push(NumberedFace { number, start: number.wrapping_mul(4), turn });
             }
         }
         split

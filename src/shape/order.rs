@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use rayon::prelude::*;
 
-use super::grid::Grid;
+use super::grid::QuadGrid;
 use super::source::{FaceChunk, Origin};
 use super::tile::Tile;
 use super::topology::Topology;
@@ -15,7 +15,7 @@ use super::triangle_grid::TriangleGrid;
 #[derive(Debug, Clone)]
 pub enum Order {
     /// After splits into quads.
-    Quads(Grid),
+    Quads(QuadGrid),
     /// After splits into triangles.
     Triangles(TriangleGrid),
 }
@@ -28,7 +28,7 @@ impl Order {
     /// If there is no split: then the order is that of the base.
     pub fn new(base: Arc<Topology>, parent: Arc<Topology>, tile: Tile, pieces: Arc<[u32]>) -> Self {
         match tile {
-            Tile::Quad => Self::Quads(Grid::new(base, parent, pieces)),
+            Tile::Quad => Self::Quads(QuadGrid::new(base, parent, pieces)),
             Tile::Triangle => Self::Triangles(TriangleGrid::new(base, parent, pieces)),
         }
     }

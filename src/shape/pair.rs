@@ -18,7 +18,7 @@ const SAME: f64 = 1e-6;
 
 /// An inner edge whose two triangles make a quad.
 #[derive(Debug, Clone, Copy, PartialEq)]
-struct Candidate {
+struct TrianglePair {
     /// The lower triangle, then the higher one.
     faces: [u32; 2],
     /// The position in each triangle at which the edge starts.
@@ -62,7 +62,7 @@ pub struct Diagonal {
     pub ends: [u32; 2],
 }
 
-impl Candidate {
+impl TrianglePair {
     fn diagonal(&self, faces: &FaceList) -> Diagonal {
         let [f, g] = self.faces;
         let [j, k] = self.places;
@@ -74,7 +74,7 @@ impl Candidate {
 }
 
 /// Returns the candidates between triangles, by ascending edge.
-fn candidates(positions: &[[f64; 3]], faces: &FaceList) -> Vec<Candidate> {
+fn candidates(positions: &[[f64; 3]], faces: &FaceList) -> Vec<TrianglePair> {
     let mut sides: Vec<([u32; 2], u32, u32, bool)> = Vec::new();
     for f in (0..faces.len()).filter(|&f| faces.face(f).len() == 3) {
         let face = faces.face(f);
@@ -93,7 +93,7 @@ fn candidates(positions: &[[f64; 3]], faces: &FaceList) -> Vec<Candidate> {
         let quad = quad(faces, [f, g], [j, k]);
         if quad[1] != quad[3] {
             let places = quad.map(|v| positions[v as usize]);
-            found.extend(skew(places).map(|skew| Candidate { faces: [f, g], places: [j, k], skew }));
+            found.extend(skew(places).map(|skew| TrianglePair { faces: [f, g], places: [j, k], skew }));
         }
     }
     found
@@ -129,7 +129,7 @@ fn skew([a, b, c, d]: [[f64; 3]; 4]) -> Option<f64> {
 }
 
 /// Returns the candidate that pairs each face, or [`NONE`].
-fn choose(candidates: &[Candidate], n_faces: usize) -> Vec<u32> {
+fn choose(candidates: &[TrianglePair], n_faces: usize) -> Vec<u32> {
     let mut of_face: Vec<[u32; 3]> = vec![[NONE; 3]; n_faces];
     for (i, candidate) in candidates.iter().enumerate() {
         for f in candidate.faces {
@@ -140,7 +140,7 @@ fn choose(candidates: &[Candidate], n_faces: usize) -> Vec<u32> {
     }
     let mut chosen = vec![NONE; n_faces];
     let mut settled = vec![false; n_faces];
-    let is_open = |candidate: &Candidate, settled: &[bool]| candidate.faces.iter().all(|&f| !settled[f as usize]);
+    let is_open = |candidate: &TrianglePair, settled: &[bool]| candidate.faces.iter().all(|&f| !settled[f as usize]);
     for (i, candidate) in candidates.iter().enumerate() {
         if !is_open(candidate, &settled) {
             continue;
@@ -148,9 +148,9 @@ fn choose(candidates: &[Candidate], n_faces: usize) -> Vec<u32> {
         let around = candidate.faces.iter().flat_map(|&f| of_face[f as usize]);
         let others =
             around.filter(|&other| other != NONE && other as usize != i).map(|other| candidates[other as usize]);
-        let is_free = |other: &Candidate| other.faces.iter().all(|&f| chosen[f as usize] == NONE);
+        let is_free = |other: &TrianglePair| other.faces.iter().all(|&f| chosen[f as usize] == NONE);
         let rivals = others.filter(|other| (other.skew - candidate.skew).abs() < SAME && is_free(other));
-        let rivals: Vec<Candidate> = rivals.collect();
+        let rivals: Vec<TrianglePair> = rivals.collect();
         if rivals.is_empty() {
             candidate.faces.iter().for_each(|&f| chosen[f as usize] = index(i));
         }
@@ -159,7 +159,7 @@ fn choose(candidates: &[Candidate], n_faces: usize) -> Vec<u32> {
     chosen
 }
 
-fn join(faces: &FaceList, candidates: &[Candidate], chosen: &[u32]) -> Paired {
+fn join(faces: &FaceList, candidates: &[TrianglePair], chosen: &[u32]) -> Paired {
     let mut paired = Paired::default();
     let starts: Vec<u32> = (0..faces.len())
         .scan(0, |at, f| {

@@ -23,9 +23,9 @@ pub enum Repair {
     /// Merged vertices had other parameters than those that were kept: each parameter with the first such pair.
     LostParameters(Vec<(&'static str, [usize; 2])>),
     /// Faces were removed, as welding left them without area.
-    LeftOut(Faces),
+    LeftOut(AffectedFaces),
     /// Faces were reversed to agree with their neighbours.
-    Turned(Faces),
+    Turned(AffectedFaces),
     /// Pairs of triangles were joined into quads.
     Paired {
         /// Number of pairs.
@@ -34,11 +34,11 @@ pub enum Repair {
         left: usize,
     },
     /// Edges with more than two faces, at which the mesh was cut.
-    Crowded(Edges),
+    Crowded(AffectedEdges),
     /// Edges along which two faces run in the same direction, at which the mesh was cut.
-    Opposed(Edges),
+    Opposed(AffectedEdges),
     /// Faces that visit a vertex more than once; the vertex was split.
-    Repeating(Faces),
+    Repeating(AffectedFaces),
     /// Vertices that joined several fans of faces were split.
     Split {
         /// Number of added vertices.
@@ -47,7 +47,7 @@ pub enum Repair {
         first: Vec<[u32; 2]>,
     },
     /// Boundary edges that coincide with others.
-    Doubled(Edges),
+    Doubled(AffectedEdges),
 }
 
 impl Repair {
@@ -60,14 +60,14 @@ impl Repair {
 
 /// Some edges: their number, and the ends of the first of them.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Edges {
+pub struct AffectedEdges {
     /// Number of edges.
     pub count: usize,
     /// The ends of the first edges.
     pub first: Vec<[u32; 2]>,
 }
 
-impl Edges {
+impl AffectedEdges {
     /// Records the edges with these ends; `None` if there are none.
     pub(super) fn some(mut ends: impl Iterator<Item = [u32; 2]>) -> Option<Self> {
         let first: Vec<[u32; 2]> = ends.by_ref().take(NAMED).collect();
@@ -75,7 +75,7 @@ impl Edges {
     }
 }
 
-impl fmt::Display for Edges {
+impl fmt::Display for AffectedEdges {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let list: Vec<String> = self.first.iter().map(|[a, b]| format!("({a}, {b})")).collect();
         f.write_str(&listed(&list, self.count))
@@ -94,14 +94,14 @@ fn counted(n: usize, [one, many]: [&str; 2]) -> String {
 
 /// Some faces: their number, and the first of them.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Faces {
+pub struct AffectedFaces {
     /// Number of faces.
     pub count: usize,
     /// The first faces.
     pub first: Vec<u32>,
 }
 
-impl Faces {
+impl AffectedFaces {
     /// Records these faces; `None` if there are none.
     pub(super) fn some(faces: &[u32]) -> Option<Self> {
         let first = faces.iter().take(NAMED).copied().collect();
@@ -109,7 +109,7 @@ impl Faces {
     }
 }
 
-impl fmt::Display for Faces {
+impl fmt::Display for AffectedFaces {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let list: Vec<String> = self.first.iter().map(u32::to_string).collect();
         f.write_str(&listed(&list, self.count))

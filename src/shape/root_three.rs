@@ -9,7 +9,7 @@
 
 use rayon::prelude::*;
 
-use super::topology::{Faces, GRAIN, NONE, Topology, index};
+use super::topology::{FaceLayout, GRAIN, NONE, Topology, index};
 
 /// How a sqrt 3 split treats boundary edges.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -24,7 +24,7 @@ impl Topology {
     /// The topology after a sqrt 3 split of triangles; see the order above.
     #[must_use]
     pub fn split_root_three(&self, boundary: BoundarySplit) -> Self {
-        let split = RootThree::of(self, boundary);
+        let split = RootThreeSplit::of(self, boundary);
         let n_c = self.n_half_edges();
         let mut vertices = vec![0; 3 * n_c];
         let mut edge_of = vec![0; 3 * n_c];
@@ -35,7 +35,7 @@ impl Topology {
         });
         Self {
             n_vertices: self.n_vertices() + self.n_faces() + split.cut.len(),
-            faces: Faces::Triangles,
+            faces: FaceLayout::Triangles,
             vertices,
             edge_of,
             halves: split.edges(),
@@ -45,14 +45,14 @@ impl Topology {
 }
 
 /// One split: the topology before it, and the boundary half-edges whose edges are cut.
-struct RootThree<'a> {
+struct RootThreeSplit<'a> {
     old: &'a Topology,
     boundary: BoundarySplit,
     /// The half-edges of the boundary edges that are cut, by edge.
     cut: Vec<u32>,
 }
 
-impl<'a> RootThree<'a> {
+impl<'a> RootThreeSplit<'a> {
     fn of(old: &'a Topology, boundary: BoundarySplit) -> Self {
         let cut = match boundary {
             BoundarySplit::Whole => Vec::new(),

@@ -147,7 +147,7 @@ impl Seams {
             let twin = mesh.twin(half_edge);
             value(half_edge) == value(mesh.next(twin)) && value(mesh.next(half_edge)) == value(twin)
         };
-        let (topology, place_of_corner) = Fans { mesh, joined }.topology()?;
+        let (topology, place_of_corner) = CornerRuns { mesh, joined }.topology()?;
         let n_places = topology.n_vertices();
         let mut values = vec![0.0; width * n_places];
         let (mut vertex_of, mut value_of) = (vec![0; n_places], vec![0; n_places]);
@@ -227,7 +227,7 @@ pub fn joint(sets: &[&Seams], mesh: &Topology) -> Result<Arc<Topology>, Vec<Faul
     let is_inner =
         |seams: &&Seams, half_edge| !seams.topology.is_boundary_edge(seams.topology.edge(half_edge) as usize);
     let joined = |half_edge: u32| sets.iter().all(|seams| is_inner(seams, half_edge));
-    Fans { mesh, joined }.topology().map(|(topology, _)| Arc::new(topology))
+    CornerRuns { mesh, joined }.topology().map(|(topology, _)| Arc::new(topology))
 }
 
 /// Returns the index of the value at each corner.
@@ -272,13 +272,13 @@ fn corner_values(
 }
 
 /// Runs of adjacent corners around a vertex that share a place.
-struct Fans<'a, J> {
+struct CornerRuns<'a, J> {
     mesh: &'a Topology,
     /// Whether both faces at an inner edge share their places there.
     joined: J,
 }
 
-impl<J: Fn(u32) -> bool> Fans<'_, J> {
+impl<J: Fn(u32) -> bool> CornerRuns<'_, J> {
     fn joined(&self, half_edge: u32) -> bool {
         self.mesh.twin(half_edge) != NONE && (self.joined)(half_edge)
     }

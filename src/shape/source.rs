@@ -3,7 +3,7 @@
 use std::ops::Range;
 
 use super::attachments::Attachments;
-use super::creases::Tags;
+use super::creases::CreaseTags;
 use super::topology::index;
 
 /// One polygon: `points` holds `n x dimension` coordinates, point after point, in model units.
@@ -107,8 +107,8 @@ pub trait CarriedSource {
     }
 
     /// Returns the tags of a mesh that is still as it was given; empty for a refined mesh.
-    fn tags(&self) -> Tags {
-        Tags::default()
+    fn tags(&self) -> CreaseTags {
+        CreaseTags::default()
     }
 }
 

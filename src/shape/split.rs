@@ -2,7 +2,7 @@
 
 use rayon::prelude::*;
 
-use super::topology::{Faces, NONE, Topology, index};
+use super::topology::{FaceLayout, NONE, Topology, index};
 
 /// The position of a corner's child quad among the four children of a quad, which are ordered row by row.
 pub(super) const ROW_BY_ROW: [u32; 4] = [0, 1, 3, 2];
@@ -40,7 +40,7 @@ impl Topology {
         let on_faces = (0..self.n_faces()).into_par_iter().map(|f| self.child(self.half_edges(f).start, 2));
         Self {
             n_vertices: n_v + n_e + self.n_faces(),
-            faces: Faces::Quads,
+            faces: FaceLayout::Quads,
             vertices,
             edge_of,
             halves: halves.chain(spokes).collect(),

@@ -3,7 +3,7 @@
 use rayon::prelude::*;
 
 use super::tile::{Cell, CellSide, Tile, TilePosition};
-use super::topology::{Faces, NONE, Topology, index};
+use super::topology::{FaceLayout, NONE, Topology, index};
 
 /// The split of a topology in closed form: the indices of vertices, edges and faces after it, and their origins.
 ///
@@ -156,8 +156,8 @@ impl<'a> Tiling<'a> {
         Topology {
             n_vertices: self.n_vertices(),
             faces: match tile {
-                Tile::Quad => Faces::Quads,
-                Tile::Triangle => Faces::Triangles,
+                Tile::Quad => FaceLayout::Quads,
+                Tile::Triangle => FaceLayout::Triangles,
             },
             halves: pieces.chain(inner).collect(),
             outgoing: kept.chain(made).collect(),

@@ -19,7 +19,7 @@ pub(super) const GRAIN: usize = 1024;
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Topology {
     pub(super) n_vertices: usize,
-    pub(super) faces: Faces,
+    pub(super) faces: FaceLayout,
     /// The vertex at which each half-edge starts.
     pub(super) vertices: Vec<u32>,
     /// The edge of each half-edge.
@@ -33,7 +33,7 @@ pub struct Topology {
 
 /// The layout of the half-edges of faces.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub(super) enum Faces {
+pub(super) enum FaceLayout {
     /// Face `f` has the half-edges `4 f .. 4 f + 4`.
     Quads,
     /// Face `f` has the half-edges `3 f .. 3 f + 3`.
@@ -53,7 +53,7 @@ impl Topology {
     pub fn bytes(&self) -> usize {
         let Self { n_vertices: _, faces, vertices, edge_of, halves, outgoing } = self;
         let list = |list: &Vec<u32>| list.capacity() * size_of::<u32>();
-        let faces = if let Faces::Mixed { starts, owner } = faces { list(starts) + list(owner) } else { 0 };
+        let faces = if let FaceLayout::Mixed { starts, owner } = faces { list(starts) + list(owner) } else { 0 };
         let halves = halves.capacity() * size_of::<[u32; 2]>();
         size_of::<Self>() + faces + list(vertices) + list(edge_of) + halves + list(outgoing)
     }
@@ -71,9 +71,9 @@ impl Topology {
     /// Number of faces.
     pub fn n_faces(&self) -> usize {
         match &self.faces {
-            Faces::Quads => self.vertices.len() / 4,
-            Faces::Triangles => self.vertices.len() / 3,
-            Faces::Mixed { starts, .. } => starts.len() - 1,
+            FaceLayout::Quads => self.vertices.len() / 4,
+            FaceLayout::Triangles => self.vertices.len() / 3,
+            FaceLayout::Mixed { starts, .. } => starts.len() - 1,
         }
     }
 
@@ -85,16 +85,16 @@ impl Topology {
     /// Returns whether every face has four vertices.
     pub fn is_quads(&self) -> bool {
         match &self.faces {
-            Faces::Quads => true,
-            Faces::Triangles => false,
-            Faces::Mixed { starts, .. } => starts.windows(2).all(|pair| pair[1] - pair[0] == 4),
+            FaceLayout::Quads => true,
+            FaceLayout::Triangles => false,
+            FaceLayout::Mixed { starts, .. } => starts.windows(2).all(|pair| pair[1] - pair[0] == 4),
         }
     }
 
     /// Returns the first face that is not a triangle, if there is one.
     pub fn first_other_than_triangle(&self) -> Option<usize> {
         match &self.faces {
-            Faces::Triangles => None,
+            FaceLayout::Triangles => None,
             _ => (0..self.n_faces()).find(|&f| self.face(f).len() != 3),
         }
     }
@@ -103,9 +103,9 @@ impl Topology {
     #[inline]
     pub fn half_edges(&self, f: usize) -> std::ops::Range<u32> {
         match &self.faces {
-            Faces::Quads => index(4 * f)..index(4 * f + 4),
-            Faces::Triangles => index(3 * f)..index(3 * f + 3),
-            Faces::Mixed { starts, .. } => starts[f]..starts[f + 1],
+            FaceLayout::Quads => index(4 * f)..index(4 * f + 4),
+            FaceLayout::Triangles => index(3 * f)..index(3 * f + 3),
+            FaceLayout::Mixed { starts, .. } => starts[f]..starts[f + 1],
         }
     }
 
@@ -120,9 +120,9 @@ impl Topology {
     #[inline]
     pub fn face_of(&self, half_edge: u32) -> usize {
         match &self.faces {
-            Faces::Quads => half_edge as usize / 4,
-            Faces::Triangles => half_edge as usize / 3,
-            Faces::Mixed { owner, .. } => owner[half_edge as usize] as usize,
+            FaceLayout::Quads => half_edge as usize / 4,
+            FaceLayout::Triangles => half_edge as usize / 3,
+            FaceLayout::Mixed { owner, .. } => owner[half_edge as usize] as usize,
         }
     }
 
@@ -130,15 +130,15 @@ impl Topology {
     #[inline]
     pub fn next(&self, half_edge: u32) -> u32 {
         match &self.faces {
-            Faces::Quads => (half_edge & !3) | ((half_edge + 1) & 3),
-            Faces::Triangles => {
+            FaceLayout::Quads => (half_edge & !3) | ((half_edge + 1) & 3),
+            FaceLayout::Triangles => {
                 if half_edge % 3 == 2 {
                     half_edge - 2
                 } else {
                     half_edge + 1
                 }
             }
-            Faces::Mixed { .. } => {
+            FaceLayout::Mixed { .. } => {
                 let range = self.half_edges(self.face_of(half_edge));
                 if half_edge + 1 == range.end { range.start } else { half_edge + 1 }
             }
@@ -149,15 +149,15 @@ impl Topology {
     #[inline]
     pub fn previous(&self, half_edge: u32) -> u32 {
         match &self.faces {
-            Faces::Quads => (half_edge & !3) | (half_edge.wrapping_sub(1) & 3),
-            Faces::Triangles => {
+            FaceLayout::Quads => (half_edge & !3) | (half_edge.wrapping_sub(1) & 3),
+            FaceLayout::Triangles => {
                 if half_edge.is_multiple_of(3) {
                     half_edge + 2
                 } else {
                     half_edge - 1
                 }
             }
-            Faces::Mixed { .. } => {
+            FaceLayout::Mixed { .. } => {
                 let range = self.half_edges(self.face_of(half_edge));
                 if half_edge == range.start { range.end - 1 } else { half_edge - 1 }
             }

@@ -9,7 +9,7 @@
 
 use std::sync::Arc;
 
-use super::line::{Line, triangles};
+use super::line::{VertexLine, triangles};
 use super::source::Origin;
 use super::tile::Tile;
 use super::tiling::{Ancestor, Tiling};
@@ -74,7 +74,7 @@ impl TriangleGrid {
             let patch;
             (patch, out) = out.split_at_mut((n * n - local).min(out.len()));
             f += patch.len();
-            let line = |j: usize| Line::new(n - j, |i| whole.vertex(base_face, [i, j]));
+            let line = |j: usize| VertexLine::new(n - j, |i| whole.vertex(base_face, [i, j]));
             triangles(n, Tile::Triangle.row(n, local), patch, line);
         }
     }

@@ -2,7 +2,7 @@
 
 use super::edges::{Edges, SidePiece};
 use super::error::SolidError;
-use super::patch::Patch;
+use super::patch::FacePatch;
 use super::spline::{BSplineCurve, BSplineSurface};
 use crate::math::functions::ratio;
 use crate::math::vector::{Vector, length, minus};
@@ -23,7 +23,7 @@ pub struct Face {
 
 /// The use of an edge by a side of a face.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Use {
+pub(super) struct EdgeUse {
     pub(super) face: u32,
     pub(super) side: usize,
     /// The parameters of the side at the two ends of the edge, in the direction of the side.
@@ -39,7 +39,7 @@ pub struct Edge {
     pub curve: BSplineCurve,
     /// Whether the surface is infinitely sharp or ends at the edge.
     pub is_sharp: bool,
-    pub(super) uses: Vec<Use>,
+    pub(super) uses: Vec<EdgeUse>,
 }
 
 /// A connected set of faces.
@@ -83,7 +83,7 @@ struct Joints {
 }
 
 impl Joints {
-    fn of(patches: &[Patch], edges: &Edges) -> Result<Self, SolidError> {
+    fn of(patches: &[FacePatch], edges: &Edges) -> Result<Self, SolidError> {
         let mut users = vec![[NONE; 2]; edges.len()];
         let mut is_joint = vec![false; edges.n_vertices()];
         for (p, patch) in patches.iter().enumerate() {
@@ -136,7 +136,7 @@ struct Assembly<'a> {
 
 impl Brep {
     /// Joins patches along their sides. Pieces of edges between the same two faces become one edge.
-    pub(super) fn of(patches: Vec<Patch>, edges: &Edges, shortest: f64) -> Result<Self, SolidError> {
+    pub(super) fn of(patches: Vec<FacePatch>, edges: &Edges, shortest: f64) -> Result<Self, SolidError> {
         let joints = Joints::of(&patches, edges)?;
         let (vertex, edge) = (vec![NONE; edges.n_vertices()], vec![NONE; edges.len()]);
         let mut assembly = Assembly { edges, joints, brep: Self::default(), vertex, edge, shortest };
@@ -151,11 +151,11 @@ impl Brep {
                     let (run, others) = rest.split_at(n);
                     rest = others;
                     let range = [run[0].range[0], run[n - 1].range[1]];
-                    let at = Use { face: index(p), side, range };
+                    let at = EdgeUse { face: index(p), side, range };
                     around.push(assembly.edge(run, curve.piece(range), at)?);
                 }
             }
-            let Patch { surface, inputs, is_exact, .. } = patch;
+            let FacePatch { surface, inputs, is_exact, .. } = patch;
             assembly.brep.faces.push(Face { surface, edges: around, inputs, is_exact });
         }
         Ok(assembly.brep)
@@ -223,7 +223,7 @@ fn root(parent: &mut [u32], mut f: u32) -> u32 {
 impl Assembly<'_> {
     /// Returns the edge of a run of pieces whose curve lies along the side of a face, and whether it runs in this
     /// direction.
-    fn edge(&mut self, run: &[SidePiece], curve: BSplineCurve, at: Use) -> Result<(u32, bool), SolidError> {
+    fn edge(&mut self, run: &[SidePiece], curve: BSplineCurve, at: EdgeUse) -> Result<(u32, bool), SolidError> {
         let last = curve.points.len() - 1;
         let outer = [run[0].ends[0], run[run.len() - 1].ends[1]];
         let ends = [self.vertex(outer[0], curve.points[0]), self.vertex(outer[1], curve.points[last])];
@@ -268,7 +268,7 @@ impl Assembly<'_> {
 /// Number of places of an edge at which the normals of its two faces are compared.
 const PLACES: usize = 9;
 
-impl Use {
+impl EdgeUse {
     /// Returns places of the edge in the surface of the face, in the direction of its side, at some distance from the
     /// ends.
     pub(super) fn places(&self, surface: &BSplineSurface) -> Vec<[f64; 2]> {

@@ -3,11 +3,11 @@
 use super::brep::Brep;
 use super::certificate::Certificate;
 use super::error::SolidError;
-use super::forecast::Cage;
+use super::forecast::CageCounts;
 use super::isolate::{SurfacePieces, isolate};
 use super::level::{Level, Refiner};
 use super::pack::rectangles;
-use super::patch::Patch;
+use super::patch::FacePatch;
 use super::request::SolidRequest;
 use super::rounding::Rounding;
 use crate::math::amounts::thousands;
@@ -42,7 +42,7 @@ pub fn solid(
     let (size, middle) = extent(mesh);
     let refiner = Refiner::new(plan, watch)?;
     // at most as many leaves as the memory was booked for
-    let most = usize::try_from(Cage::of(mesh).forecast(request).leaves).unwrap_or(usize::MAX);
+    let most = usize::try_from(CageCounts::of(mesh).forecast(request).leaves).unwrap_or(usize::MAX);
     let rounding = Rounding::of(mesh);
     let pieces = isolate(Level::of(mesh, plan), request, (request.tolerance * size, rounding, most), &refiner)?;
     let SurfacePieces { leaves, caps, vertices, edges, depth } = pieces;
@@ -60,10 +60,10 @@ pub fn solid(
     let mut patches = Vec::with_capacity(n_faces);
     for rectangle in &rectangles {
         watch.check()?;
-        patches.push(Patch::of_rectangle(rectangle, &leaves, &edges));
+        patches.push(FacePatch::of_rectangle(rectangle, &leaves, &edges));
     }
     drop(leaves);
-    patches.extend(caps.into_iter().map(|cap| Patch::of_cap(cap, &edges)));
+    patches.extend(caps.into_iter().map(|cap| FacePatch::of_cap(cap, &edges)));
     if patches.is_empty() {
         return Err(SolidError::empty());
     }

@@ -3,7 +3,7 @@
 use super::brep::{Brep, Shell};
 use super::cap::DeviationMethod;
 use super::isolate::Isolated;
-use super::measure::Measure;
+use super::measure::FaceMeasure;
 use crate::math::functions::asin;
 use crate::math::vector::{Vector, cross, length, minus, unit};
 
@@ -34,7 +34,7 @@ impl Certificate {
     /// Creates the certificate of a boundary representation; `rounding` is the deviation of its exact faces. Closed
     /// shells that are inside out are reversed.
     pub(super) fn of(brep: &mut Brep, vertices: Vec<Isolated>, (size, origin): (f64, Vector), rounding: f64) -> Self {
-        let measures: Vec<Measure> = brep.faces.iter().map(|face| Measure::of(&face.surface, origin)).collect();
+        let measures: Vec<FaceMeasure> = brep.faces.iter().map(|face| FaceMeasure::of(&face.surface, origin)).collect();
         let mut shells = brep.shells();
         let mut areas = [0.0; 2];
         for (face, measure) in brep.faces.iter().zip(&measures) {

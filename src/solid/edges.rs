@@ -4,7 +4,7 @@ use crate::shape::topology::{NONE, Topology, index};
 
 /// An edge of some level. Vertices and edges have indices that are valid on all levels.
 #[derive(Debug, Clone, Copy)]
-struct Edge {
+struct LevelEdge {
     /// The vertices at its ends.
     ends: [u32; 2],
     /// Its midpoint on the next level, or [`NONE`]; the half at the first end is edge `half`, the other one `half + 1`.
@@ -18,7 +18,7 @@ struct Edge {
 /// The edges of a refinement, and its number of vertices.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Edges {
-    all: Vec<Edge>,
+    all: Vec<LevelEdge>,
     n_vertices: u32,
 }
 
@@ -45,7 +45,7 @@ impl Edges {
 
     /// Adds an edge and returns its index.
     pub(super) fn add(&mut self, ends: [u32; 2]) -> u32 {
-        self.all.push(Edge { ends, middle: NONE, half: NONE, is_split: false, is_sharp: false });
+        self.all.push(LevelEdge { ends, middle: NONE, half: NONE, is_split: false, is_sharp: false });
         index(self.all.len() - 1)
     }
 
@@ -74,7 +74,7 @@ impl Edges {
             self.add([middle, b]);
             (self.all[edge as usize].middle, self.all[edge as usize].half) = (middle, half);
         }
-        let Edge { middle, half, .. } = self.all[edge as usize];
+        let LevelEdge { middle, half, .. } = self.all[edge as usize];
         (middle, if from == a { [half, half + 1] } else { [half + 1, half] })
     }
 
@@ -96,7 +96,7 @@ impl Edges {
     /// Appends the pieces of a side that is this edge, starting at its end `from`; the range holds the side's
     /// parameters there.
     pub(super) fn steps(&self, edge: u32, from: u32, [s, e]: [f64; 2], out: &mut Vec<SidePiece>) {
-        let Edge { ends: [a, b], middle, half, is_split, .. } = self.all[edge as usize];
+        let LevelEdge { ends: [a, b], middle, half, is_split, .. } = self.all[edge as usize];
         let to = if from == a { b } else { a };
         if !is_split {
             return out.push(SidePiece { edge, ends: [from, to], range: [s, e] });

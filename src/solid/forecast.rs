@@ -7,7 +7,7 @@ use crate::shape::mesh::Mesh;
 
 /// The properties of a control mesh that decide about the size of its solid.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub struct Cage {
+pub struct CageCounts {
     /// Number of faces.
     pub faces: u128,
     /// Number of face corners at possibly irregular vertices, and of corners of faces that are not quads.
@@ -32,7 +32,7 @@ const LEAF_BYTES: u128 = 1_000;
 /// Memory of a face of the result in bytes: 36 control points of 24 bytes, four curves with lists of their own.
 const FACE_BYTES: u128 = 4_000;
 
-impl Cage {
+impl CageCounts {
     /// Returns the properties of a mesh.
     pub fn of(mesh: &Mesh) -> Self {
         let topology = &mesh.topology;
@@ -88,7 +88,7 @@ const SAMPLE_OPERATIONS: f64 = 1e6;
 /// Returns the number of operations for the solid of a mesh, each about a nanosecond.
 pub fn operations(mesh: &Mesh, request: &SolidRequest) -> f64 {
     #[expect(clippy::cast_precision_loss, reason = "a forecast")]
-    let leaves = Cage::of(mesh).forecast(request).leaves as f64;
+    let leaves = CageCounts::of(mesh).forecast(request).leaves as f64;
     let topology = &mesh.topology;
     let mut known = [false; *VALENCES.end() + 1];
     let mut of_valence = |n: usize| {

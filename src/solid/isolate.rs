@@ -38,7 +38,7 @@ pub(super) struct Leaf {
 
 /// A face at an irregular vertex.
 #[derive(Debug, Clone)]
-pub(super) struct Cap {
+pub(super) struct IrregularCap {
     pub(super) cell: FaceCell,
     pub(super) surface: BSplineSurface,
 }
@@ -66,7 +66,7 @@ pub struct Isolated {
 #[derive(Debug, Default)]
 pub(super) struct SurfacePieces {
     pub(super) leaves: Vec<Leaf>,
-    pub(super) caps: Vec<Cap>,
+    pub(super) caps: Vec<IrregularCap>,
     pub(super) vertices: Vec<Isolated>,
     pub(super) edges: Edges,
     /// The last level from which faces were taken.
@@ -212,7 +212,7 @@ impl Isolation<'_> {
             let face = index(level.topology.face_of(spoke));
             if level.wanted[face as usize] {
                 let cell = self.cell(level, spoke);
-                self.pieces.caps.push(Cap { cell, surface });
+                self.pieces.caps.push(IrregularCap { cell, surface });
                 capped.insert(face);
             }
         }

@@ -27,14 +27,14 @@ const EIGHT: &[[f64; 2]] = &[
 
 /// The measures of a face.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub(super) struct Measure {
+pub(super) struct FaceMeasure {
     /// Its area, in square model units.
     pub(super) area: f64,
     /// The signed volume of the cone over it from a point, in cubic model units.
     pub(super) volume: f64,
 }
 
-impl Measure {
+impl FaceMeasure {
     /// Measures a surface; the apex of the cone is `origin`.
     pub(super) fn of(surface: &BSplineSurface, origin: Vector) -> Self {
         let rule = if surface.degree > 3 { EIGHT } else { FIVE };

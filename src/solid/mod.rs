@@ -29,7 +29,7 @@ pub use build::{Solid, check, solid};
 pub use cap::DeviationMethod;
 pub use certificate::Certificate;
 pub use error::SolidError;
-pub use forecast::{Cage, SolidForecast, operations};
+pub use forecast::{CageCounts, SolidForecast, operations};
 pub use isolate::Isolated;
 pub use request::{Continuity, Pack, SolidRequest};
 pub use sector::SectorKind;

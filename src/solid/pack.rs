@@ -41,7 +41,7 @@ impl PlacedLeaf {
 }
 
 /// The leaves to be packed, with the restrictions on merging them.
-struct Packing<'a> {
+struct LeafPacking<'a> {
     leaves: &'a [Leaf],
     edges: &'a Edges,
     pack: Pack,
@@ -61,7 +61,7 @@ pub(super) fn rectangles(leaves: &[Leaf], edges: &Edges, pack: Pack, labels: &[u
         let place = usize::from(places[0] != NONE);
         places[place] = index(4 * leaf + s);
     }
-    let mut packing = Packing { leaves, edges, pack, labels, beside, used: vec![false; leaves.len()] };
+    let mut packing = LeafPacking { leaves, edges, pack, labels, beside, used: vec![false; leaves.len()] };
     let mut found = Vec::new();
     for leaf in 0..index(leaves.len()) {
         if !packing.used[leaf as usize] {
@@ -71,7 +71,7 @@ pub(super) fn rectangles(leaves: &[Leaf], edges: &Edges, pack: Pack, labels: &[u
     found
 }
 
-impl Packing<'_> {
+impl LeafPacking<'_> {
     /// Returns the leaf across a side of another one, if both may be in one rectangle.
     fn across(&self, at: PlacedLeaf, s: usize) -> Option<PlacedLeaf> {
         let edge = at.side(self.leaves, s);

@@ -1,14 +1,14 @@
 //! Faces of a solid before their edges are merged.
 
 use super::edges::{Edges, SidePiece};
-use super::isolate::{Cap, Leaf};
+use super::isolate::{IrregularCap, Leaf};
 use super::pack::Rectangle;
 use super::spline::{BSplineCurve, BSplineSurface};
 use crate::math::functions::real;
 
 /// A face with the pieces of its four sides, counter-clockwise from v = 0.
 #[derive(Debug, Clone)]
-pub(super) struct Patch {
+pub(super) struct FacePatch {
     pub(super) surface: BSplineSurface,
     pub(super) sides: [Vec<SidePiece>; 4],
     /// The input faces from which it arose, ascending.
@@ -17,7 +17,7 @@ pub(super) struct Patch {
     pub(super) is_exact: bool,
 }
 
-impl Patch {
+impl FacePatch {
     /// Returns the face of a rectangle of leaves.
     pub(super) fn of_rectangle(rows: &Rectangle, leaves: &[Leaf], edges: &Edges) -> Self {
         let (n, m) = (rows.len(), rows[0].len());
@@ -57,7 +57,7 @@ impl Patch {
     }
 
     /// Returns the face of a cap.
-    pub(super) fn of_cap(cap: Cap, edges: &Edges) -> Self {
+    pub(super) fn of_cap(cap: IrregularCap, edges: &Edges) -> Self {
         let side = |s: usize| {
             let mut steps = Vec::new();
             edges.steps(cap.cell.sides[s], cap.cell.corners[s], [0.0, 1.0], &mut steps);

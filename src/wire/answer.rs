@@ -6,7 +6,7 @@ use utoipa::ToSchema;
 use crate::analysis::circles::Outlook;
 use crate::fault::{Fault, cut};
 use crate::job::Job;
-use crate::job::Resolved;
+use crate::job::ResolvedLevel;
 use crate::job::limits::Estimate;
 use crate::output::Size;
 
@@ -62,8 +62,8 @@ pub struct ReachedAnswer {
     pub bound: Option<f64>,
 }
 
-impl From<Resolved> for ReachedAnswer {
-    fn from(reached: Resolved) -> Self {
+impl From<ResolvedLevel> for ReachedAnswer {
+    fn from(reached: ResolvedLevel) -> Self {
         Self { level: reached.level, bound: reached.bound }
     }
 }

@@ -7,7 +7,7 @@ use serde_json::value::RawValue;
 
 use super::batch_standing::ended;
 use crate::job::key::Key;
-use crate::service::batches::{Axis, Batch, Layout};
+use crate::service::batches::{Batch, BatchLayout, GridAxis};
 use crate::service::jobs::{JobState, OutputResult};
 
 /// Maximum number of characters that a file name takes over from the name of an output. Half as many would cut names
@@ -18,7 +18,7 @@ const DEVICES: [&str; 4] = ["con", "prn", "aux", "nul"];
 
 /// The contents of an archive.
 #[derive(Debug)]
-pub struct Contents {
+pub struct ArchiveContents {
     /// The manifest, the first file of the archive.
     pub manifest: Vec<u8>,
     /// The results, in the order of jobs and outputs.
@@ -37,7 +37,7 @@ pub struct ArchiveFile {
 }
 
 #[derive(Serialize)]
-struct Manifest<'a> {
+struct ArchiveManifest<'a> {
     batch: String,
     state: &'static str,
     #[serde(skip_serializing_if = "Vec::is_empty")]
@@ -81,25 +81,28 @@ struct OutputEntry<'a> {
 ///
 /// # Panics
 /// Never: the manifest is plain text and numbers.
-pub fn contents(batch: &Batch) -> Contents {
+pub fn contents(batch: &Batch) -> ArchiveContents {
     let mut files = Vec::new();
     let items = (0..batch.items.len()).map(|at| item(batch, at, &mut files)).collect();
     let grid = match &batch.request.layout {
-        Layout::List(_) => Vec::new(),
-        Layout::Grid { axes, .. } => {
+        BatchLayout::List(_) => Vec::new(),
+        BatchLayout::Grid { axes, .. } => {
             let raw = |range: &std::ops::Range<usize>| {
                 let text = batch.request.text.get(range.clone()).unwrap_or_default();
                 serde_json::from_slice(text).ok()
             };
             let axes = axes.iter();
-            axes.map(|Axis { pointer, values }| AxisEntry { pointer, values: values.iter().filter_map(raw).collect() })
-                .collect()
+            axes.map(|GridAxis { pointer, values }| AxisEntry {
+                pointer,
+                values: values.iter().filter_map(raw).collect(),
+            })
+            .collect()
         }
     };
-    let manifest = Manifest { batch: batch.batch.id.to_string(), state: ended(&batch.state), grid, items };
+    let manifest = ArchiveManifest { batch: batch.batch.id.to_string(), state: ended(&batch.state), grid, items };
     let mut manifest = serde_json::to_vec_pretty(&manifest).expect("plain text and numbers");
     manifest.push(b'\n');
-    Contents { manifest, files }
+    ArchiveContents { manifest, files }
 }
 
 /// Returns the manifest entry of one job, and appends its results to `files`.

@@ -13,7 +13,7 @@ use super::object;
 use super::posted::PostedJob;
 use super::read::{ReadError, read};
 use crate::fault::{Fault, shortened, token};
-use crate::service::batches::{Axis, Layout, TemplatePiece};
+use crate::service::batches::{BatchLayout, GridAxis, TemplatePiece};
 
 /// Maximum number of axes of a grid. Half as many are what a figure shows at once; twice as many, with two values each,
 /// give more jobs than any server accepts.
@@ -68,14 +68,14 @@ struct AxisTexts<'a> {
 ///
 /// # Errors
 /// [`ReadError`] if the text is not a batch, with a pointer to the fault.
-pub fn layout(text: &Bytes) -> Result<Layout, ReadError> {
+pub fn layout(text: &Bytes) -> Result<BatchLayout, ReadError> {
     let request: BatchRequest = read(text)?;
     let texts: Texts<'_> = serde_json::from_slice(text).map_err(|error| ReadError::NotJson(error.to_string()))?;
     let range = |value: &RawValue| range(text, value.get());
     let unfit = |pointer: &str, detail: &str| ReadError::Unfit(vec![Fault::new(pointer, detail)]);
     match (texts.jobs, texts.template, request.grid.as_deref()) {
         (Some(jobs), None, None) if jobs.is_empty() => Err(unfit("/jobs", "there is no job in it; give one at least")),
-        (Some(jobs), None, None) => Ok(Layout::List(jobs.into_iter().map(range).collect())),
+        (Some(jobs), None, None) => Ok(BatchLayout::List(jobs.into_iter().map(range).collect())),
         (None, Some(_), Some([])) => Err(unfit("/grid", "there is no axis in it; give one at least")),
         (None, Some(_), Some(grid)) if grid.len() > MAX_AXES => {
             let detail = format!("{} axes; a grid has at most {MAX_AXES}; join some into values of one", grid.len());
@@ -83,7 +83,7 @@ pub fn layout(text: &Bytes) -> Result<Layout, ReadError> {
         }
         (None, Some(template), Some(grid)) => {
             let values = texts.grid.into_iter().flatten().map(|axis| axis.values.into_iter().map(range).collect());
-            let axes = grid.iter().zip(values).map(|(axis, values)| Axis { pointer: axis.pointer.clone(), values });
+            let axes = grid.iter().zip(values).map(|(axis, values)| GridAxis { pointer: axis.pointer.clone(), values });
             gridded(text, template, axes.collect()).map_err(ReadError::Unfit)
         }
         (None, Some(_), None) => Err(unfit("/grid", "\"grid\" is missing; a template has axes with values")),
@@ -109,13 +109,13 @@ struct Edit {
     in_empty: bool,
 }
 
-fn gridded(text: &[u8], template: &RawValue, axes: Vec<Axis>) -> Result<Layout, Vec<Fault>> {
+fn gridded(text: &[u8], template: &RawValue, axes: Vec<GridAxis>) -> Result<BatchLayout, Vec<Fault>> {
     let (mut edits, mut faults) = (Vec::<Edit>::new(), Vec::new());
     for (at, axis) in axes.iter().enumerate() {
         if axis.values.is_empty() {
             faults.push(Fault::new(format!("/grid/{at}/values"), "there is no value in it; give one at least"));
         }
-        let overlaps = |other: &Axis| is_within(&axis.pointer, other) || is_within(&other.pointer, axis);
+        let overlaps = |other: &GridAxis| is_within(&axis.pointer, other) || is_within(&other.pointer, axis);
         let edit = match axes[..at].iter().position(overlaps) {
             Some(other) => Err(format!("it overlaps the place of /grid/{other}; give each axis a place of its own")),
             None => edit(text, template, (at, &axis.pointer)),
@@ -141,11 +141,11 @@ fn gridded(text: &[u8], template: &RawValue, axes: Vec<Axis>) -> Result<Layout, 
         from = edit.replaced.end;
     }
     pieces.push(TemplatePiece::Text(from..whole.end));
-    Ok(Layout::Grid { template: pieces, axes })
+    Ok(BatchLayout::Grid { template: pieces, axes })
 }
 
 /// Whether a pointer equals the pointer of an axis or leads into its place.
-fn is_within(pointer: &str, axis: &Axis) -> bool {
+fn is_within(pointer: &str, axis: &GridAxis) -> bool {
     pointer.strip_prefix(axis.pointer.as_str()).is_some_and(|rest| rest.is_empty() || rest.starts_with('/'))
 }
 
@@ -192,8 +192,8 @@ fn edit(text: &[u8], template: &RawValue, (axis, pointer): (usize, &str)) -> Res
 }
 
 /// Moves the pointer of a job's fault to the place in the batch that the client wrote.
-pub fn placed(layout: &Layout, job: usize, fault: Fault) -> Fault {
-    let Layout::Grid { axes, .. } = layout else { return fault.under(&format!("/jobs/{job}")) };
+pub fn placed(layout: &BatchLayout, job: usize, fault: Fault) -> Fault {
+    let BatchLayout::Grid { axes, .. } = layout else { return fault.under(&format!("/jobs/{job}")) };
     let coordinates = layout.coordinates(job);
     let at_axis = axes.iter().zip(coordinates).enumerate().find_map(|(at, (axis, value))| {
         let rest = is_within(&fault.pointer, axis).then(|| &fault.pointer[axis.pointer.len()..])?;

@@ -2,11 +2,11 @@
 
 use super::literal::WireLiteral;
 use super::output::{OutputRequest, output};
-use crate::drawing::{Label, Weight};
+use crate::drawing::{FontWeight, Label};
 use crate::fault::{Fault, under};
 use crate::job::{Output, panel_place};
 use crate::math::parameter::Literal;
-use crate::output::figure::{Grid, MAX_COLUMNS, MAX_PANELS, MAX_TEXT, PanelCell, Sheet};
+use crate::output::figure::{MAX_COLUMNS, MAX_PANELS, MAX_TEXT, PanelCell, PanelGrid, Sheet};
 
 /// The request of a panel without its job.
 #[derive(Debug)]
@@ -23,14 +23,14 @@ pub(super) struct Panel {
 
 /// A figure without the jobs of its panels.
 #[derive(Debug)]
-pub(super) struct Outline {
+pub(super) struct FigureOutline {
     /// The layout of the panels.
-    pub(super) grid: Grid,
+    pub(super) grid: PanelGrid,
     /// The output that each panel shows.
     shown: Vec<OutputRequest>,
 }
 
-impl Outline {
+impl FigureOutline {
     /// Creates the outline of these panels; if `camera` is given, all pictures use it.
     ///
     /// # Errors
@@ -54,8 +54,8 @@ impl Outline {
             return Err(vec![Fault::new("/figure/columns", detail)]);
         };
         let mut faults = camera.and_then(shared_fault).unwrap_or_default();
-        faults.extend(text_fault("/figure/title", title.as_deref(), Weight::Bold));
-        let grid = Grid { columns, title, letters, cells: Vec::new() };
+        faults.extend(text_fault("/figure/title", title.as_deref(), FontWeight::Bold));
+        let grid = PanelGrid { columns, title, letters, cells: Vec::new() };
         let mut outline = Self { grid, shown: Vec::new() };
         for (i, panel) in panels.iter().enumerate() {
             match cell(i, panel, columns) {
@@ -94,7 +94,7 @@ impl Outline {
 }
 
 /// Returns the fault of a text of the figure, if any.
-fn text_fault(place: &str, text: Option<&str>, weight: Weight) -> Option<Fault> {
+fn text_fault(place: &str, text: Option<&str>, weight: FontWeight) -> Option<Fault> {
     let text = text?;
     if text.chars().count() > MAX_TEXT {
         return Some(Fault::new(place, format!("it has more than {MAX_TEXT} characters; write less")));
@@ -134,7 +134,7 @@ fn cell(i: usize, panel: &Panel, columns: u32) -> Result<(PanelCell, OutputReque
     }
     let place = panel_place(i);
     let caption = format!("/figure/panels/{i}/caption");
-    faults.extend(text_fault(&caption, panel.caption.as_deref(), Weight::Regular));
+    faults.extend(text_fault(&caption, panel.caption.as_deref(), FontWeight::Regular));
     let mut shown = match panel.outputs.as_slice() {
         [] => OutputRequest::of_format("png"),
         [one] => one.clone(),

@@ -123,7 +123,7 @@ pub enum Purpose {
 
 /// A checked input.
 #[derive(Debug, Clone)]
-pub struct Resolved {
+pub struct ResolvedInput {
     /// The shape to be refined.
     pub input: Input,
     /// The field of the request that holds the input.
@@ -157,7 +157,7 @@ impl InputRequest {
     ///
     /// # Errors
     /// All faults, with pointers below the input.
-    pub fn resolve(mut self, purpose: Purpose, limits: &ReadLimits) -> Result<Resolved, Vec<Fault>> {
+    pub fn resolve(mut self, purpose: Purpose, limits: &ReadLimits) -> Result<ResolvedInput, Vec<Fault>> {
         if self.is_missing {
             return Err(vec![Fault::new("", "\"input\" is missing, and has to be given")]);
         }
@@ -177,7 +177,7 @@ impl InputRequest {
             self.keeps_vertices(&mesh)?;
             let input = self.covered(mesh.input(self.winding()).map_err(under)?)?;
             let input = Input::Mesh(self.mesh(input, purpose)?.map_err(under)?);
-            return Ok(Resolved { input, entry: InputEntry::Mesh, boundary: None, frame });
+            return Ok(ResolvedInput { input, entry: InputEntry::Mesh, boundary: None, frame });
         }
         let (place, entry) =
             if self.blob.is_some() { ("/blob", InputEntry::Blob) } else { ("/text", InputEntry::Text) };
@@ -211,16 +211,16 @@ impl InputRequest {
             let mesh = self.mesh(mesh, purpose)?.map_err(|found| in_text(within(of_joined(found), &lines)))?;
             let unit = self.unit.map(Into::into).or(unit).unwrap_or_default();
             let up = self.up.map(Into::into).or(up).unwrap_or_default();
-            return Ok(Resolved { input: Input::Mesh(mesh), entry, boundary, frame: Frame { unit, up } });
+            return Ok(ResolvedInput { input: Input::Mesh(mesh), entry, boundary, frame: Frame { unit, up } });
         }
         self.has_no_mesh()?;
         if let Some(polygon) = self.polygon {
             let polygon = polygon.resolve().map_err(|found| under("/polygon", found))?;
             let input = Input::Polygons(vec![polygon]);
-            return Ok(Resolved { input, entry: InputEntry::Polygon, boundary: None, frame });
+            return Ok(ResolvedInput { input, entry: InputEntry::Polygon, boundary: None, frame });
         }
         let polygons = polygons(self.polygons.unwrap_or_default()).map_err(|found| under("/polygons", found))?;
-        Ok(Resolved { input: Input::Polygons(polygons), entry: InputEntry::Polygons, boundary: None, frame })
+        Ok(ResolvedInput { input: Input::Polygons(polygons), entry: InputEntry::Polygons, boundary: None, frame })
     }
 
     fn winding(&self) -> Winding {

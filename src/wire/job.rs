@@ -6,8 +6,8 @@ use serde::Deserialize;
 use utoipa::ToSchema;
 
 use super::examined::Examined;
-use super::figure::{Outline, Panel};
-use super::input::{InputRequest, Purpose, Resolved};
+use super::figure::{FigureOutline, Panel};
+use super::input::{InputRequest, Purpose, ResolvedInput};
 use super::levels::LevelsRequest;
 use super::literal::WireLiteral;
 use super::output::{OutputRequest, outputs};
@@ -238,7 +238,7 @@ impl JobRequest {
             outputs: panel.job.outputs.clone(),
         };
         let about: Vec<Panel> = panels.iter().map(about).collect();
-        let outline = match Outline::new(columns, (title, letters), &about, camera.as_ref()) {
+        let outline = match FigureOutline::new(columns, (title, letters), &about, camera.as_ref()) {
             Ok(outline) => outline,
             Err(found) => return Err(faults.into_iter().chain(found).collect()),
         };
@@ -343,7 +343,7 @@ struct JobParts {
     faults: Vec<Fault>,
     /// The kind of shape of the input, if exactly one kind of input is given.
     kind: Option<ShapeKind>,
-    input: Option<Resolved>,
+    input: Option<ResolvedInput>,
     plan: Option<PlanInput>,
     levels: Option<Levels>,
     outputs: Vec<Output>,
@@ -356,7 +356,7 @@ impl JobParts {
     fn draft(self) -> Result<Draft, Vec<Fault>> {
         let Self { mut faults, kind, input, plan, levels, outputs, other } = self;
         let found = match (input, kind) {
-            (Some(Resolved { input, entry, frame, .. }), _) => {
+            (Some(ResolvedInput { input, entry, frame, .. }), _) => {
                 match Draft::new((input, entry, frame), plan.as_ref(), levels, outputs, other) {
                     Ok(draft) if faults.is_empty() => return Ok(draft),
                     Ok(_) => Vec::new(),

@@ -8,9 +8,9 @@ use serde::de::{Deserialize, Deserializer, MapAccess, Visitor};
 
 /// A value that is written as a JSON object.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Object<T>(pub T);
+pub struct JsonObject<T>(pub T);
 
-impl<'de, T: Deserialize<'de>> Deserialize<'de> for Object<T> {
+impl<'de, T: Deserialize<'de>> Deserialize<'de> for JsonObject<T> {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
         deserializer.deserialize_map(ObjectVisitor(PhantomData)).map(Self)
     }
@@ -33,12 +33,12 @@ impl<'de, T: Deserialize<'de>> Visitor<'de> for ObjectVisitor<T> {
 
 /// Reads a field that holds an object.
 pub(crate) fn one<'de, D: Deserializer<'de>, T: Deserialize<'de>>(deserializer: D) -> Result<T, D::Error> {
-    Object::deserialize(deserializer).map(|Object(value)| value)
+    JsonObject::deserialize(deserializer).map(|JsonObject(value)| value)
 }
 
 /// Reads a field that may hold an object.
 pub(crate) fn optional<'de, D: Deserializer<'de>, T: Deserialize<'de>>(deserializer: D) -> Result<Option<T>, D::Error> {
-    Option::<Object<T>>::deserialize(deserializer).map(|value| value.map(|Object(value)| value))
+    Option::<JsonObject<T>>::deserialize(deserializer).map(|value| value.map(|JsonObject(value)| value))
 }
 
 /// Reads a field that may hold an object, into a box.
@@ -50,16 +50,16 @@ pub(crate) fn optional_box<'de, D: Deserializer<'de>, T: Deserialize<'de>>(
 
 /// Reads a field that holds a list of objects.
 pub(super) fn list<'de, D: Deserializer<'de>, T: Deserialize<'de>>(deserializer: D) -> Result<Vec<T>, D::Error> {
-    Vec::<Object<T>>::deserialize(deserializer).map(unwrapped)
+    Vec::<JsonObject<T>>::deserialize(deserializer).map(unwrapped)
 }
 
 /// Reads a field that may hold a list of objects.
 pub(super) fn optional_list<'de, D: Deserializer<'de>, T: Deserialize<'de>>(
     deserializer: D,
 ) -> Result<Option<Vec<T>>, D::Error> {
-    Option::<Vec<Object<T>>>::deserialize(deserializer).map(|values| values.map(unwrapped))
+    Option::<Vec<JsonObject<T>>>::deserialize(deserializer).map(|values| values.map(unwrapped))
 }
 
-fn unwrapped<T>(values: Vec<Object<T>>) -> Vec<T> {
-    values.into_iter().map(|Object(value)| value).collect()
+fn unwrapped<T>(values: Vec<JsonObject<T>>) -> Vec<T> {
+    values.into_iter().map(|JsonObject(value)| value).collect()
 }

@@ -48,7 +48,7 @@ impl NamedUpload {
 /// Returns the uploads that a job names; none if the body is not JSON.
 pub fn uploads_of(body: &[u8]) -> Vec<NamedUpload> {
     #[derive(Deserialize)]
-    struct Peek {
+    struct PeekPosted {
         figure: Option<PeekFigure>,
         #[serde(flatten)]
         job: PeekJob,
@@ -76,7 +76,7 @@ pub fn uploads_of(body: &[u8]) -> Vec<NamedUpload> {
     }
     let names_one = body.windows(6).any(|word| word == b"\"blob\"");
     let peek = if names_one { serde_json::from_slice(body).ok() } else { None };
-    let Some(Peek { job, figure }) = peek else { return Vec::new() };
+    let Some(PeekPosted { job, figure }) = peek else { return Vec::new() };
     let panels = figure.into_iter().flat_map(|figure| figure.panels).enumerate();
     let jobs = std::iter::once((None, job)).chain(panels.map(|(at, panel)| (Some(at), panel.job)));
     let mut all = Vec::new();
@@ -92,10 +92,10 @@ pub fn uploads_of(body: &[u8]) -> Vec<NamedUpload> {
 /// Whether a body requests an analysis; false if it is not JSON.
 pub fn asks_for_analysis(body: &[u8]) -> bool {
     #[derive(Deserialize)]
-    struct Peek<'a> {
+    struct PeekAnalysis<'a> {
         #[serde(borrow)]
         analysis: Option<&'a RawValue>,
     }
     let names_it = body.windows(10).any(|word| word == b"\"analysis\"");
-    names_it && serde_json::from_slice::<Peek<'_>>(body).is_ok_and(|peek| peek.analysis.is_some())
+    names_it && serde_json::from_slice::<PeekAnalysis<'_>>(body).is_ok_and(|peek| peek.analysis.is_some())
 }

@@ -3,7 +3,7 @@
 use serde::de::{DeserializeOwned, IgnoredAny};
 use serde_path_to_error::{Path, Segment};
 
-use super::object::Object;
+use super::object::JsonObject;
 use crate::fault::{Fault, cut, did_you_mean, shortened, token};
 
 /// Maximum number of characters of the sentence about a fault; the longest of our own takes half as many.
@@ -24,11 +24,11 @@ pub enum ReadError {
 /// [`ReadError`] if the bytes are not such a request.
 pub fn read<T: DeserializeOwned>(bytes: &[u8]) -> Result<T, ReadError> {
     // tracking the path costs time at every number, so that only a second pass after a failure tracks it
-    if let Ok(Object(value)) = serde_json::from_slice(bytes) {
+    if let Ok(JsonObject(value)) = serde_json::from_slice(bytes) {
         return Ok(value);
     }
     let mut deserializer = serde_json::Deserializer::from_slice(bytes);
-    let Object(value) = serde_path_to_error::deserialize(&mut deserializer).map_err(|error| {
+    let JsonObject(value) = serde_path_to_error::deserialize(&mut deserializer).map_err(|error| {
         let pointer = pointer(error.path());
         refusal(error.inner(), pointer, bytes)
     })?;

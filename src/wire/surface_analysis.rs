@@ -13,8 +13,8 @@ use utoipa::ToSchema;
 
 use super::analysis::{CertificateAnswer, LevelBoundAnswer, MaskAnswer};
 use crate::analysis::surface::{
-    BoundaryReport, Extraordinary, LatticeCertificate, NetKind, Proof, Quotient, RegularMask, RegularSmoothness,
-    Status, ValenceReport, Weight, evidence, verdict,
+    BoundaryReport, Extraordinary, LatticeCertificate, NetKind, PointWeight, Quotient, RegularMask, RegularSmoothness,
+    SmoothnessProof, Status, ValenceReport, evidence, verdict,
 };
 use parts::{MAX_EIGENVALUES, coordinates, is_there, name};
 
@@ -311,9 +311,9 @@ impl RegularSmoothnessAnswer {
             holder: None,
         };
         let (found, quotient) = match proof {
-            Proof::BoxSpline => return answer("box spline"),
-            Proof::Product(_) => return answer("product"),
-            Proof::Norms(found, quotient) => (found, quotient.as_deref()),
+            SmoothnessProof::BoxSpline => return answer("box spline"),
+            SmoothnessProof::Product(_) => return answer("product"),
+            SmoothnessProof::Norms(found, quotient) => (found, quotient.as_deref()),
         };
         let by_norms = i64::try_from(found.len()).unwrap_or(0) > *proved_c;
         let certificate = |c: &LatticeCertificate| CertificateAnswer { k: c.k, l: c.l, norm: c.norm };
@@ -340,7 +340,7 @@ impl ValenceAnswer {
         };
         let tangents = report.tangent_masks.as_ref().map(|both| {
             both.each_ref().map(|mask| {
-                let entry = |weight: &Weight| (coordinates(weight), weight.values.clone());
+                let entry = |weight: &PointWeight| (coordinates(weight), weight.values.clone());
                 mask.iter().filter(|weight| is_there(weight)).map(entry).collect()
             })
         });
@@ -378,12 +378,12 @@ impl ValenceAnswer {
 
 /// Returns the weights of a limit mask by the names of neighbours, or by sector coordinates if the mask reaches farther
 /// or has no centre.
-fn limit_mask(mask: &[Weight]) -> BTreeMap<String, f64> {
-    let there: Vec<&Weight> = mask.iter().filter(|weight| is_there(weight)).collect();
-    let near = |weight: &&&Weight| matches!(weight.point, None | Some([1, 0 | 1]));
+fn limit_mask(mask: &[PointWeight]) -> BTreeMap<String, f64> {
+    let there: Vec<&PointWeight> = mask.iter().filter(|weight| is_there(weight)).collect();
+    let near = |weight: &&&PointWeight| matches!(weight.point, None | Some([1, 0 | 1]));
     let has_centre = mask.iter().any(|weight| weight.point.is_none());
     let by_name = has_centre && there.iter().filter(near).count() == there.len();
-    let key = |weight: &Weight| match weight.point {
+    let key = |weight: &PointWeight| match weight.point {
         Some([1, 0]) if by_name => "edge".to_owned(),
         Some([1, 1]) if by_name => "face".to_owned(),
         _ => coordinates(weight),

@@ -10,7 +10,7 @@ use super::mesh::MeshRequest;
 use super::read::{ReadError, read};
 use super::schema;
 use crate::fault::{Fault, did_you_mean, shortened};
-use crate::input::{self, Alone, Beside, File, ReadLimits, Vertices, WithLibrary};
+use crate::input::{self, Alone, Beside, InputFile, ReadLimits, Vertices, WithLibrary};
 use crate::scheme::tags::Boundary;
 use crate::shape::check::Winding;
 use crate::shape::frame::{Unit, Up};
@@ -138,7 +138,7 @@ impl MeshFile {
             return Err(vec![Fault::new("/format", detail)]);
         };
         let refused = |details: Vec<String>| self.unread(reader.name, details);
-        let file = File { bytes: &self.bytes, beside: &*self.beside };
+        let file = InputFile { bytes: &self.bytes, beside: &*self.beside };
         let mut mesh = (reader.read)(&file, limits).map_err(refused)?;
         if mesh.faces.is_empty() {
             return Err(vec![Fault::new("/data", without_faces(mesh.positions.len(), &mesh.notes))]);

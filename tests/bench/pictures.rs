@@ -7,7 +7,7 @@ use std::time::{Duration, Instant};
 use planish::math::parameter::{Literal, Values};
 use planish::output::normals;
 use planish::output::scene::{FaceChunk, Frame, Notes, Scene, Shape, triangles};
-use planish::raster::{Camera, Ground, Model, Normals, RenderStyle, TriangleAppearance, View, render};
+use planish::raster::{Camera, Ground, Model, RenderStyle, ShadingNormals, TriangleAppearance, View, render};
 use planish::refine::RefinedMesh;
 use planish::shape::source::MeshSource;
 use planish::watch::{Stage, Watch};
@@ -50,7 +50,7 @@ fn picture(table: &mut Table, what: &str, mesh: &RefinedMesh, most_ms: f64) {
     let model = Model {
         positions: &positions,
         triangles: &all_triangles,
-        normals: Normals::Vertices(&of_vertices),
+        normals: ShadingNormals::Vertices(&of_vertices),
         surface: TriangleAppearance::Lit([112, 160, 222, 255]),
         strokes: &[],
     };

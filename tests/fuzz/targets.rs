@@ -10,7 +10,7 @@ use std::time::Duration;
 use base64::Engine;
 use base64::engine::general_purpose::URL_SAFE_NO_PAD;
 use planish::config::Settings;
-use planish::config::keys::{KeyEntry, KeyFile, Link, Role, Token};
+use planish::config::keys::{KeyEntry, KeyFile, Link, KeyRole, Token};
 use planish::http::serve::{bind_at, serve};
 use planish::input::{READERS, ReadLimits};
 use planish::job::limits::Limits;
@@ -242,7 +242,7 @@ fn service() -> &'static (SocketAddr, Token) {
         let entry = KeyEntry {
             id: token.id().to_owned(),
             tenant: "fuzz".to_owned(),
-            role: Role::Render,
+            role: KeyRole::Render,
             hash: token.hash(),
             link: token.link_secret(),
             created: 0,

@@ -78,7 +78,7 @@ fn what_is_described_is_read_as_what_it_was() {
         let bytes = with_it(format);
         let reader = planish::input::named(format).unwrap();
         let alone = planish::input::Alone;
-        let file = planish::input::File { bytes: &bytes, beside: &alone };
+        let file = planish::input::InputFile { bytes: &bytes, beside: &alone };
         let mesh = (reader.read)(&file, &planish::input::ReadLimits::default()).unwrap();
         assert!(mesh.faces.len() >= 24, "{format}");
     }

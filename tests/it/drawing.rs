@@ -5,14 +5,14 @@ mod hatching;
 mod hidden_lines;
 
 use planish::drawing::{
-    Axes, Axis, Cap, Discs, Drawing, Entry, Group, HorizontalAlign, Item, Key, Label, Legend, Lettering, Mark, Picture,
-    Stroke, Text, VerticalAlign, Weight, color_bar, pdf, pixels, svg,
+    Axes, Axis, Cap, Discs, Drawing, FontWeight, Group, HorizontalAlign, Item, Label, Legend, LegendEntry,
+    LegendSample, Lettering, Mark, Picture, Stroke, Text, VerticalAlign, color_bar, pdf, pixels, svg,
 };
 use planish::math::functions::sin;
 use planish::watch::Watch;
 
 fn label(text: &str) -> Label {
-    Label::parse(text, Weight::Regular).expect("it can be set")
+    Label::parse(text, FontWeight::Regular).expect("it can be set")
 }
 
 /// Returns a drawing with every kind of item.
@@ -27,10 +27,10 @@ fn everything() -> Drawing {
     let discs = |centres| Discs { centres, radius_px: 5.0, ring_px: 1.5, color: [71, 85, 105, 255], ring: [255; 4] };
     let legend = Legend {
         entries: vec![
-            Entry { key: Key::Line(solid.clone()), label: label("sin(x)") },
-            Entry { key: Key::Line(dashed.clone()), label: label("sin(x - \\pi/2)") },
-            Entry { key: Key::Disc(discs(Vec::new())), label: label("points p_i") },
-            Entry { key: Key::Area([16, 185, 129, 120]), label: label("between") },
+            LegendEntry { key: LegendSample::Line(solid.clone()), label: label("sin(x)") },
+            LegendEntry { key: LegendSample::Line(dashed.clone()), label: label("sin(x - \\pi/2)") },
+            LegendEntry { key: LegendSample::Disc(discs(Vec::new())), label: label("points p_i") },
+            LegendEntry { key: LegendSample::Area([16, 185, 129, 120]), label: label("between") },
         ],
         size_px: 12.0,
     };
@@ -61,7 +61,7 @@ fn everything() -> Drawing {
         (HorizontalAlign::End, VerticalAlign::Top),
     ];
     for (i, (anchor, level)) in (0_u8..).zip(ways) {
-        let label = Label::plain("Ägypten (γ)", Weight::Bold).expect("it can be set");
+        let label = Label::plain("Ägypten (γ)", FontWeight::Bold).expect("it can be set");
         let at = [540.0, 60.0 + 50.0 * f32::from(i)];
         let text = Text { label, at, size_px: 16.0, anchor, level, turn_deg: 30.0, color: [0, 0, 0, 255] };
         items.push(Item::new("label", Mark::Text(text)));
@@ -117,7 +117,7 @@ fn letters_are_text_or_outlines() {
 #[test]
 fn texts_stay_in_their_elements() {
     let attack = "</text></title><script>alert('1')</script>\" onload=\"x";
-    let label = Label::plain(attack, Weight::Regular).expect("it can be set");
+    let label = Label::plain(attack, FontWeight::Regular).expect("it can be set");
     let mut item = Item::text("label", label, [5.0, 20.0], 12.0, [0, 0, 0, 255]);
     item.title = attack.into();
     let drawing = Drawing { size: [300, 40], background: [0; 4], title: attack.into(), items: vec![item] };

@@ -9,7 +9,7 @@ use planish::math::parameter::{Literal, Values};
 use planish::output::scene::{Curve, FaceChunk, Frame, MeshSource, Notes, Scene, Shape, in_chunks};
 use planish::output::{Counts, Format, FormatError, ShapeKind, Size, named};
 use planish::shape::source::{CarriedSource, OriginSource};
-use planish::solid::Cage;
+use planish::solid::CageCounts;
 use planish::watch::Watch;
 use proptest::prelude::*;
 use serde_json::{Value, json};
@@ -83,7 +83,7 @@ fn counts(shape: Shape<'_>) -> Counts {
             attachments: Arc::new(mesh.attachments().clone()),
             input_faces: mesh.input_cells()[2],
             input_edges: mesh.input_cells()[1],
-            cage: Cage::default(),
+            cage: CageCounts::default(),
             ..nothing(ShapeKind::Mesh)
         },
         Shape::Curves(curves) => Counts {

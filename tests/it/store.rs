@@ -17,7 +17,9 @@ use std::sync::atomic::{AtomicU32, Ordering};
 
 use planish::job::key::Key;
 use planish::service::job_key::Tenant;
-use planish::service::store::{Description, Embedded, Manifest, Memory, Owners, PART_BYTES, Store, StoreError};
+use planish::service::store::{
+    ArtifactDescription, Embedded, Manifest, MemoryStore, Owners, PART_BYTES, Store, StoreError,
+};
 
 pub(crate) const ROOMY: u64 = 1 << 30;
 
@@ -45,7 +47,7 @@ impl Drop for Scratch {
 }
 
 fn on_every_store(capacity: u64, check: impl Fn(&dyn Store)) {
-    check(&Memory::new(capacity));
+    check(&MemoryStore::new(capacity));
     let scratch = Scratch::new();
     check(&scratch.open(capacity));
     assert_eq!(n_files(&scratch.0.join("tmp")), 0, "nothing stays in tmp");
@@ -62,8 +64,8 @@ pub(crate) fn noise(seed: u64, length: usize) -> Vec<u8> {
     bytes
 }
 
-pub(crate) fn description() -> Description {
-    Description {
+pub(crate) fn description() -> ArtifactDescription {
+    ArtifactDescription {
         media_type: "model/gltf-binary".to_owned(),
         warnings: vec!["one vertex was split".to_owned()],
         owners: Owners::default(),
@@ -143,7 +145,7 @@ fn owners_that_are_added_count_in_the_size_of_an_artifact() {
         spool.write_all(&noise(1, 5000)).unwrap();
         // with the later owners the manifest takes a second block of the disk
         let (warnings, owners) = (vec!["x".repeat(3000)], owners.map(Tenant).collect());
-        spool.commit(Description { warnings, owners, ..description() }).unwrap();
+        spool.commit(ArtifactDescription { warnings, owners, ..description() }).unwrap();
         store.usage().bytes
     };
     on_every_store(ROOMY, |store| {
@@ -213,7 +215,7 @@ fn the_same_bytes_again_change_nothing() {
         let mut spool = store.spool(key(1)).unwrap();
         spool.write_all(&noise(1, 5000)).unwrap();
         let second = spool
-            .commit(Description {
+            .commit(ArtifactDescription {
                 media_type: "text/plain".to_owned(),
                 warnings: Vec::new(),
                 owners: Owners::default(),

@@ -20,6 +20,6 @@ mod straight;
 mod tube;
 mod words;
 
-pub use outlook::{Circle, Outlook};
+pub use outlook::{LimitCircle, Outlook};
 pub use straight::StraightTube;
 pub use tube::outlooks;

@@ -8,12 +8,12 @@ pub struct Outlook {
     /// The line.
     pub line: LatitudeLine,
     /// The circle that the line becomes, or the reason why it becomes none.
-    pub circle: Result<Circle, String>,
+    pub circle: Result<LimitCircle, String>,
 }
 
 /// A circle in the limit.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Circle {
+pub struct LimitCircle {
     /// The radius of the circle, model units.
     pub radius: f64,
     /// By how much the rings that determine the circle deviate from regular polygons on one axis, model units. The

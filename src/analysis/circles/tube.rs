@@ -1,7 +1,7 @@
 //! Tubes: the rings around a latitude line, as far as the scheme reaches, and the circle that the line becomes.
 
 use super::boundary::{RingContinuation, beyond};
-use super::outlook::{Circle, Outlook};
+use super::outlook::{LimitCircle, Outlook};
 use super::profile::Profile;
 use super::ring::{ROUNDING, TubeRing, tilt};
 use super::words;
@@ -108,7 +108,7 @@ impl<'a> Tube<'a> {
         &self.mesh.topology
     }
 
-    fn circle(&self, line: &LatitudeLine) -> Result<Circle, String> {
+    fn circle(&self, line: &LatitudeLine) -> Result<LimitCircle, String> {
         let [given, widest] = words::reach(&self.steps, self.is_pushed());
         let (ring, delta) = (self.ring(&line.vertices)?, self.delta(&line.vertices)?);
         let alpha = self.alpha(&line.vertices)?;
@@ -128,7 +128,7 @@ impl<'a> Tube<'a> {
         let irregularity = rings.iter().map(|ring| ring.irregularity).fold(left.tilt.max(right.tilt), f64::max);
         let profile = Profile::of(&rings, deltas, place, widest);
         // a ring without extent takes the winding number of the others
-        Ok(Circle { radius: self.limit(line.vertices.len(), like.winding, alpha, &profile)?, irregularity })
+        Ok(LimitCircle { radius: self.limit(line.vertices.len(), like.winding, alpha, &profile)?, irregularity })
     }
 
     /// Returns whether vertices of valence 4 are pushed back.

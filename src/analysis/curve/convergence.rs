@@ -1,6 +1,6 @@
 //! Warnings for plans with parameters for which the scheme may not converge, or may not be smooth.
 
-use super::cycle::{Cycle, NoMask};
+use super::cycle::{CycleMask, NoMask};
 use crate::scheme::letter::Letter;
 use crate::scheme::operator::Role;
 use crate::scheme::plan::Plan;
@@ -23,7 +23,7 @@ pub fn warnings(plan: &Plan, levels: u32, watch: &Watch) -> Result<Vec<String>, 
         return Ok(Vec::new());
     }
     // a perturbation decays, so that the plan without it decides
-    let cycle = match Cycle::settled(&Plan { perturbation: None, ..plan.clone() }, watch) {
+    let cycle = match CycleMask::settled(&Plan { perturbation: None, ..plan.clone() }, watch) {
         Ok(cycle) => cycle,
         Err(NoMask::Stopped(stopped)) => return Err(stopped),
         Err(_) => return Ok(Vec::new()),
@@ -53,7 +53,7 @@ pub fn warnings(plan: &Plan, levels: u32, watch: &Watch) -> Result<Vec<String>, 
 }
 
 /// Returns a sentence if the weights of some new point do not sum to 1, as they do in every convergent scheme.
-fn sums(cycle: &Cycle) -> Option<String> {
+fn sums(cycle: &CycleMask) -> Option<String> {
     let arity = u32::try_from(cycle.arity).ok()?;
     let sums = cycle.mask.residue_sums(arity);
     let (residue, sum) = sums.iter().enumerate().find(|(_, sum)| (*sum - 1.0).abs() > 1e-9)?;
@@ -64,7 +64,7 @@ fn sums(cycle: &Cycle) -> Option<String> {
 }
 
 /// Returns whether some number of levels shrinks the greatest difference of neighbouring points.
-fn contracts(cycle: &Cycle, watch: &Watch) -> Result<bool, Stopped> {
+fn contracts(cycle: &CycleMask, watch: &Watch) -> Result<bool, Stopped> {
     let mut block = cycle.clone();
     loop {
         if differences(&block) < 1.0 {
@@ -79,7 +79,7 @@ fn contracts(cycle: &Cycle, watch: &Watch) -> Result<bool, Stopped> {
 
 /// Returns an upper bound of the factor by which a cycle multiplies the greatest difference of neighbouring points: the
 /// norm of `p'[j+1] - p'[j]` written in old differences.
-fn differences(cycle: &Cycle) -> f64 {
+fn differences(cycle: &CycleMask) -> f64 {
     let (d, mask) = (cycle.arity, &cycle.mask);
     let (low, high) = (i64::from(mask.first), i64::from(mask.last()));
     let norm = |j: i64| {

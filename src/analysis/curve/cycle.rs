@@ -63,14 +63,14 @@ pub enum NoMask {
 
 /// One application of a cycle as a mask a: `q[j] = sum over i of a[j - d i] p[i]`.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Cycle {
+pub struct CycleMask {
     /// The arity d of the whole cycle.
     pub arity: i64,
     /// The mask a.
     pub mask: Mask,
 }
 
-impl Cycle {
+impl CycleMask {
     /// Returns the cycle that makes level `level + 1`, on closed polygons without parameters at single points.
     ///
     /// # Errors

@@ -12,7 +12,7 @@
 
 use std::ops::Range;
 
-use super::cycle::{Cycle, NoMask, real};
+use super::cycle::{CycleMask, NoMask, real};
 use crate::scheme::plan::Plan;
 use crate::watch::{Stopped, Watch};
 
@@ -62,8 +62,8 @@ impl From<NoMask> for NoBound {
 /// The effect of the levels of a plan on second differences.
 #[derive(Debug)]
 pub struct Distances {
-    changing: Vec<Cycle>,
-    settled: Cycle,
+    changing: Vec<CycleMask>,
+    settled: CycleMask,
     /// Checked while levels are combined.
     watch: Watch,
     /// The work that the watch had recorded before the search began.
@@ -73,7 +73,7 @@ pub struct Distances {
 /// Several levels combined into one cycle, with twice the new index of the place of point 0.
 #[derive(Debug, Clone)]
 struct CombinedCycle {
-    cycle: Cycle,
+    cycle: CycleMask,
     twice_centre: i64,
 }
 
@@ -84,17 +84,17 @@ impl Distances {
     /// [`NoBound`].
     pub fn of(plan: &Plan, watch: &Watch) -> Result<Self, NoBound> {
         let start = watch.done();
-        let (changing, settled) = Cycle::from_level(plan, 0, watch)?;
+        let (changing, settled) = CycleMask::from_level(plan, 0, watch)?;
         Ok(Self { changing, settled, watch: watch.clone(), start })
     }
 
-    fn cycle(&self, level: usize) -> &Cycle {
+    fn cycle(&self, level: usize) -> &CycleMask {
         self.changing.get(level).unwrap_or(&self.settled)
     }
 
     /// Combines the levels of a range; an empty range gives the identity.
     fn block(&self, levels: Range<usize>) -> Result<CombinedCycle, NoBound> {
-        let mut block = CombinedCycle { cycle: Cycle::identity(), twice_centre: 0 };
+        let mut block = CombinedCycle { cycle: CycleMask::identity(), twice_centre: 0 };
         for cycle in levels.map(|level| self.cycle(level)) {
             let done = self.watch.done().saturating_sub(self.start);
             if done.saturating_add(block.cycle.work_with(cycle)) > MAX_WORK {

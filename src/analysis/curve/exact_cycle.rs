@@ -37,12 +37,12 @@ impl ExactCycle {
 
 /// A sequence of values with indices; 0 outside.
 #[derive(Clone)]
-pub(super) struct Points {
+pub(super) struct ExactSequence {
     pub(super) first: i64,
     pub(super) values: Vec<Exact>,
 }
 
-impl Points {
+impl ExactSequence {
     /// Returns 1 at the index `first` and 0 elsewhere.
     pub(super) fn impulse(first: i64) -> Self {
         Self { first, values: vec![Exact::one()] }
@@ -72,9 +72,9 @@ impl Points {
 /// The response to an impulse at point 0, after some of the steps of a cycle.
 #[derive(Clone)]
 pub(super) struct ImpulseResponse {
-    pub(super) points: Points,
+    pub(super) points: ExactSequence,
     /// The points that entered the last upsampling.
-    pub(super) anchor: Points,
+    pub(super) anchor: ExactSequence,
     pub(super) arity: i64,
     /// The arity of the last upsampling; vertices have the indices that are multiples of it.
     last_arity: i64,
@@ -84,7 +84,7 @@ pub(super) struct ImpulseResponse {
 
 impl ImpulseResponse {
     pub(super) fn new() -> Self {
-        let points = Points::impulse(0);
+        let points = ExactSequence::impulse(0);
         Self { anchor: points.clone(), points, arity: 1, last_arity: 1, duals: 0, averages: 0 }
     }
 
@@ -94,33 +94,34 @@ impl ImpulseResponse {
         let duals = self.duals;
         self.points = match facts.curve? {
             CurveRule::Interpolate => self.upsampled(i64::from(settings.arity()), |points, d| {
-                Points::made(d * points.first - (d - 1), d * points.last() + (d - 1), |j| {
+                ExactSequence::made(d * points.first - (d - 1), d * points.last() + (d - 1), |j| {
                     let (i, part) = (j.div_euclid(d), j.rem_euclid(d));
                     let [before, after] = between::<Exact>(part, d);
                     before * points.at(i) + after * points.at(i + 1)
                 })
             })?,
             CurveRule::Mask => {
-                let mask = Points { first: settings.mask()?.first.into(), values: settings.exact_mask()?.to_vec() };
+                let mask =
+                    ExactSequence { first: settings.mask()?.first.into(), values: settings.exact_mask()?.to_vec() };
                 self.masked(settings.arity().into(), &mask)?
             }
             CurveRule::Circle => {
                 let weights = spread(settings.arity(), settings.whole(&AVERAGES)?, |k| Exact::whole(k.into()));
-                let mask = Points { first: settings.mask()?.first.into(), values: weights };
+                let mask = ExactSequence { first: settings.mask()?.first.into(), values: weights };
                 self.masked(settings.arity().into(), &mask)?
             }
             CurveRule::Pair => {
                 let (weight, back) = (self.weights(plan)?, i64::from(duals % 2));
                 self.duals += 1;
                 let old = &self.points;
-                Points::made(old.first - 1 + back, old.last() + back, |j| {
+                ExactSequence::made(old.first - 1 + back, old.last() + back, |j| {
                     let [a, b] = pair(&weight(j - back), &weight(j - back + 1));
                     a * old.at(j - back) + b * old.at(j - back + 1)
                 })?
             }
             CurveRule::Triple => {
                 let (weight, old) = (self.weights(plan)?, &self.points);
-                Points::made(old.first - 1, old.last() + 1, |j| {
+                ExactSequence::made(old.first - 1, old.last() + 1, |j| {
                     let [a, b, c] = triple(&[j - 1, j, j + 1].map(&weight));
                     a * old.at(j - 1) + b * old.at(j) + c * old.at(j + 1)
                 })?
@@ -130,7 +131,7 @@ impl ImpulseResponse {
                 let (from, to) = (i64::from(window.first), i64::from(window.last));
                 self.duals += u32::from(window.shifts());
                 let (share, old) = (Exact::ratio(1, settings.arity().into()), &self.points);
-                Points::made(old.first + from, old.last() + to, |j| {
+                ExactSequence::made(old.first + from, old.last() + to, |j| {
                     (j - to..=j - from).map(|i| old.at(i)).sum::<Exact>() * &share
                 })?
             }
@@ -140,16 +141,20 @@ impl ImpulseResponse {
         Some(())
     }
 
-    fn upsampled(&mut self, d: i64, made: impl Fn(&Points, i64) -> Option<Points>) -> Option<Points> {
+    fn upsampled(
+        &mut self,
+        d: i64,
+        made: impl Fn(&ExactSequence, i64) -> Option<ExactSequence>,
+    ) -> Option<ExactSequence> {
         self.anchor = self.points.clone();
         self.arity = self.arity.checked_mul(d)?;
         (self.last_arity, self.duals, self.averages) = (d, 0, 0);
         made(&self.points, d)
     }
 
-    fn masked(&mut self, d: i64, mask: &Points) -> Option<Points> {
+    fn masked(&mut self, d: i64, mask: &ExactSequence) -> Option<ExactSequence> {
         self.upsampled(d, |points, d| {
-            Points::made(d * points.first + mask.first, d * points.last() + mask.last(), |j| {
+            ExactSequence::made(d * points.first + mask.first, d * points.last() + mask.last(), |j| {
                 (points.first..=points.last()).map(|i| mask.at(j - d * i) * points.at(i)).sum()
             })
         })
@@ -168,7 +173,7 @@ impl ImpulseResponse {
         Some(move |i: i64| if i.rem_euclid(d) == 0 { kernel.clone() } else { Exact::one() })
     }
 
-    fn pushed_back(&self, plan: &Plan, compensated: bool) -> Option<Points> {
+    fn pushed_back(&self, plan: &Plan, compensated: bool) -> Option<ExactSequence> {
         let zero = Exact::zero();
         let delta = exactly::value(&plan.delta, "", &zero)?;
         let compensation = if compensated { exactly::value(&plan.compensation, "alpha", &zero)? } else { Exact::one() };
@@ -177,7 +182,7 @@ impl ImpulseResponse {
         // indices of vertices before or after the upsampling
         let first = anchor.first.min(-(-points.first).div_euclid(d));
         let last = anchor.last().max(points.last().div_euclid(d));
-        Points::made(d * first - (d - 1), d * last + (d - 1), |j| {
+        ExactSequence::made(d * first - (d - 1), d * last + (d - 1), |j| {
             let (i, part) = (j.div_euclid(d), j.rem_euclid(d));
             let [before, after] = between::<Exact>(part, d);
             let pushed = if part == 0 {

@@ -2,7 +2,7 @@
 
 use num_traits::Zero;
 
-use super::exact_cycle::{ImpulseResponse, Points};
+use super::exact_cycle::{ExactSequence, ImpulseResponse};
 use crate::math::exact::Exact;
 use crate::scheme::operator::Role;
 use crate::scheme::plan::Plan;
@@ -30,17 +30,18 @@ pub fn exact_steps(plan: &Plan, n: usize) -> Option<Vec<ExactStep>> {
         next.apply(plan, step)?;
         let [before, after] = [&state, &next].map(|state| usize::try_from(state.arity).ok()?.checked_mul(n));
         let (before, after) = (before?, after?);
-        let column = |points: Points, anchor: Points| {
+        let column = |points: ExactSequence, anchor: ExactSequence| {
             let mut state = state.clone();
             (state.points, state.anchor) = (points, anchor);
             state.apply(plan, step)?;
             Some(folded(&state.points, after))
         };
         let index = |i: usize| i64::try_from(i).unwrap_or(0);
-        let points =
-            (0..before).map(|i| column(Points::impulse(index(i)), Points::zero())).collect::<Option<Vec<_>>>()?;
+        let points = (0..before)
+            .map(|i| column(ExactSequence::impulse(index(i)), ExactSequence::zero()))
+            .collect::<Option<Vec<_>>>()?;
         let of_coarse = if step.letter.facts().role == Role::PushBack {
-            let columns = (0..coarse).map(|i| column(Points::zero(), Points::impulse(index(i))));
+            let columns = (0..coarse).map(|i| column(ExactSequence::zero(), ExactSequence::impulse(index(i))));
             Some(turned(&columns.collect::<Option<Vec<_>>>()?, after))
         } else {
             None
@@ -55,7 +56,7 @@ pub fn exact_steps(plan: &Plan, n: usize) -> Option<Vec<ExactStep>> {
 }
 
 /// Wraps a sequence around a closed polygon of `n` points; values at the same point are added.
-fn folded(points: &Points, n: usize) -> Vec<Exact> {
+fn folded(points: &ExactSequence, n: usize) -> Vec<Exact> {
     let mut closed = vec![Exact::zero(); n];
     for (i, x) in (points.first..).zip(&points.values) {
         let place = i.rem_euclid(i64::try_from(n).unwrap_or(1));

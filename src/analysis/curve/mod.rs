@@ -10,7 +10,7 @@ mod rows;
 mod tolerance;
 
 pub use convergence::warnings;
-pub use cycle::{Cycle, NoMask, is_static};
+pub use cycle::{CycleMask, NoMask, is_static};
 pub use distance::{Distances, MAX_WORK, NoBound};
 pub use exact_cycle::ExactCycle;
 pub use exact_steps::{ExactStep, exact_steps};

@@ -4,7 +4,7 @@
 //! to the place `d x + c` of the next polygon, so that the limit row of a place is the limit row of its image times the
 //! matrix of the cycle.
 
-use super::cycle::{Cycle, NoMask, real};
+use super::cycle::{CycleMask, NoMask, real};
 use crate::scheme::plan::Plan;
 use crate::watch::Watch;
 
@@ -57,7 +57,7 @@ impl WeightRow {
     }
 
     /// Returns the row over the points before a cycle, around a point (`parity` 0) or a midpoint (`parity` 1).
-    pub(super) fn before(&self, cycle: &Cycle, parity: i64) -> Self {
+    pub(super) fn before(&self, cycle: &CycleMask, parity: i64) -> Self {
         let (d, c) = (cycle.arity, cycle.twice_centre());
         let (low, high) = (i64::from(cycle.mask.first), i64::from(cycle.mask.last()));
         let last = self.first + 2 * (i64::try_from(self.weights.len()).unwrap_or(1) - 1);
@@ -123,7 +123,7 @@ fn arrived(change: f64, last: f64) -> bool {
 }
 
 /// Returns the rows of points and midpoints over the points before a cycle.
-fn before(pair: &Pair, cycle: &Cycle) -> Pair {
+fn before(pair: &Pair, cycle: &CycleMask) -> Pair {
     [0, 1].map(|parity| {
         let image = (cycle.twice_centre() + cycle.arity * parity).rem_euclid(2);
         pair[usize::from(image == 1)].before(cycle, parity)
@@ -140,7 +140,7 @@ impl LimitRows {
     /// # Errors
     /// [`NoMask`], also when the static limit does not converge.
     pub fn of(plan: &Plan, levels: u32) -> Result<Self, NoMask> {
-        let (changing, settled) = Cycle::from_level(plan, levels, &Watch::new())?;
+        let (changing, settled) = CycleMask::from_level(plan, levels, &Watch::new())?;
         let mut position = settled_positions(&settled)?;
         let mut tangent = settled_tangents(&settled, &position);
         for cycle in changing.iter().rev() {
@@ -158,7 +158,7 @@ fn pure(tangent: &Pair, position: &Pair) -> Pair {
 }
 
 /// Returns the left eigenvectors for the eigenvalue 1 of a static cycle.
-fn settled_positions(cycle: &Cycle) -> Result<Pair, NoMask> {
+fn settled_positions(cycle: &CycleMask) -> Result<Pair, NoMask> {
     let start = [WeightRow::new(0, &[1.0]), WeightRow::new(-1, &[0.5, 0.5])];
     let pair = settled(start, 1e9, |pair| Some(before(pair, cycle))).ok_or(NoMask::Diverges)?;
     let complete = pair.iter().all(|row| (row.sum() - 1.0).abs() < 1e-9);
@@ -167,14 +167,14 @@ fn settled_positions(cycle: &Cycle) -> Result<Pair, NoMask> {
 
 /// Returns the left eigenvectors for the eigenvalue 1/d, scaled to the value 1 for points whose positions are their
 /// offsets; `None` if the differences on the two sides do not converge to the same rows.
-fn settled_tangents(cycle: &Cycle, position: &Pair) -> Option<Pair> {
+fn settled_tangents(cycle: &CycleMask, position: &Pair) -> Option<Pair> {
     let after = settled_tangent(cycle, position, [WeightRow::new(0, &[-1.0, 1.0]), WeightRow::new(1, &[-1.0, 1.0])])?;
     let ahead = settled_tangent(cycle, position, [WeightRow::new(-2, &[-1.0, 1.0]), WeightRow::new(-3, &[-1.0, 1.0])])?;
     let agree = after.iter().zip(&ahead).all(|(a, b)| a.distance(b) < AGREE);
     agree.then_some(after)
 }
 
-fn settled_tangent(cycle: &Cycle, position: &Pair, start: Pair) -> Option<Pair> {
+fn settled_tangent(cycle: &CycleMask, position: &Pair, start: Pair) -> Option<Pair> {
     settled(start, f64::INFINITY, |pair| {
         let mut next = pure(&before(pair, cycle), position);
         for row in &mut next {

@@ -6,9 +6,9 @@
 //! even. An inner vertex with two faces becomes the edge between these.
 
 use super::disc::Centre;
-use super::dual::Dual;
+use super::dual::DualNet;
 use super::error::Unlimited;
-use super::record::Record;
+use super::record::CycleRecord;
 use crate::math::functions::real;
 use crate::math::rows::Rows;
 use crate::scheme::mesh_net::MeshNet;
@@ -28,7 +28,7 @@ pub(in crate::analysis) fn child(
     centre: Centre,
     children: Children,
     [before, after]: [&MeshNet; 2],
-    record: &Record,
+    record: &CycleRecord,
 ) -> Result<Centre, Unlimited> {
     match (children, centre) {
         (Children::Same, _) | (Children::Vertices, Centre::Vertex(_)) => Ok(centre),
@@ -36,7 +36,7 @@ pub(in crate::analysis) fn child(
             let (topology, finer) = (before.mesh.topology(), after.mesh.topology());
             record.last().and_then(|rows| middle(centre, &topology, &finer, &rows)).ok_or(Unlimited::Lost)
         }
-        (Children::Dual, _) => Dual::of(before, after)?.child(centre),
+        (Children::Dual, _) => DualNet::of(before, after)?.child(centre),
         (Children::Faces, _) => cut(centre, before, after),
     }
 }

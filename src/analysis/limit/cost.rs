@@ -48,7 +48,7 @@ impl Follow {
 
 /// The approximate cost of a limit.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub struct Cost {
+pub struct LimitCost {
     /// Number of points that operators make; each takes about as long as a row.
     pub points: u128,
     /// Bytes of the largest number of points held at once.
@@ -58,7 +58,7 @@ pub struct Cost {
 /// Returns the cost of the limits of `n_vertices` under a cycle. `impulses` is the number of impulses examined;
 /// `extraordinary` is the number of extraordinary vertices of the mesh that is refined, each with many faces counted as
 /// several.
-pub fn cost(cycle: &[Letter], impulses: usize, extraordinary: u128, n_vertices: u128, follow: Follow) -> Cost {
+pub fn cost(cycle: &[Letter], impulses: usize, extraordinary: u128, n_vertices: u128, follow: Follow) -> LimitCost {
     let pieces = cycle::pieces(cycle.iter());
     let support = support(cycle);
     let square = |rings: usize| (2 * rings + 1) * (2 * rings + 1);
@@ -73,7 +73,7 @@ pub fn cost(cycle: &[Letter], impulses: usize, extraordinary: u128, n_vertices: 
         .saturating_add((tried + impulses * impulse) as u128);
     let threads = usize::try_from(discs).unwrap_or(AT_A_TIME).clamp(1, AT_A_TIME);
     let bytes = BYTES_A_POINT * impulse.max(threads * disc(support));
-    Cost { points, bytes: bytes as u128 }
+    LimitCost { points, bytes: bytes as u128 }
 }
 
 /// Returns an upper bound of the rings that influence a limit, if each operator reaches one ring.

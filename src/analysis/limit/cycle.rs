@@ -7,7 +7,7 @@ use super::child::child;
 use super::disc::{Disc, Located, RingCount};
 use super::disc_rules::DiscRules;
 use super::error::Unlimited;
-use super::record::{Record, Weights};
+use super::record::{CycleRecord, WeightMode};
 use super::vertex_parameters::VertexParameters;
 use super::walk::WholeNet;
 use crate::math::rows::Rows;
@@ -63,7 +63,12 @@ impl Child {
     ///
     /// # Errors
     /// [`Unlimited::Reach`] if points of the child's support depend on points outside the parent's support.
-    pub(super) fn new(found: &Located, record: &Record, origins: &[u32], n_columns: usize) -> Result<Self, Unlimited> {
+    pub(super) fn new(
+        found: &Located,
+        record: &CycleRecord,
+        origins: &[u32],
+        n_columns: usize,
+    ) -> Result<Self, Unlimited> {
         let matrix = record.matrix(&found.vertices[..found.disc.support], origins, n_columns);
         let matrix = matrix.ok_or(Unlimited::Reach)?;
         Ok(Self { disc: found.disc.clone(), matrix, n_columns, rotation: found.rotation })
@@ -119,7 +124,7 @@ impl<'a> Cycle<'a> {
     /// Applies one level to the disc around a centre. Levels beyond the settled one are equal to it.
     pub(super) fn step(&self, level: usize, disc: &Disc, rings: RingCount) -> Result<Child, Unlimited> {
         let parameters = VertexParameters::default();
-        let (found, record, origins, _) = self.refined(level, disc, &parameters, rings, Weights::Exact)?;
+        let (found, record, origins, _) = self.refined(level, disc, &parameters, rings, WeightMode::Exact)?;
         Child::new(&found, &record, &origins, disc.support)
     }
 
@@ -130,7 +135,7 @@ impl<'a> Cycle<'a> {
         parameters: &VertexParameters,
         rings: RingCount,
     ) -> Result<(Located, Arc<Topology>), Unlimited> {
-        let refined = self.refined(self.settled, disc, parameters, rings, Weights::Exact);
+        let refined = self.refined(self.settled, disc, parameters, rings, WeightMode::Exact);
         refined.map(|(found, _, _, topology)| (found, topology))
     }
 
@@ -138,7 +143,8 @@ impl<'a> Cycle<'a> {
     /// disc.
     pub(super) fn closes(&self, disc: &Disc, rings: RingCount) -> Result<(bool, Disc), Unlimited> {
         let parameters = VertexParameters::default();
-        let (found, record, origins, _) = self.refined(self.settled, disc, &parameters, rings, Weights::Structural)?;
+        let (found, record, origins, _) =
+            self.refined(self.settled, disc, &parameters, rings, WeightMode::Structural)?;
         let matrix = record.matrix(&found.vertices[..found.disc.support], &origins, disc.support);
         Ok((matrix.is_some(), found.disc))
     }
@@ -149,11 +155,11 @@ impl<'a> Cycle<'a> {
         disc: &Disc,
         parameters: &VertexParameters,
         rings: RingCount,
-        weights: Weights,
-    ) -> Result<(Located, Record, Vec<u32>, Arc<Topology>), Unlimited> {
+        weights: WeightMode,
+    ) -> Result<(Located, CycleRecord, Vec<u32>, Arc<Topology>), Unlimited> {
         let (net, origins) = disc.net(self.disc_rules).ok_or(Unlimited::Reach)?;
         let mut net = parameters.carried_by(net, &origins);
-        let mut record = Record::new(weights);
+        let mut record = CycleRecord::new(weights);
         let (mut centre, mut made) = (disc.centre(), PointCount::default());
         for step in self.level(level) {
             let next = Stepper::new(self.plan).next(&net, step)?;

@@ -24,7 +24,7 @@ struct Constructed {
 
 /// A net and its dual.
 #[derive(Debug)]
-pub(super) struct Dual<'a> {
+pub(super) struct DualNet<'a> {
     /// The net that D was applied to, in the documented order, which D follows.
     old: Arc<Topology>,
     /// The same net in the order of its construction, if that is another one.
@@ -34,7 +34,7 @@ pub(super) struct Dual<'a> {
     faces: Vec<u32>,
 }
 
-impl<'a> Dual<'a> {
+impl<'a> DualNet<'a> {
     /// Creates the dual from the nets `before` and `after` a D.
     ///
     /// # Errors
@@ -212,7 +212,7 @@ impl Unrefined {
             advance(&mut unrefined.net, &mut unrefined.points, plan, [step], watch)?;
             if step.letter.facts().children == Children::Dual {
                 let centres = unrefined.centres.take().unwrap_or_else(|| vertices(&before));
-                let dual = Dual::of(&before, &unrefined.net)?;
+                let dual = DualNet::of(&before, &unrefined.net)?;
                 let child = |centre: Option<Centre>| centre.map(|centre| dual.child(centre)).transpose();
                 unrefined.centres =
                     Some(centres.into_par_iter().with_min_len(1024).map(child).collect::<Result<_, _>>()?);

@@ -10,7 +10,7 @@ use super::bounds::{CHUNK, CHUNK_VERTICES, FIRST_CHUNK, MAX_DISCS, VERTICES_A_RO
 use super::disc::{Centre, Disc, Located, NEAREST, RingCount};
 use super::error::Unlimited;
 use super::grid::regular_mask;
-use super::mask::{Finder, Mask, Masks};
+use super::mask::{Finder, LimitMask, Masks};
 use super::neighbourhoods::Neighbourhoods;
 use super::on_net::CycleOnNet;
 use super::regular::Regular;
@@ -28,13 +28,13 @@ const ISOLATED: u32 = 1;
 
 /// The masks of all vertices of a net.
 #[derive(Debug)]
-pub(super) struct Field<'a> {
+pub(super) struct VertexMasks<'a> {
     around: &'a dyn Neighbourhoods,
     rings: RingCount,
     classes: Vec<u32>,
-    masks: Vec<Arc<Mask>>,
+    masks: Vec<Arc<LimitMask>>,
     /// The mask on a grid, in the order of [`grid`](super::grid::grid).
-    regular: Option<Mask>,
+    regular: Option<LimitMask>,
 }
 
 /// The functional that a row of a field evaluates.
@@ -46,7 +46,7 @@ pub(super) enum Functional {
     Tangent(usize),
 }
 
-impl<'a> Field<'a> {
+impl<'a> VertexMasks<'a> {
     /// Finds the masks of all vertices.
     pub(super) fn new(
         around: &'a dyn Neighbourhoods,
@@ -110,9 +110,13 @@ impl<'a> Field<'a> {
     }
 
     /// Creates a field in which each vertex has its own mask; `None` for vertices without faces.
-    pub(super) fn of_masks(around: &'a dyn Neighbourhoods, rings: RingCount, masks: Vec<Option<Arc<Mask>>>) -> Self {
+    pub(super) fn of_masks(
+        around: &'a dyn Neighbourhoods,
+        rings: RingCount,
+        masks: Vec<Option<Arc<LimitMask>>>,
+    ) -> Self {
         let mut n = ISOLATED;
-        let class = |mask: &Option<Arc<Mask>>| {
+        let class = |mask: &Option<Arc<LimitMask>>| {
             n += u32::from(mask.is_some());
             if mask.is_some() { n } else { ISOLATED }
         };
@@ -131,7 +135,7 @@ impl<'a> Field<'a> {
     }
 
     /// Returns the mask of a vertex; `None` for a vertex without faces.
-    fn mask(&self, v: usize) -> Option<&Mask> {
+    fn mask(&self, v: usize) -> Option<&LimitMask> {
         match self.classes[v] {
             ISOLATED => None,
             REGULAR => self.regular.as_ref(),
@@ -208,7 +212,7 @@ impl<'a> Field<'a> {
 }
 
 /// Returns the weights of a mask for a functional in a sector; none if there are no tangents.
-fn weights(mask: &Mask, functional: Functional, sector: usize) -> &[f64] {
+fn weights(mask: &LimitMask, functional: Functional, sector: usize) -> &[f64] {
     match functional {
         Functional::Position => &mask.position,
         Functional::Tangent(i) => {

@@ -13,7 +13,7 @@ use crate::shape::topology::index;
 #[derive(Default)]
 pub(super) struct FirstUse {
     pub(super) order: Vec<u32>,
-    numbers: HashMap<u32, u32, BuildHasherDefault<Spread>>,
+    numbers: HashMap<u32, u32, BuildHasherDefault<FibonacciHasher>>,
 }
 
 impl FirstUse {
@@ -31,9 +31,9 @@ impl FirstUse {
 
 /// A multiplicative hash: the golden ratio spreads the similar numbers of neighbours (Knuth, volume 3, section 6.4).
 #[derive(Default)]
-struct Spread(u64);
+struct FibonacciHasher(u64);
 
-impl Hasher for Spread {
+impl Hasher for FibonacciHasher {
     fn write(&mut self, bytes: &[u8]) {
         bytes.iter().for_each(|&byte| self.write_u32(byte.into()));
     }

@@ -2,7 +2,7 @@
 
 use super::disc::{Centre, Located, RingCount};
 use super::error::Unlimited;
-use super::mask::{Mask, Masks};
+use super::mask::{LimitMask, Masks};
 use super::regular::Regular;
 use super::walk::WholeNet;
 use crate::scheme::surroundings::Surroundings;
@@ -37,7 +37,7 @@ pub(super) fn regular_mask(
     rings: RingCount,
     masks: &Masks<'_>,
     surroundings: Option<Surroundings>,
-) -> Result<Mask, Unlimited> {
+) -> Result<LimitMask, Unlimited> {
     let (net, middle) = Regular::Quads.grid(rings, false);
     let (topology, whole) = (&net.mesh.base, WholeNet { surroundings, ..WholeNet::of(&net, &net.mesh.base) });
     let Located { disc, vertices, .. } = whole.disc(Centre::Vertex(index(middle)), rings).ok_or(Unlimited::Size)?;
@@ -48,5 +48,5 @@ pub(super) fn regular_mask(
     let both = |tangents: &Result<[Vec<f64>; 2], _>| {
         tangents.as_ref().map(|[t, u]| [sorted(t), sorted(u)]).map_err(|why| *why)
     };
-    Ok(Mask { position: sorted(&mask.position), tangents: mask.tangents.iter().map(both).collect() })
+    Ok(LimitMask { position: sorted(&mask.position), tangents: mask.tangents.iter().map(both).collect() })
 }

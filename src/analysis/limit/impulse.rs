@@ -98,13 +98,13 @@ impl Impulse<'_> {
                 seen.push(Differences::of(&impulse_net.net.mesh.topology(), &impulse_net.points.now));
             }
         }
-        let vanish = |measure: Measure| -> Result<bool, Unlimited> {
+        let vanish = |measure: DifferenceKind| -> Result<bool, Unlimited> {
             let [early, late] = [0, 1].map(|i| measure.of(&seen[i]));
             Ok(late <= VANISHES * early || self.vanish_at_places(measure, watch)?.unwrap_or(late <= SHRINKS * early))
         };
-        Ok(if !vanish(Measure::First)? {
+        Ok(if !vanish(DifferenceKind::First)? {
             ImpulseSmoothness::Rough
-        } else if tangents && !vanish(Measure::DividedSecond)? {
+        } else if tangents && !vanish(DifferenceKind::DividedSecond)? {
             ImpulseSmoothness::Continuous
         } else {
             ImpulseSmoothness::Smooth
@@ -135,7 +135,7 @@ impl Impulse<'_> {
 
     /// Returns whether differences vanish at all places that the cycle maps to themselves; `None` if there are too many
     /// points around a place.
-    fn vanish_at_places(&self, measure: Measure, watch: &Watch) -> Result<Option<bool>, Unlimited> {
+    fn vanish_at_places(&self, measure: DifferenceKind, watch: &Watch) -> Result<Option<bool>, Unlimited> {
         let mut budget = MAX_PLACE_POINTS;
         for place in places(self.on_net.cycle.pieces().last().copied().unwrap_or(2)) {
             match self.vanish_at(place, measure, &mut budget, watch)? {
@@ -151,7 +151,7 @@ impl Impulse<'_> {
     fn vanish_at(
         &self,
         place: RecurrentPlace,
-        measure: Measure,
+        measure: DifferenceKind,
         budget: &mut usize,
         watch: &Watch,
     ) -> Result<Option<bool>, Unlimited> {
@@ -296,12 +296,12 @@ impl ImpulseNet {
 
 /// The kind of differences that are compared.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Measure {
+enum DifferenceKind {
     First,
     DividedSecond,
 }
 
-impl Measure {
+impl DifferenceKind {
     fn of(self, differences: &Differences) -> f64 {
         match self {
             Self::First => differences.first,

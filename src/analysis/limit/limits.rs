@@ -6,7 +6,7 @@ use super::continuity::{check, smoothness};
 use super::disc::RingCount;
 use super::dual::Unrefined;
 use super::error::Unlimited;
-use super::field::{Field, Functional};
+use super::field::{Functional, VertexMasks};
 use super::impulse::ImpulseSmoothness;
 use super::mask::Finder;
 use super::normals;
@@ -29,7 +29,7 @@ const MAX_WIDER: usize = 3;
 
 /// The limits of the vertices of a net, in the order of construction.
 #[derive(Debug, Default)]
-pub(in crate::analysis) struct Limits {
+pub(in crate::analysis) struct VertexLimits {
     /// Positions, `n x 3`, and the values of each channel, if requested.
     pub(in crate::analysis) points: Option<Vec<Vec<f64>>>,
     /// Normals, if requested and existing.
@@ -46,7 +46,7 @@ pub(super) fn without_normals(why: impl fmt::Display) -> String {
 /// The masks and points from which the limits of a net are computed.
 pub(super) struct Looked<'a> {
     /// The masks of all vertices; `None` if only normals are requested and there are none.
-    pub(super) field: Option<&'a Field<'a>>,
+    pub(super) field: Option<&'a VertexMasks<'a>>,
     /// The sectors of all vertices.
     pub(super) sectors: &'a [(u32, usize)],
     /// The points to which the masks apply.
@@ -66,17 +66,17 @@ pub(in crate::analysis) fn limits(
     ahead: &[Scheduled],
     request: LimitRequest,
     watch: &Watch,
-) -> Result<Limits, Unlimited> {
+) -> Result<VertexLimits, Unlimited> {
     look((plan, ahead), (net, given), request, watch, |Looked { field, sectors, points, warning }| {
-        let Some(field) = field else { return Ok(Limits { warning, ..Limits::default() }) };
+        let Some(field) = field else { return Ok(VertexLimits { warning, ..VertexLimits::default() }) };
         let vertices = &sectors[..field.n_vertices()];
         let positions = if request.positions { Some(moved(field, vertices, points, given, watch)?) } else { None };
         if warning.is_some() || !request.normals {
-            return Ok(Limits { points: positions, normals: None, warning });
+            return Ok(VertexLimits { points: positions, normals: None, warning });
         }
         let tangent = |i| blend(&field.rows(sectors, Functional::Tangent(i)), &points[0].now, 3, watch);
         let (normals, warning) = normals::of(field, sectors, &tangent(0)?, &tangent(1)?);
-        Ok(Limits { points: positions, normals: Some(normals), warning })
+        Ok(VertexLimits { points: positions, normals: Some(normals), warning })
     })
 }
 
@@ -117,7 +117,7 @@ pub(super) fn look<T>(
         let finder = Finder::new(&on_net.cycle, rings, with_tangents);
         match perturbation {
             Some(perturbation) => perturbed::field(&around, rings, &finder, perturbation, rows, watch),
-            None => Field::new(&around, &on_net, rings, &finder, watch),
+            None => VertexMasks::new(&around, &on_net, rings, &finder, watch),
         }
     })?;
     let regular = || field.no_regular_tangents().map(|why| without_normals(why.at("a regular vertex")));
@@ -142,7 +142,7 @@ fn widened<T>(rings: RingCount, find: impl Fn(RingCount) -> Result<T, Unlimited>
 /// Returns the limits of positions and channels. A vertex without faces that the steps before the next upsampling
 /// removed keeps its `given` values.
 fn moved(
-    field: &Field<'_>,
+    field: &VertexMasks<'_>,
     vertices: &[(u32, usize)],
     points: &[Points],
     given: &[Points],

@@ -9,7 +9,7 @@ use super::disc::{Centre, Disc, RingCount};
 use super::error::Unlimited;
 use super::rotation;
 use super::sector::{SectorSupport, Sectors};
-use super::skeleton::{Skeletons, Traced};
+use super::skeleton::{Skeletons, TracedLevel};
 use super::tangent::{self, NoTangents, starting_vectors};
 use super::vertex_parameters::{CommonParameters, VertexParameters};
 
@@ -58,7 +58,7 @@ const MAX_STEPS: usize = 20_000;
 
 /// The limit mask of a disc, over the points of its support.
 #[derive(Debug, Clone, PartialEq)]
-pub(super) struct Mask {
+pub(super) struct LimitMask {
     /// The weights of the limit position; they sum to 1.
     pub(super) position: Vec<f64>,
     /// For each sector the weights of two tangents whose cross product is the normal, or why there are none; empty if
@@ -66,7 +66,7 @@ pub(super) struct Mask {
     pub(super) tangents: Vec<Result<[Vec<f64>; 2], NoTangents>>,
 }
 
-impl Mask {
+impl LimitMask {
     /// Returns the mask of `disc`, of which `child` is the child with this mask.
     fn before(&self, disc: &Disc, child: &Child) -> Self {
         let back = |row: &[f64]| Ok::<_, Infallible>(child.back(row));
@@ -77,7 +77,7 @@ impl Mask {
 
     /// Returns the mask of `disc`, of which `level` makes the child with this mask, without computing the matrix of the
     /// level.
-    fn before_traced(&self, disc: &Disc, level: &Traced) -> Result<Self, Unlimited> {
+    fn before_traced(&self, disc: &Disc, level: &TracedLevel) -> Result<Self, Unlimited> {
         let back = |row: &[f64]| level.times_row(row);
         let both = |[t, u]: &[Vec<f64>; 2]| Ok([tangential(back(t)?), tangential(back(u)?)]);
         self.seen_from(disc, (level.disc(), level.rotation()), back, both)
@@ -132,7 +132,7 @@ pub(super) struct Masks<'a> {
 /// A mask, with the length of the chain of discs from which it was found.
 #[derive(Debug, Clone)]
 struct KnownMask {
-    mask: Arc<Mask>,
+    mask: Arc<LimitMask>,
     /// Number of discs from that of the mask through its children until one repeats; 0 before the settled level.
     chain: usize,
 }
@@ -158,7 +158,7 @@ impl<'a> Finder<'a> {
 
     /// Returns the mask of a disc whose vertices carry different parameters: follows the disc level by level until they
     /// agree, and turns the mask of the last disc back into one of the first.
-    pub(super) fn varying(&self, disc: &Disc, parameters: &VertexParameters) -> Result<Mask, Unlimited> {
+    pub(super) fn varying(&self, disc: &Disc, parameters: &VertexParameters) -> Result<LimitMask, Unlimited> {
         let (mut disc, mut parameters) = (disc.clone(), parameters.clone());
         let mut steps = Vec::new();
         while !parameters.agree() {
@@ -172,8 +172,8 @@ impl<'a> Finder<'a> {
         }
         // parameters that no other vertex has: their masks are not kept
         let last = Masks::new(self, parameters.first()).of(steps.len(), &disc)?;
-        let back = |mask: Mask, (disc, level): &(Disc, Traced)| mask.before_traced(disc, level);
-        steps.iter().rev().try_fold(Mask::clone(&last), back)
+        let back = |mask: LimitMask, (disc, level): &(Disc, TracedLevel)| mask.before_traced(disc, level);
+        steps.iter().rev().try_fold(LimitMask::clone(&last), back)
     }
 }
 
@@ -198,7 +198,7 @@ impl<'a> Masks<'a> {
     ///
     /// While the values of the plan change from level to level, the mask of a disc is that of its child times the
     /// matrix of the level. Once they are settled, the disc soon is its own child, and the mask a fixed point.
-    pub(super) fn of(&self, level: usize, disc: &Disc) -> Result<Arc<Mask>, Unlimited> {
+    pub(super) fn of(&self, level: usize, disc: &Disc) -> Result<Arc<LimitMask>, Unlimited> {
         let level = level.min(self.finder.cycle.settled);
         let key = (level, disc.clone());
         if let Some(known) = self.known(&key) {
@@ -218,7 +218,7 @@ impl<'a> Masks<'a> {
     }
 
     /// Keeps a mask and returns the one that is kept.
-    fn keep(&self, key: (usize, Disc), mask: Mask, chain: usize) -> Arc<Mask> {
+    fn keep(&self, key: (usize, Disc), mask: LimitMask, chain: usize) -> Arc<LimitMask> {
         let mut all = self.known.lock().unwrap_or_else(PoisonError::into_inner);
         // all threads find the same mask, so that it does not matter which one comes first
         all.entry(key).or_insert_with(|| KnownMask { mask: Arc::new(mask), chain }).mask.clone()
@@ -226,7 +226,7 @@ impl<'a> Masks<'a> {
 
     /// Returns the mask of a disc at the settled level: follows its children until one repeats or its mask is known,
     /// and turns that mask back into one of the disc.
-    fn settled(&self, disc: &Disc) -> Result<Arc<Mask>, Unlimited> {
+    fn settled(&self, disc: &Disc) -> Result<Arc<LimitMask>, Unlimited> {
         let level = self.finder.cycle.settled;
         let mut discs = vec![disc.clone()];
         let mut children: Vec<Child> = Vec::new();
@@ -277,7 +277,7 @@ impl<'a> Masks<'a> {
     ///
     /// # Errors
     /// [`Unlimited::Unsettled`] if the weights do not converge, [`Unlimited::Rough`] if the points of the disc do not.
-    fn fixed_point(&self, disc: &Disc, children: &[Child]) -> Result<Mask, Unlimited> {
+    fn fixed_point(&self, disc: &Disc, children: &[Child]) -> Result<LimitMask, Unlimited> {
         let back = |row: &[f64]| children.iter().rev().fold(row.to_vec(), |row, child| child.back(&row));
         let mut position = disc.middle();
         let mut steps = 0;
@@ -317,7 +317,7 @@ impl<'a> Masks<'a> {
                 .map(|sector| one_sided(&SectorSupport::of(disc, &sectors, sector), &position, back, forth))
                 .collect(),
         };
-        Ok(Mask { position, tangents })
+        Ok(LimitMask { position, tangents })
     }
 
     /// Returns the tangents of a disc that repeats, from its matrix or, if that has none, from the matrix followed by

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use super::cycle::AHEAD;
 use super::error::{LimitError, Unlimited};
-use super::limits::{Limits, limits, without_normals};
+use super::limits::{VertexLimits, limits, without_normals};
 use super::request::LimitRequest;
 use super::swept::refine_swept;
 use crate::fault::Fault;
@@ -91,7 +91,7 @@ fn by_rows(
     let (net, points) = act_on(mesh_net(mesh, plan), numbers(mesh), plan, steps, watch)?;
     let found = match limits(plan, &net, &points, ahead, request, watch) {
         Err(error) if !request.positions && !matches!(error, Unlimited::Stopped(_)) => {
-            Limits { warning: Some(without_normals(error)), ..Limits::default() }
+            VertexLimits { warning: Some(without_normals(error)), ..VertexLimits::default() }
         }
         found => found?,
     };

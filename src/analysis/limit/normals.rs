@@ -1,6 +1,6 @@
 //! Normals of the limit surface, one per sector of a vertex.
 
-use super::field::Field;
+use super::field::VertexMasks;
 use crate::math::vector::{cross, direction, length, plus};
 use crate::refine::Normals;
 
@@ -14,7 +14,7 @@ const PARALLEL: f64 = 1e-9;
 /// sector 0 of all vertices first; `first` and `second` are their tangents, `n x 3`. A vertex with several sectors has
 /// a normal per side, and as its own the direction of their sum. Missing normals are zero.
 pub(super) fn of(
-    field: &Field<'_>,
+    field: &VertexMasks<'_>,
     places: &[(u32, usize)],
     first: &[f64],
     second: &[f64],

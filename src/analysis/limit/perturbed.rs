@@ -15,8 +15,8 @@ use super::bounds::{MAX_FOLLOWED_LEVELS, MAX_FOLLOWED_POINTS};
 use super::cycle::Child;
 use super::disc::{Centre, Disc, Located, RingCount};
 use super::error::Unlimited;
-use super::field::{Field, located};
-use super::mask::{Finder, Mask, Masks, tangential};
+use super::field::{VertexMasks, located};
+use super::mask::{Finder, LimitMask, Masks, tangential};
 use super::neighbourhoods::Neighbourhoods;
 use super::request::LimitRequest;
 use super::small::dot;
@@ -89,7 +89,7 @@ pub(super) fn field<'a>(
     perturbation: Perturbation,
     rows: u64,
     watch: &Watch,
-) -> Result<Field<'a>, Unlimited> {
+) -> Result<VertexMasks<'a>, Unlimited> {
     check_size(around, rings, watch)?;
     let plain = Masks::new(finder, CommonParameters::default());
     let mask = |v: u32| {
@@ -103,7 +103,7 @@ pub(super) fn field<'a>(
     };
     let all = 0..index(around.n_vertices());
     let masks = all.into_par_iter().map(mask).collect::<Result<Vec<_>, Unlimited>>()?;
-    Ok(Field::of_masks(around, rings, masks))
+    Ok(VertexMasks::of_masks(around, rings, masks))
 }
 
 /// Checks that the discs of all vertices together have at most [`MAX_FOLLOWED_POINTS`] points.
@@ -135,14 +135,14 @@ struct Follower<'a> {
 
 impl Follower<'_> {
     /// Returns the mask of a disc. `numbering` holds the numbers of its vertices, edges and faces in the whole net.
-    fn mask(&self, found: Located, parameters: VertexParameters, numbering: Numbering) -> Result<Mask, Unlimited> {
+    fn mask(&self, found: Located, parameters: VertexParameters, numbering: Numbering) -> Result<LimitMask, Unlimited> {
         let (mut disc, mut parameters, mut numbering) = (found.disc, parameters, numbering);
         let mut spread = Spread::new(disc.support);
         let mut levels: Vec<(Disc, Child)> = Vec::new();
         let last = loop {
             self.watch.check()?;
             if !self.finder.with_tangents && spread.is_none() {
-                break Mask { position: disc.middle(), tangents: Vec::new() };
+                break LimitMask { position: disc.middle(), tangents: Vec::new() };
             }
             if parameters.agree() && self.is_quiet(levels.len(), &spread) {
                 break self.unperturbed(levels.len(), &disc, &parameters)?;
@@ -172,14 +172,14 @@ impl Follower<'_> {
     }
 
     /// Returns the mask that a disc before `level` has under the plan without perturbation.
-    fn unperturbed(&self, level: usize, disc: &Disc, parameters: &VertexParameters) -> Result<Mask, Unlimited> {
+    fn unperturbed(&self, level: usize, disc: &Disc, parameters: &VertexParameters) -> Result<LimitMask, Unlimited> {
         let common = parameters.first();
         let mask = if common.are_there() {
             Masks::new(self.finder, common).of(level, disc)?
         } else {
             self.plain.of(level, disc)?
         };
-        Ok(Mask::clone(&mask))
+        Ok(LimitMask::clone(&mask))
     }
 }
 
@@ -187,7 +187,7 @@ impl Follower<'_> {
 ///
 /// The second tangent is made orthogonal to the first, which does not change the normal: if the first grows faster from
 /// level to level backwards, the second would otherwise become parallel to it within rounding.
-fn before(mask: &Mask, disc: &Disc, child: &Child) -> Mask {
+fn before(mask: &LimitMask, disc: &Disc, child: &Child) -> LimitMask {
     let both = |[t, u]: &[Vec<f64>; 2]| {
         let t = tangential(child.back(t));
         let mut u = child.back(u);

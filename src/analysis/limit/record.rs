@@ -9,7 +9,7 @@ use crate::shape::topology::index;
 
 /// Whether a record uses the weights or only their positions.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(in crate::analysis) enum Weights {
+pub(in crate::analysis) enum WeightMode {
     /// The weights themselves.
     Exact,
     /// Every weight replaced by 1, so that none cancels: finds what could have a weight for other parameter values.
@@ -18,9 +18,9 @@ pub(in crate::analysis) enum Weights {
 
 /// The actions of one application of a cycle. Their rows are made on demand, each once.
 #[derive(Debug)]
-pub(in crate::analysis) struct Record {
+pub(in crate::analysis) struct CycleRecord {
     actions: Vec<Recorded>,
-    weights: Weights,
+    weights: WeightMode,
 }
 
 /// An action with a table, and the rows of the table that were made so far.
@@ -44,9 +44,9 @@ impl Recorded {
     }
 }
 
-impl Record {
+impl CycleRecord {
     /// Creates an empty record.
-    pub(in crate::analysis) fn new(weights: Weights) -> Self {
+    pub(in crate::analysis) fn new(weights: WeightMode) -> Self {
         Self { actions: Vec::new(), weights }
     }
 
@@ -77,7 +77,7 @@ impl Record {
     /// one. Points with the same entry in `origins` share a column. Returns `None` if a column beyond `n_columns` has a
     /// weight.
     pub(super) fn times_row(&self, row: &[f64], wanted: &[u32], origins: &[u32], n_columns: usize) -> Option<Vec<f64>> {
-        let mut trace = Trace::default();
+        let mut trace = TracedWeights::default();
         wanted.iter().zip(row).for_each(|(&point, &factor)| trace.now.add(point, factor));
         self.actions.iter().rev().for_each(|action| trace.back(action, self.weights));
         let mut product = vec![0.0; n_columns];
@@ -93,12 +93,12 @@ impl Record {
     /// with the same entry in `origins` share a column. Returns `None` if a column beyond `n_columns` has a weight.
     pub(in crate::analysis) fn matrix(&self, wanted: &[u32], origins: &[u32], n_columns: usize) -> Option<Rows> {
         let mut matrix = Rows::default();
-        let mut trace = Trace::default();
+        let mut trace = TracedWeights::default();
         let mut entries: Vec<(u32, f64)> = Vec::new();
         for &point in wanted {
             trace.now.add(point, 1.0);
             self.actions.iter().rev().for_each(|action| trace.back(action, self.weights));
-            let Trace { now, before, .. } = &mut trace;
+            let TracedWeights { now, before, .. } = &mut trace;
             now.drain(|column, weight| before.add(origins[column as usize], weight));
             before.drain(|column, weight| entries.push((column, weight)));
             entries.sort_unstable_by_key(|entry| entry.0);
@@ -116,18 +116,18 @@ impl Record {
 
 /// The weights of one point or row, traced back through the actions.
 #[derive(Default)]
-struct Trace {
+struct TracedWeights {
     /// Weights over the points after the action that is traced back next.
-    now: Tally,
+    now: SparseSums,
     /// Weights over the points that entered the last upsampling.
-    anchor: Tally,
-    before: Tally,
+    anchor: SparseSums,
+    before: SparseSums,
 }
 
-impl Trace {
+impl TracedWeights {
     /// Turns weights over the points after an action into weights over the points before it.
-    fn back(&mut self, recorded: &Recorded, weights: Weights) {
-        let weigh = |weight: f64| if weights == Weights::Structural { 1.0 } else { weight };
+    fn back(&mut self, recorded: &Recorded, weights: WeightMode) {
+        let weigh = |weight: f64| if weights == WeightMode::Structural { 1.0 } else { weight };
         let Self { now, anchor, before } = self;
         now.drain(|point, factor| {
             recorded.weights(point, |source, weight| match source {
@@ -146,12 +146,12 @@ impl Trace {
 
 /// Sums by number, in memory that is reused.
 #[derive(Default)]
-struct Tally {
+struct SparseSums {
     sums: Vec<Option<f64>>,
     touched: Vec<u32>,
 }
 
-impl Tally {
+impl SparseSums {
     fn add(&mut self, number: u32, weight: f64) {
         let at = number as usize;
         if at >= self.sums.len() {

@@ -6,7 +6,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 use super::cycle::{Child, Cycle};
 use super::disc::{Disc, Located, RingCount};
 use super::error::Unlimited;
-use super::record::{Record, Weights};
+use super::record::{CycleRecord, WeightMode};
 use super::vertex_parameters::VertexParameters;
 use crate::scheme::mesh_net::MeshNet;
 use crate::scheme::plan::Perturbation;
@@ -26,13 +26,13 @@ struct Skeleton {
 
 /// A level on a disc as a sequence of actions.
 #[derive(Debug)]
-pub(super) struct Traced {
+pub(super) struct TracedLevel {
     skeleton: Arc<Skeleton>,
-    record: Record,
+    record: CycleRecord,
     n_columns: usize,
 }
 
-impl Traced {
+impl TracedLevel {
     /// Returns the disc around the centre's child.
     pub(super) fn disc(&self) -> &Disc {
         &self.skeleton.child.disc
@@ -82,7 +82,7 @@ impl<'a> Skeletons<'a> {
         level: usize,
         disc: &Disc,
         parameters: &VertexParameters,
-    ) -> Result<(Traced, VertexParameters), Unlimited> {
+    ) -> Result<(TracedLevel, VertexParameters), Unlimited> {
         self.followed(level, disc, (parameters, None)).map(|(traced, (parameters, _))| (traced, parameters))
     }
 
@@ -93,11 +93,11 @@ impl<'a> Skeletons<'a> {
         level: usize,
         disc: &Disc,
         (parameters, noise): (&VertexParameters, Option<(&Numbering, Perturbation)>),
-    ) -> Result<(Traced, (VertexParameters, Option<Numbering>)), Unlimited> {
+    ) -> Result<(TracedLevel, (VertexParameters, Option<Numbering>)), Unlimited> {
         let skeleton = self.skeleton(disc, parameters)?;
         let mut net = parameters.carried_by(skeleton.net.clone(), &skeleton.origins);
         net.annotations.numbering = noise.map(|(numbering, _)| Arc::new(numbering.with_origins(&skeleton.origins)));
-        let mut record = Record::new(Weights::Exact);
+        let mut record = CycleRecord::new(WeightMode::Exact);
         for step in self.cycle.level(level) {
             let mut sources = self.cycle.plan.sources(step);
             if let (Some(sources), Some((_, perturbation))) = (&mut sources, noise) {
@@ -111,7 +111,7 @@ impl<'a> Skeletons<'a> {
         let parameters = VertexParameters::of(&net, vertices);
         let numbering =
             net.annotations.numbering.map(|numbering| numbering.part(&skeleton.refined, vertices, half_edges));
-        Ok((Traced { skeleton, record, n_columns: disc.support }, (parameters, numbering)))
+        Ok((TracedLevel { skeleton, record, n_columns: disc.support }, (parameters, numbering)))
     }
 
     fn skeleton(&self, disc: &Disc, parameters: &VertexParameters) -> Result<Arc<Skeleton>, Unlimited> {

@@ -7,14 +7,14 @@ use super::continuity::{check, smoothness};
 use super::disc::{Centre, NEAREST, RingCount};
 use super::error::{LimitError, Unlimited};
 use super::impulse::ImpulseSmoothness;
-use super::mask::{Finder, Mask, Masks};
+use super::mask::{Finder, LimitMask, Masks};
 use super::on_net::CycleOnNet;
 use super::regular::Starts;
 use super::request::LimitRequest;
 use super::sector::Sectors;
 use super::vertex_parameters::CommonParameters;
 use super::walk::WholeNet;
-use crate::refine::{Program, RefinedMesh, Stencil, Stencils, Traced, mesh_net};
+use crate::refine::{Program, RefinedMesh, Stencil, Stencils, TracedRows, mesh_net};
 use crate::scheme::mesh_net::MeshNet;
 use crate::scheme::operator::Role;
 use crate::scheme::plan::{Plan, Scheduled};
@@ -56,7 +56,7 @@ pub(super) fn trace_swept(
     (steps, ahead): (&[Scheduled], &[Scheduled]),
     request: LimitRequest,
     watch: &Watch,
-) -> Result<Option<[Option<Traced>; 2]>, LimitError> {
+) -> Result<Option<[Option<TracedRows>; 2]>, LimitError> {
     if refine_swept(mesh, plan, (steps, ahead), request, watch)?.is_none() {
         return Ok(None);
     }
@@ -103,7 +103,7 @@ fn stencils(
 }
 
 /// A mask and the vertices to which its weights belong.
-type Weighed = (Arc<Mask>, Vec<u32>);
+type Weighed = (Arc<LimitMask>, Vec<u32>);
 
 /// Computes masks of vertices of small nets.
 struct SmallNets<'a> {

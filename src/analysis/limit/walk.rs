@@ -107,7 +107,7 @@ impl WholeNet<'_> {
     /// Returns the disc that a walk around a centre finds from the half-edge `start`; `None` if it has more than
     /// [`MAX_DISC_VERTICES`] vertices.
     pub(super) fn walk(&self, centre: Centre, start: u32, rings: RingCount) -> Option<Located> {
-        let mut walk = Walk {
+        let mut walk = RingWalk {
             whole: *self,
             sizes: Vec::new(),
             local: Vec::new(),
@@ -176,7 +176,7 @@ impl WholeNet<'_> {
 }
 
 /// The state of a walk ring by ring.
-struct Walk<'a> {
+struct RingWalk<'a> {
     whole: WholeNet<'a>,
     /// For each face of the disc its number of vertices.
     sizes: Vec<u32>,
@@ -191,7 +191,7 @@ struct Walk<'a> {
     directions: Vec<Direction>,
 }
 
-impl Walk<'_> {
+impl RingWalk<'_> {
     /// Adds the faces around vertex `u` of the disc, counter-clockwise from the half-edge by which it was reached.
     fn add_ring(&mut self, u: usize) {
         let topology = self.whole.topology;

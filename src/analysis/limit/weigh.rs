@@ -1,13 +1,13 @@
 //! Records limits as rows of weights: those that [`refine_mesh_to_limit`](super::refine_mesh_to_limit) applies.
 
 use super::error::{LimitError, Unlimited};
-use super::field::{Field, Functional};
+use super::field::{Functional, VertexMasks};
 use super::limits::{Looked, before, look};
 use super::mesh::scheduled;
 use super::request::LimitRequest;
 use super::swept::trace_swept;
 use crate::math::rows::{RowSource, Rows};
-use crate::refine::{Recorder, RefineError, Traced, documented, weigh_mesh, weigh_net};
+use crate::refine::{Recorder, RefineError, TracedRows, documented, weigh_mesh, weigh_net};
 use crate::scheme::mesh_net::MeshNet;
 use crate::scheme::plan::{Plan, Scheduled};
 use crate::shape::mesh::Mesh;
@@ -81,7 +81,7 @@ pub fn weigh_mesh_to_limit(
 }
 
 /// Adds the `n` rows of one sector of a point as results. A point without faces has the value `instead`, or empty rows.
-fn add_traced(recorder: &mut Recorder, traced: &Traced, v: usize, sector: usize, n: usize, instead: Option<u32>) {
+fn add_traced(recorder: &mut Recorder, traced: &TracedRows, v: usize, sector: usize, n: usize, instead: Option<u32>) {
     let mut empty = Rows::default();
     empty.end_row();
     for k in 0..n {
@@ -151,7 +151,7 @@ fn add_rows(recorder: &mut Recorder, source: &dyn RowSource, which: &[usize], in
 }
 
 /// Returns why some vertex with faces has no limit normal, if there is such a vertex.
-fn missing(field: &Field<'_>, sectors: &[(u32, usize)]) -> Option<String> {
+fn missing(field: &VertexMasks<'_>, sectors: &[(u32, usize)]) -> Option<String> {
     let why = |&(v, sector): &(u32, usize)| {
         let why = field.no_tangents(v as usize, sector)?;
         Some(format!("a vertex has no limit normal: {}", why.at(&field.describe(v as usize))))

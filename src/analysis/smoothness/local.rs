@@ -19,7 +19,7 @@ const MAX_POINTS: i64 = 40;
 
 /// Weights of consecutive points.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Weights {
+pub struct IndexedWeights {
     /// The index of the first point.
     pub first: i64,
     /// The weights of the points from `first` on.
@@ -100,7 +100,7 @@ impl<'a> Neighbourhood<'a> {
     }
 
     /// Returns the weights of the limit point at the place: the left eigenvector for 1, scaled to the sum 1.
-    pub(super) fn limit_mask(&self) -> Option<Weights> {
+    pub(super) fn limit_mask(&self) -> Option<IndexedWeights> {
         let vector = self.left_eigenvector(&Exact::one())?;
         let sum: Exact = vector.iter().sum();
         self.weights(&vector, &sum)
@@ -108,19 +108,19 @@ impl<'a> Neighbourhood<'a> {
 
     /// Returns the weights of the tangent per unit of the parameter: the left eigenvector for 1/d, scaled to the value
     /// 1 for points whose values are their indices.
-    pub(super) fn tangent_mask(&self) -> Option<Weights> {
+    pub(super) fn tangent_mask(&self) -> Option<IndexedWeights> {
         let vector = self.left_eigenvector(&Exact::ratio(1, self.symbol.arity))?;
         let slope: Exact = (self.first..).zip(&vector).map(|(i, t)| Exact::whole(i) * t).sum();
         self.weights(&vector, &slope)
     }
 
-    fn weights(&self, vector: &[Exact], over: &Exact) -> Option<Weights> {
+    fn weights(&self, vector: &[Exact], over: &Exact) -> Option<IndexedWeights> {
         if over.is_zero() {
             return None;
         }
         let from = vector.iter().position(|x| !x.is_zero())?;
         let to = vector.iter().rposition(|x| !x.is_zero())?;
         let values = vector[from..=to].iter().map(|x| x / over).collect();
-        Some(Weights { first: self.first + i64::try_from(from).ok()?, values })
+        Some(IndexedWeights { first: self.first + i64::try_from(from).ok()?, values })
     }
 }

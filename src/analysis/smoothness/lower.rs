@@ -71,14 +71,14 @@ impl Lower {
 }
 
 /// A word, the largest real eigenvalue of its product, and the root of its absolute value by the length of the word.
-struct Candidate {
+struct RatedWord {
     word: Vec<usize>,
     eigenvalue: f64,
     rate: f64,
 }
 
 /// The result of a search for lower bounds.
-pub(super) struct Search {
+pub(super) struct LowerSearch {
     /// The best bound by the products that every search examines. The search for upper bounds starts from it and
     /// therefore takes the same course with every budget.
     pub(super) first: Option<Lower>,
@@ -99,12 +99,12 @@ pub(super) fn of_mean(matrices: &[ExactMatrix]) -> Lower {
 ///
 /// # Errors
 /// [`Stopped`].
-pub(super) fn search(matrices: &[ExactMatrix], budget: u64, watch: &Watch) -> Result<Search, Stopped> {
+pub(super) fn search(matrices: &[ExactMatrix], budget: u64, watch: &Watch) -> Result<LowerSearch, Stopped> {
     let n = matrices[0].len();
     if n > MAX_SIZE {
-        return Ok(Search { first: None, best: None, nodes: 0 });
+        return Ok(LowerSearch { first: None, best: None, nodes: 0 });
     }
-    let mut words = Words::new(matrices);
+    let mut words = WordProducts::new(matrices);
     let mut candidates = Vec::new();
     while words.looked_at + words.longer() <= USUAL_WORDS {
         candidates.extend(words.lengthened());
@@ -119,14 +119,14 @@ pub(super) fn search(matrices: &[ExactMatrix], budget: u64, watch: &Watch) -> Re
         watch.check()?;
         nodes += more;
         let known = best.as_ref().map_or(0.0, |best| best.value) * (1.0 + BETTER);
-        let better: Vec<Candidate> = words.lengthened().into_iter().filter(|found| found.rate > known).collect();
+        let better: Vec<RatedWord> = words.lengthened().into_iter().filter(|found| found.rate > known).collect();
         best = best_of(matrices, better).filter(|found| found.value > known).or(best);
     }
-    Ok(Search { first, best, nodes })
+    Ok(LowerSearch { first, best, nodes })
 }
 
 /// Returns the best bound that some candidates prove.
-fn best_of(matrices: &[ExactMatrix], mut candidates: Vec<Candidate>) -> Option<Lower> {
+fn best_of(matrices: &[ExactMatrix], mut candidates: Vec<RatedWord>) -> Option<Lower> {
     candidates.sort_by(|a, b| b.rate.total_cmp(&a.rate).then(a.word.len().cmp(&b.word.len())));
     let best = candidates.first().map_or(0.0, |candidate| candidate.rate);
     // the shortest of the best candidates first
@@ -135,7 +135,7 @@ fn best_of(matrices: &[ExactMatrix], mut candidates: Vec<Candidate>) -> Option<L
 }
 
 /// All words of one length with their products, as the search lengthens them.
-struct Words {
+struct WordProducts {
     n: usize,
     matrices: Vec<Vec<f64>>,
     last: Vec<(Vec<usize>, Vec<f64>)>,
@@ -143,7 +143,7 @@ struct Words {
     looked_at: usize,
 }
 
-impl Words {
+impl WordProducts {
     /// Starts with the empty word.
     fn new(matrices: &[ExactMatrix]) -> Self {
         let n = matrices[0].len();
@@ -158,7 +158,7 @@ impl Words {
     }
 
     /// Replaces the words by those with one letter more, and returns their candidates.
-    fn lengthened(&mut self) -> Vec<Candidate> {
+    fn lengthened(&mut self) -> Vec<RatedWord> {
         let mut longer = Vec::with_capacity(self.longer());
         let mut found = Vec::new();
         for (word, left) in &self.last {
@@ -176,7 +176,7 @@ impl Words {
     }
 }
 
-fn candidate(word: &[usize], matrix: &[f64], n: usize) -> Option<Candidate> {
+fn candidate(word: &[usize], matrix: &[f64], n: usize) -> Option<RatedWord> {
     // rotations of a word have the same eigenvalues, so that only the least rotation is examined
     let turned = |by: usize| word[by..].iter().chain(&word[..by]);
     if (1..word.len()).any(|by| turned(by).lt(word.iter())) {
@@ -185,11 +185,11 @@ fn candidate(word: &[usize], matrix: &[f64], n: usize) -> Option<Candidate> {
     let first = *eigenvalues(matrix, n)?.iter().find(|x| x.im == 0.0)?;
     #[expect(clippy::cast_precision_loss, reason = "words are short")]
     let rate = pow(first.modulus(), 1.0 / word.len() as f64);
-    (rate > 0.0).then_some(Candidate { word: word.to_vec(), eigenvalue: first.re, rate })
+    (rate > 0.0).then_some(RatedWord { word: word.to_vec(), eigenvalue: first.re, rate })
 }
 
 /// Returns the bound of a candidate, as far as it can be proved.
-fn proved(matrices: &[ExactMatrix], candidate: &Candidate) -> Option<Lower> {
+fn proved(matrices: &[ExactMatrix], candidate: &RatedWord) -> Option<Lower> {
     let mut factors = candidate.word.iter().map(|&e| &matrices[e]);
     let first = factors.next()?.clone();
     let matrix = factors.fold(first, |left, right| product(&left, right));

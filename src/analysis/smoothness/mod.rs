@@ -15,15 +15,15 @@ mod upper;
 mod values;
 mod verdict;
 
-pub use local::Weights;
+pub use local::IndexedWeights;
 pub use lower::Lower;
 pub(super) use matrices::ExactMatrix;
-pub use norms::Certificate;
+pub use norms::SmoothnessCertificate;
 pub use powers::Powers;
 pub use radius::RadiusBounds;
 pub(super) use radius::radius_bounds;
 pub use reduction::Reduction;
-pub use report::Report;
+pub use report::SmoothnessReport;
 pub use symbol::Symbol;
 pub use upper::Upper;
 pub use values::BasicFunction;

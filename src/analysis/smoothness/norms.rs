@@ -17,7 +17,7 @@ const UNIT: f64 = f64::EPSILON;
 
 /// A proof that limits are C^k.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Certificate {
+pub struct SmoothnessCertificate {
     /// The order of the derivative that is proved to be continuous.
     pub k: usize,
     /// The number L of steps of the difference scheme.
@@ -27,11 +27,11 @@ pub struct Certificate {
 }
 
 /// Returns the certificate with the fewest steps for each k that has one.
-pub(super) fn certificates(symbol: &Symbol) -> Vec<Certificate> {
+pub(super) fn certificates(symbol: &Symbol) -> Vec<SmoothnessCertificate> {
     (0..symbol.order).filter_map(|k| certificate(k, &symbol.difference(k)?, symbol.arity)).collect()
 }
 
-fn certificate(k: usize, mask: &[Exact], arity: i64) -> Option<Certificate> {
+fn certificate(k: usize, mask: &[Exact], arity: i64) -> Option<SmoothnessCertificate> {
     let d = usize::try_from(arity).ok()?;
     let one: Vec<f64> = mask.iter().map(rounded).collect();
     let mut iterated = vec![1.0];
@@ -51,7 +51,7 @@ fn certificate(k: usize, mask: &[Exact], arity: i64) -> Option<Certificate> {
         let roundings = (l as usize * (one.len() + 2) + width / step + 2) as f64;
         let error = 2.0 * roundings * UNIT * greatest_sum(&sizes, step);
         if norm + error < 1.0 {
-            return Some(Certificate { k, l, norm });
+            return Some(SmoothnessCertificate { k, l, norm });
         }
     }
     None

@@ -2,7 +2,7 @@
 
 use num_traits::Zero;
 
-use super::local::{Neighbourhood, Weights};
+use super::local::{IndexedWeights, Neighbourhood};
 use super::matrices::{ExactMatrix, product};
 use super::symbol::Symbol;
 use crate::math::exact::Exact;
@@ -25,12 +25,12 @@ impl Powers {
     }
 
     /// Computes the first `count` powers of the local matrix; `limit` is the limit mask.
-    pub fn of(symbol: &Symbol, limit: Option<&Weights>, count: u32) -> Self {
+    pub fn of(symbol: &Symbol, limit: Option<&IndexedWeights>, count: u32) -> Self {
         let around = Neighbourhood::new(symbol);
         let matrix = around.matrix();
         let powers = std::iter::successors(Some(matrix.clone()), |power| Some(product(&matrix, power)));
         let powers: Vec<ExactMatrix> = powers.take(count as usize).collect();
-        let row = |weights: &Weights| -> Vec<Exact> {
+        let row = |weights: &IndexedWeights| -> Vec<Exact> {
             let at = |i: i64| usize::try_from(i - weights.first).ok().and_then(|i| weights.values.get(i)).cloned();
             (around.first()..).take(matrix.len()).map(|i| at(i).unwrap_or_else(Exact::zero)).collect()
         };

@@ -2,7 +2,7 @@
 
 use num_traits::Zero;
 
-use super::lower::{self, Lower, Search};
+use super::lower::{self, Lower, LowerSearch};
 use super::matrices::ExactMatrix;
 use super::upper::{self, Upper};
 use crate::math::exact::Exact;
@@ -28,7 +28,7 @@ pub(in crate::analysis) fn radius_bounds(
     budget: u64,
     watch: &Watch,
 ) -> Result<RadiusBounds, Stopped> {
-    let Search { first, best: lower, nodes } = lower::search(matrices, budget, watch)?;
+    let LowerSearch { first, best: lower, nodes } = lower::search(matrices, budget, watch)?;
     watch.check()?;
     // without a proved eigenvalue, the ladder of bounds depends on the thresholds alone
     let least = thresholds.iter().min().cloned().unwrap_or_else(Exact::zero);

@@ -1,6 +1,6 @@
 //! The full report on one scheme.
 
-use super::local::{Neighbourhood, Weights};
+use super::local::{IndexedWeights, Neighbourhood};
 use super::symbol::Symbol;
 use super::values::BasicFunction;
 use super::verdict::Smoothness;
@@ -13,20 +13,20 @@ const MAX_DERIVATIVES: usize = 3;
 
 /// The full report on one scheme.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Report {
+pub struct SmoothnessReport {
     /// The mask and its factors.
     pub symbol: Symbol,
     /// The proved smoothness of limits.
     pub smoothness: Smoothness,
     /// Weights of the limit point at a point, if limits are proved to be continuous.
-    pub limit_mask: Option<Weights>,
+    pub limit_mask: Option<IndexedWeights>,
     /// Weights of the tangent at a point per unit of the parameter, if limits are proved to be C^1.
-    pub tangent_mask: Option<Weights>,
+    pub tangent_mask: Option<IndexedWeights>,
     /// The eigenvalues of the local matrix, the largest first; `None` if the computation failed.
     pub local_eigenvalues: Option<Vec<Eigenvalue>>,
 }
 
-impl Report {
+impl SmoothnessReport {
     /// Computes the report on a scheme with at most `budget` matrix products in the search for bounds.
     ///
     /// # Errors

@@ -295,7 +295,7 @@ impl Family {
         let mut known = ProductBound { bound: one_step * (1.0 + 64.0 * UNIT), most: 1.0 };
         let mut left = budget;
         for &bound in ladder.iter().filter(|bound| **bound < one_step) {
-            let mut tree = Tree::new(self, bound, left, watch);
+            let mut tree = ProductTree::new(self, bound, left, watch);
             let proved = tree.holds(known)?;
             left = tree.left;
             let Some(most) = proved else { break };
@@ -306,7 +306,7 @@ impl Family {
 }
 
 /// The tree of products of matrices divided by some t; its leaves must have norms of at most 1.
-struct Tree<'a> {
+struct ProductTree<'a> {
     n: usize,
     bound: f64,
     matrices: Vec<Vec<f64>>,
@@ -316,14 +316,14 @@ struct Tree<'a> {
 }
 
 /// A product on the current path of the tree.
-struct Node {
+struct PathProduct {
     matrix: Vec<f64>,
     norm: f64,
     /// A bound of all rounding errors so far, each multiplied by the growth of the products after it.
     error: f64,
 }
 
-impl<'a> Tree<'a> {
+impl<'a> ProductTree<'a> {
     fn new(family: &Family, bound: f64, left: u64, watch: &'a Watch) -> Self {
         let over = |matrix: &Vec<f64>| matrix.iter().map(|x| x / bound).collect::<Vec<f64>>();
         let matrices: Vec<Vec<f64>> = family.matrices.iter().map(over).collect();
@@ -339,7 +339,7 @@ impl<'a> Tree<'a> {
         #[expect(clippy::cast_precision_loss, reason = "matrices are small")]
         let gamma = (n + 6) as f64 * UNIT;
         let identity: Vec<f64> = (0..n * n).map(|k| if k % (n + 1) == 0 { 1.0 } else { 0.0 }).collect();
-        let mut path = vec![Node { matrix: identity, norm: 1.0, error: 0.0 }];
+        let mut path = vec![PathProduct { matrix: identity, norm: 1.0, error: 0.0 }];
         let mut next = vec![0];
         let mut spare = Vec::new();
         let mut most: f64 = 1.0;
@@ -368,7 +368,7 @@ impl<'a> Tree<'a> {
                 spare = matrix;
             } else {
                 most = most.max(greatest);
-                path.push(Node { matrix, norm, error });
+                path.push(PathProduct { matrix, norm, error });
                 next.push(0);
             }
         }

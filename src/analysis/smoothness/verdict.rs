@@ -2,9 +2,9 @@
 
 use num_traits::{One, Signed};
 
-use super::lower::{self, Lower, Search};
+use super::lower::{self, Lower, LowerSearch};
 use super::matrices::of_residual;
-use super::norms::{Certificate, certificates};
+use super::norms::{SmoothnessCertificate, certificates};
 use super::reduction::Reduction;
 use super::stability::is_stable;
 use super::symbol::Symbol;
@@ -23,7 +23,7 @@ const MARGIN: f64 = 1e-6;
 #[derive(Debug, Clone, PartialEq)]
 pub struct Smoothness {
     /// The certificates by norms.
-    pub certificates: Vec<Certificate>,
+    pub certificates: Vec<SmoothnessCertificate>,
     /// The largest k for which limits are proved to be C^k; -1 if not even convergence is proved.
     pub proved_c: i64,
     /// The largest k for which C^k is proved by contracting differences of the scheme itself; such proofs carry over to
@@ -69,7 +69,7 @@ impl Smoothness {
         let matrices = of_residual(&symbol.residual, symbol.arity);
         // limits are C^k if the radius is below d^(K-1-k)
         let threshold = |k: i64| threshold(symbol, most - 1 - k);
-        let Search { first, best, nodes } = lower::search(&matrices, budget, watch)?;
+        let LowerSearch { first, best, nodes } = lower::search(&matrices, budget, watch)?;
         let first = first.unwrap_or_else(|| lower::of_mean(&matrices));
         let lower = best.unwrap_or_else(|| first.clone());
         let thresholds: Vec<Exact> = (0..most).map(threshold).collect();

@@ -8,7 +8,7 @@
 //! Source: Ball and Storry, ACM Transactions on Graphics 7 (1988), 83-102; Peters and Reif, Subdivision Surfaces
 //! (2008), section 5.
 
-use super::local::{Entry, LocalRows};
+use super::local::{LocalRows, PlacedWeight};
 use super::sectors::{NetKind, Point};
 use crate::math::dense::Dense;
 use crate::math::functions::{cos, real, sin};
@@ -70,14 +70,14 @@ pub(super) fn components(kind: NetKind, radius: i32, index: usize) -> Vec<Compon
 }
 
 /// Complex weights of the points of sector 0, and the weight of the centre.
-struct Functional {
+struct SectorFunctional {
     points: Vec<(Point, Complex)>,
     centre: f64,
 }
 
-impl Functional {
+impl SectorFunctional {
     /// Converts the weights `w(s, q)` of the row of a point p to weights of `u_q`.
-    fn of(kind: NetKind, n: usize, index: usize, point: Option<Point>, row: &[Entry]) -> Self {
+    fn of(kind: NetKind, n: usize, index: usize, point: Option<Point>, row: &[PlacedWeight]) -> Self {
         let from = point.map_or(0.0, |p| kind.turn(p));
         let mut functional = Self { points: Vec::new(), centre: 0.0 };
         for entry in row {
@@ -143,13 +143,13 @@ pub(super) fn row(
     component: Component,
     of: &[Component],
 ) -> Option<Vec<f64>> {
-    let functional = |p: Point| Functional::of(kind, n, index, Some(p), &local.rows[&p]);
+    let functional = |p: Point| SectorFunctional::of(kind, n, index, Some(p), &local.rows[&p]);
     let found = match component {
-        Component::Centre => Functional::of(kind, n, index, None, &local.centre),
+        Component::Centre => SectorFunctional::of(kind, n, index, None, &local.centre),
         Component::OnAxis(p) => functional(p),
-        Component::Even(p, q) => Functional::mixed([0.5, 0.0], &functional(p), [0.5, 0.0], &functional(q)),
+        Component::Even(p, q) => SectorFunctional::mixed([0.5, 0.0], &functional(p), [0.5, 0.0], &functional(q)),
         // the difference divided by 2 i
-        Component::Odd(p, q) => Functional::mixed([0.0, -0.5], &functional(p), [0.0, 0.5], &functional(q)),
+        Component::Odd(p, q) => SectorFunctional::mixed([0.0, -0.5], &functional(p), [0.0, 0.5], &functional(q)),
     };
     let (weights, left) = found.read(of);
     (left <= ASYMMETRY).then_some(weights)

@@ -14,7 +14,7 @@ use super::fan::{FanBoundary, FanPlace, FanRows, mirrored, places, radius};
 use super::local::{Applied, closed};
 use super::regular::RegularMask;
 use super::sectors::{NetKind, PlaneNet, Point, SAME};
-use super::spectrum::Weight;
+use super::spectrum::PointWeight;
 use super::verdict::{Criterion, ONE, REGULAR, Status};
 use crate::analysis::limit::Unlimited;
 use crate::math::dense::Dense;
@@ -49,9 +49,9 @@ pub struct BoundaryReport {
     /// The eigenvalues, the largest first.
     pub eigenvalues: Vec<Sided>,
     /// The weights of the limit position: one per ray for points on rays, one per face for other points.
-    pub limit_mask: Vec<Weight>,
+    pub limit_mask: Vec<PointWeight>,
     /// The weights of the tangent along the boundary and of one across it; `None` if there is no tangent plane.
-    pub tangent_masks: Option<[Vec<Weight>; 2]>,
+    pub tangent_masks: Option<[Vec<PointWeight>; 2]>,
     /// The net of the characteristic map: points and faces.
     pub net: Option<PlaneNet>,
     /// The least sine of the corner angles of the net.
@@ -115,13 +115,13 @@ fn dot(weights: &BTreeMap<FanPlace, f64>, values: &BTreeMap<FanPlace, f64>) -> f
 }
 
 /// An eigenvector of a block as values, and the left eigenvector as weights, scaled to the product 1.
-struct Direction {
+struct EigenvectorPair {
     value: f64,
     values: BTreeMap<FanPlace, f64>,
     weights: BTreeMap<FanPlace, f64>,
 }
 
-impl Direction {
+impl EigenvectorPair {
     fn of(block: &ParityBlock, value: f64) -> Self {
         let values = block.spread(&block.matrix.eigenvector(value));
         // scale: along the boundary the first point of ray 0 lies at 1, across it the farthest of the nearest points
@@ -175,8 +175,8 @@ impl Applied {
         let limit = limit.into_iter().map(|(place, w)| (place, w / sum)).collect();
         let rest = even.size(2).max(odd.size(1)) * (1.0 + 1e-9);
         let next = odd.leading(0).zip(even.leading(1)).filter(|(a, b)| a.min(*b) > rest);
-        let directions = next.map(|(a, b)| [Direction::of(&odd, a), Direction::of(&even, b)]);
-        let place = |both: &[Direction; 2], place| Some([both[0].at(&rows, place)?, both[1].at(&rows, place)?]);
+        let directions = next.map(|(a, b)| [EigenvectorPair::of(&odd, a), EigenvectorPair::of(&even, b)]);
+        let place = |both: &[EigenvectorPair; 2], place| Some([both[0].at(&rows, place)?, both[1].at(&rows, place)?]);
         let points: Option<BTreeMap<FanPlace, [f64; 2]>> =
             directions.as_ref().and_then(|both| rows.rows.keys().map(|&at| Some((at, place(both, at)?))).collect());
         let least_sine = points.as_ref().map(|points| least_sine(kind, m, points));
@@ -229,7 +229,7 @@ fn sorted(even: &ParityBlock, odd: &ParityBlock) -> Vec<Sided> {
 }
 
 /// Groups weights by point: one value per ray, or per face.
-fn mask(m: usize, weights: &BTreeMap<FanPlace, f64>) -> Vec<Weight> {
+fn mask(m: usize, weights: &BTreeMap<FanPlace, f64>) -> Vec<PointWeight> {
     let mut by_point: BTreeMap<Option<Point>, Vec<f64>> = BTreeMap::new();
     for (&place, &weight) in weights {
         let Some((s, point)) = place else {
@@ -239,7 +239,7 @@ fn mask(m: usize, weights: &BTreeMap<FanPlace, f64>) -> Vec<Weight> {
         let n = if point[1] == 0 { m + 1 } else { m };
         by_point.entry(Some(point)).or_insert_with(|| vec![0.0; n])[s] = weight;
     }
-    by_point.into_iter().map(|(point, values)| Weight { point, values }).collect()
+    by_point.into_iter().map(|(point, values)| PointWeight { point, values }).collect()
 }
 
 /// Returns the faces of a fan as places; the first corner of a square or a lower triangle is the one nearest to the

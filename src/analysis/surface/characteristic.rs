@@ -42,7 +42,7 @@ pub(super) struct CharacteristicNet {
 
 /// A disc in the plane.
 #[derive(Debug, Clone, Copy)]
-struct Disc {
+struct PlanarDisc {
     middle: [f64; 2],
     radius: f64,
 }
@@ -192,7 +192,7 @@ pub(super) struct RingProof {
     /// The weights of new points by their residue modulo d: offsets to the old points, and their weights.
     rules: BTreeMap<Point, Vec<(Point, f64)>>,
     /// The positions, and the derivatives along x and y.
-    followed: [Followed; 3],
+    followed: [BoundedQuantity; 3],
     /// The least and the greatest corner of the smallest box with all points that influence the positions or
     /// derivatives on a cell at (0, 0).
     span: [Point; 2],
@@ -202,14 +202,14 @@ pub(super) struct RingProof {
 
 /// A quantity that is bounded on the cells of a ring: the position, or a derivative.
 #[derive(Debug)]
-struct Followed {
+struct BoundedQuantity {
     /// The points that influence a cell at (0, 0), for squares and lower triangles, and for upper triangles.
     around: [Vec<Point>; 2],
     /// An upper bound of the sum of absolute values of the basic limit functions.
     bound: f64,
 }
 
-impl Followed {
+impl BoundedQuantity {
     fn of(mask: &Polynomial, d: i32, kind: NetKind) -> Option<Self> {
         let around = [false, true].map(|upper| influences(mask, d, kind, LatticeCell { at: [0, 0], upper }));
         Some(Self { around, bound: lebesgue_bound(mask, d)? })
@@ -225,7 +225,7 @@ impl RingProof {
     /// Prepares a regular scheme that converges to C^1 limits; `None` if no bounds of the derivatives are found.
     pub(super) fn new(regular: &RegularMask) -> Option<Self> {
         let (kind, d, (from, _)) = (regular.kind, regular.arity, ring(regular));
-        let of = |mask: &Polynomial| Followed::of(mask, d, kind);
+        let of = |mask: &Polynomial| BoundedQuantity::of(mask, d, kind);
         let along = |direction: usize| of(&derivative(regular, &[(direction, 1)])?);
         let followed = [of(&regular.mask)?, along(0)?, along(1)?];
         let mut rules: BTreeMap<Point, Vec<(Point, f64)>> = BTreeMap::new();
@@ -307,7 +307,7 @@ impl RingProof {
         let at = |p: Point| near[number(p)];
         let disc = |which: usize, value: &dyn Fn(Point) -> [f64; 2]| {
             let followed = &self.followed[which];
-            Disc::around(&followed.around(cell).map(value).collect::<Vec<_>>(), followed.bound)
+            PlanarDisc::around(&followed.around(cell).map(value).collect::<Vec<_>>(), followed.bound)
         };
         let along = |u: Point| move |p: Point| minus(at([p[0] + u[0], p[1] + u[1]]), at(p));
         let (x, y) = (disc(1, &along([1, 0])), disc(2, &along([0, 1])));
@@ -333,7 +333,7 @@ impl RingProof {
     }
 }
 
-impl Disc {
+impl PlanarDisc {
     /// Returns a disc that contains all combinations of some points whose weights sum to 1 and have at most the sum
     /// `bound` of absolute values.
     fn around(points: &[[f64; 2]], bound: f64) -> Self {

@@ -7,11 +7,11 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
-use super::layout::Layout;
+use super::layout::PlacementRecord;
 use super::local::{Applied, MARGINS, MAX_POINTS};
 use super::sectors::{NetKind, Point, SAME};
 use super::star::{SectorPoint, Star};
-use crate::analysis::limit::{Centre, Record, Unlimited, Weights, child};
+use crate::analysis::limit::{Centre, CycleRecord, Unlimited, WeightMode, child};
 use crate::scheme::mesh_net::MeshNet;
 use crate::scheme::operator::Follows;
 use crate::scheme::sharpness::Sharpness;
@@ -166,7 +166,8 @@ impl Applied {
             FanBoundary::Nothing => Fan::open(self, m, side),
             FanBoundary::Faces => Fan::creased(self, m, side),
         };
-        let (mut centre, mut record, mut layout) = (Centre::Vertex(0), Record::new(Weights::Exact), Layout::new());
+        let (mut centre, mut record, mut layout) =
+            (Centre::Vertex(0), CycleRecord::new(WeightMode::Exact), PlacementRecord::new());
         for step in &self.steps {
             layout.add(&self.plan, &net, step)?;
             let next = Stepper::new(&self.plan).next(&net, step)?;
@@ -184,7 +185,7 @@ impl Applied {
             let (turned, _) = layout.turned(kind, n, &old, end)?.ok_or(Unlimited::Unsettled)?;
             starts.rotate_left((n - turned) % n);
         }
-        let reader = Reader { places: &old, record: &record };
+        let reader = FanReader { places: &old, record: &record };
         let mut wanted: BTreeMap<FanPlace, u32> = BTreeMap::from([(None, middle)]);
         for (s, &start) in starts.iter().take(m).enumerate() {
             for ([i, j], v) in grid(&topology, kind, start, radius) {
@@ -209,12 +210,12 @@ impl Applied {
 }
 
 /// Reads rows off a record.
-struct Reader<'a> {
+struct FanReader<'a> {
     places: &'a [FanPlace],
-    record: &'a Record,
+    record: &'a CycleRecord,
 }
 
-impl Reader<'_> {
+impl FanReader<'_> {
     fn rows(&self, vertices: &[u32]) -> Result<Vec<BTreeMap<FanPlace, f64>>, Unlimited> {
         let n = self.places.len();
         let origins: Vec<u32> = (0..index(n)).collect();

@@ -17,12 +17,12 @@ pub(super) struct Iterated<'a> {
     mask: &'a Polynomial,
     d: i32,
     /// The mask of the steps so far; each of its steps multiplies indices by d, all of them by `step`.
-    power: Grid,
+    power: GridMask,
     step: i32,
 }
 
 /// Numbers at the points of a rectangle, row by row.
-struct Grid {
+struct GridMask {
     first: Point,
     size: [usize; 2],
     values: Vec<f64>,
@@ -31,12 +31,12 @@ struct Grid {
 impl<'a> Iterated<'a> {
     /// Starts with the mask of a scheme of arity d.
     pub(super) fn new(mask: &'a Polynomial, d: i32) -> Self {
-        let power = Grid { first: [0, 0], size: [1, 1], values: vec![1.0] };
+        let power = GridMask { first: [0, 0], size: [1, 1], values: vec![1.0] };
         Self { mask, d, power, step: 1 }
     }
 
     /// Returns the mask of one more step; `None` if it is too large.
-    fn next_power(&self) -> Option<Grid> {
+    fn next_power(&self) -> Option<GridMask> {
         let end = |axis: usize, last: bool| {
             let all = self.mask.keys().map(|k| k[axis]);
             if last { all.max() } else { all.min() }
@@ -61,7 +61,7 @@ impl<'a> Iterated<'a> {
             }
         }
         let first = [0, 1].map(|axis| self.power.first[axis] + self.step * first[axis]);
-        Some(Grid { first, size, values })
+        Some(GridMask { first, size, values })
     }
 }
 
@@ -77,7 +77,7 @@ impl Iterator for Iterated<'_> {
     }
 }
 
-impl Grid {
+impl GridMask {
     /// Returns the greatest sum of absolute values of entries whose indices are congruent modulo `step`.
     fn norm(&self, step: i32) -> f64 {
         let n = usize::try_from(step).unwrap_or(1);

@@ -3,7 +3,7 @@
 
 use super::sectors::NetKind;
 use super::star::SectorPoint;
-use crate::analysis::limit::{Record, Unlimited, Weights};
+use crate::analysis::limit::{CycleRecord, Unlimited, WeightMode};
 use crate::math::functions::{atan2, real, sqrt};
 use crate::scheme::mesh_net::MeshNet;
 use crate::scheme::operator::Children;
@@ -17,14 +17,14 @@ const IN_LINE: f64 = 0.1;
 
 /// The steps of a cycle that make new points, recorded with the kernel 1: they interpolate, or take means, in the same
 /// way whatever the parameters of a plan are.
-pub(super) struct Layout {
-    record: Record,
+pub(super) struct PlacementRecord {
+    record: CycleRecord,
 }
 
-impl Layout {
+impl PlacementRecord {
     /// Creates an empty layout.
     pub(super) fn new() -> Self {
-        Self { record: Record::new(Weights::Exact) }
+        Self { record: CycleRecord::new(WeightMode::Exact) }
     }
 
     /// Records a step on a net if it makes new points.

@@ -3,10 +3,10 @@
 
 use std::collections::BTreeMap;
 
-use super::layout::Layout;
+use super::layout::PlacementRecord;
 use super::sectors::{NetKind, Point};
 use super::star::{Star, sector, starts};
-use crate::analysis::limit::{Centre, Record, Unlimited, Weights, child};
+use crate::analysis::limit::{Centre, CycleRecord, Unlimited, WeightMode, child};
 use crate::scheme::plan::{Plan, Scheduled};
 use crate::scheme::stepper::Stepper;
 use crate::shape::topology::{Topology, index};
@@ -24,7 +24,7 @@ pub(super) const MARGINS: [i32; 4] = [2, 4, 7, 12];
 
 /// A weight of a point around the centre.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Entry {
+pub(super) struct PlacedWeight {
     /// The sector of the point.
     pub(super) sector: usize,
     /// The point in sector coordinates; `None` for the centre.
@@ -37,9 +37,9 @@ pub(super) struct Entry {
 #[derive(Debug, Clone)]
 pub(super) struct LocalRows {
     /// The weights of each point of sector 0.
-    pub(super) rows: BTreeMap<Point, Vec<Entry>>,
+    pub(super) rows: BTreeMap<Point, Vec<PlacedWeight>>,
     /// The weights of the centre; empty if the centre is a face.
-    pub(super) centre: Vec<Entry>,
+    pub(super) centre: Vec<PlacedWeight>,
     /// The ratio of the distances of the first point of a sector from the centre after and before the applications.
     pub(super) shrinks: f64,
 }
@@ -104,7 +104,8 @@ impl Applied {
         let star = Star::new(self.kind, n, side);
         let net = star.net.clone();
         let mut net = if self.tagged { net.carrying(None, Some(star.latitude_lines(self.kind))) } else { net };
-        let (mut centre, mut record, mut layout) = (star.centre, Record::new(Weights::Exact), Layout::new());
+        let (mut centre, mut record, mut layout) =
+            (star.centre, CycleRecord::new(WeightMode::Exact), PlacementRecord::new());
         for step in &self.steps {
             layout.add(&self.plan, &net, step)?;
             let next = Stepper::new(&self.plan).next(&net, step)?;
@@ -121,7 +122,7 @@ impl Applied {
         if starts.len() != n {
             return Err(Unlimited::Lost);
         }
-        let reader = Reader { star: &star, record: &record };
+        let reader = StarReader { star: &star, record: &record };
         let first = first(&topology, self.kind, starts[0]);
         let Some((turned, shrinks)) = layout.turned(self.kind, n, &star.places, first)? else { return Ok(None) };
         let wanted = sector(&topology, self.kind, starts[(n - turned) % n], radius);
@@ -175,13 +176,13 @@ pub(super) fn closed(farthest: i32, reach: i32, reach_of: impl Fn(i32) -> i32) -
 }
 
 /// Reads rows off a record.
-struct Reader<'a> {
+struct StarReader<'a> {
     star: &'a Star,
-    record: &'a Record,
+    record: &'a CycleRecord,
 }
 
-impl Reader<'_> {
-    fn rows(&self, vertices: &[u32]) -> Result<Vec<Vec<Entry>>, Unlimited> {
+impl StarReader<'_> {
+    fn rows(&self, vertices: &[u32]) -> Result<Vec<Vec<PlacedWeight>>, Unlimited> {
         let n = self.star.places.len();
         let origins: Vec<u32> = (0..index(n)).collect();
         let matrix = self.record.matrix(vertices, &origins, n).ok_or(Unlimited::Reach)?;
@@ -189,11 +190,11 @@ impl Reader<'_> {
             let (columns, weights) = matrix.row(r);
             let entry = |(&column, &weight): (&u32, &f64)| {
                 let place = self.star.places[column as usize];
-                Entry { sector: place.map_or(0, |place| place.0), point: place.map(|place| place.1), weight }
+                PlacedWeight { sector: place.map_or(0, |place| place.0), point: place.map(|place| place.1), weight }
             };
             columns.iter().zip(weights).map(entry).collect::<Vec<_>>()
         };
-        let rows: Vec<Vec<Entry>> = (0..vertices.len()).map(row).collect();
+        let rows: Vec<Vec<PlacedWeight>> = (0..vertices.len()).map(row).collect();
         let known = rows.iter().flatten().all(|entry| entry.weight.is_finite());
         if known { Ok(rows) } else { Err(Unlimited::Reach) }
     }

@@ -4,18 +4,18 @@ use super::convergence::{LatticeCertificate, certificates};
 use super::quotient::{Quotient, fraction};
 use super::regular::RegularMask;
 use super::verdict::Status;
-use crate::analysis::smoothness::{Report, Symbol};
+use crate::analysis::smoothness::{SmoothnessReport, Symbol};
 use crate::math::exact::{Exact, binary};
 use crate::math::mask::Mask;
 use crate::watch::{Stopped, Watch};
 
 /// The method by which the smoothness of regular nets is proved.
 #[derive(Debug, Clone, PartialEq)]
-pub enum Proof {
+pub enum SmoothnessProof {
     /// The limit is a box spline.
     BoxSpline,
     /// The mask is a product of two curve masks: the report on the first, and on the second if it differs.
-    Product(Vec<Report>),
+    Product(Vec<SmoothnessReport>),
     /// Norms of difference schemes, and the joint spectral radius of a step modulo polynomials, if it is computed.
     Norms(Vec<LatticeCertificate>, Option<Box<Quotient>>),
 }
@@ -24,7 +24,7 @@ pub enum Proof {
 #[derive(Debug, Clone, PartialEq)]
 pub struct RegularSmoothness {
     /// The proof.
-    pub proof: Proof,
+    pub proof: SmoothnessProof,
     /// The largest k for which limits are proved to be C^k; -1 if not even convergence is proved.
     pub proved_c: i64,
     /// The smallest k for which C^k is disproved, if any.
@@ -57,16 +57,16 @@ impl RegularSmoothness {
     /// Returns what can be proved with at most `nodes` matrix products.
     pub(super) fn of(regular: &RegularMask, nodes: u64, watch: &Watch) -> Result<Self, Stopped> {
         if let Some(k) = regular.spline_smoothness() {
-            return Ok(Self { proof: Proof::BoxSpline, proved_c: k, disproved_c: Some(k + 1) });
+            return Ok(Self { proof: SmoothnessProof::BoxSpline, proved_c: k, disproved_c: Some(k + 1) });
         }
         if let Some([first, second]) = regular.tensor() {
             let both = if first == second { vec![first] } else { vec![first, second] };
-            let report = |mask: &Mask| Some(Report::of(symbol(regular.arity, mask)?, nodes, watch));
+            let report = |mask: &Mask| Some(SmoothnessReport::of(symbol(regular.arity, mask)?, nodes, watch));
             if let Some(reports) = both.iter().map(report).collect::<Option<Result<Vec<_>, _>>>() {
                 let reports = reports?;
                 let proved_c = reports.iter().map(|report| report.smoothness.proved_c).min().unwrap_or(-1);
                 let disproved_c = reports.iter().filter_map(|report| report.smoothness.disproved_c).min();
-                return Ok(Self { proof: Proof::Product(reports), proved_c, disproved_c });
+                return Ok(Self { proof: SmoothnessProof::Product(reports), proved_c, disproved_c });
             }
         }
         let certificates = certificates(regular);
@@ -74,7 +74,7 @@ impl RegularSmoothness {
         let quotient = Quotient::of(regular, nodes / SHARE, watch)?.map(Box::new);
         let proved_c = quotient.as_ref().map_or(by_norms, |quotient| quotient.proved_c.max(by_norms));
         let disproved_c = quotient.as_ref().and_then(|quotient| quotient.disproved_c);
-        Ok(Self { proof: Proof::Norms(certificates, quotient), proved_c, disproved_c })
+        Ok(Self { proof: SmoothnessProof::Norms(certificates, quotient), proved_c, disproved_c })
     }
 
     /// Returns whether limits are proved or disproved to be C^1.

@@ -18,7 +18,7 @@ pub struct LocalEigenvalue {
 
 /// The weights of a point around the centre in all sectors.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Weight {
+pub struct PointWeight {
     /// The point in sector coordinates; `None` for the centre.
     pub point: Option<[i32; 2]>,
     /// The weight of this point in each of the sectors, or one weight for all.
@@ -108,10 +108,10 @@ impl Spectrum {
     }
 
     /// Returns the weights of the limit position of the centre, by point.
-    pub(super) fn limit_mask(&self) -> Vec<Weight> {
+    pub(super) fn limit_mask(&self) -> Vec<PointWeight> {
         let mut mask = Vec::new();
         let n = real(self.n);
-        let mut add = |point: Option<Point>, value: f64| mask.push(Weight { point, values: vec![value] });
+        let mut add = |point: Option<Point>, value: f64| mask.push(PointWeight { point, values: vec![value] });
         for (component, &y) in self.blocks[0].components.iter().zip(&self.limit_row()) {
             match *component {
                 Component::Centre => add(None, y),
@@ -124,7 +124,7 @@ impl Spectrum {
     }
 
     /// Returns the weights of two tangents for a left eigenvector of the block of index 1, by point and sector.
-    pub(super) fn tangent_masks(&self, row: &[f64]) -> [Vec<Weight>; 2] {
+    pub(super) fn tangent_masks(&self, row: &[f64]) -> [Vec<PointWeight>; 2] {
         let mut complex: Vec<(Point, [f64; 2])> = Vec::new();
         for (component, &y) in self.blocks[1].components.iter().zip(row) {
             match *component {
@@ -145,7 +145,7 @@ impl Spectrum {
                     // twice, because a coordinate is half of a point plus its conjugate
                     2.0 * (if which == 0 { re * c + im * s } else { re * s - im * c }) / real(self.n)
                 };
-                Weight { point: Some(point), values: (0..self.n).map(value).collect() }
+                PointWeight { point: Some(point), values: (0..self.n).map(value).collect() }
             };
             complex.iter().map(weights).collect()
         };

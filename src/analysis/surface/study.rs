@@ -10,7 +10,7 @@ use super::local::{Applied, LocalRows, closed};
 use super::regular::RegularMask;
 use super::sectors::{NetKind, PlaneNet, Point, SAME};
 use super::smoothness::RegularSmoothness;
-use super::spectrum::{LocalEigenvalue, Spectrum, Weight};
+use super::spectrum::{LocalEigenvalue, PointWeight, Spectrum};
 use super::survey::{Extraordinary, on_boundary, survey};
 use super::verdict::{Case, Criterion};
 use crate::analysis::limit::Unlimited;
@@ -49,9 +49,9 @@ pub struct ValenceReport {
     /// The ratio of the absolute value of the next eigenvalue to the subdominant eigenvalue.
     pub ratio: Option<f64>,
     /// The weights of the limit position.
-    pub limit_mask: Vec<Weight>,
+    pub limit_mask: Vec<PointWeight>,
     /// The weights of two tangents; `None` without a subdominant eigenvalue.
-    pub tangent_masks: Option<[Vec<Weight>; 2]>,
+    pub tangent_masks: Option<[Vec<PointWeight>; 2]>,
     /// The net of the characteristic map: points and faces.
     pub net: Option<PlaneNet>,
     /// The least sine of the corner angles of the net.

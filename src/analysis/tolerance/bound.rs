@@ -4,8 +4,8 @@ use rayon::prelude::*;
 
 use super::budget::Budget;
 use super::cut::twist;
-use super::level::Level;
-use super::nearest::{FaceTree, Faces, farthest};
+use super::level::ComparedNet;
+use super::nearest::{FaceTree, NetFaces, farthest};
 use super::remainder::Remainders;
 use super::spline::Spline;
 use crate::analysis::no_level::NoLevel;
@@ -57,13 +57,13 @@ struct KnownDistances {
 }
 
 /// The comparison of an output with its limit surface.
-struct Comparison<'a> {
+struct LimitComparison<'a> {
     spline: &'a Spline,
     output: FaceTree,
     /// The pieces of the output at the first measured level, and upper bounds of their distances from the limit.
     first: Option<(Vec<MovedFace>, Vec<f64>)>,
     /// Faces of several levels that are not followed further; in the end, together they approximate the whole limit.
-    limit: Vec<Faces>,
+    limit: Vec<NetFaces>,
     /// The greatest distance that was measured.
     greatest: f64,
     /// An upper bound of the rounding errors of distances.
@@ -73,10 +73,10 @@ struct Comparison<'a> {
     budget: &'a Budget,
 }
 
-impl Comparison<'_> {
+impl LimitComparison<'_> {
     /// Measures the distances of a level from the output, of the first level both ways, and bounds the others. `None`
     /// as soon as a distance above `most` is measured.
-    fn seen(&mut self, level: &Level, most: f64) -> Result<Option<KnownDistances>, NoLevel> {
+    fn seen(&mut self, level: &ComparedNet, most: f64) -> Result<Option<KnownDistances>, NoLevel> {
         let output = self.output.first();
         let belongs = |f: usize| output.slot(level.home[f]).is_some();
         let looked_at =
@@ -113,13 +113,13 @@ impl Comparison<'_> {
     }
 
     /// Returns some faces of a level as an approximation of their limit, with their remainders.
-    fn near(level: &Level, faces: &[u32], remainders: Vec<f64>) -> Faces {
-        Faces::of(&level.topology, level.points.now.as_chunks().0, faces, remainders, false)
+    fn near(level: &ComparedNet, faces: &[u32], remainders: Vec<f64>) -> NetFaces {
+        NetFaces::of(&level.topology, level.points.now.as_chunks().0, faces, remainders, false)
     }
 
     /// Stops following the live faces whose remainders satisfy `left`, and adds them to the approximation of the limit.
     /// Returns an upper bound of the distance of their limit from the output.
-    fn leave(&mut self, level: &Level, seen: &KnownDistances, left: impl Fn(f64) -> bool) -> f64 {
+    fn leave(&mut self, level: &ComparedNet, seen: &KnownDistances, left: impl Fn(f64) -> bool) -> f64 {
         let left = seen.remainders.iter().copied().filter(|&(_, remainder)| left(remainder));
         let (faces, remainders): (Vec<u32>, Vec<f64>) = left.unzip();
         let most = remainders.iter().fold(0.0, |most: f64, &remainder| most.max(seen.there + remainder));
@@ -235,7 +235,7 @@ struct Displaced {
 
 impl Displaced {
     /// Bounds the displacement by the pieces `all`, unless no piece of a face moved by more than `cut + little`.
-    fn of(output: &Faces, all: &[MovedFace], little: f64) -> Self {
+    fn of(output: &NetFaces, all: &[MovedFace], little: f64) -> Self {
         let mut pieces: Vec<Vec<usize>> = vec![Vec::new(); output.len()];
         for (i, slot) in all.iter().enumerate().filter_map(|(i, piece)| Some((i, piece.home?))) {
             pieces[slot].push(i);
@@ -262,7 +262,7 @@ impl Displaced {
 
     /// Returns an upper bound of the distance from the limit of the output's face of which a piece is a part;
     /// `remainders` are those of the pieces.
-    fn back(&self, output: &Faces, piece: &MovedFace, remainders: &[f64]) -> f64 {
+    fn back(&self, output: &NetFaces, piece: &MovedFace, remainders: &[f64]) -> f64 {
         if self.moved(piece).is_infinite() {
             return f64::INFINITY;
         }
@@ -290,7 +290,7 @@ struct MovedFace {
 }
 
 impl MovedFace {
-    fn of(level: &Level, output: &Faces, face: u32) -> Self {
+    fn of(level: &ComparedNet, output: &NetFaces, face: u32) -> Self {
         let (points, flat) = (level.points.now.as_chunks::<3>().0, level.flat.now.as_chunks::<3>().0);
         let corners = level.topology.face(face as usize);
         let home = output.slot(level.home[face as usize]);
@@ -327,7 +327,7 @@ impl MovedFace {
 /// # Errors
 /// [`NoLevel`] when a level cannot be computed or the budget is over.
 pub(super) fn bound(
-    base: &Level,
+    base: &ComparedNet,
     spline: &Spline,
     tolerance: f64,
     rounding: f64,
@@ -337,14 +337,14 @@ pub(super) fn bound(
         return plain(base, spline, budget);
     }
     let flat = base.flat.now.as_chunks().0;
-    let faces = Faces::of(&base.topology, flat, &base.live, vec![0.0; base.live.len()], !spline.halved);
+    let faces = NetFaces::of(&base.topology, flat, &base.live, vec![0.0; base.live.len()], !spline.halved);
     let output = FaceTree::of(vec![faces], budget);
     let (first, limit, cuts) = (None, Vec::new(), ALL_CUTS);
-    let mut comparison = Comparison { spline, output, first, limit, greatest: 0.0, rounding, cuts, budget };
+    let mut comparison = LimitComparison { spline, output, first, limit, greatest: 0.0, rounding, cuts, budget };
     let (mut level, mut bound) = (base.clone(), 0.0_f64);
     for ahead in 0..=AHEAD {
-        let next = if spline.halved { Level::next_halved } else { Level::next };
-        let next = |level: &Level| next(level, &spline.plan, spline.round(ahead), &budget.watch);
+        let next = if spline.halved { ComparedNet::next_halved } else { ComparedNet::next };
+        let next = |level: &ComparedNet| next(level, &spline.plan, spline.round(ahead), &budget.watch);
         if ahead < WHOLE && level.faces_after(1) <= FOLLOWED_FACES {
             level = next(&level)?;
             continue;
@@ -377,7 +377,7 @@ pub(super) fn bound(
 }
 
 /// Returns the upper bound of [`bound`] for nets that have too many faces to be measured.
-fn plain(base: &Level, spline: &Spline, budget: &Budget) -> Result<f64, NoLevel> {
+fn plain(base: &ComparedNet, spline: &Spline, budget: &Budget) -> Result<f64, NoLevel> {
     let (points, flat) = (base.points.now.as_chunks::<3>().0, base.flat.now.as_chunks::<3>().0);
     let remainders = Remainders::of(base, spline, budget)?;
     let live: Vec<usize> = base.live.iter().map(|&f| f as usize).collect();

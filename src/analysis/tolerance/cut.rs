@@ -2,7 +2,7 @@
 
 use std::f64::consts::TAU;
 
-use super::level::Level;
+use super::level::ComparedNet;
 use crate::math::functions::{cos, real, sin};
 use crate::math::vector::{Vector, cross, dot, length, minus, plus, times};
 use crate::shape::topology::Topology;
@@ -26,7 +26,7 @@ fn twisted(p: [Vector; 4]) -> f64 {
 
 /// Returns an upper bound of the distance between the live faces of a surface, split into quads around their centres,
 /// and the same faces cut into triangles.
-pub(super) fn cut(base: &Level) -> f64 {
+pub(super) fn cut(base: &ComparedNet) -> f64 {
     let points = base.flat.now.as_chunks::<3>().0;
     let of_face = |&f: &u32| {
         let p: Vec<Vector> = base.topology.face(f as usize).iter().map(|&v| points[v as usize]).collect();

@@ -3,7 +3,7 @@
 
 use std::sync::OnceLock;
 
-use super::level::Level;
+use super::level::ComparedNet;
 use super::sheet::{flat, normal, windings};
 use crate::math::functions::{real, sqrt};
 use crate::math::vector::{Vector, cross, dot, length, mean, minus, plus, times, unit};
@@ -38,7 +38,7 @@ const WORK: usize = 1 << 25;
 /// If both hold, the distance either way is at most the height along n of the corners of W and of those K(g) of its
 /// faces that meet the central face.
 pub(super) struct Hulls<'a> {
-    level: &'a Level,
+    level: &'a ComparedNet,
     /// Number of rings of faces that the limit of a face depends on.
     reach: usize,
     /// For each face the vertices that its limit depends on, once they are needed.
@@ -46,7 +46,7 @@ pub(super) struct Hulls<'a> {
 }
 
 impl<'a> Hulls<'a> {
-    pub(super) fn of(level: &'a Level, reach: usize) -> Self {
+    pub(super) fn of(level: &'a ComparedNet, reach: usize) -> Self {
         Self { level, reach, near: (0..level.topology.n_faces()).map(|_| OnceLock::new()).collect() }
     }
 
@@ -84,7 +84,7 @@ impl<'a> Hulls<'a> {
         if !half_edges().all(|half_edge| dot(n, area(half_edge)) > 0.0) {
             return None;
         }
-        let plane = Plane::of(n, half_edges().map(at))?;
+        let plane = WhitenedPlane::of(n, half_edges().map(at))?;
         let of_near = |face: usize| self.near(face).iter().map(|&v| points[v as usize]);
         let seen = |face: usize| -> Vec<Point> { of_near(face).map(|p| plane.project(p)).collect() };
         let face_points: Vec<Point> = topology.face(face).iter().map(|&v| plane.project(points[v as usize])).collect();
@@ -149,12 +149,12 @@ type Point = [f64; 2];
 
 /// A plane across a direction, with affine coordinates in which given points have the same variance in all directions.
 /// Whether a line separates points does not depend on the coordinates.
-struct Plane {
+struct WhitenedPlane {
     origin: Vector,
     axes: [Vector; 2],
 }
 
-impl Plane {
+impl WhitenedPlane {
     /// Creates the plane across `n` for some points; `None` if their projections lie on a line.
     fn of(n: Vector, points: impl Iterator<Item = Vector> + Clone) -> Option<Self> {
         let origin = mean(points.clone());

@@ -16,7 +16,7 @@ use crate::watch::Watch;
 
 /// A net with its points, and for each vertex its place on the surface that the net is compared with.
 #[derive(Clone)]
-pub(super) struct Level {
+pub(super) struct ComparedNet {
     pub(super) net: MeshNet,
     /// The net's topology made explicit.
     pub(super) topology: Arc<Topology>,
@@ -31,7 +31,7 @@ pub(super) struct Level {
     pub(super) live: Vec<u32>,
 }
 
-impl Level {
+impl ComparedNet {
     /// Creates the level of a net that is compared with its own surface. All its faces are followed, except for holes
     /// as long as the net is not split.
     pub(super) fn new(net: MeshNet, points: Points) -> Self {

@@ -7,7 +7,7 @@ use rayon::prelude::*;
 use super::bend::{Box3, around};
 use super::budget::Budget;
 use super::cut::twist;
-use super::sheet::Sheet;
+use super::sheet::ProjectedSheet;
 use crate::math::functions::sqrt;
 use crate::math::vector::{Vector, mean, minus, plus, square_from_triangle, times};
 use crate::shape::topology::Topology;
@@ -25,7 +25,7 @@ const QUAD: [(usize, [usize; 3]); 4] = [(0, [0, 1, 2]), (0, [0, 2, 3]), (1, [1, 
 const TRIANGLE: [(usize, [usize; 3]); 2] = [(0, [0, 1, 2]), (1, [0, 1, 2])];
 
 /// Triangles and quads of a net.
-pub(super) struct Faces {
+pub(super) struct NetFaces {
     topology: Arc<Topology>,
     points: Vec<Vector>,
     /// The faces, ascending; the index of a face here is its slot.
@@ -35,23 +35,23 @@ pub(super) struct Faces {
     /// Whether quads may be cut along either diagonal; then the distance is the greatest one for all cuts.
     cuttable: bool,
     /// For each slot its sheet, once it is needed.
-    sheets: Vec<OnceLock<Option<Sheet>>>,
+    sheets: Vec<OnceLock<Option<ProjectedSheet>>>,
 }
 
 /// The faces of several nets in one tree of bounding boxes.
 pub(super) struct FaceTree {
-    nets: Vec<Faces>,
+    nets: Vec<NetFaces>,
     /// Net and slot of each face, leaf after leaf.
     order: Vec<(usize, usize)>,
     /// The boxes of the faces, in the same order.
     boxes: Vec<Box3>,
-    nodes: Vec<Node>,
+    nodes: Vec<FaceNode>,
     /// Counts the nodes and faces that are visited; once it is over, no distance is found.
     budget: Budget,
 }
 
 /// A node of the tree: a box and the faces inside.
-struct Node {
+struct FaceNode {
     bounds: Box3,
     inside: Inside,
 }
@@ -87,7 +87,7 @@ impl Away {
     pub(super) const UNKNOWN: Self = Self { most: f64::INFINITY, middle: f64::INFINITY };
 }
 
-impl Faces {
+impl NetFaces {
     /// Creates the faces `shown` of a net, ascending. If `cuttable` is set, distances hold however quads are cut;
     /// otherwise faces are bilinear, and approximate a surface within `beyond`, which has an entry per face.
     pub(super) fn of(
@@ -139,9 +139,9 @@ impl Faces {
     }
 
     /// Returns the sheet around a face, if its surroundings are one.
-    pub(super) fn sheet(&self, slot: usize) -> Option<&Sheet> {
+    pub(super) fn sheet(&self, slot: usize) -> Option<&ProjectedSheet> {
         let is_shown = |face: usize| u32::try_from(face).is_ok_and(|face| self.slot(face).is_some());
-        let around = || Sheet::around(&self.topology, &self.points, self.shown[slot] as usize, is_shown);
+        let around = || ProjectedSheet::around(&self.topology, &self.points, self.shown[slot] as usize, is_shown);
         self.sheets[slot].get_or_init(around).as_ref()
     }
 
@@ -164,8 +164,8 @@ impl Faces {
 
 impl FaceTree {
     /// Builds the tree of the faces of some nets. Distances are valid only if the budget is not over afterwards.
-    pub(super) fn of(nets: Vec<Faces>, budget: &Budget) -> Self {
-        let slots = |(net, faces): (usize, &Faces)| (0..faces.len()).map(move |slot| (net, slot));
+    pub(super) fn of(nets: Vec<NetFaces>, budget: &Budget) -> Self {
+        let slots = |(net, faces): (usize, &NetFaces)| (0..faces.len()).map(move |slot| (net, slot));
         let all: Vec<(usize, usize)> = nets.iter().enumerate().flat_map(slots).collect();
         let boxed = |&(net, slot): &(usize, usize)| nets[net].boxed(slot);
         let boxes: Vec<Box3> = all.par_iter().with_min_len(1024).map(boxed).collect();
@@ -181,7 +181,7 @@ impl FaceTree {
     }
 
     /// Returns the faces of the first net.
-    pub(super) fn first(&self) -> &Faces {
+    pub(super) fn first(&self) -> &NetFaces {
         &self.nets[0]
     }
 
@@ -195,8 +195,8 @@ impl FaceTree {
     /// Returns upper bounds of the distance of all convex combinations of some points. The search begins with the face
     /// `near`, a slot of the first net.
     ///
-    /// The distance from a triangle and the bound of a [`Sheet`] are convex functions of the point, so that they are
-    /// greatest at a corner.
+    /// The distance from a triangle and the bound of a [`ProjectedSheet`] are convex functions of the point, so
+    /// that they are greatest at a corner.
     pub(super) fn over(&self, corners: &[Vector], near: Option<usize>) -> Away {
         let Some(hits) = self.nearest(mean(corners.iter().copied()), near) else { return Away::UNKNOWN };
         let beyond = |hit: &Hit| self.nets[hit.net].beyond[hit.slot];
@@ -272,10 +272,10 @@ impl FaceTree {
 
 /// Adds the node of some faces, whose places in the order begin at `start`, and the nodes below it; sorts the faces
 /// accordingly. Returns the index of the node.
-fn grow(nodes: &mut Vec<Node>, boxes: &[Box3], faces: &mut [usize], start: usize) -> usize {
+fn grow(nodes: &mut Vec<FaceNode>, boxes: &[Box3], faces: &mut [usize], start: usize) -> usize {
     let bounds = faces.iter().map(|&face| boxes[face]).reduce(around).unwrap_or_default();
     let here = nodes.len();
-    nodes.push(Node { bounds, inside: Inside::Places(start, start + faces.len()) });
+    nodes.push(FaceNode { bounds, inside: Inside::Places(start, start + faces.len()) });
     if faces.len() > LEAF {
         let size = minus(bounds[1], bounds[0]);
         let longest = (1..3).fold(0, |k, other| if size[other] > size[k] { other } else { k });

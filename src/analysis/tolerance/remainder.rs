@@ -5,8 +5,8 @@ use rayon::prelude::*;
 use super::bend::{Bend, Box3, around, bends, spread};
 use super::budget::Budget;
 use super::hull::Hulls;
-use super::level::Level;
-use super::sheet::{Sheet, normal};
+use super::level::ComparedNet;
+use super::sheet::{ProjectedSheet, normal};
 use super::spline::Spline;
 use crate::analysis::no_level::NoLevel;
 use crate::math::vector::{Vector, length, minus, plus, times};
@@ -41,7 +41,7 @@ impl NeighbourhoodBounds {
 
 /// Bounds of the distances between the faces of a net and their limits.
 pub(super) struct Remainders<'a> {
-    level: &'a Level,
+    level: &'a ComparedNet,
     spline: &'a Spline,
     /// For each vertex the bounds over the vertices within `spline.reach` rings. Joined over the corners of a face,
     /// they cover all vertices that its limit depends on.
@@ -58,7 +58,7 @@ impl<'a> Remainders<'a> {
     ///
     /// # Errors
     /// [`NoLevel`] if the budget is over.
-    pub(super) fn of(level: &'a Level, spline: &'a Spline, budget: &'a Budget) -> Result<Self, NoLevel> {
+    pub(super) fn of(level: &'a ComparedNet, spline: &'a Spline, budget: &'a Budget) -> Result<Self, NoLevel> {
         budget.check()?;
         let (topology, points) = (&level.topology, level.points.now.as_chunks::<3>().0);
         let area = |f: usize| topology.half_edges(f).map(|at| normal(topology, points, at)).fold([0.0; 3], plus);
@@ -148,7 +148,7 @@ impl<'a> Remainders<'a> {
     fn on_sheet(&self, face: u32, belongs: impl Fn(usize) -> bool) -> Option<f64> {
         let near = self.joined(&self.beside, face).filter(|near| near.bend.most.is_finite())?;
         let level = self.level;
-        let sheet = Sheet::around(&level.topology, level.points.now.as_chunks().0, face as usize, belongs)?;
+        let sheet = ProjectedSheet::around(&level.topology, level.points.now.as_chunks().0, face as usize, belongs)?;
         let [low, high] = near.normals;
         let along = self.spline.factor * near.bend.most;
         let rise = self.spline.factor * (near.bend.rise + length(minus(high, low)) * near.bend.most);

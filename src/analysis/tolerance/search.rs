@@ -4,7 +4,7 @@ use super::bounds::{LEAST, MAX_FACES, MAX_LEVEL, MAX_WORK};
 use super::budget::Budget;
 use super::placed::VertexPlacement;
 use super::spline::Spline;
-use super::walk::Walk;
+use super::walk::LevelWalk;
 use crate::analysis::curve::Reached;
 use crate::analysis::no_level::NoLevel;
 use crate::refine::{Points, act_on, mesh_net};
@@ -69,7 +69,7 @@ pub fn reach(
     let budget = &Budget::of(watch, MAX_WORK);
     let points = vec![Points::new(mesh.positions.clone(), 3)];
     let (net, mut points) = act_on(mesh_net(mesh, plan), points, &spline.plan, &spline.prefix, watch)?;
-    let mut walk = Walk::new(net, points.remove(0));
+    let mut walk = LevelWalk::new(net, points.remove(0));
     for level in 0..=MAX_LEVEL {
         if walk.is_ready(&spline) {
             let mut most = 0.0;

@@ -13,7 +13,7 @@ use crate::shape::topology::{NONE, Topology};
 /// most `slope r`, and so does the plane of a triangle of the surface. So a point that is h above or below the plane of
 /// a triangle, along n, and r beside the triangle, seen along n, is within `h + 2 slope r` of the surface.
 #[derive(Debug, Clone)]
-pub(super) struct Sheet {
+pub(super) struct ProjectedSheet {
     /// The direction, a unit vector.
     normal: Vector,
     /// The greatest tangent of the angle between the direction and a normal of a face at a corner.
@@ -28,7 +28,7 @@ pub(super) struct Sheet {
     sides: usize,
 }
 
-impl Sheet {
+impl ProjectedSheet {
     /// Creates the sheet of a face and the faces at its corners, as far as they belong to the surface; `None` if it
     /// folds over, winds more than once around a corner or has no direction.
     pub(super) fn around(

@@ -4,7 +4,7 @@ use super::bend;
 use super::bound::{FOLLOWED_FACES, bound};
 use super::budget::Budget;
 use super::cut::{cut, twist};
-use super::level::Level;
+use super::level::ComparedNet;
 use super::placed::VertexPlacement;
 use super::remainder::Remainders;
 use super::spline::Spline;
@@ -16,16 +16,16 @@ use crate::shape::tile::Tile;
 use crate::watch::Watch;
 
 /// The current level, and the bound of the faces that are no longer followed.
-pub(super) struct Walk {
-    pub(super) level: Level,
+pub(super) struct LevelWalk {
+    pub(super) level: ComparedNet,
     /// An upper bound of the distance between these faces and their limits; each round divides it by 4.
     left: f64,
 }
 
-impl Walk {
+impl LevelWalk {
     /// Creates the walk that starts at a net with these points.
     pub(super) fn new(net: MeshNet, points: Points) -> Self {
-        Self { level: Level::new(net, points), left: 0.0 }
+        Self { level: ComparedNet::new(net, points), left: 0.0 }
     }
 
     /// Returns whether the level can be bounded: whether all live faces are of the kind that the scheme splits into, or
@@ -84,7 +84,7 @@ impl Walk {
     /// Stops following faces that second differences bound if there are too many to follow all: those that are bounded
     /// by half the tolerance or, if too many are left then, all that have a bound. Halved splines follow all faces.
     pub(super) fn leave(&mut self, spline: &Spline, tolerance: f64, budget: &Budget) -> Result<(), NoLevel> {
-        let fits = |level: &Level| level.faces_after(1) <= FOLLOWED_FACES;
+        let fits = |level: &ComparedNet| level.faces_after(1) <= FOLLOWED_FACES;
         if fits(&self.level) || spline.halved {
             return Ok(());
         }
@@ -120,7 +120,7 @@ impl Walk {
             if spline.halved {
                 let points = vec![self.level.points.clone()];
                 let (net, mut points) = act_on(self.level.net.clone(), points, &spline.plan, round, watch)?;
-                self.level = Level::new(net, points.remove(0));
+                self.level = ComparedNet::new(net, points.remove(0));
                 continue;
             }
             if !self.level.live.is_empty() {

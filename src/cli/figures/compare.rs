@@ -17,7 +17,7 @@ use crate::wire::output::OutputRequest;
 
 /// The differences between two versions of a figure.
 #[derive(Debug)]
-pub(super) struct Difference {
+pub(super) struct FigureDifference {
     /// Name of the file.
     pub(super) name: String,
     /// The old picture, if it exists.
@@ -37,7 +37,7 @@ pub(super) struct Difference {
     pub(super) together: Option<Vec<u8>>,
 }
 
-impl Difference {
+impl FigureDifference {
     /// Compares two versions, each with its manifest entry and, if available, its bytes.
     pub(super) fn new(
         name: &str,

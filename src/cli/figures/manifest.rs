@@ -21,7 +21,7 @@ const MAX_NUMBERS: usize = 128;
 /// All figures of a folder.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub(super) struct Manifest {
+pub(super) struct FigureManifest {
     /// Results version.
     pub(super) results_version: u32,
     /// The figures, by the names of their files.
@@ -44,13 +44,13 @@ pub(super) struct Entry {
     pub(super) numbers: BTreeMap<String, Value>,
 }
 
-impl Default for Manifest {
+impl Default for FigureManifest {
     fn default() -> Self {
         Self { results_version: RESULTS_VERSION, figures: BTreeMap::new() }
     }
 }
 
-impl Manifest {
+impl FigureManifest {
     fn path(folder: &Path) -> PathBuf {
         folder.join(NAME)
     }

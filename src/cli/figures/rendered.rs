@@ -7,7 +7,7 @@ use std::path::Path;
 
 use serde_json::Value;
 
-use super::manifest::{Entry, Manifest, hash, numbers};
+use super::manifest::{Entry, FigureManifest, hash, numbers};
 use crate::cli::error::CliError;
 use crate::cli::fault_translator::FaultTranslator;
 use crate::cli::inputs::InputSource;
@@ -47,7 +47,7 @@ pub(super) fn load(path: &Path) -> Result<JobRequest, CliError> {
 }
 
 /// Renders the pictures of a job; skips pictures that `folder` has already with the same key in the manifest.
-pub(super) fn render(path: &Path, known: &Manifest, folder: Option<&Path>) -> Result<Vec<Rendered>, CliError> {
+pub(super) fn render(path: &Path, known: &FigureManifest, folder: Option<&Path>) -> Result<Vec<Rendered>, CliError> {
     let request = load(path)?;
     let job = part(path.file_name());
     let admitted = admitted(request.clone())?;

@@ -6,7 +6,7 @@ use std::path::Path;
 use base64::Engine;
 use serde_json::Value;
 
-use super::compare::Difference;
+use super::compare::FigureDifference;
 use super::manifest::put;
 use crate::cli::error::CliError;
 
@@ -21,7 +21,7 @@ const STYLE: &str = "body{font:16px/1.5 system-ui,sans-serif;margin:2rem auto;ma
     overflow-wrap:anywhere}";
 
 /// Returns the pictures of a difference: caption, file name, bytes.
-fn pictures(of: &Difference) -> Vec<(&'static str, String, &[u8])> {
+fn pictures(of: &FigureDifference) -> Vec<(&'static str, String, &[u8])> {
     let stem = &of.name;
     let all = [
         ("before", stem.clone(), &of.before),
@@ -33,7 +33,7 @@ fn pictures(of: &Difference) -> Vec<(&'static str, String, &[u8])> {
 }
 
 /// Writes the report into a folder: `report.md` with its pictures, and `report.html`.
-pub(super) fn write(folder: &Path, head: &str, differences: &[Difference]) -> Result<(), CliError> {
+pub(super) fn write(folder: &Path, head: &str, differences: &[FigureDifference]) -> Result<(), CliError> {
     let mut markdown = format!("# Figures\n\n{head}\n");
     let mut html = format!(
         "<!doctype html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><title>Figures</title>\n\
@@ -48,7 +48,7 @@ pub(super) fn write(folder: &Path, head: &str, differences: &[Difference]) -> Re
     put(&folder.join("report.html"), html.as_bytes())
 }
 
-fn of_one(folder: &Path, of: &Difference, markdown: &mut String, html: &mut String) -> Result<(), CliError> {
+fn of_one(folder: &Path, of: &FigureDifference, markdown: &mut String, html: &mut String) -> Result<(), CliError> {
     let (name, description) = (&of.name, of.describe());
     let _ = write!(markdown, "\n## {name}\n\n{description}\n");
     let _ = write!(html, "<h2>{}</h2>\n<p>{}</p>\n<div class=\"row\">\n", escaped(name), escaped(&description));
@@ -79,7 +79,7 @@ fn of_one(folder: &Path, of: &Difference, markdown: &mut String, html: &mut Stri
 }
 
 /// Writes the table of the changed numbers.
-fn numbers(of: &Difference, markdown: &mut String, html: &mut String) {
+fn numbers(of: &FigureDifference, markdown: &mut String, html: &mut String) {
     if of.before.is_none() || of.after.is_none() || of.numbers.is_empty() {
         return;
     }

@@ -7,8 +7,8 @@ use std::sync::{Mutex, PoisonError};
 
 use rayon::prelude::*;
 
-use super::compare::{Difference, output_of, side_by_side};
-use super::manifest::{Entry, Manifest, put};
+use super::compare::{FigureDifference, output_of, side_by_side};
+use super::manifest::{Entry, FigureManifest, put};
 use super::rendered::{Rendered, admitted, load, names, render};
 use super::report;
 use crate::cli::error::CliError;
@@ -46,7 +46,7 @@ impl FigureOptions {
     pub(crate) fn run(&self) -> Result<(), CliError> {
         let jobs = jobs(&self.jobs)?;
         check_names(&jobs)?;
-        let known = match (Manifest::read(&self.output)?, self.check) {
+        let known = match (FigureManifest::read(&self.output)?, self.check) {
             (None, true) => {
                 let detail =
                     format!("{} has no manifest.json; render the figures without --check first", self.output.display());
@@ -95,13 +95,13 @@ impl FigureOptions {
         // If a job failed, its old entries stay in the manifest.
         let mut figures: BTreeMap<String, Entry> = if is_whole { BTreeMap::new() } else { known.figures };
         figures.extend(made.into_iter().map(|made| (made.name, made.entry)));
-        Manifest { figures, ..Manifest::default() }.write(&self.output)?;
+        FigureManifest { figures, ..FigureManifest::default() }.write(&self.output)?;
         progress.end("inputs rendered")
     }
 
     /// Writes the new pictures to the folder. In a check, writes nothing, and keeps only the bytes of pictures that
     /// differ from the folder or its manifest.
-    fn kept(&self, mut made: Vec<Rendered>, known: &Manifest) -> Result<Vec<Rendered>, CliError> {
+    fn kept(&self, mut made: Vec<Rendered>, known: &FigureManifest) -> Result<Vec<Rendered>, CliError> {
         for Rendered { name, entry, bytes } in &mut made {
             if self.check {
                 let old = known.figures.get(name);
@@ -118,7 +118,7 @@ impl FigureOptions {
 
     /// Compares the new pictures with those in the folder, and writes a report if any differ.
     /// Pictures of jobs that failed, which are named by their files, are left out.
-    fn checked(&self, known: &Manifest, made: Vec<Rendered>, failed: &[String]) -> Result<(), CliError> {
+    fn checked(&self, known: &FigureManifest, made: Vec<Rendered>, failed: &[String]) -> Result<(), CliError> {
         let mut same = 0;
         let mut differences = Vec::new();
         let names: BTreeSet<String> = made.iter().map(|made| made.name.clone()).collect();
@@ -128,14 +128,14 @@ impl FigureOptions {
                 continue;
             }
             let before = known.figures.get(&name).map(|old| (old, fs::read(self.output.join(&name)).ok()));
-            let mut difference = Difference::new(&name, before, Some((&entry, bytes)));
+            let mut difference = FigureDifference::new(&name, before, Some((&entry, bytes)));
             difference.together = self.together(&entry.job, &name)?;
             differences.push(difference);
         }
         let gone = known.figures.iter().filter(|(name, entry)| !names.contains(*name) && !failed.contains(&entry.job));
         for (name, entry) in gone {
             let before = Some((entry, fs::read(self.output.join(name)).ok()));
-            differences.push(Difference::new(name, before, None));
+            differences.push(FigureDifference::new(name, before, None));
         }
         if differences.is_empty() {
             return Ok(());

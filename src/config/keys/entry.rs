@@ -15,7 +15,7 @@ const MAX_NAME: usize = 32;
 /// What a key allows; each role also allows what those before it do.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Deserialize, clap::ValueEnum)]
 #[serde(rename_all = "lowercase")]
-pub enum Role {
+pub enum KeyRole {
     /// To read results, jobs, events and uploads of its tenant.
     Read,
     /// To send jobs and files, to cancel and to forget.
@@ -24,7 +24,7 @@ pub enum Role {
     Admin,
 }
 
-impl Role {
+impl KeyRole {
     /// Returns the name.
     pub fn name(self) -> &'static str {
         match self {
@@ -44,7 +44,7 @@ pub struct KeyEntry {
     /// The tenant whose results, jobs and uploads the key opens.
     pub tenant: String,
     /// The role of the key.
-    pub role: Role,
+    pub role: KeyRole,
     /// Hash of the whole key, hexadecimal.
     pub hash: String,
     /// Secret with which links are signed, hexadecimal.

@@ -5,7 +5,7 @@ mod file;
 mod link;
 mod secret;
 
-pub use entry::{KeyEntry, Role, SHARED, tenant_fault};
+pub use entry::{KeyEntry, KeyRole, SHARED, tenant_fault};
 pub use file::{KEYS_FILE, KeyFile, KeyFileError, MAX_KEYS};
 pub use link::{LINKS, Link, LinkFault, MODEL, has_job};
 pub use secret::{Random, Token};

@@ -9,11 +9,11 @@ use ttf_parser::GlyphId;
 
 use super::pack::packed;
 use crate::drawing::error::DrawError;
-use crate::drawing::font::{UNITS_PER_EM, WEIGHTS, Weight};
+use crate::drawing::font::{FontWeight, UNITS_PER_EM, WEIGHTS};
 
 /// The used glyphs of one weight.
-pub(super) struct Font {
-    weight: Weight,
+pub(super) struct PdfFont {
+    weight: FontWeight,
     /// The indices of glyphs in the file.
     numbers: GlyphRemapper,
     /// The character of each glyph, and its advance width in thousandths of the font size.
@@ -22,7 +22,7 @@ pub(super) struct Font {
 
 const SYSTEM: SystemInfo<'static> = SystemInfo { registry: Str(b"Adobe"), ordering: Str(b"Identity"), supplement: 0 };
 
-impl Font {
+impl PdfFont {
     /// Creates a font of each weight without glyphs.
     pub(super) fn all() -> [Self; 2] {
         WEIGHTS.map(|weight| Self { weight, numbers: GlyphRemapper::new(), glyphs: BTreeMap::new() })
@@ -35,8 +35,8 @@ impl Font {
     /// Returns the name within the page.
     pub(super) fn name(&self) -> &'static [u8] {
         match self.weight {
-            Weight::Regular => b"F0",
-            Weight::Bold => b"F1",
+            FontWeight::Regular => b"F0",
+            FontWeight::Bold => b"F1",
         }
     }
 

@@ -6,7 +6,7 @@ use pdf_writer::types::{LineCapStyle, LineJoinStyle};
 use pdf_writer::{Content, Name, Str};
 use ttf_parser::OutlineBuilder;
 
-use super::fonts::Font;
+use super::fonts::PdfFont;
 use crate::drawing::error::DrawError;
 use crate::drawing::scene::{Cap, Color, Discs, Drawing, Group, Item, Lettering, Mark, Picture, Point, Stroke, Text};
 use crate::watch::Watch;
@@ -15,7 +15,7 @@ use crate::watch::Watch;
 pub(super) const POINTS: f32 = 0.75;
 
 /// The content of the page, with the resources that it needs.
-pub(super) struct Sheet<'a> {
+pub(super) struct PdfPage<'a> {
     /// The drawing operators.
     pub(super) content: Vec<u8>,
     /// The pictures, by index.
@@ -23,7 +23,7 @@ pub(super) struct Sheet<'a> {
     /// The opacities other than fully opaque.
     pub(super) alphas: BTreeSet<u8>,
     /// The weights of the font.
-    pub(super) fonts: [Font; 2],
+    pub(super) fonts: [PdfFont; 2],
 }
 
 /// Returns the name of a picture within the page.
@@ -36,14 +36,14 @@ pub(super) fn alpha_name(alpha: u8) -> String {
     format!("A{alpha}")
 }
 
-impl<'a> Sheet<'a> {
+impl<'a> PdfPage<'a> {
     /// Draws all items.
     pub(super) fn of(drawing: &'a Drawing, lettering: Lettering, watch: &'a Watch) -> Result<Self, DrawError> {
-        let mut artist = Artist {
+        let mut artist = PdfPainter {
             content: Content::new(),
             pictures: Vec::new(),
             alphas: BTreeSet::new(),
-            fonts: Font::all(),
+            fonts: PdfFont::all(),
             lettering,
             watch,
         };
@@ -57,16 +57,16 @@ impl<'a> Sheet<'a> {
             });
         }
         artist.items(&drawing.items)?;
-        let Artist { content, pictures, alphas, fonts, .. } = artist;
+        let PdfPainter { content, pictures, alphas, fonts, .. } = artist;
         Ok(Self { content: content.finish().into_vec(), pictures, alphas, fonts })
     }
 }
 
-struct Artist<'a> {
+struct PdfPainter<'a> {
     content: Content,
     pictures: Vec<&'a Picture>,
     alphas: BTreeSet<u8>,
-    fonts: [Font; 2],
+    fonts: [PdfFont; 2],
     lettering: Lettering,
     watch: &'a Watch,
 }
@@ -76,7 +76,7 @@ fn short(x: f32) -> f32 {
     (x * 100.0).round() / 100.0
 }
 
-impl<'a> Artist<'a> {
+impl<'a> PdfPainter<'a> {
     fn items(&mut self, items: &'a [Item]) -> Result<(), DrawError> {
         for item in items {
             self.watch.check()?;
@@ -186,7 +186,7 @@ impl<'a> Artist<'a> {
         let frame = text.frame();
         if self.lettering == Lettering::Outlines {
             self.content.transform(frame);
-            text.outline(&mut Contours { content: &mut self.content, at: [0.0; 2] });
+            text.outline(&mut PdfContours { content: &mut self.content, at: [0.0; 2] });
             self.content.fill_nonzero();
             return;
         }
@@ -248,12 +248,12 @@ fn circle(content: &mut Content, [x, y]: Point, radius: f32) {
 }
 
 /// Writes the outlines of letters as operators; PDF has cubic curves only.
-struct Contours<'a> {
+struct PdfContours<'a> {
     content: &'a mut Content,
     at: Point,
 }
 
-impl OutlineBuilder for Contours<'_> {
+impl OutlineBuilder for PdfContours<'_> {
     fn move_to(&mut self, x: f32, y: f32) {
         self.at = [x, y].map(short);
         self.content.move_to(self.at[0], self.at[1]);

@@ -8,12 +8,12 @@ use crate::drawing::scene::{Color, Point};
 const LONG: usize = 65_536;
 
 /// Text to be written.
-pub(super) struct Page<'a> {
+pub(super) struct SvgPage<'a> {
     pub(super) text: String,
     out: &'a mut dyn Write,
 }
 
-impl<'a> Page<'a> {
+impl<'a> SvgPage<'a> {
     pub(super) fn new(out: &'a mut dyn Write) -> Self {
         Self { text: String::new(), out }
     }
@@ -117,9 +117,9 @@ impl<'a> Page<'a> {
 mod tests {
     use super::*;
 
-    fn written(write: impl Fn(&mut Page<'_>)) -> String {
+    fn written(write: impl Fn(&mut SvgPage<'_>)) -> String {
         let mut out = Vec::new();
-        let mut page = Page::new(&mut out);
+        let mut page = SvgPage::new(&mut out);
         write(&mut page);
         page.text
     }

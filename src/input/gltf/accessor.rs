@@ -5,7 +5,7 @@ use gltf::json::accessor::{Accessor, ComponentType, Type};
 use gltf::json::buffer::View;
 use gltf::json::validation::Checked::Valid;
 
-use super::buffers::Document;
+use super::buffers::GltfDocument;
 use crate::input::room::MemoryBudget;
 
 /// Bytes of a number.
@@ -35,7 +35,7 @@ impl AccessorRows {
     }
 }
 
-impl Document<'_> {
+impl GltfDocument<'_> {
     /// Returns the accessor with this index.
     pub(super) fn accessor(&self, index: Index<Accessor>) -> Result<&Accessor, String> {
         let i = index.value();

@@ -11,7 +11,7 @@ use super::packed::{self, PACKED};
 use super::transform::Placement;
 use crate::fault;
 use crate::input::base64;
-use crate::input::beside::{Beside, File};
+use crate::input::beside::{Beside, InputFile};
 use crate::input::room::MemoryBudget;
 use crate::input::text::quoted;
 
@@ -66,7 +66,7 @@ fn empty_scene(json: &[u8]) -> Option<String> {
 
 /// A document with its buffers.
 #[derive(Debug)]
-pub(super) struct Document<'a> {
+pub(super) struct GltfDocument<'a> {
     pub(super) root: Root,
     /// The placements of the nodes in f64; `root` rounds them to f32.
     pub(super) placements: Vec<Option<Box<Placement>>>,
@@ -78,7 +78,7 @@ pub(super) struct Document<'a> {
     beside: &'a dyn Beside,
 }
 
-impl<'a> Document<'a> {
+impl<'a> GltfDocument<'a> {
     /// Parses a document, whose `binary` is the second chunk of GLB, and takes its memory from the room.
     pub(super) fn of_json(
         json: &[u8],
@@ -136,7 +136,7 @@ impl<'a> Document<'a> {
     }
 
     /// Parses a document in the binary container.
-    pub(super) fn of_glb(file: &File<'a>, room: &mut MemoryBudget) -> Result<Self, String> {
+    pub(super) fn of_glb(file: &InputFile<'a>, room: &mut MemoryBudget) -> Result<Self, String> {
         let bytes = file.bytes;
         let word = |at: usize| bytes.get(at..at + 4)?.try_into().ok().map(u32::from_le_bytes);
         let (Some(magic), Some(version), Some(length)) = (bytes.get(..4), word(4), word(8)) else {
@@ -194,7 +194,7 @@ fn cut(bytes: Cow<'_, [u8]>, length: usize) -> Cow<'_, [u8]> {
     }
 }
 
-impl Document<'_> {
+impl GltfDocument<'_> {
     /// Reads the bytes that a URI refers to, embedded or beside the document.
     pub(super) fn referred(&self, uri: &str, room: &mut MemoryBudget) -> Result<Vec<u8>, String> {
         referred(uri, self.beside, room)

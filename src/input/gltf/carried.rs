@@ -10,7 +10,7 @@ use gltf::json::validation::Checked::{self, Valid};
 use serde_json::Value;
 
 use super::accessor::AccessorRows;
-use super::buffers::Document;
+use super::buffers::GltfDocument;
 use crate::input::reader::ReadMesh;
 use crate::input::room::{GROWN, MemoryBudget};
 use crate::input::text::quoted;
@@ -93,7 +93,7 @@ impl Channels {
     /// because a mesh does not depend on them, and accessors may share their bytes.
     pub(super) fn take(
         &mut self,
-        document: &Document<'_>,
+        document: &GltfDocument<'_>,
         attributes: &[(String, Index<Accessor>)],
         (start, n): (usize, usize),
         room: &mut MemoryBudget,

@@ -121,7 +121,7 @@ fn prices_as_written(name: &[u8]) -> Prices {
 
 /// The state of the count.
 #[derive(Debug, Default)]
-struct Census<'a> {
+struct GltfCensus<'a> {
     depth: usize,
     /// The last string at the root level, which is the name of the following value.
     name: &'a [u8],
@@ -142,7 +142,7 @@ struct Census<'a> {
 /// # Errors
 /// The document takes more than the file may take; the message names the list that takes most.
 pub(super) fn admit(json: &[u8], room: &mut MemoryBudget) -> Result<(), String> {
-    let mut census = Census::default();
+    let mut census = GltfCensus::default();
     let mut at = 0;
     while let Some(&byte) = json.get(at) {
         at = if byte == b'"' {
@@ -179,7 +179,7 @@ fn end_of_text(json: &[u8], start: usize) -> usize {
     json.len()
 }
 
-impl Census<'_> {
+impl GltfCensus<'_> {
     fn count(&mut self, byte: u8) {
         let prices = self.prices;
         let depth = self.depth;

@@ -7,7 +7,7 @@ use gltf::json::material::{AlphaCutoff, AlphaMode, Material};
 use gltf::json::texture::{Info, MagFilter, MinFilter, Sampler, WrappingMode};
 use gltf::json::validation::Checked::{self, Valid};
 
-use super::buffers::Document;
+use super::buffers::GltfDocument;
 use super::carried::NAMED;
 use super::packed::PACKED;
 use crate::input::colors::encoded;
@@ -28,7 +28,7 @@ const READ: [&str; 3] = [PACKED, "KHR_mesh_quantization", "MSFT_lod"];
 
 /// Adds the materials with their faces, given by material index, to the mesh in order.
 pub(super) fn finish(
-    document: &Document<'_>,
+    document: &GltfDocument<'_>,
     faces: BTreeMap<usize, Vec<u64>>,
     room: &mut MemoryBudget,
     mesh: &mut ReadMesh,
@@ -73,7 +73,7 @@ fn is_usual(look: &Look) -> bool {
 
 /// Reads looks, and each picture once.
 struct MaterialReader<'a> {
-    document: &'a Document<'a>,
+    document: &'a GltfDocument<'a>,
     /// The pictures by index; `None` if a picture cannot be read.
     images: BTreeMap<usize, Option<Arc<Image>>>,
     /// The features that are left out, with their number.

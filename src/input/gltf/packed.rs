@@ -21,7 +21,7 @@ const EACH: usize = 4;
 const LEAST: usize = 1 << 16;
 
 /// The parameters of a compressed stream.
-struct Stream {
+struct PackedStream {
     buffer: usize,
     byte_offset: usize,
     byte_length: usize,
@@ -50,11 +50,11 @@ pub(super) fn views(
     let views: Vec<&RawValue> = serde_json::from_str(views.get()).map_err(unread)?;
     for (i, view) in views.into_iter().enumerate() {
         let place = |detail: String| format!("bufferView {i}: its stream {PACKED}: {detail}");
-        let said = |text: &str| -> serde_json::Result<Option<Stream>> {
+        let said = |text: &str| -> serde_json::Result<Option<PackedStream>> {
             let view: Members<'_> = serde_json::from_str(text)?;
             let Some(extensions) = view.get("extensions") else { return Ok(None) };
             let extensions: Members<'_> = serde_json::from_str(extensions.get())?;
-            extensions.get(PACKED).map(|stream| Stream::of(stream.get())).transpose()
+            extensions.get(PACKED).map(|stream| PackedStream::of(stream.get())).transpose()
         };
         if let Some(stream) = said(view.get()).map_err(unread).map_err(place)? {
             found.insert(i, stream.bytes(buffers, room).map_err(place)?);
@@ -63,7 +63,7 @@ pub(super) fn views(
     Ok(found)
 }
 
-impl Stream {
+impl PackedStream {
     /// Parses the extension object of a view.
     fn of(text: &str) -> serde_json::Result<Self> {
         let members: Members<'_> = serde_json::from_str(text)?;

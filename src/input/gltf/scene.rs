@@ -9,14 +9,14 @@ use gltf::json::validation::Checked::Valid;
 use gltf::json::{Index, Material, Node};
 
 use super::accessor::AccessorRows;
-use super::buffers::Document;
+use super::buffers::GltfDocument;
 use super::carried::{Channels, Groups, UnreadAttributes, group, name};
 use super::looks;
 use super::transform::Placement;
 use super::triangles::triangle;
-use crate::input::collect::Collected;
+use crate::input::collect::MeshBuilder;
 use crate::input::colors::encoded;
-use crate::input::reader::{ReadLimits, ReadMesh, Uvs};
+use crate::input::reader::{CornerUvs, ReadLimits, ReadMesh};
 use crate::input::room::{GROWN, MemoryBudget};
 use crate::input::transform::Transform;
 use crate::shape::attachments::ChannelInput;
@@ -46,14 +46,14 @@ type NodeFrame<'a> = (std::slice::Iter<'a, Index<Node>>, Transform);
 
 /// Reads the default scene, otherwise the first scene, otherwise all nodes without a parent.
 pub(super) fn read(
-    document: &Document<'_>,
+    document: &GltfDocument<'_>,
     length: usize,
     room: MemoryBudget,
     limits: &ReadLimits,
 ) -> Result<ReadMesh, String> {
-    let mut reading = Reading {
+    let mut reading = GltfReader {
         document,
-        mesh: Collected::new(limits),
+        mesh: MeshBuilder::new(limits),
         room,
         most_primitives: length.max(LEAST_PRIMITIVES),
         primitives: 0,
@@ -79,7 +79,7 @@ pub(super) fn read(
     Ok(reading.finish())
 }
 
-fn roots(document: &Document<'_>) -> Result<Vec<usize>, String> {
+fn roots(document: &GltfDocument<'_>) -> Result<Vec<usize>, String> {
     let root = &document.root;
     let missing = |i: usize| format!("there is no scene {i}; the file has {}", root.scenes.len());
     let scene = match root.scene.map(|scene| scene.value()) {
@@ -96,9 +96,9 @@ fn roots(document: &Document<'_>) -> Result<Vec<usize>, String> {
     Ok((0..root.nodes.len()).filter(|&i| !is_child[i]).collect())
 }
 
-struct Reading<'a> {
-    document: &'a Document<'a>,
-    mesh: Collected,
+struct GltfReader<'a> {
+    document: &'a GltfDocument<'a>,
+    mesh: MeshBuilder,
     room: MemoryBudget,
     most_primitives: usize,
     primitives: usize,
@@ -130,7 +130,7 @@ struct SharedVertices {
     transform: Transform,
     meshes: BTreeSet<usize>,
     /// The first vertex and the number of vertices, by attributes.
-    vertices: BTreeMap<Attributes, (usize, usize)>,
+    vertices: BTreeMap<VertexAccessors, (usize, usize)>,
 }
 
 impl SharedVertices {
@@ -142,12 +142,12 @@ impl SharedVertices {
 /// The accessors of the vertices of a primitive: positions, texture coordinates, colours, and application-specific
 /// attributes by name.
 #[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord)]
-struct Attributes {
+struct VertexAccessors {
     known: [Option<usize>; 3],
     own: Vec<(String, usize)>,
 }
 
-impl Reading<'_> {
+impl GltfReader<'_> {
     /// Reads a node and its descendants, parents before children.
     fn tree(&mut self, root: usize, seen: &mut [bool]) -> Result<(), String> {
         let mut path: Vec<NodeFrame<'_>> = Vec::new();
@@ -222,7 +222,7 @@ impl Reading<'_> {
         let known = [Some(positions), others[0], others[1]].map(|accessor| accessor.map(|accessor| accessor.value()));
         let own: Vec<_> =
             primitive.attributes.iter().filter_map(|(semantic, &at)| Some((name(semantic)?, at))).collect();
-        let key = Attributes { known, own: own.iter().map(|(name, at)| (name.clone(), at.value())).collect() };
+        let key = VertexAccessors { known, own: own.iter().map(|(name, at)| (name.clone(), at.value())).collect() };
         let (start, n) = if let Some(&known) = self.shared.vertices.get(&key) {
             known
         } else {
@@ -373,7 +373,7 @@ impl Reading<'_> {
             |uvs: &Vec<[f64; 2]>| self.without_uvs == 0 && !uvs.is_empty() || textured && self.without_uvs < uvs.len();
         let n = mesh.positions.len();
         match self.uvs.take() {
-            Some(uvs) if some_uvs(&uvs) => mesh.uvs = Some(Uvs::new(uvs, mesh.faces.vertices().to_vec())),
+            Some(uvs) if some_uvs(&uvs) => mesh.uvs = Some(CornerUvs::new(uvs, mesh.faces.vertices().to_vec())),
             _ if self.without_uvs < n => {
                 let without = self.without_uvs;
                 mesh.notes.push(format!("texture coordinates are left out: {without} of {n} vertices have none"));

@@ -4,8 +4,8 @@ use std::collections::BTreeMap;
 use std::ops::Range;
 
 use super::corner::{self, Corner};
-use crate::input::collect::Collected;
-use crate::input::reader::{ReadMesh, Uvs};
+use crate::input::collect::MeshBuilder;
+use crate::input::reader::{CornerUvs, ReadMesh};
 use crate::input::text::{at_line, quoted};
 use crate::shape::check::FaceList;
 use crate::shape::labels::FaceSet;
@@ -20,7 +20,7 @@ const NONE_OF_THEM: &str = "default";
 
 /// The data of faces other than their vertices.
 #[derive(Debug, Default)]
-pub(super) struct Faces {
+pub(super) struct ObjFaces {
     /// Line of each face.
     lines: Vec<u32>,
     /// Texture coordinate of each corner.
@@ -33,14 +33,14 @@ pub(super) struct Faces {
     face: Vec<u32>,
 }
 
-impl Faces {
+impl ObjFaces {
     /// Adds a face; `counts` are the numbers of positions, texture coordinates and normals before it.
     pub(super) fn push<'a>(
         &mut self,
         line: usize,
         words: impl Iterator<Item = &'a str>,
         counts: [usize; 3],
-        mesh: &mut Collected,
+        mesh: &mut MeshBuilder,
     ) -> Result<(), String> {
         self.face.clear();
         let first = self.uvs.len();
@@ -94,7 +94,7 @@ impl Faces {
     pub(super) fn finish(self, uvs: Vec<[f64; 2]>, mesh: &mut ReadMesh) {
         let without = self.uvs.iter().filter(|&&uv| uv == NONE).count();
         if !self.uvs.is_empty() && without == 0 {
-            mesh.uvs = Some(Uvs::new(uvs, self.uvs));
+            mesh.uvs = Some(CornerUvs::new(uvs, self.uvs));
         } else if without < self.uvs.len() {
             mesh.notes
                 .push(format!("texture coordinates are left out: {without} of {} corners have none", self.uvs.len()));

@@ -39,8 +39,8 @@ const OPTIONS: &[(&str, usize)] = &[
 
 /// The contents of the material libraries.
 #[derive(Debug, Default)]
-pub(super) struct Library {
-    materials: BTreeMap<String, Entry>,
+pub(super) struct MaterialLibrary {
+    materials: BTreeMap<String, ObjMaterial>,
     /// The statements that are left out, with their number.
     left_out: BTreeMap<String, usize>,
     notes: Vec<String>,
@@ -50,7 +50,7 @@ pub(super) struct Library {
 
 /// A material of a library.
 #[derive(Debug, Default)]
-struct Entry {
+struct ObjMaterial {
     color: Option<[f64; 3]>,
     /// The alpha of `d`, and of `Tr` as 1 minus its value; the first takes precedence.
     alpha: [Option<f64>; 2],
@@ -60,7 +60,7 @@ struct Entry {
     picture: Option<(String, Wrap)>,
 }
 
-impl Library {
+impl MaterialLibrary {
     /// Reads the libraries with these names beside the file, or the one that came with it.
     pub(super) fn beside(beside: &dyn Beside, names: &[String]) -> Self {
         let mut library = Self::default();
@@ -140,12 +140,12 @@ impl Library {
     /// Adds the materials of a library whose pictures are relative to `folder`. Existing materials keep their values.
     fn add(&mut self, bytes: &[u8], folder: &str) {
         let text = text(bytes);
-        let mut current: Option<(String, Entry)> = None;
+        let mut current: Option<(String, ObjMaterial)> = None;
         for line in text.lines() {
             let line = without_comment(line).trim();
             let (keyword, rest) = line.split_once(char::is_whitespace).unwrap_or((line, ""));
             if keyword == "newmtl" {
-                self.keep(current.replace((rest.trim().to_owned(), Entry::default())));
+                self.keep(current.replace((rest.trim().to_owned(), ObjMaterial::default())));
             } else if let Some((_, entry)) = &mut current
                 && let Err(what) = entry.say(keyword, rest.trim(), folder)
             {
@@ -155,14 +155,14 @@ impl Library {
         self.keep(current);
     }
 
-    fn keep(&mut self, material: Option<(String, Entry)>) {
+    fn keep(&mut self, material: Option<(String, ObjMaterial)>) {
         if let Some((name, entry)) = material {
             self.materials.entry(name).or_insert(entry);
         }
     }
 }
 
-impl Entry {
+impl ObjMaterial {
     /// Reads a statement.
     ///
     /// # Errors

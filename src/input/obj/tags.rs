@@ -8,7 +8,7 @@ use crate::scheme::tags::Boundary;
 
 /// The parsed tags with their lines; they are checked at the end because the vertices that they name may follow later.
 #[derive(Debug, Default)]
-pub(super) struct Tags {
+pub(super) struct ObjTags {
     creases: Vec<(usize, [u64; 2], f64)>,
     corners: Vec<(usize, u64, f64)>,
     holes: Vec<(usize, u64)>,
@@ -59,7 +59,7 @@ impl Arguments {
     }
 }
 
-impl Tags {
+impl ObjTags {
     /// Adds a tag; tags that do not affect the shape are counted in `left_out`.
     pub(super) fn push<'a>(
         &mut self,

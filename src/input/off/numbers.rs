@@ -2,13 +2,13 @@
 
 /// A cursor over the values of a file.
 #[derive(Debug)]
-pub(super) struct Numbers<'a> {
+pub(super) struct OffNumbers<'a> {
     bytes: &'a [u8],
     /// The offset of the next value in bytes.
     at: usize,
 }
 
-impl<'a> Numbers<'a> {
+impl<'a> OffNumbers<'a> {
     /// Creates a cursor that begins at byte `at` of the file.
     pub(super) fn new(bytes: &'a [u8], at: usize) -> Self {
         Self { bytes, at }

@@ -1,6 +1,6 @@
 //! Readers of the values in the body of a PLY file, as text or binary.
 
-use super::header::{Element, Property, Scalar};
+use super::header::{Element, PlyProperty, Scalar};
 use crate::input::text::{Words, at_line, count, quoted};
 
 /// A source of the values of a PLY body in file order.
@@ -43,7 +43,7 @@ pub(super) trait Body {
     ///
     /// # Errors
     /// The same as for reading the property.
-    fn pass(&mut self, property: &Property) -> Result<(), String> {
+    fn pass(&mut self, property: &PlyProperty) -> Result<(), String> {
         let n = property.list.map_or(Ok(1), |sizes| self.size(sizes, property.kind))?;
         (0..n).try_for_each(|_| self.scalar(property.kind).map(|_| ()))
     }

@@ -14,7 +14,7 @@ pub(super) const NAMED: [&str; 2] = ["group", "material"];
 
 /// The encoding of the body.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Encoding {
+pub(super) enum BodyEncoding {
     Ascii,
     LittleEndian,
     BigEndian,
@@ -69,14 +69,14 @@ impl Scalar {
 
 /// A property of an element.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub(super) struct Property {
+pub(super) struct PlyProperty {
     pub(super) name: String,
     pub(super) kind: Scalar,
     /// The type of the length field if the property is a list.
     pub(super) list: Option<Scalar>,
 }
 
-impl Property {
+impl PlyProperty {
     /// Whether the property is the list of the vertices of a face.
     pub(super) fn holds_corners(&self) -> bool {
         self.list.is_some() && (self.name == "vertex_indices" || self.name == "vertex_index")
@@ -88,13 +88,13 @@ impl Property {
 pub(super) struct Element {
     pub(super) name: String,
     pub(super) count: u64,
-    pub(super) properties: Vec<Property>,
+    pub(super) properties: Vec<PlyProperty>,
 }
 
 /// The parsed header.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(super) struct Header {
-    pub(super) encoding: Encoding,
+    pub(super) encoding: BodyEncoding,
     pub(super) elements: Vec<Element>,
     /// Names of groups and materials by property and number, from comments such as `comment group 0 top`.
     pub(super) names: BTreeMap<(String, u64), String>,
@@ -175,11 +175,11 @@ fn name<'a>(mut words: impl Iterator<Item = &'a str>) -> Option<((String, u64), 
     (!name.is_empty()).then(|| ((kind.to_owned(), number), name))
 }
 
-fn encoding<'a>(mut words: impl Iterator<Item = &'a str>) -> Result<Encoding, String> {
+fn encoding<'a>(mut words: impl Iterator<Item = &'a str>) -> Result<BodyEncoding, String> {
     let found = match words.next() {
-        Some("ascii") => Encoding::Ascii,
-        Some("binary_little_endian") => Encoding::LittleEndian,
-        Some("binary_big_endian") => Encoding::BigEndian,
+        Some("ascii") => BodyEncoding::Ascii,
+        Some("binary_little_endian") => BodyEncoding::LittleEndian,
+        Some("binary_big_endian") => BodyEncoding::BigEndian,
         other => {
             return Err(format!(
                 "the format {}; known are ascii, binary_little_endian, binary_big_endian",
@@ -200,7 +200,7 @@ fn element<'a>(mut words: impl Iterator<Item = &'a str>) -> Result<Element, Stri
     }
 }
 
-fn property<'a>(words: impl Iterator<Item = &'a str>) -> Result<Property, String> {
+fn property<'a>(words: impl Iterator<Item = &'a str>) -> Result<PlyProperty, String> {
     let words: Vec<&str> = words.take(5).collect();
     match *words.as_slice() {
         ["list", sizes, kind, name] => {
@@ -208,9 +208,11 @@ fn property<'a>(words: impl Iterator<Item = &'a str>) -> Result<Property, String
             if !list.is_whole() {
                 return Err(format!("the length of a list is {}; it has to be a whole number", quoted(sizes)));
             }
-            Ok(Property { name: name.to_owned(), kind: Scalar::read(kind)?, list: Some(list) })
+            Ok(PlyProperty { name: name.to_owned(), kind: Scalar::read(kind)?, list: Some(list) })
         }
-        [kind, name] if kind != "list" => Ok(Property { name: name.to_owned(), kind: Scalar::read(kind)?, list: None }),
+        [kind, name] if kind != "list" => {
+            Ok(PlyProperty { name: name.to_owned(), kind: Scalar::read(kind)?, list: None })
+        }
         _ => Err("a property has a type and a name, a list two types and a name".to_owned()),
     }
 }

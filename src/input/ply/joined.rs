@@ -1,6 +1,6 @@
 //! Runs of vertex properties that together form one channel.
 
-use super::header::Property;
+use super::header::PlyProperty;
 use crate::shape::attachments::{COLOR, MAX_WIDTH};
 
 /// The name of a channel and its number of components.
@@ -11,7 +11,7 @@ type ChannelColumns<'a> = (&'a str, usize);
 /// A run consists of consecutive scalar properties `a_0`, `a_1`, ... up to `a_3` of one type, as the writer splits
 /// channels. Longer runs form no channel, nor do runs beside a property `a`, nor `color_0`, because colours have
 /// property names of their own.
-pub(super) fn runs(properties: &[Property]) -> Vec<Option<(ChannelColumns<'_>, usize)>> {
+pub(super) fn runs(properties: &[PlyProperty]) -> Vec<Option<(ChannelColumns<'_>, usize)>> {
     let mut found = vec![None; properties.len()];
     let mut start = 0;
     while start < properties.len() {
@@ -19,7 +19,7 @@ pub(super) fn runs(properties: &[Property]) -> Vec<Option<(ChannelColumns<'_>, u
             start += 1;
             continue;
         };
-        let follows = |&(k, property): &(usize, &Property)| {
+        let follows = |&(k, property): &(usize, &PlyProperty)| {
             let is_next = property.name.strip_prefix(base) == Some(&format!("_{k}"));
             is_next && property.list.is_none() && property.kind == properties[start].kind
         };

@@ -2,11 +2,11 @@
 
 use super::body::Body;
 use super::header::{Element, Scalar};
-use crate::input::collect::{Collected, vertex_index};
+use crate::input::collect::{MeshBuilder, vertex_index};
 
 /// Reads the triangles of a `tristrips` element with counter-clockwise orientation. Degenerate triangles, which join
 /// strips, are left out. Other properties are skipped.
-pub(super) fn read(element: &Element, body: &mut impl Body, mesh: &mut Collected) -> Result<(), String> {
+pub(super) fn read(element: &Element, body: &mut impl Body, mesh: &mut MeshBuilder) -> Result<(), String> {
     let n = mesh.mesh.positions.len();
     for _ in 0..element.count {
         for property in &element.properties {

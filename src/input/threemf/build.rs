@@ -2,8 +2,8 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use super::model::{LookGroup, Model, Object, PlacedObject, TriangleLook};
-use crate::input::collect::Collected;
+use super::model::{LookGroup, ModelObject, PlacedObject, ThreeMfModel, TriangleLook};
+use crate::input::collect::MeshBuilder;
 use crate::input::reader::{ReadLimits, ReadMesh};
 use crate::input::room::{GROWN, MemoryBudget};
 use crate::input::transform::Transform;
@@ -38,7 +38,7 @@ const NO_MATERIAL: &str = "default";
 ///
 /// # Errors
 /// An object does not exist or contains itself, or the mesh takes more than is allowed.
-pub(super) fn built(mut model: Model, mut room: MemoryBudget, limits: &ReadLimits) -> Result<ReadMesh, String> {
+pub(super) fn built(mut model: ThreeMfModel, mut room: MemoryBudget, limits: &ReadLimits) -> Result<ReadMesh, String> {
     if let Some(id) = inside_itself(&model.objects) {
         return Err(format!("object {id} holds itself by its components; an object holds only others before it"));
     }
@@ -53,7 +53,7 @@ pub(super) fn built(mut model: Model, mut room: MemoryBudget, limits: &ReadLimit
     collect_colors(&model, &mut room, &mut starts, &mut colors)?;
     let mut building = Building {
         model: &model,
-        mesh: Collected::new(limits),
+        mesh: MeshBuilder::new(limits),
         room,
         n_built: 0,
         groups: Vec::new(),
@@ -71,7 +71,7 @@ pub(super) fn built(mut model: Model, mut room: MemoryBudget, limits: &ReadLimit
 }
 
 /// Returns an object to which its own components lead back, if there is one. Without a build no item would lead to it.
-fn inside_itself(objects: &BTreeMap<u64, Object>) -> Option<u64> {
+fn inside_itself(objects: &BTreeMap<u64, ModelObject>) -> Option<u64> {
     let mut done = BTreeSet::new();
     for (&outermost, _) in objects.iter().filter(|(_, object)| !object.components.is_empty()) {
         // The objects from the outermost inwards, each with the components that are still to be followed.
@@ -97,8 +97,8 @@ fn inside_itself(objects: &BTreeMap<u64, Object>) -> Option<u64> {
 }
 
 struct Building<'a> {
-    model: &'a Model,
-    mesh: Collected,
+    model: &'a ThreeMfModel,
+    mesh: MeshBuilder,
     room: MemoryBudget,
     n_built: usize,
     groups: Vec<FaceSet>,
@@ -117,7 +117,7 @@ struct Building<'a> {
 
 /// Collects the colours of all groups, and for each group the index of its first colour.
 fn collect_colors(
-    model: &Model,
+    model: &ThreeMfModel,
     room: &mut MemoryBudget,
     starts: &mut BTreeMap<u32, u32>,
     colors: &mut Vec<[f64; 4]>,
@@ -159,7 +159,7 @@ impl Building<'_> {
         object.components.iter().try_for_each(|&part| self.place(part, &transform, depth + 1))
     }
 
-    fn mesh(&mut self, id: u64, object: &Object, transform: &Transform) -> Result<(), String> {
+    fn mesh(&mut self, id: u64, object: &ModelObject, transform: &Transform) -> Result<(), String> {
         let has = |wanted: fn(&LookGroup) -> bool| self.model.looks.values().any(wanted);
         let materials = if has(|group| matches!(group, LookGroup::Materials(_))) { MATERIAL } else { 0 };
         let colors = if has(|group| matches!(group, LookGroup::Colors(_))) { COLORS } else { 0 };

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::io::Read;
 
-use super::xml::{Tag, Tags};
+use super::xml::{Tag, XmlTags};
 use crate::input::reader::ReadLimits;
 use crate::input::room::{GROWN, MemoryBudget};
 use crate::input::text::{count, number, quoted};
@@ -18,15 +18,15 @@ const TRIANGLE: usize = GROWN * 12;
 const CHANGE: usize = GROWN * size_of::<(u32, TriangleLook)>();
 const PROPERTY: usize = GROWN * 64;
 const COLOR: usize = GROWN * 4;
-const OBJECT: usize = GROWN * (size_of::<Object>() + 64);
+const OBJECT: usize = GROWN * (size_of::<ModelObject>() + 64);
 
 /// A parsed model.
 #[derive(Debug, Default)]
-pub(super) struct Model {
+pub(super) struct ThreeMfModel {
     /// The unit of the coordinates after they are multiplied by `scale`.
     pub(super) unit: Unit,
     pub(super) scale: f64,
-    pub(super) objects: BTreeMap<u64, Object>,
+    pub(super) objects: BTreeMap<u64, ModelObject>,
     /// Groups of materials and colours, by id.
     pub(super) looks: BTreeMap<u64, LookGroup>,
     pub(super) items: Vec<PlacedObject>,
@@ -44,7 +44,7 @@ pub(super) enum LookGroup {
 
 /// An object: a mesh, or a composition of other objects.
 #[derive(Debug, Default)]
-pub(super) struct Object {
+pub(super) struct ModelObject {
     pub(super) name: Option<String>,
     pub(super) is_support: bool,
     pub(super) positions: Vec<[f64; 3]>,
@@ -72,9 +72,17 @@ pub(super) struct PlacedObject {
 ///
 /// # Errors
 /// The document is not a valid model, or it takes more than is allowed.
-pub(super) fn read<R: Read>(tags: &mut Tags<R>, room: &mut MemoryBudget, limits: &ReadLimits) -> Result<Model, String> {
-    let mut reading =
-        Reading { model: Model { scale: 1.0, ..Model::default() }, object: None, group: None, changes: 0 };
+pub(super) fn read<R: Read>(
+    tags: &mut XmlTags<R>,
+    room: &mut MemoryBudget,
+    limits: &ReadLimits,
+) -> Result<ThreeMfModel, String> {
+    let mut reading = ThreemfReader {
+        model: ThreeMfModel { scale: 1.0, ..ThreeMfModel::default() },
+        object: None,
+        group: None,
+        changes: 0,
+    };
     let mut counts = [0_u64; 2];
     let mut is_model = false;
     while let Some(tag) = tags.next()? {
@@ -110,17 +118,17 @@ fn at_most(n: u64, most: u64, what: &str) -> Result<(), String> {
     if n <= most { Ok(()) } else { Err(format!("{n} {what} or more; {most} are allowed; send a smaller model")) }
 }
 
-struct Reading {
-    model: Model,
+struct ThreemfReader {
+    model: ThreeMfModel,
     /// The object that is being read, with its id.
-    object: Option<(u64, Object)>,
+    object: Option<(u64, ModelObject)>,
     /// The group of looks that is being read, with its id.
     group: Option<(u64, LookGroup)>,
     /// The number of changes of looks since memory was last booked for them.
     changes: usize,
 }
 
-impl Reading {
+impl ThreemfReader {
     fn take(&mut self, tag: &Tag) -> Result<(), String> {
         if tag.opens {
             self.open(tag)?;
@@ -217,18 +225,18 @@ impl Reading {
     }
 }
 
-fn object(tag: &Tag) -> Result<Object, String> {
+fn object(tag: &Tag) -> Result<ModelObject, String> {
     let usual = tag.get("pid").map(|_| Ok::<_, String>([whole(tag, "pid")?, optional(tag, "pindex")?.unwrap_or(0)]));
-    Ok(Object {
+    Ok(ModelObject {
         name: tag.get("name").filter(|name| !name.is_empty()).map(str::to_owned),
         is_support: matches!(tag.get("type"), Some("support" | "solidsupport")),
         usual: usual.transpose()?,
-        ..Object::default()
+        ..ModelObject::default()
     })
 }
 
 /// Reads the vertices and the look of a triangle.
-fn triangle(tag: &Tag, object: &Object) -> Result<([u32; 3], TriangleLook), String> {
+fn triangle(tag: &Tag, object: &ModelObject) -> Result<([u32; 3], TriangleLook), String> {
     let n = object.positions.len() as u64;
     let corner = |name: &str| {
         let v = whole(tag, name)?;

@@ -40,7 +40,7 @@ impl Tag {
 }
 
 /// The tags of a document, in order.
-pub(super) struct Tags<R> {
+pub(super) struct XmlTags<R> {
     reader: Reader<Bounded<R>>,
     event: Vec<u8>,
     /// The line of the last tag, counted from 1.
@@ -78,7 +78,7 @@ impl<R: Read> BufRead for Bounded<R> {
     }
 }
 
-impl<R: Read> Tags<R> {
+impl<R: Read> XmlTags<R> {
     /// Creates the tags of a document.
     pub(super) fn new(source: R) -> Self {
         let source = Bounded { source: BufReader::with_capacity(PIECE, source), left: MAX_TAG };

@@ -1,7 +1,7 @@
 //! One mesh: its points and faces, and its subdivision tags.
 
 use super::tree::Prim;
-use crate::input::collect::Collected;
+use crate::input::collect::MeshBuilder;
 use crate::input::room::{GROWN, MemoryBudget};
 use crate::input::text::quoted;
 use crate::input::transform::Transform;
@@ -53,7 +53,7 @@ pub(super) fn faces(
     prim: &Prim<'_>,
     transform: &Transform,
     room: &mut MemoryBudget,
-    all: &mut Collected,
+    all: &mut MeshBuilder,
 ) -> Result<MeshRanges, String> {
     let points = prim.numbers("points");
     let (points, rest) = points.as_chunks::<3>();
@@ -107,7 +107,7 @@ pub(super) fn tags(
     prim: &Prim<'_>,
     part: &MeshRanges,
     room: &mut MemoryBudget,
-    all: &mut Collected,
+    all: &mut MeshBuilder,
 ) -> Result<(), String> {
     let sharp = |name: &str, i: usize| {
         let x = prim.numbers(name).get(i).copied().unwrap_or(f64::NAN);

@@ -3,9 +3,9 @@
 use std::collections::BTreeMap;
 
 use super::polygons::{MeshRanges, below, is_subdivided};
-use super::tree::{Prim, Property, Value, metadata_value};
+use super::tree::{Prim, UsdaProperty, Value, metadata_value};
 use crate::input::colors::encoded;
-use crate::input::reader::{ReadMesh, Uvs};
+use crate::input::reader::{CornerUvs, ReadMesh};
 use crate::input::room::{GROWN, MemoryBudget};
 use crate::input::text::quoted;
 use crate::shape::attachments::{COLOR, Channel, ChannelInput};
@@ -70,7 +70,7 @@ impl Primvars {
         mesh: &mut ReadMesh,
     ) -> Result<(), String> {
         let is_uv =
-            |property: &&Property<'_>| property.kind.starts_with("texCoord2") && property.name.starts_with(SPACE);
+            |property: &&UsdaProperty<'_>| property.kind.starts_with("texCoord2") && property.name.starts_with(SPACE);
         let uv = prim.property("primvars:st").filter(is_uv).or_else(|| prim.properties.iter().find(is_uv));
         for property in &prim.properties {
             let Some(name) = property.name.strip_prefix(SPACE) else { continue };
@@ -113,7 +113,7 @@ impl Primvars {
                 mesh.notes.push(format!("the primvar {} is left out, as not every mesh has it", quoted(&name)));
             } else if name == UV && rows.width == 2 {
                 let values = rows.values.as_chunks().0.to_vec();
-                mesh.uvs = Some(Uvs { values, corners: rows.of_corners, interpolation: rows.interpolation });
+                mesh.uvs = Some(CornerUvs { values, corners: rows.of_corners, interpolation: rows.interpolation });
             } else {
                 let name = if name == COLOR { "Color" } else { &name };
                 mesh.channels.push(rows.channel(name, &mesh.faces));
@@ -169,12 +169,12 @@ impl PrimvarRows {
     fn take(
         &mut self,
         prim: &Prim<'_>,
-        property: &Property<'_>,
+        property: &UsdaProperty<'_>,
         is_known: bool,
         (part, faces): (&MeshRanges, &FaceList),
         room: &mut MemoryBudget,
     ) -> Result<Result<(), String>, String> {
-        let Property { kind, name, value, metadata } = property;
+        let UsdaProperty { kind, name, value, metadata } = property;
         let Some(width) = width(kind) else { return Ok(Err(format!("its type is {kind}"))) };
         if self.width != 0 && self.width != width {
             return Ok(Err("another mesh has it with another type".to_owned()));

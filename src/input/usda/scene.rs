@@ -6,7 +6,7 @@ use super::polygons::{self, MeshRanges, below};
 use super::primvars::Primvars;
 use super::tree::{Layer, Prim, Value, metadata_value};
 use super::{looks, place};
-use crate::input::collect::Collected;
+use crate::input::collect::MeshBuilder;
 use crate::input::reader::{ReadLimits, ReadMesh};
 use crate::input::room::{GROWN, MemoryBudget};
 use crate::input::text::quoted;
@@ -45,9 +45,9 @@ pub(super) fn read(
     limits: &ReadLimits,
     scale: Option<f64>,
 ) -> Result<ReadMesh, String> {
-    let mut reading = Reading {
+    let mut reading = UsdaReader {
         layer,
-        mesh: Collected::new(limits),
+        mesh: MeshBuilder::new(limits),
         room,
         primvars: Primvars::default(),
         groups: Vec::new(),
@@ -79,9 +79,9 @@ fn has_files(metadata: &[(&str, Value<'_>)], names: &[&str]) -> bool {
         .any(|value| value.has_assets || value.word().is_some_and(|word| word != "None"))
 }
 
-struct Reading<'t, 'a> {
+struct UsdaReader<'t, 'a> {
     layer: &'t Layer<'a>,
-    mesh: Collected,
+    mesh: MeshBuilder,
     room: MemoryBudget,
     primvars: Primvars,
     /// Subsets that bind no material.
@@ -103,7 +103,7 @@ struct Bound<'a> {
     is_one_sided: bool,
 }
 
-impl<'a> Reading<'_, 'a> {
+impl<'a> UsdaReader<'_, 'a> {
     fn note(&mut self, what: &'static str, n: usize) {
         if n > 0 {
             *self.notes.entry(what).or_default() += n;

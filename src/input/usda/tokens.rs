@@ -4,7 +4,7 @@ use crate::input::text::{at_line, quoted};
 
 /// A token; marks are single characters such as brackets.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) enum Token<'a> {
+pub(super) enum UsdaToken<'a> {
     /// An identifier with its namespaces, or a keyword.
     Word(&'a str),
     /// A number, which may be infinite or NaN.
@@ -27,7 +27,7 @@ pub(super) struct Tokens<'a> {
     at: usize,
     /// The byte offset of the last token.
     start: usize,
-    peeked: Option<Token<'a>>,
+    peeked: Option<UsdaToken<'a>>,
 }
 
 impl<'a> Tokens<'a> {
@@ -46,18 +46,18 @@ impl<'a> Tokens<'a> {
     ///
     /// # Errors
     /// The same as for [`next`](Self::next).
-    pub(super) fn peek(&mut self) -> Result<Token<'a>, String> {
+    pub(super) fn peek(&mut self) -> Result<UsdaToken<'a>, String> {
         if self.peeked.is_none() {
             self.peeked = Some(self.read()?);
         }
-        Ok(self.peeked.unwrap_or(Token::End))
+        Ok(self.peeked.unwrap_or(UsdaToken::End))
     }
 
     /// Returns the next token.
     ///
     /// # Errors
     /// A character begins no token, or a token does not end.
-    pub(super) fn next(&mut self) -> Result<Token<'a>, String> {
+    pub(super) fn next(&mut self) -> Result<UsdaToken<'a>, String> {
         match self.peeked.take() {
             Some(token) => Ok(token),
             None => self.read(),
@@ -69,7 +69,7 @@ impl<'a> Tokens<'a> {
     /// # Errors
     /// The same as for [`next`](Self::next).
     pub(super) fn takes(&mut self, mark: u8) -> Result<bool, String> {
-        let is_next = self.peek()? == Token::Mark(mark);
+        let is_next = self.peek()? == UsdaToken::Mark(mark);
         if is_next {
             self.peeked = None;
         }
@@ -91,20 +91,20 @@ impl<'a> Tokens<'a> {
         self.fault(format!("{found} stands where {expected} should"))
     }
 
-    fn read(&mut self) -> Result<Token<'a>, String> {
+    fn read(&mut self) -> Result<UsdaToken<'a>, String> {
         self.pass_blanks()?;
         self.start = self.at;
         let rest = &self.text[self.at..];
-        let Some(first) = rest.chars().next() else { return Ok(Token::End) };
+        let Some(first) = rest.chars().next() else { return Ok(UsdaToken::End) };
         match first {
             '"' | '\'' => self.quoted(if first == '"' { ["\"\"\"", "\""] } else { ["'''", "'"] }),
-            '<' => self.between("<", ">").map(Token::Path),
-            '@' => self.between(if rest.starts_with("@@@") { "@@@" } else { "@" }, "").map(|_| Token::Asset),
+            '<' => self.between("<", ">").map(UsdaToken::Path),
+            '@' => self.between(if rest.starts_with("@@@") { "@@@" } else { "@" }, "").map(|_| UsdaToken::Asset),
             '0'..='9' | '-' | '+' | '.' => self.number(rest),
             _ if first == '_' || first == '!' || first.is_alphabetic() => Ok(self.word(rest)),
             _ if first.is_ascii_punctuation() => {
                 self.at += 1;
-                Ok(Token::Mark(rest.as_bytes()[0]))
+                Ok(UsdaToken::Mark(rest.as_bytes()[0]))
             }
             _ => Err(self.fault(format!("{} has no place in USD", quoted(&rest[..first.len_utf8()])))),
         }
@@ -127,7 +127,7 @@ impl<'a> Tokens<'a> {
         }
     }
 
-    fn quoted(&mut self, [long, short]: [&str; 2]) -> Result<Token<'a>, String> {
+    fn quoted(&mut self, [long, short]: [&str; 2]) -> Result<UsdaToken<'a>, String> {
         let rest = &self.text[self.at..];
         let quote = if rest.starts_with(long) { long } else { short };
         let inside = &rest[quote.len()..];
@@ -139,7 +139,7 @@ impl<'a> Tokens<'a> {
                 b'\n' if quote == short => break,
                 _ if inside.as_bytes()[i..].starts_with(quote.as_bytes()) => {
                     self.at += i + 2 * quote.len();
-                    return Ok(Token::Text(&inside[..i]));
+                    return Ok(UsdaToken::Text(&inside[..i]));
                 }
                 _ => {}
             }
@@ -156,21 +156,21 @@ impl<'a> Tokens<'a> {
         Ok(&rest[..length])
     }
 
-    fn number(&mut self, rest: &'a str) -> Result<Token<'a>, String> {
+    fn number(&mut self, rest: &'a str) -> Result<UsdaToken<'a>, String> {
         let is_of_number = |c: char| c.is_ascii_alphanumeric() || matches!(c, '.' | '+' | '-');
         let word = &rest[..rest.find(|c| !is_of_number(c)).unwrap_or(rest.len())];
         self.at += word.len();
-        word.parse().map(Token::Number).map_err(|_| self.fault(format!("{} is no number", quoted(word))))
+        word.parse().map(UsdaToken::Number).map_err(|_| self.fault(format!("{} is no number", quoted(word))))
     }
 
-    fn word(&mut self, rest: &'a str) -> Token<'a> {
+    fn word(&mut self, rest: &'a str) -> UsdaToken<'a> {
         let is_of_word = |c: char| c == '_' || c == ':' || c == '.' || c == '!' || c.is_alphanumeric();
         let word = &rest[..rest.find(|c| !is_of_word(c)).unwrap_or(rest.len())];
         self.at += word.len();
         match word {
-            "inf" => Token::Number(f64::INFINITY),
-            "nan" => Token::Number(f64::NAN),
-            word => Token::Word(word),
+            "inf" => UsdaToken::Number(f64::INFINITY),
+            "nan" => UsdaToken::Number(f64::NAN),
+            word => UsdaToken::Word(word),
         }
     }
 }

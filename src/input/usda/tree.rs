@@ -1,6 +1,6 @@
 //! The prims of a layer with their properties, as parsed.
 
-use super::tokens::{Token, Tokens, unescaped};
+use super::tokens::{Tokens, UsdaToken, unescaped};
 use crate::input::room::{GROWN, MemoryBudget};
 use crate::input::text::quoted;
 
@@ -11,7 +11,7 @@ const MAX_LISTS: usize = 8;
 /// Bytes of memory of a number, of a word, of a property and of a prim, each kept in lists that grow.
 const NUMBER: usize = GROWN * 8;
 const WORD: usize = GROWN * 16;
-const PROPERTY: usize = GROWN * size_of::<Property<'static>>();
+const PROPERTY: usize = GROWN * size_of::<UsdaProperty<'static>>();
 const PRIM: usize = GROWN * size_of::<Prim<'static>>();
 
 /// A layer.
@@ -33,13 +33,13 @@ pub(super) struct Prim<'a> {
     pub(super) name: &'a str,
     pub(super) metadata: Vec<(&'a str, Value<'a>)>,
     /// Properties with distinct names, sorted by name.
-    pub(super) properties: Vec<Property<'a>>,
+    pub(super) properties: Vec<UsdaProperty<'a>>,
     pub(super) children: Vec<Prim<'a>>,
 }
 
 /// An attribute or a relationship.
 #[derive(Debug, Default)]
-pub(super) struct Property<'a> {
+pub(super) struct UsdaProperty<'a> {
     /// The type of an attribute without brackets; `rel` for a relationship.
     pub(super) kind: &'a str,
     pub(super) name: &'a str,
@@ -82,7 +82,7 @@ pub(super) fn metadata_value<'p, 'a>(metadata: &'p [(&'a str, Value<'a>)], name:
 
 impl<'a> Prim<'a> {
     /// Returns the property with this name.
-    pub(super) fn property(&self, name: &str) -> Option<&Property<'a>> {
+    pub(super) fn property(&self, name: &str) -> Option<&UsdaProperty<'a>> {
         let at = self.properties.partition_point(|property| property.name < name);
         self.properties.get(at).filter(|property| property.name == name)
     }
@@ -114,39 +114,39 @@ impl<'a> Prim<'a> {
 /// # Errors
 /// The text is not valid USD, which the message reports by line, or takes more than is allowed.
 pub(super) fn read<'a>(text: &'a str, room: &mut MemoryBudget) -> Result<Layer<'a>, String> {
-    let mut reading = Reading { tokens: Tokens::new(text), room, variants: 0 };
+    let mut reading = UsdaParser { tokens: Tokens::new(text), room, variants: 0 };
     let metadata = reading.metadata()?;
     let mut prims = Vec::new();
     loop {
         match reading.tokens.next()? {
-            Token::End => break,
-            Token::Word(specifier @ ("def" | "over" | "class")) => prims.push(reading.prim(specifier, 0)?),
-            Token::Word("reorder") => reading.pass_reorder()?,
-            Token::Mark(b';') => {}
+            UsdaToken::End => break,
+            UsdaToken::Word(specifier @ ("def" | "over" | "class")) => prims.push(reading.prim(specifier, 0)?),
+            UsdaToken::Word("reorder") => reading.pass_reorder()?,
+            UsdaToken::Mark(b';') => {}
             _ => return Err(reading.tokens.unexpected("def, over or class")),
         }
     }
     Ok(Layer { metadata, prims, variants: reading.variants })
 }
 
-struct Reading<'a, 'r> {
+struct UsdaParser<'a, 'r> {
     tokens: Tokens<'a>,
     room: &'r mut MemoryBudget,
     variants: usize,
 }
 
-impl<'a> Reading<'a, '_> {
+impl<'a> UsdaParser<'a, '_> {
     fn prim(&mut self, specifier: &'a str, depth: usize) -> Result<Prim<'a>, String> {
         self.room.take(PRIM)?;
         if depth == MAX_DEPTH {
             return Err(self.tokens.fault(format!("prims lie deeper in each other than {MAX_DEPTH}")));
         }
         let mut prim = Prim { specifier, ..Prim::default() };
-        if let Token::Word(kind) = self.tokens.peek()? {
+        if let UsdaToken::Word(kind) = self.tokens.peek()? {
             prim.kind = kind;
             self.tokens.next()?;
         }
-        let Token::Text(name) = self.tokens.next()? else {
+        let UsdaToken::Text(name) = self.tokens.next()? else {
             return Err(self.tokens.unexpected("the name of a prim in quotes"));
         };
         prim.name = name;
@@ -166,14 +166,14 @@ impl<'a> Reading<'a, '_> {
     fn body(&mut self, prim: &mut Prim<'a>, depth: usize) -> Result<(), String> {
         loop {
             match self.tokens.next()? {
-                Token::Mark(b'}') => return Ok(()),
-                Token::Mark(b';') => {}
-                Token::Word(specifier @ ("def" | "over" | "class")) => {
+                UsdaToken::Mark(b'}') => return Ok(()),
+                UsdaToken::Mark(b';') => {}
+                UsdaToken::Word(specifier @ ("def" | "over" | "class")) => {
                     prim.children.push(self.prim(specifier, depth + 1)?);
                 }
-                Token::Word("variantSet") => self.pass_variants(depth)?,
-                Token::Word("reorder") => self.pass_reorder()?,
-                Token::Word(first) => {
+                UsdaToken::Word("variantSet") => self.pass_variants(depth)?,
+                UsdaToken::Word("reorder") => self.pass_reorder()?,
+                UsdaToken::Word(first) => {
                     if let Some(property) = self.property(first)? {
                         prim.properties.push(property);
                     }
@@ -184,7 +184,7 @@ impl<'a> Reading<'a, '_> {
     }
 
     /// Reads a property whose first word was read; `None` for a list operation `delete`.
-    fn property(&mut self, first: &'a str) -> Result<Option<Property<'a>>, String> {
+    fn property(&mut self, first: &'a str) -> Result<Option<UsdaProperty<'a>>, String> {
         self.room.take(PROPERTY)?;
         let mut kind = first;
         let takes_away = first == "delete";
@@ -195,7 +195,7 @@ impl<'a> Reading<'a, '_> {
             self.tokens.expect(b']')?;
         }
         let name = self.word("the name of a property")?;
-        let mut property = Property { kind, name, ..Property::default() };
+        let mut property = UsdaProperty { kind, name, ..UsdaProperty::default() };
         if self.tokens.takes(b'=')? {
             property.value = self.value()?;
         }
@@ -208,7 +208,7 @@ impl<'a> Reading<'a, '_> {
     }
 
     fn word(&mut self, what: &str) -> Result<&'a str, String> {
-        let Token::Word(word) = self.tokens.next()? else { return Err(self.tokens.unexpected(what)) };
+        let UsdaToken::Word(word) = self.tokens.next()? else { return Err(self.tokens.unexpected(what)) };
         Ok(word)
     }
 
@@ -220,11 +220,11 @@ impl<'a> Reading<'a, '_> {
         }
         loop {
             match self.tokens.next()? {
-                Token::Mark(b')') => return Ok(all),
-                Token::Mark(b';' | b',') | Token::Text(_) => {}
-                Token::Word(mut name) => {
+                UsdaToken::Mark(b')') => return Ok(all),
+                UsdaToken::Mark(b';' | b',') | UsdaToken::Text(_) => {}
+                UsdaToken::Word(mut name) => {
                     // list operations are read as lists, and the types of dictionary entries are ignored
-                    while let Token::Word(next) = self.tokens.peek()? {
+                    while let UsdaToken::Word(next) = self.tokens.peek()? {
                         name = next;
                         self.tokens.next()?;
                     }
@@ -246,7 +246,7 @@ impl<'a> Reading<'a, '_> {
             self.values(&mut value, 0)?;
             return Ok(value);
         }
-        let is_sampled = matches!(self.tokens.peek()?, Token::Number(_));
+        let is_sampled = matches!(self.tokens.peek()?, UsdaToken::Number(_));
         if is_sampled {
             self.tokens.next()?;
             self.tokens.expect(b':')?;
@@ -259,21 +259,21 @@ impl<'a> Reading<'a, '_> {
     /// Reads one value or a list into `value`.
     fn values(&mut self, value: &mut Value<'a>, depth: usize) -> Result<(), String> {
         match self.tokens.next()? {
-            Token::Number(x) => {
+            UsdaToken::Number(x) => {
                 self.room.take(NUMBER)?;
                 value.numbers.push(x);
             }
-            Token::Word(word) | Token::Text(word) | Token::Path(word) => {
+            UsdaToken::Word(word) | UsdaToken::Text(word) | UsdaToken::Path(word) => {
                 self.room.take(WORD)?;
                 value.words.push(word);
             }
-            Token::Asset => {
+            UsdaToken::Asset => {
                 value.has_assets = true;
-                if let Token::Path(_) = self.tokens.peek()? {
+                if let UsdaToken::Path(_) = self.tokens.peek()? {
                     self.tokens.next()?;
                 }
             }
-            Token::Mark(open @ (b'[' | b'(')) => {
+            UsdaToken::Mark(open @ (b'[' | b'(')) => {
                 if depth == MAX_LISTS {
                     return Err(self.tokens.fault(format!("lists lie deeper in each other than {MAX_LISTS}")));
                 }
@@ -302,9 +302,9 @@ impl<'a> Reading<'a, '_> {
         let mut depth = 1_usize;
         while depth > 0 {
             match self.tokens.next()? {
-                Token::Mark(mark) if mark == open => depth += 1,
-                Token::Mark(mark) if mark == close => depth -= 1,
-                Token::End => return Err(self.tokens.unexpected(char::from(close))),
+                UsdaToken::Mark(mark) if mark == open => depth += 1,
+                UsdaToken::Mark(mark) if mark == close => depth -= 1,
+                UsdaToken::End => return Err(self.tokens.unexpected(char::from(close))),
                 _ => {}
             }
         }
@@ -313,7 +313,7 @@ impl<'a> Reading<'a, '_> {
 
     /// Skips variants, whose braces hold prims.
     fn pass_variants(&mut self, depth: usize) -> Result<(), String> {
-        let Token::Text(name) = self.tokens.next()? else {
+        let UsdaToken::Text(name) = self.tokens.next()? else {
             return Err(self.tokens.unexpected("the name of a set of variants"));
         };
         if depth == MAX_DEPTH {

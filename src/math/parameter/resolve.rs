@@ -4,7 +4,7 @@ use super::read::{
     choices, chosen, color, constant, direction, expression, expressions, groups, named, numbers, one, ranged, vector,
     whole,
 };
-use super::{Default, Entry, Literal, Parameter, ParameterKind, Value, Values};
+use super::{Default, Literal, NamedValue, Parameter, ParameterKind, Value, Values};
 use crate::fault::{Fault, did_you_mean, shortened, token, under};
 
 impl Values {
@@ -26,7 +26,7 @@ impl Values {
                 Ok(value) => {
                     let usual = written.is_none() || parameter.value(None).is_ok_and(|usual| usual == value);
                     let written = parameter.written(written);
-                    values.push(Entry { name: parameter.name, value, usual, written });
+                    values.push(NamedValue { name: parameter.name, value, usual, written });
                 }
                 Err(found) => faults.extend(under(&format!("/{}", parameter.name), found)),
             }
@@ -38,7 +38,7 @@ impl Values {
     pub fn usual(declared: &[Parameter]) -> Self {
         let entry = |parameter: &Parameter| {
             let value = parameter.value(None).unwrap_or(Value::Absent);
-            Entry { name: parameter.name, value, usual: true, written: parameter.written(None) }
+            NamedValue { name: parameter.name, value, usual: true, written: parameter.written(None) }
         };
         Self(declared.iter().map(entry).collect())
     }
@@ -47,7 +47,7 @@ impl Values {
     pub fn set(&mut self, parameter: &Parameter, value: Value) {
         if let Some(entry) = self.0.iter_mut().find(|entry| entry.name == parameter.name) {
             let usual = parameter.value(None).is_ok_and(|usual| usual == value);
-            *entry = Entry { name: parameter.name, value, usual, written: None };
+            *entry = NamedValue { name: parameter.name, value, usual, written: None };
         }
     }
 }

@@ -10,7 +10,7 @@ const MIN_PERIODS: usize = 64;
 /// Periodic rows: row `first + period q + r` has the weights of residue `r` on consecutive old points, from
 /// `start + stride q` on.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Pattern {
+pub struct PeriodicRows {
     rows: Range<usize>,
     stride: usize,
     residues: Vec<Residue>,
@@ -40,7 +40,7 @@ impl Residue {
     }
 }
 
-impl Pattern {
+impl PeriodicRows {
     /// Finds the pattern of the rows of `make` without `margin` rows at each end, if they are periodic over consecutive
     /// points. The rows at both ends of the range are compared.
     pub(super) fn find(n_rows: usize, period: usize, margin: usize, make: impl Fn(usize, &mut Rows)) -> Option<Self> {

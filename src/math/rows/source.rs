@@ -3,7 +3,7 @@
 use std::fmt;
 use std::ops::Range;
 
-use super::pattern::Pattern;
+use super::pattern::PeriodicRows;
 use super::table::Rows;
 
 /// Makes rows on demand, so that a table of a large net never has to be held as a whole.
@@ -15,7 +15,7 @@ pub trait RowSource: fmt::Debug + Send + Sync {
     /// Appends the rows of `range` to `out`.
     fn make(&self, range: Range<usize>, out: &mut Rows);
     /// Returns the pattern of the rows, if one is known.
-    fn pattern(&self) -> Option<&Pattern> {
+    fn pattern(&self) -> Option<&PeriodicRows> {
         None
     }
 }
@@ -24,7 +24,7 @@ pub trait RowSource: fmt::Debug + Send + Sync {
 pub struct RowsBy<F> {
     n_rows: usize,
     n_columns: usize,
-    pattern: Option<Pattern>,
+    pattern: Option<PeriodicRows>,
     make: F,
 }
 
@@ -39,7 +39,7 @@ impl<F: Fn(usize, &mut Rows) + Send + Sync> RowsBy<F> {
     /// by one.
     #[must_use]
     pub fn repeating(self, period: usize, margin: usize) -> Self {
-        let pattern = Pattern::find(self.n_rows, period, margin, &self.make);
+        let pattern = PeriodicRows::find(self.n_rows, period, margin, &self.make);
         Self { pattern, ..self }
     }
 }
@@ -66,7 +66,7 @@ impl<F: Fn(usize, &mut Rows) + Send + Sync> RowSource for RowsBy<F> {
         }
     }
 
-    fn pattern(&self) -> Option<&Pattern> {
+    fn pattern(&self) -> Option<&PeriodicRows> {
         self.pattern.as_ref()
     }
 }

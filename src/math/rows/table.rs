@@ -12,12 +12,12 @@ pub struct Rows {
     indices: Vec<u32>,
     weights: Vec<f64>,
     /// The groups of more than one entry, ascending.
-    groups: Vec<Group>,
+    groups: Vec<RowTerm>,
 }
 
 /// Entries of a row that are summed as one term.
 #[derive(Debug, Clone, Copy, PartialEq)]
-struct Group {
+struct RowTerm {
     /// Index of its first entry.
     start: usize,
     /// Number of entries.
@@ -80,7 +80,7 @@ impl Rows {
         let weights = &self.weights[start..];
         let alike = weights.array_windows().all(|[a, b]| a.to_bits() == b.to_bits());
         if weights.len() > 1 {
-            self.groups.push(Group { start, len: weights.len(), alike });
+            self.groups.push(RowTerm { start, len: weights.len(), alike });
         }
     }
 
@@ -106,7 +106,7 @@ impl Rows {
             starts,
             indices: self.indices.split_off(at),
             weights: self.weights.split_off(at),
-            groups: groups.into_iter().map(|group| Group { start: group.start - at, ..group }).collect(),
+            groups: groups.into_iter().map(|group| RowTerm { start: group.start - at, ..group }).collect(),
         }
     }
 
@@ -116,7 +116,7 @@ impl Rows {
         self.starts.extend(other.starts[1..].iter().map(|start| start + at));
         self.indices.extend_from_slice(&other.indices);
         self.weights.extend_from_slice(&other.weights);
-        self.groups.extend(other.groups.iter().map(|group| Group { start: group.start + at, ..*group }));
+        self.groups.extend(other.groups.iter().map(|group| RowTerm { start: group.start + at, ..*group }));
     }
 
     /// Returns the index of the first entry of each row, then the number of entries.

@@ -3,7 +3,7 @@
 use std::io::Write;
 
 use super::grid::{PanelRect, Sheet};
-use crate::drawing::{self, Drawing, Item, Label, Mark, Weight, pdf, svg};
+use crate::drawing::{self, Drawing, FontWeight, Item, Label, Mark, pdf, svg};
 use crate::fault::Fault;
 use crate::math::parameter::Values;
 use crate::output::error::FormatError;
@@ -26,7 +26,7 @@ const OPTIONS: [&str; 4] = ["width", "background", "dpi", "text"];
 
 /// The picture in a panel.
 #[derive(Debug)]
-pub enum Picture {
+pub enum PanelPicture {
     /// Rows of pixels from the top, with red, green, blue and straight alpha.
     Pixels(Vec<u8>),
     /// Lines.
@@ -64,12 +64,12 @@ pub fn picture(
     scene: &Scene<'_>,
     values: &Values,
     watch: &Watch,
-) -> Result<Picture, FormatError> {
+) -> Result<PanelPicture, FormatError> {
     match (paper, drawn, scene.shape) {
         (Paper::Png, Paper::Png, _) | (_, Paper::Png, Shape::Mesh(_)) => {
-            png::pixels(scene, values, watch).map(Picture::Pixels)
+            png::pixels(scene, values, watch).map(PanelPicture::Pixels)
         }
-        _ => vector::draw(scene, values, watch).map(Picture::Lines),
+        _ => vector::draw(scene, values, watch).map(PanelPicture::Lines),
     }
 }
 
@@ -79,7 +79,7 @@ pub fn picture(
 /// When the writer fails, or the watch says stop.
 pub fn write(
     paper: Paper,
-    (sheet, pictures, title): (&Sheet, Vec<Picture>, &str),
+    (sheet, pictures, title): (&Sheet, Vec<PanelPicture>, &str),
     options: &Values,
     out: &mut dyn Write,
     watch: &Watch,
@@ -89,7 +89,7 @@ pub fn write(
         sheet.pictures.iter().zip(pictures).map(|(place, picture)| placed(*place, picture)).collect();
     items.extend(sheet.texts.iter().cloned());
     let background = options.color("background").unwrap_or([255; 4]);
-    let title = Label::parse(title, Weight::Bold).map_err(FormatError::Unfit)?.text();
+    let title = Label::parse(title, FontWeight::Bold).map_err(FormatError::Unfit)?.text();
     let drawing = Drawing { size: sheet.size, background, title, items };
     match paper {
         Paper::Png => {
@@ -106,12 +106,12 @@ pub fn write(
 
 /// Returns a picture as an item of the figure.
 #[expect(clippy::cast_precision_loss, reason = "figures have some thousand pixels")]
-fn placed(PanelRect { at, size }: PanelRect, picture: Picture) -> Item {
+fn placed(PanelRect { at, size }: PanelRect, picture: PanelPicture) -> Item {
     let [[x, y], extent] = [at, size].map(|pair| pair.map(|n| n as f32));
     match picture {
-        Picture::Pixels(pixels) => {
+        PanelPicture::Pixels(pixels) => {
             Item::new("panel", Mark::Picture(drawing::Picture { size, pixels, at: [x, y], extent }))
         }
-        Picture::Lines(drawing) => drawing.into_group([x, y, extent[0], extent[1]]),
+        PanelPicture::Lines(drawing) => drawing.into_group([x, y, extent[0], extent[1]]),
     }
 }

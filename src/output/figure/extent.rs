@@ -12,21 +12,21 @@ use crate::watch::Watch;
 
 /// A bounding box of finite points, model units. Plane curves lie at z = 0; values of functions are y.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Extent {
+pub struct FigureExtent {
     low: Vector,
     high: Vector,
     /// Width of the widest legend, and that of its picture, pixels.
     strip: [u32; 2],
 }
 
-impl Default for Extent {
+impl Default for FigureExtent {
     /// The box of no points.
     fn default() -> Self {
         Self { low: [f64::INFINITY; 3], high: [f64::NEG_INFINITY; 3], strip: [0, 1] }
     }
 }
 
-impl Extent {
+impl FigureExtent {
     /// Extends the box to everything that a picture with these options shows of a scene.
     ///
     /// # Errors
@@ -99,7 +99,7 @@ impl Extent {
 
 /// Returns the options of a picture framed by a box in place of the shown items, with room for the widest legend.
 /// Options that have a box already stay as they are.
-pub fn framed(values: &Values, extent: &Extent) -> Values {
+pub fn framed(values: &Values, extent: &FigureExtent) -> Values {
     let mut values = values.clone();
     let camera = values.group(CAMERA.name).cloned().unwrap_or_default();
     if extent.low[0] <= extent.high[0] && camera.group("box").is_none() {

@@ -1,7 +1,7 @@
 //! The layout of a figure: the places of its panels, and the texts beside them.
 
 use crate::drawing::{
-    ASCENT, Color, DESCENT, HorizontalAlign, Item, Label, Mark, Text, VerticalAlign, Weight, wrapped,
+    ASCENT, Color, DESCENT, FontWeight, HorizontalAlign, Item, Label, Mark, Text, VerticalAlign, wrapped,
 };
 use crate::raster::MAX_SIDE_PX;
 
@@ -34,7 +34,7 @@ pub struct PanelCell {
 
 /// The panels of a figure, in their order.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Grid {
+pub struct PanelGrid {
     /// Number of columns.
     pub columns: u32,
     /// The text above all panels.
@@ -72,7 +72,7 @@ struct RowHeights {
     caption: u32,
 }
 
-impl Grid {
+impl PanelGrid {
     /// Lays out the figure in a width in pixels. Panels are placed row by row, each at the first free place after the
     /// one before it; a row is as high as the highest picture in it needs, and a picture that spans rows fills them.
     ///
@@ -91,14 +91,14 @@ impl Grid {
         let widths =
             widths.map(|([column, _], cell)| (left(column + cell.span[0]) - left(*column)).saturating_sub(gap));
         let widths: Vec<u32> = widths.collect();
-        let font = Font::of(width);
+        let font = FontSize::of(width);
         let captions: Result<Vec<Vec<Label>>, String> =
-            (0..self.cells.len()).map(|i| font.lines(&self.caption(i), Weight::Regular, widths[i])).collect();
+            (0..self.cells.len()).map(|i| font.lines(&self.caption(i), FontWeight::Regular, widths[i])).collect();
         let captions = captions?;
         let natural: Vec<u32> =
             self.cells.iter().zip(&widths).map(|(cell, width)| scaled(*width, cell.proportion)).collect();
         let rows = self.rows(&seats, &natural, &captions, (font, gap));
-        let title = font.title().lines(self.title.as_deref().unwrap_or_default(), Weight::Bold, width)?;
+        let title = font.title().lines(self.title.as_deref().unwrap_or_default(), FontWeight::Bold, width)?;
         let mut top = font.title().height(title.len());
         let tops = rows.iter().map(|row| {
             let here = top;
@@ -142,7 +142,7 @@ impl Grid {
         seats: &[[u32; 2]],
         natural: &[u32],
         captions: &[Vec<Label>],
-        (font, gap): (Font, u32),
+        (font, gap): (FontSize, u32),
     ) -> Vec<RowHeights> {
         let ends = |(seat, cell): (&[u32; 2], &PanelCell)| (seat[1] + cell.span[1]) as usize;
         let mut rows = vec![RowHeights::default(); seats.iter().zip(&self.cells).map(ends).max().unwrap_or(0)];
@@ -188,11 +188,11 @@ impl Grid {
 
 /// The size of letters.
 #[derive(Debug, Clone, Copy)]
-struct Font {
+struct FontSize {
     size_px: f32,
 }
 
-impl Font {
+impl FontSize {
     /// Returns the font of captions: a line across the figure has some hundred legible letters.
     fn of(width: u32) -> Self {
         #[expect(clippy::cast_precision_loss, reason = "figures have some thousand pixels")]
@@ -205,7 +205,7 @@ impl Font {
         Self { size_px: 1.3 * self.size_px }
     }
 
-    fn lines(self, text: &str, weight: Weight, width: u32) -> Result<Vec<Label>, String> {
+    fn lines(self, text: &str, weight: FontWeight, width: u32) -> Result<Vec<Label>, String> {
         if text.is_empty() {
             return Ok(Vec::new());
         }

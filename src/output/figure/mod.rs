@@ -4,6 +4,6 @@ mod compose;
 mod extent;
 mod grid;
 
-pub use compose::{Picture, picture, size, suits, write};
-pub use extent::{Extent, framed};
-pub use grid::{Grid, MAX_COLUMNS, MAX_PANELS, MAX_TEXT, PanelCell, PanelRect, Sheet};
+pub use compose::{PanelPicture, picture, size, suits, write};
+pub use extent::{FigureExtent, framed};
+pub use grid::{MAX_COLUMNS, MAX_PANELS, MAX_TEXT, PanelCell, PanelGrid, PanelRect, Sheet};

@@ -13,7 +13,7 @@ use crate::output::options::{IDS, ISOLINES};
 use crate::output::scene::MeshSource;
 use crate::output::stream::Stream;
 use crate::shape::attachments::Channel;
-use crate::shape::creases::Tags;
+use crate::shape::creases::CreaseTags;
 use crate::shape::labels::Labels;
 use crate::shape::looks::Look;
 use crate::shape::source::PlaceSource;
@@ -137,7 +137,7 @@ fn rows(start: usize, numbers: &[f64], width: usize, out: &mut Bytes) {
 }
 
 /// Writes the sharp vertices and edges, which requests call `corners` and `creases`.
-fn write_tags(tags: &Tags, stream: &mut Stream<'_>) -> Result<(), FormatError> {
+fn write_tags(tags: &CreaseTags, stream: &mut Stream<'_>) -> Result<(), FormatError> {
     write_sharp("corners", &tags.corners, stream, |&(v, sharpness), out| {
         out.extend_from_slice(br#"{"vertex":"#);
         whole(out, v.into());

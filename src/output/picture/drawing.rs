@@ -3,9 +3,9 @@
 use super::comb::{combs, tangents};
 use super::easel::Easel;
 use super::options::{COMB_SCALE, FILL, Options};
-use super::plot::{Plot, Sheet};
+use super::plot::{PlotArea, PlotItems};
 use super::styles::{Style, styles};
-use crate::drawing::{Color, Discs, Drawing, Item, Key, Label, Mark, Point, Stroke, Weight};
+use crate::drawing::{Color, Discs, Drawing, FontWeight, Item, Label, LegendSample, Mark, Point, Stroke};
 use crate::output::error::FormatError;
 use crate::output::scene::{Curve, Scene, Shape};
 use crate::watch::Watch;
@@ -34,9 +34,9 @@ pub(crate) fn drawing(scene: &Scene<'_>, options: &Options<'_>, watch: &Watch) -
     let refined = ["curve", "vertices", "comb", "tangents"].iter().any(|item| shows(item));
     shown.extend(curves.iter().filter(|_| refined));
     shown.extend(control.iter().filter(|_| shows("control") || shows("points")));
-    let sheet = Sheet::new(&shown, control, options)?;
+    let sheet = PlotArea::new(&shown, control, options)?;
     let artist = Artist { easel: &sheet.easel, options, side_px: sheet.side_px(), watch };
-    let mut plot = Plot::default();
+    let mut plot = PlotItems::default();
     if shows("control") {
         artist.control(control, &mut plot)?;
     }
@@ -74,13 +74,13 @@ impl Artist<'_> {
         Stroke::solid(width * self.options.unit_px() * self.options.line_width(), color)
     }
 
-    fn control(&self, control: &[Curve], plot: &mut Plot) -> Result<(), FormatError> {
+    fn control(&self, control: &[Curve], plot: &mut PlotItems) -> Result<(), FormatError> {
         let runs = self.easel.runs(control, self.watch)?;
         let stroke = self.stroke(1.5, self.options.control_color(CONTROL));
         plot.line(Item::lines("control", runs, stroke).titled("control polygon"), "control polygon")
     }
 
-    fn comb(&self, curves: &[Curve], plot: &mut Plot) -> Result<(), FormatError> {
+    fn comb(&self, curves: &[Curve], plot: &mut PlotItems) -> Result<(), FormatError> {
         let comb = combs(
             self.easel,
             curves,
@@ -94,7 +94,7 @@ impl Artist<'_> {
     }
 
     /// Adds the curves, all as one item if they have no styles of their own.
-    fn curves(&self, curves: &[Curve], plot: &mut Plot) -> Result<(), FormatError> {
+    fn curves(&self, curves: &[Curve], plot: &mut PlotItems) -> Result<(), FormatError> {
         let stroke = self.stroke(3.4, self.options.color(CURVE));
         let styles = styles(self.options, stroke.width_px);
         if styles.is_empty() {
@@ -115,7 +115,7 @@ impl Artist<'_> {
             let item = Item::lines("curve", runs, stroke.clone());
             match label {
                 Some(label) if i < styles.len() => plot.line(
-                    item.titled(Label::parse(label, Weight::Regular).map_err(FormatError::Unfit)?.text()),
+                    item.titled(Label::parse(label, FontWeight::Regular).map_err(FormatError::Unfit)?.text()),
                     label,
                 )?,
                 _ => plot.items.push(item),
@@ -125,7 +125,7 @@ impl Artist<'_> {
     }
 
     /// Fills the areas around which closed curves wind an odd number of times.
-    fn fill(&self, curves: &[Curve], color: Color, plot: &mut Plot) -> Result<(), FormatError> {
+    fn fill(&self, curves: &[Curve], color: Color, plot: &mut PlotItems) -> Result<(), FormatError> {
         let mut outlines = Vec::new();
         for curve in curves.iter().filter(|curve| curve.closed && curve.dimension > 1) {
             outlines.push(self.easel.outline(curve, self.watch)?);
@@ -142,7 +142,7 @@ impl Artist<'_> {
         ring: f32,
         color: Color,
         class: &'static str,
-        plot: &mut Plot,
+        plot: &mut PlotItems,
     ) -> Result<(), FormatError> {
         let centres = self.easel.centres(curves, self.watch)?;
         let size = self.options.point_size();
@@ -152,7 +152,7 @@ impl Artist<'_> {
         let radius_px = radius * unit * scale + ring_px;
         let discs = Discs { centres, radius_px, ring_px, color, ring: RING };
         let title = if class == "points" { "control points" } else { "points of the curve" };
-        plot.entry(Key::Disc(Discs { centres: Vec::new(), ..discs.clone() }), title)?;
+        plot.entry(LegendSample::Disc(Discs { centres: Vec::new(), ..discs.clone() }), title)?;
         plot.items.push(Item::new(class, Mark::Discs(discs)).titled(title));
         Ok(())
     }

@@ -21,8 +21,8 @@ use crate::raster::{ProjectedPoint, Sight};
 use crate::watch::Watch;
 
 use chain::{LineSegment, chains};
-use edges::{CLASSES, Class, Edge, Edges};
-use hatching::Ground;
+use edges::{CLASSES, Class, DrawnEdge, SceneEdges};
+use hatching::HatchedSurface;
 use parts::{LineIntervals, rest, tidied};
 
 /// All items that a drawing of a mesh can show.
@@ -103,8 +103,8 @@ pub(crate) fn drawing(
     let seen = seen.ok_or_else(|| {
         FormatError::Unfit("parts of the mesh are not before the camera; move its eye away, or ask for \"png\"".into())
     })?;
-    let found = Edges::of(scene, mesh, (positions.rows(), &seen), options.values, watch)?;
-    let edges: Vec<&Edge> = found.all.iter().filter(|edge| edge.drawn_as(shows).is_some()).collect();
+    let found = SceneEdges::of(scene, mesh, (positions.rows(), &seen), options.values, watch)?;
+    let edges: Vec<&DrawnEdge> = found.all.iter().filter(|edge| edge.drawn_as(shows).is_some()).collect();
     let sight = Sight::new(&seen, &found.triangles);
     let pairs = edges.par_iter().map(|edge| sight.n_candidates(edge.ends.map(|v| seen[v as usize]))).sum::<usize>();
     if pairs > MAX_PAIRS {
@@ -112,7 +112,7 @@ pub(crate) fn drawing(
             "too many faces lie behind each other to find what each hides; ask for fewer levels, or for \"png\"";
         return Err(FormatError::Unfit(detail.into()));
     }
-    let parts = |edge: &&Edge| {
+    let parts = |edge: &&DrawnEdge| {
         watch.check()?;
         let ends = edge.ends.map(|v| seen[v as usize]);
         let hidden = sight.hidden(ends, |triangle| edge.beside.contains(&triangle));
@@ -125,10 +125,10 @@ pub(crate) fn drawing(
         let detail = "what the faces hide cuts lines into too many pieces; ask for fewer levels, or for \"png\"";
         return Err(FormatError::Unfit(detail.into()));
     }
-    let artist = Artist { options, seen: &seen, edges: &edges, hidden: &hidden };
+    let artist = EdgePainter { options, seen: &seen, edges: &edges, hidden: &hidden };
     let mut items = Vec::new();
     if options.shows(HATCHING, &[]) {
-        let ground = Ground::of(scene, mesh, &found.hard, &camera, watch)?;
+        let ground = HatchedSurface::of(scene, mesh, &found.hard, &camera, watch)?;
         let runs = ground.strokes(&sight, options.size, options.unit_px(), MAX_PAIRS - pairs, watch)?;
         let stroke = artist.stroke(0.7, options.color(THIN_INK));
         items.extend((!runs.is_empty()).then(|| Item::lines(HATCHING, runs, stroke).titled(HATCHING)));
@@ -142,15 +142,15 @@ pub(crate) fn drawing(
     Ok(Drawing { size: options.size, background: options.background, title: "Subdivision surface".to_owned(), items })
 }
 
-struct Artist<'a> {
+struct EdgePainter<'a> {
     options: &'a Options<'a>,
     seen: &'a [ProjectedPoint],
-    edges: &'a [&'a Edge],
+    edges: &'a [&'a DrawnEdge],
     /// The hidden parts of each edge.
     hidden: &'a [LineIntervals],
 }
 
-impl Artist<'_> {
+impl EdgePainter<'_> {
     /// Returns the visible parts of the lines of a class.
     fn lines(&self, class: Class) -> Option<Item> {
         let name = class.name();
@@ -178,7 +178,7 @@ impl Artist<'_> {
         Item::lines("hidden", chains(&pieces), stroke).titled("hidden lines")
     }
 
-    fn class(&self, edge: &Edge) -> Option<Class> {
+    fn class(&self, edge: &DrawnEdge) -> Option<Class> {
         edge.drawn_as(|item| self.options.shows(item, DEFAULT_SHOW))
     }
 
@@ -186,7 +186,7 @@ impl Artist<'_> {
         Stroke::solid(width * self.options.unit_px() * self.options.line_width(), color)
     }
 
-    fn pieces(&self, edge: &Edge, parts: LineIntervals) -> impl Iterator<Item = LineSegment> + use<> {
+    fn pieces(&self, edge: &DrawnEdge, parts: LineIntervals) -> impl Iterator<Item = LineSegment> + use<> {
         let [a, b] = edge.ends.map(|v| self.seen[v as usize]);
         let ends = edge.ends;
         #[expect(clippy::cast_possible_truncation, reason = "pixel coordinates need no more than the precision of f32")]

@@ -5,8 +5,8 @@ use super::coat;
 use super::meanings;
 use super::number_scale::{COLOR_BAR, NumberScale};
 use super::options::Options;
-use super::shading::{self, Measure};
-use crate::drawing::{Color, Drawing, Item, Label, Legend, Weight, color_bar, pixels};
+use super::shading::{self, ShadedQuantity};
+use crate::drawing::{Color, Drawing, FontWeight, Item, Label, Legend, color_bar, pixels};
 use crate::math::parameter::Value;
 use crate::output::error::FormatError;
 use crate::shape::attachments::Attachments;
@@ -103,7 +103,7 @@ fn bar(scale: NumberScale, [taken, width]: [f32; 2], carried: &Attachments, opti
         [r, g, b, 255]
     };
     // names of channels may contain characters that cannot be typeset
-    let label = Label::parse(&title(carried, options), Weight::Regular).ok();
+    let label = Label::parse(&title(carried, options), FontWeight::Regular).ok();
     let (place, end) = ([BAR[0] * unit, top, BAR[1] * unit, tall], width - EDGE * unit);
     color_bar(place, ([scale.low, scale.high], scale.beyond), color, label, unit * FONT[0], end)
 }
@@ -117,9 +117,9 @@ fn font_px(options: &Options<'_>) -> f32 {
 fn title(carried: &Attachments, options: &Options<'_>) -> String {
     let unit = options.frame.unit.name();
     match shading::measure(options.values) {
-        Some(Measure::Gaussian) => format!("Gaussian, 1/{unit}^2"),
-        Some(Measure::Mean) => format!("mean, 1/{unit}"),
-        Some(Measure::Distance) => format!("distance, {unit}"),
+        Some(ShadedQuantity::Gaussian) => format!("Gaussian, 1/{unit}^2"),
+        Some(ShadedQuantity::Mean) => format!("mean, 1/{unit}"),
+        Some(ShadedQuantity::Distance) => format!("distance, {unit}"),
         None => {
             let name = coat::numbers_of(carried, options.values).unwrap_or_default();
             ['\\', '_', '^', '{', '}'].iter().fold(name.to_owned(), |name, c| name.replace(*c, &format!("\\{c}")))

@@ -6,7 +6,7 @@ use rayon::prelude::*;
 
 use super::options::Options;
 use super::shading;
-use crate::drawing::{Discs, Key, Stroke};
+use crate::drawing::{Discs, LegendSample, Stroke};
 use crate::math::parameter::Values;
 use crate::output::options::{DIRECTIONS, ISOLINES};
 use crate::output::scene::{FaceChunk, MeshSource, Scene, Shape, each_face, in_chunks, positions};
@@ -74,12 +74,13 @@ pub(crate) fn refers(options: &Values) -> Option<&'static str> {
 }
 
 /// Returns the names of the shown lines and dots, with samples of them, the uppermost first.
-pub(super) fn meanings(options: &Options<'_>) -> Vec<(&'static str, Key)> {
+pub(super) fn meanings(options: &Options<'_>) -> Vec<(&'static str, LegendSample)> {
     let unit = options.unit_px();
     let wide = unit * options.line_width();
-    let line = |width: f32, color| Key::Line(Stroke::solid(width * wide, color));
-    let dot =
-        |color, ring| Key::Disc(Discs { centres: Vec::new(), radius_px: 4.0 * unit, ring_px: 1.5 * unit, color, ring });
+    let line = |width: f32, color| LegendSample::Line(Stroke::solid(width * wide, color));
+    let dot = |color, ring| {
+        LegendSample::Disc(Discs { centres: Vec::new(), radius_px: 4.0 * unit, ring_px: 1.5 * unit, color, ring })
+    };
     let wire = options.wire_color(WIRE);
     let mut all = vec![
         ("points", "control points", dot(options.point_color(POINT), [255; 4])),
@@ -93,7 +94,7 @@ pub(super) fn meanings(options: &Options<'_>) -> Vec<(&'static str, Key)> {
 }
 
 /// All lines and dots of a picture, as pairs of vertices; dots join a vertex to itself.
-pub(super) struct Lines<'a> {
+pub(super) struct MeshLines<'a> {
     wires: Vec<[u32; 2]>,
     isolines: Vec<[u32; 2]>,
     /// In the order of [`TAGS`].
@@ -102,7 +103,7 @@ pub(super) struct Lines<'a> {
     net: ControlLines<'a>,
 }
 
-impl<'a> Lines<'a> {
+impl<'a> MeshLines<'a> {
     /// Collects the lines and dots of a scene that are to be shown.
     pub(super) fn of(
         scene: &'a Scene<'a>,

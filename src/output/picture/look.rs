@@ -5,7 +5,7 @@ use super::contours;
 use super::lines::LEGEND;
 use super::number_scale::{NumberScale, symmetric};
 use super::options::Options;
-use super::shading::{self, Measure, SURFACE};
+use super::shading::{self, SURFACE, ShadedQuantity};
 use crate::math::parameter::Values;
 use crate::output::color_maps::ColorMap;
 use crate::output::counts::Counts;
@@ -51,7 +51,7 @@ impl SurfaceLook {
         let color = shading::color(options, SURFACE);
         let finish = shading::finish(options, camera.right());
         let coat = match (shading::measure(options.values), finish) {
-            (Some(Measure::Distance), _) => by_distance(scene, positions, options.values, watch)?,
+            (Some(ShadedQuantity::Distance), _) => by_distance(scene, positions, options.values, watch)?,
             (Some(measure), _) => by_curvature(measure, mesh, positions, options.values, watch)?,
             (None, Some(_)) => Coat::Plain(color),
             (None, None) => Coat::of(mesh, options, color, watch)?,
@@ -74,7 +74,7 @@ impl SurfaceLook {
 }
 
 fn by_curvature(
-    measure: Measure,
+    measure: ShadedQuantity,
     mesh: &dyn MeshSource,
     positions: &[[f64; 3]],
     options: &Values,
@@ -83,7 +83,7 @@ fn by_curvature(
     let found = curvatures(mesh, positions, watch)?;
     let flat = FLAT * normals::scale(positions);
     let (numbers, least) = match measure {
-        Measure::Gaussian => (found.gaussian, flat * flat),
+        ShadedQuantity::Gaussian => (found.gaussian, flat * flat),
         _ => (found.mean, flat),
     };
     let scale = NumberScale::new(&numbers, options, ColorMap::SIGNED, |_| symmetric(&numbers, &found.areas, least));
@@ -121,7 +121,7 @@ pub(crate) fn work(options: &Values, counts: &Counts, pixels: u128) -> u128 {
     /// level 5.
     const ROWS: [u128; 3] = [20, 1, 3];
     let numbers = match shading::measure(options) {
-        Some(Measure::Distance) => counts.vertices.saturating_mul(ROWS[0]),
+        Some(ShadedQuantity::Distance) => counts.vertices.saturating_mul(ROWS[0]),
         Some(_) => counts.half_edges.saturating_mul(ROWS[1]),
         None => 0,
     };
@@ -136,7 +136,7 @@ pub(crate) fn memory(options: &Values, vertices: u128, pixels: u128, counts: &Co
     let legend = if has_legend { pixels.saturating_mul(8) } else { 0 };
     let numbers = match shading::measure(options) {
         // numbers and their shares, and the tree
-        Some(Measure::Distance) => {
+        Some(ShadedQuantity::Distance) => {
             // a mesh has fewer triangles than half-edges
             let net = (counts.input_edges as u128).saturating_mul(2 * nearest::TRIANGLE_BYTES);
             vertices.saturating_mul(8 + 4).saturating_add(net).saturating_add(counts.control.saturating_mul(24))

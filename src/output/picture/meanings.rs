@@ -4,7 +4,7 @@ use super::coat::COLOR_BY;
 use super::lines::{self, LEGEND};
 use super::options::Options;
 use super::shading::{self, SURFACE};
-use crate::drawing::{Color, Entry, Key, Label, Weight};
+use crate::drawing::{Color, FontWeight, Label, LegendEntry, LegendSample};
 use crate::fault::Fault;
 use crate::math::parameter::Values;
 use crate::output::colors::{byte, encoded, mark};
@@ -15,7 +15,7 @@ use crate::shape::labels::Labels;
 use crate::shape::topology::NONE;
 
 /// Returns the entries of the legend of a picture of a mesh with the attachments `carried`; none if it is not shown.
-pub(super) fn entries(carried: &Attachments, options: &Options<'_>) -> Vec<Entry> {
+pub(super) fn entries(carried: &Attachments, options: &Options<'_>) -> Vec<LegendEntry> {
     if !options.values.has("show", LEGEND) {
         return Vec::new();
     }
@@ -27,18 +27,18 @@ pub(super) fn entries(carried: &Attachments, options: &Options<'_>) -> Vec<Entry
     // names may contain characters that cannot be typeset
     let name = |(i, name): (usize, &String)| {
         let label = label(name).or_else(|| label(&format!("name {i}")));
-        label.map(|label| Entry { key: Key::Area(shown(mark(i))), label })
+        label.map(|label| LegendEntry { key: LegendSample::Area(shown(mark(i))), label })
     };
-    let mut found: Vec<Entry> = labels.names.iter().enumerate().filter_map(name).collect();
+    let mut found: Vec<LegendEntry> = labels.names.iter().enumerate().filter_map(name).collect();
     if labels.of_faces.contains(&NONE) {
-        let key = Key::Area(shading::color(options, SURFACE));
-        found.extend(label("without a name").map(|label| Entry { key, label }));
+        let key = LegendSample::Area(shading::color(options, SURFACE));
+        found.extend(label("without a name").map(|label| LegendEntry { key, label }));
     }
     if shading::shows_normals(options) {
-        let axis = |k: usize| label(AXES[k]).map(|label| Entry { key: Key::Area(axis_color(k)), label });
+        let axis = |k: usize| label(AXES[k]).map(|label| LegendEntry { key: LegendSample::Area(axis_color(k)), label });
         found.extend((0..AXES.len()).filter_map(axis));
     }
-    let line = |(name, key): (&str, Key)| label(name).map(|label| Entry { key, label });
+    let line = |(name, key): (&str, LegendSample)| label(name).map(|label| LegendEntry { key, label });
     found.extend(lines::meanings(options).into_iter().filter_map(line));
     found
 }
@@ -66,7 +66,7 @@ fn axis_color(k: usize) -> Color {
 
 fn label(text: &str) -> Option<Label> {
     let plain = ['\\', '_', '^', '{', '}'].iter().fold(text.to_owned(), |text, c| text.replace(*c, &format!("\\{c}")));
-    Label::parse(&plain, Weight::Regular).ok()
+    Label::parse(&plain, FontWeight::Regular).ok()
 }
 
 /// Converts linear light to bytes.

@@ -5,7 +5,7 @@ use std::borrow::Cow;
 use rayon::prelude::*;
 
 use super::contours::contours;
-use super::lines::{self, Lines};
+use super::lines::{self, MeshLines};
 use super::look::SurfaceLook;
 use super::options::Options;
 use super::{legend, shading};
@@ -15,7 +15,7 @@ use crate::output::hard_edges::HardEdges;
 use crate::output::normals;
 use crate::output::scene::{FaceChunk, MeshSource, Scene, each_face, positions, triangles};
 use crate::output::split_vertices::SplitVertices;
-use crate::raster::{Model, Normals, TriangleAppearance, render};
+use crate::raster::{Model, ShadingNormals, TriangleAppearance, render};
 use crate::watch::{Stopped, Watch};
 
 /// Renders a mesh. Returns the rows of pixels from the top, with red, green, blue and straight alpha in one byte each.
@@ -37,7 +37,7 @@ pub(crate) fn picture(
     let triangles = if body { triangulated(sides, watch)? } else { Vec::new() };
     let smooth = if shaded { normals::of(sides, &positions, watch)? } else { Vec::new() };
     let flat = if shows("surface") && options.flat() { face_normals(mesh, &positions, watch)? } else { Vec::new() };
-    let lines = Lines::of(scene, mesh, options, watch)?;
+    let lines = MeshLines::of(scene, mesh, options, watch)?;
     let strip = legend::width(mesh.attachments(), options, shows("surface"));
     let size = [options.size[0] - strip, options.size[1]];
     let camera = options.camera(&[&positions, lines.net_positions()], size);
@@ -50,9 +50,9 @@ pub(crate) fn picture(
         positions: &positions,
         triangles: &triangles,
         normals: match (drawn, options.flat()) {
-            (true, _) => Normals::Planes,
-            (_, true) => Normals::Triangles(&flat),
-            _ => Normals::Vertices(&smooth),
+            (true, _) => ShadingNormals::Planes,
+            (_, true) => ShadingNormals::Triangles(&flat),
+            _ => ShadingNormals::Vertices(&smooth),
         },
         surface: look.as_ref().map_or(TriangleAppearance::Unseen, SurfaceLook::surface),
         strokes: &strokes,

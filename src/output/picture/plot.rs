@@ -4,8 +4,8 @@ use super::easel::{Easel, PixelRect};
 use super::options::{COMB_SCALE, FILL, Options, POINT_SIZE};
 use super::styles::STYLES;
 use crate::drawing::{
-    Axes, Axis, Color, Drawing, Entry, Group, HorizontalAlign, Item, Key, Label, Legend, Mark, Text, VerticalAlign,
-    Weight,
+    Axes, Axis, Color, Drawing, FontWeight, Group, HorizontalAlign, Item, Label, Legend, LegendEntry, LegendSample,
+    Mark, Text, VerticalAlign,
 };
 use crate::fault::Fault;
 use crate::math::parameter::{Default, Parameter, ParameterKind, Values};
@@ -65,13 +65,13 @@ const INK: Color = [15, 23, 42, 255];
 fn check_labels(options: &Values) -> Result<(), Fault> {
     for name in [TITLE.name, X_LABEL.name, Y_LABEL.name] {
         if let Some(text) = options.name(name) {
-            Label::parse(text, Weight::Regular).map_err(|reason| Fault::new(format!("/{name}"), reason))?;
+            Label::parse(text, FontWeight::Regular).map_err(|reason| Fault::new(format!("/{name}"), reason))?;
         }
     }
     for (i, style) in options.groups(STYLES.name).iter().enumerate() {
         if let Some(text) = style.name("label") {
             let place = format!("/{}/{i}/label", STYLES.name);
-            Label::parse(text, Weight::Regular).map_err(|reason| Fault::new(place, reason))?;
+            Label::parse(text, FontWeight::Regular).map_err(|reason| Fault::new(place, reason))?;
         }
     }
     Ok(())
@@ -115,31 +115,31 @@ const CURVES_ONLY: [&str; 9] = [
 
 /// The drawn items, and the entries of the legend for them.
 #[derive(Default)]
-pub(super) struct Plot {
+pub(super) struct PlotItems {
     pub(super) items: Vec<Item>,
-    entries: Vec<Entry>,
+    entries: Vec<LegendEntry>,
 }
 
-impl Plot {
+impl PlotItems {
     /// Adds lines and their entry in the legend.
     pub(super) fn line(&mut self, item: Item, label: &str) -> Result<(), FormatError> {
         if let Mark::Lines(_, stroke) = &item.mark {
-            self.entry(Key::Line(stroke.clone()), label)?;
+            self.entry(LegendSample::Line(stroke.clone()), label)?;
         }
         self.items.push(item);
         Ok(())
     }
 
     /// Adds an entry to the legend.
-    pub(super) fn entry(&mut self, key: Key, label: &str) -> Result<(), FormatError> {
-        let label = Label::parse(label, Weight::Regular).map_err(FormatError::Unfit)?;
-        self.entries.push(Entry { key, label });
+    pub(super) fn entry(&mut self, key: LegendSample, label: &str) -> Result<(), FormatError> {
+        let label = Label::parse(label, FontWeight::Regular).map_err(FormatError::Unfit)?;
+        self.entries.push(LegendEntry { key, label });
         Ok(())
     }
 }
 
 /// The part of the picture in which curves are drawn, and its surroundings.
-pub(super) struct Sheet {
+pub(super) struct PlotArea {
     pub(super) easel: Easel,
     /// The part of the picture in which curves are visible.
     part: PixelRect,
@@ -148,17 +148,17 @@ pub(super) struct Sheet {
     size_px: f32,
 }
 
-fn label(options: &Options<'_>, name: &str, weight: Weight) -> Result<Option<Label>, FormatError> {
+fn label(options: &Options<'_>, name: &str, weight: FontWeight) -> Result<Option<Label>, FormatError> {
     let text = options.values.name(name);
     text.map(|text| Label::parse(text, weight).map_err(FormatError::Unfit)).transpose()
 }
 
-impl Sheet {
+impl PlotArea {
     /// Lays out the sheet for these curves.
     pub(super) fn new(shown: &[&Curve], control: &[Curve], options: &Options<'_>) -> Result<Self, FormatError> {
         let usual_px = (15.0 * options.unit_px()).max(LEAST_TEXT_PX);
         let size_px = usual_px * options.values.number(TEXT_SIZE.name).map_or(1.0, rounded);
-        let title = label(options, TITLE.name, Weight::Bold)?;
+        let title = label(options, TITLE.name, FontWeight::Bold)?;
         let head = if title.is_some() { 2.2 * size_px } else { 0.0 };
         let plain = Self {
             easel: easel(shown, options, whole(options, head)),
@@ -171,7 +171,7 @@ impl Sheet {
             return Ok(plain);
         }
         let (x_label, y_label) =
-            (label(options, X_LABEL.name, Weight::Regular)?, label(options, Y_LABEL.name, Weight::Regular)?);
+            (label(options, X_LABEL.name, FontWeight::Regular)?, label(options, Y_LABEL.name, FontWeight::Regular)?);
         let steps = steps(shown, control);
         let axes = |easel: &Easel, part: PixelRect| {
             let [left, right, bottom, top] = easel.ranges(part, steps);
@@ -196,7 +196,7 @@ impl Sheet {
     }
 
     /// Returns the drawing with axes, legend and title.
-    pub(super) fn finish(self, plot: Plot, options: &Options<'_>) -> Drawing {
+    pub(super) fn finish(self, plot: PlotItems, options: &Options<'_>) -> Drawing {
         let mut items = plot.items;
         if let Some(axes) = &self.axes {
             let group = Group { shift: [0.0; 2], scale: 1.0, clip: Some(self.part), items };
@@ -218,7 +218,7 @@ impl Sheet {
         Drawing { size: options.size, background: options.background, title: spoken, items }
     }
 
-    fn legend(&self, entries: Vec<Entry>, options: &Options<'_>) -> Vec<Item> {
+    fn legend(&self, entries: Vec<LegendEntry>, options: &Options<'_>) -> Vec<Item> {
         let legend = Legend { entries, size_px: self.size_px };
         let [width, height] = legend.extent();
         let [left, top, w, h] = self.part;

@@ -5,7 +5,7 @@ use crate::fault::Fault;
 use crate::math::parameter::{Parameter, ParameterKind, Value, Values};
 use crate::output::counts::ShapeKind;
 use crate::output::options::ISOLINES;
-use crate::raster::{Finish, Pattern, Stripes};
+use crate::raster::{Finish, StripePattern, Stripes};
 
 /// How a surface is shown.
 pub(crate) const SHADING: Parameter = Parameter::choice(
@@ -52,10 +52,10 @@ const ISOPHOTES: &str = "isophotes";
 const DISTANCE: &str = "distance";
 
 /// The shadings with stripes, and the default number of stripes of each.
-const PATTERNS: [(&str, Pattern, u8); 3] = [
-    (ZEBRA, Pattern::Zebra, 12),
-    (REFLECTION_LINES, Pattern::ReflectionLines, 18),
-    (ISOPHOTES, Pattern::Isophotes, 12),
+const PATTERNS: [(&str, StripePattern, u8); 3] = [
+    (ZEBRA, StripePattern::Zebra, 12),
+    (REFLECTION_LINES, StripePattern::ReflectionLines, 18),
+    (ISOPHOTES, StripePattern::Isophotes, 12),
 ];
 
 /// Width of isophotes, in units of line width. Half of it is fainter than a pixel in usual pictures; twice of it fills
@@ -64,7 +64,7 @@ const ISOPHOTE_WIDTH: f32 = 1.6;
 
 /// A quantity at vertices that the colours of a shading stand for.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Measure {
+pub(super) enum ShadedQuantity {
     /// Gaussian curvature.
     Gaussian,
     /// Mean curvature.
@@ -74,18 +74,18 @@ pub(super) enum Measure {
 }
 
 /// Returns the quantity that the shading shows, if any.
-pub(super) fn measure(options: &Values) -> Option<Measure> {
+pub(super) fn measure(options: &Values) -> Option<ShadedQuantity> {
     match options.choice(SHADING.name)? {
-        GAUSSIAN => Some(Measure::Gaussian),
-        MEAN => Some(Measure::Mean),
-        DISTANCE => Some(Measure::Distance),
+        GAUSSIAN => Some(ShadedQuantity::Gaussian),
+        MEAN => Some(ShadedQuantity::Mean),
+        DISTANCE => Some(ShadedQuantity::Distance),
         _ => None,
     }
 }
 
 /// Returns whether a picture with these options shows distances.
 pub fn shows_distances(options: &Values) -> bool {
-    measure(options) == Some(Measure::Distance)
+    measure(options) == Some(ShadedQuantity::Distance)
 }
 
 /// The default items of a picture of a mesh: shaded, and as a drawing of lines.
@@ -106,7 +106,7 @@ pub(super) fn shows_normals(options: &Options<'_>) -> bool {
     options.values.choice(SHADING.name) == Some(NORMALS) && shows(options, "surface")
 }
 
-fn pattern(options: &Values) -> Option<(&'static str, Pattern, u8)> {
+fn pattern(options: &Values) -> Option<(&'static str, StripePattern, u8)> {
     PATTERNS.into_iter().find(|(name, ..)| options.choice(SHADING.name) == Some(name))
 }
 
@@ -114,7 +114,7 @@ fn pattern(options: &Values) -> Option<(&'static str, Pattern, u8)> {
 pub(super) fn finish(options: &Options<'_>, right: [f64; 3]) -> Option<Finish> {
     if let Some((_, pattern, usual)) = pattern(options.values) {
         let given = options.values.integer(STRIPES.name).and_then(|n| u16::try_from(n).ok());
-        let along_picture = pattern == Pattern::ReflectionLines;
+        let along_picture = pattern == StripePattern::ReflectionLines;
         let axis = if along_picture { right } else { options.frame.up.direction() };
         return Some(Finish::Stripes(Stripes {
             pattern,

@@ -1,6 +1,6 @@
 //! Rows of a PLY file that are all alike, many at a time.
 
-use super::layout::{Encoding, Layout};
+use super::layout::{PlyEncoding, PlyLayout};
 use crate::output::bytes::Bytes;
 use crate::output::normals::or_up;
 use crate::output::numbers::{f32_bytes, f64_bytes};
@@ -8,7 +8,7 @@ use crate::output::scene::FaceChunk;
 use crate::output::text::RowStyle;
 
 /// Makes binary rows of positions, each with its normal if there are normals.
-pub(super) fn vertices(positions: &[[f64; 3]], normals: &[[f64; 3]], layout: Layout, out: &mut Bytes) {
+pub(super) fn vertices(positions: &[[f64; 3]], normals: &[[f64; 3]], layout: PlyLayout, out: &mut Bytes) {
     if layout.float { vectors(positions, normals, f32_bytes, out) } else { vectors(positions, normals, f64_bytes, out) }
 }
 
@@ -29,17 +29,17 @@ fn vectors<const B: usize>(
 }
 
 /// Makes rows of faces that are all quads or all triangles. Returns whether they are.
-pub(super) fn faces(faces: &FaceChunk, layout: Layout, out: &mut Bytes) -> bool {
+pub(super) fn faces(faces: &FaceChunk, layout: PlyLayout, out: &mut Bytes) -> bool {
     match (faces.rows(), faces.rows()) {
         (Some(quads), _) => match layout.encoding {
-            Encoding::Ascii => text(b"4").faces(faces, 0, out),
-            Encoding::Uchar => polygons::<4, 17>(quads, out),
-            Encoding::Uint => polygons::<4, 20>(quads, out),
+            PlyEncoding::Ascii => text(b"4").faces(faces, 0, out),
+            PlyEncoding::Uchar => polygons::<4, 17>(quads, out),
+            PlyEncoding::Uint => polygons::<4, 20>(quads, out),
         },
         (None, Some(triangles)) => match layout.encoding {
-            Encoding::Ascii => text(b"3").faces(faces, 0, out),
-            Encoding::Uchar => polygons::<3, 13>(triangles, out),
-            Encoding::Uint => polygons::<3, 16>(triangles, out),
+            PlyEncoding::Ascii => text(b"3").faces(faces, 0, out),
+            PlyEncoding::Uchar => polygons::<3, 13>(triangles, out),
+            PlyEncoding::Uint => polygons::<3, 16>(triangles, out),
         },
         (None, None) => return false,
     }

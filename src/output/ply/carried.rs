@@ -1,6 +1,6 @@
 //! Properties of vertices and faces in PLY besides positions and normals: channels, names, origins.
 
-use super::layout::{Encoding, Layout};
+use super::layout::{PlyEncoding, PlyLayout};
 use crate::output::colors::byte;
 use crate::output::numbers::{REAL, digits, whole};
 use crate::output::scene::MeshSource;
@@ -23,7 +23,7 @@ pub(super) fn remarks(attachments: &Attachments) -> String {
 }
 
 /// Returns the lines of the header for the properties of vertices.
-pub(super) fn vertex_properties(attachments: &Attachments, layout: Layout) -> String {
+pub(super) fn vertex_properties(attachments: &Attachments, layout: PlyLayout) -> String {
     let number = if layout.float { "float" } else { "double" };
     let property = |channel: &Channel| -> Vec<String> {
         if channel.is_color() {
@@ -42,7 +42,7 @@ pub(super) fn vertex_properties(attachments: &Attachments, layout: Layout) -> St
 }
 
 /// Returns the lines of the header for the properties of faces.
-pub(super) fn face_properties(attachments: &Attachments, layout: Layout) -> String {
+pub(super) fn face_properties(attachments: &Attachments, layout: PlyLayout) -> String {
     let mut properties =
         kinds(attachments).map(|(kind, _)| format!("property int {kind}\n")).collect::<Vec<_>>().concat();
     if layout.ids {
@@ -59,8 +59,8 @@ fn kinds(attachments: &Attachments) -> impl Iterator<Item = (&'static str, &Labe
 }
 
 /// Returns the bytes per vertex and per face beyond positions and corners; for text, their maximum.
-pub(super) fn bytes(attachments: &Attachments, layout: Layout, cells: u128) -> (u128, u128) {
-    let ascii = layout.encoding == Encoding::Ascii;
+pub(super) fn bytes(attachments: &Attachments, layout: PlyLayout, cells: u128) -> (u128, u128) {
+    let ascii = layout.encoding == PlyEncoding::Ascii;
     let number = match (ascii, layout.float) {
         (true, _) => REAL + 1,
         (false, true) => 4,
@@ -83,19 +83,19 @@ pub(super) fn bytes(attachments: &Attachments, layout: Layout, cells: u128) -> (
 }
 
 /// Returns whether vertices have any properties besides positions and normals.
-pub(super) fn any_of_vertices(mesh: &dyn MeshSource, layout: Layout) -> bool {
+pub(super) fn any_of_vertices(mesh: &dyn MeshSource, layout: PlyLayout) -> bool {
     layout.ids || !mesh.attachments().channels.is_empty() || mesh.uvs().is_some()
 }
 
 /// Returns whether faces have any properties besides their corners.
-pub(super) fn any_of_faces(mesh: &dyn MeshSource, layout: Layout) -> bool {
+pub(super) fn any_of_faces(mesh: &dyn MeshSource, layout: PlyLayout) -> bool {
     layout.ids || mesh.attachments().names_faces()
 }
 
 /// The properties of consecutive vertices that are appended to their positions.
 pub(super) struct VertexProperties<'a> {
     mesh: &'a dyn MeshSource,
-    layout: Layout,
+    layout: PlyLayout,
     start: usize,
     /// The numbers of each channel.
     channels: Vec<Vec<f64>>,
@@ -104,7 +104,7 @@ pub(super) struct VertexProperties<'a> {
 
 impl<'a> VertexProperties<'a> {
     /// Reads the properties of the vertices `start .. start + n`.
-    pub(super) fn of(mesh: &'a dyn MeshSource, layout: Layout, start: usize, n: usize) -> Self {
+    pub(super) fn of(mesh: &'a dyn MeshSource, layout: PlyLayout, start: usize, n: usize) -> Self {
         let fetch = |channel| {
             let mut values = Vec::new();
             mesh.channel(channel, start..start + n, &mut values);
@@ -140,7 +140,7 @@ impl<'a> VertexProperties<'a> {
 }
 
 /// Appends the properties of face `index`.
-pub(super) fn face(mesh: &dyn MeshSource, layout: Layout, index: usize, out: &mut Vec<u8>) {
+pub(super) fn face(mesh: &dyn MeshSource, layout: PlyLayout, index: usize, out: &mut Vec<u8>) {
     if !any_of_faces(mesh, layout) {
         return;
     }
@@ -149,8 +149,8 @@ pub(super) fn face(mesh: &dyn MeshSource, layout: Layout, index: usize, out: &mu
         layout.separate(out);
         let label = labels.number(origin).and_then(|label| i32::try_from(label).ok());
         match (layout.encoding, label) {
-            (Encoding::Ascii, None) => out.extend_from_slice(b"-1"),
-            (Encoding::Ascii, Some(label)) => whole(out, label.unsigned_abs().into()),
+            (PlyEncoding::Ascii, None) => out.extend_from_slice(b"-1"),
+            (PlyEncoding::Ascii, Some(label)) => whole(out, label.unsigned_abs().into()),
             (_, label) => out.extend_from_slice(&label.unwrap_or(-1).to_le_bytes()),
         }
     }

@@ -6,15 +6,15 @@ use crate::output::surface::with_normals;
 
 /// The encoding and the columns of rows.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Layout {
-    pub(super) encoding: Encoding,
+pub(super) struct PlyLayout {
+    pub(super) encoding: PlyEncoding,
     pub(super) float: bool,
     pub(super) normals: bool,
     pub(super) ids: bool,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Encoding {
+pub(super) enum PlyEncoding {
     Ascii,
     /// Binary, one byte for the size of a face.
     Uchar,
@@ -22,13 +22,13 @@ pub(super) enum Encoding {
     Uint,
 }
 
-impl Layout {
+impl PlyLayout {
     pub(super) fn of(options: &Values) -> Self {
         Self {
             encoding: match (options.flag("ascii"), options.choice("face_sizes")) {
-                (true, _) => Encoding::Ascii,
-                (false, Some("uint")) => Encoding::Uint,
-                (false, _) => Encoding::Uchar,
+                (true, _) => PlyEncoding::Ascii,
+                (false, Some("uint")) => PlyEncoding::Uint,
+                (false, _) => PlyEncoding::Uchar,
             },
             float: options.choice("precision") == Some("f32"),
             normals: with_normals(options),
@@ -49,7 +49,7 @@ impl Layout {
     /// Returns the number of bytes per vertex; for text, its maximum.
     pub(super) fn vertex_bytes(self) -> u128 {
         let number = match (self.encoding, self.float) {
-            (Encoding::Ascii, _) => REAL + 1,
+            (PlyEncoding::Ascii, _) => REAL + 1,
             (_, true) => 4,
             (_, false) => 8,
         };
@@ -67,30 +67,30 @@ impl Layout {
 
     /// Appends the separator between two numbers.
     pub(super) fn separate(self, out: &mut Vec<u8>) {
-        if self.encoding == Encoding::Ascii {
+        if self.encoding == PlyEncoding::Ascii {
             out.push(b' ');
         }
     }
 
     pub(super) fn number(self, x: f64, out: &mut Vec<u8>) {
         match (self.encoding, self.float) {
-            (Encoding::Ascii, true) => real_f32(out, x),
-            (Encoding::Ascii, false) => real(out, x),
+            (PlyEncoding::Ascii, true) => real_f32(out, x),
+            (PlyEncoding::Ascii, false) => real(out, x),
             (_, true) => out.extend_from_slice(&rounded(x).to_le_bytes()),
             (_, false) => out.extend_from_slice(&x.to_le_bytes()),
         }
     }
 
     pub(super) fn byte(self, x: u8, out: &mut Vec<u8>) {
-        if self.encoding == Encoding::Ascii { whole(out, x.into()) } else { out.push(x) }
+        if self.encoding == PlyEncoding::Ascii { whole(out, x.into()) } else { out.push(x) }
     }
 
     pub(super) fn face(self, face: &[u32], out: &mut Vec<u8>) {
         let size = face.len() as u64;
         match self.encoding {
-            Encoding::Ascii => whole(out, size),
-            Encoding::Uchar => out.extend_from_slice(&size.to_le_bytes()[..1]),
-            Encoding::Uint => out.extend_from_slice(&size.to_le_bytes()[..4]),
+            PlyEncoding::Ascii => whole(out, size),
+            PlyEncoding::Uchar => out.extend_from_slice(&size.to_le_bytes()[..1]),
+            PlyEncoding::Uint => out.extend_from_slice(&size.to_le_bytes()[..4]),
         }
         for &vertex in face {
             self.separate(out);
@@ -107,13 +107,13 @@ impl Layout {
 
     pub(super) fn index(self, vertex: u32, out: &mut Vec<u8>) {
         match self.encoding {
-            Encoding::Ascii => whole(out, u64::from(vertex)),
-            Encoding::Uchar | Encoding::Uint => out.extend_from_slice(&vertex.to_le_bytes()),
+            PlyEncoding::Ascii => whole(out, u64::from(vertex)),
+            PlyEncoding::Uchar | PlyEncoding::Uint => out.extend_from_slice(&vertex.to_le_bytes()),
         }
     }
 
     pub(super) fn end_row(self, out: &mut Vec<u8>) {
-        if self.encoding == Encoding::Ascii {
+        if self.encoding == PlyEncoding::Ascii {
             out.push(b'\n');
         }
     }

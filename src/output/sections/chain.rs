@@ -17,7 +17,7 @@ pub(super) struct Crossing {
 
 /// The crossing of a plane and a triangle.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) struct Segment {
+pub(super) struct CutSegment {
     /// The crossing on the side that runs from before the plane to behind it.
     pub(super) from: Crossing,
     /// The crossing on the side that runs from behind the plane to before it.
@@ -29,7 +29,7 @@ pub(super) struct Segment {
 /// A segment continues with the segment that starts where it ends. If a side has more than two triangles, as in meshes
 /// with two edges between the same vertices, the first end continues with the first start, and so on; so chains are
 /// closed wherever sides have as many ends as starts.
-pub(super) fn chains(mut segments: Vec<Segment>, watch: &Watch) -> Result<Vec<(Vec<Crossing>, bool)>, Stopped> {
+pub(super) fn chains(mut segments: Vec<CutSegment>, watch: &Watch) -> Result<Vec<(Vec<Crossing>, bool)>, Stopped> {
     watch.check()?;
     segments.par_sort_by_key(|segment| segment.from);
     watch.check()?;
@@ -62,7 +62,7 @@ pub(super) fn chains(mut segments: Vec<Segment>, watch: &Watch) -> Result<Vec<(V
 }
 
 /// Returns for each segment its successor, or [`NONE`], and whether it has no predecessor.
-fn links(segments: &[Segment]) -> (Vec<u32>, Vec<bool>) {
+fn links(segments: &[CutSegment]) -> (Vec<u32>, Vec<bool>) {
     let mut ends: Vec<u32> = (0..index(segments.len())).collect();
     ends.par_sort_by_key(|&i| segments[i as usize].to);
     let (mut next, mut is_start) = (vec![NONE; segments.len()], vec![true; segments.len()]);

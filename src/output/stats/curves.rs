@@ -29,7 +29,7 @@ pub(super) fn report<const D: usize>(curves: &[Curve], watch: &Watch) -> Result<
         shape_hash.add(part, points::<D>(curve).iter().map(<[f64; D]>::as_slice), &mut bytes);
     }
     let origin = bounds.center();
-    let Sums { moments, area, n_edges } = sums::<D>(curves, origin, watch)?;
+    let CurveSums { moments, area, n_edges } = sums::<D>(curves, origin, watch)?;
     let n_points: usize = curves.iter().map(Curve::len).sum();
     let n_closed = curves.iter().filter(|curve| curve.closed).count();
     let plane = D == 2 && n_points > 0 && n_closed == curves.len();
@@ -52,7 +52,7 @@ pub(super) fn report<const D: usize>(curves: &[Curve], watch: &Watch) -> Result<
 }
 
 /// The sums over edges.
-struct Sums<const D: usize> {
+struct CurveSums<const D: usize> {
     moments: Moments<D>,
     /// Signed area, for plane polygons only.
     area: f64,
@@ -60,8 +60,8 @@ struct Sums<const D: usize> {
 }
 
 /// Returns the sums over all edges, with points relative to `origin`.
-fn sums<const D: usize>(curves: &[Curve], origin: [f64; D], watch: &Watch) -> Result<Sums<D>, Stopped> {
-    let mut sums = Sums { moments: Moments::ZERO, area: 0.0, n_edges: 0 };
+fn sums<const D: usize>(curves: &[Curve], origin: [f64; D], watch: &Watch) -> Result<CurveSums<D>, Stopped> {
+    let mut sums = CurveSums { moments: Moments::ZERO, area: 0.0, n_edges: 0 };
     for curve in curves {
         for [a, b] in edges(points::<D>(curve), curve.closed) {
             if sums.n_edges % CHUNK == 0 {

@@ -86,13 +86,13 @@ fn counts(mesh: &dyn MeshSource, connectivity: &Connectivity) -> Value {
 const BLOCK: usize = 4_096;
 
 /// The sums over faces.
-struct Sums {
+struct MeshSums {
     surface: Moments<3>,
     solid: Moments<3>,
     hash: ShapeHash,
 }
 
-impl Sums {
+impl MeshSums {
     const ZERO: Self = Self { surface: Moments::ZERO, solid: Moments::ZERO, hash: ShapeHash::ZERO };
 
     /// Returns the sums over some faces, with positions relative to `origin`.
@@ -119,18 +119,18 @@ impl Sums {
     }
 }
 
-fn sums(mesh: &dyn MeshSource, rows: &[[f64; 3]], origin: [f64; 3], watch: &Watch) -> Result<Sums, Stopped> {
-    let mut sums = Sums::ZERO;
+fn sums(mesh: &dyn MeshSource, rows: &[[f64; 3]], origin: [f64; 3], watch: &Watch) -> Result<MeshSums, Stopped> {
+    let mut sums = MeshSums::ZERO;
     in_chunks(mesh.n_faces(), |range| {
         watch.check()?;
         let starts: Vec<usize> = range.clone().step_by(BLOCK).collect();
         let block = |faces: &mut FaceChunk, start: usize| {
             mesh.faces(start..range.end.min(start + BLOCK), faces);
-            Sums::of(faces, rows, origin)
+            MeshSums::of(faces, rows, origin)
         };
-        let blocks: Vec<Sums> =
+        let blocks: Vec<MeshSums> =
             starts.into_par_iter().map_init(FaceChunk::default, |faces, start| block(faces, start)).collect();
-        sums = blocks.iter().fold(Sums::ZERO, |all, block| all.plus(block)).plus(&sums);
+        sums = blocks.iter().fold(MeshSums::ZERO, |all, block| all.plus(block)).plus(&sums);
         Ok(())
     })?;
     Ok(sums)

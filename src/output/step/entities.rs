@@ -57,9 +57,9 @@ impl<T: fmt::Display> fmt::Display for List<'_, T> {
 /// A text in apostrophes: apostrophes and backslashes are doubled, and other characters than printable ASCII are
 /// escaped by their code.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Text<'a>(pub(super) &'a str);
+pub(super) struct StepText<'a>(pub(super) &'a str);
 
-impl fmt::Display for Text<'_> {
+impl fmt::Display for StepText<'_> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_char('\'')?;
         for c in self.0.chars() {
@@ -123,7 +123,7 @@ impl<'a> Entities<'a> {
 
 #[cfg(test)]
 mod tests {
-    use super::{Real, Text};
+    use super::{Real, StepText};
 
     #[test]
     fn numbers_have_a_point_and_a_capital_exponent() {
@@ -135,6 +135,6 @@ mod tests {
 
     #[test]
     fn texts_are_quoted() {
-        assert_eq!(Text("it's a \\ ü").to_string(), r"'it''s a \\ \X4\000000FC\X0\'");
+        assert_eq!(StepText("it's a \\ ü").to_string(), r"'it''s a \\ \X4\000000FC\X0\'");
     }
 }

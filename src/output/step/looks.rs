@@ -1,7 +1,7 @@
 //! Groups as layers, and colours of materials as styles of faces.
 
-use super::entities::{Entities, Id, List, Real, Text};
-use super::product::Product;
+use super::entities::{Entities, Id, List, Real, StepText};
+use super::product::StepProduct;
 use crate::output::error::FormatError;
 use crate::shape::attachments::Attachments;
 use crate::shape::labels::Labels;
@@ -23,11 +23,11 @@ pub(super) fn looks(
     out: &mut Entities<'_>,
     carried: &Attachments,
     (faces, ids): (&[Face], &[Id]),
-    product: Product,
+    product: StepProduct,
 ) -> Result<(), FormatError> {
     for (name, members) in carried.groups.names.iter().zip(by_label(&carried.groups, faces, ids)) {
         if !members.is_empty() {
-            out.add(format_args!("PRESENTATION_LAYER_ASSIGNMENT({},'',{})", Text(name), List(&members)))?;
+            out.add(format_args!("PRESENTATION_LAYER_ASSIGNMENT({},'',{})", StepText(name), List(&members)))?;
         }
     }
     let mut items = Vec::new();
@@ -39,7 +39,7 @@ pub(super) fn looks(
         let name = &carried.materials.names[material];
         let style = style(out, name, [red, green, blue])?;
         for face in members {
-            items.push(out.add(format_args!("STYLED_ITEM({},({style}),{face})", Text(name)))?);
+            items.push(out.add(format_args!("STYLED_ITEM({},({style}),{face})", StepText(name)))?);
         }
     }
     if !items.is_empty() {
@@ -56,7 +56,7 @@ fn style(out: &mut Entities<'_>, name: &str, color: [f64; 3]) -> Result<Id, Form
     let fill = out.add(format_args!("FILL_AREA_STYLE_COLOUR('',{color})"))?;
     let fill = out.add(format_args!("FILL_AREA_STYLE('',({fill}))"))?;
     let fill = out.add(format_args!("SURFACE_STYLE_FILL_AREA({fill})"))?;
-    let side = out.add(format_args!("SURFACE_SIDE_STYLE({},({fill}))", Text(name)))?;
+    let side = out.add(format_args!("SURFACE_SIDE_STYLE({},({fill}))", StepText(name)))?;
     let usage = out.add(format_args!("SURFACE_STYLE_USAGE(.BOTH.,{side})"))?;
     out.add(format_args!("PRESENTATION_STYLE_ASSIGNMENT(({usage}))"))
 }

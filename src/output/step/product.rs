@@ -9,7 +9,7 @@ pub(super) const SCHEMA: &str = "AP242_MANAGED_MODEL_BASED_3D_ENGINEERING_MIM_LF
 
 /// The entities to which shapes refer.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Product {
+pub(super) struct StepProduct {
     /// The shape of the product as a property.
     pub(super) shape: Id,
     /// Units and accuracy.
@@ -19,7 +19,7 @@ pub(super) struct Product {
 }
 
 /// Writes a product with lengths in this unit that are accurate to `accuracy` units.
-pub(super) fn product(out: &mut Entities<'_>, unit: Unit, accuracy: f64) -> Result<Product, FormatError> {
+pub(super) fn product(out: &mut Entities<'_>, unit: Unit, accuracy: f64) -> Result<StepProduct, FormatError> {
     let application = out.add(format_args!("APPLICATION_CONTEXT('managed model based 3d engineering')"))?;
     out.add(format_args!(
         "APPLICATION_PROTOCOL_DEFINITION('international standard','ap242_managed_model_based_3d_engineering',2014,\
@@ -47,7 +47,7 @@ pub(super) fn product(out: &mut Entities<'_>, unit: Unit, accuracy: f64) -> Resu
     let [axis, reference] =
         [out.add(format_args!("DIRECTION('',(0.,0.,1.))"))?, out.add(format_args!("DIRECTION('',(1.,0.,0.))"))?];
     let axes = out.add(format_args!("AXIS2_PLACEMENT_3D('',{origin},{axis},{reference})"))?;
-    Ok(Product { shape, context, axes })
+    Ok(StepProduct { shape, context, axes })
 }
 
 fn length_unit(out: &mut Entities<'_>, unit: Unit) -> Result<Id, FormatError> {

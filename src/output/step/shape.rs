@@ -2,8 +2,8 @@
 
 use std::fmt::Write as _;
 
-use super::entities::{Entities, Id, List, Real, Text};
-use super::product::Product;
+use super::entities::{Entities, Id, List, Real, StepText};
+use super::product::StepProduct;
 use crate::math::vector::Vector;
 use crate::output::error::FormatError;
 use crate::solid::{BSplineCurve, BSplineSurface, Brep, Face, Shell};
@@ -29,7 +29,7 @@ pub(super) fn faces(out: &mut Entities<'_>, brep: &Brep, watch: &Watch) -> Resul
         let bound = out.add(format_args!("FACE_OUTER_BOUND('',{around},.T.)"))?;
         let surface = surface(out, &face.surface)?;
         let name = name(face);
-        found.push(out.add(format_args!("ADVANCED_FACE({},({bound}),{surface},.T.)", Text(&name)))?);
+        found.push(out.add(format_args!("ADVANCED_FACE({},({bound}),{surface},.T.)", StepText(&name)))?);
     }
     Ok(found)
 }
@@ -111,7 +111,7 @@ pub(super) fn shells(
     out: &mut Entities<'_>,
     shells: &[Shell],
     faces: &[Id],
-    product: Product,
+    product: StepProduct,
 ) -> Result<(), FormatError> {
     let mut items = [vec![product.axes], vec![product.axes]];
     let mut open = Vec::new();

@@ -13,13 +13,13 @@ use crate::shape::seams::{Interpolation, Seams};
 
 /// A control mesh under a scheme that OpenSubdiv has.
 #[derive(Debug)]
-pub(super) struct Cage<'a> {
+pub(super) struct UsdaCage<'a> {
     mesh: &'a Mesh,
     plan: &'a Plan,
     standard: Standard,
 }
 
-impl<'a> Cage<'a> {
+impl<'a> UsdaCage<'a> {
     /// Returns the cage of a plan, if the plan is a scheme of OpenSubdiv with all its rules.
     pub(super) fn of(mesh: &'a Mesh, plan: &'a Plan) -> Option<Self> {
         let standard = plan.standard()?;

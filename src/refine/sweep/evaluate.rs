@@ -10,7 +10,7 @@ use super::lattice::{AXES, CornerFrame, axis, corner, last};
 use super::program::Sweep;
 use super::star::StarShape;
 use super::stencils::{Stencil, Stencils};
-use super::task::Task;
+use super::task::PatchRun;
 use crate::kept::Numbers;
 use crate::shape::topology::NONE;
 use crate::watch::{Stopped, Watch};
@@ -22,7 +22,7 @@ pub(super) const BAND: usize = 32;
 
 /// How the functionals at a point are combined into its value.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Rule<const W: usize> {
+pub(crate) struct ValueRule<const W: usize> {
     /// The value of one sector, from its functionals.
     pub(crate) of: fn(&[[f64; W]]) -> [f64; W],
     /// The value of a point with several sectors, from the values of the sectors.
@@ -33,7 +33,7 @@ pub(crate) struct Rule<const W: usize> {
 
 /// The values of all points, in the documented order.
 #[derive(Debug)]
-pub(crate) struct Evaluated<const W: usize> {
+pub(crate) struct PointValues<const W: usize> {
     /// One value per point, `n x W`.
     pub(crate) values: Numbers,
     /// Values by side at points with several sectors: the point, the point that follows it in a face on that side, and
@@ -53,16 +53,16 @@ impl Sweep {
         &self,
         points: &[f64],
         stencils: &Stencils,
-        rule: Rule<W>,
+        rule: ValueRule<W>,
         watch: &Watch,
-    ) -> Result<Evaluated<W>, Stopped> {
+    ) -> Result<PointValues<W>, Stopped> {
         let points = points.as_chunks::<W>().0;
         assert_eq!(points.len(), self.n_points(), "the points belong to another net");
         let base = &self.surface.base;
         let mut values = Numbers::to_overwrite(points.len() * W);
         let (vertices, rest) = values.as_chunks_mut::<W>().0.split_at_mut(base.n_vertices());
-        let run = Evaluation::new(self, points, stencils, rule);
-        let made = self.tasks(rest).into_par_iter().map_init(Buffers::<W>::default, |buffers, mut task| {
+        let run = PatchEvaluator::new(self, points, stencils, rule);
+        let made = self.tasks(rest).into_par_iter().map_init(BandBuffers::<W>::default, |buffers, mut task| {
             for patch in task.patches.clone() {
                 for first in (0..=run.n).step_by(BAND) {
                     watch.check()?;
@@ -82,16 +82,16 @@ impl Sweep {
             vertices[v] = (rule.alone)(points[v]);
         }
         sides.sort_unstable_by_key(|&(side, _)| side);
-        Ok(Evaluated { values, sides })
+        Ok(PointValues { values, sides })
     }
 }
 
 /// The data that the evaluation of all patches shares.
-pub(super) struct Evaluation<'a, const W: usize> {
+pub(super) struct PatchEvaluator<'a, const W: usize> {
     sweep: &'a Sweep,
     points: &'a [[f64; W]],
     stencils: &'a Stencils,
-    rule: Rule<W>,
+    rule: ValueRule<W>,
     /// Number of pieces of a patch's side.
     pub(super) n: usize,
     /// The masks of the functionals at regular points, over the buffer of a band.
@@ -100,15 +100,15 @@ pub(super) struct Evaluation<'a, const W: usize> {
 
 /// The buffers of one thread: a band, with one more row on each side and one more column at each end.
 #[derive(Default)]
-struct Buffers<const W: usize> {
+struct BandBuffers<const W: usize> {
     points: Vec<f64>,
     functionals: Vec<Vec<f64>>,
     values: Vec<[f64; W]>,
     sides: Vec<([u32; 2], [f64; W])>,
 }
 
-impl<'a, const W: usize> Evaluation<'a, W> {
-    pub(super) fn new(sweep: &'a Sweep, points: &'a [[f64; W]], stencils: &'a Stencils, rule: Rule<W>) -> Self {
+impl<'a, const W: usize> PatchEvaluator<'a, W> {
+    pub(super) fn new(sweep: &'a Sweep, points: &'a [[f64; W]], stencils: &'a Stencils, rule: ValueRule<W>) -> Self {
         let n = sweep.patch_pieces();
         let stride = n + 3;
         let len = (BAND + 2) * stride * W;
@@ -127,7 +127,7 @@ impl<'a, const W: usize> Evaluation<'a, W> {
     }
 
     /// Evaluates the points in some rows of a patch.
-    fn band(&self, patch: usize, rows: Range<usize>, buffers: &mut Buffers<W>, task: &mut Task<'_, W>) {
+    fn band(&self, patch: usize, rows: Range<usize>, buffers: &mut BandBuffers<W>, task: &mut PatchRun<'_, W>) {
         let len = (BAND + 2) * (self.n + 3);
         at_least(&mut buffers.points, len * W);
         self.gather(patch, &rows, |v| self.points[v as usize], buffers.points.as_chunks_mut().0);
@@ -225,7 +225,7 @@ impl<'a, const W: usize> Evaluation<'a, W> {
     }
 
     /// Evaluates the points on lines; the patch in which an edge appears first also records their values by side.
-    fn lines(&self, patch: usize, rows: &Range<usize>, buffers: &mut Buffers<W>) {
+    fn lines(&self, patch: usize, rows: &Range<usize>, buffers: &mut BandBuffers<W>) {
         let (order, surface, n) = (&self.sweep.orders[1], &self.sweep.surface, self.n);
         let reach = rows.start.cast_signed()..rows.end.cast_signed();
         for (side, half_edge) in surface.patches.half_edges(patch).enumerate() {
@@ -255,7 +255,7 @@ impl<'a, const W: usize> Evaluation<'a, W> {
     }
 
     /// Evaluates the corners of the patch around which the grid is not regular.
-    fn stars(&self, patch: usize, rows: &Range<usize>, buffers: &mut Buffers<W>) {
+    fn stars(&self, patch: usize, rows: &Range<usize>, buffers: &mut BandBuffers<W>) {
         let surface = &self.sweep.surface;
         for (side, half_edge) in surface.patches.half_edges(patch).enumerate() {
             let v = surface.patches.vertex(half_edge) as usize;
@@ -276,7 +276,7 @@ impl<'a, const W: usize> Evaluation<'a, W> {
     }
 
     /// Writes the values of the rows to their places in the documented order.
-    pub(super) fn emit(&self, patch: usize, rows: &Range<usize>, values: &[[f64; W]], task: &mut Task<'_, W>) {
+    pub(super) fn emit(&self, patch: usize, rows: &Range<usize>, values: &[[f64; W]], task: &mut PatchRun<'_, W>) {
         let (order, surface, n) = (&self.sweep.orders[1], &self.sweep.surface, self.n);
         for j in rows.start.max(1)..rows.end.min(n) {
             let len = last(surface.tile, n, j).saturating_sub(1);

@@ -3,7 +3,7 @@
 use std::ops::Range;
 
 use super::places::{Span, spans};
-use super::window::{OnDemand, Window};
+use super::window::{GridWindow, OnDemand};
 use crate::math::vector::plus;
 
 /// A contribution of a face to a vertex: the index of the vertex in the range, the face, and the vector.
@@ -65,7 +65,7 @@ impl RowSums {
     fn add(
         &mut self,
         span: &Span,
-        window: &Window<'_>,
+        window: &GridWindow<'_>,
         of_face: impl Fn([[f64; 3]; 4]) -> [f64; 3],
         out: &mut [[f64; 3]],
     ) {

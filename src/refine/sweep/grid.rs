@@ -5,7 +5,7 @@ use std::ops::{Range, RangeInclusive};
 use super::kernel::{FlatGroup, FlatMask, sum_at};
 use super::lattice::{AXES, after, cell};
 use super::mask::{LineMasks, Pass};
-use super::planes::{Mask, MaskGroup, PLANES};
+use super::planes::{MaskGroup, PLANES, PlaneMask};
 
 /// One pass, prepared for one size of grid.
 #[derive(Debug)]
@@ -35,13 +35,13 @@ enum FlatUse {
 
 /// The size of a grid: `cells x cells` plus a halo of `halo` cells on each side; points have `width` coordinates.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Size {
+pub(super) struct GridSize {
     pub(super) cells: usize,
     pub(super) halo: usize,
     pub(super) width: usize,
 }
 
-impl Size {
+impl GridSize {
     /// Number of points in a row.
     pub(super) fn stride(self) -> usize {
         self.cells + 1 + 2 * self.halo
@@ -81,7 +81,7 @@ impl Size {
 
 /// Prepares the passes of a round for grids of one size. After them, the points of the refined grid are correct that
 /// lie within it or at most `beyond` outside.
-pub(super) fn flat_passes(passes: &[Pass], size: Size, beyond: isize) -> Vec<FlatPass> {
+pub(super) fn flat_passes(passes: &[Pass], size: GridSize, beyond: isize) -> Vec<FlatPass> {
     let (mut beyond, mut wanted) = (beyond, [true; PLANES]);
     let mut flat: Vec<FlatPass> = Vec::new();
     for pass in passes.iter().rev() {
@@ -102,8 +102,8 @@ pub(super) fn flat_passes(passes: &[Pass], size: Size, beyond: isize) -> Vec<Fla
 }
 
 impl FlatPass {
-    fn new(pass: &Pass, size: Size, beyond: isize, wanted: [bool; PLANES]) -> Self {
-        let flat = |mask: &Mask| mask.iter().map(|group| size.flat(group)).collect::<Vec<_>>();
+    fn new(pass: &Pass, size: GridSize, beyond: isize, wanted: [bool; PLANES]) -> Self {
+        let flat = |mask: &PlaneMask| mask.iter().map(|group| size.flat(group)).collect::<Vec<_>>();
         let (is, planes) = match pass {
             Pass::Up(masks) => (FlatUse::Up, masks),
             Pass::Blend { planes, .. } => (FlatUse::Blend, planes),
@@ -111,7 +111,7 @@ impl FlatPass {
         };
         let lines = match pass {
             Pass::Blend { lines, .. } => {
-                let line = |mask: &Mask| FlatLine { groups: flat(mask), reach: reach(mask) };
+                let line = |mask: &PlaneMask| FlatLine { groups: flat(mask), reach: reach(mask) };
                 let along = |masks: &LineMasks| masks.iter().map(|masks| masks.each_ref().map(line)).collect();
                 lines.iter().map(|masks| masks.as_ref().map(along)).collect()
             }
@@ -134,7 +134,7 @@ impl FlatPass {
 }
 
 /// Returns the smallest and the largest cell offset of the members of a mask.
-fn reach(mask: &Mask) -> [[isize; 2]; 2] {
+fn reach(mask: &PlaneMask) -> [[isize; 2]; 2] {
     let members = || mask.iter().flat_map(|group| &group.members);
     let along = |axis: usize| members().map(move |(_, at)| at[axis]);
     [[0, 1].map(|axis| along(axis).min().unwrap_or(0)), [0, 1].map(|axis| along(axis).max().unwrap_or(0))]
@@ -165,7 +165,7 @@ pub(super) fn at_least(buffer: &mut Vec<f64>, len: usize) {
 
 impl Planes {
     /// Returns the point at a place of the refined grid.
-    pub(super) fn point<const W: usize>(&self, size: Size, place: [isize; 2]) -> [f64; W] {
+    pub(super) fn point<const W: usize>(&self, size: GridSize, place: [isize; 2]) -> [f64; W] {
         let (plane, cell) = cell(place);
         let at = size.at(cell);
         std::array::from_fn(|c| self.now[plane][at + c])
@@ -173,7 +173,7 @@ impl Planes {
 
     /// Refines the grid once. Afterwards the planes hold the vertices, the edge points along the first and the second
     /// axis, and the face points, each at the cell whose lower left corner it belongs to.
-    pub(super) fn refine(&mut self, passes: &[FlatPass], size: Size, lines: &[GridLine]) {
+    pub(super) fn refine(&mut self, passes: &[FlatPass], size: GridSize, lines: &[GridLine]) {
         let len = size.len();
         self.now.iter_mut().chain(&mut self.next).for_each(|plane| at_least(plane, len));
         let pushes = passes.iter().any(|pass| pass.is == FlatUse::Push);
@@ -196,7 +196,7 @@ impl Planes {
         }
     }
 
-    fn blend(&mut self, pass: &FlatPass, size: Size, lines: &[GridLine]) {
+    fn blend(&mut self, pass: &FlatPass, size: GridSize, lines: &[GridLine]) {
         let len = size.len();
         let Self { now, next, .. } = self;
         let source = now.each_ref().map(|plane| &plane[..len]);
@@ -226,7 +226,13 @@ impl Planes {
 
 /// Computes the points on a line, including those beyond its ends whose stencils lie in the grid, because blocks of a
 /// patch need them.
-fn draw_line(pass: &FlatPass, source: &[&[f64]; PLANES], next: &mut [Vec<f64>; PLANES], size: Size, line: GridLine) {
+fn draw_line(
+    pass: &FlatPass,
+    source: &[&[f64]; PLANES],
+    next: &mut [Vec<f64>; PLANES],
+    size: GridSize,
+    line: GridLine,
+) {
     let Some(masks) = &pass.lines[line.line] else { return };
     for (point, mask) in masks[line.axis].iter().enumerate() {
         let (plane, start) = if point == 0 { (0, line.from) } else { after(line.axis, line.from) };
@@ -240,7 +246,7 @@ fn draw_line(pass: &FlatPass, source: &[&[f64]; PLANES], next: &mut [Vec<f64>; P
 }
 
 /// Returns the steps along an axis from `start` for which the stencil of the point, with this reach, lies in the grid.
-fn steps_on_line(axis: usize, start: [isize; 2], reach: [[isize; 2]; 2], size: Size) -> RangeInclusive<isize> {
+fn steps_on_line(axis: usize, start: [isize; 2], reach: [[isize; 2]; 2], size: GridSize) -> RangeInclusive<isize> {
     let [low, high] = [-size.halo.cast_signed(), (size.cells + size.halo).cast_signed()];
     let (mut least, mut most) = (-high - size.halo.cast_signed(), high + size.halo.cast_signed());
     for k in 0..2 {

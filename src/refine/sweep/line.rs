@@ -4,14 +4,14 @@ use crate::shape::creases::INFINITE_SHARPNESS;
 
 /// The kind of a side of a patch that is not smooth.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) enum Line {
+pub(super) enum SharpSide {
     /// An edge with one face.
     Boundary,
     /// An edge with two faces and this sharpness.
     Crease(f64),
 }
 
-impl Line {
+impl SharpSide {
     /// Returns the line after so many rounds, or `None` if it is smooth by then.
     pub(super) fn after(self, rounds: usize) -> Option<Self> {
         match self {

@@ -2,31 +2,31 @@
 
 use super::lanes::Lanes;
 use super::lattice::{cell, fine, is_within};
-use super::line::Line;
-use super::planes::{Mask, MaskGroup, PLANES};
-use super::sample::{RADIUS, Sample, Table, Use};
+use super::line::SharpSide;
+use super::planes::{MaskGroup, PLANES, PlaneMask};
+use super::sample::{MaskTable, RADIUS, Sample, TableUse};
 use crate::math::functions::ratio;
 use crate::scheme::plan::{Plan, Scheduled};
 use crate::shape::tile::Tile;
 
 /// The masks on a line for each of the [`AXES`](super::lattice::AXES) along which patches have sides: of vertices and
 /// of edge points.
-pub(super) type LineMasks = Vec<[Mask; 2]>;
+pub(super) type LineMasks = Vec<[PlaneMask; 2]>;
 
 /// How one step computes the points of the planes.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) enum Pass {
     /// Each plane is computed from the coarse grid, which is the first plane.
-    Up([Mask; PLANES]),
+    Up([PlaneMask; PLANES]),
     /// Each plane is computed from all planes.
     Blend {
         /// The masks where everything is smooth.
-        planes: [Mask; PLANES],
+        planes: [PlaneMask; PLANES],
         /// For each line its masks, or `None` where the line is smooth.
         lines: Vec<Option<LineMasks>>,
     },
     /// The masks are applied to the differences between the coarse grid and its children, and added to each plane.
-    Push([Mask; PLANES]),
+    Push([PlaneMask; PLANES]),
 }
 
 /// Returns the passes of a round on a net with these lines and lanes, or `None` if masks cannot express its rows.
@@ -34,7 +34,7 @@ pub(super) fn passes(
     plan: &Plan,
     round: &[Scheduled],
     tile: Tile,
-    lines: &[Option<Line>],
+    lines: &[Option<SharpSide>],
     lanes: Option<Lanes>,
 ) -> Option<Vec<Pass>> {
     let sample = |line| Sample::new(tile, line, RADIUS).with_lanes(lanes);
@@ -43,9 +43,10 @@ pub(super) fn passes(
     for line in lines {
         let axes = if tile == Tile::Quad { 2 } else { 3 };
         // a net with lanes has boundaries along latitude edges only
-        let occurs =
-            |line: Line, axis: usize| line != Line::Boundary || lanes.is_none_or(|lanes| lanes.turned == (axis == 1));
-        let along = |line: Line| {
+        let occurs = |line: SharpSide, axis: usize| {
+            line != SharpSide::Boundary || lanes.is_none_or(|lanes| lanes.turned == (axis == 1))
+        };
+        let along = |line: SharpSide| {
             let tables = |axis| {
                 if !occurs(line, axis) {
                     return Some(None);
@@ -68,35 +69,35 @@ pub(super) fn passes(
 }
 
 impl Pass {
-    fn smooth(table: &Table) -> Option<Self> {
+    fn smooth(table: &MaskTable) -> Option<Self> {
         let masks = table.masks.iter().map(|(_, mask)| mask.clone()).collect::<Vec<_>>();
-        let masks: [Mask; PLANES] = masks.try_into().ok()?;
+        let masks: [PlaneMask; PLANES] = masks.try_into().ok()?;
         match table.is {
-            Use::Up => {
+            TableUse::Up => {
                 let stays = [MaskGroup { weight: 1.0, members: vec![(0, [0, 0])] }];
                 (masks[0] == stays).then_some(Self::Up(masks))
             }
-            Use::Push => Some(Self::Push(masks)),
-            Use::Blend => Some(Self::Blend { planes: masks, lines: Vec::new() }),
+            TableUse::Push => Some(Self::Push(masks)),
+            TableUse::Blend => Some(Self::Blend { planes: masks, lines: Vec::new() }),
         }
     }
 
     /// Adds a line, given its table for each axis on which it occurs, or `None` if the line is smooth. Returns `None`
     /// if points next to the line have other masks than elsewhere, or if points on it do in a pass that has no line
     /// masks.
-    fn add_line(&mut self, tables: Option<&[Option<&Table>]>) -> Option<()> {
+    fn add_line(&mut self, tables: Option<&[Option<&MaskTable>]>) -> Option<()> {
         let masks = match self {
             Self::Up(masks) | Self::Push(masks) => masks,
             Self::Blend { planes, .. } => planes,
         };
-        let as_elsewhere = |of: &[(usize, Mask)]| of.iter().all(|(plane, mask)| same(mask, &masks[*plane]));
+        let as_elsewhere = |of: &[(usize, PlaneMask)]| of.iter().all(|(plane, mask)| same(mask, &masks[*plane]));
         for table in tables.into_iter().flatten().flatten() {
-            if !as_elsewhere(&table.beside) || !(as_elsewhere(&table.masks) || table.is == Use::Blend) {
+            if !as_elsewhere(&table.beside) || !(as_elsewhere(&table.masks) || table.is == TableUse::Blend) {
                 return None;
             }
         }
         if let Self::Blend { lines, .. } = self {
-            let on_line = |table: Option<&Table>| {
+            let on_line = |table: Option<&MaskTable>| {
                 [0, 1].map(|point: usize| table.map_or_else(Vec::new, |table| table.masks[point].1.clone()))
             };
             lines.push(tables.map(|tables| tables.iter().copied().map(on_line).collect()));
@@ -121,7 +122,7 @@ impl Pass {
     /// Returns an upper bound of the factor by which values grow: the greatest value after the pass divided by the
     /// greatest value before it in the round.
     pub(super) fn growth(&self) -> f64 {
-        let of = |masks: &[Mask]| masks.iter().map(total).fold(1.0, f64::max);
+        let of = |masks: &[PlaneMask]| masks.iter().map(total).fold(1.0, f64::max);
         match self {
             Self::Up(masks) => of(masks),
             Self::Blend { planes, lines } => {
@@ -154,13 +155,13 @@ impl Pass {
 }
 
 /// Returns the sum of the absolute values of the weights of a mask.
-fn total(mask: &Mask) -> f64 {
+fn total(mask: &PlaneMask) -> f64 {
     mask.iter().map(|group| group.weight.abs() * ratio(group.members.len(), 1)).sum()
 }
 
 /// Returns whether two masks are equal up to the order of members in a group, which keeps opposite pairs.
-fn same(a: &Mask, b: &Mask) -> bool {
-    let sorted = |mask: &Mask| {
+fn same(a: &PlaneMask, b: &PlaneMask) -> bool {
+    let sorted = |mask: &PlaneMask| {
         let mut mask = mask.clone();
         mask.iter_mut().for_each(|group| group.members.sort_unstable());
         mask
@@ -218,7 +219,7 @@ impl KnownPoints {
     /// the patch and its halo.
     fn suffices(mut self, passes: &[Pass]) -> bool {
         for pass in passes {
-            let whole = |mask: &Mask, [i, j]: [isize; 2], has: &dyn Fn(usize, [isize; 2]) -> bool| {
+            let whole = |mask: &PlaneMask, [i, j]: [isize; 2], has: &dyn Fn(usize, [isize; 2]) -> bool| {
                 mask.iter().flat_map(|group| &group.members).all(|&(plane, [a, b])| has(plane, [i + a, j + b]))
             };
             let after: Vec<bool> = self

@@ -29,8 +29,8 @@ mod traced;
 mod weave;
 mod window;
 
-pub(crate) use evaluate::Rule;
-pub(crate) use program::{Outline, Sweep};
+pub(crate) use evaluate::ValueRule;
+pub(crate) use program::{Sweep, SweepOutline};
 pub(crate) use stencils::{Stencil, Stencils};
-pub(crate) use traced::Traced;
+pub(crate) use traced::TracedRows;
 pub(super) use window::OnDemand;

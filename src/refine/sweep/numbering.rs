@@ -2,25 +2,25 @@
 
 use std::sync::Arc;
 
-use crate::shape::grid::Grid;
+use crate::shape::grid::QuadGrid;
 use crate::shape::tile::Tile;
 use crate::shape::tiling::Tiling;
 use crate::shape::topology::Topology;
 
 /// The documented order of a mesh after some splits that halve all edges.
 #[derive(Debug)]
-pub(super) struct Numbering {
+pub(super) struct SplitOrder {
     base: Arc<Topology>,
     /// Number of pieces of a base edge.
     pieces: usize,
     /// The order of a refined mesh of quads; `None` for triangles, whose indices are computed directly.
-    quads: Option<Grid>,
+    quads: Option<QuadGrid>,
 }
 
-impl Numbering {
+impl SplitOrder {
     /// Creates the numbering after `splits` splits of a base.
     pub(super) fn new(base: &Arc<Topology>, tile: Tile, splits: usize) -> Self {
-        let quads = || Grid::new(base.clone(), base.clone(), vec![2; splits].into());
+        let quads = || QuadGrid::new(base.clone(), base.clone(), vec![2; splits].into());
         Self { base: base.clone(), pieces: 1 << splits, quads: (tile == Tile::Quad).then(quads) }
     }
 
@@ -35,7 +35,7 @@ impl Numbering {
 
     /// Returns the number of vertices.
     pub(super) fn n_vertices(&self) -> usize {
-        self.quads.as_ref().map_or_else(|| self.triangles().n_vertices(), Grid::n_vertices)
+        self.quads.as_ref().map_or_else(|| self.triangles().n_vertices(), QuadGrid::n_vertices)
     }
 
     /// Returns the number of points inside a base face.

@@ -5,11 +5,11 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use rayon::prelude::*;
 
-use super::grid::{GridLine, Planes, Size, at_least};
+use super::grid::{GridLine, GridSize, Planes, at_least};
 use super::lattice::{CornerFrame, axis, cell, corner, sector};
 use super::program::{Flat, Sweep};
 use super::star::StarWork;
-use super::task::Task;
+use super::task::PatchRun;
 use super::weave::{GridRow, weave};
 use crate::kept::Numbers;
 use crate::shape::tile::Tile;
@@ -97,7 +97,7 @@ pub(super) trait Target<const W: usize> {
     fn wants(&self, block: Block, cells: usize) -> bool;
 
     /// Receives the points of a block; `size` is that of the block's grid before the last round.
-    fn take(&mut self, sweep: &Sweep, size: Size, block: Block, planes: &Planes);
+    fn take(&mut self, sweep: &Sweep, size: GridSize, block: Block, planes: &Planes);
 }
 
 /// The data that all patches of a sweep share.
@@ -268,7 +268,7 @@ impl<const W: usize> SweepRun<'_, W> {
         }
         let mut woven = std::mem::take(&mut worker.woven[round]);
         let next = sweep.size(round + 1, W);
-        let fine = Size { cells: 2 * size.cells, ..size };
+        let fine = GridSize { cells: 2 * size.cells, ..size };
         weave::<W>(&worker.planes, size, fine, &mut woven);
         let refined = block.refined();
         if fine.cells == next.cells {
@@ -338,12 +338,12 @@ impl<const W: usize> SweepRun<'_, W> {
     }
 }
 
-impl<const W: usize> Target<W> for Task<'_, W> {
+impl<const W: usize> Target<W> for PatchRun<'_, W> {
     fn wants(&self, _block: Block, _cells: usize) -> bool {
         true
     }
 
-    fn take(&mut self, sweep: &Sweep, size: Size, block: Block, planes: &Planes) {
+    fn take(&mut self, sweep: &Sweep, size: GridSize, block: Block, planes: &Planes) {
         let (order, surface) = (&sweep.orders[1], &sweep.surface);
         let tile = surface.tile;
         let (cells, block) = (2 * size.cells, block.refined());

@@ -13,4 +13,4 @@ pub(super) struct MaskGroup {
 }
 
 /// The weighted groups whose sum is a refined point.
-pub(super) type Mask = Vec<MaskGroup>;
+pub(super) type PlaneMask = Vec<MaskGroup>;

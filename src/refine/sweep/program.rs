@@ -3,12 +3,12 @@
 
 use std::sync::Arc;
 
-use super::grid::{FlatPass, Size, flat_passes};
+use super::grid::{FlatPass, GridSize, flat_passes};
 use super::lanes::Lanes;
 use super::lattice::reach;
-use super::line::Line;
+use super::line::SharpSide;
 use super::mask::{Pass, halo, passes};
-use super::numbering::Numbering;
+use super::numbering::SplitOrder;
 use super::star::{StarRound, StarShape};
 use super::surface::PatchSurface;
 use crate::scheme::mesh_net::MeshNet;
@@ -41,7 +41,7 @@ pub(crate) struct Sweep {
     steps_before: usize,
     pub(super) rounds: Vec<Round>,
     /// The documented orders of the nets where the sweep begins and where it ends.
-    pub(super) orders: [Numbering; 2],
+    pub(super) orders: [SplitOrder; 2],
     /// Number of pieces of a patch's side where the sweep begins.
     pub(super) first_pieces: usize,
     /// An upper bound of the factor by which values grow over all rounds.
@@ -82,9 +82,9 @@ impl Round {
 
 /// The part of a sweep that can be determined without classifying the vertices of the mesh.
 #[derive(Debug)]
-pub(crate) struct Outline<'a> {
+pub(crate) struct SweepOutline<'a> {
     tile: Tile,
-    lines: Vec<Line>,
+    lines: Vec<SharpSide>,
     lanes: Option<Lanes>,
     rounds: Vec<&'a [Scheduled]>,
     passes: Vec<Arc<Turns>>,
@@ -95,7 +95,7 @@ pub(crate) struct Outline<'a> {
     splits: usize,
 }
 
-impl<'a> Outline<'a> {
+impl<'a> SweepOutline<'a> {
     /// Returns the outline of the sweep of an unrefined net. Returns `None` if some step of the plan does not support
     /// sweeps, if tags or vertex parameters vary from place to place, or if all rounds would be refined by rows.
     pub(crate) fn of(net: &MeshNet, plan: &Plan, steps: &'a [Scheduled]) -> Option<Self> {
@@ -117,7 +117,7 @@ impl<'a> Outline<'a> {
         let (lines, soft) = lines(net)?;
         let rough = base.n_boundary() > 0;
         let on_lines = |at: usize, round: &[Scheduled]| {
-            let line = |line: &Line| line.after(at).filter(|line| rough || *line != Line::Boundary);
+            let line = |line: &SharpSide| line.after(at).filter(|line| rough || *line != SharpSide::Boundary);
             let lines: Vec<_> = lines.iter().map(line).collect();
             match lanes {
                 None => Some(vec![passes(plan, round, tile, &lines, None)?]),
@@ -137,7 +137,7 @@ impl<'a> Outline<'a> {
     }
 }
 
-impl Outline<'_> {
+impl SweepOutline<'_> {
     /// Returns the number of rounds by which the net is refined by rows before the sweep.
     pub(crate) fn before(&self) -> usize {
         self.before
@@ -150,10 +150,11 @@ impl Outline<'_> {
 }
 
 impl Sweep {
-    /// Returns the sweep of a net, if it has an [`Outline`] and the operators can be applied around each of its
+    /// Returns the sweep of a net, if it has a [`SweepOutline`] and the operators can be applied around each of its
     /// vertices.
     pub(crate) fn of(net: &MeshNet, plan: &Plan, steps: &[Scheduled]) -> Option<Self> {
-        let Outline { tile, lines, lanes, rounds, passes, halo, before, splits } = Outline::of(net, plan, steps)?;
+        let SweepOutline { tile, lines, lanes, rounds, passes, halo, before, splits } =
+            SweepOutline::of(net, plan, steps)?;
         let surface = PatchSurface::new(net, tile, (&lines, lanes), before);
         let (head, tail) = rounds.split_at(before);
         let kinds = &surface.kinds;
@@ -165,7 +166,7 @@ impl Sweep {
         let cells = |at: usize| (first_pieces << at).min(MAX_CELLS.max(first_pieces));
         let entries = passes.into_iter().skip(before).zip(stars).enumerate();
         let made: Vec<Round> = entries.map(|(at, (passes, stars))| Round { passes, stars, cells: cells(at) }).collect();
-        let orders = [before, rounds.len()].map(|splits| Numbering::new(&net.mesh.base, tile, splits));
+        let orders = [before, rounds.len()].map(|splits| SplitOrder::new(&net.mesh.base, tile, splits));
         let steps_before = head.iter().map(|round| round.len()).sum();
         let growth = made.iter().map(Round::growth).product::<f64>();
         Some(Self { surface, halo, before, steps_before, rounds: made, orders, first_pieces, growth })
@@ -251,8 +252,8 @@ impl Sweep {
     }
 
     /// Returns the size of the grids before a round.
-    pub(super) fn size(&self, round: usize, width: usize) -> Size {
-        Size { cells: self.rounds[round].cells, halo: self.halo, width }
+    pub(super) fn size(&self, round: usize, width: usize) -> GridSize {
+        GridSize { cells: self.rounds[round].cells, halo: self.halo, width }
     }
 
     /// Returns the shape of the star around a vertex of this kind.
@@ -266,8 +267,8 @@ impl Sweep {
 /// Returns the lines of a net, boundaries first, and the number of rounds after which they are known: zero, or the
 /// rounds until only infinite sharpness is left if the sharpness of an edge depends on its ends or there are too many
 /// different ones. Returns `None` if sharpness depends on more than the net itself.
-fn lines(net: &MeshNet) -> Option<(Vec<Line>, usize)> {
-    let mut lines = vec![Line::Boundary];
+fn lines(net: &MeshNet) -> Option<(Vec<SharpSide>, usize)> {
+    let mut lines = vec![SharpSide::Boundary];
     let Some(sharpness) = &net.sharpness else { return Some((lines, 0)) };
     if !sharpness.is_of_the_net_alone() {
         return None;
@@ -283,7 +284,7 @@ fn lines(net: &MeshNet) -> Option<(Vec<Line>, usize)> {
     }
     let mut soft = (net.rules.creasing.evens_out() && most > 0.0) || own.len() > MAX_LINES;
     for &(_, sharpness) in sharpness.edges() {
-        let line = Line::Crease(sharpness);
+        let line = SharpSide::Crease(sharpness);
         if !lines.contains(&line) && !soft {
             lines.push(line);
             soft = lines.len() > MAX_LINES;
@@ -292,7 +293,7 @@ fn lines(net: &MeshNet) -> Option<(Vec<Line>, usize)> {
     if soft {
         let sharp = sharpness.edges().iter().find(|(_, sharpness)| *sharpness >= INFINITE_SHARPNESS);
         lines.truncate(1);
-        lines.extend(sharp.map(|&(_, sharpness)| Line::Crease(sharpness)));
+        lines.extend(sharp.map(|&(_, sharpness)| SharpSide::Crease(sharpness)));
     }
     #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "finite sharpness is at most 10")]
     Some((lines, if soft { most.ceil() as usize } else { 0 }))
@@ -303,7 +304,7 @@ fn lines(net: &MeshNet) -> Option<(Vec<Line>, usize)> {
 /// steps.
 fn each_round<T>(
     rounds: &[&[Scheduled]],
-    (lines, lanes): (&[Line], Option<Lanes>),
+    (lines, lanes): (&[SharpSide], Option<Lanes>),
     make: impl Fn(usize, &[Scheduled]) -> Option<T>,
 ) -> Option<Vec<Arc<T>>> {
     let same = |a: &Scheduled, b: &Scheduled| {

@@ -5,8 +5,8 @@ use std::sync::Arc;
 
 use super::lanes::Lanes;
 use super::lattice::{AXES, after, cell, fine};
-use super::line::Line;
-use super::planes::{Mask, MaskGroup, PLANES};
+use super::line::SharpSide;
+use super::planes::{MaskGroup, PLANES, PlaneMask};
 use crate::math::rows::{RowSource, Rows};
 use crate::scheme::mesh_net::MeshNet;
 use crate::scheme::plan::{Plan, Scheduled};
@@ -24,7 +24,7 @@ pub(super) const RADIUS: usize = 3;
 
 /// How a step uses a table.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Use {
+pub(super) enum TableUse {
     /// All points are computed from the coarse grid.
     Up,
     /// All points are computed from the points before the step.
@@ -34,20 +34,20 @@ pub(super) enum Use {
 }
 
 /// The masks of one step on one net.
-pub(super) struct Table {
-    pub(super) is: Use,
+pub(super) struct MaskTable {
+    pub(super) is: TableUse,
     /// Planes and masks of the four points that belong to the cell in the middle; if there is a line, those of the
     /// vertex in the middle and of the point that follows it along the line.
-    pub(super) masks: Vec<(usize, Mask)>,
+    pub(super) masks: Vec<(usize, PlaneMask)>,
     /// Planes and masks of points next to the line.
-    pub(super) beside: Vec<(usize, Mask)>,
+    pub(super) beside: Vec<(usize, PlaneMask)>,
 }
 
 /// A small net with a vertex in its middle, which may lie on a line along an axis.
 pub(super) struct Sample {
     /// Number of cells on each side of the middle; also each coordinate of the middle.
     radius: isize,
-    line: Option<(Line, usize)>,
+    line: Option<(SharpSide, usize)>,
     lanes: Option<Lanes>,
     topology: Arc<Topology>,
     /// The place of each vertex.
@@ -62,7 +62,7 @@ fn side(axis: usize, through: isize, [i, j]: [isize; 2]) -> isize {
 
 impl Sample {
     /// Creates a net with `radius` cells on each side of the middle.
-    pub(super) fn new(tile: Tile, line: Option<(Line, usize)>, radius: usize) -> Self {
+    pub(super) fn new(tile: Tile, line: Option<(SharpSide, usize)>, radius: usize) -> Self {
         let radius = radius.cast_signed();
         let cells = (0..2 * radius).flat_map(|j| (0..2 * radius).map(move |i| [i, j]));
         let corners = |[i, j]: [isize; 2]| match tile {
@@ -71,7 +71,7 @@ impl Sample {
                 vec![vec![[i, j], [i + 1, j], [i, j + 1]], vec![[i + 1, j + 1], [i, j + 1], [i + 1, j]]]
             }
         };
-        let cut = line.and_then(|(line, axis)| (line == Line::Boundary).then_some(axis));
+        let cut = line.and_then(|(line, axis)| (line == SharpSide::Boundary).then_some(axis));
         let is_kept =
             |face: &Vec<[isize; 2]>| cut.is_none_or(|axis| face.iter().all(|&at| side(axis, radius, at) >= 0));
         let (mut numbers, mut coarse, mut faces) = (HashMap::new(), Vec::new(), FaceList::default());
@@ -111,7 +111,7 @@ impl Sample {
             a[0] == b[0]
         };
         let net = self.lanes.map_or_else(|| net.clone(), |lanes| lanes.carried(net.clone(), is_odd));
-        let Some((Line::Crease(sharpness), axis)) = self.line else { return net.with_sharpness(None, plan.rules) };
+        let Some((SharpSide::Crease(sharpness), axis)) = self.line else { return net.with_sharpness(None, plan.rules) };
         let on_line =
             |e: usize| self.topology.ends(e).iter().all(|&v| side(axis, self.radius, self.coarse[v as usize]) == 0);
         let sharp = (0..self.topology.n_edges()).filter(|&e| on_line(e)).map(|e| (index(e), sharpness)).collect();
@@ -131,13 +131,13 @@ impl Sample {
     }
 
     /// Returns the masks of each step of a round around the middle, or `None` if masks cannot express one of them.
-    pub(super) fn tables(&self, plan: &Plan, round: &[Scheduled]) -> Option<Vec<Table>> {
+    pub(super) fn tables(&self, plan: &Plan, round: &[Scheduled]) -> Option<Vec<MaskTable>> {
         let steps = steps(self.net(plan), plan, round)?;
         let places = self.places(steps.first()?.1.n_rows());
         let find: HashMap<[isize; 2], usize> = places.iter().enumerate().map(|(i, &place)| (place, i)).collect();
-        let table = |(is, rows): &(Use, Box<dyn RowSource>)| {
+        let table = |(is, rows): &(TableUse, Box<dyn RowSource>)| {
             let mask = |plane: usize, at: [isize; 2]| {
-                self.mask(&**rows, *find.get(&fine(plane, at))?, at, (*is == Use::Blend).then_some(&places))
+                self.mask(&**rows, *find.get(&fine(plane, at))?, at, (*is == TableUse::Blend).then_some(&places))
             };
             let masks = |points: Vec<(usize, [isize; 2])>| {
                 points.into_iter().map(|(plane, at)| Some((plane, mask(plane, at)?))).collect::<Option<Vec<_>>>()
@@ -146,7 +146,7 @@ impl Sample {
                 None => (0..PLANES).map(|plane| (plane, [self.radius; 2])).collect(),
                 Some((_, axis)) => vec![(0, [self.radius; 2]), after(axis, [self.radius; 2])],
             };
-            Some(Table { is: *is, masks: masks(middle)?, beside: masks(self.beside())? })
+            Some(MaskTable { is: *is, masks: masks(middle)?, beside: masks(self.beside())? })
         };
         steps.iter().map(table).collect()
     }
@@ -162,7 +162,13 @@ impl Sample {
 
     /// Returns the mask of one row for a point of cell `at`, over the refined net if `places` are given, else over the
     /// coarse one.
-    fn mask(&self, rows: &dyn RowSource, row: usize, at: [isize; 2], places: Option<&Vec<[isize; 2]>>) -> Option<Mask> {
+    fn mask(
+        &self,
+        rows: &dyn RowSource,
+        row: usize,
+        at: [isize; 2],
+        places: Option<&Vec<[isize; 2]>>,
+    ) -> Option<PlaneMask> {
         let mut table = Rows::default();
         rows.make(row..row + 1, &mut table);
         let member = |i: u32| match places {
@@ -179,24 +185,24 @@ impl Sample {
 }
 
 /// Returns the rows of each step of a round and how they are used, or `None` if a step does not fit this form.
-pub(super) fn steps(mut net: MeshNet, plan: &Plan, round: &[Scheduled]) -> Option<Vec<(Use, Box<dyn RowSource>)>> {
+pub(super) fn steps(mut net: MeshNet, plan: &Plan, round: &[Scheduled]) -> Option<Vec<(TableUse, Box<dyn RowSource>)>> {
     let mut tables = Vec::new();
     for step in round {
         let next = Stepper::new(plan).next(&net, step).ok()?;
         tables.push(used(next.action)?);
         net = next.net;
     }
-    let ups = tables.iter().filter(|(is, _)| *is == Use::Up).count();
-    (ups == 1 && tables[0].0 == Use::Up).then_some(tables)
+    let ups = tables.iter().filter(|(is, _)| *is == TableUse::Up).count();
+    (ups == 1 && tables[0].0 == TableUse::Up).then_some(tables)
 }
 
-fn used(action: Action) -> Option<(Use, Box<dyn RowSource>)> {
+fn used(action: Action) -> Option<(TableUse, Box<dyn RowSource>)> {
     match action {
-        Action::BlendFromAnchor(rows) => Some((Use::Up, rows)),
-        Action::Blend(rows) => Some((Use::Blend, rows)),
+        Action::BlendFromAnchor(rows) => Some((TableUse::Up, rows)),
+        Action::Blend(rows) => Some((TableUse::Blend, rows)),
         Action::PushBack { rows, children } => {
             let same = children.iter().enumerate().all(|(v, &child)| child as usize == v);
-            same.then_some((Use::Push, rows))
+            same.then_some((TableUse::Push, rows))
         }
         Action::Map(_) | Action::Sequence(_) => None,
     }

@@ -6,7 +6,7 @@ use std::sync::Arc;
 use super::lanes::Lanes;
 use super::lattice::{last, sector};
 use super::line::softened;
-use super::sample::{Use, steps};
+use super::sample::{TableUse, steps};
 use crate::math::rows::{RowSource, Rows};
 use crate::scheme::mesh_net::MeshNet;
 use crate::scheme::plan::{Plan, Scheduled};
@@ -108,12 +108,12 @@ impl StarShape {
 /// The tables of one round for the points of a star.
 #[derive(Debug)]
 pub(super) struct StarRound {
-    stages: Vec<Stage>,
+    stages: Vec<StarStep>,
 }
 
 /// One step, restricted to the points that later steps need and renumbered accordingly.
 #[derive(Debug)]
-enum Stage {
+enum StarStep {
     /// Rows over the points of the star before the round.
     Up(Rows),
     /// Rows over the points before the step.
@@ -137,24 +137,24 @@ impl StarRound {
         round: &[Scheduled],
     ) -> Option<Self> {
         let kind = kind.after(before);
-        let disc = Disc::new(&kind, tile, reach)?;
+        let disc = StarMesh::new(&kind, tile, reach)?;
         let tables = steps(disc.net(&kind, plan), plan, round)?;
         let mut needed = Needed::of(disc.next());
         let mut stages = Vec::new();
         for (is, rows) in tables.iter().rev() {
             let rows = &**rows;
             let (stage, before) = match is {
-                Use::Up => (Stage::Up(needed.rows(rows, |i| i)), Needed::default()),
-                Use::Blend => {
+                TableUse::Up => (StarStep::Up(needed.rows(rows, |i| i)), Needed::default()),
+                TableUse::Blend => {
                     let mut before = Needed::default();
-                    (Stage::Blend(needed.rows(rows, |i| before.number(i))), before)
+                    (StarStep::Blend(needed.rows(rows, |i| before.number(i))), before)
                 }
-                Use::Push => {
+                TableUse::Push => {
                     let (mut before, mut anchors) = (Needed::of(needed.order.clone()), Needed::default());
                     let made = needed.rows(rows, |i| anchors.number(i));
                     // each vertex keeps its index in the refined net, so it is its own child
                     let differences = anchors.order.iter().map(|&v| [v, before.number(v)]).collect();
-                    (Stage::Push { differences, rows: made }, before)
+                    (StarStep::Push { differences, rows: made }, before)
                 }
             };
             stages.push(stage);
@@ -170,9 +170,9 @@ impl StarRound {
             let total = |row: usize| rows.row(row).1.iter().map(|weight| weight.abs()).sum();
             (0..rows.len()).map(total).fold(1.0, f64::max)
         };
-        let of = |stage: &Stage| match stage {
-            Stage::Up(rows) | Stage::Blend(rows) => largest(rows),
-            Stage::Push { rows, .. } => 1.0 + 2.0 * largest(rows),
+        let of = |stage: &StarStep| match stage {
+            StarStep::Up(rows) | StarStep::Blend(rows) => largest(rows),
+            StarStep::Push { rows, .. } => 1.0 + 2.0 * largest(rows),
         };
         self.stages.iter().map(of).product::<f64>()
     }
@@ -182,9 +182,9 @@ impl StarRound {
         let StarWork { now, next, differences } = work;
         for stage in &self.stages {
             match stage {
-                Stage::Up(rows) => fill(rows, star, next),
-                Stage::Blend(rows) => fill(rows, now, next),
-                Stage::Push { differences: pairs, rows } => {
+                StarStep::Up(rows) => fill(rows, star, next),
+                StarStep::Blend(rows) => fill(rows, now, next),
+                StarStep::Push { differences: pairs, rows } => {
                     differences.clear();
                     differences.extend(pairs.iter().map(|&[anchor, child]| -> [f64; W] {
                         std::array::from_fn(|c| star[anchor as usize][c] - now[child as usize][c])
@@ -253,14 +253,14 @@ impl Needed {
 }
 
 /// The faces around a vertex as a separate mesh, whose vertices are numbered as the points of the star.
-pub(super) struct Disc {
+pub(super) struct StarMesh {
     shape: StarShape,
     topology: Arc<Topology>,
     /// The face index of each ring face and cell; quads only.
     cells: HashMap<(usize, [usize; 2]), usize>,
 }
 
-impl Disc {
+impl StarMesh {
     /// Creates the faces around a vertex of this kind, `reach` cells wide; `None` if they are not a manifold.
     pub(super) fn new(kind: &StarKind, tile: Tile, reach: usize) -> Option<Self> {
         let shape = StarShape { tile, faces: kind.faces, closed: kind.closed, reach };

@@ -1,10 +1,10 @@
 //! Stencils of values at refined points over the points next to them, read off small nets.
 
 use super::lattice::sector;
-use super::line::Line;
+use super::line::SharpSide;
 use super::program::Sweep;
 use super::sample::Sample;
-use super::star::{Disc, StarShape};
+use super::star::{StarMesh, StarShape};
 use crate::scheme::mesh_net::MeshNet;
 use crate::scheme::plan::Plan;
 use crate::shape::tile::Tile;
@@ -56,7 +56,7 @@ impl Sweep {
         find: impl Fn(&MeshNet, u32) -> Result<Option<Stencil<u32>>, E>,
     ) -> Result<Option<Stencils>, E> {
         let (tile, rounds) = (self.tile(), self.n_rounds());
-        let on_grid = |line: Option<(Line, usize)>| {
+        let on_grid = |line: Option<(SharpSide, usize)>| {
             let sample = Sample::new(tile, line, rings + 1);
             let near = |v: u32| Some(sample.off_middle(v)).filter(|place| place.iter().all(|x| x.abs() <= 1));
             let found = find(&sample.net(plan), sample.middle());
@@ -66,7 +66,7 @@ impl Sweep {
         let axes = if tile == Tile::Quad { 2 } else { 3 };
         let mut lines = Vec::new();
         for line in &self.surface.lines {
-            let line = line.filter(|line| *line != Line::Boundary || self.surface.base.n_boundary() > 0);
+            let line = line.filter(|line| *line != SharpSide::Boundary || self.surface.base.n_boundary() > 0);
             let Some(line) = line.and_then(|line| line.after(rounds)) else {
                 lines.push(None);
                 continue;
@@ -78,7 +78,7 @@ impl Sweep {
         let mut stars = Vec::new();
         for kind in &self.surface.kinds {
             let kind = kind.after(rounds);
-            let Some(disc) = Disc::new(&kind, tile, rings + 1) else { return Ok(None) };
+            let Some(disc) = StarMesh::new(&kind, tile, rings + 1) else { return Ok(None) };
             let near = StarShape { tile, faces: kind.faces, closed: kind.closed, reach: 1 };
             let places: Vec<(usize, [usize; 2])> = disc.shape().points().collect();
             let is_near =

@@ -9,8 +9,8 @@ use rayon::prelude::*;
 
 use super::lanes::Lanes;
 use super::lattice::{CornerFrame, last, sector};
-use super::line::{Line, softened};
-use super::numbering::Numbering;
+use super::line::{SharpSide, softened};
+use super::numbering::SplitOrder;
 use super::star::{StarKind, StarShape};
 use crate::scheme::mesh_net::MeshNet;
 use crate::shape::directions::{Direction, Directions};
@@ -30,7 +30,7 @@ pub(super) struct PatchSurface {
     pub(super) patches: Arc<Topology>,
     /// The kinds of sides that are not smooth: boundaries first, then sharp edges; `None` for those that are smooth
     /// when the sweep begins.
-    pub(super) lines: Vec<Option<Line>>,
+    pub(super) lines: Vec<Option<SharpSide>>,
     /// For each edge of the patches the index of its line, or 0 if it is not sharp; empty if no edge is sharp.
     line_of: Vec<u8>,
     /// For each vertex of the patches the index of its kind; [`NONE`] where the grid is regular.
@@ -44,7 +44,7 @@ pub(super) struct PatchSurface {
 impl PatchSurface {
     /// Creates the patches of an unrefined net whose sharp edges lie on these lines, as they are after `before`
     /// rounds.
-    pub(super) fn new(net: &MeshNet, tile: Tile, (lines, lanes): (&[Line], Option<Lanes>), before: usize) -> Self {
+    pub(super) fn new(net: &MeshNet, tile: Tile, (lines, lanes): (&[SharpSide], Option<Lanes>), before: usize) -> Self {
         let base = net.mesh.base.clone();
         let is_split = tile == Tile::Quad && !base.is_quads();
         let patches = if is_split { Arc::new(base.split()) } else { base.clone() };
@@ -53,7 +53,7 @@ impl PatchSurface {
             line_of.resize(patches.n_edges(), 0);
             let pieces = if is_split { 2 } else { 1 };
             for &(e, sharpness) in sharpness.edges() {
-                let still = |line: &Line| *line == Line::Crease(sharpness) && line.after(before).is_some();
+                let still = |line: &SharpSide| *line == SharpSide::Crease(sharpness) && line.after(before).is_some();
                 let line = lines.iter().position(still).unwrap_or(0);
                 line_of[pieces * e as usize..][..pieces].fill(u8::try_from(line).unwrap_or(0));
             }
@@ -113,7 +113,7 @@ impl PatchSurface {
         let (mut faces, mut sharp, mut closed) = (0, Vec::new(), true);
         for half_edge in patches.ring(v) {
             let edge = patches.edge(half_edge);
-            if let Some(Line::Crease(sharpness)) = self.line_of(edge).and_then(|line| self.lines[line]) {
+            if let Some(SharpSide::Crease(sharpness)) = self.line_of(edge).and_then(|line| self.lines[line]) {
                 sharp.push((faces, sharpness.to_bits()));
             }
             closed &= patches.twin(half_edge) != NONE;
@@ -158,8 +158,8 @@ impl PatchSurface {
     }
 
     /// Returns everything whose sharpness decays, as lines: edges and vertices.
-    pub(super) fn softening(&self) -> Vec<Line> {
-        let corners = self.kinds.iter().map(|kind| Line::Crease(f64::from_bits(kind.corner)));
+    pub(super) fn softening(&self) -> Vec<SharpSide> {
+        let corners = self.kinds.iter().map(|kind| SharpSide::Crease(f64::from_bits(kind.corner)));
         self.lines.iter().copied().flatten().chain(corners).collect()
     }
 
@@ -181,7 +181,7 @@ impl PatchSurface {
     }
 
     /// Returns the documented index of a point of a patch; `order` gives the indices at that level.
-    fn vertex(&self, order: &Numbering, patch: usize, [i, j]: [isize; 2]) -> u32 {
+    fn vertex(&self, order: &SplitOrder, patch: usize, [i, j]: [isize; 2]) -> u32 {
         if self.is_whole(order) {
             // the corners are the only points of the patches
             let half_edges = self.patches.half_edges(patch);
@@ -193,7 +193,7 @@ impl PatchSurface {
     }
 
     /// Returns whether the patches are undivided at the level of this numbering.
-    fn is_whole(&self, order: &Numbering) -> bool {
+    fn is_whole(&self, order: &SplitOrder) -> bool {
         order.pieces() == if Arc::ptr_eq(&self.base, &self.patches) { 1 } else { 2 }
     }
 
@@ -202,7 +202,7 @@ impl PatchSurface {
     /// where the grid is not regular, are left out.
     pub(super) fn gather(
         &self,
-        order: &Numbering,
+        order: &SplitOrder,
         patch: usize,
         [n, halo]: [usize; 2],
         mut put: impl FnMut([isize; 2], u32),
@@ -234,7 +234,7 @@ impl PatchSurface {
     /// Returns the documented index of a point of the patch of a half-edge, or of its neighbour across it: `along`
     /// steps along the side and `beside` steps away from it, negative in the neighbour. Patches have `n` pieces per
     /// side.
-    pub(super) fn vertex_near(&self, order: &Numbering, half_edge: u32, n: usize, [along, beside]: [isize; 2]) -> u32 {
+    pub(super) fn vertex_near(&self, order: &SplitOrder, half_edge: u32, n: usize, [along, beside]: [isize; 2]) -> u32 {
         let (inside, place) = if beside < 0 {
             (self.patches.twin(half_edge), [n.cast_signed() - along, -beside])
         } else {
@@ -248,7 +248,7 @@ impl PatchSurface {
     /// patch.
     pub(super) fn gather_across(
         &self,
-        order: &Numbering,
+        order: &SplitOrder,
         half_edge: u32,
         [n, halo]: [usize; 2],
         put: &mut impl FnMut([isize; 2], u32),
@@ -270,7 +270,7 @@ impl PatchSurface {
     /// Calls `put` for the points of the star around a vertex, in order, at the level where patches have `n` pieces.
     pub(super) fn gather_star(
         &self,
-        order: &Numbering,
+        order: &SplitOrder,
         v: usize,
         shape: StarShape,
         n: usize,

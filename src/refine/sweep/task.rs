@@ -9,7 +9,7 @@ use super::program::Sweep;
 const TASK: usize = 1 << 14;
 
 /// Consecutive patches and the parts of the result that hold their points.
-pub(super) struct Task<'a, const W: usize> {
+pub(super) struct PatchRun<'a, const W: usize> {
     pub(super) patches: Range<usize>,
     /// The documented indices of the first point of `edges` and of `inner`.
     starts: [usize; 2],
@@ -19,7 +19,7 @@ pub(super) struct Task<'a, const W: usize> {
     pub(super) vertices: Vec<(u32, [f64; W])>,
 }
 
-impl<const W: usize> Task<'_, W> {
+impl<const W: usize> PatchRun<'_, W> {
     /// Returns the slots of `n` points inside base faces, from a documented index on.
     pub(super) fn inside(&mut self, first: u32, n: usize) -> &mut [[f64; W]] {
         let first = first as usize - self.starts[1];
@@ -39,7 +39,7 @@ impl<const W: usize> Task<'_, W> {
 impl Sweep {
     /// Divides the patches into tasks of consecutive base faces, each with the points of the edges that appear there
     /// first and with the points inside the faces.
-    pub(super) fn tasks<'a, const W: usize>(&self, points: &'a mut [[f64; W]]) -> Vec<Task<'a, W>> {
+    pub(super) fn tasks<'a, const W: usize>(&self, points: &'a mut [[f64; W]]) -> Vec<PatchRun<'a, W>> {
         let (base, order) = (&self.surface.base, &self.orders[1]);
         let on_edge = order.pieces() - 1;
         let (mut edges, mut inner) = points.split_at_mut(base.n_edges() * on_edge);
@@ -59,7 +59,7 @@ impl Sweep {
             let starts = at;
             at = [at[0] + mine.len(), at[1] + within.len()];
             let patches = self.surface.patches_of(first..last);
-            tasks.push(Task { patches, starts, edges: mine, inner: within, vertices: Vec::new() });
+            tasks.push(PatchRun { patches, starts, edges: mine, inner: within, vertices: Vec::new() });
         }
         tasks
     }

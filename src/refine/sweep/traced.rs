@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use super::evaluate::{BAND, Evaluation, Rule};
+use super::evaluate::{BAND, PatchEvaluator, ValueRule};
 use super::lattice::{AXES, CornerFrame, axis, corner, last};
 use super::program::Sweep;
 use super::star::StarShape;
@@ -13,7 +13,7 @@ use crate::watch::{Stopped, Watch};
 
 /// Rows over the points where a sweep ends, in the documented order.
 #[derive(Debug)]
-pub(crate) struct Traced {
+pub(crate) struct TracedRows {
     /// The rows of all points: for each point those of its first sector, one per functional, then those of its other
     /// sectors.
     pub(crate) rows: Rows,
@@ -22,21 +22,21 @@ pub(crate) struct Traced {
 }
 
 /// A placeholder for the rule of an evaluation, which is never applied.
-const NOTHING: Rule<1> = Rule { of: |_| [0.0], join: |_| [0.0], alone: |value| value };
+const NOTHING: ValueRule<1> = ValueRule { of: |_| [0.0], join: |_| [0.0], alone: |value| value };
 
 impl Sweep {
     /// Returns the rows that [`Sweep::evaluate`] adds up at the points where the sweep ends.
     ///
     /// # Errors
     /// [`Stopped`] when the watch says so.
-    pub(crate) fn traced(&self, stencils: &Stencils, watch: &Watch) -> Result<Traced, Stopped> {
+    pub(crate) fn traced(&self, stencils: &Stencils, watch: &Watch) -> Result<TracedRows, Stopped> {
         let base = &self.surface.base;
         // for each point the bits of the index of its entry, counted from 1; if several patches compute a point, the
         // entry of the one whose value is kept
         let mut found = vec![[0.0]; self.n_points()];
         let (vertices, rest) = found.split_at_mut(base.n_vertices());
-        let run = Evaluation::new(self, &[], stencils, NOTHING);
-        let mut trace = Trace { sweep: self, run: &run, stencils, rows: Rows::default(), entries: Vec::new() };
+        let run = PatchEvaluator::new(self, &[], stencils, NOTHING);
+        let mut trace = RowTrace { sweep: self, run: &run, stencils, rows: Rows::default(), entries: Vec::new() };
         let len = (BAND + 2) * (run.n + 3);
         let (mut points, mut numbers) = (vec![NONE; len], vec![[0.0]; len]);
         for mut task in self.tasks(rest) {
@@ -52,26 +52,26 @@ impl Sweep {
             }
             task.vertices.iter().for_each(|&(v, number)| vertices[v as usize] = number);
         }
-        let Trace { rows, entries, .. } = trace;
+        let RowTrace { rows, entries, .. } = trace;
         let of_point = |[number]: &[f64; 1]| {
             let place = usize::try_from(number.to_bits()).ok()?.checked_sub(1)?;
             entries.get(place).copied()
         };
-        Ok(Traced { rows, of_points: found.iter().map(of_point).collect() })
+        Ok(TracedRows { rows, of_points: found.iter().map(of_point).collect() })
     }
 }
 
 /// The rows found so far.
-struct Trace<'a> {
+struct RowTrace<'a> {
     sweep: &'a Sweep,
-    run: &'a Evaluation<'a, 1>,
+    run: &'a PatchEvaluator<'a, 1>,
     stencils: &'a Stencils,
     rows: Rows,
     /// First row and number of sectors of each entry.
     entries: Vec<(usize, usize)>,
 }
 
-impl Trace<'_> {
+impl RowTrace<'_> {
     /// Adds the rows of a point and returns the index of its entry as the bits of an f64.
     fn add<P: Copy>(&mut self, stencil: &Stencil<P>, point: impl Fn(P) -> u32) -> [f64; 1] {
         let first = self.rows.len();

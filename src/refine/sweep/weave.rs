@@ -1,6 +1,6 @@
 //! Interleaves the planes of a refined grid into rows of points.
 
-use super::grid::{Planes, Size, at_least};
+use super::grid::{GridSize, Planes, at_least};
 
 /// A row of a refined grid, which takes its points from two planes alternately.
 pub(super) struct GridRow<'a, const W: usize> {
@@ -9,7 +9,7 @@ pub(super) struct GridRow<'a, const W: usize> {
 }
 
 impl<'a, const W: usize> GridRow<'a, W> {
-    pub(super) fn new(planes: &'a Planes, size: Size, row: usize) -> Self {
+    pub(super) fn new(planes: &'a Planes, size: GridSize, row: usize) -> Self {
         let start = size.at([0, (row / 2).cast_signed()]);
         let range = start..start + (size.cells + 1) * W;
         let [even, odd] = [0, 1].map(|odd| planes.now[odd + 2 * (row % 2)][range.clone()].as_chunks().0);
@@ -42,7 +42,7 @@ fn interleave<const W: usize>(even: &[[f64; W]], odd: &[[f64; W]], skips: bool, 
 }
 
 /// Interleaves the planes into the grid that is refined in the next round.
-pub(super) fn weave<const W: usize>(planes: &Planes, size: Size, fine: Size, out: &mut Vec<f64>) {
+pub(super) fn weave<const W: usize>(planes: &Planes, size: GridSize, fine: GridSize, out: &mut Vec<f64>) {
     at_least(out, fine.len());
     let halo = size.halo.cast_signed();
     let stride = fine.stride() * W;

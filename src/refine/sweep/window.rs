@@ -3,7 +3,7 @@
 use std::ops::Range;
 use std::sync::{Mutex, PoisonError};
 
-use super::grid::{Planes, Size};
+use super::grid::{GridSize, Planes};
 use super::patches::{Block, SweepRun, Target, Worker};
 use super::places::{Span, SweepPlaces, spans};
 use super::program::{Flat, Sweep};
@@ -30,18 +30,18 @@ pub(crate) struct OnDemand {
     start: Vec<f64>,
     flat: Flat,
     /// The buffers of threads that are idle.
-    idle: Mutex<Vec<Buffers>>,
+    idle: Mutex<Vec<WindowBuffers>>,
     watch: Watch,
 }
 
 #[derive(Debug, Default)]
-struct Buffers {
+struct WindowBuffers {
     worker: Worker<3>,
     points: Vec<[f64; 3]>,
 }
 
 /// A part of a patch's grid after the last round: the places between two corners, both included, row by row.
-pub(super) struct Window<'a> {
+pub(super) struct GridWindow<'a> {
     low: [usize; 2],
     high: [usize; 2],
     /// Number of pieces of the patch's side.
@@ -135,26 +135,26 @@ impl OnDemand {
         &self,
         spans: &[(usize, Span)],
         beside: [usize; 2],
-        mut each: impl FnMut(usize, &Span, &Window<'_>),
+        mut each: impl FnMut(usize, &Span, &GridWindow<'_>),
     ) {
         let mut idle = self.idle.lock().unwrap_or_else(PoisonError::into_inner).pop().unwrap_or_default();
-        let Buffers { worker, points } = &mut idle;
+        let WindowBuffers { worker, points } = &mut idle;
         worker.begin(&self.sweep);
         let start = self.start.as_chunks().0;
         let run = SweepRun { sweep: &self.sweep, flat: &self.flat, start, watch: &self.watch };
         let block = self.rows() * self.rows();
         for of_patch in spans.chunk_by(|(_, a), (_, b)| a.patch == b.patch) {
             let wanted: usize = of_patch.iter().map(|(_, span)| span.len).sum();
-            let is_sparse = Window::around(of_patch, beside).1 > SPARSE * wanted + block;
+            let is_sparse = GridWindow::around(of_patch, beside).1 > SPARSE * wanted + block;
             for part in of_patch.chunks(if is_sparse { 1 } else { of_patch.len() }) {
-                let ([low, high], n) = Window::around(part, beside);
+                let ([low, high], n) = GridWindow::around(part, beside);
                 if points.len() < n {
                     points.resize(n, [0.0; 3]);
                 }
                 let is_diagonal =
                     self.sweep.tile() == Tile::Triangle && part.iter().any(|(_, span)| span.is_diagonal());
                 let pieces = self.places.pieces;
-                let mut window = Window { low, high, pieces, is_diagonal, points: &mut points[..n] };
+                let mut window = GridWindow { low, high, pieces, is_diagonal, points: &mut points[..n] };
                 let made = run.patch(part[0].1.patch, worker, &mut window).and_then(|()| run.report(worker));
                 let Ok(()) = made else { return };
                 part.iter().for_each(|(at, span)| each(*at, span, &window));
@@ -164,7 +164,7 @@ impl OnDemand {
     }
 }
 
-impl Window<'_> {
+impl GridWindow<'_> {
     /// Returns the two corners of the window around some spans, and its number of points.
     fn around(spans: &[(usize, Span)], [before, after]: [usize; 2]) -> ([[usize; 2]; 2], usize) {
         let (mut low, mut high) = ([usize::MAX; 2], [0; 2]);
@@ -194,7 +194,7 @@ impl Window<'_> {
     }
 }
 
-impl Target<3> for Window<'_> {
+impl Target<3> for GridWindow<'_> {
     /// A block holds the points on all of its sides; a point between two blocks is taken from one of them.
     fn wants(&self, block: Block, cells: usize) -> bool {
         let pieces = self.pieces / block.pieces;
@@ -206,7 +206,7 @@ impl Target<3> for Window<'_> {
         })
     }
 
-    fn take(&mut self, _: &Sweep, size: Size, block: Block, planes: &Planes) {
+    fn take(&mut self, _: &Sweep, size: GridSize, block: Block, planes: &Planes) {
         let cells = 2 * size.cells;
         let at = block.at.map(|x| 2 * x);
         let [columns, rows] =

@@ -1,7 +1,7 @@
 //! The counts of one net, and how operators change them.
 
 use crate::scheme::mesh_net::MeshNet;
-use crate::scheme::settings::Settings;
+use crate::scheme::settings::LetterSettings;
 use crate::shape::tile::Tile;
 use crate::shape::topology::index;
 
@@ -125,7 +125,7 @@ impl Count {
     }
 
     /// Returns the counts after a U on a mesh; `is_quads` tells whether all its faces are quads.
-    pub(super) fn upsampled(self, settings: &Settings, is_quads: bool) -> Self {
+    pub(super) fn upsampled(self, settings: &LetterSettings, is_quads: bool) -> Self {
         let first = settings.pieces(is_quads) != settings.arity();
         let count = if first { self.halved() } else { self };
         count.split(settings.tile(), settings.arity())

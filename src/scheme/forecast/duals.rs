@@ -9,7 +9,7 @@
 
 use super::collar::Collar;
 use super::count::Count;
-use super::fans::Fans;
+use super::fans::FanCounts;
 use super::tally::{Forecast, ForecastError};
 use crate::scheme::extent::Ends;
 use crate::scheme::mesh_net::MeshNet;
@@ -110,7 +110,7 @@ impl Duals<'_> {
     }
 
     fn by_fans(&self, net: &MeshNet, steps: &[Scheduled], tally: &mut Forecast) -> Result<(), ForecastError> {
-        let mut fans = Fans::of(&net.mesh.base, tally.last());
+        let mut fans = FanCounts::of(&net.mesh.base, tally.last());
         let mut lost = false;
         for step in steps {
             self.watch.check()?;

@@ -27,7 +27,7 @@ use crate::shape::topology::Topology;
 
 /// The counts of a net and of its boundary.
 #[derive(Debug)]
-pub(super) struct Fans {
+pub(super) struct FanCounts {
     count: Count,
     boundary: u128,
     fan_sum: u128,
@@ -40,7 +40,7 @@ pub(super) struct Fans {
     before: (BTreeSet<usize>, u32),
 }
 
-impl Fans {
+impl FanCounts {
     /// Counts the fans of a net with known counts.
     pub(super) fn of(topology: &Topology, count: Count) -> Self {
         let on_boundary = (0..topology.n_vertices()).filter(|&v| topology.boundary_edges(v).is_some());

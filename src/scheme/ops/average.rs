@@ -13,9 +13,9 @@ use crate::scheme::operator::{Facts, Follows, Operator, Role, SplineStep};
 use crate::scheme::parameters::{DEFAULT_MU, SPLIT};
 use crate::scheme::polygon_net::PolygonNet;
 use crate::scheme::preimage::Preimage;
-use crate::scheme::settings::Settings;
+use crate::scheme::settings::LetterSettings;
 use crate::scheme::stencil::{EdgeMask, FaceMask, RingMask, VertexMask};
-use crate::scheme::step::{Action, Step, Values};
+use crate::scheme::step::{Action, Step, StepValues};
 use crate::scheme::step_error::StepError;
 use crate::scheme::window::Window;
 use crate::shape::tile::Tile;
@@ -49,17 +49,17 @@ impl Operator for Average {
         &FACTS
     }
 
-    fn spline(&self, settings: &Settings, mu: f64) -> Result<SplineStep, &'static str> {
+    fn spline(&self, settings: &LetterSettings, mu: f64) -> Result<SplineStep, &'static str> {
         // the only weight for which the symbol is that of a box spline
         let even = settings.tile() == Tile::Quad || mu == DEFAULT_MU;
         if even { Ok(SplineStep::Mean) } else { Err("its C has another mu than 1/4") }
     }
 
-    fn window(&self, _: &Settings, _: u32) -> Option<Window> {
+    fn window(&self, _: &LetterSettings, _: u32) -> Option<Window> {
         Some(Window::mean(3, false))
     }
 
-    fn on_polygon(&self, net: &PolygonNet, values: &Values<'_>) -> Result<Step<PolygonNet>, StepError> {
+    fn on_polygon(&self, net: &PolygonNet, values: &StepValues<'_>) -> Result<Step<PolygonNet>, StepError> {
         let (landed, preimages) = net.land(Window::mean(3, false))?;
         let (old, f, first) = (net.clone(), values.kernel, values.first);
         let rows = RowsBy::new(landed.n, net.n, move |row, out: &mut Rows| match preimages.of(row) {
@@ -78,7 +78,7 @@ impl Operator for Average {
         Ok(Step { net: landed.shifted(0), action: Action::Blend(Box::new(rows)) })
     }
 
-    fn on_mesh(&self, net: &MeshNet, values: &Values<'_>) -> Result<Step<MeshNet>, StepError> {
+    fn on_mesh(&self, net: &MeshNet, values: &StepValues<'_>) -> Result<Step<MeshNet>, StepError> {
         let action = match net.mesh.halved() {
             _ if values.settings.tile() == Tile::Triangle => {
                 ring_average::rows(net, FaceContribution::Neighbours { mu: values.mu }, values.kernel)

@@ -8,8 +8,8 @@ use crate::scheme::curve_rule::CurveRule;
 use crate::scheme::operator::{Facts, Nets, Operator, Role};
 use crate::scheme::parameters::ARITY;
 use crate::scheme::polygon_net::PolygonNet;
-use crate::scheme::settings::Settings;
-use crate::scheme::step::{Action, Step, Values};
+use crate::scheme::settings::LetterSettings;
+use crate::scheme::step::{Action, Step, StepValues};
 use crate::scheme::step_error::StepError;
 use crate::scheme::window::Window;
 
@@ -37,11 +37,11 @@ impl Operator for BoxAverage {
         &FACTS
     }
 
-    fn window(&self, settings: &Settings, duals: u32) -> Option<Window> {
+    fn window(&self, settings: &LetterSettings, duals: u32) -> Option<Window> {
         Some(Window::mean(settings.arity(), duals % 2 == 1))
     }
 
-    fn on_polygon(&self, net: &PolygonNet, values: &Values<'_>) -> Result<Step<PolygonNet>, StepError> {
+    fn on_polygon(&self, net: &PolygonNet, values: &StepValues<'_>) -> Result<Step<PolygonNet>, StepError> {
         let d = values.settings.arity();
         let window = Window::mean(d, net.duals % 2 == 1);
         if !net.corners.is_empty() && window.shifts() {

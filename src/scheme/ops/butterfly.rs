@@ -8,7 +8,7 @@ use crate::math::rows::{Rows, RowsBy};
 use crate::scheme::mesh_net::MeshNet;
 use crate::scheme::operator::{Facts, Nets, Operator};
 use crate::scheme::stencil::{FourPoint, TriangleEdgeMask};
-use crate::scheme::step::{Action, Step, Values};
+use crate::scheme::step::{Action, Step, StepValues};
 use crate::scheme::step_error::StepError;
 use crate::shape::topology::{NONE, Topology, index};
 
@@ -58,7 +58,7 @@ impl Operator for ButterflyEdges {
         around::check("butterfly", &net.mesh.base)
     }
 
-    fn on_mesh(&self, net: &MeshNet, values: &Values<'_>) -> Result<Step<MeshNet>, StepError> {
+    fn on_mesh(&self, net: &MeshNet, values: &StepValues<'_>) -> Result<Step<MeshNet>, StepError> {
         let parent = net.mesh.halved_triangles().cloned().ok_or_else(around::not_upsampled)?;
         if net.mesh.pieces.len() == 1 {
             self.admits(net)?;

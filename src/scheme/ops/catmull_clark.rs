@@ -7,9 +7,9 @@ use crate::scheme::creases::{Blend, Creases, Rule};
 use crate::scheme::mesh_net::MeshNet;
 use crate::scheme::operator::{Facts, Follows, Nets, Operator, Role, SplineStep, Standard};
 use crate::scheme::rules::TriangleRule;
-use crate::scheme::settings::Settings;
+use crate::scheme::settings::LetterSettings;
 use crate::scheme::stencil::{EdgeMask, RingMask, VertexMask};
-use crate::scheme::step::{Action, Step, Values};
+use crate::scheme::step::{Action, Step, StepValues};
 use crate::scheme::step_error::StepError;
 use crate::shape::topology::{NONE, Topology, index};
 
@@ -40,11 +40,11 @@ impl Operator for CatmullClark {
         &FACTS
     }
 
-    fn spline(&self, _: &Settings, _: f64) -> Result<SplineStep, &'static str> {
+    fn spline(&self, _: &LetterSettings, _: f64) -> Result<SplineStep, &'static str> {
         Ok(SplineStep::Mean)
     }
 
-    fn on_mesh(&self, net: &MeshNet, _: &Values<'_>) -> Result<Step<MeshNet>, StepError> {
+    fn on_mesh(&self, net: &MeshNet, _: &StepValues<'_>) -> Result<Step<MeshNet>, StepError> {
         let parent = net.mesh.halved().cloned().ok_or_else(around::not_upsampled)?;
         let (n, n_v, n_e) = (net.mesh.n_vertices(), parent.n_vertices(), parent.n_edges());
         let old = net.clone();

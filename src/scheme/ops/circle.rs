@@ -9,8 +9,8 @@ use crate::scheme::operator::{Children, Facts, Nets, Operator, Role};
 use crate::scheme::parameters::{ARITY, AVERAGES, FIRST, MASK};
 use crate::scheme::polygon_anchor::PolygonAnchor;
 use crate::scheme::polygon_net::PolygonNet;
-use crate::scheme::settings::Settings;
-use crate::scheme::step::{Action, Step, Values};
+use crate::scheme::settings::LetterSettings;
+use crate::scheme::step::{Action, Step, StepValues};
 use crate::scheme::step_error::StepError;
 use crate::scheme::window::Window;
 
@@ -55,19 +55,19 @@ impl Operator for Circle {
         &FACTS
     }
 
-    fn at_alpha(&self, settings: &mut Settings, alpha: f64) -> Result<(), String> {
+    fn at_alpha(&self, settings: &mut LetterSettings, alpha: f64) -> Result<(), String> {
         let averages = settings.whole(&AVERAGES).unwrap_or(0);
         let mask = Self::mask(settings.arity(), averages, alpha);
         settings.set_mask(mask.ok_or_else(|| format!("the circle mask has a pole at alpha = {alpha}"))?);
         Ok(())
     }
 
-    fn window(&self, settings: &Settings, _: u32) -> Option<Window> {
+    fn window(&self, settings: &LetterSettings, _: u32) -> Option<Window> {
         let mask = settings.mask()?;
         Some(Window { arity: settings.arity(), first: mask.first, last: mask.last() })
     }
 
-    fn on_polygon(&self, net: &PolygonNet, values: &Values<'_>) -> Result<Step<PolygonNet>, StepError> {
+    fn on_polygon(&self, net: &PolygonNet, values: &StepValues<'_>) -> Result<Step<PolygonNet>, StepError> {
         let settings = values.settings;
         let (Some(window), Some(mask)) = (self.window(settings, 0), settings.mask()) else {
             return Err(StepError::new("a circle mask is scheduled before it is applied"));

@@ -10,7 +10,7 @@ use crate::math::rows::{Rows, RowsBy};
 use crate::scheme::forecast::{Census, sum};
 use crate::scheme::mesh_net::MeshNet;
 use crate::scheme::operator::{Children, Facts, Nets, Operator, Role};
-use crate::scheme::step::{Action, Step, Values};
+use crate::scheme::step::{Action, Step, StepValues};
 use crate::scheme::step_error::StepError;
 use crate::shape::topology::{NONE, Topology, index};
 
@@ -83,13 +83,13 @@ impl Operator for DooSabin {
         before.after([c, faces, corners, largest], sum(&[(2, b)]).saturating_sub(q))
     }
 
-    fn on_mesh(&self, net: &MeshNet, _: &Values<'_>) -> Result<Step<MeshNet>, StepError> {
+    fn on_mesh(&self, net: &MeshNet, _: &StepValues<'_>) -> Result<Step<MeshNet>, StepError> {
         if net.mesh.rounds == 0 {
             self.admits(net)?;
         }
         let old = net.mesh.base.clone();
         let (n_c, n_old) = (index(old.n_half_edges()), old.n_vertices());
-        let weights = Weights::of(&old);
+        let weights = FaceWeights::of(&old);
         if net.mesh.rounds > 0 {
             let next = net.after_rebuild(old.cut_corners(), later_corners(net));
             let is_open = old.n_boundary() > 0;
@@ -135,7 +135,7 @@ fn later_corners(net: &MeshNet) -> Vec<u32> {
 
 /// The weights of faces by size; those of quads are stored separately, so that no table is searched for them.
 #[derive(Debug)]
-struct Weights {
+struct FaceWeights {
     quad: [f64; 4],
     others: BTreeMap<usize, Vec<f64>>,
 }
@@ -143,7 +143,7 @@ struct Weights {
 /// The weights of Chaikin's scheme, which the boundary follows.
 const CHAIKIN: [f64; 2] = [0.75, 0.25];
 
-impl Weights {
+impl FaceWeights {
     fn of(topology: &Topology) -> Self {
         let mut others = BTreeMap::from([(2, CHAIKIN.to_vec())]);
         for f in 0..topology.n_faces() {
@@ -170,7 +170,7 @@ fn weight(i: usize, n: usize) -> f64 {
 
 /// Adds the row of the new vertex at a corner of a whole face.
 #[inline]
-fn face_row(old: &Topology, weights: &Weights, half_edge: u32, out: &mut Rows) {
+fn face_row(old: &Topology, weights: &FaceWeights, half_edge: u32, out: &mut Rows) {
     let range = old.half_edges(old.face_of(half_edge));
     let around = (half_edge..range.end).chain(range.start..half_edge);
     let weights = weights.of_size((range.end - range.start) as usize);
@@ -178,7 +178,7 @@ fn face_row(old: &Topology, weights: &Weights, half_edge: u32, out: &mut Rows) {
 }
 
 /// Adds the row of the new vertex at a corner after the first step of an open mesh.
-fn later_row(old: &Topology, weights: &Weights, half_edge: u32, out: &mut Rows) {
+fn later_row(old: &Topology, weights: &FaceWeights, half_edge: u32, out: &mut Rows) {
     let is_boundary = |half_edge: u32| old.twin(half_edge) == NONE;
     let before = old.previous(half_edge);
     match (is_boundary(before), is_boundary(half_edge)) {
@@ -207,7 +207,7 @@ fn boundary_row(old: &Topology, near: u32, far: u32, to_corner: bool, out: &mut 
 }
 
 /// Adds the row of a vertex inside a half face whose boundary edge is `boundary`.
-fn half_row(old: &Topology, weights: &Weights, half_edge: u32, boundary: u32, out: &mut Rows) {
+fn half_row(old: &Topology, weights: &FaceWeights, half_edge: u32, boundary: u32, out: &mut Rows) {
     let end = old.next(boundary);
     let k = old.face(old.face_of(boundary)).len() - 2;
     let weights = weights.of_size(2 * k);

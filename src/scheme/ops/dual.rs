@@ -15,12 +15,12 @@ use crate::scheme::operator::{Children, Facts, Operator, Role, SplineStep};
 use crate::scheme::parameters::SPLIT;
 use crate::scheme::polygon_net::PolygonNet;
 use crate::scheme::preimage::Preimage;
-use crate::scheme::settings::Settings;
-use crate::scheme::step::{Action, Step, Values};
+use crate::scheme::settings::LetterSettings;
+use crate::scheme::step::{Action, Step, StepValues};
 use crate::scheme::step_error::StepError;
 use crate::scheme::window::Window;
 use crate::shape::check::{FaceList, Winding};
-use crate::shape::connect::Checked;
+use crate::shape::connect::CheckedTopology;
 use crate::shape::tile::Tile;
 use crate::shape::topology::{Topology, index};
 
@@ -54,19 +54,19 @@ impl Operator for Dual {
         &FACTS
     }
 
-    fn spline(&self, settings: &Settings, _: f64) -> Result<SplineStep, &'static str> {
+    fn spline(&self, settings: &LetterSettings, _: f64) -> Result<SplineStep, &'static str> {
         match settings.tile() {
             Tile::Quad => Ok(SplineStep::HalfMean),
             Tile::Triangle => Err("its D makes other faces of triangles"),
         }
     }
 
-    fn window(&self, _: &Settings, duals: u32) -> Option<Window> {
+    fn window(&self, _: &LetterSettings, duals: u32) -> Option<Window> {
         // the first D looks forward and the second one back, so that two of them are centred again
         Some(Window::mean(2, duals % 2 == 1))
     }
 
-    fn on_polygon(&self, net: &PolygonNet, values: &Values<'_>) -> Result<Step<PolygonNet>, StepError> {
+    fn on_polygon(&self, net: &PolygonNet, values: &StepValues<'_>) -> Result<Step<PolygonNet>, StepError> {
         if !net.corners.is_empty() {
             return Err(cannot_carry("corners"));
         }
@@ -86,7 +86,7 @@ impl Operator for Dual {
         Ok(Step { net: landed.shifted(1), action: Action::Blend(Box::new(rows)) })
     }
 
-    fn on_mesh(&self, net: &MeshNet, values: &Values<'_>) -> Result<Step<MeshNet>, StepError> {
+    fn on_mesh(&self, net: &MeshNet, values: &StepValues<'_>) -> Result<Step<MeshNet>, StepError> {
         if let Some(tags) = net.tags.lost_by_dual {
             return Err(cannot_carry(tags));
         }
@@ -184,7 +184,7 @@ fn dual_faces(ordered: &Ordered) -> Result<(FaceList, Vec<u32>), StepError> {
 ///
 /// # Errors
 /// If the dual is not a manifold.
-pub(in crate::scheme) fn dual(topology: &Topology) -> Result<Checked, StepError> {
+pub(in crate::scheme) fn dual(topology: &Topology) -> Result<CheckedTopology, StepError> {
     manifold(topology.n_faces(), cycles(topology).0)
 }
 
@@ -217,7 +217,7 @@ fn cycles(explicit: &Topology) -> (FaceList, Vec<u32>) {
     (faces, kept)
 }
 
-fn manifold(n_vertices: usize, faces: FaceList) -> Result<Checked, StepError> {
+fn manifold(n_vertices: usize, faces: FaceList) -> Result<CheckedTopology, StepError> {
     Topology::of_faces(n_vertices, faces, Winding::Refuse).map_err(|faults| no_manifold(&faults))
 }
 

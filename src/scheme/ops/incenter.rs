@@ -10,8 +10,8 @@ use crate::math::planar::{Neighbours, Vector2, angle, half_chord, length, rotate
 use crate::math::vector::{direction, plus, times};
 use crate::scheme::operator::{Children, Facts, Nets, Operator, Role};
 use crate::scheme::polygon_net::PolygonNet;
-use crate::scheme::settings::Settings;
-use crate::scheme::step::{Action, PointMap, Step, Values};
+use crate::scheme::settings::LetterSettings;
+use crate::scheme::step::{Action, PointMap, Step, StepValues};
 use crate::scheme::step_error::StepError;
 use crate::scheme::window::Window;
 use crate::watch::{Stopped, Watch};
@@ -60,11 +60,11 @@ impl Operator for Incenter {
         &FACTS
     }
 
-    fn window(&self, _: &Settings, _: u32) -> Option<Window> {
+    fn window(&self, _: &LetterSettings, _: u32) -> Option<Window> {
         Some(Window::upsample(2))
     }
 
-    fn on_polygon(&self, net: &PolygonNet, values: &Values<'_>) -> Result<Step<PolygonNet>, StepError> {
+    fn on_polygon(&self, net: &PolygonNet, values: &StepValues<'_>) -> Result<Step<PolygonNet>, StepError> {
         let mu = values.settings.number(&Self::MU);
         let (landed, _) = net.land(Window::upsample(2))?;
         let map = Biarcs { closed: net.is_closed(), mu, pinned: net.pinned.clone() };

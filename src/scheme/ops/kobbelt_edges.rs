@@ -6,7 +6,7 @@ use crate::math::rows::{Rows, RowsBy};
 use crate::scheme::mesh_net::MeshNet;
 use crate::scheme::operator::{Facts, Nets, Operator, Role};
 use crate::scheme::stencil::FourPoint;
-use crate::scheme::step::{Action, Step, Values};
+use crate::scheme::step::{Action, Step, StepValues};
 use crate::scheme::step_error::StepError;
 use crate::shape::topology::{NONE, Topology, index};
 
@@ -48,7 +48,7 @@ impl Operator for KobbeltEdges {
         around::check("kobbelt", &net.mesh.base)
     }
 
-    fn on_mesh(&self, net: &MeshNet, _: &Values<'_>) -> Result<Step<MeshNet>, StepError> {
+    fn on_mesh(&self, net: &MeshNet, _: &StepValues<'_>) -> Result<Step<MeshNet>, StepError> {
         let parent = net.mesh.parent.clone().ok_or_else(around::not_upsampled)?;
         if net.mesh.pieces.len() == 1 {
             self.admits(net)?;

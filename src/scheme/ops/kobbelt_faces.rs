@@ -5,7 +5,7 @@ use crate::math::functions::ratio;
 use crate::math::rows::{Rows, RowsBy};
 use crate::scheme::mesh_net::MeshNet;
 use crate::scheme::operator::{Facts, Nets, Operator, Role};
-use crate::scheme::step::{Action, Step, Values};
+use crate::scheme::step::{Action, Step, StepValues};
 use crate::scheme::step_error::StepError;
 use crate::shape::topology::{NONE, Topology, index};
 
@@ -35,7 +35,7 @@ impl Operator for KobbeltFaces {
         &FACTS
     }
 
-    fn on_mesh(&self, net: &MeshNet, _: &Values<'_>) -> Result<Step<MeshNet>, StepError> {
+    fn on_mesh(&self, net: &MeshNet, _: &StepValues<'_>) -> Result<Step<MeshNet>, StepError> {
         let parent = net.mesh.parent.clone().ok_or_else(around::not_upsampled)?;
         let (n, before) = (net.mesh.n_vertices(), parent.n_vertices() + parent.n_edges());
         let rows = RowsBy::new(n, n, move |row, out: &mut Rows| {

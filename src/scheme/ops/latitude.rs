@@ -35,7 +35,7 @@ struct OddStencil {
 
 /// The latitude lines of a net, and the points on them.
 #[derive(Debug)]
-pub(super) struct Lines {
+pub(super) struct LatitudeLines {
     topology: Arc<Topology>,
     directions: Arc<Directions>,
     /// The two latitude edges of each vertex.
@@ -45,7 +45,7 @@ pub(super) struct Lines {
     local: Arc<MeshLocal>,
 }
 
-impl Lines {
+impl LatitudeLines {
     /// Returns the lines of the net that entered the last U; `None` if it has no tags.
     pub(super) fn of(anchor: &Anchor, local: &Arc<MeshLocal>) -> Option<Self> {
         let directions = anchor.directions.clone()?;

@@ -7,8 +7,8 @@ use crate::scheme::operator::{Children, Facts, Nets, Operator, Role};
 use crate::scheme::parameters::{ARITY, FIRST, MASK};
 use crate::scheme::polygon_net::PolygonNet;
 use crate::scheme::preimage::Preimage;
-use crate::scheme::settings::Settings;
-use crate::scheme::step::{Action, Step, Values};
+use crate::scheme::settings::LetterSettings;
+use crate::scheme::step::{Action, Step, StepValues};
 use crate::scheme::step_error::StepError;
 use crate::scheme::window::{Window, steps};
 use crate::shape::topology::index;
@@ -34,12 +34,12 @@ impl Operator for Masked {
         &FACTS
     }
 
-    fn window(&self, settings: &Settings, _: u32) -> Option<Window> {
+    fn window(&self, settings: &LetterSettings, _: u32) -> Option<Window> {
         let mask = settings.mask()?;
         Some(Window { arity: settings.arity(), first: mask.first, last: mask.last() })
     }
 
-    fn on_polygon(&self, net: &PolygonNet, values: &Values<'_>) -> Result<Step<PolygonNet>, StepError> {
+    fn on_polygon(&self, net: &PolygonNet, values: &StepValues<'_>) -> Result<Step<PolygonNet>, StepError> {
         let settings = values.settings;
         let (Some(window), Some(mask)) = (self.window(settings, 0), settings.mask()) else {
             return Err(StepError::new("a mask operator has a mask"));

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-use super::latitude::Lines;
+use super::latitude::LatitudeLines;
 use crate::math::expression::{Expression, ExpressionError};
 use crate::math::functions::{ratio, sin};
 use crate::math::rows::{Rows, RowsBy};
@@ -15,8 +15,8 @@ use crate::scheme::operator::{Facts, Follows, Nets, Operator, Role, SplineStep};
 use crate::scheme::polygon_anchor::PolygonAnchor;
 use crate::scheme::polygon_net::PolygonNet;
 use crate::scheme::rules::LatitudeRule;
-use crate::scheme::settings::Settings;
-use crate::scheme::step::{Action, Step, Values};
+use crate::scheme::settings::LetterSettings;
+use crate::scheme::step::{Action, Step, StepValues};
 use crate::scheme::step_error::StepError;
 use crate::scheme::window::steps;
 use crate::shape::tile::Tile;
@@ -25,12 +25,12 @@ use crate::shape::topology::{NONE, Topology, index};
 /// P, the push-back towards the anchor: `D_i = delta (P_i - V_i)`; `V += D_i`, `E += omega/2 (D_1 + D_2)`,
 /// `F += omega^2 / n sum D`.
 #[derive(Debug)]
-pub struct PushBack(Share);
+pub struct PushBack(DisplacementShare);
 
 /// The push-back of words.
-pub(super) const PUSH_BACK: PushBack = PushBack(Share::Linear);
+pub(super) const PUSH_BACK: PushBack = PushBack(DisplacementShare::Linear);
 /// The push-back of circle schemes.
-pub const CIRCULAR_PUSH_BACK: PushBack = PushBack(Share::Circular);
+pub const CIRCULAR_PUSH_BACK: PushBack = PushBack(DisplacementShare::Circular);
 
 static LINEAR: Facts = Facts {
     letter: Some('P'),
@@ -65,16 +65,16 @@ const COMMON: Facts = Facts {
 
 /// How a point between two vertices shares in their displacements.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Share {
+enum DisplacementShare {
     /// `omega (d - j) / d` and `omega j / d`.
     Linear,
     /// `sin((d - j) alpha / d) / sin(alpha)` and `sin(j alpha / d) / sin(alpha)`.
     Circular,
 }
 
-impl Share {
+impl DisplacementShare {
     /// Returns the share in the displacement of the vertex that is `steps` of `d` away from the other one.
-    fn of(self, steps: isize, d: isize, values: &Values<'_>) -> f64 {
+    fn of(self, steps: isize, d: isize, values: &StepValues<'_>) -> f64 {
         let [_, linear]: [f64; 2] = between(steps as i64, d as i64);
         match self {
             Self::Linear => values.compensation * linear,
@@ -87,21 +87,21 @@ impl Share {
 impl Operator for PushBack {
     fn facts(&self) -> &'static Facts {
         match self.0 {
-            Share::Linear => &LINEAR,
-            Share::Circular => &CIRCULAR,
+            DisplacementShare::Linear => &LINEAR,
+            DisplacementShare::Circular => &CIRCULAR,
         }
     }
 
-    fn at_alpha(&self, _: &mut Settings, alpha: f64) -> Result<(), String> {
-        let pole = self.0 == Share::Circular && alpha != 0.0 && sin(alpha).abs() < 1e-9;
+    fn at_alpha(&self, _: &mut LetterSettings, alpha: f64) -> Result<(), String> {
+        let pole = self.0 == DisplacementShare::Circular && alpha != 0.0 && sin(alpha).abs() < 1e-9;
         if pole { Err(format!("the circular push-back has a pole at alpha = {alpha}")) } else { Ok(()) }
     }
 
-    fn spline(&self, _: &Settings, _: f64) -> Result<SplineStep, &'static str> {
+    fn spline(&self, _: &LetterSettings, _: f64) -> Result<SplineStep, &'static str> {
         Err("its P pushes back")
     }
 
-    fn on_polygon(&self, net: &PolygonNet, values: &Values<'_>) -> Result<Step<PolygonNet>, StepError> {
+    fn on_polygon(&self, net: &PolygonNet, values: &StepValues<'_>) -> Result<Step<PolygonNet>, StepError> {
         let anchor = net.anchor.clone().ok_or_else(no_anchor)?;
         legal(net.duals, anchor.lost, "natural ends")?;
         let delta = values.delta.value(f64::NAN).map_err(|error| no_delta(2, &error))?;
@@ -134,12 +134,13 @@ impl Operator for PushBack {
         Ok(Step { net: net.clone(), action: Action::PushBack { rows: Box::new(rows), children } })
     }
 
-    fn on_mesh(&self, net: &MeshNet, values: &Values<'_>) -> Result<Step<MeshNet>, StepError> {
+    fn on_mesh(&self, net: &MeshNet, values: &StepValues<'_>) -> Result<Step<MeshNet>, StepError> {
         let anchor = net.since.anchor.clone().ok_or_else(no_anchor)?;
         legal(net.since.duals, anchor.lost, "a boundary or a valence below 3")?;
         let deltas = deltas(net, &anchor, values.delta)?;
         let children = children(&anchor);
-        if let Some(lines) = net.since.local.as_ref().and_then(|local| Lines::of(&anchor, local)).map(Arc::new) {
+        if let Some(lines) = net.since.local.as_ref().and_then(|local| LatitudeLines::of(&anchor, local)).map(Arc::new)
+        {
             let rows = Box::new(lines.displacements(deltas.into()));
             let push = Action::PushBack { rows, children };
             let by_places = values.latitude_rule == LatitudeRule::Position;

@@ -25,7 +25,7 @@ pub(super) enum FaceContribution {
 pub(super) fn rows(net: &MeshNet, around: FaceContribution, f: f64) -> Action {
     let n = net.mesh.n_vertices();
     let topology = net.mesh.topology();
-    let weights = Weights { labels: net.since.anchor.clone().filter(|_| net.mesh.parent.is_some()), f };
+    let weights = RingWeights { labels: net.since.anchor.clone().filter(|_| net.mesh.parent.is_some()), f };
     let creases = Creases::of_net(net, &topology);
     let old = net.clone();
     let rows = RowsBy::new(n, n, move |v, out: &mut Rows| {
@@ -43,13 +43,13 @@ pub(super) fn rows(net: &MeshNet, around: FaceContribution, f: f64) -> Action {
 }
 
 /// The weights of vertices according to their labels at the last U.
-struct Weights {
+struct RingWeights {
     /// The labels; `None` if there are none, so that all weights are 1.
     labels: Option<Anchor>,
     f: f64,
 }
 
-impl Weights {
+impl RingWeights {
     fn in_faces(&self, v: u32) -> f64 {
         self.labels.as_ref().map_or(1.0, |labels| labels.weight(v as usize, self.f))
     }
@@ -61,7 +61,7 @@ impl Weights {
 }
 
 /// Adds the row of the curve rule: the mean of the weighted means with either neighbour.
-fn crease_row(weights: &Weights, v: usize, [before, after]: [u32; 2], out: &mut Rows) {
+fn crease_row(weights: &RingWeights, v: usize, [before, after]: [u32; 2], out: &mut Rows) {
     let [a, b, c] = [before, index(v), after].map(|v| weights.on_curves(v));
     let (first, second) = (2.0 * (a + b), 2.0 * (b + c));
     out.add(index(v), b / first + b / second);
@@ -71,7 +71,7 @@ fn crease_row(weights: &Weights, v: usize, [before, after]: [u32; 2], out: &mut 
     });
 }
 
-fn faces_row(topology: &Topology, weights: &Weights, v: usize, out: &mut Rows) {
+fn faces_row(topology: &Topology, weights: &RingWeights, v: usize, out: &mut Rows) {
     let valence = ratio(topology.ring(v).count(), 1);
     for half_edge in topology.ring(v) {
         let face = topology.face(topology.face_of(half_edge));
@@ -82,7 +82,7 @@ fn faces_row(topology: &Topology, weights: &Weights, v: usize, out: &mut Rows) {
 
 /// Adds a row in which neighbours of equal weight form a group. Around a vertex with six neighbours, all sums are
 /// independent of order.
-fn neighbours_row(topology: &Topology, weights: &Weights, v: usize, mu: f64, out: &mut Rows) {
+fn neighbours_row(topology: &Topology, weights: &RingWeights, v: usize, mu: f64, out: &mut Rows) {
     let valence = topology.ring(v).count();
     let p = mu * weights.in_faces(index(v));
     // for each face around the vertex: the weights of the vertex, of the preceding neighbour and of the following one

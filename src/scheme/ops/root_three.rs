@@ -11,7 +11,7 @@ use crate::scheme::mesh_net::MeshNet;
 use crate::scheme::operator::{Children, Facts, Nets, Operator, Role};
 use crate::scheme::sharpness::edges_at;
 use crate::scheme::stencil::RingMask;
-use crate::scheme::step::{Action, Step, Values};
+use crate::scheme::step::{Action, Step, StepValues};
 use crate::scheme::step_error::StepError;
 use crate::shape::root_three::BoundarySplit;
 use crate::shape::topology::{NONE, Topology, index};
@@ -70,7 +70,7 @@ impl Operator for RootThree {
         before.after([vertices, faces, corners, 3], boundary)
     }
 
-    fn on_mesh(&self, net: &MeshNet, _: &Values<'_>) -> Result<Step<MeshNet>, StepError> {
+    fn on_mesh(&self, net: &MeshNet, _: &StepValues<'_>) -> Result<Step<MeshNet>, StepError> {
         if net.mesh.rounds == 0 {
             self.admits(net)?;
         }

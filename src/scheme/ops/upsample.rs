@@ -12,8 +12,8 @@ use crate::scheme::operator::{Children, Facts, Follows, Operator, Role, SplineSt
 use crate::scheme::parameters::{ARITY, SPLIT};
 use crate::scheme::polygon_net::PolygonNet;
 use crate::scheme::preimage::Preimage;
-use crate::scheme::settings::Settings;
-use crate::scheme::step::{Action, Step, Values};
+use crate::scheme::settings::LetterSettings;
+use crate::scheme::step::{Action, Step, StepValues};
 use crate::scheme::step_error::{About, StepError};
 use crate::scheme::window::{Window, steps};
 use crate::shape::tile::Tile;
@@ -50,15 +50,15 @@ impl Operator for Upsample {
         &FACTS
     }
 
-    fn spline(&self, settings: &Settings, _: f64) -> Result<SplineStep, &'static str> {
+    fn spline(&self, settings: &LetterSettings, _: f64) -> Result<SplineStep, &'static str> {
         if settings.arity() == 2 { Ok(SplineStep::Upsample) } else { Err("its U has an arity above 2") }
     }
 
-    fn window(&self, settings: &Settings, _: u32) -> Option<Window> {
+    fn window(&self, settings: &LetterSettings, _: u32) -> Option<Window> {
         Some(Window::upsample(settings.arity()))
     }
 
-    fn on_polygon(&self, net: &PolygonNet, values: &Values<'_>) -> Result<Step<PolygonNet>, StepError> {
+    fn on_polygon(&self, net: &PolygonNet, values: &StepValues<'_>) -> Result<Step<PolygonNet>, StepError> {
         let arity = values.settings.arity();
         let (landed, preimages) = net.land(Window::upsample(arity))?;
         let old = net.clone();
@@ -88,7 +88,7 @@ impl Operator for Upsample {
         Ok(Step { net: next, action: Action::BlendFromAnchor(Box::new(rows)) })
     }
 
-    fn on_mesh(&self, net: &MeshNet, values: &Values<'_>) -> Result<Step<MeshNet>, StepError> {
+    fn on_mesh(&self, net: &MeshNet, values: &StepValues<'_>) -> Result<Step<MeshNet>, StepError> {
         let entered = net.mesh.topology();
         let (tile, pieces) = (values.settings.tile(), values.settings.arity());
         if tile == Tile::Triangle

@@ -10,7 +10,7 @@ use crate::scheme::preset::{Preset, Refines, Spelling, mirrored, weight};
 const HUANG_TAN: &str = "Huang and Tan, Acta Electronica Sinica 49 (2021), 90-98";
 
 /// The parameters of rule (8).
-struct Blend {
+struct TernaryRule {
     eta: Weight,
     theta: Weight,
     /// `omega delta`.
@@ -24,8 +24,8 @@ struct Blend {
 /// `p[3i] <- (eta, theta - 2 eta, 1 + 2 eta - 2 theta, ...)`,
 /// `p[3i+1] <- (-omega delta, lambda (1+omega), (1-lambda)(1+omega), -omega (1-delta))` on `i-1 .. i+2`, `p[3i+2]`
 /// mirrored.
-fn blend(rule: Blend) -> Result<Spelling, Vec<Fault>> {
-    let Blend { eta, theta, omega_delta, omega, lambda } = rule;
+fn blend(rule: TernaryRule) -> Result<Spelling, Vec<Fault>> {
+    let TernaryRule { eta, theta, omega_delta, omega, lambda } = rule;
     let middle = whole(1) + whole(2) * eta.clone() - whole(2) * theta.clone();
     let outwards = vec![
         lambda.clone(),
@@ -79,7 +79,7 @@ pub(super) const BLENDING: Preset = Preset {
     ],
     spell: |values| {
         let omega = weight(values, "omega");
-        blend(Blend {
+        blend(TernaryRule {
             eta: weight(values, "eta"),
             theta: weight(values, "theta"),
             omega_delta: omega.clone() * weight(values, "delta"),
@@ -160,7 +160,7 @@ pub(super) const THREE_POINT: Preset = Preset {
         let alpha = weight(values, "alpha");
         let omega = ratio(1, 3) - alpha.clone();
         let lambda = ratio(4, 3) - whole(2) * alpha;
-        blend(Blend { eta: whole(0), theta: whole(0), omega_delta: omega.clone(), omega, lambda })
+        blend(TernaryRule { eta: whole(0), theta: whole(0), omega_delta: omega.clone(), omega, lambda })
     },
 };
 
@@ -179,7 +179,7 @@ pub(super) const FOUR_POINT: Preset = Preset {
     spell: |values| {
         let mu = || weight(values, "mu");
         let (omega_delta, lambda) = (ratio(1, 18) + mu() / whole(6), ratio(13, 18) + mu() / whole(2));
-        blend(Blend { eta: whole(0), theta: whole(0), omega_delta, omega: ratio(1, 9), lambda })
+        blend(TernaryRule { eta: whole(0), theta: whole(0), omega_delta, omega: ratio(1, 9), lambda })
     },
 };
 
@@ -206,7 +206,7 @@ pub(super) const PAN: Preset = Preset {
         let omega = (whole(3) - whole(4) * alpha()) / whole(27);
         let omega_delta = (whole(-2) + (whole(1) - alpha()) * (whole(5) + whole(3) * beta())) / whole(54);
         let lambda = (whole(32) + (whole(1) - alpha()) * (whole(7) + whole(9) * beta())) / whole(54);
-        blend(Blend { eta: whole(0), theta: whole(4) * alpha() / whole(27), omega_delta, omega, lambda })
+        blend(TernaryRule { eta: whole(0), theta: whole(4) * alpha() / whole(27), omega_delta, omega, lambda })
     },
 };
 
@@ -225,7 +225,7 @@ pub(super) const REHAN: Preset = Preset {
     spell: |values| {
         let alpha = || weight(values, "alpha");
         let bend = (whole(1) - alpha()) * weight(values, "beta");
-        blend(Blend {
+        blend(TernaryRule {
             eta: -alpha(),
             theta: whole(2) * alpha(),
             omega_delta: ratio(5, 81) + bend.clone(),
@@ -253,7 +253,7 @@ pub(super) const NOVARA: Preset = Preset {
     )],
     spell: |values| {
         let (beta, gamma) = (|| weight(values, "beta"), || weight(values, "gamma"));
-        blend(Blend {
+        blend(TernaryRule {
             eta: whole(0),
             theta: ratio(1, 9) - weight(values, "alpha"),
             omega_delta: -beta(),

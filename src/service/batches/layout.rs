@@ -4,7 +4,7 @@ use std::ops::Range;
 
 /// The jobs of a batch as parts of its text.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub enum Layout {
+pub enum BatchLayout {
     /// A list: the range of the text of each job.
     List(Vec<Range<usize>>),
     /// A grid: a template filled with a value of each axis, row by row, the last axis fastest.
@@ -12,7 +12,7 @@ pub enum Layout {
         /// The template in pieces.
         template: Vec<TemplatePiece>,
         /// The axes in order.
-        axes: Vec<Axis>,
+        axes: Vec<GridAxis>,
     },
 }
 
@@ -29,14 +29,14 @@ pub enum TemplatePiece {
 
 /// An axis of a grid.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Axis {
+pub struct GridAxis {
     /// JSON pointer to the place in the template that the axis fills.
     pub pointer: String,
     /// The range of the text of each value.
     pub values: Vec<Range<usize>>,
 }
 
-impl Layout {
+impl BatchLayout {
     /// Returns the number of jobs, saturating.
     pub fn n(&self) -> u128 {
         match self {
@@ -99,14 +99,14 @@ mod tests {
 
     #[test]
     fn the_last_axis_of_a_grid_is_the_fastest() {
-        let axis = |values: &[Range<usize>]| Axis { pointer: String::new(), values: values.to_vec() };
+        let axis = |values: &[Range<usize>]| GridAxis { pointer: String::new(), values: values.to_vec() };
         let template = vec![
             TemplatePiece::Value(0),
             TemplatePiece::Written("-".to_owned()),
             TemplatePiece::Value(1),
             TemplatePiece::Text(5..6),
         ];
-        let layout = Layout::Grid { template, axes: vec![axis(&[0..1, 1..2]), axis(&[2..3, 3..4, 3..5])] };
+        let layout = BatchLayout::Grid { template, axes: vec![axis(&[0..1, 1..2]), axis(&[2..3, 3..4, 3..5])] };
         let texts: Vec<_> = (0..6).map(|at| String::from_utf8(layout.text(b"abxyz!", at)).expect("text")).collect();
         assert_eq!(texts, ["a-x!", "a-y!", "a-yz!", "b-x!", "b-y!", "b-yz!"]);
         assert_eq!((layout.n(), layout.bytes()), (6, texts.concat().len() as u128));

@@ -8,7 +8,7 @@ mod table;
 mod written;
 
 pub use begun::Begun;
-pub use layout::{Axis, Layout, TemplatePiece};
+pub use layout::{BatchLayout, GridAxis, TemplatePiece};
 pub use record::{Batch, BatchRun, Ending, Item, NewBatch, ParsedBatch};
 pub use standing::{BatchStanding, PhaseCounts};
 pub use table::{Batches, ReadLayout};

@@ -6,7 +6,7 @@ use std::time::Duration;
 use bytes::Bytes;
 use tokio::sync::watch;
 
-use super::layout::Layout;
+use super::layout::BatchLayout;
 use crate::job::key::Key;
 use crate::service::job_key::{JobKey, JobTerms};
 use crate::service::jobs::{JobState, OutputResult, Product};
@@ -25,7 +25,7 @@ pub struct ParsedBatch {
     /// The text of the batch as it was sent.
     pub text: Bytes,
     /// The positions of the jobs in the text.
-    pub layout: Layout,
+    pub layout: BatchLayout,
     /// Total number of outputs of all jobs.
     pub n_outputs: u64,
 }

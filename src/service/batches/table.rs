@@ -7,7 +7,7 @@ use std::time::Duration;
 use bytes::Bytes;
 use tokio::sync::watch;
 
-use super::layout::Layout;
+use super::layout::BatchLayout;
 use super::record::{Batch, BatchRun, Ending, Item, NewBatch, ParsedBatch};
 use super::written::{BatchRow, DecodedRow, KeptBatch, decode, encode, encode_item, is_of_batch};
 use crate::job::key::Key;
@@ -25,12 +25,12 @@ use crate::service::store::{Records, StoreError};
 const MAX_BATCHES: usize = 1000;
 
 /// Finds the jobs in the text of an accepted batch; `None` if the text can no longer be interpreted.
-pub type ReadLayout = fn(&Bytes) -> Option<Layout>;
+pub type ReadLayout = fn(&Bytes) -> Option<BatchLayout>;
 
 /// The records of all batches.
 #[derive(Debug)]
 pub struct Batches {
-    table: Arc<Mutex<Table>>,
+    table: Arc<Mutex<BatchTable>>,
     clock: Arc<dyn Clock>,
     layout: ReadLayout,
     /// Writes batches to durable storage, if there is any.
@@ -38,7 +38,7 @@ pub struct Batches {
 }
 
 #[derive(Debug, Default)]
-struct Table {
+struct BatchTable {
     batches: HashMap<JobKey, Batch>,
     by_number: BTreeMap<u64, JobKey>,
     /// The artifacts of batches: tenant, key of the artifact, id of the batch, index of the item.
@@ -46,7 +46,7 @@ struct Table {
     next: u64,
 }
 
-impl Table {
+impl BatchTable {
     fn insert(&mut self, batch: Batch) {
         self.by_number.insert(batch.number, batch.batch);
         let endings = batch.items.iter().enumerate().filter_map(|(at, item)| Some((at, item.ending.clone()?)));
@@ -95,7 +95,7 @@ impl Table {
 impl Batches {
     /// Creates an empty table; if `records` is given, its batches outlast the process.
     pub fn new(records: Option<Arc<dyn Records>>, clock: Arc<dyn Clock>, layout: ReadLayout) -> Self {
-        let table = Arc::new(Mutex::new(Table::default()));
+        let table = Arc::new(Mutex::new(BatchTable::default()));
         let journal = records.map(|records| {
             let (table, clock) = (table.clone(), clock.clone());
             Journal::new(records, move |row| {
@@ -116,7 +116,7 @@ impl Batches {
         Self { table, clock, layout, journal }
     }
 
-    fn table(&self) -> MutexGuard<'_, Table> {
+    fn table(&self) -> MutexGuard<'_, BatchTable> {
         lock(&self.table)
     }
 

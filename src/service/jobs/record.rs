@@ -7,7 +7,7 @@ use std::time::Duration;
 use bytes::Bytes;
 use tokio::sync::watch;
 
-use crate::job::Resolved;
+use crate::job::ResolvedLevel;
 use crate::job::key::Key;
 use crate::job::limits::Estimate;
 use crate::output::Format;
@@ -78,7 +78,7 @@ pub struct JobSummary {
     /// The predicted size and cost.
     pub cost: Predicted,
     /// The level chosen for a requested tolerance, with the bound of the distance from the limit.
-    pub reached: Option<Resolved>,
+    pub reached: Option<ResolvedLevel>,
     /// Keys of further results that the outputs refer to.
     pub details: Vec<Key>,
     /// Keys of the uploads that the request names.

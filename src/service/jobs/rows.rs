@@ -10,7 +10,7 @@ use crate::service::job_key::{JobKey, Tenant};
 
 /// The records, with indexes by number and by artifact.
 #[derive(Debug, Default)]
-pub(super) struct Table {
+pub(super) struct JobTable {
     pub(super) records: HashMap<JobKey, Record>,
     pub(super) by_number: BTreeMap<u64, JobKey>,
     /// The artifacts of jobs: tenant, key of the artifact, id of the job.
@@ -18,7 +18,7 @@ pub(super) struct Table {
     pub(super) next: u64,
 }
 
-impl Table {
+impl JobTable {
     pub(super) fn forget(&mut self, job: &JobKey) -> Option<Record> {
         let record = self.records.remove(job)?;
         self.by_number.remove(&record.number);

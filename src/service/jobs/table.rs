@@ -8,7 +8,7 @@ use tokio::sync::watch;
 use super::attempt::{Admission, Attempt, New};
 use super::record::{Holder, JobState, JobSummary, OutputResult, Record, Requesters};
 use super::revived::revived;
-use super::rows::Table;
+use super::rows::JobTable;
 use super::written::{decode, encode, is_job};
 use crate::job::key::Key;
 use crate::service::account::Full;
@@ -28,7 +28,7 @@ const MAX_RECORDS: usize = 10_000;
 /// The records of all jobs.
 #[derive(Debug)]
 pub struct Jobs {
-    table: Arc<Mutex<Table>>,
+    table: Arc<Mutex<JobTable>>,
     clock: Arc<dyn Clock>,
     tally: Arc<Tally>,
     /// Writes records to durable storage, if there is any.
@@ -44,7 +44,7 @@ impl RowKey for JobKey {
 impl Jobs {
     /// Creates an empty table; if `records` is given, its records outlast the process.
     pub fn new(records: Option<Arc<dyn Records>>, clock: Arc<dyn Clock>) -> Self {
-        let table = Arc::new(Mutex::new(Table::default()));
+        let table = Arc::new(Mutex::new(JobTable::default()));
         let journal = records.map(|records| {
             let (table, clock) = (table.clone(), clock.clone());
             Journal::new(records, move |job| {
@@ -61,7 +61,7 @@ impl Jobs {
         &self.tally
     }
 
-    fn table(&self) -> MutexGuard<'_, Table> {
+    fn table(&self) -> MutexGuard<'_, JobTable> {
         lock(&self.table)
     }
 

@@ -5,7 +5,7 @@ use std::time::Duration;
 use bytes::Bytes;
 
 use super::record::{JobState, JobSummary, OutputResult, Predicted, Product, Record};
-use crate::job::Resolved;
+use crate::job::ResolvedLevel;
 use crate::output::named;
 use crate::service::computation::Timings;
 use crate::service::fields::{Fields, RecordWriter};
@@ -67,7 +67,7 @@ pub(super) fn encode(record: &Record, settled: Option<Duration>) -> Vec<u8> {
     let Predicted { vertices, faces, memory_bytes, time_ms } = &summary.cost;
     out.numbers(tag::VERTICES, vertices);
     out.numbers(tag::COST, &[*faces, *memory_bytes, *time_ms]);
-    let reached = summary.reached.map(|Resolved { level, bound }| (u64::from(level), bound));
+    let reached = summary.reached.map(|ResolvedLevel { level, bound }| (u64::from(level), bound));
     let reached: Vec<u64> =
         reached.iter().flat_map(|(level, bound)| [Some(*level), bound.map(f64::to_bits)]).flatten().collect();
     out.numbers(tag::REACHED, &reached);
@@ -138,7 +138,7 @@ pub(super) fn decode(bytes: &[u8]) -> Option<DecodedRecord> {
         [] => None,
         [level, rest @ ..] if rest.len() < 2 => {
             let bound = rest.first().copied().map(f64::from_bits);
-            Some(Resolved { level: u32::try_from(*level).ok()?, bound })
+            Some(ResolvedLevel { level: u32::try_from(*level).ok()?, bound })
         }
         _ => return None,
     };

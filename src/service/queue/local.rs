@@ -16,17 +16,17 @@ const TURNS_A_BATCH: u64 = 8;
 
 /// The queue of one process. Clones share it.
 #[derive(Debug, Clone, Default)]
-pub struct LocalQueue(Arc<Shared>);
+pub struct LocalQueue(Arc<SharedQueue>);
 
 #[derive(Debug, Default)]
-struct Shared {
-    state: Mutex<State>,
+struct SharedQueue {
+    state: Mutex<QueueState>,
     /// Notified when a job enters the short lane (first) or the long lane (second).
     came: [Notify; 2],
 }
 
 #[derive(Debug, Default)]
-struct State {
+struct QueueState {
     lanes: [Turns; 2],
     known: HashMap<JobKey, QueuedJob>,
 }
@@ -47,9 +47,9 @@ fn line_number(priority: Priority) -> usize {
     usize::from(priority == Priority::Batch)
 }
 
-impl Shared {
+impl SharedQueue {
     /// Locks the state, ignoring poisoning: every change under this lock is complete before anything can panic.
-    fn state(&self) -> MutexGuard<'_, State> {
+    fn state(&self) -> MutexGuard<'_, QueueState> {
         self.state.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
@@ -160,7 +160,7 @@ impl Queue for LocalQueue {
 /// Returns a job to the front of the queue when it is dropped without [`done`](Lease::done).
 #[derive(Debug)]
 struct Back {
-    queue: Arc<Shared>,
+    queue: Arc<SharedQueue>,
     item: Option<QueuedJob>,
 }
 

@@ -7,7 +7,7 @@ use super::disk_state::DiskState;
 use super::error::StoreError;
 use super::files::{Tmp, cost};
 use super::interface::{LargeSpool, Sealed, Spool};
-use super::manifest::{Description, Manifest, PART_BYTES};
+use super::manifest::{ArtifactDescription, Manifest, PART_BYTES};
 use super::parts::PartHashes;
 use super::sealed::SealedFile;
 use super::shelf;
@@ -63,7 +63,7 @@ impl LargeSpool for DiskSpool {
         Ok(taken)
     }
 
-    fn seal(&mut self, mut description: Description) -> Result<Arc<dyn Sealed>, StoreError> {
+    fn seal(&mut self, mut description: ArtifactDescription) -> Result<Arc<dyn Sealed>, StoreError> {
         self.spill()?;
         if let Some(present) = self.store.held(&self.key, &self.parts.content())
             && let Some(owners) = present.owners.with(&description.owners)
@@ -110,14 +110,14 @@ impl Write for DiskSpool {
 }
 
 impl Spool for DiskSpool {
-    fn commit(mut self: Box<Self>, description: Description) -> Result<Arc<Manifest>, StoreError> {
+    fn commit(mut self: Box<Self>, description: ArtifactDescription) -> Result<Arc<Manifest>, StoreError> {
         if let Some(failed) = self.failed.take() {
             return Err(failed);
         }
         self.seal(description)?.settle()
     }
 
-    fn commit_by_content(mut self: Box<Self>, description: Description) -> Result<Arc<Manifest>, StoreError> {
+    fn commit_by_content(mut self: Box<Self>, description: ArtifactDescription) -> Result<Arc<Manifest>, StoreError> {
         if let Some(failed) = self.failed.take() {
             return Err(failed);
         }

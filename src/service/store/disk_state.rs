@@ -10,12 +10,12 @@ use bytes::Bytes;
 
 use super::disk::Disk;
 use super::error::StoreError;
-use super::files::{Folder, Tmp, cost};
-use super::index::Index;
+use super::files::{StoreFolder, Tmp, cost};
+use super::index::StoreIndex;
 use super::interface::Usage;
 use super::manifest::Manifest;
 use super::shelf::{self, Shelf};
-use super::sweep::{self, Swept};
+use super::sweep::{self, StoreSweep};
 use crate::job::key::Key;
 use crate::service::lock::lock;
 
@@ -29,13 +29,13 @@ const PAUSE: Duration = Duration::from_millis(10);
 /// The state of a store, shared with its open spools.
 #[derive(Debug)]
 pub(super) struct DiskState {
-    pub(super) folder: Folder,
+    pub(super) folder: StoreFolder,
     pub(super) capacity: u64,
     /// The artifacts with their manifests, in order of use. Locked only for moments, never during disk operations.
     shelf: Mutex<Shelf<Arc<Manifest>>>,
     /// The index on disk. Its lock is held by whoever changes files of artifacts, and is taken before the lock of the
     /// shelf.
-    index: Mutex<Index>,
+    index: Mutex<StoreIndex>,
     /// Keys whose artifact cannot be written, because a directory has the name of one of its files.
     occupied: Mutex<HashSet<Key>>,
 }
@@ -43,8 +43,8 @@ pub(super) struct DiskState {
 /// Puts the artifacts found in the folder on a shelf, in order of use; artifacts missing from the index count as the
 /// most recently used.
 fn fill(
-    folder: &Folder,
-    swept: Swept,
+    folder: &StoreFolder,
+    swept: StoreSweep,
     uses: &HashMap<Key, u64>,
     capacity: u64,
 ) -> Result<Shelf<Arc<Manifest>>, StoreError> {
@@ -72,12 +72,12 @@ fn fill(
 impl DiskState {
     /// Opens the folder, removes what a crash left behind, and evicts artifacts beyond the capacity.
     pub(super) fn open(disk: Arc<dyn Disk>, dir: &Path, capacity_bytes: u64) -> Result<Self, StoreError> {
-        let folder = Folder::open(dir, disk)?;
+        let folder = StoreFolder::open(dir, disk)?;
         let mut swept = sweep::sweep(&folder)?;
         if swept.damaged + swept.removed > 0 {
             tracing::warn!(dir = %dir.display(), damaged = swept.damaged, left_over = swept.removed, "swept the store");
         }
-        let (index, uses) = Index::open(folder.index());
+        let (index, uses) = StoreIndex::open(folder.index());
         let occupied = Mutex::new(std::mem::take(&mut swept.occupied));
         let shelf = Mutex::new(fill(&folder, swept, &uses, capacity_bytes)?);
         let state = Self { folder, capacity: capacity_bytes, shelf, index: Mutex::new(index), occupied };
@@ -211,7 +211,7 @@ impl DiskState {
     }
 
     /// Locks the index, if that is possible within [`TRIES`] times [`PAUSE`].
-    fn index_soon(&self) -> Option<MutexGuard<'_, Index>> {
+    fn index_soon(&self) -> Option<MutexGuard<'_, StoreIndex>> {
         for _ in 0..TRIES {
             match self.index.try_lock() {
                 Ok(index) => return Some(index),
@@ -228,7 +228,7 @@ impl DiskState {
         self.evict(&mut lock(&self.index), need)
     }
 
-    fn evict(&self, index: &mut Index, need: u64) -> Result<bool, StoreError> {
+    fn evict(&self, index: &mut StoreIndex, need: u64) -> Result<bool, StoreError> {
         let mut freed = 0;
         while freed < need {
             let Some((key, cost, _)) = ({ lock(&self.shelf).evict_oldest() }) else { break };
@@ -241,7 +241,7 @@ impl DiskState {
     }
 
     /// Removes an artifact; returns whether it was stored.
-    fn discard(&self, index: &mut Index, key: &Key) -> Result<bool, StoreError> {
+    fn discard(&self, index: &mut StoreIndex, key: &Key) -> Result<bool, StoreError> {
         let was_here = { lock(&self.shelf).remove(key) }.is_some();
         if was_here {
             index.note_removed(*key);
@@ -268,7 +268,7 @@ impl DiskState {
         Ok(None)
     }
 
-    fn write_index(&self, index: &mut Index) {
+    fn write_index(&self, index: &mut StoreIndex) {
         let pending = index.pending(&lock(&self.shelf));
         index.write(&pending);
     }

@@ -36,7 +36,7 @@ const TMP_SUFFIX: &str = ".tmp";
 
 /// The folder of a store, locked by this process.
 #[derive(Debug)]
-pub(super) struct Folder {
+pub(super) struct StoreFolder {
     root: PathBuf,
     disk: Arc<dyn Disk>,
     n_tmp: AtomicU64,
@@ -44,7 +44,7 @@ pub(super) struct Folder {
     locks: Mutex<Vec<File>>,
 }
 
-impl Folder {
+impl StoreFolder {
     /// Creates the folder if necessary and locks it.
     pub(super) fn open(root: &Path, disk: Arc<dyn Disk>) -> io::Result<Self> {
         let locks = Mutex::new(take_hold(root)?);

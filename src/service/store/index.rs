@@ -23,7 +23,7 @@ const CHANGES_A_WRITE: u32 = 256;
 
 /// The index file, and the changes that are not written to it yet.
 #[derive(Debug)]
-pub(super) struct Index {
+pub(super) struct StoreIndex {
     path: PathBuf,
     /// The open database; `None` after a failure, and the next write starts a new file.
     database: Option<Database>,
@@ -35,7 +35,7 @@ pub(super) struct Index {
     closed: bool,
 }
 
-impl Index {
+impl StoreIndex {
     /// Opens the index, or an empty one in its place, and reads the numbers of last use.
     pub(super) fn open(path: PathBuf) -> (Self, HashMap<Key, u64>) {
         let mut index = Self { path, database: None, written: 0, removed: Vec::new(), changes: 0, closed: false };
@@ -66,12 +66,12 @@ impl Index {
     }
 
     /// Collects from the shelf what [`write`](Self::write) needs.
-    pub(super) fn pending<V>(&self, shelf: &Shelf<V>) -> Pending {
-        Pending { uses: shelf.used_since(self.written).collect(), next_use: shelf.next_use() }
+    pub(super) fn pending<V>(&self, shelf: &Shelf<V>) -> PendingUses {
+        PendingUses { uses: shelf.used_since(self.written).collect(), next_use: shelf.next_use() }
     }
 
     /// Writes the order. A failure loses no artifact: it is logged, and the next write starts a new file.
-    pub(super) fn write(&mut self, pending: &Pending) {
+    pub(super) fn write(&mut self, pending: &PendingUses) {
         self.changes = 0;
         let removed = std::mem::take(&mut self.removed);
         match self.try_write(&removed, &pending.uses) {
@@ -122,7 +122,7 @@ impl Index {
     }
 }
 
-impl Drop for Index {
+impl Drop for StoreIndex {
     fn drop(&mut self) {
         self.close();
     }
@@ -130,7 +130,7 @@ impl Drop for Index {
 
 /// The uses that are not in the file yet.
 #[derive(Debug)]
-pub(super) struct Pending {
+pub(super) struct PendingUses {
     uses: Vec<(Key, u64)>,
     next_use: u64,
 }

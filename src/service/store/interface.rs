@@ -7,7 +7,7 @@ use std::sync::Arc;
 use bytes::Bytes;
 
 use super::error::StoreError;
-use super::manifest::{Description, Manifest};
+use super::manifest::{ArtifactDescription, Manifest};
 use super::records::Records;
 use crate::job::key::Key;
 use crate::service::clock::Clock;
@@ -101,13 +101,13 @@ pub trait Spool: Write + Send + std::fmt::Debug {
     ///
     /// # Errors
     /// When the bytes cannot be stored (disk full, too large, an earlier write failed).
-    fn commit(self: Box<Self>, description: Description) -> Result<Arc<Manifest>, StoreError>;
+    fn commit(self: Box<Self>, description: ArtifactDescription) -> Result<Arc<Manifest>, StoreError>;
 
     /// Commits the bytes written so far, like [`Spool::commit`], under their BLAKE3 hash as the key.
     ///
     /// # Errors
     /// As [`Spool::commit`].
-    fn commit_by_content(self: Box<Self>, description: Description) -> Result<Arc<Manifest>, StoreError>;
+    fn commit_by_content(self: Box<Self>, description: ArtifactDescription) -> Result<Arc<Manifest>, StoreError>;
 }
 
 /// A writer of a large artifact that gives the bytes back if the store accepts no more.
@@ -122,7 +122,7 @@ pub trait LargeSpool: Send + std::fmt::Debug {
     ///
     /// # Errors
     /// When the bytes cannot be stored; the spool keeps all bytes that it has taken.
-    fn seal(&mut self, description: Description) -> Result<Arc<dyn Sealed>, StoreError>;
+    fn seal(&mut self, description: ArtifactDescription) -> Result<Arc<dyn Sealed>, StoreError>;
 
     /// Gives back all bytes that the spool has taken, verified, and leaves nothing in the store.
     ///
@@ -220,7 +220,7 @@ pub struct StoreLocation {
 pub type Connect = fn() -> object_store::Result<object_store::client::HttpClient>;
 
 /// Opens a store.
-pub(super) type Open = fn(&StoreLocation) -> Result<Arc<dyn Store>, StoreError>;
+pub(super) type StoreOpener = fn(&StoreLocation) -> Result<Arc<dyn Store>, StoreError>;
 
 /// An implementation of [`Store`] that the settings can name.
 #[derive(Debug)]
@@ -230,7 +230,7 @@ pub struct StoreKind {
     /// Whether the store keeps its bytes in the folder of the service, so that it needs such a folder.
     pub in_folder: bool,
     /// Opens a store of this kind.
-    pub open: Open,
+    pub open: StoreOpener,
     /// Opens the small records (of jobs and batches) in a folder whose store is already open.
     pub records: fn(&Path) -> Result<Arc<dyn Records>, StoreError>,
 }

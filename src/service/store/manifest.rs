@@ -34,7 +34,7 @@ pub struct Manifest {
 
 /// The part of a manifest that the maker of an artifact provides when it commits the bytes.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Description {
+pub struct ArtifactDescription {
     /// Media type of the bytes.
     pub media_type: String,
     /// Warnings of the computation.
@@ -43,7 +43,7 @@ pub struct Description {
     pub owners: Owners,
 }
 
-impl Description {
+impl ArtifactDescription {
     /// Copies the description out of a manifest.
     pub fn of(manifest: &Manifest) -> Self {
         Self {

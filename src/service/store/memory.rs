@@ -8,7 +8,7 @@ use bytes::Bytes;
 
 use super::error::StoreError;
 use super::interface::{Spool, Store, Usage};
-use super::manifest::{Description, Manifest};
+use super::manifest::{ArtifactDescription, Manifest};
 use super::parts::{self, PartHashes};
 use super::shelf::{self, Shelf};
 use crate::job::key::{Key, content};
@@ -21,7 +21,7 @@ const ENTRY_BYTES: u64 = 512;
 /// Artifacts in memory, each one contiguous slice of bytes; reads share the slice without copying. Clones share the
 /// store.
 #[derive(Debug, Clone)]
-pub struct Memory {
+pub struct MemoryStore {
     shelf: Arc<Mutex<Shelf<StoredArtifact>>>,
     capacity: u64,
 }
@@ -33,7 +33,7 @@ struct StoredArtifact {
     bytes: Bytes,
 }
 
-impl Memory {
+impl MemoryStore {
     /// Creates an empty store for `capacity_bytes`, including manifests; no artifact may take more than half of it.
     pub fn new(capacity_bytes: u64) -> Self {
         Self { shelf: Arc::new(Mutex::new(Shelf::new(capacity_bytes))), capacity: capacity_bytes }
@@ -95,7 +95,7 @@ fn cost(manifest: &Manifest) -> u64 {
     manifest.length + manifest.encode().len() as u64 + ENTRY_BYTES
 }
 
-impl Store for Memory {
+impl Store for MemoryStore {
     fn manifest(&self, key: &Key) -> Result<Option<Arc<Manifest>>, StoreError> {
         Ok(lock(&self.shelf).touch(key).map(|held| Arc::clone(&held.manifest)))
     }
@@ -129,7 +129,7 @@ impl Store for Memory {
 
 #[derive(Debug)]
 struct MemorySpool {
-    store: Memory,
+    store: MemoryStore,
     key: Key,
     bytes: Vec<u8>,
     /// Whether a write was refused, so that the bytes have a gap.
@@ -154,7 +154,7 @@ impl Write for MemorySpool {
 }
 
 impl Spool for MemorySpool {
-    fn commit(mut self: Box<Self>, description: Description) -> Result<Arc<Manifest>, StoreError> {
+    fn commit(mut self: Box<Self>, description: ArtifactDescription) -> Result<Arc<Manifest>, StoreError> {
         if self.refused {
             shelf::admit(u64::MAX, self.store.capacity)?;
         }
@@ -163,7 +163,7 @@ impl Spool for MemorySpool {
         self.store.keep(manifest, Bytes::from(bytes.into_boxed_slice()))
     }
 
-    fn commit_by_content(mut self: Box<Self>, description: Description) -> Result<Arc<Manifest>, StoreError> {
+    fn commit_by_content(mut self: Box<Self>, description: ArtifactDescription) -> Result<Arc<Manifest>, StoreError> {
         self.key = content(&self.bytes);
         self.commit(description)
     }

@@ -4,7 +4,7 @@ use blake3::Hasher;
 use bytes::Bytes;
 use rayon::prelude::*;
 
-use super::manifest::{Description, Manifest, PART_BYTES};
+use super::manifest::{ArtifactDescription, Manifest, PART_BYTES};
 use crate::job::key::{Key, RESULTS_VERSION, content};
 
 /// Name and version of this build, recorded in every manifest.
@@ -51,13 +51,13 @@ impl PartHashes {
     }
 
     /// Makes the manifest of these bytes under `key`.
-    pub(super) fn manifest(self, key: Key, description: Description) -> Manifest {
+    pub(super) fn manifest(self, key: Key, description: ArtifactDescription) -> Manifest {
         let content = self.content();
         record(key, self.length, content, self.hashes, description)
     }
 
     /// Makes the manifest of these bytes under their hash as the key.
-    pub(super) fn manifest_by_content(self, description: Description) -> Manifest {
+    pub(super) fn manifest_by_content(self, description: ArtifactDescription) -> Manifest {
         let key = self.content();
         self.manifest(key, description)
     }
@@ -66,7 +66,7 @@ impl PartHashes {
 impl Manifest {
     /// Makes the manifest of complete bytes. It hashes in parallel on the thread pool of the compute thread that calls
     /// it.
-    pub fn of(key: Key, bytes: &[u8], description: Description) -> Self {
+    pub fn of(key: Key, bytes: &[u8], description: ArtifactDescription) -> Self {
         let whole = || content(bytes);
         let (content, hashes) = if bytes.len() <= PART_BYTES {
             // The only part equals the whole.
@@ -79,8 +79,8 @@ impl Manifest {
     }
 }
 
-fn record(key: Key, length: u64, content: Key, parts: Vec<Key>, description: Description) -> Manifest {
-    let Description { media_type, warnings, owners } = description;
+fn record(key: Key, length: u64, content: Key, parts: Vec<Key>, description: ArtifactDescription) -> Manifest {
+    let ArtifactDescription { media_type, warnings, owners } = description;
     let (build, results_version) = (BUILD.to_owned(), RESULTS_VERSION);
     Manifest { key, media_type, length, content, parts, warnings, build, results_version, owners }
 }

@@ -8,7 +8,7 @@ use bytes::Bytes;
 
 use super::error::StoreError;
 use super::interface::Spool;
-use super::manifest::{Description, Manifest, PART_BYTES};
+use super::manifest::{ArtifactDescription, Manifest, PART_BYTES};
 use super::parts::PartHashes;
 use super::shared_state::SharedState;
 use crate::job::key::{Key, content};
@@ -82,12 +82,12 @@ impl Write for SharedSpool {
 }
 
 impl Spool for SharedSpool {
-    fn commit(mut self: Box<Self>, description: Description) -> Result<Arc<Manifest>, StoreError> {
+    fn commit(mut self: Box<Self>, description: ArtifactDescription) -> Result<Arc<Manifest>, StoreError> {
         let parts = self.end()?;
         self.store.enter(parts.manifest(self.key, description))
     }
 
-    fn commit_by_content(mut self: Box<Self>, description: Description) -> Result<Arc<Manifest>, StoreError> {
+    fn commit_by_content(mut self: Box<Self>, description: ArtifactDescription) -> Result<Arc<Manifest>, StoreError> {
         let parts = self.end()?;
         self.store.enter(parts.manifest_by_content(description))
     }

@@ -36,12 +36,12 @@ pub(super) struct SharedState {
     capacity: u64,
     /// Manifests that were read or written; the bucket may have others, and may have lost some of these.
     shelf: Mutex<Shelf<Arc<Manifest>>>,
-    checked: Mutex<Checked>,
+    checked: Mutex<ConditionalWrites>,
 }
 
 /// Whether the object store supports conditional writes.
 #[derive(Debug, Clone)]
-enum Checked {
+enum ConditionalWrites {
     /// Unknown: the object store has not answered yet.
     NotYet,
     /// It does: a write that must not replace an object is refused if one exists.
@@ -60,7 +60,7 @@ impl SharedState {
         let prefix = place.bucket.prefix.trim_matches('/');
         let root = if prefix.is_empty() { room.to_owned() } else { format!("{prefix}/{room}") };
         let calls = Calls::new(objects, Arc::clone(&place.clock))?;
-        let (shelf, checked) = (Mutex::new(Shelf::new(REMEMBERED_BYTES)), Mutex::new(Checked::NotYet));
+        let (shelf, checked) = (Mutex::new(Shelf::new(REMEMBERED_BYTES)), Mutex::new(ConditionalWrites::NotYet));
         let state = SharedState { calls, root, capacity: place.capacity_bytes, shelf, checked };
         match state.check() {
             Err(StoreError::Away { reason, refuses: true }) => {
@@ -119,7 +119,7 @@ impl SharedState {
     pub(super) fn check(&self) -> Result<(), StoreError> {
         let checked = lock(&self.checked).clone();
         let checked = match checked {
-            Checked::NotYet => {
+            ConditionalWrites::NotYet => {
                 let found = self.probed()?;
                 *lock(&self.checked) = found.clone();
                 found
@@ -127,14 +127,14 @@ impl SharedState {
             known => known,
         };
         match checked {
-            Checked::Unfit(why) => Err(io::Error::other(why).into()),
-            Checked::Sound | Checked::NotYet => Ok(()),
+            ConditionalWrites::Unfit(why) => Err(io::Error::other(why).into()),
+            ConditionalWrites::Sound | ConditionalWrites::NotYet => Ok(()),
         }
     }
 
     /// Creates the same object twice and expects a refusal the second time. The first read, of an object that cannot
     /// exist yet, shows whether the object store distinguishes a missing object from a forbidden one.
-    fn probed(&self) -> Result<Checked, StoreError> {
+    fn probed(&self) -> Result<ConditionalWrites, StoreError> {
         let mut name = [0; 16];
         getrandom::fill(&mut name).map_err(io::Error::from)?;
         let path = Path::from(format!("{}/checks/{}", self.root, hex::encode(name)));
@@ -149,10 +149,10 @@ impl SharedState {
         } else if !matches!(back, Fetched::Bytes(back) if back == bytes()) {
             "the store does not give back what was just put there"
         } else {
-            return Ok(Checked::Sound);
+            return Ok(ConditionalWrites::Sound);
         };
         tracing::error!(unfit, "nothing is put into the shared store");
-        Ok(Checked::Unfit(unfit.to_owned()))
+        Ok(ConditionalWrites::Unfit(unfit.to_owned()))
     }
 
     /// Reads the manifest of an artifact from the bucket. A damaged manifest is deleted and counted; an artifact of

@@ -14,7 +14,7 @@ pub const MAX_ARTIFACTS: usize = 1 << 19;
 /// pinned entries that an eviction passes over.
 #[derive(Debug)]
 pub(in crate::service) struct Shelf<V> {
-    entries: HashMap<Key, Entry<V>>,
+    entries: HashMap<Key, CachedValue<V>>,
     /// Keys by the number of their last use; uses are numbered from 1, and each number occurs once.
     order: BTreeMap<u64, Key>,
     /// Number of pins of each key that must not be evicted.
@@ -27,7 +27,7 @@ pub(in crate::service) struct Shelf<V> {
 }
 
 #[derive(Debug)]
-struct Entry<V> {
+struct CachedValue<V> {
     value: V,
     cost: u64,
     last_use: u64,
@@ -123,7 +123,7 @@ impl<V> Shelf<V> {
         self.next_use += 1;
         self.bytes += cost;
         self.order.insert(last_use, key);
-        self.entries.insert(key, Entry { value, cost, last_use });
+        self.entries.insert(key, CachedValue { value, cost, last_use });
         replaced
     }
 

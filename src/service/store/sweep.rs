@@ -7,7 +7,7 @@ use std::path::Path;
 use std::time::SystemTime;
 
 use super::disk_files::{at, remove_file};
-use super::files::{self, Folder, MANIFEST_SUFFIX};
+use super::files::{self, MANIFEST_SUFFIX, StoreFolder};
 use super::manifest::{Manifest, PART_BYTES};
 use crate::job::key::{Key, RESULTS_VERSION};
 
@@ -17,7 +17,7 @@ const MANIFEST_BYTES: u64 = 64 << 20;
 
 /// The result of a sweep.
 #[derive(Debug, Default)]
-pub(super) struct Swept {
+pub(super) struct StoreSweep {
     /// The complete artifacts, in no order.
     pub(super) found: Vec<WholeArtifact>,
     /// Number of artifacts removed because their manifest or their length was wrong.
@@ -38,8 +38,8 @@ pub(super) struct WholeArtifact {
 }
 
 /// Sweeps the folder. Files whose names the store does not use are left alone.
-pub(super) fn sweep(folder: &Folder) -> io::Result<Swept> {
-    let mut swept = Swept::default();
+pub(super) fn sweep(folder: &StoreFolder) -> io::Result<StoreSweep> {
+    let mut swept = StoreSweep::default();
     for entry in entries(&folder.tmp())? {
         if name(&entry).is_some_and(|name| files::is_tmp_name(&name)) && !entry.path().is_dir() {
             remove_file(&entry.path())?;
@@ -54,13 +54,13 @@ pub(super) fn sweep(folder: &Folder) -> io::Result<Swept> {
     Ok(swept)
 }
 
-fn sweep_shard(folder: &Folder, shard: &str, swept: &mut Swept) -> io::Result<()> {
+fn sweep_shard(folder: &StoreFolder, shard: &str, swept: &mut StoreSweep) -> io::Result<()> {
     let mut lengths = HashMap::new();
     let mut manifests = Vec::new();
     for entry in entries(&folder.artifacts().join(shard))? {
         let Some(name) = name(&entry) else { continue };
         let record = name.strip_suffix(MANIFEST_SUFFIX);
-        let key = Key::parse(record.unwrap_or(&name)).filter(|key| Folder::shard_name(key) == shard);
+        let key = Key::parse(record.unwrap_or(&name)).filter(|key| StoreFolder::shard_name(key) == shard);
         let metadata = entry.metadata().ok().filter(Metadata::is_file);
         let (Some(key), Some(metadata)) = (key, metadata) else {
             tracing::warn!(path = %entry.path().display(), "not a file of the store; left alone");
@@ -101,7 +101,7 @@ enum ArtifactCondition {
 }
 
 /// Compares a manifest with the length of the bytes beside it. The bytes themselves are verified when they are read.
-fn judge(folder: &Folder, key: &Key, length: Option<u64>) -> ArtifactCondition {
+fn judge(folder: &StoreFolder, key: &Key, length: Option<u64>) -> ArtifactCondition {
     let Some(length) = length else { return ArtifactCondition::LeftOver };
     match read_manifest(&folder.manifest(key)) {
         // An artifact whose key is the hash of its bytes is the same in every results version.

@@ -2,8 +2,8 @@
 
 use super::bezier::{restriction, weighted};
 use super::composed::TERMS;
-use super::join::Patch;
-use super::proof::{LeafCell, Proof};
+use super::join::SectorPatch;
+use super::proof::{LeafCell, ValenceProof};
 use super::rings::{LEAVES, Rings};
 use super::stretch::Slopes;
 use super::table::{CapTable, Residual};
@@ -75,7 +75,7 @@ fn ring(
     rings: &Rings<3>,
     s: usize,
     cells: &[LeafCell],
-    (patch, slopes): (&Patch<3>, &Slopes<3>),
+    (patch, slopes): (&SectorPatch<3>, &Slopes<3>),
     mut most: f64,
 ) -> f64 {
     let steepest = slopes.most();
@@ -101,7 +101,7 @@ fn ring(
 }
 
 /// Returns the greatest distance inside the last ring.
-fn inside(proof: &Proof, rings: &Rings<3>, residual: &Residual) -> f64 {
+fn inside(proof: &ValenceProof, rings: &Rings<3>, residual: &Residual) -> f64 {
     let net = rings.two_ring().into_iter().map(length).fold(0.0, f64::max);
     let part = restriction([0.0, proof.inside]);
     let cap = residual.patches.iter().map(|patch| patch.mapped(&part, &part).hull()).fold(0.0, f64::max);

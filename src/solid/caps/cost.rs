@@ -8,7 +8,7 @@ use crate::math::functions::real;
 
 /// Numbers of operations, each about a nanosecond, and bytes.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Cost {
+pub struct CapCost {
     /// Operations to build the table of a valence, once.
     pub table_operations: f64,
     /// Bytes of that table, which is kept.
@@ -26,7 +26,7 @@ pub struct Cost {
 }
 
 /// Returns the cost of caps of a valence.
-pub fn cost(valence: usize) -> Cost {
+pub fn cost(valence: usize) -> CapCost {
     let per_ring = |side: usize| rings_that_matter(valence) * LEAVES.len() * side * side;
     let (n, fitted, estimated) = (real(valence), real(per_ring(FITTED)), real(per_ring(ESTIMATED)));
     let proved = if valence <= PROVED { n_rings(valence) } else { 0 };
@@ -34,7 +34,7 @@ pub fn cost(valence: usize) -> Cost {
     let cell_bytes = TERMS * TERMS * size_of::<f64>() + size_of::<LeafCell>();
     let cap_operations = 4_000.0 * n + 220.0 * n * n;
     let estimate_operations = cap_operations + 300.0 * n * estimated;
-    Cost {
+    CapCost {
         // frequencies times sectors times samples times columns, and Newton's steps
         table_operations: fitted * (26.0 * n * n + 900.0 * n) + 4_000.0 * (fitted + estimated),
         table_bytes: per_ring(ESTIMATED) * 12 * size_of::<f64>() + valence * 128 * size_of::<f64>(),

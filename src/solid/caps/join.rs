@@ -15,7 +15,7 @@ pub(super) const FREE: usize = 6;
 pub(super) type Free<const D: usize> = [[f64; D]; FREE];
 
 /// The patch of one sector.
-pub(super) type Patch<const D: usize> = BezierNet<D, 6>;
+pub(super) type SectorPatch<const D: usize> = BezierNet<D, 6>;
 
 /// Returns the limit point of the vertex: `(N^2 V + 4 sum e + sum f) / (N (N + 5))`.
 pub(super) fn limit<const D: usize>(rings: &Rings<D>) -> [f64; D] {
@@ -133,7 +133,7 @@ fn shared<const D: usize>(spoke: &[[f64; D]; 5], c: f64) -> [[f64; D]; 6] {
 /// Returns the patches around a vertex, one per sector, that continue the surface outside with one derivative and
 /// satisfy `p_v + q_u = 2 cos(2 pi / N) (1 - u)^2 p_u` along spoke s for any free parameters; they are linear in the
 /// net and in the free parameters. `sigma` is the length of the first leg of a spoke whose tangent has length 1.
-pub(super) fn join<const D: usize>(rings: &Rings<D>, sigma: f64, free: &[Free<D>]) -> Vec<Patch<D>> {
+pub(super) fn join<const D: usize>(rings: &Rings<D>, sigma: f64, free: &[Free<D>]) -> Vec<SectorPatch<D>> {
     let n = rings.valence();
     let outside: Vec<BezierNet<D, 4>> = (0..n).map(|s| rings.outside(s)).collect();
     let spokes = spokes(rings, &outside, sigma, free);
@@ -160,11 +160,11 @@ pub(super) fn join<const D: usize>(rings: &Rings<D>, sigma: f64, free: &[Free<D>
 /// Returns one patch from the surface outside, its two spokes, the cross derivatives along them, and the free
 /// parameters.
 fn sector<const D: usize>(
-    outside: &Patch<D>,
+    outside: &SectorPatch<D>,
     [low, left]: [&[[f64; D]; 6]; 2],
     [up, right]: [&[[f64; D]; 6]; 2],
     free: &Free<D>,
-) -> Patch<D> {
+) -> SectorPatch<D> {
     let mut p = outside.0;
     for k in 0..4 {
         p[1][k] = plus(left[k], times(0.2, right[k]));

@@ -16,7 +16,7 @@ mod table;
 
 pub use bound::{Deviation, Method};
 pub use characteristic::decay;
-pub use cost::{Cost, cost};
+pub use cost::{CapCost, cost};
 pub use table::{CapPatch, CapTable, VALENCES};
 
 #[cfg(test)]

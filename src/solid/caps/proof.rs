@@ -4,10 +4,10 @@
 use super::bezier::BezierNet;
 use super::characteristic::decay;
 use super::composed::{Composed, Path, TERMS, part_of_cubic, raised_whole};
-use super::join::Patch;
+use super::join::SectorPatch;
 use super::rings::{LEAVES, Rings};
 use super::samples::{foot, in_sector};
-use super::stretch::{Area, Slopes, Weights, weights};
+use super::stretch::{Area, Slopes, StretchWeights, weights};
 use crate::math::functions::{cos, ratio, real, sin};
 
 /// A cell of a leaf of one ring; the same in all sectors.
@@ -22,12 +22,12 @@ pub(super) struct LeafCell {
     /// Bound of the distance, in parameters, of the path from the true foot points.
     pub(super) off: f64,
     /// Weights of the coefficients over an area that contains the path and the true foot points.
-    pub(super) around: Weights,
+    pub(super) around: StretchWeights,
 }
 
 /// Facts about one valence that hold for all its caps.
 #[derive(Debug)]
-pub(super) struct Proof {
+pub(super) struct ValenceProof {
     /// The cells of each ring, the outermost first.
     pub(super) rings: Vec<Vec<LeafCell>>,
     /// Bound of the parameters of foot points inside all rings.
@@ -64,9 +64,9 @@ pub(super) fn n_cells(n: usize, ring: usize) -> usize {
     }
 }
 
-impl Proof {
+impl ValenceProof {
     /// Returns the facts of a valence; `None` if the planar cap cannot be shown to be one-to-one.
-    pub(super) fn of(characteristic: &Rings<2>, plane: &Patch<2>) -> Option<Self> {
+    pub(super) fn of(characteristic: &Rings<2>, plane: &SectorPatch<2>) -> Option<Self> {
         let n = characteristic.valence();
         let plane_cap = PlaneCap::of(plane, n);
         if plane_cap.stretch <= 0.0 {
@@ -120,7 +120,7 @@ struct PlaneCap {
 }
 
 impl PlaneCap {
-    fn of(plane: &Patch<2>, n: usize) -> Self {
+    fn of(plane: &SectorPatch<2>, n: usize) -> Self {
         let points: Vec<[f64; 2]> = plane.0.into_iter().flatten().collect();
         let slopes = Slopes::of(plane);
         Self { points: std::array::from_fn(|k| points[k]), slopes, stretch: least_stretch(&slopes, n) }
@@ -151,7 +151,7 @@ const ROUNDING: f64 = 1e-12;
 /// Returns the coefficients of the path of foot points under a part of a leaf: it interpolates nine of them, and is
 /// clamped to the unit square.
 fn path(
-    plane: &Patch<2>,
+    plane: &SectorPatch<2>,
     surface: &BezierNet<2, 4>,
     start: impl Fn([f64; 2]) -> [f64; 2],
     [along, across]: [[f64; 2]; 2],

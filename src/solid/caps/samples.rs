@@ -1,7 +1,7 @@
 //! Samples of the limit surface around a vertex, ring by ring, and the corresponding foot points on the planar cap.
 
 use super::bezier::{BezierNet, bernstein};
-use super::join::Patch;
+use super::join::SectorPatch;
 use super::rings::{LEAVES, Rings};
 use crate::math::functions::real;
 use crate::math::vector::minus;
@@ -17,7 +17,7 @@ pub(super) fn in_sector(depth: usize, lower: [usize; 2], x: [f64; 2]) -> [f64; 2
 }
 
 /// Returns the parameters in the unit square at which a planar patch has the given point.
-pub(super) fn foot(patch: &Patch<2>, point: [f64; 2], start: [f64; 2]) -> [f64; 2] {
+pub(super) fn foot(patch: &SectorPatch<2>, point: [f64; 2], start: [f64; 2]) -> [f64; 2] {
     let mut at = start;
     for _ in 0..STEPS {
         let miss = minus(point, patch.at(at));
@@ -31,17 +31,17 @@ pub(super) fn foot(patch: &Patch<2>, point: [f64; 2], start: [f64; 2]) -> [f64; 
 
 /// Corresponding pairs of parameters, the same in all sectors.
 #[derive(Debug)]
-pub(super) struct Samples {
+pub(super) struct CapSamples {
     depth: usize,
     /// Bernstein values of the parameters along one side of a leaf.
     within: Vec<[f64; 4]>,
-    /// Bernstein values of foot points, in the order of [`Samples::limits`].
+    /// Bernstein values of foot points, in the order of [`CapSamples::limits`].
     feet: Vec<[[f64; 6]; 2]>,
 }
 
-impl Samples {
+impl CapSamples {
     /// Creates samples of `depth` rings, at the given parameters along each side of a leaf.
-    pub(super) fn of(characteristic: &Rings<2>, plane: &Patch<2>, depth: usize, within: &[f64]) -> Self {
+    pub(super) fn of(characteristic: &Rings<2>, plane: &SectorPatch<2>, depth: usize, within: &[f64]) -> Self {
         let mut samples = Self { depth, within: within.iter().map(|x| bernstein(*x)).collect(), feet: Vec::new() };
         let places = LEAVES.iter().flat_map(|lower| {
             within.iter().flat_map(move |x| within.iter().map(move |y| (*lower, [*x, *y]))) //
@@ -93,7 +93,7 @@ impl Samples {
     }
 
     /// Returns the point of a patch at the foot point of a sample.
-    pub(super) fn on<const D: usize>(&self, patch: &Patch<D>, sample: usize) -> [f64; D] {
+    pub(super) fn on<const D: usize>(&self, patch: &SectorPatch<D>, sample: usize) -> [f64; D] {
         let [along, across] = &self.feet[sample];
         patch.blend(along, across)
     }

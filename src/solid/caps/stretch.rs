@@ -2,7 +2,7 @@
 
 use super::bezier::{BezierNet, restriction};
 use super::characteristic::turned;
-use super::join::Patch;
+use super::join::SectorPatch;
 use crate::math::functions::{real, sqrt};
 use crate::math::vector::{dot, minus, plus, times};
 
@@ -10,25 +10,25 @@ use crate::math::vector::{dot, minus, plus, times};
 pub(super) type Area = [[f64; 2]; 2];
 
 /// Weights that map the coefficients over the unit square to those over some area, in both parameters.
-pub(super) type Weights = [[[f64; 6]; 6]; 2];
+pub(super) type StretchWeights = [[[f64; 6]; 6]; 2];
 
 /// Returns the weights of an area.
-pub(super) fn weights(area: Area) -> Weights {
+pub(super) fn weights(area: Area) -> StretchWeights {
     area.map(restriction::<6>)
 }
 
 /// The derivatives of a patch by both parameters, in degree 5.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Slopes<const D: usize>([Patch<D>; 2]);
+pub(super) struct Slopes<const D: usize>([SectorPatch<D>; 2]);
 
 impl<const D: usize> Slopes<D> {
     /// Returns the derivatives over the unit square.
-    pub(super) fn of(patch: &Patch<D>) -> Self {
+    pub(super) fn of(patch: &SectorPatch<D>) -> Self {
         Self([by_first(patch), by_first(&patch.transposed()).transposed()])
     }
 
     /// Returns the derivatives with their coefficients over an area.
-    pub(super) fn over(&self, [along, across]: &Weights) -> Self {
+    pub(super) fn over(&self, [along, across]: &StretchWeights) -> Self {
         Self(self.0.map(|net| net.mapped(along, across)))
     }
 
@@ -70,7 +70,7 @@ impl Slopes<2> {
 }
 
 /// Returns the derivative by the first parameter, in degree 5.
-fn by_first<const D: usize>(net: &Patch<D>) -> Patch<D> {
+fn by_first<const D: usize>(net: &SectorPatch<D>) -> SectorPatch<D> {
     let step = |i: usize, j: usize| minus(net.0[i + 1][j], net.0[i][j]);
     BezierNet(std::array::from_fn(|i| {
         std::array::from_fn(|j| {

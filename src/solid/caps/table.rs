@@ -5,11 +5,11 @@ use std::sync::OnceLock;
 
 use super::bezier::spaced;
 use super::characteristic::{characteristic_net, decay};
-use super::join::{FREE, Free, Patch, first_leg, join, limit, tangents};
+use super::join::{FREE, Free, SectorPatch, first_leg, join, limit, tangents};
 use super::least::least_squares;
-use super::proof::Proof;
+use super::proof::ValenceProof;
 use super::rings::{PER_SECTOR, Rings};
-use super::samples::Samples;
+use super::samples::CapSamples;
 use crate::math::functions::sqrt;
 use crate::math::vector::{Vector, dot, minus, plus, times};
 
@@ -52,11 +52,11 @@ pub struct CapTable {
     pub(super) characteristic: Rings<2>,
     pub(super) sigma: f64,
     /// The cap of the characteristic net.
-    pub(super) plane: Vec<Patch<2>>,
+    pub(super) plane: Vec<SectorPatch<2>>,
     /// The free parameters of sector s, as sums over the sources: `fit[s][parameter][source]`.
     fit: Vec<[[f64; SOURCES]; FREE]>,
-    samples: Samples,
-    proof: OnceLock<Option<Proof>>,
+    samples: CapSamples,
+    proof: OnceLock<Option<ValenceProof>>,
 }
 
 /// A two-ring minus the planar net that its tangents span, with the cap of this residual.
@@ -68,7 +68,7 @@ pub(super) struct Residual {
     /// The residual of the two-ring.
     pub(super) rings: Rings<3>,
     /// The cap of the residual.
-    pub(super) patches: Vec<Patch<3>>,
+    pub(super) patches: Vec<SectorPatch<3>>,
 }
 
 static TABLES: [OnceLock<CapTable>; 33] = [const { OnceLock::new() }; 33];
@@ -81,7 +81,7 @@ impl CapTable {
     }
 
     fn fitted(valence: usize) -> Self {
-        let weight = |samples: &Samples, k| (0..samples.ring(k)).fold(1.0, |weight, _| weight * sqrt(RING_WEIGHT));
+        let weight = |samples: &CapSamples, k| (0..samples.ring(k)).fold(1.0, |weight, _| weight * sqrt(RING_WEIGHT));
         Self::fitted_to(valence, rings_that_matter(valence), FITTED, weight)
     }
 
@@ -90,15 +90,15 @@ impl CapTable {
         valence: usize,
         depth: usize,
         side: usize,
-        weight: impl Fn(&Samples, usize) -> f64,
+        weight: impl Fn(&CapSamples, usize) -> f64,
     ) -> Self {
         let characteristic = characteristic_net(valence);
         let sigma = first_leg(&characteristic);
         let plane = join(&characteristic, sigma, &vec![[[0.0; 2]; FREE]; valence]);
-        let samples = Samples::of(&characteristic, &plane[0], depth, &spaced(side));
+        let samples = CapSamples::of(&characteristic, &plane[0], depth, &spaced(side));
         let fit = fit(valence, sigma, &samples, |k| weight(&samples, k));
         let within = spaced(ESTIMATED);
-        let samples = Samples::of(&characteristic, &plane[0], rings_that_matter(valence), &within);
+        let samples = CapSamples::of(&characteristic, &plane[0], rings_that_matter(valence), &within);
         Self { valence, characteristic, sigma, plane, fit, samples, proof: OnceLock::new() }
     }
 
@@ -115,7 +115,7 @@ impl CapTable {
         let plane = |p: [f64; 2]| plus(times(p[0], residual.tangents[0]), times(p[1], residual.tangents[1]));
         let point = |p: Vector, q: [f64; 2]| plus(residual.limit, plus(plane(q), p));
         let both = residual.patches.iter().zip(&self.plane);
-        let patch = |(own, plane): (&Patch<3>, &Patch<2>)| {
+        let patch = |(own, plane): (&SectorPatch<3>, &SectorPatch<2>)| {
             std::array::from_fn(|a| std::array::from_fn(|b| point(own.0[a][b], plane.0[a][b]))) //
         };
         both.map(patch).collect()
@@ -138,8 +138,9 @@ impl CapTable {
     }
 
     /// Returns the facts about all caps of this valence, computed on first use; `None` for valences beyond [`PROVED`].
-    pub(super) fn proof(&self) -> Option<&Proof> {
-        let make = || if self.valence <= PROVED { Proof::of(&self.characteristic, &self.plane[0]) } else { None };
+    pub(super) fn proof(&self) -> Option<&ValenceProof> {
+        let make =
+            || if self.valence <= PROVED { ValenceProof::of(&self.characteristic, &self.plane[0]) } else { None };
         self.proof.get_or_init(make).as_ref()
     }
 
@@ -194,7 +195,7 @@ pub(super) fn rings_that_matter(valence: usize) -> usize {
 
 /// Returns the parameters for which caps of unit two-rings are nearest to their limit surfaces in the least-squares
 /// sense.
-fn fit(n: usize, sigma: f64, samples: &Samples, weight: impl Fn(usize) -> f64) -> Vec<[[f64; SOURCES]; FREE]> {
+fn fit(n: usize, sigma: f64, samples: &CapSamples, weight: impl Fn(usize) -> f64) -> Vec<[[f64; SOURCES]; FREE]> {
     let unit = |at: usize| std::array::from_fn(|k| if k == at { 1.0 } else { 0.0 });
     let mut sources = vec![[0.0; SOURCES]; PER_SECTOR * n + 1];
     sources[0] = unit(PER_SECTOR);

@@ -5,16 +5,16 @@ use super::bound::{Deviation, Method};
 use super::characteristic::{characteristic_net, subdominant, turn_cos, turn_sin};
 use super::join::{first_leg, limit, tangents};
 use super::rings::{LEAVES, PER_SECTOR, Rings};
-use super::samples::Samples;
+use super::samples::CapSamples;
 use super::stretch::{Slopes, weights};
 use super::table::{CapPatch, CapTable, VALENCES};
 use crate::math::functions::{asin, real, sqrt};
 use crate::math::vector::{Vector, cross, length, mean, minus, plus, times, unit};
 
 /// Numbers between -1 and 1 that look random, and are the same in every run.
-pub(super) struct Noise(pub(super) u64);
+pub(super) struct PseudoRandom(pub(super) u64);
 
-impl Noise {
+impl PseudoRandom {
     pub(super) fn number(&mut self) -> f64 {
         self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
         real(usize::try_from(self.0 >> 33).expect("31 bits")) / real(1 << 30) - 1.0
@@ -28,7 +28,7 @@ impl Noise {
 /// The two-ring of a pole of a trapezohedron with 2 n quads after one refinement: it has two poles and a zigzag of 2 n
 /// vertices.
 pub(super) fn trapezohedron(n: usize, noise: f64, seed: u64) -> Vec<Vector> {
-    let mut random = Noise(seed);
+    let mut random = PseudoRandom(seed);
     let mut jitter = || random.vector(noise);
     let (top, bottom) = (plus([0.0, 0.0, 1.0], jitter()), plus([0.0, 0.0, -1.0], jitter()));
     let zigzag = |i: usize| [turn_cos(i, 2 * n), turn_sin(i, 2 * n), if i.is_multiple_of(2) { 0.33 } else { -0.33 }];
@@ -73,7 +73,7 @@ pub(super) fn refined(two_ring: &[Vector], times: usize) -> Vec<Vector> {
 pub(super) fn deviation(two_ring: &[Vector], fine: usize) -> f64 {
     let table = CapTable::of(two_ring.len() / PER_SECTOR).expect("a valence with a cap");
     let within = spaced(fine);
-    let samples = Samples::of(&table.characteristic, &table.plane[0], 8, &within);
+    let samples = CapSamples::of(&table.characteristic, &table.plane[0], 8, &within);
     let patches = table.cap(two_ring);
     let mut most = 0.0_f64;
     samples.limits(&Rings::of_two_ring(two_ring), |s, k, point| {
@@ -101,7 +101,7 @@ pub(super) fn worst_angle(patches: &[CapPatch]) -> f64 {
 
 /// A two-ring around a bowl, with noise.
 pub(super) fn random(n: usize, noise: f64, seed: u64) -> Vec<Vector> {
-    let mut random = Noise(seed);
+    let mut random = PseudoRandom(seed);
     let flat = characteristic_net(n).two_ring();
     let bowl = |[x, y]: [f64; 2]| [x, y, 0.2 * (x * x - 0.5 * y * y)];
     flat.into_iter().map(|point| plus(bowl(point), random.vector(noise))).collect()
@@ -155,7 +155,7 @@ fn the_cap_of_a_cube_is_that_of_the_reference() {
 fn a_cap_that_is_fitted_to_the_samples_of_the_reference_is_its_cap() {
     // 17 x 17 equally spaced parameters of each sector, each counted once, in four rings of leaves
     let side = 9;
-    let is_new = |samples: &Samples, k: usize| {
+    let is_new = |samples: &CapSamples, k: usize| {
         let [leaf, i, j] = [k / (side * side) % 3, k / side % side, k % side];
         let step = 1 << samples.ring(k);
         // sides are those of the ring outside, or of a leaf before
@@ -294,15 +294,15 @@ const N_VERTICES: u64 = 9;
 const SLACK: f64 = 1.4;
 
 /// Samples of a sector at which 33 x 33 equally spaced parameters are.
-struct Grid(Samples);
+struct SampleGrid(CapSamples);
 
-impl Grid {
+impl SampleGrid {
     /// Rings of leaves outside the innermost parameters, and samples along a side of the outermost leaves.
     const SIZE: [usize; 2] = [5, 17];
 
     fn of(table: &CapTable) -> Self {
         let [depth, side] = Self::SIZE;
-        Self(Samples::of(&table.characteristic, &table.plane[0], depth, &spaced(side)))
+        Self(CapSamples::of(&table.characteristic, &table.plane[0], depth, &spaced(side)))
     }
 
     /// The largest distance between a cap and the limit surface at the 33 x 33 parameters.
@@ -323,12 +323,12 @@ impl Grid {
 #[test]
 fn certified_bounds_are_no_smaller_than_what_samples_find_and_not_much_larger() {
     let n_vertices = ASKED.map_or(N_VERTICES, |number| number.parse().expect("a number"));
-    let grids: Vec<Option<Grid>> = (0..=12).map(|n| CapTable::of(n).map(Grid::of)).collect();
+    let grids: Vec<Option<SampleGrid>> = (0..=12).map(|n| CapTable::of(n).map(SampleGrid::of)).collect();
     let valences: Vec<usize> = (3..=12).filter(|n| *n != 4).collect();
     for (seed, &n) in (0..n_vertices).zip(valences.iter().cycle()) {
         let table = CapTable::of(n).expect("a table");
         let grid = grids[n].as_ref().expect("a grid");
-        let mut noise = 0.05 + 0.15 * (Noise(seed).number() + 1.0);
+        let mut noise = 0.05 + 0.15 * (PseudoRandom(seed).number() + 1.0);
         let mut ring = trapezohedron(n, noise, seed);
         if seed % 2 == 1 {
             noise = noise.min(0.2);
@@ -352,7 +352,7 @@ fn bounds_at_regular_vertices_are_rounding() {
 
 #[test]
 fn images_of_two_parameters_are_as_far_apart_as_slopes_allow() {
-    let mut random_place = Noise(21);
+    let mut random_place = PseudoRandom(21);
     for n in [3, 5, 8, 12] {
         let plane = CapTable::of(n).expect("a table").plane[0];
         for size in [1.0, 0.5, 0.1] {

@@ -45,7 +45,7 @@ impl BoundingBox {
 /// A node with the parts `from..to` of the order. Its first child is the next node, its second child the node `second`,
 /// or 0 if the node is a leaf.
 #[derive(Debug)]
-struct Node {
+struct BoxNode {
     bounds: BoundingBox,
     from: u32,
     to: u32,
@@ -54,12 +54,12 @@ struct Node {
 
 /// A tree of boxes.
 #[derive(Debug)]
-pub(super) struct Tree {
+pub(super) struct BoxTree {
     order: Vec<u32>,
-    nodes: Vec<Node>,
+    nodes: Vec<BoxNode>,
 }
 
-impl Tree {
+impl BoxTree {
     /// Builds the tree of some boxes.
     pub(super) fn of(all: &[BoundingBox]) -> Self {
         let mut tree = Self { order: (0..index(all.len())).collect(), nodes: Vec::new() };
@@ -77,7 +77,7 @@ impl Tree {
     fn grow(&mut self, all: &[BoundingBox], from: usize, to: usize) {
         let bounds = self.order[from..to].iter().fold(BoundingBox::NOTHING, |sum, &i| sum.with(all[i as usize]));
         let here = self.nodes.len();
-        self.nodes.push(Node { bounds, from: index(from), to: index(to), second: 0 });
+        self.nodes.push(BoxNode { bounds, from: index(from), to: index(to), second: 0 });
         if to - from <= LEAF {
             return;
         }

@@ -4,9 +4,9 @@ use std::cmp::Ordering;
 
 use rayon::prelude::*;
 
-use super::boxes::Tree;
-use super::patch::{NearestPlace, Patch};
-use super::pieces::{End, LeafRing, MAX_RINGS, Square, SurfacePart, SurfaceParts};
+use super::boxes::BoxTree;
+use super::patch::{BezierPatch, NearestPlace};
+use super::pieces::{IrregularFace, LeafRing, MAX_RINGS, Square, SurfacePart, SurfaceParts};
 use super::place::Place;
 use crate::math::vector::{Vector, length, minus};
 use crate::scheme::plan::Plan;
@@ -71,7 +71,7 @@ impl Best {
     }
 
     /// Searches a piece for a nearer place; parts of the piece are visited in the order of their bounds.
-    fn search(&mut self, square: Square, patch: &Patch, point: Vector, tolerance: f64) {
+    fn search(&mut self, square: Square, patch: &BezierPatch, point: Vector, tolerance: f64) {
         let mut waiting = vec![(patch.at_least(point), patch.clone())];
         while let Some((at_least, patch)) = waiting.pop() {
             if at_least >= self.near.distance - tolerance {
@@ -96,7 +96,7 @@ impl Best {
 
 /// An end with the rings made so far.
 struct EndRings<'a> {
-    end: End,
+    end: IrregularFace,
     made: Vec<LeafRing>,
     refiner: &'a Refiner<'a>,
 }
@@ -126,8 +126,8 @@ impl EndRings<'_> {
 /// The place of the limit surface of a mesh that is closest to each of some points, in their order, under a plan whose
 /// regular pieces are bicubic. Holes are no part of the surface.
 ///
-/// Pieces that are too far away are ruled out by boxes and by [`Patch::at_least`]; in the others Newton's method looks
-/// for minima, and pieces are quartered until there is but one, or they are ruled out.
+/// Pieces that are too far away are ruled out by boxes and by [`BezierPatch::at_least`]; in the others Newton's method
+/// looks for minima, and pieces are quartered until there is but one, or they are ruled out.
 ///
 /// # Errors
 /// When the watch says stop, nothing of the surface is shown, or a coordinate is no longer finite.
@@ -137,7 +137,7 @@ pub fn closest(mesh: &Mesh, plan: &Plan, points: &[Vector], watch: &Watch) -> Re
     if parts.all.is_empty() {
         return Err(SolidError::empty());
     }
-    let tree = Tree::of(&parts.boxes);
+    let tree = BoxTree::of(&parts.boxes);
     let tolerance = RESOLUTION * tree.diagonal();
     let mut found = Vec::with_capacity(points.len());
     for points in points.chunks(TOGETHER) {
@@ -167,7 +167,7 @@ pub fn closest(mesh: &Mesh, plan: &Plan, points: &[Vector], watch: &Watch) -> Re
 }
 
 /// Returns the best place in bicubic pieces, and the ends that may have a better one.
-fn in_leaves(parts: &SurfaceParts, tree: &Tree, point: Vector, tolerance: f64) -> (Best, Vec<u32>) {
+fn in_leaves(parts: &SurfaceParts, tree: &BoxTree, point: Vector, tolerance: f64) -> (Best, Vec<u32>) {
     let mut best = Best::NONE;
     let mut ends = Vec::new();
     tree.visit(point, |number| {

@@ -47,7 +47,7 @@ impl LevelFace {
 }
 
 /// The outcome of a cell.
-enum Outcome {
+enum CellOutcome {
     Found(Vec<(u32, Jet)>),
     Split(LevelFace),
 }
@@ -75,8 +75,8 @@ pub fn evaluate(mesh: &Mesh, plan: &Plan, places: &[Place], watch: &Watch) -> Re
         let mut split = Vec::new();
         for outcome in outcomes {
             match outcome? {
-                Outcome::Found(jets) => jets.into_iter().for_each(|(i, jet)| found[i as usize] = Some(jet)),
-                Outcome::Split(cell) => split.push(cell),
+                CellOutcome::Found(jets) => jets.into_iter().for_each(|(i, jet)| found[i as usize] = Some(jet)),
+                CellOutcome::Split(cell) => split.push(cell),
             }
         }
         let others = joining.take().unwrap_or_default();
@@ -113,15 +113,15 @@ fn first(mesh: &Mesh, places: &[Place]) -> (Vec<LevelFace>, Vec<SplitFace>) {
 
 impl Level {
     /// Evaluates a face that is bicubic or has a single irregular vertex.
-    fn looked_at(&self, cell: LevelFace, refiner: &Refiner<'_>) -> Result<Outcome, SolidError> {
+    fn looked_at(&self, cell: LevelFace, refiner: &Refiner<'_>) -> Result<CellOutcome, SolidError> {
         if self.is_leaf(cell.face) {
             let net = self.net(self.topology.half_edges(cell.face as usize).start);
             let value = |query: &Query| (query.number, Jet::of(&net, cell.scale, query.uv));
-            return Ok(Outcome::Found(cell.queries.iter().map(value).collect()));
+            return Ok(CellOutcome::Found(cell.queries.iter().map(value).collect()));
         }
         match self.lone_irregular(cell.face) {
-            Some(half_edge) => isolated(self, half_edge, cell.scale, cell.queries, refiner).map(Outcome::Found),
-            None => Ok(Outcome::Split(cell)),
+            Some(half_edge) => isolated(self, half_edge, cell.scale, cell.queries, refiner).map(CellOutcome::Found),
+            None => Ok(CellOutcome::Split(cell)),
         }
     }
 

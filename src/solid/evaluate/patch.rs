@@ -11,7 +11,7 @@ use crate::solid::net::BicubicNet;
 
 /// A bicubic Bezier piece over a square in the parameters of a face.
 #[derive(Debug, Clone)]
-pub(super) struct Patch {
+pub(super) struct BezierPatch {
     /// Its control points, in model units.
     pub(super) net: BicubicNet,
     /// The parameters of its first corner, and the side length of its square.
@@ -53,7 +53,7 @@ struct Slope {
     lengths: [f64; 2],
 }
 
-impl Patch {
+impl BezierPatch {
     fn slope(&self, [u, v]: [f64; 2], point: Vector) -> Slope {
         let (along_u, along_v) = (basis(u), basis(v));
         let columns = along_v.map(|weights| self.net.map(|row| weighted(weights, row)));

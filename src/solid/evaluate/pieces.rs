@@ -2,7 +2,7 @@
 
 use super::boxes::BoundingBox;
 use super::isolated::{IsolatedFace, QUADRANTS, RINGS};
-use super::patch::Patch;
+use super::patch::BezierPatch;
 use super::place::Place;
 use crate::math::vector::{Vector, plus};
 use crate::scheme::plan::Plan;
@@ -35,9 +35,9 @@ impl Square {
         Self { from: [self.from[0] + by(part % 2), self.from[1] + by(part / 2)], size, ..self }
     }
 
-    fn patch(self, level: &Level, half_edge: u32, origin: Vector) -> Patch {
+    fn patch(self, level: &Level, half_edge: u32, origin: Vector) -> BezierPatch {
         let net = bezier(&level.net(half_edge)).map(|row| row.map(|point| plus(origin, point)));
-        Patch { net, from: self.from, size: self.size }
+        BezierPatch { net, from: self.from, size: self.size }
     }
 }
 
@@ -45,14 +45,14 @@ impl Square {
 #[derive(Debug)]
 pub(super) enum SurfacePart {
     /// A bicubic piece.
-    Leaf(Box<Patch>),
+    Leaf(Box<BezierPatch>),
     /// A face with an irregular vertex.
-    End(Box<End>),
+    End(Box<IrregularFace>),
 }
 
 /// A face with an irregular vertex, starting at some ring.
 #[derive(Debug, Clone)]
-pub(super) struct End {
+pub(super) struct IrregularFace {
     rings: IsolatedFace,
     square: Square,
     /// The parameters and the limit of the vertex.
@@ -64,12 +64,12 @@ pub(super) struct End {
 /// A ring of an end.
 #[derive(Debug)]
 pub(super) struct LeafRing {
-    pub(super) patches: Vec<Patch>,
+    pub(super) patches: Vec<BezierPatch>,
     /// A box around the remaining part at the vertex.
     pub(super) rest: BoundingBox,
 }
 
-impl End {
+impl IrregularFace {
     /// Returns the pieces of the next ring.
     ///
     /// # Errors
@@ -146,7 +146,7 @@ impl SurfaceParts {
             let bounds = BoundingBox::of(patch.net.iter().flatten().copied());
             (SurfacePart::Leaf(Box::new(patch)), bounds)
         } else if let Some(half_edge) = level.lone_irregular(face) {
-            let end = End::of(level, half_edge, square)?;
+            let end = IrregularFace::of(level, half_edge, square)?;
             let bounds = end.bounds();
             (SurfacePart::End(Box::new(end)), bounds)
         } else {

@@ -5,8 +5,10 @@ use utoipa::ToSchema;
 
 use super::bounds::PolygonSurveyAnswer;
 use super::matrices::MatricesAnswer;
-use crate::analysis::Level;
-use crate::analysis::smoothness::{BasicFunction, Certificate, Reduction, Report, Smoothness, Symbol, Weights};
+use crate::analysis::LevelMask;
+use crate::analysis::smoothness::{
+    BasicFunction, IndexedWeights, Reduction, Smoothness, SmoothnessCertificate, SmoothnessReport, Symbol,
+};
 use crate::analysis::theorems::{Decay, Theorem};
 use crate::job::SchemeFindings;
 use crate::math::exact::{Exact, rounded};
@@ -277,7 +279,7 @@ impl TheoremAnswer {
 }
 
 impl LevelMaskAnswer {
-    fn new(level: &Level) -> Self {
+    fn new(level: &LevelMask) -> Self {
         let mask = MaskAnswer::rounded(&level.mask);
         Self { alpha: level.alpha, mask, sum_rules: level.order, distance: level.distance }
     }
@@ -298,10 +300,10 @@ impl SchemeAnswer {
     }
 
     /// Creates the answer for a scheme without values and matrices.
-    pub(in crate::wire) fn of_report(report: &Report) -> Self {
+    pub(in crate::wire) fn of_report(report: &SmoothnessReport) -> Self {
         let symbol = &report.symbol;
         let known = symbol.is_exact;
-        let weights = |weights: &Weights| MaskAnswer::new(weights.first, &weights.values, known);
+        let weights = |weights: &IndexedWeights| MaskAnswer::new(weights.first, &weights.values, known);
         let eigenvalues: &[Eigenvalue] = report.local_eigenvalues.as_deref().unwrap_or_default();
         let imaginary: Vec<f64> = eigenvalues.iter().map(|x| x.im).collect();
         let shift = symbol.shift();
@@ -342,7 +344,7 @@ fn sub_mask(symbol: &Symbol, r: i64) -> MaskAnswer {
 impl SmoothnessAnswer {
     fn new(smoothness: &Smoothness, known: bool) -> Self {
         let radius = smoothness.radius.as_ref();
-        let certificate = |c: &Certificate| CertificateAnswer { k: c.k, l: c.l, norm: c.norm };
+        let certificate = |c: &SmoothnessCertificate| CertificateAnswer { k: c.k, l: c.l, norm: c.norm };
         let rounded = (!known).then_some(ROUNDED);
         let is_open = radius.is_some() && !smoothness.is_stable && smoothness.reduction.is_none();
         let unstable = is_open.then_some(UNSTABLE);

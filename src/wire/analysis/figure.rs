@@ -5,7 +5,7 @@ mod plot;
 
 use super::markdown::number;
 use super::{AnalysisAnswer, ScanAnswer, SchemeAnswer, SmoothnessAnswer, ValuesAnswer};
-use crate::drawing::{Drawing, HorizontalAlign, Item, Label, Mark, Text, VerticalAlign, Weight};
+use crate::drawing::{Drawing, FontWeight, HorizontalAlign, Item, Label, Mark, Text, VerticalAlign};
 use crate::wire::surface_analysis::{NetAnswer, SurfaceAnswer};
 use crate::wire::tube_analysis::TubeAnswer;
 use plot::{BLUE, GREEN, INK, Plot, RED, band, circle, dots, line, stems};
@@ -43,22 +43,22 @@ fn page(title: &str, lines: &[String], plots: Vec<Plot>, columns: u16) -> Drawin
     let rows = u16::try_from(plots.len()).unwrap_or(1).div_ceil(columns);
     // `HEAD` has room for two lines
     let head = HEAD + 20 * u16::try_from(lines.len().saturating_sub(2)).unwrap_or(0);
-    let mut items = vec![text(title, [24.0, 36.0], 1.3 * SIZE, Weight::Bold)];
+    let mut items = vec![text(title, [24.0, 36.0], 1.3 * SIZE, FontWeight::Bold)];
     for (k, line) in (0_u8..).zip(lines) {
-        items.push(text(line, [24.0, 60.0 + 20.0 * f32::from(k)], SIZE, Weight::Regular));
+        items.push(text(line, [24.0, 60.0 + 20.0 * f32::from(k)], SIZE, FontWeight::Regular));
     }
     let width = f32::from(WIDTH) / f32::from(columns);
     for (k, plot) in (0_u16..).zip(plots) {
         let left = width * f32::from(k % columns);
         let top = f32::from(head) + f32::from(ROW * (k / columns));
-        items.push(text(&plot.title, [left + 24.0, top + 24.0], SIZE, Weight::Bold));
+        items.push(text(&plot.title, [left + 24.0, top + 24.0], SIZE, FontWeight::Bold));
         items.extend(plot.items([left + 8.0, top + 36.0, width - 24.0, f32::from(ROW) - 44.0], SIZE));
     }
     let size = [u32::from(WIDTH), u32::from(head + rows * ROW)];
     Drawing { size, background: [255; 4], title: title.to_owned(), items }
 }
 
-fn text(says: &str, at: [f32; 2], size_px: f32, weight: Weight) -> Item {
+fn text(says: &str, at: [f32; 2], size_px: f32, weight: FontWeight) -> Item {
     // the texts are names and numbers; a text that cannot be set is left empty
     let label = Label::plain(says, weight).or_else(|_| Label::plain("", weight)).expect("an empty text can be set");
     let (anchor, level) = (HorizontalAlign::Start, VerticalAlign::Baseline);

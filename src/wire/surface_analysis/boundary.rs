@@ -6,7 +6,7 @@ use serde::Serialize;
 use utoipa::ToSchema;
 
 use super::parts::{CriterionAnswer, MAX_EIGENVALUES, NetAnswer, coordinates, is_there, name};
-use crate::analysis::surface::{BoundaryReport, Sided, Status, Weight, evidence, verdict};
+use crate::analysis::surface::{BoundaryReport, PointWeight, Sided, Status, evidence, verdict};
 
 /// What is known of boundary vertices with a number of faces.
 #[derive(Debug, Clone, Serialize, ToSchema)]
@@ -97,7 +97,7 @@ impl BoundaryAnswer {
 }
 
 /// Returns the weights that exceed rounding errors, by sector coordinates.
-fn mask(weights: &[Weight]) -> BTreeMap<String, Vec<f64>> {
+fn mask(weights: &[PointWeight]) -> BTreeMap<String, Vec<f64>> {
     let there = weights.iter().filter(|weight| is_there(weight));
     there.map(|weight| (coordinates(weight), weight.values.clone())).collect()
 }

@@ -3,7 +3,7 @@
 use serde::Serialize;
 use utoipa::ToSchema;
 
-use crate::analysis::surface::{Criterion, PlaneNet, Status, Weight};
+use crate::analysis::surface::{Criterion, PlaneNet, PointWeight, Status};
 
 /// Maximum number of eigenvalues listed for a vertex, the largest first. Those that decide are among the first ten at
 /// any valence. Half as many would show less of the rest; twice as many would make answers longer.
@@ -55,11 +55,11 @@ pub(super) fn name(status: Status) -> &'static str {
 }
 
 /// Whether a weight exceeds rounding errors.
-pub(super) fn is_there(weight: &Weight) -> bool {
+pub(super) fn is_there(weight: &PointWeight) -> bool {
     weight.values.iter().any(|x| x.abs() > NONE)
 }
 
 /// Returns the sector coordinates of a weight, `center` for the centre.
-pub(super) fn coordinates(weight: &Weight) -> String {
+pub(super) fn coordinates(weight: &PointWeight) -> String {
     weight.point.map_or_else(|| "center".to_owned(), |[i, j]| format!("{i},{j}"))
 }

@@ -1,6 +1,6 @@
 //! Laws of every scheme, and the agreement of analysis and refinement.
 
-use planish::analysis::curve::{Cycle, ExactCycle};
+use planish::analysis::curve::{CycleMask, ExactCycle};
 use planish::math::exact::rounded;
 use planish::math::parameter::Literal;
 use planish::scheme::plan::{Plan, PlanInput, Subject};
@@ -27,7 +27,7 @@ fn plan(preset: Option<&str>, word: Option<&str>, parameters: &[(&str, &str)]) -
 /// Checks that the exact mask is that of an impulse which the operators refine.
 fn agree(plan: &Plan, name: &str) {
     let exact = ExactCycle::settled(plan).unwrap_or_else(|| panic!("{name} is exact"));
-    let refined = Cycle::settled(plan, &Watch::new()).unwrap();
+    let refined = CycleMask::settled(plan, &Watch::new()).unwrap();
     assert_eq!(exact.arity, refined.arity, "{name}");
     let last = exact.first + i64::try_from(exact.mask.len()).unwrap() - 1;
     for j in exact.first.min(refined.mask.first.into())..=last.max(refined.mask.last().into()) {

@@ -3,8 +3,8 @@
 use planish::job::limits::{Limits, Refusal};
 use planish::math::functions::sqrt;
 use planish::raster::{
-    Camera, Crowding, Ground, Model, Normals, ProjectedPoint, RenderStyle, Sight, Strokes, TriangleAppearance, View,
-    render as paint,
+    Camera, Crowding, Ground, Model, ProjectedPoint, RenderStyle, ShadingNormals, Sight, Strokes, TriangleAppearance,
+    View, render as paint,
 };
 use planish::watch::Watch;
 use serde_json::{Value, json};
@@ -155,7 +155,7 @@ fn what_is_hidden_is_what_the_depth_buffer_hides() {
         let model = Model {
             positions: &positions,
             triangles: &triangles,
-            normals: Normals::Planes,
+            normals: ShadingNormals::Planes,
             surface: TriangleAppearance::Unseen,
             strokes: &[strokes],
         };

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use axum::http::Method;
 use planish::config::Settings;
 use planish::job::key::{Key, content};
-use planish::service::store::{Description, Memory, Owners, Pin, Store, StoreError};
+use planish::service::store::{ArtifactDescription, MemoryStore, Owners, Pin, Store, StoreError};
 use serde_json::{Value, json};
 
 use super::jobs::cube;
@@ -182,13 +182,13 @@ fn put(store: &Arc<dyn Store>, number: u8, length: usize) -> Result<Key, StoreEr
     let mut spool = store.spool(Key::from_bytes([number; 32])).unwrap();
     spool.write_all(&vec![number; length]).unwrap();
     let description =
-        Description { media_type: "model/obj".to_owned(), warnings: Vec::new(), owners: Owners::default() };
+        ArtifactDescription { media_type: "model/obj".to_owned(), warnings: Vec::new(), owners: Owners::default() };
     spool.commit_by_content(description).map(|manifest| manifest.key)
 }
 
 #[test]
 fn what_is_pinned_stays_and_a_store_full_of_it_refuses() {
-    let store: Arc<dyn Store> = Arc::new(Memory::new(10_000));
+    let store: Arc<dyn Store> = Arc::new(MemoryStore::new(10_000));
     let put = |number| put(&store, number, 3000);
     let first = put(1).unwrap();
     assert_eq!(first, content(&[1; 3000]));
@@ -207,7 +207,7 @@ fn what_is_pinned_stays_and_a_store_full_of_it_refuses() {
 
 #[test]
 fn nothing_is_evicted_for_what_does_not_fit_beside_what_is_pinned() {
-    let store: Arc<dyn Store> = Arc::new(Memory::new(12_000));
+    let store: Arc<dyn Store> = Arc::new(MemoryStore::new(12_000));
     let put = |number, length| put(&store, number, length);
     let [first, second, third] = [1, 2, 3].map(|number| put(number, 3000).unwrap());
     let pins = [first, second].map(|key| Pin::new(&store, key).unwrap());

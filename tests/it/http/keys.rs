@@ -5,7 +5,7 @@ use std::time::Duration;
 
 use axum::http::Method;
 use planish::config::Settings;
-use planish::config::keys::{KEYS_FILE, KeyEntry, KeyFile, Role, Token};
+use planish::config::keys::{KEYS_FILE, KeyEntry, KeyFile, KeyRole, Token};
 use planish::http::serve::bind;
 use serde_json::json;
 
@@ -13,12 +13,12 @@ use super::jobs::{mesh, with};
 use super::server::{Folder, Server, settings, story, until};
 
 /// Adds a new key to a folder; each one is different.
-pub(crate) fn key(folder: &Folder, tenant: &str, role: Role) -> Token {
+pub(crate) fn key(folder: &Folder, tenant: &str, role: KeyRole) -> Token {
     key_with(folder, tenant, role, |_| {})
 }
 
 /// Adds a new key with a change of its entry.
-pub(crate) fn key_with(folder: &Folder, tenant: &str, role: Role, change: impl FnOnce(&mut KeyEntry)) -> Token {
+pub(crate) fn key_with(folder: &Folder, tenant: &str, role: KeyRole, change: impl FnOnce(&mut KeyEntry)) -> Token {
     static NEXT: AtomicU8 = AtomicU8::new(1);
     let token = Token::new(|bytes| {
         bytes.fill(NEXT.fetch_add(1, Ordering::Relaxed));
@@ -59,9 +59,9 @@ pub(crate) fn bearer(token: &Token) -> String {
 #[test]
 fn who_shows_no_key_or_a_wrong_one_is_told_what_to_do_and_health_and_catalogue_stay_open() {
     let folder = Folder::new();
-    let own = key(&folder, "acme", Role::Render);
+    let own = key(&folder, "acme", KeyRole::Render);
     let other = Folder::new();
-    let foreign = key(&other, "acme", Role::Render);
+    let foreign = key(&other, "acme", KeyRole::Render);
     story(keyed(&folder), async |server| {
         let problem = server.render(&with(mesh(1), "obj")).await;
         assert_eq!(problem.header("www-authenticate"), "Bearer realm=\"planish\"");
@@ -92,7 +92,7 @@ fn who_shows_no_key_or_a_wrong_one_is_told_what_to_do_and_health_and_catalogue_s
 #[test]
 fn a_role_allows_what_it_says_and_no_more() {
     let folder = Folder::new();
-    let [read, render, admin] = [Role::Read, Role::Render, Role::Admin].map(|role| key(&folder, "acme", role));
+    let [read, render, admin] = [KeyRole::Read, KeyRole::Render, KeyRole::Admin].map(|role| key(&folder, "acme", role));
     story(keyed(&folder), async |server| {
         let ask = async |token: &Token, method: Method, path: &str| {
             let body = if method == Method::POST { mesh(1).to_string().into_bytes() } else { Vec::new() };
@@ -129,7 +129,7 @@ fn a_role_allows_what_it_says_and_no_more() {
 #[test]
 fn keys_come_and_go_while_the_service_runs_and_two_of_one_tenant_see_the_same() {
     let folder = Folder::new();
-    let old = key(&folder, "acme", Role::Render);
+    let old = key(&folder, "acme", KeyRole::Render);
     story(keyed(&folder), async |server| {
         let status = async |token: &Token| {
             let shown = bearer(token);
@@ -138,8 +138,8 @@ fn keys_come_and_go_while_the_service_runs_and_two_of_one_tenant_see_the_same() 
         let posted = server.post_with("/v1/jobs", &with(mesh(1), "obj"), &[("authorization", &bearer(&old))]).await;
         let location = posted.header("location").to_owned();
         assert!(!location.is_empty(), "{}", posted.text());
-        let new = key(&folder, "acme", Role::Render);
-        let ended = key_with(&folder, "acme", Role::Render, |entry| entry.expires = Some(1));
+        let new = key(&folder, "acme", KeyRole::Render);
+        let ended = key_with(&folder, "acme", KeyRole::Render, |entry| entry.expires = Some(1));
         until_async(server, "the new key is let in", async || status(&new).await == 200).await;
         assert_eq!((status(&old).await, status(&ended).await), (200, 401), "two at a time; an expired one never");
         server.get_with(&location, &[("authorization", &bearer(&new))]).await.ok();
@@ -179,7 +179,7 @@ fn the_first_key_shuts_a_service_that_was_open() {
     let folder = Folder::new();
     story(keyed(&folder), async |server| {
         server.get("/v1/jobs").await.ok();
-        let token = key(&folder, "acme", Role::Read);
+        let token = key(&folder, "acme", KeyRole::Read);
         until("the keys are read", || server.app.gate.is_shut()).await;
         server.get("/v1/jobs").await.problem(401, "unauthorized");
         server.get_with("/v1/jobs", &[("authorization", &bearer(&token))]).await.ok();
@@ -196,7 +196,7 @@ fn on_an_address_of_the_network_the_service_wants_keys_or_to_be_told_that_it_nee
     assert!(refused.contains("planish key add --data-dir") && refused.contains("--without-keys true"), "{refused}");
     let app = starts(Settings { without_keys: true, ..open.clone() }).unwrap();
     assert!(!app.gate.is_shut());
-    key(&folder, "acme", Role::Render);
+    key(&folder, "acme", KeyRole::Render);
     assert!(starts(open.clone()).unwrap().gate.is_shut());
     std::fs::write(folder.path().join(KEYS_FILE), "key = 1").unwrap();
     let refused = starts(Settings { without_keys: true, ..open }).map(drop).unwrap_err().to_string();
@@ -206,7 +206,7 @@ fn on_an_address_of_the_network_the_service_wants_keys_or_to_be_told_that_it_nee
 #[test]
 fn a_body_is_not_read_for_who_is_not_let_in() {
     let folder = Folder::new();
-    key(&folder, "acme", Role::Render);
+    key(&folder, "acme", KeyRole::Render);
     story(keyed(&folder), async |server| {
         let long = json!({ "input": "x".repeat(1 << 20) });
         server.post("/v1/render", &long).await.problem(401, "unauthorized");

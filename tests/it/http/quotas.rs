@@ -4,7 +4,7 @@ use std::sync::Arc;
 use std::time::Duration;
 
 use planish::config::Settings;
-use planish::config::keys::Role;
+use planish::config::keys::KeyRole;
 use planish::service::clock::Manual;
 
 use super::jobs::{mesh, polygon, with};
@@ -43,9 +43,9 @@ fn requests_for_work_beyond_the_minute_are_told_when_to_come_back_and_the_rest_g
 #[test]
 fn each_key_has_a_quota_of_its_own() {
     let folder = Folder::new();
-    let usual = key(&folder, "acme", Role::Render);
-    let large = key_with(&folder, "acme", Role::Render, |entry| entry.requests_per_minute = Some(5));
-    let free = key_with(&folder, "acme", Role::Render, |entry| entry.requests_per_minute = Some(0));
+    let usual = key(&folder, "acme", KeyRole::Render);
+    let large = key_with(&folder, "acme", KeyRole::Render, |entry| entry.requests_per_minute = Some(5));
+    let free = key_with(&folder, "acme", KeyRole::Render, |entry| entry.requests_per_minute = Some(0));
     story(Settings { requests_per_minute: 1, ..keyed(&folder) }, async |server| {
         let left = async |token| {
             let shown = bearer(token);

@@ -7,7 +7,7 @@ use base64::Engine;
 use base64::engine::general_purpose::URL_SAFE_NO_PAD;
 use flate2::Compression;
 use flate2::write::DeflateEncoder;
-use planish::config::keys::{KeyFile, Link, Role, Token};
+use planish::config::keys::{KeyFile, KeyRole, Link, Token};
 use serde_json::{Value, json};
 
 use super::jobs::{mesh, polygon, with};
@@ -34,7 +34,7 @@ fn signed(token: &Token, expires: u64, rest: &str) -> String {
 #[test]
 fn a_signed_address_shows_a_render_without_a_key_and_only_that() {
     let folder = Folder::new();
-    let own = key(&folder, "acme", Role::Render);
+    let own = key(&folder, "acme", KeyRole::Render);
     story(keyed(&folder), async |server| {
         let rest = named(&polygon(3), "svg");
         let address = signed(&own, LATER, &rest);
@@ -62,7 +62,7 @@ fn a_signed_address_shows_a_render_without_a_key_and_only_that() {
 #[test]
 fn a_signed_model_opens_the_buffers_to_which_it_refers_and_no_others() {
     let folder = Folder::new();
-    let own = key(&folder, "acme", Role::Render);
+    let own = key(&folder, "acme", KeyRole::Render);
     story(keyed(&folder), async |server| {
         let levels = |lod: &[u32]| {
             let mut job = mesh(3);
@@ -102,7 +102,7 @@ fn a_signed_model_opens_the_buffers_to_which_it_refers_and_no_others() {
 #[test]
 fn the_job_may_name_its_output_and_the_extension_has_to_be_that_of_its_format() {
     let folder = Folder::new();
-    let own = key(&folder, "acme", Role::Render);
+    let own = key(&folder, "acme", KeyRole::Render);
     story(keyed(&folder), async |server| {
         let mut job = mesh(1);
         job["outputs"] = json!([{ "format": "png", "width": 64, "height": 48 }]);
@@ -119,9 +119,9 @@ fn the_job_may_name_its_output_and_the_extension_has_to_be_that_of_its_format() 
 #[test]
 fn what_is_altered_expired_or_signed_by_another_is_refused_and_told_apart() {
     let folder = Folder::new();
-    let (own, reader) = (key(&folder, "acme", Role::Render), key(&folder, "acme", Role::Read));
-    let ended = key_with(&folder, "acme", Role::Render, |entry| entry.expires = Some(1));
-    let foreign = key(&Folder::new(), "acme", Role::Render);
+    let (own, reader) = (key(&folder, "acme", KeyRole::Render), key(&folder, "acme", KeyRole::Read));
+    let ended = key_with(&folder, "acme", KeyRole::Render, |entry| entry.expires = Some(1));
+    let foreign = key(&Folder::new(), "acme", KeyRole::Render);
     story(keyed(&folder), async |server| {
         let rest = named(&polygon(2), "svg");
         let good = signed(&own, LATER, &rest);
@@ -178,7 +178,7 @@ fn what_is_altered_expired_or_signed_by_another_is_refused_and_told_apart() {
 #[test]
 fn an_address_that_is_too_long_or_inflates_to_too_much_is_refused_before_it_is_read() {
     let folder = Folder::new();
-    let own = key(&folder, "acme", Role::Render);
+    let own = key(&folder, "acme", KeyRole::Render);
     story(keyed(&folder), async |server| {
         let bomb = format!("{}.svg", deflated(&vec![b' '; 16 << 20]));
         // 16 MiB of blanks still take 16 KiB deflated; a smaller bomb fits into an address
@@ -196,7 +196,7 @@ fn an_address_that_is_too_long_or_inflates_to_too_much_is_refused_before_it_is_r
 #[test]
 fn a_signed_address_whose_result_is_not_there_in_time_says_when_to_come_back() {
     let folder = Folder::new();
-    let own = key(&folder, "acme", Role::Render);
+    let own = key(&folder, "acme", KeyRole::Render);
     story(keyed(&folder), async |server| {
         let held = server.hold().await;
         let address = signed(&own, LATER, &named(&mesh(2), "obj"));
@@ -221,8 +221,8 @@ async fn until_ok(server: &Server, address: &str) {
 #[test]
 fn events_and_results_can_be_signed_too() {
     let folder = Folder::new();
-    let (own, reader) = (key(&folder, "acme", Role::Render), key(&folder, "acme", Role::Read));
-    let other = key(&folder, "bolt", Role::Read);
+    let (own, reader) = (key(&folder, "acme", KeyRole::Render), key(&folder, "acme", KeyRole::Read));
+    let other = key(&folder, "bolt", KeyRole::Read);
     story(keyed(&folder), async |server| {
         let shown = bearer(&own);
         let headers = [("authorization", shown.as_str()), ("prefer", "wait=60")];

@@ -2,7 +2,7 @@
 
 use axum::http::Method;
 use planish::config::Settings;
-use planish::config::keys::{Role, SHARED, Token};
+use planish::config::keys::{KeyRole, SHARED, Token};
 use serde_json::{Value, json};
 use tokio::task::JoinHandle;
 
@@ -18,7 +18,7 @@ struct Two {
 
 fn two() -> Two {
     let folder = Folder::new();
-    let (a, b) = (key(&folder, "acme", Role::Render), key(&folder, "bolt", Role::Render));
+    let (a, b) = (key(&folder, "acme", KeyRole::Render), key(&folder, "bolt", KeyRole::Render));
     Two { a, b, folder }
 }
 
@@ -132,7 +132,7 @@ fn who_may_see_a_result_is_still_known_after_a_restart() {
 #[test]
 fn shared_keys_share_with_each_other_and_with_no_tenant() {
     let two = two();
-    let shared = [key(&two.folder, SHARED, Role::Render), key(&two.folder, SHARED, Role::Render)];
+    let shared = [key(&two.folder, SHARED, KeyRole::Render), key(&two.folder, SHARED, KeyRole::Render)];
     story(keyed(&two.folder), async |server| {
         let job = with(mesh(2), "stl");
         post(server, &two.a, "/v1/render", &job).await.ok();

@@ -7,7 +7,7 @@ use std::time::Duration;
 use planish::job::key::{Key, RESULTS_VERSION, content};
 use planish::service::clock::Manual;
 use planish::service::job_key::Tenant;
-use planish::service::store::{Description, Manifest, Owners, PART_BYTES, Store, StoreError};
+use planish::service::store::{ArtifactDescription, Manifest, Owners, PART_BYTES, Store, StoreError};
 use planish::service::tiers::Tiers;
 
 use super::bucket::FaultyBucket;
@@ -55,7 +55,7 @@ fn tenants_of_two_servers_may_both_see_what_both_have_made() {
     for (store, owner) in [(&a, 1), (&b, 2), (&a, 3), (&b, 3)] {
         let mut spool = store.spool(key(1)).unwrap();
         std::io::Write::write_all(&mut spool, &noise(1, 100)).unwrap();
-        let made = spool.commit(Description { owners: of(&[owner]), ..description() }).unwrap();
+        let made = spool.commit(ArtifactDescription { owners: of(&[owner]), ..description() }).unwrap();
         assert!(made.owners.contain(Tenant(owner)));
     }
     assert_eq!(bucket.open().look_up(&key(1)).unwrap().unwrap().owners, of(&[1, 2, 3]));

@@ -11,7 +11,7 @@ use planish::job::limits::{Limits, Refusal};
 use planish::job::{Job, Report, RunError, run};
 use planish::output::scene::Frame;
 use planish::output::{Counts, ShapeKind};
-use planish::solid::Cage;
+use planish::solid::CageCounts;
 use planish::watch::Watch;
 use planish::wire::JobRequest;
 use planish::wire::read::{ReadError, read};
@@ -61,7 +61,7 @@ pub(crate) fn nothing(kind: ShapeKind) -> Counts {
         attachments: Arc::default(),
         input_faces: 0,
         input_edges: 0,
-        cage: Cage::default(),
+        cage: CageCounts::default(),
         tags: 0,
         weights: [0; 2],
     }

@@ -44,7 +44,7 @@ impl Class {
 
 /// A line from vertex to vertex.
 #[derive(Debug, Clone, PartialEq)]
-pub(super) struct Edge {
+pub(super) struct DrawnEdge {
     pub(super) ends: [u32; 2],
     /// Whether the line belongs to each class, in the order of [`CLASSES`].
     is: [bool; 5],
@@ -52,7 +52,7 @@ pub(super) struct Edge {
     pub(super) beside: [u32; 2],
 }
 
-impl Edge {
+impl DrawnEdge {
     /// Returns the class as which the line is drawn, if `shows` tells which classes are shown.
     pub(super) fn drawn_as(&self, shows: impl Fn(&str) -> bool) -> Option<Class> {
         CLASSES.into_iter().find(|class| self.is[*class as usize] && shows(class.name()))
@@ -60,9 +60,9 @@ impl Edge {
 }
 
 /// The triangles of a mesh, and its lines.
-pub(super) struct Edges {
+pub(super) struct SceneEdges {
     pub(super) triangles: Vec<[u32; 3]>,
-    pub(super) all: Vec<Edge>,
+    pub(super) all: Vec<DrawnEdge>,
     /// The edges on whose two sides normals differ, apart from sharp ones.
     pub(super) hard: HardEdges,
 }
@@ -70,7 +70,7 @@ pub(super) struct Edges {
 /// A side of a triangle: its ends, the lower first, and the triangle.
 type TriangleSide = [u32; 3];
 
-impl Edges {
+impl SceneEdges {
     /// Finds the lines of a mesh whose vertices have these `positions` and are `seen` in the picture. Vertices at one
     /// position are merged into the first of them, so that neither poles nor files without neighbours have boundaries
     /// inside.
@@ -104,7 +104,7 @@ impl Edges {
             let turns = sides.iter().any(|side| outward[side[2] as usize] != outward[beside[0] as usize]);
             let sharp = sides.len() > 2 || creases.binary_search(&ends).is_ok();
             let is = [turns, sides.len() == 1, sharp, isolines.binary_search(&ends).is_ok(), !inner];
-            Edge { ends, is, beside }
+            DrawnEdge { ends, is, beside }
         };
         let all = sides.chunk_by(|a, b| a[..2] == b[..2]).map(edge).filter(|edge| edge.is.contains(&true)).collect();
         Ok(Self { triangles: cut, all, hard })

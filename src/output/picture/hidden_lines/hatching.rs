@@ -51,7 +51,7 @@ pub(super) fn memory(triangles: u128, vertices: u128) -> u128 {
 }
 
 /// The hatched surface: triangles, and at each vertex its place in the picture and the cosine between normal and lamp.
-pub(super) struct Ground {
+pub(super) struct HatchedSurface {
     triangles: Vec<[u32; 3]>,
     seen: Vec<ProjectedPoint>,
     light: Vec<f64>,
@@ -70,9 +70,9 @@ struct HatchSegment {
     near: [f64; 2],
 }
 
-impl Ground {
-    /// Prepares the triangles of a mesh in the same order as [`Edges`](super::edges::Edges) has them, with normals that
-    /// differ on the two sides of hard edges.
+impl HatchedSurface {
+    /// Prepares the triangles of a mesh in the same order as [`SceneEdges`](super::edges::SceneEdges) has them, with
+    /// normals that differ on the two sides of hard edges.
     pub(super) fn of(
         scene: &Scene<'_>,
         mesh: &dyn MeshSource,
@@ -107,7 +107,7 @@ impl Ground {
         most_pairs: usize,
         watch: &Watch,
     ) -> Result<Vec<PolylinePoints>, FormatError> {
-        let lines = Lines { apart: APART * f64::from(unit), size: size.map(f64::from) };
+        let lines = HatchLines { apart: APART * f64::from(unit), size: size.map(f64::from) };
         let count = |triangle: &[u32; 3]| -> u64 {
             let numbers = (0..2).map(|direction| lines.numbers(direction, self.corners(*triangle)));
             numbers.map(|(from, to)| u64::try_from(to - from).unwrap_or(0)).sum()
@@ -156,7 +156,7 @@ impl Ground {
     }
 
     /// Returns the pieces of lines in a triangle where it is dark enough for them.
-    fn pieces(&self, lines: &Lines, number: u32, triangle: [u32; 3]) -> Vec<HatchSegment> {
+    fn pieces(&self, lines: &HatchLines, number: u32, triangle: [u32; 3]) -> Vec<HatchSegment> {
         let corners = self.corners(triangle);
         let [a, b, c] = corners;
         // y points downwards: clockwise triangles show their inside, which is lit from the other side
@@ -174,13 +174,13 @@ impl Ground {
 }
 
 /// All lines of a picture.
-struct Lines {
+struct HatchLines {
     /// Distance between neighbouring lines, pixels.
     apart: f64,
     size: [f64; 2],
 }
 
-impl Lines {
+impl HatchLines {
     /// Returns the unit vectors along and across the lines of a direction.
     fn axes(direction: usize) -> [[f64; 2]; 2] {
         let along = DIRECTIONS[direction].map(|x| x / sqrt(2.0));

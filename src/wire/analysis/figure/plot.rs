@@ -1,6 +1,6 @@
 //! One plot of a figure: axes, and the marks between them.
 
-use crate::drawing::{Axes, Axis, Color, Discs, Group, Item, Label, Mark as Drawn, Point, Stroke, Weight};
+use crate::drawing::{Axes, Axis, Color, Discs, FontWeight, Group, Item, Label, Mark as Drawn, Point, Stroke};
 
 /// Colour of text.
 pub(super) const INK: Color = [15, 23, 42, 255];
@@ -100,7 +100,7 @@ impl Plot {
     pub(super) fn items(&self, [left, top, width, height]: [f32; 4], size_px: f32) -> Vec<Item> {
         let axis = |k: usize| {
             let [low, high] = self.range[k];
-            let label = Label::plain(&self.names[k], Weight::Regular).ok().filter(|label| !label.is_empty());
+            let label = Label::plain(&self.names[k], FontWeight::Regular).ok().filter(|label| !label.is_empty());
             Axis { low, high, label }
         };
         let (mut x, mut y) = (axis(0), axis(1));
