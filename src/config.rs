@@ -28,7 +28,7 @@ pub use written::seconds;
 
 /// Maximum number of bytes in a setting, 1 PiB: beyond the memory and the disks of one machine, and so small that sums
 /// of a thousand of them fit into 63 bits, the size of TOML integers.
-const MAX_BYTES: u64 = 1 << 50;
+const MAX_SETTING_BYTES: u64 = 1 << 50;
 /// Minimum memory of a service, 256 MiB: its shares then still hold a small job each.
 const LEAST_MEMORY_BYTES: u64 = 256 << 20;
 /// Maximum of the setting for the length of request bodies, 1 GiB: bodies are held in memory, and a gibibyte of JSON is
@@ -36,9 +36,9 @@ const LEAST_MEMORY_BYTES: u64 = 256 << 20;
 const MAX_BODY_BYTES: u64 = 1 << 30;
 /// Maximum of the settings for jobs and connections: each connection has a file descriptor and its buffers, each job
 /// its request, and 65,536 of them are more than two lanes or one address can serve.
-const MAX_WAITING: u64 = 1 << 16;
+const MAX_SETTING_WAITING: u64 = 1 << 16;
 /// Maximum of the setting for requests per minute: 16,666 a second are more than one machine answers.
-const MAX_REQUESTS: u64 = 1_000_000;
+const MAX_SETTING_REQUESTS: u64 = 1_000_000;
 /// Maximum of the setting for jobs of a batch: a response about a batch has the state of each job, some megabytes for
 /// 10,000 jobs.
 const MAX_BATCH_ITEMS: u64 = 10_000;
@@ -47,7 +47,7 @@ const MAX_BATCH_ITEMS: u64 = 10_000;
 const MAX_THREADS: u64 = 1024;
 /// Maximum duration in a setting, a day in seconds: longer waits are of no use to a service, and clocks can add a day
 /// to any time without overflow.
-const MAX_SECONDS: u64 = 24 * 60 * 60;
+const MAX_SETTING_SECONDS: u64 = 24 * 60 * 60;
 /// Maximum of the settings for faces and vertices: indices are 32 bits wide.
 const MAX_INDEXED: u64 = u32::MAX as u64;
 
@@ -180,37 +180,39 @@ settings! {
     /// Most points of all polygons, or vertices of a mesh, at any level.
     max_vertices: u64 = Limits::default().max_vertices, in 1..=MAX_INDEXED, "PLANISH_MAX_VERTICES", "vertices";
     /// Most bytes of one result.
-    max_output_bytes: u64 = Limits::default().max_output_bytes, in 1..=MAX_BYTES, "PLANISH_MAX_OUTPUT_BYTES", "bytes";
+    max_output_bytes: u64 = Limits::default().max_output_bytes, in 1..=MAX_SETTING_BYTES,
+        "PLANISH_MAX_OUTPUT_BYTES", "bytes";
     /// Most memory one job may need.
-    max_job_bytes: u64 = Limits::default().max_job_bytes, in 1..=MAX_BYTES, "PLANISH_MAX_JOB_BYTES", "bytes";
+    max_job_bytes: u64 = Limits::default().max_job_bytes, in 1..=MAX_SETTING_BYTES, "PLANISH_MAX_JOB_BYTES", "bytes";
     /// Memory of everything that is held for requests: bodies, computations, answers, caches. Who finds none left waits
     /// or is answered 503. Where it is not given, less is taken where the machine or its control group has less.
-    max_memory_bytes: u64 = 12 << 30, in LEAST_MEMORY_BYTES..=MAX_BYTES, "PLANISH_MAX_MEMORY_BYTES", "bytes";
+    max_memory_bytes: u64 = 12 << 30, in LEAST_MEMORY_BYTES..=MAX_SETTING_BYTES, "PLANISH_MAX_MEMORY_BYTES", "bytes";
     /// Most bytes of a request body, as it comes and inflated.
     max_body_bytes: u64 = 32 << 20, in 1..=MAX_BODY_BYTES, "PLANISH_MAX_BODY_BYTES", "bytes";
     /// Most jobs waiting in each of the two lanes; more are answered 503.
-    max_queue: usize = 256, in 1..=MAX_WAITING, "PLANISH_MAX_QUEUE", "jobs";
+    max_queue: usize = 256, in 1..=MAX_SETTING_WAITING, "PLANISH_MAX_QUEUE", "jobs";
     /// Most jobs of one peer address that wait at once, joined ones included, and most that go on without their
     /// request; more are answered 503.
-    max_queue_per_peer: usize = 64, in 1..=MAX_WAITING, "PLANISH_MAX_QUEUE_PER_PEER", "jobs";
+    max_queue_per_peer: usize = 64, in 1..=MAX_SETTING_WAITING, "PLANISH_MAX_QUEUE_PER_PEER", "jobs";
     /// Most requests for work that one key, or one address where there are no keys, may send in a minute; as many may
     /// come at once. More are answered 429. 0 sets no bound.
-    requests_per_minute: u64 = 0, in 0..=MAX_REQUESTS, "PLANISH_REQUESTS_PER_MINUTE", "requests";
+    requests_per_minute: u64 = 0, in 0..=MAX_SETTING_REQUESTS, "PLANISH_REQUESTS_PER_MINUTE", "requests";
     /// Most requests for work of one key, or one address where there are no keys, that are answered at once; more are
     /// answered 429. 0 sets no bound.
-    requests_in_flight: u64 = 0, in 0..=MAX_WAITING, "PLANISH_REQUESTS_IN_FLIGHT", "requests";
+    requests_in_flight: u64 = 0, in 0..=MAX_SETTING_WAITING, "PLANISH_REQUESTS_IN_FLIGHT", "requests";
     /// Most jobs of one batch.
     max_batch_items: u64 = 1000, in 1..=MAX_BATCH_ITEMS, "PLANISH_MAX_BATCH_ITEMS", "jobs";
     /// Most connections open at once; a further one takes the place of the one that has been idle or slow for longest.
-    max_connections: usize = 1024, in 1..=MAX_WAITING, "PLANISH_MAX_CONNECTIONS", "connections";
+    max_connections: usize = 1024, in 1..=MAX_SETTING_WAITING, "PLANISH_MAX_CONNECTIONS", "connections";
     /// Most connections of one peer address open at once; the same holds for a further one.
-    max_connections_per_peer: usize = 512, in 1..=MAX_WAITING, "PLANISH_MAX_CONNECTIONS_PER_PEER", "connections";
+    max_connections_per_peer: usize = 512, in 1..=MAX_SETTING_WAITING,
+        "PLANISH_MAX_CONNECTIONS_PER_PEER", "connections";
     /// Memory for cached results, at most a quarter of max-memory-bytes; 0 turns the memory cache off.
-    memory_cache_bytes: u64 = 512 << 20, in 0..=MAX_BYTES, "PLANISH_MEMORY_CACHE_BYTES", "bytes";
+    memory_cache_bytes: u64 = 512 << 20, in 0..=MAX_SETTING_BYTES, "PLANISH_MEMORY_CACHE_BYTES", "bytes";
     /// Disk space for cached results; 0 keeps nothing on disk.
-    cache_bytes: u64 = 8 << 30, in 0..=MAX_BYTES, "PLANISH_CACHE_BYTES", "bytes";
+    cache_bytes: u64 = 8 << 30, in 0..=MAX_SETTING_BYTES, "PLANISH_CACHE_BYTES", "bytes";
     /// Disk space for files that clients send to /v1/blobs; those that no job needs leave for others.
-    uploads_bytes: u64 = 2 << 30, in 1..=MAX_BYTES, "PLANISH_UPLOADS_BYTES", "bytes";
+    uploads_bytes: u64 = 2 << 30, in 1..=MAX_SETTING_BYTES, "PLANISH_UPLOADS_BYTES", "bytes";
     /// Where results and uploads are kept: `folder`, in data-dir, or `s3`, in a bucket that servers share. Credentials
     /// for the bucket are read from the variables `AWS_ACCESS_KEY_ID`, `AWS_SECRET_ACCESS_KEY` and
     /// `AWS_SESSION_TOKEN`, or are those of the machine.
@@ -224,20 +226,20 @@ settings! {
     /// Region of the bucket; `us-east-1` when left out here and in `AWS_REGION`.
     s3_region: String = String::new(), "PLANISH_S3_REGION", "";
     /// Results that are larger are sent while they are made and not kept, unless the request asks for it.
-    keep_at_most_bytes: u64 = 64 << 20, in 0..=MAX_BYTES, "PLANISH_KEEP_AT_MOST_BYTES", "bytes";
+    keep_at_most_bytes: u64 = 64 << 20, in 0..=MAX_SETTING_BYTES, "PLANISH_KEEP_AT_MOST_BYTES", "bytes";
     /// How long a job is known after it is done, has failed or was cancelled; its results may leave the cache before.
-    job_ttl_s: u64 = 86_400, in 1..=MAX_SECONDS, "PLANISH_JOB_TTL_S", "seconds";
+    job_ttl_s: u64 = 86_400, in 1..=MAX_SETTING_SECONDS, "PLANISH_JOB_TTL_S", "seconds";
     /// Longest time one computation may run.
-    run_timeout_s: u64 = 300, in 1..=MAX_SECONDS, "PLANISH_RUN_TIMEOUT_S", "seconds";
+    run_timeout_s: u64 = 300, in 1..=MAX_SETTING_SECONDS, "PLANISH_RUN_TIMEOUT_S", "seconds";
     /// Longest time a client may take for its request headers, or stay silent between requests.
-    header_timeout_s: u64 = 10, in 1..=MAX_SECONDS, "PLANISH_HEADER_TIMEOUT_S", "seconds";
+    header_timeout_s: u64 = 10, in 1..=MAX_SETTING_SECONDS, "PLANISH_HEADER_TIMEOUT_S", "seconds";
     /// Longest silence within a request body, and how long a body or the reading of an answer may be slow at first.
-    body_timeout_s: u64 = 15, in 1..=MAX_SECONDS, "PLANISH_BODY_TIMEOUT_S", "seconds";
+    body_timeout_s: u64 = 15, in 1..=MAX_SETTING_SECONDS, "PLANISH_BODY_TIMEOUT_S", "seconds";
     /// Least rate at which a body has to arrive and an answer has to be read, averaged over all but its first
     /// body-timeout-s.
-    least_rate_bytes_s: u64 = 16 << 10, in 1..=MAX_BYTES, "PLANISH_LEAST_RATE_BYTES_S", "bytes a second";
+    least_rate_bytes_s: u64 = 16 << 10, in 1..=MAX_SETTING_BYTES, "PLANISH_LEAST_RATE_BYTES_S", "bytes a second";
     /// Time for running requests and jobs to end after the signal to stop.
-    shutdown_timeout_s: u64 = 20, in 0..=MAX_SECONDS, "PLANISH_SHUTDOWN_TIMEOUT_S", "seconds";
+    shutdown_timeout_s: u64 = 20, in 0..=MAX_SETTING_SECONDS, "PLANISH_SHUTDOWN_TIMEOUT_S", "seconds";
     /// How much is logged: `off`, `error`, `warn`, `info`, `debug` or `trace`, of parts of the program as in
     /// `warn,planish=debug`.
     log: LogLevels = LogLevels::default(), "PLANISH_LOG", "";

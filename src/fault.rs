@@ -49,11 +49,11 @@ pub fn under(prefix: &str, faults: Vec<Fault>) -> Vec<Fault> {
 }
 
 /// Maximum number of characters of a name in a pointer: every valid name is shorter.
-const MAX_NAME: usize = 128;
+const MAX_POINTER_NAME: usize = 128;
 
 /// Escapes one reference token of a JSON pointer (`~` and `/`). Names that are too long to be valid are cut.
 pub fn token(name: &str) -> String {
-    cut(name, MAX_NAME).replace('~', "~0").replace('/', "~1")
+    cut(name, MAX_POINTER_NAME).replace('~', "~0").replace('/', "~1")
 }
 
 /// Returns at most 40 characters of a client's text, for messages.
@@ -74,7 +74,7 @@ pub fn cut(text: &str, most: usize) -> Cow<'_, str> {
 /// half would find `loop` for `lot`.
 pub fn nearest<'a>(given: &str, known: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
     // a text too long to be a name is not compared
-    let given = given.char_indices().nth(MAX_NAME).is_none().then(|| given.to_lowercase())?;
+    let given = given.char_indices().nth(MAX_POINTER_NAME).is_none().then(|| given.to_lowercase())?;
     let letters = given.chars().count();
     let distance = |name: &'a str| {
         let apart = strsim::osa_distance(&given, &name.to_lowercase());

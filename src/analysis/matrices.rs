@@ -11,7 +11,7 @@ use crate::scheme::stepper::Stepper;
 
 /// Maximum number of entries of all matrices together: enough for 16 points and the widest usual masks. Half as many
 /// refuse the matrices of long words; twice as many make answers twice as long, which nobody reads.
-pub const MAX_ENTRIES: usize = 1 << 15;
+pub const MAX_MATRIX_ENTRIES: usize = 1 << 15;
 
 /// A matrix in f64 and, if known, as fractions.
 #[derive(Debug, Clone, PartialEq)]
@@ -50,7 +50,9 @@ pub struct StepMatrices {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
 pub enum NoMatrices {
     /// The matrices would have too many entries.
-    #[error("the matrices have more than {MAX_ENTRIES} numbers; ask for fewer points or powers, or a shorter word")]
+    #[error(
+        "the matrices have more than {MAX_MATRIX_ENTRIES} numbers; ask for fewer points or powers, or a shorter word"
+    )]
     TooLarge,
     /// A step fails on this polygon, or is not a matrix.
     #[error("a step of the plan is no matrix here; ask for more points")]
@@ -67,7 +69,7 @@ impl StepMatrices {
     pub fn of(plan: &Plan, n: usize, closed: bool, is_static: bool) -> Result<Self, NoMatrices> {
         let scheduled = plan.schedule(1).map_err(|_| NoMatrices::NoMatrix)?;
         let mut net = PolygonNet::new(n, closed, plan.ends, &[]);
-        let (mut coarse, mut left) = (n, MAX_ENTRIES);
+        let (mut coarse, mut left) = (n, MAX_MATRIX_ENTRIES);
         let mut steps = Vec::new();
         for step in scheduled.iter().filter(|step| step.level == 1) {
             let next = Stepper::new(plan).next(&net, step).map_err(|_| NoMatrices::NoMatrix)?;

@@ -17,7 +17,7 @@ use crate::watch::{Stopped, Watch};
 /// Number of halvings of the gap between two values of which only one has a proof. They narrow a gap of one step to
 /// 1/65,536 of it. Half as many narrow it to 1/256 of a step; twice as many take twice as many analyses for digits that
 /// few search budgets decide.
-const HALVINGS: u32 = 16;
+const GAP_HALVINGS: u32 = 16;
 /// Maximum number of values analysed in addition to those of the scan. The two ends of a range take 64 at most. Half as
 /// many leave the ends of schemes with four ranges as wide as a step; twice as many take twice as long for schemes with
 /// many ranges.
@@ -226,7 +226,7 @@ impl KnownResults {
         holds: impl Fn(&ScanResult) -> bool,
         look: &impl Fn(&Exact) -> Result<ScanResult, Stopped>,
     ) -> Result<(), Stopped> {
-        for _ in 0..HALVINGS {
+        for _ in 0..GAP_HALVINGS {
             let middle = scan.among((&inside + &outside) / Exact::whole(2));
             if middle == inside || middle == outside {
                 break;

@@ -11,25 +11,25 @@ use crate::watch::Watch;
 
 /// Maximum number of entries of the masks that are analysed. Masks from clients have 129 entries at most. Half of it
 /// would refuse cycles of three upsamplings and many averages; twice of it would take eight times as long.
-const MAX_ENTRIES: usize = 512;
+const MAX_STUDIED_ENTRIES: usize = 512;
 /// Maximum number of levels that are listed. Cosines of an angle that is halved come four times as close to their limit
 /// at each level, after 16 levels to within 1e-9. Half as many would show less of the convergence; twice as many would
 /// list masks that differ only in their last digits.
-const MAX_LEVELS: u32 = 16;
+const MAX_LISTED_LEVELS: u32 = 16;
 /// Largest difference at which masks are regarded as equal, some five roundings of 1. Half of it would list levels that
 /// differ by rounding only; twice of it would omit a level that differs.
-const SAME: f64 = 1e-15;
+const LISTED_MASK_DISTANCE: f64 = 1e-15;
 /// Largest value of a symbol at a zero, relative to the sum of the absolute values of its coefficients; some thousand
 /// roundings. Half of it would miss zeros of long masks; twice of it would accept zeros that are twice as far away.
-const ZERO: f64 = 1e-12;
+const SYMBOL_ZERO: f64 = 1e-12;
 /// Number of last levels whose distances from the limit scheme predict the distances that follow. Half of it would take
 /// a single pair as a rule; twice of it would include levels at which angles are not small yet.
-const LAST: usize = 3;
+const PREDICTING_LEVELS: usize = 3;
 /// Largest product of a decay factor and powers of the arity that is regarded as below 1. Distances of functions with
 /// derivatives at 0 shrink by powers of 1/d, so that the product is 1/2 at most, or 1 at least, up to terms of higher
 /// order; roots of alpha give 0.71. Half of it would refuse these roots C^k at the first k beyond the sum rules; twice
 /// of it would admit 1.
-const SHRINKS: f64 = 0.9;
+const MAX_DECAY_PRODUCT: f64 = 0.9;
 
 /// A plan as a curve scheme.
 #[derive(Debug, Clone, PartialEq)]
@@ -62,7 +62,7 @@ impl Study {
     /// [`NoMask`].
     pub fn of(plan: &Plan, watch: &Watch) -> Result<Self, NoMask> {
         let cycle = CycleMask::settled(plan, watch)?;
-        if cycle.mask.values.len() > MAX_ENTRIES {
+        if cycle.mask.values.len() > MAX_STUDIED_ENTRIES {
             return Err(NoMask::TooWide);
         }
         let exact = ExactCycle::settled(plan);
@@ -97,7 +97,7 @@ impl Study {
         let (rules, d) = (self.sum_rules(), f64::whole(self.settled.arity));
         let has_rules = |k: i64| match u32::try_from(k - rules) {
             Err(_) => true,
-            Ok(missing) => gamma.is_some_and(|gamma| (0..missing).fold(gamma, |x, _| x * d) < SHRINKS),
+            Ok(missing) => gamma.is_some_and(|gamma| (0..missing).fold(gamma, |x, _| x * d) < MAX_DECAY_PRODUCT),
         };
         (0..=contracts).rev().find(|&k| has_rules(k)).unwrap_or(-1)
     }
@@ -110,7 +110,7 @@ impl Study {
 
     /// Returns the largest of the last few factors of [`Self::rates`].
     fn slowest(&self) -> Option<f64> {
-        self.rates().take(LAST).reduce(f64::max)
+        self.rates().take(PREDICTING_LEVELS).reduce(f64::max)
     }
 
     /// Returns the ratios of the distances of consecutive levels from the limit scheme, the last level first, without
@@ -128,7 +128,7 @@ impl Study {
 
 fn levels(plan: &Plan, settled: &CycleMask, watch: &Watch) -> Result<Vec<LevelMask>, NoMask> {
     let mut found = Vec::new();
-    for level in 0..MAX_LEVELS {
+    for level in 0..MAX_LISTED_LEVELS {
         let cycle = CycleMask::of(plan, level, watch)?;
         let steps = plan.schedule(level + 1).map_err(|fault| NoMask::NoValue(fault.detail))?;
         let alpha = steps.iter().find(|step| step.level == level + 1).map_or(0.0, |step| step.alpha);
@@ -138,7 +138,7 @@ fn levels(plan: &Plan, settled: &CycleMask, watch: &Watch) -> Result<Vec<LevelMa
         found.push(LevelMask { alpha, mask: cycle.mask, order, distance, keeps_circles });
     }
     // levels after the last one that differs have converged
-    found.truncate(found.iter().rposition(|level| level.distance > SAME).map_or(0, |last| last + 1));
+    found.truncate(found.iter().rposition(|level| level.distance > LISTED_MASK_DISTANCE).map_or(0, |last| last + 1));
     Ok(found)
 }
 
@@ -163,6 +163,6 @@ fn keeps_circles(cycle: &CycleMask, alpha: f64) -> bool {
             (cycle.mask.first..).zip(&cycle.mask.values).map(|(j, a)| a * function(f64::from(j) * angle)).sum()
         };
         let (re, im) = (part(cos), part(sin));
-        sqrt(re * re + im * im) <= ZERO * size
+        sqrt(re * re + im * im) <= SYMBOL_ZERO * size
     })
 }

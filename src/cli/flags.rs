@@ -161,12 +161,12 @@ fn of_field(field: &Field) -> Arg {
 
 /// Options of formats whose names belong to other flags: the target distance to the limit, and the limit of faces of
 /// this run.
-const TAKEN: &[&str] = &["tolerance", "max-faces"];
+const OPTIONS_OF_OTHER_FLAGS: &[&str] = &["tolerance", "max-faces"];
 
 /// Returns the flag for an option of formats.
 pub(super) fn flag(name: &str) -> String {
     let name = dashed(name);
-    if TAKEN.contains(&name.as_str()) { format!("output-{name}") } else { name }
+    if OPTIONS_OF_OTHER_FLAGS.contains(&name.as_str()) { format!("output-{name}") } else { name }
 }
 
 fn of_option(field: &OutputField) -> Arg {

@@ -12,7 +12,7 @@ use crate::math::amounts::in_bytes;
 /// Maximum number of bytes read beside one file, and of memory that reading it may take beyond its size. Scenes with
 /// pictures reach some hundred megabytes; half of it would refuse some of them, twice of it would fill the memory of
 /// small machines.
-const MAX_BYTES: u64 = 2 << 30;
+const MAX_COMPANION_BYTES: u64 = 2 << 30;
 
 /// The folder of an input file.
 #[derive(Debug)]
@@ -26,7 +26,7 @@ impl InputFolder {
     /// Returns the folder of the file at a path.
     pub(super) fn of(file: &Path) -> Self {
         let parent = file.parent().filter(|parent| !parent.as_os_str().is_empty());
-        Self { path: parent.unwrap_or(Path::new(".")).to_owned(), left: AtomicU64::new(MAX_BYTES) }
+        Self { path: parent.unwrap_or(Path::new(".")).to_owned(), left: AtomicU64::new(MAX_COMPANION_BYTES) }
     }
 
     /// Opens a file by its relative name. Links may lead to other files in the folder, but not out of it.
@@ -54,7 +54,7 @@ impl InputFolder {
 
 impl Beside for InputFolder {
     fn spare(&self) -> u64 {
-        MAX_BYTES
+        MAX_COMPANION_BYTES
     }
 
     fn read(&self, name: &str, most: u64) -> Result<Vec<u8>, String> {

@@ -14,13 +14,13 @@ use crate::config::LogLevels;
 use crate::fault::cut;
 
 /// Maximum total length of waiting lines in bytes: some thousand lines, more than a working reader falls behind.
-const MAX_BYTES: usize = 1 << 20;
+const MAX_WAITING_BYTES: usize = 1 << 20;
 /// Maximum wait at the end for lines to be written; a working reader takes a mebibyte in a small part of it.
-const PATIENCE: Duration = Duration::from_secs(1);
+const FLUSH_PATIENCE: Duration = Duration::from_secs(1);
 /// Maximum length of a panic message in characters; a message may repeat the input that caused the panic.
 const MAX_MESSAGE: usize = 1000;
 
-/// The queue of lines to be written. Dropping it waits up to [`PATIENCE`] for the waiting lines.
+/// The queue of lines to be written. Dropping it waits up to [`FLUSH_PATIENCE`] for the waiting lines.
 #[derive(Debug)]
 pub(super) struct Log(Arc<LogQueue>);
 
@@ -69,7 +69,7 @@ impl Log {
 impl Drop for Log {
     fn drop(&mut self) {
         let waits = |state: &mut WaitingLines| state.is_writing || !state.lines.is_empty();
-        drop(self.0.changed.wait_timeout_while(self.0.state(), PATIENCE, waits));
+        drop(self.0.changed.wait_timeout_while(self.0.state(), FLUSH_PATIENCE, waits));
     }
 }
 
@@ -82,7 +82,7 @@ impl LogQueue {
     /// Appends a line to the queue, or drops it if the queue is full.
     fn push(&self, line: Vec<u8>) {
         let mut state = self.state();
-        if state.bytes + line.len() > MAX_BYTES {
+        if state.bytes + line.len() > MAX_WAITING_BYTES {
             state.dropped += 1;
             return;
         }

@@ -15,7 +15,7 @@ use crate::math::amounts::thousands;
 use crate::watch::Watch;
 
 /// Number of steps of the bar for each input: as fine as a wide terminal shows.
-const PARTS: u64 = 500;
+const BAR_STEPS: u64 = 500;
 
 /// The progress of a command through its inputs.
 #[derive(Debug)]
@@ -34,7 +34,7 @@ impl Progress {
     pub(super) fn new(inputs: usize, is_quiet: bool) -> Self {
         let is_shown = io::stderr().is_terminal() && !is_quiet;
         let bar = is_shown.then(|| {
-            let bar = ProgressBar::new(PARTS.saturating_mul(inputs as u64));
+            let bar = ProgressBar::new(BAR_STEPS.saturating_mul(inputs as u64));
             let template = if inputs > 1 { "{wide_bar} {msg} {elapsed}" } else { "{wide_bar} {percent}% {elapsed}" };
             ProgressStyle::with_template(template).into_iter().for_each(|style| bar.set_style(style));
             bar
@@ -65,7 +65,7 @@ impl Progress {
             self.say(&format!("planish: {source}: {error}"));
         }
         if let Some(bar) = &self.bar {
-            bar.set_position(PARTS * self.past);
+            bar.set_position(BAR_STEPS * self.past);
             bar.set_message(format!("{} of {}", self.past, self.inputs));
         }
     }
@@ -76,8 +76,10 @@ impl Progress {
         let ended = AtomicBool::new(false);
         let show = || {
             while !ended.load(Ordering::Relaxed) {
-                let part = u128::from(watch.done()) * u128::from(PARTS) / work.max(1);
-                bar.set_position(PARTS * self.past + u64::try_from(part).map_or(PARTS, |part| part.min(PARTS)));
+                let part = u128::from(watch.done()) * u128::from(BAR_STEPS) / work.max(1);
+                bar.set_position(
+                    BAR_STEPS * self.past + u64::try_from(part).map_or(BAR_STEPS, |part| part.min(BAR_STEPS)),
+                );
                 thread::sleep(Duration::from_millis(50));
             }
         };

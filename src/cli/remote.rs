@@ -14,7 +14,7 @@ use crate::http::trust;
 
 /// Maximum time between two requests, whatever the service asks for. Half of it would send twice as many requests to a
 /// service that is restarting; twice of it would notice late that the service is back.
-const MAX_WAIT: Duration = Duration::from_mins(1);
+const MAX_RETRY_WAIT: Duration = Duration::from_mins(1);
 /// First delay of a retry if the service does not name one; each further delay is twice the last.
 const FIRST_WAIT: Duration = Duration::from_millis(500);
 /// Number of seconds that one request waits for the result before the job is polled; proxies cut requests that take a
@@ -112,7 +112,7 @@ impl Remote {
                 Err(Failed::ForGood(error)) => return Err(error),
                 Err(Failed::ForNow(after, why)) => (after, why),
             };
-            let pause = after.unwrap_or(wait).clamp(FIRST_WAIT, MAX_WAIT);
+            let pause = after.unwrap_or(wait).clamp(FIRST_WAIT, MAX_RETRY_WAIT);
             if begun.elapsed() + pause > self.patience {
                 let seconds = self.patience.as_secs();
                 return Err(CliError::files(format!("{} gave no result within {seconds} s: {why}", self.url)));
@@ -130,7 +130,7 @@ impl Remote {
     async fn followed(&self, place: &str, begun: Instant) -> Result<Vec<u8>, Failed> {
         loop {
             let response = self.sent(self.client.get(self.address(place))).await?;
-            let pause = after(&response).unwrap_or(Duration::from_secs(1)).clamp(FIRST_WAIT, MAX_WAIT);
+            let pause = after(&response).unwrap_or(Duration::from_secs(1)).clamp(FIRST_WAIT, MAX_RETRY_WAIT);
             let status = whole(response).await?;
             let status: Value = serde_json::from_slice(&status).map_err(|error| self.strange(&error.to_string()))?;
             match status["state"].as_str() {

@@ -14,14 +14,12 @@ use super::key::{lifetime, now_s};
 use super::say::answer;
 use crate::config::keys::{Link, MODEL, Token};
 use crate::fault::{Fault, shortened};
+use crate::http::address::MAX_LINK_BYTES;
+use crate::http::links::MAX_JOB_BYTES;
 use crate::job::key::Key;
 use crate::output::{FORMATS, named};
 use crate::wire::JobRequest;
 use crate::wire::read::{ReadError, read};
-
-/// Maximum length of an address that a service accepts, and of a job in it, in bytes.
-const MAX_ADDRESS_BYTES: usize = 8 << 10;
-const MAX_JOB_BYTES: usize = 64 << 10;
 
 /// What the address is to open.
 #[derive(Debug, clap::Args)]
@@ -75,9 +73,9 @@ impl SignOptions {
             (None, None, None, None) => return Err(CliError::usage("name a job")),
         };
         let path = Link::sign(token.id(), &token.link_secret(), now_s().saturating_add(self.expires_in), &rest);
-        if path.len() > MAX_ADDRESS_BYTES {
+        if path.len() > MAX_LINK_BYTES {
             let detail = format!(
-                "the address would have {} bytes, and services read {MAX_ADDRESS_BYTES}; send the mesh to /v1/blobs \
+                "the address would have {} bytes, and services read {MAX_LINK_BYTES}; send the mesh to /v1/blobs \
                  and name it as input.blob, or have the job done and sign its --artifact",
                 path.len()
             );

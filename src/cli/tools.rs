@@ -19,14 +19,14 @@ use crate::wire::read::{ReadError, read};
 
 /// Maximum length of a text answer in bytes: some ten thousand words, which is a good part of what a model reads at
 /// once. Half of it would send small meshes to files; twice of it would fill the context of the model with coordinates.
-const MAX_TEXT: usize = 64 << 10;
+const MAX_ANSWER_TEXT: usize = 64 << 10;
 /// Maximum size of a picture in bytes before base64; clients refuse messages of some megabytes. Half of it would refuse
 /// pictures of 2,000 pixels a side; with twice of it some clients would refuse the message.
 const MAX_PICTURE: usize = 4 << 20;
 /// Maximum number of faces, and maximum memory of a job in bytes: they allow seconds of work, because a client waits
 /// for its tools. Half of them would refuse level 9 of a cube; twice of them would let a call take a minute.
-const MAX_FACES: u64 = 2_000_000;
-const MAX_MEMORY: u64 = 2 << 30;
+const MAX_TOOL_FACES: u64 = 2_000_000;
+const MAX_TOOL_MEMORY: u64 = 2 << 30;
 /// The four views: caption, azimuth and elevation in degrees.
 const VIEWS: [(&str, f64, f64); 4] =
     [("above", 0.0, 90.0), ("front", 0.0, 0.0), ("side", 90.0, 0.0), ("corner", 35.0, 25.0)];
@@ -142,7 +142,7 @@ fn listed(lines: impl Iterator<Item = impl ToString>) -> String {
 }
 
 fn admitted(request: JobRequest, watch: &Watch) -> Result<Admitted, String> {
-    let limits = Limits { max_faces: MAX_FACES, max_job_bytes: MAX_MEMORY, ..Limits::default() };
+    let limits = Limits { max_faces: MAX_TOOL_FACES, max_job_bytes: MAX_TOOL_MEMORY, ..Limits::default() };
     let job = request.resolve_within(&limits.reading()).map_err(|faults| listed(faults.iter()))?;
     limits.admit_under(job, watch).map_err(|refusal| match refusal {
         Refusal::Impossible(faults) => listed(faults.iter()),
@@ -171,7 +171,7 @@ fn render(job: &Value, out: Option<&Path>, watch: &Watch) -> Said {
     }
     let (bytes, report) = made(&admitted, watch)?;
     let format = admitted.job().outputs[0].format;
-    let is_text = matches!(format.facts().content, Content::Json | Content::Text) && bytes.len() <= MAX_TEXT;
+    let is_text = matches!(format.facts().content, Content::Json | Content::Text) && bytes.len() <= MAX_ANSWER_TEXT;
     let mut answers = match (format.name(), String::from_utf8(bytes)) {
         ("png", Err(bytes)) if bytes.as_bytes().len() <= MAX_PICTURE => vec![Answered::Picture(bytes.into_bytes())],
         (_, Ok(text)) if is_text => vec![Answered::Text(text)],

@@ -9,7 +9,7 @@ use toml::{Table, Value};
 use super::error::ConfigError;
 
 /// Maximum length of the settings file in bytes: every setting with a page of comment stays far below.
-const MAX_BYTES: u64 = 1 << 20;
+const MAX_SETTINGS_FILE_BYTES: u64 = 1 << 20;
 
 /// Reads the keys of the settings file, each with its value in the form of a flag.
 pub(super) fn read(path: &Path) -> Result<Vec<(String, String)>, ConfigError> {
@@ -40,8 +40,8 @@ fn text(path: &Path) -> io::Result<String> {
     }
     let mut text = String::new();
     // the reading is bounded, since the length in the metadata may be wrong
-    File::open(path)?.take(MAX_BYTES + 1).read_to_string(&mut text)?;
-    if text.len() as u64 > MAX_BYTES {
+    File::open(path)?.take(MAX_SETTINGS_FILE_BYTES + 1).read_to_string(&mut text)?;
+    if text.len() as u64 > MAX_SETTINGS_FILE_BYTES {
         return Err(refused("it is longer than 1 MiB, the longest that is read; leave out what is no setting"));
     }
     Ok(text)

@@ -6,7 +6,7 @@ use std::str::FromStr;
 use crate::fault::{did_you_mean, shortened};
 
 /// The log levels, from the fewest messages to the most.
-const LEVELS: [&str; 6] = ["off", "error", "warn", "info", "debug", "trace"];
+const LOG_LEVELS: [&str; 6] = ["off", "error", "warn", "info", "debug", "trace"];
 
 /// A log level for everything, or several with those of single parts of the program, as in `warn,planish=debug`.
 #[derive(Clone, PartialEq, Eq)]
@@ -32,11 +32,11 @@ impl FromStr for LogLevels {
         let level = |entry: &str| {
             let (part, level) = entry.split_once('=').map_or(("", entry), |(part, level)| (part, level));
             let names_part = |c: char| c.is_ascii_alphanumeric() || "_:-".contains(c);
-            if LEVELS.iter().any(|known| known.eq_ignore_ascii_case(level)) && part.chars().all(names_part) {
+            if LOG_LEVELS.iter().any(|known| known.eq_ignore_ascii_case(level)) && part.chars().all(names_part) {
                 return Ok(entry.to_ascii_lowercase());
             }
-            let near = did_you_mean(level, LEVELS);
-            let (level, known) = (shortened(level), LEVELS.join(", "));
+            let near = did_you_mean(level, LOG_LEVELS);
+            let (level, known) = (shortened(level), LOG_LEVELS.join(", "));
             Err(format!(
                 "there is no level \"{level}\"; {near}known are {known}; write it like info or warn,planish=debug"
             ))

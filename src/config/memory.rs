@@ -6,7 +6,7 @@ use std::path::Path;
 /// Memory outside the budget, in bytes: code, threads, buffers of the system's calls, and what an allocator leaves
 /// between its blocks, see docs/limits.md. Half of it would let the system end the process under load; twice of it
 /// would leave memory unused.
-const BESIDE: u64 = 512 << 20;
+const UNBUDGETED_BYTES: u64 = 512 << 20;
 
 /// Returns the maximum memory of this process in bytes, if the system tells.
 pub fn available() -> Option<u64> {
@@ -15,7 +15,7 @@ pub fn available() -> Option<u64> {
 
 /// Returns the default budget: the usual one, or less if less memory is available, but at least `least`.
 pub(super) fn budget(usual: u64, least: u64, available: Option<u64>) -> u64 {
-    available.map_or(usual, |bytes| usual.min(bytes.saturating_sub(BESIDE.min(bytes / 4)).max(least)))
+    available.map_or(usual, |bytes| usual.min(bytes.saturating_sub(UNBUDGETED_BYTES.min(bytes / 4)).max(least)))
 }
 
 /// As [`available`], with the system's files below `root`.

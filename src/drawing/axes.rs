@@ -4,8 +4,8 @@ use super::label::Label;
 use super::scene::{Cap, Color, HorizontalAlign, Item, Mark, Point, Stroke, Text, VerticalAlign};
 use super::ticks::{Tick, ticks};
 
-/// Colour of the frame and of its labels.
-const INK: Color = [51, 65, 85, 255];
+/// Colour of frames and of their labels.
+pub(super) const FRAME_INK: Color = [51, 65, 85, 255];
 /// Colour of the grid; it must not be mistaken for a line of the plot.
 const GRID: Color = [226, 232, 240, 255];
 /// Maximum number of ticks of an axis; twice as many would be a ruler, half as many too few to read values.
@@ -115,13 +115,13 @@ impl Axes {
                 ..self.text(label, at, HorizontalAlign::Middle, VerticalAlign::Baseline)
             });
         }
-        let frame = Item::lines("axis", runs, Stroke { cap: Cap::Butt, ..Stroke::solid(0.08 * size, INK) });
+        let frame = Item::lines("axis", runs, Stroke { cap: Cap::Butt, ..Stroke::solid(0.08 * size, FRAME_INK) });
         let texts = texts.into_iter().map(|text| Item::new("label", Mark::Text(text)));
         std::iter::once(frame).chain(texts).collect()
     }
 
     fn text(&self, label: Label, at: Point, anchor: HorizontalAlign, level: VerticalAlign) -> Text {
-        Text { label, at, size_px: self.size_px, anchor, level, turn_deg: 0.0, color: INK }
+        Text { label, at, size_px: self.size_px, anchor, level, turn_deg: 0.0, color: FRAME_INK }
     }
 
     /// Returns as many ticks as there is room for: one per five letters of width, fewer where labels would meet.

@@ -17,10 +17,10 @@ pub enum FontWeight {
 }
 
 /// All weights.
-pub(super) const WEIGHTS: [FontWeight; 2] = [FontWeight::Regular, FontWeight::Bold];
+pub(super) const FONT_WEIGHTS: [FontWeight; 2] = [FontWeight::Regular, FontWeight::Bold];
 
 /// Families for viewers of SVG: the font itself, then those with letters of much the same widths.
-pub(super) const FAMILIES: &str = "DejaVu Sans, Bitstream Vera Sans, Verdana, sans-serif";
+pub(super) const FONT_FAMILIES: &str = "DejaVu Sans, Bitstream Vera Sans, Verdana, sans-serif";
 
 /// Units of the design of both weights along the side of the square that holds an M.
 pub(super) const UNITS_PER_EM: f32 = 2048.0;

@@ -5,7 +5,7 @@ use ttf_parser::GlyphId;
 use super::font::{FontWeight, UNITS_PER_EM};
 
 /// Size of subscripts and superscripts relative to the text. The customary 0.7; half of it is illegible in print.
-const SMALL: f32 = 0.7;
+const SCRIPT_SIZE: f32 = 0.7;
 /// Depth of subscripts below the baseline, relative to the text size; twice of it would leave the line.
 const LOWERED: f32 = 0.16;
 /// Height of superscripts above the baseline, relative to the text size; half of it would hardly look raised.
@@ -41,8 +41,8 @@ impl Script {
     fn scale_and_rise(self) -> (f32, f32) {
         match self {
             Self::Normal => (1.0, 0.0),
-            Self::Sub => (SMALL, -LOWERED),
-            Self::Super => (SMALL, RAISED),
+            Self::Sub => (SCRIPT_SIZE, -LOWERED),
+            Self::Super => (SCRIPT_SIZE, RAISED),
         }
     }
 }
@@ -152,7 +152,7 @@ impl Label {
 }
 
 /// Signs before and after which a line does not end, so that equations stay whole.
-const RELATIONS: [&str; 20] = [
+const RELATION_SIGNS: [&str; 20] = [
     "=", "<", ">", "+", "-", "\u{2212}", "\\le", "\\ge", "\\ne", "\\pm", "\\times", "\\cdot", "\\to", "\u{2264}",
     "\u{2265}", "\u{2260}", "\u{b1}", "\u{d7}", "\u{b7}", "\u{2192}",
 ];
@@ -197,7 +197,7 @@ fn equations(text: &str) -> Vec<String> {
     let mut units: Vec<String> = Vec::new();
     let mut joins = false;
     for word in words(text) {
-        let is_relation = RELATIONS.contains(&word);
+        let is_relation = RELATION_SIGNS.contains(&word);
         match units.last_mut() {
             Some(last) if joins || is_relation => {
                 last.push(' ');
@@ -372,7 +372,7 @@ mod tests {
         let width = |text: &str| Label::parse(text, FontWeight::Regular).expect("it can be set").width(2048.0);
         assert_eq!(width("M"), 1767.0);
         assert_eq!(width("MM"), 3534.0);
-        assert_eq!(width("M^M"), 1767.0 + SMALL * 1767.0);
+        assert_eq!(width("M^M"), 1767.0 + SCRIPT_SIZE * 1767.0);
         assert_eq!(width(""), 0.0);
     }
 

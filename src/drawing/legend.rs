@@ -1,15 +1,14 @@
 //! Legends, which explain the lines, marks and colours of a drawing.
 
+use super::axes::FRAME_INK;
 use super::label::Label;
 use super::scene::{Cap, Color, Discs, HorizontalAlign, Item, Mark, Picture, Point, Stroke, Text, VerticalAlign};
 use super::ticks::ticks;
 
-/// Colour of the text.
-const INK: Color = [51, 65, 85, 255];
 /// Colour of the background, which is slightly translucent.
 const PAPER: Color = [255, 255, 255, 230];
 /// Colour of the border.
-const EDGE: Color = [203, 213, 225, 255];
+const BORDER_COLOR: Color = [203, 213, 225, 255];
 
 /// The sample of an entry, as it looks in the drawing.
 #[derive(Debug, Clone, PartialEq)]
@@ -57,7 +56,7 @@ impl Legend {
         let edge = edge.map(|[x, y]| [left + x, top + y]).to_vec();
         let mut items = vec![
             Item::rectangle("legend", [left, top, width, height], PAPER),
-            Item::lines("legend", vec![edge], Stroke::solid(0.07 * size, EDGE)),
+            Item::lines("legend", vec![edge], Stroke::solid(0.07 * size, BORDER_COLOR)),
         ];
         let mut y = top + 1.1 * size;
         for LegendEntry { key, label } in &self.entries {
@@ -87,11 +86,11 @@ impl LegendSample {
 
 fn text(label: Label, at: Point, size_px: f32) -> Item {
     let (anchor, level) = (HorizontalAlign::Start, VerticalAlign::Middle);
-    Item::new("label", Mark::Text(Text { label, at, size_px, anchor, level, turn_deg: 0.0, color: INK }))
+    Item::new("label", Mark::Text(Text { label, at, size_px, anchor, level, turn_deg: 0.0, color: FRAME_INK }))
 }
 
 /// Number of colours of a bar: enough that steps are invisible; twice as many would only make the file longer.
-const STEPS: u16 = 256;
+const BAR_COLORS: u16 = 256;
 
 /// Height of the tip of a bar, in its widths. At half of it the sides meet at a right angle, which is seen in large
 /// pictures only; at twice of it the tip looks like a part of the scale.
@@ -114,9 +113,9 @@ pub fn color_bar(
 ) -> Vec<Item> {
     let tips = beyond.map(|is_beyond| if is_beyond { (TIP * width).min(0.25 * height) } else { 0.0 });
     let (tip, top, height) = (top, top + tips[1], height - tips[0] - tips[1]);
-    let shares = (0..STEPS).rev().map(|i| (f64::from(i) + 0.5) / f64::from(STEPS));
+    let shares = (0..BAR_COLORS).rev().map(|i| (f64::from(i) + 0.5) / f64::from(BAR_COLORS));
     let pixels = shares.flat_map(&color).collect();
-    let bar = Picture { size: [1, u32::from(STEPS)], pixels, at: [left, top], extent: [width, height] };
+    let bar = Picture { size: [1, u32::from(BAR_COLORS)], pixels, at: [left, top], extent: [width, height] };
     let [right, bottom] = [left + width, top + height];
     let middle = left + 0.5 * width;
     let points = [[middle, bottom + tips[0]], [middle, tip]];
@@ -146,7 +145,7 @@ pub fn color_bar(
         let size_px = fitted(label.width(size_px), left);
         texts.push(text(label, [left, tip - 1.1 * size_px], size_px));
     }
-    let frame = Stroke { cap: Cap::Butt, ..Stroke::solid(0.07 * size_px, INK) };
+    let frame = Stroke { cap: Cap::Butt, ..Stroke::solid(0.07 * size_px, FRAME_INK) };
     let items = [Item::new("bar", Mark::Picture(bar)), Item::lines("axis", runs, frame)];
     items.into_iter().chain(areas).chain(texts).collect()
 }

@@ -12,7 +12,7 @@ use super::error::DrawError;
 use super::scene::{Drawing, Lettering, Picture};
 use crate::watch::Watch;
 use pack::packed;
-use sheet::{POINTS, PdfPage};
+use sheet::{POINTS_A_PIXEL, PdfPage};
 
 /// Writes a drawing as a PDF file of one page, as large as the drawing at 96 pixels an inch.
 ///
@@ -38,7 +38,7 @@ pub fn pdf(drawing: &Drawing, lettering: Lettering, out: &mut dyn Write, watch: 
     let masks: Vec<Ref> = sheet.pictures.iter().map(|_| next()).collect();
     let fonts: Vec<(Ref, &fonts::PdfFont)> = sheet.fonts.iter().filter(|f| f.is_used()).map(|f| (next(), f)).collect();
     #[expect(clippy::cast_precision_loss, reason = "pictures have some thousand pixels a side")]
-    let [width, height] = drawing.size.map(|side| side as f32 * POINTS);
+    let [width, height] = drawing.size.map(|side| side as f32 * POINTS_A_PIXEL);
     let mut leaf = pdf.page(page);
     leaf.parent(pages).media_box(Rect::new(0.0, 0.0, width, height)).contents(content);
     let mut resources = leaf.resources();

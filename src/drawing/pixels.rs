@@ -13,7 +13,7 @@ use super::scene::{Cap, Color, Discs, Drawing, Group, Item, Mark, Picture, Point
 use crate::watch::Watch;
 
 /// Number of discs painted at a time.
-const BATCH: usize = 256;
+const DISCS_PER_BATCH: usize = 256;
 
 /// Returns rows of red, green, blue and alpha (straight), from the top.
 ///
@@ -106,7 +106,7 @@ impl Canvas<'_> {
     }
 
     fn discs(&mut self, discs: &Discs, view: GroupView<'_>) -> Result<(), DrawError> {
-        for batch in discs.centres.chunks(BATCH) {
+        for batch in discs.centres.chunks(DISCS_PER_BATCH) {
             self.watch.check()?;
             for &[x, y] in batch {
                 if discs.ring_px > 0.0 {

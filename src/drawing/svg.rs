@@ -10,7 +10,7 @@ use image::{ExtendedColorType, ImageEncoder};
 use ttf_parser::OutlineBuilder;
 
 use super::error::DrawError;
-use super::font::{FAMILIES, FontWeight};
+use super::font::{FONT_FAMILIES, FontWeight};
 use super::scene::{
     Cap, Discs, Drawing, Group, HorizontalAlign, Item, Lettering, Mark, Picture, PolylinePoints, Stroke, Text,
 };
@@ -162,7 +162,7 @@ impl SvgWriter<'_, '_> {
     fn letters(&mut self, text: &Text) {
         let page = &mut *self.page;
         page.text += "<text font-family=\"";
-        page.text += FAMILIES;
+        page.text += FONT_FAMILIES;
         page.number("\" font-size=\"", text.size_px);
         if text.label.weight() == FontWeight::Bold {
             page.text += "\" font-weight=\"bold";

@@ -17,7 +17,7 @@ pub struct Tick {
 const WRITTEN_OUT: [i32; 2] = [6, 5];
 /// Digits of the longest number. Where a range is so small beside its numbers that these need more, as where they
 /// differ by rounding alone, one of them says it; twice of it would print all digits that a number has.
-const DIGITS: u32 = 10;
+const MAX_TICK_DIGITS: u32 = 10;
 /// Digits of a number that stands alone, which are exact.
 const DIGITS_ALONE: u32 = 15;
 
@@ -44,7 +44,7 @@ pub fn ticks(low: f64, high: f64, most: usize) -> Vec<Tick> {
         let multiples = || ((first as i64..=last as i64).map(|i| i * digit).collect(), exponent);
         fits.then(multiples)
     };
-    let usual = steps().find_map(|step| within(step, DIGITS));
+    let usual = steps().find_map(|step| within(step, MAX_TICK_DIGITS));
     let alone = || {
         let (multiples, exponent): (Vec<i64>, i32) = steps().find_map(|step| within(step, DIGITS_ALONE))?;
         Some((vec![multiples[multiples.len() / 2]], exponent))

@@ -23,7 +23,7 @@ pub(super) fn etag(key: &Key, coding: Option<Coding>) -> String {
 
 /// Maximum length of an address that contains a job, in bytes: every browser, proxy and server accepts as much. Some of
 /// them cut twice of it; half of it holds jobs of half as many points.
-pub(super) const MAX_LINK_BYTES: usize = 8 << 10;
+pub(crate) const MAX_LINK_BYTES: usize = 8 << 10;
 /// The path of addresses that contain a job in the query. (Addresses below [`KROKI`] contain it after the name of a
 /// format.)
 pub(super) const RENDER: &str = "/v1/render";

@@ -27,7 +27,7 @@ use crate::wire::read::{read, weight};
 /// Upper bound of an answer in bytes: masks of 512 entries with the longest fractions, and the values of a fine grid.
 /// It bounds only the memory that is booked beforehand. Masks of many digits may exceed half of it; twice of it lets
 /// half as many analyses run.
-const ANSWER_BYTES: u128 = 4 << 20;
+const ANALYSIS_ANSWER_BYTES: u128 = 4 << 20;
 
 /// Says what can be said of a plan for curves: mask, sum rules, support, certified smoothness, limit and tangent masks.
 ///
@@ -125,7 +125,7 @@ impl Task for AnalysisTask {
             memory_bytes: self.0.bytes().into(),
             time_ms: self.0.milliseconds().into(),
             work: self.0.work().into(),
-            result_bytes: ANSWER_BYTES,
+            result_bytes: ANALYSIS_ANSWER_BYTES,
         }
     }
 

@@ -277,7 +277,7 @@ async fn body(app: &Arc<App>, found: Artifact, first: u64, last: u64) -> Result<
 
 /// Maximum time that an answer waits for the memory of its next part. Half of it cuts more answers under load; twice of
 /// it lets a client wait twice as long for an answer that is cut after all.
-const PART_PATIENCE: Duration = Duration::from_secs(10);
+const MEMORY_PATIENCE: Duration = Duration::from_secs(10);
 
 /// Reads the parts of an artifact; each is charged until the client has read it.
 pub(super) struct PartReader {
@@ -345,7 +345,7 @@ impl PartReader {
         let (answers, length) = (&self.app.desk.account.answers, self.manifest.length.min(PART_BYTES as u64));
         let (most, peers) = (answers.capacity / 2, &self.app.desk.peers);
         let ticket = peers.take(self.peer, QuotaKind::AnswerBytes, length, most, u64::MAX).ok_or(Lost::Crowded)?;
-        let paid = tokio::time::timeout(PART_PATIENCE, answers.take(length)).await.map_err(|_| Lost::Crowded)?;
+        let paid = tokio::time::timeout(MEMORY_PATIENCE, answers.take(length)).await.map_err(|_| Lost::Crowded)?;
         let part = tiers.part_on_disk(&self.manifest, index).await.ok_or(Lost::Gone)?;
         Ok(Lent::new(part, (paid, ticket)))
     }

@@ -25,10 +25,10 @@ use crate::wire::read::weight;
 const MAX_BODIES: u64 = 8;
 /// Maximum number of outputs of all jobs of a batch: its state is 2 MiB of JSON then. Half of it refuses batches of
 /// 1,000 jobs with three outputs; twice of it sends 4 MiB to each listener.
-const MAX_OUTPUTS: u64 = 4096;
+const MAX_BATCH_OUTPUTS: u64 = 4096;
 /// Number of faults after which no further job is checked: more than a client mends at once. Half or twice of it halves
 /// or doubles the time that a wrong batch takes.
-const MAX_FAULTS: usize = 50;
+const MAX_BATCH_FAULTS: usize = 50;
 
 /// Finds the jobs of a batch in its text, and computes its id: the hash of the texts of its jobs in their order.
 ///
@@ -101,15 +101,15 @@ pub(super) async fn checked(
                 );
             }
         }
-        if faults.len() >= MAX_FAULTS {
+        if faults.len() >= MAX_BATCH_FAULTS {
             break;
         }
     }
     if !faults.is_empty() {
         return Err(Problem::invalid(faults));
     }
-    if n_outputs > MAX_OUTPUTS {
-        let (n, most) = (thousands(n_outputs.into()), thousands(MAX_OUTPUTS.into()));
+    if n_outputs > MAX_BATCH_OUTPUTS {
+        let (n, most) = (thousands(n_outputs.into()), thousands(MAX_BATCH_OUTPUTS.into()));
         let detail = format!("its jobs have {n} outputs together, at most {most}; send several batches");
         return Err(Problem::new(problem::TOO_LARGE, detail));
     }

@@ -11,7 +11,7 @@ use futures_util::stream;
 use super::app::{App, SharedApp};
 use super::body::{Arriving, Attached, Sent, announced, drain};
 use super::client::Client;
-use super::content::{self, AcceptedBodies, BodyCoding, BodyKind, Notation};
+use super::content::{self, AcceptedBodies, BodyCoding, BodyKind, JSON, Notation};
 use super::inflate::too_long;
 use super::negotiate::has_tag;
 use super::problem::{self, Problem};
@@ -32,8 +32,7 @@ use crate::wire::text::MeshFile;
 
 /// Number of bytes per write. Half of it goes to the disk twice as often; twice of it takes twice the memory of each
 /// upload.
-const PIECE_BYTES: usize = 1 << 20;
-const JSON: &str = "application/json";
+const WRITE_BYTES: usize = 1 << 20;
 pub(super) const PICTURE: &str = "image/png";
 /// The signature of a PNG.
 const PICTURE_STARTS: &[u8] = b"\x89PNG\r\n\x1a\n";
@@ -156,13 +155,13 @@ async fn kept(app: &Arc<App>, client: &Client, headers: &HeaderMap, body: &mut B
     // one piece that arrives, and one that is being written
     let busy = |_| desk.pool.busy(Lane::Reading, Lack::Bodies);
     let _paid =
-        desk.peers.charge(&desk.account.bodies, QuotaKind::BodyBytes, peer, 2 * PIECE_BYTES as u64).map_err(busy)?;
+        desk.peers.charge(&desk.account.bodies, QuotaKind::BodyBytes, peer, 2 * WRITE_BYTES as u64).map_err(busy)?;
     let mut arriving = Arriving::new(app, body, limit);
-    let (mut piece, mut upload, mut media_type) = (Vec::with_capacity(PIECE_BYTES), None, None);
+    let (mut piece, mut upload, mut media_type) = (Vec::with_capacity(WRITE_BYTES), None, None);
     loop {
         let data = arriving.next().await?;
         piece.extend_from_slice(data.as_deref().unwrap_or_default());
-        if piece.len() >= PIECE_BYTES || data.is_none() {
+        if piece.len() >= WRITE_BYTES || data.is_none() {
             if media_type.is_none() {
                 media_type = Some(media_type_of(kind, headers, &piece)?);
             }
@@ -170,7 +169,7 @@ async fn kept(app: &Arc<App>, client: &Client, headers: &HeaderMap, body: &mut B
                 Some(upload) => upload,
                 None => desk.uploads.begin().map_err(not_kept)?,
             };
-            upload = Some(written(before, std::mem::replace(&mut piece, Vec::with_capacity(PIECE_BYTES))).await?);
+            upload = Some(written(before, std::mem::replace(&mut piece, Vec::with_capacity(WRITE_BYTES))).await?);
         }
         if data.is_none() {
             break;

@@ -17,7 +17,7 @@ const INTERVAL: Duration = Duration::from_secs(10);
 pub(super) const STALE: Duration = Duration::from_secs(30);
 
 /// A cube, refined twice and drawn, which exercises operators, rasteriser and encoder.
-const JOB: &str = r#"{
+const CANARY_JOB: &str = r#"{
   "input": { "mesh": {
     "positions": [[-1,-1,-1],[1,-1,-1],[1,1,-1],[-1,1,-1],[-1,-1,1],[1,-1,1],[1,1,1],[-1,1,1]],
     "faces": [[0,3,2,1],[4,5,6,7],[0,1,5,4],[1,2,6,5],[2,3,7,6],[3,0,4,7]] } },
@@ -56,7 +56,7 @@ pub(super) async fn sing(canary: Arc<Canary>, desk: Arc<Desk>) {
 }
 
 fn admitted() -> Admitted {
-    let request: JobRequest = serde_json::from_str(JOB).expect("the canary job is JSON");
+    let request: JobRequest = serde_json::from_str(CANARY_JOB).expect("the canary job is JSON");
     let job = request.resolve().expect("the canary job is possible");
     Limits::default().admit(job).expect("the canary job is small")
 }

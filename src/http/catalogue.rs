@@ -98,17 +98,22 @@ pub(super) struct LimitEntry {
 )]
 pub(super) async fn limits(State(app): State<SharedApp>) -> Json<Vec<LimitEntry>> {
     let fixed = [
-        ("max_levels", u64::from(crate::scheme::plan::MAX_LEVELS), "levels", "Most levels of any plan."),
+        ("max_levels", u64::from(crate::scheme::plan::MAX_PLAN_LEVELS), "levels", "Most levels of any plan."),
         (
             "max_word_letters",
             crate::scheme::word::MAX_LETTERS as u64,
             "letters",
             "Most letters of a word, powers written out.",
         ),
-        ("max_expression_bytes", crate::math::expression::MAX_BYTES as u64, "bytes", "Longest expression."),
+        ("max_expression_bytes", crate::math::expression::MAX_EXPRESSION_BYTES as u64, "bytes", "Longest expression."),
         ("max_outputs", crate::wire::output::MAX_OUTPUTS as u64, "outputs", "Most outputs of one job."),
         ("max_polygons", crate::wire::polygon::MAX_POLYGONS as u64, "polygons", "Most polygons of one job."),
-        ("max_wait_s", super::negotiate::MAX_WAIT.as_secs(), "seconds", "Longest wait that `Prefer` is granted."),
+        (
+            "max_wait_s",
+            super::negotiate::MAX_GRANTED_WAIT.as_secs(),
+            "seconds",
+            "Longest wait that `Prefer` is granted.",
+        ),
     ];
     let fixed = fixed.map(|(name, value, unit, doc)| LimitEntry { name, value, unit, doc: doc.to_owned() });
     let settings = app.settings.list().into_iter().filter_map(|Setting { name, value, unit, doc, .. }| {

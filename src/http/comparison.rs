@@ -26,7 +26,7 @@ use crate::wire::read::{read, weight};
 
 /// Upper bound of an answer in bytes. It bounds only the memory that is booked beforehand: half of it is still more
 /// than two boxes, four places and two hashes take.
-const ANSWER_BYTES: u128 = 4 << 10;
+const COMPARISON_ANSWER_BYTES: u128 = 4 << 10;
 /// Upper bounds of the bytes per pixel of a difference picture, and of the bytes around the pixels.
 const PICTURE_BYTES: [u128; 2] = [4, 64 << 10];
 
@@ -115,7 +115,7 @@ impl Task for ComparisonTask {
     fn cost(&self) -> Cost {
         let [of_pixel, around] = PICTURE_BYTES;
         let result_bytes = match self.what {
-            ComparisonProduct::Answer => ANSWER_BYTES,
+            ComparisonProduct::Answer => COMPARISON_ANSWER_BYTES,
             ComparisonProduct::Picture => u128::from(self.comparison.pixels()) * of_pixel + around,
         };
         Cost {

@@ -10,6 +10,8 @@ use crate::input::{self, READERS, Reader};
 use crate::output::Format;
 use crate::wire::query::{BESIDE_THE_JOB, refuse_parameters};
 
+/// The media type of jobs and answers.
+pub(super) const JSON: &str = "application/json";
 /// Media types that clients send by default: `curl --data-binary`, and browsers for files of an unknown type.
 const UNTOLD: [&str; 2] = ["application/x-www-form-urlencoded", "application/octet-stream"];
 
@@ -133,7 +135,7 @@ fn kind(headers: &HeaderMap, takes: AcceptedBodies<'_>) -> Result<BodyKind, Prob
     let essence = named.as_deref().map(|value| value.split(';').next().unwrap_or("").trim());
     let reader = READERS.iter().find(|reader| essence == Some(reader.media_type));
     match (essence, reader) {
-        (Some("application/json"), _) => Ok(BodyKind::Job),
+        (Some(JSON), _) => Ok(BodyKind::Job),
         (_, Some(reader)) if takes_files => Ok(BodyKind::File(reader)),
         (None, _) if takes_files => Ok(BodyKind::Untold),
         (Some(essence), _) if takes_files && UNTOLD.contains(&essence) => Ok(BodyKind::Untold),
@@ -158,9 +160,9 @@ fn unknown(headers: &HeaderMap, takes: AcceptedBodies<'_>, body: &[u8]) -> Probl
     let types: Vec<&str> = READERS.iter().map(|reader| reader.media_type).collect();
     let has = |word: &[u8; 7]| body.windows(7).any(|found| found == word);
     let meant = match takes {
-        AcceptedBodies::Files(_) if has(b"\"input\"") => "application/json",
+        AcceptedBodies::Files(_) if has(b"\"input\"") => JSON,
         AcceptedBodies::Uploads if has(b"\"asset\"") => "model/gltf+json",
-        AcceptedBodies::Uploads if body.trim_ascii_start().starts_with(b"{") => "application/json",
+        AcceptedBodies::Uploads if body.trim_ascii_start().starts_with(b"{") => JSON,
         _ => types.first().unwrap_or(&"model/obj"),
     };
     let (types, curl) = (types.join(", "), format!("curl says so with -H 'Content-Type: {meant}'"));

@@ -63,9 +63,9 @@ const HEADERS: &[(&str, &str)] = &[
     ("Preference-Applied", "The wait that was granted"),
 ];
 
-const RESULT: &[&str] =
+const RESULT_HEADERS: &[&str] =
     &["ETag", "Content-Location", "Cache-Status", "Server-Timing", "Planish-Warnings", "Content-Encoding", "Vary"];
-const KEPT: &[&str] = &["Cache-Control", "Accept-Ranges"];
+const KEPT_HEADERS: &[&str] = &["Cache-Control", "Accept-Ranges"];
 /// Problems that every address may answer.
 const ANYWHERE: &[ProblemKind] = &[
     problem::NOT_HTTP,
@@ -89,7 +89,7 @@ const BODY: &[ProblemKind] = &[
     problem::TRANSFER_CODING,
 ];
 /// Problems of jobs that are forecast.
-const FORECAST: &[ProblemKind] = &[problem::TOO_LARGE, problem::TIMED_OUT];
+const FORECAST_PROBLEMS: &[ProblemKind] = &[problem::TOO_LARGE, problem::TIMED_OUT];
 /// Problems of jobs that are computed.
 const COMPUTED: &[ProblemKind] = &[problem::INVALID, problem::GONE, problem::CANCELLED];
 
@@ -164,13 +164,13 @@ fn complete(path: &str, operation: &mut Operation) {
         | "/v1/r/{signature}/{expiry}/{job}/{file}"
             if operation.request_body.is_none() =>
         {
-            bytes(operation, "200", &[RESULT, KEPT].concat());
+            bytes(operation, "200", &[RESULT_HEADERS, KEPT_HEADERS].concat());
             headers(operation, "304", &["ETag", "Content-Location", "Cache-Status", "Cache-Control", "Vary"]);
             refuse(
                 operation,
                 &[problem::NOT_JSON, problem::BODY_TOO_LONG, problem::NOT_ACCEPTABLE, problem::UNFINISHED],
             );
-            refuse(operation, FORECAST);
+            refuse(operation, FORECAST_PROBLEMS);
             refuse(operation, COMPUTED);
         }
         "/v1/render" => {
@@ -179,38 +179,38 @@ fn complete(path: &str, operation: &mut Operation) {
                 .parameters
                 .get_or_insert_default()
                 .extend(query_parameters::described().into_iter().map(RefOr::T));
-            bytes(operation, "200", &[RESULT, &["Accept-Ranges"]].concat());
+            bytes(operation, "200", &[RESULT_HEADERS, &["Accept-Ranges"]].concat());
             headers(operation, "202", &["Location", "Retry-After", "Preference-Applied"]);
             headers(operation, "304", &["ETag", "Content-Location", "Cache-Status", "Vary"]);
-            refuse(operation, FORECAST);
+            refuse(operation, FORECAST_PROBLEMS);
             refuse(operation, COMPUTED);
             refuse(operation, &[problem::NOT_ACCEPTABLE, problem::UNWRITTEN]);
         }
-        "/v1/estimate" => refuse(operation, FORECAST),
+        "/v1/estimate" => refuse(operation, FORECAST_PROBLEMS),
         "/v1/compare" => {
             headers(operation, "200", &["Cache-Status"]);
-            refuse(operation, FORECAST);
+            refuse(operation, FORECAST_PROBLEMS);
             refuse(operation, COMPUTED);
         }
         "/v1/analyses" | "/v1/evaluate" => {
-            headers(operation, "200", RESULT);
+            headers(operation, "200", RESULT_HEADERS);
             headers(operation, "304", &["ETag", "Content-Location", "Vary"]);
             let analysed: &[_] = &[problem::TIMED_OUT, problem::NOT_ACCEPTABLE];
-            refuse(operation, if path == "/v1/evaluate" { FORECAST } else { analysed });
+            refuse(operation, if path == "/v1/evaluate" { FORECAST_PROBLEMS } else { analysed });
             refuse(operation, COMPUTED);
         }
         path if path.contains("/artifacts/") => {
-            bytes(operation, "200", &[RESULT, KEPT].concat());
-            bytes(operation, "206", &[RESULT, KEPT, &["Content-Range"]].concat());
-            headers(operation, "304", &[RESULT, KEPT].concat());
-            refuse(operation, FORECAST);
+            bytes(operation, "200", &[RESULT_HEADERS, KEPT_HEADERS].concat());
+            bytes(operation, "206", &[RESULT_HEADERS, KEPT_HEADERS, &["Content-Range"]].concat());
+            headers(operation, "304", &[RESULT_HEADERS, KEPT_HEADERS].concat());
+            refuse(operation, FORECAST_PROBLEMS);
             refuse(operation, COMPUTED);
             refuse(operation, &[problem::RANGE]);
         }
         "/v1/jobs" | "/v1/batches" if operation.request_body.is_some() => {
             headers(operation, "200", &["Location", "Preference-Applied"]);
             headers(operation, "202", &["Location", "Retry-After", "Preference-Applied"]);
-            refuse(operation, FORECAST);
+            refuse(operation, FORECAST_PROBLEMS);
             refuse(operation, &[problem::NOT_ACCEPTABLE, problem::UNWRITTEN]);
         }
         "/v1/jobs" | "/v1/batches" => refuse(operation, &[problem::INVALID]),

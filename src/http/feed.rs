@@ -22,10 +22,10 @@ use crate::service::pool::{Lack, Lane};
 /// twice of it is cut by some proxies.
 const HEARTBEAT: Duration = Duration::from_secs(15);
 /// Interval of looking for progress. Half of it reports more than eyes follow; twice of it makes progress bars jump.
-const LOOK: Duration = Duration::from_millis(200);
+const PROGRESS_INTERVAL: Duration = Duration::from_millis(200);
 /// Minimum memory booked for a stream, in bytes: an event with 64 outputs, and the one before it that is still being
 /// sent. Half of it is less than that; twice of it lets half as many clients listen.
-const STREAM_BYTES: u64 = 64 << 10;
+const LEAST_FEED_BYTES: u64 = 64 << 10;
 
 /// The state of a job or batch that a client follows.
 pub(super) trait Followed {
@@ -56,7 +56,7 @@ pub(super) fn stream(
     if feed.has_seen_the_end(&*now) {
         return StatusCode::NO_CONTENT.into_response();
     }
-    let bytes = STREAM_BYTES.max(2 * now.whole().to_string().len() as u64);
+    let bytes = LEAST_FEED_BYTES.max(2 * now.whole().to_string().len() as u64);
     drop(now); // an interest in a computation would stay with it
     match Listener::new(app, client, bytes, (look, feed, ended)) {
         Some(listener) => {
@@ -108,7 +108,7 @@ impl Listener {
             }
             let has_ended = *self.ended.borrow();
             tokio::select! {
-                () = tokio::time::sleep(LOOK) => {}
+                () = tokio::time::sleep(PROGRESS_INTERVAL) => {}
                 () = self.app.desk.ended() => {}
                 _ = self.ended.wait_for(|ended| *ended), if !has_ended => {}
             }

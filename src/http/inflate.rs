@@ -21,7 +21,7 @@ const WINDOW_LOG: u32 = 23;
 const DECODER_BYTES: u64 = (1 << WINDOW_LOG) + (1 << 20);
 /// Number of bytes inflated between two checks of the bounds. Half of it checks twice as often; twice of it lets a
 /// decompression bomb pass its bound by twice as much.
-const PIECE_BYTES: usize = 64 << 10;
+const INFLATE_STEP_BYTES: usize = 64 << 10;
 
 /// Inflates a body.
 ///
@@ -54,7 +54,7 @@ fn inflate(
     watch: &Watch,
 ) -> Result<(Vec<u8>, Charge), Problem> {
     let limit = app.settings.max_body_bytes;
-    let (mut bytes, mut charge, mut piece) = (Vec::new(), Charge::default(), vec![0; PIECE_BYTES]);
+    let (mut bytes, mut charge, mut piece) = (Vec::new(), Charge::default(), vec![0; INFLATE_STEP_BYTES]);
     let mut decoder = decoder(coding, packed).map_err(|error| broken(&error))?;
     loop {
         watch.check().map_err(|_| Problem::new(problem::SLOW, "inflating the body took too long; send it as it is"))?;

@@ -21,7 +21,7 @@ use crate::wire::standing::{JobAnswer, JobsAnswer};
 
 /// Default number of jobs on a page; [`LARGEST_PAGE`] is the maximum. Half of it needs more requests; twice of it
 /// answers up to 4 MiB at once, for jobs of 64 outputs.
-const PAGE: usize = 50;
+const JOBS_PER_PAGE: usize = 50;
 const LARGEST_PAGE: u64 = 100;
 
 /// How a job stands: state, stage, level, progress, place in line, timings, cost, outputs.
@@ -147,7 +147,7 @@ pub(super) fn with_location(mut response: Response, place: &str, waited: Option<
 
 /// Parses the query of a page: the number before which the page begins, and the number of jobs.
 pub(super) fn page(query: &str) -> Result<(u64, usize), Fault> {
-    let (mut before, mut limit) = (u64::MAX, PAGE);
+    let (mut before, mut limit) = (u64::MAX, JOBS_PER_PAGE);
     if let Some(fault) = repeated(query).into_iter().next() {
         return Err(fault);
     }
@@ -157,7 +157,7 @@ pub(super) fn page(query: &str) -> Result<(u64, usize), Fault> {
         match (&*name, number) {
             ("cursor", Some(number)) => before = number,
             ("cursor", None) => return Err(wrong("it is no cursor; take \"next\" of the page before".to_owned())),
-            ("limit", Some(number @ 1..=LARGEST_PAGE)) => limit = usize::try_from(number).unwrap_or(PAGE),
+            ("limit", Some(number @ 1..=LARGEST_PAGE)) => limit = usize::try_from(number).unwrap_or(JOBS_PER_PAGE),
             ("limit", _) => return Err(wrong(format!("give a number from 1 to {LARGEST_PAGE}"))),
             _ => return Err(wrong("it is unknown; known are limit and cursor".to_owned())),
         }

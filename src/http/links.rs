@@ -26,7 +26,7 @@ use crate::wire::query::refuse_parameters;
 
 /// Maximum length of a job in an address, inflated, in bytes, which is a promise of the interface. Half of it refuses
 /// meshes that still fit into an address; twice of it lets an address hold twice as much uncharged memory.
-const MAX_JOB_BYTES: usize = 64 << 10;
+pub(crate) const MAX_JOB_BYTES: usize = 64 << 10;
 /// Maximum time for which caches may store the result of an address. The job determines the result, but a new version
 /// of planish may change it: with a day, pages see that the next day, and repeated requests until then cost nothing;
 /// half or twice of it changes only that time.

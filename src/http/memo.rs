@@ -15,10 +15,10 @@ use crate::service::job_key::Tenant;
 
 /// Maximum length of a request that is remembered, in bytes. Twice of it hashes and compares longer requests for
 /// answers that take longer anyway; half of it parses more of the small ones again.
-const MAX_BYTES: usize = 64 << 10;
+const MAX_REMEMBERED_BYTES: usize = 64 << 10;
 /// Maximum number of requests that are remembered; when it is reached, all are forgotten. Half of it forgets twice as
 /// often; twice of it may hold twice the memory.
-const MAX_REQUESTS: usize = 16_384;
+const MAX_REMEMBERED_REQUESTS: usize = 16_384;
 
 /// The requests whose jobs were admitted, by their identity.
 #[derive(Debug, Default)]
@@ -46,7 +46,7 @@ impl RememberedRequest {
 /// Returns the identity of a request: a hash of its tenant, its body, the query if that contains a part of the job, and
 /// `Accept`; `None` if the body is too long.
 pub(super) fn identity(tenant: Tenant, headers: &HeaderMap, notation: &Notation, body: &[u8]) -> Option<Key> {
-    if body.len() > MAX_BYTES {
+    if body.len() > MAX_REMEMBERED_BYTES {
         return None;
     }
     let mut bytes = (body.len() as u64).to_le_bytes().to_vec();
@@ -93,7 +93,7 @@ impl Memo {
     /// Remembers a request whose job was admitted, now or when its result was made.
     pub(super) fn put(&self, request: Key, known: RememberedRequest) {
         let mut requests = self.0.lock().unwrap_or_else(PoisonError::into_inner);
-        if requests.len() >= MAX_REQUESTS {
+        if requests.len() >= MAX_REMEMBERED_REQUESTS {
             requests.clear();
         }
         requests.insert(request, known);

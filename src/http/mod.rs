@@ -1,6 +1,6 @@
 //! The HTTP interface: one file per resource, with the routes in `routes`.
 
-mod address;
+pub(crate) mod address;
 mod analyses;
 mod answer;
 mod app;
@@ -31,7 +31,7 @@ mod guard;
 mod health;
 mod inflate;
 mod jobs;
-mod links;
+pub(crate) mod links;
 mod memo;
 mod metrics;
 mod negotiate;

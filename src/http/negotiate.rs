@@ -15,7 +15,7 @@ use crate::wire::output::OutputRequest;
 
 /// Maximum wait that is granted, which is a promise of the interface. Half of it makes more clients ask again; twice of
 /// it holds connections for ten minutes.
-pub(super) const MAX_WAIT: Duration = Duration::from_mins(5);
+pub(super) const MAX_GRANTED_WAIT: Duration = Duration::from_mins(5);
 /// Default wait, which is a promise of the interface. Half of it answers 202 to more clients that would have had their
 /// result; twice of it is longer than many clients wait.
 const DEFAULT_WAIT: Duration = Duration::from_secs(30);
@@ -137,7 +137,7 @@ pub(super) fn patience(headers: &HeaderMap) -> (Duration, bool) {
         }
         let seconds = preference.strip_prefix("wait=").and_then(|n| position(n.trim_matches('"')));
         if let Some(seconds) = seconds {
-            return (Duration::from_secs(seconds).min(MAX_WAIT), true);
+            return (Duration::from_secs(seconds).min(MAX_GRANTED_WAIT), true);
         }
     }
     (DEFAULT_WAIT, false)

@@ -30,10 +30,10 @@ pub(super) async fn openapi(State(app): State<SharedApp>) -> Response {
 )]
 pub(super) async fn docs(State(app): State<SharedApp>) -> Response {
     // the document does not change while the process lives
-    static PAGE: OnceLock<String> = OnceLock::new();
+    static REFERENCE_PAGE: OnceLock<String> = OnceLock::new();
     let written = || reference::page(&serde_json::from_str(&app.openapi).unwrap_or_default());
     let policy = [(header::CONTENT_SECURITY_POLICY, reference::policy())];
-    (policy, Html(PAGE.get_or_init(written).clone())).into_response()
+    (policy, Html(REFERENCE_PAGE.get_or_init(written).clone())).into_response()
 }
 
 /// What a kind of problem means.

@@ -8,6 +8,7 @@ use axum::http::{HeaderMap, HeaderName, HeaderValue, StatusCode, header};
 use axum::response::{IntoResponse, Redirect, Response};
 
 use super::address::etag;
+use super::content::JSON;
 use super::negotiate;
 use super::problem::{self, Problem};
 use super::segment::PathSegment;
@@ -23,11 +24,10 @@ const POLICY: &str = "default-src 'none'; script-src 'self'; style-src 'self'; c
 const HTML: &str = "text/html; charset=utf-8";
 const CSS: &str = "text/css; charset=utf-8";
 const SCRIPT: &str = "text/javascript; charset=utf-8";
-const JSON: &str = "application/json";
 const ICON: &str = "image/svg+xml";
 
 /// The page itself, under the empty name, which no address below `/play/` has.
-const PAGE: (&str, &str, &str) = ("", HTML, include_str!("play/index.html"));
+const PLAY_PAGE: (&str, &str, &str) = ("", HTML, include_str!("play/index.html"));
 
 /// The files that the page loads: name below `/play/`, media type, text.
 const FILES: &[(&str, &str, &str)] = &[
@@ -127,7 +127,7 @@ impl PlayFile {
 }
 
 static KNOWN: LazyLock<HashMap<&str, PlayFile>> =
-    LazyLock::new(|| FILES.iter().chain([&PAGE]).map(|file| (file.0, PlayFile::of(file))).collect());
+    LazyLock::new(|| FILES.iter().chain([&PLAY_PAGE]).map(|file| (file.0, PlayFile::of(file))).collect());
 
 /// The page for trying the service: control points and vertices to drag, schemes to choose, results to take along.
 #[utoipa::path(
@@ -136,7 +136,7 @@ static KNOWN: LazyLock<HashMap<&str, PlayFile>> =
         example = "<!doctype html>"))
 )]
 pub(super) async fn page(headers: HeaderMap) -> Response {
-    KNOWN[PAGE.0].answer(&headers)
+    KNOWN[PLAY_PAGE.0].answer(&headers)
 }
 
 /// A file that the page loads. `planish-view.js` is an element that pages of other origins may load, too.
@@ -162,7 +162,7 @@ pub(super) async fn index() -> Redirect {
 mod tests {
     use std::path::Path;
 
-    use super::{FILES, HTML, PAGE, SCRIPT};
+    use super::{FILES, HTML, JSON, PLAY_PAGE, SCRIPT};
 
     /// Returns the quoted names that follow these words.
     fn named<'a>(text: &'a str, words: &[&str]) -> Vec<&'a str> {
@@ -175,7 +175,7 @@ mod tests {
     fn what_the_page_loads_is_in_the_list() {
         let known: Vec<&str> = FILES.iter().map(|file| file.0).collect();
         let mut n = 0;
-        for (file, media_type, text) in FILES.iter().chain([&PAGE]) {
+        for (file, media_type, text) in FILES.iter().chain([&PLAY_PAGE]) {
             let loaded = match *media_type {
                 SCRIPT => named(text, &["from \"./", "import(\"./", "file: \""]),
                 HTML => named(text, &["href=\"/play/", "src=\"/play/"]),
@@ -200,7 +200,7 @@ mod tests {
 
     #[test]
     fn the_files_are_short_and_load_nothing_from_elsewhere() {
-        for (name, media_type, text) in FILES.iter().chain([&PAGE]).filter(|file| file.1 != "application/json") {
+        for (name, media_type, text) in FILES.iter().chain([&PLAY_PAGE]).filter(|file| file.1 != JSON) {
             assert!(text.lines().count() <= 400, "{name} has {} lines", text.lines().count());
             for (at, line) in text.lines().enumerate() {
                 assert!(line.chars().count() <= 120, "{name}:{}: {} columns", at + 1, line.chars().count());

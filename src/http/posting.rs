@@ -24,7 +24,7 @@ use crate::wire::standing::JobAnswer;
 
 /// Maximum time that a job may be given to wait or to run, in seconds: a day. Half of it refuses night runs that begin
 /// at noon; twice of it keeps jobs whose clients are long gone.
-const MAX_SECONDS: u64 = 24 * 60 * 60;
+const MAX_JOB_SECONDS: u64 = 24 * 60 * 60;
 
 /// Accepts a job with up to 64 outputs, or an analysis, and has it done in its turn.
 ///
@@ -127,9 +127,9 @@ fn keep(found: Result<u64, Fault>, place: &mut Option<u64>, faults: &mut Vec<Fau
 
 fn seconds(place: String, text: &str) -> Result<u64, Fault> {
     let is_number = !text.is_empty() && text.bytes().all(|byte| byte.is_ascii_digit());
-    let found = text.parse().ok().filter(|seconds| is_number && (1..=MAX_SECONDS).contains(seconds));
+    let found = text.parse().ok().filter(|seconds| is_number && (1..=MAX_JOB_SECONDS).contains(seconds));
     found.ok_or_else(|| {
-        let detail = format!("\"{}\" is no number of seconds from 1 to {MAX_SECONDS}", shortened(text));
+        let detail = format!("\"{}\" is no number of seconds from 1 to {MAX_JOB_SECONDS}", shortened(text));
         Fault::new(place, detail)
     })
 }

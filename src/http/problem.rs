@@ -24,7 +24,7 @@ use crate::wire::read::ReadError;
 const MAX_FAULT_BYTES: usize = 32 << 10;
 /// Maximum number of characters of a detail: a place and a sentence of maximum length. Half of it may cut a sentence;
 /// twice of it, escaped, would pass 64 KiB with the faults.
-const MAX_DETAIL: usize = 4000;
+const MAX_PROBLEM_DETAIL: usize = 4000;
 
 /// Retry-After for a shared store that did not answer: as long as the service leaves it alone after a failure. Half of
 /// it makes clients ask in vain; twice of it makes them wait longer than necessary.
@@ -168,7 +168,7 @@ impl Problem {
     fn answer(self) -> ProblemAnswer {
         let n_faults = self.errors.len();
         let errors = listed(self.errors);
-        let detail = cut(&self.detail, MAX_DETAIL);
+        let detail = cut(&self.detail, MAX_PROBLEM_DETAIL);
         let detail = match errors.len() {
             n if n < n_faults => format!("{detail}; errors lists the first {n}"),
             _ => detail.into_owned(),
@@ -276,7 +276,7 @@ impl Problem {
     pub(super) fn unreadable(self) -> Unreadable {
         match self.retry_after {
             Some(pause) => Unreadable::Later(pause),
-            None => Unreadable::Never(cut(&self.detail, MAX_DETAIL).into_owned()),
+            None => Unreadable::Never(cut(&self.detail, MAX_PROBLEM_DETAIL).into_owned()),
         }
     }
 
@@ -392,7 +392,7 @@ pub(super) fn unreadable(refusal: &[u8]) -> Vec<u8> {
 pub(super) fn panicked(panic: Box<dyn Any + Send>) -> Response {
     let text = panic.downcast_ref::<String>().map(String::as_str);
     let text = text.or_else(|| panic.downcast_ref::<&str>().copied());
-    tracing::error!(panic = %cut(text.unwrap_or("no message"), MAX_DETAIL), "a handler panicked");
+    tracing::error!(panic = %cut(text.unwrap_or("no message"), MAX_PROBLEM_DETAIL), "a handler panicked");
     Problem::new(INTERNAL, "the request made planish fail; this is a fault of planish, please report it")
         .into_response()
 }

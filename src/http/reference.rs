@@ -7,11 +7,11 @@ use base64::engine::general_purpose::STANDARD;
 use serde_json::Value;
 use sha2::{Digest, Sha256};
 
-const STYLE: &str = include_str!("reference.css");
+const REFERENCE_CSS: &str = include_str!("reference.css");
 
 /// Returns the content security policy of the page: it may load nothing; its own style is allowed by its hash.
 pub(super) fn policy() -> String {
-    let style = STANDARD.encode(Sha256::digest(STYLE));
+    let style = STANDARD.encode(Sha256::digest(REFERENCE_CSS));
     format!(
         "default-src 'none'; style-src 'sha256-{style}'; base-uri 'none'; form-action 'none'; frame-ancestors 'none'"
     )
@@ -45,7 +45,7 @@ pub(super) fn page(document: &Value) -> String {
     format!(
         "<!doctype html><html lang=\"en\"><meta charset=\"utf-8\">\
          <meta name=\"viewport\" content=\"width=device-width\"><title>{title}: reference</title>\
-         <style>{STYLE}</style><nav><a href=\"/\">{title}</a>\
+         <style>{REFERENCE_CSS}</style><nav><a href=\"/\">{title}</a>\
          <a href=\"/openapi.json\">openapi.json</a>{nav}</nav><main>{about}{main}</main></html>\n"
     )
 }

@@ -20,13 +20,13 @@ const LEAST_BYTES: u64 = 1 << 10;
 /// Maximum length of an artifact that has variants, in bytes: the length up to which results are stored unless the
 /// client asks for more. Compressing it takes about a second. Twice of it lets a client wait for two; half of it sends
 /// some stored results uncompressed.
-const MAX_BYTES: u64 = 64 << 20;
+const MAX_COMPRESSIBLE_BYTES: u64 = 64 << 20;
 
 /// Maximum time that an answer waits for a variant that is being made; then the client gets the uncompressed bytes, and
 /// the variant is finished for the next one. In this time some 50 MiB are compressed on an idle machine. Half of it
 /// sends more of the first answers uncompressed; twice of it makes clients of a busy machine wait twice as long for
 /// bytes that exist already.
-const PATIENCE: Duration = Duration::from_secs(1);
+const VARIANT_PATIENCE: Duration = Duration::from_secs(1);
 
 /// Returns an artifact in the coding that the client prefers; uncompressed if compression does not pay or cannot be had
 /// now.
@@ -49,16 +49,17 @@ pub(super) async fn coded(app: &Arc<App>, headers: &HeaderMap, found: Artifact) 
 fn has_variants(found: &Artifact) -> bool {
     let of_type = |media_type: &str| FORMATS.iter().find(|format| format.media_type() == media_type);
     let is_packed = |media_type| of_type(media_type).is_some_and(|format| format.facts().content == Content::Packed);
-    let is_fit = (LEAST_BYTES..=MAX_BYTES).contains(&found.manifest.length);
+    let is_fit = (LEAST_BYTES..=MAX_COMPRESSIBLE_BYTES).contains(&found.manifest.length);
     is_fit && found.loose.is_none() && !is_packed(&found.manifest.media_type)
 }
 
-/// Computes a variant in the queue, like any other task; `None` on failure, and if it takes longer than [`PATIENCE`].
+/// Computes a variant in the queue, like any other task; `None` on failure, and if it takes longer than
+/// [`VARIANT_PATIENCE`].
 async fn made(app: &Arc<App>, found: &Artifact, coding: Coding) -> Option<Arc<Manifest>> {
     let parts = PartReader::of(app, found.peer, found.manifest.clone()).ok()?.all().await.ok()?;
     let task = Arc::new(Compress::new(&found.manifest.key, coding, parts));
     let interest = app.desk.compute(task, found.peer).ok()?;
-    let phase = tokio::time::timeout(PATIENCE, interest.computation.finished()).await;
+    let phase = tokio::time::timeout(VARIANT_PATIENCE, interest.computation.finished()).await;
     match phase {
         Ok(Phase::Done(outcome)) if outcome.loose.is_none() => Some(outcome.manifest.clone()),
         Ok(_) => None,

@@ -9,9 +9,9 @@ const ELSEWHERE: u32 = u32::MAX;
 const DAY: u16 = 1 << 5 | 1;
 /// The flag of names in UTF-8.
 const FLAGS: u16 = 1 << 11;
-/// The version needed to extract, in tenths: without ZIP64, and with it as [`LARGE`].
-const PLAIN: u16 = 20;
-const LARGE: u16 = 45;
+/// The version needed to extract, in tenths: without ZIP64, and with it as [`ZIP64_VERSION`].
+const ZIP_VERSION: u16 = 20;
+const ZIP64_VERSION: u16 = 45;
 
 /// An archive of files whose names and lengths are known.
 #[derive(Debug)]
@@ -47,7 +47,7 @@ impl ZipEntry {
 
     /// Returns the fields that the local header and the central directory share.
     fn facts(&self, crc: u32, extra: &[u8]) -> Vec<u8> {
-        let version = if extra.is_empty() { PLAIN } else { LARGE };
+        let version = if extra.is_empty() { ZIP_VERSION } else { ZIP64_VERSION };
         let (stored, midnight, name) = (0_u16, 0_u16, short(self.name.len()));
         let mut out = Vec::with_capacity(26);
         for number in [version, FLAGS, stored, midnight, DAY] {
@@ -66,7 +66,7 @@ impl ZipEntry {
     fn entry(&self, crc: u32) -> Vec<u8> {
         let extra = Self::extra(&[self.length, self.length, self.offset]);
         let mut out = b"PK\x01\x02".to_vec();
-        out.extend(LARGE.to_le_bytes());
+        out.extend(ZIP64_VERSION.to_le_bytes());
         out.extend(self.facts(crc, &extra));
         // comment length, disk number, internal and external attributes
         out.extend([0; 10]);
@@ -107,7 +107,7 @@ impl Zip {
             let at = self.end + length;
             out.extend(b"PK\x06\x06");
             out.extend(44_u64.to_le_bytes());
-            out.extend([LARGE.to_le_bytes(), LARGE.to_le_bytes()].concat());
+            out.extend([ZIP64_VERSION.to_le_bytes(), ZIP64_VERSION.to_le_bytes()].concat());
             out.extend([0; 8]);
             for number in [n, n, length, self.end] {
                 out.extend(number.to_le_bytes());

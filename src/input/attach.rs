@@ -8,7 +8,7 @@ use super::text::quoted;
 use crate::shape::attachments::{AttachmentsInput, ChannelInput, MAX_CHANNELS, MAX_TOTAL_WIDTH, check_channel};
 use crate::shape::check::{FaceList, Winding};
 use crate::shape::labels::FaceSet;
-use crate::shape::labels::{MAX_LABELS, MAX_NAME};
+use crate::shape::labels::{MAX_LABEL_NAME, MAX_LABELS};
 use crate::shape::mesh::MeshInput;
 use crate::shape::seams::{SeamsInput, UvsInput};
 
@@ -95,7 +95,7 @@ fn sets(given: Vec<FaceSet>, n_faces: usize, what: &str, notes: &mut Vec<String>
 fn plain(name: &str) -> String {
     let letter = |c: char| if c.is_whitespace() || c.is_control() || c == '#' { '_' } else { c };
     let mut plain: String = name.chars().map(letter).collect();
-    while plain.len() > MAX_NAME {
+    while plain.len() > MAX_LABEL_NAME {
         plain.pop();
     }
     if plain.is_empty() { "unnamed".to_owned() } else { plain }

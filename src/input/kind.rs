@@ -35,7 +35,7 @@ const FOREIGN: &[(&[u8], &str)] = &[
 ];
 
 /// The first bytes of the supported formats, with the names of their readers.
-const OWN: &[(&[u8], &str)] = &[
+const FIRST_BYTES: &[(&[u8], &str)] = &[
     (b"ply", "ply"),
     (b"glTF", "glb"),
     (b"solid ", "stl"),
@@ -57,7 +57,7 @@ pub fn foreign(bytes: &[u8]) -> Option<&'static str> {
 /// Returns the name of the reader for files that begin like these bytes.
 pub fn own(bytes: &[u8]) -> Option<&'static str> {
     let start = text_start(bytes);
-    let magic = OWN.iter().find(|(magic, _)| start.starts_with(magic)).map(|(_, name)| *name);
+    let magic = FIRST_BYTES.iter().find(|(magic, _)| start.starts_with(magic)).map(|(_, name)| *name);
     magic.or_else(|| sniff::kind(bytes).filter(|&name| name == "obj"))
 }
 

@@ -10,7 +10,7 @@ mod tags;
 
 use std::collections::BTreeMap;
 
-use self::faces::{MAX_FAULTS, ObjFaces};
+use self::faces::{MAX_FACE_FAULTS, ObjFaces};
 use self::library::MaterialLibrary;
 use super::beside::InputFile;
 use super::collect::MeshBuilder;
@@ -67,7 +67,7 @@ fn read(file: &InputFile<'_>, limits: &ReadLimits) -> Result<ReadMesh, Vec<Strin
         let line = without_comment(line);
         if let Err(detail) = state.line(i + 1, line) {
             state.faults.push(at_line(i + 1, detail));
-            if state.faults.len() == MAX_FAULTS {
+            if state.faults.len() == MAX_FACE_FAULTS {
                 state.faults.push("there may be more faults behind these".to_owned());
                 return Err(state.faults);
             }
@@ -200,7 +200,7 @@ impl ObjReader {
         let counts = [self.mesh.mesh.positions.len(), self.uvs.len(), self.n_normals];
         self.faults.extend(self.faces.beyond(counts, &self.mesh.mesh.faces));
         if !self.faults.is_empty() {
-            self.faults.truncate(MAX_FAULTS);
+            self.faults.truncate(MAX_FACE_FAULTS);
             return Err(self.faults);
         }
         let mut mesh = self.mesh.mesh;

@@ -11,7 +11,7 @@ use super::text::{Words, at_line, count, number, quoted, text};
 use crate::shape::attachments::ChannelInput;
 
 /// Minimum number of bytes of a vertex ("0 0 0" and a line break) and of a face ("3 0 1 2") in a text file.
-const TEXT_BYTES: [u64; 2] = [6, 8];
+const LEAST_TEXT_BYTES: [u64; 2] = [6, 8];
 /// Minimum number of bytes of a vertex and of a face in a binary file: three values, and five with the number of colour
 /// components.
 const BINARY_BYTES: [u64; 2] = [12, 20];
@@ -149,7 +149,7 @@ impl OffReader {
         };
         let [vertices, faces] = [count(vertices)?, count(faces)?];
         words.get(2).map_or(Ok(0), |edges| count(edges))?;
-        self.expect(vertices, faces, TEXT_BYTES, bytes)?;
+        self.expect(vertices, faces, LEAST_TEXT_BYTES, bytes)?;
         Ok([vertices, faces])
     }
 

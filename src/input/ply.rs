@@ -10,7 +10,7 @@ mod strips;
 use std::collections::BTreeMap;
 
 use self::body::{Ascii, Binary, Body};
-use self::header::{BodyEncoding, Element, Header, NAMED, PlyProperty, Scalar};
+use self::header::{BodyEncoding, Element, Header, NAMED_PROPERTIES, PlyProperty, Scalar};
 use super::collect::{MeshBuilder, vertex_index};
 use super::reader::{CornerUvs, ReadLimits, ReadMesh, Reader, Vertices};
 use super::text::quoted;
@@ -18,7 +18,7 @@ use crate::shape::attachments::ChannelInput;
 use crate::shape::labels::FaceSet;
 
 /// Maximum number of channels of further vertex properties.
-const MAX_CHANNELS: usize = 64;
+const MAX_FURTHER_PROPERTIES: usize = 64;
 
 /// The reader of PLY as text or binary of either byte order, with properties of any type. Elements are `vertex` (`x`,
 /// `y`, `z`) and `face` (`vertex_indices` or `vertex_index`); `red`, `green`, `blue`, `alpha` are a colour, `s`, `t`
@@ -200,8 +200,9 @@ impl PlyReader {
             } else if let Some((_, place @ 1..)) = joined {
                 // the first property of the run has created the channel
                 PropertyUse::Channel(self.channels.len() - 1, place, 1.0)
-            } else if self.channels.len() == MAX_CHANNELS {
-                let detail = format!("the vertices have more than {MAX_CHANNELS} further properties; send fewer");
+            } else if self.channels.len() == MAX_FURTHER_PROPERTIES {
+                let detail =
+                    format!("the vertices have more than {MAX_FURTHER_PROPERTIES} further properties; send fewer");
                 return Err(detail);
             } else {
                 let (name, width) = joined.map_or((name, 1), |(run, _)| run);
@@ -233,7 +234,8 @@ impl PlyReader {
             return Err("the faces need one list \"vertex_indices\" (or \"vertex_index\")".to_owned());
         }
         self.mesh.expect_faces(element.count)?;
-        let is_name = |p: &PlyProperty| p.list.is_none() && p.kind.is_whole() && NAMED.contains(&p.name.as_str());
+        let is_name =
+            |p: &PlyProperty| p.list.is_none() && p.kind.is_whole() && NAMED_PROPERTIES.contains(&p.name.as_str());
         let is_uvs = |p: &PlyProperty| p.list.is_some() && p.name == "texcoord";
         let others = element.properties.iter().filter(|p| !p.holds_corners() && !is_uvs(p) && !is_name(p));
         let others: Vec<String> = others.map(|property| quoted(&property.name)).collect();
@@ -286,7 +288,7 @@ impl PlyReader {
         if number >= 0.0 {
             #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "it is whole and below 2^32")]
             let number = number as u64;
-            let sets = if kind == NAMED[0] { &mut self.groups } else { &mut self.materials };
+            let sets = if kind == NAMED_PROPERTIES[0] { &mut self.groups } else { &mut self.materials };
             sets.entry(number).or_default().push(face);
         }
     }
@@ -299,8 +301,8 @@ impl PlyReader {
                 |(number, faces)| FaceSet { name: name(number).unwrap_or_else(|| format!("{kind}_{number}")), faces };
             sets.into_iter().map(set).collect()
         };
-        mesh.groups = named(NAMED[0], self.groups);
-        mesh.materials = named(NAMED[1], self.materials);
+        mesh.groups = named(NAMED_PROPERTIES[0], self.groups);
+        mesh.materials = named(NAMED_PROPERTIES[1], self.materials);
         mesh.channels = self.channels;
         if !self.corner_uvs.is_empty() {
             let corners = (0..).take(self.corner_uvs.len()).collect();

@@ -5,20 +5,20 @@ use crate::math::amounts::in_bytes;
 /// Bytes that may be taken whatever the length of the file: an accessor, a few nodes and primitives take more than
 /// their text is long. Less would refuse small scenes of a few hundred nodes; more would let a thousand tiny requests
 /// take gigabytes.
-const LEAST: u64 = 1 << 20;
+const ROOM_BASE_BYTES: u64 = 1 << 20;
 
 /// Bytes that may be taken per byte of a file. Lists double their capacity when they are full, so that an entry takes
 /// three times its size at worst. Measured on that basis, per byte: words of a long line 24, vertices of binary PLY
 /// with one-byte coordinates 24, names of groups of OBJ 31, faces in sixteen groups 24; most others are below 12. Less
 /// would refuse files that are read today; glTF, whose entries take up to 300, is counted and refused beyond.
-const EACH: u64 = 32;
+const ROOM_BYTES_A_BYTE: u64 = 32;
 
 /// The peak capacity of a growing list as a multiple of its size: the old half while it is copied into the new whole.
 pub(super) const GROWN: usize = 3;
 
 /// Returns an upper bound of the memory in bytes for reading a mesh file of `length` bytes, without the file itself.
 pub const fn weight(length: u64) -> u64 {
-    LEAST.saturating_add(EACH.saturating_mul(length))
+    ROOM_BASE_BYTES.saturating_add(ROOM_BYTES_A_BYTE.saturating_mul(length))
 }
 
 /// The remaining memory budget of a file.
@@ -62,7 +62,7 @@ impl MemoryBudget {
     /// Adds the allowance of a companion file of `length` bytes.
     pub(super) fn widen(&mut self, length: usize) {
         self.length += length as u64;
-        self.left += EACH.saturating_mul(length as u64);
+        self.left += ROOM_BYTES_A_BYTE.saturating_mul(length as u64);
     }
 
     /// Returns bytes to the budget after they are freed.

@@ -10,11 +10,11 @@ use crate::shape::topology::index;
 use crate::shape::weld::{weld, weld_faces};
 
 /// Bytes before the number of triangles, before the first triangle, and of a triangle.
-const HEADER: usize = 80;
-const START: usize = 84;
-const TRIANGLE: usize = 50;
+const STL_HEADER_BYTES: usize = 80;
+pub(super) const STL_START: usize = 84;
+pub(super) const STL_TRIANGLE_BYTES: usize = 50;
 /// Bytes of the normal of a triangle.
-const NORMAL: usize = 12;
+const STL_NORMAL_BYTES: usize = 12;
 
 /// The reader of STL, text or binary. Equal corners become one vertex, in the order of first appearance; triangles with
 /// two equal corners are left out, with a note. Normals and attribute bytes are ignored; several solids become groups.
@@ -31,21 +31,23 @@ fn read(bytes: &[u8], limits: &ReadLimits) -> Result<ReadMesh, String> {
     let mut soup = Soup { mesh: MeshBuilder::new(limits), solids: Vec::new() };
     // a binary file may also start with "solid", but its number of triangles has zero bytes, which no text has
     let is_text = bytes.trim_ascii_start().get(..5).is_some_and(|word| word.eq_ignore_ascii_case(b"solid"))
-        && !bytes.get(HEADER..START).is_some_and(|n| n.contains(&0));
-    let announced = bytes.get(HEADER..START).and_then(|n| n.try_into().ok()).map(u32::from_le_bytes);
-    let length = announced.and_then(|n| (n as usize).checked_mul(TRIANGLE)?.checked_add(START));
+        && !bytes.get(STL_HEADER_BYTES..STL_START).is_some_and(|n| n.contains(&0));
+    let announced = bytes.get(STL_HEADER_BYTES..STL_START).and_then(|n| n.try_into().ok()).map(u32::from_le_bytes);
+    let length = announced.and_then(|n| (n as usize).checked_mul(STL_TRIANGLE_BYTES)?.checked_add(STL_START));
     let n_bytes = bytes.len();
     match (announced, length) {
-        (Some(_), Some(length)) if length == n_bytes => soup.read_binary(&bytes[START..])?,
+        (Some(_), Some(length)) if length == n_bytes => soup.read_binary(&bytes[STL_START..])?,
         _ if is_text => soup.read_text(bytes)?,
         (Some(n), Some(length)) => {
             return Err(format!(
-                "byte {HEADER}: {n} triangles take {length} bytes, the file has {n_bytes}; send it whole, or as text \
-                 that starts with \"solid\""
+                "byte {STL_HEADER_BYTES}: {n} triangles take {length} bytes, the file has {n_bytes}; send it whole, or \
+                 as text that starts with \"solid\""
             ));
         }
         _ => {
-            return Err(format!("{n_bytes} bytes; a binary STL has at least {START}, a text starts with \"solid\""));
+            return Err(format!(
+                "{n_bytes} bytes; a binary STL has at least {STL_START}, a text starts with \"solid\""
+            ));
         }
     }
     soup.joined()
@@ -66,15 +68,15 @@ impl Soup {
     }
 
     fn read_binary(&mut self, triangles: &[u8]) -> Result<(), String> {
-        let (triangles, _) = triangles.as_chunks::<TRIANGLE>();
+        let (triangles, _) = triangles.as_chunks::<STL_TRIANGLE_BYTES>();
         self.mesh.expect_faces(triangles.len() as u64)?;
         for (i, triangle) in triangles.iter().enumerate() {
-            let (numbers, _) = triangle[NORMAL..].as_chunks::<4>();
+            let (numbers, _) = triangle[STL_NORMAL_BYTES..].as_chunks::<4>();
             let number = |k: usize| f64::from(f32::from_le_bytes(numbers[k]));
             let corners: [[f64; 3]; 3] = std::array::from_fn(|j| std::array::from_fn(|k| number(3 * j + k)));
             let wrong = corners.as_flattened().iter().position(|x| !x.is_finite());
             if let Some(k) = wrong {
-                let at = START + i * TRIANGLE + NORMAL + 4 * k;
+                let at = STL_START + i * STL_TRIANGLE_BYTES + STL_NORMAL_BYTES + 4 * k;
                 return Err(format!("byte {at}: a coordinate of triangle {i} is not finite"));
             }
             self.triangle(corners).map_err(|detail| format!("triangle {i}: {detail}"))?;

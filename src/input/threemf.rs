@@ -42,11 +42,11 @@ fn read(bytes: &[u8], limits: &ReadLimits) -> Result<ReadMesh, String> {
 
 /// Returns the name of the main model, from the relationships of the archive.
 fn main_model(archive: &Archive<'_>) -> Result<String, String> {
-    const RELATIONS: &str = "_rels/.rels";
-    let missing = || format!("the archive has no model: {RELATIONS} names none; it is no 3MF file");
-    let mut tags = XmlTags::new(archive.file(RELATIONS)?.ok_or_else(missing)?);
+    const RELATIONS_NAME: &str = "_rels/.rels";
+    let missing = || format!("the archive has no model: {RELATIONS_NAME} names none; it is no 3MF file");
+    let mut tags = XmlTags::new(archive.file(RELATIONS_NAME)?.ok_or_else(missing)?);
     let mut model = None;
-    while let Some(tag) = tags.next().map_err(|detail| format!("{RELATIONS}, line {}: {detail}", tags.line))? {
+    while let Some(tag) = tags.next().map_err(|detail| format!("{RELATIONS_NAME}, line {}: {detail}", tags.line))? {
         let is_model = tag.get("Type").is_some_and(|kind| kind.ends_with("/3dmodel"));
         if tag.name == "Relationship" && is_model && model.is_none() {
             model = tag.get("Target").map(|target| target.trim_start_matches('/').to_owned());

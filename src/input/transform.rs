@@ -3,7 +3,7 @@
 use crate::math::vector::{cross, dot};
 
 /// How far the length of a quaternion may be from 1, because writers round to a few digits.
-const UNIT: f64 = 1e-3;
+const UNIT_LENGTH_TOLERANCE: f64 = 1e-3;
 /// How far the last row of a matrix, or column where vectors are rows, may be from 0, 0, 0, 1.
 pub(super) const AFFINE: f64 = 1e-6;
 
@@ -26,7 +26,7 @@ impl Transform {
             [s * (x * z + y * w), s * (y * z - x * w), 1.0 - s * (x * x + y * y)],
             [0.0; 3],
         ];
-        ((square.sqrt() - 1.0).abs() <= UNIT).then_some(Self(columns))
+        ((square.sqrt() - 1.0).abs() <= UNIT_LENGTH_TOLERANCE).then_some(Self(columns))
     }
 
     /// Returns the composition that applies `inner` first, then `self`.

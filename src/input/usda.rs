@@ -33,7 +33,7 @@ pub(super) const USDA: Reader = Reader {
 /// Relative tolerance for recognising a known unit, since files store f32.
 const SAME_UNIT: f64 = 1e-6;
 /// The default unit of USD in metres.
-const USUAL: f64 = 0.01;
+const DEFAULT_UNIT_M: f64 = 0.01;
 
 fn read(bytes: &[u8], limits: &ReadLimits) -> Result<ReadMesh, String> {
     let text = text(bytes);
@@ -54,7 +54,7 @@ fn read(bytes: &[u8], limits: &ReadLimits) -> Result<ReadMesh, String> {
 
 /// Returns the unit of a layer, and the factor that converts lengths to it, if needed.
 fn unit(layer: &Layer<'_>) -> Result<(Unit, Option<f64>), String> {
-    let metres = metadata_value(&layer.metadata, "metersPerUnit").map_or(Some(USUAL), Value::number);
+    let metres = metadata_value(&layer.metadata, "metersPerUnit").map_or(Some(DEFAULT_UNIT_M), Value::number);
     let metres = metres.filter(|&x| x.is_finite() && x > 0.0).ok_or("metersPerUnit is no length above 0")?;
     let is_it = |unit: &Unit| (unit.metres() - metres).abs() <= SAME_UNIT * metres;
     let known = [Unit::Metre, Unit::Millimetre, Unit::Centimetre, Unit::Inch].into_iter().find(is_it);

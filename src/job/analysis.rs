@@ -3,7 +3,7 @@
 use super::input::Input;
 use super::key::{self, Key};
 use super::matrices::{AskedMatrices, FoundMatrices, MatricesWish};
-use super::polygon_survey::{MAX_POINTS, PolygonSurvey, SurveyedPolygons};
+use super::polygon_survey::{MAX_SURVEYED_POINTS, PolygonSurvey, SurveyedPolygons};
 use super::scan::{self, ScanWish};
 use crate::analysis::curve::{self, NoMask};
 use crate::analysis::scan::{MAX_BETWEEN, Scan, Scanned};
@@ -35,7 +35,7 @@ const CUBES_A_MS: u64 = 700;
 /// resident memory of `planish analyse` above that of `planish --version`: 33 MiB for a word of 31 averages and a
 /// push-back, 30 MiB for a mask of 41 entries of 17 digits, 22 MiB for one of 129; presets take 5. Half of it would be
 /// too little for these; twice of it would let half as many analyses run at once.
-const BYTES: u64 = 48 << 20;
+const CURVE_ANALYSIS_BYTES: u64 = 48 << 20;
 /// Default number of matrix products at each value of a scan. Two hundred values take some seconds. Half as many leave
 /// ends of ranges wider; twice as many take twice as long where nothing is decided.
 pub const DEFAULT_SCAN_NODES: u64 = 10_000;
@@ -170,7 +170,7 @@ impl Analysis {
 
     /// Returns an upper bound of the work, in the units of the watch.
     pub fn work(&self) -> u64 {
-        self.products() + self.surveyed().map_or(0, |_| curve::MAX_WORK)
+        self.products() + self.surveyed().map_or(0, |_| curve::MAX_CURVE_WORK)
     }
 
     /// Returns an upper bound of the number of matrix products.
@@ -184,14 +184,15 @@ impl Analysis {
             AnalysisSubject::Scheme { study, .. } => study.settled.residual.len() as u64,
             AnalysisSubject::Scan(_) => 0,
         };
-        let search = self.surveyed().map_or(0, |on| on.input.n_points().min(MAX_POINTS) as u64 / POINTS_A_MS + BASE_MS);
+        let search =
+            self.surveyed().map_or(0, |on| on.input.n_points().min(MAX_SURVEYED_POINTS) as u64 / POINTS_A_MS + BASE_MS);
         self.products() / NODES_A_MS + BASE_MS * self.schemes() + residual.pow(3) / CUBES_A_MS + search
     }
 
     /// Returns an upper bound of the memory in bytes.
     pub fn bytes(&self) -> u64 {
         let input = self.surveyed().map_or(0, |on| on.input.bytes() + curve::search_bytes(on.input.n_points()));
-        input.saturating_add(BYTES)
+        input.saturating_add(CURVE_ANALYSIS_BYTES)
     }
 
     /// Returns the polygons of the request, if any.

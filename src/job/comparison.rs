@@ -21,10 +21,10 @@ use crate::watch::Watch;
 
 /// Maximum number of pixels of a picture to compare. Two such pictures with their difference take 700 MiB. Half as many
 /// would refuse scans of a page at 600 dots per inch; twice as many would take twice the memory.
-const MAX_PIXELS: u64 = 1 << 26;
+const MAX_COMPARED_PIXELS: u64 = 1 << 26;
 /// Bytes per pixel while two pictures are compared: two colours of four channels, possibly of sixteen bits each, and
 /// the picture of the difference, which is then compressed.
-const PIXEL_BYTES: u64 = 2 * 4 + 8 + 3 + 3;
+const COMPARED_PIXEL_BYTES: u64 = 2 * 4 + 8 + 3 + 3;
 /// Number of pixels compared per millisecond on one core, with smoothed edges (measured: 9,000 to 60,000). Half or
 /// twice of it would book twice or half the time.
 const PIXELS_A_MS: u64 = 10_000;
@@ -106,8 +106,8 @@ impl PngFile {
     pub fn new(bytes: Arc<[u8]>, is_own: bool) -> Result<Self, String> {
         let reader = ImageReader::with_format(Cursor::new(&*bytes), ImageFormat::Png);
         let (width, height) = reader.into_dimensions().map_err(|error| format!("it is no PNG: {error}"))?;
-        if u64::from(width) * u64::from(height) > MAX_PIXELS {
-            return Err(format!("it has {width} x {height} pixels; at most {MAX_PIXELS} are compared"));
+        if u64::from(width) * u64::from(height) > MAX_COMPARED_PIXELS {
+            return Err(format!("it has {width} x {height} pixels; at most {MAX_COMPARED_PIXELS} are compared"));
         }
         Ok(Self { bytes, size: [width, height], is_own })
     }
@@ -204,7 +204,7 @@ impl Comparison {
     pub fn bytes(&self) -> u128 {
         match &self.sides {
             ComparedSides::Pictures(pictures, _) => {
-                let of = |picture: &PngFile| picture.pixels() * PIXEL_BYTES + picture.bytes.len() as u64;
+                let of = |picture: &PngFile| picture.pixels() * COMPARED_PIXEL_BYTES + picture.bytes.len() as u64;
                 pictures.iter().map(of).map(u128::from).sum()
             }
             ComparedSides::Shapes(shapes, _) => {

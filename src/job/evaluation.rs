@@ -18,18 +18,18 @@ use crate::watch::Watch;
 
 /// Maximum number of places of one evaluation. Half as many would make scans of a part two requests; twice as many
 /// would make answers of half a gigabyte.
-pub const MAX_PLACES: usize = 1_000_000;
+pub const MAX_EVALUATED_PLACES: usize = 1_000_000;
 /// Largest coordinate with which distances are found, as they are squared. Between it and the root of the largest
 /// number (1.3e154) is room for sums and products; a tenth of it would do for any part.
 const MAX_COORDINATE: f64 = 1e150;
 /// Maximum number of faults that are reported.
-const MAX_FAULTS: usize = 64;
+const MAX_PLACE_FAULTS: usize = 64;
 /// Memory of a place in bytes: the place (24), its positions in a face (24 twice), its values (208), and the same
 /// values as text (208).
-const PLACE_BYTES: u128 = 24 + 48 + 208 + 208;
+const EVALUATED_PLACE_BYTES: u128 = 24 + 48 + 208 + 208;
 /// Memory in bytes of a face that is split while places in it are evaluated: some sixteen faces around it and their
 /// quads, with 60 bytes per half-edge.
-const FACE_BYTES: u128 = 16 * 5 * 4 * 60;
+const SPLIT_FACE_BYTES: u128 = 16 * 5 * 4 * 60;
 /// Bytes of a number as text, with its comma.
 const NUMBER_BYTES: u128 = 26;
 /// Nanoseconds per place in a bicubic piece, and per ring around an extraordinary vertex. Measured together on a
@@ -39,10 +39,10 @@ const PLACE_NS: u128 = 2_000;
 const RING_NS: u128 = 150_000;
 /// Memory in bytes of a point whose closest place is searched for: the point (24), the results (96 twice), candidates
 /// that may be nearer (40), and the answer (64).
-const POINT_BYTES: u128 = 24 + 192 + 40 + 64;
+const CLOSEST_POINT_BYTES: u128 = 24 + 192 + 40 + 64;
 /// Memory in bytes of a bicubic piece with its box, and of a face at an extraordinary vertex with sixteen faces around
 /// it and its rings.
-const PIECE_BYTES: u128 = 700;
+const BICUBIC_PIECE_BYTES: u128 = 700;
 const END_BYTES: u128 = 12_000;
 /// Nanoseconds to find the closest place to a point (measured on a control mesh of 498 quads: 280,000 near the surface,
 /// 710,000 at ten times its size). Half or twice of it would book half or twice the time.
@@ -131,8 +131,8 @@ impl Evaluation {
             faults.push(Fault::new("/plan", detail));
         }
         for (name, n) in [("at", at.len()), ("closest", closest.len())] {
-            if n > MAX_PLACES {
-                let detail = format!("{n} entries; one request has at most {MAX_PLACES}, send several");
+            if n > MAX_EVALUATED_PLACES {
+                let detail = format!("{n} entries; one request has at most {MAX_EVALUATED_PLACES}, send several");
                 faults.push(Fault::new(format!("/{name}"), detail));
             }
         }
@@ -140,13 +140,13 @@ impl Evaluation {
             let (entry, detail) = place.fault(&mesh.topology)?;
             Some(Fault::new(format!("/at/{i}/{entry}"), detail))
         });
-        faults.extend(misplaced.take(MAX_FAULTS));
+        faults.extend(misplaced.take(MAX_PLACE_FAULTS));
         let is_far = |x: &f64| x.abs() > MAX_COORDINATE;
         let far = closest.iter().enumerate().filter(|(_, point)| point.iter().any(is_far)).map(|(i, point)| {
             let detail = format!("{point:?} is too far away, distances are squared; coordinates are at most 1e150");
             Fault::new(format!("/closest/{i}"), detail)
         });
-        faults.extend(far.take(MAX_FAULTS));
+        faults.extend(far.take(MAX_PLACE_FAULTS));
         if !closest.is_empty() && mesh.positions.iter().any(is_far) {
             let detail = "the mesh is too large for distances, which are squared; coordinates are at most 1e150";
             faults.push(Fault::new("/closest", detail));
@@ -182,18 +182,18 @@ impl Evaluation {
 
     /// Returns an upper bound of the memory in bytes.
     pub fn bytes(&self) -> u128 {
-        let places = self.at.len() as u128 * PLACE_BYTES;
+        let places = self.at.len() as u128 * EVALUATED_PLACE_BYTES;
         let faces = self.mesh().map_or(0, |mesh| mesh.topology.n_faces().min(self.at.len()) as u128);
         let mesh = self.admitted.estimate().memory_bytes;
         let pieces = match self.mesh().filter(|_| !self.closest.is_empty()).map(CageCounts::of) {
             Some(cage) => {
                 let pieces = cage.faces + 4 * cage.irregular + cage.semi_sharp;
-                pieces * PIECE_BYTES + 4 * cage.irregular * END_BYTES
+                pieces * BICUBIC_PIECE_BYTES + 4 * cage.irregular * END_BYTES
             }
             None => 0,
         };
-        let points = self.closest.len() as u128 * POINT_BYTES;
-        2 * mesh + places + faces * FACE_BYTES + pieces + points + self.result_bytes()
+        let points = self.closest.len() as u128 * CLOSEST_POINT_BYTES;
+        2 * mesh + places + faces * SPLIT_FACE_BYTES + pieces + points + self.result_bytes()
     }
 
     /// Returns an upper bound of the size of the answer in bytes.

@@ -6,7 +6,7 @@ use crate::fault::Fault;
 use crate::output::{MAX_LINE_TRIANGLES, Outline, Paper};
 use crate::refine::{mesh_net, polygon_net};
 use crate::scheme::forecast;
-use crate::scheme::plan::MAX_LEVELS;
+use crate::scheme::plan::MAX_PLAN_LEVELS;
 use crate::shape::polygon::Polygon;
 use crate::shape::topology::Topology;
 use crate::watch::Watch;
@@ -14,7 +14,7 @@ use crate::watch::Watch;
 /// Maximum number of faces, or points, of the level found. A picture of usual size has fewer pixels. The bound must not
 /// depend on the limits of a server, so that the same job gives the same picture everywhere. Half as many would show
 /// the faces of models seen from close by; twice as many would take twice the time and memory.
-const MAX_FACES: u128 = 1 << 21;
+const MAX_FINEST_FACES: u128 = 1 << 21;
 /// Lower bound in pixels of the mean side of faces on the last level; it is less than this times the arity. Half of it
 /// would refine beyond what is visible; twice of it would show the sides of faces in outlines.
 const SIDE_PX: f64 = 1.0;
@@ -39,7 +39,7 @@ pub(super) fn level(checked: &CheckedJob) -> Result<u32, Fault> {
     let in_lines = checked.outputs.iter().any(|output| matches!(output.format.paper(), Some(Paper::Svg | Paper::Pdf)));
     let most_triangles = if in_lines { MAX_LINE_TRIANGLES } else { u128::MAX };
     let mut best = 0;
-    for level in 1..=MAX_LEVELS {
+    for level in 1..=MAX_PLAN_LEVELS {
         let Ok([count, triangles]) = counted(checked, level) else { break };
         if count <= first {
             return Err(Fault::new("/levels", "the plan makes no smaller faces; give a number of levels"));
@@ -49,7 +49,7 @@ pub(super) fn level(checked: &CheckedJob) -> Result<u32, Fault> {
         let parts = if checked.input.mesh().is_some() { parts.sqrt() } else { parts };
         // false for sides that are NaN
         let is_wide = widest / parts >= SIDE_PX;
-        if count > MAX_FACES || triangles > most_triangles || !is_wide {
+        if count > MAX_FINEST_FACES || triangles > most_triangles || !is_wide {
             break;
         }
         best = level;
@@ -61,7 +61,9 @@ pub(super) fn level(checked: &CheckedJob) -> Result<u32, Fault> {
 fn counted(checked: &CheckedJob, levels: u32) -> Result<[u128; 2], Fault> {
     let steps = checked.plan.schedule(levels).map_err(|fault| fault.under("/plan"))?;
     let forecast = match &*checked.input {
-        Input::Mesh(mesh) => forecast::of_mesh(&mesh_net(mesh, &checked.plan), &steps, 4 * MAX_FACES, &Watch::new()),
+        Input::Mesh(mesh) => {
+            forecast::of_mesh(&mesh_net(mesh, &checked.plan), &steps, 4 * MAX_FINEST_FACES, &Watch::new())
+        }
         Input::Polygons(polygons) => {
             let nets: Vec<_> = polygons.iter().map(|polygon| polygon_net(polygon, &checked.plan)).collect();
             forecast::of_polygons(&nets, &steps)

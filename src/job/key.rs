@@ -154,7 +154,7 @@ pub(super) fn film(frames: impl Iterator<Item = Key>) -> Key {
 
 /// Returns the item of latitude and longitude lines, if a picture shows them and the plan does not use them.
 fn shown_lines<'a>(shape: &'a Input, refined: &Plan, options: &Values) -> Option<Item<'a>> {
-    let shown = crate::output::DIRECTIONS.iter().any(|direction| options.has("show", direction));
+    let shown = crate::output::DIRECTION_ITEMS.iter().any(|direction| options.has("show", direction));
     let mesh = shape.mesh().filter(|_| shown && refined.latitude.is_none())?;
     mesh.directions.as_ref().map(lines)
 }

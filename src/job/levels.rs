@@ -2,7 +2,7 @@
 
 use crate::analysis::curve::Reached;
 use crate::fault::Fault;
-use crate::scheme::plan::MAX_LEVELS;
+use crate::scheme::plan::MAX_PLAN_LEVELS;
 
 /// The number of levels that a client requests.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -46,7 +46,7 @@ pub(super) fn check(planned: bool, levels: Option<Levels>) -> Result<CheckedLeve
     match levels {
         None if planned => {
             let detail = format!(
-                "\"levels\" says how often the plan is applied; give a whole number from 0 to {MAX_LEVELS}, or \
+                "\"levels\" says how often the plan is applied; give a whole number from 0 to {MAX_PLAN_LEVELS}, or \
                  {{\"tolerance\": t}}, or \"auto\" for pictures"
             );
             Err(Fault::new("/levels", detail))
@@ -56,10 +56,11 @@ pub(super) fn check(planned: bool, levels: Option<Levels>) -> Result<CheckedLeve
             Err(Fault::new("/plan", format!("{levels} levels of what? give a \"plan\", or ask for 0 levels")))
         }
         Some(Levels::Count(levels)) => {
-            let allowed = u32::try_from(levels).ok().filter(|&levels| levels <= MAX_LEVELS);
+            let allowed = u32::try_from(levels).ok().filter(|&levels| levels <= MAX_PLAN_LEVELS);
             allowed.map(CheckedLevels::Count).ok_or_else(|| {
-                let detail =
-                    format!("{levels} levels; at most {MAX_LEVELS} are allowed, and far fewer fit any limit of size");
+                let detail = format!(
+                    "{levels} levels; at most {MAX_PLAN_LEVELS} are allowed, and far fewer fit any limit of size"
+                );
                 Fault::new("/levels", detail)
             })
         }

@@ -2,14 +2,14 @@
 
 use super::codec::Item;
 use crate::analysis::Study;
-use crate::analysis::matrices::{MAX_ENTRIES, Matrix, NoMatrices, StepMatrices, StepMatrix};
+use crate::analysis::matrices::{MAX_MATRIX_ENTRIES, Matrix, NoMatrices, StepMatrices, StepMatrix};
 use crate::analysis::smoothness::{Powers, SmoothnessReport};
 use crate::fault::Fault;
 use crate::scheme::plan::Plan;
 
 /// Maximum number of points of the polygon; larger matrices are unreadable. Half as many would suffice only for masks
 /// of up to nine entries; twice as many would make answers four times as long.
-pub(super) const MAX_POINTS: u32 = 16;
+pub(super) const MAX_MATRIX_POINTS: u32 = 16;
 /// Maximum number of powers of the local matrix. The eighth power of a smooth scheme differs from the limit by 1/256.
 /// Half as many would show less of the convergence; twice as many would have fractions of many digits.
 pub(super) const MAX_POWERS: u32 = 8;
@@ -52,7 +52,7 @@ impl AskedMatrices {
     /// Every fault found, with pointers into the request.
     pub(super) fn of(plan: &Plan, study: &Study, wish: MatricesWish) -> Result<Self, Vec<Fault>> {
         let MatricesWish { points, closed, powers } = wish;
-        let bounds = [("points", points, MAX_POINTS), ("powers", powers, MAX_POWERS)];
+        let bounds = [("points", points, MAX_MATRIX_POINTS), ("powers", powers, MAX_POWERS)];
         let faults = bounds.into_iter().filter(|(_, n, most)| !(1..=*most).contains(n)).map(|(name, n, most)| {
             Fault::new(format!("/matrices/{name}"), format!("{n} {name}; write a whole number from 1 to {most}"))
         });
@@ -61,7 +61,7 @@ impl AskedMatrices {
             return Err(faults);
         }
         let fault = |error: NoMatrices| vec![Fault::new("/matrices", error.to_string())];
-        if Powers::size(&study.settled).pow(2) * (powers as usize + 1) > MAX_ENTRIES {
+        if Powers::size(&study.settled).pow(2) * (powers as usize + 1) > MAX_MATRIX_ENTRIES {
             return Err(fault(NoMatrices::TooLarge));
         }
         let of_steps = StepMatrices::of(plan, points as usize, closed, study.levels.is_empty()).map_err(fault)?;

@@ -47,17 +47,17 @@ pub(super) fn carried(job: &Job, frames: u128) -> CarriedCounts {
 
 /// Bytes per vertex for its coordinates: those of the last level, of the next one or in the documented order, and of
 /// the anchor; three values of 8 bytes each.
-const POINT_BYTES: u128 = 3 * 24;
+const REFINED_POINT_BYTES: u128 = 3 * 24;
 /// Bytes per corner. Vertex, edge, half of 8 per edge and a quarter of 4 per vertex are 13 for the topology of the last
 /// level while it is written, and a quarter of that for the level before; in addition normals of faces and vertices (24
 /// each, 12 per corner), triangles, and sorted lists. Measured: 28 in the largest case, triangles written as STL.
-const CORNER_BYTES: u128 = 32;
+const TOPOLOGY_CORNER_BYTES: u128 = 32;
 /// Bytes per value of a channel: of the last level, of the next one, and in the documented order.
 const CHANNEL_BYTES: u128 = 3 * 8;
 /// Bytes per place with texture coordinates: two values as for channels, and the topology of the places.
 const UV_BYTES: u128 = 60;
 /// Bytes per place for the topology of the places.
-const PLACE_BYTES: u128 = 12;
+const TOPOLOGY_PLACE_BYTES: u128 = 12;
 /// Bytes per place for the values of a channel, at most four.
 const SEAMED_BYTES: u128 = 4 * 8;
 /// Bytes per vertex that is duplicated where normals differ across a sharp edge, with the faces around it.
@@ -66,12 +66,12 @@ const SPLIT_VERTEX_BYTES: u128 = 160;
 /// Bytes from which the memory of a job is computed more precisely, which takes some 50 us, as long as a small job.
 /// Half of it would affect twice as many jobs; twice of it would overestimate jobs of up to 32 MiB that take a third
 /// of that.
-const LARGE: u128 = 16 << 20;
+const LARGE_JOB_BYTES: u128 = 16 << 20;
 
 /// Returns the memory of a job in bytes, without that of limit positions.
 pub(super) fn needed(job: &Job, forecast: &Forecast, sizes: &[Size], carried: &CarriedCounts) -> u128 {
     let by_rows = memory(forecast, sizes, carried);
-    let from = if by_rows > LARGE { job.swept_from() } else { None };
+    let from = if by_rows > LARGE_JOB_BYTES { job.swept_from() } else { None };
     from.map_or(by_rows, |level| by_rows.min(swept(job, forecast, level, sizes, carried)))
 }
 
@@ -124,13 +124,13 @@ pub(super) fn memory(forecast: &Forecast, sizes: &[Size], carried: &CarriedCount
     let [of_place, of_face] = carried.place_bytes;
     let last = forecast.levels.last().copied().unwrap_or_default();
     let parts = [
-        (count.vertices, POINT_BYTES + CHANNEL_BYTES * carried.numbers + carried.local_bytes),
-        (count.corners, CORNER_BYTES),
+        (count.vertices, REFINED_POINT_BYTES + CHANNEL_BYTES * carried.numbers + carried.local_bytes),
+        (count.corners, TOPOLOGY_CORNER_BYTES),
         (count.faces, of_face),
         (forecast.topology_bytes, 1),
         (count.uvs, UV_BYTES + of_place),
-        (count.seamed, 3 * SEAMED_BYTES + PLACE_BYTES + of_place),
-        (last.unfolded - last.unfolded.min(last.uvs), PLACE_BYTES),
+        (count.seamed, 3 * SEAMED_BYTES + TOPOLOGY_PLACE_BYTES + of_place),
+        (last.unfolded - last.unfolded.min(last.uvs), TOPOLOGY_PLACE_BYTES),
         (last.split_vertices, SPLIT_VERTEX_BYTES * (1 + carried.frames)),
         (sizes.iter().map(|size| size.bytes()).max().unwrap_or(0), 1),
     ];
@@ -162,7 +162,7 @@ pub(super) fn measured_from(forecast: &Forecast) -> u128 {
 const ROWS_ON_THE_WAY: u128 = 1 << 20;
 /// Bytes per row in transit: its point in a window of a patch, and its point in the documented order twice, as one
 /// buffer is filled while the other is written.
-const ROW_BYTES: u128 = 3 * 24;
+const TRANSIT_ROW_BYTES: u128 = 3 * 24;
 
 /// Returns the memory in bytes of a job whose mesh is refined while the result is written, starting from a whole net of
 /// `level`, without that of the result.
@@ -172,7 +172,7 @@ pub(super) fn on_demand(forecast: &Forecast, level: usize, sizes: &[Size]) -> u1
     let given = forecast.levels.first().map_or(0, |count| count.corners);
     let bytes = sizes.iter().map(|size| size.bytes()).max().unwrap_or(0);
     let bytes_a_row = bytes / last.vertices.min(last.faces).max(1);
-    let rows = ROWS_ON_THE_WAY.min(last.vertices).saturating_mul(ROW_BYTES + 2 * bytes_a_row);
+    let rows = ROWS_ON_THE_WAY.min(last.vertices).saturating_mul(TRANSIT_ROW_BYTES + 2 * bytes_a_row);
     let held = memory(
         &Forecast { levels: vec![count], peak: count, work: 0, topology_bytes: 0 },
         &[],
@@ -187,13 +187,13 @@ pub(super) fn on_demand(forecast: &Forecast, level: usize, sizes: &[Size]) -> u1
 pub(super) fn compared_discs(job: &Job, forecast: &Forecast) -> u128 {
     /// Measured: 160 for loop, 640 for butterfly, 980 for sqrt-3, 1,290 with latitude lines.
     const DISC_BYTES: u128 = 1408;
-    const AT_A_TIME: u128 = 16_384;
-    const NEAR: u128 = 49;
+    const VERTICES_PER_CHUNK: u128 = 16_384;
+    const DISCS_A_CENTRE: u128 = 49;
     let Some(mesh) = job.input.mesh() else { return 0 };
     if job.plan.perturbation.is_some() {
         return 0;
     }
-    let vertices = forecast.levels.last().map_or(0, |count| count.vertices).min(AT_A_TIME);
+    let vertices = forecast.levels.last().map_or(0, |count| count.vertices).min(VERTICES_PER_CHUNK);
     let topology = &mesh.topology;
     let carries = mesh.attributes.is_some() || job.plan.latitude.is_some();
     let of_triangles = job.plan.tile() == Tile::Triangle || job.plan.word.cycle.iter().any(joins_triangles);
@@ -203,7 +203,7 @@ pub(super) fn compared_discs(job: &Job, forecast: &Forecast) -> u128 {
         let regular = |v: &usize| topology.boundary_edges(*v).is_none() && topology.ring(*v).take(5).count() == 4;
         let uneven = (0..topology.n_vertices()).filter(|v| !regular(v)).count() + mesh.creases.len();
         let faces = (0..topology.n_faces()).filter(|&f| topology.face(f).len() != 4).count();
-        vertices.min(NEAR * (uneven + faces) as u128)
+        vertices.min(DISCS_A_CENTRE * (uneven + faces) as u128)
     };
     DISC_BYTES * discs
 }

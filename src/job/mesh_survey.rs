@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 
 use super::input::Input;
 use super::level_bounds::{LevelBounds, level_bounds};
-use super::polygon_survey::LEVELS;
+use super::polygon_survey::CHECKED_LEVELS;
 use crate::analysis::surface::{Extraordinary, RegularSmoothness, SurfaceStudy};
 use crate::analysis::tolerance::{self, VertexPlacement};
 use crate::scheme::plan::Plan;
@@ -14,10 +14,10 @@ use crate::watch::{Stopped, Watch};
 
 /// Maximum level for which bounds are given. Each level is four times as close as the one before, so that three show
 /// the trend. Half as many show less; twice as many take sixty times as long.
-const MAX_LEVEL: u32 = 3;
+const MAX_MESH_LEVEL: u32 = 3;
 /// Maximum number of faces of a mesh for which bounds are given; a level of such a mesh takes less than a second. Half
 /// as many would refuse common control meshes; twice as many would take twice as long.
-const MAX_FACES: usize = 8192;
+const MAX_SURVEYED_FACES: usize = 8192;
 /// A mesh with its plan.
 #[derive(Debug)]
 pub(super) struct Surveyed {
@@ -54,7 +54,7 @@ impl Surveyed {
     ) -> Result<Option<Survey>, Stopped> {
         let Some(mesh) = self.mesh() else { return Ok(None) };
         let mut warnings = mesh.warnings();
-        warnings.extend(self.plan.schedule(LEVELS).err().map(|fault| fault.detail));
+        warnings.extend(self.plan.schedule(CHECKED_LEVELS).err().map(|fault| fault.detail));
         if smoothness.disproved_c == Some(0) {
             warnings.push("the scheme does not converge in regular nets; choose tamer parameters".into());
         } else if smoothness.proved_c < 0 {
@@ -67,11 +67,13 @@ impl Surveyed {
     /// Returns bounds of the distance of levels from the limit; each is within a tolerance that the preceding level
     /// does not meet.
     fn bounds(&self, mesh: &Mesh, watch: &Watch) -> Result<LevelBounds, Stopped> {
-        if mesh.topology.n_faces() > MAX_FACES {
+        if mesh.topology.n_faces() > MAX_SURVEYED_FACES {
             let n = mesh.topology.n_faces();
-            return Ok(Err(format!("the mesh has {n} faces; bounds are told of those with up to {MAX_FACES}")));
+            return Ok(Err(format!(
+                "the mesh has {n} faces; bounds are told of those with up to {MAX_SURVEYED_FACES}"
+            )));
         }
-        level_bounds(mesh.positions.iter(), MAX_LEVEL, |tolerance| {
+        level_bounds(mesh.positions.iter(), MAX_MESH_LEVEL, |tolerance| {
             let reached = tolerance::reach(mesh, &self.plan, &[VertexPlacement::Refined], tolerance, watch)?;
             Ok((reached.level, reached.bound))
         })

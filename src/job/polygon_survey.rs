@@ -9,13 +9,13 @@ use crate::watch::{Stopped, Watch};
 
 /// Maximum level for which bounds are given. Each level is usually four times as close as the one before. Half as many
 /// show less; twice as many reach the limits of rounding.
-const MAX_LEVEL: u32 = 8;
+const MAX_POLYGON_LEVEL: u32 = 8;
 /// Maximum number of points of polygons for which bounds are given; searches measure up to 16,384 points. Half as many
 /// would refuse polygons that can be drawn; twice as many would take twice as long.
-pub(super) const MAX_POINTS: usize = 16_384;
+pub(super) const MAX_SURVEYED_POINTS: usize = 16_384;
 /// Number of levels whose parameters are checked; an alpha of 1e6 is then below 1e-3. Half as many would miss poles of
 /// functions at small values; twice as many would find no more.
-pub(super) const LEVELS: u32 = 32;
+pub(super) const CHECKED_LEVELS: u32 = 32;
 
 /// Polygons with their plan.
 #[derive(Debug, Clone)]
@@ -37,19 +37,20 @@ pub struct PolygonSurvey {
 impl SurveyedPolygons {
     /// Surveys the polygons.
     pub(super) fn survey(&self, watch: &Watch) -> Result<PolygonSurvey, Stopped> {
-        let later = self.plan.schedule(LEVELS).err().map(|fault| fault.detail);
+        let later = self.plan.schedule(CHECKED_LEVELS).err().map(|fault| fault.detail);
         let mut warnings: Vec<String> = later.into_iter().collect();
         warnings.extend(curve::warnings(&self.plan, 1, watch)?);
         let Input::Polygons(polygons) = &self.input else {
             return Ok(PolygonSurvey { bounds: Ok(Vec::new()), warnings });
         };
         let n = self.input.n_points();
-        if n > MAX_POINTS {
-            let refused = format!("the polygons have {n} points; bounds are told of those with up to {MAX_POINTS}");
+        if n > MAX_SURVEYED_POINTS {
+            let refused =
+                format!("the polygons have {n} points; bounds are told of those with up to {MAX_SURVEYED_POINTS}");
             return Ok(PolygonSurvey { bounds: Err(refused), warnings });
         }
         let coordinates = polygons.iter().flat_map(|polygon| &polygon.points);
-        let bounds = level_bounds(coordinates, MAX_LEVEL, |tolerance| {
+        let bounds = level_bounds(coordinates, MAX_POLYGON_LEVEL, |tolerance| {
             curve::reach(polygons, &self.plan, tolerance, watch).map(|reached| (reached.level, reached.bound))
         })?;
         Ok(PolygonSurvey { bounds, warnings })

@@ -17,7 +17,7 @@ use crate::scheme::presets::PRESETS;
 
 /// Maximum number of steps of a scan: one value per pixel of a figure. Half as many make plots coarser; twice as many
 /// take twice as long.
-pub const MAX_STEPS: u32 = 1000;
+pub const MAX_SCAN_STEPS: u32 = 1000;
 /// A scan as a client requests it.
 #[derive(Debug, Clone)]
 pub struct ScanWish {
@@ -44,8 +44,8 @@ pub(super) fn scan(
 ) -> Result<Scan, Vec<Fault>> {
     let ScanWish { parameter, from, to, steps } = wish;
     let mut faults = Vec::new();
-    if !(1..=MAX_STEPS).contains(steps) {
-        let detail = format!("{steps} steps; write a whole number from 1 to {MAX_STEPS}");
+    if !(1..=MAX_SCAN_STEPS).contains(steps) {
+        let detail = format!("{steps} steps; write a whole number from 1 to {MAX_SCAN_STEPS}");
         faults.push(Fault::new("/scan/steps", detail));
     } else if nodes.saturating_mul(u64::from(steps + 1)) > most {
         let detail = format!(

@@ -75,9 +75,9 @@ impl Search {
     pub fn cost(&self) -> SearchCost {
         match &*self.checked.input {
             input @ Input::Polygons(_) => {
-                SearchCost { work: curve::MAX_WORK, bytes: curve::search_bytes(input.n_points()) }
+                SearchCost { work: curve::MAX_CURVE_WORK, bytes: curve::search_bytes(input.n_points()) }
             }
-            Input::Mesh(mesh) => SearchCost { work: tolerance::MAX_WORK, bytes: tolerance::search_bytes(mesh) },
+            Input::Mesh(mesh) => SearchCost { work: tolerance::MAX_MESH_WORK, bytes: tolerance::search_bytes(mesh) },
         }
     }
 

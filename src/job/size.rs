@@ -5,7 +5,7 @@ use std::mem::size_of;
 use super::complete::Job;
 use super::input::Input;
 use crate::scheme::forecast;
-use crate::scheme::plan::{MAX_LEVELS, Plan, Scheduled};
+use crate::scheme::plan::{MAX_PLAN_LEVELS, Plan, Scheduled};
 use crate::shape::attachments::{Attachments, Channel};
 use crate::shape::attributes::Attributes;
 use crate::shape::labels::Labels;
@@ -19,16 +19,16 @@ use crate::shape::topology::Topology;
 
 /// Bytes per corner of a topology: its vertex, in a list that may have twice the capacity, its edge, the two half-edges
 /// of that edge as if no edges were shared, and its face, if faces differ in size.
-const CORNER: usize = 2 * size_of::<u32>() + size_of::<u32>() + size_of::<[u32; 2]>();
+const SIZED_CORNER_BYTES: usize = 2 * size_of::<u32>() + size_of::<u32>() + size_of::<[u32; 2]>();
 /// Bytes of the index of a face or vertex, in a list that may have twice the capacity.
-const NUMBER: usize = 2 * size_of::<u32>();
+const INDEX_BYTES: usize = 2 * size_of::<u32>();
 
 /// Bytes that any forecast takes: its lists of levels, and those of the outputs.
-const FORECAST: u64 = 1 << 20;
+const FORECAST_BYTES: u64 = 1 << 20;
 
 /// Returns the memory in bytes of the steps of a plan at the highest level.
 pub(super) fn of_most_steps(plan: &Plan) -> u64 {
-    let letters = plan.word.prefix.len() + plan.word.cycle.len() * MAX_LEVELS as usize;
+    let letters = plan.word.prefix.len() + plan.word.cycle.len() * MAX_PLAN_LEVELS as usize;
     (letters * size_of::<Scheduled>()) as u64
 }
 
@@ -51,7 +51,7 @@ impl Job {
             Input::Polygons(_) => 0,
             Input::Mesh(mesh) => forecast::forecast_bytes(&self.plan.word, mesh.topology.n_half_edges()),
         };
-        let own = FORECAST.saturating_add(self.input.bytes());
+        let own = FORECAST_BYTES.saturating_add(self.input.bytes());
         own.saturating_add(u64::try_from(followed).unwrap_or(u64::MAX)).saturating_add(of_others)
     }
 }
@@ -126,8 +126,8 @@ fn of_repair(repair: &Repair) -> usize {
 fn of_topology(topology: &Topology) -> usize {
     let (corners, faces) = (topology.n_half_edges(), topology.n_faces());
     let is_mixed = !topology.is_quads() && topology.first_other_than_triangle().is_some();
-    let of_faces = if is_mixed { faces * NUMBER + corners * size_of::<u32>() } else { 0 };
-    size_of::<Topology>() + corners * CORNER + of_faces + topology.n_vertices() * NUMBER
+    let of_faces = if is_mixed { faces * INDEX_BYTES + corners * size_of::<u32>() } else { 0 };
+    size_of::<Topology>() + corners * SIZED_CORNER_BYTES + of_faces + topology.n_vertices() * INDEX_BYTES
 }
 
 fn of_attachments(attachments: &Attachments) -> usize {

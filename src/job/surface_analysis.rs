@@ -20,7 +20,7 @@ const DEFAULT_VALENCES: RangeInclusive<usize> = 3..=12;
 const DEFAULT_FACES: RangeInclusive<usize> = 1..=6;
 /// Maximum number of faces at a boundary vertex. Without rotations to decompose them, the matrices grow with it. Half
 /// as many would refuse fans that meshes have; twice as many would take eight times as long.
-pub const MAX_FACES: usize = 24;
+pub const MAX_FAN_FACES: usize = 24;
 /// Maximum valence. Matrices have some dozens of rows per Fourier index. Half as many would refuse poles of fine
 /// spheres; twice as many would take twice as long, and characteristic maps would become so thin that proofs fail.
 pub const MAX_VALENCE: usize = 50;
@@ -38,7 +38,7 @@ const MS_OF_BOUNDS: u64 = 3000;
 /// Upper bound of the memory of an analysis in bytes: the largest star, the rows of its operators and the blocks. It is
 /// derived from 2^18 points with some 200 bytes each. Half of it suffices for all presets; twice of it would let half
 /// as many analyses run at once.
-const BYTES: u64 = 64 << 20;
+const SURFACE_ANALYSIS_BYTES: u64 = 64 << 20;
 
 /// The analysis of a plan on meshes that a client requests.
 #[derive(Debug)]
@@ -108,7 +108,7 @@ impl SurfaceAnalysis {
             })
         };
         let asked = numbers(around.valences, "valences", 3..=MAX_VALENCE);
-        let faces = numbers(around.boundaries, "boundaries", 1..=MAX_FACES);
+        let faces = numbers(around.boundaries, "boundaries", 1..=MAX_FAN_FACES);
         let resolved = match &input {
             Some(input) => input.plan(plan),
             None => Plan::resolve(plan, Subject { is_mesh: true, ..Subject::default() }),
@@ -135,7 +135,9 @@ impl SurfaceAnalysis {
         };
         let valences = asked.unwrap_or_else(usual);
         let on_boundary = || match surveyed.as_ref().and_then(Surveyed::mesh) {
-            Some(mesh) => study.on_boundary(&mesh.topology).into_keys().filter(|faces| *faces <= MAX_FACES).collect(),
+            Some(mesh) => {
+                study.on_boundary(&mesh.topology).into_keys().filter(|faces| *faces <= MAX_FAN_FACES).collect()
+            }
             None => DEFAULT_FACES.collect(),
         };
         let boundaries = faces.unwrap_or_else(on_boundary);
@@ -156,7 +158,7 @@ impl SurfaceAnalysis {
 
     /// Returns an upper bound of the work, in the units of the watch.
     pub fn work(&self) -> u64 {
-        let search = self.surveyed.as_ref().map_or(0, |_| tolerance::MAX_WORK);
+        let search = self.surveyed.as_ref().map_or(0, |_| tolerance::MAX_MESH_WORK);
         self.nodes + self.edges() + search
     }
 
@@ -173,7 +175,7 @@ impl SurfaceAnalysis {
     pub fn bytes(&self) -> u64 {
         let mesh = self.surveyed.as_ref().and_then(Surveyed::mesh);
         let input = self.surveyed.as_ref().map_or(0, |surveyed| surveyed.input.bytes());
-        mesh.map_or(0, tolerance::search_bytes).saturating_add(input).saturating_add(BYTES)
+        mesh.map_or(0, tolerance::search_bytes).saturating_add(input).saturating_add(SURFACE_ANALYSIS_BYTES)
     }
 
     /// Runs the analysis.

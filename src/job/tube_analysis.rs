@@ -20,7 +20,7 @@ const MS: u64 = 50;
 
 /// Upper bound of the memory in bytes: two masks and their matrix products, as much as for other curves. Half of it
 /// suffices for words of a few averages; twice of it would let half as many analyses run at once.
-const BYTES: u64 = 64 << 20;
+const TUBE_ANALYSIS_BYTES: u64 = 64 << 20;
 
 /// The tube that a client asks about.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -112,7 +112,7 @@ impl TubeAnalysis {
 
     /// Returns an upper bound of the memory in bytes.
     pub fn bytes(&self) -> u64 {
-        BYTES
+        TUBE_ANALYSIS_BYTES
     }
 
     /// Runs the analysis.

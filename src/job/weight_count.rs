@@ -9,14 +9,14 @@ use crate::shape::polygon::Polygon;
 use crate::shape::topology::Topology;
 
 /// Maximum number of rows per point and step: the difference from the anchor, the displacement, and the point itself.
-const ROWS: u128 = 3;
+const MAX_ROWS_A_STEP: u128 = 3;
 /// Maximum number of entries per point and step of a mesh, apart from those that grow with squares of valences and face
 /// sizes. A ring of quads has 9, a vertex of butterfly schemes 13, a push-back with its three tables 2 + 4 + 2. Half of
 /// it would be exceeded by words over C and P; twice of it would refuse results half as large as the limits.
 const MESH_ENTRIES: u128 = 16;
 /// Multiplicity of the square of a valence or face size in a step: for each of the edges around it a row over all of
 /// them, and once more with their opposite corners.
-const SQUARES: u128 = 4;
+const ROWS_A_SQUARE: u128 = 4;
 
 /// Returns upper bounds of the rows and entries of the weights of a job after `level` levels.
 pub(super) fn most(job: &Job, forecast: &Forecast, level: usize) -> [u128; 2] {
@@ -27,12 +27,12 @@ pub(super) fn most(job: &Job, forecast: &Forecast, level: usize) -> [u128; 2] {
     let last = forecast.levels.get(level).map_or(0, |count| count.vertices);
     let (an_entry, apart) = match &*job.input {
         Input::Polygons(polygons) => of_polygons(job, polygons),
-        Input::Mesh(mesh) => (MESH_ENTRIES, SQUARES * squares(&mesh.topology)),
+        Input::Mesh(mesh) => (MESH_ENTRIES, ROWS_A_SQUARE * squares(&mesh.topology)),
     };
     let [limits, around] = limit_rows(job);
     let split = forecast.levels.get(level).map_or(0, |count| count.split_vertices);
     let results = last.saturating_mul(1 + limits).saturating_add(split.saturating_mul(limits));
-    let rows = points.saturating_mul(ROWS).saturating_add(results);
+    let rows = points.saturating_mul(MAX_ROWS_A_STEP).saturating_add(results);
     let entries = points.saturating_mul(an_entry).saturating_add(n_steps.saturating_mul(apart));
     // a result is a copy of a point, or a sum over those around it
     let of_limits = results.saturating_add(apart).saturating_mul(1 + limits.min(1) * around.max(an_entry));
@@ -65,8 +65,8 @@ fn made(job: &Job, forecast: &Forecast, level: usize) -> (u128, u128) {
 /// entries near ends, where each entry beyond the end is reflected, perhaps several times.
 fn of_polygons(job: &Job, polygons: &[Polygon]) -> (u128, u128) {
     /// Number of points that a step without mask reads: a push-back with its tables, or the widest rule at an end.
-    const LEAST: u128 = 8;
-    let (mut duals, mut most) = (0, LEAST);
+    const LEAST_POINTS_READ: u128 = 8;
+    let (mut duals, mut most) = (0, LEAST_POINTS_READ);
     for step in job.steps() {
         duals = if step.letter.facts().role == Role::Upsample { 0 } else { duals };
         let window = step.letter.operator.window(&step.letter.settings, duals);

@@ -7,7 +7,7 @@ use std::sync::Arc;
 use crate::fault::shortened;
 use crate::math::functions as f;
 
-pub use error::{ExpressionError, MAX_BYTES, MAX_DEPTH, MAX_INSTRUCTIONS};
+pub use error::{ExpressionError, MAX_EXPRESSION_BYTES, MAX_EXPRESSION_DEPTH, MAX_INSTRUCTIONS};
 
 /// A compiled expression in at most one variable; constant parts are folded.
 ///
@@ -102,7 +102,7 @@ impl Expression {
     /// # Errors
     /// [`ExpressionError`] when a bound is exceeded or the text does not follow the grammar.
     pub fn parse(text: &str, variable: &'static str) -> Result<Self, ExpressionError> {
-        if text.len() > MAX_BYTES {
+        if text.len() > MAX_EXPRESSION_BYTES {
             return Err(ExpressionError::TooLong(text.len()));
         }
         let mut code: Vec<Instruction> = Vec::new();
@@ -278,7 +278,7 @@ impl<S: Sink> ExpressionParser<'_, S> {
 
     fn sign(&mut self) -> Result<(), ExpressionError> {
         self.depth += 1;
-        if self.depth > MAX_DEPTH {
+        if self.depth > MAX_EXPRESSION_DEPTH {
             return Err(ExpressionError::TooDeep(self.at + 1));
         }
         match self.take(b"+-") {

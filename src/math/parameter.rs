@@ -6,7 +6,7 @@ mod resolve;
 use crate::math::expression::Expression;
 
 /// Maximum length of a name, in characters.
-pub const MAX_NAME: usize = 64;
+pub const MAX_PARAMETER_NAME: usize = 64;
 
 /// The literal that a client wrote for one parameter, before its kind is known.
 #[derive(Debug, Clone, PartialEq)]
@@ -313,7 +313,7 @@ impl ParameterKind {
             Self::Integer { min, max } => format!("a whole number from {min} to {max}"),
             Self::Flag => "true or false".into(),
             Self::Choice(names) => format!("one of {}", names.join(", ")),
-            Self::Name => format!("a name of 1 to {MAX_NAME} characters"),
+            Self::Name => format!("a name of 1 to {MAX_PARAMETER_NAME} characters"),
             Self::Choices(names) => format!("a list out of {}", names.join(", ")),
             Self::Expression { variable } => format!("a number or an expression in {variable}"),
             Self::Expressions { variable, most } => {

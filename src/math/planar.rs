@@ -8,7 +8,7 @@ use crate::watch::{Stopped, Watch};
 pub type Vector2 = [f64; 2];
 
 /// Number of points processed between two checks of the watch.
-const BLOCK: usize = 65_536;
+const POINTS_PER_CHECK: usize = 65_536;
 
 /// Returns half the vector from `a` to `b`; the whole vector might overflow.
 pub fn half_chord(a: Vector2, b: Vector2) -> Vector2 {
@@ -50,11 +50,11 @@ pub fn circle_tangent(u: Vector2, v: Vector2) -> Option<Vector2> {
 pub struct Neighbours {
     n: usize,
     closed: bool,
-    /// Indices before and after each point, or [`NONE`]; absent if no two neighbours coincide.
+    /// Indices before and after each point, or [`NO_POINT`]; absent if no two neighbours coincide.
     nearest: Option<Vec<[u32; 2]>>,
 }
 
-const NONE: u32 = u32::MAX;
+const NO_POINT: u32 = u32::MAX;
 
 impl Neighbours {
     /// Finds the neighbours of the points of a polygon, in time proportional to its points.
@@ -66,19 +66,19 @@ impl Neighbours {
         let repeated = |i: usize| half_chord(points[i], points[(i + 1) % n]) == [0.0, 0.0];
         let edges = if closed { n } else { n - 1 };
         let mut any = false;
-        for start in (0..edges).step_by(BLOCK) {
+        for start in (0..edges).step_by(POINTS_PER_CHECK) {
             watch.check()?;
-            any |= (start..edges.min(start + BLOCK)).any(repeated);
+            any |= (start..edges.min(start + POINTS_PER_CHECK)).any(repeated);
         }
         if !any {
             return Ok(Self { n, closed, nearest: None });
         }
-        let mut found = vec![[NONE; 2]; n];
+        let mut found = vec![[NO_POINT; 2]; n];
         // if all points of a closed polygon coincide, no point has a neighbour
         let start = if closed { (0..n).find(|&i| !repeated((i + n - 1) % n)) } else { Some(0) };
         if let Some(start) = start {
             for k in 0..n {
-                if k % BLOCK == 0 {
+                if k % POINTS_PER_CHECK == 0 {
                     watch.check()?;
                 }
                 // forwards for the preceding points, backwards for the following ones
@@ -123,7 +123,7 @@ fn index(i: usize) -> u32 {
 }
 
 fn known(i: u32) -> Option<usize> {
-    (i != NONE).then_some(i as usize)
+    (i != NO_POINT).then_some(i as usize)
 }
 
 /// Returns the unit tangents of a polygon: the circle tangent at each point; at the ends of an open polygon, the
@@ -136,7 +136,7 @@ pub fn tangents(points: &[Vector2], closed: bool, watch: &Watch) -> Result<Vec<V
     let neighbours = Neighbours::of(points, closed, watch)?;
     let mut tangents = Vec::with_capacity(points.len());
     for i in 0..points.len() {
-        if i % BLOCK == 0 {
+        if i % POINTS_PER_CHECK == 0 {
             watch.check()?;
         }
         let tangent = neighbours.tangent(points, i).or_else(|| end_tangent(points, &neighbours, i));

@@ -5,9 +5,9 @@
 /// where boundary edges are counted, 18 us where sides are sorted, 33 us where points are bounded and 120 us where
 /// faces are checked (0.1 to 7 ns an item), and starting a thread takes 25 us. At half of it more small requests would
 /// wait for a pool; at twice of it 0.1 ms could be saved at most, by four threads, where loops are not shared yet.
-const SMALL: usize = 16_384;
+const SERIAL_ITEMS: usize = 16_384;
 
 /// Returns whether a loop over `n` items runs on the calling thread.
 pub fn is_small(n: usize) -> bool {
-    n < SMALL
+    n < SERIAL_ITEMS
 }

@@ -7,7 +7,7 @@ use crate::math::functions::sqrt;
 
 /// Maximum number of QR steps per eigenvalue; two or three usually suffice. Half as many would give up on rare
 /// matrices; twice as many would help no others.
-const MAX_STEPS: usize = 60;
+const MAX_QR_STEPS: usize = 60;
 /// Number of steps without success after which an exceptional shift is used, so that steps do not cycle.
 const ODD_SHIFT: usize = 10;
 
@@ -151,7 +151,7 @@ impl Hessenberg {
                     found.extend(self.pair(end - 2));
                     (end, steps) = (end - 2, 0);
                 }
-                _ if steps == MAX_STEPS => return None,
+                _ if steps == MAX_QR_STEPS => return None,
                 _ => {
                     steps += 1;
                     self.step(start, end, steps.is_multiple_of(ODD_SHIFT));

@@ -105,14 +105,14 @@ pub fn direction<const N: usize>(mut v: [f64; N]) -> Option<[f64; N]> {
 }
 
 /// Squared lengths for which no larger term has overflowed or lost digits to underflow.
-const SAFE: std::ops::RangeInclusive<f64> = 1e-200..=1e200;
+const SAFE_SQUARES: std::ops::RangeInclusive<f64> = 1e-200..=1e200;
 
 /// Returns a vector scaled to length 1; zero if it has no direction.
 #[must_use]
 #[inline]
 pub fn unit<const N: usize>(v: [f64; N]) -> [f64; N] {
     let square = dot(v, v);
-    if SAFE.contains(&square) {
+    if SAFE_SQUARES.contains(&square) {
         let length = sqrt(square);
         return v.map(|x| x / length);
     }

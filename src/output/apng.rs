@@ -26,17 +26,17 @@ pub(super) struct Apng;
 const FRAME_BYTES: u128 = 128;
 /// Maximum number of pixels of all frames: 60 of four megapixels, some ten seconds of drawing. Half of it refuses
 /// turntables for large screens; twice of it lets one job draw for twice as long.
-const MAX_PIXELS: u64 = 1 << 28;
+const MAX_FILM_PIXELS: u64 = 1 << 28;
 
-const OWN: [Parameter; 4] = [FRAMES, DELAY, TURNTABLE, SWEEP];
+const FILM_OPTIONS: [Parameter; 4] = [FRAMES, DELAY, TURNTABLE, SWEEP];
 
-const N: usize = OWN.len() + super::png::PARAMETERS.len();
+const N_OPTIONS: usize = FILM_OPTIONS.len() + super::png::PNG_OPTIONS.len();
 /// The options of the format, followed by those of its frames.
-const PARAMETERS: &[Parameter] = &{
-    let mut all = [FRAMES; N];
+const APNG_OPTIONS: &[Parameter] = &{
+    let mut all = [FRAMES; N_OPTIONS];
     let mut i = 0;
-    while i < N {
-        all[i] = if i < OWN.len() { OWN[i] } else { super::png::PARAMETERS[i - OWN.len()] };
+    while i < N_OPTIONS {
+        all[i] = if i < FILM_OPTIONS.len() { FILM_OPTIONS[i] } else { super::png::PNG_OPTIONS[i - FILM_OPTIONS.len()] };
         i += 1;
     }
     all
@@ -48,7 +48,7 @@ const FACTS: &FormatFacts = &FormatFacts {
     media_type: "image/apng",
     content: Content::Packed,
     doc: "A picture that moves: the camera goes around, or a parameter of the plan changes from frame to frame.",
-    parameters: PARAMETERS,
+    parameters: APNG_OPTIONS,
     holds,
     ..FormatFacts::USUAL
 };
@@ -99,11 +99,11 @@ impl Requirements for Apng {
             return Err(Fault::new("/camera/eye", detail));
         }
         let pixels = options::size(values).map(u64::from).iter().product::<u64>() * film::frames(values) as u64;
-        if pixels > MAX_PIXELS {
-            let most = MAX_PIXELS / (pixels / film::frames(values) as u64).max(1);
+        if pixels > MAX_FILM_PIXELS {
+            let most = MAX_FILM_PIXELS / (pixels / film::frames(values) as u64).max(1);
             let detail = format!(
-                "the frames have {pixels} pixels together, at most {MAX_PIXELS} are drawn; ask for {most} frames, or \
-                 for smaller ones"
+                "the frames have {pixels} pixels together, at most {MAX_FILM_PIXELS} are drawn; ask for {most} frames, \
+                 or for smaller ones"
             );
             return Err(Fault::new("/frames", detail));
         }

@@ -2,7 +2,7 @@
 
 /// Number of boxes that grow side by side: enough for two vectors of each coordinate, few enough for registers. Half of
 /// it waits for each comparison; twice of it leaves the registers.
-const LANES: usize = 4;
+const BOX_LANES: usize = 4;
 
 /// Smallest and largest coordinates, in model units; empty when `min > max`.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -20,8 +20,8 @@ impl<const D: usize> CoordinateBounds<D> {
     /// Grows the box so that it contains these points. Zeros lose their sign.
     pub(super) fn add(&mut self, points: &[[f64; D]]) {
         // several boxes side by side, for vectorisation
-        let mut boxes = [*self; LANES];
-        let (lines, rest) = points.as_chunks::<LANES>();
+        let mut boxes = [*self; BOX_LANES];
+        let (lines, rest) = points.as_chunks::<BOX_LANES>();
         for line in lines {
             boxes.iter_mut().zip(line).for_each(|(own, point)| own.reach(point, point));
         }

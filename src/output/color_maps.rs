@@ -30,7 +30,7 @@ const BLUE_RED: &str = "blue-red";
 
 /// Number of colours of a table. With half of it steps between neighbours are visible in smooth pictures; twice of it
 /// are more than bytes can distinguish.
-const COLORS: u32 = 256;
+const TABLE_COLORS: u32 = 256;
 
 /// A map of numbers to colours.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -61,8 +61,8 @@ impl ColorMap {
 
     /// Returns the colours of [`ColorMap::table`] in sRGB.
     pub(super) fn bytes(self) -> Vec<[u8; 3]> {
-        let share = |i| f64::from(i) / f64::from(COLORS - 1);
-        let shares = (0..COLORS).map(share);
+        let share = |i| f64::from(i) / f64::from(TABLE_COLORS - 1);
+        let shares = (0..TABLE_COLORS).map(share);
         let gradient = match self.0 {
             "viridis" => colorous::VIRIDIS,
             "magma" => colorous::MAGMA,

@@ -66,10 +66,12 @@ const GOLDEN_ANGLE_DEG: f64 = 137.507_764_050_037_85;
 ///
 /// Sources: CIE 15 (2004), section 8.2.1; IEC 61966-2-1 (1999), section 5.2.
 fn lab(lightness: f64, chroma: f64, hue_deg: f64) -> [f32; 3] {
-    const EDGE: f64 = 6.0 / 29.0;
+    const LAB_LINEAR_BELOW: f64 = 6.0 / 29.0;
     let hue = hue_deg * (std::f64::consts::PI / 180.0);
     let middle = (lightness + 16.0) / 116.0;
-    let light = |f: f64| if f > EDGE { f * f * f } else { 3.0 * EDGE * EDGE * (f - 4.0 / 29.0) };
+    let light = |f: f64| {
+        if f > LAB_LINEAR_BELOW { f * f * f } else { 3.0 * LAB_LINEAR_BELOW * LAB_LINEAR_BELOW * (f - 4.0 / 29.0) }
+    };
     let x = 0.950_47 * light(middle + chroma * cos(hue) / 500.0);
     let y = light(middle);
     let z = 1.088_83 * light(middle - chroma * sin(hue) / 200.0);

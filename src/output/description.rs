@@ -13,7 +13,7 @@ use super::numbers::total;
 use super::size::Size;
 
 /// The name of a description, or the text before it.
-const NAME: &str = "planish-job";
+const DESCRIPTION_NAME: &str = "planish-job";
 /// Number of characters of a description in one line of comments. Some programs read lines of headers into buffers of
 /// 4,096 bytes. Half of it makes twice as many lines; four times of it would be cut there.
 const LINE: usize = 1024;
@@ -37,7 +37,7 @@ enum DescriptionPlace {
 }
 
 /// The formats that hold descriptions.
-const PLACES: [(&str, DescriptionPlace); 7] = [
+const DESCRIBED_FORMATS: [(&str, DescriptionPlace); 7] = [
     ("obj", DescriptionPlace::Lines("#", 1)),
     ("glb", DescriptionPlace::Glb),
     ("gltf", DescriptionPlace::Gltf),
@@ -49,11 +49,11 @@ const PLACES: [(&str, DescriptionPlace); 7] = [
 
 /// Returns the names of the formats that hold descriptions.
 pub fn described() -> impl Iterator<Item = &'static str> {
-    PLACES.iter().map(|(name, _)| *name)
+    DESCRIBED_FORMATS.iter().map(|(name, _)| *name)
 }
 
 fn place(format: &str) -> Option<DescriptionPlace> {
-    PLACES.iter().find(|(name, _)| *name == format).map(|(_, place)| *place)
+    DESCRIBED_FORMATS.iter().find(|(name, _)| *name == format).map(|(_, place)| *place)
 }
 
 /// Returns the size of bytes of a format with a description.
@@ -72,7 +72,7 @@ impl DescriptionPlace {
     fn written(self, description: &str) -> Vec<u8> {
         match self {
             Self::Png => {
-                let mut chunk = [b"tEXt", NAME.as_bytes(), b"\0", description.as_bytes()].concat();
+                let mut chunk = [b"tEXt", DESCRIPTION_NAME.as_bytes(), b"\0", description.as_bytes()].concat();
                 let mut crc = Crc::new();
                 crc.update(&chunk);
                 let length = u32::try_from(chunk.len() - 4).unwrap_or(u32::MAX).to_be_bytes();
@@ -81,9 +81,9 @@ impl DescriptionPlace {
             }
             Self::Svg => {
                 let text = description.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;");
-                format!("<metadata id=\"{NAME}\">{text}</metadata>\n").into_bytes()
+                format!("<metadata id=\"{DESCRIPTION_NAME}\">{text}</metadata>\n").into_bytes()
             }
-            Self::Gltf => format!("\"extras\":{{\"{NAME}\":{description}}},").into_bytes(),
+            Self::Gltf => format!("\"extras\":{{\"{DESCRIPTION_NAME}\":{description}}},").into_bytes(),
             Self::Glb => {
                 // spaces keep the length of the chunk a multiple of four
                 let mut extras = Self::Gltf.written(description);
@@ -92,7 +92,9 @@ impl DescriptionPlace {
             }
             Self::Lines(keyword, _) => {
                 let lines = description.as_bytes().chunks(LINE);
-                lines.flat_map(|line| [format!("{keyword} {NAME} ").as_bytes(), line, b"\n"].concat()).collect()
+                lines
+                    .flat_map(|line| [format!("{keyword} {DESCRIPTION_NAME} ").as_bytes(), line, b"\n"].concat())
+                    .collect()
             }
         }
     }
@@ -197,12 +199,12 @@ pub fn description(bytes: &[u8]) -> Option<String> {
         return of_gltf(bytes);
     }
     if bytes.starts_with(b"<svg") {
-        let start = format!("<metadata id=\"{NAME}\">");
+        let start = format!("<metadata id=\"{DESCRIPTION_NAME}\">");
         let rest = std::str::from_utf8(bytes).ok()?.split_once(&start)?.1.split_once("</metadata>")?.0;
         return Some(rest.replace("&lt;", "<").replace("&gt;", ">").replace("&amp;", "&"));
     }
     let keyword = if bytes.starts_with(b"ply") { "comment" } else { "#" };
-    let start = format!("{keyword} {NAME} ");
+    let start = format!("{keyword} {DESCRIPTION_NAME} ");
     // the description is in one piece among the first lines
     let lines = bytes.split(|byte| *byte == b'\n').skip_while(|line| !line.starts_with(start.as_bytes()));
     let lines: Vec<&[u8]> = lines.map_while(|line| line.strip_prefix(start.as_bytes())).collect();
@@ -215,7 +217,8 @@ fn of_png(mut chunks: &[u8]) -> Option<&[u8]> {
         let (kind, rest) = rest.split_first_chunk::<4>()?;
         let (content, rest) = rest.split_at_checked(u32::from_be_bytes(*length) as usize)?;
         if kind == b"tEXt"
-            && let Some(text) = content.strip_prefix(NAME.as_bytes()).and_then(|text| text.strip_prefix(b"\0"))
+            && let Some(text) =
+                content.strip_prefix(DESCRIPTION_NAME.as_bytes()).and_then(|text| text.strip_prefix(b"\0"))
         {
             return Some(text);
         }
@@ -225,5 +228,5 @@ fn of_png(mut chunks: &[u8]) -> Option<&[u8]> {
 
 fn of_gltf(document: &[u8]) -> Option<String> {
     let document: Value = serde_json::from_slice(document).ok()?;
-    Some(document.get("asset")?.get("extras")?.get(NAME)?.to_string())
+    Some(document.get("asset")?.get("extras")?.get(DESCRIPTION_NAME)?.to_string())
 }

@@ -13,7 +13,7 @@
 
 use rayon::prelude::*;
 
-use super::nearest::{TRIANGLE_BYTES, Triangles};
+use super::nearest::{TREE_TRIANGLE_BYTES, Triangles};
 use super::scene::{Shape, positions};
 use crate::math::functions::sqrt;
 use crate::math::vector::{Vector, square_from_triangle};
@@ -32,7 +32,7 @@ const RELATIVE: f64 = 1e-3;
 const OF_DIAGONAL: f64 = 1e-7;
 /// Number of triangles that a thread measures before it checks the watch. Half or twice of it checks twice or half as
 /// often; results are the same.
-const PART: usize = 4_096;
+const TRIANGLES_PER_CHECK: usize = 4_096;
 
 /// A shape as triangles, or as segments.
 #[derive(Debug)]
@@ -61,7 +61,7 @@ struct SearchTriangle {
 
 impl Measured {
     /// Bytes of memory per triangle in the tree.
-    pub const NODE_BYTES: u128 = TRIANGLE_BYTES;
+    pub const NODE_BYTES: u128 = TREE_TRIANGLE_BYTES;
     /// Bytes of memory per triangle: in the tree, and as a piece with its number.
     pub const TRIANGLE_BYTES: u128 = Self::NODE_BYTES + size_of::<SearchTriangle>() as u128 + 8;
     /// Number of distances that are computed for a triangle.
@@ -128,7 +128,8 @@ impl Measured {
             watch.advance(part.len() as u64);
             Ok(measured)
         };
-        let parts: Result<Vec<Vec<SearchTriangle>>, Stopped> = triangles.par_chunks(PART).map(part).collect();
+        let parts: Result<Vec<Vec<SearchTriangle>>, Stopped> =
+            triangles.par_chunks(TRIANGLES_PER_CHECK).map(part).collect();
         Ok(parts?.concat())
     }
 

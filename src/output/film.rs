@@ -17,10 +17,11 @@ use crate::watch::{Stage, Watch};
 
 /// Maximum number of frames. Ten seconds of a smooth picture. Half of it cuts turntables of half degrees; with twice of
 /// it one job draws for twice as long.
-const MAX_FRAMES: i64 = 240;
+const MAX_FILM_FRAMES: i64 = 240;
 
 /// Frames of a moving picture.
-pub(super) const FRAMES: Parameter = Parameter::integer("frames", [2, MAX_FRAMES], 24.0, "How many frames there are.");
+pub(super) const FRAMES: Parameter =
+    Parameter::integer("frames", [2, MAX_FILM_FRAMES], 24.0, "How many frames there are.");
 
 /// The duration of a frame.
 pub(super) const DELAY: Parameter = Parameter {
@@ -65,13 +66,13 @@ pub(super) const SWEEP: Parameter = Parameter::optional(
             default: Default::Required,
             doc: "The place of the parameter in the job, such as /plan/parameters/delta.",
         },
-        Parameter::number("from", UNBOUNDED, Default::Required, "Its value in the first frame."),
-        Parameter::number("to", UNBOUNDED, Default::Required, "Its value in the last frame."),
+        Parameter::number("from", ANY_NUMBER, Default::Required, "Its value in the first frame."),
+        Parameter::number("to", ANY_NUMBER, Default::Required, "Its value in the last frame."),
     ]),
     "A parameter of the plan that goes evenly from one value to another; all frames have one camera.",
 );
 
-const UNBOUNDED: [f64; 2] = [f64::NEG_INFINITY, f64::INFINITY];
+const ANY_NUMBER: [f64; 2] = [f64::NEG_INFINITY, f64::INFINITY];
 
 /// Returns the number of frames.
 pub(super) fn frames(values: &Values) -> usize {

@@ -11,7 +11,7 @@ use crate::output::format::{Content, Costs, Format, FormatFacts, Requirements};
 use crate::output::gltf_amounts::{self, Amounts, GltfContents, split_vertices};
 use crate::output::gltf_bin;
 use crate::output::gltf_buffer::{Buffer, buffered};
-use crate::output::gltf_document::{PARAMETERS, document};
+use crate::output::gltf_document::{GLTF_OPTIONS, document};
 use crate::output::gltf_pack::Packed;
 use crate::output::gltf_packing::{self, Packing};
 use crate::output::numbers::total;
@@ -24,7 +24,7 @@ use crate::shape::tile::Tile;
 use crate::watch::Watch;
 
 /// Bytes before the first chunk, and before the content of each chunk.
-const HEADER: u128 = 12;
+const CONTAINER_HEADER_BYTES: u128 = 12;
 const CHUNK_HEADER: u128 = 8;
 
 /// Binary glTF 2.0: triangles or line strips in f32.
@@ -43,7 +43,7 @@ const FACTS: &FormatFacts = &FormatFacts {
     media_type: "model/gltf-binary",
     content: Content::Binary,
     doc: "Binary glTF 2.0: triangles with normals, or line strips, in f32",
-    parameters: PARAMETERS,
+    parameters: GLTF_OPTIONS,
     holds_frames: true,
     holds: |kind, _| holds_space("glb", kind),
     has_no_tags: true,
@@ -156,7 +156,7 @@ fn check_length(bytes: u128) -> Result<u32, String> {
 /// Returns the length of a file with chunks of these lengths; an empty binary chunk is left out.
 fn file(json: u128, binary: u128) -> u128 {
     let chunks = if binary > 0 { 2 } else { 1 };
-    total(&[(HEADER, 1), (CHUNK_HEADER, chunks), (json, 1), (binary, 1)])
+    total(&[(CONTAINER_HEADER_BYTES, 1), (CHUNK_HEADER, chunks), (json, 1), (binary, 1)])
 }
 
 fn chunk(kind: [u8; 4], length: u32, out: &mut dyn Write) -> Result<(), FormatError> {

@@ -13,7 +13,7 @@ use crate::output::format::{Content, Costs, Details, Format, FormatFacts, Requir
 use crate::output::gltf_amounts::{self, Amounts, GltfContents};
 use crate::output::gltf_bin::GltfBin;
 use crate::output::gltf_buffer::buffered;
-use crate::output::gltf_document::{PARAMETERS, document};
+use crate::output::gltf_document::{GLTF_OPTIONS, document};
 use crate::output::gltf_levels::{self, LOD};
 use crate::output::gltf_pack::Packed;
 use crate::output::gltf_packing::{self, Packing};
@@ -33,10 +33,10 @@ pub(super) struct Gltf;
 
 /// The options of both containers, and the one for levels of detail in several files.
 const ALL_PARAMETERS: &[Parameter] = &{
-    let mut all = [LOD; PARAMETERS.len() + 1];
+    let mut all = [LOD; GLTF_OPTIONS.len() + 1];
     let mut i = 0;
-    while i < PARAMETERS.len() {
-        all[i] = PARAMETERS[i];
+    while i < GLTF_OPTIONS.len() {
+        all[i] = GLTF_OPTIONS[i];
         i += 1;
     }
     all

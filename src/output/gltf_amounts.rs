@@ -6,7 +6,7 @@ use crate::output::counts::{Counts, ShapeKind};
 use crate::output::gltf_animation::{self, FRAME_RATE};
 use crate::output::gltf_looks;
 use crate::output::gltf_packing::Packing;
-use crate::output::gltf_views::NUMBER;
+use crate::output::gltf_views::CHANNEL_NUMBER_BYTES;
 use crate::output::hard_edges;
 use crate::output::numbers::total;
 use crate::output::options::IDS;
@@ -25,7 +25,7 @@ const DIRECTION: u128 = 4;
 const SHORT_INDICES: u128 = 65_535;
 
 /// Bytes of the origin of a vertex: dimension and number of the input cell.
-pub(super) const ORIGIN: u128 = 8;
+pub(super) const ORIGIN_BYTES: u128 = 8;
 
 /// Maximum number of bytes of a morph target in a document: two accessors, one with its bounds, two views, a weight, a
 /// name, and the target of the first primitive.
@@ -33,7 +33,7 @@ const TARGET: u128 = 1_024;
 
 /// Maximum number of bytes that packing adds to a document: the names of extensions and a second buffer, then per view
 /// the entry of its encoding, and per mesh its errors and the transform of its node.
-const PACKED: u128 = 512;
+const PACKED_DOCUMENT_BYTES: u128 = 512;
 const PACKED_VIEW: u128 = 256;
 const PACKED_MESH: u128 = 384;
 
@@ -41,28 +41,28 @@ const PACKED_MESH: u128 = 384;
 const ANIMATION: u128 = 1_024;
 
 /// Maximum number of bytes of the mesh and the node of a group besides its name, and of its channel in an animation.
-const GROUP: u128 = 256;
+const GROUP_ENTRY_BYTES: u128 = 256;
 
 /// Maximum number of bytes of a target in each further primitive: the numbers of two accessors, a weight and a name.
 const TARGET_OF_PART: u128 = 64;
 
 /// Bytes of memory per vertex while it is packed, besides those of the buffer: its numbers in the new order, as
 /// vectors, and as the codec reads them, 61 when the sizes of these are added, and a quarter more.
-const VERTEX_BYTES: u128 = 80;
+const PACKED_VERTEX_BYTES: u128 = 80;
 
 /// Bytes of memory per triangle while it is packed: its corners before and after, the triangles of its vertices, and
 /// its place among all. These add up to 73; a third is spare.
-const TRIANGLE_BYTES: u128 = 96;
+const PACKED_TRIANGLE_BYTES: u128 = 96;
 
 /// Number of input cells whose numbers f32 holds exactly.
-const CELLS: usize = 1 << 24;
+const EXACT_CELLS: usize = 1 << 24;
 
 /// Refuses origins if f32 cannot hold the numbers of all vertices, edges and faces of the input exactly.
 pub(super) fn check_origins(cells: [usize; 3], ids: bool) -> Result<(), String> {
     match cells.iter().max() {
-        Some(&most) if ids && most > CELLS => Err(format!(
-            "the input has {most} vertices, edges or faces, glTF tells the origin of vertices for at most {CELLS} of \
-             each; ask for json or ply"
+        Some(&most) if ids && most > EXACT_CELLS => Err(format!(
+            "the input has {most} vertices, edges or faces, glTF tells the origin of vertices for at most \
+             {EXACT_CELLS} of each; ask for json or ply"
         )),
         _ => Ok(()),
     }
@@ -87,7 +87,12 @@ pub(super) fn memory(counts: &Counts, options: &Values) -> u128 {
     }
     let amounts = Amounts::of(counts, options);
     let loose = amounts.bytes();
-    total(&[(splitting, 1), (loose, 2), (amounts.vertices, VERTEX_BYTES), (amounts.triangles, TRIANGLE_BYTES)])
+    total(&[
+        (splitting, 1),
+        (loose, 2),
+        (amounts.vertices, PACKED_VERTEX_BYTES),
+        (amounts.triangles, PACKED_TRIANGLE_BYTES),
+    ])
 }
 
 /// Returns the work of packing, in rows of 100 ns: one per triangle and one per vertex.
@@ -208,9 +213,9 @@ impl Amounts {
 
     /// Returns the length of the buffer if a vertex takes `vectors` bytes for position and normal, in each frame.
     fn bytes_of(&self, vectors: u128) -> u128 {
-        let (origin, face) = if self.ids { (ORIGIN, 4) } else { (0, 0) };
-        let uvs = if self.uvs { 2 * NUMBER } else { 0 };
-        let vertex = vectors * (1 + self.targets) + self.numbers * NUMBER + uvs + origin;
+        let (origin, face) = if self.ids { (ORIGIN_BYTES, 4) } else { (0, 0) };
+        let uvs = if self.uvs { 2 * CHANNEL_NUMBER_BYTES } else { 0 };
+        let vertex = vectors * (1 + self.targets) + self.numbers * CHANNEL_NUMBER_BYTES + uvs + origin;
         let [moments, weights] = self.frame_rate.map_or([0; 2], |_| gltf_animation::lengths(self.targets));
         total(&[
             (self.vertices, vertex),
@@ -266,7 +271,7 @@ impl<'a> GltfContents<'a> {
     pub(super) fn packed_room(&self) -> u128 {
         let channels = self.attachments.channels.len() as u128;
         let groups = self.attachments.groups.names.len() as u128;
-        total(&[(self.room(), 1), (PACKED, 1), (PACKED_VIEW, 6 + channels), (PACKED_MESH, 1 + groups)])
+        total(&[(self.room(), 1), (PACKED_DOCUMENT_BYTES, 1), (PACKED_VIEW, 6 + channels), (PACKED_MESH, 1 + groups)])
     }
 
     /// Returns the maximum number of bytes of the document, a multiple of 4: 1,536 for a mesh, for curves 768 and 384 a
@@ -289,7 +294,7 @@ impl<'a> GltfContents<'a> {
         // in names of groups and materials each byte may need a backslash
         let longest = |names: &[String]| names.iter().map(|name| 2 * name.len() as u128).max().unwrap_or(0);
         let labels = longest(&groups.names) + longest(&materials.names);
-        let group = if groups.is_empty() { 0 } else { GROUP + 2 * longest(&groups.names) };
+        let group = if groups.is_empty() { 0 } else { GROUP_ENTRY_BYTES + 2 * longest(&groups.names) };
         let part = 768 + names + 16 * channels + labels + group + self.targets.saturating_mul(TARGET_OF_PART);
         let looks = gltf_looks::room(looks);
         let room = total(&[(plain + framed, 1), (512, 1), (384, channels), (part, parts), (looks, 1)]);

@@ -7,7 +7,7 @@ use gltf::json::{Accessor, Extras, Index, Root};
 use serde_json::json;
 
 use crate::math::parameter::{Default as Otherwise, Parameter, ParameterKind};
-use crate::output::gltf_views::{NUMBER, Views, accessor};
+use crate::output::gltf_views::{CHANNEL_NUMBER_BYTES, Views, accessor};
 use crate::output::numbers::rounded;
 use crate::shape::topology::index;
 
@@ -27,7 +27,7 @@ fn moment(frame: usize, rate: f64) -> f32 {
 
 /// Returns the bytes of the times of all frames, and of the weights of all targets in all frames.
 pub(super) fn lengths(targets: u128) -> [u128; 2] {
-    [(targets + 1) * NUMBER, (targets + 1) * targets * NUMBER]
+    [(targets + 1) * CHANNEL_NUMBER_BYTES, (targets + 1) * targets * CHANNEL_NUMBER_BYTES]
 }
 
 /// Returns the times of all frames, then frame after frame the weights of all targets: 1 for its own target, 0 for the

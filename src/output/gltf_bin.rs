@@ -9,7 +9,7 @@ use crate::output::error::FormatError;
 use crate::output::format::{Content, Costs, Format, FormatFacts, Requirements};
 use crate::output::gltf_amounts::{self, Amounts, split_vertices, with_normals};
 use crate::output::gltf_buffer::buffered;
-use crate::output::gltf_document::PARAMETERS;
+use crate::output::gltf_document::GLTF_OPTIONS;
 use crate::output::gltf_pack::Packed;
 use crate::output::gltf_packing::{self, Packing};
 use crate::output::hard_edges;
@@ -30,7 +30,7 @@ const FACTS: &FormatFacts = &FormatFacts {
     media_type: "application/gltf-buffer",
     content: Content::Binary,
     doc: "The buffer of a glTF model: what the documents of gltf with lod refer to",
-    parameters: PARAMETERS,
+    parameters: GLTF_OPTIONS,
     holds: |kind, _| kind.only_meshes("gltf-bin holds the buffers of meshes; ask for gltf"),
     ..FormatFacts::USUAL
 };

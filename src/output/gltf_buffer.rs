@@ -18,7 +18,7 @@ use crate::output::normals;
 use crate::output::numbers::{as_written, f32_bytes, index_bytes, rounded};
 use crate::output::positions::{Positions, channels_within_f32};
 use crate::output::scene::{FaceChunk, Frame, MeshSource, Scene, Shape, in_chunks, triangles};
-use crate::output::stream::{BLOCK, Stream};
+use crate::output::stream::{ROWS_PER_BLOCK, Stream};
 use crate::output::vertex_sides::{Sides, SplitSides};
 use crate::shape::attachments::Attachments;
 use crate::shape::labels::{LabelledFaces, by_labels};
@@ -26,7 +26,7 @@ use crate::shape::looks::images;
 use crate::watch::{Stopped, Watch};
 
 /// A model is centred on the origin if it is farther away than this many times half its longest side.
-const FAR: f64 = 4.0;
+const FAR_FROM_ORIGIN: f64 = 4.0;
 
 /// The contents of the buffer, and the numbers that describe it.
 pub(super) struct Buffer<'a> {
@@ -182,7 +182,7 @@ impl<'a> Buffer<'a> {
         if let (true, Some(source)) = (self.amounts.normals, mesh.on_demand()) {
             let scale = normals::scale_of(&part.bounds);
             stream.vectors(
-                part.positions.ranges(BLOCK),
+                part.positions.ranges(ROWS_PER_BLOCK),
                 |range, rows| normals::on_demand(source, range, scale, rows),
                 |rows, out| vectors(rows, out, normals::or_up),
             )?;
@@ -314,7 +314,8 @@ fn n_triangles(mesh: &dyn MeshSource, some: &Range<usize>, watch: &Watch) -> Res
 fn center(bounds: &CoordinateBounds<3>) -> Result<[f64; 3], FormatError> {
     let middle = bounds.center();
     let distance = middle.iter().fold(0.0, |most: f64, x| most.max(x.abs()));
-    let center = if distance > FAR * bounds.half_side() { middle.map(|x| as_written(rounded(x))) } else { [0.0; 3] };
+    let center =
+        if distance > FAR_FROM_ORIGIN * bounds.half_side() { middle.map(|x| as_written(rounded(x))) } else { [0.0; 3] };
     let corners = [bounds.min, bounds.max].map(|corner| local(corner, center));
     if !bounds.is_empty() && !(corners.as_flattened().iter().all(|x| x.is_finite())) {
         let (min, max, most) = (bounds.min, bounds.max, f32::MAX);

@@ -12,13 +12,13 @@ use serde_json::{Map, Value, json};
 use crate::math::parameter::Parameter;
 use crate::output::bounds::CoordinateBounds;
 use crate::output::error::FormatError;
-use crate::output::gltf_amounts::{ORIGIN, VECTOR};
+use crate::output::gltf_amounts::{ORIGIN_BYTES, VECTOR};
 use crate::output::gltf_animation::{FRAME_RATE, animate};
 use crate::output::gltf_buffer::{Buffer, PrimitiveFaces, PrimitiveVertices};
 use crate::output::gltf_looks::{self, MaterialWriter};
 use crate::output::gltf_packing::{COMPRESSION, VERTEX_ORDER};
 use crate::output::gltf_targets::MorphTarget;
-use crate::output::gltf_views::{NUMBER, Views, accessor, length};
+use crate::output::gltf_views::{CHANNEL_NUMBER_BYTES, Views, accessor, length};
 use crate::output::hard_edges::CREASE_ANGLE;
 use crate::output::numbers::rounded;
 use crate::output::options::{IDS, POSITIONS};
@@ -26,10 +26,10 @@ use crate::shape::frame::{Frame, Unit, Up};
 use crate::shape::topology::index;
 
 /// Linear base colour of curves.
-const CURVE: [f32; 4] = [0.03, 0.06, 0.1, 1.0];
+const CURVE_BASE_COLOR: [f32; 4] = [0.03, 0.06, 0.1, 1.0];
 
 /// Options of both containers.
-pub(super) const PARAMETERS: &[Parameter] = &[
+pub(super) const GLTF_OPTIONS: &[Parameter] = &[
     Parameter::choice(
         "normals",
         &["area", "none", "limit"],
@@ -176,7 +176,7 @@ fn curves(buffer: &Buffer<'_>, root: &mut Root) -> Vec<GroupPrimitives> {
         };
         primitives.push(primitive(BTreeMap::from([(Valid(Semantic::Positions), positions)]), mode));
     }
-    root.materials = vec![gltf_looks::surface(CURVE, None)];
+    root.materials = vec![gltf_looks::surface(CURVE_BASE_COLOR, None)];
     GroupPrimitives::ungrouped(primitives)
 }
 
@@ -277,12 +277,12 @@ fn attributes(buffer: &Buffer<'_>, part: &PrimitiveVertices<'_>, root: &mut Root
     let view = Views::of(root).vertices(n, VECTOR);
     let mut attributes = BTreeMap::from([(Valid(Semantic::Positions), root.push(positions(buffer, part, view, 0)))]);
     let mut floats = |root: &mut Root, semantic, width: u128| {
-        let view = Views::of(root).vertices(n, width * NUMBER);
+        let view = Views::of(root).vertices(n, width * CHANNEL_NUMBER_BYTES);
         let kind = [Type::Scalar, Type::Vec2, Type::Vec3, Type::Vec4][usize::try_from(width - 1).unwrap_or(3).min(3)];
         attributes.insert(Valid(semantic), root.push(accessor(view, 0, n, ComponentType::F32, kind)));
     };
     if buffer.amounts.normals {
-        floats(root, Semantic::Normals, VECTOR / NUMBER);
+        floats(root, Semantic::Normals, VECTOR / CHANNEL_NUMBER_BYTES);
     }
     for channel in &buffer.attachments().channels {
         let custom = || Semantic::Extras(channel.name.to_ascii_uppercase());
@@ -292,7 +292,7 @@ fn attributes(buffer: &Buffer<'_>, part: &PrimitiveVertices<'_>, root: &mut Root
         floats(root, Semantic::TexCoords(0), 2);
     }
     if buffer.amounts.ids {
-        floats(root, Semantic::Extras("ORIGIN".into()), ORIGIN / NUMBER);
+        floats(root, Semantic::Extras("ORIGIN".into()), ORIGIN_BYTES / CHANNEL_NUMBER_BYTES);
     }
     attributes
 }

@@ -6,13 +6,13 @@ use crate::output::error::FormatError;
 use crate::output::numbers::{as_written, rounded};
 
 /// Number of steps of a grid along the longest side of a model: the largest 16-bit number.
-const STEPS: f64 = 65_535.0;
+const GRID_STEPS: f64 = 65_535.0;
 
 /// Half a unit in the last place of an f32, as a share of the number.
 const HALF_ULP: f64 = 1.0 / 16_777_216.0;
 
 /// Maximum error of a number from 0 to 1 in 16 bits: half a step, and its rounding to f32.
-pub(super) const UNIT_ERROR: f64 = 0.5 / STEPS + HALF_ULP;
+pub(super) const UNIT_ERROR: f64 = 0.5 / GRID_STEPS + HALF_ULP;
 
 /// A cubic grid over all positions of a model: `x = corner + step k`, `k` from 0 to 65,535 along each axis.
 ///
@@ -52,7 +52,7 @@ impl PositionGrid {
             let detail = format!("a side of the model is {side:e} long, glTF compresses at most {most:e}; ask for obj");
             return Err(FormatError::Unfit(detail));
         }
-        let step = most_above(rounded(side / STEPS).max(f32::MIN_POSITIVE), side);
+        let step = most_above(rounded(side / GRID_STEPS).max(f32::MIN_POSITIVE), side);
         let largest = min.iter().chain(&max).fold(0.0, |most: f64, &x| most.max(f64::from(x).abs()));
         let far = center.iter().fold(0.0, |most: f64, x| most.max(x.abs()));
         let error = as_written(step) / 2.0 + largest * HALF_ULP + far * f64::EPSILON;
@@ -64,8 +64,9 @@ impl PositionGrid {
     #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "from 0 to 65,535, whatever it was")]
     pub(super) fn place(&self, position: [f32; 3]) -> [u16; 3] {
         let step = as_written(self.step);
-        [0, 1, 2]
-            .map(|k| ((f64::from(position[k]) - as_written(self.corner[k])) / step).round().clamp(0.0, STEPS) as u16)
+        [0, 1, 2].map(|k| {
+            ((f64::from(position[k]) - as_written(self.corner[k])) / step).round().clamp(0.0, GRID_STEPS) as u16
+        })
     }
 }
 
@@ -78,9 +79,9 @@ fn least_below(mut x: f32) -> f32 {
     x
 }
 
-/// Returns the smallest f32 from `step` on with which [`STEPS`] steps, in decimals, cover a side.
+/// Returns the smallest f32 from `step` on with which [`GRID_STEPS`] steps, in decimals, cover a side.
 fn most_above(mut step: f32, side: f64) -> f32 {
-    while as_written(step) * STEPS < side {
+    while as_written(step) * GRID_STEPS < side {
         step = step.next_up();
     }
     step
@@ -89,7 +90,7 @@ fn most_above(mut step: f32, side: f64) -> f32 {
 /// Returns a number from 0 to 1 in 16 bits.
 #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "from 0 to 65,535, whatever it was")]
 pub(super) fn unit(x: f32) -> u16 {
-    (f64::from(x) * STEPS).round().clamp(0.0, STEPS) as u16
+    (f64::from(x) * GRID_STEPS).round().clamp(0.0, GRID_STEPS) as u16
 }
 
 /// Returns a coordinate of a unit vector in 8 bits.

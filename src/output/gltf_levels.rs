@@ -24,7 +24,7 @@ use crate::watch::Watch;
 const MSFT_LOD: &str = "MSFT_lod";
 
 /// Maximum number of levels of detail: as many as a model may be refined, and a few more.
-const MAX_LEVELS: usize = 16;
+const MAX_DETAIL_LEVELS: usize = 16;
 
 /// Maximum number of bytes of the URI of a buffer.
 const ADDRESS: u128 = 128;
@@ -32,7 +32,7 @@ const ADDRESS: u128 = 128;
 /// The option of `gltf` that writes a buffer for each level.
 pub(super) const LOD: Parameter = Parameter::optional(
     "lod",
-    ParameterKind::Numbers { most: MAX_LEVELS },
+    ParameterKind::Numbers { most: MAX_DETAIL_LEVELS },
     "Levels of detail of a mesh, ascending, the last of which is `levels`: the buffer of each is a file of its \
      own (gltf-bin), which the document names by its key, and MSFT_lod says which nodes stand for which",
 );

@@ -14,12 +14,12 @@ use crate::output::colors::linear;
 use crate::output::gltf_views::Views;
 use crate::output::numbers::rounded;
 use crate::shape::attachments::Attachments;
-use crate::shape::looks::{Alpha, Look, PLAIN, PLAIN_SURFACE, images};
+use crate::shape::looks::{Alpha, DEFAULT_COLOR, Look, PLAIN_SURFACE, images};
 use crate::shape::textures::{self, Filter, Image, Wrap};
 use crate::shape::topology::index;
 
 /// Maximum number of bytes of a material with a look in a document: its numbers, a texture and a sampler.
-const LOOK: u128 = 768;
+const MAX_LOOK_BYTES: u128 = 768;
 /// Maximum number of bytes of an image in a document, and of its view.
 const IMAGE: u128 = 256;
 
@@ -30,7 +30,7 @@ pub(super) fn bytes_of_images(looks: &[Look]) -> u128 {
 
 /// Returns the maximum number of bytes of looks in a document.
 pub(super) fn room(looks: &[Look]) -> u128 {
-    looks.len() as u128 * LOOK + images(looks).len() as u128 * IMAGE
+    looks.len() as u128 * MAX_LOOK_BYTES + images(looks).len() as u128 * IMAGE
 }
 
 /// Makes the materials of a mesh.
@@ -57,7 +57,7 @@ impl<'a> MaterialWriter<'a> {
         let base = match look.color {
             Some(color) => std::array::from_fn(|k| rounded(linear(k, color[k]))),
             None if is_white => [1.0; 4],
-            None => PLAIN,
+            None => DEFAULT_COLOR,
         };
         let alpha = if look.alpha.is_none() && self.color == Some(4) { Alpha::Blend } else { look.alpha() };
         let mut made = surface(base, name);

@@ -10,7 +10,7 @@ use crate::output::error::FormatError;
 use crate::output::normals;
 use crate::output::numbers::rounded;
 use crate::output::positions::Positions;
-use crate::output::scene::{CHUNK, MeshSource, Shape};
+use crate::output::scene::{MeshSource, ROWS_PER_CHUNK, Shape};
 use crate::output::stream::Stream;
 use crate::output::vertex_sides::SplitSides;
 use crate::watch::{Stopped, Watch};
@@ -64,9 +64,9 @@ impl<'a> MorphTarget<'a> {
             }
             Ok::<_, Stopped>(bounds)
         };
-        let starts: Vec<usize> = (0..from.len()).step_by(CHUNK).collect();
+        let starts: Vec<usize> = (0..from.len()).step_by(ROWS_PER_CHUNK).collect();
         let blocks: Result<Vec<_>, Stopped> =
-            starts.into_par_iter().map(|start| block(start..from.len().min(start + CHUNK))).collect();
+            starts.into_par_iter().map(|start| block(start..from.len().min(start + ROWS_PER_CHUNK))).collect();
         let bounds = blocks?.iter().fold(CoordinateBounds::EMPTY, CoordinateBounds::joined);
         if !bounds.is_empty() && ![bounds.min, bounds.max].as_flattened().iter().all(|x| x.is_finite()) {
             let most = f32::MAX;

@@ -6,7 +6,7 @@ use gltf::json::validation::Checked::Valid;
 use gltf::json::{Accessor, Extras, Index, Root};
 
 /// Bytes of one number of a channel.
-pub(super) const NUMBER: u128 = 4;
+pub(super) const CHANNEL_NUMBER_BYTES: u128 = 4;
 
 /// The views of a document, each starting at the first multiple of 4 after the end of the one before.
 pub(super) struct Views<'a>(&'a mut Root);

@@ -34,12 +34,12 @@ const OF_FACETS: f64 = 30.0;
 /// coordinates were rounded to f32, meets its neighbours at 30 degrees all around or nowhere, and faces of one plane at
 /// 0 degrees. At half of it the coordinates may be half as far from the truth, at twice of it twice; edges that meet at
 /// less than 0.08 degrees are never hard.
-const SLACK: f64 = 1e-6;
+const COSINE_SLACK: f64 = 1e-6;
 
 /// Bytes per half-edge of a mesh with hard edges: each side of an edge with its face (12) and the ends of a hard one
 /// (8), a share of the normal of its face (8), the data of the corner (24), the place of a copy of its vertex (16), and
 /// that copy with its position and normal, which are gathered, too (4 and 3 times 24).
-const CORNER_BYTES: u128 = 144;
+const HARD_CORNER_BYTES: u128 = 144;
 
 /// Sets the effective angle in the options of an output of a mesh, if they have one: absent if no angle is larger, or
 /// if the output has no normals.
@@ -58,7 +58,7 @@ pub(super) fn split_vertices(counts: &Counts, options: &Values) -> u128 {
 
 /// Returns the memory for hard edges, bytes.
 pub(super) fn memory(counts: &Counts, options: &Values) -> u128 {
-    angle(options).map_or(0, |_| counts.half_edges.saturating_mul(CORNER_BYTES))
+    angle(options).map_or(0, |_| counts.half_edges.saturating_mul(HARD_CORNER_BYTES))
 }
 
 /// Returns the angle from which edges are hard, degrees, if there is one.
@@ -72,8 +72,8 @@ pub(super) struct HardEdges(Vec<[u32; 2]>);
 
 impl HardEdges {
     /// Finds the hard edges of a shape: edges between two faces with normals `n` and `m` (Newell's, of length 1) if
-    /// `n . m` is below the cosine of the angle by more than [`SLACK`], and edges of more than two faces. Edges of
-    /// faces without area are not hard.
+    /// `n . m` is below the cosine of the angle by more than [`COSINE_SLACK`], and edges of more than two faces. Edges
+    /// of faces without area are not hard.
     ///
     /// # Errors
     /// A stopped watch, or positions that are not finite.
@@ -81,7 +81,7 @@ impl HardEdges {
         let (Shape::Mesh(mesh), Some(angle)) = (shape, angle(options)) else { return Ok(Self::default()) };
         let (normals, sides) = faces(mesh, watch)?;
         // the sine of the complement, which is exact at 0 and 90 degrees
-        let cosine = sin((90.0 - angle) * (std::f64::consts::PI / 180.0)) - SLACK;
+        let cosine = sin((90.0 - angle) * (std::f64::consts::PI / 180.0)) - COSINE_SLACK;
         let has_area = |normal: [f64; 3]| normal.iter().any(|&x| x != 0.0);
         let is_hard = |[n, m]: [[f64; 3]; 2]| has_area(n) && has_area(m) && dot(n, m) < cosine;
         let edges = sides.chunk_by(|a, b| a[..2] == b[..2]).filter(|sides| match sides {

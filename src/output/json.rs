@@ -31,7 +31,7 @@ use crate::watch::Watch;
 use row::{faces, row, vectors};
 
 /// The option of discrete curvature.
-const CURVATURE: Parameter = Parameter::flag(
+const DISCRETE_CURVATURE: Parameter = Parameter::flag(
     "discrete_curvature",
     "Whether the curvature of the circle through each point and its neighbours is written, signed in the plane; \
      null at ends and at repeated points. Curves in the plane and in space only.",
@@ -78,7 +78,7 @@ const FACTS: &FormatFacts = &FormatFacts {
     media_type: "application/json",
     content: Content::Json,
     doc: "JSON as in requests: all coordinates at full precision, polygons as they are",
-    parameters: &[POSITIONS, NORMALS, TANGENTS, CURVATURE, IDS, EDGES, SECTIONS, CONTROL],
+    parameters: &[POSITIONS, NORMALS, TANGENTS, DISCRETE_CURVATURE, IDS, EDGES, SECTIONS, CONTROL],
     holds: |_, _| Ok(()),
     ..FormatFacts::USUAL
 };
@@ -132,7 +132,7 @@ impl Requirements for Json {
                 "a mesh has no tangents; ask for \"normals\" where a format knows them",
             ));
         }
-        if options.flag(CURVATURE.name) && !bends {
+        if options.flag(DISCRETE_CURVATURE.name) && !bends {
             let detail = "discrete curvature is defined for curves in the plane and in space; leave it out";
             return Err(Fault::new("/discrete_curvature", detail));
         }
@@ -176,7 +176,7 @@ impl Costs for Json {
                     (counts.polygons, polygon + arrays),
                     (counts.vertices, row),
                     (counts.vertices * asked(TANGENTS.name), row.max(5)),
-                    (counts.vertices * asked(CURVATURE.name), REAL + 1),
+                    (counts.vertices * asked(DISCRETE_CURVATURE.name), REAL + 1),
                 ])
             }
             ShapeKind::Mesh => {
@@ -282,7 +282,7 @@ fn write_curve(curve: &Curve, options: &Values, stream: &mut Stream<'_>) -> Resu
     if let Some(tangents) = curve.tangents.as_ref().filter(|_| options.flag(TANGENTS.name)) {
         write_tangents(tangents, curve.dimension, stream)?;
     }
-    if options.flag(CURVATURE.name) { write_curvatures(curve, points.len(), stream) } else { Ok(()) }
+    if options.flag(DISCRETE_CURVATURE.name) { write_curvatures(curve, points.len(), stream) } else { Ok(()) }
 }
 
 fn write_tangents(tangents: &[f64], dimension: usize, stream: &mut Stream<'_>) -> Result<(), FormatError> {

@@ -7,7 +7,7 @@ use crate::shape::creases::CreaseTags;
 use crate::shape::looks::{Alpha, Look};
 
 /// Maximum number of channels that a sentence names.
-const NAMED: usize = 8;
+const MAX_NAMED_CHANNELS: usize = 8;
 
 /// A kind of attachment.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -98,11 +98,11 @@ impl Datum {
 /// Returns the names of channels, and whether there is only one.
 fn named<'a>(channels: impl Iterator<Item = &'a Channel>) -> Option<(String, bool)> {
     let names: Vec<String> = channels.map(|channel| format!("\"{}\"", channel.name)).collect();
-    let more = if names.len() > NAMED { ", ..." } else { "" };
+    let more = if names.len() > MAX_NAMED_CHANNELS { ", ..." } else { "" };
     match names.len() {
         0 => None,
         1 => Some((format!("the channel {}", names[0]), true)),
-        n => Some((format!("the channels {}{more}", names[..n.min(NAMED)].join(", ")), false)),
+        n => Some((format!("the channels {}{more}", names[..n.min(MAX_NAMED_CHANNELS)].join(", ")), false)),
     }
 }
 

@@ -24,7 +24,7 @@ pub(super) struct Curvatures {
 /// Minimum of twice the area of the faces around a vertex that define a curvature, in units of half the longest side of
 /// the mesh squared. Coordinates are rounded to 16 digits; faces a billionth of the mesh long (this area) have about
 /// seven left. Half or twice of it makes a difference only for meshes of 10^17 faces.
-const LEAST_AREA: f64 = 1e-18;
+const LEAST_CURVED_AREA: f64 = 1e-18;
 
 /// Returns the curvatures of a mesh with these positions (model units), one of each kind per vertex.
 ///
@@ -54,7 +54,7 @@ pub(super) fn curvatures(mesh: &dyn MeshSource, positions: &[[f64; 3]], watch: &
     let scale = normals::scale(positions);
     let area = sums(mesh, |face| normals::area_vector(face, positions, scale), watch)?;
     let mut areas: Vec<f64> = area.par_iter().zip(&unit_normals).map(|(area, n)| dot(*area, *n)).collect();
-    areas.par_iter_mut().for_each(|area| *area = if *area > LEAST_AREA { *area } else { 0.0 });
+    areas.par_iter_mut().for_each(|area| *area = if *area > LEAST_CURVED_AREA { *area } else { 0.0 });
     drop(area);
     // NaN marks vertices without an area
     let over_area = |sums: &[[f64; 3]], unit: f64| -> Vec<f64> {
@@ -195,4 +195,4 @@ fn fill(
 
 /// Bytes of memory per vertex: normals, a sum while it is computed, both curvatures and areas, the marks before and
 /// after they are widened, and the values that are filled in.
-pub(super) const VERTEX_BYTES: u128 = 2 * 24 + 3 * 8 + 2 + 4 + 4 + 16;
+pub(super) const CURVATURE_VERTEX_BYTES: u128 = 2 * 24 + 3 * 8 + 2 + 4 + 4 + 16;

@@ -69,7 +69,7 @@ pub use error::FormatError;
 pub use farthest::{Farthest, Measured};
 pub use format::{Content, Costs, Details, Format, FormatFacts, MadeOf, Paper, ParameterSweep, Requirements};
 pub use obj::WITHOUT_LIBRARY;
-pub use options::{CAGE, DIRECTIONS, LIMIT, POSITIONS, TANGENTS};
+pub use options::{CAGE, DIRECTION_ITEMS, LIMIT, POSITIONS, TANGENTS};
 pub use picture::hidden_lines::MAX_LINE_TRIANGLES;
 pub use picture::outline::Outline;
 pub use picture::shading::shows_distances;
@@ -94,8 +94,8 @@ pub const FORMATS: &[&dyn Format] = &[
     &apng::Apng,
     &vector::SVG,
     &vector::PDF,
-    &stencils::TEXT,
-    &stencils::BINARY,
+    &stencils::STENCILS_TEXT,
+    &stencils::STENCILS_BINARY,
 ];
 
 /// Returns the format with this name.

@@ -17,10 +17,10 @@ use crate::shape::textures::{Image, ImageKind, Wrap};
 use crate::watch::Watch;
 
 /// The first line.
-const HEADER: &[u8] = b"# planish\n";
+const FIRST_LINE: &[u8] = b"# planish\n";
 
 /// Bytes of a material besides its names and its numbers.
-const WORDS: u128 = b"newmtl \nKd   \nd \nPm \nPr \nmap_Kd -clamp on -256.jpg\n".len() as u128;
+const MATERIAL_WORDS_BYTES: u128 = b"newmtl \nKd   \nd \nPm \nPr \nmap_Kd -clamp on -256.jpg\n".len() as u128;
 
 /// The option of textures.
 const TEXTURES: Parameter = Parameter::optional(
@@ -86,8 +86,10 @@ impl Requirements for Mtl {
 impl Costs for Mtl {
     fn size(&self, counts: &Counts, options: &Values) -> Size {
         let names = &counts.attachments.materials;
-        let material = WORDS + 6 * REAL + options.name(TEXTURES.name).map_or(0, |stem| stem.len() as u128);
-        let rows = [(1, HEADER.len() as u128), (names.names.len() as u128, material), (1, names.name_bytes() as u128)];
+        let material =
+            MATERIAL_WORDS_BYTES + 6 * REAL + options.name(TEXTURES.name).map_or(0, |stem| stem.len() as u128);
+        let rows =
+            [(1, FIRST_LINE.len() as u128), (names.names.len() as u128, material), (1, names.name_bytes() as u128)];
         Size::AtMost(total(&rows))
     }
 }
@@ -101,7 +103,7 @@ pub fn unheld(carried: &Attachments) -> Vec<String> {
 /// given.
 pub fn library(carried: &Attachments, textures: Option<&str>) -> Vec<u8> {
     let images = images(&carried.looks);
-    let mut text = HEADER.to_vec();
+    let mut text = FIRST_LINE.to_vec();
     for (i, name) in carried.materials.names.iter().enumerate() {
         text.extend_from_slice(b"newmtl ");
         text.extend_from_slice(name.as_bytes());

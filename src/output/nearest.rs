@@ -2,18 +2,18 @@
 
 use rayon::prelude::*;
 
-use super::scene::{CHUNK, Curve, MeshSource, each_face, triangles};
+use super::scene::{Curve, MeshSource, ROWS_PER_CHUNK, each_face, triangles};
 use crate::math::functions::sqrt;
 use crate::math::vector::{Vector, length, minus, square_from_triangle};
 use crate::watch::{Stopped, Watch};
 
 /// Maximum number of triangles of a leaf. Half of it doubles the nodes of the tree; twice of it measures up to 8
 /// triangles where a box would do. Distances are the same.
-const LEAF: usize = 4;
+const TRIANGLES_PER_LEAF: usize = 4;
 
 /// Bytes of memory per triangle of the mesh: its corners (72), its place in the order (4), and its share of the nodes,
 /// of which there are at most as many (56).
-pub(super) const TRIANGLE_BYTES: u128 = 72 + 4 + 56;
+pub(super) const TREE_TRIANGLE_BYTES: u128 = 72 + 4 + 56;
 
 /// The triangles of a mesh in a tree of boxes.
 #[derive(Debug)]
@@ -119,7 +119,7 @@ impl Triangles {
     /// [`Stopped`] when the watch says so.
     pub(super) fn distances(&self, points: &[Vector], watch: &Watch) -> Result<Vec<f64>, Stopped> {
         let mut distances = vec![f64::INFINITY; points.len()];
-        let part = CHUNK / 16;
+        let part = ROWS_PER_CHUNK / 16;
         distances.par_chunks_mut(part).zip(points.par_chunks(part)).try_for_each(|(distances, points)| {
             let (mut near, mut waiting) = (0, Vec::new());
             for (distance, &point) in distances.iter_mut().zip(points) {
@@ -161,7 +161,7 @@ fn grow(
     let number = |n: usize| u32::try_from(n).expect("fewer than 2^32 triangles");
     let (here, n) = (nodes.len(), corners.len());
     nodes.push(TriangleNode { low, high, from: number(start), to: number(start + n), second: 0 });
-    if n > LEAF {
+    if n > TRIANGLES_PER_LEAF {
         let longest = (1..3).fold(0, |k, other| if high[other] - low[other] > high[k] - low[k] { other } else { k });
         let middle = |triangle: &[Vector; 3]| triangle.iter().map(|p| p[longest] / 3.0).sum::<f64>();
         let half = n / 2;

@@ -6,7 +6,7 @@ use rayon::prelude::*;
 
 use crate::math::vector::{cross, minus, plus, times, unit};
 use crate::output::bounds::CoordinateBounds;
-use crate::output::scene::{CHUNK, FaceChunk, MeshSource, OnDemandSource, in_chunks};
+use crate::output::scene::{FaceChunk, MeshSource, OnDemandSource, ROWS_PER_CHUNK, in_chunks};
 use crate::output::vertex_sums::sums;
 use crate::watch::{Stopped, Watch};
 
@@ -127,7 +127,8 @@ pub fn scale(positions: &[[f64; 3]]) -> f64 {
         bounds.add(rows);
         bounds
     };
-    let bounds = positions.par_chunks(CHUNK).map(block).reduce(|| CoordinateBounds::EMPTY, |a, b| a.joined(&b));
+    let bounds =
+        positions.par_chunks(ROWS_PER_CHUNK).map(block).reduce(|| CoordinateBounds::EMPTY, |a, b| a.joined(&b));
     scale_of(&bounds)
 }
 

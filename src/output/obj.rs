@@ -48,10 +48,10 @@ fn header(frame: Frame, options: &Values) -> String {
 }
 
 /// The lines of vertices, texture coordinates, normals and faces.
-const VERTEX: RowStyle = line(b"v");
-const UV: RowStyle = line(b"vt");
-const NORMAL: RowStyle = line(b"vn");
-const FACE: RowStyle = line(b"f");
+const VERTEX_LINE: RowStyle = line(b"v");
+const UV_LINE: RowStyle = line(b"vt");
+const NORMAL_LINE: RowStyle = line(b"vn");
+const FACE_LINE: RowStyle = line(b"f");
 
 const fn line(keyword: &'static [u8]) -> RowStyle {
     RowStyle { start: keyword, open: b' ', between: b' ', end: b"\n" }
@@ -111,7 +111,7 @@ impl Format for Obj {
                 obj_mesh.vertices(&Positions::of_mesh(mesh), &mut stream)?;
                 obj_mesh.uvs(&mut stream)?;
                 if mesh.uvs().is_none() && !obj_mesh.tells_of_faces() {
-                    stream.faces(mesh, |_, faces, out| FACE.faces(faces, 1, out))?;
+                    stream.faces(mesh, |_, faces, out| FACE_LINE.faces(faces, 1, out))?;
                 } else {
                     stream.faces_and_uvs(mesh, |start, chunks, out| {
                         out.append(|out| {
@@ -208,7 +208,7 @@ fn write_with_normals(obj_mesh: &ObjMesh<'_>, stream: &mut Stream<'_>, watch: &W
     drop(positions);
     let origin = |v: u32| split_vertices.as_ref().map_or(v, |split_vertices| split_vertices.origin(v));
     stream.rows(&normals, |_, rows, out| {
-        out.append(|out| rows.iter().for_each(|&normal| NORMAL.reals(&normals::or_up(normal), out)));
+        out.append(|out| rows.iter().for_each(|&normal| NORMAL_LINE.reals(&normals::or_up(normal), out)));
     })?;
     stream.faces_and_uvs(sides, |start, chunks, out| {
         out.append(|out| {
@@ -251,7 +251,7 @@ fn write_curves(curves: &[Curve], stream: &mut Stream<'_>) -> Result<(), FormatE
 
 fn vertices(positions: &Positions<'_>, stream: &mut Stream<'_>) -> Result<(), FormatError> {
     stream.positions(positions, |_, rows, out| {
-        out.append(|out| rows.iter().for_each(|position| VERTEX.reals(position, out)));
+        out.append(|out| rows.iter().for_each(|position| VERTEX_LINE.reals(position, out)));
     })
 }
 
@@ -280,7 +280,7 @@ impl ObjMesh<'_> {
                 out.append(|out| {
                     for (vertex, position) in (start..).zip(rows) {
                         self.before_vertex(vertex, out);
-                        VERTEX.reals(position, out);
+                        VERTEX_LINE.reals(position, out);
                     }
                 });
             });
@@ -291,7 +291,7 @@ impl ObjMesh<'_> {
             out.append(|out| {
                 for ((vertex, &[x, y, z]), color) in (start..).zip(rows).zip(colors.chunks_exact(color)) {
                     self.before_vertex(vertex, out);
-                    VERTEX.reals(&[x, y, z, within(color[0]), within(color[1]), within(color[2])], out);
+                    VERTEX_LINE.reals(&[x, y, z, within(color[0]), within(color[1]), within(color[2])], out);
                 }
             });
         })
@@ -321,7 +321,7 @@ impl ObjMesh<'_> {
     /// Writes the texture coordinates.
     fn uvs(&self, stream: &mut Stream<'_>) -> Result<(), FormatError> {
         stream.uvs(self.mesh, |_, values, out| {
-            out.append(|out| values.iter().for_each(|value| UV.reals(value, out)));
+            out.append(|out| values.iter().for_each(|value| UV_LINE.reals(value, out)));
         })
     }
 

@@ -15,7 +15,7 @@ pub const CAGE: &str = "cage";
 pub(super) const ISOLINES: &str = "isolines";
 
 /// Edges along latitude and longitude lines of the input, as items of pictures.
-pub const DIRECTIONS: [&str; 2] = ["latitude", "longitude"];
+pub const DIRECTION_ITEMS: [&str; 2] = ["latitude", "longitude"];
 
 /// The choice that moves points to the limit.
 pub const LIMIT: &str = "limit";

@@ -52,7 +52,7 @@ const FACTS: &FormatFacts = &FormatFacts {
     media_type: "model/ply",
     content: Content::Binary,
     doc: "Stanford PLY: polygons as they are, f64 or f32 coordinates, binary little endian or text",
-    parameters: PARAMETERS,
+    parameters: PLY_OPTIONS,
     holds: |kind, _| holds_space("ply", kind),
     has_no_tags: true,
     ..FormatFacts::USUAL
@@ -102,7 +102,7 @@ impl Costs for Ply {
     }
 }
 
-const PARAMETERS: &[Parameter] = &[
+const PLY_OPTIONS: &[Parameter] = &[
     Parameter::flag("ascii", "Text instead of binary little endian"),
     Parameter::choice("precision", &["f64", "f32"], "Coordinates as double, or rounded once to float"),
     NORMALS,

@@ -32,7 +32,7 @@ use crate::watch::{Stage, Watch};
 
 /// Bytes per pixel while a surface is drawn: its light and depth (12), its colour (4), and 6 for cells of the map of
 /// hollows, of which there are at most two in three pixels.
-const PIXEL_BYTES: u128 = 22;
+const SURFACE_PIXEL_BYTES: u128 = 22;
 /// Bytes per pixel while lines are drawn: their light (8), and a colour.
 const LINE_PIXEL_BYTES: u128 = 12;
 /// Bytes per half-edge of a mesh whose edges are drawn: the sides before they are sorted (8), and half of an edge as it
@@ -47,7 +47,7 @@ const GROUND_BYTES: u128 = 12;
 pub(super) struct Png;
 
 /// The options of the picture.
-pub(super) const PARAMETERS: &[Parameter] = &[
+pub(super) const PNG_OPTIONS: &[Parameter] = &[
     WIDTH,
     HEIGHT,
     DPI,
@@ -125,7 +125,7 @@ const FACTS: &FormatFacts = &FormatFacts {
     media_type: "image/png",
     content: Content::Packed,
     doc: "A picture in pixels: a lit mesh with hidden lines removed, or curves with their control polygons.",
-    parameters: PARAMETERS,
+    parameters: PNG_OPTIONS,
     paper: Some(Paper::Png),
     holds: |kind, _| options::drawable(kind),
     ..FormatFacts::USUAL
@@ -187,7 +187,7 @@ impl Costs for Png {
         let n_pixels = options::size(options).map(u128::from).iter().product::<u128>();
         let shown = *options.get("show") != Value::Absent;
         let has_surface = counts.kind == ShapeKind::Mesh && (!shown || options.has("show", "surface"));
-        let surface = if has_surface { PIXEL_BYTES } else { 0 };
+        let surface = if has_surface { SURFACE_PIXEL_BYTES } else { 0 };
         let lines = if shown || !has_surface { LINE_PIXEL_BYTES } else { 0 };
         let pixels = n_pixels * (surface + lines);
         let numbers = look::memory(options, vertices, n_pixels, counts);

@@ -7,7 +7,7 @@ use rayon::prelude::*;
 
 use crate::output::bounds::CoordinateBounds;
 use crate::output::error::FormatError;
-use crate::output::scene::{CHUNK, Curve, MeshSource, in_chunks, ranges};
+use crate::output::scene::{Curve, MeshSource, ROWS_PER_CHUNK, in_chunks, ranges};
 use crate::watch::Watch;
 
 /// A source of positions of vertices, and the largest coordinate allowed.
@@ -81,7 +81,7 @@ impl<'a> Positions<'a> {
 
     /// Returns the box around all positions.
     pub(super) fn bounds(&self, watch: &Watch) -> Result<CoordinateBounds<3>, FormatError> {
-        let ranges: Vec<Range<usize>> = self.ranges(CHUNK).collect();
+        let ranges: Vec<Range<usize>> = self.ranges(ROWS_PER_CHUNK).collect();
         let chunk = |buffer: &mut Vec<[f64; 3]>, range: Range<usize>| {
             watch.check()?;
             let mut bounds = CoordinateBounds::EMPTY;

@@ -16,7 +16,7 @@ use crate::shape::weights::Weights;
 use crate::watch::{Stopped, Watch};
 
 /// Maximum number of rows in a chunk; writers request ranges no longer than this.
-pub const CHUNK: usize = 65_536;
+pub const ROWS_PER_CHUNK: usize = 65_536;
 
 /// Everything that a writer may draw or write.
 #[derive(Debug, Clone, Copy)]
@@ -149,10 +149,10 @@ pub fn each_face(mesh: &dyn MeshSource, watch: &Watch, mut each: impl FnMut(&[u3
     })
 }
 
-/// Calls `each` with consecutive ranges of at most [`CHUNK`] that cover `0..n`.
+/// Calls `each` with consecutive ranges of at most [`ROWS_PER_CHUNK`] that cover `0..n`.
 ///
 /// # Errors
 /// The first error of `each`.
 pub fn in_chunks<E>(n: usize, mut each: impl FnMut(Range<usize>) -> Result<(), E>) -> Result<(), E> {
-    (0..n).step_by(CHUNK).try_for_each(|start| each(start..n.min(start + CHUNK)))
+    (0..n).step_by(ROWS_PER_CHUNK).try_for_each(|start| each(start..n.min(start + ROWS_PER_CHUNK)))
 }

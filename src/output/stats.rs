@@ -118,14 +118,14 @@ impl Costs for Stats {
     /// which there are at most two per half-edge; likewise for distinct sizes of faces.
     fn size(&self, counts: &Counts, options: &Values) -> Size {
         let distinct = counts.half_edges.saturating_mul(4).isqrt() + 1;
-        let curvature_bytes = if options.flag(CURVATURE.name) { fairness::LENGTH } else { 0 };
+        let curvature_bytes = if options.flag(CURVATURE.name) { fairness::FAIRNESS_ENTRY_BYTES } else { 0 };
         let certified = if options.flag(CERTIFICATE.name) { certificate::length(counts, options) } else { 0 };
         let entry = br#""1234567890":12345678901234567890,"#.len() as u128;
         Size::AtMost(total(&[(1, 2_048 + curvature_bytes), (1, certified), (3 * distinct.min(counts.vertices), entry)]))
     }
 
     fn memory(&self, counts: &Counts, options: &Values) -> u128 {
-        let [of_vertex, of_corner] = fairness::BYTES;
+        let [of_vertex, of_corner] = fairness::FAIRNESS_BYTES;
         let vertices = counts.vertices.saturating_add(counts.split_vertices);
         let curvature_bytes =
             vertices.saturating_mul(of_vertex).saturating_add(counts.half_edges.saturating_mul(of_corner));

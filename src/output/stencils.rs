@@ -36,7 +36,7 @@ pub(super) struct StencilsFormat {
 }
 
 /// The format that writes JSON text.
-pub(super) const TEXT: StencilsFormat = StencilsFormat {
+pub(super) const STENCILS_TEXT: StencilsFormat = StencilsFormat {
     facts: &FormatFacts {
         name: "stencils",
         extension: "stencils",
@@ -50,7 +50,7 @@ pub(super) const TEXT: StencilsFormat = StencilsFormat {
 };
 
 /// The format that writes arrays behind a line of JSON.
-pub(super) const BINARY: StencilsFormat = StencilsFormat {
+pub(super) const STENCILS_BINARY: StencilsFormat = StencilsFormat {
     facts: &FormatFacts {
         name: "stencils-bin",
         extension: "stencils-bin",
@@ -64,7 +64,7 @@ pub(super) const BINARY: StencilsFormat = StencilsFormat {
 
 /// The facts that both formats share.
 const FACTS: FormatFacts = FormatFacts {
-    parameters: &[POSITIONS, NORMALS],
+    parameters: &[POSITIONS, STENCIL_NORMALS],
     made_of: MadeOf::Weights,
     // all frames have the same weights
     holds_frames: true,
@@ -72,7 +72,7 @@ const FACTS: FormatFacts = FormatFacts {
 };
 
 /// The option of normals.
-const NORMALS: Parameter = Parameter::choice(
+const STENCIL_NORMALS: Parameter = Parameter::choice(
     "normals",
     &["none", LIMIT],
     "Whether rows follow for two tangents of the limit surface at each vertex of a mesh, whose vector product \
@@ -84,12 +84,12 @@ const ORDER: &str = "values are the input points, then the rows; a row sums its 
                      several entries its symmetric sum; the last rows are the results";
 
 /// Maximum number of bytes of the head without its numbers of vertices: names, counts and the sentence.
-const HEAD: u128 = 1024;
+const STENCIL_HEAD_BYTES: u128 = 1024;
 
 /// Bytes of memory of an entry while all rows are held, twice as lists grow: index and weight, and half of a group.
-const ENTRY_BYTES: u128 = 2 * (4 + 8 + 12);
+const STENCIL_ENTRY_BYTES: u128 = 2 * (4 + 8 + 12);
 /// Bytes of memory of a row: its start, and the number of its point.
-const ROW_BYTES: u128 = 2 * (8 + 4);
+const STENCIL_ROW_BYTES: u128 = 2 * (8 + 4);
 /// Number of entries that are made in the time of a row of refinement.
 const ENTRIES_A_ROW: u128 = 4;
 
@@ -110,7 +110,7 @@ impl Format for StencilsFormat {
 impl Requirements for StencilsFormat {
     fn suits(&self, kind: ShapeKind, _: &Attachments, options: &Values) -> Result<(), Fault> {
         let is_curve = matches!(kind, ShapeKind::Curves { .. });
-        if is_curve && options.choice(NORMALS.name) == Some(LIMIT) {
+        if is_curve && options.choice(STENCIL_NORMALS.name) == Some(LIMIT) {
             return Err(Fault::new("/normals", "curves have no normals; leave it out"));
         }
         Ok(())
@@ -134,12 +134,12 @@ impl Costs for StencilsFormat {
         let ends = rows.saturating_add(1);
         // an entry has an index, a weight, and outside groups a term; every further sector a number
         let (of_entry, of_row) = (2 * number + weight, (number + if self.is_text { REAL } else { 0 }) + number);
-        Size::AtMost(total(&[(1, HEAD), (ends, of_row), (entries, of_entry), (counts.vertices, number)]))
+        Size::AtMost(total(&[(1, STENCIL_HEAD_BYTES), (ends, of_row), (entries, of_entry), (counts.vertices, number)]))
     }
 
     fn memory(&self, counts: &Counts, _: &Values) -> u128 {
         let [rows, entries] = counts.weights;
-        total(&[(rows, ROW_BYTES), (entries, ENTRY_BYTES)])
+        total(&[(rows, STENCIL_ROW_BYTES), (entries, STENCIL_ENTRY_BYTES)])
     }
 
     fn work(&self, _: Option<&Mesh>, counts: &Counts, _: &Values) -> u128 {

@@ -25,10 +25,10 @@ use crate::shape::tile::Tile;
 use crate::watch::Watch;
 
 /// Bytes before the number of triangles; programs take a file that starts with "solid" for text.
-const HEADER: &[u8; 80] = b"planish; binary STL, units as in the model                                      ";
+const STL_HEADER: &[u8; 80] = b"planish; binary STL, units as in the model                                      ";
 
 /// Bytes per triangle: normal, three corners, two unused bytes.
-const TRIANGLE: u128 = 50;
+const BINARY_TRIANGLE_BYTES: u128 = 50;
 
 /// Binary STL: the triangles with their unit normals, which are computed in f64 and zero where undefined.
 #[derive(Debug)]
@@ -87,7 +87,7 @@ impl Requirements for Stl {
 
 impl Costs for Stl {
     fn size(&self, counts: &Counts, _options: &Values) -> Size {
-        Size::Exact(total(&[(1, HEADER.len() as u128 + 4), (n_triangles(counts), TRIANGLE)]))
+        Size::Exact(total(&[(1, STL_HEADER.len() as u128 + 4), (n_triangles(counts), BINARY_TRIANGLE_BYTES)]))
     }
 }
 
@@ -121,7 +121,7 @@ fn write_mesh(
     let scale = normals::scale(rows);
     let at = |v: u32| rows[v as usize];
     let mut stream = Stream::new(out, watch);
-    stream.bytes(HEADER)?;
+    stream.bytes(STL_HEADER)?;
     stream.bytes(&n.to_le_bytes())?;
     let write = |record: &mut StlTriangle, triangle: [u32; 3]| {
         let own = || normals::of_triangle(triangle.map(at), scale);
@@ -155,7 +155,7 @@ fn write_on_demand(
 ) -> Result<(), FormatError> {
     let scale = normals::scale_of(&Positions::of_mesh(mesh).within_f32().bounds(watch)?);
     let mut stream = Stream::new(out, watch);
-    stream.bytes(HEADER)?;
+    stream.bytes(STL_HEADER)?;
     stream.bytes(&n_triangles.to_le_bytes())?;
     stream.corners(mesh.n_faces(), source, |quads, out| {
         let pairs = out.rows(2 * quads.len()).as_chunks_mut().0;
@@ -164,7 +164,7 @@ fn write_on_demand(
 }
 
 /// The bytes of a triangle.
-type StlTriangle = [u8; TRIANGLE as usize];
+type StlTriangle = [u8; BINARY_TRIANGLE_BYTES as usize];
 
 fn put(normal: [f64; 3], [a, b, c]: [[u8; 12]; 3], record: &mut StlTriangle) {
     let (slots, nothing) = record.as_chunks_mut();

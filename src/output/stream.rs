@@ -14,7 +14,7 @@ use crate::watch::Watch;
 /// Number of rows of a block: its bytes, 50 to 300 KB, stay in the cache of the core that makes them until they are
 /// written. Half of it hands out work twice as often; twice of it holds twice the memory, and starts threads for larger
 /// meshes only.
-pub(super) const BLOCK: usize = 4_096;
+pub(super) const ROWS_PER_BLOCK: usize = 4_096;
 
 /// Number of blocks per thread that are encoded while earlier blocks are written, so that the threads end at about the
 /// same time. Half of it lets them wait for each other twice as often; twice of it holds twice the memory.
@@ -67,7 +67,7 @@ impl<'a> Stream<'a> {
         positions: &Positions<'_>,
         encode: impl Fn(usize, &[[f64; 3]], &mut Bytes) + Sync,
     ) -> Result<(), FormatError> {
-        self.encoded(positions.ranges(BLOCK), |range, block| {
+        self.encoded(positions.ranges(ROWS_PER_BLOCK), |range, block| {
             encode(range.start, positions.rows_in(range.clone(), &mut block.points)?, &mut block.bytes);
             Ok(())
         })
@@ -276,7 +276,7 @@ impl<'a> Stream<'a> {
 
 /// Returns consecutive blocks of rows.
 fn blocks(rows: Range<usize>) -> impl Iterator<Item = Range<usize>> {
-    rows.clone().step_by(BLOCK).map(move |start| start..rows.end.min(start + BLOCK))
+    rows.clone().step_by(ROWS_PER_BLOCK).map(move |start| start..rows.end.min(start + ROWS_PER_BLOCK))
 }
 
 /// Writes blocks up to the first that could not be encoded, and returns its error.

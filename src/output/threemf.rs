@@ -8,7 +8,7 @@ use std::io::Write;
 
 use self::look::{TriangleMaterials, color, escaped};
 use self::package::{Package, overhead};
-use self::parts::{MAX_PARTS, MeshParts, TRIANGLE_BYTES, VERTEX_BYTES};
+use self::parts::{MAX_PARTS, MeshParts, PART_TRIANGLE_BYTES, PART_VERTEX_BYTES};
 use crate::fault::Fault;
 use crate::math::amounts::in_bytes;
 use crate::math::parameter::{Parameter, Values};
@@ -49,7 +49,7 @@ const RELATIONS: &str = "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<Relationsh
                          xmlns=\"http://schemas.openxmlformats.org/package/2006/relationships\">\n<Relationship \
                          Target=\"/3D/3dmodel.model\" Id=\"rel0\" \
                          Type=\"http://schemas.microsoft.com/3dmanufacturing/2013/01/3dmodel\"/>\n</Relationships>\n";
-const NAMES: [&str; 3] = ["[Content_Types].xml", "_rels/.rels", "3D/3dmodel.model"];
+const PACKAGE_NAMES: [&str; 3] = ["[Content_Types].xml", "_rels/.rels", "3D/3dmodel.model"];
 
 /// The transform of y-up models to 3MF, where z points up: the rows of the matrix by which row vectors are multiplied.
 const UPRIGHT: &str = " transform=\"1 0 0 0 0 1 0 -1 0 0 0 0\"";
@@ -101,7 +101,7 @@ impl Format for ThreeMf {
                 "no face is shown, and 3mf holds no model without one; ask for json".into(),
             ));
         }
-        let [types, relations, model] = NAMES;
+        let [types, relations, model] = PACKAGE_NAMES;
         let mut package = Package::new(out);
         package.file(types, |out| Ok::<_, FormatError>(out.write_all(TYPES.as_bytes())?))?;
         package.file(relations, |out| Ok::<_, FormatError>(out.write_all(RELATIONS.as_bytes())?))?;
@@ -141,7 +141,7 @@ impl Requirements for ThreeMf {
 impl Costs for ThreeMf {
     fn size(&self, counts: &Counts, options: &Values) -> Size {
         let model = model_length(counts, options);
-        let names = NAMES.iter().map(|name| name.len() as u128).sum();
+        let names = PACKAGE_NAMES.iter().map(|name| name.len() as u128).sum();
         let small = (TYPES.len() + RELATIONS.len()) as u128;
         // if stored, five bytes precede each block and a few follow at the end
         Size::AtMost(total(&[(1, model), (1, model / 1_000), (1, small), (1, overhead(3, names) + 64)]))
@@ -151,7 +151,7 @@ impl Costs for ThreeMf {
         if options.choice(PARTS.name) != Some(COMPONENTS) {
             return 0;
         }
-        total(&[(counts.vertices, VERTEX_BYTES), (counts.triangles(), TRIANGLE_BYTES)])
+        total(&[(counts.vertices, PART_VERTEX_BYTES), (counts.triangles(), PART_TRIANGLE_BYTES)])
     }
 
     /// Compressing takes about 25 ns a byte.

@@ -37,8 +37,8 @@ use crate::shape::tile::Tile;
 use crate::watch::Watch;
 
 /// Maximum number of bytes of everything but lists, and of a group or a material without its list of faces.
-const FRAME: u128 = 4_096;
-const LABEL: u128 = 1_280;
+const USDA_FRAME_BYTES: u128 = 4_096;
+const USDA_LABEL_BYTES: u128 = 1_280;
 
 /// USD as text (`.usda`): one `Mesh` below an `Xform`, with `metersPerUnit` and `upAxis` of the input.
 ///
@@ -278,12 +278,12 @@ fn size(counts: &Counts, options: &Values) -> u128 {
     let labels = |labels: &Labels| {
         let named = if labels.is_empty() { 0 } else { faces };
         let names = 12 * labels.name_bytes() as u128;
-        total(&[(labels.names.len() as u128, LABEL), (1, names), (named, index)])
+        total(&[(labels.names.len() as u128, USDA_LABEL_BYTES), (1, names), (named, index)])
     };
     let names = labels(&carried.groups).saturating_add(labels(&carried.materials));
     let tag = 2 * index + row(1) + 3;
     of_channels.fold(names, u128::saturating_add).saturating_add(total(&[
-        (1, FRAME),
+        (1, USDA_FRAME_BYTES),
         (vertices, row(3)),
         (n_normals, row(3)),
         (counts.uvs, row(2)),

@@ -35,7 +35,7 @@ const SVG_FACTS: &FormatFacts = &FormatFacts {
     content: Content::Text,
     doc: "A drawing in paths that scale: of curves with their control polygons, of a mesh without its hidden lines, or \
           of plane sections of a mesh.",
-    parameters: vector::PARAMETERS,
+    parameters: vector::VECTOR_OPTIONS,
     paper: Some(Paper::Svg),
     holds: vector::holds,
     ..FormatFacts::USUAL
@@ -47,7 +47,7 @@ const PDF_FACTS: &FormatFacts = &FormatFacts {
     media_type: "application/pdf",
     content: Content::Packed,
     doc: "The drawing of \"svg\" as a page, as LaTeX wants it.",
-    parameters: vector::PARAMETERS,
+    parameters: vector::VECTOR_OPTIONS,
     paper: Some(Paper::Pdf),
     holds: vector::holds,
     ..FormatFacts::USUAL

@@ -12,7 +12,7 @@ use crate::watch::{Stopped, Watch};
 
 /// Number of faces of a part, which one thread sums at a time; its data stay in the cache of a core. Half of it makes
 /// more vertices common to two parts; twice of it no longer fits into half a megabyte.
-const PART: usize = 4_096;
+const FACES_PER_PART: usize = 4_096;
 
 /// Maximum number of parts that are summed before their shared sums are added: 65,536 faces, 60 bytes each. Half of it
 /// leaves work for eight threads only; twice of it holds twice the memory.
@@ -58,7 +58,7 @@ pub(super) fn sums(
 
 /// Returns the faces of a part.
 fn faces_of(mesh: &dyn MeshSource, part: usize) -> Range<usize> {
-    part * PART..mesh.n_faces().min((part + 1) * PART)
+    part * FACES_PER_PART..mesh.n_faces().min((part + 1) * FACES_PER_PART)
 }
 
 /// Returns for each part a range of vertices that no other part has, in ascending order: of the vertices inside faces
@@ -74,7 +74,7 @@ fn own_vertices(mesh: &dyn MeshSource, watch: &Watch) -> Result<Vec<Range<u32>>,
         let [low, high] = span(&faces.vertices, inside.start, inside.end - inside.start);
         Ok(inside.start + low..inside.start + high)
     };
-    let parts = 0..mesh.n_faces().div_ceil(PART);
+    let parts = 0..mesh.n_faces().div_ceil(FACES_PER_PART);
     let ranges: Result<Vec<Range<u32>>, Stopped> = parts.into_par_iter().map_init(FaceChunk::default, range).collect();
     let mut ranges = ranges?;
     let (mut before, mut after) = (inside.start, inside.end);

@@ -9,7 +9,7 @@ use super::finish::Finisher;
 use super::line::StrokeLayer;
 use super::model::{Model, ShadingNormals, TriangleAppearance};
 use super::paint::{Paint, Tint};
-use super::project::{BEHIND, FAR_OUT, STEPS, Vertex, vertex, vertices};
+use super::project::{BEHIND, FAR_OUT, STEPS_A_PIXEL, Vertex, vertex, vertices};
 use super::shade::{Lamps, Vec3f};
 use super::triangle::{area, touched};
 use crate::math::vector::{cross, minus};
@@ -62,7 +62,7 @@ impl Facet {
 }
 
 /// Number of sub-pixel steps per pixel.
-const STEP: f64 = STEPS as f64;
+const STEP: f64 = STEPS_A_PIXEL as f64;
 
 /// The visible triangles of one run.
 struct TriangleRun {

@@ -55,7 +55,7 @@ impl Default for View {
 /// Margin on each side of the picture, as a fraction of its smaller side. A matter of taste that all pictures share:
 /// half of it puts outlines at the edge, twice of it leaves a quarter of the picture empty. A change affects all
 /// pictures.
-const MARGIN: f64 = 0.06;
+const PICTURE_MARGIN: f64 = 0.06;
 
 /// A camera. Pixel coordinates have their origin in the upper left corner, with y downwards.
 #[derive(Debug, Clone, Copy)]
@@ -171,7 +171,7 @@ impl Camera {
         let (centre, radius) = bounds(points);
         let size_px = [f64::from(width.max(1)), f64::from(height.max(1))];
         let axes = view.eye.map_or_else(|| orbit(view), |eye| aimed(view, eye, view.target.unwrap_or(centre)));
-        let margin = MARGIN * size_px[0].min(size_px[1]);
+        let margin = PICTURE_MARGIN * size_px[0].min(size_px[1]);
         let half = [0.5 * size_px[0] - margin, 0.5 * size_px[1] - margin];
         let mut camera = Self {
             eye: view.eye.unwrap_or(centre),

@@ -30,14 +30,14 @@ pub enum Ground {
 }
 
 /// Number of cells along the side of the map. Half as many blur the feet; twice as many take four times as long.
-const CELLS: usize = 192;
+const SHADOW_CELLS: usize = 192;
 /// Smallest number of cells, for models with many overlapping triangles.
 const FEWEST_CELLS: usize = 24;
 /// Number of sampled places of triangles above which the map is made coarser: 30 ms. Half or twice of it makes maps of
 /// stacks of large triangles coarser or finer.
-const MAX_PLACES: u64 = 1 << 23;
+const MAX_SAMPLED_PLACES: u64 = 1 << 23;
 /// Reach of the shadow beyond the model, as a fraction of half its longer side; about as much as a picture's margin.
-const REACH: f64 = 0.3;
+const SHADOW_REACH: f64 = 0.3;
 /// Height up to which parts darken the ground, in the same unit. Half of it leaves the shadows of feet only; twice of
 /// it makes a shadow of the whole model.
 const HIGH: f32 = 0.4;
@@ -45,7 +45,7 @@ const HIGH: f32 = 0.4;
 const LOW: f32 = 0.1;
 /// Fractions of the light removed below parts that touch the ground, and below parts just above it. They are a matter
 /// of taste: halves are hardly visible, and twice of them is black.
-const DARK: [f32; 2] = [0.5, 0.36];
+const SHADOW_DARKNESS: [f32; 2] = [0.5, 0.36];
 /// Height up to which the model touches the ground in the test whether it stands, as a fraction of its height. Half of
 /// it lets rough feet fall; twice of it lets balls of few faces stand on their edges.
 const SOLE: f64 = 0.03;
@@ -55,7 +55,7 @@ const SHEET: f64 = 0.05;
 const FIRM: f64 = 0.01;
 /// Directions in which it is asked how far the ground is touched.
 /// Half of it takes corners of a triangle of feet for sides, twice of it takes twice as long.
-const DIRECTIONS: usize = 16;
+const TOUCH_DIRECTIONS: usize = 16;
 
 /// Width of the band along the edge of the picture in which the shadow fades out, as a share of the smaller side, of
 /// which the model keeps 0.06 free. At half of it shadows seem cut off; at twice of it those at the margin fade.
@@ -122,7 +122,7 @@ impl Shadow {
         if !is_above {
             return Ok(None);
         }
-        while shadow.cells > FEWEST_CELLS && frame.looks(shadow.cells) > MAX_PLACES {
+        while shadow.cells > FEWEST_CELLS && frame.looks(shadow.cells) > MAX_SAMPLED_PLACES {
             shadow.cells /= 2;
         }
         shadow.dark = frame.dark(shadow.cells, watch)?;
@@ -178,7 +178,7 @@ impl ShadowRow<'_> {
 }
 
 /// Number of triangles that a thread processes at a time.
-const PART: usize = 1 << 14;
+const TRIANGLES_PER_TASK: usize = 1 << 14;
 
 impl<'a> GroundFrame<'a> {
     /// Returns the frame of a model; `None` if the model has no extent.
@@ -196,7 +196,7 @@ impl<'a> GroundFrame<'a> {
                 if p.iter().all(|x| x.is_finite()) { join(sum, [p, p]) } else { sum }
             })
         };
-        let [low, high] = model.triangles.par_chunks(PART).map(of).reduce(|| none, join);
+        let [low, high] = model.triangles.par_chunks(TRIANGLES_PER_TASK).map(of).reduce(|| none, join);
         let half = 0.5 * (high[0] - low[0]).max(high[1] - low[1]);
         if !(half > 1e-100 && half < 1e100) {
             return None;
@@ -207,13 +207,13 @@ impl<'a> GroundFrame<'a> {
             let from = minus(point, middle);
             axes.map(|axis| (dot(axis, from) / half) as f32)
         };
-        let places = model.positions.par_iter().with_min_len(PART).map(place).collect();
+        let places = model.positions.par_iter().with_min_len(TRIANGLES_PER_TASK).map(place).collect();
         Some(Self { axes, middle, half, height: (high[2] - low[2]) / half, triangles: model.triangles, places })
     }
 
     /// Returns the camera in coordinates of the map, whose unit is half its side, with an empty map.
     fn seen(&self, camera: &Camera) -> Shadow {
-        let side = self.half * (1.0 + REACH);
+        let side = self.half * (1.0 + SHADOW_REACH);
         let turned = |v: Vector| self.axes.map(|axis| dot(axis, v) / side);
         let step = 1.0 / camera.focal_px;
         let steps = [turned(times(step, camera.right)), turned(times(-step, camera.up))];
@@ -238,7 +238,7 @@ impl<'a> GroundFrame<'a> {
             box_of([least(0), least(1)], [most(0), most(1)])
         });
         let middle_px = camera.size_px.map(|side| 0.5 * side);
-        Shadow { origin, ray, middle_px, reach_px, cells: CELLS, dark: Vec::new() }
+        Shadow { origin, ray, middle_px, reach_px, cells: SHADOW_CELLS, dark: Vec::new() }
     }
 
     /// Returns the positions of the corners of a triangle.
@@ -259,7 +259,7 @@ impl<'a> GroundFrame<'a> {
                 if area.is_finite() { plus(sum, more) } else { sum }
             })
         };
-        let parts: Vec<Vector> = self.triangles.par_chunks(PART).map(of).collect();
+        let parts: Vec<Vector> = self.triangles.par_chunks(TRIANGLES_PER_TASK).map(of).collect();
         let [x, y, area] = parts.into_iter().fold([0.0; 3], plus);
         if area > 0.0 { [x / area, y / area] } else { [0.0; 2] }
     }
@@ -269,10 +269,10 @@ impl<'a> GroundFrame<'a> {
         if self.height < 2.0 * SHEET {
             return false;
         }
-        let directions: [[f64; 2]; DIRECTIONS] =
-            std::array::from_fn(|k| TAU * k as f64 / DIRECTIONS as f64).map(|angle| [cos(angle), sin(angle)]);
-        let none = [f64::NEG_INFINITY; DIRECTIONS];
-        let join = |a: [f64; DIRECTIONS], b: [f64; DIRECTIONS]| std::array::from_fn(|k| a[k].max(b[k]));
+        let directions: [[f64; 2]; TOUCH_DIRECTIONS] =
+            std::array::from_fn(|k| TAU * k as f64 / TOUCH_DIRECTIONS as f64).map(|angle| [cos(angle), sin(angle)]);
+        let none = [f64::NEG_INFINITY; TOUCH_DIRECTIONS];
+        let join = |a: [f64; TOUCH_DIRECTIONS], b: [f64; TOUCH_DIRECTIONS]| std::array::from_fn(|k| a[k].max(b[k]));
         let sole = (SOLE * self.height) as f32;
         let [x, y] = self.centre();
         let of = |list: &[[u32; 3]]| {
@@ -282,7 +282,7 @@ impl<'a> GroundFrame<'a> {
                 join(far, directions.map(|[x, y]| right * x + ahead * y))
             })
         };
-        let far = self.triangles.par_chunks(PART).map(of).reduce(|| none, join);
+        let far = self.triangles.par_chunks(TRIANGLES_PER_TASK).map(of).reduce(|| none, join);
         far.iter().all(|&far| far > FIRM)
     }
 
@@ -290,7 +290,7 @@ impl<'a> GroundFrame<'a> {
     fn over(&self, triangle: [u32; 3], cells: usize) -> Option<[[f32; 3]; 3]> {
         let places = self.corners(triangle);
         let half = 0.5 * cells as f32;
-        let scale = half / (1.0 + REACH as f32);
+        let scale = half / (1.0 + SHADOW_REACH as f32);
         let is_near = places.iter().any(|p| p[2] < HIGH) && places.iter().flatten().all(|x| x.is_finite());
         is_near.then(|| places.map(|[x, y, height]| [x * scale + half, y * scale + half, height]))
     }
@@ -301,7 +301,7 @@ impl<'a> GroundFrame<'a> {
             let over = list.iter().filter_map(|&triangle| self.over(triangle, cells));
             over.map(|corners| (parts(&corners) as u64 + 1).pow(2) / 2).sum()
         };
-        self.triangles.par_chunks(PART).map(of).sum()
+        self.triangles.par_chunks(TRIANGLES_PER_TASK).map(of).sum()
     }
 
     /// Returns the fraction of its light that each cell loses.
@@ -311,7 +311,7 @@ impl<'a> GroundFrame<'a> {
             a.iter_mut().zip(b).for_each(|(a, b)| *a = a.min(b));
             a
         };
-        let part = self.triangles.len().div_ceil(8).max(PART);
+        let part = self.triangles.len().div_ceil(8).max(TRIANGLES_PER_TASK);
         let of = |list: &[[u32; 3]]| {
             let mut heights = far();
             for (n, &triangle) in list.iter().enumerate() {
@@ -334,7 +334,10 @@ impl<'a> GroundFrame<'a> {
             let dark: Vec<f32> = heights.iter().map(weight).collect();
             smoothed(dark, cells, ((share * side) as usize).max(1))
         });
-        let mixed = near.iter().zip(&wide).map(|(near, wide)| 1.0 - (1.0 - DARK[0] * near) * (1.0 - DARK[1] * wide));
+        let mixed = near
+            .iter()
+            .zip(&wide)
+            .map(|(near, wide)| 1.0 - (1.0 - SHADOW_DARKNESS[0] * near) * (1.0 - SHADOW_DARKNESS[1] * wide));
         Ok(mixed.collect())
     }
 }

@@ -6,7 +6,8 @@ use super::*;
 use crate::math::vector::{cross, dot, minus};
 use crate::watch::Watch;
 
-const PLAIN: RenderStyle = RenderStyle { background: [0; 4], is_fine: true, is_occluded: false, shadow: Ground::None };
+const PLAIN_STYLE: RenderStyle =
+    RenderStyle { background: [0; 4], is_fine: true, is_occluded: false, shadow: Ground::None };
 
 /// The alpha of every pixel of a picture of triangles on a transparent background.
 fn alpha(
@@ -72,7 +73,7 @@ fn height(polygon: &[[f64; 2]]) -> f64 {
     twice.abs() / side(a, b).max(side(b, c)).max(side(c, a))
 }
 
-const SIDE: u32 = 70;
+const CAMERA_SIDE: u32 = 70;
 
 fn in_square() -> impl Strategy<Value = [f64; 3]> {
     (0.0..1.0, 0.0..1.0).prop_map(|(x, y)| [x, y, 0.0])
@@ -85,13 +86,13 @@ proptest! {
     /// less.
     #[test]
     fn the_alpha_of_a_triangle_is_the_area_that_it_covers_of_each_pixel(corners in prop::array::uniform3(in_square())) {
-        let camera = above(SIDE);
-        let found = alpha(&camera, &corners, &[[0, 1, 2]], PLAIN, [SIDE; 2]);
+        let camera = above(CAMERA_SIDE);
+        let found = alpha(&camera, &corners, &[[0, 1, 2]], PLAIN_STYLE, [CAMERA_SIDE; 2]);
         let polygon = corners.map(|corner| place(&camera, corner)).to_vec();
         prop_assume!(height(&polygon) > 3.0, "slivers escape the four samples that look for edges");
         let (mut errors, mut edges) = (0.0, 0.0);
         for (i, &alpha) in (0_u32..).zip(&found) {
-            let exact = area_within(polygon.clone(), [i % SIDE, i / SIDE].map(f64::from));
+            let exact = area_within(polygon.clone(), [i % CAMERA_SIDE, i / CAMERA_SIDE].map(f64::from));
             let error = (f64::from(alpha) / 255.0 - exact).abs();
             prop_assert!(error < 0.5, "pixel {i}: {alpha} of 255 for an area of {exact}");
             if exact > 0.0 && exact < 1.0 {
@@ -127,14 +128,14 @@ proptest! {
         let camera = if projected {
             let (eye, target) = (Some([0.5, 0.5, 1.4]), Some([0.5, 0.5, 0.0]));
             let view = View { eye, target, fov_rad: 0.5, ..View::default() };
-            Camera::framing(&view, &[&positions], SIDE, SIDE)
+            Camera::framing(&view, &[&positions], CAMERA_SIDE, CAMERA_SIDE)
         } else {
-            above(SIDE)
+            above(CAMERA_SIDE)
         };
-        let found = alpha(&camera, &positions, &triangles, PLAIN, [SIDE; 2]);
+        let found = alpha(&camera, &positions, &triangles, PLAIN_STYLE, [CAMERA_SIDE; 2]);
         // from close by the square fills the picture, and from above all but the margin
         let free = if projected { 0 } else { 6 };
-        let inside = |i: u32| [i % SIDE, i / SIDE].iter().all(|&u| u >= free && u < SIDE - free);
+        let inside = |i: u32| [i % CAMERA_SIDE, i / CAMERA_SIDE].iter().all(|&u| u >= free && u < CAMERA_SIDE - free);
         let gaps = (0_u32..).zip(&found).filter(|&(i, &alpha)| inside(i) && alpha != 255).count();
         prop_assert_eq!(gaps, 0);
     }
@@ -150,7 +151,7 @@ proptest! {
         let view = View { eye: Some(eye), target: Some([4.0, 1.0, -7.0]), fov_rad, ..View::default() };
         let size = [61, 47];
         let camera = Camera::framing(&view, &[&corners], size[0], size[1]);
-        let found = alpha(&camera, &corners, &[[0, 1, 2]], PLAIN, size);
+        let found = alpha(&camera, &corners, &[[0, 1, 2]], PLAIN_STYLE, size);
         let [a, b, c] = corners.map(|corner| minus(corner, eye));
         let sees = |x: f64, y: f64| {
             let (x, y) = ((x - 30.5) / camera.focal_px, (23.5 - y) / camera.focal_px);
@@ -174,13 +175,13 @@ proptest! {
 
     #[test]
     fn triangles_without_area_are_not_seen(a in in_square(), b in in_square(), t in 0.0..1.0_f64) {
-        let camera = above(SIDE);
+        let camera = above(CAMERA_SIDE);
         let flat = [a, b, [a[0], a[1], 1.0]];
         let triangles = [[0, 0, 1], [1, 1, 1], [0, 2, 0], [0, 2, 2], [0, 1, 0]];
-        prop_assert!(alpha(&camera, &flat, &triangles, PLAIN, [SIDE; 2]).iter().all(|&alpha| alpha == 0));
+        prop_assert!(alpha(&camera, &flat, &triangles, PLAIN_STYLE, [CAMERA_SIDE; 2]).iter().all(|&alpha| alpha == 0));
         // seen along its plane
         let upright = [a, b, [a[0] + t * (b[0] - a[0]), a[1] + t * (b[1] - a[1]), 1.0]];
-        let thin = alpha(&camera, &upright, &[[0, 1, 2]], PLAIN, [SIDE; 2]);
+        let thin = alpha(&camera, &upright, &[[0, 1, 2]], PLAIN_STYLE, [CAMERA_SIDE; 2]);
         prop_assert!(thin.iter().all(|&alpha| alpha < 64));
     }
 }
@@ -196,8 +197,8 @@ fn grey_values(look: RenderStyle) -> usize {
 
 #[test]
 fn edges_have_seventeen_grey_values_and_in_drafts_five() {
-    assert_eq!(grey_values(PLAIN), 17);
-    assert_eq!(grey_values(RenderStyle { is_fine: false, ..PLAIN }), 5);
+    assert_eq!(grey_values(PLAIN_STYLE), 17);
+    assert_eq!(grey_values(RenderStyle { is_fine: false, ..PLAIN_STYLE }), 5);
 }
 
 /// A flat square of very many triangles of less than a pixel has the outline of two triangles.
@@ -212,14 +213,14 @@ fn a_million_tiny_triangles_cover_what_two_do() {
         [[a, a + 1, a + n + 2], [a, a + n + 2, a + n + 1]]
     };
     let triangles: Vec<[u32; 3]> = (0..n).flat_map(|j| (0..n).flat_map(move |i| quad(i, j))).collect();
-    let camera = above(SIDE);
-    let many = alpha(&camera, &positions, &triangles, PLAIN, [SIDE; 2]);
+    let camera = above(CAMERA_SIDE);
+    let many = alpha(&camera, &positions, &triangles, PLAIN_STYLE, [CAMERA_SIDE; 2]);
     let two = alpha(
         &camera,
         &[point(0, 0), point(n, 0), point(n, n), point(0, n)],
         &[[0, 1, 2], [0, 2, 3]],
-        PLAIN,
-        [SIDE; 2],
+        PLAIN_STYLE,
+        [CAMERA_SIDE; 2],
     );
     assert_eq!(many, two);
 }

@@ -10,14 +10,14 @@ use super::forecast;
 use super::line::StrokeLayer;
 use super::paint::Hiding;
 use super::shade::{Lamps, Spots};
-use super::triangle::{NOBODY, PLACES, SAMPLES, Samples};
+use super::triangle::{NOBODY, SAMPLE_PLACES, SAMPLES, Samples};
 use super::veil::Veil;
 use crate::watch::{Stopped, Watch};
 
 #[expect(clippy::cast_possible_truncation, reason = "a tile is some dozen pixels wide")]
-const SIDE: u32 = TILE as u32;
+const TILE_WIDTH: u32 = TILE as u32;
 /// Number of pixels of a tile.
-const N: usize = TILE * TILE;
+const TILE_PIXELS: usize = TILE * TILE;
 
 /// The scratch memory of one thread.
 pub(super) struct TileScratch {
@@ -51,7 +51,7 @@ pub(super) struct Drawn {
 impl TileScratch {
     pub(super) fn new(model: &BinnedModel<'_>) -> Self {
         let lighter = || Lighter {
-            light: vec![[0.0; 4]; N],
+            light: vec![[0.0; 4]; TILE_PIXELS],
             facets: Facets::default(),
             spots: Spots::new(model.lamps.as_ref().map_or([0.0; 3], |lamps| lamps.outside)),
             marks: PixelSet::default(),
@@ -62,8 +62,8 @@ impl TileScratch {
             fine: Fine::default(),
             lighter: lighter(),
             glass: has_clear.then(|| Glass { samples: Samples::new(), lighter: lighter() }),
-            coverage: vec![0.0; N],
-            over: vec![[0.0; 4]; N],
+            coverage: vec![0.0; TILE_PIXELS],
+            over: vec![[0.0; 4]; TILE_PIXELS],
         }
     }
 
@@ -247,7 +247,7 @@ impl Lighter {
         centre: impl Fn(u32) -> [f32; 3],
     ) {
         let all = (1 << SAMPLES) - 1;
-        let [x, y] = [(pixel % SIDE) as f32, (pixel / SIDE) as f32];
+        let [x, y] = [(pixel % TILE_WIDTH) as f32, (pixel / TILE_WIDTH) as f32];
         let mut rest = held_by(owners, NOBODY);
         if rest != 0 && rest != all {
             self.marks.add(pixel);
@@ -334,7 +334,7 @@ const CENTRES: [[f32; 3]; 1 << SAMPLES] = {
         let (mut n, mut x, mut y, mut s) = (0, 0, 0, 0);
         while s < SAMPLES {
             if held >> s & 1 == 1 {
-                (n, x, y) = (n + 1, x + PLACES[s][0], y + PLACES[s][1]);
+                (n, x, y) = (n + 1, x + SAMPLE_PLACES[s][0], y + SAMPLE_PLACES[s][1]);
             }
             s += 1;
         }

@@ -45,8 +45,8 @@ pub struct Difference {
 /// The squared distance of black and white, weighted as [`apart`] does.
 const FARTHEST: f64 = 35215.0;
 /// Visibility of the first picture where nothing differs. Half of it is hardly visible; twice of it hides faint yellow.
-const FAINT: f64 = 0.1;
-const RED: [u8; 3] = [255, 0, 0];
+const UNCHANGED_VISIBILITY: f64 = 0.1;
+const DIFFERENCE_COLOR: [u8; 3] = [255, 0, 0];
 const YELLOW: [u8; 3] = [255, 255, 0];
 
 /// Compares two pictures of equal size.
@@ -102,7 +102,7 @@ fn row([a, b]: [&Pixels; 2], y: usize, measure: Measure, shown: &mut [[u8; 3]]) 
             YELLOW
         } else {
             found.different += 1;
-            RED
+            DIFFERENCE_COLOR
         };
     }
     found
@@ -135,7 +135,7 @@ fn apart(a: [u8; 4], b: [u8; 4]) -> f64 {
 fn faint(pixel: [u8; 4]) -> [u8; 3] {
     let [r, g, b, alpha] = pixel;
     let bright = brightness([r, g, b].map(f64::from));
-    let grey = 255.0 + (bright - 255.0) * FAINT * f64::from(alpha) / 255.0;
+    let grey = 255.0 + (bright - 255.0) * UNCHANGED_VISIBILITY * f64::from(alpha) / 255.0;
     #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "0 to 255")]
     let grey = grey as u8;
     [grey; 3]
@@ -207,7 +207,7 @@ mod tests {
         let found = compared(&black, &white, Measure::Seen(0.1));
         // 0.5053 * 255^2 of 35215
         assert!((found.largest - (0.505_3 * 255.0 * 255.0 / 35_215.0_f64).sqrt()).abs() < 1e-6, "{}", found.largest);
-        assert_eq!((found.different, found.picture), (1, vec![RED]));
+        assert_eq!((found.different, found.picture), (1, vec![DIFFERENCE_COLOR]));
         let clear = of(1, vec![[9, 9, 9, 0]]);
         assert_eq!(compared(&clear, &white, Measure::Seen(0.0)).different, 0, "on white nothing of it is seen");
         assert_eq!(compared(&clear, &white, Measure::Equality).different, 1);
@@ -233,17 +233,17 @@ mod tests {
         assert_eq!(compared(&a, &b, Measure::Equality).different, 1, "where the bits count nothing is forgiven");
     }
 
-    const SIDE: usize = 64;
+    const COMPARED_SIDE: usize = 64;
 
     /// A disc with a soft rim, shifted to the left by half of `shift` pixels.
     fn disc(shift: i64, green: i64) -> Pixels {
         let pixel = |at: usize| {
-            let [column, row] = [at % SIDE, at / SIDE].map(|n| i64::try_from(n).expect("below 64"));
+            let [column, row] = [at % COMPARED_SIDE, at / COMPARED_SIDE].map(|n| i64::try_from(n).expect("below 64"));
             let (x, y) = (2 * column - 63 + shift, 2 * row - 63);
             let v = (255 * (1936 - x * x - y * y) / 640).clamp(0, 255);
             [v, v * green / 255, 255 - v, 255].map(|v| u8::try_from(v).expect("up to 255"))
         };
-        of(SIDE, (0..SIDE * SIDE).map(pixel).collect())
+        of(COMPARED_SIDE, (0..COMPARED_SIDE * COMPARED_SIDE).map(pixel).collect())
     }
 
     fn noise(mut state: u32) -> Pixels {
@@ -251,7 +251,7 @@ mod tests {
             state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
             128 + u8::try_from((state >> 24) % 40).expect("below 40")
         };
-        of(SIDE, (0..SIDE * SIDE).map(|_| [next(), next(), next(), 255]).collect())
+        of(COMPARED_SIDE, (0..COMPARED_SIDE * COMPARED_SIDE).map(|_| [next(), next(), next(), 255]).collect())
     }
 
     #[test]
@@ -270,7 +270,7 @@ mod tests {
         for (a, b, threshold, counted) in cases {
             let found = compared(&a, &b, Measure::Seen(threshold));
             assert_eq!([found.different, found.smoothed], counted, "at {threshold}");
-            let red = found.picture.iter().filter(|pixel| **pixel == RED).count() as u64;
+            let red = found.picture.iter().filter(|pixel| **pixel == DIFFERENCE_COLOR).count() as u64;
             assert_eq!(red, counted[0]);
         }
     }

@@ -7,7 +7,7 @@ use super::triangle::NOBODY;
 /// Number of cached facets. Triangles with consecutive indices mostly lie in the same tile, so their slots differ. Half
 /// as many find triangles of a few pixels less often; twice as many need twice the second-level cache (36 KB now).
 /// Pictures do not depend on it.
-const KEPT: usize = 1024;
+const CACHED_FACETS: usize = 1024;
 
 /// Facets of triangles, each in the slot given by the last bits of its index.
 #[derive(Debug)]
@@ -20,7 +20,7 @@ pub(super) struct Facets {
 
 impl Default for Facets {
     fn default() -> Self {
-        Self { owners: vec![NOBODY; KEPT], known: vec![Facet::default(); KEPT], tints: Vec::new() }
+        Self { owners: vec![NOBODY; CACHED_FACETS], known: vec![Facet::default(); CACHED_FACETS], tints: Vec::new() }
     }
 }
 
@@ -32,12 +32,12 @@ impl Facets {
 
     /// Returns the facet of triangle `owner` in the tile at `origin`, with the variation of its paint, if it has any.
     pub(super) fn of(&mut self, model: &BinnedModel<'_>, owner: u32, origin: [i32; 2]) -> (&Facet, Option<&Tint>) {
-        let place = owner as usize % KEPT;
+        let place = owner as usize % CACHED_FACETS;
         if self.owners[place] != owner {
             let (facet, tint) = model.facet(owner, origin);
             (self.owners[place], self.known[place]) = (owner, facet);
             if let Some(tint) = tint {
-                self.tints.resize(KEPT, Tint::default());
+                self.tints.resize(CACHED_FACETS, Tint::default());
                 self.tints[place] = tint;
             }
         }

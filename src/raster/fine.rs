@@ -6,8 +6,8 @@
 #![expect(clippy::cast_precision_loss, reason = "places within a tile are small")]
 
 use super::bins::TILE;
-use super::project::{STEPS, Vertex};
-use super::triangle::{NOBODY, area, cover, slope, touched};
+use super::project::{STEPS_A_PIXEL, Vertex};
+use super::triangle::{NOBODY, TILE_SIDE, area, cover, slope, touched};
 
 /// Samples per refined pixel, so that an edge has 17 grey values. Half as many show steps of slanted edges at twice the
 /// size; twice as many take twice the time in these pixels.
@@ -15,25 +15,24 @@ pub(super) const FINE: usize = 16;
 
 /// The row of the sample in each column, sixteenths of a pixel. Of many permutations the one whose counts come closest
 /// to the areas that lines at any angle cut off: within 1/10 of a pixel, mostly within 1/25.
-const ROWS: [i32; FINE] = [9, 1, 13, 4, 8, 14, 3, 11, 6, 0, 12, 7, 10, 2, 5, 15];
+const SAMPLE_ROWS: [i32; FINE] = [9, 1, 13, 4, 8, 14, 3, 11, 6, 0, 12, 7, 10, 2, 5, 15];
 
 /// Places of the samples in 32nds of a pixel, right and down.
 pub(super) const FINE_PLACES: [[i32; 2]; FINE] = {
     let mut places = [[0; 2]; FINE];
     let mut column = 0;
     while column < FINE {
-        places[column] = [2 * column as i32 + 1, 2 * ROWS[column] + 1];
+        places[column] = [2 * column as i32 + 1, 2 * SAMPLE_ROWS[column] + 1];
         column += 1;
     }
     places
 };
 
 /// Sub-pixel steps in a 32nd of a pixel, as a power of two.
-const SHIFT: u32 = (STEPS / 32).trailing_zeros();
+const SHIFT: u32 = (STEPS_A_PIXEL / 32).trailing_zeros();
 /// Edge functions are clamped to this: beyond it their sign is that of every sample of the pixel, as coordinates stay
 /// below 2^22 steps and a pixel is 32 wide. Twice of it would overflow when a sample is added.
 const DECIDED: i64 = 1 << 29;
-const SIDE: i32 = TILE as i32;
 
 /// A set of pixels of a tile, one bit each.
 #[derive(Debug, Clone, Default)]
@@ -126,7 +125,7 @@ impl Fine {
         origin: [i32; 2],
         is_there: impl Fn([f32; 2]) -> bool,
     ) {
-        let last = SIDE - 1;
+        let last = TILE_SIDE - 1;
         let [left, top, right, bottom] = touched(&corners);
         let (left, right) = ((left - origin[0]).max(0), (right - origin[0]).min(last));
         let (top, bottom) = ((top - origin[1]).max(0), (bottom - origin[1]).min(last));
@@ -190,7 +189,7 @@ impl FineSetup {
         if area < 0 {
             corners.swap(1, 2);
         }
-        let [left, top] = origin.map(|o| i64::from(o) * i64::from(STEPS));
+        let [left, top] = origin.map(|o| i64::from(o) * i64::from(STEPS_A_PIXEL));
         let (mut edges, mut right, mut down, mut samples) = ([0; 3], [0; 3], [0; 3], [[0; FINE]; 3]);
         for k in 0..3 {
             let (a, b) = (corners[k], corners[(k + 1) % 3]);
@@ -203,8 +202,8 @@ impl FineSetup {
             samples[k] = FINE_PLACES.map(|[x, y]| dx * y - dy * x);
         }
         let a = corners[0];
-        let x = (left - i64::from(a.x)) as f64 / f64::from(STEPS);
-        let y = (top - i64::from(a.y)) as f64 / f64::from(STEPS);
+        let x = (left - i64::from(a.x)) as f64 / f64::from(STEPS_A_PIXEL);
+        let y = (top - i64::from(a.y)) as f64 / f64::from(STEPS_A_PIXEL);
         let depths = corners.map(|corner| corner.depth);
         Some(Self {
             edges,

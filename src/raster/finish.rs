@@ -54,7 +54,7 @@ pub enum StripePattern {
 /// Half of it leaves lines of a pixel on strongly bent parts of pictures of usual size; twice of it looks like a zebra.
 const LINE_SHARE: f32 = 0.2;
 /// Linear light of dark stripes.
-const DARK: Vec3f = [0.012, 0.014, 0.02];
+const STRIPE_LIGHT: Vec3f = [0.012, 0.014, 0.02];
 
 /// A finish as seen by a camera.
 #[derive(Debug)]
@@ -125,7 +125,7 @@ impl Finisher {
                 let wide = (slope[0] * slope[0] + slope[1] * slope[1]).sqrt();
                 let dark = stripes.darkness(here, if wide < 1e6 { wide } else { 1e6 });
                 let shade = self.shade(n, ray);
-                std::array::from_fn(|k| shade * (color[k] + (DARK[k] - color[k]) * dark))
+                std::array::from_fn(|k| shade * (color[k] + (STRIPE_LIGHT[k] - color[k]) * dark))
             }
         }
     }
@@ -176,7 +176,7 @@ impl Finisher {
 /// Least growth of the number of an isophote over a pixel. A surface on which it grows less counts as a plane, since
 /// normals in f32 make some 1e-6 of it by rounding. Half of it is closer to that; twice of it widens lines that are
 /// more than 5,000 pixels apart.
-const FLAT: f32 = 1e-4;
+const LEAST_ISOPHOTE_GROWTH: f32 = 1e-4;
 
 impl Stripes {
     /// Returns the dark fraction, 0 to 1, of a pixel at `at` over which the pattern grows by `wide`.
@@ -199,7 +199,7 @@ impl Stripes {
             StripePattern::Isophotes => {
                 let last = self.count - 1.0;
                 let off = (at - (at + 0.5).floor().clamp(-last, last)).abs();
-                let off_px = off / wide.max(FLAT);
+                let off_px = off / wide.max(LEAST_ISOPHOTE_GROWTH);
                 let line = (0.5 * self.width_px + 0.5 - off_px).clamp(0.0, 1.0);
                 // where steps are narrower than two lines, what is dark of them on average
                 let crowded = (2.0 * self.width_px * wide - 0.5).clamp(0.0, 1.0);

@@ -5,13 +5,13 @@
 
 use super::bins::{FEW_TILES, TILE};
 use super::camera::Camera;
-use super::project::{BEHIND, FAR_OUT, STEPS, vertex};
+use super::project::{BEHIND, FAR_OUT, STEPS_A_PIXEL, vertex};
 use super::triangle::{CUT_PX, Done, ROW_PX};
 
 /// Pixels that are looked at in 100 ns, the time of a row of a table: 0.8 ns each, measured with a stack of 40,000
 /// quads in a picture of 2048 x 2048, and rounded up.
 /// Pictures whose forecast is wrong by a factor of two still take the right lane, as work that outstays it is moved.
-const PIXELS_A_ROW: f64 = 100.0;
+const VIEWED_PIXELS_A_ROW: f64 = 100.0;
 /// Triangles that a tile finds not to touch it in 100 ns: three edge functions each. A face of 100,000 corners, of
 /// which every tile looks at all triangles, then is told 1.5 s.
 /// Half or twice of it tells half or twice the time of such a face, and nothing of other pictures.
@@ -31,7 +31,7 @@ pub(super) fn rows(done: Done) -> u64 {
 }
 
 fn in_rows(pixels: f64, triangles: f64) -> f64 {
-    pixels / PIXELS_A_ROW + triangles / TRIANGLES_A_ROW
+    pixels / VIEWED_PIXELS_A_ROW + triangles / TRIANGLES_A_ROW
 }
 
 /// A forecast of the work of drawing triangles, in rows of a weight table, 100 ns each. Hidden triangles count in full,
@@ -62,7 +62,7 @@ impl RasterForecast {
             self.add_parts(width * height, self.size_px, parts, 1.0);
             return;
         }
-        let [a, b, c] = placed.map(|vertex| [vertex.x, vertex.y].map(|x| f64::from(x) / f64::from(STEPS)));
+        let [a, b, c] = placed.map(|vertex| [vertex.x, vertex.y].map(|x| f64::from(x) / f64::from(STEPS_A_PIXEL)));
         let low = |k: usize| a[k].min(b[k]).min(c[k]);
         let side = |k: usize| a[k].max(b[k]).max(c[k]) - low(k);
         let inside = |k: usize| (low(k) + side(k)).min(self.size_px[k]) - low(k).max(0.0);

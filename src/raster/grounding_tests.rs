@@ -3,20 +3,21 @@
 use super::*;
 use crate::watch::Watch;
 
-const LOOK: RenderStyle = RenderStyle { background: [255; 4], is_fine: true, is_occluded: true, shadow: Ground::Stood };
-const SIZE: [u32; 2] = [160, 120];
+const GROUNDED_STYLE: RenderStyle =
+    RenderStyle { background: [255; 4], is_fine: true, is_occluded: true, shadow: Ground::Stood };
+const PICTURE_SIZE: [u32; 2] = [160, 120];
 
 fn picture(view: &View, positions: &[[f64; 3]], triangles: &[[u32; 3]], look: RenderStyle) -> Vec<u8> {
     let surface = TriangleAppearance::Lit([120, 160, 220, 255]);
     let model = Model { positions, triangles, normals: ShadingNormals::Planes, surface, strokes: &[] };
-    let camera = Camera::framing(view, &[positions], SIZE[0], SIZE[1]);
-    render(&model, &camera, look, SIZE, &Watch::new()).expect("nobody says stop").bytes
+    let camera = Camera::framing(view, &[positions], PICTURE_SIZE[0], PICTURE_SIZE[1]);
+    render(&model, &camera, look, PICTURE_SIZE, &Watch::new()).expect("nobody says stop").bytes
 }
 
 /// Whether the shadow of a model is seen: whether some pixel is darker with it than without.
 fn has_shadow(view: &View, positions: &[[f64; 3]], triangles: &[[u32; 3]], shadow: Ground) -> bool {
-    let without = picture(view, positions, triangles, RenderStyle { shadow: Ground::None, ..LOOK });
-    let with = picture(view, positions, triangles, RenderStyle { shadow, ..LOOK });
+    let without = picture(view, positions, triangles, RenderStyle { shadow: Ground::None, ..GROUNDED_STYLE });
+    let with = picture(view, positions, triangles, RenderStyle { shadow, ..GROUNDED_STYLE });
     with.iter().zip(&without).any(|(with, without)| without.saturating_sub(*with) > 10)
 }
 
@@ -71,9 +72,9 @@ fn the_ground_is_seen_from_above_only_and_along_whatever_axis_is_up() {
 fn hollows_are_darker_and_convex_models_keep_their_light() {
     let view = View { azimuth_rad: 0.7, elevation_rad: 0.5, ..View::default() };
     let mean = |positions: &[[f64; 3]], triangles: &[[u32; 3]], is_occluded| {
-        let look = RenderStyle { is_occluded, shadow: Ground::None, ..LOOK };
+        let look = RenderStyle { is_occluded, shadow: Ground::None, ..GROUNDED_STYLE };
         let bytes = picture(&view, positions, triangles, look);
-        bytes.iter().map(|&byte| f64::from(byte)).sum::<f64>() / f64::from(SIZE[0] * SIZE[1])
+        bytes.iter().map(|&byte| f64::from(byte)).sum::<f64>() / f64::from(PICTURE_SIZE[0] * PICTURE_SIZE[1])
     };
     let (positions, triangles) = block([0.0; 3], [1.0, 1.0, 1.0]);
     let change = mean(&positions, &triangles, false) - mean(&positions, &triangles, true);
@@ -96,7 +97,7 @@ fn hollows_are_darker_and_convex_models_keep_their_light() {
 fn lines_behind_a_surface_are_as_faint_as_they_are_asked_to_be() {
     let (positions, triangles) = block([0.0; 3], [1.0, 1.0, 1.0]);
     let view = View { azimuth_rad: 0.0, elevation_rad: 0.0, ..View::default() };
-    let camera = Camera::framing(&view, &[&positions], SIZE[0], SIZE[1]);
+    let camera = Camera::framing(&view, &[&positions], PICTURE_SIZE[0], PICTURE_SIZE[1]);
     let line = [[0.0, 0.5, -1.0], [1.0, 0.5, -1.0]];
     let red = |hidden| {
         let strokes = Strokes {
@@ -110,9 +111,9 @@ fn lines_behind_a_surface_are_as_faint_as_they_are_asked_to_be() {
         let surface = TriangleAppearance::Lit([0, 0, 0, 255]);
         let normals = ShadingNormals::Planes;
         let model = Model { positions: &positions, triangles: &triangles, normals, surface, strokes: &[strokes] };
-        let look = RenderStyle { is_occluded: false, shadow: Ground::None, ..LOOK };
-        let bytes = render(&model, &camera, look, SIZE, &Watch::new()).expect("nobody says stop").bytes;
-        let [width, height] = SIZE.map(|side| side as usize);
+        let look = RenderStyle { is_occluded: false, shadow: Ground::None, ..GROUNDED_STYLE };
+        let bytes = render(&model, &camera, look, PICTURE_SIZE, &Watch::new()).expect("nobody says stop").bytes;
+        let [width, height] = PICTURE_SIZE.map(|side| side as usize);
         bytes[4 * (height / 2 * width + width / 2)]
     };
     let (none, faint, all) = (red(0.0), red(0.2), red(1.0));

@@ -22,10 +22,10 @@ use crate::watch::{Stopped, Watch};
 
 /// Most cells along a side.
 /// Half of it blurs small hollows, twice of it takes four times as long; in the largest picture a cell is a tile.
-const MAX_CELLS: usize = 256;
+const MAX_HOLLOW_CELLS: usize = 256;
 /// How far what hides light may stand, as a share of the radius of the model.
 /// Half of it darkens creases only, twice of it darkens whole limbs.
-const REACH: f32 = 0.3;
+const OCCLUDER_REACH: f32 = 0.3;
 /// Least and largest reach, cells: nearer there is nothing to ask, farther the few places asked stand too thinly.
 /// Half of the largest flattens models seen from close by, twice of it leaves grain.
 const REACH_CELLS: [f32; 2] = [1.5, 64.0];
@@ -33,10 +33,10 @@ const REACH_CELLS: [f32; 2] = [1.5, 64.0];
 /// Half of it leaves grain, twice of it takes twice as long.
 const TAPS: usize = 8;
 /// Kinds of circles on which the places stand, one for each cell of a square of four, over which is smoothed.
-const TURNS: usize = 16;
+const CIRCLE_KINDS: usize = 16;
 /// Sines below this do not count, so that faces of round surfaces do not hide each other.
 /// Half of it shows the faces of coarse meshes, twice of it leaves flat hollows light.
-const LEAST_SINE: f32 = 0.12;
+const LEAST_OCCLUDER_SINE: f32 = 0.12;
 /// What is taken of the light where every place asked stands upright beside.
 /// It is a choice of looks: at half of it hollows hardly show, twice of it makes them black.
 const STRENGTH: f32 = 2.2;
@@ -44,11 +44,11 @@ const STRENGTH: f32 = 2.2;
 const LEAST_OPEN: f32 = 0.3;
 
 /// Places around a cell for each turn, within a circle of radius one.
-static AROUND: LazyLock<[[[f32; 2]; TAPS]; TURNS]> = LazyLock::new(|| {
+static AROUND: LazyLock<[[[f32; 2]; TAPS]; CIRCLE_KINDS]> = LazyLock::new(|| {
     std::array::from_fn(|turn| {
         std::array::from_fn(|tap| {
             // the golden angle leads round, equal areas lead out
-            let angle = TAU * (turn as f64 / TURNS as f64 + 0.381_966 * tap as f64);
+            let angle = TAU * (turn as f64 / CIRCLE_KINDS as f64 + 0.381_966 * tap as f64);
             let radius = ((tap as f64 + 0.5) / TAPS as f64).sqrt();
             [(radius * cos(angle)) as f32, (radius * sin(angle)) as f32]
         })
@@ -125,7 +125,7 @@ impl Occlusion {
     pub(super) fn of(tiles: &[Option<Drawn>], grid: TileGrid, camera: &Camera, watch: &Watch) -> Result<Self, Stopped> {
         let [width, height] = camera.size_px.map(|side| side as usize);
         let mut cell_px = 1;
-        while width.max(height).div_ceil(cell_px) > MAX_CELLS {
+        while width.max(height).div_ceil(cell_px) > MAX_HOLLOW_CELLS {
             cell_px *= 2;
         }
         let lens = Lens::of(camera);
@@ -175,7 +175,8 @@ impl Occlusion {
         }
         let at = self.point(x, y);
         let Some(normal) = self.normal(here, at) else { return 1.0 };
-        let reach = (REACH * self.lens.pixels(at[2]) / self.cell_px as f32).clamp(REACH_CELLS[0], REACH_CELLS[1]);
+        let reach =
+            (OCCLUDER_REACH * self.lens.pixels(at[2]) / self.cell_px as f32).clamp(REACH_CELLS[0], REACH_CELLS[1]);
         let turn = ((x & 3) * 4 + (y & 3)) as usize;
         let mut hidden = 0.0;
         for [right, down] in AROUND[turn] {
@@ -188,8 +189,8 @@ impl Occlusion {
             let other = self.point(x + i, y + j);
             let to: Vec3f = std::array::from_fn(|k| other[k] - at[k]);
             let square = dot(to, to);
-            let sine = dot(to, normal) / square.sqrt() - LEAST_SINE;
-            let near = 1.0 - square * (1.0 / (REACH * REACH));
+            let sine = dot(to, normal) / square.sqrt() - LEAST_OCCLUDER_SINE;
+            let near = 1.0 - square * (1.0 / (OCCLUDER_REACH * OCCLUDER_REACH));
             if sine > 0.0 && near > 0.0 {
                 hidden += sine * near;
             }
@@ -220,7 +221,7 @@ impl Occlusion {
         }
         let (mut sum, mut weight) = (0.0, 0.0);
         for (i, j) in (-2..2).flat_map(|j| (-2..2).map(move |i| (i, j))) {
-            if (self.distance(x + i, y + j) - distance).abs() < 0.25 * REACH {
+            if (self.distance(x + i, y + j) - distance).abs() < 0.25 * OCCLUDER_REACH {
                 sum += self.open[((y + j) * self.size[0].cast_signed() + x + i) as usize];
                 weight += 1.0;
             }
@@ -250,7 +251,7 @@ impl Occlusion {
         let shares = [(1.0 - u) * (1.0 - v), u * (1.0 - v), (1.0 - u) * v, u * v];
         let (mut sum, mut weights) = (0.0, 0.0);
         for k in 0..4 {
-            let near = 1.0 - (self.distance[cells[k]] - distance).abs() * (4.0 / REACH);
+            let near = 1.0 - (self.distance[cells[k]] - distance).abs() * (4.0 / OCCLUDER_REACH);
             let weight = if near > 0.0 { shares[k] * near + 1e-6 } else { 1e-6 };
             sum += weight * open[k];
             weights += weight;

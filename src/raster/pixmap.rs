@@ -26,7 +26,7 @@ pub(super) fn linear(byte: u8) -> f32 {
 
 /// Steps of linear light in the table: fewer than 3,295 would merge the darkest two bytes, so half is too few; twice as
 /// many double the table and round a few greys better.
-const STEPS: usize = 4096;
+const LINEAR_LIGHT_STEPS: usize = 4096;
 
 /// Table from linear light to sRGB bytes.
 #[derive(Debug)]
@@ -37,7 +37,7 @@ pub(super) static ENCODING: LazyLock<SrgbTable> = LazyLock::new(SrgbTable::new);
 
 impl SrgbTable {
     fn new() -> Self {
-        let last = f64::from(u32::try_from(STEPS - 1).expect("the table is short"));
+        let last = f64::from(u32::try_from(LINEAR_LIGHT_STEPS - 1).expect("the table is short"));
         let byte = |i: u32| {
             let c = f64::from(i) / last;
             let s = if c <= 0.003_130_8 { 12.92 * c } else { 1.055 * pow(c, 1.0 / 2.4) - 0.055 };
@@ -45,7 +45,7 @@ impl SrgbTable {
             let byte = (255.0 * s + 0.5) as u8;
             byte
         };
-        Self((0..).take(STEPS).map(byte).collect())
+        Self((0..).take(LINEAR_LIGHT_STEPS).map(byte).collect())
     }
 
     /// Returns the byte of a linear light; values outside 0 to 1 are clamped, and NaN gives 0.
@@ -56,8 +56,8 @@ impl SrgbTable {
         reason = "the cast saturates and the table is short"
     )]
     pub(super) fn byte(&self, light: f32) -> u8 {
-        let i = (light * (STEPS - 1) as f32 + 0.5) as usize;
-        self.0[i.min(STEPS - 1)]
+        let i = (light * (LINEAR_LIGHT_STEPS - 1) as f32 + 0.5) as usize;
+        self.0[i.min(LINEAR_LIGHT_STEPS - 1)]
     }
 
     /// Returns the straight sRGB bytes of a linear colour premultiplied by its alpha.

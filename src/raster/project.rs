@@ -8,7 +8,7 @@ use super::camera::{Camera, Projection};
 
 /// Sub-pixel steps a pixel. Exact whole-number coverage needs coordinates on this lattice.
 /// Half of it moves vertices by up to 1/256 of a pixel; twice of it takes a bit from the range of edge functions.
-pub(super) const STEPS: i32 = 256;
+pub(super) const STEPS_A_PIXEL: i32 = 256;
 
 /// How far beyond the picture coordinates stay exact, pixels. With pictures of at most 8,192 pixels a side, this keeps
 /// edge functions inside a tile below 2^31.
@@ -31,7 +31,7 @@ pub(super) const FAR_OUT: u32 = 32;
 /// A vertex in the picture.
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct Vertex {
-    /// Horizontal position in sub-pixel steps, [`STEPS`] per pixel.
+    /// Horizontal position in sub-pixel steps, [`STEPS_A_PIXEL`] per pixel.
     pub(super) x: i32,
     /// Vertical position in sub-pixel steps, downwards.
     pub(super) y: i32,
@@ -78,7 +78,7 @@ pub(super) fn vertex(camera: &Camera, seen: [f64; 4]) -> Vertex {
 /// Rounds to the nearest step; shifted first, so that the cast rounds down on both sides of zero.
 fn snapped(pixels: f64) -> i32 {
     let shift = 2.0 * GUARD;
-    ((pixels + shift) * f64::from(STEPS) + 0.5) as i32 - (shift as i32) * STEPS
+    ((pixels + shift) * f64::from(STEPS_A_PIXEL) + 0.5) as i32 - (shift as i32) * STEPS_A_PIXEL
 }
 
 /// Returns all vertices, computed in parallel.

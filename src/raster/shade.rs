@@ -37,9 +37,9 @@ pub(super) struct Lamps {
     pub(super) outside: Vec3f,
 }
 
-const KEY: [f64; 3] = [-0.48, 0.62, 0.62];
-const FILL: [f64; 3] = [0.80, 0.05, 0.45];
-const RIM: [f64; 3] = [0.25, 0.65, -0.72];
+const KEY_DIRECTION: [f64; 3] = [-0.48, 0.62, 0.62];
+const FILL_DIRECTION: [f64; 3] = [0.80, 0.05, 0.45];
+const RIM_DIRECTION: [f64; 3] = [0.25, 0.65, -0.72];
 
 const KEY_LIGHT: Vec3f = [0.93, 0.90, 0.855];
 const FILL_LIGHT: Vec3f = [0.13, 0.15, 0.185];
@@ -62,7 +62,7 @@ fn turned(camera: &Camera, [x, y, z]: [f64; 3]) -> Vector {
 impl Camera {
     /// The direction of the brightest lamp, of length one: it moves with the camera.
     pub fn lamp(&self) -> Vector {
-        turned(self, KEY)
+        turned(self, KEY_DIRECTION)
     }
 }
 
@@ -76,8 +76,8 @@ impl Lamps {
         let spread = if camera.projection == Projection::Perspective { 1.0 / camera.focal_px } else { 0.0 };
         Self {
             key: single(key),
-            fill: single(turned(FILL)),
-            rim: single(turned(RIM)),
+            fill: single(turned(FILL_DIRECTION)),
+            rim: single(turned(RIM_DIRECTION)),
             sky: single(camera.sky),
             gleam: single(gleam),
             forward: single(camera.forward),
@@ -153,16 +153,16 @@ impl Lamps {
 /// Red, green and blue of all spots. The loop over lanes has no branches, so that it becomes vector code; wider vectors
 /// give the same bits.
 #[multiversion(targets("x86_64+avx2", "x86_64+avx"))]
-fn lit(lamps: &Lamps, spots: &Spots) -> [[f32; LANES]; 3] {
+fn lit(lamps: &Lamps, spots: &Spots) -> [[f32; SPOT_LANES]; 3] {
     let is_metal = spots.metal.iter().any(|metal| *metal > 0.0);
     if is_metal { lanes::<true>(lamps, spots) } else { lanes::<false>(lamps, spots) }
 }
 
 #[expect(clippy::inline_always, reason = "only code inside of `lit` uses its wider vectors")]
 #[inline(always)]
-fn lanes<const METAL: bool>(lamps: &Lamps, spots: &Spots) -> [[f32; LANES]; 3] {
-    let [mut red, mut green, mut blue] = [[0.0; LANES]; 3];
-    for i in 0..LANES {
+fn lanes<const METAL: bool>(lamps: &Lamps, spots: &Spots) -> [[f32; SPOT_LANES]; 3] {
+    let [mut red, mut green, mut blue] = [[0.0; SPOT_LANES]; 3];
+    for i in 0..SPOT_LANES {
         let normal = [spots.normal[0][i], spots.normal[1][i], spots.normal[2][i]];
         let color = [spots.color[0][i], spots.color[1][i], spots.color[2][i]];
         let place = [spots.place[0][i], spots.place[1][i]];
@@ -174,11 +174,11 @@ fn lanes<const METAL: bool>(lamps: &Lamps, spots: &Spots) -> [[f32; LANES]; 3] {
 
 /// Light of which the parts of a pixel may differ before an edge is seen between them: so much, and this share of it.
 /// Half of it looks closely at pixels of smooth surfaces in vain, twice of it leaves steps at faint creases.
-const EDGE: [f32; 2] = [0.012, 0.06];
+const EDGE_LIGHT: [f32; 2] = [0.012, 0.06];
 
 /// Whether a light differs so much from the mean of those in a sum that an edge between them is seen.
 fn differ(sum: &[f32; 4], light: Vec3f) -> bool {
-    (0..3).any(|k| (sum[k] - light[k] * sum[3]).abs() > EDGE[0] * sum[3] + EDGE[1] * sum[k])
+    (0..3).any(|k| (sum[k] - light[k] * sum[3]).abs() > EDGE_LIGHT[0] * sum[3] + EDGE_LIGHT[1] * sum[k])
 }
 
 /// `x`, or 0 when it is negative or not a number.
@@ -221,30 +221,30 @@ fn shoulder(light: f32) -> f32 {
 /// Spots lit at once.
 /// Eight 32-bit numbers fill a vector register of 256 bits. Half of it leaves half of that empty; twice of it needs two
 /// registers for each number. Colours are the same.
-const LANES: usize = 8;
+const SPOT_LANES: usize = 8;
 
 /// Places of a tile that wait for light.
 #[derive(Debug)]
 pub(super) struct Spots {
-    normal: [[f32; LANES]; 3],
-    color: [[f32; LANES]; 3],
-    place: [[f32; LANES]; 2],
-    back: [f32; LANES],
-    metal: [f32; LANES],
-    spread: [f32; LANES],
-    share: [f32; LANES],
-    pixel: [u32; LANES],
+    normal: [[f32; SPOT_LANES]; 3],
+    color: [[f32; SPOT_LANES]; 3],
+    place: [[f32; SPOT_LANES]; 2],
+    back: [f32; SPOT_LANES],
+    metal: [f32; SPOT_LANES],
+    spread: [f32; SPOT_LANES],
+    share: [f32; SPOT_LANES],
+    pixel: [u32; SPOT_LANES],
     waiting: usize,
 }
 
 impl Spots {
     /// No spots; all that come are of this colour unless another is set.
     pub(super) fn new(color: Vec3f) -> Self {
-        let none = [0.0; LANES];
-        let color = color.map(|c| [c; LANES]);
+        let none = [0.0; SPOT_LANES];
+        let color = color.map(|c| [c; SPOT_LANES]);
         let (normal, place) = ([none; 3], [none; 2]);
-        let spread = [USUAL_SPREAD; LANES];
-        Self { normal, color, place, back: none, metal: none, spread, share: none, pixel: [0; LANES], waiting: 0 }
+        let spread = [USUAL_SPREAD; SPOT_LANES];
+        Self { normal, color, place, back: none, metal: none, spread, share: none, pixel: [0; SPOT_LANES], waiting: 0 }
     }
 
     /// Adds the colours of the waiting spots as they are to `light`, and marks pixels with spots of different colours.
@@ -253,7 +253,7 @@ impl Spots {
     }
 
     /// Adds red, green and blue of the waiting spots to `light`.
-    fn add(&mut self, [red, green, blue]: [[f32; LANES]; 3], light: &mut [[f32; 4]], marks: &mut PixelSet) {
+    fn add(&mut self, [red, green, blue]: [[f32; SPOT_LANES]; 3], light: &mut [[f32; 4]], marks: &mut PixelSet) {
         for i in 0..self.waiting {
             let share = self.share[i];
             let sum = &mut light[self.pixel[i] as usize];
@@ -267,20 +267,20 @@ impl Spots {
 
     /// Sets the colour of the next spot.
     pub(super) fn color(&mut self, color: Vec3f) {
-        let i = self.waiting % LANES;
+        let i = self.waiting % SPOT_LANES;
         (0..3).for_each(|k| self.color[k][i] = color[k]);
     }
 
     /// Sets whether the next spot is of metal, from 0 to 1, and how wide its highlights are.
     pub(super) fn finish(&mut self, [metal, spread]: [f32; 2]) {
-        let i = self.waiting % LANES;
+        let i = self.waiting % SPOT_LANES;
         (self.metal[i], self.spread[i]) = (metal, spread);
     }
 
     /// Adds a spot of this normal at pixel coordinates `place` that gives `share` of the light of `pixel`, counted
     /// within the tile; `back` is 1 where the inside is seen and else 0. There must be room.
     pub(super) fn push(&mut self, (pixel, share): (u32, f32), normal: Vec3f, place: [f32; 2], back: f32) {
-        let i = self.waiting % LANES;
+        let i = self.waiting % SPOT_LANES;
         (0..3).for_each(|k| self.normal[k][i] = normal[k]);
         (0..2).for_each(|k| self.place[k][i] = place[k]);
         self.back[i] = back;
@@ -291,6 +291,6 @@ impl Spots {
 
     /// Whether there is no room for one more.
     pub(super) fn full(&self) -> bool {
-        self.waiting == LANES
+        self.waiting == SPOT_LANES
     }
 }

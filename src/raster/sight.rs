@@ -14,13 +14,13 @@ pub type ProjectedPoint = [f64; 3];
 /// How much nearer a triangle has to be to hide something, as a share of the range of nearness in the picture. Lines on
 /// a surface are as near as the surface but for rounding, about 1e-13; a hundred times as much lets lines show that are
 /// a hundred-thousandth of the depth of the picture behind a surface, a hundredth as much risks to hide lines on it.
-const SLACK: f64 = 1e-7;
+const NEARNESS_SLACK: f64 = 1e-7;
 /// Triangles of less area, square pixels, are seen from their edge and hide nothing. A thousand times as much drops
 /// triangles that can be seen, a thousandth as much lets rounding decide how near such triangles are.
-const LEAST_AREA: f64 = 1e-6;
+const LEAST_HIDING_AREA: f64 = 1e-6;
 /// Cells along a side of the grid at most: half of it has four times as many triangles a cell, twice of it takes four
 /// times as much memory.
-const MAX_CELLS: usize = 512;
+const MAX_SIGHT_CELLS: usize = 512;
 
 /// Triangles that hide what is behind them.
 #[derive(Debug)]
@@ -42,7 +42,7 @@ impl<'a> Sight<'a> {
         let (near, far) = ends(2);
         let boxes = triangles.iter().map(|triangle| bounds(triangle.map(|v| points[v as usize])));
         let grid = SightGrid::new([ends(0), ends(1)], &boxes.collect::<Vec<_>>());
-        Self { points, triangles, slack: SLACK * (far - near).max(0.0), grid }
+        Self { points, triangles, slack: NEARNESS_SLACK * (far - near).max(0.0), grid }
     }
 
     /// Returns the number of triangles that are tested against a line.
@@ -96,7 +96,7 @@ fn overlap(a: ScreenRect, b: ScreenRect) -> bool {
 /// `f_k`, which keeps it between them whatever is rounded.
 fn covered(ends: [ProjectedPoint; 2], corners: [ProjectedPoint; 3], slack: f64) -> Option<[f64; 2]> {
     let area = doubled(corners[0], corners[1], corners[2]);
-    if area.abs() < 2.0 * LEAST_AREA {
+    if area.abs() < 2.0 * LEAST_HIDING_AREA {
         return None;
     }
     let sign = area.signum();
@@ -161,7 +161,7 @@ impl SightGrid {
         let mut grid = Self {
             origin: [ends[0].0, ends[1].0],
             scale: [0.0; 2],
-            side: (2 * root).clamp(1, 2 * MAX_CELLS),
+            side: (2 * root).clamp(1, 2 * MAX_SIGHT_CELLS),
             starts: Vec::new(),
             triangles: Vec::new(),
         };
@@ -224,10 +224,10 @@ impl SightGrid {
 mod tests {
     use super::*;
 
-    const TRIANGLE: [ProjectedPoint; 3] = [[0.0, 0.0, 1.0], [8.0, 0.0, 1.0], [0.0, 8.0, 1.0]];
+    const FACING_TRIANGLE: [ProjectedPoint; 3] = [[0.0, 0.0, 1.0], [8.0, 0.0, 1.0], [0.0, 8.0, 1.0]];
 
     fn hidden(ends: [ProjectedPoint; 2]) -> Vec<[f64; 2]> {
-        Sight::new(&TRIANGLE, &[[0, 1, 2]]).hidden(ends, |_| false)
+        Sight::new(&FACING_TRIANGLE, &[[0, 1, 2]]).hidden(ends, |_| false)
     }
 
     #[test]
@@ -247,7 +247,7 @@ mod tests {
 
     #[test]
     fn triangles_and_lines_in_one_plane_hide_nothing_of_each_other() {
-        let tilted = TRIANGLE.map(|[x, y, _]| [x, y, 0.3 * x - 0.7 * y]);
+        let tilted = FACING_TRIANGLE.map(|[x, y, _]| [x, y, 0.3 * x - 0.7 * y]);
         let line = [[1.0, 1.0], [3.0, 2.0]].map(|[x, y]: [f64; 2]| [x, y, 0.3 * x - 0.7 * y]);
         assert!(Sight::new(&tilted, &[[0, 1, 2]]).hidden(line, |_| false).is_empty());
     }

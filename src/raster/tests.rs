@@ -80,7 +80,8 @@ fn sheet(n: u32) -> (Vec<[f64; 3]>, Vec<[u32; 3]>) {
     (positions, (0..n).flat_map(|j| (0..n).flat_map(move |i| quad(i, j))).collect())
 }
 
-const LOOK: RenderStyle = RenderStyle { background: [0; 4], is_fine: true, is_occluded: true, shadow: Ground::Stood };
+const OCCLUDED_STYLE: RenderStyle =
+    RenderStyle { background: [0; 4], is_fine: true, is_occluded: true, shadow: Ground::Stood };
 
 fn picture(view: &View, positions: &[[f64; 3]], triangles: &[[u32; 3]], size: [u32; 2]) -> Pixmap {
     let segments: Vec<[u32; 2]> = triangles.iter().flat_map(|t| [[t[0], t[1]], [t[1], t[1]]]).collect();
@@ -95,7 +96,7 @@ fn picture(view: &View, positions: &[[f64; 3]], triangles: &[[u32; 3]], size: [u
     let surface = TriangleAppearance::Lit([200, 80, 40, 255]);
     let model = Model { positions, triangles, normals: ShadingNormals::Planes, surface, strokes: &strokes };
     let camera = Camera::framing(view, &[positions], size[0], size[1]);
-    render(&model, &camera, LOOK, size, &Watch::new()).expect("nobody says stop")
+    render(&model, &camera, OCCLUDED_STYLE, size, &Watch::new()).expect("nobody says stop")
 }
 
 #[test]
@@ -179,7 +180,7 @@ fn a_stopped_watch_ends_the_picture() {
     let model =
         Model { positions: &positions, triangles: &triangles, normals: ShadingNormals::Planes, surface, strokes: &[] };
     let camera = Camera::framing(&View::default(), &[&positions], 64, 64);
-    assert_eq!(render(&model, &camera, LOOK, [64, 64], &watch), Err(Stopped));
+    assert_eq!(render(&model, &camera, OCCLUDED_STYLE, [64, 64], &watch), Err(Stopped));
 }
 
 /// Rows of pixels are cut to what slivers may cover: every sample inside is found, and few pixels are looked at.
@@ -199,7 +200,7 @@ fn slivers_cover_the_samples_inside_them_and_look_at_few_pixels_beside() {
         let tile = i64::try_from(TILE).expect("a tile is some dozen pixels wide");
         for (i, owners) in (0_i64..).zip(&samples.owner) {
             let (row, column) = (i / tile, i % tile);
-            for (owner, place) in owners.iter().zip(super::triangle::PLACES) {
+            for (owner, place) in owners.iter().zip(super::triangle::SAMPLE_PLACES) {
                 let p = [256 * column + 32 * i64::from(place[0]), 256 * row + 32 * i64::from(place[1])];
                 let sides = [0, 1, 2].map(|k| left(corners[k], corners[(k + 1) % 3], p));
                 if sides.iter().all(|&side| side > 0) || sides.iter().all(|&side| side < 0) {

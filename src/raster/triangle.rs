@@ -12,7 +12,7 @@
 use std::ops::Range;
 
 use super::bins::TILE;
-use super::project::{STEPS, Vertex};
+use super::project::{STEPS_A_PIXEL, Vertex};
 
 /// Samples a pixel.
 /// Where they see an edge, the pixel is looked at more closely, see `fine`. Two would miss thin things, eight take
@@ -20,7 +20,7 @@ use super::project::{STEPS, Vertex};
 pub(super) const SAMPLES: usize = 4;
 
 /// Places of the samples in eighths of a pixel, right and down: no two in one row, column or diagonal.
-pub(super) const PLACES: [[i32; 2]; SAMPLES] = [[3, 1], [7, 3], [1, 5], [5, 7]];
+pub(super) const SAMPLE_PLACES: [[i32; 2]; SAMPLES] = [[3, 1], [7, 3], [1, 5], [5, 7]];
 
 /// Owner of a sample that no triangle covers.
 pub(super) const NOBODY: u32 = u32::MAX;
@@ -34,8 +34,9 @@ pub(super) const CUT_PX: usize = 12;
 /// It only says what cutting counts: half and twice of it halve and double its share of the predicted time.
 pub(super) const ROW_PX: u64 = 8;
 
-const EIGHTH: i32 = STEPS / 8;
-const SIDE: i32 = TILE as i32;
+const EIGHTH: i32 = STEPS_A_PIXEL / 8;
+/// Width and height of a tile in pixels.
+pub(super) const TILE_SIDE: i32 = TILE as i32;
 
 /// Depth and owner of every sample of a tile.
 #[derive(Debug)]
@@ -117,7 +118,7 @@ impl Samples {
         if nearest < self.farthest {
             return;
         }
-        let last = SIDE - 1;
+        let last = TILE_SIDE - 1;
         let [left, top, right, bottom] = pixel_box(&corners);
         let (left, right) = ((left - origin[0]).max(0), (right - origin[0]).min(last));
         let (top, bottom) = ((top - origin[1]).max(0), (bottom - origin[1]).min(last));
@@ -148,7 +149,7 @@ impl Samples {
     /// Whether every sample of these pixels (left, top, right, bottom, bounds included) is nearer than `nearest`.
     fn is_hidden(&self, [left, top, right, bottom]: [i32; 4], nearest: f32) -> bool {
         (top..=bottom).all(|y| {
-            let row = (y * SIDE + left) as usize..=(y * SIDE + right) as usize;
+            let row = (y * TILE_SIDE + left) as usize..=(y * TILE_SIDE + right) as usize;
             self.depth[row].iter().all(|depth| depth.iter().all(|&depth| depth > nearest))
         })
     }
@@ -160,7 +161,7 @@ impl Samples {
         for (row, y) in (top..=bottom).enumerate() {
             let span = if n < CUT_PX { 0..n } else { setup.span(&start, n) };
             self.done.pixels += span.len() as u64 + if n < CUT_PX { 0 } else { ROW_PX };
-            let first = (y * SIDE + left) as usize;
+            let first = (y * TILE_SIDE + left) as usize;
             let lift = row as f32 * setup.slope[1];
             let base: [f32; SAMPLES] = std::array::from_fn(|s| setup.depth[s] + lift);
             let mut edges = start;
@@ -171,7 +172,7 @@ impl Samples {
                 let at = |k: usize, s: usize| edges[k].wrapping_add(setup.samples[k][s]);
                 let outside: [i32; SAMPLES] = std::array::from_fn(|s| at(0, s) | at(1, s) | at(2, s));
                 let place = |s: usize| {
-                    let [x, y] = PLACES[s].map(|eighths| eighths as f32 / 8.0);
+                    let [x, y] = SAMPLE_PLACES[s].map(|eighths| eighths as f32 / 8.0);
                     [(left as usize + column) as f32 + x, y + (top as usize + row) as f32]
                 };
                 let is_hole = |s: usize| outside[s] >= 0 && !is_there(place(s));
@@ -216,14 +217,14 @@ pub(super) fn area(&[a, b, c]: &[Vertex; 3]) -> i64 {
 
 /// Pixels that hold a sample of the bounding box: left, top, right, bottom, bounds included.
 pub(super) fn pixel_box(&[a, b, c]: &[Vertex; 3]) -> [i32; 4] {
-    let low = |u: i32| (u - 7 * EIGHTH + STEPS - 1).div_euclid(STEPS);
-    let high = |u: i32| (u - EIGHTH).div_euclid(STEPS);
+    let low = |u: i32| (u - 7 * EIGHTH + STEPS_A_PIXEL - 1).div_euclid(STEPS_A_PIXEL);
+    let high = |u: i32| (u - EIGHTH).div_euclid(STEPS_A_PIXEL);
     [low(a.x.min(b.x).min(c.x)), low(a.y.min(b.y).min(c.y)), high(a.x.max(b.x).max(c.x)), high(a.y.max(b.y).max(c.y))]
 }
 
 /// Pixels that a bounding box touches: left, top, right, bottom, bounds included.
 pub(super) fn touched(&[a, b, c]: &[Vertex; 3]) -> [i32; 4] {
-    let pixel = |u: i32| u.div_euclid(STEPS);
+    let pixel = |u: i32| u.div_euclid(STEPS_A_PIXEL);
     let (left, top) = (a.x.min(b.x).min(c.x), a.y.min(b.y).min(c.y));
     [pixel(left), pixel(top), pixel(a.x.max(b.x).max(c.x)), pixel(a.y.max(b.y).max(c.y))]
 }
@@ -240,23 +241,23 @@ enum TileEdge {
 
 /// How far from the origin of a tile corners may lie whose edge functions have 31 bits before they are divided.
 /// Half of it leaves some triangles of a few pixels to the general way; twice of it overflows.
-const NEAR: i32 = 1 << 14;
+const NEAR_ORIGIN: i32 = 1 << 14;
 
 /// The same as [`edge`], for corners near the tile: the edge is taken to cross it.
 fn near_edge(a: Vertex, b: Vertex, origin: [i32; 2]) -> TileEdge {
     let (dx, dy) = (b.x - a.x, b.y - a.y);
     let counts = dy > 0 || (dy == 0 && dx > 0);
-    let value = dx * (origin[1] * STEPS - a.y) - dy * (origin[0] * STEPS - a.x) - i32::from(!counts);
+    let value = dx * (origin[1] * STEPS_A_PIXEL - a.y) - dy * (origin[0] * STEPS_A_PIXEL - a.x) - i32::from(!counts);
     TileEdge::Crossing(value >> EIGHTH.trailing_zeros(), -dy, dx)
 }
 
 fn edge(a: Vertex, b: Vertex, origin: [i32; 2]) -> TileEdge {
     let (dx, dy) = (i64::from(b.x - a.x), i64::from(b.y - a.y));
     let counts = dy > 0 || (dy == 0 && dx > 0);
-    let x = i64::from(origin[0] * STEPS - a.x);
-    let y = i64::from(origin[1] * STEPS - a.y);
+    let x = i64::from(origin[0] * STEPS_A_PIXEL - a.x);
+    let y = i64::from(origin[1] * STEPS_A_PIXEL - a.y);
     let value = (dx * y - dy * x - i64::from(!counts)) >> EIGHTH.trailing_zeros();
-    let last = i64::from(8 * SIDE - 1);
+    let last = i64::from(8 * TILE_SIDE - 1);
     if value + (-dy * last).max(0) + (dx * last).max(0) < 0 {
         TileEdge::Outside
     } else if value + (-dy * last).min(0) + (dx * last).min(0) >= 0 {
@@ -287,7 +288,9 @@ impl TriangleSetup {
             slope: [0.0; 2],
             range: [0.0; 2],
         };
-        let near = |v: &Vertex| [v.x - STEPS * origin[0], v.y - STEPS * origin[1]].iter().all(|&u| u.abs() < NEAR);
+        let near = |v: &Vertex| {
+            [v.x - STEPS_A_PIXEL * origin[0], v.y - STEPS_A_PIXEL * origin[1]].iter().all(|&u| u.abs() < NEAR_ORIGIN)
+        };
         let is_near = corners.iter().all(near);
         for k in 0..3 {
             let (a, b) = (corners[k], corners[(k + 1) % 3]);
@@ -297,7 +300,7 @@ impl TriangleSetup {
                 TileEdge::Crossing(value, right, down) => {
                     (setup.right[k], setup.down[k]) = (8 * right, 8 * down);
                     setup.edges[k] = value.wrapping_add(8 * right * left).wrapping_add(8 * down * top);
-                    setup.samples[k] = PLACES.map(|[x, y]| right * x + down * y);
+                    setup.samples[k] = SAMPLE_PLACES.map(|[x, y]| right * x + down * y);
                 }
             }
         }
@@ -337,11 +340,11 @@ impl TriangleSetup {
     fn interpolate(&mut self, corners: &[Vertex; 3], first: [i32; 2]) {
         let [a, b, c] = *corners;
         let slope = slope(corners);
-        let x = f64::from(first[0] * STEPS - a.x) * (1.0 / f64::from(STEPS));
-        let y = f64::from(first[1] * STEPS - a.y) * (1.0 / f64::from(STEPS));
+        let x = f64::from(first[0] * STEPS_A_PIXEL - a.x) * (1.0 / f64::from(STEPS_A_PIXEL));
+        let y = f64::from(first[1] * STEPS_A_PIXEL - a.y) * (1.0 / f64::from(STEPS_A_PIXEL));
         let corner = f64::from(a.depth) + slope[0] * x + slope[1] * y;
         let (right, down) = (slope[0] / 8.0, slope[1] / 8.0);
-        for (depth, [x, y]) in self.depth.iter_mut().zip(PLACES) {
+        for (depth, [x, y]) in self.depth.iter_mut().zip(SAMPLE_PLACES) {
             *depth = (corner + right * f64::from(x) + down * f64::from(y)) as f32;
         }
         self.slope = [slope[0] as f32, slope[1] as f32];
@@ -359,6 +362,6 @@ pub(super) fn slope(corners: &[Vertex; 3]) -> [f64; 2] {
     let (db, dc) = (f64::from(b.depth) - f64::from(a.depth), f64::from(c.depth) - f64::from(a.depth));
     let (bx, by) = (f64::from(b.x - a.x), f64::from(b.y - a.y));
     let (cx, cy) = (f64::from(c.x - a.x), f64::from(c.y - a.y));
-    let scale = f64::from(STEPS) / area as f64;
+    let scale = f64::from(STEPS_A_PIXEL) / area as f64;
     [(db * cy - dc * by) * scale, (dc * bx - db * cx) * scale]
 }

@@ -11,7 +11,7 @@ use crate::shape::topology::NONE;
 use crate::watch::{Stopped, Watch};
 
 /// Number of values that one thread processes at a time.
-const CHUNK: usize = 1 << 16;
+const VALUES_PER_TASK: usize = 1 << 16;
 
 /// Applies the steps of a plan to a net and to all point sets that belong to it. If an operator fails, `net` is left as
 /// the net that the operator could not be applied to.
@@ -96,7 +96,8 @@ impl Points {
     }
 
     fn ensure_finite(&self, level: u32) -> Result<(), RefineError> {
-        let finite = |numbers: &[f64]| numbers.par_chunks(CHUNK).all(|chunk| chunk.iter().all(|x| x.is_finite()));
+        let finite =
+            |numbers: &[f64]| numbers.par_chunks(VALUES_PER_TASK).all(|chunk| chunk.iter().all(|x| x.is_finite()));
         ensure(finite(&self.now) && self.tangents.as_deref().is_none_or(finite), level)
     }
 
@@ -104,7 +105,7 @@ impl Points {
     fn push_back(&mut self, rows: &dyn RowSource, children: &[u32], watch: &Watch) -> Result<(), Stopped> {
         let w = self.width;
         let mut differences = self.anchor.clone();
-        let chunks = differences.par_chunks_mut(CHUNK * w).zip(children.par_chunks(CHUNK));
+        let chunks = differences.par_chunks_mut(VALUES_PER_TASK * w).zip(children.par_chunks(VALUES_PER_TASK));
         chunks.for_each(|(differences, children)| {
             for (difference, &child) in differences.chunks_exact_mut(w).zip(children) {
                 if child == NONE {
@@ -118,7 +119,7 @@ impl Points {
             }
         });
         let moves = blend(rows, &differences, w, watch)?;
-        self.now.par_chunks_mut(CHUNK).zip(moves.par_chunks(CHUNK)).for_each(|(points, moves)| {
+        self.now.par_chunks_mut(VALUES_PER_TASK).zip(moves.par_chunks(VALUES_PER_TASK)).for_each(|(points, moves)| {
             for (x, m) in points.iter_mut().zip(moves) {
                 *x += m;
             }

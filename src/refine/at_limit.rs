@@ -27,11 +27,11 @@ impl Program {
         let Some(sweep) = self.points().filter(|_| refined.order.is_documented()) else { return Ok(None) };
         let normals = match normals {
             Some(stencils) => {
-                let found = sweep.evaluate(&refined.points, stencils, NORMALS, watch)?;
+                let found = sweep.evaluate(&refined.points, stencils, NORMAL_RULE, watch)?;
                 let is_isolated = |v: usize| v < refined.base.n_vertices() && refined.base.is_isolated(v);
                 let missing = |(v, normal): (usize, &[f64; 3])| is_zero(normal) && !is_isolated(v);
                 let of_vertices = found.values.as_chunks().0;
-                if of_vertices.par_iter().with_min_len(CHUNK).enumerate().any(missing)
+                if of_vertices.par_iter().with_min_len(NORMALS_PER_TASK).enumerate().any(missing)
                     || found.sides.iter().any(|(_, normal)| is_zero(normal))
                 {
                     return Ok(None);
@@ -61,10 +61,10 @@ impl Program {
 }
 
 /// Minimum number of normals that one thread checks at a time.
-const CHUNK: usize = 4096;
+const NORMALS_PER_TASK: usize = 4096;
 
 /// The sine of the smallest angle between two tangents for which their cross product still gives a normal.
-const LEAST_SINE: f64 = 1e-9;
+const LEAST_TANGENT_SINE: f64 = 1e-9;
 
 fn first<const W: usize>(values: &[[f64; W]]) -> [f64; W] {
     values[0]
@@ -76,23 +76,23 @@ fn positions<const W: usize>() -> ValueRule<W> {
 }
 
 /// The rule for normals, each from two tangents; zero where the tangents span no plane.
-const NORMALS: ValueRule<3> =
+const NORMAL_RULE: ValueRule<3> =
     ValueRule { of: |tangents| normal(tangents[0], tangents[1]), join: sum, alone: |_| [0.0; 3] };
 
-/// Returns `t x u` scaled to length one, or zero if the sine of their angle is not above [`LEAST_SINE`].
+/// Returns `t x u` scaled to length one, or zero if the sine of their angle is not above [`LEAST_TANGENT_SINE`].
 #[inline]
 fn normal(t: [f64; 3], u: [f64; 3]) -> [f64; 3] {
-    const SAFE: std::ops::RangeInclusive<f64> = 1e-100..=1e100;
+    const SAFE_PRODUCTS: std::ops::RangeInclusive<f64> = 1e-100..=1e100;
     let product = cross(t, u);
     let squares = [dot(t, t), dot(u, u), dot(product, product)];
-    if squares.iter().all(|square| SAFE.contains(square)) {
-        let above = squares[2] > LEAST_SINE * LEAST_SINE * squares[0] * squares[1];
+    if squares.iter().all(|square| SAFE_PRODUCTS.contains(square)) {
+        let above = squares[2] > LEAST_TANGENT_SINE * LEAST_TANGENT_SINE * squares[0] * squares[1];
         let length = if above { sqrt(squares[2]) } else { f64::INFINITY };
         return product.map(|x| x / length);
     }
     let (Some(t), Some(u)) = (direction(t), direction(u)) else { return [0.0; 3] };
     let product = cross(t, u);
-    if length(product) > LEAST_SINE { direction(product).unwrap_or_default() } else { [0.0; 3] }
+    if length(product) > LEAST_TANGENT_SINE { direction(product).unwrap_or_default() } else { [0.0; 3] }
 }
 
 /// Returns whether `normal` is the zero vector, which stands for "no normal".

@@ -10,7 +10,7 @@ use crate::watch::Watch;
 
 /// Number of rows made at a time. Half as many would query the watch twice as often; twice as many would only take more
 /// memory.
-const BLOCK: usize = 4096;
+const RECORDED_ROWS: usize = 4096;
 
 /// The values of a refinement: the points of the input, then rows over earlier values. A row that only copies a value
 /// is not stored; its point takes the index of that value.
@@ -62,10 +62,10 @@ impl Recorder {
         self.last = self.rows.len();
         let mut made = Vec::with_capacity(source.n_rows());
         let mut block = Rows::default();
-        for start in (0..source.n_rows()).step_by(BLOCK) {
+        for start in (0..source.n_rows()).step_by(RECORDED_ROWS) {
             watch.check()?;
             block.clear();
-            source.make(start..source.n_rows().min(start + BLOCK), &mut block);
+            source.make(start..source.n_rows().min(start + RECORDED_ROWS), &mut block);
             for r in 0..block.len() {
                 if let (&[at], &[1.0]) = block.row(r) {
                     made.push(self.now[at as usize]);

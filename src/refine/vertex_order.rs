@@ -9,7 +9,7 @@ use crate::scheme::mesh_net::MeshNet;
 use crate::shape::order::Order;
 
 /// Minimum number of vertices that one thread takes at a time.
-const CHUNK: usize = 4096;
+const ORDERED_PER_TASK: usize = 4096;
 
 fn bytes(net: &MeshNet) -> usize {
     let (base, parent) = (&net.mesh.base, net.mesh.parent.as_ref());
@@ -73,8 +73,8 @@ impl VertexOrder {
             return;
         };
         out.resize(range.len(), [0.0; W]);
-        out.par_chunks_mut(CHUNK).enumerate().for_each(|(i, rows)| {
-            let start = range.start + i * CHUNK;
+        out.par_chunks_mut(ORDERED_PER_TASK).enumerate().for_each(|(i, rows)| {
+            let start = range.start + i * ORDERED_PER_TASK;
             let (range, mut rows) = (start..start + rows.len(), rows.iter_mut());
             order.each_constructed(range, |at| rows.next().into_iter().for_each(|row| *row = all[at as usize]));
         });
@@ -88,8 +88,8 @@ impl VertexOrder {
             return;
         };
         out.resize(width * range.len(), 0.0);
-        out.par_chunks_mut(width * CHUNK).enumerate().for_each(|(i, rows)| {
-            let start = range.start + i * CHUNK;
+        out.par_chunks_mut(width * ORDERED_PER_TASK).enumerate().for_each(|(i, rows)| {
+            let start = range.start + i * ORDERED_PER_TASK;
             let (range, mut rows) = (start..start + rows.len() / width, rows.chunks_exact_mut(width));
             order.each_constructed(range, |at| {
                 let at = at as usize * width;

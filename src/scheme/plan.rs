@@ -18,7 +18,7 @@ use crate::shape::tile::Tile;
 
 /// Maximum number of levels of a plan. Schemes that multiply points reach the size limits long before; for a word
 /// without upsampling, a level is one pass, and twice as many levels cost twice as much.
-pub const MAX_LEVELS: u32 = 64;
+pub const MAX_PLAN_LEVELS: u32 = 64;
 /// A plan as a client writes it, unresolved.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct PlanInput {

@@ -4,7 +4,7 @@ use crate::math::mask::Mask;
 
 /// Entries that differ by less count as equal. It is 4,500 times the rounding error of 1 and far below the precision
 /// with which the ranges are known; half or twice the value matters only that close to an end of a range.
-const SAME: f64 = 1e-12;
+const ENTRY_TOLERANCE: f64 = 1e-12;
 /// The tension at which the four-point scheme ceases to be C1: the real root of `32 w^3 + 4 w - 1`.
 ///
 /// Source: Hechler, Moessner and Reif, Constructive Approximation 30 (2009).
@@ -34,7 +34,7 @@ pub struct Range {
 impl Range {
     /// Returns whether the parameter lies in the range, ends included.
     pub fn holds(&self) -> bool {
-        self.least - SAME <= self.value && self.value <= self.most + SAME
+        self.least - ENTRY_TOLERANCE <= self.value && self.value <= self.most + ENTRY_TOLERANCE
     }
 
     /// Returns a sentence that names the range if the parameter lies outside it.
@@ -50,8 +50,9 @@ impl Range {
 fn is(mask: &Mask, entries: &[f64]) -> bool {
     let reach = i32::try_from(entries.len()).unwrap_or(0);
     let inside = mask.first > -reach && mask.last() < reach;
-    let equal =
-        |(k, entry): (isize, &f64)| [k, -k].iter().all(|&k| (mask.at(k) - entry).abs() <= SAME * entry.abs().max(1.0));
+    let equal = |(k, entry): (isize, &f64)| {
+        [k, -k].iter().all(|&k| (mask.at(k) - entry).abs() <= ENTRY_TOLERANCE * entry.abs().max(1.0))
+    };
     inside && (0..).zip(entries).all(equal)
 }
 

@@ -53,7 +53,7 @@ pub struct Remaining {
 
 /// Number of levels after which no semi-sharp edge is left: the largest finite sharpness, which decays by at least one
 /// per level.
-const LAST: usize = 10;
+const LAST_SHARP_LEVEL: usize = 10;
 
 fn lookup(sharp: &Sharp, i: usize) -> f64 {
     sharp.binary_search_by_key(&index(i), |&(i, _)| i).map_or(0.0, |at| sharp[at].1)
@@ -186,8 +186,8 @@ impl Sharpness {
     }
 
     /// Returns upper bounds of what is still sharp after 0, 1, ... levels; the last entry holds for all later levels.
-    pub fn remaining(&self, topology: &Topology, creasing: Creasing) -> [Remaining; LAST + 1] {
-        let mut remaining = [Remaining::default(); LAST + 1];
+    pub fn remaining(&self, topology: &Topology, creasing: Creasing) -> [Remaining; LAST_SHARP_LEVEL + 1] {
+        let mut remaining = [Remaining::default(); LAST_SHARP_LEVEL + 1];
         let finite = self.edges.iter().map(|&(_, s)| s).filter(|&s| s < INFINITE_SHARPNESS);
         let most = finite.fold(0.0, f64::max);
         let bound = |s: f64| if creasing == Creasing::Chaikin { s.max(most) } else { s };

@@ -5,7 +5,7 @@ use std::fmt;
 
 /// Maximum number of input points that a message names. Fewer would tell less of where to look; more would make
 /// messages too long.
-const MAX_NAMED: usize = 8;
+const MAX_NAMED_POINTS: usize = 8;
 
 /// The reason for which an operator cannot be applied.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
@@ -55,12 +55,12 @@ impl fmt::Display for About {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let Self::Point { name, point, from } = self else { return Ok(()) };
         write!(f, "the {name} of point {point}")?;
-        let named = from.iter().take(MAX_NAMED).map(u32::to_string).collect::<Vec<_>>().join(", ");
+        let named = from.iter().take(MAX_NAMED_POINTS).map(u32::to_string).collect::<Vec<_>>().join(", ");
         match from[..] {
             [] => {}
             [own] if own as usize == *point => {}
             [_] => write!(f, " (point {named} of the input)")?,
-            _ if from.len() > MAX_NAMED => write!(f, " (between the points {named}, ... of the input)")?,
+            _ if from.len() > MAX_NAMED_POINTS => write!(f, " (between the points {named}, ... of the input)")?,
             _ => write!(f, " (between the points {named} of the input)")?,
         }
         write!(f, " is ")

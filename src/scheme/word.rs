@@ -9,14 +9,14 @@ use crate::math::parameter::Value;
 
 /// Maximum length of a word's text in bytes: [`MAX_LETTERS`] letters of four bytes each. Half as many would refuse long
 /// words written out; twice as many would admit only other spellings.
-pub const MAX_BYTES: usize = 256;
+pub const MAX_WORD_BYTES: usize = 256;
 /// Maximum number of letters of the prefix of a word, and of its cycle, after powers are written out. Each average is a
 /// pass over the mesh at every level, so that twice as many take twice as long; half as many would refuse words of more
 /// than 32 letters.
 pub const MAX_LETTERS: usize = 64;
 /// Maximum nesting depth of groups. Half of it would refuse groups nested five deep; twice of it would use more of the
 /// stack for no more letters.
-pub const MAX_DEPTH: usize = 8;
+pub const MAX_GROUP_DEPTH: usize = 8;
 
 /// Returns the operator of a letter.
 pub fn lettered(letter: char) -> Option<&'static dyn Operator> {
@@ -38,16 +38,16 @@ pub enum WordError {
     /// The word is empty.
     #[error("the word is empty; write at least one operator ({known})", known = known())]
     Empty,
-    /// The text is longer than [`MAX_BYTES`].
-    #[error("the word has {0} bytes, at most {MAX_BYTES} are allowed; use powers such as (UC)^3")]
+    /// The text is longer than [`MAX_WORD_BYTES`].
+    #[error("the word has {0} bytes, at most {MAX_WORD_BYTES} are allowed; use powers such as (UC)^3")]
     TooLong(usize),
     /// The word has more than [`MAX_LETTERS`] letters once written out.
     #[error(
         "the word has more than {MAX_LETTERS} letters once its powers are written out; ask for more levels instead"
     )]
     TooManyLetters,
-    /// Groups are nested deeper than [`MAX_DEPTH`].
-    #[error("groups are nested deeper than {MAX_DEPTH}; write them out")]
+    /// Groups are nested deeper than [`MAX_GROUP_DEPTH`].
+    #[error("groups are nested deeper than {MAX_GROUP_DEPTH}; write them out")]
     TooDeep,
     /// A letter is not an operator.
     #[error(
@@ -92,7 +92,7 @@ impl Word {
     /// # Errors
     /// [`WordError`] naming the place.
     pub fn parse(text: &str) -> Result<Self, WordError> {
-        if text.len() > MAX_BYTES {
+        if text.len() > MAX_WORD_BYTES {
             return Err(WordError::TooLong(text.len()));
         }
         let characters: Vec<char> = text.chars().collect();
@@ -135,7 +135,7 @@ impl WordParser<'_> {
 
     /// Parses items up to the end or a closing parenthesis; a group without a power is the cycle and must come last.
     fn items(&mut self, depth: usize) -> Result<(Vec<Letter>, Option<Vec<Letter>>), WordError> {
-        if depth > MAX_DEPTH {
+        if depth > MAX_GROUP_DEPTH {
             return Err(WordError::TooDeep);
         }
         let mut letters = Vec::new();

@@ -15,7 +15,7 @@ use super::writer::LAST_WAIT;
 
 /// Pause after a failed write before the remaining records are tried again. Half of it would retry on a full disk twice
 /// as often; twice of it would lose the state of more jobs in a crash, which are then done once more.
-const PAUSE: Duration = Duration::from_secs(1);
+const RETRY_PAUSE: Duration = Duration::from_secs(1);
 
 /// Time without changes after which the store is checked, so that a removed file is told before the next job comes.
 /// Half of it would look twice as often; twice of it would call the service ready for longer while jobs would be
@@ -187,7 +187,7 @@ impl<R: RowKey> SharedJournal<R> {
                 return;
             }
             if written.is_err() {
-                thread::sleep(PAUSE);
+                thread::sleep(RETRY_PAUSE);
             }
         }
     }

@@ -9,7 +9,7 @@ use crate::job::{KeepWork, Work};
 
 /// Bytes charged for an entry besides its own: its places in the maps and what the allocator rounds up. Half of it
 /// would let many tiny meshes exceed the capacity; twice of it would hold fewer of them.
-const ENTRY_BYTES: u64 = 512;
+const KEPT_ENTRY_BYTES: u64 = 512;
 
 /// Intermediate work of computations, bounded in bytes.
 #[derive(Debug)]
@@ -74,7 +74,7 @@ impl KeepWork for KeptWork {
     }
 
     fn keep(&self, key: Key, work: Work) {
-        let cost = work.bytes() + ENTRY_BYTES;
+        let cost = work.bytes() + KEPT_ENTRY_BYTES;
         if admit(cost, self.capacity).is_err() {
             return;
         }

@@ -8,7 +8,7 @@ use super::clock::Clock;
 use super::peer::Peer;
 
 /// The period of the rate limit; a client may also send all requests of one period at once.
-const WINDOW: Duration = Duration::from_mins(1);
+const RATE_PERIOD: Duration = Duration::from_mins(1);
 /// Maximum number of clients counted; a further one replaces the one whose bucket is nearest to full, which starts anew
 /// with a full bucket. Twice as many would take twice the memory, half a megabyte; half as many would forget clients
 /// sooner when there are many.
@@ -57,11 +57,11 @@ impl Rates {
         let before = buckets.get(&peer).copied().unwrap_or(now).max(now);
         let quota = |full_at: Duration| {
             let reset = full_at.saturating_sub(now);
-            let left = WINDOW.saturating_sub(reset).as_nanos() / each.as_nanos().max(1);
+            let left = RATE_PERIOD.saturating_sub(reset).as_nanos() / each.as_nanos().max(1);
             Quota { limit: per_minute, remaining: u64::try_from(left).unwrap_or(u64::MAX).min(per_minute), reset }
         };
         let after = before + each;
-        let beyond = after.saturating_sub(now).saturating_sub(WINDOW);
+        let beyond = after.saturating_sub(now).saturating_sub(RATE_PERIOD);
         if !beyond.is_zero() {
             return Err(Exceeded { retry_after: beyond, quota: quota(before) });
         }
@@ -124,7 +124,7 @@ mod tests {
         assert!(rates.take(peer(1), 3).is_err());
         rates.give_back(peer(1), 3);
         assert!(rates.take(peer(1), 3).is_ok(), "what was given back may be sent");
-        clock.advance(WINDOW);
+        clock.advance(RATE_PERIOD);
         assert_eq!(rates.take(peer(1), 3).map(|quota| quota.remaining), Ok(2), "full again, and no fuller than full");
     }
 

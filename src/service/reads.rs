@@ -11,7 +11,7 @@ use super::store::StoreError;
 /// Maximum number of concurrent reads. A solid-state disk gains little beyond four requests of a mebibyte each, and a
 /// spinning one loses. Half as many would leave a solid-state disk idle; twice as many would gain little and hold twice
 /// as many parts.
-const PLACES: usize = 4;
+const MAX_CONCURRENT_READS: usize = 4;
 /// Maximum time that a response or a job waits for its next part; after it the response is cut off, or the job fails.
 /// It is less than most clients wait. Half of it would do so more often under load; twice of it is longer than some
 /// clients wait.
@@ -26,7 +26,7 @@ pub(super) struct Reads {
 
 impl Reads {
     pub(super) fn new(counts: Arc<DiskCounts>) -> Self {
-        Self { places: Arc::new(Semaphore::new(PLACES)), counts }
+        Self { places: Arc::new(Semaphore::new(MAX_CONCURRENT_READS)), counts }
     }
 
     /// Runs a read on a thread that may block. Returns `None` if it fails, or if there is no place or no result within

@@ -14,7 +14,7 @@ use crate::watch::Watch;
 
 /// Version of the variants: raised when an encoder or its effort changes, so that one ETag never names two different
 /// sequences of bytes.
-const VERSION: u32 = 1;
+const VARIANTS_VERSION: u32 = 1;
 /// Efforts of the encoders: the next higher effort takes at least twice the time for a tenth fewer bytes. Decision 0023
 /// has the numbers.
 const ZSTD_LEVEL: i32 = 3;
@@ -28,7 +28,7 @@ const BROTLI_WINDOW_LOG: u32 = 22;
 const ENCODER_BYTES: u128 = 32 << 20;
 /// Bytes that are encoded between two checks of the watch. Half of it would check twice as often; twice of it would
 /// stop twice as late, after some 10 ms.
-const PIECE_BYTES: usize = 256 << 10;
+const ENCODE_STEP_BYTES: usize = 256 << 10;
 /// A variant is kept if it is shorter than the artifact by at least this fraction, one part in `SPARED`: less is not
 /// worth its place in the cache. Half of the number would reject pictures that shrink by a fifth; twice of it would
 /// keep variants that save a sixteenth.
@@ -70,7 +70,7 @@ impl Coding {
 
     /// Returns the key of the variant of an artifact.
     pub fn key(self, artifact: &Key) -> Key {
-        content(format!("planish variant {VERSION} {} of {artifact}", self.name()).as_bytes())
+        content(format!("planish variant {VARIANTS_VERSION} {} of {artifact}", self.name()).as_bytes())
     }
 
     /// Returns the media type of a variant in the stores: no format has it, so that a variant is never taken for a
@@ -123,7 +123,7 @@ impl Compress {
 
     /// Writes the bytes of the artifact to an encoder.
     fn feed(&self, encoder: &mut dyn Write, watch: &Watch) -> Result<(), RunError> {
-        for piece in self.parts.iter().flat_map(|part| part.chunks(PIECE_BYTES)) {
+        for piece in self.parts.iter().flat_map(|part| part.chunks(ENCODE_STEP_BYTES)) {
             watch.check().map_err(RunError::Stopped)?;
             encoder.write_all(piece).map_err(RunError::Io)?;
         }

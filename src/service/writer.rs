@@ -19,7 +19,7 @@ use crate::job::key::Key;
 const THREADS: usize = 2;
 /// Maximum number of waiting artifacts: what two threads write in a minute at a quarter of a second a sync and two
 /// syncs each. Half as many would leave artifacts of bursts unwritten sooner; twice as many would wait for two minutes.
-const MAX_WAITING: usize = 256;
+const MAX_WAITING_ARTIFACTS: usize = 256;
 /// Maximum number of waiting artifacts in temporary files, whose bytes do not count towards the capacity of the disk
 /// store. Half as many would leave more artifacts unwritten; twice as many would let twice as much exceed the capacity
 /// on the disk.
@@ -235,7 +235,7 @@ impl Drop for StoreWriter {
 impl Backlog {
     fn has_room(&self, waiting: &UnwrittenArtifact, max_bytes: u64) -> bool {
         let sealed = matches!(waiting, UnwrittenArtifact::Sealed(_));
-        self.waiting.len() < MAX_WAITING
+        self.waiting.len() < MAX_WAITING_ARTIFACTS
             && self.held_bytes.saturating_add(waiting.held_bytes()) <= max_bytes
             && !(sealed && self.n_sealed >= MAX_SEALED)
     }

@@ -20,13 +20,13 @@ pub const MAX_WIDTH: usize = 4;
 pub const MAX_TOTAL_WIDTH: usize = 128;
 
 /// Maximum length of a channel's name, in bytes.
-const MAX_NAME: usize = 48;
+const MAX_CHANNEL_NAME: usize = 48;
 
 /// The channel that file formats treat as the colour of a vertex: sRGB from 0 to 1, with or without alpha.
-pub const COLOR: &str = "color";
+pub const COLOR_CHANNEL: &str = "color";
 
 /// Names of PLY properties that have another meaning.
-const TAKEN: &[&str] =
+const PLY_PROPERTIES: &[&str] =
     &["x", "y", "z", "nx", "ny", "nz", "s", "t", "red", "green", "blue", "alpha", "origin", "origin_dimension"];
 
 /// The glTF attribute that holds origins, `_ORIGIN`, reserved at any width.
@@ -67,7 +67,7 @@ impl<S> Channel<S> {
 
     /// Returns whether the channel is the colour of the vertices.
     pub fn is_color(&self) -> bool {
-        self.name == COLOR
+        self.name == COLOR_CHANNEL
     }
 
     /// Returns one name per value: the channel's name, followed by `_0`, `_1`, ... if there are several values.
@@ -112,7 +112,7 @@ pub struct Attachments {
 }
 
 /// The attachments of a mesh that carries nothing.
-static NONE: Attachments = Attachments {
+static NO_ATTACHMENTS: Attachments = Attachments {
     channels: Vec::new(),
     groups: Labels::NONE,
     materials: Labels::NONE,
@@ -124,7 +124,7 @@ static NONE: Attachments = Attachments {
 impl Attachments {
     /// Returns the attachments of a mesh that carries nothing.
     pub fn none() -> &'static Self {
-        &NONE
+        &NO_ATTACHMENTS
     }
 
     /// Returns whether the mesh carries nothing.
@@ -250,15 +250,15 @@ pub fn check_channel(channel: &ChannelInput, before: &[ChannelInput], n: usize) 
 
 fn check_name(name: &str) -> Option<String> {
     let starts = name.starts_with(|c: char| c.is_ascii_alphabetic());
-    let sound = starts && name.chars().all(|c| c.is_ascii_alphanumeric() || c == '_') && name.len() <= MAX_NAME;
-    let rule = format!("a letter, then letters, digits and underscores, {MAX_NAME} at most");
+    let sound = starts && name.chars().all(|c| c.is_ascii_alphanumeric() || c == '_') && name.len() <= MAX_CHANNEL_NAME;
+    let rule = format!("a letter, then letters, digits and underscores, {MAX_CHANNEL_NAME} at most");
     (!sound).then(|| format!("\"{}\" is no name of a channel; it is {rule}", crate::fault::shortened(name)))
 }
 
 fn check_clash(channel: &ChannelInput, before: &[ChannelInput]) -> Option<String> {
     let names = channel.number_names();
     let own = Some(&channel.name).filter(|name| name.eq_ignore_ascii_case(ORIGIN));
-    let taken = names.iter().find(|name| TAKEN.contains(&name.to_ascii_lowercase().as_str())).or(own);
+    let taken = names.iter().find(|name| PLY_PROPERTIES.contains(&name.to_ascii_lowercase().as_str())).or(own);
     if let Some(taken) = taken {
         return Some(format!("\"{taken}\" means something else in files; choose another name"));
     }

@@ -6,7 +6,7 @@ use super::looks::Look;
 use crate::fault::Fault;
 
 /// The name of the material of faces that had none.
-const NAME: &str = "material";
+const DEFAULT_MATERIAL: &str = "material";
 
 impl AttachmentsInput {
     /// Applies a look to materials without one, and to the faces without material, which get a new material after the
@@ -54,7 +54,7 @@ impl AttachmentsInput {
     /// Returns a name that no material has.
     fn free_name(&self) -> String {
         let is_free = |name: &String| self.materials.iter().all(|set| set.name != *name);
-        let numbered = (2_usize..).map(|number| format!("{NAME}-{number}"));
-        std::iter::once(NAME.to_owned()).chain(numbered).find(is_free).expect("some number is free")
+        let numbered = (2_usize..).map(|number| format!("{DEFAULT_MATERIAL}-{number}"));
+        std::iter::once(DEFAULT_MATERIAL.to_owned()).chain(numbered).find(is_free).expect("some number is free")
     }
 }

@@ -10,7 +10,7 @@ use crate::fault::shortened;
 pub const MAX_LABELS: usize = 256;
 
 /// Maximum length of a name, in bytes.
-pub const MAX_NAME: usize = 64;
+pub const MAX_LABEL_NAME: usize = 64;
 
 /// A named set of faces, as a client gives it.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
@@ -110,8 +110,8 @@ impl Labels {
 
 fn check_name(name: &str, again: bool) -> Option<String> {
     let alien = |c: char| c.is_whitespace() || c.is_control() || c == '#';
-    if name.is_empty() || name.len() > MAX_NAME {
-        return Some(format!("a name of {} bytes; it has 1 to {MAX_NAME}", name.len()));
+    if name.is_empty() || name.len() > MAX_LABEL_NAME {
+        return Some(format!("a name of {} bytes; it has 1 to {MAX_LABEL_NAME}", name.len()));
     }
     if let Some(c) = name.chars().find(|&c| alien(c)) {
         return Some(format!("{c:?} has no place in a name; leave out blanks, control characters and #"));

@@ -6,7 +6,7 @@ use super::textures::{Image, Texture};
 use crate::fault::{Fault, under};
 
 /// The default [`Look::color`] in formats with materials: a calm blue, in linear light.
-pub const PLAIN: [f32; 4] = [0.3, 0.47, 0.65, 1.0];
+pub const DEFAULT_COLOR: [f32; 4] = [0.3, 0.47, 0.65, 1.0];
 /// The default [`Look::metallic`] and [`Look::roughness`]; both sides are visible.
 pub const PLAIN_SURFACE: [f32; 2] = [0.0, 0.5];
 

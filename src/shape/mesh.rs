@@ -198,11 +198,11 @@ fn check_attributes(attributes: &Attributes, n: usize, split_from: &[u32]) -> Re
 
 /// Maximum number of frames of a mesh: each takes some hundred bytes of a document that describes it, and a morph
 /// target in viewers.
-pub const MAX_FRAMES: usize = 1024;
+pub const MAX_MESH_FRAMES: usize = 1024;
 
 fn check_frames(frames: &[Vec<[f64; 3]>], n: usize) -> Vec<Fault> {
-    if frames.len() >= MAX_FRAMES {
-        let detail = format!("{} frames beside the first; a mesh has at most {MAX_FRAMES} in all", frames.len());
+    if frames.len() >= MAX_MESH_FRAMES {
+        let detail = format!("{} frames beside the first; a mesh has at most {MAX_MESH_FRAMES} in all", frames.len());
         return vec![Fault::new("/frames", detail)];
     }
     let found = frames.iter().enumerate().flat_map(|(i, frame)| {

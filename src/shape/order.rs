@@ -132,14 +132,17 @@ impl Order {
 
 /// Number of faces that a thread writes at a time: one megabyte. Half as many make no difference; shorter lists are not
 /// worth two threads.
-const PIECE: usize = 1 << 16;
+const WRITTEN_FACES_PER_TASK: usize = 1 << 16;
 
 /// Divides the slots of faces into pieces and calls `list(first, faces)` for each, in parallel; the first face is
 /// `first`.
 fn pieces<const N: usize>(first: usize, places: &mut [u32], list: impl Fn(usize, &mut [[u32; N]]) + Sync) {
     let faces = places.as_chunks_mut().0;
-    if faces.len() <= PIECE {
+    if faces.len() <= WRITTEN_FACES_PER_TASK {
         return list(first, faces);
     }
-    faces.par_chunks_mut(PIECE).enumerate().for_each(|(piece, faces)| list(first + piece * PIECE, faces));
+    faces
+        .par_chunks_mut(WRITTEN_FACES_PER_TASK)
+        .enumerate()
+        .for_each(|(piece, faces)| list(first + piece * WRITTEN_FACES_PER_TASK, faces));
 }

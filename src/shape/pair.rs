@@ -14,7 +14,7 @@ const LEAST_FLATNESS: f64 = 0.9;
 /// Largest cosine (of 30 degrees) of a corner of a quad.
 const MAX_SKEW: f64 = 0.866_025_403_784_438_6;
 /// Two candidates whose largest cosines differ by less are equally good.
-const SAME: f64 = 1e-6;
+const COSINE_TOLERANCE: f64 = 1e-6;
 
 /// An inner edge whose two triangles make a quad.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -149,7 +149,7 @@ fn choose(candidates: &[TrianglePair], n_faces: usize) -> Vec<u32> {
         let others =
             around.filter(|&other| other != NONE && other as usize != i).map(|other| candidates[other as usize]);
         let is_free = |other: &TrianglePair| other.faces.iter().all(|&f| chosen[f as usize] == NONE);
-        let rivals = others.filter(|other| (other.skew - candidate.skew).abs() < SAME && is_free(other));
+        let rivals = others.filter(|other| (other.skew - candidate.skew).abs() < COSINE_TOLERANCE && is_free(other));
         let rivals: Vec<TrianglePair> = rivals.collect();
         if rivals.is_empty() {
             candidate.faces.iter().for_each(|&f| chosen[f as usize] = index(i));

@@ -5,8 +5,8 @@ use std::fmt;
 use super::topology::index;
 
 /// Maximum number of items of a repair that are named one by one.
-const NAMED: usize = 20;
-const VERTICES: [&str; 2] = ["vertex", "vertices"];
+const MAX_NAMED_ITEMS: usize = 20;
+const VERTEX_WORDS: [&str; 2] = ["vertex", "vertices"];
 
 /// One repair of a mesh, or a note on it.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -53,7 +53,7 @@ pub enum Repair {
 impl Repair {
     /// Records the vertices from index `n` on, which were split from the given ones.
     pub(super) fn split(n: usize, split_from: &[u32]) -> Option<Self> {
-        let first = (n..).zip(split_from).take(NAMED).map(|(added, &from)| [index(added), from]).collect();
+        let first = (n..).zip(split_from).take(MAX_NAMED_ITEMS).map(|(added, &from)| [index(added), from]).collect();
         (!split_from.is_empty()).then_some(Self::Split { added: split_from.len(), first })
     }
 }
@@ -70,7 +70,7 @@ pub struct AffectedEdges {
 impl AffectedEdges {
     /// Records the edges with these ends; `None` if there are none.
     pub(super) fn some(mut ends: impl Iterator<Item = [u32; 2]>) -> Option<Self> {
-        let first: Vec<[u32; 2]> = ends.by_ref().take(NAMED).collect();
+        let first: Vec<[u32; 2]> = ends.by_ref().take(MAX_NAMED_ITEMS).collect();
         (!first.is_empty()).then(|| Self { count: first.len() + ends.count(), first })
     }
 }
@@ -104,7 +104,7 @@ pub struct AffectedFaces {
 impl AffectedFaces {
     /// Records these faces; `None` if there are none.
     pub(super) fn some(faces: &[u32]) -> Option<Self> {
-        let first = faces.iter().take(NAMED).copied().collect();
+        let first = faces.iter().take(MAX_NAMED_ITEMS).copied().collect();
         (!faces.is_empty()).then_some(Self { count: faces.len(), first })
     }
 }
@@ -122,7 +122,7 @@ impl fmt::Display for Repair {
             Self::Read(note) => f.write_str(note),
             Self::Welded { merged, pairs } => {
                 let list: Vec<String> = pairs.iter().map(|[from, into]| format!("{from} into {into}")).collect();
-                write!(f, "welding merged {}: {}", counted(*merged, VERTICES), listed(&list, *merged))
+                write!(f, "welding merged {}: {}", counted(*merged, VERTEX_WORDS), listed(&list, *merged))
             }
             Self::LostParameters(lost) => {
                 let list: Vec<String> =

@@ -172,7 +172,7 @@ impl Seams {
 
     /// Returns where the values are linear, as the first term that has this meaning on the given mesh.
     pub fn interpolation(&self, mesh: &Topology) -> Interpolation {
-        const WORDS: [Interpolation; 5] = [
+        const INTERPOLATIONS: [Interpolation; 5] = [
             Interpolation::None,
             Interpolation::CornersOnly,
             Interpolation::CornersPlus1,
@@ -197,7 +197,7 @@ impl Seams {
             let is_paired = matches!(word, Interpolation::CornersPlus1 | Interpolation::CornersPlus2);
             (missing + other, !self.pairs.is_empty() && !is_paired)
         };
-        WORDS.into_iter().min_by_key(differing).unwrap_or_default()
+        INTERPOLATIONS.into_iter().min_by_key(differing).unwrap_or_default()
     }
 
     /// Returns the vertex of the mesh at a place.

@@ -6,7 +6,7 @@ use crate::fault::Fault;
 
 /// Maximum number of pixels of an image: 8,192 x 8,192. Drawing takes some bytes per pixel. Half as many would refuse
 /// images of common game assets; twice as many would take gigabytes for one image.
-const MAX_PIXELS: u64 = 1 << 26;
+const MAX_IMAGE_PIXELS: u64 = 1 << 26;
 
 /// The compression of an image.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -46,8 +46,8 @@ impl Image {
         let (kind, size) = known.ok_or("the picture is neither PNG nor JPEG")?;
         let [width, height] = size;
         let pixels = u64::from(width) * u64::from(height);
-        if pixels == 0 || pixels > MAX_PIXELS {
-            return Err(format!("the picture has {width} x {height} pixels; 1 to {MAX_PIXELS} are allowed"));
+        if pixels == 0 || pixels > MAX_IMAGE_PIXELS {
+            return Err(format!("the picture has {width} x {height} pixels; 1 to {MAX_IMAGE_PIXELS} are allowed"));
         }
         Ok(Self { kind, size, bytes })
     }

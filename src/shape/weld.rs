@@ -6,7 +6,7 @@ use super::check::FaceList;
 use super::topology::index;
 
 /// Number of merged pairs that are kept for the report.
-const MAX_PAIRS: usize = 5;
+const REPORTED_PAIRS: usize = 5;
 
 /// Smallest distance of a weld relative to the largest coordinate; below it, adjacent floating-point numbers may be
 /// further apart.
@@ -57,7 +57,7 @@ pub fn weld(positions: &[[f64; 3]], distance: f64) -> Result<Welded, String> {
         let near = |new: &u32| is_near(positions[welded.kept[*new as usize] as usize], *place, distance);
         let around = neighbours(cell, distance).filter_map(|cell| cells.get(&cell)).flatten();
         if let Some(new) = around.copied().filter(|new| near(new)).min() {
-            if welded.pairs.len() < MAX_PAIRS {
+            if welded.pairs.len() < REPORTED_PAIRS {
                 welded.pairs.push([index(v), welded.kept[new as usize]]);
             }
             welded.image.push(new);

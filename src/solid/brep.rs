@@ -266,14 +266,14 @@ impl Assembly<'_> {
 }
 
 /// Number of places of an edge at which the normals of its two faces are compared.
-const PLACES: usize = 9;
+const COMPARED_PLACES: usize = 9;
 
 impl EdgeUse {
     /// Returns places of the edge in the surface of the face, in the direction of its side, at some distance from the
     /// ends.
     pub(super) fn places(&self, surface: &BSplineSurface) -> Vec<[f64; 2]> {
         let [s, e] = self.range;
-        let at = |k: usize| s + (e - s) * (0.02 + 0.96 * ratio(k, PLACES - 1));
-        (0..PLACES).map(|k| surface.on_side(self.side, at(k))).collect()
+        let at = |k: usize| s + (e - s) * (0.02 + 0.96 * ratio(k, COMPARED_PLACES - 1));
+        (0..COMPARED_PLACES).map(|k| surface.on_side(self.side, at(k))).collect()
     }
 }

@@ -10,11 +10,11 @@ use crate::math::vector::{Vector, cross, dot, length, minus};
 
 /// Number of rings of exact pieces around the vertex that are sampled. For valences up to 6 the distance is largest in
 /// the first two; half as many would miss that of high valences, twice as many take twice as long.
-const RINGS: usize = 4;
+const SAMPLED_RINGS: usize = 4;
 /// Number of points per side of each piece.
-const POINTS: usize = 6;
+const POINTS_A_SIDE: usize = 6;
 /// Number of Newton steps towards the foot of a point; each doubles the number of correct digits, starting from one.
-const STEPS: usize = 6;
+const FOOT_NEWTON_STEPS: usize = 6;
 
 /// An exact piece of the limit surface next to a vertex.
 struct Piece {
@@ -48,11 +48,11 @@ pub(super) fn farthest(
     let pieces = pieces(next, refiner, edges)?;
     let mut farthest = 0.0_f64;
     for (p, piece) in pieces.iter().enumerate() {
-        for (i, j) in (0..POINTS).flat_map(|i| (0..POINTS).map(move |j| (i, j))) {
-            let uv = [i, j].map(|k| ratio(k, POINTS - 1));
+        for (i, j) in (0..POINTS_A_SIDE).flat_map(|i| (0..POINTS_A_SIDE).map(move |j| (i, j))) {
+            let uv = [i, j].map(|k| ratio(k, POINTS_A_SIDE - 1));
             let there = from_caps(piece.surface.at(uv)[0], caps, piece.face, is_closed, piece.place(uv));
             // off the sides, so that feet nearly always lie on the piece of the same parameters
-            let uv = [i, j].map(|k| ratio(2 * k + 1, 2 * POINTS));
+            let uv = [i, j].map(|k| ratio(2 * k + 1, 2 * POINTS_A_SIDE));
             let back = from_pieces(caps[piece.face].at(piece.place(uv))[0], &pieces, p, (caps.len(), is_closed), uv);
             farthest = farthest.max(there).max(back);
         }
@@ -67,7 +67,7 @@ fn pieces(
     edges: &mut Edges,
 ) -> Result<Vec<Piece>, SolidError> {
     let (mut pieces, mut scale) = (Vec::new(), 0.5);
-    for ring in 0..RINGS {
+    for ring in 0..SAMPLED_RINGS {
         if ring > 0 {
             (level, spot) = level.closer(&spot, refiner, edges)?;
             scale *= 0.5;
@@ -116,7 +116,7 @@ fn from_caps(point: Vector, caps: &[BSplineSurface], i: usize, is_closed: bool, 
 /// from `at`.
 fn from_cap(point: Vector, surface: &BSplineSurface, mut at: [f64; 2]) -> (f64, [f64; 2]) {
     let mut least = (f64::INFINITY, at);
-    for _ in 0..=STEPS {
+    for _ in 0..=FOOT_NEWTON_STEPS {
         let [on, along_u, along_v] = surface.at(at);
         let apart = minus(point, on);
         let distance = length(apart);

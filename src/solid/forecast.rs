@@ -30,7 +30,7 @@ pub struct SolidForecast {
 /// Half of it is exceeded by solids whose faces are not packed.
 const LEAF_BYTES: u128 = 1_000;
 /// Memory of a face of the result in bytes: 36 control points of 24 bytes, four curves with lists of their own.
-const FACE_BYTES: u128 = 4_000;
+const SOLID_FACE_BYTES: u128 = 4_000;
 
 impl CageCounts {
     /// Returns the properties of a mesh.
@@ -73,7 +73,7 @@ impl CageCounts {
 impl SolidForecast {
     /// Returns the memory in bytes, without that of the mesh and of the output.
     pub fn bytes(&self) -> u128 {
-        self.leaves.saturating_mul(LEAF_BYTES).saturating_add(self.faces.saturating_mul(FACE_BYTES))
+        self.leaves.saturating_mul(LEAF_BYTES).saturating_add(self.faces.saturating_mul(SOLID_FACE_BYTES))
     }
 }
 

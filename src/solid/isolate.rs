@@ -87,13 +87,13 @@ struct Isolation<'a> {
 
 /// Smallest sine of the angle between the tangents at a smooth vertex. Half or twice of it matters only for meshes that
 /// are flat to nine digits, where normals are lost in rounding.
-const LEAST_SINE: f64 = 1e-9;
+const LEAST_VERTEX_SINE: f64 = 1e-9;
 
 /// Refuses a smooth vertex whose tangents do not span a plane.
 fn check_normal(sector: &Sector, surfaces: &[BSplineSurface]) -> Result<(), SolidError> {
     let [at, along_u, along_v] = surfaces[0].at([0.0; 2]);
     let longest = length(along_u).max(length(along_v));
-    if sector.kind != SectorKind::Smooth || length(cross(along_u, along_v)) > LEAST_SINE * longest * longest {
+    if sector.kind != SectorKind::Smooth || length(cross(along_u, along_v)) > LEAST_VERTEX_SINE * longest * longest {
         return Ok(());
     }
     let [x, y, z] = at;

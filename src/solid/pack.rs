@@ -10,7 +10,7 @@ use crate::shape::topology::{NONE, index};
 
 /// Maximum number of cells along a side of a rectangle. Half as many make four times as many faces of large regular
 /// meshes; twice as many make faces of a megabyte, which readers take long to intersect.
-const MAX_CELLS: usize = 64;
+const MAX_RECTANGLE_CELLS: usize = 64;
 
 /// A leaf in a rectangle, rotated so that the given corner comes first.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -130,7 +130,7 @@ impl LeafPacking<'_> {
             2 => rows[rows.len() - 1].iter().map(across).collect::<Option<_>>()?,
             _ => rows[0].iter().map(across).collect::<Option<_>>()?,
         };
-        if (if s % 2 == 1 { columns } else { rows.len() }) >= MAX_CELLS {
+        if (if s % 2 == 1 { columns } else { rows.len() }) >= MAX_RECTANGLE_CELLS {
             return None;
         }
         let [far, near] = if s % 2 == 1 { [2, 0] } else { [1, 3] };

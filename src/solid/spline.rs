@@ -5,7 +5,7 @@ use crate::math::functions::real;
 use crate::math::vector::{Vector, plus, times};
 
 /// Maximum degree of a surface.
-const MAX_DEGREE: usize = 5;
+const MAX_SURFACE_DEGREE: usize = 5;
 
 /// A B-spline curve.
 #[derive(Debug, Clone, PartialEq)]
@@ -163,17 +163,17 @@ impl BSplineSurface {
 
     /// Returns the first control point with an influence at a parameter, and the basis functions with their
     /// derivatives.
-    fn basis(&self, direction: usize, t: f64) -> (usize, [[f64; MAX_DEGREE + 1]; 2]) {
+    fn basis(&self, direction: usize, t: f64) -> (usize, [[f64; MAX_SURFACE_DEGREE + 1]; 2]) {
         let (spans, d) = (self.spans[direction], self.degree);
         let span = (1..spans).take_while(|&knot| t >= real(knot)).count();
         // knots are whole numbers between 0 and the number of pieces
         let knot = |i: usize| real((span + i).saturating_sub(d).min(spans));
-        let mut values = [0.0; MAX_DEGREE + 1];
+        let mut values = [0.0; MAX_SURFACE_DEGREE + 1];
         let mut lower = values;
         values[0] = 1.0;
         for degree in 1..=d {
             lower = values;
-            values = [0.0; MAX_DEGREE + 1];
+            values = [0.0; MAX_SURFACE_DEGREE + 1];
             for r in 0..degree {
                 let (left, right) = (knot(d + 1 + r - degree), knot(d + 1 + r));
                 let share = lower[r] / (right - left);
@@ -181,7 +181,7 @@ impl BSplineSurface {
                 values[r + 1] += (t - left) * share;
             }
         }
-        let mut slopes = [0.0; MAX_DEGREE + 1];
+        let mut slopes = [0.0; MAX_SURFACE_DEGREE + 1];
         for r in 0..d {
             let slope = real(d) * lower[r] / (knot(d + 1 + r - d) - knot(d + 1 + r)).abs();
             slopes[r] -= slope;

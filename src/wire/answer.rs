@@ -15,7 +15,7 @@ use crate::output::Size;
 const MAX_POINTER: usize = 1000;
 /// Maximum number of characters of the sentence about a fault. The longest sentences list all presets or options, and
 /// take half as many.
-const MAX_DETAIL: usize = 2000;
+const MAX_FAULT_DETAIL: usize = 2000;
 
 /// A problem (RFC 9457).
 #[derive(Debug, Clone, Serialize, ToSchema)]
@@ -48,7 +48,7 @@ pub struct FaultAnswer {
 impl From<Fault> for FaultAnswer {
     fn from(fault: Fault) -> Self {
         let Fault { pointer, detail, .. } = fault;
-        Self { pointer: cut(&pointer, MAX_POINTER).into_owned(), detail: cut(&detail, MAX_DETAIL).into_owned() }
+        Self { pointer: cut(&pointer, MAX_POINTER).into_owned(), detail: cut(&detail, MAX_FAULT_DETAIL).into_owned() }
     }
 }
 

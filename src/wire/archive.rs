@@ -12,7 +12,7 @@ use crate::service::jobs::{JobState, OutputResult};
 
 /// Maximum number of characters that a file name takes over from the name of an output. Half as many would cut names
 /// that people choose; twice as many would make paths too long for some systems.
-const MAX_LETTERS: usize = 80;
+const MAX_FILE_NAME_CHARS: usize = 80;
 /// File names that some systems reserve for devices, with any extension.
 const DEVICES: [&str; 4] = ["con", "prn", "aux", "nul"];
 
@@ -140,7 +140,7 @@ fn item<'a>(batch: &'a Batch, at: usize, files: &mut Vec<ArchiveFile>) -> ItemEn
 fn unique(name: &str, extension: &str, taken: &mut BTreeSet<String>) -> String {
     let stem = name.strip_suffix(extension).and_then(|name| name.strip_suffix('.')).unwrap_or(name);
     let safe = |letter: char| if letter.is_ascii_alphanumeric() || "-_.".contains(letter) { letter } else { '_' };
-    let stem: String = stem.chars().take(MAX_LETTERS).map(safe).collect();
+    let stem: String = stem.chars().take(MAX_FILE_NAME_CHARS).map(safe).collect();
     let stem = stem.trim_matches('.');
     let small = stem.to_ascii_lowercase();
     let first = small.split('.').next().unwrap_or_default();

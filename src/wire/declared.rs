@@ -4,7 +4,7 @@ use utoipa::openapi::schema::AdditionalProperties;
 use utoipa::openapi::{Array, ArrayBuilder, Object, ObjectBuilder, OneOfBuilder, RefOr, Schema, Type};
 
 use super::schema::{COLOR_PATTERN, literal, of};
-use crate::math::parameter::{Default, MAX_NAME, Parameter, ParameterKind};
+use crate::math::parameter::{Default, MAX_PARAMETER_NAME, Parameter, ParameterKind};
 
 /// Adds a property for each declared parameter to the schema of an object.
 pub(super) fn with_all(object: ObjectBuilder, declared: &[Parameter]) -> ObjectBuilder {
@@ -50,7 +50,9 @@ pub(super) fn value(kind: &ParameterKind, doc: Option<&str>) -> RefOr<Schema> {
         }
         ParameterKind::Flag => of(Type::Boolean).description(doc).into(),
         ParameterKind::Choice(names) => one_of(names).description(doc).into(),
-        ParameterKind::Name => of(Type::String).min_length(Some(1)).max_length(Some(MAX_NAME)).description(doc).into(),
+        ParameterKind::Name => {
+            of(Type::String).min_length(Some(1)).max_length(Some(MAX_PARAMETER_NAME)).description(doc).into()
+        }
         ParameterKind::Choices(names) => {
             let list = ArrayBuilder::new().items(one_of(names)).unique_items(true);
             list.max_items(Some(names.len())).description(doc).into()

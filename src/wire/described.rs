@@ -12,10 +12,10 @@ use crate::math::amounts::in_bytes;
 
 /// Maximum length of a description in bytes. Programs that show a picture read it as a whole: half of it would refuse
 /// meshes of some five thousand vertices, twice of it would let pictures be mostly text.
-const MAX_BYTES: usize = 1 << 20;
+const MAX_DESCRIPTION_BYTES: usize = 1 << 20;
 /// Maximum length in bytes of the request that is described, with blanks and other outputs. Half or twice of it would
 /// read half or twice as much of a request that is refused afterwards.
-const MAX_SOURCE: usize = 4 * MAX_BYTES;
+const MAX_SOURCE: usize = 4 * MAX_DESCRIPTION_BYTES;
 
 /// The description of a job within its artifact.
 #[derive(Debug, Clone, Deserialize)]
@@ -47,7 +47,7 @@ pub(super) fn description(source: Option<&str>, mut output: Map<String, Value>) 
     let mut said = json!({ "results_version": RESULTS_VERSION, "job": job });
     said.sort_all_objects();
     let text = ascii(&said.to_string());
-    if text.len() > MAX_BYTES { Err(too_long(text.len(), MAX_BYTES)) } else { Ok(text.into()) }
+    if text.len() > MAX_DESCRIPTION_BYTES { Err(too_long(text.len(), MAX_DESCRIPTION_BYTES)) } else { Ok(text.into()) }
 }
 
 fn too_long(length: usize, most: usize) -> Fault {

@@ -6,7 +6,7 @@ use crate::drawing::{FontWeight, Label};
 use crate::fault::{Fault, under};
 use crate::job::{Output, panel_place};
 use crate::math::parameter::Literal;
-use crate::output::figure::{MAX_COLUMNS, MAX_PANELS, MAX_TEXT, PanelCell, PanelGrid, Sheet};
+use crate::output::figure::{MAX_CAPTION_CHARS, MAX_COLUMNS, MAX_PANELS, PanelCell, PanelGrid, Sheet};
 
 /// The request of a panel without its job.
 #[derive(Debug)]
@@ -96,8 +96,8 @@ impl FigureOutline {
 /// Returns the fault of a text of the figure, if any.
 fn text_fault(place: &str, text: Option<&str>, weight: FontWeight) -> Option<Fault> {
     let text = text?;
-    if text.chars().count() > MAX_TEXT {
-        return Some(Fault::new(place, format!("it has more than {MAX_TEXT} characters; write less")));
+    if text.chars().count() > MAX_CAPTION_CHARS {
+        return Some(Fault::new(place, format!("it has more than {MAX_CAPTION_CHARS} characters; write less")));
     }
     Label::parse(text, weight).err().map(|detail| Fault::new(place, detail))
 }

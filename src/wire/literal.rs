@@ -9,7 +9,7 @@ use crate::fault::shortened;
 use crate::math::parameter::Literal;
 
 /// Maximum number of entries of one list among parameters.
-const MAX_ENTRIES: usize = 10_000;
+const MAX_LIST_ENTRIES: usize = 10_000;
 
 /// A [`Literal`] read from JSON.
 #[derive(Debug, Clone, PartialEq)]
@@ -90,8 +90,8 @@ impl<'de> Visitor<'de> for LiteralVisitor {
     fn visit_seq<A: SeqAccess<'de>>(self, mut list: A) -> Result<Literal, A::Error> {
         let mut items = Vec::new();
         while let Some(WireLiteral(item)) = list.next_element()? {
-            if items.len() == MAX_ENTRIES {
-                return Err(A::Error::custom(format!("the list has more than {MAX_ENTRIES} entries")));
+            if items.len() == MAX_LIST_ENTRIES {
+                return Err(A::Error::custom(format!("the list has more than {MAX_LIST_ENTRIES} entries")));
             }
             items.push(item);
         }

@@ -9,7 +9,7 @@ use crate::fault::{Fault, did_you_mean, shortened, under};
 use crate::job::Output;
 use crate::math::parameter::{Literal, Parameter, ParameterKind, Values};
 use crate::output::{self, Format, POSITIONS, description};
-use crate::shape::mesh::MAX_FRAMES;
+use crate::shape::mesh::MAX_MESH_FRAMES;
 
 /// Maximum number of outputs of one job.
 pub(crate) const MAX_OUTPUTS: usize = 64;
@@ -173,7 +173,7 @@ fn known_format(value: &Literal) -> Result<&'static dyn Format, Vec<Fault>> {
 /// The frame field, common to all formats.
 pub(super) const FRAME: Parameter = Parameter::optional(
     "frame",
-    ParameterKind::Integer { min: 0, max: MAX_FRAMES.cast_signed() as i64 - 1 },
+    ParameterKind::Integer { min: 0, max: MAX_MESH_FRAMES.cast_signed() as i64 - 1 },
     "The frame of a mesh that is shown, as if the mesh had these positions alone.",
 );
 

@@ -13,7 +13,7 @@ use crate::shape::polygon::Polygon;
 pub(crate) const MAX_POLYGONS: usize = 4096;
 
 /// Number of faults after which no more polygons are checked.
-const MAX_FAULTS: usize = 20;
+const MAX_POLYGON_FAULTS: usize = 20;
 
 /// A control polygon.
 #[derive(Debug, Clone, Deserialize, ToSchema)]
@@ -77,7 +77,7 @@ pub(super) fn polygons(requests: Vec<PolygonRequest>) -> Result<Vec<Polygon>, Ve
             Ok(polygon) => found.push(polygon),
             Err(wrong) => faults.extend(under(&format!("/{i}"), wrong)),
         }
-        if faults.len() >= MAX_FAULTS {
+        if faults.len() >= MAX_POLYGON_FAULTS {
             break;
         }
     }

@@ -22,14 +22,14 @@ use crate::scheme::presets::PRESETS;
 /// Query parameters that are not part of the job.
 pub const BESIDE_THE_JOB: &[&str] = &["keep"];
 /// Names without dots that are not fields of the plan; all others without dots are.
-const NAMES: [&str; 2] = ["levels", "format"];
+const PLAIN_NAMES: [&str; 2] = ["levels", "format"];
 /// First parts of names with dots, and their places in the job. The one output is called `output` until the job is
 /// complete.
-const FAMILIES: [(&str, &[&str]); 4] =
+const NAME_FAMILIES: [(&str, &[&str]); 4] =
     [("parameters", &["plan", "parameters"]), ("output", &["output"]), ("input", &["input"]), ("levels", &["levels"])];
 
 /// The declared fields, computed once.
-static FIELDS: LazyLock<Vec<Field>> = LazyLock::new(fields);
+static QUERY_FIELDS: LazyLock<Vec<Field>> = LazyLock::new(fields);
 
 /// Returns the job of a query, without its input, as JSON.
 ///
@@ -160,7 +160,7 @@ pub fn name_of(pointer: &str) -> String {
 
 /// Returns the names of the fields of the plan.
 fn plan_fields() -> impl Iterator<Item = &'static str> {
-    FIELDS.iter().filter(|field| field.part == FieldSection::Plan).map(|field| field.name.as_str())
+    QUERY_FIELDS.iter().filter(|field| field.part == FieldSection::Plan).map(|field| field.name.as_str())
 }
 
 /// Returns the path in the job that a name of the query denotes.
@@ -173,11 +173,11 @@ fn place(name: &str) -> Result<Vec<String>, String> {
         _ => {}
     }
     let parts: Vec<&str> = name.split('.').collect();
-    let family = FAMILIES.iter().find(|(known, _)| parts.len() > 1 && *known == parts[0]);
+    let family = NAME_FAMILIES.iter().find(|(known, _)| parts.len() > 1 && *known == parts[0]);
     if let Some((_, place)) = family.filter(|_| parts.iter().all(|part| !part.is_empty())) {
         return Ok(of(place, &parts[1..]));
     }
-    let known: Vec<&str> = plan_fields().chain(NAMES).chain(BESIDE_THE_JOB.iter().copied()).collect();
+    let known: Vec<&str> = plan_fields().chain(PLAIN_NAMES).chain(BESIDE_THE_JOB.iter().copied()).collect();
     Err(format!(
         "there is no such parameter; {}known are {}, and parameters.NAME, output.OPTION, input.FIELD, levels.tolerance",
         did_you_mean(name, known.iter().copied()),
@@ -212,7 +212,7 @@ impl Declared {
         let (family, rest) = name.split_once('.').unwrap_or(("", name));
         let field = |part| {
             let (first, inner) = rest.split_once('.').unwrap_or((rest, ""));
-            let field = FIELDS.iter().find(|field| field.part == part && field.name == first)?;
+            let field = QUERY_FIELDS.iter().find(|field| field.part == part && field.name == first)?;
             match &field.takes {
                 FieldValues::Object(fields) if !inner.is_empty() => fields.iter().find(|field| field.name == inner),
                 _ => Some(field).filter(|_| inner.is_empty()),

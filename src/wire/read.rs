@@ -7,7 +7,7 @@ use super::object::JsonObject;
 use crate::fault::{Fault, cut, did_you_mean, shortened, token};
 
 /// Maximum number of characters of the sentence about a fault; the longest of our own takes half as many.
-const MAX_DETAIL: usize = 1000;
+const MAX_READ_DETAIL: usize = 1000;
 
 /// The reason why bytes are not a request.
 #[derive(Debug, Clone, PartialEq)]
@@ -99,9 +99,9 @@ fn briefly(text: &str) -> String {
     ];
     let shorter = repeated.iter().find_map(|(before, after)| {
         let (word, rest) = text.strip_prefix(before)?.rsplit_once(after)?;
-        Some(format!("{before}{}{after}{}", shortened(word), cut(rest, MAX_DETAIL)))
+        Some(format!("{before}{}{after}{}", shortened(word), cut(rest, MAX_READ_DETAIL)))
     });
-    shorter.unwrap_or_else(|| cut(text, MAX_DETAIL).into_owned())
+    shorter.unwrap_or_else(|| cut(text, MAX_READ_DETAIL).into_owned())
 }
 
 /// Replaces Rust type names by the terms of JSON.
@@ -136,11 +136,11 @@ fn pointer(path: &Path) -> String {
 
 /// Upper bound of the memory of the texts of a body, as a multiple of its length: the text of a mesh file, the growing
 /// buffer that unescapes it, and the file decoded from base64.
-const TEXT: u64 = 4;
+const TEXT_COPIES_READ: u64 = 4;
 
 /// Returns an upper bound of the memory in bytes that a request of `length` bytes takes until it is a checked job,
 /// without the body itself. A mesh file within the request takes what its reader may; lists in the body take less (27
 /// bytes per byte at worst, for polygons of one point).
 pub const fn weight(length: u64) -> u64 {
-    crate::input::weight(length).saturating_add(TEXT.saturating_mul(length))
+    crate::input::weight(length).saturating_add(TEXT_COPIES_READ.saturating_mul(length))
 }

@@ -10,7 +10,7 @@ use crate::shape::mesh::Mesh;
 use crate::shape::topology::{Topology, index};
 
 /// Maximum number of pairs of coincident vertices in a report.
-const MAX_PAIRS: usize = 1000;
+const MAX_REPORTED_PAIRS: usize = 1000;
 
 impl MeshReport {
     /// Creates the report on a mesh, with the fate of its latitude lines under a plan, or the reason why the plan does
@@ -99,7 +99,7 @@ fn coincident(mesh: &Mesh) -> Vec<[u32; 2]> {
     let mut pairs = Vec::new();
     for (v, place) in mesh.positions.as_chunks::<3>().0.iter().enumerate() {
         let known = *first.entry(place.map(f64::to_bits)).or_insert(index(v));
-        if known != index(v) && pairs.len() < MAX_PAIRS {
+        if known != index(v) && pairs.len() < MAX_REPORTED_PAIRS {
             pairs.push([known, index(v)]);
         }
     }

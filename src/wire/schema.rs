@@ -5,7 +5,7 @@ use utoipa::openapi::{ArrayBuilder, Object, ObjectBuilder, OneOfBuilder, RefOr, 
 
 use crate::input::READERS;
 use crate::math::expression;
-use crate::shape::mesh::MAX_FRAMES;
+use crate::shape::mesh::MAX_MESH_FRAMES;
 
 /// Returns the schema of values of one type.
 pub(super) fn of(kind: Type) -> ObjectBuilder {
@@ -21,7 +21,7 @@ pub(super) fn only(kinds: SchemaType) -> ObjectBuilder {
 pub(super) fn literal() -> ObjectBuilder {
     only(SchemaType::from_iter([Type::Number, Type::String]))
         .min_length(Some(1))
-        .max_length(Some(expression::MAX_BYTES))
+        .max_length(Some(expression::MAX_EXPRESSION_BYTES))
         .pattern(Some("^[A-Za-z0-9_ .,()+*/^-]+$"))
 }
 
@@ -63,7 +63,7 @@ pub(super) fn frames() -> RefOr<Schema> {
     let doc = "Other positions of the same vertices, frame after frame: frame 0 is `positions`, frame k entry k - 1 of \
                these. `glb` and `gltf` hold all frames, as morph targets; an output with a `frame` shows that one.";
     let frames = ArrayBuilder::new().items(ArrayBuilder::new().items(point));
-    frames.max_items(Some(MAX_FRAMES - 1)).description(Some(doc)).into()
+    frames.max_items(Some(MAX_MESH_FRAMES - 1)).description(Some(doc)).into()
 }
 
 /// Returns the schema of points of a polygon.

@@ -237,18 +237,22 @@ pub struct EigenvalueAnswer {
     pub fourier: usize,
 }
 
-const WEIGHTS: &str = "weights are those of the scheme as it is written up to 2e-14 of their size";
-const ALPHA: &str = "the plan follows alpha; what is said holds for the scheme at alpha = 0, to which its levels come \
-                     close";
-const TAGS: &str = "what is said of regular nets and of vertices holds where no edges are tagged as latitude or \
-                    longitude lines";
-const GENERIC: &str = "C1 is meant for almost all nets: those whose tangents are not parallel";
+const WEIGHTS_ASSUMPTION: &str = "weights are those of the scheme as it is written up to 2e-14 of their size";
+const ALPHA_ASSUMPTION: &str = "the plan follows alpha; what is said holds for the scheme at alpha = 0, to which its \
+                                levels come close";
+const TAGS_ASSUMPTION: &str = "what is said of regular nets and of vertices holds where no edges are tagged as \
+                               latitude or longitude lines";
+const GENERIC_ASSUMPTION: &str = "C1 is meant for almost all nets: those whose tangents are not parallel";
 
 impl SurfaceAnswer {
     /// Creates the answer of an analysis.
     pub(super) fn new(findings: &SurfaceFindings<'_>) -> Self {
         let regular = &findings.study.regular;
-        let others = findings.follows_alpha.then_some(ALPHA).into_iter().chain(findings.drops_tags.then_some(TAGS));
+        let others = findings
+            .follows_alpha
+            .then_some(ALPHA_ASSUMPTION)
+            .into_iter()
+            .chain(findings.drops_tags.then_some(TAGS_ASSUMPTION));
         let valence = |(valence, found): &(usize, Result<ValenceReport, String>)| match found {
             Ok(report) => ValenceAnswer::new(report),
             Err(reason) => ValenceAnswer::refused(*valence, reason),
@@ -267,7 +271,7 @@ impl SurfaceAnswer {
             input: findings.survey.as_ref().map(|survey| InputSurveyAnswer::new(survey, &valences, &boundaries)),
             valences,
             boundaries,
-            assumptions: [WEIGHTS, GENERIC].into_iter().chain(others).collect(),
+            assumptions: [WEIGHTS_ASSUMPTION, GENERIC_ASSUMPTION].into_iter().chain(others).collect(),
         }
     }
 }

@@ -122,7 +122,7 @@ impl ToSchema for PlanSchema {
 /// Returns the schema of a word over operators.
 pub(super) fn word() -> ObjectBuilder {
     let letters: String = OPERATORS.iter().filter_map(|operator| operator.facts().letter).collect();
-    of(Type::String).pattern(Some(format!("^[{letters}0-9^()]+$"))).max_length(Some(word::MAX_BYTES))
+    of(Type::String).pattern(Some(format!("^[{letters}0-9^()]+$"))).max_length(Some(word::MAX_WORD_BYTES))
 }
 
 /// Returns the schema of one kind of plan: the fields of all plans, the field that identifies the kind, and the

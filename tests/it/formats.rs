@@ -448,7 +448,7 @@ fn a_stopped_watch_and_a_full_disk_end_every_writer() {
 #[test]
 fn streamed_chunks_join_without_a_seam() {
     let net = grid(300);
-    assert!(net.n_vertices() > planish::output::scene::CHUNK);
+    assert!(net.n_vertices() > planish::output::scene::ROWS_PER_CHUNK);
     let read: Value = serde_json::from_slice(&bytes("json", Shape::Mesh(&net))).expect("it is JSON");
     assert_eq!(read["faces"], json!(net.faces));
     let mut n = 0;

@@ -9,12 +9,12 @@ use crate::math::vector::{Vector, cross, dot, length, plus, times};
 const IRREGULARITY: f64 = 1e-5;
 /// Largest difference between numbers that are equal up to rounding. It is far above the spacing of numbers, 2e-16, and
 /// far below intended differences, so that half or twice of it decides alike.
-pub(super) const ROUNDING: f64 = 1e-9;
+pub(super) const CIRCLE_ROUNDING: f64 = 1e-9;
 /// Largest deviation of a ring from a regular polygon, relative to the greatest coordinate, as rounded coordinates have
 /// it. It is 45 times the spacing of numbers of that size. Half of it still covers a few roundings; twice of it admits
 /// rings that deviate by 1e-14 of their distance from the origin more, and only if that exceeds [`IRREGULARITY`] of
 /// their size.
-const FAR: f64 = 1e-14;
+const MAX_RING_DEVIATION: f64 = 1e-14;
 
 /// A ring of a tube: a regular polygon.
 #[derive(Debug, Clone, Copy)]
@@ -41,7 +41,7 @@ impl TubeRing {
         let arms: Vec<Vector> = points.iter().map(|p| plus(*p, times(-1.0, centre))).collect();
         let far = points.iter().flatten().fold(0.0, |most: f64, x| most.max(x.abs()));
         let radius = arms.iter().map(|arm| length(*arm)).fold(0.0, f64::max);
-        if radius <= ROUNDING * far {
+        if radius <= CIRCLE_ROUNDING * far {
             return Some(Self { centre, axis: None, winding: 1.0, first: [0.0; 3], irregularity: radius });
         }
         let area = (0..n).map(|i| cross(arms[i], arms[(i + 1) % n])).fold([0.0; 3], plus);
@@ -54,7 +54,7 @@ impl TubeRing {
         for i in 0..n {
             let turned = plus(times(c, arms[i]), times(s, cross(axis, arms[i])));
             let missed = length(plus(turned, times(-1.0, arms[(i + 1) % n])));
-            if !missed.is_finite() || missed > IRREGULARITY * radius + FAR * far {
+            if !missed.is_finite() || missed > IRREGULARITY * radius + MAX_RING_DEVIATION * far {
                 return None;
             }
             irregularity = irregularity.max(missed);

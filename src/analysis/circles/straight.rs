@@ -13,14 +13,14 @@ use crate::scheme::rules::LatitudeRule;
 
 /// Number of levels whose factors are multiplied: the cosine of an angle that is halved so often is 1. Factors are 1
 /// from level 27 on. Half as many suffice for most angles; twice as many multiply by 1 more often.
-const LEVELS: u32 = 60;
+const MULTIPLIED_LEVELS: u32 = 60;
 /// Largest deviation of a kernel or compensation from the value that preserves circles, some thousand roundings. Half
 /// of it would refuse functions that are written in another way; twice of it would report circles for plans that
 /// deviate as much.
-const ROUNDING: f64 = 1e-12;
+const COMPENSATION_ROUNDING: f64 = 1e-12;
 /// Number of halvings of the interval in which a push-back factor is searched for, which gives all digits. Half as many
 /// give half of the digits; twice as many change nothing.
-const HALVINGS: u32 = 60;
+const PUSH_BACK_HALVINGS: u32 = 60;
 
 /// A straight tube of regular polygons under a plan.
 #[derive(Debug, Clone)]
@@ -45,7 +45,7 @@ impl StraightTube {
             return Err("only words in which a C follows each U, as U C^k and U C^k P, keep circles".into());
         }
         let plan = Plan { alpha: theta, compensation_alpha: None, ..plan.clone() };
-        let steps = plan.schedule(LEVELS).map_err(|fault| fault.detail)?;
+        let steps = plan.schedule(MULTIPLIED_LEVELS).map_err(|fault| fault.detail)?;
         let pushes = words::pushes(&plan.word);
         let delta = if pushes { plan.delta.value(4.0).map_err(|error| error.to_string())? } else { 0.0 };
         let tube = Self { theta, steps, delta, pushes };
@@ -64,10 +64,10 @@ impl StraightTube {
         self.steps.iter().all(|step| {
             match step.letter.facts().role {
                 Role::Upsample => angle /= 2.0,
-                Role::Average if step.first => return (step.kernel - cos(angle / 2.0)).abs() <= ROUNDING,
-                Role::Average => return (step.kernel - 1.0).abs() <= ROUNDING,
+                Role::Average if step.first => return (step.kernel - cos(angle / 2.0)).abs() <= COMPENSATION_ROUNDING,
+                Role::Average => return (step.kernel - 1.0).abs() <= COMPENSATION_ROUNDING,
                 Role::PushBack if compensated => {
-                    return (step.compensation * cos(angle / 2.0) - 1.0).abs() <= ROUNDING;
+                    return (step.compensation * cos(angle / 2.0) - 1.0).abs() <= COMPENSATION_ROUNDING;
                 }
                 Role::PushBack | Role::Smooth => {}
             }
@@ -100,7 +100,7 @@ impl StraightTube {
         if !self.pushes || wanted < self.factor(low) || wanted > self.factor(high) {
             return None;
         }
-        for _ in 0..HALVINGS {
+        for _ in 0..PUSH_BACK_HALVINGS {
             let middle = f64::midpoint(low, high);
             if self.factor(middle) < wanted { low = middle } else { high = middle }
         }

@@ -3,7 +3,7 @@
 use super::boundary::{RingContinuation, beyond};
 use super::outlook::{LimitCircle, Outlook};
 use super::profile::Profile;
-use super::ring::{ROUNDING, TubeRing, tilt};
+use super::ring::{CIRCLE_ROUNDING, TubeRing, tilt};
 use super::words;
 use crate::analysis::limit::{Unlimited, check_continuous};
 use crate::math::expression::Expression;
@@ -21,7 +21,7 @@ use crate::shape::topology::Topology;
 /// Number of levels after which radii have converged. The loop ends when nothing changes any more, so that twice of it
 /// only matters to radii that converge more slowly; half of it suffices if each level quarters the change, as cosines
 /// of halved angles do.
-const LEVELS: u32 = 64;
+const RADIUS_LEVELS: u32 = 64;
 
 /// A side of a directed line.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -93,7 +93,7 @@ impl<'a> Tube<'a> {
                 .into());
         }
         let on_line = directions.latitude_pairs(&mesh.topology).iter().map(Option::is_some).collect();
-        let steps = plan.schedule(LEVELS).map_err(|fault| fault.detail)?;
+        let steps = plan.schedule(RADIUS_LEVELS).map_err(|fault| fault.detail)?;
         if let Err(reason @ (Unlimited::Rough | Unlimited::Unsettled)) = check_continuous(plan, &mesh_net(mesh, plan)) {
             return Err(reason.to_string());
         }
@@ -310,7 +310,10 @@ impl<'a> Tube<'a> {
         let omega = value(&self.plan.compensation, seen)?;
         let later = block.iter().filter(|step| step.letter.facts().role == Role::Average && !step.first);
         let others = later.map(|step| (step.kernel - 1.0).abs()).fold(0.0, f64::max);
-        if (kernel - c).abs() > ROUNDING || pushed && (omega * c - 1.0).abs() > ROUNDING || others > ROUNDING {
+        if (kernel - c).abs() > CIRCLE_ROUNDING
+            || pushed && (omega * c - 1.0).abs() > CIRCLE_ROUNDING
+            || others > CIRCLE_ROUNDING
+        {
             return Err(None);
         }
         let longitude = self.plan.latitude.as_ref().and_then(|latitude| latitude.kernel_longitude.as_ref());

@@ -11,11 +11,11 @@ use crate::watch::{Stopped, Watch};
 
 /// Maximum number of points of the polygon that carries the impulse; masks may reach about half as far. Half or twice
 /// of it halves or doubles the reach beyond which a cycle is refused, and the memory of the impulse.
-const MAX_POINTS: u64 = 1 << 16;
+const MAX_IMPULSE_POINTS: u64 = 1 << 16;
 /// Largest difference at which masks are regarded as equal, about 5 units in the last place of 1. With half of it
 /// rounding may keep equal masks apart, and more levels are regarded as changing; with twice of it the limit may differ
 /// by 1e-15 more.
-const SAME: f64 = 1e-15;
+const SETTLED_MASK_DISTANCE: f64 = 1e-15;
 /// Number of products of weights that take as long as a row of a table, about 100 ns. It only sets how much of the
 /// budget and of the progress a product takes: with half of it a search ends after half the work, with twice of it
 /// after twice the work.
@@ -90,7 +90,7 @@ impl CycleMask {
         let steps: Vec<Scheduled> = steps.into_iter().filter(|step| step.level == level + 1).collect();
         let (arity, reach) = extent(&steps).ok_or(NoMask::TooWide)?;
         let n = 2 * reach.div_ceil(arity) + 3;
-        if n.saturating_mul(arity) > MAX_POINTS {
+        if n.saturating_mul(arity) > MAX_IMPULSE_POINTS {
             return Err(NoMask::TooWide);
         }
         let response = response(plan, &steps, usize::try_from(n).map_err(|_| NoMask::TooWide)?, watch)?;
@@ -123,7 +123,7 @@ impl CycleMask {
         let (mut changing, mut same) = (Vec::new(), 0);
         for level in levels..levels + MAX_CHANGING {
             let cycle = Self::of(plan, level, watch)?;
-            same = if cycle.distance(&settled) <= SAME { same + 1 } else { 0 };
+            same = if cycle.distance(&settled) <= SETTLED_MASK_DISTANCE { same + 1 } else { 0 };
             changing.push(cycle);
             if same > COINCIDING {
                 changing.truncate(changing.len() - same);
@@ -217,7 +217,7 @@ fn extent(steps: &[Scheduled]) -> Option<(u64, u64)> {
         }
         if let Some(window) = operator.window(&step.letter.settings, duals) {
             let d = u64::from(window.arity);
-            arity = arity.checked_mul(d).filter(|&arity| arity <= MAX_POINTS)?;
+            arity = arity.checked_mul(d).filter(|&arity| arity <= MAX_IMPULSE_POINTS)?;
             let spread = window.first.unsigned_abs().max(window.last.unsigned_abs());
             reach = reach.checked_mul(d)?.checked_add(spread.into())?;
             last = if d > 1 { d } else { last };

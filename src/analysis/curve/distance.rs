@@ -22,13 +22,13 @@ const MAX_BLOCK: i64 = 256;
 /// Maximum work of a search in units of 100 ns, each a row of a table or as many products of weights: 13 s. Words of U
 /// and 63 C, whose masks are the longest of those in use, take a 16th of it. Half or twice of it halves or doubles the
 /// time after which a search is refused.
-pub const MAX_WORK: u64 = 1 << 27;
+pub const MAX_CURVE_WORK: u64 = 1 << 27;
 /// Largest sum, relative to the weights, that is regarded as 0; masks written with nine digits pass. Half of it would
 /// refuse some of these; twice of it would admit masks that miss linear functions by twice as much.
-const ROUNDING: f64 = 1e-9;
+const MASK_SUM_ROUNDING: f64 = 1e-9;
 /// Maximum level that is tried; a plan has no more levels. Half of it would refuse tolerances that slowly contracting
 /// schemes meet later; twice of it would find levels that no plan may have.
-const MAX_LEVELS: usize = 64;
+const MAX_TRIED_LEVEL: usize = 64;
 
 /// The reason why second differences give no bound of the distance.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
@@ -44,8 +44,8 @@ pub enum NoBound {
     NotContractive,
     /// Combining the masks of several levels takes too much work.
     #[error(
-        "the distance to the limit takes more than {MAX_WORK} steps to bound, which is the most that is done; give \
-         \"levels\" as a number, or a shorter word"
+        "the distance to the limit takes more than {MAX_CURVE_WORK} steps to bound, which is the most that is done; \
+         give \"levels\" as a number, or a shorter word"
     )]
     TooLong,
     /// The watch stopped the computation.
@@ -97,7 +97,7 @@ impl Distances {
         let mut block = CombinedCycle { cycle: CycleMask::identity(), twice_centre: 0 };
         for cycle in levels.map(|level| self.cycle(level)) {
             let done = self.watch.done().saturating_sub(self.start);
-            if done.saturating_add(block.cycle.work_with(cycle)) > MAX_WORK {
+            if done.saturating_add(block.cycle.work_with(cycle)) > MAX_CURVE_WORK {
                 return Err(NoBound::TooLong);
             }
             block.twice_centre = cycle.arity * block.twice_centre + cycle.twice_centre();
@@ -174,7 +174,7 @@ impl Distances {
     pub fn level(&self, second_differences: &[f64], tolerance: f64) -> Result<Option<(u32, f64)>, NoBound> {
         let (known, last) = (second_differences.len() - 1, second_differences.last().copied().unwrap_or(0.0));
         let mut settled = None;
-        for level in 0..=MAX_LEVELS {
+        for level in 0..=MAX_TRIED_LEVEL {
             let bends = match second_differences.get(level) {
                 Some(&bends) => bends,
                 None => last * self.contraction(known, level)?,
@@ -247,5 +247,5 @@ fn bend(rows: &[(f64, (i64, Vec<f64>))]) -> Result<f64, NoBound> {
     }
     // weights with a nonzero sum or first moment are no combination of second differences
     let remainder = f64::abs(once).max(f64::abs(twice));
-    if remainder <= ROUNDING * size.max(1.0) { Ok(sum) } else { Err(NoBound::NotLinear) }
+    if remainder <= MASK_SUM_ROUNDING * size.max(1.0) { Ok(sum) } else { Err(NoBound::NotLinear) }
 }

@@ -11,7 +11,7 @@ mod tolerance;
 
 pub use convergence::warnings;
 pub use cycle::{CycleMask, NoMask, is_static};
-pub use distance::{Distances, MAX_WORK, NoBound};
+pub use distance::{Distances, MAX_CURVE_WORK, NoBound};
 pub use exact_cycle::ExactCycle;
 pub use exact_steps::{ExactStep, exact_steps};
 pub use limit::{Limit, NoLimit, check, positions, refine_to_limit};

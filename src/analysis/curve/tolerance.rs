@@ -6,7 +6,7 @@ use crate::analysis::no_level::NoLevel;
 use crate::math::functions::sqrt;
 use crate::refine::{Points, RefineError, advance, polygon_net};
 use crate::scheme::extent::Extent;
-use crate::scheme::plan::{MAX_LEVELS, Plan};
+use crate::scheme::plan::{MAX_PLAN_LEVELS, Plan};
 use crate::scheme::polygon_net::PolygonNet;
 use crate::shape::polygon::Polygon;
 use crate::watch::Watch;
@@ -21,12 +21,12 @@ const MEASURED_LEVELS: u32 = 16;
 /// Least tolerance, relative to the greatest coordinate; below it, rounding is not negligible. It is 4,500 times the
 /// spacing of numbers at the greatest coordinate. Half of it leaves rounding half that room; twice of it would refuse
 /// tolerances that can be met.
-const LEAST: f64 = 1e-12;
+const LEAST_CURVE_TOLERANCE: f64 = 1e-12;
 
 /// Memory of a search in bytes per point that it may visit: new and old points of up to 4 numbers, and their rows. Old
 /// and new points take 64 bytes of it. Half of it leaves nothing for rows; twice of it would let half as many searches
 /// run at once.
-const BYTES_A_POINT: u64 = 128;
+const SEARCH_BYTES_A_POINT: u64 = 128;
 /// Number of points for which a search reserves memory at least, for impulses and products of masks. It is four times
 /// the points of an impulse, and 32 MiB. Half of it would promise less than wide masks may take; twice of it would let
 /// half as many small searches run at once.
@@ -35,7 +35,7 @@ const OTHER_POINTS: u64 = 1 << 18;
 /// Returns an upper bound of the memory in bytes of a search for polygons with this number of points.
 pub fn search_bytes(points: usize) -> u64 {
     // the level after the last one that is measured, at the largest arity
-    BYTES_A_POINT.saturating_mul((points as u64).saturating_mul(16).max(OTHER_POINTS))
+    SEARCH_BYTES_A_POINT.saturating_mul((points as u64).saturating_mul(16).max(OTHER_POINTS))
 }
 
 /// The level that meets a tolerance.
@@ -66,8 +66,8 @@ pub fn reach(polygons: &[Polygon], plan: &Plan, tolerance: f64, watch: &Watch) -
             return Err(NoLevel::Refused(format!("{why}; give \"levels\" as a number")));
         }
         let size = polygon.points.iter().fold(0.0, |most: f64, x| most.max(x.abs()));
-        if tolerance < LEAST * size {
-            let least = size * LEAST;
+        if tolerance < LEAST_CURVE_TOLERANCE * size {
+            let least = size * LEAST_CURVE_TOLERANCE;
             return Err(NoLevel::Refused(format!(
                 "{tolerance:?} is below what rounding leaves of coordinates of {size:?}; ask for at least {least:?}"
             )));
@@ -76,7 +76,7 @@ pub fn reach(polygons: &[Polygon], plan: &Plan, tolerance: f64, watch: &Watch) -
     let bends = measured(polygons, plan, watch)?;
     let found = distances.level(&bends, tolerance)?;
     let (level, bound) = found.ok_or_else(|| {
-        let never = format!("no level up to {MAX_LEVELS} is known to be within {tolerance:?} of the limit");
+        let never = format!("no level up to {MAX_PLAN_LEVELS} is known to be within {tolerance:?} of the limit");
         NoLevel::Refused(format!("{never}; ask for a coarser tolerance"))
     })?;
     Ok(Reached { level, bound })

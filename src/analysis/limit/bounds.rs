@@ -19,7 +19,7 @@ pub(super) const MAX_DISCS: usize = 16_384;
 
 /// Maximum number of rings whose vertices may influence a limit. Cost grows with the fourth power of the rings: twice
 /// as many would take 16 times as long; half as many would refuse cycles with more than 7 averages.
-pub(super) const MAX_RINGS: usize = 16;
+pub(super) const MAX_INFLUENCE_RINGS: usize = 16;
 
 /// Maximum number of points in the surroundings of all vertices together. At 50 to 200 microseconds each they take one
 /// to three and a half minutes on one thread; half or twice as many halve or double that.
@@ -30,12 +30,12 @@ pub(super) const MAX_FOLLOWED_POINTS: usize = 1 << 20;
 /// points that never converge for twice as long.
 pub(super) const MAX_FOLLOWED_LEVELS: usize = 1_000;
 
-/// Initial number of vertices whose discs are compared in one chunk; it doubles up to [`CHUNK`]. Half and twice of it
-/// only shift the first doubling: a mesh whose first discs exceed a limit is refused after that many.
+/// Initial number of vertices whose discs are compared in one chunk; it doubles up to [`DISCS_PER_CHUNK`]. Half and
+/// twice of it only shift the first doubling: a mesh whose first discs exceed a limit is refused after that many.
 pub(super) const FIRST_CHUNK: usize = 64;
 /// Maximum number of vertices whose discs are compared in one chunk. Half of it synchronises all threads and checks the
 /// watch twice as often; twice of it holds twice as many discs at once.
-pub(super) const CHUNK: usize = 16_384;
+pub(super) const DISCS_PER_CHUNK: usize = 16_384;
 /// Approximate total number of disc vertices in one chunk: 32 MiB of discs around vertices with many faces, and enough
 /// work for all threads. Half and twice of it halve and double these bytes; at half of it threads wait for each other
 /// twice as often.

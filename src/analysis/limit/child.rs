@@ -18,7 +18,7 @@ use crate::shape::topology::{Topology, index};
 /// Tolerance within which two weights are equal, relative to a weight of a middle. It is far above the rounding of such
 /// a weight, a few times 2e-16, and far below the differences between the weights of different rules, so that half and
 /// twice of it decide alike.
-const SAME: f64 = 1e-9;
+const WEIGHT_TOLERANCE: f64 = 1e-9;
 
 /// Returns the child in the net `after` of a centre in the net `before` a step. The step is the last one on `record`.
 ///
@@ -78,7 +78,9 @@ fn is_mean(old: &[u32], new: &[u32], rows: &Rows) -> bool {
             }
         }
     }
-    weights.iter().all(|&weight| (weight * real(old.len()) - real(new.len())).abs() <= SAME * real(new.len()))
+    weights
+        .iter()
+        .all(|&weight| (weight * real(old.len()) - real(new.len())).abs() <= WEIGHT_TOLERANCE * real(new.len()))
 }
 
 /// Returns the child of a centre under a step whose new vertices lie in the corners of faces. A boundary vertex has two

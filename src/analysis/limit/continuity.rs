@@ -1,7 +1,7 @@
 //! Decides whether a plan has a limit, and how smooth it is where the net is regular.
 
 use super::cost;
-use super::cycle::AHEAD;
+use super::cycle::LEVELS_AHEAD;
 use super::error::Unlimited;
 use super::impulse::{Impulse, ImpulseSmoothness};
 use super::on_net::CycleOnNet;
@@ -46,7 +46,7 @@ pub(super) fn smoothness(
 /// [`Unlimited`], also if continuity cannot be decided.
 pub(in crate::analysis) fn check_continuous(plan: &Plan, net: &MeshNet) -> Result<(), Unlimited> {
     check(plan)?;
-    let steps = plan.schedule(AHEAD).map_err(|fault| Unlimited::Later(fault.detail))?;
+    let steps = plan.schedule(LEVELS_AHEAD).map_err(|fault| Unlimited::Later(fault.detail))?;
     let watch = Watch::new();
     let on_net = CycleOnNet::of(plan, net, &net.mesh.base, &steps[plan.word.prefix.len()..], &watch)?;
     smoothness(&on_net, cost::support(&plan.word.cycle), false, &watch).map(drop)

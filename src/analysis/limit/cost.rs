@@ -1,7 +1,7 @@
 //! The cost of a limit apart from the rows of its masks: the points that operators make of discs and of the impulse,
 //! counted from the word before anything is made.
 
-use super::bounds::{MAX_LEVEL_POINTS, MAX_RINGS};
+use super::bounds::{MAX_INFLUENCE_RINGS, MAX_LEVEL_POINTS};
 use super::cycle::{self, made};
 use super::impulse;
 use crate::scheme::letter::Letter;
@@ -9,10 +9,10 @@ use crate::scheme::operator::Children;
 
 /// Bytes per point: its topology, its index among the rows made, and the coordinates of an impulse before and after.
 /// Half of it would book less memory than is used; twice of it would let half as many limits run at once.
-const BYTES_A_POINT: usize = 160;
+const LIMIT_BYTES_A_POINT: usize = 160;
 /// Number of discs assumed to be processed at once when memory is booked. Half of it would book half the bytes of
 /// discs, less than eight threads use; twice of it would book twice as much, which eight threads do not use.
-const AT_A_TIME: usize = 8;
+const CONCURRENT_DISCS: usize = 8;
 /// Typical number of levels after which a disc is its own child. It only scales the predicted cost of discs: a disc
 /// with a chain twice as long takes twice the predicted time, up to `MAX_CHAIN` of the masks.
 const CHAIN: usize = 3;
@@ -71,14 +71,14 @@ pub fn cost(cycle: &[Letter], impulses: usize, extraordinary: u128, n_vertices: 
     let points = discs
         .saturating_mul((follow.levels() * disc(support)) as u128)
         .saturating_add((tried + impulses * impulse) as u128);
-    let threads = usize::try_from(discs).unwrap_or(AT_A_TIME).clamp(1, AT_A_TIME);
-    let bytes = BYTES_A_POINT * impulse.max(threads * disc(support));
+    let threads = usize::try_from(discs).unwrap_or(CONCURRENT_DISCS).clamp(1, CONCURRENT_DISCS);
+    let bytes = LIMIT_BYTES_A_POINT * impulse.max(threads * disc(support));
     LimitCost { points, bytes: bytes as u128 }
 }
 
 /// Returns an upper bound of the rings that influence a limit, if each operator reaches one ring.
 pub(super) fn support(cycle: &[Letter]) -> usize {
-    MAX_RINGS.min(1 + number(cycle, &[Children::Same]))
+    MAX_INFLUENCE_RINGS.min(1 + number(cycle, &[Children::Same]))
 }
 
 /// Returns whether more than the faces at a vertex influence its limit. Then the disc of each of the n vertices around

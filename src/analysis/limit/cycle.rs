@@ -24,12 +24,12 @@ use crate::watch::Watch;
 /// Number of levels scheduled beyond the last one. An alpha that is halved as often is below 1e-18 of its first value.
 /// Cosines settle after 26 halvings, as their distance from 1 is a square; linear functions of alpha take up to 52.
 /// Half of it would refuse these as unsettled; twice of it only schedules more levels.
-pub(in crate::analysis) const AHEAD: u32 = 62;
+pub(in crate::analysis) const LEVELS_AHEAD: u32 = 62;
 
 /// Tolerance within which numbers are equal, relative to the larger of 1 and their size. It is one unit in the last
 /// place of 1. At half of it only identical numbers are equal, and functions that keep moving by one unit never settle;
 /// at twice of it the limit may differ by as much more.
-const SAME: f64 = 2e-16;
+const NUMBER_TOLERANCE: f64 = 2e-16;
 
 /// The operators of the levels after the last refined one; each level starts with an upsampling.
 #[derive(Debug)]
@@ -253,7 +253,7 @@ impl PointCount {
 }
 
 fn close(x: f64, y: f64) -> bool {
-    (x - y).abs() <= SAME * y.abs().max(1.0)
+    (x - y).abs() <= NUMBER_TOLERANCE * y.abs().max(1.0)
 }
 
 fn same(a: &[Scheduled], b: &[Scheduled]) -> bool {

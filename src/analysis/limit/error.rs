@@ -1,7 +1,7 @@
 //! The reasons for which there is no limit.
 
 use super::bounds::{
-    MAX_DISC_VERTICES, MAX_DISCS, MAX_FOLLOWED_LEVELS, MAX_FOLLOWED_POINTS, MAX_LEVEL_POINTS, MAX_RINGS,
+    MAX_DISC_VERTICES, MAX_DISCS, MAX_FOLLOWED_LEVELS, MAX_FOLLOWED_POINTS, MAX_INFLUENCE_RINGS, MAX_LEVEL_POINTS,
 };
 use crate::analysis::no_level::NoLevel;
 use crate::refine::RefineError;
@@ -65,8 +65,11 @@ pub enum Unlimited {
         MAX_DISCS
     )]
     Different,
-    /// More than `MAX_RINGS` rings of faces influence a limit.
-    #[error("the scheme reaches farther than {} rings of faces, beyond which no limit is computed", MAX_RINGS)]
+    /// More than `MAX_INFLUENCE_RINGS` rings of faces influence a limit.
+    #[error(
+        "the scheme reaches farther than {} rings of faces, beyond which no limit is computed",
+        MAX_INFLUENCE_RINGS
+    )]
     Reach,
     /// A disc has more than `MAX_DISC_VERTICES` vertices.
     #[error(

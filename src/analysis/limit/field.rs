@@ -6,7 +6,7 @@ use std::sync::Arc;
 
 use rayon::prelude::*;
 
-use super::bounds::{CHUNK, CHUNK_VERTICES, FIRST_CHUNK, MAX_DISCS, VERTICES_A_ROW};
+use super::bounds::{CHUNK_VERTICES, DISCS_PER_CHUNK, FIRST_CHUNK, MAX_DISCS, VERTICES_A_ROW};
 use super::disc::{Centre, Disc, Located, NEAREST, RingCount};
 use super::error::Unlimited;
 use super::grid::regular_mask;
@@ -22,7 +22,7 @@ use crate::shape::topology::index;
 use crate::watch::Watch;
 
 /// The class of vertices around which the net is a grid of quads.
-const REGULAR: u32 = 0;
+const REGULAR_CLASS: u32 = 0;
 /// The class of vertices without faces.
 const ISOLATED: u32 = 1;
 
@@ -66,7 +66,7 @@ impl<'a> VertexMasks<'a> {
         middles_settle(&around.middles(sides, rings, watch)?, &plain)?;
         let n = around.n_vertices();
         let is_regular = |v: &u32| matches!(around.centre(*v as usize), Some(Centre::Vertex(at)) if !near[at as usize]);
-        let mut classes = vec![REGULAR; n];
+        let mut classes = vec![REGULAR_CLASS; n];
         let rest: Vec<u32> = (0..index(n)).filter(|v| !is_regular(v)).collect();
         let mut known: BTreeMap<(Disc, VertexParameters), u32> = BTreeMap::new();
         let mut left = rest.as_slice();
@@ -81,7 +81,7 @@ impl<'a> VertexMasks<'a> {
             let discs: Vec<Option<(Disc, VertexParameters)>> = now.par_iter().map(disc).collect::<Result<_, _>>()?;
             let size: usize = discs.iter().flatten().map(|(disc, _)| disc.n_vertices).sum();
             watch.advance(size as u64 / VERTICES_A_ROW + now.len() as u64);
-            chunk = (CHUNK_VERTICES * now.len() / size.max(1)).clamp(1, CHUNK.min(2 * chunk));
+            chunk = (CHUNK_VERTICES * now.len() / size.max(1)).clamp(1, DISCS_PER_CHUNK.min(2 * chunk));
             for (&v, disc) in now.iter().zip(discs) {
                 let next = index(known.len()) + ISOLATED + 1;
                 classes[v as usize] = disc.map_or(ISOLATED, |disc| *known.entry(disc).or_insert(next));
@@ -138,7 +138,7 @@ impl<'a> VertexMasks<'a> {
     fn mask(&self, v: usize) -> Option<&LimitMask> {
         match self.classes[v] {
             ISOLATED => None,
-            REGULAR => self.regular.as_ref(),
+            REGULAR_CLASS => self.regular.as_ref(),
             class => self.masks.get((class - ISOLATED - 1) as usize).map(|mask| &**mask),
         }
     }
@@ -197,7 +197,7 @@ impl<'a> VertexMasks<'a> {
         match (self.around.centre(v), self.classes[v], &self.regular) {
             (None, ..) if self.around.leaves_out() => {}
             (None, ..) => out.add(index(v), if functional == Functional::Position { 1.0 } else { 0.0 }),
-            (Some(Centre::Vertex(at)), REGULAR, Some(mask)) => {
+            (Some(Centre::Vertex(at)), REGULAR_CLASS, Some(mask)) => {
                 self.around.add_on_grid(at, self.rings.support, weights(mask, functional, sector), out);
             }
             (Some(centre), class, _) => {

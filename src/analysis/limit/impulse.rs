@@ -25,7 +25,7 @@ use crate::watch::{Stopped, Watch};
 /// used.
 /// With half of these levels more differences have not shrunk yet and are followed at places, which costs time; twice
 /// of them, 4 and 8, make 256 times as many points where edges are halved, more than are allowed.
-const LEVELS: [[usize; 2]; 4] = [[2, 4], [1, 3], [1, 2], [0, 1]];
+const COMPARED_LEVELS: [[usize; 2]; 4] = [[2, 4], [1, 3], [1, 2], [0, 1]];
 /// The first and the last level at which differences at a place are compared with those at half that level. The last is
 /// so high that the product of a power of the level and a decaying factor is seen to shrink.
 /// With half of the first, differences are judged while they may still grow or shrink otherwise than later; with twice
@@ -48,7 +48,7 @@ const VANISHES: f64 = 0.5;
 /// Differences that do not shrink to this share do not vanish.
 /// With 1, a decrease by rounding would count. At 0.96, twice as far from 1, schemes whose differences shrink by 3 in
 /// 100 are refused; at 0.99, half as far, a decrease by 1 in 100 counts, still far above rounding.
-const SHRINKS: f64 = 0.98;
+const SHRINKING_SHARE: f64 = 0.98;
 
 /// The smoothness of a scheme on regular nets, as an impulse shows it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
@@ -100,7 +100,8 @@ impl Impulse<'_> {
         }
         let vanish = |measure: DifferenceKind| -> Result<bool, Unlimited> {
             let [early, late] = [0, 1].map(|i| measure.of(&seen[i]));
-            Ok(late <= VANISHES * early || self.vanish_at_places(measure, watch)?.unwrap_or(late <= SHRINKS * early))
+            Ok(late <= VANISHES * early
+                || self.vanish_at_places(measure, watch)?.unwrap_or(late <= SHRINKING_SHARE * early))
         };
         Ok(if !vanish(DifferenceKind::First)? {
             ImpulseSmoothness::Rough
@@ -199,7 +200,7 @@ impl Impulse<'_> {
             sizes.push(sizes[level - 1] + ln(size));
             if level == compared {
                 let growth = exp(sizes[level] - sizes[level / 2]);
-                let vanishes = growth <= if level < PLACE_LEVELS[1] { 1.0 / GROWS } else { SHRINKS };
+                let vanishes = growth <= if level < PLACE_LEVELS[1] { 1.0 / GROWS } else { SHRINKING_SHARE };
                 if vanishes || growth >= GROWS {
                     return Ok(Some(vanishes));
                 }
@@ -259,7 +260,7 @@ pub(super) fn side(support: usize, n_duals: usize) -> usize {
 /// points that they take; `None` if that is always too large. `pieces` are the numbers of pieces of an edge after each
 /// operator of a level.
 pub(super) fn compared(side: usize, pieces: &[usize]) -> Option<([usize; 2], usize)> {
-    let found = LEVELS.map(|levels| (levels, made((side + 1) * (side + 1), pieces, levels[1])));
+    let found = COMPARED_LEVELS.map(|levels| (levels, made((side + 1) * (side + 1), pieces, levels[1])));
     found.into_iter().find(|&(_, points)| points <= MAX_LEVEL_POINTS)
 }
 

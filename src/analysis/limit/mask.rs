@@ -20,21 +20,22 @@ use super::vertex_parameters::{CommonParameters, VertexParameters};
 const MAX_CHAIN: usize = 16;
 /// Change per step up to which a mask counts as converged.
 /// It is about 5 units in the last place of 1, the sum of the weights. Half of it may leave short masks to
-/// [`ROUNDING`], which takes [`PATIENCE`] more steps; twice of it stops earlier, and the last digits differ.
+/// [`MASK_STEP_ROUNDING`], which takes [`CONVERGENCE_PATIENCE`] more steps; twice of it stops earlier, and the last
+/// digits differ.
 const SETTLED: f64 = 1e-15;
 /// Change per step that rounding may cause for ever in a wide mask. A mask also counts as converged once its least
-/// change is at most this, and no lesser one has followed for [`PATIENCE`] steps.
+/// change is at most this, and no lesser one has followed for [`CONVERGENCE_PATIENCE`] steps.
 /// It is 450 units in the last place of 1, for the sum of up to some thousand weights. Half of it refuses wide masks
 /// that keep changing by more; twice of it accepts them with one digit less.
-const ROUNDING: f64 = 1e-13;
+const MASK_STEP_ROUNDING: f64 = 1e-13;
 /// Number of steps without a new least change after which changes count as rounding.
 /// Rounding makes no new least change for many steps; convergence makes one at every step or, if it oscillates, every
 /// few steps. Half of it may stop an oscillation too early; twice of it takes 32 more steps per mask.
-const PATIENCE: usize = 32;
+const CONVERGENCE_PATIENCE: usize = 32;
 /// Number of columns by which convergence of the points is tested.
 /// A column without a pattern has a component along any direction that does not vanish; a second one guards against
 /// coincidence. One would almost always be enough; four take twice the time.
-const WITNESSES: usize = 2;
+const WITNESS_COLUMNS: usize = 2;
 /// Number of steps after which the largest eigenvalue dominates; columns that shrink in as many further steps vanish.
 /// Of an eigenvalue that is 0.9 of the largest, 0.9^256, 2e-12, is left. Half of it leaves 1e-6, and initial growth may
 /// mislead; twice of it takes twice as long where points converge slowly.
@@ -42,19 +43,20 @@ const WARM_UP: usize = 256;
 /// Distance of the points from their limit, relative to that at the start, up to which they count as converging.
 /// Columns that shrink to it go on shrinking under the same matrix, unless some component of them is below it, which a
 /// start without a pattern excludes. Half and twice of it take one step more or less.
-const TOGETHER: f64 = 1e-6;
-/// Share by which the distance must become less in the last [`WARM_UP`] steps, if it is not below [`TOGETHER`] by then.
-/// Points that stay apart change by rounding alone, by some 1e-12 in so many steps, while 4e-12 of the distance in each
-/// step makes 1e-9. Half and twice of it stay far above rounding, and demand 2e-12 and 8e-12 a step.
+const CONVERGED_DISTANCE: f64 = 1e-6;
+/// Share by which the distance must become less in the last [`WARM_UP`] steps, if it is not below
+/// [`CONVERGED_DISTANCE`] by then. Points that stay apart change by rounding alone, by some 1e-12 in so many steps,
+/// while 4e-12 of the distance in each step makes 1e-9. Half and twice of it stay far above rounding, and demand 2e-12
+/// and 8e-12 a step.
 const LEAST_DECREASE: f64 = 1e-9;
 /// Maximum number of levels within which the parameters of vertices must agree; each level halves their differences.
 /// The largest numbers, 2^1024, differ by less than 1e-15 after 1,074 halvings, so that parameters whose differences
 /// are halved never reach it. Half of it refuses differences above 2^500; twice of it changes nothing.
-const MAX_LEVELS: usize = 1_100;
+const MAX_PARAMETER_LEVELS: usize = 1_100;
 /// Maximum number of steps within which a mask must converge.
 /// A mask that converges at the rate b takes up to 36 / (1 - b) steps, so that 0.998 is the slowest rate. Half of it
 /// ends at 0.996 and refuses rates above; twice of it takes up to twice as long to refuse.
-const MAX_STEPS: usize = 20_000;
+const MAX_MASK_STEPS: usize = 20_000;
 
 /// The limit mask of a disc, over the points of its support.
 #[derive(Debug, Clone, PartialEq)]
@@ -162,7 +164,7 @@ impl<'a> Finder<'a> {
         let (mut disc, mut parameters) = (disc.clone(), parameters.clone());
         let mut steps = Vec::new();
         while !parameters.agree() {
-            if steps.len() > MAX_LEVELS {
+            if steps.len() > MAX_PARAMETER_LEVELS {
                 return Err(Unlimited::Unsettled);
             }
             let (level, next) = self.skeletons.step(steps.len(), &disc, &parameters)?;
@@ -294,11 +296,11 @@ impl<'a> Masks<'a> {
             if change < least {
                 (least, least_at) = (change, steps);
             }
-            if least <= ROUNDING * size && steps - least_at >= PATIENCE {
+            if least <= MASK_STEP_ROUNDING * size && steps - least_at >= CONVERGENCE_PATIENCE {
                 break;
             }
             steps += 1;
-            if steps > MAX_STEPS || !size.is_finite() {
+            if steps > MAX_MASK_STEPS || !size.is_finite() {
                 return Err(Unlimited::Unsettled);
             }
         }
@@ -354,13 +356,13 @@ impl<'a> Masks<'a> {
 /// Returns whether all points of a disc that repeats converge to the limit of its centre: whether columns that the
 /// limit mask maps to 0 vanish under repeated multiplication by the matrix.
 fn comes_together(position: &[f64], forth: impl Fn(&[f64]) -> Vec<f64>) -> bool {
-    starting_vectors(position.len(), WITNESSES).into_iter().all(|mut column| {
+    starting_vectors(position.len(), WITNESS_COLUMNS).into_iter().all(|mut column| {
         let (mut size, mut early) = (1.0, f64::INFINITY);
         for step in 0..=2 * WARM_UP {
             let limit: f64 = position.iter().zip(&column).map(|(weight, x)| weight * x).sum();
             let largest = column.iter().map(|x| (x - limit).abs()).fold(0.0, f64::max);
             size *= largest;
-            if size <= TOGETHER {
+            if size <= CONVERGED_DISTANCE {
                 return true;
             }
             column.iter_mut().for_each(|x| *x = (*x - limit) / largest);

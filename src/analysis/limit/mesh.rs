@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use super::cycle::AHEAD;
+use super::cycle::LEVELS_AHEAD;
 use super::error::{LimitError, Unlimited};
 use super::limits::{VertexLimits, limits, without_normals};
 use super::request::LimitRequest;
@@ -56,11 +56,11 @@ fn at_one_frame(
     by_rows(mesh, plan, steps, request, watch)
 }
 
-/// Returns the steps of `levels` levels and of the [`AHEAD`] levels after them that limits use, and the number of the
-/// former.
+/// Returns the steps of `levels` levels and of the [`LEVELS_AHEAD`] levels after them that limits use, and the number
+/// of the former.
 pub(super) fn scheduled(plan: &Plan, levels: u32) -> Result<(Vec<Scheduled>, usize), Unlimited> {
     let later = |fault: Fault| Unlimited::Later(fault.detail);
-    let steps = plan.schedule(levels + AHEAD).map_err(later)?;
+    let steps = plan.schedule(levels + LEVELS_AHEAD).map_err(later)?;
     Ok((steps, plan.word.prefix.len() + levels as usize * plan.word.cycle.len()))
 }
 

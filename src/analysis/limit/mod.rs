@@ -52,7 +52,7 @@ pub(super) use child::child;
 pub use continuity::check;
 pub(super) use continuity::check_continuous;
 pub use cost::{Follow, LimitCost, cost, sees_whole_fans};
-pub(super) use cycle::AHEAD;
+pub(super) use cycle::LEVELS_AHEAD;
 pub(super) use disc::Centre;
 pub use error::{LimitError, Unlimited};
 pub(super) use limits::limits;

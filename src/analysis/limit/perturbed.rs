@@ -38,14 +38,14 @@ pub const ROWS_A_POINT: u64 = 1_000;
 const QUIET: f64 = 1e-16;
 /// Distance within which points count as coinciding, relative to their distance at the first level. It is a 200th of
 /// the rounding of coordinates of size 1. Half of it follows about one level more, twice of it one less.
-const TOGETHER: f64 = 1e-18;
+const COINCIDENCE_DISTANCE: f64 = 1e-18;
 /// Number of random coordinate vectors that are refined to measure the distance between the points around a vertex. The
 /// largest of their distances counts; the more vectors, the less it underestimates. With half of it points may count as
 /// coinciding a level early; with twice of it each level takes longer.
-const WITNESSES: usize = 8;
+const WITNESS_VECTORS: usize = 8;
 /// Number of vertices whose surroundings are counted at a time. Half of it synchronises all threads and checks the
 /// watch twice as often; twice of it delays a refusal by as much.
-const CHUNK: usize = 4_096;
+const SURROUNDINGS_PER_CHUNK: usize = 4_096;
 
 /// Returns the perturbation of a plan if it has an effect: a nonzero amplitude, and averages or push-backs in the
 /// cycle.
@@ -113,7 +113,7 @@ pub(super) fn field<'a>(
 fn check_size(around: &dyn Neighbourhoods, rings: RingCount, watch: &Watch) -> Result<(), Unlimited> {
     let all: Vec<Centre> = (0..around.n_vertices()).filter_map(|v| around.centre(v)).collect();
     let mut points = 0;
-    for chunk in all.chunks(CHUNK) {
+    for chunk in all.chunks(SURROUNDINGS_PER_CHUNK) {
         watch.check()?;
         let size = |&centre: &Centre| around.disc(centre, rings).map(|found| found.vertices.len());
         let sizes: Option<Vec<usize>> = chunk.par_iter().map(size).collect();
@@ -212,7 +212,7 @@ struct Spread {
 
 impl Spread {
     fn new(support: usize) -> Self {
-        Self { witnesses: starting_vectors(support, WITNESSES), now: 1.0, least: 1.0, growth: 1.0 }
+        Self { witnesses: starting_vectors(support, WITNESS_VECTORS), now: 1.0, least: 1.0, growth: 1.0 }
     }
 
     /// Applies one level to the witnesses and updates the distances.
@@ -232,7 +232,7 @@ impl Spread {
 
     /// Returns whether the points coincide and will continue to.
     fn is_none(&self) -> bool {
-        self.now * self.growth <= TOGETHER
+        self.now * self.growth <= COINCIDENCE_DISTANCE
     }
 
     fn is_finite(&self) -> bool {

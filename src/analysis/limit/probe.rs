@@ -1,6 +1,6 @@
 //! Determines on regular nets how many rings of faces influence a limit.
 
-use super::bounds::MAX_RINGS;
+use super::bounds::MAX_INFLUENCE_RINGS;
 use super::cycle::Cycle;
 use super::disc::{Centre, Disc, RingCount, is_triangular};
 use super::error::Unlimited;
@@ -8,15 +8,15 @@ use super::regular::{Regular, Starts};
 use super::walk::WholeNet;
 use crate::shape::topology::{Topology, index};
 
-/// Number of supports that are tried in ascending order before checking that [`MAX_RINGS`] are enough; the cost of a
-/// trial grows with the fourth power of the rings. Words of up to 7 averages need up to 8 rings. Half of it would check
-/// [`MAX_RINGS`] from 4 averages on, where one large disc takes longer than all the small ones; twice of it would try
-/// every support up to [`MAX_RINGS`], so that refusals take longest.
+/// Number of supports that are tried in ascending order before checking that [`MAX_INFLUENCE_RINGS`] are enough; the
+/// cost of a trial grows with the fourth power of the rings. Words of up to 7 averages need up to 8 rings. Half of it
+/// would check [`MAX_INFLUENCE_RINGS`] from 4 averages on, where one large disc takes longer than all the small ones;
+/// twice of it would try every support up to [`MAX_INFLUENCE_RINGS`], so that refusals take longest.
 const TRIED: usize = 8;
 /// Number of levels for which boundary vertices, edges and faces are followed. The first level leaves the start, the
 /// second gives the children of children, and the third repeats them. A single level would not show that they repeat;
 /// twice of it takes twice as long.
-const STEPS: usize = 3;
+const FOLLOWED_LEVELS: usize = 3;
 
 impl Regular {
     /// Returns the kind of regular net to which a cycle refines a mesh: triangles if all faces are triangles and remain
@@ -44,7 +44,7 @@ impl Regular {
     /// support if the rules at its rim need connectivity beyond it.
     ///
     /// # Errors
-    /// [`Unlimited`], in particular [`Unlimited::Reach`] if more than [`MAX_RINGS`] rings are needed.
+    /// [`Unlimited`], in particular [`Unlimited::Reach`] if more than [`MAX_INFLUENCE_RINGS`] rings are needed.
     pub(super) fn rings(self, cycle: &Cycle<'_>, tagged: bool, starts: Starts) -> Result<RingCount, Unlimited> {
         let mut failed = Unlimited::Reach;
         let mut closed = |support: usize| match self.closed(cycle, support, tagged, starts) {
@@ -58,7 +58,7 @@ impl Regular {
         let mut support = 1;
         while !closed(support)? {
             support += 1;
-            if support > MAX_RINGS || support == TRIED + 1 && !closed(MAX_RINGS)? {
+            if support > MAX_INFLUENCE_RINGS || support == TRIED + 1 && !closed(MAX_INFLUENCE_RINGS)? {
                 return Err(failed);
             }
         }
@@ -88,7 +88,7 @@ impl Regular {
         let rings = RingCount { disc: rings.disc + starts.wider(cycle.n_duals()), ..rings };
         for (net, centre) in self.places(starts, cycle.n_duals(), rings.disc) {
             let disc = WholeNet::of(&net, &net.mesh.base).disc(centre, rings).ok_or(Unlimited::Size)?.disc;
-            if !closes(cycle, disc, rings, STEPS)? {
+            if !closes(cycle, disc, rings, FOLLOWED_LEVELS)? {
                 return Ok(false);
             }
         }
@@ -113,8 +113,8 @@ impl Regular {
         Ok(true)
     }
 
-    /// Returns whether, for [`STEPS`] levels, the discs at all other places have the same weights and children as
-    /// larger ones.
+    /// Returns whether, for [`FOLLOWED_LEVELS`] levels, the discs at all other places have the same weights and
+    /// children as larger ones.
     fn agrees_elsewhere(self, cycle: &Cycle<'_>, rings: RingCount, starts: Starts) -> Result<bool, Unlimited> {
         let larger = RingCount { disc: rings.disc + 2 + starts.wider(cycle.n_duals()), ..rings };
         for (net, centre) in self.places(starts, cycle.n_duals(), larger.disc) {
@@ -124,7 +124,7 @@ impl Regular {
             else {
                 return Err(Unlimited::Size);
             };
-            for _ in 0..STEPS {
+            for _ in 0..FOLLOWED_LEVELS {
                 let expected = cycle.step(cycle.settled, &large, rings)?;
                 let Ok(found) = cycle.step(cycle.settled, &small, rings) else { return Ok(false) };
                 if !found.has_weights_of(&expected) || begins(&found.disc) != begins(&expected.disc) {

@@ -18,7 +18,7 @@ use crate::math::vector::cross;
 /// Number of vectors that are iterated together. At most five of them are taken as eigenvectors, so that three are left
 /// to estimate the next eigenvalues. With half of it the longest chains are not found, and convergence is slower; with
 /// twice of it each orthogonalisation takes four times as long.
-const WIDTH: usize = 8;
+const ITERATED_VECTORS: usize = 8;
 /// Number of steps before convergence is first checked; each later check comes after twice as many more. These steps
 /// separate eigenvalues whose quotient is 0.53 up to [`RESIDUAL`]. With half of it most masks need a second check; with
 /// twice of it all masks take 80 steps.
@@ -30,13 +30,13 @@ const MAX_LOOKS: usize = 8;
 /// Minimum gap between the second eigenvalue and the third, relative to the second. It is well above the root of the
 /// rounding of 1, 1.5e-8, by which rounding separates equal eigenvalues of a chain. Half of it comes closer to that;
 /// twice of it refuses surfaces whose third eigenvalue is less than 2e-5 below the second.
-const GAP: f64 = 1e-5;
+const LEAST_EIGENVALUE_GAP: f64 = 1e-5;
 /// Maximum number of faces around a vertex, or of corners of a face, for which tangents are searched. Around n faces
 /// the eigenvalues of the vectors that oscillate once and four times around the centre differ by about `100/n^2`,
 /// relative to their size, so that from some 300 faces on all steps together do not separate them up to [`RESIDUAL`];
 /// beyond the maximum the search is known to fail. The time of each step is proportional to the number of faces. Half
 /// of it would refuse without a search what fails anyway; twice of it searches twice as long in vain.
-const MAX_AROUND: usize = 2048;
+const MAX_TANGENT_VALENCE: usize = 2048;
 /// Weight of the last vector of a chain in the characteristic map, relative to the first; small, as it is after many
 /// levels. Where the other vectors vanish, for example on a boundary that is refined by itself, only the last vector
 /// separates the points. Lengths and sines below 1e-9 count as zero: half and twice of it keep three digits above that.
@@ -82,7 +82,7 @@ pub(super) fn of<'a>(
     let n = limit.len();
     let faces: Vec<&[u32]> = faces.collect();
     let around = if let (Centre::Face(_), Some(face)) = (centre, faces.first()) { face.len() } else { faces.len() };
-    if around > MAX_AROUND {
+    if around > MAX_TANGENT_VALENCE {
         return Err(NoTangents::Eigenvalues);
     }
     let off_limit = |column: &mut [f64]| {
@@ -246,7 +246,7 @@ struct Chain {
 /// # Errors
 /// [`NoTangents::Eigenvalues`] in all other cases.
 fn leading(n: usize, apply: impl Fn(&[f64]) -> Vec<f64>, deflate: impl Fn(&mut [f64])) -> Result<Leading, NoTangents> {
-    let width = WIDTH.min(n - 1);
+    let width = ITERATED_VECTORS.min(n - 1);
     let mut vectors = starting_vectors(n, width);
     vectors.iter_mut().for_each(|vector| deflate(vector));
     orthonormalise(&mut vectors);
@@ -276,7 +276,7 @@ fn leading(n: usize, apply: impl Fn(&[f64]) -> Vec<f64>, deflate: impl Fn(&mut [
             let discriminant = trace * trace - 4.0 * determinant;
             let second = (trace - sqrt(discriminant.max(0.0))) / 2.0;
             let real = discriminant >= -1e-9 * trace * trace;
-            let ahead = real && third < (1.0 - GAP) * second;
+            let ahead = real && third < (1.0 - LEAST_EIGENVALUE_GAP) * second;
             return if ahead { Ok(Leading::Plane(found)) } else { Err(NoTangents::Eigenvalues) };
         }
     }
@@ -293,7 +293,8 @@ fn three_times(h: &[Vec<f64>], vectors: &[Vec<f64>], images: &[Vec<f64>]) -> Opt
         (0..3).map(|i| (0..3).map(|k| map[i][k] / a - f64::from(u8::from(i == k))).collect()).collect();
     let square = nilpotent.iter().map(|row| times(row, &nilpotent));
     let vanishes = square.flatten().all(|x| x.abs() <= 1e-9);
-    (vanishes && left_over <= RESIDUAL * a && fourth < (1.0 - GAP) * a).then_some(Leading::Thrice(found, map))
+    (vanishes && left_over <= RESIDUAL * a && fourth < (1.0 - LEAST_EIGENVALUE_GAP) * a)
+        .then_some(Leading::Thrice(found, map))
 }
 
 /// Returns the vectors of a leading block, the matrix of the map in terms of these vectors, and the norm of the part of
@@ -328,7 +329,7 @@ fn chain<const K: usize>(h: &[Vec<f64>], vectors: &[Vec<f64>], images: &[Vec<f64
     let largest = dot(&image(&first), &first);
     let rest: Vec<Vec<f64>> = others.iter().map(|u| others.iter().map(|v| dot(&image(u), v)).collect()).collect();
     let repeated = (0..K - 1).map(|i| rest[i][i]).sum::<f64>() / real(K - 1);
-    let ahead = after < (1.0 - GAP) * repeated && repeated < (1.0 - GAP) * largest;
+    let ahead = after < (1.0 - LEAST_EIGENVALUE_GAP) * repeated && repeated < (1.0 - LEAST_EIGENVALUE_GAP) * largest;
     if left_over > RESIDUAL * size || !ahead {
         return None;
     }

@@ -6,7 +6,7 @@ use crate::shape::attributes::Attributes;
 /// Tolerance within which parameters are equal, relative to the larger of 1 and their size. It is about 5 units in the
 /// last place of 1. Each level halves differences, so that half of it follows one level more; twice of it follows one
 /// less, and the limit may differ by as much.
-const SAME: f64 = 1e-15;
+const PARAMETER_TOLERANCE: f64 = 1e-15;
 
 /// The bits of the parameters that the vertices of a disc carry, for each kind one array if they carry it.
 #[derive(Debug, Clone, Default, PartialEq, Eq, PartialOrd, Ord)]
@@ -48,7 +48,7 @@ impl VertexParameters {
     pub(super) fn agree(&self) -> bool {
         self.0.iter().flatten().all(|bits| {
             let first = bits.first().map_or(0.0, |&bits| f64::from_bits(bits));
-            bits.iter().all(|&bits| (f64::from_bits(bits) - first).abs() <= SAME * first.abs().max(1.0))
+            bits.iter().all(|&bits| (f64::from_bits(bits) - first).abs() <= PARAMETER_TOLERANCE * first.abs().max(1.0))
         })
     }
 }

@@ -15,7 +15,7 @@ use crate::math::spectrum::{Eigenvalue, eigenvalues};
 /// Maximum number of points around a place for which left eigenvectors are computed. The 16-point scheme has 29. Half
 /// of it leaves that scheme without its masks; twice of it takes some thirty times as long, because the numbers of the
 /// elimination grow.
-const MAX_POINTS: i64 = 40;
+const MAX_LOCAL_POINTS: i64 = 40;
 
 /// Weights of consecutive points.
 #[derive(Debug, Clone, PartialEq)]
@@ -87,7 +87,7 @@ impl<'a> Neighbourhood<'a> {
 
     /// Returns a left eigenvector for an eigenvalue, with any scale, if there is one.
     fn left_eigenvector(&self, eigenvalue: &Exact) -> Option<Vec<Exact>> {
-        if self.last - self.first >= MAX_POINTS {
+        if self.last - self.first >= MAX_LOCAL_POINTS {
             return None;
         }
         let cell = |j: i64, i: i64| {

@@ -29,7 +29,7 @@ const EIGENVALUES: u64 = 128;
 /// Maximum size of matrices whose eigenvalues are proved. The 2n-point schemes have matrices of size 2n - 2, which is
 /// 30 for n = 16. Half of it leaves those from n = 10 on without a bound; twice of it takes some thirty times as long,
 /// because the numbers of the elimination grow.
-const MAX_SIZE: usize = 32;
+const MAX_PROVED_SIZE: usize = 32;
 /// Maximum number of products for whose eigenvalue a proof is attempted. The first attempt succeeds unless the
 /// eigenvalues are complex or double. Half or twice of it changes nothing else.
 const MAX_PROOFS: usize = 8;
@@ -101,7 +101,7 @@ pub(super) fn of_mean(matrices: &[ExactMatrix]) -> Lower {
 /// [`Stopped`].
 pub(super) fn search(matrices: &[ExactMatrix], budget: u64, watch: &Watch) -> Result<LowerSearch, Stopped> {
     let n = matrices[0].len();
-    if n > MAX_SIZE {
+    if n > MAX_PROVED_SIZE {
         return Ok(LowerSearch { first: None, best: None, nodes: 0 });
     }
     let mut words = WordProducts::new(matrices);

@@ -11,9 +11,9 @@ use crate::math::exact::{Exact, rounded};
 /// Maximum number of entries of an iterated mask in the search for a certificate. Certificates are meant to be checked
 /// by hand, and few need more than four steps. With half of it schemes near the end of their range lose their
 /// certificate, though not the proof by the joint spectral radius; twice of it takes twice as long.
-const MAX_ENTRIES: usize = 1 << 15;
+const MAX_CERTIFICATE_ENTRIES: usize = 1 << 15;
 /// Twice the largest relative error of one operation in f64.
-const UNIT: f64 = f64::EPSILON;
+pub(super) const ROUNDING_UNIT: f64 = f64::EPSILON;
 
 /// A proof that limits are C^k.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -39,7 +39,7 @@ fn certificate(k: usize, mask: &[Exact], arity: i64) -> Option<SmoothnessCertifi
     let mut step = 1;
     for l in 1.. {
         let width = (one.len() - 1).checked_mul(step)?.checked_add(iterated.len())?;
-        if width.max(step) > MAX_ENTRIES {
+        if width.max(step) > MAX_CERTIFICATE_ENTRIES {
             return None;
         }
         iterated = times(&iterated, one.iter().copied(), step, width);
@@ -49,7 +49,7 @@ fn certificate(k: usize, mask: &[Exact], arity: i64) -> Option<SmoothnessCertifi
         // every entry is a sum of at most this many products of l rounded numbers
         #[expect(clippy::cast_precision_loss, reason = "both are small")]
         let roundings = (l as usize * (one.len() + 2) + width / step + 2) as f64;
-        let error = 2.0 * roundings * UNIT * greatest_sum(&sizes, step);
+        let error = 2.0 * roundings * ROUNDING_UNIT * greatest_sum(&sizes, step);
         if norm + error < 1.0 {
             return Some(SmoothnessCertificate { k, l, norm });
         }

@@ -19,7 +19,7 @@ use crate::math::exact::Exact;
 /// Maximum number of entries of masks that are reduced. The schemes known here with unstable shifts have 13 entries at
 /// most. Half of it leaves some masks from clients undecided; twice of it takes some ten times as long, because the
 /// numbers of the divisions grow.
-const MAX_ENTRIES: usize = 64;
+const MAX_REDUCED_ENTRIES: usize = 64;
 
 /// A scheme with stable shifts, and the basic limit function of another scheme as a combination of its shifts.
 #[derive(Debug, Clone, PartialEq)]
@@ -33,7 +33,7 @@ pub struct Reduction {
 impl Reduction {
     /// Returns the reduction of a scheme whose shifts are not stable, if it is found.
     pub(super) fn of(symbol: &Symbol) -> Option<Self> {
-        if !symbol.is_exact || symbol.order == 0 || symbol.mask.len() > MAX_ENTRIES {
+        if !symbol.is_exact || symbol.order == 0 || symbol.mask.len() > MAX_REDUCED_ENTRIES {
             return None;
         }
         let d = usize::try_from(symbol.arity).ok()?;

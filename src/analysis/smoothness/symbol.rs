@@ -13,7 +13,7 @@ use crate::math::number::Number;
 /// Largest remainder of a division of a rounded mask that is regarded as 0, relative to the sum of the absolute values
 /// of its entries; some thousand roundings. With half of it long masks may lose sum rules; with twice of it the scheme
 /// that is analysed instead may be twice as far away.
-const REST: f64 = 1e-12;
+const DIVISION_REMAINDER: f64 = 1e-12;
 /// Largest difference of moments of rounded masks that is regarded as 0, relative to the sum of the absolute values of
 /// their terms; some ten thousand roundings, because moments cancel. Half or twice of it only matters to masks that
 /// nearly reproduce polynomials.
@@ -63,8 +63,8 @@ impl Symbol {
         let d = arity as f64;
         let mut residual: Vec<f64> = exactly.iter().map(|a| rounded(a) / d).collect();
         let mut order = 0;
-        while (residual.iter().sum::<f64>() - 1.0).abs() <= REST
-            && let Some(quotient) = divided(&residual, arity, |rest, size| rest.abs() <= REST * size)
+        while (residual.iter().sum::<f64>() - 1.0).abs() <= DIVISION_REMAINDER
+            && let Some(quotient) = divided(&residual, arity, |rest, size| rest.abs() <= DIVISION_REMAINDER * size)
         {
             (residual, order) = (quotient, order + 1);
         }

@@ -13,6 +13,7 @@ use num_traits::{FromPrimitive, One, Zero};
 
 use super::lower::Lower;
 use super::matrices::{ExactMatrix, multiply, price, product, row_norm};
+use super::norms::ROUNDING_UNIT;
 use crate::math::exact::{Exact, above, binary, rounded};
 use crate::math::functions::{pow, sqrt};
 use crate::watch::{Stopped, Watch};
@@ -20,8 +21,6 @@ use crate::watch::{Stopped, Watch};
 /// Maximum number of factors of a product. Completed trees have leaves of far fewer factors. With half of it some
 /// near-extremal products stay undecided; twice of it spends the budget on a single branch.
 const MAX_LENGTH: usize = 2048;
-/// Twice the largest relative error of one operation in f64.
-const UNIT: f64 = f64::EPSILON;
 /// Relative gaps above the lower bound at which upper bounds are attempted, one after another. Each step narrows the
 /// interval to a half or a third. Finer steps try more trees for less.
 const GAPS: [f64; 16] = [1.0, 0.5, 0.3, 0.2, 0.1, 0.05, 0.02, 0.01, 0.005, 0.002, 1e-3, 5e-4, 2e-4, 1e-4, 1e-5, 1e-6];
@@ -31,7 +30,7 @@ const GAPS: [f64; 16] = [1.0, 0.5, 0.3, 0.2, 0.1, 0.05, 0.02, 0.01, 0.005, 0.002
 const MAX_TURNED: usize = 30;
 /// Denominator of the entries of coordinate transformations. Half or twice as many steps are as good; finer ones make
 /// longer fractions.
-const DIGITS: f64 = 4096.0;
+const TRANSFORM_DENOMINATOR: f64 = 4096.0;
 /// Maximum number of products by which coordinates are compared.
 const TRIAL_WORDS: usize = 256;
 
@@ -205,7 +204,7 @@ fn in_coordinates(t: &ExactMatrix, to: &WholeMatrix, back: &WholeMatrix, determi
 
 /// Returns a number in units of 1/4096; diagonal entries are never 0.
 fn coarse(x: f64, diagonal: bool) -> BigInt {
-    let rounded = (x * DIGITS).round();
+    let rounded = (x * TRANSFORM_DENOMINATOR).round();
     BigInt::from_f64(if diagonal && rounded == 0.0 { 1.0 } else { rounded }).unwrap_or_else(BigInt::zero)
 }
 
@@ -292,7 +291,7 @@ impl Family {
     /// Tries a ladder of decreasing bounds until a tree of products fails to prove one.
     fn climb(&self, ladder: &[f64], budget: u64, watch: &Watch) -> Result<Climbed, Stopped> {
         let one_step = self.matrices.iter().map(|matrix| norm(matrix, self.n)).fold(0.0, f64::max);
-        let mut known = ProductBound { bound: one_step * (1.0 + 64.0 * UNIT), most: 1.0 };
+        let mut known = ProductBound { bound: one_step * (1.0 + 64.0 * ROUNDING_UNIT), most: 1.0 };
         let mut left = budget;
         for &bound in ladder.iter().filter(|bound| **bound < one_step) {
             let mut tree = ProductTree::new(self, bound, left, watch);
@@ -335,9 +334,9 @@ impl<'a> ProductTree<'a> {
     /// Rounding errors grow along the path as products do, which the `known` bound limits.
     fn holds(&mut self, known: ProductBound) -> Result<Option<f64>, Stopped> {
         let (n, price) = (self.n, price(self.n));
-        let growth = known.bound / self.bound * (1.0 + 4.0 * UNIT);
+        let growth = known.bound / self.bound * (1.0 + 4.0 * ROUNDING_UNIT);
         #[expect(clippy::cast_precision_loss, reason = "matrices are small")]
-        let gamma = (n + 6) as f64 * UNIT;
+        let gamma = (n + 6) as f64 * ROUNDING_UNIT;
         let identity: Vec<f64> = (0..n * n).map(|k| if k % (n + 1) == 0 { 1.0 } else { 0.0 }).collect();
         let mut path = vec![PathProduct { matrix: identity, norm: 1.0, error: 0.0 }];
         let mut next = vec![0];

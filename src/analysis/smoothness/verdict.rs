@@ -17,7 +17,7 @@ use crate::watch::{Stopped, Watch};
 /// Relative amount by which the radius of a rounded scheme must exceed a threshold to disprove smoothness. It is a
 /// million times the effect of rounding on short masks. Half or twice of it only matters to schemes that lie as close
 /// to the end of a range.
-const MARGIN: f64 = 1e-6;
+const DISPROOF_MARGIN: f64 = 1e-6;
 
 /// The conclusion on the smoothness of limits.
 #[derive(Debug, Clone, PartialEq)]
@@ -110,7 +110,7 @@ impl Smoothness {
 /// there are no K + 1 sum rules. If the mask is rounded, the radius must exceed the threshold by far more than rounding
 /// can explain, and a missing sum rule disproves nothing.
 fn disproved(symbol: &Symbol, lower: &Lower, most: i64) -> Option<i64> {
-    let margin = if symbol.is_exact { Exact::one() } else { Exact::one() + binary(MARGIN) };
+    let margin = if symbol.is_exact { Exact::one() } else { Exact::one() + binary(DISPROOF_MARGIN) };
     let found = (0..most).find(|&k| lower.reaches(&(threshold(symbol, most - 1 - k) * &margin)));
     found.or_else(|| symbol.is_exact.then_some(most))
 }

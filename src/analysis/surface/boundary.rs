@@ -13,9 +13,9 @@ use super::characteristic::{ring, sine};
 use super::fan::{FanBoundary, FanPlace, FanRows, mirrored, places, radius};
 use super::local::{Applied, closed};
 use super::regular::RegularMask;
-use super::sectors::{NetKind, PlaneNet, Point, SAME};
+use super::sectors::{NetKind, PlaneNet, Point, WEIGHT_ROUNDING};
 use super::spectrum::PointWeight;
-use super::verdict::{Criterion, ONE, REGULAR, Status};
+use super::verdict::{Criterion, ONE, REGULAR_NETS, Status};
 use crate::analysis::limit::Unlimited;
 use crate::math::dense::Dense;
 use crate::math::spectrum::{Eigenvalue, eigenvalues};
@@ -23,7 +23,7 @@ use crate::watch::Watch;
 
 /// Largest sine of a corner angle that is regarded as 0. Corners of schemes in use have sines of at least a hundredth,
 /// or of 1e-13 if they are flat. Half or twice of it decides alike.
-const FLAT: f64 = 1e-9;
+const FLAT_CORNER_SINE: f64 = 1e-9;
 /// The statement about the two eigenvalues after 1.
 const NEXT: &str = "the next two eigenvalues are real and positive, one of vectors that are even under the reflection \
                     and one of odd ones, and all others are smaller";
@@ -184,10 +184,10 @@ impl Applied {
         let one = first(even.values.first()) && even.size(1).max(odd.size(0)) < 1.0 - 1e-9;
         let seen = |holds: bool| if holds { Status::Supported } else { Status::Open };
         let criteria = [
-            (REGULAR, smooth),
+            (REGULAR_NETS, smooth),
             (ONE, seen(one)),
             (NEXT, seen(next.is_some())),
-            (HALF_MAP, seen(least_sine.is_some_and(|sine| sine > FLAT))),
+            (HALF_MAP, seen(least_sine.is_some_and(|sine| sine > FLAT_CORNER_SINE))),
         ];
         Ok(BoundaryReport {
             faces: m,
@@ -208,7 +208,7 @@ fn is_mirrored(rows: &FanRows) -> bool {
     rows.rows.iter().all(|(&place, row)| {
         let Some(other) = rows.rows.get(&mirrored(m, place)) else { return false };
         let same = |(&at, weight): (&FanPlace, &f64)| {
-            (other.get(&mirrored(m, at)).copied().unwrap_or(0.0) - weight).abs() <= SAME
+            (other.get(&mirrored(m, at)).copied().unwrap_or(0.0) - weight).abs() <= WEIGHT_ROUNDING
         };
         row.iter().all(same)
     })
@@ -269,7 +269,7 @@ fn least_sine(kind: NetKind, m: usize, points: &BTreeMap<FanPlace, [f64; 2]>) ->
     let least = away.map(|face| {
         let corners: Vec<[f64; 2]> = face.iter().map(|place| points[place]).collect();
         let n = corners.len();
-        let apart = |a: [f64; 2], b: [f64; 2]| (a[0] - b[0]).abs().max((a[1] - b[1]).abs()) > FLAT;
+        let apart = |a: [f64; 2], b: [f64; 2]| (a[0] - b[0]).abs().max((a[1] - b[1]).abs()) > FLAT_CORNER_SINE;
         let angle = |i: usize| {
             let [a, b, c] = [corners[(i + n - 1) % n], corners[i], corners[(i + 1) % n]];
             // corners that coincide have no angle

@@ -22,14 +22,14 @@ use crate::watch::{Stopped, Watch};
 /// Maximum number of cells examined for one valence. Splines need some hundred, interpolating schemes some thousand.
 /// Half of it leaves schemes open whose derivatives have large bounds; twice of it takes twice as long to leave others
 /// open.
-const MAX_CELLS: usize = 16_000;
+const MAX_EXAMINED_CELLS: usize = 16_000;
 /// Maximum number of levels at which a ring is examined. Discs shrink by about half at each level, to 1/1000 after ten.
 /// Half of it leaves schemes open; twice of it would examine rounding errors only.
-const MAX_LEVELS: u32 = 10;
+const MAX_RING_LEVELS: u32 = 10;
 /// Least determinant that is regarded as positive, relative to the product of the lengths of both derivatives. It
 /// exceeds what roundings and the error of the eigenvector can change. Determinants of schemes in use are at least a
 /// hundredth of that product. Half or twice of it only matters to schemes whose determinants nearly vanish.
-pub(super) const SLACK: f64 = 1e-4;
+pub(super) const LEAST_DETERMINANT: f64 = 1e-4;
 
 /// The net of an eigenvector around a centre with n sectors.
 #[derive(Debug, Clone)]
@@ -257,10 +257,10 @@ impl RingProof {
             }
         }
         let mut looked_at = 0;
-        for _ in 0..MAX_LEVELS {
+        for _ in 0..MAX_RING_LEVELS {
             watch.check()?;
             looked_at += open.len();
-            if looked_at > MAX_CELLS {
+            if looked_at > MAX_EXAMINED_CELLS {
                 return Ok(RingVerdict::Open);
             }
             let mut failed = Vec::new();
@@ -314,7 +314,7 @@ impl RingProof {
         let middle = cross(x.middle, y.middle);
         let (a, b) = (length(x.middle), length(y.middle));
         let off = x.radius * b + y.radius * a + x.radius * y.radius;
-        let slack = SLACK * (a + x.radius) * (b + y.radius);
+        let slack = LEAST_DETERMINANT * (a + x.radius) * (b + y.radius);
         if middle + off + slack < 0.0 {
             return RingVerdict::Folded;
         }
@@ -328,7 +328,7 @@ impl RingProof {
         };
         let half = middle_of_cells * std::f64::consts::PI / real(n);
         let ahead = place.middle[0] * cos(half) + place.middle[1] * sin(half);
-        let proved = middle > off + slack && ahead > place.radius + SLACK * length(place.middle);
+        let proved = middle > off + slack && ahead > place.radius + LEAST_DETERMINANT * length(place.middle);
         if proved { RingVerdict::Proved } else { RingVerdict::Open }
     }
 }

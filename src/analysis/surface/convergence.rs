@@ -14,10 +14,10 @@ use super::sectors::Point;
 /// Maximum number of steps of a difference scheme whose norm is computed. Butterfly needs two, Kobbelt's scheme three;
 /// with six the bounds of basic limit functions are sharp enough for the proofs about their characteristic maps. Half
 /// of it proves less near the ends of ranges; twice of it takes masks of a million entries.
-const MAX_STEPS: usize = 6;
+const MAX_DIFFERENCE_STEPS: usize = 6;
 /// Maximum k for which a proof is attempted. Schemes that are neither products nor splines are C^2 at best. Half of it
 /// would miss that; twice of it only takes time.
-const MAX_ORDER: usize = 3;
+const MAX_PROOF_ORDER: usize = 3;
 
 /// A proof that limits are C^k: the norms of the difference schemes along two directions, one pair for each derivative.
 #[derive(Debug, Clone, PartialEq)]
@@ -38,7 +38,7 @@ struct Contraction {
 
 /// Returns the certificates for k = 0, 1, ..., up to the first k without one.
 pub(super) fn certificates(regular: &RegularMask) -> Vec<LatticeCertificate> {
-    (0..=MAX_ORDER).map_while(|k| certificate(regular, k)).collect()
+    (0..=MAX_PROOF_ORDER).map_while(|k| certificate(regular, k)).collect()
 }
 
 fn certificate(regular: &RegularMask, k: usize) -> Option<LatticeCertificate> {
@@ -106,7 +106,7 @@ fn contractions(mask: &Polynomial, d: i32) -> Option<[(Point, Contraction); 2]> 
 /// Returns the norms of the powers of a scheme until one is below 1; `None` if none is.
 fn contraction(mask: &Polynomial, d: i32) -> Option<Contraction> {
     let mut norms = vec![1.0];
-    for norm in Iterated::new(mask, d).take(MAX_STEPS) {
+    for norm in Iterated::new(mask, d).take(MAX_DIFFERENCE_STEPS) {
         norms.push(norm);
         if norm < 1.0 {
             return Some(Contraction { norms });
@@ -137,7 +137,7 @@ pub(super) fn lebesgue_bound(mask: &Polynomial, d: i32) -> Option<f64> {
     let (first, second) = (divided(mask, directions[0], d)?, divided(mask, directions[1], d)?);
     let differences = Iterated::new(&first, d).zip(Iterated::new(&second, d));
     // the size of points after some steps, and the bound of their further movement
-    let after = Iterated::new(mask, d).zip(differences).take(MAX_STEPS);
+    let after = Iterated::new(mask, d).zip(differences).take(MAX_DIFFERENCE_STEPS);
     let bounds = after.map(|(norm, (a, b))| norm + beyond([tails[0] * a, tails[1] * b]));
     Some(bounds.fold(1.0 + beyond(tails), f64::min))
 }

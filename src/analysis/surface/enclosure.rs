@@ -10,7 +10,7 @@ use crate::math::dense::Dense;
 /// Bound of the relative error of weights against the exact weights of the scheme. A weight is made in some ten
 /// operations with errors of 1e-16 each, and multiplied through some ten actions. Half of it leaves no room for longer
 /// words; twice of it changes bounds by as much.
-const WEIGHTS: f64 = 2e-14;
+const WEIGHT_ERROR: f64 = 2e-14;
 
 /// A simple real eigenvalue that is larger than all others, with error bounds of the eigenvalue and its eigenvector.
 #[derive(Debug, Clone)]
@@ -26,7 +26,7 @@ pub(super) struct Enclosure {
 /// Returns a bound of the error of a matrix, in the norm of row sums.
 fn unknown(matrix: &Dense) -> f64 {
     // a row of a block is a sum of at most four rows of weights
-    4.0 * WEIGHTS * (1.0 + matrix.norm())
+    4.0 * WEIGHT_ERROR * (1.0 + matrix.norm())
 }
 
 /// Returns whether the absolute values of all eigenvalues are proved to be below a radius.

@@ -8,8 +8,8 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
 use super::layout::PlacementRecord;
-use super::local::{Applied, MARGINS, MAX_POINTS};
-use super::sectors::{NetKind, Point, SAME};
+use super::local::{Applied, MARGINS, MAX_STAR_POINTS};
+use super::sectors::{NetKind, Point, WEIGHT_ROUNDING};
 use super::star::{SectorPoint, Star};
 use crate::analysis::limit::{Centre, CycleRecord, Unlimited, WeightMode, child};
 use crate::scheme::mesh_net::MeshNet;
@@ -133,7 +133,7 @@ impl Applied {
         let close = |(a, b): (&BTreeMap<FanPlace, f64>, &BTreeMap<FanPlace, f64>)| {
             let all: BTreeSet<&FanPlace> = a.keys().chain(b.keys()).collect();
             let at = |row: &BTreeMap<FanPlace, f64>, place| row.get(place).copied().unwrap_or(0.0);
-            all.into_iter().all(|place| (at(a, place) - at(b, place)).abs() <= SAME)
+            all.into_iter().all(|place| (at(a, place) - at(b, place)).abs() <= WEIGHT_ROUNDING)
         };
         Ok(creased.rows.len() == of.rows.len() && creased.rows.values().zip(of.rows.values()).all(close))
     }
@@ -159,7 +159,7 @@ impl Applied {
         watch.check()?;
         let (kind, side) = (self.kind, radius / self.arity + margin + 2);
         let finer = usize::try_from(self.arity * self.arity).unwrap_or(usize::MAX);
-        if (kind.points(side).len() * (m + 3)).saturating_mul(finer) > MAX_POINTS {
+        if (kind.points(side).len() * (m + 3)).saturating_mul(finer) > MAX_STAR_POINTS {
             return Err(Unlimited::Fine);
         }
         let Fan { mut net, places: old } = match beyond {

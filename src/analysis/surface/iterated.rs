@@ -7,9 +7,9 @@ use crate::math::functions::real;
 /// Maximum number of entries of an iterated mask: those of six steps of a mask with 7 x 7 entries. Bounds of basic
 /// limit functions get sharper with each step. Half of it leaves characteristic maps of interpolating schemes open;
 /// twice of it takes twice as long for wide masks.
-const MAX_ENTRIES: usize = 1 << 18;
-/// Maximum number of products of entries of a mask and an iterated mask in one step, which [`MAX_ENTRIES`] entries of
-/// usual masks take. Half of it has one step less for wide masks; twice of it takes twice as long.
+const MAX_ITERATED_ENTRIES: usize = 1 << 18;
+/// Maximum number of products of entries of a mask and an iterated mask in one step, which [`MAX_ITERATED_ENTRIES`]
+/// entries of usual masks take. Half of it has one step less for wide masks; twice of it takes twice as long.
 const MAX_PRODUCTS: usize = 1 << 22;
 
 /// Iterates over the norms of one step, two steps, ... of a scheme, as long as the masks are small enough.
@@ -47,7 +47,7 @@ impl<'a> Iterated<'a> {
             let more = usize::try_from(self.step.checked_mul(end(axis, true)? - first[axis])?).ok()?;
             size[axis] = self.power.size[axis].checked_add(more)?;
         }
-        let n = size[0].checked_mul(size[1]).filter(|n| *n <= MAX_ENTRIES)?;
+        let n = size[0].checked_mul(size[1]).filter(|n| *n <= MAX_ITERATED_ENTRIES)?;
         if self.power.values.len() * self.mask.len() > MAX_PRODUCTS {
             return None;
         }

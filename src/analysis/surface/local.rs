@@ -15,7 +15,7 @@ use crate::watch::Watch;
 /// Maximum number of points after one application of the cycle to a star. Valence 50 with the widest words of the
 /// presets takes a third of it. Half of it refuses long words at valence 50; twice of it takes twice the memory, some
 /// 100 bytes per point.
-pub(super) const MAX_POINTS: usize = 1 << 18;
+pub(super) const MAX_STAR_POINTS: usize = 1 << 18;
 
 /// Numbers of additional rings that are tried until all points are included on which the wanted points depend. An
 /// average adds half a ring, so that 12 is enough for twenty. Half of it refuses the longest presets; twice of it takes
@@ -98,7 +98,7 @@ impl Applied {
         let side = radius / self.arity + margin + 2;
         let points = self.kind.points(side).len() * n;
         let finer = usize::try_from(self.arity * self.arity).unwrap_or(usize::MAX);
-        if points.saturating_mul(finer) > MAX_POINTS {
+        if points.saturating_mul(finer) > MAX_STAR_POINTS {
             return Err(Unlimited::Fine);
         }
         let star = Star::new(self.kind, n, side);

@@ -29,10 +29,10 @@ use crate::watch::{Stopped, Watch};
 
 /// Maximum number of sum rules that are tested. Schemes on meshes that are no splines have four. Half of it would miss
 /// some; twice of it only takes time.
-const MAX_ORDER: i32 = 8;
+const MAX_SUM_RULES: i32 = 8;
 /// Maximum number of points outside the triangle. Masks with 9 x 9 entries have some forty. Half of it leaves out the
 /// push-back with k = 1; twice of it takes eight times as long and more.
-const MAX_SIZE: usize = 48;
+const MAX_QUOTIENT_POINTS: usize = 48;
 
 /// Bounds of the joint spectral radius, and of the smoothness that follows.
 #[derive(Debug, Clone, PartialEq)]
@@ -64,7 +64,8 @@ impl Quotient {
         let Some(mask) = fractions(regular) else { return Ok(None) };
         let (order, d) = (sum_rules(&mask, regular.arity), regular.arity);
         let points = around_square(&regular.mask, d);
-        let Some((corners, others)) = split_points(&points, order).filter(|(_, others)| others.len() <= MAX_SIZE)
+        let Some((corners, others)) =
+            split_points(&points, order).filter(|(_, others)| others.len() <= MAX_QUOTIENT_POINTS)
         else {
             return Ok(None);
         };
@@ -123,7 +124,7 @@ fn sum_rules(mask: &ExactMask, d: i32) -> i32 {
         all && (powers != [0, 0] || first.is_one())
     };
     let holds = |degree: &i32| (0..=*degree).all(|i| same([i, degree - i]));
-    i32::try_from((0..MAX_ORDER).take_while(holds).count()).unwrap_or(0)
+    i32::try_from((0..MAX_SUM_RULES).take_while(holds).count()).unwrap_or(0)
 }
 
 /// Splits the points into a triangle of points that determines a polynomial of a degree below the order, and the

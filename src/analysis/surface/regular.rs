@@ -18,7 +18,7 @@ use crate::watch::Watch;
 /// Largest remainder of a division of a mask that is regarded as rounding, for weights of about 1: some thousand
 /// roundings. Half of it misses factors of long masks; twice of it finds factors in masks that are twice as far from
 /// having them.
-const REST: f64 = 1e-12;
+const FACTOR_REMAINDER: f64 = 1e-12;
 /// A Laurent polynomial in two variables, by exponents.
 pub(super) type Polynomial = BTreeMap<Point, f64>;
 
@@ -101,7 +101,7 @@ impl RegularMask {
         let at = |mask: &Mask, x: i32| usize::try_from(x - mask.first).ok().and_then(|at| mask.values.get(at).copied());
         let all = (a.first..=a.last()).flat_map(|x| (b.first..=b.last()).map(move |y| [x, y]));
         let product = |[x, y]: [i32; 2]| at(a, x).unwrap_or(0.0) * at(b, y).unwrap_or(0.0);
-        let fits = |k: [i32; 2]| (self.mask.get(&k).copied().unwrap_or(0.0) - product(k)).abs() <= REST;
+        let fits = |k: [i32; 2]| (self.mask.get(&k).copied().unwrap_or(0.0) - product(k)).abs() <= FACTOR_REMAINDER;
         let inside = |[x, y]: &Point| (a.first..=a.last()).contains(x) && (b.first..=b.last()).contains(y);
         (self.mask.keys().all(inside) && all.into_iter().all(fits)).then_some(curves)
     }
@@ -130,7 +130,7 @@ pub(super) fn divided(c: &Polynomial, [u, v]: Point, d: i32) -> Option<Polynomia
     let ahead = |[x, y]: &Point| x * u.signum() * 4096 + y * v.signum();
     let mut order: Vec<Point> = rest.keys().copied().collect();
     order.sort_by_key(ahead);
-    let last = |rest: &Polynomial| rest.values().all(|x| x.abs() <= REST * size);
+    let last = |rest: &Polynomial| rest.values().all(|x| x.abs() <= FACTOR_REMAINDER * size);
     let extent = order.last().map_or(0, ahead) - order.first().map_or(0, ahead);
     debug_assert!(extent >= 0, "sorted");
     let mut queue: std::collections::BTreeSet<_> = order.iter().map(|k| (ahead(k), *k)).collect();
@@ -138,7 +138,7 @@ pub(super) fn divided(c: &Polynomial, [u, v]: Point, d: i32) -> Option<Polynomia
     let start: [i32; 2] = [0, 1].map(|axis| c.keys().map(|k| k[axis]).min().unwrap_or(0));
     while let Some((_, k)) = queue.pop_first() {
         let x = rest.get(&k).copied().unwrap_or(0.0);
-        if x.abs() <= REST * size {
+        if x.abs() <= FACTOR_REMAINDER * size {
             continue;
         }
         // the last term of the factor would lie beyond the mask

@@ -11,10 +11,10 @@ use super::sectors::Point;
 
 /// Maximum degree that is tested. The schemes of the catalogue have three at most. Half of it is enough for them; twice
 /// of it only takes time.
-const MAX_DEGREE: i32 = 8;
+const MAX_TESTED_DEGREE: i32 = 8;
 /// Largest error of a sum that is regarded as rounding, for weights of about 1 times powers of places up to 5. Sums
 /// that do not fit are off by at least a thousandth. Half or twice of it decides alike.
-const OFF: f64 = 1e-9;
+const SUM_ROUNDING: f64 = 1e-9;
 
 impl RegularMask {
     /// Returns the largest degree of polynomials that are reproduced; -1 if not even constants are.
@@ -27,11 +27,11 @@ impl RegularMask {
             let old = |k: &Point| [0, 1].map(|axis| f64::from(r[axis] - k[axis]) / d + shift[axis]);
             let sum: f64 = self.class(r).map(|(k, a)| a * power(old(k), powers)).sum();
             let new = [0, 1].map(|axis| (f64::from(r[axis]) + shift[axis]) / d);
-            (sum - power(new, powers)).abs() <= OFF
+            (sum - power(new, powers)).abs() <= SUM_ROUNDING
         };
         let classes = || (0..self.arity).flat_map(|x| (0..self.arity).map(move |y| [x, y]));
         let holds = |degree: &i32| (0..=*degree).all(|i| classes().all(|r| fits(r, [i, degree - i])));
-        (0..=MAX_DEGREE).take_while(holds).last().unwrap_or(-1)
+        (0..=MAX_TESTED_DEGREE).take_while(holds).last().unwrap_or(-1)
     }
 
     /// Returns the ends of the support of the basic limit function along the two sides of a face.

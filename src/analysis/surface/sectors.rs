@@ -19,7 +19,7 @@ pub enum NetKind {
 
 /// Largest difference of weights that is regarded as rounding. Weights of different rules differ by at least a
 /// hundredth. Half or twice of it decides alike.
-pub(super) const SAME: f64 = 1e-12;
+pub(super) const WEIGHT_ROUNDING: f64 = 1e-12;
 /// Points in the plane, and faces as indices of their points.
 pub type PlaneNet = (Vec<[f64; 2]>, Vec<Vec<usize>>);
 

@@ -8,7 +8,7 @@ use super::boundary::BoundaryReport;
 use super::characteristic::{CharacteristicNet, RingProof, ring};
 use super::local::{Applied, LocalRows, closed};
 use super::regular::RegularMask;
-use super::sectors::{NetKind, PlaneNet, Point, SAME};
+use super::sectors::{NetKind, PlaneNet, Point, WEIGHT_ROUNDING};
 use super::smoothness::RegularSmoothness;
 use super::spectrum::{LocalEigenvalue, PointWeight, Spectrum};
 use super::survey::{Extraordinary, on_boundary, survey};
@@ -22,7 +22,7 @@ use crate::watch::{Stopped, Watch};
 
 /// Maximum number of points of a reported characteristic net; enough for valence 12 with three rings. Half of it leaves
 /// out the outer ring at large valences; twice of it makes answers about many valences twice as long.
-const MAX_POINTS: usize = 512;
+const MAX_NET_POINTS: usize = 512;
 /// Number of rings by which the ring of the characteristic map may move outwards until the regular rules apply on it.
 /// Rules beside extraordinary vertices reach one ring farther at most. Half or twice of it decides alike.
 const MORE_RINGS: i32 = 2;
@@ -196,7 +196,7 @@ impl SurfaceStudy {
                 };
                 *left.entry(place).or_insert(0.0) -= a;
             }
-            left.values().all(|x| x.abs() <= SAME)
+            left.values().all(|x| x.abs() <= WEIGHT_ROUNDING)
         })
     }
 }
@@ -240,7 +240,7 @@ fn net(spectrum: &Spectrum, local: &LocalRows, value: f64, vector: &[f64]) -> Op
 /// Returns the points and faces of a net, in as many rings as a report has.
 fn shown(kind: NetKind, net: &CharacteristicNet) -> (Vec<[f64; 2]>, Vec<Vec<usize>>) {
     let farthest = net.values.keys().map(|&p| kind.radius(p)).max().unwrap_or(0);
-    let fits = |radius: &i32| kind.points(*radius).len() * net.n < MAX_POINTS;
+    let fits = |radius: &i32| kind.points(*radius).len() * net.n < MAX_NET_POINTS;
     let radius = (1..=farthest).rev().find(fits).unwrap_or(1).min(farthest);
     let star = super::star::Star::new(kind, net.n, radius);
     let place = |place: &Option<(usize, Point)>| match place {

@@ -8,7 +8,7 @@ use crate::shape::topology::{Topology, index};
 /// Maximum number of vertices, and of faces, of one valence that are listed. Lists are for a look at a few; all are
 /// counted. Half of it lists fewer; twice of it makes answers about fine meshes of triangles under schemes for quads
 /// twice as long.
-const MAX_NAMED: usize = 64;
+const MAX_LISTED_OF_VALENCE: usize = 64;
 
 /// The vertices and faces of a mesh with one valence; a survey keeps those that are or become extraordinary.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
@@ -26,7 +26,7 @@ pub struct Extraordinary {
 impl Extraordinary {
     fn add_vertex(&mut self, v: usize) {
         self.n_vertices += 1;
-        if self.vertices.len() < MAX_NAMED {
+        if self.vertices.len() < MAX_LISTED_OF_VALENCE {
             self.vertices.push(index(v));
         }
     }
@@ -59,7 +59,7 @@ pub(super) fn survey(kind: NetKind, topology: &Topology) -> BTreeMap<usize, Extr
         if corners != kind.regular() {
             let of = found.entry(corners).or_default();
             of.n_faces += 1;
-            if of.faces.len() < MAX_NAMED {
+            if of.faces.len() < MAX_LISTED_OF_VALENCE {
                 of.faces.push(index(f));
             }
         }

@@ -1,6 +1,6 @@
 //! Decides whether limits are C^1 at an extraordinary point, with the evidence.
 
-use super::characteristic::{CharacteristicNet, RingProof, RingVerdict, SLACK};
+use super::characteristic::{CharacteristicNet, LEAST_DETERMINANT, RingProof, RingVerdict};
 use super::enclosure::{Enclosure, is_below, without_one};
 use super::spectrum::Spectrum;
 use crate::watch::{Stopped, Watch};
@@ -28,14 +28,14 @@ pub struct Criterion {
 }
 
 /// The statement about regular nets.
-pub(super) const REGULAR: &str = "limits of regular nets are C1";
+pub(super) const REGULAR_NETS: &str = "limits of regular nets are C1";
 /// The statement about the eigenvalue 1.
 pub(super) const ONE: &str = "the eigenvalue 1 is simple, and all others are smaller";
 /// The statement about the subdominant eigenvalue.
 const SUBDOMINANT: &str = "the next eigenvalue is real, positive and there twice, with the Fourier indices 1 and \
                            n - 1, and all others are smaller";
 /// The statement about the characteristic map.
-const MAP: &str = "the characteristic map is regular and injective";
+const CHARACTERISTIC_MAP: &str = "the characteristic map is regular and injective";
 
 /// The data that decide about one extraordinary point.
 pub(super) struct Case<'a> {
@@ -59,9 +59,9 @@ impl Case<'_> {
             let numbers = [self.numbers_of_one(), self.numbers_of_subdominant()];
             let supported = self.regular == Status::Open && numbers == [Status::Supported; 2];
             let status = if supported { Status::Supported } else { self.regular };
-            return Ok(vec![Criterion { statement: REGULAR, status }]);
+            return Ok(vec![Criterion { statement: REGULAR_NETS, status }]);
         }
-        let regular = Criterion { statement: REGULAR, status: self.regular };
+        let regular = Criterion { statement: REGULAR_NETS, status: self.regular };
         let mut one = self.numbers_of_one();
         let mut subdominant = self.numbers_of_subdominant();
         let mut error = None;
@@ -77,7 +77,7 @@ impl Case<'_> {
             regular,
             Criterion { statement: ONE, status: one },
             Criterion { statement: SUBDOMINANT, status: subdominant },
-            Criterion { statement: MAP, status: map },
+            Criterion { statement: CHARACTERISTIC_MAP, status: map },
         ])
     }
 
@@ -149,7 +149,7 @@ impl Case<'_> {
         let sampled = if self.least_sine.is_some_and(|sine| sine > 0.0) { Status::Supported } else { Status::Open };
         let (Some(net), Some((ring, farther)), Some(error)) = (self.net, self.ring, error) else { return Ok(sampled) };
         // the slack of a ring must cover this error even if derivatives are short
-        if self.regular != Status::Proved || error > SLACK / 1000.0 {
+        if self.regular != Status::Proved || error > LEAST_DETERMINANT / 1000.0 {
             return Ok(sampled);
         }
         Ok(match ring.of(net, farther, watch)? {

@@ -20,24 +20,24 @@ const PART_FACES: usize = 1 << 17;
 /// Number of levels by which the whole net is refined before it is measured, unless it has too many faces: remainders
 /// are then a 16th of those of the net.
 /// With one level they are a 4th, and more faces have to be followed; with four a 256th, for 16 times as many faces.
-const WHOLE: usize = 2;
+const WHOLE_NET_LEVELS: usize = 2;
 /// Maximum number of levels that are measured around vertices where the net is not regular.
 /// Where remainders halve at each level, 40 levels leave 1e-12 of them, 20 leave 1e-6 and 80 less than rounding; where
 /// each level leaves 0.8 of them, 40 leave 1e-4.
-const AHEAD: usize = 40;
+const MAX_IRREGULAR_LEVELS: usize = 40;
 /// The remainder that need not be reduced further, relative to the greatest distance measured; larger ones remain only
 /// where reducing them takes too many faces.
 /// With half of it bounds are up to 0.1 closer and more faces are followed; with twice of it bounds may be up to 0.4
 /// above what was measured, so that one level more may be used than needed.
-const SLACK: f64 = 0.2;
+const TOLERATED_REMAINDER: f64 = 0.2;
 /// Where following all faces takes too many, the half, quarter, ... of them with the greatest remainders is tried, down
 /// to this number of faces.
 /// Half of it tries one more halving before all faces keep their remainders, twice of it one less; both are valid.
-const FEW: usize = 64;
+const FEWEST_FOLLOWED: usize = 64;
 /// Number of pieces that are measured at a time, in descending order of their bounds.
 /// Half of it looks at the greatest distance twice as often, and threads wait for each other there; twice of it
 /// measures up to 256 more pieces than needed.
-const CHUNK: usize = 256;
+const PIECES_PER_CHUNK: usize = 256;
 /// Maximum number of cuts into quarters of each piece at the first attempt; later ones allow four times as many each.
 /// Half and twice of it only shift where cutting begins.
 const FIRST_CUTS: usize = 1 << 4;
@@ -129,17 +129,17 @@ impl LimitComparison<'_> {
 
     /// Returns the distance up to which bounds need not be improved.
     fn enough(&self) -> f64 {
-        ((1.0 + SLACK) * self.greatest).max(self.rounding)
+        ((1.0 + TOLERATED_REMAINDER) * self.greatest).max(self.rounding)
     }
 
     /// Returns the remainder up to which faces need not be followed.
     fn little(&self) -> f64 {
-        (SLACK * self.greatest).max(self.rounding)
+        (TOLERATED_REMAINDER * self.greatest).max(self.rounding)
     }
 
     /// Returns the greatest of `self.greatest` and the measured distances of pieces. These are measured in descending
-    /// order of their upper bounds `moved`, until none can exceed the greatest by more than the share [`SLACK`], the
-    /// greatest is above `most` or, if `briefly` is set, a chunk does not increase it.
+    /// order of their upper bounds `moved`, until none can exceed the greatest by more than the share
+    /// [`TOLERATED_REMAINDER`], the greatest is above `most` or, if `briefly` is set, a chunk does not increase it.
     fn measured(
         &self,
         pieces: &[MovedFace],
@@ -151,8 +151,8 @@ impl LimitComparison<'_> {
         let mut order: Vec<(f64, usize)> = pieces.iter().map(moved).zip(0..).collect();
         order.sort_by(|a, b| b.0.total_cmp(&a.0));
         let mut greatest = self.greatest;
-        for chunk in order.chunks(CHUNK) {
-            if chunk[0].0 <= (1.0 + SLACK) * greatest || greatest > most {
+        for chunk in order.chunks(PIECES_PER_CHUNK) {
+            if chunk[0].0 <= (1.0 + TOLERATED_REMAINDER) * greatest || greatest > most {
                 break;
             }
             let all: Vec<f64> = chunk.par_iter().map(|&(_, i)| distance(i, &pieces[i])).collect();
@@ -342,19 +342,21 @@ pub(super) fn bound(
     let (first, limit, cuts) = (None, Vec::new(), ALL_CUTS);
     let mut comparison = LimitComparison { spline, output, first, limit, greatest: 0.0, rounding, cuts, budget };
     let (mut level, mut bound) = (base.clone(), 0.0_f64);
-    for ahead in 0..=AHEAD {
+    for ahead in 0..=MAX_IRREGULAR_LEVELS {
         let next = if spline.halved { ComparedNet::next_halved } else { ComparedNet::next };
         let next = |level: &ComparedNet| next(level, &spline.plan, spline.round(ahead), &budget.watch);
-        if ahead < WHOLE && level.faces_after(1) <= FOLLOWED_FACES {
+        if ahead < WHOLE_NET_LEVELS && level.faces_after(1) <= FOLLOWED_FACES {
             level = next(&level)?;
             continue;
         }
-        let Some(seen) = comparison.seen(&level, (1.0 + SLACK) * tolerance)? else { return Ok(f64::INFINITY) };
+        let Some(seen) = comparison.seen(&level, (1.0 + TOLERATED_REMAINDER) * tolerance)? else {
+            return Ok(f64::INFINITY);
+        };
         let little = comparison.little();
         let part = |least: f64| {
             let kept = seen.remainders.iter().filter(|&&(_, remainder)| remainder > least);
             let kept: Vec<u32> = kept.map(|&(face, _)| face).collect();
-            let few = ahead < AHEAD && (1..=PART_FACES / 4).contains(&kept.len());
+            let few = ahead < MAX_IRREGULAR_LEVELS && (1..=PART_FACES / 4).contains(&kept.len());
             let part = few.then(|| level.focused(&kept, spline.margin()))?;
             (part.faces_after(1) <= PART_FACES).then_some((part, least))
         };
@@ -364,7 +366,7 @@ pub(super) fn bound(
         let mut far: Vec<f64> = remainders.filter(|&remainder| remainder > little).collect();
         far.sort_by(|a, b| b.total_cmp(a));
         let least = |n: usize| far.get(n).copied().unwrap_or(little);
-        let fewer = std::iter::successors(Some(far.len()), |&n| (n > FEW).then_some(n / 2)).map(least);
+        let fewer = std::iter::successors(Some(far.len()), |&n| (n > FEWEST_FOLLOWED).then_some(n / 2)).map(least);
         let matters = |least: &f64| far.first().is_some_and(|most| *least <= most / 2.0);
         let Some((part, least)) = fewer.take_while(matters).find_map(part) else {
             bound = comparison.leave(&level, &seen, |_| true).max(bound);

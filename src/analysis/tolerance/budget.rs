@@ -1,6 +1,6 @@
 //! The budget of a search, which ends when its watch says stop or its work is used up.
 
-use super::bounds::MAX_WORK;
+use super::bounds::MAX_MESH_WORK;
 use crate::analysis::no_level::NoLevel;
 use crate::watch::Watch;
 
@@ -37,8 +37,8 @@ impl Budget {
             return Ok(());
         }
         Err(NoLevel::Refused(format!(
-            "the search for a level this close to the limit has taken more than {MAX_WORK} steps, which is the most \
-             that is done; ask for a coarser tolerance, or give \"levels\" as a number"
+            "the search for a level this close to the limit has taken more than {MAX_MESH_WORK} steps, which is the \
+             most that is done; ask for a coarser tolerance, or give \"levels\" as a number"
         )))
     }
 

@@ -12,7 +12,7 @@ use crate::shape::topology::NONE;
 /// Maximum number of corrections to the normal of a separating line.
 /// Half of it misses lines that are found at the ninth correction or later, and the bound is larger there; twice of it
 /// takes up to twice as long where no line separates the points.
-const TURNS: usize = 16;
+const MAX_NORMAL_CORRECTIONS: usize = 16;
 /// Maximum number of rings of faces that a limit may depend on; with more, there are too many points to project.
 /// Their number grows with the fourth power of the rings and is 1,764 per face at 2. Half of it leaves out limits that
 /// depend on two rings; twice of it projects 12,100 points per face.
@@ -186,12 +186,12 @@ impl WhitenedPlane {
 }
 
 /// Returns whether a line is found that separates two sets of points. As with the perceptron, its normal is corrected
-/// up to [`TURNS`] times by the pair of points that it separates worst.
+/// up to [`MAX_NORMAL_CORRECTIONS`] times by the pair of points that it separates worst.
 /// Source: F. Rosenblatt, Psychological Review 65 (1958), 386-408.
 fn are_apart(a: &[Point], b: &[Point]) -> bool {
     let mean_of = |points: &[Point]| points.iter().copied().fold([0.0; 2], plus).map(|x| x / real(points.len()));
     let mut normal = unit(minus(mean_of(b), mean_of(a)));
-    for _ in 0..TURNS {
+    for _ in 0..MAX_NORMAL_CORRECTIONS {
         let extreme = |points: &[Point], sign: f64| {
             let ahead = |p: &Point| sign * dot(normal, *p);
             points.iter().copied().reduce(|most, p| if ahead(&p) > ahead(&most) { p } else { most })

@@ -25,6 +25,6 @@ mod sheet;
 mod spline;
 mod walk;
 
-pub use bounds::MAX_WORK;
+pub use bounds::MAX_MESH_WORK;
 pub use placed::VertexPlacement;
 pub use search::{check, reach, search_bytes};

@@ -18,7 +18,7 @@ const VISITS_A_ROW: u64 = 4;
 /// Maximum number of faces of a leaf.
 /// Half of it doubles the nodes of the tree; twice of it tests up to 8 faces where one box would do. Distances are the
 /// same.
-const LEAF: usize = 4;
+const FACES_PER_LEAF: usize = 4;
 /// The triangles of a quad cut along either diagonal: the number of the diagonal, and the corners.
 const QUAD: [(usize, [usize; 3]); 4] = [(0, [0, 1, 2]), (0, [0, 2, 3]), (1, [1, 2, 3]), (1, [1, 3, 0])];
 /// The same for a triangle, which is not cut.
@@ -276,7 +276,7 @@ fn grow(nodes: &mut Vec<FaceNode>, boxes: &[Box3], faces: &mut [usize], start: u
     let bounds = faces.iter().map(|&face| boxes[face]).reduce(around).unwrap_or_default();
     let here = nodes.len();
     nodes.push(FaceNode { bounds, inside: Inside::Places(start, start + faces.len()) });
-    if faces.len() > LEAF {
+    if faces.len() > FACES_PER_LEAF {
         let size = minus(bounds[1], bounds[0]);
         let longest = (1..3).fold(0, |k, other| if size[other] > size[k] { other } else { k });
         let at = |face: usize| boxes[face][0][longest] + boxes[face][1][longest];

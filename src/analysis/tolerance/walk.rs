@@ -74,7 +74,7 @@ impl LevelWalk {
             return Ok(self.level.points.now.clone());
         }
         let plan = &spline.plan;
-        let steps = plan.schedule(limit::AHEAD).map_err(|fault| NoLevel::Refused(fault.detail))?;
+        let steps = plan.schedule(limit::LEVELS_AHEAD).map_err(|fault| NoLevel::Refused(fault.detail))?;
         let asked = LimitRequest { positions: true, normals: false };
         let points = [self.level.points.clone()];
         let found = limit::limits(plan, &self.level.net, &points, &steps[spline.prefix.len()..], asked, watch)?;

@@ -13,10 +13,10 @@ use crate::cli::files::Files;
 use crate::job::key::{Key, RESULTS_VERSION, content};
 
 /// Name of the manifest file.
-const NAME: &str = "manifest.json";
+const MANIFEST_NAME: &str = "manifest.json";
 /// Maximum number of measured numbers per figure: those of some six panels. Half of it would omit panels of common
 /// figures; twice of it would fill reports with numbers that nobody reads.
-const MAX_NUMBERS: usize = 128;
+const MAX_FIGURE_NUMBERS: usize = 128;
 
 /// All figures of a folder.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -52,7 +52,7 @@ impl Default for FigureManifest {
 
 impl FigureManifest {
     fn path(folder: &Path) -> PathBuf {
-        folder.join(NAME)
+        folder.join(MANIFEST_NAME)
     }
 
     /// Reads the manifest of a folder; `None` if there is none.
@@ -108,7 +108,7 @@ pub(super) fn numbers(of: &str, value: &Value, found: &mut BTreeMap<String, Valu
             items.iter().enumerate().for_each(|(i, value)| numbers(&place(&i.to_string()), value, found));
         }
         Value::Array(_) | Value::Null => {}
-        other if found.len() < MAX_NUMBERS => {
+        other if found.len() < MAX_FIGURE_NUMBERS => {
             found.insert(of.to_owned(), other.clone());
         }
         _ => {}

@@ -21,7 +21,7 @@ use crate::wire::JobRequest;
 use crate::wire::output::OutputRequest;
 
 /// Name of the format of a job that names no output.
-const USUAL: &str = "png";
+const DEFAULT_FORMAT: &str = "png";
 
 /// A picture of a job.
 #[derive(Debug)]
@@ -41,7 +41,7 @@ pub(super) fn load(path: &Path) -> Result<JobRequest, CliError> {
         return Err(CliError::refused("it is no job; a folder of figures holds jobs (JSON)"));
     }
     if request.outputs.is_empty() {
-        request.outputs = vec![OutputRequest::of_format(USUAL)];
+        request.outputs = vec![OutputRequest::of_format(DEFAULT_FORMAT)];
     }
     Ok(request)
 }
@@ -83,7 +83,7 @@ pub(super) fn render(path: &Path, known: &FigureManifest, folder: Option<&Path>)
 pub(super) fn names(path: &Path) -> Vec<String> {
     let Some(mut outputs) = fs::read(path).ok().and_then(|bytes| peek::outputs(&bytes)) else { return Vec::new() };
     if outputs.is_empty() {
-        outputs.push(NamedOutput { format: USUAL.to_owned(), name: None });
+        outputs.push(NamedOutput { format: DEFAULT_FORMAT.to_owned(), name: None });
     }
     let outputs = outputs.iter().filter_map(|output| {
         let format = output::named(&output.format)?;

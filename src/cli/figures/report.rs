@@ -12,9 +12,9 @@ use crate::cli::error::CliError;
 
 /// Maximum number of changed numbers listed per figure. Half of it would hide changes that belong together; twice of it
 /// would bury the pictures.
-const MAX_NUMBERS: usize = 40;
+const MAX_REPORTED_NUMBERS: usize = 40;
 
-const STYLE: &str = "body{font:16px/1.5 system-ui,sans-serif;margin:2rem auto;max-width:80rem;padding:0 1rem;\
+const REPORT_CSS: &str = "body{font:16px/1.5 system-ui,sans-serif;margin:2rem auto;max-width:80rem;padding:0 1rem;\
     color:#16263f}figure{margin:0;flex:1 1 20rem}img{max-width:100%;border:1px solid #d5dbe3}\
     .row{display:flex;flex-wrap:wrap;gap:1rem}table{border-collapse:collapse;margin:1rem 0}\
     td,th{border-bottom:1px solid #d5dbe3;padding:.2rem .8rem;text-align:left;font-variant-numeric:tabular-nums;\
@@ -37,7 +37,7 @@ pub(super) fn write(folder: &Path, head: &str, differences: &[FigureDifference])
     let mut markdown = format!("# Figures\n\n{head}\n");
     let mut html = format!(
         "<!doctype html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><title>Figures</title>\n\
-         <style>{STYLE}</style></head><body>\n<h1>Figures</h1>\n<p>{}</p>\n",
+         <style>{REPORT_CSS}</style></head><body>\n<h1>Figures</h1>\n<p>{}</p>\n",
         escaped(head)
     );
     for difference in differences {
@@ -86,14 +86,14 @@ fn numbers(of: &FigureDifference, markdown: &mut String, html: &mut String) {
     markdown.push_str("\n| number | before | after |\n|---|---|---|\n");
     html.push_str("<table><tr><th>number</th><th>before</th><th>after</th></tr>\n");
     let text = |value: &Option<Value>| value.as_ref().map_or_else(|| "-".to_owned(), ToString::to_string);
-    for (name, before, after) in of.numbers.iter().take(MAX_NUMBERS) {
+    for (name, before, after) in of.numbers.iter().take(MAX_REPORTED_NUMBERS) {
         let (before, after) = (text(before), text(after));
         let _ = writeln!(markdown, "| {name} | {before} | {after} |");
         let (name, before, after) = (escaped(name), escaped(&before), escaped(&after));
         let _ = writeln!(html, "<tr><td>{name}</td><td>{before}</td><td>{after}</td></tr>");
     }
     html.push_str("</table>\n");
-    if let Some(more) = of.numbers.len().checked_sub(MAX_NUMBERS).filter(|more| *more > 0) {
+    if let Some(more) = of.numbers.len().checked_sub(MAX_REPORTED_NUMBERS).filter(|more| *more > 0) {
         let _ = writeln!(markdown, "\nand {more} more");
         let _ = writeln!(html, "<p>and {more} more</p>");
     }

@@ -10,7 +10,7 @@ use crate::fault::shortened;
 pub const SHARED: &str = "shared";
 /// Maximum length of the name of a tenant, in characters. Twice of it would fit into no column of a list; half of it is
 /// too short for the names of hosts.
-const MAX_NAME: usize = 32;
+const MAX_TENANT_NAME: usize = 32;
 
 /// What a key allows; each role also allows what those before it do.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Deserialize, clap::ValueEnum)]
@@ -91,9 +91,11 @@ impl KeyEntry {
 /// Returns what is wrong with the name of a tenant, if anything.
 pub fn tenant_fault(name: &str) -> Option<String> {
     let is_plain = |b| matches!(b, b'a'..=b'z' | b'0'..=b'9' | b'-');
-    let is_fit = (1..=MAX_NAME).contains(&name.len()) && name.bytes().all(is_plain) && !name.starts_with('-');
+    let is_fit = (1..=MAX_TENANT_NAME).contains(&name.len()) && name.bytes().all(is_plain) && !name.starts_with('-');
     (!is_fit).then(|| {
         let name = shortened(name);
-        format!("\"{name}\" is no name of a tenant; take 1 to {MAX_NAME} of a to z, 0 to 9 and -, and no - at first")
+        format!(
+            "\"{name}\" is no name of a tenant; take 1 to {MAX_TENANT_NAME} of a to z, 0 to 9 and -, and no - at first"
+        )
     })
 }

@@ -15,7 +15,7 @@ pub const KEYS_FILE: &str = "keys.toml";
 /// millisecond; half as many are few for a service whose users have a key each.
 pub const MAX_KEYS: usize = 1024;
 /// Maximum length of the file in bytes: every key with half a page of comment.
-const MAX_BYTES: u64 = 2 << 20;
+const MAX_KEYS_FILE_BYTES: u64 = 2 << 20;
 
 /// The reason why the keys cannot be read or changed.
 #[derive(Debug, thiserror::Error)]
@@ -66,12 +66,12 @@ impl KeyFile {
     /// [`KeyFileError`].
     pub fn read(&self) -> Result<Option<Vec<KeyEntry>>, KeyFileError> {
         let mut text = String::new();
-        let read = File::open(&self.path).and_then(|file| file.take(MAX_BYTES + 1).read_to_string(&mut text));
+        let read = File::open(&self.path).and_then(|file| file.take(MAX_KEYS_FILE_BYTES + 1).read_to_string(&mut text));
         match read {
             Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(None),
             Err(error) => return Err(self.files(error)),
-            Ok(_) if text.len() as u64 > MAX_BYTES => {
-                return Err(self.unfit(format!("the file is longer than {MAX_BYTES} bytes")));
+            Ok(_) if text.len() as u64 > MAX_KEYS_FILE_BYTES => {
+                return Err(self.unfit(format!("the file is longer than {MAX_KEYS_FILE_BYTES} bytes")));
             }
             Ok(_) => {}
         }

@@ -5,7 +5,7 @@ use base64::engine::general_purpose::URL_SAFE_NO_PAD;
 use sha2::{Digest, Sha256};
 
 /// Prefix of every key, by which people and secret scanners recognise one.
-const PREFIX: &str = "planish_";
+const KEY_PREFIX: &str = "planish_";
 /// Length of a secret in bytes: 256 bits cannot be guessed, so that a plain hash protects them.
 const SECRET_BYTES: usize = 32;
 /// Length of an id in bytes.
@@ -23,7 +23,7 @@ pub struct Token(String);
 
 impl std::fmt::Debug for Token {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        write!(f, "Token({PREFIX}{}_...)", self.id())
+        write!(f, "Token({KEY_PREFIX}{}_...)", self.id())
     }
 }
 
@@ -36,19 +36,19 @@ impl Token {
         let (mut id, mut secret) = ([0; ID_BYTES], [0; SECRET_BYTES]);
         random(&mut id)?;
         random(&mut secret)?;
-        Ok(Self(format!("{PREFIX}{}_{}", hex::encode(id), URL_SAFE_NO_PAD.encode(secret))))
+        Ok(Self(format!("{KEY_PREFIX}{}_{}", hex::encode(id), URL_SAFE_NO_PAD.encode(secret))))
     }
 
     /// Reads a text that a client shows; `None` if it does not have the form of a key.
     pub fn parse(text: &str) -> Option<Self> {
-        let (id, secret) = text.strip_prefix(PREFIX)?.split_once('_')?;
+        let (id, secret) = text.strip_prefix(KEY_PREFIX)?.split_once('_')?;
         let is_id = id.len() == 2 * ID_BYTES && id.bytes().all(|b| matches!(b, b'0'..=b'9' | b'a'..=b'f'));
         (is_id && !secret.is_empty() && text.len() <= MAX_TOKEN).then(|| Self(text.to_owned()))
     }
 
     /// Returns the id, which is not secret.
     pub fn id(&self) -> &str {
-        self.0.get(PREFIX.len()..PREFIX.len() + 2 * ID_BYTES).unwrap_or_default()
+        self.0.get(KEY_PREFIX.len()..KEY_PREFIX.len() + 2 * ID_BYTES).unwrap_or_default()
     }
 
     /// Returns the whole key, which is shown once.

@@ -9,7 +9,7 @@ use ttf_parser::GlyphId;
 
 use super::pack::packed;
 use crate::drawing::error::DrawError;
-use crate::drawing::font::{FontWeight, UNITS_PER_EM, WEIGHTS};
+use crate::drawing::font::{FONT_WEIGHTS, FontWeight, UNITS_PER_EM};
 
 /// The used glyphs of one weight.
 pub(super) struct PdfFont {
@@ -25,7 +25,7 @@ const SYSTEM: SystemInfo<'static> = SystemInfo { registry: Str(b"Adobe"), orderi
 impl PdfFont {
     /// Creates a font of each weight without glyphs.
     pub(super) fn all() -> [Self; 2] {
-        WEIGHTS.map(|weight| Self { weight, numbers: GlyphRemapper::new(), glyphs: BTreeMap::new() })
+        FONT_WEIGHTS.map(|weight| Self { weight, numbers: GlyphRemapper::new(), glyphs: BTreeMap::new() })
     }
 
     pub(super) fn is_used(&self) -> bool {

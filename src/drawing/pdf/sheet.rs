@@ -12,7 +12,7 @@ use crate::drawing::scene::{Cap, Color, Discs, Drawing, Group, Item, Lettering, 
 use crate::watch::Watch;
 
 /// Points per pixel: 96 pixels and 72 points are an inch.
-pub(super) const POINTS: f32 = 0.75;
+pub(super) const POINTS_A_PIXEL: f32 = 0.75;
 
 /// The content of the page, with the resources that it needs.
 pub(super) struct PdfPage<'a> {
@@ -49,7 +49,7 @@ impl<'a> PdfPage<'a> {
         };
         #[expect(clippy::cast_precision_loss, reason = "pictures have some thousand pixels a side")]
         let [width, height] = drawing.size.map(|side| side as f32);
-        artist.content.transform([POINTS, 0.0, 0.0, -POINTS, 0.0, POINTS * height]);
+        artist.content.transform([POINTS_A_PIXEL, 0.0, 0.0, -POINTS_A_PIXEL, 0.0, POINTS_A_PIXEL * height]);
         artist.content.set_line_join(LineJoinStyle::RoundJoin);
         if drawing.background[3] > 0 {
             artist.filled(drawing.background, |content| {

@@ -9,7 +9,7 @@ use super::buffers::GltfDocument;
 use crate::input::room::MemoryBudget;
 
 /// Bytes of a number.
-const NUMBER: usize = size_of::<f64>();
+const ACCESSOR_NUMBER_BYTES: usize = size_of::<f64>();
 
 /// Numbers in rows of `width`.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -21,7 +21,7 @@ pub(super) struct AccessorRows {
 impl AccessorRows {
     /// Returns the bytes of the numbers, which the caller returns to the room after dropping them.
     pub(super) fn bytes(&self) -> usize {
-        self.values.len() * NUMBER
+        self.values.len() * ACCESSOR_NUMBER_BYTES
     }
 
     /// Returns the number of rows.
@@ -53,7 +53,7 @@ impl GltfDocument<'_> {
         let n = usize::try_from(accessor.count.0).unwrap_or(usize::MAX);
         let mut values = match accessor.buffer_view {
             None => {
-                let zeros = n.saturating_mul(width * NUMBER);
+                let zeros = n.saturating_mul(width * ACCESSOR_NUMBER_BYTES);
                 let without = |detail| place(format!("it has {n} elements and no bufferView: {detail}"));
                 room.take(zeros).map_err(without)?;
                 vec![0.0; n * width]
@@ -84,7 +84,7 @@ impl GltfDocument<'_> {
                 let row = row.ok_or_else(|| place(format!("a sparse row beyond its {n} rows")))?;
                 values[row * width..(row + 1) * width].copy_from_slice(new);
             }
-            room.give(count * (1 + width) * NUMBER);
+            room.give(count * (1 + width) * ACCESSOR_NUMBER_BYTES);
         }
         Ok(AccessorRows { width, values })
     }
@@ -128,7 +128,7 @@ impl GltfDocument<'_> {
                 "{n} rows, {stride} bytes apart, from byte {offset} of a view of {n_bytes} bytes; too many"
             ));
         }
-        room.take(n * width * NUMBER)?;
+        room.take(n * width * ACCESSOR_NUMBER_BYTES)?;
         let mut values = Vec::with_capacity(n * width);
         for i in 0..n {
             let start = offset + i * stride;

@@ -16,8 +16,8 @@ use crate::input::room::MemoryBudget;
 use crate::input::text::quoted;
 
 /// Bytes of the header of GLB, and of the header of a chunk.
-const HEADER: usize = 12;
-const CHUNK: usize = 8;
+const GLB_HEADER_BYTES: usize = 12;
+const CHUNK_HEADER_BYTES: usize = 8;
 
 /// Extensions that a file may require because they do not affect what is read.
 const HARMLESS: &[&str] = &[
@@ -38,7 +38,7 @@ const HARMLESS: &[&str] = &[
 const OLD: &str = "the file is glTF 1.0, which is built otherwise; 2.0 is read: convert it";
 
 /// Replacements for Rust type names in messages of the JSON parser.
-const PLAIN: &[(&str, &str)] = &[
+const PLAIN_PARSER_WORDS: &[(&str, &str)] = &[
     ("expected index into child of root", "expected an index from 0"),
     ("expected f32", "expected a number"),
     ("expected f64", "expected a number"),
@@ -90,7 +90,8 @@ impl<'a> GltfDocument<'a> {
         census::admit(json, room)?;
         // the parser repeats a misplaced string in full, so the message is cut
         let no_gltf = |error: serde_json::Error| {
-            let detail = PLAIN.iter().fold(error.to_string(), |detail, (word, plain)| detail.replace(word, plain));
+            let detail =
+                PLAIN_PARSER_WORDS.iter().fold(error.to_string(), |detail, (word, plain)| detail.replace(word, plain));
             format!("the document is no glTF: {}", fault::cut(&detail, 200))
         };
         let no_root =
@@ -140,7 +141,7 @@ impl<'a> GltfDocument<'a> {
         let bytes = file.bytes;
         let word = |at: usize| bytes.get(at..at + 4)?.try_into().ok().map(u32::from_le_bytes);
         let (Some(magic), Some(version), Some(length)) = (bytes.get(..4), word(4), word(8)) else {
-            return Err(format!("{} bytes; a GLB has at least {HEADER}", bytes.len()));
+            return Err(format!("{} bytes; a GLB has at least {GLB_HEADER_BYTES}", bytes.len()));
         };
         if magic != b"glTF" {
             return Err("byte 0: a GLB starts with \"glTF\"; read the text form as gltf".to_owned());
@@ -157,7 +158,7 @@ impl<'a> GltfDocument<'a> {
                 bytes.len()
             ));
         }
-        let (json, rest) = chunk(bytes, HEADER, Some(*b"JSON"))?;
+        let (json, rest) = chunk(bytes, GLB_HEADER_BYTES, Some(*b"JSON"))?;
         let binary = if rest < bytes.len() { Some(chunk(bytes, rest, None)?.0) } else { None };
         Self::of_json(json, binary, file.beside, room)
     }
@@ -165,8 +166,9 @@ impl<'a> GltfDocument<'a> {
 
 /// Returns the content of the chunk that starts at byte `at`, and the offset of the next chunk.
 fn chunk(bytes: &[u8], at: usize, kind: Option<[u8; 4]>) -> Result<(&[u8], usize), String> {
-    let header =
-        bytes.get(at..at + CHUNK).ok_or_else(|| format!("byte {at}: the file ends within a chunk's header"))?;
+    let header = bytes
+        .get(at..at + CHUNK_HEADER_BYTES)
+        .ok_or_else(|| format!("byte {at}: the file ends within a chunk's header"))?;
     let (length, found) = header.split_at(4);
     let length = length.try_into().map_or(0, u32::from_le_bytes) as usize;
     if kind.is_some_and(|kind| kind != *found) {
@@ -176,7 +178,7 @@ fn chunk(bytes: &[u8], at: usize, kind: Option<[u8; 4]>) -> Result<(&[u8], usize
             quoted(&String::from_utf8_lossy(found))
         ));
     }
-    let start = at + CHUNK;
+    let start = at + CHUNK_HEADER_BYTES;
     match bytes.get(start..).and_then(|rest| rest.get(..length)) {
         Some(content) => Ok((content, start + length)),
         None => Err(format!("byte {at}: a chunk of {length} bytes; the file has {} more", bytes.len() - start)),

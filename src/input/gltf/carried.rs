@@ -14,18 +14,18 @@ use super::buffers::GltfDocument;
 use crate::input::reader::ReadMesh;
 use crate::input::room::{GROWN, MemoryBudget};
 use crate::input::text::quoted;
-use crate::shape::attachments::{COLOR, ChannelInput, ORIGIN};
+use crate::shape::attachments::{COLOR_CHANNEL, ChannelInput, ORIGIN};
 use crate::shape::labels::FaceSet;
 
 /// Maximum number of attributes or extensions that a note names.
-pub(super) const NAMED: usize = 8;
+pub(super) const MAX_NOTED_NAMES: usize = 8;
 
 /// Returns the channel name of an application-specific attribute: `_HEAT` becomes `heat`. glTF permits upper case only,
 /// so the name is made lower case, unless it would then be that of the colour.
 pub(super) fn name(semantic: &Checked<Semantic>) -> Option<String> {
     let Valid(Semantic::Extras(name)) = semantic else { return None };
     let small = name.to_ascii_lowercase();
-    let kept = if small == COLOR { name.clone() } else { small };
+    let kept = if small == COLOR_CHANNEL { name.clone() } else { small };
     // origins do not become a channel
     (kept != ORIGIN).then_some(kept)
 }
@@ -47,10 +47,14 @@ impl UnreadAttributes {
     /// Adds a note that names the attributes.
     pub(super) fn finish(self, mesh: &mut ReadMesh) {
         let n = self.found.len();
-        let first: Vec<String> =
-            self.found.into_iter().take(NAMED).map(|(name, primitives)| format!("{name} ({primitives})")).collect();
+        let first: Vec<String> = self
+            .found
+            .into_iter()
+            .take(MAX_NOTED_NAMES)
+            .map(|(name, primitives)| format!("{name} ({primitives})"))
+            .collect();
         if n > 0 {
-            let more = if n > NAMED { ", ..." } else { "" };
+            let more = if n > MAX_NOTED_NAMES { ", ..." } else { "" };
             mesh.notes.push(format!("attributes of primitives are left out: {}{more}", first.join(", ")));
         }
     }
@@ -129,7 +133,7 @@ impl Channels {
             }
         }
         if !others.is_empty() {
-            let (n, first) = (others.len(), others[..others.len().min(NAMED)].join(", "));
+            let (n, first) = (others.len(), others[..others.len().min(MAX_NOTED_NAMES)].join(", "));
             mesh.notes.push(format!("{n} attributes are left out, as not every vertex has them: {first}"));
         }
     }

@@ -17,14 +17,14 @@ use crate::input::text::quoted;
 
 /// Maximum number of copies of the text: names and extras, and the growing buffer of the parser for strings with
 /// escapes.
-const TEXT: usize = 4;
+const TEXT_COPIES: usize = 4;
 /// Bytes of an entry of a `BTreeMap` of small keys and values, whose nodes have eleven slots, of which only five may be
 /// in use.
 const IN_MAP: usize = 96;
 /// Bytes of the first node of such a map.
-const MAP: usize = 512;
+const MAP_NODE_BYTES: usize = 512;
 /// The maximum depth that the JSON parser accepts.
-const MAX_DEPTH: usize = 128;
+const MAX_JSON_DEPTH: usize = 128;
 
 /// Memory in bytes of the parts of a list at the root.
 #[derive(Debug, Clone, Copy, Default)]
@@ -46,7 +46,7 @@ struct Prices {
 
 /// Returns the prices of a list at the root; the parser skips unknown lists, which are free.
 fn prices(list: &[u8]) -> Prices {
-    let none = Prices { members: MAX_DEPTH, ..Prices::default() };
+    let none = Prices { members: MAX_JSON_DEPTH, ..Prices::default() };
     let of = |size: usize| Prices { entry: GROWN * size, ..none };
     let slot = size_of::<usize>();
     match list {
@@ -57,12 +57,20 @@ fn prices(list: &[u8]) -> Prices {
         }
         b"accessors" => {
             let (list, value) = (size_of::<Value>(), GROWN * size_of::<Value>());
-            Prices { list, value, member: value + 2 * MAP / 5, members: 5, ..of(size_of::<Accessor>()) }
+            Prices { list, value, member: value + 2 * MAP_NODE_BYTES / 5, members: 5, ..of(size_of::<Accessor>()) }
         }
         b"meshes" => {
             let list = size_of::<Primitive>();
             let (object, member) = (GROWN * list + 2 * IN_MAP, 2 * IN_MAP);
-            Prices { list, value: GROWN * 4, object, inner: MAP, member, members: 6, ..of(size_of::<Mesh>()) }
+            Prices {
+                list,
+                value: GROWN * 4,
+                object,
+                inner: MAP_NODE_BYTES,
+                member,
+                members: 6,
+                ..of(size_of::<Mesh>())
+            }
         }
         b"animations" => {
             let part = size_of::<Channel>().max(size_of::<Sampler>());
@@ -157,7 +165,7 @@ pub(super) fn admit(json: &[u8], room: &mut MemoryBudget) -> Result<(), String> 
         };
     }
     census.close();
-    let bytes = census.all.saturating_add(TEXT * json.len());
+    let bytes = census.all.saturating_add(TEXT_COPIES * json.len());
     if room.has(bytes) {
         return room.take(bytes);
     }
@@ -236,6 +244,6 @@ impl GltfCensus<'_> {
             self.largest = (self.name, self.entries, self.bytes);
         }
         self.all = self.all.saturating_add(self.bytes);
-        (self.prices, self.entries, self.bytes) = (Prices { members: MAX_DEPTH, ..Prices::default() }, 0, 0);
+        (self.prices, self.entries, self.bytes) = (Prices { members: MAX_JSON_DEPTH, ..Prices::default() }, 0, 0);
     }
 }

@@ -8,15 +8,15 @@ use gltf::json::texture::{Info, MagFilter, MinFilter, Sampler, WrappingMode};
 use gltf::json::validation::Checked::{self, Valid};
 
 use super::buffers::GltfDocument;
-use super::carried::NAMED;
+use super::carried::MAX_NOTED_NAMES;
 use super::packed::PACKED;
 use crate::input::colors::encoded;
 use crate::input::reader::ReadMesh;
 use crate::input::room::MemoryBudget;
 use crate::input::text::quoted;
-use crate::shape::attachments::COLOR;
+use crate::shape::attachments::COLOR_CHANNEL;
 use crate::shape::labels::FaceSet;
-use crate::shape::looks::{Alpha, Look, PLAIN, PLAIN_SURFACE};
+use crate::shape::looks::{Alpha, DEFAULT_COLOR, Look, PLAIN_SURFACE};
 use crate::shape::textures::{Filter, Image, Texture, Wrap};
 
 /// Parts of the names of extensions that affect looks: those of materials, those that transform textures or add picture
@@ -24,7 +24,7 @@ use crate::shape::textures::{Filter, Image, Texture, Wrap};
 const OF_LOOKS: [&str; 3] = ["KHR_materials_", "_texture_", "KHR_technique"];
 
 /// Extensions that are read, or that may be ignored: with `MSFT_lod` the finest level is the document itself.
-const READ: [&str; 3] = [PACKED, "KHR_mesh_quantization", "MSFT_lod"];
+const READ_EXTENSIONS: [&str; 3] = [PACKED, "KHR_mesh_quantization", "MSFT_lod"];
 
 /// Adds the materials with their faces, given by material index, to the mesh in order.
 pub(super) fn finish(
@@ -34,8 +34,8 @@ pub(super) fn finish(
     mesh: &mut ReadMesh,
 ) {
     // under vertex colours, white is the plain colour
-    let is_colored = mesh.channels.iter().any(|channel| channel.name == COLOR);
-    let plain = if is_colored { [1.0; 4] } else { PLAIN };
+    let is_colored = mesh.channels.iter().any(|channel| channel.name == COLOR_CHANNEL);
+    let plain = if is_colored { [1.0; 4] } else { DEFAULT_COLOR };
     let has_uvs = mesh.uvs.is_some();
     let mut looks = MaterialReader { document, images: BTreeMap::new(), left_out: BTreeMap::new(), has_uvs, plain };
     let materials = &document.root.materials;
@@ -54,12 +54,12 @@ pub(super) fn finish(
         mesh.notes.push(format!("{what}: {n}"));
     }
     let (of_looks, others): (Vec<&String>, Vec<&String>) = (document.root.extensions_used.iter())
-        .filter(|name| !READ.contains(&name.as_str()))
+        .filter(|name| !READ_EXTENSIONS.contains(&name.as_str()))
         .partition(|name| OF_LOOKS.iter().any(|part| name.contains(part)));
     for (what, names) in [("extensions of materials", of_looks), ("extensions", others)] {
-        let named: Vec<String> = names.iter().take(NAMED).map(|name| quoted(name)).collect();
+        let named: Vec<String> = names.iter().take(MAX_NOTED_NAMES).map(|name| quoted(name)).collect();
         if !named.is_empty() {
-            let more = if names.len() > NAMED { ", ..." } else { "" };
+            let more = if names.len() > MAX_NOTED_NAMES { ", ..." } else { "" };
             mesh.notes.push(format!("{what} are left out: {}{more}", named.join(", ")));
         }
     }

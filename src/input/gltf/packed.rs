@@ -16,9 +16,9 @@ pub(super) const PACKED: &str = "EXT_meshopt_compression";
 
 /// Maximum number of bytes that decoding takes per decoded byte: the result, and indices of 32 bits before they are
 /// stored as 16.
-const EACH: usize = 4;
+const DECODING_BYTES_A_BYTE: usize = 4;
 /// Bytes that decoding takes whatever the length of the result: blocks of rows.
-const LEAST: usize = 1 << 16;
+const DECODING_BASE_BYTES: usize = 1 << 16;
 
 /// The parameters of a compressed stream.
 struct PackedStream {
@@ -95,7 +95,7 @@ impl PackedStream {
         });
         let view = said.map_err(|_| format!("{count} rows of {stride} bytes are not packed so; export it again"))?;
         let bytes = view.byte_length();
-        let most = bytes.saturating_mul(EACH).saturating_add(LEAST);
+        let most = bytes.saturating_mul(DECODING_BYTES_A_BYTE).saturating_add(DECODING_BASE_BYTES);
         room.take(most)?;
         let mut workspace = Workspace::new(Limits { max_bytes: most, ..Limits::default() });
         let found = view.decode(source, &mut workspace).map_err(|error| format!("it is broken ({error})"));

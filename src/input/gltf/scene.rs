@@ -29,17 +29,17 @@ use crate::shape::topology::index;
 const LEAST_PRIMITIVES: usize = 1_000_000;
 
 /// Bytes of memory of the position, texture coordinates and colour of a vertex, each kept in lists that grow.
-const POSITION: usize = GROWN * 24;
-const UV: usize = GROWN * 16;
-const COLOR: usize = GROWN * 32 + 32;
+const GLTF_POSITION_BYTES: usize = GROWN * 24;
+const GLTF_UV_BYTES: usize = GROWN * 16;
+const GLTF_COLOR_BYTES: usize = GROWN * 32 + 32;
 /// Bytes of memory of a triangle: three corners, a start, and perhaps three corners of texture coordinates.
-const TRIANGLE: usize = GROWN * 16 + 12;
+const GLTF_TRIANGLE_BYTES: usize = GROWN * 16 + 12;
 /// Bytes of a triangle's index in the set of its material, or of its node or group.
-const MEMBER: usize = GROWN * 8;
+const GLTF_MEMBER_BYTES: usize = GROWN * 8;
 /// Bytes of a set, with its name and its index by name.
-const SET: usize = GROWN * size_of::<FaceSet>() + 128;
+const GLTF_SET_BYTES: usize = GROWN * size_of::<FaceSet>() + 128;
 /// Bytes of a node on the path from the root to the current node.
-const FRAME: usize = GROWN * size_of::<NodeFrame<'static>>();
+const GLTF_FRAME_BYTES: usize = GROWN * size_of::<NodeFrame<'static>>();
 
 /// The children of a node that are still to be read, and the transform of the node.
 type NodeFrame<'a> = (std::slice::Iter<'a, Index<Node>>, Transform);
@@ -167,7 +167,7 @@ impl GltfReader<'_> {
             path.push((node.children.as_deref().unwrap_or_default().iter(), transform));
             if path.len() > longest {
                 longest = path.len();
-                self.room.take(FRAME)?;
+                self.room.take(GLTF_FRAME_BYTES)?;
             }
             next = None;
             while let Some((children, transform)) = path.last_mut() {
@@ -178,7 +178,7 @@ impl GltfReader<'_> {
                 path.pop();
             }
         }
-        self.room.give(FRAME * longest);
+        self.room.give(GLTF_FRAME_BYTES * longest);
         Ok(())
     }
 
@@ -203,7 +203,8 @@ impl GltfReader<'_> {
         }
         let name = node.name.clone().or_else(|| mesh.name.clone()).unwrap_or_else(|| format!("node {i}"));
         let faces = first..self.mesh.mesh.faces.len();
-        self.room.take(if faces.is_empty() { 0 } else { SET + name.len() + faces.len() * MEMBER })?;
+        let bytes = if faces.is_empty() { 0 } else { GLTF_SET_BYTES + name.len() + faces.len() * GLTF_MEMBER_BYTES };
+        self.room.take(bytes)?;
         self.groups.node(name, faces);
         Ok(())
     }
@@ -237,14 +238,14 @@ impl GltfReader<'_> {
         }
         let made = self.faces(mode, &order, start, transform)?;
         self.room.give(order.len() * size_of::<u32>());
-        let members = (made.end - made.start) * MEMBER;
+        let members = (made.end - made.start) * GLTF_MEMBER_BYTES;
         let made = made.start as u64..made.end as u64;
         if let Some(group) = group(primitive) {
-            self.room.take(SET + 2 * group.len() + members)?;
+            self.room.take(GLTF_SET_BYTES + 2 * group.len() + members)?;
             self.groups.add_faces(group, made.clone());
         }
         if let Some(material) = primitive.material {
-            self.room.take(SET + members)?;
+            self.room.take(GLTF_SET_BYTES + members)?;
             self.materials.entry(material.value()).or_default().extend(made);
         }
         Ok(())
@@ -280,7 +281,7 @@ impl GltfReader<'_> {
         let faces = self.mesh.mesh.faces.len();
         let n_triangles = if mode == Mode::Triangles { order.len() / 3 } else { order.len().saturating_sub(2) };
         // the memory of triangles that are left out is returned
-        self.room.take(n_triangles * TRIANGLE)?;
+        self.room.take(n_triangles * GLTF_TRIANGLE_BYTES)?;
         for triangle in (0..n_triangles).map(|t| triangle(mode, order, t)) {
             let mut corners = triangle.map(|v| index(start) + v);
             if corners[0] == corners[1] || corners[1] == corners[2] || corners[2] == corners[0] {
@@ -293,7 +294,7 @@ impl GltfReader<'_> {
             self.mesh.face(&corners)?;
         }
         let made = faces..self.mesh.mesh.faces.len();
-        self.room.give((n_triangles - made.len()) * TRIANGLE);
+        self.room.give((n_triangles - made.len()) * GLTF_TRIANGLE_BYTES);
         Ok(made)
     }
 
@@ -308,7 +309,8 @@ impl GltfReader<'_> {
         let rows = self.document.rows(positions, &mut self.room)?;
         let places = rows.rows::<3>().ok_or("POSITION is to be VEC3")?;
         let n = places.len();
-        self.room.take(n * (POSITION + UV + if colors.is_some() { COLOR } else { 0 }))?;
+        self.room
+            .take(n * (GLTF_POSITION_BYTES + GLTF_UV_BYTES + if colors.is_some() { GLTF_COLOR_BYTES } else { 0 }))?;
         for (i, place) in places.iter().enumerate() {
             let place = transform.point(*place);
             if place.iter().any(|x| !x.is_finite()) {

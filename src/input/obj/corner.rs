@@ -6,7 +6,7 @@ use crate::shape::topology::NONE;
 /// Indices of vertex, texture coordinate and normal, counted from 0; [`NONE`] if absent.
 pub(super) type Corner = [u32; 3];
 
-const KINDS: [&str; 3] = ["vertex", "texture coordinate", "normal"];
+const INDEX_KINDS: [&str; 3] = ["vertex", "texture coordinate", "normal"];
 
 /// Reads a corner; `counts` are the numbers of vertices, texture coordinates and normals before it.
 ///
@@ -20,7 +20,7 @@ pub(super) fn read(word: &str, counts: [usize; 3]) -> Result<Corner, String> {
         match parts.next() {
             None => break,
             Some("") if k > 0 => {}
-            Some(part) => *slot = index(part, KINDS[k], counts[k])?,
+            Some(part) => *slot = index(part, INDEX_KINDS[k], counts[k])?,
         }
     }
     if parts.next().is_some() {
@@ -45,5 +45,5 @@ fn index(part: &str, kind: &str, n: usize) -> Result<u32, String> {
 
 /// Describes an index that is beyond the end of the file's list.
 pub(super) fn beyond(kind: usize, at: u32, n: usize) -> String {
-    format!("there is no {} {}; the file has {n}, counted from 1", KINDS[kind], u64::from(at) + 1)
+    format!("there is no {} {}; the file has {n}, counted from 1", INDEX_KINDS[kind], u64::from(at) + 1)
 }

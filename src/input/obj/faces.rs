@@ -14,7 +14,7 @@ use crate::shape::topology::{NONE, index};
 /// Maximum number of groups that contain a face at once.
 const MAX_AT_ONCE: usize = 16;
 /// Maximum number of faults that are reported individually.
-pub(super) const MAX_FAULTS: usize = 20;
+pub(super) const MAX_FACE_FAULTS: usize = 20;
 /// The name that stands for no group and for no material.
 const NONE_OF_THEM: &str = "default";
 
@@ -80,7 +80,7 @@ impl ObjFaces {
             let uv = uvs.iter().find(|&&uv| uv != NONE && uv as usize >= counts[1]);
             let uv = uv.map(|&uv| corner::beyond(1, uv, counts[1]));
             faults.extend(vertex.or(uv).map(|detail| at_line(line as usize, detail)));
-            if faults.len() == MAX_FAULTS {
+            if faults.len() == MAX_FACE_FAULTS {
                 return faults;
             }
         }

@@ -14,13 +14,13 @@ use crate::shape::textures::{Image, Texture, Wrap};
 
 /// Maximum number of bytes of a library, and of a picture. Half of it would refuse pictures that cameras make; twice of
 /// it adds nothing visible to a surface.
-const MAX_BYTES: u64 = 64 << 20;
+const MAX_LIBRARY_BYTES: u64 = 64 << 20;
 
 /// Maximum number of names that a note lists.
 const MAX_LISTED: usize = 8;
 
 /// Options of a picture statement, with the maximum number of arguments of each.
-const OPTIONS: &[(&str, usize)] = &[
+const PICTURE_OPTIONS: &[(&str, usize)] = &[
     ("-blendu", 1),
     ("-blendv", 1),
     ("-boost", 1),
@@ -70,7 +70,7 @@ impl MaterialLibrary {
         }
         library.is_none = names.is_empty();
         for name in names {
-            let read = |name| beside.read(name, MAX_BYTES).map(|bytes| (bytes, folder(name)));
+            let read = |name| beside.read(name, MAX_LIBRARY_BYTES).map(|bytes| (bytes, folder(name)));
             // a name may contain blanks, or be several names
             let several = || name.split(' ').map(read).collect::<Result<Vec<_>, _>>();
             match read(name).map(|one| vec![one]).or_else(|detail| several().map_err(|_| detail)) {
@@ -104,7 +104,7 @@ impl MaterialLibrary {
             let mut look = entry.look();
             if let Some((name, wrap)) = entry.picture {
                 let image = images.entry(name.clone()).or_insert_with(|| {
-                    let image = beside.read(&name, MAX_BYTES).and_then(Image::new);
+                    let image = beside.read(&name, MAX_LIBRARY_BYTES).and_then(Image::new);
                     let note = |detail| notes.push(format!("the texture {} is left out: {detail}", quoted(&name)));
                     image.map(Arc::new).map_err(note).ok()
                 });
@@ -196,7 +196,7 @@ impl ObjMaterial {
         let (mut rest, mut wrap, mut moved) = (rest, Wrap::Repeat, Ok(()));
         while rest.starts_with('-') {
             let (option, after) = rest.split_once(char::is_whitespace).unwrap_or((rest, ""));
-            let Some(&(_, most)) = OPTIONS.iter().find(|(name, _)| *name == option) else { break };
+            let Some(&(_, most)) = PICTURE_OPTIONS.iter().find(|(name, _)| *name == option) else { break };
             rest = after.trim_start();
             for i in 0..most {
                 let (word, after) = rest.split_once(char::is_whitespace).unwrap_or((rest, ""));

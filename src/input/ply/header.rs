@@ -5,12 +5,12 @@ use std::collections::BTreeMap;
 use crate::input::text::{at_line, count, quoted};
 
 /// Maximum numbers of header lines, of elements, and of properties of all elements together.
-const MAX_LINES: usize = 10_000;
+const MAX_HEADER_LINES: usize = 10_000;
 const MAX_ELEMENTS: usize = 64;
 const MAX_PROPERTIES: usize = 512;
 
 /// Face properties whose numbers stand for names.
-pub(super) const NAMED: [&str; 2] = ["group", "material"];
+pub(super) const NAMED_PROPERTIES: [&str; 2] = ["group", "material"];
 
 /// The encoding of the body.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -106,7 +106,7 @@ pub(super) struct Header {
 }
 
 /// The comment that marks files written by planish.
-const OWN: &str = "comment planish";
+const PLANISH_COMMENT: &str = "comment planish";
 
 /// Reads a header.
 pub(super) fn read(bytes: &[u8]) -> Result<Header, String> {
@@ -128,7 +128,7 @@ pub(super) fn read(bytes: &[u8]) -> Result<Header, String> {
         }
         match keyword {
             "format" => encoding = Some(self::encoding(words).map_err(wrong)?),
-            "comment" if text.trim_end() == OWN => is_own = true,
+            "comment" if text.trim_end() == PLANISH_COMMENT => is_own = true,
             "comment" => names.extend(name(words)),
             "obj_info" => {}
             "element" if elements.len() < MAX_ELEMENTS => elements.push(element(words).map_err(wrong)?),
@@ -160,8 +160,8 @@ pub(super) fn read(bytes: &[u8]) -> Result<Header, String> {
                 )));
             }
         }
-        if i == MAX_LINES {
-            return Err(wrong(format!("the header has more than {MAX_LINES} lines")));
+        if i == MAX_HEADER_LINES {
+            return Err(wrong(format!("the header has more than {MAX_HEADER_LINES} lines")));
         }
     }
     Err("the file ends within its header, which ends with a line \"end_header\"".to_owned())
@@ -169,7 +169,7 @@ pub(super) fn read(bytes: &[u8]) -> Result<Header, String> {
 
 /// Parses a comment that names a group or material.
 fn name<'a>(mut words: impl Iterator<Item = &'a str>) -> Option<((String, u64), String)> {
-    let kind = words.next().filter(|kind| NAMED.contains(kind))?;
+    let kind = words.next().filter(|kind| NAMED_PROPERTIES.contains(kind))?;
     let number = words.next()?.parse().ok()?;
     let name = words.collect::<Vec<_>>().join(" ");
     (!name.is_empty()).then(|| ((kind.to_owned(), number), name))

@@ -1,7 +1,7 @@
 //! Runs of vertex properties that together form one channel.
 
 use super::header::PlyProperty;
-use crate::shape::attachments::{COLOR, MAX_WIDTH};
+use crate::shape::attachments::{COLOR_CHANNEL, MAX_WIDTH};
 
 /// The name of a channel and its number of components.
 type ChannelColumns<'a> = (&'a str, usize);
@@ -25,7 +25,7 @@ pub(super) fn runs(properties: &[PlyProperty]) -> Vec<Option<(ChannelColumns<'_>
         };
         let width = properties[start..].iter().enumerate().take_while(follows).count();
         let has_own = properties.iter().any(|property| property.name.eq_ignore_ascii_case(base));
-        if (2..=MAX_WIDTH).contains(&width) && !has_own && base != COLOR {
+        if (2..=MAX_WIDTH).contains(&width) && !has_own && base != COLOR_CHANNEL {
             (0..width).for_each(|k| found[start + k] = Some(((base, width), k)));
         }
         start += width.max(1);

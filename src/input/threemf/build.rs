@@ -7,7 +7,7 @@ use crate::input::collect::MeshBuilder;
 use crate::input::reader::{ReadLimits, ReadMesh};
 use crate::input::room::{GROWN, MemoryBudget};
 use crate::input::transform::Transform;
-use crate::shape::attachments::{COLOR as CHANNEL, Channel, ChannelInput};
+use crate::shape::attachments::{COLOR_CHANNEL, Channel, ChannelInput};
 use crate::shape::check::FaceList;
 use crate::shape::labels::FaceSet;
 use crate::shape::looks::Look;
@@ -16,23 +16,23 @@ use crate::shape::topology::index;
 
 /// Bytes of memory of a vertex, of a triangle, of its material, of its colours, and of a set of faces, each kept in
 /// lists that grow; the list of the faces of an object does not grow.
-const POSITION: usize = GROWN * 24;
-const TRIANGLE: usize = GROWN * 16 + 8;
-const MATERIAL: usize = GROWN * 8;
-const COLORS: usize = GROWN * 12;
-const SET: usize = GROWN * size_of::<FaceSet>() + 192;
+const BUILT_POSITION_BYTES: usize = GROWN * 24;
+const BUILT_TRIANGLE_BYTES: usize = GROWN * 16 + 8;
+const BUILT_MATERIAL_BYTES: usize = GROWN * 8;
+const BUILT_COLORS_BYTES: usize = GROWN * 12;
+const BUILT_SET_BYTES: usize = GROWN * size_of::<FaceSet>() + 192;
 /// Bytes of memory of the colours of a vertex, and of the corner colours of a triangle.
 const OF_VERTEX: usize = 40 + 32;
 const OF_CORNERS: usize = GROWN * 16 + 12;
 /// Bytes of memory of a colour, and of a group of colours.
-const COLOR: usize = 32;
-const GROUP: usize = 96;
+const GROUP_COLOR_BYTES: usize = 32;
+const COLOR_GROUP_BYTES: usize = 96;
 /// Maximum depth to which objects may be nested as components.
-const MAX_DEPTH: usize = 16;
+const MAX_COMPONENT_DEPTH: usize = 16;
 /// Maximum number of objects that are built, since an object may be a component of many others.
 const MAX_BUILT: usize = 100_000;
 /// The material name of faces without a material.
-const NO_MATERIAL: &str = "default";
+const DEFAULT_MATERIAL_NAME: &str = "default";
 
 /// Assembles the mesh of all items of the build, or of all objects that are no component if the build is empty.
 ///
@@ -124,7 +124,7 @@ fn collect_colors(
 ) -> Result<(), String> {
     for (&id, group) in &model.looks {
         if let (Ok(id), LookGroup::Colors(all)) = (u32::try_from(id), group) {
-            room.take(GROUP + GROWN * COLOR * all.len())?;
+            room.take(COLOR_GROUP_BYTES + GROWN * GROUP_COLOR_BYTES * all.len())?;
             starts.insert(id, index(colors.len()));
             colors.extend(all.iter().map(|color| color.map(|byte| f64::from(byte) / 255.0)));
         }
@@ -142,8 +142,8 @@ impl Building<'_> {
         let model = self.model;
         let object = model.objects.get(&id).ok_or_else(|| format!("there is no object {id}, which is to be built"))?;
         self.n_built += 1;
-        if depth > MAX_DEPTH {
-            return Err(format!("object {id} lies deeper in others than {MAX_DEPTH}; nest them less deep"));
+        if depth > MAX_COMPONENT_DEPTH {
+            return Err(format!("object {id} lies deeper in others than {MAX_COMPONENT_DEPTH}; nest them less deep"));
         }
         if self.n_built > MAX_BUILT {
             return Err(format!("more than {MAX_BUILT} objects are built; send a smaller model"));
@@ -161,10 +161,12 @@ impl Building<'_> {
 
     fn mesh(&mut self, id: u64, object: &ModelObject, transform: &Transform) -> Result<(), String> {
         let has = |wanted: fn(&LookGroup) -> bool| self.model.looks.values().any(wanted);
-        let materials = if has(|group| matches!(group, LookGroup::Materials(_))) { MATERIAL } else { 0 };
-        let colors = if has(|group| matches!(group, LookGroup::Colors(_))) { COLORS } else { 0 };
-        let triangle = TRIANGLE + materials + colors;
-        self.room.take(SET + object.positions.len() * POSITION + object.triangles.len() * triangle)?;
+        let materials = if has(|group| matches!(group, LookGroup::Materials(_))) { BUILT_MATERIAL_BYTES } else { 0 };
+        let colors = if has(|group| matches!(group, LookGroup::Colors(_))) { BUILT_COLORS_BYTES } else { 0 };
+        let triangle = BUILT_TRIANGLE_BYTES + materials + colors;
+        self.room.take(
+            BUILT_SET_BYTES + object.positions.len() * BUILT_POSITION_BYTES + object.triangles.len() * triangle,
+        )?;
         let start = index(self.mesh.mesh.positions.len());
         let first_face = self.mesh.mesh.faces.len() as u64;
         let stays = *transform == Transform::IDENTITY;
@@ -208,7 +210,7 @@ impl Building<'_> {
         match self.model.looks.get(&u64::from(group)) {
             Some(LookGroup::Materials(all)) => {
                 let (name, _) = all.get(properties[0] as usize).ok_or_else(|| missing(properties[0]))?;
-                if name != NO_MATERIAL {
+                if name != DEFAULT_MATERIAL_NAME {
                     self.materials.entry((group, properties[0])).or_default().push(face);
                 }
                 self.uncolored();
@@ -279,7 +281,7 @@ fn channel(
     if agree {
         let values =
             of_vertices.into_iter().flat_map(|color| color.unwrap_or([1.0; 4]).into_iter().take(width)).collect();
-        return Ok(Some(Channel { name: CHANNEL.to_owned(), width, values, seams: None }));
+        return Ok(Some(Channel { name: COLOR_CHANNEL.to_owned(), width, values, seams: None }));
     }
     drop(of_vertices);
     room.take(OF_CORNERS * mesh.faces.len())?;
@@ -288,5 +290,5 @@ fn channel(
     let numbers: Vec<u32> = of_corners.iter().map(|&number| number.min(white)).collect();
     let faces: FaceList = numbers.chunks_exact(3).map(<[u32]>::to_vec).collect();
     let seams = SeamsInput { faces, interpolation: Interpolation::None };
-    Ok(Some(Channel { name: CHANNEL.to_owned(), width, values, seams: Some(seams) }))
+    Ok(Some(Channel { name: COLOR_CHANNEL.to_owned(), width, values, seams: Some(seams) }))
 }

@@ -13,12 +13,12 @@ use crate::shape::topology::index;
 
 /// Bytes of memory of a vertex, of a triangle, of a change of looks, of a property, of a colour and of an object, each
 /// kept in lists that grow.
-const POSITION: usize = GROWN * 24;
-const TRIANGLE: usize = GROWN * 12;
-const CHANGE: usize = GROWN * size_of::<(u32, TriangleLook)>();
-const PROPERTY: usize = GROWN * 64;
-const COLOR: usize = GROWN * 4;
-const OBJECT: usize = GROWN * (size_of::<ModelObject>() + 64);
+const MODEL_POSITION_BYTES: usize = GROWN * 24;
+const MODEL_TRIANGLE_BYTES: usize = GROWN * 12;
+const MODEL_CHANGE_BYTES: usize = GROWN * size_of::<(u32, TriangleLook)>();
+const MODEL_PROPERTY_BYTES: usize = GROWN * 64;
+const MODEL_COLOR_BYTES: usize = GROWN * 4;
+const MODEL_OBJECT_BYTES: usize = GROWN * (size_of::<ModelObject>() + 64);
 
 /// A parsed model.
 #[derive(Debug, Default)]
@@ -96,20 +96,20 @@ pub(super) fn read<R: Read>(
             ("vertex", true) => {
                 counts[0] += 1;
                 at_most(counts[0], limits.max_vertices, "vertices")?;
-                room.take(POSITION)?;
+                room.take(MODEL_POSITION_BYTES)?;
             }
             ("triangle", true) => {
                 counts[1] += 1;
                 at_most(counts[1], limits.max_faces, "triangles")?;
-                room.take(TRIANGLE)?;
+                room.take(MODEL_TRIANGLE_BYTES)?;
             }
-            ("object", true) => room.take(OBJECT)?,
-            ("color", true) => room.take(COLOR)?,
-            (_, true) => room.take(if tag.closes { PROPERTY } else { 0 })?,
+            ("object", true) => room.take(MODEL_OBJECT_BYTES)?,
+            ("color", true) => room.take(MODEL_COLOR_BYTES)?,
+            (_, true) => room.take(if tag.closes { MODEL_PROPERTY_BYTES } else { 0 })?,
             _ => {}
         }
         reading.take(&tag)?;
-        room.take(CHANGE * std::mem::take(&mut reading.changes))?;
+        room.take(MODEL_CHANGE_BYTES * std::mem::take(&mut reading.changes))?;
     }
     if is_model { Ok(reading.model) } else { Err("the file holds no model".to_owned()) }
 }
@@ -201,7 +201,7 @@ impl ThreemfReader {
 
     /// Reads the unit from the root tag, and refuses models that require an extension which is not supported.
     fn begin(&mut self, tag: &Tag) -> Result<(), String> {
-        const READ: [&str; 3] = ["/material/", "/production/", "/trianglesets/"];
+        const READ_NAMESPACES: [&str; 3] = ["/material/", "/production/", "/trianglesets/"];
         (self.model.unit, self.model.scale) = match tag.get("unit").unwrap_or("millimeter") {
             "micron" => (Unit::Millimetre, 0.001),
             "millimeter" => (Unit::Millimetre, 1.0),
@@ -213,7 +213,7 @@ impl ThreemfReader {
         };
         for prefix in tag.get("requiredextensions").unwrap_or_default().split_ascii_whitespace() {
             let space = tag.get(prefix).unwrap_or_default();
-            if !READ.iter().any(|known| space.contains(known)) {
+            if !READ_NAMESPACES.iter().any(|known| space.contains(known)) {
                 return Err(format!(
                     "the model makes no sense without the extension {} {}, which is not read; save it as plain meshes",
                     quoted(prefix),

@@ -12,12 +12,12 @@ use quick_xml::{Error, Reader, XmlVersion};
 use crate::input::text::quoted;
 
 /// Size of the read buffer in bytes.
-const PIECE: usize = 64 << 10;
+const XML_BUFFER_BYTES: usize = 64 << 10;
 /// Maximum number of bytes of one tag, and of one text between tags. Half of it refuses long lists of numbers of other
 /// extensions; twice of it holds twice as much in memory.
 const MAX_TAG: usize = 1 << 20;
 /// Maximum depth to which elements may be nested.
-const MAX_DEPTH: usize = 64;
+const MAX_ELEMENT_DEPTH: usize = 64;
 
 /// A tag without its namespace prefix.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -81,7 +81,7 @@ impl<R: Read> BufRead for Bounded<R> {
 impl<R: Read> XmlTags<R> {
     /// Creates the tags of a document.
     pub(super) fn new(source: R) -> Self {
-        let source = Bounded { source: BufReader::with_capacity(PIECE, source), left: MAX_TAG };
+        let source = Bounded { source: BufReader::with_capacity(XML_BUFFER_BYTES, source), left: MAX_TAG };
         Self { reader: Reader::from_reader(source), event: Vec::new(), line: 1, depth: 0 }
     }
 
@@ -96,8 +96,8 @@ impl<R: Read> XmlTags<R> {
             let event = self.reader.read_event_into(&mut self.event).map_err(unread)?;
             self.line += event.split(|byte| *byte == b'\n').count() - 1;
             match event {
-                Event::Start(_) if self.depth == MAX_DEPTH => {
-                    return Err(format!("elements lie deeper in each other than {MAX_DEPTH}"));
+                Event::Start(_) if self.depth == MAX_ELEMENT_DEPTH => {
+                    return Err(format!("elements lie deeper in each other than {MAX_ELEMENT_DEPTH}"));
                 }
                 Event::Start(start) => {
                     self.depth += 1;

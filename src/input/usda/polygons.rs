@@ -9,10 +9,10 @@ use crate::scheme::tags::Boundary;
 use crate::shape::topology::index;
 
 /// Bytes of memory of a vertex, of a corner of a face, of a face and of a tag, each kept in lists that grow.
-const POSITION: usize = GROWN * 24;
-const CORNER: usize = GROWN * 8;
-const FACE: usize = GROWN * 8;
-const TAG: usize = GROWN * 24;
+const USDA_POSITION_BYTES: usize = GROWN * 24;
+const USDA_CORNER_BYTES: usize = GROWN * 8;
+const USDA_FACE_BYTES: usize = GROWN * 8;
+const USDA_TAG_BYTES: usize = GROWN * 24;
 
 /// The ranges of one mesh within the combined mesh.
 #[derive(Debug)]
@@ -62,7 +62,7 @@ pub(super) fn faces(
     }
     let counts = prim.numbers("faceVertexCounts");
     let indices = prim.numbers("faceVertexIndices");
-    room.take(points.len() * POSITION + indices.len() * CORNER + counts.len() * FACE)?;
+    room.take(points.len() * USDA_POSITION_BYTES + indices.len() * USDA_CORNER_BYTES + counts.len() * USDA_FACE_BYTES)?;
     let mesh = &all.mesh;
     let (first_vertex, first_face) = (mesh.positions.len(), mesh.faces.len());
     let first_corner = mesh.faces.n_half_edges();
@@ -118,7 +118,7 @@ pub(super) fn tags(
     let [indices, lengths] = ["creaseIndices", "creaseLengths"].map(|name| prim.numbers(name));
     let corners = prim.numbers("cornerIndices");
     let holes = prim.numbers("holeIndices");
-    room.take((indices.len() + corners.len() + holes.len()) * TAG)?;
+    room.take((indices.len() + corners.len() + holes.len()) * USDA_TAG_BYTES)?;
     let n_edges = indices.len().saturating_sub(lengths.len());
     let n_given = prim.numbers("creaseSharpnesses").len();
     if n_given != lengths.len() && n_given != n_edges {

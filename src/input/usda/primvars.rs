@@ -8,7 +8,7 @@ use crate::input::colors::encoded;
 use crate::input::reader::{CornerUvs, ReadMesh};
 use crate::input::room::{GROWN, MemoryBudget};
 use crate::input::text::quoted;
-use crate::shape::attachments::{COLOR, Channel, ChannelInput};
+use crate::shape::attachments::{COLOR_CHANNEL, Channel, ChannelInput};
 use crate::shape::check::FaceList;
 use crate::shape::seams::{Interpolation, SeamsInput};
 use crate::shape::topology::index;
@@ -22,9 +22,9 @@ const PRIMVAR: usize = GROWN * (size_of::<PrimvarRows>() + 24) + 256;
 const COLOR_BYTES: usize = 4 + 48 + GROWN * 32;
 /// Marks a vertex or corner without a row.
 const MISSING: u32 = u32::MAX;
-const UV: &str = "st";
-const COLORS: &str = "displayColor";
-const OPACITY: &str = "displayOpacity";
+const UV_PRIMVAR: &str = "st";
+const COLOR_PRIMVAR: &str = "displayColor";
+const OPACITY_PRIMVAR: &str = "displayOpacity";
 
 /// The primvars read so far, by name.
 #[derive(Debug, Default)]
@@ -78,8 +78,8 @@ impl Primvars {
                 continue;
             }
             let is_uv = uv.is_some_and(|uv| std::ptr::eq(uv, property));
-            let name = if is_uv { UV } else { name.strip_prefix("channel:").unwrap_or(name) };
-            let is_known = is_uv || [COLORS, OPACITY].contains(&name);
+            let name = if is_uv { UV_PRIMVAR } else { name.strip_prefix("channel:").unwrap_or(name) };
+            let is_known = is_uv || [COLOR_PRIMVAR, OPACITY_PRIMVAR].contains(&name);
             room.take(PRIMVAR + name.len())?;
             let rows = self.0.entry(name.to_owned()).or_default();
             if let Err(detail) = rows.take(prim, property, is_known, (part, &mesh.faces), room)? {
@@ -95,15 +95,15 @@ impl Primvars {
     /// The primvars take more than is allowed.
     pub(super) fn finish(mut self, room: &mut MemoryBudget, mesh: &mut ReadMesh) -> Result<(), String> {
         let ends = [mesh.positions.len(), mesh.faces.n_half_edges()];
-        for name in [UV, COLORS, OPACITY] {
+        for name in [UV_PRIMVAR, COLOR_PRIMVAR, OPACITY_PRIMVAR] {
             if let Some(rows) = self.0.get_mut(name) {
                 rows.fill(ends, room)?;
             }
         }
-        room.take(if self.0.contains_key(COLORS) { (ends[0] + ends[1]) * COLOR_BYTES } else { 0 })?;
-        let opacity = self.0.remove(OPACITY).filter(|rows| rows.width == 1 && !rows.values.is_empty());
-        if let Some(colors) = self.0.remove(COLORS).filter(|rows| rows.width == 3 && !rows.values.is_empty()) {
-            mesh.channels.push(colored(&colors, opacity.as_ref()).channel(COLOR, &mesh.faces));
+        room.take(if self.0.contains_key(COLOR_PRIMVAR) { (ends[0] + ends[1]) * COLOR_BYTES } else { 0 })?;
+        let opacity = self.0.remove(OPACITY_PRIMVAR).filter(|rows| rows.width == 1 && !rows.values.is_empty());
+        if let Some(colors) = self.0.remove(COLOR_PRIMVAR).filter(|rows| rows.width == 3 && !rows.values.is_empty()) {
+            mesh.channels.push(colored(&colors, opacity.as_ref()).channel(COLOR_CHANNEL, &mesh.faces));
         }
         for (name, rows) in self.0 {
             if rows.values.is_empty() {
@@ -111,11 +111,11 @@ impl Primvars {
             }
             if rows.ends() != ends || rows.is_missing() {
                 mesh.notes.push(format!("the primvar {} is left out, as not every mesh has it", quoted(&name)));
-            } else if name == UV && rows.width == 2 {
+            } else if name == UV_PRIMVAR && rows.width == 2 {
                 let values = rows.values.as_chunks().0.to_vec();
                 mesh.uvs = Some(CornerUvs { values, corners: rows.of_corners, interpolation: rows.interpolation });
             } else {
-                let name = if name == COLOR { "Color" } else { &name };
+                let name = if name == COLOR_CHANNEL { "Color" } else { &name };
                 mesh.channels.push(rows.channel(name, &mesh.faces));
             }
         }

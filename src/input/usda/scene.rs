@@ -16,8 +16,8 @@ use crate::shape::labels::{FaceSet, MAX_LABELS};
 use crate::shape::looks::Look;
 
 /// Bytes of memory of a set of faces, and of a face index in it, each kept in lists that grow.
-const SET: usize = GROWN * size_of::<FaceSet>() + 128;
-const MEMBER: usize = GROWN * 8;
+const USDA_SET_BYTES: usize = GROWN * size_of::<FaceSet>() + 128;
+const USDA_MEMBER_BYTES: usize = GROWN * 8;
 /// Shapes that are not meshes.
 const OTHER_SHAPES: [&str; 13] = [
     "BasisCurves",
@@ -170,7 +170,7 @@ impl<'a> UsdaReader<'_, 'a> {
     /// Adds the groups and materials of the faces of a mesh.
     fn sets(&mut self, prim: &Prim<'a>, part: &MeshRanges, bound: Option<&'a str>) -> Result<(), String> {
         let is_one_sided = prim.value("doubleSided").and_then(Value::number) == Some(0.0);
-        self.room.take(2 * SET + part.n_faces * (2 * MEMBER + 2))?;
+        self.room.take(2 * USDA_SET_BYTES + part.n_faces * (2 * USDA_MEMBER_BYTES + 2))?;
         let mut free = [vec![true; part.n_faces], vec![true; part.n_faces]];
         for subset in prim.children.iter().filter(|child| child.kind == "GeomSubset" && child.specifier == "def") {
             if subset.word("elementType").is_some_and(|kind| kind != "face") {
@@ -179,7 +179,7 @@ impl<'a> UsdaReader<'_, 'a> {
             }
             let material = subset.word("material:binding");
             let indices = subset.numbers("indices");
-            self.room.take(SET + indices.len() * MEMBER)?;
+            self.room.take(USDA_SET_BYTES + indices.len() * USDA_MEMBER_BYTES)?;
             let mut faces = Vec::with_capacity(indices.len());
             for &x in indices {
                 let face = below(x, part.n_faces, "indices of a subset")? as usize;

@@ -5,14 +5,14 @@ use crate::input::room::{GROWN, MemoryBudget};
 use crate::input::text::quoted;
 
 /// Maximum depth of nested prims.
-const MAX_DEPTH: usize = 64;
+const MAX_PRIM_DEPTH: usize = 64;
 /// Maximum depth of nested lists; lists of matrices are three deep.
 const MAX_LISTS: usize = 8;
 /// Bytes of memory of a number, of a word, of a property and of a prim, each kept in lists that grow.
-const NUMBER: usize = GROWN * 8;
-const WORD: usize = GROWN * 16;
-const PROPERTY: usize = GROWN * size_of::<UsdaProperty<'static>>();
-const PRIM: usize = GROWN * size_of::<Prim<'static>>();
+const USDA_NUMBER_BYTES: usize = GROWN * 8;
+const USDA_WORD_BYTES: usize = GROWN * 16;
+const USDA_PROPERTY_BYTES: usize = GROWN * size_of::<UsdaProperty<'static>>();
+const USDA_PRIM_BYTES: usize = GROWN * size_of::<Prim<'static>>();
 
 /// A layer.
 #[derive(Debug, Default)]
@@ -137,9 +137,9 @@ struct UsdaParser<'a, 'r> {
 
 impl<'a> UsdaParser<'a, '_> {
     fn prim(&mut self, specifier: &'a str, depth: usize) -> Result<Prim<'a>, String> {
-        self.room.take(PRIM)?;
-        if depth == MAX_DEPTH {
-            return Err(self.tokens.fault(format!("prims lie deeper in each other than {MAX_DEPTH}")));
+        self.room.take(USDA_PRIM_BYTES)?;
+        if depth == MAX_PRIM_DEPTH {
+            return Err(self.tokens.fault(format!("prims lie deeper in each other than {MAX_PRIM_DEPTH}")));
         }
         let mut prim = Prim { specifier, ..Prim::default() };
         if let UsdaToken::Word(kind) = self.tokens.peek()? {
@@ -185,7 +185,7 @@ impl<'a> UsdaParser<'a, '_> {
 
     /// Reads a property whose first word was read; `None` for a list operation `delete`.
     fn property(&mut self, first: &'a str) -> Result<Option<UsdaProperty<'a>>, String> {
-        self.room.take(PROPERTY)?;
+        self.room.take(USDA_PROPERTY_BYTES)?;
         let mut kind = first;
         let takes_away = first == "delete";
         while matches!(kind, "custom" | "uniform" | "varying" | "config" | "prepend" | "append" | "add" | "delete") {
@@ -229,7 +229,7 @@ impl<'a> UsdaParser<'a, '_> {
                         self.tokens.next()?;
                     }
                     self.tokens.expect(b'=')?;
-                    self.room.take(PROPERTY)?;
+                    self.room.take(USDA_PROPERTY_BYTES)?;
                     let value = self.value()?;
                     self.pass_of_reference(&value)?;
                     all.push((name, value));
@@ -260,11 +260,11 @@ impl<'a> UsdaParser<'a, '_> {
     fn values(&mut self, value: &mut Value<'a>, depth: usize) -> Result<(), String> {
         match self.tokens.next()? {
             UsdaToken::Number(x) => {
-                self.room.take(NUMBER)?;
+                self.room.take(USDA_NUMBER_BYTES)?;
                 value.numbers.push(x);
             }
             UsdaToken::Word(word) | UsdaToken::Text(word) | UsdaToken::Path(word) => {
-                self.room.take(WORD)?;
+                self.room.take(USDA_WORD_BYTES)?;
                 value.words.push(word);
             }
             UsdaToken::Asset => {
@@ -316,7 +316,7 @@ impl<'a> UsdaParser<'a, '_> {
         let UsdaToken::Text(name) = self.tokens.next()? else {
             return Err(self.tokens.unexpected("the name of a set of variants"));
         };
-        if depth == MAX_DEPTH {
+        if depth == MAX_PRIM_DEPTH {
             return Err(self.tokens.fault(format!("the variants {} lie too deep", quoted(name))));
         }
         self.variants += 1;

@@ -1,20 +1,20 @@
 //! The limits of expressions, and the errors of parsing and evaluating them.
 
 /// Maximum length of an expression's text, in bytes.
-pub const MAX_BYTES: usize = 1024;
+pub const MAX_EXPRESSION_BYTES: usize = 1024;
 /// Maximum nesting depth of parentheses, functions and signs.
-pub const MAX_DEPTH: usize = 32;
+pub const MAX_EXPRESSION_DEPTH: usize = 32;
 /// Maximum number of instructions of a compiled expression.
 pub const MAX_INSTRUCTIONS: usize = 256;
 
 /// The reason for which a text is not an expression, or has no value.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum ExpressionError {
-    /// The text is longer than [`MAX_BYTES`].
-    #[error("the expression has {0} bytes, at most {MAX_BYTES} are allowed; shorten it")]
+    /// The text is longer than [`MAX_EXPRESSION_BYTES`].
+    #[error("the expression has {0} bytes, at most {MAX_EXPRESSION_BYTES} are allowed; shorten it")]
     TooLong(usize),
-    /// Nested deeper than [`MAX_DEPTH`].
-    #[error("the expression is nested deeper than {MAX_DEPTH} at character {0}; flatten it")]
+    /// Nested deeper than [`MAX_EXPRESSION_DEPTH`].
+    #[error("the expression is nested deeper than {MAX_EXPRESSION_DEPTH} at character {0}; flatten it")]
     TooDeep(usize),
     /// More than [`MAX_INSTRUCTIONS`] after folding.
     #[error("the expression has more than {MAX_INSTRUCTIONS} operations; shorten it")]

@@ -1,6 +1,6 @@
 //! Readers that convert literals to values of a kind, or explain what is wrong.
 
-use super::{Literal, MAX_NAME, Parameter, ParameterKind, Value, Values, range};
+use super::{Literal, MAX_PARAMETER_NAME, Parameter, ParameterKind, Value, Values, range};
 use crate::fault::{Fault, did_you_mean, shortened, under};
 use crate::math::expression::Expression;
 
@@ -43,7 +43,7 @@ pub(super) fn chosen(names: &'static [&'static str], text: &str) -> Result<&'sta
 
 pub(super) fn named(text: &str) -> Result<String, String> {
     let n = text.chars().count();
-    if (1..=MAX_NAME).contains(&n) {
+    if (1..=MAX_PARAMETER_NAME).contains(&n) {
         Ok(text.to_owned())
     } else {
         Err(format!("\"{}\" is not {}", shortened(text), ParameterKind::Name.expected()))

@@ -10,7 +10,7 @@ use super::table::{Rows, weighted};
 use crate::watch::{Stopped, Watch};
 
 /// Number of rows made and applied at a time: small enough for the cache, large enough to share among threads.
-const BLOCK: usize = 4096;
+const ROWS_PER_TASK: usize = 4096;
 
 /// Maximum number of tables that are applied in one sweep.
 pub const MAX_RUN: usize = 4;
@@ -64,9 +64,9 @@ fn blend_points<const W: usize>(run: &[&dyn RowSource], points: &[f64], watch: &
     let (points, _) = points.as_chunks::<W>();
     let mut out = vec![0.0; n_rows * W];
     let finite = AtomicBool::new(true);
-    out.par_chunks_mut(BLOCK * W).enumerate().try_for_each_init(Rows::default, |rows, (block, out)| {
+    out.par_chunks_mut(ROWS_PER_TASK * W).enumerate().try_for_each_init(Rows::default, |rows, (block, out)| {
         watch.check()?;
-        let start = block * BLOCK;
+        let start = block * ROWS_PER_TASK;
         fill(run, points, start, out.as_chunks_mut::<W>().0, rows);
         // checks all sums, since a sample would not do: a sum that overflows stays infinite or NaN
         if !out.iter().fold(true, |finite, x| finite & x.is_finite()) {

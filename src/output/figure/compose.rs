@@ -16,13 +16,13 @@ use crate::watch::{Stage, Watch};
 
 /// Bytes per pixel of a figure while it is composed: the figure itself, twice more while it is painted and encoded, and
 /// the picture of the panel.
-const PIXEL_BYTES: u128 = 16;
+const FIGURE_PIXEL_BYTES: u128 = 16;
 /// Bytes per point in a drawing: a place in a line and one of a disc.
-const POINT_BYTES: u128 = 64;
+const FIGURE_POINT_BYTES: u128 = 64;
 /// Maximum number of bytes of texts: each letter as an outline.
-const TEXT_BYTES: u128 = 1 << 20;
+const FIGURE_TEXT_BYTES: u128 = 1 << 20;
 /// Options of a format that a figure accepts; all others belong to its panels.
-const OPTIONS: [&str; 4] = ["width", "background", "dpi", "text"];
+const FIGURE_OPTIONS: [&str; 4] = ["width", "background", "dpi", "text"];
 
 /// The picture in a panel.
 #[derive(Debug)]
@@ -38,7 +38,7 @@ pub enum PanelPicture {
 /// # Errors
 /// The fault, with a pointer below the output.
 pub fn suits(options: &Values) -> Result<(), Fault> {
-    let Some((name, _)) = options.unusual().find(|(name, _)| !OPTIONS.contains(name)) else { return Ok(()) };
+    let Some((name, _)) = options.unusual().find(|(name, _)| !FIGURE_OPTIONS.contains(name)) else { return Ok(()) };
     let detail = format!("a figure takes \"width\", \"background\" and \"dpi\"; say \"{name}\" in its panels");
     Err(Fault::new(format!("/{name}"), detail))
 }
@@ -50,9 +50,14 @@ pub fn size(paper: Paper, sheet: &Sheet, bytes: u128, points: u128) -> (Size, u1
     let size = match paper {
         Paper::Png => png::bytes(sheet.size),
         // SVG and PDF hold pictures in pixels as text, which is longer
-        Paper::Svg | Paper::Pdf => Size::AtMost(bytes.saturating_mul(2).saturating_add(TEXT_BYTES)),
+        Paper::Svg | Paper::Pdf => Size::AtMost(bytes.saturating_mul(2).saturating_add(FIGURE_TEXT_BYTES)),
     };
-    (size, (pixels * PIXEL_BYTES).saturating_add(points.saturating_mul(POINT_BYTES)).saturating_add(TEXT_BYTES))
+    (
+        size,
+        (pixels * FIGURE_PIXEL_BYTES)
+            .saturating_add(points.saturating_mul(FIGURE_POINT_BYTES))
+            .saturating_add(FIGURE_TEXT_BYTES),
+    )
 }
 
 /// Renders the picture of a scene in a panel on `paper`; `drawn` is the paper of its own format.

@@ -13,11 +13,11 @@ pub const MAX_PANELS: usize = 64;
 pub const MAX_COLUMNS: u32 = 12;
 /// Maximum number of characters of a title or caption: half a page. Half of it cuts long captions; twice of it is not a
 /// caption.
-pub const MAX_TEXT: usize = 1000;
+pub const MAX_CAPTION_CHARS: usize = 1000;
 /// Minimum side of a panel, pixels, as of every picture.
 const LEAST_SIDE: u32 = 16;
 /// Colour of texts.
-const INK: Color = [30, 41, 59, 255];
+const CAPTION_INK: Color = [30, 41, 59, 255];
 
 /// A panel and the layers on it, before its position is known.
 #[derive(Debug, Clone, PartialEq)]
@@ -240,7 +240,7 @@ impl FontSize {
                 anchor: HorizontalAlign::Middle,
                 level: VerticalAlign::Baseline,
                 turn_deg: 0.0,
-                color: INK,
+                color: CAPTION_INK,
             };
             Item::new(class, Mark::Text(text))
         };

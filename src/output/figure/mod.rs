@@ -6,4 +6,4 @@ mod grid;
 
 pub use compose::{PanelPicture, picture, size, suits, write};
 pub use extent::{FigureExtent, framed};
-pub use grid::{MAX_COLUMNS, MAX_PANELS, MAX_TEXT, PanelCell, PanelGrid, PanelRect, Sheet};
+pub use grid::{MAX_CAPTION_CHARS, MAX_COLUMNS, MAX_PANELS, PanelCell, PanelGrid, PanelRect, Sheet};

@@ -19,7 +19,7 @@ use crate::shape::looks::Look;
 use crate::shape::source::PlaceSource;
 
 /// Bytes of the entry of a channel with seams, without its values and faces.
-const SEAMS: u128 = br#"{"values":,"faces":[]}"#.len() as u128;
+const SEAM_ENTRY_BYTES: u128 = br#"{"values":,"faces":[]}"#.len() as u128;
 
 /// Returns the maximum number of bytes of the entries of attachments and origins.
 pub(super) fn size(counts: &Counts, options: &Values) -> u128 {
@@ -28,7 +28,7 @@ pub(super) fn size(counts: &Counts, options: &Values) -> u128 {
     let corners = |places: u128| total(&[(counts.faces, 2), (counts.half_edges, digits(places) + 1)]);
     let channels = attachments.channels.iter().map(|channel| {
         let rows = if channel.seams.is_some() { counts.seamed } else { counts.vertices };
-        let corners = channel.seams.as_ref().map_or(0, |_| SEAMS.saturating_add(corners(counts.seamed)));
+        let corners = channel.seams.as_ref().map_or(0, |_| SEAM_ENTRY_BYTES.saturating_add(corners(counts.seamed)));
         let name = br#""":[],"#.len() as u128 + channel.name.len() as u128;
         total(&[(1, name), (rows, row(channel)), (1, corners)])
     });

@@ -10,15 +10,15 @@ use crate::shape::looks::{Alpha, Look};
 use crate::shape::textures::{Filter, Texture};
 
 /// Maximum number of bytes of the entries of a material without numbers and images.
-const FRAME: u128 = 512;
+const MATERIAL_ENTRY_BYTES: u128 = 512;
 
 /// Bytes of an image that are written at once, a multiple of three. Half or twice of it gives the same text.
-const PART: usize = 48 << 10;
+const IMAGE_PART_BYTES: usize = 48 << 10;
 
 /// Returns the maximum number of bytes of the entries of looks.
 pub(super) fn size(looks: &[Look]) -> u128 {
     let picture = |texture: &Texture| (texture.image.bytes().len() as u128).div_ceil(3) * 4;
-    looks.iter().map(|look| FRAME + 7 * (REAL + 1) + look.texture.as_ref().map_or(0, picture)).sum()
+    looks.iter().map(|look| MATERIAL_ENTRY_BYTES + 7 * (REAL + 1) + look.texture.as_ref().map_or(0, picture)).sum()
 }
 
 /// Writes the entries of a look that are given, each after a comma.
@@ -56,7 +56,7 @@ fn write_texture(texture: &Texture, stream: &mut Stream<'_>) -> Result<(), Forma
     let filters = filter("mag_filter", magnify) + &filter("min_filter", minify);
     let head = format!(r#","texture":{{"wrap_s":"{s}","wrap_t":"{t}"{filters},"image":"data:{kind};base64,"#);
     stream.bytes(head.as_bytes())?;
-    for part in image.bytes().chunks(PART) {
+    for part in image.bytes().chunks(IMAGE_PART_BYTES) {
         stream.bytes(STANDARD.encode(part).as_bytes())?;
     }
     stream.bytes(br#""}"#)

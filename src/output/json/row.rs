@@ -5,7 +5,7 @@ use crate::output::scene::FaceChunk;
 use crate::output::text::RowStyle;
 
 /// A list with a comma before it, which the caller removes from the first list.
-const ROW: RowStyle = RowStyle { start: b",", open: b'[', between: b',', end: b"]" };
+const LIST_ROW: RowStyle = RowStyle { start: b",", open: b'[', between: b',', end: b"]" };
 
 /// Appends a list to a list of lists, with a comma before all but the first.
 pub(super) fn row(index: usize, out: &mut Vec<u8>, items: impl FnOnce(&mut Vec<u8>)) {
@@ -19,7 +19,7 @@ pub(super) fn row(index: usize, out: &mut Vec<u8>, items: impl FnOnce(&mut Vec<u
 
 /// Makes lists of numbers in a list of lists; `start` is the index of the first of them.
 pub(super) fn vectors(start: usize, rows: &[impl AsRef<[f64]>], out: &mut Bytes) {
-    out.append(|out| rows.iter().for_each(|row| ROW.reals(row.as_ref(), out)));
+    out.append(|out| rows.iter().for_each(|row| LIST_ROW.reals(row.as_ref(), out)));
     if start == 0 {
         out.drop_first();
     }
@@ -27,7 +27,7 @@ pub(super) fn vectors(start: usize, rows: &[impl AsRef<[f64]>], out: &mut Bytes)
 
 /// Makes lists of indices in a list of lists; `start` is the index of the first of them.
 pub(super) fn faces(start: usize, faces: &FaceChunk, out: &mut Bytes) {
-    ROW.faces(faces, 0, out);
+    LIST_ROW.faces(faces, 0, out);
     if start == 0 {
         out.drop_first();
     }

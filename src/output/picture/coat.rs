@@ -14,19 +14,19 @@ use crate::output::counts::{Counts, ShapeKind};
 use crate::output::error::FormatError;
 use crate::output::scene::{FaceChunk, MeshSource, in_chunks, triangles};
 use crate::raster::{Paint, Swatch, TriangleAppearance};
-use crate::shape::attachments::{Attachments, COLOR as COLORS};
+use crate::shape::attachments::{Attachments, COLOR_CHANNEL};
 use crate::shape::labels::Labels;
 use crate::shape::source::PlaceSource;
 use crate::shape::topology::index;
 use crate::watch::{Stopped, Watch};
 
 /// The choice that refers to faces of the input.
-const FACES: &str = "faces";
+const FACES_CHOICE: &str = "faces";
 
 /// The attachment that colours follow.
 pub(crate) const COLOR_BY: Parameter = Parameter::choice(
     "color_by",
-    &["none", "channel", "uvs", "groups", "materials", FACES],
+    &["none", "channel", "uvs", "groups", "materials", FACES_CHOICE],
     "What the colours of a mesh follow: nothing but what its materials say of their looks, unless `color` is \
      given; a channel of its vertices, squares an eighth wide in its texture coordinates, the names of the groups \
      or materials of its faces, or the faces of the input that they came of.",
@@ -48,7 +48,7 @@ pub(crate) const COMPONENT: Parameter = Parameter::optional(
 );
 
 /// Number of squares per unit of a texture coordinate.
-const SQUARES: f64 = 8.0;
+const SQUARES_A_UNIT: f64 = 8.0;
 /// Share of white in the light colour of the squares.
 const PALE: f64 = 0.8;
 
@@ -75,7 +75,7 @@ pub(crate) fn check(kind: ShapeKind, carried: &Attachments, options: &Values) ->
 }
 
 fn check_channel(carried: &Attachments, options: &Values) -> Result<(), Fault> {
-    let name = options.name(CHANNEL.name).unwrap_or(COLORS);
+    let name = options.name(CHANNEL.name).unwrap_or(COLOR_CHANNEL);
     let Some(channel) = carried.channels.iter().find(|channel| channel.name == name) else {
         let known: Vec<&str> = carried.channels.iter().map(|channel| channel.name.as_str()).collect();
         let known = if known.is_empty() { "none".to_owned() } else { known.join(", ") };
@@ -101,7 +101,7 @@ fn component(options: &Values) -> Option<usize> {
 
 /// Returns the name of the channel whose numbers, one per vertex, the colours stand for, if they do.
 pub(super) fn numbers_of<'a>(carried: &'a Attachments, options: &Values) -> Option<&'a str> {
-    let name = options.name(CHANNEL.name).unwrap_or(COLORS);
+    let name = options.name(CHANNEL.name).unwrap_or(COLOR_CHANNEL);
     let channel = carried.channels.iter().find(|channel| channel.name == name)?;
     let are_shown = options.choice(COLOR_BY.name) == Some("channel");
     (are_shown && (channel.width == 1 || component(options).is_some())).then_some(&channel.name)
@@ -109,7 +109,7 @@ pub(super) fn numbers_of<'a>(carried: &'a Attachments, options: &Values) -> Opti
 
 /// Returns whether colours refer to faces of the input.
 pub(crate) fn follows_faces(options: &Values) -> bool {
-    options.choice(COLOR_BY.name) == Some(FACES)
+    options.choice(COLOR_BY.name) == Some(FACES_CHOICE)
 }
 
 /// Returns whether colours are those of materials.
@@ -139,7 +139,7 @@ pub(crate) fn memory(options: &Values, vertices: u128, counts: &Counts) -> u128 
             vertices.max(counts.seamed).saturating_mul(32 + 8 + 12).saturating_add(corners)
         }
         Some("uvs") => uvs.saturating_mul(16).saturating_add(triangles.saturating_mul(12)),
-        Some("groups" | "materials" | FACES) => triangles.saturating_mul(12),
+        Some("groups" | "materials" | FACES_CHOICE) => triangles.saturating_mul(12),
         _ => 0,
     }
 }
@@ -207,14 +207,14 @@ impl Coat {
         }
         Ok(match options.values.choice(COLOR_BY.name) {
             Some("channel") => {
-                let name = options.values.name(CHANNEL.name).unwrap_or(COLORS);
+                let name = options.values.name(CHANNEL.name).unwrap_or(COLOR_CHANNEL);
                 let channel = carried.channels.iter().position(|channel| channel.name == name);
                 channel.map_or(Ok(Self::Plain(plain)), |channel| by_channel(mesh, channel, options.values, watch))?
             }
             Some("uvs") => by_uvs(mesh, plain, watch)?,
             Some("groups") => by_labels(mesh, &carried.groups, plain, watch)?,
             Some("materials") => by_labels(mesh, &carried.materials, plain, watch)?,
-            Some(FACES) => Self::Triangles(by_origin(mesh, |face| mark(face as usize), watch)?),
+            Some(FACES_CHOICE) => Self::Triangles(by_origin(mesh, |face| mark(face as usize), watch)?),
             _ => Self::Plain(plain),
         })
     }
@@ -289,7 +289,7 @@ fn values(
 
 fn by_uvs(mesh: &dyn MeshSource, plain: [u8; 4], watch: &Watch) -> Result<Coat, Stopped> {
     let Some((mut places, corners)) = places(mesh, watch)? else { return Ok(Coat::Plain(plain)) };
-    places.iter_mut().flatten().for_each(|x| *x *= SQUARES);
+    places.iter_mut().flatten().for_each(|x| *x *= SQUARES_A_UNIT);
     let dark = shown_as(plain);
     let light = dark.map(|x| single(f64::from(x) + PALE * (1.0 - f64::from(x))));
     Ok(Coat::Squares { places, corners, colors: [light, dark] })

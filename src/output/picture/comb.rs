@@ -4,26 +4,26 @@ use super::easel::Easel;
 use crate::drawing::PolylinePoints;
 use crate::math::vector::{Vector, cross, dot, minus, times, unit};
 use crate::output::error::FormatError;
-use crate::output::scene::{CHUNK, Curve};
+use crate::output::scene::{Curve, ROWS_PER_CHUNK};
 use crate::watch::Watch;
 
 /// Length of a tooth that 95 % of the points do not exceed, as a share of the smaller side of the visible part. Twice
 /// of it leaves the picture; half of it hides small wiggles.
 const TOOTH: f64 = 0.12;
 /// Longest tooth in units of that length: curvature at corners is unbounded, and would lead out of the picture.
-const LONGEST: f64 = 3.0;
+const LONGEST_TOOTH: f64 = 3.0;
 /// Minimum distance between teeth, pixels; half of it makes an area of them.
 const SPACING_PX: f64 = 4.0;
 /// Radius from which on a curve counts as straight, in smaller sides of the visible part, as on meshes: across the
 /// picture, a curve of this radius is 1/8,000 of the side off its chord. Half of it hides bends twice as large; without
 /// it, rounding would set the scale of the teeth of a straight curve.
-const STRAIGHT: f64 = 1e3;
+const STRAIGHT_RADIUS: f64 = 1e3;
 /// Distance of a point from the line through its neighbours that rounding makes, in units in the last place of the
 /// largest coordinate. Measured on straight lines under nine plans, at 6 and 10 levels: 1.4 at most. Half of it would
 /// leave little above that; twice of it would hide bends twice as large.
 const ULPS: f64 = 4.0;
 /// Length of a tangent, as a share of the smaller side of the visible part.
-const TANGENT: f64 = 0.14;
+const TANGENT_LENGTH: f64 = 0.14;
 
 /// The teeth of combs, each from the curve to its end, and the lines that join the ends.
 pub(super) struct Comb {
@@ -48,7 +48,7 @@ pub(super) fn combs(
     let mut bends = Vec::with_capacity(curves.len());
     for curve in curves {
         watch.check()?;
-        bends.push(bendings(curve, unit_px, 1.0 / (STRAIGHT * side_px)));
+        bends.push(bendings(curve, unit_px, 1.0 / (STRAIGHT_RADIUS * side_px)));
     }
     let mut sizes: Vec<f64> =
         bends.iter().flatten().map(|bend| dot(*bend, *bend).sqrt()).filter(|k| *k > 0.0).collect();
@@ -57,7 +57,7 @@ pub(super) fn combs(
     if usual == 0.0 {
         return Ok(comb);
     }
-    let longest = LONGEST * usual;
+    let longest = LONGEST_TOOTH * usual;
     let length = scale * TOOTH * side_px / unit_px / usual;
     for (curve, bends) in curves.iter().zip(&bends) {
         let end = |i: usize, bend: &Vector| {
@@ -67,7 +67,7 @@ pub(super) fn combs(
         };
         let (mut last, mut ends) = (None::<[f64; 2]>, Vec::new());
         for (i, bend) in bends.iter().enumerate() {
-            if i % CHUNK == 0 {
+            if i % ROWS_PER_CHUNK == 0 {
                 watch.check()?;
             }
             let (foot, tip) = (easel.place(easel.lifted(curve, i)), easel.place(end(i, bend)));
@@ -138,7 +138,7 @@ pub(super) fn tangents(
             let [Some(a), Some(p), Some(b)] = ends else { continue };
             let size = distance(a, b);
             if size > 0.0 {
-                let half = 0.5 * TANGENT * side_px / size;
+                let half = 0.5 * TANGENT_LENGTH * side_px / size;
                 let way = [half * (b[0] - a[0]), half * (b[1] - a[1])];
                 found.push(vec![short([p[0] - way[0], p[1] - way[1]]), short([p[0] + way[0], p[1] + way[1]])]);
             }

@@ -10,7 +10,7 @@ use crate::watch::{Stopped, Watch};
 
 /// Bytes of memory per half-edge of the mesh: a side of an edge (12), half of an edge as it is drawn (measured: 52), a
 /// face, and a share of the edges of the input, which are drawn too.
-pub(crate) const CORNER_BYTES: u128 = 12 + 26 + 1 + 10;
+pub(crate) const CONTOUR_CORNER_BYTES: u128 = 12 + 26 + 1 + 10;
 
 /// Returns the edges of a mesh that are drawn: those with one face or more than two, those in `hard` (the lower end
 /// first, ascending), and those between a face whose outside the camera sees and one whose inside it would see.

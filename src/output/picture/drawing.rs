@@ -11,25 +11,25 @@ use crate::output::scene::{Curve, Scene, Shape};
 use crate::watch::Watch;
 
 /// The items that a drawing shows by default.
-const DEFAULT_SHOW: &[&str] = &["curve", "control", "points"];
+const DEFAULT_DRAWING_ITEMS: &[&str] = &["curve", "control", "points"];
 /// All items that a drawing of curves can show.
 pub(crate) const CURVE_ITEMS: &[&str] =
     &["curve", "control", "points", "vertices", "comb", "tangents", "axes", "grid", "legend"];
 /// Colour of curves.
-pub(super) const CURVE: Color = [37, 99, 235, 255];
-const CONTROL: Color = [160, 170, 184, 255];
-const POINT: Color = [71, 85, 105, 255];
+pub(super) const CURVE_INK: Color = [37, 99, 235, 255];
+const POLYGON_INK: Color = [160, 170, 184, 255];
+const POINT_INK: Color = [71, 85, 105, 255];
 const RING: Color = [255; 4];
 const COMB: Color = [148, 163, 184, 255];
 const COMB_ENDS: Color = [185, 28, 28, 255];
-const TANGENT: Color = [180, 83, 9, 255];
+const TANGENT_INK: Color = [180, 83, 9, 255];
 
 /// Draws the curves of a scene.
 pub(crate) fn drawing(scene: &Scene<'_>, options: &Options<'_>, watch: &Watch) -> Result<Drawing, FormatError> {
     let (Shape::Curves(curves), Shape::Curves(control)) = (scene.shape, scene.control.shape()) else {
         return Err(FormatError::Unfit("only curves can be drawn as lines; ask for \"png\" instead".into()));
     };
-    let shows = |item| options.shows(item, DEFAULT_SHOW);
+    let shows = |item| options.shows(item, DEFAULT_DRAWING_ITEMS);
     let mut shown: Vec<&Curve> = Vec::new();
     let refined = ["curve", "vertices", "comb", "tangents"].iter().any(|item| shows(item));
     shown.extend(curves.iter().filter(|_| refined));
@@ -48,13 +48,13 @@ pub(crate) fn drawing(scene: &Scene<'_>, options: &Options<'_>, watch: &Watch) -
     }
     if shows("tangents") {
         let runs = tangents(artist.easel, curves, control, artist.side_px, watch)?;
-        plot.line(Item::lines("tangents", runs, artist.stroke(1.8, TANGENT)).titled("tangents"), "tangents")?;
+        plot.line(Item::lines("tangents", runs, artist.stroke(1.8, TANGENT_INK)).titled("tangents"), "tangents")?;
     }
     if shows("vertices") {
-        artist.points(curves, 3.1, 0.8, options.color(CURVE), "vertices", &mut plot)?;
+        artist.points(curves, 3.1, 0.8, options.color(CURVE_INK), "vertices", &mut plot)?;
     }
     if shows("points") {
-        artist.points(control, 5.2, 1.5, options.point_color(POINT), "points", &mut plot)?;
+        artist.points(control, 5.2, 1.5, options.point_color(POINT_INK), "points", &mut plot)?;
     }
     Ok(sheet.finish(plot, options))
 }
@@ -76,7 +76,7 @@ impl Artist<'_> {
 
     fn control(&self, control: &[Curve], plot: &mut PlotItems) -> Result<(), FormatError> {
         let runs = self.easel.runs(control, self.watch)?;
-        let stroke = self.stroke(1.5, self.options.control_color(CONTROL));
+        let stroke = self.stroke(1.5, self.options.control_color(POLYGON_INK));
         plot.line(Item::lines("control", runs, stroke).titled("control polygon"), "control polygon")
     }
 
@@ -95,7 +95,7 @@ impl Artist<'_> {
 
     /// Adds the curves, all as one item if they have no styles of their own.
     fn curves(&self, curves: &[Curve], plot: &mut PlotItems) -> Result<(), FormatError> {
-        let stroke = self.stroke(3.4, self.options.color(CURVE));
+        let stroke = self.stroke(3.4, self.options.color(CURVE_INK));
         let styles = styles(self.options, stroke.width_px);
         if styles.is_empty() {
             if let Some(color) = self.options.values.color(FILL.name) {

@@ -4,14 +4,14 @@
 
 use crate::drawing::{Point, PolylinePoints};
 use crate::output::error::FormatError;
-use crate::output::scene::{CHUNK, Curve};
+use crate::output::scene::{Curve, ROWS_PER_CHUNK};
 use crate::raster::{Camera, Projection, View};
 use crate::watch::Watch;
 
 /// Steps shorter than this are left out of a line, pixels.
 const FINEST_PX: f64 = 0.25;
 /// Maximum number of points of a polyline, so that painting one takes bounded memory.
-const LONGEST: usize = 4096;
+pub(super) const MAX_POLYLINE_POINTS: usize = 4096;
 
 /// Projects points of 1 to 3 coordinates into the picture.
 pub(super) struct Easel {
@@ -131,7 +131,7 @@ impl Easel {
             let segments = if joined && n > 2 { n } else { n.saturating_sub(1) };
             let mut from = (n > 0).then(|| self.spot(curve, 0));
             for i in 0..segments {
-                if i % CHUNK == 0 {
+                if i % ROWS_PER_CHUNK == 0 {
                     watch.check()?;
                 }
                 let to = self.spot(curve, (i + 1) % n);
@@ -153,7 +153,7 @@ impl Easel {
         let mut outline: PolylinePoints = Vec::new();
         let mut kept = [f64::INFINITY; 2];
         for i in 0..curve.len() {
-            if i % CHUNK == 0 {
+            if i % ROWS_PER_CHUNK == 0 {
                 watch.check()?;
             }
             let (_, Some(place)) = self.spot(curve, i) else { continue };
@@ -170,7 +170,7 @@ impl Easel {
         let mut centres: Vec<Point> = Vec::new();
         for curve in curves {
             for i in 0..curve.len() {
-                if i % CHUNK == 0 {
+                if i % ROWS_PER_CHUNK == 0 {
                     watch.check()?;
                 }
                 let (_, Some(place)) = self.spot(curve, i) else { continue };
@@ -224,7 +224,7 @@ impl Pen {
             self.keep(to);
         }
         self.here = Some(to);
-        if self.run.len() >= LONGEST {
+        if self.run.len() >= MAX_POLYLINE_POINTS {
             self.lift();
             self.keep(to);
             self.here = Some(to);

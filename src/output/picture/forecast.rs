@@ -7,7 +7,7 @@ use crate::raster::RasterForecast;
 use crate::shape::mesh::Mesh;
 
 /// Maximum number of input faces that are projected, in about 50 ms; of more faces, an evenly spread selection is.
-const MAX_FACES: usize = 1 << 18;
+const MAX_PROJECTED_FACES: usize = 1 << 18;
 /// Number of corners of faces whose normals and edges are found in the time of a row: 50 ns each.
 const CORNERS_A_ROW: u128 = 2;
 
@@ -21,7 +21,7 @@ pub(crate) fn work(input: &Mesh, counts: &Counts, options: &Options<'_>) -> u128
     let points = input.positions.as_chunks::<3>().0;
     let camera = options.camera(&[points], options.size_beside(0));
     let triangles = (topology.n_half_edges()).saturating_sub(2 * topology.n_faces()).max(1);
-    let stride = topology.n_faces().div_ceil(MAX_FACES).max(1);
+    let stride = topology.n_faces().div_ceil(MAX_PROJECTED_FACES).max(1);
     let parts = (real(counts.triangles()) / real(triangles as u128)).max(1.0);
     let mut forecast = RasterForecast::of(options.size);
     for face in (0..topology.n_faces()).step_by(stride).map(|f| topology.face(f)) {

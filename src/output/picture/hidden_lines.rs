@@ -30,23 +30,23 @@ pub(crate) const MESH_ITEMS: &[&str] =
     &["silhouettes", "boundary", "creases", "isolines", "wireframe", "hidden", HATCHING];
 const HATCHING: &str = "hatching";
 /// The items that a drawing shows by default.
-const DEFAULT_SHOW: &[&str] = &["silhouettes", "boundary", "creases", "isolines"];
+const DEFAULT_LINE_ITEMS: &[&str] = &["silhouettes", "boundary", "creases", "isolines"];
 
 /// Maximum number of triangles of a mesh. Twice of it takes four times as long if triangles lie behind each other, and
 /// 100 MB more; half of it refuses meshes that are still drawn in seconds.
 pub const MAX_LINE_TRIANGLES: u128 = 1 << 18;
 /// Maximum number of tested pairs of a line and a triangle, 5 ns each: ten seconds of one core. Meshes of
 /// [`MAX_LINE_TRIANGLES`] that are not a heap of sheets need a hundredth of it.
-const MAX_PAIRS: usize = 1 << 31;
+const MAX_TESTED_PAIRS: usize = 1 << 31;
 /// Bytes of memory per triangle: its corners, their places and order (60), its sides (48), its cells (40), and its
 /// share of lines and their pieces (150).
-const TRIANGLE_BYTES: u128 = 300;
+const HIDDEN_TRIANGLE_BYTES: u128 = 300;
 /// Work per triangle in rows of a table, 100 ns each: finding lines and the triangles that hide them.
 const TRIANGLE_ROWS: u128 = 30;
 /// Maximum number of pieces per line on average; usual meshes have less than one visible piece per line.
-const MAX_PIECES: usize = 2;
+const MAX_PIECES_A_LINE: usize = 2;
 
-const INK: Color = [15, 23, 42, 255];
+const OUTLINE_INK: Color = [15, 23, 42, 255];
 const THIN_INK: Color = [71, 85, 105, 255];
 const HIDDEN_INK: Color = [148, 163, 184, 255];
 
@@ -65,7 +65,7 @@ pub(crate) fn fits(counts: &Counts) -> Result<(), Fault> {
 
 /// Returns the memory for finding hidden parts, bytes.
 pub(crate) fn memory(counts: &Counts, options: &Values) -> u128 {
-    let lines = counts.triangles().saturating_mul(TRIANGLE_BYTES);
+    let lines = counts.triangles().saturating_mul(HIDDEN_TRIANGLE_BYTES);
     if !options.has("show", HATCHING) {
         return lines;
     }
@@ -78,10 +78,10 @@ pub(crate) fn work(counts: &Counts) -> u128 {
     counts.triangles().saturating_mul(TRIANGLE_ROWS)
 }
 
-/// Returns the maximum number of bytes: three lines a triangle in [`MAX_PIECES`] pieces, 51 bytes each and counted as
-/// 64, and the strokes of hatching.
+/// Returns the maximum number of bytes: three lines a triangle in [`MAX_PIECES_A_LINE`] pieces, 51 bytes each and
+/// counted as 64, and the strokes of hatching.
 pub(crate) fn size(counts: &Counts, options: &Values) -> Size {
-    let pieces = counts.triangles().saturating_mul(3 * MAX_PIECES as u128);
+    let pieces = counts.triangles().saturating_mul(3 * MAX_PIECES_A_LINE as u128);
     let strokes = if options.has("show", HATCHING) { hatching::STROKES_BYTES } else { 0 };
     Size::AtMost(pieces.saturating_mul(64).saturating_add(strokes).saturating_add(16 << 10))
 }
@@ -96,7 +96,7 @@ pub(crate) fn drawing(
     options: &Options<'_>,
     watch: &Watch,
 ) -> Result<Drawing, FormatError> {
-    let shows = |item: &str| options.shows(item, DEFAULT_SHOW);
+    let shows = |item: &str| options.shows(item, DEFAULT_LINE_ITEMS);
     let positions = Positions::of_mesh(mesh).held(watch)?;
     let camera = options.camera(&[positions.rows()], options.size_beside(0));
     let seen: Option<Vec<ProjectedPoint>> = positions.rows().par_iter().map(|point| camera.seen(*point)).collect();
@@ -107,7 +107,7 @@ pub(crate) fn drawing(
     let edges: Vec<&DrawnEdge> = found.all.iter().filter(|edge| edge.drawn_as(shows).is_some()).collect();
     let sight = Sight::new(&seen, &found.triangles);
     let pairs = edges.par_iter().map(|edge| sight.n_candidates(edge.ends.map(|v| seen[v as usize]))).sum::<usize>();
-    if pairs > MAX_PAIRS {
+    if pairs > MAX_TESTED_PAIRS {
         let detail =
             "too many faces lie behind each other to find what each hides; ask for fewer levels, or for \"png\"";
         return Err(FormatError::Unfit(detail.into()));
@@ -121,7 +121,7 @@ pub(crate) fn drawing(
     let hidden: Vec<LineIntervals> =
         edges.par_iter().with_min_len(256).map(parts).collect::<Result<_, FormatError>>()?;
     let n_pieces: usize = hidden.iter().map(|parts| parts.len() + 1).sum();
-    if n_pieces > MAX_PIECES * edges.len() + 4096 {
+    if n_pieces > MAX_PIECES_A_LINE * edges.len() + 4096 {
         let detail = "what the faces hide cuts lines into too many pieces; ask for fewer levels, or for \"png\"";
         return Err(FormatError::Unfit(detail.into()));
     }
@@ -129,7 +129,7 @@ pub(crate) fn drawing(
     let mut items = Vec::new();
     if options.shows(HATCHING, &[]) {
         let ground = HatchedSurface::of(scene, mesh, &found.hard, &camera, watch)?;
-        let runs = ground.strokes(&sight, options.size, options.unit_px(), MAX_PAIRS - pairs, watch)?;
+        let runs = ground.strokes(&sight, options.size, options.unit_px(), MAX_TESTED_PAIRS - pairs, watch)?;
         let stroke = artist.stroke(0.7, options.color(THIN_INK));
         items.extend((!runs.is_empty()).then(|| Item::lines(HATCHING, runs, stroke).titled(HATCHING)));
     }
@@ -155,8 +155,8 @@ impl EdgePainter<'_> {
     fn lines(&self, class: Class) -> Option<Item> {
         let name = class.name();
         let (width, color) = match class {
-            Class::Silhouette | Class::Boundary => (2.4, INK),
-            Class::Crease => (1.9, INK),
+            Class::Silhouette | Class::Boundary => (2.4, OUTLINE_INK),
+            Class::Crease => (1.9, OUTLINE_INK),
             Class::Isoline => (1.0, THIN_INK),
             Class::Wireframe => (0.6, THIN_INK),
         };
@@ -179,7 +179,7 @@ impl EdgePainter<'_> {
     }
 
     fn class(&self, edge: &DrawnEdge) -> Option<Class> {
-        edge.drawn_as(|item| self.options.shows(item, DEFAULT_SHOW))
+        edge.drawn_as(|item| self.options.shows(item, DEFAULT_LINE_ITEMS))
     }
 
     fn stroke(&self, width: f32, color: Color) -> Stroke {

@@ -14,33 +14,33 @@ use crate::watch::Watch;
 
 /// Minimum width and height of a picture that has a legend by default, pixels. In half of it the numbers would take a
 /// third of the picture; twice of it leaves thumbnails of usual size without a legend.
-const LEAST_PX: [u32; 2] = [320, 200];
+const LEAST_LEGEND_PX: [u32; 2] = [320, 200];
 /// Width of the strip, in units of line width: room for the longest number and for the title of the bar.
 const STRIP: f32 = 132.0;
 /// Left end and width of the bar, in units of line width.
 const BAR: [f32; 2] = [8.0, 22.0];
 /// Distance of text from the edge of the picture, in units of line width.
-const EDGE: f32 = 3.0;
+const EDGE_DISTANCE: f32 = 3.0;
 /// Height of the bar as a share of the height of the picture.
 const TALL: f32 = 0.62;
 /// Size of the font in units of line width, and its minimum in pixels, below which letters cannot be read.
 const FONT: [f32; 2] = [15.0, 9.0];
 
 /// Margin around names, in sizes of the font.
-const MARGIN: f32 = 0.6;
+const NAME_MARGIN: f32 = 0.6;
 
 /// Returns the width in pixels of the legend of a picture of a mesh with the attachments `carried`, or of what is left
 /// free for it; 0 without both. Numbers colour the surface: there is a bar only if `has_surface`.
 pub(crate) fn width(carried: &Attachments, options: &Options<'_>, has_surface: bool) -> u32 {
     let are_numbers = shading::measure(options.values).is_some() || coat::numbers_of(carried, options.values).is_some();
-    let has_room = options.size.iter().zip(LEAST_PX).all(|(side, least)| *side >= least);
+    let has_room = options.size.iter().zip(LEAST_LEGEND_PX).all(|(side, least)| *side >= least);
     let is_asked = match options.values.get(COLOR_BAR.name) {
         Value::Flag(asked) => *asked,
         _ => has_room,
     };
     let font = font_px(options);
     let bar = if has_surface && are_numbers && is_asked { STRIP / FONT[0] * font } else { 0.0 };
-    let names = names(carried, options).map_or(0.0, |names| names.extent()[0] + 2.0 * MARGIN * font);
+    let names = names(carried, options).map_or(0.0, |names| names.extent()[0] + 2.0 * NAME_MARGIN * font);
     #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a strip is some hundred pixels wide")]
     let strip = bar.max(names) as u32;
     options.size[0] - options.size_beside(strip)[0]
@@ -51,7 +51,7 @@ fn names(carried: &Attachments, options: &Options<'_>) -> Option<Legend> {
     let mut entries = meanings::entries(carried, options);
     #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "some lines")]
     #[expect(clippy::cast_precision_loss, reason = "pictures are bounded")]
-    let room = (options.size[1] as f32 / font_px(options) - 2.0 * MARGIN - 0.7).max(0.0) as usize * 2 / 3;
+    let room = (options.size[1] as f32 / font_px(options) - 2.0 * NAME_MARGIN - 0.7).max(0.0) as usize * 2 / 3;
     entries.truncate(room.max(1));
     (!entries.is_empty()).then(|| Legend { entries, size_px: font_px(options) })
 }
@@ -68,7 +68,7 @@ pub(super) fn beside(
 ) -> Result<Vec<u8>, FormatError> {
     let (mut items, mut top) = (Vec::new(), 0.0);
     if let Some(names) = names(carried, options) {
-        let margin = MARGIN * font_px(options);
+        let margin = NAME_MARGIN * font_px(options);
         top = names.extent()[1] + 2.0 * margin;
         items.extend(names.items([margin, margin]));
     }
@@ -104,7 +104,7 @@ fn bar(scale: NumberScale, [taken, width]: [f32; 2], carried: &Attachments, opti
     };
     // names of channels may contain characters that cannot be typeset
     let label = Label::parse(&title(carried, options), FontWeight::Regular).ok();
-    let (place, end) = ([BAR[0] * unit, top, BAR[1] * unit, tall], width - EDGE * unit);
+    let (place, end) = ([BAR[0] * unit, top, BAR[1] * unit, tall], width - EDGE_DISTANCE * unit);
     color_bar(place, ([scale.low, scale.high], scale.beyond), color, label, unit * FONT[0], end)
 }
 

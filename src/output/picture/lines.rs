@@ -8,7 +8,7 @@ use super::options::Options;
 use super::shading;
 use crate::drawing::{Discs, LegendSample, Stroke};
 use crate::math::parameter::Values;
-use crate::output::options::{DIRECTIONS, ISOLINES};
+use crate::output::options::{DIRECTION_ITEMS, ISOLINES};
 use crate::output::scene::{FaceChunk, MeshSource, Scene, Shape, each_face, in_chunks, positions};
 use crate::raster::{Crowding, Strokes};
 use crate::shape::directions::Direction;
@@ -17,31 +17,31 @@ use crate::shape::topology::index;
 use crate::watch::{Stopped, Watch};
 
 const WIRE: [u8; 4] = [16, 28, 50, 255];
-const CONTROL: [u8; 4] = [217, 93, 57, 255];
-const POINT: [u8; 4] = [176, 58, 32, 255];
+const CONTROL_NET_INK: [u8; 4] = [217, 93, 57, 255];
+const CONTROL_POINT_INK: [u8; 4] = [176, 58, 32, 255];
 const EXTRAORDINARY_DOT: [u8; 4] = [250, 204, 21, 255];
 const EXTRAORDINARY_RING: [u8; 4] = [30, 30, 30, 255];
 
 /// Opacity of a control net behind the surface. At half of it only short ticks beside the visible parts appear in
 /// print; at twice of it the net seems to lie in front of the surface.
-const FAINT: f32 = 0.3;
+const FAINT_NET_OPACITY: f32 = 0.3;
 
 /// Edges with a sharpness.
 const CREASES: &str = "creases";
 /// Edges along latitude lines.
-const LATITUDE: &str = DIRECTIONS[0];
+const LATITUDE: &str = DIRECTION_ITEMS[0];
 /// Edges along longitude lines.
-const LONGITUDE: &str = DIRECTIONS[1];
+const LONGITUDE: &str = DIRECTION_ITEMS[1];
 /// Edges at which texture coordinates are cut.
 const SEAMS: &str = "seams";
 /// Extraordinary vertices of the input.
 const EXTRAORDINARY: &str = "extraordinary";
 
 /// The meaning of lines and dots, and of the colours of names.
-pub(super) const LEGEND: &str = "legend";
+pub(super) const LEGEND_ITEM: &str = "legend";
 
 /// Lines that show tags of the input, with their colours, the undermost first.
-const TAGS: [(&str, [u8; 4]); 4] = [
+const TAG_LINES: [(&str, [u8; 4]); 4] = [
     (SEAMS, [132, 204, 22, 255]),
     (LONGITUDE, [126, 34, 206, 255]),
     (LATITUDE, [4, 120, 87, 255]),
@@ -60,12 +60,12 @@ pub(crate) const SHOWN: &[&str] = &[
     LONGITUDE,
     SEAMS,
     EXTRAORDINARY,
-    LEGEND,
+    LEGEND_ITEM,
 ];
 
 /// Returns whether the refined mesh itself is shown, and not only the control net.
 pub(crate) fn shows_body(options: &Options<'_>) -> bool {
-    SHOWN.iter().any(|item| !matches!(*item, "control" | "points" | LEGEND) && shading::shows(options, item))
+    SHOWN.iter().any(|item| !matches!(*item, "control" | "points" | LEGEND_ITEM) && shading::shows(options, item))
 }
 
 /// Returns the shown item that refers to single edges or vertices of the input, if any.
@@ -83,11 +83,11 @@ pub(super) fn meanings(options: &Options<'_>) -> Vec<(&'static str, LegendSample
     };
     let wire = options.wire_color(WIRE);
     let mut all = vec![
-        ("points", "control points", dot(options.point_color(POINT), [255; 4])),
-        ("control", "control net", line(1.6, options.control_color(CONTROL))),
+        ("points", "control points", dot(options.point_color(CONTROL_POINT_INK), [255; 4])),
+        ("control", "control net", line(1.6, options.control_color(CONTROL_NET_INK))),
         (EXTRAORDINARY, EXTRAORDINARY, dot(EXTRAORDINARY_DOT, EXTRAORDINARY_RING)),
     ];
-    all.extend(TAGS.iter().rev().map(|(name, color)| (*name, *name, line(3.4, *color))));
+    all.extend(TAG_LINES.iter().rev().map(|(name, color)| (*name, *name, line(3.4, *color))));
     all.push((ISOLINES, "edges of the input", line(2.2, wire)));
     all.push(("wireframe", "edges of faces", line(1.3, wire)));
     all.into_iter().filter(|(item, ..)| shading::shows(options, item)).map(|(_, name, key)| (name, key)).collect()
@@ -97,8 +97,8 @@ pub(super) fn meanings(options: &Options<'_>) -> Vec<(&'static str, LegendSample
 pub(super) struct MeshLines<'a> {
     wires: Vec<[u32; 2]>,
     isolines: Vec<[u32; 2]>,
-    /// In the order of [`TAGS`].
-    tags: [Vec<[u32; 2]>; TAGS.len()],
+    /// In the order of [`TAG_LINES`].
+    tags: [Vec<[u32; 2]>; TAG_LINES.len()],
     extraordinary: Vec<[u32; 2]>,
     net: ControlLines<'a>,
 }
@@ -114,8 +114,8 @@ impl<'a> MeshLines<'a> {
         let shows = |item| shading::shows(options, item);
         let all = 0..mesh.input_cells()[1];
         let input = scene.control.mesh();
-        let mut tags: [Vec<[u32; 2]>; TAGS.len()] = Default::default();
-        for ((name, _), lines) in TAGS.iter().zip(&mut tags).filter(|((name, _), _)| shows(name)) {
+        let mut tags: [Vec<[u32; 2]>; TAG_LINES.len()] = Default::default();
+        for ((name, _), lines) in TAG_LINES.iter().zip(&mut tags).filter(|((name, _), _)| shows(name)) {
             *lines = match (*name, input) {
                 (SEAMS, _) => seams(mesh, watch)?,
                 (name, Some(input)) => pieces(mesh, tagged(input, name).into_iter(), watch)?,
@@ -162,7 +162,7 @@ impl<'a> MeshLines<'a> {
             crowding: Crowding::Keep,
             hidden: 0.0,
         };
-        let faint = |strokes| Strokes { hidden: FAINT, ..strokes };
+        let faint = |strokes| Strokes { hidden: FAINT_NET_OPACITY, ..strokes };
         let wire = options.wire_color(WIRE);
         let mut strokes = Vec::new();
         strokes.push(Strokes { crowding: Crowding::Fade, ..line(surface, &self.wires, 1.3 * wide, wire) });
@@ -170,18 +170,23 @@ impl<'a> MeshLines<'a> {
         let fine = if shading::is_drawing(options.values) { 1.2 } else { 2.2 };
         strokes.push(line(surface, &self.isolines, fine * wide, wire));
         strokes.push(line(surface, contours, 3.2 * wide, wire));
-        for ((_, color), lines) in TAGS.iter().zip(&self.tags) {
+        for ((_, color), lines) in TAG_LINES.iter().zip(&self.tags) {
             strokes.push(line(surface, lines, 3.4 * wide, *color));
         }
         strokes.push(line(surface, &self.extraordinary, 11.0 * unit, EXTRAORDINARY_RING));
         strokes.push(line(surface, &self.extraordinary, 8.0 * unit, EXTRAORDINARY_DOT));
         let net = &self.net;
         if shows("control") {
-            strokes.push(faint(line(&net.positions, &net.edges, thin * wide, options.control_color(CONTROL))));
+            strokes.push(faint(line(&net.positions, &net.edges, thin * wide, options.control_color(CONTROL_NET_INK))));
         }
         if shows("points") {
             strokes.push(line(&net.positions, &net.points, 1.31 * small * unit, ring));
-            strokes.push(faint(line(&net.positions, &net.points, small * unit, options.point_color(POINT))));
+            strokes.push(faint(line(
+                &net.positions,
+                &net.points,
+                small * unit,
+                options.point_color(CONTROL_POINT_INK),
+            )));
         }
         strokes.retain(|strokes| !strokes.segments.is_empty());
         strokes

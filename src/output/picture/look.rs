@@ -2,7 +2,7 @@
 
 use super::coat::{self, Coat};
 use super::contours;
-use super::lines::LEGEND;
+use super::lines::LEGEND_ITEM;
 use super::number_scale::{NumberScale, symmetric};
 use super::options::Options;
 use super::shading::{self, SURFACE, ShadedQuantity};
@@ -22,12 +22,12 @@ use crate::watch::Watch;
 /// Least upper end of the default range of mean curvature, times half the longest side of the mesh; Gaussian curvature
 /// has its square. Surfaces whose radius of curvature is a thousand times their size look flat. Half of it shows what
 /// rounding to f32 does to flat meshes of 100 vertices a side; twice of it hides faint bulges.
-const FLAT: f64 = 1e-3;
+const LEAST_CURVATURE_RANGE: f64 = 1e-3;
 
 /// Least upper end of the default range of distances, in half the longest side of the mesh: ten times what rounding to
 /// f32 moves a point. Half or twice of it makes a difference only for meshes of single precision, where the picture
 /// shows the roundings.
-const SAME: f64 = 1e-6;
+const LEAST_DISTANCE_RANGE: f64 = 1e-6;
 
 /// The look of a surface.
 #[derive(Debug)]
@@ -81,7 +81,7 @@ fn by_curvature(
     watch: &Watch,
 ) -> Result<Coat, FormatError> {
     let found = curvatures(mesh, positions, watch)?;
-    let flat = FLAT * normals::scale(positions);
+    let flat = LEAST_CURVATURE_RANGE * normals::scale(positions);
     let (numbers, least) = match measure {
         ShadedQuantity::Gaussian => (found.gaussian, flat * flat),
         _ => (found.mean, flat),
@@ -104,7 +104,7 @@ fn by_distance(
     // there is no distance if the other mesh has no faces
     distances.iter_mut().filter(|distance| !distance.is_finite()).for_each(|distance| *distance = 0.0);
     // smaller distances come from rounding
-    let least = SAME / normals::scale(positions);
+    let least = LEAST_DISTANCE_RANGE / normals::scale(positions);
     let scale = NumberScale::new(&distances, options, ColorMap::VIRIDIS, |[_, most]| [0.0, most.max(least)]);
     Ok(Coat::numbers(&distances, None, scale))
 }
@@ -119,30 +119,31 @@ pub(crate) fn work(options: &Values, counts: &Counts, pixels: u128) -> u128 {
     /// Rows for a search of the tree, for a corner of a face in three sums, and for a pixel of stripes, which takes
     /// twelve quotients and roots: 2 us, 100 ns and 300 ns, estimates from pictures of the animal of the examples at
     /// level 5.
-    const ROWS: [u128; 3] = [20, 1, 3];
+    const COLORING_ROWS: [u128; 3] = [20, 1, 3];
     let numbers = match shading::measure(options) {
-        Some(ShadedQuantity::Distance) => counts.vertices.saturating_mul(ROWS[0]),
-        Some(_) => counts.half_edges.saturating_mul(ROWS[1]),
+        Some(ShadedQuantity::Distance) => counts.vertices.saturating_mul(COLORING_ROWS[0]),
+        Some(_) => counts.half_edges.saturating_mul(COLORING_ROWS[1]),
         None => 0,
     };
-    numbers.saturating_add(if shading::is_finished(options) { pixels.saturating_mul(ROWS[2]) } else { 0 })
+    numbers.saturating_add(if shading::is_finished(options) { pixels.saturating_mul(COLORING_ROWS[2]) } else { 0 })
 }
 
 /// Returns the memory in bytes for the numbers of `vertices` vertices, for lines and for the legend.
 pub(crate) fn memory(options: &Values, vertices: u128, pixels: u128, counts: &Counts) -> u128 {
-    let lines = if shading::is_drawing(options) { counts.half_edges.saturating_mul(contours::CORNER_BYTES) } else { 0 };
+    let lines =
+        if shading::is_drawing(options) { counts.half_edges.saturating_mul(contours::CONTOUR_CORNER_BYTES) } else { 0 };
     // the picture without its legend, and the legend, twice
-    let has_legend = are_numbers(&counts.attachments, options) || options.has("show", LEGEND);
+    let has_legend = are_numbers(&counts.attachments, options) || options.has("show", LEGEND_ITEM);
     let legend = if has_legend { pixels.saturating_mul(8) } else { 0 };
     let numbers = match shading::measure(options) {
         // numbers and their shares, and the tree
         Some(ShadedQuantity::Distance) => {
             // a mesh has fewer triangles than half-edges
-            let net = (counts.input_edges as u128).saturating_mul(2 * nearest::TRIANGLE_BYTES);
+            let net = (counts.input_edges as u128).saturating_mul(2 * nearest::TREE_TRIANGLE_BYTES);
             vertices.saturating_mul(8 + 4).saturating_add(net).saturating_add(counts.control.saturating_mul(24))
         }
         // also the buffer in which their range is found
-        Some(_) => vertices.saturating_mul(mesh_curvature::VERTEX_BYTES + 16 + 4),
+        Some(_) => vertices.saturating_mul(mesh_curvature::CURVATURE_VERTEX_BYTES + 16 + 4),
         None => 0,
     };
     lines.saturating_add(legend).saturating_add(numbers)

@@ -1,7 +1,7 @@
 //! The names in the legend of a picture of a mesh: of the colours of faces, and of lines and dots.
 
 use super::coat::COLOR_BY;
-use super::lines::{self, LEGEND};
+use super::lines::{self, LEGEND_ITEM};
 use super::options::Options;
 use super::shading::{self, SURFACE};
 use crate::drawing::{Color, FontWeight, Label, LegendEntry, LegendSample};
@@ -16,7 +16,7 @@ use crate::shape::topology::NONE;
 
 /// Returns the entries of the legend of a picture of a mesh with the attachments `carried`; none if it is not shown.
 pub(super) fn entries(carried: &Attachments, options: &Options<'_>) -> Vec<LegendEntry> {
-    if !options.values.has("show", LEGEND) {
+    if !options.values.has("show", LEGEND_ITEM) {
         return Vec::new();
     }
     let labels = match options.values.choice(COLOR_BY.name) {
@@ -35,8 +35,10 @@ pub(super) fn entries(carried: &Attachments, options: &Options<'_>) -> Vec<Legen
         found.extend(label("without a name").map(|label| LegendEntry { key, label }));
     }
     if shading::shows_normals(options) {
-        let axis = |k: usize| label(AXES[k]).map(|label| LegendEntry { key: LegendSample::Area(axis_color(k)), label });
-        found.extend((0..AXES.len()).filter_map(axis));
+        let axis = |k: usize| {
+            label(AXIS_MEANINGS[k]).map(|label| LegendEntry { key: LegendSample::Area(axis_color(k)), label })
+        };
+        found.extend((0..AXIS_MEANINGS.len()).filter_map(axis));
     }
     let line = |(name, key): (&str, LegendSample)| label(name).map(|label| LegendEntry { key, label });
     found.extend(lines::meanings(options).into_iter().filter_map(line));
@@ -46,7 +48,7 @@ pub(super) fn entries(carried: &Attachments, options: &Options<'_>) -> Vec<Legen
 /// Refuses a legend without entries.
 pub(crate) fn check(kind: ShapeKind, carried: &Attachments, values: &Values) -> Result<(), Fault> {
     let has_no_entries = || entries(carried, &Options::new(values, Frame::default())).is_empty();
-    if kind == ShapeKind::Mesh && values.has("show", LEGEND) && has_no_entries() {
+    if kind == ShapeKind::Mesh && values.has("show", LEGEND_ITEM) && has_no_entries() {
         let detail = "there is nothing that a \"legend\" could explain: it tells the names of groups or materials that \
                       \"color_by\" shows, the colours of normals, and what lines and dots are";
         return Err(Fault::new("/show", detail));
@@ -55,7 +57,7 @@ pub(crate) fn check(kind: ShapeKind, carried: &Attachments, values: &Values) -> 
 }
 
 /// What the colours of normals along the positive axes stand for.
-const AXES: [&str; 3] = ["normal +x", "normal +y", "normal +z"];
+const AXIS_MEANINGS: [&str; 3] = ["normal +x", "normal +y", "normal +z"];
 
 /// Returns the colour of a normal along axis `k`.
 fn axis_color(k: usize) -> Color {

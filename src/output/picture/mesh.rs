@@ -66,16 +66,16 @@ pub(crate) fn picture(
 
 /// Number of faces that a thread cuts into triangles at a time. Half of it queries the mesh twice as often; twice of it
 /// leaves small meshes to fewer threads.
-const PART: usize = 4096;
+const FACES_PER_TASK: usize = 4096;
 
 fn triangulated(mesh: &dyn MeshSource, watch: &Watch) -> Result<Vec<[u32; 3]>, Stopped> {
     let n_faces = mesh.n_faces();
     let mut all = vec![[0; 3]; mesh.n_half_edges().saturating_sub(2 * n_faces)];
     // if all faces have equally many vertices, as after any split, each part has this many triangles
-    let share = PART * (all.len() / n_faces.max(1)).max(1);
+    let share = FACES_PER_TASK * (all.len() / n_faces.max(1)).max(1);
     let cut = |chunk: &mut FaceChunk, (i, places): (usize, &mut [[u32; 3]])| {
         watch.check()?;
-        mesh.faces(n_faces.min(i * PART)..n_faces.min((i + 1) * PART), chunk);
+        mesh.faces(n_faces.min(i * FACES_PER_TASK)..n_faces.min((i + 1) * FACES_PER_TASK), chunk);
         if let Some(quads) = chunk.rows::<4>().filter(|quads| 2 * quads.len() == places.len()) {
             let halves = places.as_chunks_mut().0.iter_mut().zip(quads);
             halves.for_each(|(halves, &[a, b, c, d])| *halves = [[a, b, c], [a, c, d]]);

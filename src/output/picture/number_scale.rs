@@ -28,7 +28,7 @@ pub(crate) const COLOR_BAR: Parameter = Parameter::optional(
 /// Share of the surface whose curvature is within the default range. Curvature grows without bound towards
 /// extraordinary vertices of many schemes, and is large on small details: at 97.5 % these pale the rest of meshes with
 /// details, at 90 % a tenth of all surfaces has the colours of the ends.
-const WITHIN: f64 = 0.95;
+const RANGE_SHARE: f64 = 0.95;
 
 /// A mapping of numbers to colours.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -75,14 +75,14 @@ impl NumberScale {
     }
 }
 
-/// Returns a range symmetric about 0, at least from `-least` to `least`, that contains [`WITHIN`] of the numbers by
-/// weight. Weights are not negative.
+/// Returns a range symmetric about 0, at least from `-least` to `least`, that contains [`RANGE_SHARE`] of the numbers
+/// by weight. Weights are not negative.
 pub(super) fn symmetric(numbers: &[f64], weights: &[f64], least: f64) -> [f64; 2] {
     let sizes = numbers.iter().zip(weights).filter(|(_, weight)| **weight > 0.0);
     let mut sizes: Vec<[f64; 2]> = sizes.map(|(x, weight)| [x.abs(), *weight]).collect();
     // equal sizes are ordered by weight, so that sums do not depend on how threads sort
     sizes.par_sort_unstable_by(|a, b| a[0].total_cmp(&b[0]).then(a[1].total_cmp(&b[1])));
-    let most = WITHIN * sizes.iter().map(|[_, weight]| weight).sum::<f64>();
+    let most = RANGE_SHARE * sizes.iter().map(|[_, weight]| weight).sum::<f64>();
     let mut sum = 0.0;
     let size = sizes.iter().find(|[_, weight]| {
         sum += weight;

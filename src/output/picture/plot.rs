@@ -59,7 +59,7 @@ const LEAST_TEXT_PX: f32 = 9.0;
 /// long on each side. Longer teeth may leave it.
 const COMB_ZOOM: f64 = 0.8;
 /// Colour of titles.
-const INK: Color = [15, 23, 42, 255];
+const TITLE_INK: Color = [15, 23, 42, 255];
 
 /// Refuses labels that cannot be typeset.
 fn check_labels(options: &Values) -> Result<(), Fault> {
@@ -212,7 +212,7 @@ impl PlotArea {
             #[expect(clippy::cast_precision_loss, reason = "pictures have some thousand pixels a side")]
             let at = [0.5 * options.size[0] as f32, 1.5 * self.size_px];
             let (anchor, level) = (HorizontalAlign::Middle, VerticalAlign::Baseline);
-            let text = Text { label, at, size_px: 1.1 * self.size_px, anchor, level, turn_deg: 0.0, color: INK };
+            let text = Text { label, at, size_px: 1.1 * self.size_px, anchor, level, turn_deg: 0.0, color: TITLE_INK };
             items.push(Item::new("title", Mark::Text(text)));
         }
         Drawing { size: options.size, background: options.background, title: spoken, items }

@@ -1,6 +1,6 @@
 //! Draws the sections of a mesh, each in the frame of its plane.
 
-use super::drawing::CURVE;
+use super::drawing::CURVE_INK;
 use super::easel::Easel;
 use super::options::Options;
 use crate::drawing::{Drawing, Item, Stroke};
@@ -13,9 +13,9 @@ use crate::raster::View;
 use crate::watch::Watch;
 
 /// Width of the lines, in units of line width.
-const WIDTH: f32 = 2.2;
+const SECTION_WIDTH: f32 = 2.2;
 /// Gap between two sections, as a share of the larger side of the largest section.
-const GAP: f64 = 0.1;
+const SECTION_GAP: f64 = 0.1;
 
 /// Draws the sections, an item for each plane in their order.
 ///
@@ -36,7 +36,7 @@ pub(crate) fn drawing(
     arrange(&mut drawn, options.size);
     let shown: Vec<&Curve> = drawn.iter().flatten().collect();
     let easel = Easel::new(&shown, View { target: None, ..options.view() }, options.size);
-    let stroke = Stroke::solid(WIDTH * options.unit_px(), options.color(CURVE));
+    let stroke = Stroke::solid(SECTION_WIDTH * options.unit_px(), options.color(CURVE_INK));
     let item = |curves: &Vec<Curve>| Ok(Item::lines("section", easel.runs(curves, watch)?, stroke.clone()));
     let items = drawn.iter().map(item).collect::<Result<_, FormatError>>()?;
     Ok(Drawing {
@@ -74,7 +74,7 @@ fn flat(polylines: &[Polyline], axes: [[f64; 3]; 2]) -> Vec<Curve> {
 fn arrange(drawn: &mut [Vec<Curve>], size: [u32; 2]) {
     let boxes: Vec<[[f64; 2]; 2]> = drawn.iter().map(|curves| bounds(curves)).collect();
     let side = |k: usize| boxes.iter().map(|[low, high]| high[k] - low[k]).fold(0.0, f64::max);
-    let gap = GAP * side(0).max(side(1));
+    let gap = SECTION_GAP * side(0).max(side(1));
     let pitch = [side(0) + gap, side(1) + gap];
     let columns = columns(drawn.len(), pitch, size.map(f64::from));
     for (i, (curves, [low, high])) in drawn.iter_mut().zip(boxes).enumerate() {

@@ -10,7 +10,19 @@ use crate::raster::{Finish, StripePattern, Stripes};
 /// How a surface is shown.
 pub(crate) const SHADING: Parameter = Parameter::choice(
     "shading",
-    &["smooth", "flat", "matcap", NORMALS, HIDDEN_LINE, GAUSSIAN, MEAN, ZEBRA, REFLECTION_LINES, ISOPHOTES, DISTANCE],
+    &[
+        "smooth",
+        "flat",
+        "matcap",
+        NORMALS_SHADING,
+        HIDDEN_LINE,
+        GAUSSIAN,
+        MEAN,
+        ZEBRA,
+        REFLECTION_LINES,
+        ISOPHOTES,
+        DISTANCE,
+    ],
     "How the surface of a mesh is shown. Lit: smooth or by its faces (flat), as clay in a studio (matcap). As a \
      drawing: in the colour of the paper, with its outline, boundary, hard edges and the edges of the input \
      (hidden-line). Inspected: the normal as a colour (normals), colours of curvature (gaussian-curvature, \
@@ -42,7 +54,7 @@ pub(crate) const STRIPE_DIRECTION: Parameter = Parameter::optional(
 /// Default colour of surfaces.
 pub(super) const SURFACE: [u8; 4] = [112, 160, 222, 255];
 
-const NORMALS: &str = "normals";
+const NORMALS_SHADING: &str = "normals";
 pub(super) const HIDDEN_LINE: &str = "hidden-line";
 const GAUSSIAN: &str = "gaussian-curvature";
 const MEAN: &str = "mean-curvature";
@@ -89,11 +101,11 @@ pub fn shows_distances(options: &Values) -> bool {
 }
 
 /// The default items of a picture of a mesh: shaded, and as a drawing of lines.
-const DEFAULT_SHOW: [&[&str]; 2] = [&["surface"], &["surface", ISOLINES]];
+const DEFAULT_SURFACE_ITEMS: [&[&str]; 2] = [&["surface"], &["surface", ISOLINES]];
 
 /// Returns whether a picture of a mesh shows an item.
 pub(crate) fn shows(options: &Options<'_>, item: &str) -> bool {
-    options.shows(item, DEFAULT_SHOW[usize::from(is_drawing(options.values))])
+    options.shows(item, DEFAULT_SURFACE_ITEMS[usize::from(is_drawing(options.values))])
 }
 
 /// Returns whether the shading is a drawing of the lines of the surface.
@@ -103,7 +115,7 @@ pub(super) fn is_drawing(options: &Values) -> bool {
 
 /// Returns whether the colours of a picture with these options are normals.
 pub(super) fn shows_normals(options: &Options<'_>) -> bool {
-    options.values.choice(SHADING.name) == Some(NORMALS) && shows(options, "surface")
+    options.values.choice(SHADING.name) == Some(NORMALS_SHADING) && shows(options, "surface")
 }
 
 fn pattern(options: &Values) -> Option<(&'static str, StripePattern, u8)> {
@@ -125,7 +137,7 @@ pub(super) fn finish(options: &Options<'_>, right: [f64; 3]) -> Option<Finish> {
     }
     match options.values.choice(SHADING.name)? {
         "matcap" => Some(Finish::Matcap),
-        NORMALS => Some(Finish::Normals),
+        NORMALS_SHADING => Some(Finish::Normals),
         HIDDEN_LINE => Some(Finish::Bare),
         GAUSSIAN | MEAN | DISTANCE => Some(Finish::Matt),
         _ => None,
@@ -163,7 +175,7 @@ pub(crate) fn check(kind: ShapeKind, options: &Values) -> Result<(), Fault> {
         let detail = format!("\"{shading}\" has colours of its own; leave \"color_by\" or \"shading\" out");
         return Err(Fault::new("/color_by", detail));
     }
-    if (measure(options).is_some() || shading == NORMALS) && options.color("color").is_some() {
+    if (measure(options).is_some() || shading == NORMALS_SHADING) && options.color("color").is_some() {
         return Err(Fault::new("/color", format!("the colours of \"{shading}\" are numbers; leave it out")));
     }
     for option in [STRIPES, STRIPE_DIRECTION] {

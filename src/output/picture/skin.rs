@@ -20,9 +20,9 @@ use crate::watch::Watch;
 
 /// Bytes of memory for each pixel while an image is decoded: as it is stored (at most 8), its coefficients (6) or its
 /// bytes (3), and the texels that are kept with their smaller copies (4).
-const PIXEL_BYTES: u128 = 18;
+const DECODED_PIXEL_BYTES: u128 = 18;
 /// Pixels of an image that are decoded in the time of a row, 100 ns.
-const PIXELS_A_ROW: u128 = 4;
+const DECODED_PIXELS_A_ROW: u128 = 4;
 
 /// Returns whether materials give faces a look of their own.
 pub(super) fn is_said(carried: &Attachments) -> bool {
@@ -48,12 +48,12 @@ pub(super) fn has_images(carried: &Attachments) -> bool {
 
 /// Returns the memory for the images of materials, bytes.
 pub(super) fn memory(carried: &Attachments) -> u128 {
-    pixels(carried) * PIXEL_BYTES
+    pixels(carried) * DECODED_PIXEL_BYTES
 }
 
 /// Returns the work of decoding the images, rows.
 pub(super) fn work(carried: &Attachments) -> u128 {
-    pixels(carried) / PIXELS_A_ROW
+    pixels(carried) / DECODED_PIXELS_A_ROW
 }
 
 fn pixels(carried: &Attachments) -> u128 {

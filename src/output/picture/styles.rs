@@ -10,12 +10,12 @@ const MAX_STYLES: usize = 64;
 /// The styles of single curves.
 pub(crate) const STYLES: Parameter = Parameter::optional(
     "styles",
-    ParameterKind::Groups { fields: FIELDS, most: MAX_STYLES },
+    ParameterKind::Groups { fields: STYLE_FIELDS, most: MAX_STYLES },
     "Looks of the polygons' curves, one each in their order and from the first again where there are more \
      polygons. Curves only.",
 );
 
-const FIELDS: &[Parameter] = &[
+const STYLE_FIELDS: &[Parameter] = &[
     Parameter::optional(
         "color",
         ParameterKind::Color,

@@ -30,7 +30,7 @@ const TEXT: Parameter = Parameter::choice(
 );
 
 /// The options of these formats.
-pub(crate) const PARAMETERS: &[Parameter] = &[
+pub(crate) const VECTOR_OPTIONS: &[Parameter] = &[
     WIDTH,
     HEIGHT,
     BACKGROUND,

@@ -8,10 +8,10 @@ use crate::shape::attachments::{Attachments, Channel};
 use crate::shape::labels::Labels;
 
 /// Names of the properties of a colour.
-const COLORS: [&str; 4] = ["red", "green", "blue", "alpha"];
+const COLOR_PROPERTIES: [&str; 4] = ["red", "green", "blue", "alpha"];
 
 /// Maximum number of bytes of the number of a group or material: four in binary, a blank and three digits in text.
-const LABEL: u128 = 4;
+const LABEL_BYTES: u128 = 4;
 
 /// Returns the lines of the header that list the names of groups and materials by their numbers.
 pub(super) fn remarks(attachments: &Attachments) -> String {
@@ -27,7 +27,7 @@ pub(super) fn vertex_properties(attachments: &Attachments, layout: PlyLayout) ->
     let number = if layout.float { "float" } else { "double" };
     let property = |channel: &Channel| -> Vec<String> {
         if channel.is_color() {
-            return COLORS[..channel.width].iter().map(|name| format!("property uchar {name}\n")).collect();
+            return COLOR_PROPERTIES[..channel.width].iter().map(|name| format!("property uchar {name}\n")).collect();
         }
         channel.number_names().iter().map(|name| format!("property {number} {name}\n")).collect()
     };
@@ -79,7 +79,7 @@ pub(super) fn bytes(attachments: &Attachments, layout: PlyLayout, cells: u128) -
         (true, false) => (1 + cell, cell),
     };
     let uvs = if attachments.uvs.is_some() { 2 * number } else { 0 };
-    (attachments.channels.iter().map(of_channel).sum::<u128>() + uvs + vertex_origin, names * LABEL + face_origin)
+    (attachments.channels.iter().map(of_channel).sum::<u128>() + uvs + vertex_origin, names * LABEL_BYTES + face_origin)
 }
 
 /// Returns whether vertices have any properties besides positions and normals.

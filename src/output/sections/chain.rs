@@ -2,7 +2,7 @@
 
 use rayon::prelude::*;
 
-use crate::output::scene::CHUNK;
+use crate::output::scene::ROWS_PER_CHUNK;
 use crate::shape::topology::{NONE, index};
 use crate::watch::{Stopped, Watch};
 
@@ -43,7 +43,7 @@ pub(super) fn chains(mut segments: Vec<CutSegment>, watch: &Watch) -> Result<Vec
         let mut at = start;
         while !done[at] {
             steps += 1;
-            if steps.is_multiple_of(CHUNK) {
+            if steps.is_multiple_of(ROWS_PER_CHUNK) {
                 watch.check()?;
             }
             done[at] = true;

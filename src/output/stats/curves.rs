@@ -5,7 +5,7 @@ use serde_json::{Value, json};
 use crate::output::bounds::CoordinateBounds;
 use crate::output::error::FormatError;
 use crate::output::positions::unfit;
-use crate::output::scene::{CHUNK, Curve};
+use crate::output::scene::{Curve, ROWS_PER_CHUNK};
 use crate::watch::{Stopped, Watch};
 
 use super::entries::{add_moments, bounding_box, euler, seen_from};
@@ -64,7 +64,7 @@ fn sums<const D: usize>(curves: &[Curve], origin: [f64; D], watch: &Watch) -> Re
     let mut sums = CurveSums { moments: Moments::ZERO, area: 0.0, n_edges: 0 };
     for curve in curves {
         for [a, b] in edges(points::<D>(curve), curve.closed) {
-            if sums.n_edges % CHUNK == 0 {
+            if sums.n_edges % ROWS_PER_CHUNK == 0 {
                 watch.check()?;
             }
             sums.n_edges += 1;

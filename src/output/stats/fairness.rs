@@ -14,10 +14,10 @@ use crate::watch::Watch;
 
 /// Bytes of memory per vertex and per half-edge: curvatures and the weight of each vertex; edges with normals of their
 /// faces, of which there are fewer than a third of the half-edges.
-pub(super) const BYTES: [u128; 2] = [mesh_curvature::VERTEX_BYTES, 12 + 24 / 3];
+pub(super) const FAIRNESS_BYTES: [u128; 2] = [mesh_curvature::CURVATURE_VERTEX_BYTES, 12 + 24 / 3];
 
 /// Maximum number of bytes of the entries.
-pub(super) const LENGTH: u128 = 1_024;
+pub(super) const FAIRNESS_ENTRY_BYTES: u128 = 1_024;
 
 /// Adds entries to a report: `curvature`, whose `gaussian` and `mean` have the least and the greatest value at vertices
 /// with their positions, and the mean over the surface (a vertex is weighted by the area of its faces); and

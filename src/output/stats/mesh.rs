@@ -83,7 +83,7 @@ fn counts(mesh: &dyn MeshSource, connectivity: &Connectivity) -> Value {
 }
 
 /// Number of faces in a partial sum; another number would round differently.
-const BLOCK: usize = 4_096;
+const FACES_PER_SUM: usize = 4_096;
 
 /// The sums over faces.
 struct MeshSums {
@@ -123,9 +123,9 @@ fn sums(mesh: &dyn MeshSource, rows: &[[f64; 3]], origin: [f64; 3], watch: &Watc
     let mut sums = MeshSums::ZERO;
     in_chunks(mesh.n_faces(), |range| {
         watch.check()?;
-        let starts: Vec<usize> = range.clone().step_by(BLOCK).collect();
+        let starts: Vec<usize> = range.clone().step_by(FACES_PER_SUM).collect();
         let block = |faces: &mut FaceChunk, start: usize| {
-            mesh.faces(start..range.end.min(start + BLOCK), faces);
+            mesh.faces(start..range.end.min(start + FACES_PER_SUM), faces);
             MeshSums::of(faces, rows, origin)
         };
         let blocks: Vec<MeshSums> =

@@ -7,7 +7,7 @@ use crate::output::error::FormatError;
 use crate::output::numbers::real;
 
 /// Number of bytes that are buffered before they are written.
-const BLOCK: usize = 1 << 16;
+const STEP_BUFFER_BYTES: usize = 1 << 16;
 
 /// The number of an entity.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -83,21 +83,21 @@ pub(super) struct Entities<'a> {
 
 impl<'a> Entities<'a> {
     pub(super) fn new(out: &'a mut dyn Write) -> Self {
-        Self { out, text: String::with_capacity(BLOCK + 4096), last: 0 }
+        Self { out, text: String::with_capacity(STEP_BUFFER_BYTES + 4096), last: 0 }
     }
 
     /// Writes text that is not an entity.
     pub(super) fn line(&mut self, text: &str) -> Result<(), FormatError> {
         self.text.push_str(text);
         self.text.push('\n');
-        self.flush_above(BLOCK)
+        self.flush_above(STEP_BUFFER_BYTES)
     }
 
     /// Writes an entity.
     pub(super) fn add(&mut self, text: fmt::Arguments<'_>) -> Result<Id, FormatError> {
         self.last += 1;
         writeln!(self.text, "#{}={text};", self.last).map_err(io::Error::other)?;
-        self.flush_above(BLOCK)?;
+        self.flush_above(STEP_BUFFER_BYTES)?;
         Ok(Id(self.last))
     }
 

@@ -8,11 +8,11 @@ use crate::output::numbers::whole;
 use crate::output::scene::MeshSource;
 use crate::output::stream::Stream;
 use crate::shape::attachments::{Attachments, Channel};
-use crate::shape::looks::PLAIN;
+use crate::shape::looks::DEFAULT_COLOR;
 
 /// Ids of the resources.
-const MATERIALS: &str = "1";
-const COLORS: &str = "2";
+const MATERIALS_ID: &str = "1";
+const COLORS_ID: &str = "2";
 
 /// The source of the looks of triangles.
 #[derive(Debug, Clone, Copy)]
@@ -62,8 +62,8 @@ impl<'a> TriangleMaterials<'a> {
             Self::Plain => Ok(()),
             Self::Materials(mesh) => {
                 let carried = mesh.attachments();
-                let mut text = format!("<basematerials id=\"{MATERIALS}\">\n");
-                let plain = PLAIN.map(f64::from);
+                let mut text = format!("<basematerials id=\"{MATERIALS_ID}\">\n");
+                let plain = DEFAULT_COLOR.map(f64::from);
                 let plain = [encoded(plain[0]), encoded(plain[1]), encoded(plain[2]), plain[3]];
                 let mut base = |name: &str, color: [f64; 4]| {
                     let (name, color) = (escaped(name), hexadecimal(&color));
@@ -79,7 +79,7 @@ impl<'a> TriangleMaterials<'a> {
                 stream.bytes(text.as_bytes())
             }
             Self::Colors(mesh, channel) => {
-                stream.bytes(format!("<m:colorgroup id=\"{COLORS}\">\n").as_bytes())?;
+                stream.bytes(format!("<m:colorgroup id=\"{COLORS_ID}\">\n").as_bytes())?;
                 let width = mesh.attachments().channels[channel].width;
                 stream.channel(mesh, channel, |_, values, out| {
                     out.append(|out| {
@@ -102,9 +102,9 @@ impl<'a> TriangleMaterials<'a> {
             Self::Materials(mesh) => {
                 let materials = &mesh.attachments().materials;
                 let usual = if materials.differ() { materials.names.len() } else { 0 };
-                format!(" pid=\"{MATERIALS}\" pindex=\"{usual}\"")
+                format!(" pid=\"{MATERIALS_ID}\" pindex=\"{usual}\"")
             }
-            Self::Colors(..) => format!(" pid=\"{COLORS}\" pindex=\"0\""),
+            Self::Colors(..) => format!(" pid=\"{COLORS_ID}\" pindex=\"0\""),
         }
     }
 

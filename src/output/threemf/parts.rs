@@ -9,8 +9,8 @@ use crate::watch::Watch;
 pub(super) const MAX_PARTS: usize = 10_000;
 
 /// Bytes of memory of the parts, besides positions, per vertex and per triangle.
-pub(super) const VERTEX_BYTES: u128 = 24 + 16;
-pub(super) const TRIANGLE_BYTES: u128 = 20;
+pub(super) const PART_VERTEX_BYTES: u128 = 24 + 16;
+pub(super) const PART_TRIANGLE_BYTES: u128 = 20;
 
 /// The parts of a mesh, in the order of their first triangles.
 #[derive(Debug)]

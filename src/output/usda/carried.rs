@@ -13,7 +13,7 @@ use crate::shape::labels::Labels;
 use crate::shape::looks::{Alpha, Look};
 
 /// Names of primvars that have a meaning in USD.
-const TAKEN: [&str; 4] = ["st", "normals", "displayColor", "displayOpacity"];
+const USD_PRIMVARS: [&str; 4] = ["st", "normals", "displayColor", "displayOpacity"];
 
 /// Writes texture coordinates and channels.
 pub(super) fn primvars(mesh: &dyn MeshSource, stream: &mut Stream<'_>) -> Result<(), FormatError> {
@@ -42,7 +42,7 @@ pub(super) fn primvars(mesh: &dyn MeshSource, stream: &mut Stream<'_>) -> Result
 }
 
 fn name(channel: &Channel) -> String {
-    let space = if TAKEN.contains(&channel.name.as_str()) { "channel:" } else { "" };
+    let space = if USD_PRIMVARS.contains(&channel.name.as_str()) { "channel:" } else { "" };
     format!("primvars:{space}{}", channel.name)
 }
 

@@ -6,7 +6,7 @@ use rayon::prelude::*;
 
 use super::grid::at_least;
 use super::kernel::{FlatGroup, FlatMask};
-use super::lattice::{AXES, CornerFrame, axis, corner, last};
+use super::lattice::{CornerFrame, LATTICE_AXES, axis, corner, last};
 use super::program::Sweep;
 use super::star::StarShape;
 use super::stencils::{Stencil, Stencils};
@@ -18,7 +18,7 @@ use crate::watch::{Stopped, Watch};
 /// Rows of a patch that are evaluated at a time, so that they stay with their neighbours in the cache of a core. With
 /// half as many, a tenth of all rows are gathered twice; with twice as many, patches of 512 pieces and more leave the
 /// cache.
-pub(super) const BAND: usize = 32;
+pub(super) const ROWS_PER_BAND: usize = 32;
 
 /// How the functionals at a point are combined into its value.
 #[derive(Debug, Clone, Copy)]
@@ -64,9 +64,9 @@ impl Sweep {
         let run = PatchEvaluator::new(self, points, stencils, rule);
         let made = self.tasks(rest).into_par_iter().map_init(BandBuffers::<W>::default, |buffers, mut task| {
             for patch in task.patches.clone() {
-                for first in (0..=run.n).step_by(BAND) {
+                for first in (0..=run.n).step_by(ROWS_PER_BAND) {
                     watch.check()?;
-                    run.band(patch, first..(first + BAND).min(run.n + 1), buffers, &mut task);
+                    run.band(patch, first..(first + ROWS_PER_BAND).min(run.n + 1), buffers, &mut task);
                 }
                 watch.advance((run.n * run.n) as u64);
             }
@@ -111,7 +111,7 @@ impl<'a, const W: usize> PatchEvaluator<'a, W> {
     pub(super) fn new(sweep: &'a Sweep, points: &'a [[f64; W]], stencils: &'a Stencils, rule: ValueRule<W>) -> Self {
         let n = sweep.patch_pieces();
         let stride = n + 3;
-        let len = (BAND + 2) * stride * W;
+        let len = (ROWS_PER_BAND + 2) * stride * W;
         let distance = |[i, j]: [isize; 2]| (j * stride.cast_signed() + i) * W.cast_signed();
         let group = |&(place, weight): &([isize; 2], f64)| FlatGroup { weight, members: vec![(0, distance(place))] };
         let mask = |weights: &Vec<([isize; 2], f64)>| {
@@ -128,7 +128,7 @@ impl<'a, const W: usize> PatchEvaluator<'a, W> {
 
     /// Evaluates the points in some rows of a patch.
     fn band(&self, patch: usize, rows: Range<usize>, buffers: &mut BandBuffers<W>, task: &mut PatchRun<'_, W>) {
-        let len = (BAND + 2) * (self.n + 3);
+        let len = (ROWS_PER_BAND + 2) * (self.n + 3);
         at_least(&mut buffers.points, len * W);
         self.gather(patch, &rows, |v| self.points[v as usize], buffers.points.as_chunks_mut().0);
         buffers.functionals.resize_with(self.masks.len(), Vec::new);
@@ -235,7 +235,7 @@ impl<'a, const W: usize> PatchEvaluator<'a, W> {
             let frame = CornerFrame::new(surface.tile, n, side, 0);
             // stencils of boundaries have the faces on the left, so they are rotated by a half turn on sides that run
             // backwards
-            let turn = if frame.along() == AXES[axis(surface.tile, side)] { 1 } else { -1 };
+            let turn = if frame.along() == LATTICE_AXES[axis(surface.tile, side)] { 1 } else { -1 };
             let owned = surface.patches.halves(surface.patches.edge(half_edge) as usize)[0] == half_edge;
             for steps in self.steps(frame.along(), frame.corner()[1], &reach) {
                 let place = frame.place([steps, 0]);

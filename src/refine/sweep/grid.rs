@@ -3,7 +3,7 @@
 use std::ops::{Range, RangeInclusive};
 
 use super::kernel::{FlatGroup, FlatMask, sum_at};
-use super::lattice::{AXES, after, cell};
+use super::lattice::{LATTICE_AXES, after, cell};
 use super::mask::{LineMasks, Pass};
 use super::planes::{MaskGroup, PLANES, PlaneMask};
 
@@ -237,7 +237,7 @@ fn draw_line(
     for (point, mask) in masks[line.axis].iter().enumerate() {
         let (plane, start) = if point == 0 { (0, line.from) } else { after(line.axis, line.from) };
         for steps in steps_on_line(line.axis, start, mask.reach, size) {
-            let at = size.at([0, 1].map(|k| start[k] + steps * AXES[line.axis][k]));
+            let at = size.at([0, 1].map(|k| start[k] + steps * LATTICE_AXES[line.axis][k]));
             for (k, x) in (at..).zip(&mut next[plane][at..at + size.width]) {
                 *x = sum_at(&mask.groups, source, k);
             }
@@ -251,7 +251,7 @@ fn steps_on_line(axis: usize, start: [isize; 2], reach: [[isize; 2]; 2], size: G
     let (mut least, mut most) = (-high - size.halo.cast_signed(), high + size.halo.cast_signed());
     for k in 0..2 {
         let (back, onward) = (low - start[k] - reach[0][k].min(0), high - start[k] - reach[1][k].max(0));
-        match AXES[axis][k] {
+        match LATTICE_AXES[axis][k] {
             1 => (least, most) = (least.max(back), most.min(onward)),
             -1 => (least, most) = (least.max(-onward), most.min(-back)),
             _ if back > 0 || onward < 0 => most = least - 1,

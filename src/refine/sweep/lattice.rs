@@ -110,7 +110,7 @@ pub(super) fn axis(tile: Tile, side: usize) -> usize {
 }
 
 /// The directions of the axes along which sides of patches run; only triangles have sides along the third one.
-pub(super) const AXES: [[isize; 2]; 3] = [[1, 0], [0, 1], [-1, 1]];
+pub(super) const LATTICE_AXES: [[isize; 2]; 3] = [[1, 0], [0, 1], [-1, 1]];
 
 /// Returns the plane and the cell of a place on the refined grid.
 #[inline]
@@ -125,5 +125,5 @@ pub(super) fn fine(plane: usize, cell: [isize; 2]) -> [isize; 2] {
 
 /// Returns the plane and the cell of the point that follows the vertex at a cell along an axis.
 pub(super) fn after(axis: usize, vertex: [isize; 2]) -> (usize, [isize; 2]) {
-    cell(std::array::from_fn(|k| 2 * vertex[k] + AXES[axis][k]))
+    cell(std::array::from_fn(|k| 2 * vertex[k] + LATTICE_AXES[axis][k]))
 }

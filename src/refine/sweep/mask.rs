@@ -9,8 +9,8 @@ use crate::math::functions::ratio;
 use crate::scheme::plan::{Plan, Scheduled};
 use crate::shape::tile::Tile;
 
-/// The masks on a line for each of the [`AXES`](super::lattice::AXES) along which patches have sides: of vertices and
-/// of edge points.
+/// The masks on a line for each of the [`LATTICE_AXES`](super::lattice::LATTICE_AXES) along which patches have sides:
+/// of vertices and of edge points.
 pub(super) type LineMasks = Vec<[PlaneMask; 2]>;
 
 /// How one step computes the points of the planes.

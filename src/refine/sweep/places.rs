@@ -39,8 +39,8 @@ pub(super) struct Span {
 }
 
 /// The directions of spans along rows and columns.
-const ROW: [isize; 2] = [1, 0];
-const COLUMN: [isize; 2] = [0, 1];
+const ROW_DIRECTION: [isize; 2] = [1, 0];
+const COLUMN_DIRECTION: [isize; 2] = [0, 1];
 
 impl Span {
     /// Returns the place of the last element of the span.
@@ -59,7 +59,7 @@ impl Span {
 
     /// Returns whether the span runs forwards along a row.
     pub(super) fn is_row(&self) -> bool {
-        self.step == ROW
+        self.step == ROW_DIRECTION
     }
 }
 
@@ -90,7 +90,7 @@ impl SweepPlaces {
         let Some(beyond) = v.checked_sub(self.base.n_vertices()) else {
             let half_edge = self.patches.ring(v).next()?;
             let (patch, side) = self.side(half_edge);
-            return Some(Span { patch, from: self.at_side(self.pieces, side, 0), step: ROW, len: 1 });
+            return Some(Span { patch, from: self.at_side(self.pieces, side, 0), step: ROW_DIRECTION, len: 1 });
         };
         let on_edge = self.n - 1;
         Some(match v.checked_sub(self.first_inner()) {
@@ -114,7 +114,7 @@ impl SweepPlaces {
             return Span {
                 patch: first + side,
                 from: [at, 0],
-                step: ROW,
+                step: ROW_DIRECTION,
                 len: (self.pieces - at + 1).min(self.n - at),
             };
         }
@@ -128,19 +128,24 @@ impl SweepPlaces {
         if size == 4 || self.is_whole {
             let from = self.tile.inside(self.n, inner);
             let end = last(self.tile, self.n, from[1]);
-            return self.in_face(f, from, ROW, end - from[0]);
+            return self.in_face(f, from, ROW_DIRECTION, end - from[0]);
         }
         let Some(rest) = inner.checked_sub(1) else {
-            return Span { patch: first, from: [self.pieces; 2], step: ROW, len: 1 };
+            return Span { patch: first, from: [self.pieces; 2], step: ROW_DIRECTION, len: 1 };
         };
         let spoke = self.pieces - 1;
         let Some(rest) = rest.checked_sub(size * spoke) else {
             let at = rest % spoke;
-            return Span { patch: first + rest / spoke, from: [self.pieces, at + 1], step: COLUMN, len: spoke - at };
+            return Span {
+                patch: first + rest / spoke,
+                from: [self.pieces, at + 1],
+                step: COLUMN_DIRECTION,
+                len: spoke - at,
+            };
         };
         let (part, rest) = (rest / (spoke * spoke), rest % (spoke * spoke));
         let (i, j) = (rest % spoke, rest / spoke);
-        Span { patch: first + part, from: [i + 1, j + 1], step: ROW, len: spoke - i }
+        Span { patch: first + part, from: [i + 1, j + 1], step: ROW_DIRECTION, len: spoke - i }
     }
 
     /// Returns a span of at most `len` points in a quad or a triangle, cut where it leaves its patch.
@@ -170,15 +175,20 @@ impl SweepPlaces {
         if self.base.face(f).len() == 4 {
             let (i, j) = (local % n, local / n);
             if self.is_whole {
-                return Span { patch: f, from: [i, j], step: ROW, len: n - i };
+                return Span { patch: f, from: [i, j], step: ROW_DIRECTION, len: n - i };
             }
             let upper = [i, j].map(|x| usize::from(x >= self.pieces));
             let from = [i - upper[0] * self.pieces, j - upper[1] * self.pieces];
-            return Span { patch: first + upper[0] + 2 * upper[1], from, step: ROW, len: self.pieces - from[0] };
+            return Span {
+                patch: first + upper[0] + 2 * upper[1],
+                from,
+                step: ROW_DIRECTION,
+                len: self.pieces - from[0],
+            };
         }
         let half = self.pieces;
         let (part, local) = (local / (half * half), local % (half * half));
-        Span { patch: first + part, from: [local % half, local / half], step: ROW, len: half - local % half }
+        Span { patch: first + part, from: [local % half, local / half], step: ROW_DIRECTION, len: half - local % half }
     }
 
     /// Returns the index of the face at a cell of a patch.
@@ -230,7 +240,7 @@ impl SweepPlaces {
             let (patch, side) = self.side(half_edge);
             let [a, b] = [[0, 0], [1, 1]].map(|place| self.frame(side).place(place));
             let from = [0, 1].map(|axis| a[axis].min(b[axis]).unsigned_abs());
-            Span { patch, from, step: ROW, len: 1 }
+            Span { patch, from, step: ROW_DIRECTION, len: 1 }
         })
     }
 

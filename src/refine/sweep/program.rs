@@ -22,12 +22,12 @@ use crate::shape::topology::Topology;
 /// Maximum number of cells of a grid in each direction: its planes of three coordinates take 1 MB, the size of a core's
 /// own cache. With half as many, a tenth more points are computed twice, in halos; with twice as many, the planes leave
 /// the cache.
-const MAX_CELLS: usize = 64;
+const MAX_GRID_CELLS: usize = 64;
 
 /// Maximum number of kinds of lines, boundaries included, and of sharpnesses of vertices. Vertices at which lines meet
 /// in different ways have tables of their own in every round, 256 of them around four edges. With more kinds, the first
 /// rounds are refined by rows until only infinitely sharp edges are left.
-const MAX_LINES: usize = 4;
+const MAX_LINE_KINDS: usize = 4;
 
 /// The sweep of a net through the rounds of a plan.
 #[derive(Debug)]
@@ -163,7 +163,7 @@ impl Sweep {
         };
         let stars: Vec<Arc<Vec<StarRound>>> = each_round(tail, (&surface.softening(), lanes), stars)?;
         let first_pieces = 1 << (before - splits);
-        let cells = |at: usize| (first_pieces << at).min(MAX_CELLS.max(first_pieces));
+        let cells = |at: usize| (first_pieces << at).min(MAX_GRID_CELLS.max(first_pieces));
         let entries = passes.into_iter().skip(before).zip(stars).enumerate();
         let made: Vec<Round> = entries.map(|(at, (passes, stars))| Round { passes, stars, cells: cells(at) }).collect();
         let orders = [before, rounds.len()].map(|splits| SplitOrder::new(&net.mesh.base, tile, splits));
@@ -221,12 +221,12 @@ impl Sweep {
     pub(crate) fn bytes(&self) -> usize {
         /// Bytes per corner of the patches: their topology and that of the base, the sharpness of edges, and the
         /// indices of a patch's points in both orders.
-        const CORNER: usize = 64;
+        const PATCH_CORNER_BYTES: usize = 64;
         /// Bytes per point of a star and round, for its rows. Measured: 1,500 for UCCC, whose stencils are wide.
         const STAR_POINT: usize = 2048;
         let stars: usize = (0..self.surface.kinds.len()).map(|kind| self.shape(kind).len()).sum();
         let corners = self.surface.patches.n_half_edges() + self.surface.base.n_vertices();
-        size_of::<Self>() + CORNER * corners + STAR_POINT * stars * self.rounds.len()
+        size_of::<Self>() + PATCH_CORNER_BYTES * corners + STAR_POINT * stars * self.rounds.len()
     }
 
     /// Returns the number of pieces of a patch's side where the sweep ends.
@@ -278,16 +278,16 @@ fn lines(net: &MeshNet) -> Option<(Vec<SharpSide>, usize)> {
         sharpness.edges().iter().chain(sharpness.vertices()).filter(finite).fold(0.0, |most: f64, s| most.max(s.1));
     let mut own: Vec<f64> = Vec::new();
     for &(_, sharpness) in sharpness.vertices() {
-        if own.len() <= MAX_LINES && !own.contains(&sharpness) {
+        if own.len() <= MAX_LINE_KINDS && !own.contains(&sharpness) {
             own.push(sharpness);
         }
     }
-    let mut soft = (net.rules.creasing.evens_out() && most > 0.0) || own.len() > MAX_LINES;
+    let mut soft = (net.rules.creasing.evens_out() && most > 0.0) || own.len() > MAX_LINE_KINDS;
     for &(_, sharpness) in sharpness.edges() {
         let line = SharpSide::Crease(sharpness);
         if !lines.contains(&line) && !soft {
             lines.push(line);
-            soft = lines.len() > MAX_LINES;
+            soft = lines.len() > MAX_LINE_KINDS;
         }
     }
     if soft {

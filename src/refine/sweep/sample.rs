@@ -4,7 +4,7 @@ use std::collections::HashMap;
 use std::sync::Arc;
 
 use super::lanes::Lanes;
-use super::lattice::{AXES, after, cell, fine};
+use super::lattice::{LATTICE_AXES, after, cell, fine};
 use super::line::SharpSide;
 use super::planes::{MaskGroup, PLANES, PlaneMask};
 use crate::math::rows::{RowSource, Rows};
@@ -56,7 +56,7 @@ pub(super) struct Sample {
 
 /// Returns how far a place lies to the left of the line along an axis through `[through, through]`.
 fn side(axis: usize, through: isize, [i, j]: [isize; 2]) -> isize {
-    let [a, b] = AXES[axis];
+    let [a, b] = LATTICE_AXES[axis];
     a * (j - through) - b * (i - through)
 }
 

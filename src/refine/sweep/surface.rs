@@ -18,7 +18,7 @@ use crate::shape::tile::Tile;
 use crate::shape::topology::{NONE, Topology, index};
 
 /// Minimum number of vertices that one thread classifies at a time.
-const CHUNK: usize = 1024;
+const CLASSIFIED_PER_TASK: usize = 1024;
 
 /// The patches of a surface.
 #[derive(Debug)]
@@ -82,7 +82,7 @@ impl PatchSurface {
             });
             smooth && faces == valence && corner(v) == 0.0
         };
-        let vertices = (0..patches.n_vertices()).into_par_iter().with_min_len(CHUNK);
+        let vertices = (0..patches.n_vertices()).into_par_iter().with_min_len(CLASSIFIED_PER_TASK);
         let mut kind_of: Vec<u32> = vertices.map(|v| if is_regular(v) { NONE } else { 0 }).collect();
         let mut kinds = Vec::new();
         let mut numbers: HashMap<StarKind, u32> = HashMap::new();

@@ -2,8 +2,8 @@
 
 use std::ops::Range;
 
-use super::evaluate::{BAND, PatchEvaluator, ValueRule};
-use super::lattice::{AXES, CornerFrame, axis, corner, last};
+use super::evaluate::{PatchEvaluator, ROWS_PER_BAND, ValueRule};
+use super::lattice::{CornerFrame, LATTICE_AXES, axis, corner, last};
 use super::program::Sweep;
 use super::star::StarShape;
 use super::stencils::{Stencil, Stencils};
@@ -22,7 +22,7 @@ pub(crate) struct TracedRows {
 }
 
 /// A placeholder for the rule of an evaluation, which is never applied.
-const NOTHING: ValueRule<1> = ValueRule { of: |_| [0.0], join: |_| [0.0], alone: |value| value };
+const UNUSED_RULE: ValueRule<1> = ValueRule { of: |_| [0.0], join: |_| [0.0], alone: |value| value };
 
 impl Sweep {
     /// Returns the rows that [`Sweep::evaluate`] adds up at the points where the sweep ends.
@@ -35,15 +35,15 @@ impl Sweep {
         // entry of the one whose value is kept
         let mut found = vec![[0.0]; self.n_points()];
         let (vertices, rest) = found.split_at_mut(base.n_vertices());
-        let run = PatchEvaluator::new(self, &[], stencils, NOTHING);
+        let run = PatchEvaluator::new(self, &[], stencils, UNUSED_RULE);
         let mut trace = RowTrace { sweep: self, run: &run, stencils, rows: Rows::default(), entries: Vec::new() };
-        let len = (BAND + 2) * (run.n + 3);
+        let len = (ROWS_PER_BAND + 2) * (run.n + 3);
         let (mut points, mut numbers) = (vec![NONE; len], vec![[0.0]; len]);
         for mut task in self.tasks(rest) {
             for patch in task.patches.clone() {
-                for first in (0..=run.n).step_by(BAND) {
+                for first in (0..=run.n).step_by(ROWS_PER_BAND) {
                     watch.check()?;
-                    let rows = first..(first + BAND).min(run.n + 1);
+                    let rows = first..(first + ROWS_PER_BAND).min(run.n + 1);
                     run.gather(patch, &rows, |v| v, &mut points);
                     trace.band(patch, &rows, &points, &mut numbers);
                     run.emit(patch, &rows, &numbers, &mut task);
@@ -103,7 +103,7 @@ impl RowTrace<'_> {
             };
             let stencil = &along[axis(surface.tile, side)];
             let frame = CornerFrame::new(surface.tile, n, side, 0);
-            let turn = if frame.along() == AXES[axis(surface.tile, side)] { 1 } else { -1 };
+            let turn = if frame.along() == LATTICE_AXES[axis(surface.tile, side)] { 1 } else { -1 };
             for steps in run.steps(frame.along(), frame.corner()[1], &reach) {
                 let here = frame.place([steps, 0]);
                 numbers[run.at(rows.start, here)] = self.add(stencil, |by| place(here, by.map(|x| turn * x)));

@@ -14,7 +14,7 @@ use crate::watch::Watch;
 /// Maximum number of points of a band of rows, where a patch is so wide that a band is a single row of blocks. With
 /// half as many, blocks become smaller and their halos cost more for narrower patches; twice as many take twice the
 /// memory for wide ones.
-const BAND: usize = 1 << 19;
+const MAX_BAND_POINTS: usize = 1 << 19;
 
 /// Minimum number of rows of a block after the last round; with half as many, halos cost half as much as the points.
 const LEAST_ROWS: usize = 32;
@@ -57,7 +57,7 @@ impl OnDemand {
     /// where the sweep begins. After the watch says stop, all further points are zero.
     pub(crate) fn new(sweep: Sweep, start: Vec<f64>, watch: &Watch) -> Self {
         let n = sweep.orders[1].pieces();
-        let sweep = sweep.with_blocks((BAND / n).max(LEAST_ROWS) / 2);
+        let sweep = sweep.with_blocks((MAX_BAND_POINTS / n).max(LEAST_ROWS) / 2);
         let places = SweepPlaces::new(&sweep.surface, n);
         let flat = sweep.flat(3);
         Self { sweep, places, start, flat, idle: Mutex::default(), watch: watch.clone() }

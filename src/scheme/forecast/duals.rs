@@ -4,8 +4,8 @@
 //! after a U that makes quads, there are closed forms (`fans`). Where several D follow each other or faces are split
 //! into triangles, a collar along the boundary is refined (`collar`), which grows like the boundary, not like the mesh.
 //!
-//! What is made is bounded: before anything is allocated its bytes are compared with [`MAX_BYTES`], or with what the
-//! duals of the input itself take, whichever is more. The watch is asked before each step.
+//! What is made is bounded: before anything is allocated its bytes are compared with [`MAX_FORECAST_BYTES`], or with
+//! what the duals of the input itself take, whichever is more. The watch is asked before each step.
 
 use super::collar::Collar;
 use super::count::Count;
@@ -25,11 +25,12 @@ use crate::watch::Watch;
 /// Bytes that a forecast may hold: four layers, which UDD needs, along the four sides of a square of 20 million quads
 /// take less than half of it.
 /// Half of it promises just about what these take; twice of it takes twice as much of the memory beside the jobs.
-pub const MAX_BYTES: u128 = 64 << 20;
+pub const MAX_FORECAST_BYTES: u128 = 64 << 20;
 /// Bytes for each corner of a net while it is split or its dual is made: 13 of the topology, 5 of its faces, and of the
 /// dual 12 of the sides of edges, 20 of its own topology and 13 of lists on the way, which grow by doubling.
-/// Half of it counts beyond [`MAX_BYTES`]; twice of it refuses forecasts of nets half as large as could be counted.
-const CORNER_BYTES: u128 = 96;
+/// Half of it counts beyond [`MAX_FORECAST_BYTES`]; twice of it refuses forecasts of nets half as large as could be
+/// counted.
+const SPLIT_CORNER_BYTES: u128 = 96;
 /// Layers that are kept at the end, so that no face touches both the boundary and the cut.
 /// One layer, half of it, would have faces that touch both; twice of it keeps four and takes more bytes for the same
 /// counts.
@@ -42,7 +43,7 @@ pub fn forecast_bytes(word: &Word, n_corners: usize) -> u128 {
 }
 
 fn bound(n_corners: usize) -> u128 {
-    MAX_BYTES.max(CORNER_BYTES * n_corners as u128)
+    MAX_FORECAST_BYTES.max(SPLIT_CORNER_BYTES * n_corners as u128)
 }
 
 /// The forecast of a word with D.
@@ -167,7 +168,7 @@ impl Duals<'_> {
 
     /// Checks that a net of `corners` corners may be held in memory.
     fn fits(&self, step: &Scheduled, corners: u128) -> Result<(), ForecastError> {
-        let bytes = corners.saturating_mul(CORNER_BYTES);
+        let bytes = corners.saturating_mul(SPLIT_CORNER_BYTES);
         let bound = bound(self.net.mesh.base.n_half_edges());
         if bytes <= bound { Ok(()) } else { Err(ForecastError::Bytes { level: step.level, bytes, bound }) }
     }

@@ -14,7 +14,7 @@ use crate::watch::Watch;
 ///
 /// # Errors
 /// When an operator cannot be applied, the cap is passed, what has to be made of the net to count it takes more than
-/// [`MAX_BYTES`](super::duals::MAX_BYTES), or the watch says stop.
+/// [`MAX_FORECAST_BYTES`](super::duals::MAX_FORECAST_BYTES), or the watch says stop.
 pub fn of_mesh(net: &MeshNet, steps: &[Scheduled], cap: u128, watch: &Watch) -> Result<Forecast, ForecastError> {
     for (i, step) in steps.iter().enumerate() {
         let operator = step.letter.operator;

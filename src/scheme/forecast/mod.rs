@@ -15,7 +15,7 @@ pub use census::Census;
 pub(super) use census::sum;
 pub use count::Count;
 pub use delta::check_delta;
-pub use duals::{MAX_BYTES, forecast_bytes};
+pub use duals::{MAX_FORECAST_BYTES, forecast_bytes};
 pub use meshes::of_mesh;
 pub use polygons::of_polygons;
 pub use tally::{Forecast, ForecastError};

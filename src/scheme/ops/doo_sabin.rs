@@ -115,8 +115,8 @@ impl Operator for DooSabin {
             if let Some(&edge) = boundary.get(beyond / 2).filter(|_| beyond < n_on_boundary) {
                 let [a, b] = old.ends(edge as usize);
                 let [near, far] = if beyond.is_multiple_of(2) { [a, b] } else { [b, a] };
-                out.add(near, CHAIKIN[0]);
-                out.add(far, CHAIKIN[1]);
+                out.add(near, CHAIKIN_WEIGHTS[0]);
+                out.add(far, CHAIKIN_WEIGHTS[1]);
             } else {
                 out.add(fixed[beyond - n_on_boundary], 1.0);
             }
@@ -141,11 +141,11 @@ struct FaceWeights {
 }
 
 /// The weights of Chaikin's scheme, which the boundary follows.
-const CHAIKIN: [f64; 2] = [0.75, 0.25];
+const CHAIKIN_WEIGHTS: [f64; 2] = [0.75, 0.25];
 
 impl FaceWeights {
     fn of(topology: &Topology) -> Self {
-        let mut others = BTreeMap::from([(2, CHAIKIN.to_vec())]);
+        let mut others = BTreeMap::from([(2, CHAIKIN_WEIGHTS.to_vec())]);
         for f in 0..topology.n_faces() {
             // a half face of n vertices has n - 2 vertices inside and as many reflected ones
             let n = topology.face(f).len();
@@ -201,7 +201,7 @@ fn later_row(old: &Topology, weights: &FaceWeights, half_edge: u32, out: &mut Ro
 
 /// Adds the row of a vertex on a boundary edge, near one end; an edge that ends in a corner is half as long as others.
 fn boundary_row(old: &Topology, near: u32, far: u32, to_corner: bool, out: &mut Rows) {
-    let share = if to_corner { 0.5 } else { CHAIKIN[1] };
+    let share = if to_corner { 0.5 } else { CHAIKIN_WEIGHTS[1] };
     out.add(old.vertex(near), 1.0 - share);
     out.add(old.vertex(far), share);
 }

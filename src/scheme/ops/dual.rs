@@ -26,7 +26,7 @@ use crate::shape::topology::{Topology, index};
 
 /// Number of vertices whose rings one thread walks at a time. Half as many leave twice as many parts to join; twice as
 /// many leave threads idle on small meshes. Results do not depend on it.
-const PART: usize = 4096;
+const RINGS_PER_TASK: usize = 4096;
 
 /// D, the dual average: one new point for each edge of a curve, for each face of a mesh.
 #[derive(Debug)]
@@ -204,9 +204,9 @@ fn cycles(explicit: &Topology) -> (FaceList, Vec<u32>) {
         }
     };
     let n = explicit.n_vertices();
-    let parts = (0..n.div_ceil(PART)).into_par_iter().map(|part| {
+    let parts = (0..n.div_ceil(RINGS_PER_TASK)).into_par_iter().map(|part| {
         let mut found = (FaceList::default(), Vec::new());
-        (part * PART..n.min((part + 1) * PART)).for_each(|v| dual(v, &mut found));
+        (part * RINGS_PER_TASK..n.min((part + 1) * RINGS_PER_TASK)).for_each(|v| dual(v, &mut found));
         found
     });
     let (mut faces, mut kept) = (FaceList::default(), Vec::new());

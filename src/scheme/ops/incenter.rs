@@ -18,11 +18,11 @@ use crate::watch::{Stopped, Watch};
 
 /// Number of edges that one thread processes at a time. Half as many leave twice as many blocks to join; twice as many
 /// leave threads idle on small polygons. Results do not depend on it.
-const BLOCK: usize = 4096;
+const EDGES_PER_TASK: usize = 4096;
 /// Turning angles below this, in radians, are rounding errors of 0, whose signs and quotients would be noise. It is far
 /// above the rounding error of a direction, 2e-16, and far below a visible turning; half or twice the value changes
 /// only the treatment of turnings of a billionth.
-const STRAIGHT: f64 = 1e-9;
+const STRAIGHT_ANGLE: f64 = 1e-9;
 
 /// A level of incenter subdivision: points and unit tangents give points and unit tangents. On an edge of direction `e`
 /// from A to B, with the turnings `a` from A's tangent to `e` and `b` from `e` to B's, the joint
@@ -93,11 +93,11 @@ impl PointMap for Biarcs {
         let n = points.len();
         let n_new = if self.closed { 2 * n } else { 2 * n - 1 };
         let (mut new_points, mut new_tangents) = (vec![[0.0; 2]; n_new], vec![[0.0; 2]; n_new]);
-        let blocks = new_points.par_chunks_mut(2 * BLOCK).zip(new_tangents.par_chunks_mut(2 * BLOCK));
+        let blocks = new_points.par_chunks_mut(2 * EDGES_PER_TASK).zip(new_tangents.par_chunks_mut(2 * EDGES_PER_TASK));
         blocks.enumerate().try_for_each(|(block, (new_points, new_tangents))| {
             watch.check()?;
             let edges = new_points.chunks_mut(2).zip(new_tangents.chunks_mut(2));
-            for (i, (point, tangent)) in (block * BLOCK..).zip(edges) {
+            for (i, (point, tangent)) in (block * EDGES_PER_TASK..).zip(edges) {
                 (point[0], tangent[0]) = (points[i], tangents[i]);
                 // the last point of an open polygon has no edge
                 if point.len() == 2 {
@@ -123,9 +123,9 @@ impl Biarcs {
             return Ok(());
         }
         let neighbours = Neighbours::of(points, self.closed, watch)?;
-        tangents.par_chunks_mut(BLOCK).enumerate().try_for_each(|(block, tangents)| {
+        tangents.par_chunks_mut(EDGES_PER_TASK).enumerate().try_for_each(|(block, tangents)| {
             watch.check()?;
-            for (i, tangent) in (block * BLOCK..).zip(tangents) {
+            for (i, tangent) in (block * EDGES_PER_TASK..).zip(tangents) {
                 if let Some(circle) = neighbours.tangent(points, i) {
                     *tangent = rotated(*tangent, self.mu * angle(*tangent, circle));
                 }
@@ -144,17 +144,17 @@ fn joint(a: Vector2, tangent_a: Vector2, b: Vector2, tangent_b: Vector2) -> (Vec
     let (turn_a, turn_b) = (angle(tangent_a, e), angle(e, tangent_b));
     let sum = turn_a + turn_b;
     let middle = plus(times(0.5, a), times(0.5, b));
-    if turn_a.abs() < STRAIGHT && turn_b.abs() < STRAIGHT {
+    if turn_a.abs() < STRAIGHT_ANGLE && turn_b.abs() < STRAIGHT_ANGLE {
         // the ratio of height to chord of an arc of so small an angle
         let height = length(half) * sum / 4.0;
         return (plus(middle, times(height, [e[1], -e[0]])), e);
     }
     let both = |turn: fn(f64) -> bool| turn(turn_a) && turn(turn_b);
-    if !both(|turn| turn >= STRAIGHT) && !both(|turn| turn <= -STRAIGHT) {
+    if !both(|turn| turn >= STRAIGHT_ANGLE) && !both(|turn| turn <= -STRAIGHT_ANGLE) {
         return (middle, rotated(e, (turn_a - turn_b) / 2.0));
     }
     // tangents that both run against the edge would meet at infinity
-    if sum.abs() > 2.0 * std::f64::consts::PI - STRAIGHT {
+    if sum.abs() > 2.0 * std::f64::consts::PI - STRAIGHT_ANGLE {
         return (middle, e);
     }
     let reach = length(half) * (2.0 * sin(turn_b / 2.0) / sin(sum / 2.0));

@@ -44,7 +44,7 @@ pub const OPERATORS: &[&dyn Operator] = &[
     &dual::Dual,
     &average::Average,
     &box_average::BoxAverage,
-    &push_back::PUSH_BACK,
+    &push_back::WORD_PUSH_BACK,
     &masked::Masked,
     &circle::Circle,
     &push_back::CIRCULAR_PUSH_BACK,

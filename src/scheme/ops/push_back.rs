@@ -28,7 +28,7 @@ use crate::shape::topology::{NONE, Topology, index};
 pub struct PushBack(DisplacementShare);
 
 /// The push-back of words.
-pub(super) const PUSH_BACK: PushBack = PushBack(DisplacementShare::Linear);
+pub(super) const WORD_PUSH_BACK: PushBack = PushBack(DisplacementShare::Linear);
 /// The push-back of circle schemes.
 pub const CIRCULAR_PUSH_BACK: PushBack = PushBack(DisplacementShare::Circular);
 

@@ -32,7 +32,7 @@ pub const PRESETS: &[&Preset] = &[
     &ternary::QUARTIC,
     &ternary::QUINTIC,
     &ternary::THREE_POINT,
-    &ternary::FOUR_POINT,
+    &ternary::TERNARY_FOUR_POINT,
     &ternary::PAN,
     &ternary::REHAN,
     &ternary::NOVARA,

@@ -164,7 +164,7 @@ pub(super) const THREE_POINT: Preset = Preset {
     },
 };
 
-pub(super) const FOUR_POINT: Preset = Preset {
+pub(super) const TERNARY_FOUR_POINT: Preset = Preset {
     name: "ternary-four-point",
     doc: "The interpolating ternary four-point scheme: p[3i+1] = (-1/18 - mu/6) p[i-1] + (13/18 + mu/2) p[i] + (7/18 - \
           mu/2) p[i+1] + (-1/18 + mu/6) p[i+2]. C2 exactly for 1/15 < mu < 1/9.",

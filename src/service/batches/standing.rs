@@ -1,11 +1,7 @@
 //! The current status of a batch.
 
 use super::record::Batch;
-use crate::service::jobs::{JobPhase, JobState, Standing};
-
-/// Parts of a sequence number within an attempt: [`PARTS`] for each item; attempts are [`STEPS`] apart.
-const PARTS: u64 = 1000;
-const STEPS: u64 = 1 << 32;
+use crate::service::jobs::{JobPhase, JobState, PROGRESS_PARTS, STEPS_PER_ATTEMPT, Standing};
 
 /// The number of jobs of a batch in each phase.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -71,13 +67,13 @@ impl BatchStanding {
         reason = "a share in 0..=1 of a thousand parts an item, of which there are few"
     )]
     pub fn sequence(&self) -> u64 {
-        let parts = self.batch.items.len() as u64 * PARTS;
+        let parts = self.batch.items.len() as u64 * PROGRESS_PARTS;
         let step = match self.phase {
             JobPhase::Queued => 0,
             JobPhase::Running => 1 + (self.progress.clamp(0.0, 1.0) * parts as f64) as u64,
             JobPhase::Done | JobPhase::Failed(_) | JobPhase::Cancelled => parts + 2,
         };
-        u64::from(self.batch.attempts) * STEPS + step
+        u64::from(self.batch.attempts) * STEPS_PER_ATTEMPT + step
     }
 }
 

@@ -8,12 +8,14 @@ use bytes::Bytes;
 use super::record::{Batch, Ending, Item};
 use crate::service::fields::{Fields, RecordWriter};
 use crate::service::job_key::{JobKey, JobTerms};
-use crate::service::jobs::{JobState, NONE, counted, given, numbered, numbers_of, output, outputs, state_of, terms};
+use crate::service::jobs::{
+    JobState, NO_NUMBER, counted, given, numbered, numbers_of, output, outputs, state_of, terms,
+};
 use crate::service::journal::RowKey;
 
-const BATCH: [u8; 8] = *b"plnshbat";
-const ITEM: [u8; 8] = *b"plnshitm";
-const VERSION: u32 = 1;
+const BATCH_MAGIC: [u8; 8] = *b"plnshbat";
+const ITEM_MAGIC: [u8; 8] = *b"plnshitm";
+const BATCH_VERSION: u32 = 1;
 
 /// Tags of the fields in their order; the fields of outputs follow those of an item.
 mod tag {
@@ -64,10 +66,10 @@ pub(super) struct KeptBatch {
 
 /// Encodes a batch without its items; `settled` is the time since 1970 at which the batch was settled, if it is.
 pub(super) fn encode(batch: &Batch, settled: Option<Duration>) -> Vec<u8> {
-    let mut out = RecordWriter::new(BATCH, VERSION, 256 + batch.request.text.len());
+    let mut out = RecordWriter::new(BATCH_MAGIC, BATCH_VERSION, 256 + batch.request.text.len());
     out.field(tag::BATCH, &batch.batch.to_bytes());
     let (number, reason) = numbered(&batch.state);
-    let settled = settled.map_or(NONE, |at| at.as_secs());
+    let settled = settled.map_or(NO_NUMBER, |at| at.as_secs());
     let standing = [batch.number, batch.attempts.into(), number, settled, batch.request.n_outputs];
     out.numbers(tag::STANDING, &standing);
     out.numbers(tag::TERMS, &numbers_of(batch.terms));
@@ -78,7 +80,7 @@ pub(super) fn encode(batch: &Batch, settled: Option<Duration>) -> Vec<u8> {
 
 /// Encodes an item.
 pub(super) fn encode_item(batch: &JobKey, at: u32, item: &Item) -> Vec<u8> {
-    let mut out = RecordWriter::new(ITEM, VERSION, 256);
+    let mut out = RecordWriter::new(ITEM_MAGIC, BATCH_VERSION, 256);
     out.field(tag::BATCH, &batch.to_bytes());
     let (number, reason) = item.ending.as_ref().map_or((0, ""), |ending| numbered(&ending.state));
     out.numbers(tag::STANDING, &[at.into(), number, item.is_hit.into()]);
@@ -92,15 +94,15 @@ pub(super) fn encode_item(batch: &JobKey, at: u32, item: &Item) -> Vec<u8> {
 
 /// Returns whether a stored record is the record of a batch or of an item.
 pub(super) fn is_of_batch(record: &[u8]) -> bool {
-    record.starts_with(&BATCH) || record.starts_with(&ITEM)
+    record.starts_with(&BATCH_MAGIC) || record.starts_with(&ITEM_MAGIC)
 }
 
 /// Decodes a record; returns `None` if it is damaged, of another version, or names an unknown format.
 pub(super) fn decode(bytes: &[u8]) -> Option<DecodedRow> {
-    if bytes.starts_with(&ITEM) {
+    if bytes.starts_with(&ITEM_MAGIC) {
         return decode_item(bytes);
     }
-    let mut fields = Fields::of(bytes, BATCH, VERSION)?;
+    let mut fields = Fields::of(bytes, BATCH_MAGIC, BATCH_VERSION)?;
     let batch = JobKey::from_bytes(fields.take(tag::BATCH)?)?;
     let [number, attempts, standing, settled, n_outputs] = fields.numbers(tag::STANDING)?.try_into().ok()?;
     let terms = terms(&fields.numbers(tag::TERMS)?)?;
@@ -111,7 +113,7 @@ pub(super) fn decode(bytes: &[u8]) -> Option<DecodedRow> {
 }
 
 fn decode_item(bytes: &[u8]) -> Option<DecodedRow> {
-    let mut fields = Fields::of(bytes, ITEM, VERSION)?;
+    let mut fields = Fields::of(bytes, ITEM_MAGIC, BATCH_VERSION)?;
     let batch = JobKey::from_bytes(fields.take(tag::BATCH)?)?;
     let [at, number, is_hit] = fields.numbers(tag::STANDING)?.try_into().ok()?;
     let state = state_of(number, fields.text(tag::REASON)?)?;

@@ -7,10 +7,10 @@ use crate::service::computation::{self, Computation, Timings};
 use crate::watch::Stage;
 
 /// Parts of a sequence number within an attempt: first one step per place in the queue, then the parts of progress,
-/// then the end; attempts are [`STEPS`] apart.
-const PLACES: u64 = 1000;
-const PARTS: u64 = 1000;
-const STEPS: u64 = 1 << 32;
+/// then the end; attempts are [`STEPS_PER_ATTEMPT`] apart.
+const QUEUE_PLACES: u64 = 1000;
+pub(in crate::service) const PROGRESS_PARTS: u64 = 1000;
+pub(in crate::service) const STEPS_PER_ATTEMPT: u64 = 1 << 32;
 
 /// The phase of a job or a batch.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -86,13 +86,13 @@ impl Standing {
         reason = "a share in 0..=1 of a thousand parts"
     )]
     pub fn sequence(&self) -> u64 {
-        let parts = (self.progress.clamp(0.0, 1.0) * PARTS as f64) as u64;
+        let parts = (self.progress.clamp(0.0, 1.0) * PROGRESS_PARTS as f64) as u64;
         let step = match self.phase {
-            JobPhase::Queued => PLACES - self.ahead.map_or(0, |ahead| ahead as u64 + 1).min(PLACES),
-            JobPhase::Running => PLACES + 1 + parts,
-            JobPhase::Done | JobPhase::Failed(_) | JobPhase::Cancelled => PLACES + PARTS + 2,
+            JobPhase::Queued => QUEUE_PLACES - self.ahead.map_or(0, |ahead| ahead as u64 + 1).min(QUEUE_PLACES),
+            JobPhase::Running => QUEUE_PLACES + 1 + parts,
+            JobPhase::Done | JobPhase::Failed(_) | JobPhase::Cancelled => QUEUE_PLACES + PROGRESS_PARTS + 2,
         };
-        u64::from(self.record.attempts) * STEPS + step
+        u64::from(self.record.attempts) * STEPS_PER_ATTEMPT + step
     }
 }
 

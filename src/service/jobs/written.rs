@@ -11,10 +11,10 @@ use crate::service::computation::Timings;
 use crate::service::fields::{Fields, RecordWriter};
 use crate::service::job_key::{JobKey, JobTerms, Priority};
 
-const MAGIC: [u8; 8] = *b"plnshjob";
-const VERSION: u32 = 1;
+const JOB_MAGIC: [u8; 8] = *b"plnshjob";
+const JOB_VERSION: u32 = 1;
 /// Stands for an absent number.
-pub(in crate::service) const NONE: u64 = u64::MAX;
+pub(in crate::service) const NO_NUMBER: u64 = u64::MAX;
 
 /// Tags of the fields in their order; the fields of the outputs follow, each with a tag of its own.
 mod tag {
@@ -55,10 +55,10 @@ pub(super) struct DecodedRecord {
 /// Encodes a record; `settled` is the time since 1970 at which the job was settled, if it is.
 pub(super) fn encode(record: &Record, settled: Option<Duration>) -> Vec<u8> {
     let summary = &record.summary;
-    let mut out = RecordWriter::new(MAGIC, VERSION, 1024 + summary.request.len());
+    let mut out = RecordWriter::new(JOB_MAGIC, JOB_VERSION, 1024 + summary.request.len());
     out.field(tag::JOB, &record.job.to_bytes());
     let (state, reason) = numbered(&record.state);
-    let settled = settled.map_or(NONE, |at| at.as_secs());
+    let settled = settled.map_or(NO_NUMBER, |at| at.as_secs());
     let (starts, is_posted) = (record.starts.into(), record.wanted.is_posted.into());
     out.numbers(tag::STANDING, &[record.number, record.attempts.into(), state, settled, starts, is_posted]);
     out.numbers(tag::TERMS, &numbers_of(record.terms));
@@ -93,7 +93,7 @@ pub(in crate::service) fn numbered(state: &JobState) -> (u64, &str) {
 pub(in crate::service) fn numbers_of(terms: JobTerms) -> [u64; 3] {
     let JobTerms { priority, queue_timeout_s, run_timeout_s } = terms;
     let is_batch = u64::from(priority == Priority::Batch);
-    [is_batch, queue_timeout_s.unwrap_or(NONE), run_timeout_s.unwrap_or(NONE)]
+    [is_batch, queue_timeout_s.unwrap_or(NO_NUMBER), run_timeout_s.unwrap_or(NO_NUMBER)]
 }
 
 /// Writes an output and its result.
@@ -115,12 +115,12 @@ pub(in crate::service) fn output(out: &mut RecordWriter, product: &Product, made
 
 /// Returns whether a stored record is the record of a job.
 pub(super) fn is_job(record: &[u8]) -> bool {
-    record.starts_with(&MAGIC)
+    record.starts_with(&JOB_MAGIC)
 }
 
 /// Decodes a record; returns `None` if it is damaged, of another version, or names an unknown format.
 pub(super) fn decode(bytes: &[u8]) -> Option<DecodedRecord> {
-    let mut fields = Fields::of(bytes, MAGIC, VERSION)?;
+    let mut fields = Fields::of(bytes, JOB_MAGIC, JOB_VERSION)?;
     let job = JobKey::from_bytes(fields.take(tag::JOB)?)?;
     let [number, attempts, state, settled, starts, is_posted] = match *fields.numbers(tag::STANDING)?.as_slice() {
         // The form of records before starts were counted and batches existed.
@@ -175,7 +175,7 @@ pub(in crate::service) fn counted(number: u64) -> Option<u64> {
 
 /// Returns a number, unless it stands for an absent one.
 pub(in crate::service) fn given(number: u64) -> Option<u64> {
-    Some(number).filter(|number| *number != NONE)
+    Some(number).filter(|number| *number != NO_NUMBER)
 }
 
 /// Reads all remaining outputs with their results.

@@ -19,17 +19,17 @@ use crate::service::lock::lock;
 
 /// Time limit of one call in total, retries included; it is shorter than the time a response waits for a part. Half of
 /// it would cut off a mebibyte that arrives at 250 kB/s; twice of it would outlast the waiting response.
-pub(super) const PATIENCE: Duration = Duration::from_secs(8);
+pub(super) const CALL_TIMEOUT: Duration = Duration::from_secs(8);
 /// Time limit of a manifest lookup; it is shorter than the time a request waits for the lookup before it computes. Half
 /// of it would give up on busy stores on another continent; twice of it would outlast the request's own limit.
-pub(super) const LOOK: Duration = Duration::from_millis(1500);
+pub(super) const MANIFEST_TIMEOUT: Duration = Duration::from_millis(1500);
 /// Time after a failure during which calls fail at once; then one call is let through. Half of it would try an
 /// unreachable store twice as often, each time for up to the time limit of a call; twice of it would ignore a recovered
 /// store for longer.
-const PAUSE: Duration = Duration::from_secs(5);
+const FAILURE_PAUSE: Duration = Duration::from_secs(5);
 /// Maximum length of an error reason in characters. Half of it would cut off addresses; twice of it is more than one
 /// log line shows.
-const REASON: usize = 400;
+const MAX_REASON_CHARS: usize = 400;
 
 /// Ends the outage, if there is one.
 fn end(outage: &Mutex<Option<Outage>>, clock: &dyn Clock) {
@@ -114,7 +114,7 @@ impl Calls {
         let put = |objects: Arc<dyn ObjectStore>| async move {
             objects.put_opts(&place, PutPayload::from_bytes(bytes), mode.into()).await.map(drop)
         };
-        match self.ask(PATIENCE, put)? {
+        match self.ask(CALL_TIMEOUT, put)? {
             Answer::Done(()) => Ok(true),
             Answer::Present => Ok(false),
             Answer::Missing => Err(self.away("there is no such bucket".to_owned(), true)),
@@ -124,7 +124,7 @@ impl Calls {
     /// Deletes an object. A missing object or a refusal is not an error; a failure is only logged.
     pub(super) fn delete(&self, path: &Path) {
         let gone = path.clone();
-        let deleted = self.ask(PATIENCE, |objects| async move {
+        let deleted = self.ask(CALL_TIMEOUT, |objects| async move {
             match objects.delete(&gone).await {
                 Err(error) if is_refusal(&error) => {
                     tracing::warn!(object = %gone, reason = reason(&error), "an object may not be removed");
@@ -148,7 +148,8 @@ impl Calls {
             let (objects, probe) = (Arc::clone(&self.objects), probe.clone());
             let (outage, clock) = (Arc::clone(&self.outage), Arc::clone(&self.clock));
             runtime.spawn(async move {
-                if let Ok(Ok(_) | Err(Error::NotFound { .. })) = tokio::time::timeout(LOOK, objects.head(&probe)).await
+                if let Ok(Ok(_) | Err(Error::NotFound { .. })) =
+                    tokio::time::timeout(MANIFEST_TIMEOUT, objects.head(&probe)).await
                 {
                     end(&outage, &*clock);
                 }
@@ -188,13 +189,13 @@ impl Calls {
         Ok(answer)
     }
 
-    /// Lets a call through unless the store failed less than [`PAUSE`] ago.
+    /// Lets a call through unless the store failed less than [`FAILURE_PAUSE`] ago.
     fn let_through(&self) -> Result<(), StoreError> {
         let now = self.clock.now();
         match &mut *lock(&self.outage) {
             Some(outage) if now < outage.next => Err(outage.to_error()),
             Some(outage) => {
-                outage.next = now + PAUSE;
+                outage.next = now + FAILURE_PAUSE;
                 Ok(())
             }
             None => Ok(()),
@@ -209,7 +210,7 @@ impl Calls {
             tracing::warn!(reason, "the shared store is away; results are computed and answered without it");
         }
         let since = outage.as_ref().map_or(now, |outage| outage.since);
-        outage.insert(Outage { since, next: now + PAUSE, reason, refuses }).to_error()
+        outage.insert(Outage { since, next: now + FAILURE_PAUSE, reason, refuses }).to_error()
     }
 }
 
@@ -241,5 +242,5 @@ fn reason(error: &Error) -> String {
     let line = |text: &str| text.split(['<', '\n']).next().unwrap_or_default().trim_end().to_owned();
     let (whole, inner) = (line(&error.to_string()), line(&inner.to_string()));
     let text = if whole.contains(&inner) { whole } else { format!("{whole}: {inner}") };
-    cut(&text, REASON).into_owned()
+    cut(&text, MAX_REASON_CHARS).into_owned()
 }

@@ -19,12 +19,12 @@ use super::sweep::{self, StoreSweep};
 use crate::job::key::Key;
 use crate::service::lock::lock;
 
-/// Number of attempts of a computation to get the lock for evicting artifacts, with [`PAUSE`] between two of them: one
-/// second at most, about as long as one durable write takes on a disk under load. After that the bytes stay in memory,
-/// so that the compute thread is not held up. Half of the time would leave more bytes in memory while evictions are
-/// written; twice of it would hold compute threads for longer.
-const TRIES: u32 = 100;
-const PAUSE: Duration = Duration::from_millis(10);
+/// Number of attempts of a computation to get the lock for evicting artifacts, with [`LOCK_PAUSE`] between two of them:
+/// one second at most, about as long as one durable write takes on a disk under load. After that the bytes stay in
+/// memory, so that the compute thread is not held up. Half of the time would leave more bytes in memory while evictions
+/// are written; twice of it would hold compute threads for longer.
+const LOCK_TRIES: u32 = 100;
+const LOCK_PAUSE: Duration = Duration::from_millis(10);
 
 /// The state of a store, shared with its open spools.
 #[derive(Debug)]
@@ -210,13 +210,13 @@ impl DiskState {
         }
     }
 
-    /// Locks the index, if that is possible within [`TRIES`] times [`PAUSE`].
+    /// Locks the index, if that is possible within [`LOCK_TRIES`] times [`LOCK_PAUSE`].
     fn index_soon(&self) -> Option<MutexGuard<'_, StoreIndex>> {
-        for _ in 0..TRIES {
+        for _ in 0..LOCK_TRIES {
             match self.index.try_lock() {
                 Ok(index) => return Some(index),
                 Err(TryLockError::Poisoned(poisoned)) => return Some(poisoned.into_inner()),
-                Err(TryLockError::WouldBlock) => thread::sleep(PAUSE),
+                Err(TryLockError::WouldBlock) => thread::sleep(LOCK_PAUSE),
             }
         }
         None

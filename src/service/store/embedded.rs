@@ -18,7 +18,7 @@ use super::records::{RECORDS_FILE, RecordFile};
 use crate::job::key::Key;
 
 /// The entry of this store in the list of stores.
-pub(super) const KIND: StoreKind = StoreKind {
+pub(super) const FOLDER_STORE: StoreKind = StoreKind {
     name: "folder",
     in_folder: true,
     open: |place| {

@@ -102,8 +102,8 @@ impl Owners {
     }
 }
 
-const MAGIC: [u8; 8] = *b"plnshman";
-const VERSION: u32 = 1;
+const MANIFEST_MAGIC: [u8; 8] = *b"plnshman";
+const MANIFEST_VERSION: u32 = 1;
 
 /// Tags of the fields in their order; the warnings follow, each as a field of its own.
 mod tag {
@@ -122,7 +122,7 @@ mod tag {
 impl Manifest {
     /// Encodes the manifest in its binary form.
     pub fn encode(&self) -> Vec<u8> {
-        let mut out = RecordWriter::new(MAGIC, VERSION, 512 + self.parts.len() * 32);
+        let mut out = RecordWriter::new(MANIFEST_MAGIC, MANIFEST_VERSION, 512 + self.parts.len() * 32);
         out.field(tag::KEY, self.key.as_bytes());
         out.field(tag::MEDIA_TYPE, self.media_type.as_bytes());
         out.numbers(tag::LENGTH, &[self.length]);
@@ -142,7 +142,7 @@ impl Manifest {
 
     /// Decodes the binary form; returns `None` if it is damaged, of another version, or inconsistent.
     pub fn decode(bytes: &[u8]) -> Option<Self> {
-        let mut fields = Fields::of(bytes, MAGIC, VERSION)?;
+        let mut fields = Fields::of(bytes, MANIFEST_MAGIC, MANIFEST_VERSION)?;
         let key = fields.hash(tag::KEY)?;
         let media_type = fields.text(tag::MEDIA_TYPE)?;
         let length = u64::from_le_bytes(fields.fixed(tag::LENGTH)?);

@@ -16,7 +16,7 @@ use crate::service::lock::lock;
 
 /// Estimated bytes of an entry besides its contents and encoded manifest: structures, strings, map entries. Half of it
 /// would let many tiny artifacts take more memory than the cache may; twice of it would hold fewer of them.
-const ENTRY_BYTES: u64 = 512;
+const STORED_ENTRY_BYTES: u64 = 512;
 
 /// Artifacts in memory, each one contiguous slice of bytes; reads share the slice without copying. Clones share the
 /// store.
@@ -92,7 +92,7 @@ impl MemoryStore {
 
 /// Returns the number of bytes of an artifact in memory, with its manifest and its entry.
 fn cost(manifest: &Manifest) -> u64 {
-    manifest.length + manifest.encode().len() as u64 + ENTRY_BYTES
+    manifest.length + manifest.encode().len() as u64 + STORED_ENTRY_BYTES
 }
 
 impl Store for MemoryStore {

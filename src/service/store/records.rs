@@ -136,14 +136,14 @@ impl RecordFile {
 }
 
 /// The first bytes of every redb file.
-const MAGIC: &[u8; 9] = b"redb\x1A\x0A\xA9\x0D\x0A";
+const REDB_MAGIC: &[u8; 9] = b"redb\x1A\x0A\xA9\x0D\x0A";
 
-/// Refuses an existing file that does not begin with [`MAGIC`], without changing it; a missing file is accepted.
+/// Refuses an existing file that does not begin with [`REDB_MAGIC`], without changing it; a missing file is accepted.
 pub(super) fn refuse_damaged(path: &Path) -> io::Result<()> {
-    let mut head = Vec::with_capacity(MAGIC.len());
-    match File::open(path).and_then(|file| file.take(MAGIC.len() as u64).read_to_end(&mut head)) {
+    let mut head = Vec::with_capacity(REDB_MAGIC.len());
+    match File::open(path).and_then(|file| file.take(REDB_MAGIC.len() as u64).read_to_end(&mut head)) {
         Err(error) if error.kind() == io::ErrorKind::NotFound => Ok(()),
-        Ok(_) if head == MAGIC => Ok(()),
+        Ok(_) if head == REDB_MAGIC => Ok(()),
         Ok(_) => Err(damaged(path, "it does not begin as such a file does")),
         Err(error) => Err(at("read", path)(error)),
     }

@@ -5,4 +5,4 @@ use super::interface::StoreKind;
 use super::s3;
 
 /// Every kind of store; the first is the default.
-pub const STORES: &[StoreKind] = &[embedded::KIND, s3::KIND];
+pub const STORES: &[StoreKind] = &[embedded::FOLDER_STORE, s3::S3_STORE];

@@ -25,7 +25,7 @@ const PAUSES: (Duration, Duration) = (Duration::from_millis(50), Duration::from_
 
 /// The entry of this store in the list of stores. The records of jobs stay in the folder of the server that accepted
 /// them.
-pub(super) const KIND: StoreKind = StoreKind {
+pub(super) const S3_STORE: StoreKind = StoreKind {
     name: "s3",
     in_folder: false,
     open: |place| {
@@ -80,7 +80,7 @@ fn client(bucket: &Bucket, connect: Connect) -> Result<AmazonS3, StoreError> {
         return Err(wrong("the endpoint is no address; write it like https://s3.example.org"));
     }
     let backoff = BackoffConfig { init_backoff: PAUSES.0, max_backoff: PAUSES.1, base: 2.0 };
-    let retry = RetryConfig { backoff, max_retries: RETRIES, retry_timeout: super::calls::PATIENCE };
+    let retry = RetryConfig { backoff, max_retries: RETRIES, retry_timeout: super::calls::CALL_TIMEOUT };
     let mut builder = AmazonS3Builder::from_env()
         .with_bucket_name(&bucket.name)
         .with_retry(retry)

@@ -7,7 +7,7 @@ use bytes::Bytes;
 use object_store::ObjectStore;
 use object_store::path::Path;
 
-use super::calls::{Calls, Fetched, LOOK, PATIENCE};
+use super::calls::{CALL_TIMEOUT, Calls, Fetched, MANIFEST_TIMEOUT};
 use super::error::StoreError;
 use super::interface::{StoreLocation, StorePurpose, Usage};
 use super::manifest::{Manifest, PART_BYTES};
@@ -19,13 +19,13 @@ use crate::service::lock::lock;
 /// Maximum size of a manifest in bytes: with 32 bytes for each part of a mebibyte, enough for artifacts of nearly
 /// 32 GiB. A longer object was not written by this service. Half of it would limit artifacts to 16 GiB; twice of it
 /// would let a foreign object take 2 MiB of memory.
-const MANIFEST_BYTES: u64 = 1 << 20;
+const MAX_SHARED_MANIFEST_BYTES: u64 = 1 << 20;
 /// Memory for remembered manifests in bytes, some ten thousand of them. With half of it twice as many lookups go to the
 /// object store; twice of it would take 16 MiB more beside the memory account.
 const REMEMBERED_BYTES: u64 = 16 << 20;
 /// Estimated bytes of a remembered manifest besides its encoded form: map entries. Half or twice of it would let twice
 /// or half as many small ones be remembered.
-const ENTRY_BYTES: u64 = 512;
+const MANIFEST_ENTRY_BYTES: u64 = 512;
 
 /// The state of a store, shared with its open spools.
 #[derive(Debug)]
@@ -139,10 +139,10 @@ impl SharedState {
         getrandom::fill(&mut name).map_err(io::Error::from)?;
         let path = Path::from(format!("{}/checks/{}", self.root, hex::encode(name)));
         let bytes = || Bytes::from_static(b"planish");
-        self.calls.get(&path, MANIFEST_BYTES, LOOK)?;
+        self.calls.get(&path, MAX_SHARED_MANIFEST_BYTES, MANIFEST_TIMEOUT)?;
         self.calls.create(&path, bytes())?;
         let again = self.calls.create(&path, bytes())?;
-        let back = self.calls.get(&path, MANIFEST_BYTES, LOOK)?;
+        let back = self.calls.get(&path, MAX_SHARED_MANIFEST_BYTES, MANIFEST_TIMEOUT)?;
         self.calls.delete(&path);
         let unfit = if again {
             "the store replaces objects though it is asked not to (If-None-Match: *); use one with conditional puts"
@@ -158,7 +158,7 @@ impl SharedState {
     /// Reads the manifest of an artifact from the bucket. A damaged manifest is deleted and counted; an artifact of
     /// another results version is treated as missing.
     fn fetch(&self, key: &Key) -> Result<Option<Manifest>, StoreError> {
-        let bytes = match self.calls.get(&self.manifest_path(key), MANIFEST_BYTES, LOOK)? {
+        let bytes = match self.calls.get(&self.manifest_path(key), MAX_SHARED_MANIFEST_BYTES, MANIFEST_TIMEOUT)? {
             Fetched::Missing => return Ok(None),
             Fetched::TooLong => None,
             Fetched::Bytes(bytes) => Some(bytes),
@@ -174,7 +174,7 @@ impl SharedState {
 
     /// Remembers a manifest that is in the bucket.
     fn remember(&self, manifest: Manifest) -> Arc<Manifest> {
-        let (key, cost) = (manifest.key, manifest.encode().len() as u64 + ENTRY_BYTES);
+        let (key, cost) = (manifest.key, manifest.encode().len() as u64 + MANIFEST_ENTRY_BYTES);
         let manifest = Arc::new(manifest);
         let mut shelf = lock(&self.shelf);
         while shelf.evict_for(cost).is_some() {}
@@ -189,7 +189,7 @@ impl SharedState {
         let (Some((_, length)), Some(hash)) = (parts::span(manifest, index), manifest.parts.get(index)) else {
             return Ok(None);
         };
-        match self.calls.get(&self.part_path(hash), length as u64, PATIENCE)? {
+        match self.calls.get(&self.part_path(hash), length as u64, CALL_TIMEOUT)? {
             Fetched::Bytes(bytes) if content(&bytes) == *hash => return Ok(Some(bytes)),
             Fetched::Missing => {
                 tracing::debug!(key = %manifest.key, part = index, "a part has left the shared store");
@@ -227,8 +227,8 @@ impl SharedState {
     pub(super) fn enter(&self, manifest: Manifest) -> Result<Arc<Manifest>, StoreError> {
         let path = self.manifest_path(&manifest.key);
         let encoded = manifest.encode();
-        if encoded.len() as u64 > MANIFEST_BYTES {
-            return Err(StoreError::TooLarge { capacity: MANIFEST_BYTES / 32 * PART_BYTES as u64 });
+        if encoded.len() as u64 > MAX_SHARED_MANIFEST_BYTES {
+            return Err(StoreError::TooLarge { capacity: MAX_SHARED_MANIFEST_BYTES / 32 * PART_BYTES as u64 });
         }
         if self.calls.create(&path, encoded.into())? {
             return Ok(self.remember(manifest));

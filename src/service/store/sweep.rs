@@ -13,7 +13,7 @@ use crate::job::key::{Key, RESULTS_VERSION};
 
 /// Maximum size of a manifest file in bytes; enough for the parts of two tebibytes. Larger files are damaged or
 /// foreign; half of it would still hold the parts of one tebibyte.
-const MANIFEST_BYTES: u64 = 64 << 20;
+const MAX_MANIFEST_FILE_BYTES: u64 = 64 << 20;
 
 /// The result of a sweep.
 #[derive(Debug, Default)]
@@ -115,7 +115,7 @@ fn judge(folder: &StoreFolder, key: &Key, length: Option<u64>) -> ArtifactCondit
 
 fn read_manifest(path: &Path) -> Option<Manifest> {
     let mut bytes = Vec::with_capacity(1024);
-    File::open(path).ok()?.take(MANIFEST_BYTES).read_to_end(&mut bytes).ok()?;
+    File::open(path).ok()?.take(MAX_MANIFEST_FILE_BYTES).read_to_end(&mut bytes).ok()?;
     Manifest::decode(&bytes)
 }
 
@@ -127,4 +127,4 @@ fn name(entry: &DirEntry) -> Option<String> {
     entry.file_name().into_string().ok()
 }
 
-const _: () = assert!(MANIFEST_BYTES / 32 * PART_BYTES as u64 >= 1 << 40, "the parts of a tebibyte fit");
+const _: () = assert!(MAX_MANIFEST_FILE_BYTES / 32 * PART_BYTES as u64 >= 1 << 40, "the parts of a tebibyte fit");

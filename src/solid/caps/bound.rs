@@ -1,7 +1,7 @@
 //! Bounds the distance of a cap from the limit surface.
 
 use super::bezier::{restriction, weighted};
-use super::composed::TERMS;
+use super::composed::SHORT_TERMS;
 use super::join::SectorPatch;
 use super::proof::{LeafCell, ValenceProof};
 use super::rings::{LEAVES, Rings};
@@ -32,7 +32,7 @@ pub struct Deviation {
 /// Values pass through fewer than 40 refinements with fewer than 100 roundings each, which are means, and through sums
 /// of fewer than 200 terms whose absolute weights add up to less than 50: fewer than 2^14 roundings of 2^-53, with a
 /// factor of 2 to spare. Half of it would leave no margin; twice of it would not be noticed.
-const ROUNDING: f64 = 1.0 / 274_877_906_944.0;
+const CAP_BOUND_ROUNDING: f64 = 1.0 / 274_877_906_944.0;
 
 impl CapTable {
     /// Returns the distance between the cap of a two-ring and the limit surface: a bound for valences up to 12, an
@@ -67,7 +67,7 @@ impl CapTable {
 
 fn rounding(two_ring: &[Vector], limit: Vector) -> f64 {
     let far = two_ring.iter().map(|point| length(minus(*point, limit))).fold(0.0, f64::max);
-    ROUNDING * far + 4.0 * f64::EPSILON * length(limit)
+    CAP_BOUND_ROUNDING * far + 4.0 * f64::EPSILON * length(limit)
 }
 
 /// Returns the maximum of `most` and of the distances over the cells of one ring in one sector.
@@ -81,7 +81,7 @@ fn ring(
     let steepest = slopes.most();
     let leaves = LEAVES.map(|lower| rings.leaf(s, lower));
     let flat: Vec<Vector> = patch.0.iter().flatten().copied().collect();
-    let flat: [Vector; TERMS] = std::array::from_fn(|k| flat[k]);
+    let flat: [Vector; SHORT_TERMS] = std::array::from_fn(|k| flat[k]);
     let lengths = flat.map(length);
     for cell in cells {
         let surface = leaves[cell.leaf].mapped(&cell.part[0], &cell.part[1]);

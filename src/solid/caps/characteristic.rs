@@ -7,7 +7,7 @@ use crate::math::vector::{dot, minus};
 
 /// Number of refinements after which the net counts as the limit. The second eigenvalue of its block is less than 0.4
 /// times the first, so that 40 reach rounding errors; half as many leave 1e-8, twice as many change nothing.
-const STEPS: usize = 40;
+const LIMIT_REFINEMENTS: usize = 40;
 
 /// Returns the cosine of `2 pi k / n`.
 pub(super) fn turn_cos(k: usize, n: usize) -> f64 {
@@ -54,7 +54,7 @@ pub(super) fn characteristic_net(n: usize) -> Rings<2> {
     let (c, s) = (turn_cos(1, n), turn_sin(1, n));
     let places = [[1.0, 0.0], [1.0, 1.0], [2.0, 0.0], [2.0, 1.0], [2.0, 2.0], [1.0, 2.0]];
     let mut sector = places.map(|[u, v]| [u + v * c, v * s]).to_vec();
-    for _ in 0..STEPS {
+    for _ in 0..LIMIT_REFINEMENTS {
         let refined = Rings::of_two_ring(&symmetric(&sector, n)).refined().two_ring();
         let first = minus(refined[1], refined[0]);
         let square = dot(first, first);

@@ -8,11 +8,11 @@ use crate::math::functions::{cos, real, sqrt};
 /// The degree of the path in each variable.
 const PATH: usize = 2;
 /// The degree of a patch of bidegree 5 along a path: 2 times (5 + 5).
-const WHOLE: usize = 20;
+const PATH_DEGREE: usize = 20;
 /// The degree of the short form in each variable.
 const SHORT: usize = 5;
 /// Number of coefficients of a short form, and of Bernstein polynomials of a patch.
-pub(super) const TERMS: usize = (SHORT + 1) * (SHORT + 1);
+pub(super) const SHORT_TERMS: usize = (SHORT + 1) * (SHORT + 1);
 
 /// Bernstein coefficients, in two variables, of the two coordinates of a path through the domain of a patch.
 pub(super) type Path = [[[f64; PATH + 1]; PATH + 1]; 2];
@@ -73,20 +73,20 @@ impl Scaled {
 #[derive(Debug)]
 pub(super) struct Composed {
     /// Coefficient k of the short form of the patch's Bernstein polynomial ab: `short[k][ab]`.
-    pub(super) short: Vec<[f64; TERMS]>,
+    pub(super) short: Vec<[f64; SHORT_TERMS]>,
     /// Bound of the error of each short form.
-    pub(super) neglected: [f64; TERMS],
+    pub(super) neglected: [f64; SHORT_TERMS],
     /// Exact coefficients of degree 20 of each Bernstein polynomial of the patch.
     exact: Vec<Vec<f64>>,
 }
 
-/// Returns the weights that elevate a polynomial of some degree to degree [`WHOLE`].
+/// Returns the weights that elevate a polynomial of some degree to degree [`PATH_DEGREE`].
 fn raising(degree: usize) -> Vec<Vec<f64>> {
-    let more = WHOLE - degree;
+    let more = PATH_DEGREE - degree;
     let weight = |i: usize, j: usize| {
-        if i < j || i - j > more { 0.0 } else { choose(degree, j) * choose(more, i - j) / choose(WHOLE, i) }
+        if i < j || i - j > more { 0.0 } else { choose(degree, j) * choose(more, i - j) / choose(PATH_DEGREE, i) }
     };
-    (0..=WHOLE).map(|i| (0..=degree).map(|j| weight(i, j)).collect()).collect()
+    (0..=PATH_DEGREE).map(|i| (0..=degree).map(|j| weight(i, j)).collect()).collect()
 }
 
 /// Returns the coefficients of degree 20 of a polynomial of lower degree, given by rows.
@@ -112,24 +112,24 @@ impl Composed {
             let rest = coordinate.map(|row| row.map(|x| 1.0 - x));
             Scaled::of(&coordinate).bernstein(&Scaled::of(&rest))
         });
-        let binomials: Vec<f64> = (0..=WHOLE).map(|i| choose(WHOLE, i)).collect();
+        let binomials: Vec<f64> = (0..=PATH_DEGREE).map(|i| choose(PATH_DEGREE, i)).collect();
         let plain = |product: Scaled| -> Vec<f64> {
-            let width = WHOLE + 1;
+            let width = PATH_DEGREE + 1;
             product.terms.iter().enumerate().map(|(k, x)| x / (binomials[k / width] * binomials[k % width])).collect()
         };
         let pairs = first.iter().flat_map(|a| second.iter().map(move |b| (a, b)));
         let exact: Vec<Vec<f64>> = pairs.map(|(a, b)| plain(a.times(b))).collect();
-        let columns: Vec<[f64; TERMS]> = short_forms(path);
+        let columns: Vec<[f64; SHORT_TERMS]> = short_forms(path);
         let neglected = std::array::from_fn(|ab| {
             let raised = raised_whole(SHORT, &columns[ab]);
             raised.iter().zip(&exact[ab]).fold(0.0, |most: f64, (a, b)| most.max((a - b).abs()))
         });
-        let short = (0..TERMS).map(|k| std::array::from_fn(|ab| columns[ab][k])).collect();
+        let short = (0..SHORT_TERMS).map(|k| std::array::from_fn(|ab| columns[ab][k])).collect();
         Self { short, neglected, exact }
     }
 
     /// Returns the greatest distance between a planar polynomial of degree 20 and a planar patch along the path.
-    pub(super) fn distance(&self, target: &[Vec<f64>; 2], patch: &[[f64; 2]; TERMS]) -> f64 {
+    pub(super) fn distance(&self, target: &[Vec<f64>; 2], patch: &[[f64; 2]; SHORT_TERMS]) -> f64 {
         let mut most = 0.0_f64;
         for k in 0..target[0].len() {
             let mut miss = [target[0][k], target[1][k]];
@@ -148,7 +148,7 @@ impl Composed {
 }
 
 /// Returns short forms that interpolate the Bernstein polynomials of a patch along a path at Chebyshev points.
-fn short_forms(path: &Path) -> Vec<[f64; TERMS]> {
+fn short_forms(path: &Path) -> Vec<[f64; SHORT_TERMS]> {
     const N: usize = SHORT + 1;
     let nodes: [f64; N] = std::array::from_fn(|k| 0.5 - 0.5 * cos(std::f64::consts::PI * (real(k) + 0.5) / real(N)));
     let values = nodes.map(bernstein::<N>);
@@ -156,7 +156,7 @@ fn short_forms(path: &Path) -> Vec<[f64; TERMS]> {
     let unit = |k: usize| -> Vec<f64> { (0..N).map(|i| if i == k { 1.0 } else { 0.0 }).collect() };
     let inverse: Vec<Vec<f64>> = (0..N).map(|k| matrix.solved(0.0, &unit(k), f64::MIN_POSITIVE)).collect(); // columns
     let at = nodes.map(bernstein::<{ PATH + 1 }>);
-    let mut forms = vec![[0.0; TERMS]; TERMS];
+    let mut forms = vec![[0.0; SHORT_TERMS]; SHORT_TERMS];
     for x in 0..N {
         for y in 0..N {
             let [first, second] = path.map(|c| {

@@ -1,6 +1,6 @@
 //! The cost of caps, for booking time and memory.
 
-use super::composed::TERMS;
+use super::composed::SHORT_TERMS;
 use super::proof::{LeafCell, n_cells, n_rings};
 use super::rings::LEAVES;
 use super::table::{ESTIMATED, FITTED, PROVED, rings_that_matter};
@@ -31,7 +31,7 @@ pub fn cost(valence: usize) -> CapCost {
     let (n, fitted, estimated) = (real(valence), real(per_ring(FITTED)), real(per_ring(ESTIMATED)));
     let proved = if valence <= PROVED { n_rings(valence) } else { 0 };
     let n_cells: usize = (1..=proved).map(|ring| LEAVES.len() * n_cells(valence, ring) * n_cells(valence, ring)).sum();
-    let cell_bytes = TERMS * TERMS * size_of::<f64>() + size_of::<LeafCell>();
+    let cell_bytes = SHORT_TERMS * SHORT_TERMS * size_of::<f64>() + size_of::<LeafCell>();
     let cap_operations = 4_000.0 * n + 220.0 * n * n;
     let estimate_operations = cap_operations + 300.0 * n * estimated;
     CapCost {

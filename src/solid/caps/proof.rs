@@ -3,7 +3,7 @@
 
 use super::bezier::BezierNet;
 use super::characteristic::decay;
-use super::composed::{Composed, Path, TERMS, part_of_cubic, raised_whole};
+use super::composed::{Composed, Path, SHORT_TERMS, part_of_cubic, raised_whole};
 use super::join::SectorPatch;
 use super::rings::{LEAVES, Rings};
 use super::samples::{foot, in_sector};
@@ -105,7 +105,7 @@ impl LeafCell {
             let flat: Vec<f64> = target.0.iter().flatten().map(|point| point[d]).collect();
             raised_whole(5, &flat)
         });
-        let miss = composed.distance(&target, &plane.points) + ROUNDING;
+        let miss = composed.distance(&target, &plane.points) + PLANAR_DISTANCE_ROUNDING;
         let off = plane.off(path, miss);
         Self { leaf, part, composed: composed.without_exact(), off, around: weights(around(path, off)) }
     }
@@ -113,7 +113,7 @@ impl LeafCell {
 
 /// The planar cap of one sector.
 struct PlaneCap {
-    points: [[f64; 2]; TERMS],
+    points: [[f64; 2]; SHORT_TERMS],
     slopes: Slopes<2>,
     /// Lower bound of the factor by which it stretches distances.
     stretch: f64,
@@ -131,7 +131,7 @@ impl PlaneCap {
     fn off(&self, path: &Path, miss: f64) -> f64 {
         let off = miss / self.stretch;
         let near = self.slopes.over(&weights(around(path, off)));
-        miss / self.stretch.max(near.least_straightened() - ROUNDING)
+        miss / self.stretch.max(near.least_straightened() - PLANAR_DISTANCE_ROUNDING)
     }
 }
 
@@ -146,7 +146,7 @@ fn around(path: &Path, off: f64) -> Area {
 
 /// Bound of all rounding errors of a planar distance: its coefficients are below 4, and each passes through fewer than
 /// 2000 roundings of 2^-53, including the products of [`Composed`].
-const ROUNDING: f64 = 1e-12;
+const PLANAR_DISTANCE_ROUNDING: f64 = 1e-12;
 
 /// Returns the coefficients of the path of foot points under a part of a leaf: it interpolates nine of them, and is
 /// clamped to the unit square.
@@ -185,14 +185,15 @@ fn inner_side(leaf: usize, [i, j]: [usize; 2], path: &Path) -> Vec<f64> {
 }
 
 /// Number of parts along each side of the domain on which the stretch is bounded.
-const PARTS: usize = 8;
+const DOMAIN_PARTS: usize = 8;
 
 /// Returns a lower bound of the factor by which the planar cap of one sector stretches distances, rotated so that the
 /// middle of the sector is the diagonal of the square.
 fn least_stretch(slopes: &Slopes<2>, n: usize) -> f64 {
     let angle = std::f64::consts::PI * (0.25 - ratio(1, n));
     let turn = [cos(angle), sin(angle)];
-    let part = |i: usize| [ratio(i, PARTS), ratio(i + 1, PARTS)];
-    let parts = (0..PARTS * PARTS).map(|k| slopes.over(&weights([part(k / PARTS), part(k % PARTS)])).least(turn));
-    parts.fold(f64::INFINITY, f64::min) - ROUNDING
+    let part = |i: usize| [ratio(i, DOMAIN_PARTS), ratio(i + 1, DOMAIN_PARTS)];
+    let parts = (0..DOMAIN_PARTS * DOMAIN_PARTS)
+        .map(|k| slopes.over(&weights([part(k / DOMAIN_PARTS), part(k % DOMAIN_PARTS)])).least(turn));
+    parts.fold(f64::INFINITY, f64::min) - PLANAR_DISTANCE_ROUNDING
 }

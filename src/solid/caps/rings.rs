@@ -4,14 +4,15 @@ use super::bezier::BezierNet;
 use crate::math::functions::real;
 use crate::math::vector::{plus, times};
 
-/// Number of points of the two-ring in one sector, in the order of [`WITHIN`].
+/// Number of points of the two-ring in one sector, in the order of [`SECTOR_PLACES`].
 pub(super) const PER_SECTOR: usize = 6;
 /// Places of the points of one sector: steps along its first and along its second spoke.
-const WITHIN: [[usize; 2]; PER_SECTOR] = [[1, 0], [1, 1], [2, 0], [2, 1], [2, 2], [1, 2]];
+const SECTOR_PLACES: [[usize; 2]; PER_SECTOR] = [[1, 0], [1, 1], [2, 0], [2, 1], [2, 2], [1, 2]];
 /// Number of steps stored along each spoke, as many as refined two-rings reach.
-const REACH: usize = 3;
-/// Number of places stored per sector: 1 to [`REACH`] steps along the first spoke, 0 to [`REACH`] along the second.
-const HELD: usize = REACH * (REACH + 1);
+const SPOKE_STEPS: usize = 3;
+/// Number of places stored per sector: 1 to [`SPOKE_STEPS`] steps along the first spoke, 0 to [`SPOKE_STEPS`] along the
+/// second.
+const HELD: usize = SPOKE_STEPS * (SPOKE_STEPS + 1);
 /// The lower corners of the three exact leaves of one ring, in steps of the refined net.
 pub(super) const LEAVES: [[usize; 2]; 3] = [[1, 0], [0, 1], [1, 1]];
 
@@ -25,7 +26,7 @@ pub(super) struct Rings<const D: usize> {
 }
 
 fn slot(u: usize, v: usize) -> usize {
-    (u - 1) * (REACH + 1) + v
+    (u - 1) * (SPOKE_STEPS + 1) + v
 }
 
 impl<const D: usize> Rings<D> {
@@ -33,8 +34,8 @@ impl<const D: usize> Rings<D> {
     fn of(centre: [f64; D], n: usize, point: impl Fn(usize, usize, usize) -> [f64; D]) -> Self {
         let sector = |s| {
             let mut held = [[0.0; D]; HELD];
-            for u in 1..=REACH {
-                for v in 0..=REACH {
+            for u in 1..=SPOKE_STEPS {
+                for v in 0..=SPOKE_STEPS {
                     held[slot(u, v)] = point(s, u, v);
                 }
             }
@@ -48,7 +49,7 @@ impl<const D: usize> Rings<D> {
         let n = points.len() / PER_SECTOR;
         assert_eq!(points.len(), PER_SECTOR * n + 1, "a two-ring has a vertex and six points a sector");
         let find = |s: usize, u, v| {
-            let place = WITHIN.iter().position(|place| *place == [u, v]);
+            let place = SECTOR_PLACES.iter().position(|place| *place == [u, v]);
             place.map_or([0.0; D], |place| points[1 + PER_SECTOR * s + place])
         };
         Self::of(points[0], n, find)
@@ -56,7 +57,7 @@ impl<const D: usize> Rings<D> {
 
     /// Returns the two-ring, in the order of [`Self::of_two_ring`].
     pub(super) fn two_ring(&self) -> Vec<[f64; D]> {
-        let sector = |held: &[[f64; D]; HELD]| WITHIN.map(|[u, v]| held[slot(u, v)]);
+        let sector = |held: &[[f64; D]; HELD]| SECTOR_PLACES.map(|[u, v]| held[slot(u, v)]);
         std::iter::once(self.centre).chain(self.sectors.iter().flat_map(sector)).collect()
     }
 

@@ -8,7 +8,7 @@ use crate::math::vector::minus;
 
 /// Number of Newton steps for one foot point. Five reach rounding errors from the parameters of the sample itself; half
 /// as many leave visible errors, twice as many change nothing.
-const STEPS: usize = 10;
+const SAMPLE_NEWTON_STEPS: usize = 10;
 
 /// Returns the parameter in the sector of leaf coordinates (x, y) in the ring `depth`; 1 is the outermost.
 pub(super) fn in_sector(depth: usize, lower: [usize; 2], x: [f64; 2]) -> [f64; 2] {
@@ -19,7 +19,7 @@ pub(super) fn in_sector(depth: usize, lower: [usize; 2], x: [f64; 2]) -> [f64; 2
 /// Returns the parameters in the unit square at which a planar patch has the given point.
 pub(super) fn foot(patch: &SectorPatch<2>, point: [f64; 2], start: [f64; 2]) -> [f64; 2] {
     let mut at = start;
-    for _ in 0..STEPS {
+    for _ in 0..SAMPLE_NEWTON_STEPS {
         let miss = minus(point, patch.at(at));
         let [u, v] = patch.slopes(at);
         let area = u[0] * v[1] - u[1] * v[0];

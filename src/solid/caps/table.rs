@@ -43,7 +43,7 @@ pub(super) const ESTIMATED: usize = 7;
 
 /// The factor by which estimates are multiplied, since they consider samples only. On random vertices of valence 3 to
 /// 32, the largest deviation of 17 x 17 samples per leaf is at most 1.05 times theirs.
-const MARGIN: f64 = 1.1;
+const ESTIMATE_MARGIN: f64 = 1.1;
 
 /// The free parameters of the caps of one valence as functions of the two-ring, and the cap of the characteristic net.
 #[derive(Debug)]
@@ -134,7 +134,7 @@ impl CapTable {
             let apart = minus(point, self.samples.on(&residual.patches[s], k));
             largest = largest.max(dot(apart, apart));
         });
-        MARGIN * sqrt(largest)
+        ESTIMATE_MARGIN * sqrt(largest)
     }
 
     /// Returns the facts about all caps of this valence, computed on first use; `None` for valences beyond [`PROVED`].

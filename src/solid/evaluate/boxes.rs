@@ -6,7 +6,7 @@ use crate::shape::topology::index;
 
 /// Maximum number of parts of a leaf. Half as many double the nodes; twice as many visit more parts that are too far
 /// away.
-const LEAF: usize = 4;
+const PARTS_PER_LEAF: usize = 4;
 
 /// An axis-aligned box.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -78,7 +78,7 @@ impl BoxTree {
         let bounds = self.order[from..to].iter().fold(BoundingBox::NOTHING, |sum, &i| sum.with(all[i as usize]));
         let here = self.nodes.len();
         self.nodes.push(BoxNode { bounds, from: index(from), to: index(to), second: 0 });
-        if to - from <= LEAF {
+        if to - from <= PARTS_PER_LEAF {
             return;
         }
         let side = |k: usize| bounds.high[k] - bounds.low[k];

@@ -6,7 +6,7 @@ use rayon::prelude::*;
 
 use super::boxes::BoxTree;
 use super::patch::{BezierPatch, NearestPlace};
-use super::pieces::{IrregularFace, LeafRing, MAX_RINGS, Square, SurfacePart, SurfaceParts};
+use super::pieces::{IrregularFace, LeafRing, MAX_END_RINGS, Square, SurfacePart, SurfaceParts};
 use super::place::Place;
 use crate::math::vector::{Vector, length, minus};
 use crate::scheme::plan::Plan;
@@ -23,7 +23,7 @@ const RESOLUTION: f64 = 1e-9;
 const QUARTERINGS: usize = 8_192;
 /// Number of points whose ends are searched together. Half as many make rings twice as often; twice as many take twice
 /// the memory.
-const TOGETHER: usize = 1 << 16;
+const POINTS_PER_SEARCH: usize = 1 << 16;
 
 /// The place closest to a point.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -105,7 +105,7 @@ impl EndRings<'_> {
     /// Searches an end for a nearer place: the vertex, then ring by ring.
     fn search(&mut self, square: Square, best: &mut Best, point: Vector, tolerance: f64) -> Result<(), SolidError> {
         best.take_vertex(square, self.end.vertex, point);
-        for i in 0..MAX_RINGS {
+        for i in 0..MAX_END_RINGS {
             if i == self.made.len() {
                 let ring = self.end.ring(self.refiner)?;
                 self.made.push(ring);
@@ -140,7 +140,7 @@ pub fn closest(mesh: &Mesh, plan: &Plan, points: &[Vector], watch: &Watch) -> Re
     let tree = BoxTree::of(&parts.boxes);
     let tolerance = RESOLUTION * tree.diagonal();
     let mut found = Vec::with_capacity(points.len());
-    for points in points.chunks(TOGETHER) {
+    for points in points.chunks(POINTS_PER_SEARCH) {
         let in_leaves = |&point: &Vector| {
             watch.check()?;
             Ok::<_, SolidError>(in_leaves(&parts, &tree, point, tolerance))

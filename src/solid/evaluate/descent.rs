@@ -15,7 +15,7 @@ use crate::watch::Watch;
 
 /// Number of levels after which every face is bicubic or has a single irregular vertex: ten for the largest finite
 /// sharpness, one for faces that are not quads, and one to separate vertices.
-const LEVELS: u32 = 12;
+const SEPARATING_LEVELS: u32 = 12;
 
 /// A face of a level, with the places in it.
 #[derive(Debug)]
@@ -69,7 +69,7 @@ pub fn evaluate(mesh: &Mesh, plan: &Plan, places: &[Place], watch: &Watch) -> Re
     let (mut cells, others) = first(mesh, places);
     // faces that are not quads have their squares on the next level
     let mut joining = Some(others);
-    for _ in 0..=LEVELS {
+    for _ in 0..=SEPARATING_LEVELS {
         watch.check()?;
         let outcomes: Vec<_> = cells.into_par_iter().map(|cell| level.looked_at(cell, &refiner)).collect();
         let mut split = Vec::new();

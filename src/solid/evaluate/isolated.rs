@@ -12,7 +12,7 @@ use crate::solid::level::{Level, Refiner};
 /// Number of rings after which a place counts as the vertex: 2^-60 of the face is below the spacing of numbers near 1.
 /// Half of it would be visible in positions at vertices of high valence, where a ring is two thirds of the one before;
 /// twice of it only costs time.
-pub(super) const RINGS: u32 = 60;
+pub(super) const VERTEX_RINGS: u32 = 60;
 /// The positions of the corners' quads among the four quads of a split quad, which are ordered row by row.
 pub(super) const QUADRANTS: [usize; 4] = [0, 1, 3, 2];
 
@@ -55,7 +55,7 @@ impl IsolatedFace {
         let face = level.topology.face_of(half_edge);
         let corner = (half_edge - level.topology.half_edges(face).start) as usize;
         let (level, edges) = level.taken_out(&[index(face)])?;
-        let mut rings = Self { level, edges, corner, origin: [0.0; 3], axes: AXES, scale };
+        let mut rings = Self { level, edges, corner, origin: [0.0; 3], axes: UNIT_AXES, scale };
         rings.recentre();
         Ok(rings)
     }
@@ -134,7 +134,7 @@ impl IsolatedFace {
     }
 }
 
-const AXES: [Vector; 3] = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+const UNIT_AXES: [Vector; 3] = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
 
 /// Returns the values at places in the face of a half-edge that starts at its only irregular vertex.
 ///
@@ -152,10 +152,10 @@ pub(super) fn isolated(
     let corner = [quadrant % 2, quadrant / 2].map(|bit| if bit == 1 { 1.0 } else { 0.0 });
     let mut found = Vec::with_capacity(queries.len());
     rings.straighten();
-    for ring in 0..=RINGS {
+    for ring in 0..=VERTEX_RINGS {
         refiner.watch.check()?;
         let is_at_corner = |query: &Query| [0, 1].iter().all(|&k| query.uv[k] - corner[k] == 0.0);
-        let is_there = |query: &Query| ring == RINGS || is_at_corner(query);
+        let is_there = |query: &Query| ring == VERTEX_RINGS || is_at_corner(query);
         let (there, rest): (Vec<_>, Vec<_>) = queries.into_iter().partition(is_there);
         if !there.is_empty() {
             let jet = rings.vertex();

@@ -75,7 +75,7 @@ impl BezierPatch {
         let mut uv = [0.5; 2];
         let mut here = self.slope(uv, point);
         let mut is_settled = false;
-        for _ in 0..STEPS {
+        for _ in 0..MAX_NEWTON_STEPS {
             let held = [0, 1].map(|k| {
                 let g = here.gradient[k];
                 uv[k] <= 0.0 && g >= 0.0 || uv[k] >= 1.0 && g <= 0.0
@@ -84,7 +84,7 @@ impl BezierPatch {
             let distance = sqrt(here.square);
             is_settled = distance <= tolerance || 3.0 * steep <= tolerance * distance;
             let step = step(&here, held);
-            let mut shares = std::iter::successors(Some(1.0), |share| Some(0.5 * share)).take(HALVINGS);
+            let mut shares = std::iter::successors(Some(1.0), |share| Some(0.5 * share)).take(MAX_STEP_HALVINGS);
             let tried = shares.find_map(|share| {
                 let next = [0, 1].map(|k| (uv[k] + share * step[k]).clamp(0.0, 1.0));
                 let there = self.slope(next, point);
@@ -172,9 +172,9 @@ impl BezierPatch {
 
 /// Maximum number of Newton steps, each of which doubles the correct digits. With half as many, some starts do not
 /// converge and pieces are quartered instead; twice as many find the same.
-const STEPS: usize = 12;
+const MAX_NEWTON_STEPS: usize = 12;
 /// Maximum number of halvings of a step that increases the distance.
-const HALVINGS: usize = 8;
+const MAX_STEP_HALVINGS: usize = 8;
 
 /// Returns the step to the minimum of the quadratic model if it has one, else a descent step along each direction
 /// separately.

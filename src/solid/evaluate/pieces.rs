@@ -1,7 +1,7 @@
 //! The limit surface as Bezier pieces, and ends: faces at irregular vertices, whose pieces are made on demand.
 
 use super::boxes::BoundingBox;
-use super::isolated::{IsolatedFace, QUADRANTS, RINGS};
+use super::isolated::{IsolatedFace, QUADRANTS, VERTEX_RINGS};
 use super::patch::BezierPatch;
 use super::place::Place;
 use crate::math::vector::{Vector, plus};
@@ -103,7 +103,7 @@ impl IrregularFace {
 }
 
 /// Maximum number of rings of an end that are examined.
-pub(super) const MAX_RINGS: usize = RINGS as usize;
+pub(super) const MAX_END_RINGS: usize = VERTEX_RINGS as usize;
 
 /// The parts of the limit surface with their squares and boxes.
 #[derive(Debug, Default)]

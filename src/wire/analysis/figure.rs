@@ -8,16 +8,16 @@ use super::{AnalysisAnswer, ScanAnswer, SchemeAnswer, SmoothnessAnswer, ValuesAn
 use crate::drawing::{Drawing, FontWeight, HorizontalAlign, Item, Label, Mark, Text, VerticalAlign};
 use crate::wire::surface_analysis::{NetAnswer, SurfaceAnswer};
 use crate::wire::tube_analysis::TubeAnswer;
-use plot::{BLUE, GREEN, INK, Plot, RED, band, circle, dots, line, stems};
+use plot::{BLUE, GREEN, Plot, RED, TEXT_INK, band, circle, dots, line, stems};
 
 /// Width of the page in pixels.
-const WIDTH: u16 = 960;
+const PAGE_WIDTH: u16 = 960;
 /// Height of a row of plots with its heading, in pixels.
-const ROW: u16 = 320;
+const PLOT_ROW_HEIGHT: u16 = 320;
 /// Height of the text above the plots, in pixels.
-const HEAD: u16 = 96;
+const PAGE_HEAD_HEIGHT: u16 = 96;
 /// Size of the text in pixels.
-const SIZE: f32 = 14.0;
+const TEXT_SIZE_PX: f32 = 14.0;
 
 /// Returns the figure of an answer.
 pub(super) fn figure(answer: &AnalysisAnswer) -> Drawing {
@@ -41,20 +41,22 @@ pub(super) fn figure(answer: &AnalysisAnswer) -> Drawing {
 /// Returns a page with a heading, lines of text below it, and plots in rows of `columns`.
 fn page(title: &str, lines: &[String], plots: Vec<Plot>, columns: u16) -> Drawing {
     let rows = u16::try_from(plots.len()).unwrap_or(1).div_ceil(columns);
-    // `HEAD` has room for two lines
-    let head = HEAD + 20 * u16::try_from(lines.len().saturating_sub(2)).unwrap_or(0);
-    let mut items = vec![text(title, [24.0, 36.0], 1.3 * SIZE, FontWeight::Bold)];
+    // `PAGE_HEAD_HEIGHT` has room for two lines
+    let head = PAGE_HEAD_HEIGHT + 20 * u16::try_from(lines.len().saturating_sub(2)).unwrap_or(0);
+    let mut items = vec![text(title, [24.0, 36.0], 1.3 * TEXT_SIZE_PX, FontWeight::Bold)];
     for (k, line) in (0_u8..).zip(lines) {
-        items.push(text(line, [24.0, 60.0 + 20.0 * f32::from(k)], SIZE, FontWeight::Regular));
+        items.push(text(line, [24.0, 60.0 + 20.0 * f32::from(k)], TEXT_SIZE_PX, FontWeight::Regular));
     }
-    let width = f32::from(WIDTH) / f32::from(columns);
+    let width = f32::from(PAGE_WIDTH) / f32::from(columns);
     for (k, plot) in (0_u16..).zip(plots) {
         let left = width * f32::from(k % columns);
-        let top = f32::from(head) + f32::from(ROW * (k / columns));
-        items.push(text(&plot.title, [left + 24.0, top + 24.0], SIZE, FontWeight::Bold));
-        items.extend(plot.items([left + 8.0, top + 36.0, width - 24.0, f32::from(ROW) - 44.0], SIZE));
+        let top = f32::from(head) + f32::from(PLOT_ROW_HEIGHT * (k / columns));
+        items.push(text(&plot.title, [left + 24.0, top + 24.0], TEXT_SIZE_PX, FontWeight::Bold));
+        items.extend(
+            plot.items([left + 8.0, top + 36.0, width - 24.0, f32::from(PLOT_ROW_HEIGHT) - 44.0], TEXT_SIZE_PX),
+        );
     }
-    let size = [u32::from(WIDTH), u32::from(head + rows * ROW)];
+    let size = [u32::from(PAGE_WIDTH), u32::from(head + rows * PLOT_ROW_HEIGHT)];
     Drawing { size, background: [255; 4], title: title.to_owned(), items }
 }
 
@@ -62,7 +64,7 @@ fn text(says: &str, at: [f32; 2], size_px: f32, weight: FontWeight) -> Item {
     // the texts are names and numbers; a text that cannot be set is left empty
     let label = Label::plain(says, weight).or_else(|_| Label::plain("", weight)).expect("an empty text can be set");
     let (anchor, level) = (HorizontalAlign::Start, VerticalAlign::Baseline);
-    Item::new("label", Mark::Text(Text { label, at, size_px, anchor, level, turn_deg: 0.0, color: INK }))
+    Item::new("label", Mark::Text(Text { label, at, size_px, anchor, level, turn_deg: 0.0, color: TEXT_INK }))
 }
 
 fn of_scheme(scheme: &SchemeAnswer, title: &str) -> Drawing {

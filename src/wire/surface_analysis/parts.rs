@@ -10,7 +10,7 @@ use crate::analysis::surface::{Criterion, PlaneNet, PointWeight, Status};
 pub(super) const MAX_EIGENVALUES: usize = 16;
 /// Weights of masks below this size are omitted as rounding errors. It is some thousand roundings of 1. Half or twice
 /// of it would decide alike, as weights are products of few fractions.
-const NONE: f64 = 1e-12;
+const NEGLIGIBLE_WEIGHT: f64 = 1e-12;
 
 /// Points in the plane and the faces between them.
 #[derive(Debug, Clone, Serialize, ToSchema)]
@@ -56,7 +56,7 @@ pub(super) fn name(status: Status) -> &'static str {
 
 /// Whether a weight exceeds rounding errors.
 pub(super) fn is_there(weight: &PointWeight) -> bool {
-    weight.values.iter().any(|x| x.abs() > NONE)
+    weight.values.iter().any(|x| x.abs() > NEGLIGIBLE_WEIGHT)
 }
 
 /// Returns the sector coordinates of a weight, `center` for the centre.

@@ -5,7 +5,7 @@ use planish::job::Input;
 use planish::job::limits::{Limits, Refusal};
 use planish::refine::mesh_net;
 use planish::scheme::extent::Ends;
-use planish::scheme::forecast::{Count, ForecastError, MAX_BYTES, of_mesh};
+use planish::scheme::forecast::{Count, ForecastError, MAX_FORECAST_BYTES, of_mesh};
 use planish::scheme::mesh_net::MeshNet;
 use planish::scheme::operator::Role;
 use planish::scheme::plan::{Plan, Scheduled};
@@ -211,7 +211,7 @@ fn c1_what_cannot_be_counted_within_the_bound_is_refused_without_being_made() {
     let (found, taken) = peak(|| of_mesh(&net, &steps, CAP, &Watch::new()));
     let Err(error) = found else { panic!("18 levels of UDD have a long boundary: {found:?}") };
     let ForecastError::Bytes { bytes, bound, .. } = error else { panic!("{error}") };
-    assert!(bytes > bound && bound == MAX_BYTES);
+    assert!(bytes > bound && bound == MAX_FORECAST_BYTES);
     assert!(u128::from(taken) <= bound, "{taken} bytes");
 }
 

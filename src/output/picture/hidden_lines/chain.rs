@@ -3,9 +3,7 @@
 use std::collections::BTreeMap;
 
 use crate::drawing::{Point, PolylinePoints};
-
-/// Maximum number of points of a polyline, so that painting one takes bounded memory.
-const LONGEST: usize = 4096;
+use crate::output::picture::easel::MAX_POLYLINE_POINTS;
 
 /// A straight piece of a line.
 #[derive(Debug, Clone, PartialEq)]
@@ -47,7 +45,7 @@ fn extend(
     used: &mut [bool],
 ) {
     let mut at = from;
-    while let Some(vertex) = at.filter(|_| run.len() < LONGEST) {
+    while let Some(vertex) = at.filter(|_| run.len() < MAX_POLYLINE_POINTS) {
         let [a, b] = around[&vertex][..] else { return };
         let Some(next) = [a, b].into_iter().find(|i| !used[*i]) else { return };
         used[next] = true;

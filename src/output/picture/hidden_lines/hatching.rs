@@ -23,28 +23,28 @@ use crate::watch::Watch;
 /// leaves a finger-wide surface without a line.
 const APART: f64 = 3.5;
 /// The two directions of lines, across the picture and down it.
-const DIRECTIONS: [[f64; 2]; 2] = [[1.0, -1.0], [1.0, 1.0]];
+const STROKE_DIRECTIONS: [[f64; 2]; 2] = [[1.0, -1.0], [1.0, 1.0]];
 /// The cosines of the angle between normal and lamp below which lines are drawn: every fourth line, the ones midway
 /// between two of these, and all others; first in one direction, then across it. About even steps between full light
 /// and the side turned away. Higher ones leave no paper, lower ones no ink.
-const BELOW: [[f64; 3]; 2] = [[0.82, 0.60, 0.36], [0.12, -0.10, -0.40]];
+const STROKE_COSINES: [[f64; 3]; 2] = [[0.82, 0.60, 0.36], [0.12, -0.10, -0.40]];
 /// Minimum length of a stroke, in units of line width; shorter ones look like dust and are left out.
-const LEAST: f64 = 2.0;
+const LEAST_STROKE_LENGTH: f64 = 2.0;
 /// Gaps between pieces of one line that are due to rounding, pixels. Half of it leaves gaps between triangles seen
 /// nearly edge-on; twice of it still cannot be seen.
 const GAP_PX: f64 = 0.2;
 /// Maximum number of pieces, 56 bytes each; usual meshes have one or two per triangle. Half of it refuses meshes whose
 /// lines can be drawn; twice of it takes 120 MB more in each of the two buffers of [`PIECES_BYTES`].
-const MAX_PIECES: usize = 1 << 21;
+const MAX_STROKE_PIECES: usize = 1 << 21;
 /// Bytes of memory for all pieces: as they are cut, and their visible parts.
-const PIECES_BYTES: u128 = (MAX_PIECES * 2 * size_of::<HatchSegment>()) as u128;
+const PIECES_BYTES: u128 = (MAX_STROKE_PIECES * 2 * size_of::<HatchSegment>()) as u128;
 /// Maximum number of strokes. Pictures have some thousand; twice of it writes twice as long files of black areas.
 const MAX_STROKES: usize = 1 << 17;
 /// Maximum number of bytes of the strokes in a file.
 pub(super) const STROKES_BYTES: u128 = (MAX_STROKES * 64) as u128;
 
 /// Returns the memory in bytes for hatching: positions, normals, places and light of vertices that may be split,
-/// triangles, and at most [`MAX_PIECES`] pieces of lines.
+/// triangles, and at most [`MAX_STROKE_PIECES`] pieces of lines.
 pub(super) fn memory(triangles: u128, vertices: u128) -> u128 {
     let held = vertices.saturating_mul(3 * 24 + 8).saturating_add(triangles.saturating_mul(12));
     held.saturating_add(PIECES_BYTES)
@@ -115,7 +115,7 @@ impl HatchedSurface {
         let too_many = |what: &str| {
             FormatError::Unfit(format!("{what}; ask for fewer levels, or leave \"hatching\" out of \"show\""))
         };
-        if self.triangles.par_iter().map(count).sum::<u64>() > MAX_PIECES as u64 {
+        if self.triangles.par_iter().map(count).sum::<u64>() > MAX_STROKE_PIECES as u64 {
             return Err(too_many("hatching has too many lines on faces that lie behind each other"));
         }
         let of_triangle = |(number, triangle): (usize, &[u32; 3])| {
@@ -144,7 +144,7 @@ impl HatchedSurface {
                 None => strokes.push((line, from, to)),
             }
         }
-        strokes.retain(|(_, from, to)| to - from >= LEAST * f64::from(unit));
+        strokes.retain(|(_, from, to)| to - from >= LEAST_STROKE_LENGTH * f64::from(unit));
         if strokes.len() > MAX_STROKES {
             return Err(too_many("hatching has too many strokes"));
         }
@@ -183,7 +183,7 @@ struct HatchLines {
 impl HatchLines {
     /// Returns the unit vectors along and across the lines of a direction.
     fn axes(direction: usize) -> [[f64; 2]; 2] {
-        let along = DIRECTIONS[direction].map(|x| x / sqrt(2.0));
+        let along = STROKE_DIRECTIONS[direction].map(|x| x / sqrt(2.0));
         [along, [-along[1], along[0]]]
     }
 
@@ -264,7 +264,7 @@ impl HatchLines {
 
 /// Returns the cosine below which a line is drawn.
 fn below(direction: usize, number: i64) -> f64 {
-    let [fourth, second, other] = BELOW[direction];
+    let [fourth, second, other] = STROKE_COSINES[direction];
     match number.rem_euclid(4) {
         0 => fourth,
         2 => second,

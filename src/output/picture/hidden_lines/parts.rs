@@ -4,7 +4,7 @@ use crate::raster::ProjectedPoint;
 
 /// Pieces and gaps shorter than this are ignored, pixels. Half of it shows pieces cut by rounding only; twice of it can
 /// be seen.
-const LEAST_PX: f64 = 0.1;
+const LEAST_PIECE_PX: f64 = 0.1;
 
 /// The hidden or the visible parts of a line, ascending.
 pub(super) type LineIntervals = Vec<[f64; 2]>;
@@ -13,11 +13,11 @@ pub(super) type LineIntervals = Vec<[f64; 2]>;
 pub(super) fn tidied(hidden: &[[f64; 2]], [a, b]: [ProjectedPoint; 2]) -> LineIntervals {
     let (dx, dy) = (b[0] - a[0], b[1] - a[1]);
     let length = (dx * dx + dy * dy).sqrt();
-    if length < LEAST_PX {
+    if length < LEAST_PIECE_PX {
         let middle = hidden.iter().any(|[from, to]| (*from..=*to).contains(&0.5));
         return if middle { vec![[0.0, 1.0]] } else { Vec::new() };
     }
-    let least = LEAST_PX / length;
+    let least = LEAST_PIECE_PX / length;
     let mut found: LineIntervals = Vec::new();
     for [from, to] in hidden {
         let from = if *from < least { 0.0 } else { *from };

@@ -3,7 +3,7 @@
 use crate::drawing::{Axes, Axis, Color, Discs, FontWeight, Group, Item, Label, Mark as Drawn, Point, Stroke};
 
 /// Colour of text.
-pub(super) const INK: Color = [15, 23, 42, 255];
+pub(super) const TEXT_INK: Color = [15, 23, 42, 255];
 /// Colour of functions.
 pub(super) const BLUE: Color = [37, 99, 235, 255];
 /// Colour of proved statements.
@@ -14,7 +14,7 @@ pub(super) const RED: Color = [220, 38, 38, 255];
 const GREY: Color = [148, 163, 184, 255];
 /// Number of edges of a circle. With a radius of a hundred pixels each edge has six. Half as many would be visible;
 /// twice as many would only be longer.
-const TURNS: u8 = 96;
+const CIRCLE_EDGES: u8 = 96;
 
 /// A plot.
 pub(super) struct Plot {
@@ -62,9 +62,9 @@ pub(super) fn band(low: Vec<[f64; 2]>, high: Vec<[f64; 2]>, color: Color) -> Mar
 
 /// Creates a circle around the origin, as a guide.
 pub(super) fn circle(radius: f64) -> Marks {
-    let angle = |k: u8| std::f64::consts::TAU * f64::from(k) / f64::from(TURNS);
+    let angle = |k: u8| std::f64::consts::TAU * f64::from(k) / f64::from(CIRCLE_EDGES);
     let place = |k| [radius * crate::math::functions::cos(angle(k)), radius * crate::math::functions::sin(angle(k))];
-    Marks { points: (0..=TURNS).map(place).collect(), kind: MarkKind::Guide, color: GREY }
+    Marks { points: (0..=CIRCLE_EDGES).map(place).collect(), kind: MarkKind::Guide, color: GREY }
 }
 
 impl Plot {
