@@ -6,7 +6,7 @@ use std::sync::Mutex;
 
 /// Smallest buffer to keep, in bytes; the allocator keeps smaller ones itself. Half and twice of it made no measurable
 /// difference.
-const SMALLEST: usize = 1 << 20;
+const LEAST_KEPT_BYTES: usize = 1 << 20;
 
 /// The kept buffers, and the maximum number of bytes to keep.
 struct KeptBuffers {
@@ -14,7 +14,7 @@ struct KeptBuffers {
     buffers: Vec<Vec<f64>>,
 }
 
-static SHELF: Mutex<KeptBuffers> = Mutex::new(KeptBuffers { most: 0, buffers: Vec::new() });
+static KEPT_BUFFERS: Mutex<KeptBuffers> = Mutex::new(KeptBuffers { most: 0, buffers: Vec::new() });
 
 fn bytes(buffer: &Vec<f64>) -> usize {
     buffer.capacity() * size_of::<f64>()
@@ -28,7 +28,7 @@ impl KeptBuffers {
 
 /// Sets the maximum number of bytes to keep; initially nothing is kept.
 pub fn keep_at_most(most: usize) {
-    let mut shelf = SHELF.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
+    let mut shelf = KEPT_BUFFERS.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
     shelf.most = most;
     while shelf.used() > most {
         shelf.buffers.pop();
@@ -62,7 +62,7 @@ impl Numbers {
 
 /// Takes the smallest kept buffer with room for `len` numbers, unless more than half of it would be unused.
 fn taken(len: usize) -> Option<Vec<f64>> {
-    let mut shelf = SHELF.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
+    let mut shelf = KEPT_BUFFERS.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
     let fitting = shelf.buffers.iter().enumerate().filter(|(_, buffer)| (len..=2 * len).contains(&buffer.len()));
     let (at, _) = fitting.min_by_key(|(_, buffer)| buffer.len())?;
     Some(shelf.buffers.swap_remove(at))
@@ -96,11 +96,11 @@ impl DerefMut for Numbers {
 
 impl Drop for Numbers {
     fn drop(&mut self) {
-        if bytes(&self.buffer) < SMALLEST {
+        if bytes(&self.buffer) < LEAST_KEPT_BYTES {
             return;
         }
         let buffer = std::mem::take(&mut self.buffer);
-        let mut shelf = SHELF.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
+        let mut shelf = KEPT_BUFFERS.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
         if shelf.used() + bytes(&buffer) <= shelf.most {
             shelf.buffers.push(buffer);
         }
@@ -113,8 +113,8 @@ mod tests {
 
     #[test]
     fn buffers_are_used_again_and_at_most_so_much_is_kept() {
-        let len = SMALLEST / size_of::<f64>();
-        keep_at_most(SMALLEST);
+        let len = LEAST_KEPT_BYTES / size_of::<f64>();
+        keep_at_most(LEAST_KEPT_BYTES);
         let (first, second) = (Numbers::to_overwrite(len), Numbers::to_overwrite(len));
         let place = first.as_ptr();
         drop(first);

@@ -21,7 +21,7 @@ const FIRST_WAIT: Duration = Duration::from_millis(500);
 /// minute. Half of it would send twice as many requests; twice of it would be cut by some proxies.
 const HELD_S: u64 = 30;
 /// Maximum silence of a service during a response: the time that it waits for a result, and some seconds.
-const SILENCE: Duration = Duration::from_secs(HELD_S + 30);
+const MAX_SILENCE: Duration = Duration::from_secs(HELD_S + 30);
 /// Maximum number of bytes read of an error response.
 const MAX_REFUSAL: usize = 1 << 20;
 
@@ -69,7 +69,7 @@ impl From<CliError> for Failed {
 impl Remote {
     /// Creates a client of the service at `url`, which gives up a job after `patience`.
     pub(super) fn new(url: &str, key: Option<&str>, patience: Duration, is_quiet: bool) -> Result<Self, CliError> {
-        let client = client("--server", url)?.read_timeout(SILENCE).connect_timeout(Duration::from_secs(10));
+        let client = client("--server", url)?.read_timeout(MAX_SILENCE).connect_timeout(Duration::from_secs(10));
         let client = client.build().map_err(CliError::other)?;
         let (url, key) = (url.trim_end_matches('/').to_owned(), key.map(str::to_owned));
         let notes = (!is_quiet).then(|| Arc::new(Once::new()));

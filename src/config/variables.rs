@@ -8,7 +8,7 @@ use crate::fault::{nearest, shortened};
 /// The prefix of the variables of settings.
 const SETTING_PREFIX: &str = "PLANISH_";
 /// Prefixes of variables that Kubernetes and Docker set for a service called planish.
-const OF_OTHERS: [&str; 2] = ["PLANISH_SERVICE_", "PLANISH_PORT"];
+const FOREIGN_PREFIXES: [&str; 2] = ["PLANISH_SERVICE_", "PLANISH_PORT"];
 /// Variables that are not settings: the path of the settings file, and the key that commands show to a service.
 const OTHER_VARIABLES: [&str; 2] = ["PLANISH_CONFIG", "PLANISH_KEY"];
 
@@ -25,7 +25,7 @@ pub(super) fn settings(
         let name = name.to_string_lossy();
         if !name.starts_with(SETTING_PREFIX)
             || OTHER_VARIABLES.contains(&&*name)
-            || OF_OTHERS.iter().any(|other| name.starts_with(other))
+            || FOREIGN_PREFIXES.iter().any(|other| name.starts_with(other))
         {
             continue;
         }

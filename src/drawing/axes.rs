@@ -7,7 +7,7 @@ use super::ticks::{Tick, ticks};
 /// Colour of frames and of their labels.
 pub(super) const FRAME_INK: Color = [51, 65, 85, 255];
 /// Colour of the grid; it must not be mistaken for a line of the plot.
-const GRID: Color = [226, 232, 240, 255];
+const GRID_COLOR: Color = [226, 232, 240, 255];
 /// Maximum number of ticks of an axis; twice as many would be a ruler, half as many too few to read values.
 const MAX_TICKS: usize = 9;
 
@@ -76,7 +76,7 @@ impl Axes {
             }
         }
         let width_px = 0.07 * self.size_px;
-        Item::lines("grid", runs, Stroke { cap: Cap::Butt, ..Stroke::solid(width_px, GRID) })
+        Item::lines("grid", runs, Stroke { cap: Cap::Butt, ..Stroke::solid(width_px, GRID_COLOR) })
     }
 
     /// Returns the frame with ticks and labels, which must be drawn after the plot.

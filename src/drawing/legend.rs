@@ -6,7 +6,7 @@ use super::scene::{Cap, Color, Discs, HorizontalAlign, Item, Mark, Picture, Poin
 use super::ticks::ticks;
 
 /// Colour of the background, which is slightly translucent.
-const PAPER: Color = [255, 255, 255, 230];
+const PAPER_COLOR: Color = [255, 255, 255, 230];
 /// Colour of the border.
 const BORDER_COLOR: Color = [203, 213, 225, 255];
 
@@ -55,7 +55,7 @@ impl Legend {
         let edge = [[0.0, 0.0], [width, 0.0], [width, height], [0.0, height], [0.0, 0.0]];
         let edge = edge.map(|[x, y]| [left + x, top + y]).to_vec();
         let mut items = vec![
-            Item::rectangle("legend", [left, top, width, height], PAPER),
+            Item::rectangle("legend", [left, top, width, height], PAPER_COLOR),
             Item::lines("legend", vec![edge], Stroke::solid(0.07 * size, BORDER_COLOR)),
         ];
         let mut y = top + 1.1 * size;
@@ -94,7 +94,7 @@ const BAR_COLORS: u16 = 256;
 
 /// Height of the tip of a bar, in its widths. At half of it the sides meet at a right angle, which is seen in large
 /// pictures only; at twice of it the tip looks like a part of the scale.
-const TIP: f32 = 0.8;
+const TIP_HEIGHT: f32 = 0.8;
 
 /// Share of the size of the font down to which what is written at a bar becomes smaller; a third cannot be read.
 const LEAST_SHARE: f32 = 0.5;
@@ -111,7 +111,7 @@ pub fn color_bar(
     size_px: f32,
     end: f32,
 ) -> Vec<Item> {
-    let tips = beyond.map(|is_beyond| if is_beyond { (TIP * width).min(0.25 * height) } else { 0.0 });
+    let tips = beyond.map(|is_beyond| if is_beyond { (TIP_HEIGHT * width).min(0.25 * height) } else { 0.0 });
     let (tip, top, height) = (top, top + tips[1], height - tips[0] - tips[1]);
     let shares = (0..BAR_COLORS).rev().map(|i| (f64::from(i) + 0.5) / f64::from(BAR_COLORS));
     let pixels = shares.flat_map(&color).collect();

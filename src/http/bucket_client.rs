@@ -16,10 +16,10 @@ use super::trust;
 
 /// Maximum time to establish a connection: a tenth of a second reaches the other side of the world. Half of it gives up
 /// on busy stores; twice of it notices later that a machine is gone.
-const CONNECT: Duration = Duration::from_secs(1);
+const CONNECT_TIMEOUT: Duration = Duration::from_secs(1);
 /// Number of idle connections that are kept: as many as calls are made at once. Half of it connects anew under load;
 /// twice of it holds unused connections.
-const IDLE: usize = 16;
+const MAX_IDLE_CONNECTIONS: usize = 16;
 
 /// A client with a pool of connections.
 #[derive(Debug)]
@@ -34,9 +34,9 @@ pub(super) fn connect() -> object_store::Result<HttpClient> {
     let mut tcp = Tcp::new();
     tcp.enforce_http(false);
     tcp.set_nodelay(true);
-    tcp.set_connect_timeout(Some(CONNECT));
+    tcp.set_connect_timeout(Some(CONNECT_TIMEOUT));
     let https = HttpsConnectorBuilder::new().with_tls_config(tls).https_or_http().enable_http1().wrap_connector(tcp);
-    let client = Client::builder(TokioExecutor::new()).pool_max_idle_per_host(IDLE).build(https);
+    let client = Client::builder(TokioExecutor::new()).pool_max_idle_per_host(MAX_IDLE_CONNECTIONS).build(https);
     Ok(HttpClient::new(ConnectionPool(client)))
 }
 

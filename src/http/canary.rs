@@ -10,11 +10,11 @@ use crate::watch::Watch;
 use crate::wire::JobRequest;
 
 /// Time between two runs. Half of it takes twice the computing for the same answer; twice of it leaves one run within
-/// [`STALE`], so that one late run makes the service not ready.
-const INTERVAL: Duration = Duration::from_secs(10);
+/// [`STALE_AGE`], so that one late run makes the service not ready.
+const CANARY_INTERVAL: Duration = Duration::from_secs(10);
 /// Age of the last success from which on the service is not ready: three intervals, so that two runs may fail or be
 /// late. Half of it allows no failure; twice of it notices a hanging service after a minute.
-pub(super) const STALE: Duration = Duration::from_secs(30);
+pub(super) const STALE_AGE: Duration = Duration::from_secs(30);
 
 /// A cube, refined twice and drawn, which exercises operators, rasteriser and encoder.
 const CANARY_JOB: &str = r#"{
@@ -51,7 +51,7 @@ pub(super) async fn sing(canary: Arc<Canary>, desk: Arc<Desk>) {
             Ok(Err(error)) => tracing::error!(%error, "the canary job failed"),
             Err(error) => tracing::error!(%error, "the canary job panicked"),
         }
-        tokio::time::sleep(INTERVAL).await;
+        tokio::time::sleep(CANARY_INTERVAL).await;
     }
 }
 

@@ -27,7 +27,7 @@ use crate::wire::place::InputPlace;
 use crate::wire::text::MeshFile;
 
 /// The job for a mesh file that is compared unrefined.
-const FILE: &[u8] = br#"{"input":{},"outputs":[{"format":"stats"}]}"#;
+const FILE_JOB: &[u8] = br#"{"input":{},"outputs":[{"format":"stats"}]}"#;
 
 /// The charge for the memory of a side, as long as it is held.
 pub(super) type Booked = Arc<dyn Any + Send + Sync>;
@@ -127,7 +127,7 @@ async fn of_file(
     };
     let file = MeshFile { format: format.to_owned(), bytes, beside: Arc::new(Alone) };
     let attached = Arc::new(Attached::new(key, file, paid));
-    let sent = Sent::job(Bytes::from_static(FILE)).with_uploads(vec![(InputPlace::default(), attached)]);
+    let sent = Sent::job(Bytes::from_static(FILE_JOB)).with_uploads(vec![(InputPlace::default(), attached)]);
     shape(app, peer, sent).await.map_err(|problem| problem.at(|_| place.to_owned()))
 }
 

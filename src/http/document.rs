@@ -67,7 +67,7 @@ const RESULT_HEADERS: &[&str] =
     &["ETag", "Content-Location", "Cache-Status", "Server-Timing", "Planish-Warnings", "Content-Encoding", "Vary"];
 const KEPT_HEADERS: &[&str] = &["Cache-Control", "Accept-Ranges"];
 /// Problems that every address may answer.
-const ANYWHERE: &[ProblemKind] = &[
+const COMMON_PROBLEMS: &[ProblemKind] = &[
     problem::NOT_HTTP,
     problem::BAD_HOST,
     problem::HOST,
@@ -77,7 +77,7 @@ const ANYWHERE: &[ProblemKind] = &[
     problem::BUSY,
 ];
 /// Problems of bodies, and of the jobs in them.
-const BODY: &[ProblemKind] = &[
+const BODY_PROBLEMS: &[ProblemKind] = &[
     problem::NOT_JSON,
     problem::NOT_CODED,
     problem::BROKEN_OFF,
@@ -91,7 +91,7 @@ const BODY: &[ProblemKind] = &[
 /// Problems of jobs that are forecast.
 const FORECAST_PROBLEMS: &[ProblemKind] = &[problem::TOO_LARGE, problem::TIMED_OUT];
 /// Problems of jobs that are computed.
-const COMPUTED: &[ProblemKind] = &[problem::INVALID, problem::GONE, problem::CANCELLED];
+const COMPUTING_PROBLEMS: &[ProblemKind] = &[problem::INVALID, problem::GONE, problem::CANCELLED];
 
 /// Adds to every operation what the handlers need not repeat.
 pub(super) fn completed(mut document: Api) -> Api {
@@ -137,7 +137,7 @@ fn let_in(method: &Method, path: &str, operation: &mut Operation) {
 }
 
 fn complete(path: &str, operation: &mut Operation) {
-    refuse(operation, ANYWHERE);
+    refuse(operation, COMMON_PROBLEMS);
     if let Some(RefOr::T(body)) = &mut operation.request_body {
         body.required = Some(Required::True);
         let jobs = body.content.iter_mut().filter(|(media_type, _)| *media_type == "application/json");
@@ -152,7 +152,7 @@ fn complete(path: &str, operation: &mut Operation) {
                 };
             }
         }
-        refuse(operation, BODY);
+        refuse(operation, BODY_PROBLEMS);
     }
     if path.contains('{') {
         refuse(operation, &[problem::NOT_FOUND]);
@@ -171,7 +171,7 @@ fn complete(path: &str, operation: &mut Operation) {
                 &[problem::NOT_JSON, problem::BODY_TOO_LONG, problem::NOT_ACCEPTABLE, problem::UNFINISHED],
             );
             refuse(operation, FORECAST_PROBLEMS);
-            refuse(operation, COMPUTED);
+            refuse(operation, COMPUTING_PROBLEMS);
         }
         "/v1/render" => {
             files(operation);
@@ -183,28 +183,28 @@ fn complete(path: &str, operation: &mut Operation) {
             headers(operation, "202", &["Location", "Retry-After", "Preference-Applied"]);
             headers(operation, "304", &["ETag", "Content-Location", "Cache-Status", "Vary"]);
             refuse(operation, FORECAST_PROBLEMS);
-            refuse(operation, COMPUTED);
+            refuse(operation, COMPUTING_PROBLEMS);
             refuse(operation, &[problem::NOT_ACCEPTABLE, problem::UNWRITTEN]);
         }
         "/v1/estimate" => refuse(operation, FORECAST_PROBLEMS),
         "/v1/compare" => {
             headers(operation, "200", &["Cache-Status"]);
             refuse(operation, FORECAST_PROBLEMS);
-            refuse(operation, COMPUTED);
+            refuse(operation, COMPUTING_PROBLEMS);
         }
         "/v1/analyses" | "/v1/evaluate" => {
             headers(operation, "200", RESULT_HEADERS);
             headers(operation, "304", &["ETag", "Content-Location", "Vary"]);
             let analysed: &[_] = &[problem::TIMED_OUT, problem::NOT_ACCEPTABLE];
             refuse(operation, if path == "/v1/evaluate" { FORECAST_PROBLEMS } else { analysed });
-            refuse(operation, COMPUTED);
+            refuse(operation, COMPUTING_PROBLEMS);
         }
         path if path.contains("/artifacts/") => {
             bytes(operation, "200", &[RESULT_HEADERS, KEPT_HEADERS].concat());
             bytes(operation, "206", &[RESULT_HEADERS, KEPT_HEADERS, &["Content-Range"]].concat());
             headers(operation, "304", &[RESULT_HEADERS, KEPT_HEADERS].concat());
             refuse(operation, FORECAST_PROBLEMS);
-            refuse(operation, COMPUTED);
+            refuse(operation, COMPUTING_PROBLEMS);
             refuse(operation, &[problem::RANGE]);
         }
         "/v1/jobs" | "/v1/batches" if operation.request_body.is_some() => {

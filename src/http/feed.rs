@@ -20,7 +20,7 @@ use crate::service::pool::{Lack, Lane};
 
 /// Maximum silence of a stream: half of what proxies usually allow. Half of it wakes idle connections twice as often;
 /// twice of it is cut by some proxies.
-const HEARTBEAT: Duration = Duration::from_secs(15);
+const HEARTBEAT_INTERVAL: Duration = Duration::from_secs(15);
 /// Interval of looking for progress. Half of it reports more than eyes follow; twice of it makes progress bars jump.
 const PROGRESS_INTERVAL: Duration = Duration::from_millis(200);
 /// Minimum memory booked for a stream, in bytes: an event with 64 outputs, and the one before it that is still being
@@ -143,7 +143,7 @@ impl Feed {
             None => Some(self.forgotten()),
         };
         let event = event.or_else(|| {
-            let is_silent = now.saturating_sub(self.last_sent) >= HEARTBEAT;
+            let is_silent = now.saturating_sub(self.last_sent) >= HEARTBEAT_INTERVAL;
             is_silent.then(|| ": it goes on\n\n".to_owned())
         })?;
         self.last_sent = now;

@@ -17,13 +17,13 @@ use crate::service::peer::Peer;
 
 /// Interval between two readings of the keys. Half of it reads twice as often; twice of it lets a revoked key work for
 /// a second longer.
-const READ_AGAIN: Duration = Duration::from_secs(1);
+const KEYS_INTERVAL: Duration = Duration::from_secs(1);
 
 /// Paths that are public whether there are keys or not: the state of the service, and its catalogue.
-const OPEN: [&str; 4] = ["/", "/livez", "/readyz", "/openapi.json"];
-const OPEN_BELOW: [&str; 6] = ["/docs", "/play", "/v1/presets", "/v1/operators", "/v1/formats", "/v1/readers"];
+const PUBLIC_PATHS: [&str; 4] = ["/", "/livez", "/readyz", "/openapi.json"];
+const PUBLIC_PREFIXES: [&str; 6] = ["/docs", "/play", "/v1/presets", "/v1/operators", "/v1/formats", "/v1/readers"];
 /// Prefixes of paths where a GET computes a job.
-const WORKS_BELOW: [&str; 2] = ["/v1/render", "/kroki/"];
+const WORK_PREFIXES: [&str; 2] = ["/v1/render", "/kroki/"];
 
 /// The permission that a request needs.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -78,7 +78,7 @@ impl Gate {
         let Some(file) = self.file.clone() else { return };
         let mut trouble = None;
         loop {
-            self.clock.sleep(READ_AGAIN).await;
+            self.clock.sleep(KEYS_INTERVAL).await;
             let of_thread = file.clone();
             let read = tokio::task::spawn_blocking(move || read(&of_thread)).await;
             let message = match read {
@@ -144,12 +144,12 @@ pub(super) fn needed(method: &Method, path: &str) -> Need {
         return Need::Signature { works };
     }
     // browsers send OPTIONS before the request itself, without its key
-    if *method == Method::OPTIONS || reads && (OPEN.contains(&path) || OPEN_BELOW.iter().any(is_below)) {
+    if *method == Method::OPTIONS || reads && (PUBLIC_PATHS.contains(&path) || PUBLIC_PREFIXES.iter().any(is_below)) {
         return Need::Nothing;
     }
     match path {
         "/metrics" => Need::Role(KeyRole::Admin),
-        _ if reads && !WORKS_BELOW.iter().any(|place| path.starts_with(place)) => Need::Role(KeyRole::Read),
+        _ if reads && !WORK_PREFIXES.iter().any(|place| path.starts_with(place)) => Need::Role(KeyRole::Read),
         _ => Need::Role(KeyRole::Render),
     }
 }

@@ -68,7 +68,7 @@ pub(super) struct ShareAnswer {
 pub(super) async fn readyz(State(app): State<SharedApp>) -> Response {
     let not_ready = |detail: String| Problem::new(problem::NOT_READY, detail).into_response();
     let (age, took) = match app.canary.last_success() {
-        Some((age, took)) if age <= super::canary::STALE => (age, took),
+        Some((age, took)) if age <= super::canary::STALE_AGE => (age, took),
         Some((age, _)) => return not_ready(format!("the canary job last succeeded {} s ago", age.as_secs())),
         None => return not_ready("the canary job has not succeeded yet".to_owned()),
     };

@@ -18,7 +18,7 @@ use crate::service::variant::{Coding, encoded};
 
 /// The content security policy of the page: its own files and answers of the service. Pictures are shown from blob
 /// URLs.
-const POLICY: &str = "default-src 'none'; script-src 'self'; style-src 'self'; connect-src 'self'; \
+const SECURITY_POLICY: &str = "default-src 'none'; script-src 'self'; style-src 'self'; connect-src 'self'; \
                       img-src 'self' blob: data:; base-uri 'none'; form-action 'none'; frame-ancestors 'none'";
 
 const HTML: &str = "text/html; charset=utf-8";
@@ -109,7 +109,7 @@ impl PlayFile {
             // revalidated at each use, so that a page never mixes files of two releases
             (header::CACHE_CONTROL, HeaderValue::from_static("no-cache")),
             (header::VARY, HeaderValue::from_static("accept-encoding")),
-            (header::CONTENT_SECURITY_POLICY, HeaderValue::from_static(POLICY)),
+            (header::CONTENT_SECURITY_POLICY, HeaderValue::from_static(SECURITY_POLICY)),
             // pages of other origins load the element by its address; these files contain nothing private
             (header::ACCESS_CONTROL_ALLOW_ORIGIN, HeaderValue::from_static("*")),
             (HeaderName::from_static("cross-origin-resource-policy"), HeaderValue::from_static("cross-origin")),
@@ -126,7 +126,7 @@ impl PlayFile {
     }
 }
 
-static KNOWN: LazyLock<HashMap<&str, PlayFile>> =
+static PLAY_FILES: LazyLock<HashMap<&str, PlayFile>> =
     LazyLock::new(|| FILES.iter().chain([&PLAY_PAGE]).map(|file| (file.0, PlayFile::of(file))).collect());
 
 /// The page for trying the service: control points and vertices to drag, schemes to choose, results to take along.
@@ -136,7 +136,7 @@ static KNOWN: LazyLock<HashMap<&str, PlayFile>> =
         example = "<!doctype html>"))
 )]
 pub(super) async fn page(headers: HeaderMap) -> Response {
-    KNOWN[PLAY_PAGE.0].answer(&headers)
+    PLAY_FILES[PLAY_PAGE.0].answer(&headers)
 }
 
 /// A file that the page loads. `planish-view.js` is an element that pages of other origins may load, too.
@@ -146,7 +146,7 @@ pub(super) async fn page(headers: HeaderMap) -> Response {
     responses((status = 200, description = "The file", body = String, content_type = "text/javascript"))
 )]
 pub(super) async fn file(PathSegment(name): PathSegment, headers: HeaderMap) -> Response {
-    if let Some(file) = KNOWN.get(name.as_str()).filter(|_| !name.is_empty()) {
+    if let Some(file) = PLAY_FILES.get(name.as_str()).filter(|_| !name.is_empty()) {
         return file.answer(&headers);
     }
     let detail = format!("the page has no file \"{}\"", shortened(&name));

@@ -28,7 +28,7 @@ const MAX_PROBLEM_DETAIL: usize = 4000;
 
 /// Retry-After for a shared store that did not answer: as long as the service leaves it alone after a failure. Half of
 /// it makes clients ask in vain; twice of it makes them wait longer than necessary.
-const AGAIN: Duration = Duration::from_secs(5);
+const RETRY_AFTER: Duration = Duration::from_secs(5);
 
 /// A kind of problem: its slug, title and status, and the explanation on its page.
 #[derive(Debug, Clone, Copy)]
@@ -140,7 +140,7 @@ impl Problem {
     /// Returns the refusal because a shared store does not answer.
     pub(super) fn away() -> Self {
         let detail = "the store that has the uploads does not answer; ask again";
-        Self { retry_after: Some(AGAIN), ..Self::new(AWAY, detail) }
+        Self { retry_after: Some(RETRY_AFTER), ..Self::new(AWAY, detail) }
     }
 
     /// Returns whether the problem is of this kind.

@@ -35,7 +35,7 @@ const SEARCH_ANSWER_BYTES: u128 = 4 << 10;
 const SHORT_SEARCH: u128 = 1 << 27;
 /// Memory for completing a job after a search, in multiples of the size of its search. It is charged while keys and
 /// schedules are made. 2 is more than that takes; half of it is less than hashing a large input needs.
-const COMPLETING: u64 = 2;
+const COMPLETING_FACTOR: u64 = 2;
 
 /// A job that was read from a request.
 #[derive(Debug)]
@@ -69,7 +69,7 @@ pub(super) async fn job(
         ReadStage::Complete(asked) => Ok(*asked),
         ReadStage::Search(search, input, sent) => {
             let reached = reached(app, peer, &search, &input).await?;
-            let completing = app.desk.read(peer, COMPLETING * search.bytes(), move |_| {
+            let completing = app.desk.read(peer, COMPLETING_FACTOR * search.bytes(), move |_| {
                 let job = Arc::unwrap_or_clone(search).complete(reached).map_err(Problem::invalid)?;
                 Ok(ReadJob { job, input, sent })
             });

@@ -10,7 +10,7 @@ const TRACEPARENT: HeaderName = HeaderName::from_static("traceparent");
 
 tokio::task_local! {
     /// The trace of the request that this task answers.
-    static CURRENT: Trace;
+    static CURRENT_TRACE: Trace;
 }
 
 /// The trace of a request.
@@ -47,13 +47,13 @@ impl Trace {
 
     /// Runs a future as a part of this trace.
     pub(super) async fn within<T>(self, work: impl Future<Output = T>) -> T {
-        CURRENT.scope(self, work).await
+        CURRENT_TRACE.scope(self, work).await
     }
 }
 
 /// Returns the trace id of the current request, or a new id outside requests.
 pub(super) fn current_id() -> String {
-    CURRENT.try_with(|trace| trace.id.clone()).unwrap_or_else(|_| new_id())
+    CURRENT_TRACE.try_with(|trace| trace.id.clone()).unwrap_or_else(|_| new_id())
 }
 
 /// Returns id and flags of `version-id-parent-flags`, or `None` if the header is invalid.
@@ -70,8 +70,8 @@ fn parsed(text: &str) -> Option<(&str, &str)> {
 
 /// Returns 32 hexadecimal digits that are distinct within the process and, by the time, across processes.
 fn new_id() -> String {
-    static COUNTER: AtomicU64 = AtomicU64::new(0);
-    let count = COUNTER.fetch_add(1, Ordering::Relaxed);
+    static TRACE_COUNTER: AtomicU64 = AtomicU64::new(0);
+    let count = TRACE_COUNTER.fetch_add(1, Ordering::Relaxed);
     let since = SystemTime::now().duration_since(SystemTime::UNIX_EPOCH).unwrap_or_default();
     let mut seed = since.as_nanos().to_le_bytes().to_vec();
     seed.extend(count.to_le_bytes());

@@ -4,11 +4,11 @@
 //! are written as ZIP64 (APPNOTE.TXT 6.3.10, 4.3 and 4.5.3).
 
 /// The value of a 32-bit field whose number is in a ZIP64 field.
-const ELSEWHERE: u32 = u32::MAX;
+const IN_ZIP64: u32 = u32::MAX;
 /// 1980-01-01, the earliest date of the format.
-const DAY: u16 = 1 << 5 | 1;
+const FIRST_DAY: u16 = 1 << 5 | 1;
 /// The flag of names in UTF-8.
-const FLAGS: u16 = 1 << 11;
+const UTF8_FLAG: u16 = 1 << 11;
 /// The version needed to extract, in tenths: without ZIP64, and with it as [`ZIP64_VERSION`].
 const ZIP_VERSION: u16 = 20;
 const ZIP64_VERSION: u16 = 45;
@@ -50,7 +50,7 @@ impl ZipEntry {
         let version = if extra.is_empty() { ZIP_VERSION } else { ZIP64_VERSION };
         let (stored, midnight, name) = (0_u16, 0_u16, short(self.name.len()));
         let mut out = Vec::with_capacity(26);
-        for number in [version, FLAGS, stored, midnight, DAY] {
+        for number in [version, UTF8_FLAG, stored, midnight, FIRST_DAY] {
             out.extend(number.to_le_bytes());
         }
         for number in [crc, narrow(self.length), narrow(self.length)] {
@@ -129,12 +129,12 @@ impl Zip {
 }
 
 fn is_large(number: u64) -> bool {
-    number >= u64::from(ELSEWHERE)
+    number >= u64::from(IN_ZIP64)
 }
 
-/// Returns a number in 32 bits, or [`ELSEWHERE`] if it is too large.
+/// Returns a number in 32 bits, or [`IN_ZIP64`] if it is too large.
 fn narrow(number: u64) -> u32 {
-    u32::try_from(number).unwrap_or(ELSEWHERE)
+    u32::try_from(number).unwrap_or(IN_ZIP64)
 }
 
 /// Returns a number in 16 bits, or the maximum if it is too large.

@@ -19,7 +19,7 @@ use super::text::{at_line, number, numbers, quoted, text, without_comment};
 use crate::shape::attachments::ChannelInput;
 
 /// Statements for display or naming that do not affect a mesh.
-const PASSED_OVER: &[&str] =
+const IGNORED_STATEMENTS: &[&str] =
     &["s", "mg", "bevel", "c_interp", "d_interp", "lod", "shadow_obj", "trace_obj", "ctech", "stech"];
 
 /// Maximum number of material libraries that are read.
@@ -31,7 +31,7 @@ const FREE_FORM: &[&str] = &[
 ];
 
 /// Statements that begin a free-form curve or surface.
-const SHAPES: &[&str] = &["curv", "curv2", "surf"];
+const FREE_FORM_STATEMENTS: &[&str] = &["curv", "curv2", "surf"];
 
 /// The reader of OBJ. Faces keep their size; indices may be negative; normals are checked and ignored. Objects and
 /// groups (`o`, `g`) become groups, `usemtl` makes materials, and three or four numbers after a position are a colour.
@@ -163,9 +163,9 @@ impl ObjReader {
                 *self.left_out.entry("textures outside of materials".to_owned()).or_default() += 1;
                 Ok(())
             }
-            _ if PASSED_OVER.contains(&keyword) => Ok(()),
+            _ if IGNORED_STATEMENTS.contains(&keyword) => Ok(()),
             _ if FREE_FORM.contains(&keyword) => {
-                if SHAPES.contains(&keyword) {
+                if FREE_FORM_STATEMENTS.contains(&keyword) {
                     *self.left_out.entry("free-form curves and surfaces".to_owned()).or_default() += 1;
                 }
                 Ok(())

@@ -101,13 +101,13 @@ impl Soup {
 
     /// Reads a facet, or the end of the solid.
     fn facet(&mut self, words: &mut Words<'_>) -> Result<bool, String> {
-        const WHAT: &str = "\"facet\" or \"endsolid\"";
-        let word = words.expect(WHAT)?;
+        const FACET_OR_END: &str = "\"facet\" or \"endsolid\"";
+        let word = words.expect(FACET_OR_END)?;
         if is(word, "endsolid") {
             return Ok(false);
         }
         if !is(word, "facet") {
-            return Err(instead(word, words, WHAT));
+            return Err(instead(word, words, FACET_OR_END));
         }
         keyword(words, "normal")?;
         for _ in 0..3 {

@@ -31,7 +31,7 @@ pub(super) const USDA: Reader = Reader {
 };
 
 /// Relative tolerance for recognising a known unit, since files store f32.
-const SAME_UNIT: f64 = 1e-6;
+const UNIT_TOLERANCE: f64 = 1e-6;
 /// The default unit of USD in metres.
 const DEFAULT_UNIT_M: f64 = 0.01;
 
@@ -56,7 +56,7 @@ fn read(bytes: &[u8], limits: &ReadLimits) -> Result<ReadMesh, String> {
 fn unit(layer: &Layer<'_>) -> Result<(Unit, Option<f64>), String> {
     let metres = metadata_value(&layer.metadata, "metersPerUnit").map_or(Some(DEFAULT_UNIT_M), Value::number);
     let metres = metres.filter(|&x| x.is_finite() && x > 0.0).ok_or("metersPerUnit is no length above 0")?;
-    let is_it = |unit: &Unit| (unit.metres() - metres).abs() <= SAME_UNIT * metres;
+    let is_it = |unit: &Unit| (unit.metres() - metres).abs() <= UNIT_TOLERANCE * metres;
     let known = [Unit::Metre, Unit::Millimetre, Unit::Centimetre, Unit::Inch].into_iter().find(is_it);
     Ok(known.map_or((Unit::Metre, Some(metres)), |unit| (unit, None)))
 }

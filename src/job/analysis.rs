@@ -41,7 +41,7 @@ const CURVE_ANALYSIS_BYTES: u64 = 48 << 20;
 pub const DEFAULT_SCAN_NODES: u64 = 10_000;
 /// Maximum number of values of a function that is plotted without a grid of its own: two per pixel. Half as many show
 /// corners where there are none; twice as many make figures in lines twice as long.
-const PLOTTED: u64 = 1 << 10;
+const MAX_PLOTTED_VALUES: u64 = 1 << 10;
 /// Finest grid level for a plot; binary schemes have no finer one with so many values.
 const MAX_GRID: u32 = 10;
 /// Number of polygon points per millisecond whose levels all searches examine. The bounds of tolerances of eight levels
@@ -249,7 +249,8 @@ fn scheme(input: &PlanInput, wishes: &Wishes, watch: &Watch) -> Result<AnalysisS
     });
     let on = on.transpose()?;
     let count = |grid: u32| BasicFunction::count(&study.settled, grid);
-    let plotted = || (1..=MAX_GRID).take_while(|grid| count(*grid).is_some_and(|n| n <= PLOTTED)).last().unwrap_or(1);
+    let plotted =
+        || (1..=MAX_GRID).take_while(|grid| count(*grid).is_some_and(|n| n <= MAX_PLOTTED_VALUES)).last().unwrap_or(1);
     let grid = wishes.grid.or_else(|| wishes.is_plotted.then(plotted));
     if let Some(grid) = grid
         && count(grid).is_none_or(|count| count > MAX_VALUES)

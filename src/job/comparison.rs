@@ -236,7 +236,7 @@ impl Comparison {
             ComparedSides::Shapes(shapes, _) => {
                 let of = |shape: &Arc<Admitted>| {
                     // a result that is cut into many pieces takes longer and is moved to the lane for long work
-                    let queries = triangles(shape).saturating_mul(Measured::QUERIES);
+                    let queries = triangles(shape).saturating_mul(Measured::QUERIES_A_TRIANGLE);
                     shape.estimate().time_ms.saturating_add(queries / QUERIES_A_MS)
                 };
                 shapes.iter().map(of).fold(0, u128::saturating_add)

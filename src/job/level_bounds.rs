@@ -6,7 +6,7 @@ use crate::watch::Stopped;
 /// The divisor of a bound that gives the tolerance for the next level. Most schemes divide distances by 4 per level,
 /// and bounds exceed the true distances by up to a factor of 10. Half of it would request some levels twice; twice of
 /// it would skip levels.
-const CLOSER: f64 = 2.0;
+const TOLERANCE_DIVISOR: f64 = 2.0;
 
 /// Levels with their bounds, or the reason for which these are unknown.
 pub(super) type LevelBounds = Result<Vec<(u32, f64)>, String>;
@@ -29,7 +29,7 @@ pub(super) fn level_bounds<'a>(
                     found.pop();
                 }
                 found.push((level, bound));
-                tolerance = bound / CLOSER;
+                tolerance = bound / TOLERANCE_DIVISOR;
             }
             Err(NoLevel::Stopped(stopped)) => return Err(stopped),
             Err(NoLevel::Refused(reason)) if found.is_empty() => return Ok(Err(reason)),

@@ -16,7 +16,7 @@ use crate::watch::{Stopped, Watch};
 const MAX_VERTICES: u64 = 1_000_000;
 /// Approximate milliseconds, most of them for the smoothness of the two curves. With half of it, long searches would
 /// take longer than their share; with twice of it, others would wait longer.
-const MS: u64 = 50;
+const TUBE_ANALYSIS_MS: u64 = 50;
 
 /// Upper bound of the memory in bytes: two masks and their matrix products, as much as for other curves. Half of it
 /// suffices for words of a few averages; twice of it would let half as many analyses run at once.
@@ -107,7 +107,7 @@ impl TubeAnalysis {
 
     /// Returns the approximate time in milliseconds on one core.
     pub fn milliseconds(&self) -> u64 {
-        self.nodes / 200 + MS
+        self.nodes / 200 + TUBE_ANALYSIS_MS
     }
 
     /// Returns an upper bound of the memory in bytes.

@@ -62,7 +62,7 @@ pub fn square_from_segment(p: Vector, [a, b]: [Vector; 2]) -> f64 {
 /// Triangles whose height is less than this fraction of their longest side are replaced by their sides. At this value
 /// the normal of a triangle still has about 12 digits. Half of it leaves slightly fewer digits; twice of it replaces
 /// more triangles by their sides, which are never nearer, so that bounds still hold.
-const THIN: f64 = 1e-4;
+const THIN_SHARE: f64 = 1e-4;
 
 /// Returns the squared distance of a point from a triangle; thin triangles are replaced by their sides.
 #[must_use]
@@ -70,7 +70,7 @@ pub fn square_from_triangle(p: Vector, [a, b, c]: [Vector; 3]) -> f64 {
     let (ab, bc, ca) = (minus(b, a), minus(c, b), minus(a, c));
     let n = cross(ab, bc);
     let (square, longest) = (dot(n, n), dot(ab, ab).max(dot(bc, bc)).max(dot(ca, ca)));
-    if square > THIN * THIN * longest * longest {
+    if square > THIN_SHARE * THIN_SHARE * longest * longest {
         let left = |side: Vector, from: Vector| dot(n, cross(side, minus(p, from))) >= 0.0;
         if left(ab, a) && left(bc, b) && left(ca, c) {
             let height = dot(n, minus(p, a));

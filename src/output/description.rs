@@ -16,7 +16,7 @@ use super::size::Size;
 const DESCRIPTION_NAME: &str = "planish-job";
 /// Number of characters of a description in one line of comments. Some programs read lines of headers into buffers of
 /// 4,096 bytes. Half of it makes twice as many lines; four times of it would be cut there.
-const LINE: usize = 1024;
+const LINE_CHARS: usize = 1024;
 /// Maximum number of bytes that are buffered in search of the place of the description. Half of it is still more than
 /// glTF documents have before their `asset`; twice of it buffers more of bytes that have no place for a description.
 const MAX_BYTES_BEFORE: usize = 64 << 20;
@@ -91,7 +91,7 @@ impl DescriptionPlace {
                 extras
             }
             Self::Lines(keyword, _) => {
-                let lines = description.as_bytes().chunks(LINE);
+                let lines = description.as_bytes().chunks(LINE_CHARS);
                 lines
                     .flat_map(|line| [format!("{keyword} {DESCRIPTION_NAME} ").as_bytes(), line, b"\n"].concat())
                     .collect()

@@ -25,11 +25,11 @@ use crate::watch::{Stopped, Watch};
 const MAX_CUT: usize = 1 << 16;
 /// Accepted gap between the bounds, relative to the distance found. Half of it cuts about twice as many triangles,
 /// twice of it half as many.
-const RELATIVE: f64 = 1e-3;
+const RELATIVE_GAP: f64 = 1e-3;
 /// Accepted gap as a share of the diagonal of the box around the shape, for shapes that are nearly the same. It is
 /// about the rounding of f32, in which most files hold their numbers: half of it searches below the precision of files;
 /// twice of it lets more than their rounding pass.
-const OF_DIAGONAL: f64 = 1e-7;
+const DIAGONAL_GAP: f64 = 1e-7;
 /// Number of triangles that a thread measures before it checks the watch. Half or twice of it checks twice or half as
 /// often; results are the same.
 const TRIANGLES_PER_CHECK: usize = 4_096;
@@ -65,7 +65,7 @@ impl Measured {
     /// Bytes of memory per triangle: in the tree, and as a piece with its number.
     pub const TRIANGLE_BYTES: u128 = Self::NODE_BYTES + size_of::<SearchTriangle>() as u128 + 8;
     /// Number of distances that are computed for a triangle.
-    pub const QUERIES: u128 = 4;
+    pub const QUERIES_A_TRIANGLE: u128 = 4;
     /// Maximum number of triangles that are measured beyond those of the shape.
     pub const MAX_PIECES: u128 = 4 * MAX_CUT as u128;
 
@@ -98,7 +98,7 @@ impl Measured {
         loop {
             best = pieces.iter().fold(best, |best, piece| if piece.least > best.least { *piece } else { best });
             let distance = sqrt(best.least);
-            let enough = distance + (RELATIVE * distance).max(OF_DIAGONAL * self.0.diagonal());
+            let enough = distance + (RELATIVE_GAP * distance).max(DIAGONAL_GAP * self.0.diagonal());
             let (open, closed): (Vec<SearchTriangle>, Vec<SearchTriangle>) =
                 pieces.into_iter().partition(|piece| sqrt(piece.most) > enough);
             settled = closed.iter().fold(settled, |most, piece| most.max(piece.most));

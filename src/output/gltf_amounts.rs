@@ -15,11 +15,11 @@ use crate::shape::attachments::Attachments;
 use crate::shape::labels::by_labels;
 
 /// Bytes of a position or a normal.
-pub(super) const VECTOR: u128 = 12;
+pub(super) const FLOAT_VECTOR_BYTES: u128 = 12;
 
 /// Bytes of a position and of a normal in whole numbers, padded to a multiple of 4.
-const PLACE: u128 = 8;
-const DIRECTION: u128 = 4;
+const PACKED_PLACE_BYTES: u128 = 8;
+const PACKED_DIRECTION_BYTES: u128 = 4;
 
 /// Maximum number of vertices with 16-bit indices: the largest 16-bit number starts a new strip in some programs.
 const SHORT_INDICES: u128 = 65_535;
@@ -29,7 +29,7 @@ pub(super) const ORIGIN_BYTES: u128 = 8;
 
 /// Maximum number of bytes of a morph target in a document: two accessors, one with its bounds, two views, a weight, a
 /// name, and the target of the first primitive.
-const TARGET: u128 = 1_024;
+const TARGET_BYTES: u128 = 1_024;
 
 /// Maximum number of bytes that packing adds to a document: the names of extensions and a second buffer, then per view
 /// the entry of its encoding, and per mesh its errors and the transform of its node.
@@ -38,7 +38,7 @@ const PACKED_VIEW: u128 = 256;
 const PACKED_MESH: u128 = 384;
 
 /// Maximum number of bytes of an animation: two accessors, two views, a sampler and its channel.
-const ANIMATION: u128 = 1_024;
+const ANIMATION_BYTES: u128 = 1_024;
 
 /// Maximum number of bytes of the mesh and the node of a group besides its name, and of its channel in an animation.
 const GROUP_ENTRY_BYTES: u128 = 256;
@@ -200,7 +200,7 @@ impl Amounts {
 
     /// Returns the length of the buffer in bytes, a multiple of 4.
     pub(super) fn bytes(&self) -> u128 {
-        self.bytes_of(VECTOR * if self.normals { 2 } else { 1 })
+        self.bytes_of(FLOAT_VECTOR_BYTES * if self.normals { 2 } else { 1 })
     }
 
     /// Returns the maximum length of the buffer of a packed model: views are encoded only if that makes them shorter.
@@ -208,7 +208,7 @@ impl Amounts {
         if !packing.quantizes {
             return self.bytes();
         }
-        self.bytes_of(PLACE + if self.normals { DIRECTION } else { 0 })
+        self.bytes_of(PACKED_PLACE_BYTES + if self.normals { PACKED_DIRECTION_BYTES } else { 0 })
     }
 
     /// Returns the length of the buffer if a vertex takes `vectors` bytes for position and normal, in each frame.
@@ -282,7 +282,7 @@ impl<'a> GltfContents<'a> {
             ShapeKind::Curves { .. } => total(&[(768, 1), (384, self.polygons)]),
         };
         let framed = if self.frame.is_default() { 0 } else { 256 };
-        let targets = self.targets.saturating_mul(TARGET) + if self.targets > 0 { ANIMATION } else { 0 };
+        let targets = self.targets.saturating_mul(TARGET_BYTES) + if self.targets > 0 { ANIMATION_BYTES } else { 0 };
         let plain = total(&[(plain, 1), (targets, 1)]);
         if self.attachments.is_empty() && !self.ids {
             return plain + framed;

@@ -12,7 +12,7 @@ use serde_json::{Map, Value, json};
 use crate::math::parameter::Parameter;
 use crate::output::bounds::CoordinateBounds;
 use crate::output::error::FormatError;
-use crate::output::gltf_amounts::{ORIGIN_BYTES, VECTOR};
+use crate::output::gltf_amounts::{FLOAT_VECTOR_BYTES, ORIGIN_BYTES};
 use crate::output::gltf_animation::{FRAME_RATE, animate};
 use crate::output::gltf_buffer::{Buffer, PrimitiveFaces, PrimitiveVertices};
 use crate::output::gltf_looks::{self, MaterialWriter};
@@ -164,11 +164,11 @@ fn curves(buffer: &Buffer<'_>, root: &mut Root) -> Vec<GroupPrimitives> {
     if buffer.amounts.vertices == 0 {
         return Vec::new();
     }
-    let view = Views::of(root).vertices(buffer.amounts.vertices, VECTOR);
+    let view = Views::of(root).vertices(buffer.amounts.vertices, FLOAT_VECTOR_BYTES);
     let mut start = 0;
     for part in buffer.parts.iter().filter(|part| part.len() > 0) {
         let positions = root.push(positions(buffer, part, view, start));
-        start += part.len() as u128 * VECTOR;
+        start += part.len() as u128 * FLOAT_VECTOR_BYTES;
         let mode = match (part.closed, part.len()) {
             (_, 1) => Mode::Points,
             (Some(true), _) => Mode::LineLoop,
@@ -255,7 +255,7 @@ fn target_names(buffer: &Buffer<'_>) -> Result<Extras, FormatError> {
 fn targets(buffer: &Buffer<'_>, root: &mut Root) -> Option<Vec<json::mesh::MorphTarget>> {
     let n = buffer.amounts.vertices;
     let displaced = |root: &mut Root, bounds: Option<CoordinateBounds<3>>| {
-        let view = Views::of(root).vertices(n, VECTOR);
+        let view = Views::of(root).vertices(n, FLOAT_VECTOR_BYTES);
         let limit = |corner: [f64; 3]| json!(corner.map(rounded));
         let (min, max) = (bounds.map(|bounds| limit(bounds.min)), bounds.map(|bounds| limit(bounds.max)));
         root.push(Accessor { min, max, ..accessor(view, 0, n, ComponentType::F32, Type::Vec3) })
@@ -274,7 +274,7 @@ type AttributeMap = BTreeMap<Checked<Semantic>, Index<Accessor>>;
 /// Returns the attributes of the vertices of a mesh.
 fn attributes(buffer: &Buffer<'_>, part: &PrimitiveVertices<'_>, root: &mut Root) -> AttributeMap {
     let n = buffer.amounts.vertices;
-    let view = Views::of(root).vertices(n, VECTOR);
+    let view = Views::of(root).vertices(n, FLOAT_VECTOR_BYTES);
     let mut attributes = BTreeMap::from([(Valid(Semantic::Positions), root.push(positions(buffer, part, view, 0)))]);
     let mut floats = |root: &mut Root, semantic, width: u128| {
         let view = Views::of(root).vertices(n, width * CHANNEL_NUMBER_BYTES);
@@ -282,7 +282,7 @@ fn attributes(buffer: &Buffer<'_>, part: &PrimitiveVertices<'_>, root: &mut Root
         attributes.insert(Valid(semantic), root.push(accessor(view, 0, n, ComponentType::F32, kind)));
     };
     if buffer.amounts.normals {
-        floats(root, Semantic::Normals, VECTOR / CHANNEL_NUMBER_BYTES);
+        floats(root, Semantic::Normals, FLOAT_VECTOR_BYTES / CHANNEL_NUMBER_BYTES);
     }
     for channel in &buffer.attachments().channels {
         let custom = || Semantic::Extras(channel.name.to_ascii_uppercase());

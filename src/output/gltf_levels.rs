@@ -27,7 +27,7 @@ const MSFT_LOD: &str = "MSFT_lod";
 const MAX_DETAIL_LEVELS: usize = 16;
 
 /// Maximum number of bytes of the URI of a buffer.
-const ADDRESS: u128 = 128;
+const URI_BYTES: u128 = 128;
 
 /// The option of `gltf` that writes a buffer for each level.
 pub(super) const LOD: Parameter = Parameter::optional(
@@ -80,7 +80,7 @@ pub(super) fn size(contents: GltfContents<'_>, options: &Values) -> Option<Size>
     let levels = of(options)?.len() as u128;
     let room = if Packing::of(options).is_some() { contents.packed_room() } else { contents.room() };
     // references of all levels have more digits than those of one
-    Some(Size::AtMost(total(&[(room, 2 * levels), (ADDRESS, levels)])))
+    Some(Size::AtMost(total(&[(room, 2 * levels), (URI_BYTES, levels)])))
 }
 
 /// Writes the document about all details of a scene.

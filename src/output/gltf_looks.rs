@@ -21,7 +21,7 @@ use crate::shape::topology::index;
 /// Maximum number of bytes of a material with a look in a document: its numbers, a texture and a sampler.
 const MAX_LOOK_BYTES: u128 = 768;
 /// Maximum number of bytes of an image in a document, and of its view.
-const IMAGE: u128 = 256;
+const IMAGE_BYTES: u128 = 256;
 
 /// Returns the bytes of all images, each padded to a multiple of 4.
 pub(super) fn bytes_of_images(looks: &[Look]) -> u128 {
@@ -30,7 +30,7 @@ pub(super) fn bytes_of_images(looks: &[Look]) -> u128 {
 
 /// Returns the maximum number of bytes of looks in a document.
 pub(super) fn room(looks: &[Look]) -> u128 {
-    looks.len() as u128 * MAX_LOOK_BYTES + images(looks).len() as u128 * IMAGE
+    looks.len() as u128 * MAX_LOOK_BYTES + images(looks).len() as u128 * IMAGE_BYTES
 }
 
 /// Makes the materials of a mesh.

@@ -15,7 +15,7 @@ use crate::watch::{Stopped, Watch};
 /// The angle from which edges are hard.
 pub(super) const CREASE_ANGLE: Parameter = Parameter {
     name: "crease_angle",
-    kind: ParameterKind::Number { min: 0.0, max: LARGEST },
+    kind: ParameterKind::Number { min: 0.0, max: LARGEST_ANGLE },
     unit: "degrees",
     default: Default::Absent,
     doc: "Edges of a mesh whose faces meet at more than this angle look hard: normals differ on their two sides. 180 \
@@ -24,11 +24,11 @@ pub(super) const CREASE_ANGLE: Parameter = Parameter {
 };
 
 /// The largest angle at which faces meet, degrees.
-const LARGEST: f64 = 180.0;
+const LARGEST_ANGLE: f64 = 180.0;
 
 /// The default angle for meshes that no plan makes smooth, degrees. At half of it cylinders of 16 sides are faceted; at
 /// twice of it prisms of six sides are not: a nut is smooth.
-const OF_FACETS: f64 = 30.0;
+const FACET_ANGLE: f64 = 30.0;
 
 /// Minimum distance of the cosine between two faces below the cosine of the angle: a prism of twelve sides, whose
 /// coordinates were rounded to f32, meets its neighbours at 30 degrees all around or nowhere, and faces of one plane at
@@ -45,9 +45,9 @@ const HARD_CORNER_BYTES: u128 = 144;
 /// if the output has no normals.
 pub fn settle(options: &mut Values, makes_smooth: bool) {
     let has_normals = options.choice("normals") != Some("none") && options.choice("shading") != Some("flat");
-    let otherwise = if makes_smooth { LARGEST } else { OF_FACETS };
+    let otherwise = if makes_smooth { LARGEST_ANGLE } else { FACET_ANGLE };
     let angle = options.number(CREASE_ANGLE.name).unwrap_or(otherwise);
-    let counts = has_normals && angle < LARGEST;
+    let counts = has_normals && angle < LARGEST_ANGLE;
     options.set(&CREASE_ANGLE, if counts { Value::Number(angle) } else { Value::Absent });
 }
 

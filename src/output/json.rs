@@ -18,7 +18,7 @@ use crate::output::curvature;
 use crate::output::error::FormatError;
 use crate::output::format::{Content, Costs, Format, FormatFacts, Requirements};
 use crate::output::normals;
-use crate::output::numbers::{REAL, digits, real, reals, total};
+use crate::output::numbers::{REAL_BYTES, digits, real, reals, total};
 use crate::output::options::{CAGE, IDS, ISOLINES, POSITIONS, TANGENTS};
 use crate::output::positions::{Positions, unfit};
 use crate::output::scene::{Curve, MeshSource, Scene, Shape};
@@ -51,7 +51,7 @@ const CONTROL: Parameter = Parameter::flag(
 );
 
 /// Maximum number of bytes of the entry of the warnings, and of its parts besides the warnings.
-const WARNINGS: usize = 8_192;
+const WARNINGS_ENTRY_BYTES: usize = 8_192;
 const WARNINGS_FRAME: usize = 64;
 
 /// `{"positions":[...],"faces":[...]}` for meshes, with `"normals":[...]` (zero where undefined) on request,
@@ -163,7 +163,7 @@ impl Requirements for Json {
 impl Costs for Json {
     fn size(&self, counts: &Counts, options: &Values) -> Size {
         let counts = &of_shown(counts, options);
-        let row = |dimension: u128| 2 + dimension * (REAL + 1);
+        let row = |dimension: u128| 2 + dimension * (REAL_BYTES + 1);
         let asked = |name: &str| u128::from(options.flag(name));
         let content = match counts.kind {
             ShapeKind::Curves { dimension } => {
@@ -176,7 +176,7 @@ impl Costs for Json {
                     (counts.polygons, polygon + arrays),
                     (counts.vertices, row),
                     (counts.vertices * asked(TANGENTS.name), row.max(5)),
-                    (counts.vertices * asked(DISCRETE_CURVATURE.name), REAL + 1),
+                    (counts.vertices * asked(DISCRETE_CURVATURE.name), REAL_BYTES + 1),
                 ])
             }
             ShapeKind::Mesh => {
@@ -191,7 +191,7 @@ impl Costs for Json {
                 total(&[(1, braces), rows[0], rows[1], rows[2], holes, (1, carried), (1, sections)])
             }
         };
-        Size::AtMost(content.saturating_add(WARNINGS as u128))
+        Size::AtMost(content.saturating_add(WARNINGS_ENTRY_BYTES as u128))
     }
 }
 
@@ -219,7 +219,7 @@ fn warnings(warnings: &[String]) -> Vec<u8> {
         return Vec::new();
     }
     let mut texts = Vec::new();
-    let mut room = WARNINGS - WARNINGS_FRAME;
+    let mut room = WARNINGS_ENTRY_BYTES - WARNINGS_FRAME;
     for (i, warning) in warnings.iter().enumerate() {
         let text = Value::from(warning.as_str()).to_string();
         if text.len() >= room {

@@ -8,7 +8,7 @@ use crate::output::counts::{Counts, ShapeKind};
 use crate::output::error::FormatError;
 use crate::output::format::{Content, Costs, Format, FormatFacts, Requirements};
 use crate::output::left_out::{Datum, left_out};
-use crate::output::numbers::{REAL, reals, total};
+use crate::output::numbers::{REAL_BYTES, reals, total};
 use crate::output::scene::{Scene, Shape};
 use crate::output::size::Size;
 use crate::shape::attachments::Attachments;
@@ -87,7 +87,7 @@ impl Costs for Mtl {
     fn size(&self, counts: &Counts, options: &Values) -> Size {
         let names = &counts.attachments.materials;
         let material =
-            MATERIAL_WORDS_BYTES + 6 * REAL + options.name(TEXTURES.name).map_or(0, |stem| stem.len() as u128);
+            MATERIAL_WORDS_BYTES + 6 * REAL_BYTES + options.name(TEXTURES.name).map_or(0, |stem| stem.len() as u128);
         let rows =
             [(1, FIRST_LINE.len() as u128), (names.names.len() as u128, material), (1, names.name_bytes() as u128)];
         Size::AtMost(total(&rows))

@@ -1,7 +1,7 @@
 //! Numbers as text, and their lengths.
 
 /// Maximum number of bytes that [`real`] appends.
-pub(super) const REAL: u128 = 24;
+pub(super) const REAL_BYTES: u128 = 24;
 
 /// Appends the shortest decimal that reads back as `x`, whole numbers without a point, and -0 as 0.
 #[inline]
@@ -100,7 +100,7 @@ mod tests {
             let mut out = Vec::new();
             real(&mut out, x);
             assert_eq!(String::from_utf8_lossy(&out), expected);
-            assert!(out.len() as u128 <= REAL);
+            assert!(out.len() as u128 <= REAL_BYTES);
         }
     }
 

@@ -12,7 +12,7 @@ use crate::output::hard_edges::HardEdges;
 use crate::output::left_out::{Datum, left_out};
 use crate::output::mtl::check_file_name;
 use crate::output::normals;
-use crate::output::numbers::{REAL, digits, real, total, whole};
+use crate::output::numbers::{REAL_BYTES, digits, real, total, whole};
 use crate::output::options::{IDS, POSITIONS};
 use crate::output::positions::Positions;
 use crate::output::scene::{Curve, FaceChunk, Frame, MeshSource, Scene, Shape};
@@ -146,7 +146,7 @@ impl Requirements for Obj {
 impl Costs for Obj {
     fn size(&self, counts: &Counts, options: &Values) -> Size {
         let index = digits(counts.vertices);
-        let row = 3 * (1 + REAL);
+        let row = 3 * (1 + REAL_BYTES);
         let header = header(counts.frame, options).len() as u128;
         Size::AtMost(match counts.kind {
             ShapeKind::Curves { .. } => total(&[
@@ -164,8 +164,8 @@ impl Costs for Obj {
                 let vertex = 2 + row + color;
                 let place = if counts.uvs > 0 { 1 + digits(counts.uvs) } else { 0 };
                 let rows = [(counts.vertices, vertex), (counts.faces, 2), (counts.half_edges, corner + place)];
-                let uvs = (counts.uvs, 3 + 2 * (1 + REAL));
-                let tags = (counts.tags as u128, "t corner 1/1/0\n".len() as u128 + 2 * (1 + index) + 1 + REAL);
+                let uvs = (counts.uvs, 3 + 2 * (1 + REAL_BYTES));
+                let tags = (counts.tags as u128, "t corner 1/1/0\n".len() as u128 + 2 * (1 + index) + 1 + REAL_BYTES);
                 total(&[(1, header), (1, attachment_bytes), tags, uvs, rows[0], (n_normals, 3 + row), rows[1], rows[2]])
             }
         })

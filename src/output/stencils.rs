@@ -8,7 +8,7 @@ use crate::math::parameter::{Parameter, Values};
 use crate::output::counts::{Counts, ShapeKind};
 use crate::output::error::FormatError;
 use crate::output::format::{Content, Costs, Format, FormatFacts, MadeOf, Requirements};
-use crate::output::numbers::{REAL, digits, real, total, whole};
+use crate::output::numbers::{REAL_BYTES, digits, real, total, whole};
 use crate::output::options::{LIMIT, POSITIONS};
 use crate::output::scene::Scene;
 use crate::output::size::Size;
@@ -80,7 +80,7 @@ const STENCIL_NORMALS: Parameter = Parameter::choice(
 );
 
 /// The order in which rows are summed, in a sentence.
-const ORDER: &str = "values are the input points, then the rows; a row sums its terms from 0 in order, a term of \
+const SUM_ORDER: &str = "values are the input points, then the rows; a row sums its terms from 0 in order, a term of \
                      several entries its symmetric sum; the last rows are the results";
 
 /// Maximum number of bytes of the head without its numbers of vertices: names, counts and the sentence.
@@ -130,10 +130,10 @@ impl Costs for StencilsFormat {
     fn size(&self, counts: &Counts, _: &Values) -> Size {
         let [rows, entries] = counts.weights;
         let number = if self.is_text { digits(rows.saturating_add(counts.control)) + 2 } else { 4 };
-        let weight = if self.is_text { REAL + 1 } else { 8 };
+        let weight = if self.is_text { REAL_BYTES + 1 } else { 8 };
         let ends = rows.saturating_add(1);
         // an entry has an index, a weight, and outside groups a term; every further sector a number
-        let (of_entry, of_row) = (2 * number + weight, (number + if self.is_text { REAL } else { 0 }) + number);
+        let (of_entry, of_row) = (2 * number + weight, (number + if self.is_text { REAL_BYTES } else { 0 }) + number);
         Size::AtMost(total(&[(1, STENCIL_HEAD_BYTES), (ends, of_row), (entries, of_entry), (counts.vertices, number)]))
     }
 
@@ -196,7 +196,7 @@ fn write_text(weights: &Weights, stream: &mut Stream<'_>) -> Result<(), FormatEr
             }
         })?;
     }
-    stream.bytes(format!(r#"],"order":"{ORDER}"}}"#).as_bytes())
+    stream.bytes(format!(r#"],"order":"{SUM_ORDER}"}}"#).as_bytes())
 }
 
 /// Converts a number that fits into 32 bits, as was checked before the job was admitted.
@@ -215,7 +215,7 @@ fn write_arrays(weights: &Weights, stream: &mut Stream<'_>) -> Result<(), Format
         r#"[["weights","f64",{entries}],["starts","u32",{}],["indices","u32",{entries}],["terms","i32",{n_terms}]]"#,
         rows.starts().len()
     );
-    let mut head = format!(r#"{},"order":"{ORDER}","arrays":{arrays}}}"#, head(weights));
+    let mut head = format!(r#"{},"order":"{SUM_ORDER}","arrays":{arrays}}}"#, head(weights));
     // the arrays begin at a multiple of 8 bytes
     let room = (head.len() + 1).next_multiple_of(8) - 1 - head.len();
     head.push_str(&" ".repeat(room));

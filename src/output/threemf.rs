@@ -16,7 +16,7 @@ use crate::output::counts::Counts;
 use crate::output::error::FormatError;
 use crate::output::format::{Content, Costs, Format, FormatFacts, Requirements};
 use crate::output::left_out::{Datum, left_out};
-use crate::output::numbers::{REAL, digits, real, total, whole};
+use crate::output::numbers::{REAL_BYTES, digits, real, total, whole};
 use crate::output::options::POSITIONS;
 use crate::output::positions::Positions;
 use crate::output::scene::{Frame, MeshSource, Scene, Shape, triangles};
@@ -284,7 +284,7 @@ fn model_length(counts: &Counts, options: &Values) -> u128 {
     let is_parted = options.choice(PARTS.name) == Some(COMPONENTS);
     let n_parts = if is_parted { counts.faces.min(MAX_PARTS as u128) } else { 1 };
     let longest = carried.groups.names.iter().map(String::len).max().unwrap_or_default() as u128;
-    let vertex = b"<vertex x=\"\" y=\"\" z=\"\"/>\n".len() as u128 + 3 * REAL;
+    let vertex = b"<vertex x=\"\" y=\"\" z=\"\"/>\n".len() as u128 + 3 * REAL_BYTES;
     let own = b"<triangle v1=\"\" v2=\"\" v3=\"\"/>\n".len() as u128 + 3 * index;
     let looks = if color > 0 || !carried.materials.is_empty() { 28 + 3 * index } else { 0 };
     total(&[

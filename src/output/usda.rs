@@ -19,7 +19,7 @@ use crate::output::format::{Content, Costs, Format, FormatFacts, Requirements};
 use crate::output::hard_edges::HardEdges;
 use crate::output::left_out::{Datum, left_out, of_tags};
 use crate::output::normals;
-use crate::output::numbers::{REAL, digits, real, total, whole};
+use crate::output::numbers::{REAL_BYTES, digits, real, total, whole};
 use crate::output::options::{LIMIT, POSITIONS};
 use crate::output::positions::Positions;
 use crate::output::scene::{Frame, MeshSource, Scene, Shape};
@@ -265,7 +265,7 @@ fn size(counts: &Counts, options: &Values) -> u128 {
     let vertices = counts.vertices.max(counts.control);
     let corners = counts.half_edges.max(2 * counts.input_edges as u128);
     let faces = counts.faces.max(counts.input_faces as u128);
-    let row = |width: u128| 4 + width * (REAL + 2);
+    let row = |width: u128| 4 + width * (REAL_BYTES + 2);
     let n_normals = if with_normals(options) { vertices.saturating_add(counts.split_vertices) } else { 0 };
     let most = vertices.max(n_normals).max(counts.uvs).max(counts.seamed).max(corners);
     let index = digits(most) + 2;

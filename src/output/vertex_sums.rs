@@ -16,7 +16,7 @@ const FACES_PER_PART: usize = 4_096;
 
 /// Maximum number of parts that are summed before their shared sums are added: 65,536 faces, 60 bytes each. Half of it
 /// leaves work for eight threads only; twice of it holds twice the memory.
-const AT_ONCE: usize = 16;
+const PARTS_PER_SUM: usize = 16;
 
 /// Returns for each vertex the sum of the vectors of its faces, added in the order of the faces.
 ///
@@ -33,8 +33,8 @@ pub(super) fn sums(
     let mut sums = vec![[0.0; 3]; mesh.n_vertices()];
     let own = own_vertices(mesh, watch)?;
     let mut parts: Vec<FaceRun> = Vec::new();
-    parts.resize_with(AT_ONCE.min(own.len()), FaceRun::default);
-    for (round, own) in own.chunks(AT_ONCE).enumerate() {
+    parts.resize_with(PARTS_PER_SUM.min(own.len()), FaceRun::default);
+    for (round, own) in own.chunks(PARTS_PER_SUM).enumerate() {
         watch.check()?;
         let (mut rest, mut start) = (sums.as_mut_slice(), 0);
         let mut work = Vec::with_capacity(own.len());
@@ -45,7 +45,7 @@ pub(super) fn sums(
                 (slice, rest) = rest.split_at_mut(own.len());
                 start = own.end as usize;
             }
-            work.push((faces_of(mesh, round * AT_ONCE + i), part, own.start, slice));
+            work.push((faces_of(mesh, round * PARTS_PER_SUM + i), part, own.start, slice));
         }
         work.into_par_iter().with_max_len(1).for_each(|(faces, part, first, own)| {
             mesh.faces(faces, &mut part.faces);

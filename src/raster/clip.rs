@@ -1,7 +1,7 @@
 //! Clipping of triangles and segments that reach behind the camera or far beyond the picture.
 
 use super::camera::{Camera, Projection};
-use super::project::GUARD;
+use super::project::GUARD_BAND;
 
 /// A corner of a clipped polygon: its view coordinates and its barycentric coordinates in the original triangle.
 #[derive(Debug, Clone, Copy)]
@@ -23,14 +23,14 @@ impl Camera {
 
 /// Factor of the distance of the clipping plane to that of the near plane. Half the margin is still more than rounding
 /// adds for corners a billion times as far away; twice of it would not be visible either.
-const DRAWN_IN: f64 = 1.0 + 1e-6;
+const CLIPPING_FACTOR: f64 = 1.0 + 1e-6;
 
 /// Signed distances from the planes: near, then left, right, top and bottom of the guard band; inside is not negative.
 /// The band is drawn in by a pixel, and the near plane a little, so that rounding leaves every result inside.
 fn distances(camera: &Camera, [x, y, w, _]: [f64; 4]) -> [f64; 5] {
-    let near = if camera.projection == Projection::Perspective { w - camera.near * DRAWN_IN } else { 1.0 };
-    let reach_x = (0.5 * camera.size_px[0] + GUARD - 1.0) * w;
-    let reach_y = (0.5 * camera.size_px[1] + GUARD - 1.0) * w;
+    let near = if camera.projection == Projection::Perspective { w - camera.near * CLIPPING_FACTOR } else { 1.0 };
+    let reach_x = (0.5 * camera.size_px[0] + GUARD_BAND - 1.0) * w;
+    let reach_y = (0.5 * camera.size_px[1] + GUARD_BAND - 1.0) * w;
     [near, reach_x + x, reach_x - x, reach_y + y, reach_y - y]
 }
 

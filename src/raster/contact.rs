@@ -40,26 +40,26 @@ const MAX_SAMPLED_PLACES: u64 = 1 << 23;
 const SHADOW_REACH: f64 = 0.3;
 /// Height up to which parts darken the ground, in the same unit. Half of it leaves the shadows of feet only; twice of
 /// it makes a shadow of the whole model.
-const HIGH: f32 = 0.4;
+const DARKENING_HEIGHT: f32 = 0.4;
 /// Height up to which parts touch the ground, in the same unit.
-const LOW: f32 = 0.1;
+const TOUCHING_HEIGHT: f32 = 0.1;
 /// Fractions of the light removed below parts that touch the ground, and below parts just above it. They are a matter
 /// of taste: halves are hardly visible, and twice of them is black.
 const SHADOW_DARKNESS: [f32; 2] = [0.5, 0.36];
 /// Height up to which the model touches the ground in the test whether it stands, as a fraction of its height. Half of
 /// it lets rough feet fall; twice of it lets balls of few faces stand on their edges.
-const SOLE: f64 = 0.03;
+const SOLE_HEIGHT: f64 = 0.03;
 /// A model lower than this share of its longer side is a sheet.
-const SHEET: f64 = 0.05;
+const SHEET_THICKNESS: f64 = 0.05;
 /// By this share of half its longer side the centre has to be inside what the model stands on.
-const FIRM: f64 = 0.01;
+const FIRM_STAND: f64 = 0.01;
 /// Directions in which it is asked how far the ground is touched.
 /// Half of it takes corners of a triangle of feet for sides, twice of it takes twice as long.
 const TOUCH_DIRECTIONS: usize = 16;
 
 /// Width of the band along the edge of the picture in which the shadow fades out, as a share of the smaller side, of
 /// which the model keeps 0.06 free. At half of it shadows seem cut off; at twice of it those at the margin fade.
-const FADE: f64 = 0.045;
+const FADE_WIDTH: f64 = 0.045;
 
 /// The shadow of a model on the ground.
 #[derive(Debug)]
@@ -172,7 +172,7 @@ impl ShadowRow<'_> {
         }
         let middle_px = self.shadow.middle_px;
         let edge_px = self.edge_px.min(middle_px[0] - (x as f64 + 0.5 - middle_px[0]).abs());
-        let inside = (edge_px / (FADE * 2.0 * middle_px[0].min(middle_px[1]))).min(1.0) as f32;
+        let inside = (edge_px / (FADE_WIDTH * 2.0 * middle_px[0].min(middle_px[1]))).min(1.0) as f32;
         self.shadow.blended(place) * inside * inside * (3.0 - 2.0 * inside)
     }
 }
@@ -266,14 +266,14 @@ impl<'a> GroundFrame<'a> {
 
     /// Returns whether the centroid of the surface is above the convex hull of the parts that touch the ground.
     fn is_stood_on(&self) -> bool {
-        if self.height < 2.0 * SHEET {
+        if self.height < 2.0 * SHEET_THICKNESS {
             return false;
         }
         let directions: [[f64; 2]; TOUCH_DIRECTIONS] =
             std::array::from_fn(|k| TAU * k as f64 / TOUCH_DIRECTIONS as f64).map(|angle| [cos(angle), sin(angle)]);
         let none = [f64::NEG_INFINITY; TOUCH_DIRECTIONS];
         let join = |a: [f64; TOUCH_DIRECTIONS], b: [f64; TOUCH_DIRECTIONS]| std::array::from_fn(|k| a[k].max(b[k]));
-        let sole = (SOLE * self.height) as f32;
+        let sole = (SOLE_HEIGHT * self.height) as f32;
         let [x, y] = self.centre();
         let of = |list: &[[u32; 3]]| {
             let corners = list.iter().flatten().map(|&v| self.places[v as usize]);
@@ -283,7 +283,7 @@ impl<'a> GroundFrame<'a> {
             })
         };
         let far = self.triangles.par_chunks(TRIANGLES_PER_TASK).map(of).reduce(|| none, join);
-        far.iter().all(|&far| far > FIRM)
+        far.iter().all(|&far| far > FIRM_STAND)
     }
 
     /// Returns the corners of a triangle in cells of a map with their heights, unless the triangle is too high.
@@ -291,7 +291,7 @@ impl<'a> GroundFrame<'a> {
         let places = self.corners(triangle);
         let half = 0.5 * cells as f32;
         let scale = half / (1.0 + SHADOW_REACH as f32);
-        let is_near = places.iter().any(|p| p[2] < HIGH) && places.iter().flatten().all(|x| x.is_finite());
+        let is_near = places.iter().any(|p| p[2] < DARKENING_HEIGHT) && places.iter().flatten().all(|x| x.is_finite());
         is_near.then(|| places.map(|[x, y, height]| [x * scale + half, y * scale + half, height]))
     }
 
@@ -306,7 +306,7 @@ impl<'a> GroundFrame<'a> {
 
     /// Returns the fraction of its light that each cell loses.
     fn dark(&self, cells: usize, watch: &Watch) -> Result<Vec<f32>, Stopped> {
-        let far = || vec![HIGH; cells * cells];
+        let far = || vec![DARKENING_HEIGHT; cells * cells];
         let lower = |mut a: Vec<f32>, b: Vec<f32>| {
             a.iter_mut().zip(b).for_each(|(a, b)| *a = a.min(b));
             a
@@ -326,7 +326,7 @@ impl<'a> GroundFrame<'a> {
         };
         let heights = self.triangles.par_chunks(part).map(of).try_reduce(far, |a, b| Ok::<_, Stopped>(lower(a, b)))?;
         let side = cells as f32;
-        let [near, wide] = [(LOW, 0.011), (HIGH, 0.05)].map(|(high, share): (f32, f32)| {
+        let [near, wide] = [(TOUCHING_HEIGHT, 0.011), (DARKENING_HEIGHT, 0.05)].map(|(high, share): (f32, f32)| {
             let weight = |height: &f32| {
                 let rest = (1.0 - height / high).max(0.0);
                 rest * rest

@@ -5,7 +5,7 @@
 use super::binned_model::BinnedModel;
 use super::bins::TILE;
 use super::facets::Facets;
-use super::fine::{FINE, FINE_PLACES, Fine, PixelSet};
+use super::fine::{FINE_PLACES, FINE_SAMPLES, Fine, PixelSet};
 use super::forecast;
 use super::line::StrokeLayer;
 use super::paint::Hiding;
@@ -93,7 +93,7 @@ impl TileScratch {
                     Hiding::Wholly => self.samples.draw(model.corners(id), id, origin, |_| true),
                     Hiding::InPlaces => {
                         let alpha = alphas(model, id, origin);
-                        self.samples.draw(model.corners(id), id, origin, |place| alpha(place) >= OPAQUE);
+                        self.samples.draw(model.corners(id), id, origin, |place| alpha(place) >= OPAQUE_ALPHA);
                     }
                     Hiding::Partly | Hiding::Never => {}
                 }
@@ -104,7 +104,8 @@ impl TileScratch {
         if let Some(lamps) = model.lamps.as_ref().filter(|_| surface) {
             self.lighter.begin();
             for (pixel, owners) in (0..).zip(&self.samples.owner) {
-                self.lighter.add::<_, false>(model, lamps, (pixel, owners), origin, |held| CENTRES[held as usize]);
+                self.lighter
+                    .add::<_, false>(model, lamps, (pixel, owners), origin, |held| SAMPLE_CENTRES[held as usize]);
             }
             self.lighter.finish(model, lamps);
             if is_fine && !self.lighter.marks.is_empty() {
@@ -142,7 +143,7 @@ impl TileScratch {
                     Hiding::Wholly => self.fine.draw(model.corners(id), id, origin, |_| true),
                     Hiding::InPlaces => {
                         let alpha = alphas(model, id, origin);
-                        self.fine.draw(model.corners(id), id, origin, |place| alpha(place) >= OPAQUE);
+                        self.fine.draw(model.corners(id), id, origin, |place| alpha(place) >= OPAQUE_ALPHA);
                     }
                     Hiding::Partly | Hiding::Never => {}
                 }
@@ -175,7 +176,7 @@ impl TileScratch {
                     Hiding::Partly => samples.draw(model.corners(id), id, origin, |_| true),
                     Hiding::InPlaces => {
                         let alpha = alphas(model, id, origin);
-                        let is_clear = |place| (1.0 - OPAQUE..OPAQUE).contains(&alpha(place));
+                        let is_clear = |place| (1.0 - OPAQUE_ALPHA..OPAQUE_ALPHA).contains(&alpha(place));
                         samples.draw(model.corners(id), id, origin, is_clear);
                     }
                     Hiding::Wholly | Hiding::Never => {}
@@ -184,7 +185,7 @@ impl TileScratch {
             watch.advance(forecast::rows(samples.done()));
             lighter.begin();
             for (pixel, owners) in (0..).zip(&samples.owner) {
-                lighter.add::<_, true>(model, lamps, (pixel, owners), origin, |held| CENTRES[held as usize]);
+                lighter.add::<_, true>(model, lamps, (pixel, owners), origin, |held| SAMPLE_CENTRES[held as usize]);
             }
             lighter.finish(model, lamps);
             for (under, over) in self.lighter.light.iter_mut().zip(&lighter.light) {
@@ -295,7 +296,7 @@ impl Lighter {
 /// Alpha from which a texture hides everything behind it and is drawn with the opaque surfaces; below 1 minus this, it
 /// is invisible. It is half a byte step from 1: twice of the margin would treat pixels of 254 as opaque, half of it is
 /// closer to the rounding of a blend of four pixels.
-const OPAQUE: f32 = 1.0 - 0.5 / 255.0;
+const OPAQUE_ALPHA: f32 = 1.0 - 0.5 / 255.0;
 
 /// Returns how a triangle hides what lies behind it; without translucent triangles, all are opaque.
 fn hiding(model: &BinnedModel<'_>, id: u32, has_clear: bool) -> Hiding {
@@ -323,11 +324,11 @@ fn fine_centre(held: u32) -> [f32; 3] {
         rest &= rest - 1;
     }
     let n = held.count_ones() as f32;
-    [x as f32 / (32.0 * n), y as f32 / (32.0 * n), n / FINE as f32]
+    [x as f32 / (32.0 * n), y as f32 / (32.0 * n), n / FINE_SAMPLES as f32]
 }
 
 /// For each set of four samples its centroid in the pixel, right and down, and its fraction of the pixel.
-const CENTRES: [[f32; 3]; 1 << SAMPLES] = {
+const SAMPLE_CENTRES: [[f32; 3]; 1 << SAMPLES] = {
     let mut centres = [[0.0; 3]; 1 << SAMPLES];
     let mut held = 1;
     while held < 1 << SAMPLES {

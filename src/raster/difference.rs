@@ -43,11 +43,11 @@ pub struct Difference {
 }
 
 /// The squared distance of black and white, weighted as [`apart`] does.
-const FARTHEST: f64 = 35215.0;
+const BLACK_TO_WHITE: f64 = 35215.0;
 /// Visibility of the first picture where nothing differs. Half of it is hardly visible; twice of it hides faint yellow.
 const UNCHANGED_VISIBILITY: f64 = 0.1;
 const DIFFERENCE_COLOR: [u8; 3] = [255, 0, 0];
-const YELLOW: [u8; 3] = [255, 255, 0];
+const SMOOTHING_COLOR: [u8; 3] = [255, 255, 0];
 
 /// Compares two pictures of equal size.
 ///
@@ -73,7 +73,7 @@ pub fn difference(a: &Pixels, b: &Pixels, measure: Measure, watch: &Watch) -> Re
     };
     let RowDifference { different, smoothed, largest } =
         rows.try_reduce(RowDifference::default, |a, b| Ok(sum(a, b)))?;
-    Ok(Difference { different, smoothed, largest: sqrt(largest / FARTHEST), picture })
+    Ok(Difference { different, smoothed, largest: sqrt(largest / BLACK_TO_WHITE), picture })
 }
 
 #[derive(Debug, Clone, Copy, Default)]
@@ -92,14 +92,14 @@ fn row([a, b]: [&Pixels; 2], y: usize, measure: Measure, shown: &mut [[u8; 3]]) 
         found.largest = found.largest.max(square);
         let differs = match measure {
             Measure::Equality => before != after,
-            Measure::Seen(threshold) => square > FARTHEST * threshold * threshold,
+            Measure::Seen(threshold) => square > BLACK_TO_WHITE * threshold * threshold,
         };
         let is_smoothed = || a.smooths([x, y], b) || b.smooths([x, y], a);
         *out = if !differs {
             faint(before)
         } else if measure != Measure::Equality && is_smoothed() {
             found.smoothed += 1;
-            YELLOW
+            SMOOTHING_COLOR
         } else {
             found.different += 1;
             DIFFERENCE_COLOR
@@ -122,7 +122,7 @@ fn brightness([r, g, b]: [f64; 3]) -> f64 {
     r * 0.298_895_31 + g * 0.586_622_47 + b * 0.114_482_23
 }
 
-/// The squared distance of two colours on white, `0.5053 Y^2 + 0.299 I^2 + 0.1957 Q^2`, 0 to [`FARTHEST`].
+/// The squared distance of two colours on white, `0.5053 Y^2 + 0.299 I^2 + 0.1957 Q^2`, 0 to [`BLACK_TO_WHITE`].
 fn apart(a: [u8; 4], b: [u8; 4]) -> f64 {
     let (a, b) = (seen(a), seen(b));
     let [r, g, b] = [a[0] - b[0], a[1] - b[1], a[2] - b[2]];
@@ -229,7 +229,7 @@ mod tests {
         let mut b = a.clone();
         b.rgba[12] = [90, 90, 90, 255];
         let found = compared(&a, &b, Measure::Seen(0.1));
-        assert_eq!((found.different, found.smoothed, found.picture[12]), (0, 1, YELLOW));
+        assert_eq!((found.different, found.smoothed, found.picture[12]), (0, 1, SMOOTHING_COLOR));
         assert_eq!(compared(&a, &b, Measure::Equality).different, 1, "where the bits count nothing is forgiven");
     }
 

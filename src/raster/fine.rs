@@ -11,17 +11,17 @@ use super::triangle::{NOBODY, TILE_SIDE, area, cover, slope, touched};
 
 /// Samples per refined pixel, so that an edge has 17 grey values. Half as many show steps of slanted edges at twice the
 /// size; twice as many take twice the time in these pixels.
-pub(super) const FINE: usize = 16;
+pub(super) const FINE_SAMPLES: usize = 16;
 
 /// The row of the sample in each column, sixteenths of a pixel. Of many permutations the one whose counts come closest
 /// to the areas that lines at any angle cut off: within 1/10 of a pixel, mostly within 1/25.
-const SAMPLE_ROWS: [i32; FINE] = [9, 1, 13, 4, 8, 14, 3, 11, 6, 0, 12, 7, 10, 2, 5, 15];
+const SAMPLE_ROWS: [i32; FINE_SAMPLES] = [9, 1, 13, 4, 8, 14, 3, 11, 6, 0, 12, 7, 10, 2, 5, 15];
 
 /// Places of the samples in 32nds of a pixel, right and down.
-pub(super) const FINE_PLACES: [[i32; 2]; FINE] = {
-    let mut places = [[0; 2]; FINE];
+pub(super) const FINE_PLACES: [[i32; 2]; FINE_SAMPLES] = {
+    let mut places = [[0; 2]; FINE_SAMPLES];
     let mut column = 0;
-    while column < FINE {
+    while column < FINE_SAMPLES {
         places[column] = [2 * column as i32 + 1, 2 * SAMPLE_ROWS[column] + 1];
         column += 1;
     }
@@ -29,10 +29,10 @@ pub(super) const FINE_PLACES: [[i32; 2]; FINE] = {
 };
 
 /// Sub-pixel steps in a 32nd of a pixel, as a power of two.
-const SHIFT: u32 = (STEPS_A_PIXEL / 32).trailing_zeros();
+const STEP_SHIFT: u32 = (STEPS_A_PIXEL / 32).trailing_zeros();
 /// Edge functions are clamped to this: beyond it their sign is that of every sample of the pixel, as coordinates stay
 /// below 2^22 steps and a pixel is 32 wide. Twice of it would overflow when a sample is added.
-const DECIDED: i64 = 1 << 29;
+const DECIDED_EDGE: i64 = 1 << 29;
 
 /// A set of pixels of a tile, one bit each.
 #[derive(Debug, Clone, Default)]
@@ -69,8 +69,8 @@ pub(super) struct Fine {
     pixels: [u32; TILE],
     /// For each row, the number of pixels in the rows above it.
     starts: [u32; TILE],
-    depth: Vec<[f32; FINE]>,
-    owner: Vec<[u32; FINE]>,
+    depth: Vec<[f32; FINE_SAMPLES]>,
+    owner: Vec<[u32; FINE_SAMPLES]>,
 }
 
 /// A triangle prepared for a tile; edge functions are not negative inside.
@@ -80,11 +80,11 @@ struct FineSetup {
     right: [i64; 3],
     down: [i64; 3],
     /// The increments of the edge functions at each sample.
-    samples: [[i32; FINE]; 3],
+    samples: [[i32; FINE_SAMPLES]; 3],
     /// Depth at the corner of the tile, and its growth.
     depth: f64,
     slope: [f64; 2],
-    rise: [f32; FINE],
+    rise: [f32; FINE_SAMPLES],
     range: [f32; 2],
 }
 
@@ -99,13 +99,13 @@ impl Fine {
             n += row.count_ones();
         }
         self.depth.clear();
-        self.depth.resize(n as usize, [0.0; FINE]);
+        self.depth.resize(n as usize, [0.0; FINE_SAMPLES]);
         self.owner.clear();
-        self.owner.resize(n as usize, [NOBODY; FINE]);
+        self.owner.resize(n as usize, [NOBODY; FINE_SAMPLES]);
     }
 
     /// Returns the pixels, numbered row by row, with the triangles visible at their samples.
-    pub(super) fn pixels(&self) -> impl Iterator<Item = (u32, &[u32; FINE])> {
+    pub(super) fn pixels(&self) -> impl Iterator<Item = (u32, &[u32; FINE_SAMPLES])> {
         let row = |(y, row): (usize, &u32)| {
             let mut row = *row;
             std::iter::from_fn(move || {
@@ -165,10 +165,10 @@ impl Fine {
         }
         let edges: [i32; 3] = std::array::from_fn(|k| {
             let value = setup.edges[k] + setup.right[k] * i64::from(x) + setup.down[k] * i64::from(y);
-            value.clamp(-DECIDED, DECIDED) as i32
+            value.clamp(-DECIDED_EDGE, DECIDED_EDGE) as i32
         });
         let at = |k: usize, s: usize| edges[k] + setup.samples[k][s];
-        let outside: [i32; FINE] = std::array::from_fn(|s| at(0, s) | at(1, s) | at(2, s));
+        let outside: [i32; FINE_SAMPLES] = std::array::from_fn(|s| at(0, s) | at(1, s) | at(2, s));
         let place = |[right, down]: [i32; 2]| [x as f32 + right as f32 / 32.0, y as f32 + down as f32 / 32.0];
         let is_hole = |s: usize| outside[s] >= 0 && !is_there(place(FINE_PLACES[s]));
         let outside = std::array::from_fn(|s| if is_hole(s) { -1 } else { outside[s] });
@@ -190,14 +190,14 @@ impl FineSetup {
             corners.swap(1, 2);
         }
         let [left, top] = origin.map(|o| i64::from(o) * i64::from(STEPS_A_PIXEL));
-        let (mut edges, mut right, mut down, mut samples) = ([0; 3], [0; 3], [0; 3], [[0; FINE]; 3]);
+        let (mut edges, mut right, mut down, mut samples) = ([0; 3], [0; 3], [0; 3], [[0; FINE_SAMPLES]; 3]);
         for k in 0..3 {
             let (a, b) = (corners[k], corners[(k + 1) % 3]);
             let (dx, dy) = (b.x - a.x, b.y - a.y);
             // an edge that two triangles share is counted for exactly one of them
             let counts = dy > 0 || (dy == 0 && dx > 0);
             let value = i64::from(dx) * (top - i64::from(a.y)) - i64::from(dy) * (left - i64::from(a.x));
-            edges[k] = (value - i64::from(!counts)) >> SHIFT;
+            edges[k] = (value - i64::from(!counts)) >> STEP_SHIFT;
             (right[k], down[k]) = (-32 * i64::from(dy), 32 * i64::from(dx));
             samples[k] = FINE_PLACES.map(|[x, y]| dx * y - dy * x);
         }

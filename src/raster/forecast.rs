@@ -23,7 +23,7 @@ const SORTED_A_ROW: f64 = 2.0;
 /// Tiles that a line crosses, over those beside each other along its longer side.
 /// A diagonal crosses up to 2, a level line 1. Half of it tells steep lines too short; twice of it tells all lines
 /// twice as long as they may be.
-const CROSSED: f64 = 1.5;
+const CROSSED_TILES: f64 = 1.5;
 
 /// Returns the work done, in rows.
 pub(super) fn rows(done: Done) -> u64 {
@@ -80,7 +80,7 @@ impl RasterForecast {
         let pixels = if width < CUT_PX as f64 {
             (width + 1.0) * (height + 1.0)
         } else {
-            let rows = CROSSED * width.max(height) + area / tile;
+            let rows = CROSSED_TILES * width.max(height) + area / tile;
             area + rows * ROW_PX as f64
         };
         let tiles = (1.0 + width / tile) * (1.0 + height / tile);

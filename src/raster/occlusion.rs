@@ -31,7 +31,7 @@ const OCCLUDER_REACH: f32 = 0.3;
 const REACH_CELLS: [f32; 2] = [1.5, 64.0];
 /// Places asked around each cell.
 /// Half of it leaves grain, twice of it takes twice as long.
-const TAPS: usize = 8;
+const PLACES_A_CELL: usize = 8;
 /// Kinds of circles on which the places stand, one for each cell of a square of four, over which is smoothed.
 const CIRCLE_KINDS: usize = 16;
 /// Sines below this do not count, so that faces of round surfaces do not hide each other.
@@ -39,17 +39,17 @@ const CIRCLE_KINDS: usize = 16;
 const LEAST_OCCLUDER_SINE: f32 = 0.12;
 /// What is taken of the light where every place asked stands upright beside.
 /// It is a choice of looks: at half of it hollows hardly show, twice of it makes them black.
-const STRENGTH: f32 = 2.2;
+const OCCLUSION_STRENGTH: f32 = 2.2;
 /// Least share of light that is left.
 const LEAST_OPEN: f32 = 0.3;
 
 /// Places around a cell for each turn, within a circle of radius one.
-static AROUND: LazyLock<[[[f32; 2]; TAPS]; CIRCLE_KINDS]> = LazyLock::new(|| {
+static CIRCLE_PLACES: LazyLock<[[[f32; 2]; PLACES_A_CELL]; CIRCLE_KINDS]> = LazyLock::new(|| {
     std::array::from_fn(|turn| {
         std::array::from_fn(|tap| {
             // the golden angle leads round, equal areas lead out
             let angle = TAU * (turn as f64 / CIRCLE_KINDS as f64 + 0.381_966 * tap as f64);
-            let radius = ((tap as f64 + 0.5) / TAPS as f64).sqrt();
+            let radius = ((tap as f64 + 0.5) / PLACES_A_CELL as f64).sqrt();
             [(radius * cos(angle)) as f32, (radius * sin(angle)) as f32]
         })
     })
@@ -179,7 +179,7 @@ impl Occlusion {
             (OCCLUDER_REACH * self.lens.pixels(at[2]) / self.cell_px as f32).clamp(REACH_CELLS[0], REACH_CELLS[1]);
         let turn = ((x & 3) * 4 + (y & 3)) as usize;
         let mut hidden = 0.0;
-        for [right, down] in AROUND[turn] {
+        for [right, down] in CIRCLE_PLACES[turn] {
             // to the nearest, moved up so that the cast rounds down
             let [i, j] = [right, down].map(|share| (reach * share + 128.5) as isize - 128);
             let distance = self.distance(x + i, y + j);
@@ -195,7 +195,7 @@ impl Occlusion {
                 hidden += sine * near;
             }
         }
-        (1.0 - STRENGTH * hidden / TAPS as f32).max(LEAST_OPEN)
+        (1.0 - OCCLUSION_STRENGTH * hidden / PLACES_A_CELL as f32).max(LEAST_OPEN)
     }
 
     /// Returns the normal toward the viewer, from the neighbours with the most similar distances.

@@ -13,7 +13,7 @@ pub(super) const STEPS_A_PIXEL: i32 = 256;
 /// How far beyond the picture coordinates stay exact, pixels. With pictures of at most 8,192 pixels a side, this keeps
 /// edge functions inside a tile below 2^31.
 /// Half of it clips more triangles than need be; twice of it would overflow edge functions of the largest pictures.
-pub(super) const GUARD: f64 = 2048.0;
+pub(super) const GUARD_BAND: f64 = 2048.0;
 
 /// Left of the picture.
 pub(super) const LEFT: u32 = 1;
@@ -48,7 +48,7 @@ impl Camera {
         let seen = self.view(point);
         let in_front = self.projection == Projection::Orthographic || seen[2] >= self.near;
         let place = self.pixel(seen);
-        let near = (0..2).all(|k| place[k] > -GUARD && place[k] < self.size_px[k] + GUARD);
+        let near = (0..2).all(|k| place[k] > -GUARD_BAND && place[k] < self.size_px[k] + GUARD_BAND);
         (in_front && near).then_some(place)
     }
 }
@@ -68,7 +68,7 @@ pub(super) fn vertex(camera: &Camera, seen: [f64; 4]) -> Vertex {
     sides |= if x > width { RIGHT } else { 0 };
     sides |= if y < 0.0 { ABOVE } else { 0 };
     sides |= if y > height { BELOW } else { 0 };
-    let near_picture = x > -GUARD && x < width + GUARD && y > -GUARD && y < height + GUARD;
+    let near_picture = x > -GUARD_BAND && x < width + GUARD_BAND && y > -GUARD_BAND && y < height + GUARD_BAND;
     if !near_picture {
         return Vertex { sides: sides | FAR_OUT, ..Vertex::default() };
     }
@@ -77,7 +77,7 @@ pub(super) fn vertex(camera: &Camera, seen: [f64; 4]) -> Vertex {
 
 /// Rounds to the nearest step; shifted first, so that the cast rounds down on both sides of zero.
 fn snapped(pixels: f64) -> i32 {
-    let shift = 2.0 * GUARD;
+    let shift = 2.0 * GUARD_BAND;
     ((pixels + shift) * f64::from(STEPS_A_PIXEL) + 0.5) as i32 - (shift as i32) * STEPS_A_PIXEL
 }
 

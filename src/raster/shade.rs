@@ -48,10 +48,10 @@ const SKY_LIGHT: Vec3f = [0.25, 0.275, 0.315];
 const GROUND_LIGHT: Vec3f = [0.115, 0.105, 0.10];
 /// How much brighter the surroundings are in metal than they light what is matt.
 /// It is a choice of looks: half of it makes metal nearly black where no lamp is mirrored, twice of it makes it pale.
-const BRIGHT: f32 = 1.6;
+const METAL_BRIGHTNESS: f32 = 1.6;
 /// Share of the light that mirrors at the surface, straight on.
 /// It is a choice of looks: half of it is duller, twice of it brightens the spots of light.
-const GLEAM: f32 = 0.36;
+const SURFACE_GLEAM: f32 = 0.36;
 
 /// A direction that is given to the right, up and towards the viewer.
 fn turned(camera: &Camera, [x, y, z]: [f64; 3]) -> Vector {
@@ -123,7 +123,7 @@ impl Lamps {
         let sky = 0.5 * dot(n, self.sky) + 0.5;
         // wide highlights are fainter, as the light is the same; those that nobody asked for have both factors 1
         let wider = USUAL_SPREAD / spread;
-        let peak = if GLEAM * wider < 1.0 { GLEAM * wider } else { 1.0 };
+        let peak = if SURFACE_GLEAM * wider < 1.0 { SURFACE_GLEAM * wider } else { 1.0 };
         let rim_gleam = if wider < 1.0 { wider.sqrt() } else { 1.0 };
         let gleam = peak * polished(positive(dot(n, self.gleam)), spread) + 0.10 * edge * sky * rim_gleam;
         let length = dot(ray, ray).sqrt();
@@ -143,7 +143,8 @@ impl Lamps {
             }
             let around = GROUND_LIGHT[k] + (SKY_LIGHT[k] - GROUND_LIGHT[k]) * (above + rough * (sky - above));
             let mirrored = lamp * lamp;
-            let bare = shoulder(colour * (BRIGHT * around + KEY_LIGHT[k] * (mirrored + rough * (key - mirrored))));
+            let bare =
+                shoulder(colour * (METAL_BRIGHTNESS * around + KEY_LIGHT[k] * (mirrored + rough * (key - mirrored))));
             let bare = bare + colour * gleam * (1.0 - bare);
             if metal > 0.0 { plain + metal * (bare - plain) } else { plain }
         })
@@ -213,9 +214,9 @@ pub(super) fn spread(roughness: Option<f32>) -> f32 {
 #[inline]
 fn shoulder(light: f32) -> f32 {
     // from here on light is bent: at half of it greys become pale, close to 1 highlights lose their shape
-    const KNEE: f32 = 0.75;
-    let over = positive(light - KNEE);
-    light - over + over / (1.0 + over / (1.0 - KNEE))
+    const LIGHT_KNEE: f32 = 0.75;
+    let over = positive(light - LIGHT_KNEE);
+    light - over + over / (1.0 + over / (1.0 - LIGHT_KNEE))
 }
 
 /// Spots lit at once.

@@ -34,7 +34,7 @@ pub(super) const CUT_PX: usize = 12;
 /// It only says what cutting counts: half and twice of it halve and double its share of the predicted time.
 pub(super) const ROW_PX: u64 = 8;
 
-const EIGHTH: i32 = STEPS_A_PIXEL / 8;
+const EIGHTH_STEPS: i32 = STEPS_A_PIXEL / 8;
 /// Width and height of a tile in pixels.
 pub(super) const TILE_SIDE: i32 = TILE as i32;
 
@@ -217,8 +217,8 @@ pub(super) fn area(&[a, b, c]: &[Vertex; 3]) -> i64 {
 
 /// Pixels that hold a sample of the bounding box: left, top, right, bottom, bounds included.
 pub(super) fn pixel_box(&[a, b, c]: &[Vertex; 3]) -> [i32; 4] {
-    let low = |u: i32| (u - 7 * EIGHTH + STEPS_A_PIXEL - 1).div_euclid(STEPS_A_PIXEL);
-    let high = |u: i32| (u - EIGHTH).div_euclid(STEPS_A_PIXEL);
+    let low = |u: i32| (u - 7 * EIGHTH_STEPS + STEPS_A_PIXEL - 1).div_euclid(STEPS_A_PIXEL);
+    let high = |u: i32| (u - EIGHTH_STEPS).div_euclid(STEPS_A_PIXEL);
     [low(a.x.min(b.x).min(c.x)), low(a.y.min(b.y).min(c.y)), high(a.x.max(b.x).max(c.x)), high(a.y.max(b.y).max(c.y))]
 }
 
@@ -248,7 +248,7 @@ fn near_edge(a: Vertex, b: Vertex, origin: [i32; 2]) -> TileEdge {
     let (dx, dy) = (b.x - a.x, b.y - a.y);
     let counts = dy > 0 || (dy == 0 && dx > 0);
     let value = dx * (origin[1] * STEPS_A_PIXEL - a.y) - dy * (origin[0] * STEPS_A_PIXEL - a.x) - i32::from(!counts);
-    TileEdge::Crossing(value >> EIGHTH.trailing_zeros(), -dy, dx)
+    TileEdge::Crossing(value >> EIGHTH_STEPS.trailing_zeros(), -dy, dx)
 }
 
 fn edge(a: Vertex, b: Vertex, origin: [i32; 2]) -> TileEdge {
@@ -256,7 +256,7 @@ fn edge(a: Vertex, b: Vertex, origin: [i32; 2]) -> TileEdge {
     let counts = dy > 0 || (dy == 0 && dx > 0);
     let x = i64::from(origin[0] * STEPS_A_PIXEL - a.x);
     let y = i64::from(origin[1] * STEPS_A_PIXEL - a.y);
-    let value = (dx * y - dy * x - i64::from(!counts)) >> EIGHTH.trailing_zeros();
+    let value = (dx * y - dy * x - i64::from(!counts)) >> EIGHTH_STEPS.trailing_zeros();
     let last = i64::from(8 * TILE_SIDE - 1);
     if value + (-dy * last).max(0) + (dx * last).max(0) < 0 {
         TileEdge::Outside

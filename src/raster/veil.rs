@@ -6,7 +6,7 @@ use super::triangle::{NOBODY, SAMPLES, Samples, slope};
 /// Lines on a surface are lifted toward the viewer by this share of the radius of the scene.
 /// Half of it lets lines sink into coarse triangles beside them; twice of it lets lines behind an edge show through
 /// sooner.
-const LIFT: f64 = 1e-3;
+const LINE_LIFT: f64 = 1e-3;
 /// On steep surfaces they are lifted by at most this share.
 /// Half of it breaks lines on surfaces seen along their plane; twice of it lets lines behind a silhouette show through.
 const STEEP_LIFT: f64 = 1e-2;
@@ -31,7 +31,7 @@ impl<'a> Veil<'a> {
             model,
             samples,
             reach_px: half_px + 1.0,
-            lift: lifted(LIFT),
+            lift: lifted(LINE_LIFT),
             steep: lifted(STEEP_LIFT),
             known: NOBODY,
             slope: 0.0,

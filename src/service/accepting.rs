@@ -16,7 +16,7 @@ use crate::job::JobEntries;
 
 /// Interval between checks for jobs that have waited too long for their turn or whose time to live has ended. Half of
 /// it would check twice as often; twice of it would act twice as late.
-const TICK: Duration = Duration::from_millis(500);
+const CHECK_PERIOD: Duration = Duration::from_millis(500);
 
 /// The reason why a job is not accepted.
 #[derive(Debug, thiserror::Error)]
@@ -241,7 +241,7 @@ impl Desk {
     pub async fn keep_tidy(&self) {
         loop {
             self.tidy();
-            self.clock.sleep(TICK).await;
+            self.clock.sleep(CHECK_PERIOD).await;
         }
     }
 }

@@ -20,7 +20,7 @@ const RETRY_PAUSE: Duration = Duration::from_secs(1);
 /// Time without changes after which the store is checked, so that a removed file is told before the next job comes.
 /// Half of it would look twice as often; twice of it would call the service ready for longer while jobs would be
 /// refused.
-const CHECK: Duration = Duration::from_secs(1);
+const CHECK_INTERVAL: Duration = Duration::from_secs(1);
 
 /// The identity of a record in a table.
 pub(super) trait RowKey: Copy + Ord + Send + 'static {
@@ -149,7 +149,7 @@ impl<R: RowKey> SharedJournal<R> {
     fn work(&self) {
         loop {
             let idle = |pending: &mut PendingRows<R>| pending.rows.is_empty() && !pending.closed;
-            let waited = self.changed.wait_timeout_while(self.pending(), CHECK, idle);
+            let waited = self.changed.wait_timeout_while(self.pending(), CHECK_INTERVAL, idle);
             let (mut pending, _) = waited.unwrap_or_else(PoisonError::into_inner);
             let rows = std::mem::take(&mut pending.rows);
             let is_last = pending.closed;

@@ -25,10 +25,10 @@ use crate::watch::Watch;
 const CHUNK_BYTES: usize = 256 << 10;
 /// Maximum number of chunks that wait for the client: 8 MiB, what a compute thread makes in two milliseconds. Half as
 /// many would make threads wait for clients that are briefly late; twice as many would take twice the memory.
-const CHUNKS: usize = 32;
+const MAX_WAITING_CHUNKS: usize = 32;
 
 /// Memory of a stream besides that of its task, in bytes.
-pub const STREAM_BYTES: u128 = (CHUNK_BYTES * (CHUNKS + 2)) as u128;
+pub const STREAM_BYTES: u128 = (CHUNK_BYTES * (MAX_WAITING_CHUNKS + 2)) as u128;
 
 /// A result being streamed; dropping it stops the computation.
 #[derive(Debug)]
@@ -87,7 +87,7 @@ impl Desk {
         let queue = self.clock.now().saturating_sub(start);
         let watch = Watch::new();
         let stop = StopOnDrop(watch.clone());
-        let (sender, chunks) = mpsc::channel(CHUNKS);
+        let (sender, chunks) = mpsc::channel(MAX_WAITING_CHUNKS);
         let (done, ended) = oneshot::channel();
         let pace = TimeBudget { clock: self.clock.clone(), since: self.clock.now(), left: self.terms.run_timeout };
         let mut out = ChunkSender { sender, chunk: Vec::new(), places, permit, runtime: Handle::current(), pace };

@@ -50,16 +50,16 @@ pub enum LookupResult {
 /// Counters that never decrease.
 #[derive(Debug, Default)]
 pub struct Tally {
-    computations: [AtomicU64; COMPUTATIONS.len()],
-    stages: [Histogram; STAGES.len()],
-    jobs: [AtomicU64; JOBS.len()],
-    found: [AtomicU64; FOUND.len()],
+    computations: [AtomicU64; COMPUTATION_ENDS.len()],
+    stages: [Histogram; STAGE_NAMES.len()],
+    jobs: [AtomicU64; JOB_ENDS.len()],
+    found: [AtomicU64; CACHE_PLACES.len()],
 }
 
-const COMPUTATIONS: [&str; 6] = ["done", "cancelled", "impossible", "timed_out", "busy", "internal"];
-const STAGES: [&str; 4] = ["queue", "refine", "render", "encode"];
-const JOBS: [&str; 3] = ["done", "failed", "cancelled"];
-const FOUND: [&str; 3] = ["memory", "disk", "none"];
+const COMPUTATION_ENDS: [&str; 6] = ["done", "cancelled", "impossible", "timed_out", "busy", "internal"];
+const STAGE_NAMES: [&str; 4] = ["queue", "refine", "render", "encode"];
+const JOB_ENDS: [&str; 3] = ["done", "failed", "cancelled"];
+const CACHE_PLACES: [&str; 3] = ["memory", "disk", "none"];
 
 impl Tally {
     /// Counts a computation that has ended.
@@ -102,22 +102,22 @@ impl Tally {
 
     /// Returns the number of computations by how they ended.
     pub fn computations(&self) -> impl Iterator<Item = (&'static str, u64)> + '_ {
-        named(&COMPUTATIONS, &self.computations)
+        named(&COMPUTATION_ENDS, &self.computations)
     }
 
     /// Returns the histogram of each stage.
     pub fn stages(&self) -> impl Iterator<Item = (&'static str, &Histogram)> {
-        STAGES.into_iter().zip(&self.stages)
+        STAGE_NAMES.into_iter().zip(&self.stages)
     }
 
     /// Returns the number of jobs by how they ended.
     pub fn jobs(&self) -> impl Iterator<Item = (&'static str, u64)> + '_ {
-        named(&JOBS, &self.jobs)
+        named(&JOB_ENDS, &self.jobs)
     }
 
     /// Returns the number of lookups by where the result was found.
     pub fn lookups(&self) -> impl Iterator<Item = (&'static str, u64)> + '_ {
-        named(&FOUND, &self.found)
+        named(&CACHE_PLACES, &self.found)
     }
 }
 

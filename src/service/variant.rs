@@ -29,10 +29,10 @@ const ENCODER_BYTES: u128 = 32 << 20;
 /// Bytes that are encoded between two checks of the watch. Half of it would check twice as often; twice of it would
 /// stop twice as late, after some 10 ms.
 const ENCODE_STEP_BYTES: usize = 256 << 10;
-/// A variant is kept if it is shorter than the artifact by at least this fraction, one part in `SPARED`: less is not
-/// worth its place in the cache. Half of the number would reject pictures that shrink by a fifth; twice of it would
-/// keep variants that save a sixteenth.
-const SPARED: u64 = 8;
+/// A variant is kept if it is shorter than the artifact by at least this fraction, one part in `SPARED_DIVISOR`: less
+/// is not worth its place in the cache. Half of the number would reject pictures that shrink by a fifth; twice of it
+/// would keep variants that save a sixteenth.
+const SPARED_DIVISOR: u64 = 8;
 
 /// A content coding of HTTP.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
@@ -118,7 +118,7 @@ impl Compress {
 
     /// Returns the maximum length of a variant that saves enough, in bytes.
     fn most(&self) -> u64 {
-        self.length - self.length / SPARED
+        self.length - self.length / SPARED_DIVISOR
     }
 
     /// Writes the bytes of the artifact to an encoder.

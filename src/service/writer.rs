@@ -16,7 +16,7 @@ use super::store::{ArtifactDescription, Manifest, Sealed, Store, StoreError};
 use crate::job::key::Key;
 
 /// Number of writing threads. One would let small artifacts wait behind a long one; four would share the same disk.
-const THREADS: usize = 2;
+const WRITING_THREADS: usize = 2;
 /// Maximum number of waiting artifacts: what two threads write in a minute at a quarter of a second a sync and two
 /// syncs each. Half as many would leave artifacts of bursts unwritten sooner; twice as many would wait for two minutes.
 const MAX_WAITING_ARTIFACTS: usize = 256;
@@ -27,11 +27,11 @@ const MAX_SEALED: usize = 16;
 /// Time after which a write that has not ended marks the disk as stuck: at 33 megabytes a second this is a gigabyte.
 /// Half of it would call disks stuck that write a gigabyte at less than 67 megabytes a second; twice of it would notice
 /// after a minute.
-const STUCK: Duration = Duration::from_secs(30);
+const STUCK_TIME: Duration = Duration::from_secs(30);
 /// Time for which a disk counts as failing after its last failure, if nothing more is written: without traffic, which a
 /// service that is not ready may not get, no write could show that the disk has recovered. Half of it would send
 /// traffic back to a disk that may still fail; twice of it would keep a service out of use for longer.
-const MEMORY: Duration = Duration::from_mins(1);
+const FAILING_TIME: Duration = Duration::from_mins(1);
 /// How long a dropped writer of artifacts or records waits for its threads: half of the service's own time to end.
 /// Twice of it would leave nothing of that time for the rest; half of it would lose more writes.
 pub(super) const LAST_WAIT: Duration = Duration::from_secs(10);
@@ -128,9 +128,10 @@ struct Failing {
 impl StoreWriter {
     /// Starts the threads. The waiting artifacts hold at most `max_bytes` of memory.
     pub(super) fn new(store: Arc<dyn Store>, max_bytes: u64, counts: Arc<DiskCounts>, clock: Arc<dyn Clock>) -> Self {
-        let (backlog, changed) = (Mutex::new(Backlog { threads: THREADS, ..Backlog::default() }), Condvar::new());
+        let (backlog, changed) =
+            (Mutex::new(Backlog { threads: WRITING_THREADS, ..Backlog::default() }), Condvar::new());
         let shared = Arc::new(SharedWriter { store, max_bytes, counts, clock, backlog, changed });
-        for number in 0..THREADS {
+        for number in 0..WRITING_THREADS {
             let of_thread = Arc::clone(&shared);
             let started = thread::Builder::new().name(format!("disk-{number}")).spawn(move || of_thread.work());
             if let Err(error) = started {
@@ -183,24 +184,24 @@ impl StoreWriter {
     }
 
     /// Reports failing or hanging writes; `None` after a successful write, and when the last failure is older than
-    /// [`MEMORY`].
+    /// [`FAILING_TIME`].
     pub(super) fn trouble(&self) -> Option<Trouble> {
         let (backlog, now) = (self.0.backlog(), self.0.clock.now());
         if let Some(Failing { since, last, failures, reason }) = &backlog.failing
-            && now.saturating_sub(*last) < MEMORY
+            && now.saturating_sub(*last) < FAILING_TIME
         {
             let duration = now.saturating_sub(*since);
             return Some(Trouble { duration, failures: *failures, reason: reason.clone() });
         }
         let duration = now.saturating_sub(*backlog.under_way.values().min()?);
         let reason = format!("a write has not ended for {} s", duration.as_secs());
-        (duration >= STUCK).then_some(Trouble { duration, failures: 0, reason })
+        (duration >= STUCK_TIME).then_some(Trouble { duration, failures: 0, reason })
     }
 
     /// Returns whether a write hangs.
     pub(super) fn is_stuck(&self) -> bool {
         let (backlog, now) = (self.0.backlog(), self.0.clock.now());
-        backlog.under_way.values().any(|&since| now.saturating_sub(since) >= STUCK)
+        backlog.under_way.values().any(|&since| now.saturating_sub(since) >= STUCK_TIME)
     }
 
     /// Closes the backlog, waits for at most `patience` until it is written and the store is closed, and returns

@@ -44,11 +44,11 @@ impl Topology {
     }
 }
 
-/// Number of vertices that a cut may add per face, in addition to [`ADDED`]. Meshes with local defects need far less
-/// than one per face; with three, faces over the same few vertices would take more memory than is booked for their
-/// text.
-const ADDED_A_FACE: usize = 2;
-const ADDED: usize = 1000;
+/// Number of vertices that a cut may add per face, in addition to [`MAX_ADDED_VERTICES`]. Meshes with local defects
+/// need far less than one per face; with three, faces over the same few vertices would take more memory than is booked
+/// for their text.
+const MAX_ADDED_A_FACE: usize = 2;
+const MAX_ADDED_VERTICES: usize = 1000;
 
 fn cut(n_vertices: usize, mut faces: FaceList, winding: Winding) -> Result<(CheckedTopology, Vec<Repair>), Vec<Fault>> {
     check_faces(n_vertices, &faces, NonManifold::Split)?;
@@ -68,8 +68,8 @@ fn cut(n_vertices: usize, mut faces: FaceList, winding: Winding) -> Result<(Chec
     };
     let (mut topology, mut split_from) = build(&opposite);
     let (added, n_faces) = (split_from.len(), faces.len());
-    if added > ADDED_A_FACE * n_faces + ADDED {
-        let most = ADDED_A_FACE * n_faces + ADDED;
+    if added > MAX_ADDED_A_FACE * n_faces + MAX_ADDED_VERTICES {
+        let most = MAX_ADDED_A_FACE * n_faces + MAX_ADDED_VERTICES;
         let detail = format!("a cut into manifold pieces adds {added} vertices; {n_faces} faces may take {most}");
         return Err(vec![Fault::new("/faces", detail + ", as they are no surface otherwise")]);
     }

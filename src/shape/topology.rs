@@ -13,7 +13,7 @@ use crate::math::sharing::is_small;
 pub const NONE: u32 = u32::MAX;
 
 /// Loops shorter than this run on a single thread.
-pub(super) const GRAIN: usize = 1024;
+pub(super) const SERIAL_LOOP: usize = 1024;
 
 /// Connectivity of an oriented 2-manifold with boundary; every vertex has at most one fan of faces.
 #[derive(Debug, Clone, PartialEq, Eq)]

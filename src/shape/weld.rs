@@ -10,7 +10,7 @@ const REPORTED_PAIRS: usize = 5;
 
 /// Smallest distance of a weld relative to the largest coordinate; below it, adjacent floating-point numbers may be
 /// further apart.
-pub const LEAST_PART: f64 = 1e-12;
+pub const LEAST_WELD: f64 = 1e-12;
 
 /// The vertices that are kept, and the vertices that the others were merged into.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -43,8 +43,8 @@ pub fn weld(positions: &[[f64; 3]], distance: f64) -> Result<Welded, String> {
     if !distance.is_finite() || distance < 0.0 {
         return Err(format!("{distance} is no distance; give a number of at least 0, where 0 merges equal positions"));
     }
-    if distance > 0.0 && distance < LEAST_PART * largest {
-        let least = LEAST_PART * largest;
+    if distance > 0.0 && distance < LEAST_WELD * largest {
+        let least = LEAST_WELD * largest;
         return Err(format!(
             "{distance:e} is too small for coordinates up to {largest:e}; give at least {least:e}, or 0 to merge equal \
              positions"

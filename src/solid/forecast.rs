@@ -81,7 +81,7 @@ impl SolidForecast {
 const LEAF_OPERATIONS: f64 = 6e3;
 /// Number of levels on which distances are estimated before one is small enough; a tolerance of 1e-9 takes more at
 /// valences above 6, a tolerance of 1e-5 half as many.
-const ESTIMATES: f64 = 10.0;
+const ESTIMATED_LEVELS: f64 = 10.0;
 /// Operations per face to sample four levels around a vertex: 150 points with their feet.
 const SAMPLE_OPERATIONS: f64 = 1e6;
 
@@ -96,12 +96,12 @@ pub fn operations(mesh: &Mesh, request: &SolidRequest) -> f64 {
             return 0.0;
         }
         if request.continuity == Continuity::Bicubic || !VALENCES.contains(&n) {
-            return ESTIMATES * SAMPLE_OPERATIONS * f64::from(u32::try_from(n).unwrap_or(u32::MAX));
+            return ESTIMATED_LEVELS * SAMPLE_OPERATIONS * f64::from(u32::try_from(n).unwrap_or(u32::MAX));
         }
         let cost = cost(n);
         let tables = if std::mem::replace(&mut known[n], true) { 0.0 } else { 1.0 };
         tables * (cost.table_operations + cost.proof_operations)
-            + ESTIMATES * cost.estimate_operations
+            + ESTIMATED_LEVELS * cost.estimate_operations
             + cost.bound_operations
             + cost.cap_operations
     };

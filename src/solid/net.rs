@@ -11,8 +11,8 @@ type Partial = [[Option<Vector>; 4]; 4];
 /// The corners of the face in its net, counter-clockwise.
 const CORNERS: [[usize; 2]; 4] = [[1, 1], [2, 1], [2, 2], [1, 2]];
 /// For each side the direction outwards, and that along it.
-const OUTWARDS: [[isize; 2]; 4] = [[0, -1], [1, 0], [0, 1], [-1, 0]];
-const ALONG: [[isize; 2]; 4] = [[1, 0], [0, 1], [-1, 0], [0, -1]];
+const OUTWARD_DIRECTIONS: [[isize; 2]; 4] = [[0, -1], [1, 0], [0, 1], [-1, 0]];
+const SIDE_DIRECTIONS: [[isize; 2]; 4] = [[1, 0], [0, 1], [-1, 0], [0, -1]];
 
 fn moved(at: [usize; 2], by: [isize; 2], times: isize) -> Option<[usize; 2]> {
     let [i, j] = [0, 1].map(|k| at[k].checked_add_signed(by[k] * times).filter(|&i| i < 4));
@@ -49,7 +49,7 @@ impl Level {
         for s in (0..4).filter(|&s| !open[s]) {
             let twin = self.topology.twin(sides[s]);
             let mut put = |corner: usize, n: usize| {
-                if let Some([i, j]) = moved(CORNERS[corner], OUTWARDS[s], 1) {
+                if let Some([i, j]) = moved(CORNERS[corner], OUTWARD_DIRECTIONS[s], 1) {
                     net[i][j] = Some(self.start(self.after(twin, n)));
                 }
             };
@@ -74,7 +74,8 @@ impl Level {
             return;
         }
         let outside = self.start(self.after(self.topology.twin(across), 3));
-        let at = moved(CORNERS[s], OUTWARDS[s], 1).and_then(|at| moved(at, OUTWARDS[(s + 3) % 4], 1));
+        let at =
+            moved(CORNERS[s], OUTWARD_DIRECTIONS[s], 1).and_then(|at| moved(at, OUTWARD_DIRECTIONS[(s + 3) % 4], 1));
         if let Some([i, j]) = at {
             net[i][j] = Some(outside);
         }
@@ -90,12 +91,12 @@ fn extend(open: [bool; 4], net: &mut Partial) {
         }
     };
     for s in (0..4).filter(|&s| open[s]) {
-        let places = (-1..3).filter_map(|k| moved(CORNERS[s], ALONG[s], k));
-        places.for_each(|place| reflect(place, OUTWARDS[s]));
+        let places = (-1..3).filter_map(|k| moved(CORNERS[s], SIDE_DIRECTIONS[s], k));
+        places.for_each(|place| reflect(place, OUTWARD_DIRECTIONS[s]));
     }
     for s in (0..4).filter(|&s| open[s] && open[(s + 3) % 4]) {
-        if let Some(beside) = moved(CORNERS[s], OUTWARDS[(s + 3) % 4], 1) {
-            reflect(beside, OUTWARDS[s]);
+        if let Some(beside) = moved(CORNERS[s], OUTWARD_DIRECTIONS[(s + 3) % 4], 1) {
+            reflect(beside, OUTWARD_DIRECTIONS[s]);
         }
     }
 }

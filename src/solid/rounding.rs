@@ -4,13 +4,13 @@ use crate::math::functions::real;
 use crate::shape::mesh::Mesh;
 
 /// Roundings of a mean in addition to one per term: those of its weights, which have a few each.
-const OF_WEIGHTS: usize = 8;
+const WEIGHT_ROUNDINGS: usize = 8;
 /// Roundings of a control point of a face in addition to those of its vertices: at most two for phantom points, eight
 /// for the Bezier or clamped form, and one for the decimal text that a reader parses.
-const OF_FORMS: usize = 16;
+const FORM_ROUNDINGS: usize = 16;
 /// The growth factor of coordinates of vertices in control points, and of errors of coordinates in distances: phantom
 /// points have weights 2 + 1 = 3 along u and along v, and three coordinates count `sqrt(3)` times: `9 sqrt(3) < 16`.
-const GROWTH: f64 = 16.0;
+const COORDINATE_GROWTH: f64 = 16.0;
 
 /// Bounds the roundings of a cage's refinement: each vertex of a level is a mean of at most `n_terms` others, so its
 /// coordinates are off by at most `n_terms + 8` roundings more than theirs, none of which exceeds `2^-53` of the
@@ -37,8 +37,8 @@ impl Rounding {
     /// Returns a bound of the error of control points of faces of a level, including their decimal text, in model
     /// units.
     pub(super) fn after(&self, level: u32) -> f64 {
-        let terms = real(self.n_terms + OF_WEIGHTS) * f64::from(level) + real(OF_FORMS);
-        GROWTH * terms * 0.5 * f64::EPSILON * self.largest
+        let terms = real(self.n_terms + WEIGHT_ROUNDINGS) * f64::from(level) + real(FORM_ROUNDINGS);
+        COORDINATE_GROWTH * terms * 0.5 * f64::EPSILON * self.largest
     }
 }
 

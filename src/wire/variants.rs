@@ -26,7 +26,7 @@ type Named = (String, RefOr<Schema>);
 pub(super) struct InputSchema;
 
 /// The kinds of inputs: the field, the name of the schema, and whether the input is a mesh.
-const INPUTS: [(&str, &str, bool); 5] = [
+const INPUT_KINDS: [(&str, &str, bool); 5] = [
     ("mesh", "MeshInput", true),
     ("text", "TextInput", true),
     ("blob", "BlobInput", true),
@@ -34,11 +34,11 @@ const INPUTS: [(&str, &str, bool); 5] = [
     ("polygons", "PolygonsInput", false),
 ];
 /// The fields of every kind of input; all others are about meshes.
-const OF_ALL_INPUTS: [&str; 2] = ["unit", "up"];
+const COMMON_INPUT_FIELDS: [&str; 2] = ["unit", "up"];
 
 impl PartialSchema for InputSchema {
     fn schema() -> RefOr<Schema> {
-        let kinds = INPUTS.iter().map(|(_, name, _)| Ref::from_schema_name(*name));
+        let kinds = INPUT_KINDS.iter().map(|(_, name, _)| Ref::from_schema_name(*name));
         kinds.fold(OneOfBuilder::new(), OneOfBuilder::item).description(Some("What is refined.")).into()
     }
 }
@@ -51,10 +51,10 @@ impl ToSchema for InputSchema {
     fn schemas(schemas: &mut Vec<Named>) {
         InputRequest::schemas(schemas);
         let RefOr::T(Schema::Object(all)) = InputRequest::schema() else { return };
-        for (kind, name, is_mesh) in INPUTS {
+        for (kind, name, is_mesh) in INPUT_KINDS {
             let belongs = |field: &str| {
-                let is_kind = INPUTS.iter().any(|(other, ..)| *other == field);
-                if is_kind { field == kind } else { is_mesh || OF_ALL_INPUTS.contains(&field) }
+                let is_kind = INPUT_KINDS.iter().any(|(other, ..)| *other == field);
+                if is_kind { field == kind } else { is_mesh || COMMON_INPUT_FIELDS.contains(&field) }
             };
             let fields = all.properties.iter().filter(|(field, _)| belongs(field));
             let fields =
@@ -89,12 +89,12 @@ pub(super) struct PlanSchema;
 /// The name of the schema of all presets.
 const PRESET: &str = "PresetPlan";
 /// The name of the schema of words.
-const WORD: &str = "WordPlan";
+const WORD_SCHEMA: &str = "WordPlan";
 
 impl PartialSchema for PlanSchema {
     fn schema() -> RefOr<Schema> {
         let either =
-            [PRESET, WORD].into_iter().map(Ref::from_schema_name).fold(OneOfBuilder::new(), OneOfBuilder::item);
+            [PRESET, WORD_SCHEMA].into_iter().map(Ref::from_schema_name).fold(OneOfBuilder::new(), OneOfBuilder::item);
         either.description(Some("How the input is refined: a preset or a word.")).into()
     }
 }
@@ -115,7 +115,7 @@ impl ToSchema for PlanSchema {
         let text = word().description(Some("A word over operators, see `/v1/operators`.")).examples(["UCP"]);
         let parameters = object(WORD_PARAMETERS).description(Some("Parameters of the word."));
         let word = plan(("word", text), parameters, false, "A word over operators with its parameters.");
-        schemas.push((WORD.to_owned(), word.into()));
+        schemas.push((WORD_SCHEMA.to_owned(), word.into()));
     }
 }
 

@@ -6,13 +6,13 @@ use crate::math::vector::{Vector, cross, dot, length, plus, times};
 /// Largest deviation of a ring from a regular polygon, relative to the radius, as coordinates with a few decimals have
 /// it. Five decimals of a ring of size 1 give up to 1e-5. Half of it would refuse such files; twice of it would report
 /// circles for rings that deviate twice as much, by an amount that `irregularity` reports.
-const IRREGULARITY: f64 = 1e-5;
+const MAX_IRREGULARITY: f64 = 1e-5;
 /// Largest difference between numbers that are equal up to rounding. It is far above the spacing of numbers, 2e-16, and
 /// far below intended differences, so that half or twice of it decides alike.
 pub(super) const CIRCLE_ROUNDING: f64 = 1e-9;
 /// Largest deviation of a ring from a regular polygon, relative to the greatest coordinate, as rounded coordinates have
 /// it. It is 45 times the spacing of numbers of that size. Half of it still covers a few roundings; twice of it admits
-/// rings that deviate by 1e-14 of their distance from the origin more, and only if that exceeds [`IRREGULARITY`] of
+/// rings that deviate by 1e-14 of their distance from the origin more, and only if that exceeds [`MAX_IRREGULARITY`] of
 /// their size.
 const MAX_RING_DEVIATION: f64 = 1e-14;
 
@@ -54,7 +54,7 @@ impl TubeRing {
         for i in 0..n {
             let turned = plus(times(c, arms[i]), times(s, cross(axis, arms[i])));
             let missed = length(plus(turned, times(-1.0, arms[(i + 1) % n])));
-            if !missed.is_finite() || missed > IRREGULARITY * radius + MAX_RING_DEVIATION * far {
+            if !missed.is_finite() || missed > MAX_IRREGULARITY * radius + MAX_RING_DEVIATION * far {
                 return None;
             }
             irregularity = irregularity.max(missed);
@@ -80,7 +80,7 @@ pub(super) fn tilt(ring: &TubeRing, other: &TubeRing) -> Result<f64, String> {
         _ => 0.0,
     };
     let off = length(cross(axis, apart));
-    if off > IRREGULARITY * radius.max(length(apart)) || turned > IRREGULARITY {
+    if off > MAX_IRREGULARITY * radius.max(length(apart)) || turned > MAX_IRREGULARITY {
         return Err("the ring has another axis".into());
     }
     Ok(off + turned * radius)

@@ -27,7 +27,7 @@ const MAX_CHANGING: u32 = 128;
 /// Maximum number of consecutive levels that may equal the static limit by chance, as cosines of multiples of a full
 /// turn do. It covers angles up to 512 pi. Half of it would take 32 pi for converged; twice of it computes as many more
 /// masks of every plan that depends on alpha.
-const COINCIDING: usize = 8;
+const MAX_COINCIDING_LEVELS: usize = 8;
 
 /// The reason why the cycle of a plan is not one mask per level.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
@@ -125,7 +125,7 @@ impl CycleMask {
             let cycle = Self::of(plan, level, watch)?;
             same = if cycle.distance(&settled) <= SETTLED_MASK_DISTANCE { same + 1 } else { 0 };
             changing.push(cycle);
-            if same > COINCIDING {
+            if same > MAX_COINCIDING_LEVELS {
                 changing.truncate(changing.len() - same);
                 return Ok((changing, settled));
             }

@@ -12,18 +12,19 @@ use crate::watch::Watch;
 /// 4,000 are enough for 0.99. Half as many are enough for 0.98, and report schemes in between as divergent; twice as
 /// many are enough for 0.995 in twice the time.
 const MAX_ROUNDS: u32 = 4_000;
-/// Largest change per repetition at which rows have converged; rows that change by less than [`NOISE`] have also
-/// converged if their changes no longer shrink. It is about one unit in the last place of 1. Half of it leaves the
-/// decision to [`NOISE`], some repetitions later; twice of it may end a repetition earlier, with a last digit that
-/// differs.
-const ARRIVED: f64 = 3e-16;
+/// Largest change per repetition at which rows have converged; rows that change by less than [`ROUNDING_CHANGE`] have
+/// also converged if their changes no longer shrink. It is about one unit in the last place of 1. Half of it leaves the
+/// decision to [`ROUNDING_CHANGE`], some repetitions later; twice of it may end a repetition earlier, with a last digit
+/// that differs.
+const CONVERGED_CHANGE: f64 = 3e-16;
 /// Largest change per repetition that may be rounding, if it no longer shrinks. It is 45 units in the last place of 1,
 /// because long rows keep changing by a few units. Half of it leaves the longest rows less room to converge; twice of
 /// it ends slow changes that stall once earlier.
-const NOISE: f64 = 1e-14;
-/// Largest difference at which tangent rows of both sides are regarded as equal. It is far above what [`NOISE`] leaves
-/// and far below the difference of the sides of a kink, a fraction of 1, so that half or twice of it decides alike.
-const AGREE: f64 = 1e-9;
+const ROUNDING_CHANGE: f64 = 1e-14;
+/// Largest difference at which tangent rows of both sides are regarded as equal. It is far above what
+/// [`ROUNDING_CHANGE`] leaves and far below the difference of the sides of a kink, a fraction of 1, so that half or
+/// twice of it decides alike.
+const TANGENT_TOLERANCE: f64 = 1e-9;
 
 /// Weights of the points around a place: weight k belongs to the point at the offset `(first + 2 k) / 2`.
 #[derive(Debug, Clone, PartialEq)]
@@ -119,7 +120,7 @@ impl WeightRow {
 
 /// Returns whether a row has converged whose last change is `change` and whose change before that was `last`.
 fn arrived(change: f64, last: f64) -> bool {
-    change <= ARRIVED || change <= NOISE && change >= last
+    change <= CONVERGED_CHANGE || change <= ROUNDING_CHANGE && change >= last
 }
 
 /// Returns the rows of points and midpoints over the points before a cycle.
@@ -170,7 +171,7 @@ fn settled_positions(cycle: &CycleMask) -> Result<Pair, NoMask> {
 fn settled_tangents(cycle: &CycleMask, position: &Pair) -> Option<Pair> {
     let after = settled_tangent(cycle, position, [WeightRow::new(0, &[-1.0, 1.0]), WeightRow::new(1, &[-1.0, 1.0])])?;
     let ahead = settled_tangent(cycle, position, [WeightRow::new(-2, &[-1.0, 1.0]), WeightRow::new(-3, &[-1.0, 1.0])])?;
-    let agree = after.iter().zip(&ahead).all(|(a, b)| a.distance(b) < AGREE);
+    let agree = after.iter().zip(&ahead).all(|(a, b)| a.distance(b) < TANGENT_TOLERANCE);
     agree.then_some(after)
 }
 

@@ -15,15 +15,15 @@ const LIMIT_BYTES_A_POINT: usize = 160;
 const CONCURRENT_DISCS: usize = 8;
 /// Typical number of levels after which a disc is its own child. It only scales the predicted cost of discs: a disc
 /// with a chain twice as long takes twice the predicted time, up to `MAX_CHAIN` of the masks.
-const CHAIN: usize = 3;
+const CHAIN_LEVELS: usize = 3;
 /// Number of levels after which numbers that are halved at every level, such as alpha, no longer change anything. The
 /// kernel is a cosine, whose distance from 1 falls to a quarter with each halving: 4^-26 is the rounding of 1. Half and
 /// twice of it halve and double the predicted cost of plans with an alpha; results do not depend on it.
-const FADING: usize = 28;
+const FADING_LEVELS: usize = 28;
 /// Number of levels after which vertex parameters agree, if every level halves their differences. 2^-50 is 1e-15, the
 /// difference that is treated as none. Half and twice of it halve and double the predicted cost of meshes that carry
 /// parameters; results do not depend on it.
-const AGREEING: usize = 50;
+const AGREEMENT_LEVELS: usize = 50;
 
 /// What must stop changing before a limit is computed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -39,9 +39,9 @@ pub enum Follow {
 impl Follow {
     fn levels(self) -> usize {
         match self {
-            Self::Connectivity => CHAIN,
-            Self::PlanValues => CHAIN + FADING,
-            Self::VertexParameters => CHAIN + AGREEING,
+            Self::Connectivity => CHAIN_LEVELS,
+            Self::PlanValues => CHAIN_LEVELS + FADING_LEVELS,
+            Self::VertexParameters => CHAIN_LEVELS + AGREEMENT_LEVELS,
         }
     }
 }

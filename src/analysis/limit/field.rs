@@ -24,7 +24,7 @@ use crate::watch::Watch;
 /// The class of vertices around which the net is a grid of quads.
 const REGULAR_CLASS: u32 = 0;
 /// The class of vertices without faces.
-const ISOLATED: u32 = 1;
+const ISOLATED_CLASS: u32 = 1;
 
 /// The masks of all vertices of a net.
 #[derive(Debug)]
@@ -83,8 +83,8 @@ impl<'a> VertexMasks<'a> {
             watch.advance(size as u64 / VERTICES_A_ROW + now.len() as u64);
             chunk = (CHUNK_VERTICES * now.len() / size.max(1)).clamp(1, DISCS_PER_CHUNK.min(2 * chunk));
             for (&v, disc) in now.iter().zip(discs) {
-                let next = index(known.len()) + ISOLATED + 1;
-                classes[v as usize] = disc.map_or(ISOLATED, |disc| *known.entry(disc).or_insert(next));
+                let next = index(known.len()) + ISOLATED_CLASS + 1;
+                classes[v as usize] = disc.map_or(ISOLATED_CLASS, |disc| *known.entry(disc).or_insert(next));
             }
             if known.len() > MAX_DISCS && known.keys().filter(|(_, parameters)| !parameters.agree()).count() > MAX_DISCS
             {
@@ -115,10 +115,10 @@ impl<'a> VertexMasks<'a> {
         rings: RingCount,
         masks: Vec<Option<Arc<LimitMask>>>,
     ) -> Self {
-        let mut n = ISOLATED;
+        let mut n = ISOLATED_CLASS;
         let class = |mask: &Option<Arc<LimitMask>>| {
             n += u32::from(mask.is_some());
-            if mask.is_some() { n } else { ISOLATED }
+            if mask.is_some() { n } else { ISOLATED_CLASS }
         };
         let classes = masks.iter().map(class).collect();
         Self { around, rings, classes, masks: masks.into_iter().flatten().collect(), regular: None }
@@ -137,9 +137,9 @@ impl<'a> VertexMasks<'a> {
     /// Returns the mask of a vertex; `None` for a vertex without faces.
     fn mask(&self, v: usize) -> Option<&LimitMask> {
         match self.classes[v] {
-            ISOLATED => None,
+            ISOLATED_CLASS => None,
             REGULAR_CLASS => self.regular.as_ref(),
-            class => self.masks.get((class - ISOLATED - 1) as usize).map(|mask| &**mask),
+            class => self.masks.get((class - ISOLATED_CLASS - 1) as usize).map(|mask| &**mask),
         }
     }
 
@@ -182,7 +182,7 @@ impl<'a> VertexMasks<'a> {
 
     /// Returns whether a vertex has no face.
     pub(super) fn is_isolated(&self, v: usize) -> bool {
-        self.classes[v] == ISOLATED
+        self.classes[v] == ISOLATED_CLASS
     }
 
     /// Returns the rows of some sectors of vertices for a functional.
@@ -203,7 +203,7 @@ impl<'a> VertexMasks<'a> {
             (Some(centre), class, _) => {
                 // the support comes first in a disc, so that its outer rings are not needed
                 let rings = RingCount { disc: self.rings.support, ..self.rings };
-                let mask = &self.masks[(class - ISOLATED - 1) as usize];
+                let mask = &self.masks[(class - ISOLATED_CLASS - 1) as usize];
                 let vertices = self.around.disc(centre, rings).map_or_else(Vec::new, |found| found.vertices);
                 vertices.iter().zip(weights(mask, functional, sector)).for_each(|(&u, &w)| out.add(u, w));
             }

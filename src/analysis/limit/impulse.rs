@@ -36,7 +36,7 @@ const PLACE_LEVELS: [usize; 2] = [16, 256];
 /// those that shrink by it vanish. Between the two, they are compared again at twice the level.
 /// Linear growth doubles as the level does, and quadratic growth is fourfold, so that 8 excludes both. Half of it calls
 /// quadratic growth divergent; twice of it compares factors between 8 and 16 again at twice the level.
-const GROWS: f64 = 8.0;
+const DIVERGING_FACTOR: f64 = 8.0;
 /// Maximum number of points that are made around all places together.
 /// At some hundred nanoseconds a point they take less than a second. With half of it wide cycles are decided by the
 /// impulse alone sooner; with twice of it that takes up to twice as long.
@@ -44,7 +44,7 @@ const MAX_PLACE_POINTS: usize = 1 << 22;
 /// Differences that shrink to this share between the two levels of the impulse vanish.
 /// Bilinear refinement halves its differences in one level, and most schemes do so within the levels compared. Half of
 /// it follows more differences at places, which costs time; twice of it would accept differences that do not change.
-const VANISHES: f64 = 0.5;
+const VANISHING_SHARE: f64 = 0.5;
 /// Differences that do not shrink to this share do not vanish.
 /// With 1, a decrease by rounding would count. At 0.96, twice as far from 1, schemes whose differences shrink by 3 in
 /// 100 are refused; at 0.99, half as far, a decrease by 1 in 100 counts, still far above rounding.
@@ -100,7 +100,7 @@ impl Impulse<'_> {
         }
         let vanish = |measure: DifferenceKind| -> Result<bool, Unlimited> {
             let [early, late] = [0, 1].map(|i| measure.of(&seen[i]));
-            Ok(late <= VANISHES * early
+            Ok(late <= VANISHING_SHARE * early
                 || self.vanish_at_places(measure, watch)?.unwrap_or(late <= SHRINKING_SHARE * early))
         };
         Ok(if !vanish(DifferenceKind::First)? {
@@ -200,8 +200,8 @@ impl Impulse<'_> {
             sizes.push(sizes[level - 1] + ln(size));
             if level == compared {
                 let growth = exp(sizes[level] - sizes[level / 2]);
-                let vanishes = growth <= if level < PLACE_LEVELS[1] { 1.0 / GROWS } else { SHRINKING_SHARE };
-                if vanishes || growth >= GROWS {
+                let vanishes = growth <= if level < PLACE_LEVELS[1] { 1.0 / DIVERGING_FACTOR } else { SHRINKING_SHARE };
+                if vanishes || growth >= DIVERGING_FACTOR {
                     return Ok(Some(vanishes));
                 }
                 compared *= 2;

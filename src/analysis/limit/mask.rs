@@ -22,7 +22,7 @@ const MAX_CHAIN: usize = 16;
 /// It is about 5 units in the last place of 1, the sum of the weights. Half of it may leave short masks to
 /// [`MASK_STEP_ROUNDING`], which takes [`CONVERGENCE_PATIENCE`] more steps; twice of it stops earlier, and the last
 /// digits differ.
-const SETTLED: f64 = 1e-15;
+const SETTLED_CHANGE: f64 = 1e-15;
 /// Change per step that rounding may cause for ever in a wide mask. A mask also counts as converged once its least
 /// change is at most this, and no lesser one has followed for [`CONVERGENCE_PATIENCE`] steps.
 /// It is 450 units in the last place of 1, for the sum of up to some thousand weights. Half of it refuses wide masks
@@ -290,7 +290,7 @@ impl<'a> Masks<'a> {
             let size: f64 = next.iter().map(|x| x.abs()).sum();
             position = next;
             // false if the change is NaN
-            if change <= SETTLED * size.max(1.0) {
+            if change <= SETTLED_CHANGE * size.max(1.0) {
                 break;
             }
             if change < least {

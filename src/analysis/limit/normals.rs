@@ -8,7 +8,7 @@ use crate::refine::Normals;
 /// Tangents are exact to some 1e-15, and their normal is the less exact the smaller the sine is: at 1e-9 it has six
 /// digits. Half of it accepts normals with a third of a digit less; twice of it refuses those of surfaces that are
 /// folded twice as wide.
-const PARALLEL: f64 = 1e-9;
+const PARALLEL_SINE: f64 = 1e-9;
 
 /// Returns the unit normals of all vertices, and a warning if some do not exist. `places` are the sectors of the field,
 /// sector 0 of all vertices first; `first` and `second` are their tangents, `n x 3`. A vertex with several sectors has
@@ -58,5 +58,5 @@ fn explained(missing: usize, all: usize, why: &str) -> String {
 /// Returns the unit vector along `t x u`; `None` if t and u are parallel.
 fn normal(t: [f64; 3], u: [f64; 3]) -> Option<[f64; 3]> {
     let product = cross(direction(t)?, direction(u)?);
-    if length(product) > PARALLEL { direction(product) } else { None }
+    if length(product) > PARALLEL_SINE { direction(product) } else { None }
 }

@@ -35,7 +35,7 @@ pub const ROWS_A_POINT: u64 = 1_000;
 /// Bound on the sum of all remaining perturbations below which they are ignored; for positions the sum is multiplied by
 /// the distance between the points that they move. It is half the rounding of 1, so what is ignored would be lost in
 /// sums with coordinates of size 1. For a decay of 1/2, half of it follows about one level more, twice of it one less.
-const QUIET: f64 = 1e-16;
+const NEGLIGIBLE_PERTURBATION: f64 = 1e-16;
 /// Distance within which points count as coinciding, relative to their distance at the first level. It is a 200th of
 /// the rounding of coordinates of size 1. Half of it follows about one level more, twice of it one less.
 const COINCIDENCE_DISTANCE: f64 = 1e-18;
@@ -168,7 +168,7 @@ impl Follower<'_> {
         let upsamplings = cycle.level(level).first().map_or(0, |step| cycle.upsamplings(level, step));
         // the sum c gamma^h (1 + gamma + gamma^2 + ...) after h upsamplings
         let left = self.perturbation.at(upsamplings).amplitude / (1.0 - self.perturbation.decay);
-        left * if self.finder.with_tangents { 1.0 } else { spread.now.min(1.0) } <= QUIET
+        left * if self.finder.with_tangents { 1.0 } else { spread.now.min(1.0) } <= NEGLIGIBLE_PERTURBATION
     }
 
     /// Returns the mask that a disc before `level` has under the plan without perturbation.

@@ -12,7 +12,7 @@ use crate::shape::topology::{Topology, index};
 /// cost of a trial grows with the fourth power of the rings. Words of up to 7 averages need up to 8 rings. Half of it
 /// would check [`MAX_INFLUENCE_RINGS`] from 4 averages on, where one large disc takes longer than all the small ones;
 /// twice of it would try every support up to [`MAX_INFLUENCE_RINGS`], so that refusals take longest.
-const TRIED: usize = 8;
+const TRIED_SUPPORTS: usize = 8;
 /// Number of levels for which boundary vertices, edges and faces are followed. The first level leaves the start, the
 /// second gives the children of children, and the third repeats them. A single level would not show that they repeat;
 /// twice of it takes twice as long.
@@ -58,7 +58,7 @@ impl Regular {
         let mut support = 1;
         while !closed(support)? {
             support += 1;
-            if support > MAX_INFLUENCE_RINGS || support == TRIED + 1 && !closed(MAX_INFLUENCE_RINGS)? {
+            if support > MAX_INFLUENCE_RINGS || support == TRIED_SUPPORTS + 1 && !closed(MAX_INFLUENCE_RINGS)? {
                 return Err(failed);
             }
         }

@@ -5,7 +5,7 @@ use crate::math::functions::{exp, ln, sqrt};
 /// Number of squarings of the small matrix before it is iterated: each step applies its 32nd power. Half of it applies
 /// the 4th power, which takes 8 times as many steps; twice of it the 1,024th, in which eigenvalues below 0.96 of the
 /// largest are lost to rounding.
-const SQUARINGS: usize = 5;
+const SMALL_SQUARINGS: usize = 5;
 /// Maximum number of steps of the iteration. With 32nd powers they apply the matrix 25,600 times, which separates
 /// eigenvalues whose quotient is 0.9988. Half of it separates 0.9977; twice of it separates 0.9994, and takes twice as
 /// long if they are equal.
@@ -30,7 +30,7 @@ pub(super) fn leading_block<const K: usize>(h: &[Vec<f64>]) -> Option<(Vectors<K
 pub(super) fn leading_basis<const K: usize>(h: &[Vec<f64>]) -> Option<(Vectors<K>, Vec<Vec<f64>>)> {
     let width = h.len();
     let mut power = h.to_vec();
-    for _ in 0..SQUARINGS {
+    for _ in 0..SMALL_SQUARINGS {
         let largest = power.iter().flatten().fold(0.0, |most: f64, x| most.max(x.abs()));
         let scaled: Vec<Vec<f64>> = power.iter().map(|row| row.iter().map(|x| x / largest).collect()).collect();
         power = scaled.iter().map(|row| times(row, &scaled)).collect();

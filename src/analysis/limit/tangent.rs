@@ -20,12 +20,12 @@ use crate::math::vector::cross;
 /// twice of it each orthogonalisation takes four times as long.
 const ITERATED_VECTORS: usize = 8;
 /// Number of steps before convergence is first checked; each later check comes after twice as many more. These steps
-/// separate eigenvalues whose quotient is 0.53 up to [`RESIDUAL`]. With half of it most masks need a second check; with
-/// twice of it all masks take 80 steps.
-const FIRST_LOOK: usize = 40;
+/// separate eigenvalues whose quotient is 0.53 up to [`MAX_RESIDUAL`]. With half of it most masks need a second check;
+/// with twice of it all masks take 80 steps.
+const FIRST_CHECK_STEPS: usize = 40;
 /// Number of checks after which the third eigenvalue counts as equal to the second. They take 40 (2^8 - 1) = 10,200
-/// steps, which separate eigenvalues whose quotient is 0.9975 up to [`RESIDUAL`]. One check less halves the steps and
-/// the time of a refusal, for a quotient of 0.995; one more doubles them, for 0.9988.
+/// steps, which separate eigenvalues whose quotient is 0.9975 up to [`MAX_RESIDUAL`]. One check less halves the steps
+/// and the time of a refusal, for a quotient of 0.995; one more doubles them, for 0.9988.
 const MAX_LOOKS: usize = 8;
 /// Minimum gap between the second eigenvalue and the third, relative to the second. It is well above the root of the
 /// rounding of 1, 1.5e-8, by which rounding separates equal eigenvalues of a chain. Half of it comes closer to that;
@@ -33,18 +33,19 @@ const MAX_LOOKS: usize = 8;
 const LEAST_EIGENVALUE_GAP: f64 = 1e-5;
 /// Maximum number of faces around a vertex, or of corners of a face, for which tangents are searched. Around n faces
 /// the eigenvalues of the vectors that oscillate once and four times around the centre differ by about `100/n^2`,
-/// relative to their size, so that from some 300 faces on all steps together do not separate them up to [`RESIDUAL`];
-/// beyond the maximum the search is known to fail. The time of each step is proportional to the number of faces. Half
-/// of it would refuse without a search what fails anyway; twice of it searches twice as long in vain.
+/// relative to their size, so that from some 300 faces on all steps together do not separate them up to
+/// [`MAX_RESIDUAL`]; beyond the maximum the search is known to fail. The time of each step is proportional to the
+/// number of faces. Half of it would refuse without a search what fails anyway; twice of it searches twice as long in
+/// vain.
 const MAX_TANGENT_VALENCE: usize = 2048;
 /// Weight of the last vector of a chain in the characteristic map, relative to the first; small, as it is after many
 /// levels. Where the other vectors vanish, for example on a boundary that is refined by itself, only the last vector
 /// separates the points. Lengths and sines below 1e-9 count as zero: half and twice of it keep three digits above that.
-const LATE: f64 = 1e-6;
+const LAST_VECTOR_WEIGHT: f64 = 1e-6;
 /// Maximum norm of the part of the images of the two vectors outside their span, relative to their eigenvalues. It is
 /// 45,000 times the rounding of 1, as sums over wide discs need, and a hundredth of the smallest sine that counts. Half
 /// of it may need another check; twice of it may save one, with less accurate last digits.
-const RESIDUAL: f64 = 1e-11;
+const MAX_RESIDUAL: f64 = 1e-11;
 
 /// The reason for which there are no tangents.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -118,7 +119,7 @@ pub(super) fn of<'a>(
 /// 1 (l p) + a^k x (t p) + C(k, L-1) b^k (y_1 + (L-1) e y_2 + (L-1) (L-2) e^2 y_3 + ...) (u p) / (u y_L) + ...
 /// ```
 ///
-/// The map takes `e^(L-1)` to be [`LATE`].
+/// The map takes `e^(L-1)` to be [`LAST_VECTOR_WEIGHT`].
 fn chained(rows: Chain, columns: Chain) -> Result<[[Vec<f64>; 2]; 2], NoTangents> {
     let (length, t, mut u) = (columns.steps.len(), rows.first, rows.steps.into_iter().next().unwrap_or_default());
     let mut x = columns.first;
@@ -130,7 +131,7 @@ fn chained(rows: Chain, columns: Chain) -> Result<[[Vec<f64>; 2]; 2], NoTangents
         return Err(NoTangents::Eigenvalues);
     }
     x.iter_mut().for_each(|x| *x /= along);
-    let late = exp(ln(LATE) / real(length - 1));
+    let late = exp(ln(LAST_VECTOR_WEIGHT) / real(length - 1));
     let mut y = vec![0.0; x.len()];
     let mut factor = 1.0 / step;
     for (i, column) in columns.steps.iter().enumerate() {
@@ -173,7 +174,7 @@ fn thrice(rows: &Vectors<3>, map: &[[f64; 3]; 3], columns: &Vectors<3>) -> Resul
     let place = |i: usize| -> [f64; 2] {
         let c = [0, 1, 2].map(|k| columns[k][i]);
         let y = cofactors.map(|cofactor| dot(&cofactor, &c) / determinant);
-        [sign * dot(&y, &p) + LATE * dot(&y, &along), LATE * dot(&y, &across)]
+        [sign * dot(&y, &p) + LAST_VECTOR_WEIGHT * dot(&y, &along), LAST_VECTOR_WEIGHT * dot(&y, &across)]
     };
     let (x, y) = (0..rows[0].len()).map(place).map(|[x, y]| (x, y)).unzip();
     Ok([[mixed(&along, rows), mixed(&across, rows)], [x, y]])
@@ -251,7 +252,7 @@ fn leading(n: usize, apply: impl Fn(&[f64]) -> Vec<f64>, deflate: impl Fn(&mut [
     vectors.iter_mut().for_each(|vector| deflate(vector));
     orthonormalise(&mut vectors);
     for look in 0..MAX_LOOKS {
-        for _ in 0..FIRST_LOOK << look {
+        for _ in 0..FIRST_CHECK_STEPS << look {
             vectors = vectors.iter().map(|vector| apply(vector)).collect();
             vectors.iter_mut().for_each(|vector| deflate(vector));
             orthonormalise(&mut vectors);
@@ -271,7 +272,7 @@ fn leading(n: usize, apply: impl Fn(&[f64]) -> Vec<f64>, deflate: impl Fn(&mut [
         };
         let (found, [[a, b], [c, d]], left_over) = seen(&block, &vectors, &images);
         let size = a.abs() + b.abs() + c.abs() + d.abs();
-        if left_over <= RESIDUAL * size {
+        if left_over <= MAX_RESIDUAL * size {
             let (trace, determinant) = (a + d, a * d - b * c);
             let discriminant = trace * trace - 4.0 * determinant;
             let second = (trace - sqrt(discriminant.max(0.0))) / 2.0;
@@ -293,7 +294,7 @@ fn three_times(h: &[Vec<f64>], vectors: &[Vec<f64>], images: &[Vec<f64>]) -> Opt
         (0..3).map(|i| (0..3).map(|k| map[i][k] / a - f64::from(u8::from(i == k))).collect()).collect();
     let square = nilpotent.iter().map(|row| times(row, &nilpotent));
     let vanishes = square.flatten().all(|x| x.abs() <= 1e-9);
-    (vanishes && left_over <= RESIDUAL * a && fourth < (1.0 - LEAST_EIGENVALUE_GAP) * a)
+    (vanishes && left_over <= MAX_RESIDUAL * a && fourth < (1.0 - LEAST_EIGENVALUE_GAP) * a)
         .then_some(Leading::Thrice(found, map))
 }
 
@@ -330,7 +331,7 @@ fn chain<const K: usize>(h: &[Vec<f64>], vectors: &[Vec<f64>], images: &[Vec<f64
     let rest: Vec<Vec<f64>> = others.iter().map(|u| others.iter().map(|v| dot(&image(u), v)).collect()).collect();
     let repeated = (0..K - 1).map(|i| rest[i][i]).sum::<f64>() / real(K - 1);
     let ahead = after < (1.0 - LEAST_EIGENVALUE_GAP) * repeated && repeated < (1.0 - LEAST_EIGENVALUE_GAP) * largest;
-    if left_over > RESIDUAL * size || !ahead {
+    if left_over > MAX_RESIDUAL * size || !ahead {
         return None;
     }
     let combined = |u: &Vec<f64>| mixed(&mixed(u, &others), &found);

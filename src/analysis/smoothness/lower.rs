@@ -25,7 +25,7 @@ const USUAL_WORDS: usize = 256;
 const MAX_WORDS: usize = 1 << 13;
 /// Cost of a product whose eigenvalues are computed, in plain products of the budget. It is the ratio of their times.
 /// Half or twice of it needs half or twice of a budget for one letter more.
-const EIGENVALUES: u64 = 128;
+const EIGENVALUE_COST: u64 = 128;
 /// Maximum size of matrices whose eigenvalues are proved. The 2n-point schemes have matrices of size 2n - 2, which is
 /// 30 for n = 16. Half of it leaves those from n = 10 on without a bound; twice of it takes some thirty times as long,
 /// because the numbers of the elimination grow.
@@ -34,7 +34,7 @@ const MAX_PROVED_SIZE: usize = 32;
 /// eigenvalues are complex or double. Half or twice of it changes nothing else.
 const MAX_PROOFS: usize = 8;
 /// Relative improvement that a longer word must bring, so that powers of a word do not replace the word.
-const BETTER: f64 = 1e-10;
+const LEAST_IMPROVEMENT: f64 = 1e-10;
 
 /// A lower bound of the joint spectral radius, `t^(1/l)`.
 #[derive(Debug, Clone, PartialEq)]
@@ -112,13 +112,13 @@ pub(super) fn search(matrices: &[ExactMatrix], budget: u64, watch: &Watch) -> Re
     let first = best_of(matrices, candidates);
     let (mut best, mut nodes) = (first.clone(), 0);
     while words.looked_at + words.longer() <= MAX_WORDS {
-        let more = words.longer() as u64 * EIGENVALUES * price(n);
+        let more = words.longer() as u64 * EIGENVALUE_COST * price(n);
         if nodes + more > budget / 2 {
             break;
         }
         watch.check()?;
         nodes += more;
-        let known = best.as_ref().map_or(0.0, |best| best.value) * (1.0 + BETTER);
+        let known = best.as_ref().map_or(0.0, |best| best.value) * (1.0 + LEAST_IMPROVEMENT);
         let better: Vec<RatedWord> = words.lengthened().into_iter().filter(|found| found.rate > known).collect();
         best = best_of(matrices, better).filter(|found| found.value > known).or(best);
     }
@@ -130,7 +130,9 @@ fn best_of(matrices: &[ExactMatrix], mut candidates: Vec<RatedWord>) -> Option<L
     candidates.sort_by(|a, b| b.rate.total_cmp(&a.rate).then(a.word.len().cmp(&b.word.len())));
     let best = candidates.first().map_or(0.0, |candidate| candidate.rate);
     // the shortest of the best candidates first
-    candidates.sort_by_key(|candidate| if candidate.rate >= best * (1.0 - BETTER) { candidate.word.len() } else { 99 });
+    candidates.sort_by_key(
+        |candidate| if candidate.rate >= best * (1.0 - LEAST_IMPROVEMENT) { candidate.word.len() } else { 99 },
+    );
     candidates.iter().take(MAX_PROOFS).find_map(|candidate| proved(matrices, candidate))
 }
 

@@ -17,7 +17,7 @@ const DIVISION_REMAINDER: f64 = 1e-12;
 /// Largest difference of moments of rounded masks that is regarded as 0, relative to the sum of the absolute values of
 /// their terms; some ten thousand roundings, because moments cancel. Half or twice of it only matters to masks that
 /// nearly reproduce polynomials.
-const MOMENT: f64 = 1e-11;
+const MOMENT_TOLERANCE: f64 = 1e-11;
 
 /// A scheme `q[j] = sum over i of a[j - d i] p[i]` and the factors of its symbol.
 #[derive(Debug, Clone, PartialEq)]
@@ -130,7 +130,7 @@ impl Symbol {
             let summands = || (self.first..).zip(&self.mask).map(|(m, a)| falling(m) * a);
             let off = (summands().sum::<Exact>() - &wanted).abs();
             let size: Exact = summands().map(|x| x.abs()).sum();
-            if !off.is_zero() && (self.is_exact || rounded(&off) > MOMENT * rounded(&size)) {
+            if !off.is_zero() && (self.is_exact || rounded(&off) > MOMENT_TOLERANCE * rounded(&size)) {
                 return j - 1;
             }
             wanted *= &shift - Exact::whole(j);

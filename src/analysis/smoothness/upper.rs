@@ -23,7 +23,8 @@ use crate::watch::{Stopped, Watch};
 const MAX_LENGTH: usize = 2048;
 /// Relative gaps above the lower bound at which upper bounds are attempted, one after another. Each step narrows the
 /// interval to a half or a third. Finer steps try more trees for less.
-const GAPS: [f64; 16] = [1.0, 0.5, 0.3, 0.2, 0.1, 0.05, 0.02, 0.01, 0.005, 0.002, 1e-3, 5e-4, 2e-4, 1e-4, 1e-5, 1e-6];
+const ATTEMPTED_GAPS: [f64; 16] =
+    [1.0, 0.5, 0.3, 0.2, 0.1, 0.05, 0.02, 0.01, 0.005, 0.002, 1e-3, 5e-4, 2e-4, 1e-4, 1e-5, 1e-6];
 /// Maximum size of matrices for which ellipsoidal coordinates are computed, exactly; larger matrices are only scaled.
 /// The 2n-point schemes have matrices of size 2n - 2, which is 30 for n = 16, the largest. Half of it leaves those from
 /// n = 9 on wider intervals; twice of it takes eight times as long and more, because the fractions grow.
@@ -87,7 +88,7 @@ pub(super) fn bound(
     if lower.reaches(&one_step) {
         return Ok(best);
     }
-    let mut ladder: Vec<f64> = GAPS.iter().map(|gap| lower.value * (1.0 + gap)).collect();
+    let mut ladder: Vec<f64> = ATTEMPTED_GAPS.iter().map(|gap| lower.value * (1.0 + gap)).collect();
     let decisive = thresholds.iter().map(|x| rounded(x) * (1.0 - 1e-9)).filter(|x| *x > lower.value);
     ladder.extend(decisive);
     ladder.sort_by(|a, b| b.total_cmp(a));

@@ -15,7 +15,7 @@ use super::local::{Applied, closed};
 use super::regular::RegularMask;
 use super::sectors::{NetKind, PlaneNet, Point, WEIGHT_ROUNDING};
 use super::spectrum::PointWeight;
-use super::verdict::{Criterion, ONE, REGULAR_NETS, Status};
+use super::verdict::{Criterion, REGULAR_NETS, SIMPLE_EIGENVALUE_ONE, Status};
 use crate::analysis::limit::Unlimited;
 use crate::math::dense::Dense;
 use crate::math::spectrum::{Eigenvalue, eigenvalues};
@@ -25,10 +25,10 @@ use crate::watch::Watch;
 /// or of 1e-13 if they are flat. Half or twice of it decides alike.
 const FLAT_CORNER_SINE: f64 = 1e-9;
 /// The statement about the two eigenvalues after 1.
-const NEXT: &str = "the next two eigenvalues are real and positive, one of vectors that are even under the reflection \
-                    and one of odd ones, and all others are smaller";
+const NEXT_EIGENVALUES: &str = "the next two eigenvalues are real and positive, one of vectors that are even under \
+                    the reflection and one of odd ones, and all others are smaller";
 /// The statement about the characteristic map.
-const HALF_MAP: &str = "the characteristic map is regular and injective, and covers half a plane";
+const HALF_CHARACTERISTIC_MAP: &str = "the characteristic map is regular and injective, and covers half a plane";
 
 /// An eigenvalue with the parity of its eigenvector.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -185,9 +185,9 @@ impl Applied {
         let seen = |holds: bool| if holds { Status::Supported } else { Status::Open };
         let criteria = [
             (REGULAR_NETS, smooth),
-            (ONE, seen(one)),
-            (NEXT, seen(next.is_some())),
-            (HALF_MAP, seen(least_sine.is_some_and(|sine| sine > FLAT_CORNER_SINE))),
+            (SIMPLE_EIGENVALUE_ONE, seen(one)),
+            (NEXT_EIGENVALUES, seen(next.is_some())),
+            (HALF_CHARACTERISTIC_MAP, seen(least_sine.is_some_and(|sine| sine > FLAT_CORNER_SINE))),
         ];
         Ok(BoundaryReport {
             faces: m,

@@ -8,7 +8,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
 use super::layout::PlacementRecord;
-use super::local::{Applied, MARGINS, MAX_STAR_POINTS};
+use super::local::{Applied, MAX_STAR_POINTS, TRIED_MARGINS};
 use super::sectors::{NetKind, Point, WEIGHT_ROUNDING};
 use super::star::{SectorPoint, Star};
 use crate::analysis::limit::{Centre, CycleRecord, Unlimited, WeightMode, child};
@@ -141,7 +141,7 @@ impl Applied {
     /// Returns the rows around a vertex with m faces between the outer rays, up to a radius, from a net that is large
     /// enough for them.
     pub(super) fn fan(&self, m: usize, radius: i32, beyond: FanBoundary, watch: &Watch) -> Result<FanRows, Unlimited> {
-        let found = MARGINS.iter().find_map(|&margin| match self.fan_within(m, radius, beyond, margin, watch) {
+        let found = TRIED_MARGINS.iter().find_map(|&margin| match self.fan_within(m, radius, beyond, margin, watch) {
             Err(Unlimited::Reach) => None,
             found => Some(found),
         });

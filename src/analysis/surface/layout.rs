@@ -13,7 +13,7 @@ use crate::shape::topology::index;
 
 /// Largest turn of a child's sectors against its parent's that is regarded as aligned, in sectors. Schemes keep
 /// directions, or turn by half a sector, up to rounding. Half or twice of it decides alike.
-const IN_LINE: f64 = 0.1;
+const ALIGNED_TURN: f64 = 0.1;
 
 /// The steps of a cycle that make new points, recorded with the kernel 1: they interpolate, or take means, in the same
 /// way whatever the parameters of a plan are.
@@ -62,6 +62,6 @@ impl PlacementRecord {
         let size = |[x, y]: [f64; 2]| sqrt(x * x + y * y);
         let shrinks = size(sum) / size(kind.direction(n, 0, [i32::from(kind.has_centre()), 0]));
         let turned = usize::try_from(turned).unwrap_or(0);
-        Ok(((sectors - whole).abs() <= IN_LINE).then_some((turned, shrinks)))
+        Ok(((sectors - whole).abs() <= ALIGNED_TURN).then_some((turned, shrinks)))
     }
 }

@@ -20,7 +20,7 @@ pub(super) const MAX_STAR_POINTS: usize = 1 << 18;
 /// Numbers of additional rings that are tried until all points are included on which the wanted points depend. An
 /// average adds half a ring, so that 12 is enough for twenty. Half of it refuses the longest presets; twice of it takes
 /// four times as long to refuse.
-pub(super) const MARGINS: [i32; 4] = [2, 4, 7, 12];
+pub(super) const TRIED_MARGINS: [i32; 4] = [2, 4, 7, 12];
 
 /// A weight of a point around the centre.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -85,7 +85,7 @@ impl Applied {
     /// Returns the rows around a centre of n sectors, up to a radius, from a net that is large enough for them; `None`
     /// if a vertex becomes a face or a face a vertex, or if sectors are turned against those of the parent.
     pub(super) fn wide_enough(&self, n: usize, radius: i32, watch: &Watch) -> Result<Option<LocalRows>, Unlimited> {
-        let found = MARGINS.iter().find_map(|&margin| match self.local(n, radius, margin, watch) {
+        let found = TRIED_MARGINS.iter().find_map(|&margin| match self.local(n, radius, margin, watch) {
             Err(Unlimited::Reach) => None,
             found => Some(found),
         });

@@ -34,12 +34,12 @@ pub struct RegularSmoothness {
 /// Reciprocal of the unit of which weights must be multiples to be regarded as exact, because fractions over a power of
 /// two have no roundings. Masks of splines up to degree 20 qualify. Half or twice of it only matters to masks with 21
 /// digits.
-const DYADIC: f64 = 1_048_576.0;
+const DYADIC_DENOMINATOR: f64 = 1_048_576.0;
 
 /// Returns the symbol of a curve mask: the exact symbol if the weights are fractions over a small power of two, or near
 /// fractions with small denominators that sum to 1; otherwise the symbol beside the mask.
 pub(super) fn symbol(arity: i32, mask: &Mask) -> Option<Symbol> {
-    if mask.values.iter().all(|a| (a * DYADIC).fract() == 0.0) {
+    if mask.values.iter().all(|a| (a * DYADIC_DENOMINATOR).fract() == 0.0) {
         let exactly: Vec<Exact> = mask.values.iter().map(|&a| binary(a)).collect();
         return Symbol::exact(arity.into(), mask.first.into(), &exactly);
     }
@@ -51,7 +51,7 @@ pub(super) fn symbol(arity: i32, mask: &Mask) -> Option<Symbol> {
 /// Divisor of the budget of matrix products for surfaces, whose matrices are larger than those of curves. The rest
 /// decides all presets; its time, some 50 ms, is small beside that of the fractions of norms. Half of it narrows
 /// intervals by a third; twice of it leaves the push-back with delta = 1/4 undecided.
-const SHARE: u64 = 10;
+const BUDGET_DIVISOR: u64 = 10;
 
 impl RegularSmoothness {
     /// Returns what can be proved with at most `nodes` matrix products.
@@ -71,7 +71,7 @@ impl RegularSmoothness {
         }
         let certificates = certificates(regular);
         let by_norms = i64::try_from(certificates.len()).unwrap_or(0) - 1;
-        let quotient = Quotient::of(regular, nodes / SHARE, watch)?.map(Box::new);
+        let quotient = Quotient::of(regular, nodes / BUDGET_DIVISOR, watch)?.map(Box::new);
         let proved_c = quotient.as_ref().map_or(by_norms, |quotient| quotient.proved_c.max(by_norms));
         let disproved_c = quotient.as_ref().and_then(|quotient| quotient.disproved_c);
         Ok(Self { proof: SmoothnessProof::Norms(certificates, quotient), proved_c, disproved_c })

@@ -30,10 +30,10 @@ pub struct Criterion {
 /// The statement about regular nets.
 pub(super) const REGULAR_NETS: &str = "limits of regular nets are C1";
 /// The statement about the eigenvalue 1.
-pub(super) const ONE: &str = "the eigenvalue 1 is simple, and all others are smaller";
+pub(super) const SIMPLE_EIGENVALUE_ONE: &str = "the eigenvalue 1 is simple, and all others are smaller";
 /// The statement about the subdominant eigenvalue.
-const SUBDOMINANT: &str = "the next eigenvalue is real, positive and there twice, with the Fourier indices 1 and \
-                           n - 1, and all others are smaller";
+const SUBDOMINANT_EIGENVALUE: &str = "the next eigenvalue is real, positive and there twice, with the Fourier \
+                           indices 1 and n - 1, and all others are smaller";
 /// The statement about the characteristic map.
 const CHARACTERISTIC_MAP: &str = "the characteristic map is regular and injective";
 
@@ -75,8 +75,8 @@ impl Case<'_> {
         let map = self.map(error, watch)?;
         Ok(vec![
             regular,
-            Criterion { statement: ONE, status: one },
-            Criterion { statement: SUBDOMINANT, status: subdominant },
+            Criterion { statement: SIMPLE_EIGENVALUE_ONE, status: one },
+            Criterion { statement: SUBDOMINANT_EIGENVALUE, status: subdominant },
             Criterion { statement: CHARACTERISTIC_MAP, status: map },
         ])
     }

@@ -43,7 +43,7 @@ const PIECES_PER_CHUNK: usize = 256;
 const FIRST_CUTS: usize = 1 << 4;
 /// Maximum number of cuts of one piece.
 /// Half of it gives up sooner, and the bound is larger there; twice of it may take twice as long for a piece.
-const CUTS: usize = 1 << 12;
+const MAX_CUTS: usize = 1 << 12;
 /// Maximum number of cuts of all pieces together.
 /// Half and twice of it halve and double the time of bounds that do not get close.
 const ALL_CUTS: usize = 1 << 16;
@@ -211,7 +211,7 @@ impl LimitComparison<'_> {
         let mut far: Vec<usize> = (0..pieces.len()).filter(|&i| known[i] > enough).collect();
         let mut left = self.cuts;
         let mut cuts = FIRST_CUTS.min(left / far.len().max(1));
-        while !far.is_empty() && cuts * far.len() <= left && (1..=CUTS).contains(&cuts) {
+        while !far.is_empty() && cuts * far.len() <= left && (1..=MAX_CUTS).contains(&cuts) {
             let found: Vec<(f64, usize)> =
                 far.par_iter().with_min_len(4).map(|&i| cut(&pieces[i], cuts, enough)).collect();
             self.budget.check()?;

@@ -20,7 +20,7 @@ pub(super) const MAX_REACH: usize = 2;
 /// Maximum number of points that are projected for all faces of a level together.
 /// At about 25 ns a point they take a second. Half and twice of it halve and double that time and the number of faces
 /// up to which hulls are used; beyond, faces are bounded by second differences or by boxes.
-const WORK: usize = 1 << 25;
+const MAX_PROJECTED_POINTS: usize = 1 << 25;
 
 /// The points that the limits of faces depend on.
 ///
@@ -52,7 +52,7 @@ impl<'a> Hulls<'a> {
 
     /// Returns `self` if the heights of `faces` faces are not too much work.
     pub(super) fn affordable(&self, faces: usize) -> Option<&Self> {
-        (self.reach <= MAX_REACH && self.work(faces) <= WORK).then_some(self)
+        (self.reach <= MAX_REACH && self.work(faces) <= MAX_PROJECTED_POINTS).then_some(self)
     }
 
     /// Returns the number of points that are projected for `faces` faces: on regular quads, each has `(2 reach + 3)^2`

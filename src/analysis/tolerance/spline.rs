@@ -13,7 +13,7 @@ use crate::shape::tile::Tile;
 /// Number of levels whose kernels are checked.
 /// Kernels that are functions of alpha settle after 26 halvings of it, as cosines do. Half of it may miss a kernel that
 /// differs from 1 only later; twice of it schedules twice as many levels.
-const LOOKED_AT: u32 = 32;
+const CHECKED_KERNELS: u32 = 32;
 
 /// A plan that refines splines: each cycle is one or several rounds, an upsampling followed by averages.
 #[derive(Debug)]
@@ -65,7 +65,7 @@ impl Spline {
         let plan = Plan { word: Word { cycle: paired(plan)?, ..plan.word.clone() }, ..plan.clone() };
         let scheduled = |levels| plan.schedule(levels).map_err(|fault| NoLevel::Refused(fault.detail));
         let prefix = scheduled(0)?;
-        for later in &scheduled(LOOKED_AT)?[prefix.len()..] {
+        for later in &scheduled(CHECKED_KERNELS)?[prefix.len()..] {
             #[expect(clippy::float_cmp, reason = "a kernel that is 1 is computed without rounding")]
             if later.kernel != 1.0 {
                 return Err(NoLevel::Refused(format!(

@@ -13,9 +13,9 @@ pub const LINKS: &str = "/v1/r/";
 /// place.
 pub const MODEL: &str = "model.gltf";
 /// Suffix of the names of the buffers.
-const BUFFER: &str = ".bin";
+const BUFFER_SUFFIX: &str = ".bin";
 /// Prefixes of links to things that are stored under a name; all other links contain a job.
-const BY_NAME: [&str; 3] = ["jobs/", "batches/", "artifacts/"];
+const NAMED_PREFIXES: [&str; 3] = ["jobs/", "batches/", "artifacts/"];
 
 /// A signed link: `/v1/r/{signature}/{expiry}/{rest}`.
 ///
@@ -52,7 +52,7 @@ fn mac(link_secret: &str, expires: u64, rest: &str) -> Hmac<Sha256> {
 
 /// Returns whether the rest of a link contains a job, which may have to be computed.
 pub fn has_job(rest: &str) -> bool {
-    !BY_NAME.iter().any(|place| rest.starts_with(place))
+    !NAMED_PREFIXES.iter().any(|place| rest.starts_with(place))
 }
 
 impl Link {
@@ -83,7 +83,7 @@ impl Link {
     /// the place of the model's name.
     fn signed_rest(&self) -> Cow<'_, str> {
         match self.rest.split_once('/') {
-            Some((job, file)) if has_job(&self.rest) && file.strip_suffix(BUFFER).is_some() => {
+            Some((job, file)) if has_job(&self.rest) && file.strip_suffix(BUFFER_SUFFIX).is_some() => {
                 Cow::Owned(format!("{job}/{MODEL}"))
             }
             _ => Cow::Borrowed(&self.rest),

@@ -5,7 +5,7 @@ use std::io::{self, Write};
 use crate::drawing::scene::{Color, Point};
 
 /// Number of characters buffered before they are written; twice as many take memory, half as many more calls.
-const LONG: usize = 65_536;
+const BUFFERED_CHARS: usize = 65_536;
 
 /// Text to be written.
 pub(super) struct SvgPage<'a> {
@@ -20,7 +20,7 @@ impl<'a> SvgPage<'a> {
 
     /// Returns whether the buffer should be written.
     pub(super) fn is_long(&self) -> bool {
-        self.text.len() > LONG
+        self.text.len() > BUFFERED_CHARS
     }
 
     pub(super) fn flush(&mut self) -> io::Result<()> {

@@ -20,7 +20,7 @@ const GLB_HEADER_BYTES: usize = 12;
 const CHUNK_HEADER_BYTES: usize = 8;
 
 /// Extensions that a file may require because they do not affect what is read.
-const HARMLESS: &[&str] = &[
+const HARMLESS_EXTENSIONS: &[&str] = &[
     "KHR_mesh_quantization",
     PACKED,
     "KHR_texture_",
@@ -35,7 +35,7 @@ const HARMLESS: &[&str] = &[
 ];
 
 /// The message for files of glTF 1.0.
-const OLD: &str = "the file is glTF 1.0, which is built otherwise; 2.0 is read: convert it";
+const GLTF_1_MESSAGE: &str = "the file is glTF 1.0, which is built otherwise; 2.0 is read: convert it";
 
 /// Replacements for Rust type names in messages of the JSON parser.
 const PLAIN_PARSER_WORDS: &[(&str, &str)] = &[
@@ -94,12 +94,13 @@ impl<'a> GltfDocument<'a> {
                 PLAIN_PARSER_WORDS.iter().fold(error.to_string(), |detail, (word, plain)| detail.replace(word, plain));
             format!("the document is no glTF: {}", fault::cut(&detail, 200))
         };
-        let no_root =
-            |error| if is_old(json) { OLD.to_owned() } else { empty_scene(json).unwrap_or_else(|| no_gltf(error)) };
+        let no_root = |error| {
+            if is_old(json) { GLTF_1_MESSAGE.to_owned() } else { empty_scene(json).unwrap_or_else(|| no_gltf(error)) }
+        };
         let root = Root::from_slice(json).map_err(no_root)?;
         let placements = Placement::all(json).map_err(no_gltf)?;
         if root.asset.version.starts_with("1.") {
-            return Err(OLD.to_owned());
+            return Err(GLTF_1_MESSAGE.to_owned());
         }
         if !root.asset.version.starts_with("2.") {
             return Err(format!("version {} of glTF; 2.0 is read", quoted(&root.asset.version)));
@@ -107,7 +108,7 @@ impl<'a> GltfDocument<'a> {
         if let Some(least) = root.asset.min_version.as_deref().filter(|&least| least != "2.0") {
             return Err(format!("the file asks for version {} of glTF at least; 2.0 is read", quoted(least)));
         }
-        let is_harmless = |name: &String| HARMLESS.iter().any(|known| name.starts_with(known));
+        let is_harmless = |name: &String| HARMLESS_EXTENSIONS.iter().any(|known| name.starts_with(known));
         if let Some(name) = root.extensions_required.iter().find(|name| !is_harmless(name)) {
             return Err(format!("the file requires {}, which is not read; export it without", quoted(name)));
         }
@@ -148,7 +149,7 @@ impl<'a> GltfDocument<'a> {
         }
         if version != 2 {
             return Err(match version {
-                1 => format!("byte 4: {OLD}"),
+                1 => format!("byte 4: {GLTF_1_MESSAGE}"),
                 _ => format!("byte 4: version {version} of GLB; 2 is read"),
             });
         }

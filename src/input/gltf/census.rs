@@ -20,7 +20,7 @@ use crate::input::text::quoted;
 const TEXT_COPIES: usize = 4;
 /// Bytes of an entry of a `BTreeMap` of small keys and values, whose nodes have eleven slots, of which only five may be
 /// in use.
-const IN_MAP: usize = 96;
+const MAP_ENTRY_BYTES: usize = 96;
 /// Bytes of the first node of such a map.
 const MAP_NODE_BYTES: usize = 512;
 /// The maximum depth that the JSON parser accepts.
@@ -61,7 +61,7 @@ fn prices(list: &[u8]) -> Prices {
         }
         b"meshes" => {
             let list = size_of::<Primitive>();
-            let (object, member) = (GROWN * list + 2 * IN_MAP, 2 * IN_MAP);
+            let (object, member) = (GROWN * list + 2 * MAP_ENTRY_BYTES, 2 * MAP_ENTRY_BYTES);
             Prices {
                 list,
                 value: GROWN * 4,
@@ -78,7 +78,7 @@ fn prices(list: &[u8]) -> Prices {
         }
         b"buffers" => of(size_of::<Buffer>() + 3 * slot),
         // includes its text and its decoded bytes
-        b"bufferViews" => of(size_of::<View>() + 2 * slot + IN_MAP),
+        b"bufferViews" => of(size_of::<View>() + 2 * slot + MAP_ENTRY_BYTES),
         b"cameras" => of(size_of::<Camera>()),
         b"images" => of(size_of::<Image>()),
         b"materials" => of(size_of::<Material>()),
@@ -212,12 +212,12 @@ impl GltfCensus<'_> {
             b',' if depth == 2 => self.enter(),
             b',' if depth > 3 => self.add(prices.value),
             // the members of the root, and of one entry at a time, are kept as raw text
-            b':' if depth == 1 => self.all = self.all.saturating_add(IN_MAP),
+            b':' if depth == 1 => self.all = self.all.saturating_add(MAP_ENTRY_BYTES),
             b':' if depth == 3 => {
                 self.members += 1;
                 if self.members > self.most_members {
                     self.most_members = self.members;
-                    self.all = self.all.saturating_add(IN_MAP);
+                    self.all = self.all.saturating_add(MAP_ENTRY_BYTES);
                 }
             }
             b':' if depth >= prices.members => self.add(prices.member),

@@ -21,7 +21,7 @@ use crate::shape::textures::{Filter, Image, Texture, Wrap};
 
 /// Parts of the names of extensions that affect looks: those of materials, those that transform textures or add picture
 /// formats, and the techniques of glTF 1.0.
-const OF_LOOKS: [&str; 3] = ["KHR_materials_", "_texture_", "KHR_technique"];
+const LOOK_EXTENSIONS: [&str; 3] = ["KHR_materials_", "_texture_", "KHR_technique"];
 
 /// Extensions that are read, or that may be ignored: with `MSFT_lod` the finest level is the document itself.
 const READ_EXTENSIONS: [&str; 3] = [PACKED, "KHR_mesh_quantization", "MSFT_lod"];
@@ -55,7 +55,7 @@ pub(super) fn finish(
     }
     let (of_looks, others): (Vec<&String>, Vec<&String>) = (document.root.extensions_used.iter())
         .filter(|name| !READ_EXTENSIONS.contains(&name.as_str()))
-        .partition(|name| OF_LOOKS.iter().any(|part| name.contains(part)));
+        .partition(|name| LOOK_EXTENSIONS.iter().any(|part| name.contains(part)));
     for (what, names) in [("extensions of materials", of_looks), ("extensions", others)] {
         let named: Vec<String> = names.iter().take(MAX_NOTED_NAMES).map(|name| quoted(name)).collect();
         if !named.is_empty() {

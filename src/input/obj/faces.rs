@@ -16,7 +16,7 @@ const MAX_AT_ONCE: usize = 16;
 /// Maximum number of faults that are reported individually.
 pub(super) const MAX_FACE_FAULTS: usize = 20;
 /// The name that stands for no group and for no material.
-const NONE_OF_THEM: &str = "default";
+const NO_NAME: &str = "default";
 
 /// The data of faces other than their vertices.
 #[derive(Debug, Default)]
@@ -122,10 +122,10 @@ pub(super) struct Sets {
 }
 
 impl Sets {
-    /// Makes the sets of these names the current ones; [`NONE_OF_THEM`] is ignored.
+    /// Makes the sets of these names the current ones; [`NO_NAME`] is ignored.
     pub(super) fn enter<'a>(&mut self, names: impl Iterator<Item = &'a str>) -> Result<(), String> {
         self.current.clear();
-        for name in names.filter(|name| !name.is_empty() && *name != NONE_OF_THEM) {
+        for name in names.filter(|name| !name.is_empty() && *name != NO_NAME) {
             if self.current.len() == MAX_AT_ONCE {
                 return Err(format!("more than {MAX_AT_ONCE} groups at once; a face may be in {MAX_AT_ONCE}"));
             }

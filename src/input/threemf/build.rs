@@ -22,8 +22,8 @@ const BUILT_MATERIAL_BYTES: usize = GROWN * 8;
 const BUILT_COLORS_BYTES: usize = GROWN * 12;
 const BUILT_SET_BYTES: usize = GROWN * size_of::<FaceSet>() + 192;
 /// Bytes of memory of the colours of a vertex, and of the corner colours of a triangle.
-const OF_VERTEX: usize = 40 + 32;
-const OF_CORNERS: usize = GROWN * 16 + 12;
+const BUILT_VERTEX_BYTES: usize = 40 + 32;
+const BUILT_CORNERS_BYTES: usize = GROWN * 16 + 12;
 /// Bytes of memory of a colour, and of a group of colours.
 const GROUP_COLOR_BYTES: usize = 32;
 const COLOR_GROUP_BYTES: usize = 96;
@@ -268,7 +268,7 @@ fn channel(
     if of_corners.is_empty() {
         return Ok(None);
     }
-    room.take(OF_VERTEX * mesh.positions.len())?;
+    room.take(BUILT_VERTEX_BYTES * mesh.positions.len())?;
     of_corners.resize(mesh.faces.n_half_edges(), u32::MAX);
     let color = |number: u32| colors.get(number as usize).copied().unwrap_or([1.0; 4]);
     let width = if colors.iter().all(|color| color[3] >= 1.0) { 3 } else { 4 };
@@ -284,7 +284,7 @@ fn channel(
         return Ok(Some(Channel { name: COLOR_CHANNEL.to_owned(), width, values, seams: None }));
     }
     drop(of_vertices);
-    room.take(OF_CORNERS * mesh.faces.len())?;
+    room.take(BUILT_CORNERS_BYTES * mesh.faces.len())?;
     let white = index(colors.len());
     let values = colors.iter().chain([&[1.0; 4]]).flat_map(|color| &color[..width]).copied().collect();
     let numbers: Vec<u32> = of_corners.iter().map(|&number| number.min(white)).collect();

@@ -14,14 +14,14 @@ use crate::shape::seams::{Interpolation, SeamsInput};
 use crate::shape::topology::index;
 
 /// The namespace of primvars.
-const SPACE: &str = "primvars:";
+const PRIMVAR_PREFIX: &str = "primvars:";
 /// Bytes of a primvar with its name, and perhaps with a note.
-const PRIMVAR: usize = GROWN * (size_of::<PrimvarRows>() + 24) + 256;
+const PRIMVAR_BYTES: usize = GROWN * (size_of::<PrimvarRows>() + 24) + 256;
 /// Bytes of the colour of a vertex or corner: its index, and, if all colours are distinct, its map entry and the
 /// colour.
 const COLOR_BYTES: usize = 4 + 48 + GROWN * 32;
 /// Marks a vertex or corner without a row.
-const MISSING: u32 = u32::MAX;
+const NO_ROW: u32 = u32::MAX;
 const UV_PRIMVAR: &str = "st";
 const COLOR_PRIMVAR: &str = "displayColor";
 const OPACITY_PRIMVAR: &str = "displayOpacity";
@@ -35,9 +35,9 @@ pub(super) struct Primvars(BTreeMap<String, PrimvarRows>);
 struct PrimvarRows {
     width: usize,
     values: Vec<f64>,
-    /// The row of each vertex, or [`MISSING`].
+    /// The row of each vertex, or [`NO_ROW`].
     of_vertices: Vec<u32>,
-    /// The row of each corner, or [`MISSING`].
+    /// The row of each corner, or [`NO_ROW`].
     of_corners: Vec<u32>,
     /// Whether some values belong to corners, so that the corners at a vertex may differ.
     has_seams: bool,
@@ -69,18 +69,19 @@ impl Primvars {
         room: &mut MemoryBudget,
         mesh: &mut ReadMesh,
     ) -> Result<(), String> {
-        let is_uv =
-            |property: &&UsdaProperty<'_>| property.kind.starts_with("texCoord2") && property.name.starts_with(SPACE);
+        let is_uv = |property: &&UsdaProperty<'_>| {
+            property.kind.starts_with("texCoord2") && property.name.starts_with(PRIMVAR_PREFIX)
+        };
         let uv = prim.property("primvars:st").filter(is_uv).or_else(|| prim.properties.iter().find(is_uv));
         for property in &prim.properties {
-            let Some(name) = property.name.strip_prefix(SPACE) else { continue };
+            let Some(name) = property.name.strip_prefix(PRIMVAR_PREFIX) else { continue };
             if name == "normals" || name.contains('.') || name.ends_with(":indices") {
                 continue;
             }
             let is_uv = uv.is_some_and(|uv| std::ptr::eq(uv, property));
             let name = if is_uv { UV_PRIMVAR } else { name.strip_prefix("channel:").unwrap_or(name) };
             let is_known = is_uv || [COLOR_PRIMVAR, OPACITY_PRIMVAR].contains(&name);
-            room.take(PRIMVAR + name.len())?;
+            room.take(PRIMVAR_BYTES + name.len())?;
             let rows = self.0.entry(name.to_owned()).or_default();
             if let Err(detail) = rows.take(prim, property, is_known, (part, &mesh.faces), room)? {
                 mesh.notes.push(format!("the primvar {} is left out: {detail}", quoted(property.name)));
@@ -150,7 +151,7 @@ fn colored(colors: &PrimvarRows, opacity: Option<&PrimvarRows>) -> PrimvarRows {
             index(all.values.len() / width - 1)
         })
     };
-    let at = |i: usize, list: fn(&PrimvarRows) -> &[u32]| opacity.map_or(MISSING, |rows| list(rows)[i]);
+    let at = |i: usize, list: fn(&PrimvarRows) -> &[u32]| opacity.map_or(NO_ROW, |rows| list(rows)[i]);
     let of_corners: fn(&PrimvarRows) -> &[u32] = |rows| &rows.of_corners;
     let of_vertices: fn(&PrimvarRows) -> &[u32] = |rows| &rows.of_vertices;
     let list = |list: fn(&PrimvarRows) -> &[u32]| {
@@ -196,7 +197,7 @@ impl PrimvarRows {
         }
         let (base, n_rows) = (self.values.len() / width, value.numbers.len() / width);
         let given = indices.map_or(n_rows, Vec::len);
-        let fits = value.numbers.len().is_multiple_of(width) && base + n_rows < MISSING as usize;
+        let fits = value.numbers.len().is_multiple_of(width) && base + n_rows < NO_ROW as usize;
         if given != n || !fits || value.numbers.iter().any(|x| !x.is_finite()) {
             return Ok(Err(format!("it has {given} values, which are to be {n} of finite numbers")));
         }
@@ -217,11 +218,11 @@ impl PrimvarRows {
             "constant" => (vec![rows[0]; part.n_vertices], vec![rows[0]; part.corners.len()]),
             "uniform" => {
                 let of_face = |f: usize| std::iter::repeat_n(rows[f], faces.face(part.first_face + f).len());
-                (vec![MISSING; part.n_vertices], (0..part.n_faces).flat_map(of_face).collect())
+                (vec![NO_ROW; part.n_vertices], (0..part.n_faces).flat_map(of_face).collect())
             }
             "faceVarying" => {
                 let of_corners = part.corners.iter().map(|&corner| rows[corner as usize]);
-                (vec![MISSING; part.n_vertices], of_corners.collect())
+                (vec![NO_ROW; part.n_vertices], of_corners.collect())
             }
             _ => (rows.clone(), vertices.iter().map(of_vertex).collect()),
         };
@@ -239,12 +240,12 @@ impl PrimvarRows {
         [self.of_vertices.len(), self.of_corners.len()]
     }
 
-    /// Extends the rows to these numbers of vertices and corners; the new ones are [`MISSING`].
+    /// Extends the rows to these numbers of vertices and corners; the new ones are [`NO_ROW`].
     fn fill(&mut self, ends: [usize; 2], room: &mut MemoryBudget) -> Result<(), String> {
         let [vertices, corners] = self.ends();
         room.take(GROWN * 4 * (ends[0].saturating_sub(vertices) + ends[1].saturating_sub(corners)))?;
-        self.of_vertices.resize(ends[0], MISSING);
-        self.of_corners.resize(ends[1], MISSING);
+        self.of_vertices.resize(ends[0], NO_ROW);
+        self.of_corners.resize(ends[1], NO_ROW);
         Ok(())
     }
 
@@ -255,7 +256,7 @@ impl PrimvarRows {
     /// Whether a vertex or corner has no row.
     fn is_missing(&self) -> bool {
         let list = if self.has_seams { &self.of_corners } else { &self.of_vertices };
-        list.contains(&MISSING)
+        list.contains(&NO_ROW)
     }
 
     /// Converts the rows to a channel.

@@ -8,7 +8,7 @@ use crate::math::parameter::Values;
 use crate::output::bytes::Bytes;
 use crate::output::counts::Counts;
 use crate::output::error::FormatError;
-use crate::output::numbers::{REAL, digits, real, total, whole};
+use crate::output::numbers::{REAL_BYTES, digits, real, total, whole};
 use crate::output::options::{IDS, ISOLINES};
 use crate::output::scene::MeshSource;
 use crate::output::stream::Stream;
@@ -24,7 +24,7 @@ const SEAM_ENTRY_BYTES: u128 = br#"{"values":,"faces":[]}"#.len() as u128;
 /// Returns the maximum number of bytes of the entries of attachments and origins.
 pub(super) fn size(counts: &Counts, options: &Values) -> u128 {
     let attachments = &counts.attachments;
-    let row = |channel: &Channel| 3 + channel.width as u128 * (REAL + 1);
+    let row = |channel: &Channel| 3 + channel.width as u128 * (REAL_BYTES + 1);
     let corners = |places: u128| total(&[(counts.faces, 2), (counts.half_edges, digits(places) + 1)]);
     let channels = attachments.channels.iter().map(|channel| {
         let rows = if channel.seams.is_some() { counts.seamed } else { counts.vertices };
@@ -46,7 +46,7 @@ pub(super) fn size(counts: &Counts, options: &Values) -> u128 {
         0
     };
     let frame = br#","uvs":{"values":[],"faces":[]}"#.len() as u128;
-    let values = (counts.uvs, 2 + 2 * (REAL + 1));
+    let values = (counts.uvs, 2 + 2 * (REAL_BYTES + 1));
     let uvs = if counts.uvs > 0 { total(&[(1, frame), values, (1, corners(counts.uvs))]) } else { 0 };
     // the inner vertices of different edges are different
     let edges = counts.input_edges as u128;
@@ -54,7 +54,7 @@ pub(super) fn size(counts: &Counts, options: &Values) -> u128 {
     let frame = br#","isolines":[]"#.len() as u128;
     let isolines = total(&[(1, frame), (edges, 3), (along, digits(counts.vertices) + 1)]);
     let isolines = if options.flag(ISOLINES) { isolines } else { 0 };
-    let tag = br#"{"edge":[,],"sharpness":},"#.len() as u128 + 2 * digits(counts.vertices) + REAL;
+    let tag = br#"{"edge":[,],"sharpness":},"#.len() as u128 + 2 * digits(counts.vertices) + REAL_BYTES;
     let frame = br#","corners":[],"creases":[]"#.len() as u128;
     let tags = total(&[(1, frame), (counts.tags as u128, tag)]);
     let names = [&attachments.groups, &attachments.materials].map(labels);

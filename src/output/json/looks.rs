@@ -4,7 +4,7 @@ use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 
 use crate::output::error::FormatError;
-use crate::output::numbers::{REAL, reals};
+use crate::output::numbers::{REAL_BYTES, reals};
 use crate::output::stream::Stream;
 use crate::shape::looks::{Alpha, Look};
 use crate::shape::textures::{Filter, Texture};
@@ -18,7 +18,10 @@ const IMAGE_PART_BYTES: usize = 48 << 10;
 /// Returns the maximum number of bytes of the entries of looks.
 pub(super) fn size(looks: &[Look]) -> u128 {
     let picture = |texture: &Texture| (texture.image.bytes().len() as u128).div_ceil(3) * 4;
-    looks.iter().map(|look| MATERIAL_ENTRY_BYTES + 7 * (REAL + 1) + look.texture.as_ref().map_or(0, picture)).sum()
+    looks
+        .iter()
+        .map(|look| MATERIAL_ENTRY_BYTES + 7 * (REAL_BYTES + 1) + look.texture.as_ref().map_or(0, picture))
+        .sum()
 }
 
 /// Writes the entries of a look that are given, each after a comma.

@@ -4,7 +4,7 @@ use super::row::vectors;
 use crate::math::parameter::Values;
 use crate::output::counts::Counts;
 use crate::output::error::FormatError;
-use crate::output::numbers::{REAL, total};
+use crate::output::numbers::{REAL_BYTES, total};
 use crate::output::positions::Positions;
 use crate::output::scene::MeshSource;
 use crate::output::sections::{Polyline, planes, section};
@@ -17,7 +17,7 @@ pub(super) fn size(counts: &Counts, options: &Values) -> u128 {
     let planes = planes(options).len() as u128;
     let frame = br#","sections":[]"#.len() as u128;
     let polyline = br#"{"points":[],"closed":false},"#.len() as u128;
-    let point = 3 + 3 * (REAL + 1);
+    let point = 3 + 3 * (REAL_BYTES + 1);
     let segments = planes.saturating_mul(counts.triangles());
     if planes == 0 { 0 } else { total(&[(1, frame), (planes, 3), (segments, polyline + 2 * point)]) }
 }

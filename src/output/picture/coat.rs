@@ -50,7 +50,7 @@ pub(crate) const COMPONENT: Parameter = Parameter::optional(
 /// Number of squares per unit of a texture coordinate.
 const SQUARES_A_UNIT: f64 = 8.0;
 /// Share of white in the light colour of the squares.
-const PALE: f64 = 0.8;
+const PALE_SHARE: f64 = 0.8;
 
 /// Refuses colours by attachments that the shape does not have.
 pub(crate) fn check(kind: ShapeKind, carried: &Attachments, options: &Values) -> Result<(), Fault> {
@@ -291,7 +291,7 @@ fn by_uvs(mesh: &dyn MeshSource, plain: [u8; 4], watch: &Watch) -> Result<Coat, 
     let Some((mut places, corners)) = places(mesh, watch)? else { return Ok(Coat::Plain(plain)) };
     places.iter_mut().flatten().for_each(|x| *x *= SQUARES_A_UNIT);
     let dark = shown_as(plain);
-    let light = dark.map(|x| single(f64::from(x) + PALE * (1.0 - f64::from(x))));
+    let light = dark.map(|x| single(f64::from(x) + PALE_SHARE * (1.0 - f64::from(x))));
     Ok(Coat::Squares { places, corners, colors: [light, dark] })
 }
 

@@ -9,7 +9,7 @@ use crate::watch::Watch;
 
 /// Length of a tooth that 95 % of the points do not exceed, as a share of the smaller side of the visible part. Twice
 /// of it leaves the picture; half of it hides small wiggles.
-const TOOTH: f64 = 0.12;
+const TOOTH_LENGTH: f64 = 0.12;
 /// Longest tooth in units of that length: curvature at corners is unbounded, and would lead out of the picture.
 const LONGEST_TOOTH: f64 = 3.0;
 /// Minimum distance between teeth, pixels; half of it makes an area of them.
@@ -21,7 +21,7 @@ const STRAIGHT_RADIUS: f64 = 1e3;
 /// Distance of a point from the line through its neighbours that rounding makes, in units in the last place of the
 /// largest coordinate. Measured on straight lines under nine plans, at 6 and 10 levels: 1.4 at most. Half of it would
 /// leave little above that; twice of it would hide bends twice as large.
-const ULPS: f64 = 4.0;
+const COLLINEAR_ULPS: f64 = 4.0;
 /// Length of a tangent, as a share of the smaller side of the visible part.
 const TANGENT_LENGTH: f64 = 0.14;
 
@@ -33,7 +33,7 @@ pub(super) struct Comb {
 
 /// Returns the curvature combs of curves in the plane or in space: a point with curvature k and unit normal n towards
 /// the centre of curvature has a tooth along `-k n`. All teeth have one scale, at which 95 % of the points have teeth
-/// of at most [`TOOTH`]; `scale` multiplies it.
+/// of at most [`TOOTH_LENGTH`]; `scale` multiplies it.
 ///
 /// The curvature at a point is that of the circle through it and both its neighbours.
 pub(super) fn combs(
@@ -58,7 +58,7 @@ pub(super) fn combs(
         return Ok(comb);
     }
     let longest = LONGEST_TOOTH * usual;
-    let length = scale * TOOTH * side_px / unit_px / usual;
+    let length = scale * TOOTH_LENGTH * side_px / unit_px / usual;
     for (curve, bends) in curves.iter().zip(&bends) {
         let end = |i: usize, bend: &Vector| {
             let size = dot(*bend, *bend).sqrt();
@@ -96,7 +96,7 @@ fn bendings(curve: &Curve, scale: f64, least: f64) -> Vec<Vector> {
     let coordinate = |i: usize, k: usize| if k < curve.dimension { curve.points[i * curve.dimension + k] } else { 0.0 };
     let at = |i: usize| -> Vector { std::array::from_fn(|k| scale * coordinate(i, k)) };
     let largest = curve.points.iter().fold(0.0, |largest: f64, x| largest.max(x.abs()));
-    let error = ULPS * f64::EPSILON * scale * largest;
+    let error = COLLINEAR_ULPS * f64::EPSILON * scale * largest;
     let bend = |i: usize| {
         let inner = curve.closed || (i > 0 && i + 1 < n);
         if n < 3 || !inner {

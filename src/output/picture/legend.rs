@@ -16,15 +16,15 @@ use crate::watch::Watch;
 /// third of the picture; twice of it leaves thumbnails of usual size without a legend.
 const LEAST_LEGEND_PX: [u32; 2] = [320, 200];
 /// Width of the strip, in units of line width: room for the longest number and for the title of the bar.
-const STRIP: f32 = 132.0;
+const STRIP_WIDTH: f32 = 132.0;
 /// Left end and width of the bar, in units of line width.
-const BAR: [f32; 2] = [8.0, 22.0];
+const BAR_EXTENT: [f32; 2] = [8.0, 22.0];
 /// Distance of text from the edge of the picture, in units of line width.
 const EDGE_DISTANCE: f32 = 3.0;
 /// Height of the bar as a share of the height of the picture.
-const TALL: f32 = 0.62;
+const BAR_HEIGHT: f32 = 0.62;
 /// Size of the font in units of line width, and its minimum in pixels, below which letters cannot be read.
-const FONT: [f32; 2] = [15.0, 9.0];
+const FONT_SIZES: [f32; 2] = [15.0, 9.0];
 
 /// Margin around names, in sizes of the font.
 const NAME_MARGIN: f32 = 0.6;
@@ -39,7 +39,7 @@ pub(crate) fn width(carried: &Attachments, options: &Options<'_>, has_surface: b
         _ => has_room,
     };
     let font = font_px(options);
-    let bar = if has_surface && are_numbers && is_asked { STRIP / FONT[0] * font } else { 0.0 };
+    let bar = if has_surface && are_numbers && is_asked { STRIP_WIDTH / FONT_SIZES[0] * font } else { 0.0 };
     let names = names(carried, options).map_or(0.0, |names| names.extent()[0] + 2.0 * NAME_MARGIN * font);
     #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a strip is some hundred pixels wide")]
     let strip = bar.max(names) as u32;
@@ -88,12 +88,12 @@ pub(super) fn beside(
 
 /// Returns the colour bar of a scale in a strip of `width` pixels, below the uppermost `taken` pixels.
 fn bar(scale: NumberScale, [taken, width]: [f32; 2], carried: &Attachments, options: &Options<'_>) -> Vec<Item> {
-    let unit = font_px(options) / FONT[0];
+    let unit = font_px(options) / FONT_SIZES[0];
     #[expect(clippy::cast_precision_loss, reason = "pictures are bounded")]
     let height = options.size[1] as f32;
-    let usual = (0.5 * (1.0 - TALL) * height + unit * FONT[0]).floor();
-    let top = usual.max(taken + 2.0 * unit * FONT[0]);
-    let tall = (TALL * height).min(height - top - unit * FONT[0]).max(unit);
+    let usual = (0.5 * (1.0 - BAR_HEIGHT) * height + unit * FONT_SIZES[0]).floor();
+    let top = usual.max(taken + 2.0 * unit * FONT_SIZES[0]);
+    let tall = (BAR_HEIGHT * height).min(height - top - unit * FONT_SIZES[0]).max(unit);
     let table = scale.map.bytes();
     let color = |share: f64| -> Color {
         let x = (1.0 - share) * scale.low + share * scale.high;
@@ -104,13 +104,13 @@ fn bar(scale: NumberScale, [taken, width]: [f32; 2], carried: &Attachments, opti
     };
     // names of channels may contain characters that cannot be typeset
     let label = Label::parse(&title(carried, options), FontWeight::Regular).ok();
-    let (place, end) = ([BAR[0] * unit, top, BAR[1] * unit, tall], width - EDGE_DISTANCE * unit);
-    color_bar(place, ([scale.low, scale.high], scale.beyond), color, label, unit * FONT[0], end)
+    let (place, end) = ([BAR_EXTENT[0] * unit, top, BAR_EXTENT[1] * unit, tall], width - EDGE_DISTANCE * unit);
+    color_bar(place, ([scale.low, scale.high], scale.beyond), color, label, unit * FONT_SIZES[0], end)
 }
 
 /// Returns the size of the font, pixels.
 fn font_px(options: &Options<'_>) -> f32 {
-    (FONT[0] * options.unit_px()).max(FONT[1])
+    (FONT_SIZES[0] * options.unit_px()).max(FONT_SIZES[1])
 }
 
 /// Returns the title of the bar: the quantity, with its unit.

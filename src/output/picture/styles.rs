@@ -33,7 +33,7 @@ const STYLE_FIELDS: &[Parameter] = &[
 
 /// Colours that can be told apart with every kind of sight: those of M. Okabe and K. Ito, Color Universal Design
 /// (2002), without yellow and black.
-const PALETTE: [Color; 6] = [
+const CURVE_PALETTE: [Color; 6] = [
     [0, 114, 178, 255],
     [213, 94, 0, 255],
     [0, 158, 115, 255],
@@ -55,7 +55,7 @@ pub(super) struct Style<'a> {
 /// Returns the styles that the options give, none if all curves look alike. `width_px` is the default width.
 pub(super) fn styles<'a>(options: &Options<'a>, width_px: f32) -> Vec<Style<'a>> {
     let style = |(i, values): (usize, &'a Values)| {
-        let color = values.color("color").unwrap_or_else(|| options.color(PALETTE[i % PALETTE.len()]));
+        let color = values.color("color").unwrap_or_else(|| options.color(CURVE_PALETTE[i % CURVE_PALETTE.len()]));
         #[expect(clippy::cast_possible_truncation, reason = "a width needs no last digit")]
         let width_px = width_px * values.number("width").unwrap_or(1.0) as f32;
         let stroke = dashed(values.choice("dash").unwrap_or("solid"), Stroke::solid(width_px, color));

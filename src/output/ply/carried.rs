@@ -2,7 +2,7 @@
 
 use super::layout::{PlyEncoding, PlyLayout};
 use crate::output::colors::byte;
-use crate::output::numbers::{REAL, digits, whole};
+use crate::output::numbers::{REAL_BYTES, digits, whole};
 use crate::output::scene::MeshSource;
 use crate::shape::attachments::{Attachments, Channel};
 use crate::shape::labels::Labels;
@@ -62,7 +62,7 @@ fn kinds(attachments: &Attachments) -> impl Iterator<Item = (&'static str, &Labe
 pub(super) fn bytes(attachments: &Attachments, layout: PlyLayout, cells: u128) -> (u128, u128) {
     let ascii = layout.encoding == PlyEncoding::Ascii;
     let number = match (ascii, layout.float) {
-        (true, _) => REAL + 1,
+        (true, _) => REAL_BYTES + 1,
         (false, true) => 4,
         (false, false) => 8,
     };

@@ -1,7 +1,7 @@
 //! The encodings of rows of a PLY file.
 
 use crate::math::parameter::Values;
-use crate::output::numbers::{REAL, real, real_f32, rounded, whole};
+use crate::output::numbers::{REAL_BYTES, real, real_f32, rounded, whole};
 use crate::output::surface::with_normals;
 
 /// The encoding and the columns of rows.
@@ -49,7 +49,7 @@ impl PlyLayout {
     /// Returns the number of bytes per vertex; for text, its maximum.
     pub(super) fn vertex_bytes(self) -> u128 {
         let number = match (self.encoding, self.float) {
-            (PlyEncoding::Ascii, _) => REAL + 1,
+            (PlyEncoding::Ascii, _) => REAL_BYTES + 1,
             (_, true) => 4,
             (_, false) => 8,
         };

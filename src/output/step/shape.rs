@@ -35,20 +35,20 @@ pub(super) fn faces(out: &mut Entities<'_>, brep: &Brep, watch: &Watch) -> Resul
 }
 
 /// Maximum number of runs of input faces in the name of a face; some readers cut names at 256 bytes.
-const RUNS: usize = 12;
+const MAX_NAMED_RUNS: usize = 12;
 
 /// Returns the name of a face, which lists its input faces: `f3`, or `f3-f5,f8`.
 fn name(face: &Face) -> String {
     let mut name = String::new();
     let runs: Vec<&[u32]> = face.inputs.chunk_by(|a, b| a + 1 == *b).collect();
-    for (i, run) in runs.iter().take(RUNS).enumerate() {
+    for (i, run) in runs.iter().take(MAX_NAMED_RUNS).enumerate() {
         let comma = if i > 0 { "," } else { "" };
         let (first, last) = (run[0], run[run.len() - 1]);
         let written =
             if first == last { write!(name, "{comma}f{first}") } else { write!(name, "{comma}f{first}-f{last}") };
         written.expect("text takes what is written");
     }
-    if runs.len() > RUNS {
+    if runs.len() > MAX_NAMED_RUNS {
         name.push_str(",...");
     }
     name

@@ -10,7 +10,7 @@ use rawzip::{CompressionMethod, Error, ErrorKind, ZipArchiveWriter};
 
 /// Compression level: the usual balance of zlib. At 1 models are a third longer, at 9 they take twice as long and are
 /// hardly shorter.
-const LEVEL: u32 = 6;
+const COMPRESSION_LEVEL: u32 = 6;
 
 /// Returns the maximum number of bytes of an archive besides its stored files, for `n_files` files with names of
 /// `names` bytes in total: headers of 30 and 46 bytes, lengths of 24, and twice 32 for large files.
@@ -38,7 +38,7 @@ impl<'a> Package<'a> {
     ) -> Result<(), E> {
         let file = self.0.new_file(name).compression_method(CompressionMethod::DEFLATE);
         let (mut entry, config) = file.start().map_err(unwritten)?;
-        let mut packed = config.wrap(DeflateEncoder::new(&mut entry, Compression::new(LEVEL)));
+        let mut packed = config.wrap(DeflateEncoder::new(&mut entry, Compression::new(COMPRESSION_LEVEL)));
         write(&mut packed)?;
         let (packed, sums) = packed.finish().map_err(unwritten)?;
         packed.finish()?;

@@ -4,7 +4,7 @@ use super::lanes::Lanes;
 use super::lattice::{cell, fine, is_within};
 use super::line::SharpSide;
 use super::planes::{MaskGroup, PLANES, PlaneMask};
-use super::sample::{MaskTable, RADIUS, Sample, TableUse};
+use super::sample::{MaskTable, SAMPLE_RADIUS, Sample, TableUse};
 use crate::math::functions::ratio;
 use crate::scheme::plan::{Plan, Scheduled};
 use crate::shape::tile::Tile;
@@ -37,7 +37,7 @@ pub(super) fn passes(
     lines: &[Option<SharpSide>],
     lanes: Option<Lanes>,
 ) -> Option<Vec<Pass>> {
-    let sample = |line| Sample::new(tile, line, RADIUS).with_lanes(lanes);
+    let sample = |line| Sample::new(tile, line, SAMPLE_RADIUS).with_lanes(lanes);
     let smooth = sample(None).tables(plan, round)?;
     let mut passes: Vec<Pass> = smooth.iter().map(Pass::smooth).collect::<Option<_>>()?;
     for line in lines {
@@ -188,7 +188,7 @@ struct KnownPoints {
 }
 
 /// Pieces per side of the test patch: the smallest patch whose neighbours meet and whose corners are all distinct.
-const PIECES: isize = 2;
+const PIECES_A_SIDE: isize = 2;
 
 impl KnownPoints {
     fn new(tile: Tile, halo: usize) -> Self {
@@ -198,7 +198,7 @@ impl KnownPoints {
     }
 
     fn side(halo: isize) -> usize {
-        (PIECES + 2 * halo + 1).unsigned_abs()
+        (PIECES_A_SIDE + 2 * halo + 1).unsigned_abs()
     }
 
     fn at(&self, plane: usize, [i, j]: [isize; 2]) -> Option<usize> {
@@ -212,7 +212,7 @@ impl KnownPoints {
     }
 
     fn is_coarse(&self, at: [isize; 2]) -> bool {
-        is_within(self.tile, PIECES, self.halo, at)
+        is_within(self.tile, PIECES_A_SIDE, self.halo, at)
     }
 
     /// Returns whether these passes compute all needed points of the refined grid from the points of the coarse grid in
@@ -235,16 +235,17 @@ impl KnownPoints {
             self.points = after;
         }
         let reach = 2 * self.halo;
-        let mut places = (-reach..=2 * PIECES + reach).flat_map(|j| (-reach..=2 * PIECES + reach).map(move |i| [i, j]));
+        let mut places = (-reach..=2 * PIECES_A_SIDE + reach)
+            .flat_map(|j| (-reach..=2 * PIECES_A_SIDE + reach).map(move |i| [i, j]));
         places.all(|place| {
             let (plane, at) = cell(place);
-            !is_within(self.tile, 2 * PIECES, self.halo, place) || self.has(plane, at)
+            !is_within(self.tile, 2 * PIECES_A_SIDE, self.halo, place) || self.has(plane, at)
         })
     }
 
     /// Returns all planes and cells, in order.
     fn places(&self) -> impl Iterator<Item = (usize, [isize; 2])> + use<> {
-        let range = -self.halo..=PIECES + self.halo;
+        let range = -self.halo..=PIECES_A_SIDE + self.halo;
         (0..PLANES).flat_map(move |plane| {
             let rows = range.clone();
             let columns = range.clone();

@@ -18,7 +18,7 @@ use crate::watch::{Stopped, Watch};
 
 /// Number of faces after which a thread reports to the watch, which all threads share. Half of it makes them wait for
 /// each other twice as often; with twice of it, a job goes on for twice as long after it was cancelled.
-const REPORT: u64 = 4_096;
+const FACES_PER_REPORT: u64 = 4_096;
 
 /// Refined points in the documented order.
 #[derive(Debug)]
@@ -257,7 +257,7 @@ impl<const W: usize> SweepRun<'_, W> {
         }
         if round + 1 == sweep.rounds.len() {
             worker.unreported += 4 * (size.cells * size.cells) as u64;
-            if worker.unreported >= REPORT {
+            if worker.unreported >= FACES_PER_REPORT {
                 self.report(worker)?;
             }
             target.take(sweep, size, block, &worker.planes);

@@ -11,7 +11,7 @@ use crate::shape::topology::{NONE, Topology, index};
 /// Approximate number of vertices that are requested at a time: they take 1.5 MB as points and as much as bytes, and
 /// stay in the cache of a core. With half as many, points that neighbouring patches share are computed twice as often;
 /// with twice as many, points leave the cache before they are encoded.
-const STRETCH: usize = 1 << 16;
+const VERTICES_PER_REQUEST: usize = 1 << 16;
 
 /// The places of the vertices and faces of a refined mesh.
 #[derive(Debug)]
@@ -298,16 +298,16 @@ impl SweepPlaces {
         let (edges, inside) = (self.base.n_vertices(), self.first_inner());
         let on_edge = self.n - 1;
         if v < edges {
-            return edges.min(v + STRETCH / 16);
+            return edges.min(v + VERTICES_PER_REQUEST / 16);
         }
         let Some(inner) = v.checked_sub(inside) else {
-            let whole = (STRETCH / on_edge).max(1);
+            let whole = (VERTICES_PER_REQUEST / on_edge).max(1);
             return inside.min(edges + ((v - edges) / on_edge + whole) * on_edge);
         };
         let f = self.inner.partition_point(|&first| first <= inner) - 1;
         let (start, end) = (self.inner[f], self.inner[f + 1]);
-        if end - start <= STRETCH {
-            let last = self.inner.partition_point(|&end| end <= inner + STRETCH) - 1;
+        if end - start <= VERTICES_PER_REQUEST {
+            let last = self.inner.partition_point(|&end| end <= inner + VERTICES_PER_REQUEST) - 1;
             return inside + self.inner[last].max(end);
         }
         let (local, size) = (inner - start, self.base.face(f).len());
@@ -341,9 +341,9 @@ impl SweepPlaces {
             if f == self.base.n_faces() { self.base.n_half_edges() } else { self.base.half_edges(f).start as usize }
         };
         let faces = |f: usize| first(f) * n * n / 4;
-        if faces(f + 1) - faces(f) <= STRETCH {
+        if faces(f + 1) - faces(f) <= VERTICES_PER_REQUEST {
             let mut last = f + 1;
-            while last < self.base.n_faces() && faces(last + 1) <= face + STRETCH {
+            while last < self.base.n_faces() && faces(last + 1) <= face + VERTICES_PER_REQUEST {
                 last += 1;
             }
             return faces(last);

@@ -20,7 +20,7 @@ use crate::shape::topology::{Topology, index};
 
 /// Cells on each side of the middle of the nets from which masks are read: two cells, the reach of masks, and one more.
 /// With half as many, butterfly schemes would have the masks of a boundary; twice as many would only take longer.
-pub(super) const RADIUS: usize = 3;
+pub(super) const SAMPLE_RADIUS: usize = 3;
 
 /// How a step uses a table.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -6,7 +6,7 @@ use super::program::Sweep;
 
 /// Approximate number of faces that one task refines: small enough that all threads finish together, large enough that
 /// few stars are refined twice. Half as many refine more stars twice; twice as many let threads wait longer.
-const TASK: usize = 1 << 14;
+const FACES_PER_SWEEP_TASK: usize = 1 << 14;
 
 /// Consecutive patches and the parts of the result that hold their points.
 pub(super) struct PatchRun<'a, const W: usize> {
@@ -44,7 +44,7 @@ impl Sweep {
         let on_edge = order.pieces() - 1;
         let (mut edges, mut inner) = points.split_at_mut(base.n_edges() * on_edge);
         let mut at = [base.n_vertices(), base.n_vertices() + edges.len()];
-        let most = (TASK / (order.pieces() * order.pieces())).max(1);
+        let most = (FACES_PER_SWEEP_TASK / (order.pieces() * order.pieces())).max(1);
         let (mut tasks, mut e) = (Vec::new(), 0);
         for first in (0..base.n_faces()).step_by(most) {
             let last = (first + most).min(base.n_faces());

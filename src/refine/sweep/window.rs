@@ -20,7 +20,7 @@ const MAX_BAND_POINTS: usize = 1 << 19;
 const LEAST_ROWS: usize = 32;
 
 /// A window with more than this many points per requested point is divided.
-const SPARSE: usize = 4;
+const MAX_POINTS_A_REQUEST: usize = 4;
 
 /// A sweep whose points are computed when they are requested, and not kept.
 #[derive(Debug)]
@@ -145,7 +145,7 @@ impl OnDemand {
         let block = self.rows() * self.rows();
         for of_patch in spans.chunk_by(|(_, a), (_, b)| a.patch == b.patch) {
             let wanted: usize = of_patch.iter().map(|(_, span)| span.len).sum();
-            let is_sparse = GridWindow::around(of_patch, beside).1 > SPARSE * wanted + block;
+            let is_sparse = GridWindow::around(of_patch, beside).1 > MAX_POINTS_A_REQUEST * wanted + block;
             for part in of_patch.chunks(if is_sparse { 1 } else { of_patch.len() }) {
                 let ([low, high], n) = GridWindow::around(part, beside);
                 if points.len() < n {

@@ -11,7 +11,7 @@ use crate::scheme::step_error::StepError;
 use crate::shape::topology::{NONE, Topology, index};
 
 /// The rule along lines of edges.
-const RULE: FourPoint = FourPoint::CUBIC;
+const EDGE_RULE: FourPoint = FourPoint::CUBIC;
 
 /// The edge points of Kobbelt: `E' = 9/16 (a + b) - 1/16 (a* + b*)` with the points `a*`, `b*` that continue the edge
 /// beyond its ends `a` and `b`.
@@ -68,17 +68,17 @@ impl Operator for KobbeltEdges {
 
 fn edge_row(net: &MeshNet, parent: &Topology, e: usize, out: &mut Rows) {
     let [a, b] = parent.ends(e);
-    out.add(a, RULE.near);
-    out.add(b, RULE.near);
+    out.add(a, EDGE_RULE.near);
+    out.add(b, EDGE_RULE.near);
     let [forward, backward] = parent.halves(e);
     for (end, other, outgoing) in [(a, b, forward), (b, a, backward)] {
         let is_inner = parent.boundary_edges(end as usize).is_none();
         if is_inner && !net.tags.is_corner(end as usize) {
             beyond(parent, outgoing, out);
         } else if backward == NONE {
-            RULE.add_beyond(parent, &net.tags, e, end == b, out);
+            EDGE_RULE.add_beyond(parent, &net.tags, e, end == b, out);
         } else {
-            RULE.beyond(end, other, None, |v, weight| out.add(v, weight));
+            EDGE_RULE.beyond(end, other, None, |v, weight| out.add(v, weight));
         }
     }
 }
@@ -89,18 +89,18 @@ fn beyond(parent: &Topology, outgoing: u32, out: &mut Rows) {
     let across = around(around(outgoing));
     let end_of = |half_edge: u32| parent.vertex(parent.next(half_edge));
     if across != outgoing && around(around(across)) == outgoing {
-        return out.add(end_of(across), RULE.far);
+        return out.add(end_of(across), EDGE_RULE.far);
     }
     if across == outgoing {
-        return out.add(end_of(around(outgoing)), RULE.far);
+        return out.add(end_of(around(outgoing)), EDGE_RULE.far);
     }
     let p = parent.vertex(outgoing);
     let n = parent.ring(p as usize).count();
     let mut half_edge = outgoing;
     for i in 0..n {
         let [neighbour, diagonal] = virtual_point(i, n);
-        out.add(end_of(half_edge), RULE.far * neighbour);
-        opposite(parent, half_edge, RULE.far * diagonal, out);
+        out.add(end_of(half_edge), EDGE_RULE.far * neighbour);
+        opposite(parent, half_edge, EDGE_RULE.far * diagonal, out);
         half_edge = around(half_edge);
     }
 }

@@ -39,7 +39,7 @@ static LINEAR: Facts = Facts {
     follows: Follows::Creases,
     pointwise: true,
     symmetric: true,
-    ..COMMON
+    ..PUSH_BACK_FACTS
 };
 
 static CIRCULAR: Facts = Facts {
@@ -47,11 +47,11 @@ static CIRCULAR: Facts = Facts {
     curve: Some(CurveRule::PushBack { compensated: false }),
     nets: Nets::Polygons("this scheme refines polygons"),
     needs_alpha: true,
-    ..COMMON
+    ..PUSH_BACK_FACTS
 };
 
 /// The facts that both push-backs share.
-const COMMON: Facts = Facts {
+const PUSH_BACK_FACTS: Facts = Facts {
     doc: "Pushes back towards the polygon or mesh that entered the last U. With D = delta (old - new) at each vertex: \
          vertices move by D, edge points by omega/2 (D1 + D2), face points of an n-gon by omega^2/n times the sum over \
          its vertices; omega is the compensation. For higher arities D is interpolated as U interpolates, times omega \

@@ -179,7 +179,7 @@ fn read_part(disk: &dyn Disk, path: &Path, manifest: &Manifest, index: usize) ->
 /// which may exist beside them.
 const OWN_NAMES: [&str; 9] =
     ["lock", "index.redb", RECORDS_FILE, "tmp", "artifacts", "uploads", "keys.toml", "keys.lock", "keys.new"];
-const OF_SYSTEMS: [&str; 3] = ["lost+found", ".snapshot", ".DS_Store"];
+const SYSTEM_NAMES: [&str; 3] = ["lost+found", ".snapshot", ".DS_Store"];
 
 /// Refuses a folder with foreign contents, or with damaged records, before anything in it is changed.
 fn refuse_foreign(root: &Path) -> io::Result<()> {
@@ -190,7 +190,7 @@ fn refuse_foreign(root: &Path) -> io::Result<()> {
     };
     let names: Vec<String> = entries.iter().map(|entry| entry.file_name().to_string_lossy().into_owned()).collect();
     let is = |known: &[&str], name: &String| known.contains(&name.as_str());
-    let foreign = names.iter().find(|name| !is(&OWN_NAMES, name) && !is(&OF_SYSTEMS, name));
+    let foreign = names.iter().find(|name| !is(&OWN_NAMES, name) && !is(&SYSTEM_NAMES, name));
     if let Some(foreign) = foreign.filter(|_| !names.iter().any(|name| is(&OWN_NAMES, name))) {
         let detail = format!(
             "{} is no data directory of planish, it holds \"{}\"; name a folder that is empty or does not exist",

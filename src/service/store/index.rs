@@ -15,7 +15,7 @@ use super::shelf::Shelf;
 use crate::job::key::Key;
 
 /// Maps the key of an artifact to the number of its last use.
-const USES: TableDefinition<'_, &[u8; 32], u64> = TableDefinition::new("last-use-1");
+const USES_TABLE: TableDefinition<'_, &[u8; 32], u64> = TableDefinition::new("last-use-1");
 
 /// Number of additions and removals after which the order is written again. Half of it would write twice as often;
 /// twice of it would lose the order of twice as many uses in a crash.
@@ -137,7 +137,7 @@ pub(super) struct PendingUses {
 
 fn read(database: &Database) -> Result<HashMap<Key, u64>, redb::Error> {
     let transaction = database.begin_read()?;
-    let table = match transaction.open_table(USES) {
+    let table = match transaction.open_table(USES_TABLE) {
         Err(TableError::TableDoesNotExist(_)) => return Ok(HashMap::new()),
         table => table?,
     };
@@ -160,10 +160,10 @@ fn create(path: &Path) -> Result<Database, redb::Error> {
 fn write(database: &Database, anew: bool, removed: &[Key], uses: &[(Key, u64)]) -> Result<(), redb::Error> {
     let transaction = database.begin_write()?;
     if anew {
-        transaction.delete_table(USES)?;
+        transaction.delete_table(USES_TABLE)?;
     }
     {
-        let mut table = transaction.open_table(USES)?;
+        let mut table = transaction.open_table(USES_TABLE)?;
         for key in removed {
             table.remove(key.as_bytes())?;
         }

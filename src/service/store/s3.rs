@@ -17,11 +17,11 @@ use super::shared::BucketStore;
 
 /// Maximum number of retries of a call within its time limit. Half of it would fail while one machine of the store
 /// restarts; with twice of it the time limit ends first.
-const RETRIES: usize = 2;
+const MAX_RETRIES: usize = 2;
 /// Shortest and longest pause before a retry: they give a busy machine of the store some time, and all pauses together
 /// stay below the time limit of a lookup. Half of them would retry twice as fast on a busy store; twice of them would
 /// outlast a lookup.
-const PAUSES: (Duration, Duration) = (Duration::from_millis(50), Duration::from_millis(500));
+const RETRY_PAUSES: (Duration, Duration) = (Duration::from_millis(50), Duration::from_millis(500));
 
 /// The entry of this store in the list of stores. The records of jobs stay in the folder of the server that accepted
 /// them.
@@ -79,8 +79,8 @@ fn client(bucket: &Bucket, connect: Connect) -> Result<AmazonS3, StoreError> {
     if !bucket.endpoint.is_empty() && !is_address {
         return Err(wrong("the endpoint is no address; write it like https://s3.example.org"));
     }
-    let backoff = BackoffConfig { init_backoff: PAUSES.0, max_backoff: PAUSES.1, base: 2.0 };
-    let retry = RetryConfig { backoff, max_retries: RETRIES, retry_timeout: super::calls::CALL_TIMEOUT };
+    let backoff = BackoffConfig { init_backoff: RETRY_PAUSES.0, max_backoff: RETRY_PAUSES.1, base: 2.0 };
+    let retry = RetryConfig { backoff, max_retries: MAX_RETRIES, retry_timeout: super::calls::CALL_TIMEOUT };
     let mut builder = AmazonS3Builder::from_env()
         .with_bucket_name(&bucket.name)
         .with_retry(retry)

@@ -108,7 +108,7 @@ fn steepness<const K: usize>(t: f64) -> [f64; K] {
 }
 
 /// The Bezier points of the middle span of a uniform cubic spline, as weights of its four control points.
-const SPAN: [[f64; 4]; 4] = [
+const BEZIER_SPAN: [[f64; 4]; 4] = [
     [1.0 / 6.0, 4.0 / 6.0, 1.0 / 6.0, 0.0],
     [0.0, 4.0 / 6.0, 2.0 / 6.0, 0.0],
     [0.0, 2.0 / 6.0, 4.0 / 6.0, 0.0],
@@ -118,9 +118,9 @@ const SPAN: [[f64; 4]; 4] = [
 impl<const D: usize> BezierNet<D, 4> {
     /// Returns the patch of the middle span of a uniform bicubic spline with these control points.
     pub(super) fn of_spline(control: &[[[f64; D]; 4]; 4]) -> Self {
-        let rows: [[[f64; D]; 4]; 4] = control.map(|row| SPAN.map(|weights| weighted(&weights, &row)));
+        let rows: [[[f64; D]; 4]; 4] = control.map(|row| BEZIER_SPAN.map(|weights| weighted(&weights, &row)));
         let turned = BezierNet(rows).transposed();
-        BezierNet(turned.0.map(|column| SPAN.map(|weights| weighted(&weights, &column)))).transposed()
+        BezierNet(turned.0.map(|column| BEZIER_SPAN.map(|weights| weighted(&weights, &column)))).transposed()
     }
 }
 

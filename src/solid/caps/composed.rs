@@ -6,16 +6,16 @@ use crate::math::dense::Dense;
 use crate::math::functions::{cos, real, sqrt};
 
 /// The degree of the path in each variable.
-const PATH: usize = 2;
+const STEP_DEGREE: usize = 2;
 /// The degree of a patch of bidegree 5 along a path: 2 times (5 + 5).
 const PATH_DEGREE: usize = 20;
 /// The degree of the short form in each variable.
-const SHORT: usize = 5;
+const SHORT_DEGREE: usize = 5;
 /// Number of coefficients of a short form, and of Bernstein polynomials of a patch.
-pub(super) const SHORT_TERMS: usize = (SHORT + 1) * (SHORT + 1);
+pub(super) const SHORT_TERMS: usize = (SHORT_DEGREE + 1) * (SHORT_DEGREE + 1);
 
 /// Bernstein coefficients, in two variables, of the two coordinates of a path through the domain of a patch.
-pub(super) type Path = [[[f64; PATH + 1]; PATH + 1]; 2];
+pub(super) type Path = [[[f64; STEP_DEGREE + 1]; STEP_DEGREE + 1]; 2];
 
 /// A polynomial of two variables in the scaled Bernstein basis, where products are plain products of coefficients. If
 /// no coefficient is negative, nothing cancels: each step has a relative error of one rounding.
@@ -26,10 +26,10 @@ struct Scaled {
 }
 
 impl Scaled {
-    fn of(path: &[[f64; PATH + 1]; PATH + 1]) -> Self {
+    fn of(path: &[[f64; STEP_DEGREE + 1]; STEP_DEGREE + 1]) -> Self {
         let binomial = [1.0, 2.0, 1.0];
-        let scaled = |i: usize| (0..=PATH).map(move |j| binomial[i] * binomial[j] * path[i][j]);
-        Self { degree: PATH, terms: (0..=PATH).flat_map(scaled).collect() }
+        let scaled = |i: usize| (0..=STEP_DEGREE).map(move |j| binomial[i] * binomial[j] * path[i][j]);
+        Self { degree: STEP_DEGREE, terms: (0..=STEP_DEGREE).flat_map(scaled).collect() }
     }
 
     fn one() -> Self {
@@ -121,7 +121,7 @@ impl Composed {
         let exact: Vec<Vec<f64>> = pairs.map(|(a, b)| plain(a.times(b))).collect();
         let columns: Vec<[f64; SHORT_TERMS]> = short_forms(path);
         let neglected = std::array::from_fn(|ab| {
-            let raised = raised_whole(SHORT, &columns[ab]);
+            let raised = raised_whole(SHORT_DEGREE, &columns[ab]);
             raised.iter().zip(&exact[ab]).fold(0.0, |most: f64, (a, b)| most.max((a - b).abs()))
         });
         let short = (0..SHORT_TERMS).map(|k| std::array::from_fn(|ab| columns[ab][k])).collect();
@@ -149,18 +149,18 @@ impl Composed {
 
 /// Returns short forms that interpolate the Bernstein polynomials of a patch along a path at Chebyshev points.
 fn short_forms(path: &Path) -> Vec<[f64; SHORT_TERMS]> {
-    const N: usize = SHORT + 1;
+    const N: usize = SHORT_DEGREE + 1;
     let nodes: [f64; N] = std::array::from_fn(|k| 0.5 - 0.5 * cos(std::f64::consts::PI * (real(k) + 0.5) / real(N)));
     let values = nodes.map(bernstein::<N>);
     let matrix = Dense { n: N, a: values.iter().flatten().copied().collect() };
     let unit = |k: usize| -> Vec<f64> { (0..N).map(|i| if i == k { 1.0 } else { 0.0 }).collect() };
     let inverse: Vec<Vec<f64>> = (0..N).map(|k| matrix.solved(0.0, &unit(k), f64::MIN_POSITIVE)).collect(); // columns
-    let at = nodes.map(bernstein::<{ PATH + 1 }>);
+    let at = nodes.map(bernstein::<{ STEP_DEGREE + 1 }>);
     let mut forms = vec![[0.0; SHORT_TERMS]; SHORT_TERMS];
     for x in 0..N {
         for y in 0..N {
             let [first, second] = path.map(|c| {
-                let sum = |row: &[f64; PATH + 1]| row.iter().zip(&at[y]).map(|(c, b)| c * b).sum::<f64>();
+                let sum = |row: &[f64; STEP_DEGREE + 1]| row.iter().zip(&at[y]).map(|(c, b)| c * b).sum::<f64>();
                 bernstein::<N>(c.iter().zip(&at[x]).map(|(row, b)| b * sum(row)).sum())
             });
             for (ab, form) in forms.iter_mut().enumerate() {
@@ -175,7 +175,7 @@ fn short_forms(path: &Path) -> Vec<[f64; SHORT_TERMS]> {
 }
 
 /// Returns the coefficients, of degree 5, of the restriction of a cubic to the interval from x to y.
-pub(super) fn part_of_cubic([x, y]: [f64; 2]) -> [[f64; 4]; SHORT + 1] {
+pub(super) fn part_of_cubic([x, y]: [f64; 2]) -> [[f64; 4]; SHORT_DEGREE + 1] {
     let part: [[f64; 4]; 4] = restriction([x, y]);
     std::array::from_fn(|i| {
         std::array::from_fn(|j| {

@@ -3,7 +3,7 @@
 use super::composed::SHORT_TERMS;
 use super::proof::{LeafCell, n_cells, n_rings};
 use super::rings::LEAVES;
-use super::table::{ESTIMATED, FITTED, PROVED, rings_that_matter};
+use super::table::{ESTIMATE_SAMPLES, FIT_SAMPLES, MAX_PROVED_VALENCE, rings_that_matter};
 use crate::math::functions::real;
 
 /// Numbers of operations, each about a nanosecond, and bytes.
@@ -28,8 +28,8 @@ pub struct CapCost {
 /// Returns the cost of caps of a valence.
 pub fn cost(valence: usize) -> CapCost {
     let per_ring = |side: usize| rings_that_matter(valence) * LEAVES.len() * side * side;
-    let (n, fitted, estimated) = (real(valence), real(per_ring(FITTED)), real(per_ring(ESTIMATED)));
-    let proved = if valence <= PROVED { n_rings(valence) } else { 0 };
+    let (n, fitted, estimated) = (real(valence), real(per_ring(FIT_SAMPLES)), real(per_ring(ESTIMATE_SAMPLES)));
+    let proved = if valence <= MAX_PROVED_VALENCE { n_rings(valence) } else { 0 };
     let n_cells: usize = (1..=proved).map(|ring| LEAVES.len() * n_cells(valence, ring) * n_cells(valence, ring)).sum();
     let cell_bytes = SHORT_TERMS * SHORT_TERMS * size_of::<f64>() + size_of::<LeafCell>();
     let cap_operations = 4_000.0 * n + 220.0 * n * n;
@@ -37,7 +37,7 @@ pub fn cost(valence: usize) -> CapCost {
     CapCost {
         // frequencies times sectors times samples times columns, and Newton's steps
         table_operations: fitted * (26.0 * n * n + 900.0 * n) + 4_000.0 * (fitted + estimated),
-        table_bytes: per_ring(ESTIMATED) * 12 * size_of::<f64>() + valence * 128 * size_of::<f64>(),
+        table_bytes: per_ring(ESTIMATE_SAMPLES) * 12 * size_of::<f64>() + valence * 128 * size_of::<f64>(),
         proof_operations: 2e6 * real(n_cells),
         proof_bytes: n_cells * cell_bytes,
         cap_operations,

@@ -9,10 +9,10 @@ use crate::math::vector::{minus, plus, times};
 
 /// Number of free coefficients of one sector, which can be changed without breaking the joins: the middle point of its
 /// first spoke, the middle point of the ribbon across it, and the coefficients (2, 2), (3, 2), (2, 3) and (3, 3).
-pub(super) const FREE: usize = 6;
+pub(super) const FREE_COEFFICIENTS: usize = 6;
 
 /// The free parameters of a sector.
-pub(super) type Free<const D: usize> = [[f64; D]; FREE];
+pub(super) type Free<const D: usize> = [[f64; D]; FREE_COEFFICIENTS];
 
 /// The patch of one sector.
 pub(super) type SectorPatch<const D: usize> = BezierNet<D, 6>;
@@ -184,16 +184,16 @@ fn sector<const D: usize>(
 }
 
 /// Returns the length of the first leg of spokes whose tangents have length 1: the leg for which the spokes of the
-/// characteristic net would be cubic, times [`LEGS`].
+/// characteristic net would be cubic, times [`LEG_FACTORS`].
 pub(super) fn first_leg(characteristic: &Rings<2>) -> f64 {
     let [_, x1, x2, x3] = characteristic.outside(0).0.map(|row| row[0][0]);
     let cubic = (3.0 * (x1 + x2) - (3.0 * x2 + x3) + x3) / 4.0;
-    cubic * LEGS[characteristic.valence()]
+    cubic * LEG_FACTORS[characteristic.valence()]
 }
 
 /// Factors of the first leg by valence, from 0 to 32, for which fitted caps of random vertices deviate least, found in
 /// steps of 0.02. At 0.1 more or less, deviations are two to five times as large.
-const LEGS: [f64; 33] = [
+const LEG_FACTORS: [f64; 33] = [
     1.0, 1.0, 1.0, 1.0, 1.0, 0.9, 0.81, 0.72, 0.66, 0.6, 0.55, 0.51, 0.48, 0.44, 0.42, 0.4, 0.37, 0.35, 0.34, 0.32,
     0.3, 0.29, 0.28, 0.27, 0.26, 0.25, 0.24, 0.23, 0.22, 0.22, 0.21, 0.2, 0.2,
 ];

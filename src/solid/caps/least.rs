@@ -9,7 +9,7 @@ type Complex = [f64; 2];
 /// Columns whose part orthogonal to the columns before them is less than this fraction of the greatest length are
 /// dropped. Dependent columns keep about 1e-15, the least independent one of all valences 9e-3. Twice or half of it
 /// changes nothing.
-const DEPENDENT: f64 = 1e-9;
+const DEPENDENT_SHARE: f64 = 1e-9;
 
 /// Returns the least-squares solution x of `sum over t and a of A[s - t][k][a] x[t][a][q] = b[s][k][q]`, for all s of n
 /// sectors and k of `b.len() / n` samples: A and b are `n x samples`, x is by sectors.
@@ -77,7 +77,7 @@ fn best<const A: usize, const Q: usize>(a: &[Vec<Complex>], b: &[Vec<Complex>]) 
             }
         }
         let length = sqrt(product(&column, &column)[0]);
-        lengths[i] = if length > DEPENDENT * longest { length } else { 0.0 };
+        lengths[i] = if length > DEPENDENT_SHARE * longest { length } else { 0.0 };
         let scale = if lengths[i] > 0.0 { 1.0 / length } else { 0.0 };
         units.push(column.iter().map(|x| x.map(|x| scale * x)).collect());
     }

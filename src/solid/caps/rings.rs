@@ -12,7 +12,7 @@ const SECTOR_PLACES: [[usize; 2]; PER_SECTOR] = [[1, 0], [1, 1], [2, 0], [2, 1],
 const SPOKE_STEPS: usize = 3;
 /// Number of places stored per sector: 1 to [`SPOKE_STEPS`] steps along the first spoke, 0 to [`SPOKE_STEPS`] along the
 /// second.
-const HELD: usize = SPOKE_STEPS * (SPOKE_STEPS + 1);
+const STORED_PLACES: usize = SPOKE_STEPS * (SPOKE_STEPS + 1);
 /// The lower corners of the three exact leaves of one ring, in steps of the refined net.
 pub(super) const LEAVES: [[usize; 2]; 3] = [[1, 0], [0, 1], [1, 1]];
 
@@ -21,8 +21,8 @@ pub(super) const LEAVES: [[usize; 2]; 3] = [[1, 0], [0, 1], [1, 1]];
 pub(super) struct Rings<const D: usize> {
     /// The vertex.
     pub(super) centre: [f64; D],
-    /// `HELD` points per sector; for a given two-ring, those beyond two steps are zero and never read.
-    sectors: Vec<[[f64; D]; HELD]>,
+    /// `STORED_PLACES` points per sector; for a given two-ring, those beyond two steps are zero and never read.
+    sectors: Vec<[[f64; D]; STORED_PLACES]>,
 }
 
 fn slot(u: usize, v: usize) -> usize {
@@ -33,7 +33,7 @@ impl<const D: usize> Rings<D> {
     /// Creates the rings from a function that returns the point at steps (u, v) of sector s.
     fn of(centre: [f64; D], n: usize, point: impl Fn(usize, usize, usize) -> [f64; D]) -> Self {
         let sector = |s| {
-            let mut held = [[0.0; D]; HELD];
+            let mut held = [[0.0; D]; STORED_PLACES];
             for u in 1..=SPOKE_STEPS {
                 for v in 0..=SPOKE_STEPS {
                     held[slot(u, v)] = point(s, u, v);
@@ -57,7 +57,7 @@ impl<const D: usize> Rings<D> {
 
     /// Returns the two-ring, in the order of [`Self::of_two_ring`].
     pub(super) fn two_ring(&self) -> Vec<[f64; D]> {
-        let sector = |held: &[[f64; D]; HELD]| SECTOR_PLACES.map(|[u, v]| held[slot(u, v)]);
+        let sector = |held: &[[f64; D]; STORED_PLACES]| SECTOR_PLACES.map(|[u, v]| held[slot(u, v)]);
         std::iter::once(self.centre).chain(self.sectors.iter().flat_map(sector)).collect()
     }
 

@@ -5,7 +5,7 @@ use std::sync::OnceLock;
 
 use super::bezier::spaced;
 use super::characteristic::{characteristic_net, decay};
-use super::join::{FREE, Free, SectorPatch, first_leg, join, limit, tangents};
+use super::join::{FREE_COEFFICIENTS, Free, SectorPatch, first_leg, join, limit, tangents};
 use super::least::least_squares;
 use super::proof::ValenceProof;
 use super::rings::{PER_SECTOR, Rings};
@@ -20,18 +20,18 @@ pub const VALENCES: RangeInclusive<usize> = 3..=32;
 
 /// The greatest valence whose deviations are bounded; those of higher ones are sampled. More rings would have to be
 /// examined for higher ones, and it was not studied whether their planar caps can be shown to be one-to-one.
-pub(super) const PROVED: usize = 12;
+pub(super) const MAX_PROVED_VALENCE: usize = 12;
 
 /// The Bezier points of a cap's patch: `patch[a][b]`, a along u and b along v.
 pub type CapPatch = [[Vector; 6]; 6];
 
 /// Number of points of a two-ring whose effects are fitted: those of sector 0, and the vertex. Others follow by
 /// rotation.
-const SOURCES: usize = PER_SECTOR + 1;
+const FITTED_POINTS: usize = PER_SECTOR + 1;
 
 /// Samples along each side of a leaf for the fit, including the ends. With three, deviations grow by a tenth; nine take
 /// three times the time and gain less than a hundredth.
-pub(super) const FITTED: usize = 5;
+pub(super) const FIT_SAMPLES: usize = 5;
 
 /// The weight of the squared errors of a ring relative to the next outer ring. Half or twice of it increases the
 /// largest deviation of most valences by up to a quarter.
@@ -39,7 +39,7 @@ const RING_WEIGHT: f64 = 0.5;
 
 /// Samples along each side of a leaf for estimates, including the ends. Four underestimate by up to a sixth; thirteen
 /// take four times the time and find at most three hundredths more.
-pub(super) const ESTIMATED: usize = 7;
+pub(super) const ESTIMATE_SAMPLES: usize = 7;
 
 /// The factor by which estimates are multiplied, since they consider samples only. On random vertices of valence 3 to
 /// 32, the largest deviation of 17 x 17 samples per leaf is at most 1.05 times theirs.
@@ -54,7 +54,7 @@ pub struct CapTable {
     /// The cap of the characteristic net.
     pub(super) plane: Vec<SectorPatch<2>>,
     /// The free parameters of sector s, as sums over the sources: `fit[s][parameter][source]`.
-    fit: Vec<[[f64; SOURCES]; FREE]>,
+    fit: Vec<[[f64; FITTED_POINTS]; FREE_COEFFICIENTS]>,
     samples: CapSamples,
     proof: OnceLock<Option<ValenceProof>>,
 }
@@ -71,18 +71,18 @@ pub(super) struct Residual {
     pub(super) patches: Vec<SectorPatch<3>>,
 }
 
-static TABLES: [OnceLock<CapTable>; 33] = [const { OnceLock::new() }; 33];
+static CAP_TABLES: [OnceLock<CapTable>; 33] = [const { OnceLock::new() }; 33];
 
 impl CapTable {
     /// Returns the table of a valence, built on first use; `None` outside [`VALENCES`].
     pub fn of(valence: usize) -> Option<&'static Self> {
-        let table = TABLES.get(valence).filter(|_| VALENCES.contains(&valence))?;
+        let table = CAP_TABLES.get(valence).filter(|_| VALENCES.contains(&valence))?;
         Some(table.get_or_init(|| Self::fitted(valence)))
     }
 
     fn fitted(valence: usize) -> Self {
         let weight = |samples: &CapSamples, k| (0..samples.ring(k)).fold(1.0, |weight, _| weight * sqrt(RING_WEIGHT));
-        Self::fitted_to(valence, rings_that_matter(valence), FITTED, weight)
+        Self::fitted_to(valence, rings_that_matter(valence), FIT_SAMPLES, weight)
     }
 
     /// Builds the table of a valence from samples of `depth` rings, with weighted errors.
@@ -94,10 +94,10 @@ impl CapTable {
     ) -> Self {
         let characteristic = characteristic_net(valence);
         let sigma = first_leg(&characteristic);
-        let plane = join(&characteristic, sigma, &vec![[[0.0; 2]; FREE]; valence]);
+        let plane = join(&characteristic, sigma, &vec![[[0.0; 2]; FREE_COEFFICIENTS]; valence]);
         let samples = CapSamples::of(&characteristic, &plane[0], depth, &spaced(side));
         let fit = fit(valence, sigma, &samples, |k| weight(&samples, k));
-        let within = spaced(ESTIMATED);
+        let within = spaced(ESTIMATE_SAMPLES);
         let samples = CapSamples::of(&characteristic, &plane[0], rings_that_matter(valence), &within);
         Self { valence, characteristic, sigma, plane, fit, samples, proof: OnceLock::new() }
     }
@@ -137,10 +137,16 @@ impl CapTable {
         ESTIMATE_MARGIN * sqrt(largest)
     }
 
-    /// Returns the facts about all caps of this valence, computed on first use; `None` for valences beyond [`PROVED`].
+    /// Returns the facts about all caps of this valence, computed on first use; `None` for valences beyond
+    /// [`MAX_PROVED_VALENCE`].
     pub(super) fn proof(&self) -> Option<&ValenceProof> {
-        let make =
-            || if self.valence <= PROVED { ValenceProof::of(&self.characteristic, &self.plane[0]) } else { None };
+        let make = || {
+            if self.valence <= MAX_PROVED_VALENCE {
+                ValenceProof::of(&self.characteristic, &self.plane[0])
+            } else {
+                None
+            }
+        };
         self.proof.get_or_init(make).as_ref()
     }
 
@@ -165,7 +171,7 @@ impl CapTable {
     fn free(&self, two_ring: &[Vector]) -> Vec<Free<3>> {
         let n = self.valence;
         let sector = |s: usize| {
-            let mut free = [[0.0; 3]; FREE];
+            let mut free = [[0.0; 3]; FREE_COEFFICIENTS];
             for (a, free) in free.iter_mut().enumerate() {
                 *free = times(self.fit[s][a][PER_SECTOR], two_ring[0]);
                 for t in 0..n {
@@ -195,21 +201,26 @@ pub(super) fn rings_that_matter(valence: usize) -> usize {
 
 /// Returns the parameters for which caps of unit two-rings are nearest to their limit surfaces in the least-squares
 /// sense.
-fn fit(n: usize, sigma: f64, samples: &CapSamples, weight: impl Fn(usize) -> f64) -> Vec<[[f64; SOURCES]; FREE]> {
+fn fit(
+    n: usize,
+    sigma: f64,
+    samples: &CapSamples,
+    weight: impl Fn(usize) -> f64,
+) -> Vec<[[f64; FITTED_POINTS]; FREE_COEFFICIENTS]> {
     let unit = |at: usize| std::array::from_fn(|k| if k == at { 1.0 } else { 0.0 });
-    let mut sources = vec![[0.0; SOURCES]; PER_SECTOR * n + 1];
+    let mut sources = vec![[0.0; FITTED_POINTS]; PER_SECTOR * n + 1];
     sources[0] = unit(PER_SECTOR);
     (0..PER_SECTOR).for_each(|q| sources[1 + q] = unit(q));
     let sources = Rings::of_two_ring(&sources);
-    let unfitted = join(&sources, sigma, &vec![[[0.0; SOURCES]; FREE]; n]);
-    let mut missing = vec![[0.0; SOURCES]; n * samples.len()];
+    let unfitted = join(&sources, sigma, &vec![[[0.0; FITTED_POINTS]; FREE_COEFFICIENTS]; n]);
+    let mut missing = vec![[0.0; FITTED_POINTS]; n * samples.len()];
     samples.limits(&sources, |s, k, point| {
         missing[s * samples.len() + k] = times(weight(k), minus(point, samples.on(&unfitted[s], k)));
     });
-    let mut free = vec![[[0.0; FREE]; FREE]; n];
+    let mut free = vec![[[0.0; FREE_COEFFICIENTS]; FREE_COEFFICIENTS]; n];
     free[0] = std::array::from_fn(|a| std::array::from_fn(|k| if k == a { 1.0 } else { 0.0 }));
-    let moved = join(&Rings::of_two_ring(&vec![[0.0; FREE]; PER_SECTOR * n + 1]), sigma, &free);
-    let effects: Vec<[f64; FREE]> =
+    let moved = join(&Rings::of_two_ring(&vec![[0.0; FREE_COEFFICIENTS]; PER_SECTOR * n + 1]), sigma, &free);
+    let effects: Vec<[f64; FREE_COEFFICIENTS]> =
         moved.iter().flat_map(|patch| (0..samples.len()).map(|k| times(weight(k), samples.on(patch, k)))).collect();
     least_squares(n, &effects, &missing)
 }

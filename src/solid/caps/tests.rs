@@ -287,7 +287,7 @@ fn estimates_are_no_smaller_than_finer_samples() {
 
 /// How many random vertices bounds are held against samples on, where that is set while tests are built: a thousand
 /// were tried, optimised.
-const ASKED: Option<&str> = option_env!("PLANISH_TEST_VERTICES");
+const ASKED_VERTICES: Option<&str> = option_env!("PLANISH_TEST_VERTICES");
 /// So many otherwise: one of each valence from 3 to 12 but 4.
 const N_VERTICES: u64 = 9;
 /// Largest bound, in distances that samples find: measured 1.3.
@@ -322,7 +322,7 @@ impl SampleGrid {
 
 #[test]
 fn certified_bounds_are_no_smaller_than_what_samples_find_and_not_much_larger() {
-    let n_vertices = ASKED.map_or(N_VERTICES, |number| number.parse().expect("a number"));
+    let n_vertices = ASKED_VERTICES.map_or(N_VERTICES, |number| number.parse().expect("a number"));
     let grids: Vec<Option<SampleGrid>> = (0..=12).map(|n| CapTable::of(n).map(SampleGrid::of)).collect();
     let valences: Vec<usize> = (3..=12).filter(|n| *n != 4).collect();
     for (seed, &n) in (0..n_vertices).zip(valences.iter().cycle()) {
@@ -334,7 +334,7 @@ fn certified_bounds_are_no_smaller_than_what_samples_find_and_not_much_larger() 
             noise = noise.min(0.2);
             ring = random(n, noise, seed);
         }
-        for level in 0..if ASKED.is_some() { 3 } else { 2 } {
+        for level in 0..if ASKED_VERTICES.is_some() { 3 } else { 2 } {
             let (bound, found) = (table.bound(&ring), grid.farthest(&ring, &table.cap(&ring)));
             let name = format!("valence {n}, net {seed}, noise {noise}, level {level}");
             assert_eq!(bound.method, Method::Certified, "{name}");

@@ -17,10 +17,10 @@ use crate::watch::Watch;
 
 /// Resolution of distances relative to the size of the surface. Half of it costs one more quartering where no minimum
 /// is certain; twice of it would do for every known use.
-const RESOLUTION: f64 = 1e-9;
+const DISTANCE_RESOLUTION: f64 = 1e-9;
 /// Maximum number of quarterings for a point. Points at equal distance from much of the surface, such as the centre of
 /// a sphere, would take any number. Half as many end more of these early; twice as many take them twice as long.
-const QUARTERINGS: usize = 8_192;
+const MAX_QUARTERINGS: usize = 8_192;
 /// Number of points whose ends are searched together. Half as many make rings twice as often; twice as many take twice
 /// the memory.
 const POINTS_PER_SEARCH: usize = 1 << 16;
@@ -52,7 +52,7 @@ impl Best {
     const NONE: Self = Self {
         square: None,
         near: NearestPlace { uv: [0.0; 2], at: [0.0; 3], distance: f64::INFINITY, is_settled: false },
-        left: QUARTERINGS,
+        left: MAX_QUARTERINGS,
         is_certain: true,
     };
 
@@ -138,7 +138,7 @@ pub fn closest(mesh: &Mesh, plan: &Plan, points: &[Vector], watch: &Watch) -> Re
         return Err(SolidError::empty());
     }
     let tree = BoxTree::of(&parts.boxes);
-    let tolerance = RESOLUTION * tree.diagonal();
+    let tolerance = DISTANCE_RESOLUTION * tree.diagonal();
     let mut found = Vec::with_capacity(points.len());
     for points in points.chunks(POINTS_PER_SEARCH) {
         let in_leaves = |&point: &Vector| {

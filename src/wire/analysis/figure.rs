@@ -8,7 +8,7 @@ use super::{AnalysisAnswer, ScanAnswer, SchemeAnswer, SmoothnessAnswer, ValuesAn
 use crate::drawing::{Drawing, FontWeight, HorizontalAlign, Item, Label, Mark, Text, VerticalAlign};
 use crate::wire::surface_analysis::{NetAnswer, SurfaceAnswer};
 use crate::wire::tube_analysis::TubeAnswer;
-use plot::{BLUE, GREEN, Plot, RED, TEXT_INK, band, circle, dots, line, stems};
+use plot::{DISPROVED_COLOR, FUNCTION_COLOR, PROVED_COLOR, Plot, TEXT_INK, band, circle, dots, line, stems};
 
 /// Width of the page in pixels.
 const PAGE_WIDTH: u16 = 960;
@@ -103,7 +103,7 @@ fn verdict(smoothness: &SmoothnessAnswer) -> String {
 fn mask(scheme: &SchemeAnswer) -> Plot {
     let places = (scheme.mask.first..).map(|j| j as f64);
     let points: Vec<[f64; 2]> = places.zip(scheme.mask.values.iter().copied()).map(|(j, a)| [j, a]).collect();
-    Plot::around("Mask", "index", "weight", vec![stems(points, BLUE)])
+    Plot::around("Mask", "index", "weight", vec![stems(points, FUNCTION_COLOR)])
 }
 
 fn function(title: &str, values: &ValuesAnswer) -> Plot {
@@ -114,7 +114,7 @@ fn function(title: &str, values: &ValuesAnswer) -> Plot {
         from + k * step
     };
     let points = values.iter().enumerate().map(|(k, y)| [place(k), *y]).collect();
-    Plot::around(title, "parameter", "value", vec![line(points, BLUE)])
+    Plot::around(title, "parameter", "value", vec![line(points, FUNCTION_COLOR)])
 }
 
 fn eigenvalues(scheme: &SchemeAnswer) -> Plot {
@@ -124,7 +124,7 @@ fn eigenvalues(scheme: &SchemeAnswer) -> Plot {
     #[expect(clippy::cast_precision_loss, reason = "arities are small")]
     let d = scheme.arity as f64;
     let mut marks: Vec<_> = [1.0, 1.0 / d, 1.0 / (d * d)].into_iter().map(circle).collect();
-    marks.push(dots(points, BLUE));
+    marks.push(dots(points, FUNCTION_COLOR));
     Plot::within(
         "Local eigenvalues; circles of 1, 1/d, 1/d^2",
         ["real", "imaginary"],
@@ -140,18 +140,18 @@ fn smoothness(smoothness: &SmoothnessAnswer, order: usize) -> Plot {
     let most = (order as f64).max(1.0) + 0.5;
     let mut marks = Vec::new();
     if smoothness.proved_c >= 0 {
-        marks.push(line(vec![[-0.5, 0.5], [smoothness.proved_c as f64, 0.5]], GREEN));
-        marks.push(dots((0..=smoothness.proved_c).map(|k| [k as f64, 0.5]).collect(), GREEN));
+        marks.push(line(vec![[-0.5, 0.5], [smoothness.proved_c as f64, 0.5]], PROVED_COLOR));
+        marks.push(dots((0..=smoothness.proved_c).map(|k| [k as f64, 0.5]).collect(), PROVED_COLOR));
     }
     if let Some(k) = smoothness.disproved_c {
-        marks.push(line(vec![[k as f64, 0.5], [most, 0.5]], RED));
+        marks.push(line(vec![[k as f64, 0.5], [most, 0.5]], DISPROVED_COLOR));
         let disproved = (k..=i64::try_from(order).unwrap_or(k)).map(|k| [k as f64, 0.5]).collect();
-        marks.push(dots(disproved, RED));
+        marks.push(dots(disproved, DISPROVED_COLOR));
     }
     if let Some([from, to]) = smoothness.holder {
-        marks.push(band(vec![[from, 0.8], [to, 0.8]], vec![[from, 0.9], [to, 0.9]], BLUE));
-        marks.push(line(vec![[from, 0.75], [from, 0.95]], BLUE));
-        marks.push(line(vec![[to, 0.75], [to, 0.95]], BLUE));
+        marks.push(band(vec![[from, 0.8], [to, 0.8]], vec![[from, 0.9], [to, 0.9]], FUNCTION_COLOR));
+        marks.push(line(vec![[from, 0.75], [from, 0.95]], FUNCTION_COLOR));
+        marks.push(line(vec![[to, 0.75], [to, 0.95]], FUNCTION_COLOR));
     }
     let title = "Proved (green), disproved (red), exponent (blue)";
     Plot::within(title, ["k", ""], [[-0.5, most], [0.0, 1.0]], marks)
@@ -167,7 +167,7 @@ fn of_scan(scan: &ScanAnswer) -> Drawing {
         title,
         "",
         "exponent",
-        vec![band(low.clone(), high.clone(), BLUE), line(low, BLUE), line(high, BLUE)],
+        vec![band(low.clone(), high.clone(), FUNCTION_COLOR), line(low, FUNCTION_COLOR), line(high, FUNCTION_COLOR)],
     );
     exponent.set_x(scan.parameter.clone(), [from, to]);
     let most = scan.intervals.iter().map(|found| found.k).max().unwrap_or(0);
@@ -175,9 +175,9 @@ fn of_scan(scan: &ScanAnswer) -> Drawing {
     for found in &scan.intervals {
         #[expect(clippy::cast_precision_loss, reason = "orders are small")]
         let k = found.k as f64;
-        marks.push(line(vec![[found.from.value, k], [found.to.value, k]], GREEN));
+        marks.push(line(vec![[found.from.value, k], [found.to.value, k]], PROVED_COLOR));
         let ends = [&found.disproved_below, &found.disproved_above];
-        marks.push(dots(ends.into_iter().flatten().map(|end| [end.value, k]).collect(), RED));
+        marks.push(dots(ends.into_iter().flatten().map(|end| [end.value, k]).collect(), DISPROVED_COLOR));
     }
     #[expect(clippy::cast_precision_loss, reason = "orders are small")]
     let range = [[from, to], [-0.5, most as f64 + 0.5]];
@@ -205,8 +205,13 @@ fn of_surface(surface: &SurfaceAnswer) -> Drawing {
     let ratio = by_valence(|of| of.subdominant_ratio);
     let mut plots = Vec::new();
     if !valences.is_empty() {
-        plots.push(Plot::around("Subdominant eigenvalue", "valence", "value", vec![stems(subdominant, BLUE)]));
-        plots.push(Plot::around("The next eigenvalue over it", "valence", "ratio", vec![stems(ratio, BLUE)]));
+        plots.push(Plot::around(
+            "Subdominant eigenvalue",
+            "valence",
+            "value",
+            vec![stems(subdominant, FUNCTION_COLOR)],
+        ));
+        plots.push(Plot::around("The next eigenvalue over it", "valence", "ratio", vec![stems(ratio, FUNCTION_COLOR)]));
     }
     let nets = valences.iter().filter_map(|of| Some((of.valence, of.characteristic_net.as_ref()?)));
     plots.extend(nets.take(MAX_NETS).map(|(valence, net)| characteristic(&format!("valence {valence}"), net)));
@@ -246,6 +251,6 @@ fn of_tube(tube: &TubeAnswer) -> Drawing {
 fn characteristic(of: &str, net: &NetAnswer) -> Plot {
     let NetAnswer { points, faces } = net;
     let closed = |face: &Vec<usize>| face.iter().chain(face.first()).filter_map(|i| points.get(*i)).copied().collect();
-    let marks = faces.iter().map(|face| line(closed(face), BLUE)).collect();
+    let marks = faces.iter().map(|face| line(closed(face), FUNCTION_COLOR)).collect();
     Plot::around(&format!("Characteristic net of {of}"), "", "", marks).in_one_scale()
 }

@@ -10,7 +10,7 @@ use crate::wire::surface_analysis::{BoundaryAnswer, InputSurveyAnswer, SurfaceAn
 use crate::wire::tube_analysis::TubeAnswer;
 
 /// Maximum number of columns of matrices that are written out. Wider ones do not fit on a page; the JSON has them.
-const WIDEST: usize = 16;
+const MAX_MATRIX_COLUMNS: usize = 16;
 
 /// Returns the report of an answer.
 pub(super) fn report(answer: &AnalysisAnswer) -> String {
@@ -279,7 +279,7 @@ fn of_matrices(text: &mut String, matrices: &MatricesAnswer) -> FmtResult {
 fn matrix(text: &mut String, name: &str, matrix: &MatrixAnswer) -> FmtResult {
     write!(text, "\n### {name}\n\n")?;
     let columns = matrix.rows.first().map_or(0, Vec::len);
-    if columns > WIDEST {
+    if columns > MAX_MATRIX_COLUMNS {
         return writeln!(text, "{} x {columns} numbers, which the JSON has.", matrix.rows.len());
     }
     writeln!(text, "|{}\n|{}", " |".repeat(columns), "---|".repeat(columns))?;

@@ -21,7 +21,7 @@ use crate::watch::Watch;
 
 /// Distance between neighbouring lines, in units of line width. Half of it looks grey and doubles the file; twice of it
 /// leaves a finger-wide surface without a line.
-const APART: f64 = 3.5;
+const STROKE_DISTANCE: f64 = 3.5;
 /// The two directions of lines, across the picture and down it.
 const STROKE_DIRECTIONS: [[f64; 2]; 2] = [[1.0, -1.0], [1.0, 1.0]];
 /// The cosines of the angle between normal and lamp below which lines are drawn: every fourth line, the ones midway
@@ -107,7 +107,7 @@ impl HatchedSurface {
         most_pairs: usize,
         watch: &Watch,
     ) -> Result<Vec<PolylinePoints>, FormatError> {
-        let lines = HatchLines { apart: APART * f64::from(unit), size: size.map(f64::from) };
+        let lines = HatchLines { apart: STROKE_DISTANCE * f64::from(unit), size: size.map(f64::from) };
         let count = |triangle: &[u32; 3]| -> u64 {
             let numbers = (0..2).map(|direction| lines.numbers(direction, self.corners(*triangle)));
             numbers.map(|(from, to)| u64::try_from(to - from).unwrap_or(0)).sum()

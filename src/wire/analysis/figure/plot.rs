@@ -5,13 +5,13 @@ use crate::drawing::{Axes, Axis, Color, Discs, FontWeight, Group, Item, Label, M
 /// Colour of text.
 pub(super) const TEXT_INK: Color = [15, 23, 42, 255];
 /// Colour of functions.
-pub(super) const BLUE: Color = [37, 99, 235, 255];
+pub(super) const FUNCTION_COLOR: Color = [37, 99, 235, 255];
 /// Colour of proved statements.
-pub(super) const GREEN: Color = [22, 163, 74, 255];
+pub(super) const PROVED_COLOR: Color = [22, 163, 74, 255];
 /// Colour of disproved statements.
-pub(super) const RED: Color = [220, 38, 38, 255];
+pub(super) const DISPROVED_COLOR: Color = [220, 38, 38, 255];
 /// Colour of guides.
-const GREY: Color = [148, 163, 184, 255];
+const GUIDE_COLOR: Color = [148, 163, 184, 255];
 /// Number of edges of a circle. With a radius of a hundred pixels each edge has six. Half as many would be visible;
 /// twice as many would only be longer.
 const CIRCLE_EDGES: u8 = 96;
@@ -64,7 +64,7 @@ pub(super) fn band(low: Vec<[f64; 2]>, high: Vec<[f64; 2]>, color: Color) -> Mar
 pub(super) fn circle(radius: f64) -> Marks {
     let angle = |k: u8| std::f64::consts::TAU * f64::from(k) / f64::from(CIRCLE_EDGES);
     let place = |k| [radius * crate::math::functions::cos(angle(k)), radius * crate::math::functions::sin(angle(k))];
-    Marks { points: (0..=CIRCLE_EDGES).map(place).collect(), kind: MarkKind::Guide, color: GREY }
+    Marks { points: (0..=CIRCLE_EDGES).map(place).collect(), kind: MarkKind::Guide, color: GUIDE_COLOR }
 }
 
 impl Plot {
