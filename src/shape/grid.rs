@@ -132,10 +132,26 @@ impl QuadGrid {
             (patch, out) = out.split_at_mut((n * n - local).min(out.len()));
             f += patch.len();
             if is_quad {
-                quads(n, local, patch, |j| VertexLine::new(n, |i| self.quad_vertex(base_face, i, j)));
+                let line = self.lines(base_face);
+                quads(n, local, patch, line);
             } else {
                 quads(n, local, patch, |j| VertexLine::new(n, |i| self.part_vertex(base_face, part, i, j)));
             }
+        }
+    }
+
+    /// Returns the lines from side to side of a base face that is a quad, by their distance from its first side. What
+    /// they need of the base is read once.
+    fn lines(&self, f: usize) -> impl Fn(usize) -> VertexLine {
+        let n = self.n;
+        let first = self.base.half_edges(f).start;
+        let [lower, right, upper, left] =
+            [0, 1, 2, 3].map(|side| VertexLine::new(n, |i| self.on_side(first + side, i)));
+        let inner = if n > 1 { self.inner_vertex(f, 0) } else { 0 };
+        move |j| match j {
+            0 => lower,
+            j if j == n => upper.reversed(),
+            j => VertexLine::between_ends(n, [left.at(n - j), right.at(j)], inner + index((j - 1) * (n - 1))),
         }
     }
 

@@ -1,5 +1,7 @@
 //! Lines of a grid: rows of vertices whose indices are evenly spaced except at the two ends.
 
+use multiversion::multiversion;
+
 use super::topology::index;
 
 /// The indices of the `n + 1` vertices along a line of a grid.
@@ -15,6 +17,11 @@ pub(super) struct VertexLine {
 }
 
 impl VertexLine {
+    /// Creates a line between two vertices with consecutive vertices between them, from the index `second` on.
+    pub(super) fn between_ends(n: usize, [first, last]: [u32; 2], second: u32) -> Self {
+        Self { n, first, last, second, step: 1 }
+    }
+
     /// Creates a line with `n` pieces from the indices of its vertices 0 to `n`. Those of vertices 1 to `n - 1` are
     /// evenly spaced.
     pub(super) fn new(n: usize, vertex: impl Fn(usize) -> u32) -> Self {
@@ -23,7 +30,14 @@ impl VertexLine {
         Self { n, first: vertex(0), last: vertex(n), second, step }
     }
 
-    fn at(&self, i: usize) -> u32 {
+    /// Returns the line from its end to its start.
+    pub(super) fn reversed(&self) -> Self {
+        let second = if self.n > 1 { self.between(self.n - 1) } else { 0 };
+        Self { first: self.last, last: self.first, second, step: self.step.wrapping_neg(), ..*self }
+    }
+
+    /// Returns the index of vertex `i`.
+    pub(super) fn at(&self, i: usize) -> u32 {
         match i {
             0 => self.first,
             i if i == self.n => self.last,
@@ -59,18 +73,33 @@ fn row_of_quads(lower: &VertexLine, upper: &VertexLine, from: usize, row: &mut [
         (from..to).zip(row).for_each(|(i, out)| *out = quad(i));
         return;
     }
-    let [mut a, mut d] = [lower, upper].map(|line| line.between(between.start));
-    for out in &mut row[between.start - from..between.end - from] {
-        let (b, c) = (a.wrapping_add(lower.step), d.wrapping_add(upper.step));
-        *out = [a, b, c, d];
-        (a, d) = (b, c);
-    }
+    let first = quad(between.start);
+    let steps = [lower.step, lower.step, upper.step, upper.step];
+    evenly_spaced(first, steps, &mut row[between.start - from..between.end - from]);
     if from == 0 {
         row[0] = quad(0);
     }
     if to == lower.n {
         row[to - 1 - from] = quad(to - 1);
     }
+}
+
+/// Fills `out` with quads whose vertices are `steps` further from each quad to the next, starting at `first`.
+#[multiversion(targets("x86_64+avx512f", "x86_64+avx2"))]
+fn evenly_spaced(first: [u32; 4], steps: [u32; 4], out: &mut [[u32; 4]]) {
+    let after = |n: u32| std::array::from_fn::<u32, 4, _>(|k| first[k].wrapping_add(steps[k].wrapping_mul(n)));
+    // four quads at a time, as many as the widest registers hold
+    let mut four = [after(0), after(1), after(2), after(3)];
+    let (blocks, rest) = out.as_chunks_mut::<4>();
+    for block in blocks {
+        *block = four;
+        for quad in &mut four {
+            for (vertex, step) in quad.iter_mut().zip(steps) {
+                *vertex = vertex.wrapping_add(step.wrapping_mul(4));
+            }
+        }
+    }
+    rest.iter_mut().zip(four).for_each(|(out, quad)| *out = quad);
 }
 
 /// Fills `out` with triangles, row by row from triangle `first` of row `row`: row `j` lies between line `j`, which has

@@ -33,12 +33,15 @@ enum FlatUse {
     Push,
 }
 
-/// The size of a grid: `cells x cells` plus a halo of `halo` cells on each side; points have `width` coordinates.
+/// The size of a grid: `cells x cells` plus a halo of `halo` cells on each side; points have `width` coordinates. Planes
+/// may hold a stack of grids of one size, one after the other.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct GridSize {
     pub(super) cells: usize,
     pub(super) halo: usize,
     pub(super) width: usize,
+    /// The place of the grid in the stack.
+    pub(super) place: usize,
 }
 
 impl GridSize {
@@ -47,15 +50,20 @@ impl GridSize {
         self.cells + 1 + 2 * self.halo
     }
 
-    /// Number of values in a plane.
+    /// Number of values of one grid in a plane.
     pub(super) fn len(self) -> usize {
         self.stride() * self.stride() * self.width
+    }
+
+    /// Returns the size with another place in the stack.
+    pub(super) fn stacked(self, place: usize) -> Self {
+        Self { place, ..self }
     }
 
     /// Returns the index of the first value of a cell's point; cells in the halo are negative or greater than `cells`.
     pub(super) fn at(self, cell: [isize; 2]) -> usize {
         let [i, j] = cell.map(|x| x.cast_unsigned().wrapping_add(self.halo));
-        (j * self.stride() + i) * self.width
+        self.place * self.len() + (j * self.stride() + i) * self.width
     }
 
     /// Returns the range of values in the rows of a plane with points of the refined grid, or at most `beyond` outside
@@ -140,9 +148,11 @@ fn reach(mask: &PlaneMask) -> [[isize; 2]; 2] {
     [[0, 1].map(|axis| along(axis).min().unwrap_or(0)), [0, 1].map(|axis| along(axis).max().unwrap_or(0))]
 }
 
-/// A line on a grid: its index, the axis along which it runs, and a vertex on it.
+/// A line on a grid: the place of the grid in its stack, the index of the line, the axis along which it runs, and a
+/// vertex on it.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct GridLine {
+    pub(super) grid: usize,
     pub(super) line: usize,
     pub(super) axis: usize,
     pub(super) from: [isize; 2],
@@ -171,10 +181,13 @@ impl Planes {
         std::array::from_fn(|c| self.now[plane][at + c])
     }
 
-    /// Refines the grid once. Afterwards the planes hold the vertices, the edge points along the first and the second
-    /// axis, and the face points, each at the cell whose lower left corner it belongs to.
-    pub(super) fn refine(&mut self, passes: &[FlatPass], size: GridSize, lines: &[GridLine]) {
-        let len = size.len();
+    /// Refines a stack of `grids` grids once. Afterwards the planes hold the vertices, the edge points along the first
+    /// and the second axis, and the face points, each at the cell whose lower left corner it belongs to.
+    ///
+    /// The loops run over the whole stack: sums that reach from one grid into the next lie in halos, where nobody reads
+    /// them.
+    pub(super) fn refine(&mut self, passes: &[FlatPass], size: GridSize, grids: usize, lines: &[GridLine]) {
+        let len = grids * size.len();
         self.now.iter_mut().chain(&mut self.next).for_each(|plane| at_least(plane, len));
         let pushes = passes.iter().any(|pass| pass.is == FlatUse::Push);
         if pushes {
@@ -190,14 +203,13 @@ impl Planes {
                         pass.planes[plane].combine(&source, &mut out[..len], false);
                     }
                 }
-                FlatUse::Blend => self.blend(pass, size, lines),
+                FlatUse::Blend => self.blend(pass, size, len, lines),
                 FlatUse::Push => self.push(pass, len),
             }
         }
     }
 
-    fn blend(&mut self, pass: &FlatPass, size: GridSize, lines: &[GridLine]) {
-        let len = size.len();
+    fn blend(&mut self, pass: &FlatPass, size: GridSize, len: usize, lines: &[GridLine]) {
         let Self { now, next, .. } = self;
         let source = now.each_ref().map(|plane| &plane[..len]);
         let moved = |plane: usize| pass.wanted[plane] && !pass.keeps(plane);
@@ -205,7 +217,7 @@ impl Planes {
             pass.planes[plane].combine(&source, &mut next[plane][..len], false);
         }
         for line in lines {
-            draw_line(pass, &source, next, size, *line);
+            draw_line(pass, &source, next, size.stacked(line.grid), *line);
         }
         for plane in (0..PLANES).filter(|&plane| moved(plane)) {
             std::mem::swap(&mut now[plane], &mut next[plane]);

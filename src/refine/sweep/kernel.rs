@@ -23,8 +23,11 @@ pub(super) struct FlatMask {
     pub(super) groups: Vec<FlatGroup>,
     /// Number of members of each group.
     sizes: Vec<usize>,
-    /// The range in which sums are computed: where they are needed and all members lie in the planes.
+    /// The range in which sums are computed: where they are needed and all members lie in the planes. In a stack of
+    /// grids it ends as far from the end.
     range: Range<usize>,
+    /// Number of values in a plane of one grid.
+    len: usize,
 }
 
 impl FlatMask {
@@ -35,16 +38,18 @@ impl FlatMask {
         let high = distances().max().unwrap_or(0).max(0).unsigned_abs();
         let start = wanted.start.max(low);
         let range = start..wanted.end.min(len - high).max(start);
-        Self { sizes: groups.iter().map(|group| group.members.len()).collect(), groups, range }
+        Self { sizes: groups.iter().map(|group| group.members.len()).collect(), groups, range, len }
     }
 
-    /// Sets `out[k]` to the sum over the groups for each `k` in the range, or adds the sum if `adds` is set.
+    /// Sets `out[k]` to the sum over the groups for each `k` in the range, or adds the sum if `adds` is set. The planes
+    /// may hold a stack of grids.
     pub(super) fn combine(&self, source: &[&[f64]; 4], out: &mut [f64], adds: bool) {
-        let out = &mut out[self.range.clone()];
+        let n = self.range.len() + out.len() - self.len;
+        let out = &mut out[self.range.start..self.range.start + n];
         let slice = |group: usize, member: usize| -> &[f64] {
             let (plane, distance) = self.groups[group].members[member];
             let start = self.range.start.wrapping_add_signed(distance);
-            &source[plane as usize][start..start + self.range.len()]
+            &source[plane as usize][start..start + n]
         };
         let w = |group: usize| self.groups[group].weight;
         let two = |g: usize| [slice(g, 0), slice(g, 1)];
@@ -82,17 +87,17 @@ impl FlatMask {
     }
 }
 
-#[multiversion(targets("x86_64+avx2", "x86_64+avx"))]
+#[multiversion(targets("x86_64+avx512f+avx512vl+avx512dq+avx512bw", "x86_64+avx2", "x86_64+avx"))]
 fn one(out: &mut [f64], w: f64, a: &[f64]) {
     out.iter_mut().zip(a).for_each(|(x, a)| *x = w * a);
 }
 
-#[multiversion(targets("x86_64+avx2", "x86_64+avx"))]
+#[multiversion(targets("x86_64+avx512f+avx512vl+avx512dq+avx512bw", "x86_64+avx2", "x86_64+avx"))]
 fn add_one(out: &mut [f64], w: f64, a: &[f64]) {
     out.iter_mut().zip(a).for_each(|(x, a)| *x += w * a);
 }
 
-#[multiversion(targets("x86_64+avx2", "x86_64+avx"))]
+#[multiversion(targets("x86_64+avx512f+avx512vl+avx512dq+avx512bw", "x86_64+avx2", "x86_64+avx"))]
 fn pair(out: &mut [f64], w: f64, [a, b]: [&[f64]; 2]) {
     let n = out.len();
     let (a, b) = (&a[..n], &b[..n]);
@@ -101,7 +106,7 @@ fn pair(out: &mut [f64], w: f64, [a, b]: [&[f64]; 2]) {
     }
 }
 
-#[multiversion(targets("x86_64+avx2", "x86_64+avx"))]
+#[multiversion(targets("x86_64+avx512f+avx512vl+avx512dq+avx512bw", "x86_64+avx2", "x86_64+avx"))]
 fn add_pair(out: &mut [f64], w: f64, [a, b]: [&[f64]; 2]) {
     let n = out.len();
     let (a, b) = (&a[..n], &b[..n]);
@@ -110,7 +115,7 @@ fn add_pair(out: &mut [f64], w: f64, [a, b]: [&[f64]; 2]) {
     }
 }
 
-#[multiversion(targets("x86_64+avx2", "x86_64+avx"))]
+#[multiversion(targets("x86_64+avx512f+avx512vl+avx512dq+avx512bw", "x86_64+avx2", "x86_64+avx"))]
 fn quad(out: &mut [f64], w: f64, quad: [&[f64]; 4]) {
     let n = out.len();
     let [a, b, c, d] = quad.map(|x| &x[..n]);
@@ -119,7 +124,7 @@ fn quad(out: &mut [f64], w: f64, quad: [&[f64]; 4]) {
     }
 }
 
-#[multiversion(targets("x86_64+avx2", "x86_64+avx"))]
+#[multiversion(targets("x86_64+avx512f+avx512vl+avx512dq+avx512bw", "x86_64+avx2", "x86_64+avx"))]
 fn add_quad(out: &mut [f64], w: f64, quad: [&[f64]; 4]) {
     let n = out.len();
     let [a, b, c, d] = quad.map(|x| &x[..n]);
@@ -128,7 +133,7 @@ fn add_quad(out: &mut [f64], w: f64, quad: [&[f64]; 4]) {
     }
 }
 
-#[multiversion(targets("x86_64+avx2", "x86_64+avx"))]
+#[multiversion(targets("x86_64+avx512f+avx512vl+avx512dq+avx512bw", "x86_64+avx2", "x86_64+avx"))]
 fn one_pair(out: &mut [f64], w: [f64; 2], a: &[f64], [b, c]: [&[f64]; 2]) {
     let n = out.len();
     let (a, b, c) = (&a[..n], &b[..n], &c[..n]);
@@ -137,7 +142,7 @@ fn one_pair(out: &mut [f64], w: [f64; 2], a: &[f64], [b, c]: [&[f64]; 2]) {
     }
 }
 
-#[multiversion(targets("x86_64+avx2", "x86_64+avx"))]
+#[multiversion(targets("x86_64+avx512f+avx512vl+avx512dq+avx512bw", "x86_64+avx2", "x86_64+avx"))]
 fn one_quads(out: &mut [f64], w: [f64; 3], a: &[f64], quads: [[&[f64]; 4]; 2]) {
     let n = out.len();
     let a = &a[..n];
@@ -149,7 +154,7 @@ fn one_quads(out: &mut [f64], w: [f64; 3], a: &[f64], quads: [[&[f64]; 4]; 2]) {
     }
 }
 
-#[multiversion(targets("x86_64+avx2", "x86_64+avx"))]
+#[multiversion(targets("x86_64+avx512f+avx512vl+avx512dq+avx512bw", "x86_64+avx2", "x86_64+avx"))]
 fn one_pairs_quad(out: &mut [f64], w: [f64; 4], a: &[f64], pairs: [[&[f64]; 2]; 2], quad: [&[f64]; 4]) {
     let n = out.len();
     let a = &a[..n];
@@ -161,7 +166,7 @@ fn one_pairs_quad(out: &mut [f64], w: [f64; 4], a: &[f64], pairs: [[&[f64]; 2]; 
     }
 }
 
-#[multiversion(targets("x86_64+avx2", "x86_64+avx"))]
+#[multiversion(targets("x86_64+avx512f+avx512vl+avx512dq+avx512bw", "x86_64+avx2", "x86_64+avx"))]
 fn six_of(out: &mut [f64], w: f64, six: [&[f64]; 6]) {
     let n = out.len();
     let [a, b, c, d, e, f] = six.map(|x| &x[..n]);
@@ -170,7 +175,7 @@ fn six_of(out: &mut [f64], w: f64, six: [&[f64]; 6]) {
     }
 }
 
-#[multiversion(targets("x86_64+avx2", "x86_64+avx"))]
+#[multiversion(targets("x86_64+avx512f+avx512vl+avx512dq+avx512bw", "x86_64+avx2", "x86_64+avx"))]
 fn add_six(out: &mut [f64], w: f64, six: [&[f64]; 6]) {
     let n = out.len();
     let [a, b, c, d, e, f] = six.map(|x| &x[..n]);
@@ -179,7 +184,7 @@ fn add_six(out: &mut [f64], w: f64, six: [&[f64]; 6]) {
     }
 }
 
-#[multiversion(targets("x86_64+avx2", "x86_64+avx"))]
+#[multiversion(targets("x86_64+avx512f+avx512vl+avx512dq+avx512bw", "x86_64+avx2", "x86_64+avx"))]
 fn one_six(out: &mut [f64], w: [f64; 2], own: &[f64], six: [&[f64]; 6]) {
     let n = out.len();
     let own = &own[..n];
@@ -189,7 +194,7 @@ fn one_six(out: &mut [f64], w: [f64; 2], own: &[f64], six: [&[f64]; 6]) {
     }
 }
 
-#[multiversion(targets("x86_64+avx2", "x86_64+avx"))]
+#[multiversion(targets("x86_64+avx512f+avx512vl+avx512dq+avx512bw", "x86_64+avx2", "x86_64+avx"))]
 fn two_pairs(out: &mut [f64], w: [f64; 2], pairs: [[&[f64]; 2]; 2]) {
     let n = out.len();
     let [[a, b], [c, d]] = pairs.map(|pair| pair.map(|x| &x[..n]));
@@ -198,7 +203,7 @@ fn two_pairs(out: &mut [f64], w: [f64; 2], pairs: [[&[f64]; 2]; 2]) {
     }
 }
 
-#[multiversion(targets("x86_64+avx2", "x86_64+avx"))]
+#[multiversion(targets("x86_64+avx512f+avx512vl+avx512dq+avx512bw", "x86_64+avx2", "x86_64+avx"))]
 fn add_two_pairs(out: &mut [f64], w: [f64; 2], pairs: [[&[f64]; 2]; 2]) {
     let n = out.len();
     let [[a, b], [c, d]] = pairs.map(|pair| pair.map(|x| &x[..n]));
@@ -207,7 +212,7 @@ fn add_two_pairs(out: &mut [f64], w: [f64; 2], pairs: [[&[f64]; 2]; 2]) {
     }
 }
 
-#[multiversion(targets("x86_64+avx2", "x86_64+avx"))]
+#[multiversion(targets("x86_64+avx512f+avx512vl+avx512dq+avx512bw", "x86_64+avx2", "x86_64+avx"))]
 fn add_two_quads(out: &mut [f64], w: [f64; 2], quads: [[&[f64]; 4]; 2]) {
     let n = out.len();
     let [[a, b, c, d], [e, f, g, h]] = quads.map(|quad| quad.map(|x| &x[..n]));

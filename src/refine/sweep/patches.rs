@@ -1,6 +1,6 @@
 //! Refines points by a sweep: each patch through all rounds, straight into the documented order.
 
-use std::ops::RangeInclusive;
+use std::ops::{Range, RangeInclusive};
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use rayon::prelude::*;
@@ -19,6 +19,12 @@ use crate::watch::{Stopped, Watch};
 /// Number of faces after which a thread reports to the watch, which all threads share. Half of it makes them wait for
 /// each other twice as often; with twice of it, a job goes on for twice as long after it was cancelled.
 const FACES_PER_REPORT: u64 = 4_096;
+
+/// Number of patches that are refined as a stack while they are small, at most.
+const STACK: usize = 8;
+
+/// Number of values in a plane up to which patches are refined as a stack.
+const STACKED: usize = 4_096;
 
 /// Refined points in the documented order.
 #[derive(Debug)]
@@ -59,9 +65,7 @@ impl Sweep {
         let tasks = self.tasks(rest);
         let made = tasks.into_par_iter().map_init(Worker::<W>::default, |worker, mut task| {
             worker.begin(self);
-            for patch in task.patches.clone() {
-                run.patch(patch, worker, &mut task)?;
-            }
+            run.patches(task.patches.clone(), worker, &mut task)?;
             run.report(worker)?;
             let vertices = || task.vertices.iter().all(|(_, point)| all_finite(point));
             let others = || all_finite(task.edges.as_flattened()) && all_finite(task.inner.as_flattened());
@@ -163,6 +167,11 @@ impl Block {
         [0, 1].map(|axis| place[axis] - self.at[axis].cast_signed())
     }
 
+    /// Returns the same part of the patch at a place in a stack of which this is the first.
+    fn at_place(self, place: usize) -> Self {
+        Self { patch: self.patch + place, ..self }
+    }
+
     /// Returns the block after a split, at the same part of the patch.
     fn refined(self) -> Self {
         Self { at: self.at.map(|at| 2 * at), pieces: 2 * self.pieces, ..self }
@@ -181,26 +190,47 @@ impl<const W: usize> Worker<W> {
 }
 
 impl<const W: usize> SweepRun<'_, W> {
-    /// Refines one patch and hands its points to `target`.
-    pub(super) fn patch(
+    /// Refines consecutive patches and hands their points to `target`.
+    ///
+    /// In their first rounds patches are so small that each loop ends before it has begun: several are refined as a
+    /// stack until their grids are large enough.
+    pub(super) fn patches(
         &self,
-        patch: usize,
+        patches: Range<usize>,
         worker: &mut Worker<W>,
         target: &mut impl Target<W>,
     ) -> Result<(), Stopped> {
+        let surface = &self.sweep.surface;
+        let mut rest = patches;
+        while !rest.is_empty() {
+            let first = rest.start;
+            let turned = surface.is_turned(first);
+            let alike = rest.clone().take(STACK).take_while(|&patch| surface.is_turned(patch) == turned).count();
+            self.stack(first..first + alike, worker, target)?;
+            rest.start += alike;
+        }
+        Ok(())
+    }
+
+    /// Refines a stack of patches, all turned alike.
+    fn stack(&self, patches: Range<usize>, worker: &mut Worker<W>, target: &mut impl Target<W>) -> Result<(), Stopped> {
         let sweep = self.sweep;
         let size = sweep.size(0, W);
-        let corners = sweep.surface.patches.half_edges(patch).map(|half| sweep.surface.patches.vertex(half) as usize);
-        corners.for_each(|v| self.star(v, worker));
-        let coarse = &mut worker.planes.now[0];
-        at_least(coarse, size.len());
-        coarse[..size.len()].fill(0.0);
-        let grid = [size.cells, sweep.halo];
-        sweep.surface.gather(&sweep.orders[0], patch, grid, |place, v| {
-            let at = size.at(place);
-            coarse[at..at + W].copy_from_slice(&self.start[v as usize]);
-        });
-        self.descend(0, Block { patch, at: [0, 0], pieces: size.cells }, worker, target)
+        let len = patches.len() * size.len();
+        at_least(&mut worker.planes.now[0], len);
+        worker.planes.now[0][..len].fill(0.0);
+        for (place, patch) in patches.clone().enumerate() {
+            let corners =
+                sweep.surface.patches.half_edges(patch).map(|half| sweep.surface.patches.vertex(half) as usize);
+            corners.for_each(|v| self.star(v, worker));
+            let (coarse, size) = (&mut worker.planes.now[0], size.stacked(place));
+            sweep.surface.gather(&sweep.orders[0], patch, [size.cells, sweep.halo], |place, v| {
+                let at = size.at(place);
+                coarse[at..at + W].copy_from_slice(&self.start[v as usize]);
+            });
+        }
+        let block = Block { patch: patches.start, at: [0, 0], pieces: size.cells };
+        self.descend(0, (block, patches.len()), worker, target)
     }
 
     /// Counts the faces since the last report as done.
@@ -232,35 +262,32 @@ impl<const W: usize> SweepRun<'_, W> {
         }
     }
 
-    /// Refines a block, whose coarse grid is in the first plane, through the rounds from `round` on.
+    /// Refines blocks of consecutive patches, whose coarse grids are stacked in the first plane, through the rounds from
+    /// `round` on. `block` is the first of them, `grids` their number.
     fn descend(
         &self,
         round: usize,
-        block: Block,
+        (block, grids): (Block, usize),
         worker: &mut Worker<W>,
         target: &mut impl Target<W>,
     ) -> Result<(), Stopped> {
         let sweep = self.sweep;
-        let (size, tile) = (sweep.size(round, W), sweep.surface.tile);
-        self.lines(size.cells, block, &mut worker.lines);
+        let size = sweep.size(round, W);
+        worker.lines.clear();
+        (0..grids).for_each(|place| self.lines((size.cells, place), block.at_place(place), &mut worker.lines));
         let passes = &self.flat.of(sweep.surface.is_turned(block.patch))[round];
-        worker.planes.refine(passes, size, &worker.lines);
-        for (side, half_edge) in sweep.surface.patches.half_edges(block.patch).enumerate() {
-            let v = sweep.surface.patches.vertex(half_edge) as usize;
-            if worker.star_of[v] == NONE {
-                continue;
-            }
-            let here = block.inside(corner(tile, block.pieces, side));
-            if here.iter().all(|x| (0..=size.cells.cast_signed()).contains(x)) {
-                self.overlay(round, block.refined(), half_edge, worker);
-            }
+        worker.planes.refine(passes, size, grids, &worker.lines);
+        for place in 0..grids {
+            self.overlay_corners(round, size.stacked(place), block.at_place(place), worker);
         }
         if round + 1 == sweep.rounds.len() {
-            worker.unreported += 4 * (size.cells * size.cells) as u64;
+            worker.unreported += 4 * (grids * size.cells * size.cells) as u64;
             if worker.unreported >= FACES_PER_REPORT {
                 self.report(worker)?;
             }
-            target.take(sweep, size, block, &worker.planes);
+            for place in 0..grids {
+                target.take(sweep, size.stacked(place), block.at_place(place), &worker.planes);
+            }
             return Ok(());
         }
         if worker.woven.len() <= round {
@@ -269,18 +296,38 @@ impl<const W: usize> SweepRun<'_, W> {
         let mut woven = std::mem::take(&mut worker.woven[round]);
         let next = sweep.size(round + 1, W);
         let fine = GridSize { cells: 2 * size.cells, ..size };
-        weave::<W>(&worker.planes, size, fine, &mut woven);
+        weave::<W>(&worker.planes, size, fine, grids, &mut woven);
         let refined = block.refined();
-        if fine.cells == next.cells {
+        if fine.cells == next.cells && (grids == 1 || grids * next.len() <= STACKED) {
             std::mem::swap(&mut woven, &mut worker.planes.now[0]);
             worker.woven[round] = woven;
-            return self.descend(round + 1, refined, worker, target);
+            return self.descend(round + 1, (refined, grids), worker, target);
         }
-        for corner in [[0, 0], [1, 0], [0, 1], [1, 1]] {
+        for place in 0..grids {
+            let grid = &woven[place * fine.len()..][..fine.len()];
+            self.divide(round, (grid, fine), refined.at_place(place), worker, target)?;
+        }
+        worker.woven[round] = woven;
+        Ok(())
+    }
+
+    /// Refines a block further, whose grid was refined in `round`: whole, or part by part if it has become too large.
+    fn divide(
+        &self,
+        round: usize,
+        (woven, fine): (&[f64], GridSize),
+        refined: Block,
+        worker: &mut Worker<W>,
+        target: &mut impl Target<W>,
+    ) -> Result<(), Stopped> {
+        let next = self.sweep.size(round + 1, W);
+        let parts = if fine.cells == next.cells { 1 } else { 2 };
+        for corner in [[0, 0], [1, 0], [0, 1], [1, 1]].into_iter().filter(|corner| corner.iter().all(|&x| x < parts)) {
             let offset = corner.map(|x| x * next.cells);
             let at: [usize; 2] = std::array::from_fn(|axis| refined.at[axis] + offset[axis]);
             let part = Block { at, ..refined };
-            if (tile == Tile::Triangle && at[0] + at[1] >= refined.pieces) || !target.wants(part, next.cells) {
+            let is_beyond = self.sweep.tile() == Tile::Triangle && at[0] + at[1] >= refined.pieces;
+            if is_beyond || !target.wants(part, next.cells) {
                 continue;
             }
             let coarse = &mut worker.planes.now[0];
@@ -290,31 +337,45 @@ impl<const W: usize> SweepRun<'_, W> {
                 let from = ((offset[1] + j) * fine.stride() + offset[0]) * W;
                 row.copy_from_slice(&woven[from..from + row.len()]);
             }
-            self.descend(round + 1, part, worker, target)?;
+            self.descend(round + 1, (part, 1), worker, target)?;
         }
-        worker.woven[round] = woven;
         Ok(())
     }
 
-    /// Collects the lines that cross the grid of a block.
-    fn lines(&self, cells: usize, block: Block, lines: &mut Vec<GridLine>) {
+    /// Collects the lines that cross the grid of a block, which has a place in a stack.
+    fn lines(&self, (cells, grid): (usize, usize), block: Block, lines: &mut Vec<GridLine>) {
         let surface = &self.sweep.surface;
-        lines.clear();
         for (side, half_edge) in surface.patches.half_edges(block.patch).enumerate() {
             let Some(line) = surface.line(half_edge) else { continue };
             if let Some(range) = block.on_side(surface.tile, side, cells) {
                 let steps = [range.start().cast_signed(), 0];
                 let from = block.inside(CornerFrame::new(surface.tile, block.pieces, side, 0).place(steps));
-                lines.push(GridLine { line, axis: axis(surface.tile, side), from });
+                lines.push(GridLine { grid, line, axis: axis(surface.tile, side), from });
+            }
+        }
+    }
+
+    /// Overwrites the points around the corners of the patch that lie in a block; `size` is that of the block's grid
+    /// before the round.
+    fn overlay_corners(&self, round: usize, size: GridSize, block: Block, worker: &mut Worker<W>) {
+        let surface = &self.sweep.surface;
+        for (side, half_edge) in surface.patches.half_edges(block.patch).enumerate() {
+            let v = surface.patches.vertex(half_edge) as usize;
+            if worker.star_of[v] == NONE {
+                continue;
+            }
+            let here = block.inside(corner(surface.tile, block.pieces, side));
+            if here.iter().all(|x| (0..=size.cells.cast_signed()).contains(x)) {
+                self.overlay((round, size), block.refined(), half_edge, worker);
             }
         }
     }
 
     /// Overwrites the points around a corner of the patch, which the loops computed as if the grid were regular, by the
     /// points of its star; `block` is the block after the round.
-    fn overlay(&self, round: usize, block: Block, half_edge: u32, worker: &mut Worker<W>) {
+    fn overlay(&self, (round, size): (usize, GridSize), block: Block, half_edge: u32, worker: &mut Worker<W>) {
         let sweep = self.sweep;
-        let (size, surface) = (sweep.size(round, W), &sweep.surface);
+        let surface = &sweep.surface;
         let v = surface.patches.vertex(half_edge) as usize;
         let Some(kind) = surface.kind_of(v) else { return };
         let shape = sweep.shape(kind);

@@ -253,7 +253,7 @@ impl Sweep {
 
     /// Returns the size of the grids before a round.
     pub(super) fn size(&self, round: usize, width: usize) -> GridSize {
-        GridSize { cells: self.rounds[round].cells, halo: self.halo, width }
+        GridSize { cells: self.rounds[round].cells, halo: self.halo, width, place: 0 }
     }
 
     /// Returns the shape of the star around a vertex of this kind.

@@ -180,16 +180,17 @@ impl PatchSurface {
         ((half_edge / sides) as usize, (half_edge % sides) as usize)
     }
 
-    /// Returns the documented index of a point of a patch; `order` gives the indices at that level.
-    fn vertex(&self, order: &SplitOrder, patch: usize, [i, j]: [isize; 2]) -> u32 {
+    /// Returns the documented index of the point at a place in the frame of a half-edge (see [`CornerFrame`]), in a patch
+    /// with `n` pieces per side; `order` gives the indices at that level.
+    fn vertex(&self, order: &SplitOrder, half_edge: u32, n: usize, place: [isize; 2]) -> u32 {
+        let (patch, side) = self.side(half_edge);
         if self.is_whole(order) {
             // the corners are the only points of the patches
+            let corner = side + [[0, 3], [1, 2]][place[0].unsigned_abs()][place[1].unsigned_abs()];
             let half_edges = self.patches.half_edges(patch);
-            let corner =
-                if j == 0 { half_edges.start + u32::from(i > 0) } else { half_edges.end - 1 - u32::from(i > 0) };
-            return self.patches.vertex(corner);
+            return self.patches.vertex(half_edges.start + index(corner) % self.tile.sides());
         }
-        order.vertex(patch, [i, j])
+        order.vertex(patch, CornerFrame::new(self.tile, n, side, 0).place(place))
     }
 
     /// Returns whether the patches are undivided at the level of this numbering.
@@ -208,19 +209,19 @@ impl PatchSurface {
         mut put: impl FnMut([isize; 2], u32),
     ) {
         let (tile, patches, [most, depths]) = (self.tile, &self.patches, [n, halo].map(usize::cast_signed));
+        let first = patches.half_edges(patch).start;
         for (j, i) in (0..=n).flat_map(|j| (0..=last(tile, n, j)).map(move |i| (j, i))) {
             let place = [i, j].map(usize::cast_signed);
-            put(place, self.vertex(order, patch, place));
+            put(place, self.vertex(order, first, n, place));
         }
         for (side, half_edge) in patches.half_edges(patch).enumerate() {
             let twin = patches.twin(half_edge);
             if twin != NONE {
-                let (neighbour, its) = self.side(twin);
-                let (here, there) = (CornerFrame::new(tile, n, side, 0), CornerFrame::new(tile, n, its, 0));
+                let here = CornerFrame::new(tile, n, side, 0);
                 for depth in 1..=depths {
                     // on triangles, lines parallel to the side become shorter across it
                     for steps in if tile == Tile::Quad { 0 } else { depth }..=most {
-                        let vertex = self.vertex(order, neighbour, there.place([most - steps, depth]));
+                        let vertex = self.vertex(order, twin, n, [most - steps, depth]);
                         put(here.place([steps, -depth]), vertex);
                     }
                 }
@@ -240,8 +241,7 @@ impl PatchSurface {
         } else {
             (half_edge, [along, beside])
         };
-        let (patch, side) = self.side(inside);
-        order.vertex(patch, CornerFrame::new(self.tile, n, side, 0).place(place))
+        self.vertex(order, inside, n, place)
     }
 
     /// Calls `put` for the points beyond a corner of a patch, in the faces around it that share no side with the
@@ -258,11 +258,10 @@ impl PatchSurface {
         let mut next = onward(half_edge);
         for turn in 2..tile.regular_valence().cast_signed() - 1 {
             next = onward(next);
-            let (patch, its) = self.side(next);
-            let (here, there) = (CornerFrame::new(tile, n, side, turn), CornerFrame::new(tile, n, its, 0));
+            let here = CornerFrame::new(tile, n, side, turn);
             for place in sector(tile, halo) {
                 let place = place.map(usize::cast_signed);
-                put(here.place(place), self.vertex(order, patch, there.place(place)));
+                put(here.place(place), self.vertex(order, next, n, place));
             }
         }
     }
@@ -276,12 +275,9 @@ impl PatchSurface {
         n: usize,
         mut put: impl FnMut(u32),
     ) {
-        let ring = self.patches.ring(v).map(|half_edge| self.side(half_edge));
-        let ring: Vec<(usize, CornerFrame)> =
-            ring.map(|(patch, side)| (patch, CornerFrame::new(self.tile, n, side, 0))).collect();
+        let ring: Vec<u32> = self.patches.ring(v).collect();
         for (face, place) in shape.points() {
-            let (patch, frame) = &ring[face];
-            put(self.vertex(order, *patch, frame.place(place.map(usize::cast_signed))));
+            put(self.vertex(order, ring[face], n, place.map(usize::cast_signed)));
         }
     }
 }

@@ -41,12 +41,18 @@ fn interleave<const W: usize>(even: &[[f64; W]], odd: &[[f64; W]], skips: bool, 
     }
 }
 
-/// Interleaves the planes into the grid that is refined in the next round.
-pub(super) fn weave<const W: usize>(planes: &Planes, size: GridSize, fine: GridSize, out: &mut Vec<f64>) {
-    at_least(out, fine.len());
+/// Interleaves the planes of a stack of `grids` grids into the grids that are refined in the next round.
+pub(super) fn weave<const W: usize>(planes: &Planes, size: GridSize, fine: GridSize, grids: usize, out: &mut Vec<f64>) {
+    at_least(out, grids * fine.len());
+    for (place, out) in out[..grids * fine.len()].chunks_exact_mut(fine.len()).enumerate() {
+        weave_grid::<W>(planes, size.stacked(place), fine, out);
+    }
+}
+
+fn weave_grid<const W: usize>(planes: &Planes, size: GridSize, fine: GridSize, out: &mut [f64]) {
     let halo = size.halo.cast_signed();
     let stride = fine.stride() * W;
-    for (row, out) in out[..fine.len()].chunks_exact_mut(stride).enumerate() {
+    for (row, out) in out.chunks_exact_mut(stride).enumerate() {
         let row = row.cast_signed() - halo;
         let start = size.at([(-halo).div_euclid(2), row.div_euclid(2)]);
         let plane = |odd: usize| {

@@ -155,7 +155,8 @@ impl OnDemand {
                     self.sweep.tile() == Tile::Triangle && part.iter().any(|(_, span)| span.is_diagonal());
                 let pieces = self.places.pieces;
                 let mut window = GridWindow { low, high, pieces, is_diagonal, points: &mut points[..n] };
-                let made = run.patch(part[0].1.patch, worker, &mut window).and_then(|()| run.report(worker));
+                let patch = part[0].1.patch;
+                let made = run.patches(patch..patch + 1, worker, &mut window).and_then(|()| run.report(worker));
                 let Ok(()) = made else { return };
                 part.iter().for_each(|(at, span)| each(*at, span, &window));
             }
