@@ -9,7 +9,7 @@
 use std::ops::Range;
 use std::sync::Arc;
 
-use super::line::{VertexLine, quads};
+use super::line::{VertexLine, lines_across, quads};
 use super::source::Origin;
 use super::tile::Tile;
 use super::tiling::Tiling;
@@ -71,10 +71,6 @@ impl QuadGrid {
         self.n
     }
 
-    fn n(&self) -> usize {
-        self.n
-    }
-
     /// Number of pieces of half an edge; meaningful where a base face is not a quad.
     fn half(&self) -> usize {
         self.n / 2
@@ -101,7 +97,7 @@ impl QuadGrid {
 
     /// First inner vertex of all faces.
     fn first_inner(&self) -> usize {
-        self.base.n_vertices() + self.base.n_edges() * (self.n() - 1)
+        self.base.n_vertices() + self.base.n_edges() * (self.n - 1)
     }
 
     /// The vertices of face `f`, numbered in the documented order.
@@ -111,7 +107,7 @@ impl QuadGrid {
         let local = f - self.first_face(base_face);
         let around = [(0, 0), (1, 0), (1, 1), (0, 1)];
         if self.base.face(base_face).len() == 4 {
-            let (i, j) = (local % self.n(), local / self.n());
+            let (i, j) = (local % self.n, local / self.n);
             around.map(|(di, dj)| self.quad_vertex(base_face, i + di, j + dj))
         } else {
             let part = local / (half * half);
@@ -132,26 +128,12 @@ impl QuadGrid {
             (patch, out) = out.split_at_mut((n * n - local).min(out.len()));
             f += patch.len();
             if is_quad {
-                let line = self.lines(base_face);
-                quads(n, local, patch, line);
+                let first = self.base.half_edges(base_face).start;
+                let sides = [0, 1, 2, 3].map(|side| VertexLine::new(n, |i| self.on_side(first + side, i)));
+                quads(n, local, patch, lines_across(sides, self.first_inner() + self.inner[base_face] as usize));
             } else {
                 quads(n, local, patch, |j| VertexLine::new(n, |i| self.part_vertex(base_face, part, i, j)));
             }
-        }
-    }
-
-    /// Returns the lines from side to side of a base face that is a quad, by their distance from its first side. What
-    /// they need of the base is read once.
-    fn lines(&self, f: usize) -> impl Fn(usize) -> VertexLine {
-        let n = self.n;
-        let first = self.base.half_edges(f).start;
-        let [lower, right, upper, left] =
-            [0, 1, 2, 3].map(|side| VertexLine::new(n, |i| self.on_side(first + side, i)));
-        let inner = if n > 1 { self.inner_vertex(f, 0) } else { 0 };
-        move |j| match j {
-            0 => lower,
-            j if j == n => upper.reversed(),
-            j => VertexLine::between_ends(n, [left.at(n - j), right.at(j)], inner + index((j - 1) * (n - 1))),
         }
     }
 
@@ -167,7 +149,7 @@ impl QuadGrid {
             return Origin { dimension: 0, cell: index(v) };
         }
         if v < self.first_inner() {
-            return Origin { dimension: 1, cell: index((v - on_edges) / (self.n() - 1)) };
+            return Origin { dimension: 1, cell: index((v - on_edges) / (self.n - 1)) };
         }
         Origin { dimension: 2, cell: index(self.face_around(v)) }
     }
@@ -179,7 +161,7 @@ impl QuadGrid {
 
     /// Returns point `at` (0 to n) on the side that starts at `corner`, counted from the corner.
     fn on_side(&self, corner: u32, at: usize) -> u32 {
-        let n = self.n();
+        let n = self.n;
         if at == 0 {
             return self.base.vertex(corner);
         }
@@ -202,7 +184,7 @@ impl QuadGrid {
     }
 
     fn quad_vertex(&self, f: usize, i: usize, j: usize) -> u32 {
-        let n = self.n();
+        let n = self.n;
         let first = self.base.half_edges(f).start;
         match (i, j) {
             (_, 0) => self.on_side(first, i),
@@ -220,7 +202,7 @@ impl QuadGrid {
         let before = (part + size - 1) % size;
         match (i, j) {
             (_, 0) => self.on_side(first + index(part), i),
-            (0, _) => self.on_side(first + index(before), self.n() - j),
+            (0, _) => self.on_side(first + index(before), self.n - j),
             (i, j) if i == half && j == half => self.inner_vertex(f, 0),
             (i, _) if i == half => self.inner_vertex(f, 1 + part * (half - 1) + j - 1),
             (_, j) if j == half => self.inner_vertex(f, 1 + before * (half - 1) + i - 1),
@@ -253,7 +235,7 @@ impl QuadGrid {
             return index(v);
         }
         if v < self.first_inner() {
-            let (edge, at) = ((v - on_edges) / (self.n() - 1), (v - on_edges) % (self.n() - 1) + 1);
+            let (edge, at) = ((v - on_edges) / (self.n - 1), (v - on_edges) % (self.n - 1) + 1);
             return if self.is_binary {
                 self.constructed_on_edge(edge, at)
             } else {
@@ -312,7 +294,7 @@ impl QuadGrid {
     }
 
     fn place(&self, f: usize, inner: usize) -> FacePosition {
-        let (n, half) = (self.n(), self.half());
+        let (n, half) = (self.n, self.half());
         let size = self.base.face(f).len();
         if size == 4 {
             return FacePosition::Quad(inner % (n - 1) + 1, inner / (n - 1) + 1);

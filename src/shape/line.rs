@@ -17,11 +17,6 @@ pub(super) struct VertexLine {
 }
 
 impl VertexLine {
-    /// Creates a line between two vertices with consecutive vertices between them, from the index `second` on.
-    pub(super) fn between_ends(n: usize, [first, last]: [u32; 2], second: u32) -> Self {
-        Self { n, first, last, second, step: 1 }
-    }
-
     /// Creates a line with `n` pieces from the indices of its vertices 0 to `n`. Those of vertices 1 to `n - 1` are
     /// evenly spaced.
     pub(super) fn new(n: usize, vertex: impl Fn(usize) -> u32) -> Self {
@@ -31,13 +26,13 @@ impl VertexLine {
     }
 
     /// Returns the line from its end to its start.
-    pub(super) fn reversed(&self) -> Self {
+    fn reversed(&self) -> Self {
         let second = if self.n > 1 { self.between(self.n - 1) } else { 0 };
         Self { first: self.last, last: self.first, second, step: self.step.wrapping_neg(), ..*self }
     }
 
     /// Returns the index of vertex `i`.
-    pub(super) fn at(&self, i: usize) -> u32 {
+    fn at(&self, i: usize) -> u32 {
         match i {
             0 => self.first,
             i if i == self.n => self.last,
@@ -48,6 +43,24 @@ impl VertexLine {
     /// Returns the vertex at a position other than the first and the last.
     fn between(&self, i: usize) -> u32 {
         self.second.wrapping_add(self.step.wrapping_mul(index(i - 1)))
+    }
+}
+
+/// Returns the lines across a quad, by their distance from its first side. `sides` are its sides, counter-clockwise,
+/// and `inner` is the index of its first inner vertex: row by row, the inner vertices are numbered consecutively.
+pub(super) fn lines_across(sides: [VertexLine; 4], inner: usize) -> impl Fn(usize) -> VertexLine {
+    let [lower, right, upper, left] = sides;
+    let n = lower.n;
+    move |j| match j {
+        0 => lower,
+        j if j == n => upper.reversed(),
+        j => VertexLine {
+            n,
+            first: left.at(n - j),
+            last: right.at(j),
+            second: index(inner + (j - 1) * (n - 1)),
+            step: 1,
+        },
     }
 }
 

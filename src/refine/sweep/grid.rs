@@ -2,7 +2,7 @@
 
 use std::ops::{Range, RangeInclusive};
 
-use super::kernel::{FlatGroup, FlatMask, sum_at};
+use super::kernel::{FlatGroup, FlatMask, differences, sum_at};
 use super::lattice::{LATTICE_AXES, after, cell};
 use super::mask::{LineMasks, Pass};
 use super::planes::{MaskGroup, PLANES, PlaneMask};
@@ -33,8 +33,8 @@ enum FlatUse {
     Push,
 }
 
-/// The size of a grid: `cells x cells` plus a halo of `halo` cells on each side; points have `width` coordinates. Planes
-/// may hold a stack of grids of one size, one after the other.
+/// The size of a grid: `cells x cells` plus a halo of `halo` cells on each side; points have `width` coordinates.
+/// Planes may hold a stack of grids of one size, one after the other.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct GridSize {
     pub(super) cells: usize,
@@ -225,10 +225,7 @@ impl Planes {
     }
 
     fn push(&mut self, pass: &FlatPass, len: usize) {
-        let differences = &mut self.next[0][..len];
-        for ((d, anchor), child) in differences.iter_mut().zip(&self.anchor[..len]).zip(&self.now[0][..len]) {
-            *d = anchor - child;
-        }
+        differences(&mut self.next[0][..len], &self.anchor[..len], &self.now[0][..len]);
         let source = [&self.next[0][..len]; PLANES];
         for (mask, out) in pass.planes.iter().zip(&mut self.now) {
             mask.combine(&source, &mut out[..len], true);

@@ -87,17 +87,17 @@ impl FlatMask {
     }
 }
 
-#[multiversion(targets("x86_64+avx512f+avx512vl+avx512dq+avx512bw", "x86_64+avx2", "x86_64+avx"))]
+#[multiversion(targets("x86_64+avx512f", "x86_64+avx2", "x86_64+avx"))]
 fn one(out: &mut [f64], w: f64, a: &[f64]) {
     out.iter_mut().zip(a).for_each(|(x, a)| *x = w * a);
 }
 
-#[multiversion(targets("x86_64+avx512f+avx512vl+avx512dq+avx512bw", "x86_64+avx2", "x86_64+avx"))]
+#[multiversion(targets("x86_64+avx512f", "x86_64+avx2", "x86_64+avx"))]
 fn add_one(out: &mut [f64], w: f64, a: &[f64]) {
     out.iter_mut().zip(a).for_each(|(x, a)| *x += w * a);
 }
 
-#[multiversion(targets("x86_64+avx512f+avx512vl+avx512dq+avx512bw", "x86_64+avx2", "x86_64+avx"))]
+#[multiversion(targets("x86_64+avx512f", "x86_64+avx2", "x86_64+avx"))]
 fn pair(out: &mut [f64], w: f64, [a, b]: [&[f64]; 2]) {
     let n = out.len();
     let (a, b) = (&a[..n], &b[..n]);
@@ -106,7 +106,7 @@ fn pair(out: &mut [f64], w: f64, [a, b]: [&[f64]; 2]) {
     }
 }
 
-#[multiversion(targets("x86_64+avx512f+avx512vl+avx512dq+avx512bw", "x86_64+avx2", "x86_64+avx"))]
+#[multiversion(targets("x86_64+avx512f", "x86_64+avx2", "x86_64+avx"))]
 fn add_pair(out: &mut [f64], w: f64, [a, b]: [&[f64]; 2]) {
     let n = out.len();
     let (a, b) = (&a[..n], &b[..n]);
@@ -115,7 +115,7 @@ fn add_pair(out: &mut [f64], w: f64, [a, b]: [&[f64]; 2]) {
     }
 }
 
-#[multiversion(targets("x86_64+avx512f+avx512vl+avx512dq+avx512bw", "x86_64+avx2", "x86_64+avx"))]
+#[multiversion(targets("x86_64+avx512f", "x86_64+avx2", "x86_64+avx"))]
 fn quad(out: &mut [f64], w: f64, quad: [&[f64]; 4]) {
     let n = out.len();
     let [a, b, c, d] = quad.map(|x| &x[..n]);
@@ -124,7 +124,7 @@ fn quad(out: &mut [f64], w: f64, quad: [&[f64]; 4]) {
     }
 }
 
-#[multiversion(targets("x86_64+avx512f+avx512vl+avx512dq+avx512bw", "x86_64+avx2", "x86_64+avx"))]
+#[multiversion(targets("x86_64+avx512f", "x86_64+avx2", "x86_64+avx"))]
 fn add_quad(out: &mut [f64], w: f64, quad: [&[f64]; 4]) {
     let n = out.len();
     let [a, b, c, d] = quad.map(|x| &x[..n]);
@@ -133,7 +133,7 @@ fn add_quad(out: &mut [f64], w: f64, quad: [&[f64]; 4]) {
     }
 }
 
-#[multiversion(targets("x86_64+avx512f+avx512vl+avx512dq+avx512bw", "x86_64+avx2", "x86_64+avx"))]
+#[multiversion(targets("x86_64+avx512f", "x86_64+avx2", "x86_64+avx"))]
 fn one_pair(out: &mut [f64], w: [f64; 2], a: &[f64], [b, c]: [&[f64]; 2]) {
     let n = out.len();
     let (a, b, c) = (&a[..n], &b[..n], &c[..n]);
@@ -142,7 +142,7 @@ fn one_pair(out: &mut [f64], w: [f64; 2], a: &[f64], [b, c]: [&[f64]; 2]) {
     }
 }
 
-#[multiversion(targets("x86_64+avx512f+avx512vl+avx512dq+avx512bw", "x86_64+avx2", "x86_64+avx"))]
+#[multiversion(targets("x86_64+avx512f", "x86_64+avx2", "x86_64+avx"))]
 fn one_quads(out: &mut [f64], w: [f64; 3], a: &[f64], quads: [[&[f64]; 4]; 2]) {
     let n = out.len();
     let a = &a[..n];
@@ -154,7 +154,7 @@ fn one_quads(out: &mut [f64], w: [f64; 3], a: &[f64], quads: [[&[f64]; 4]; 2]) {
     }
 }
 
-#[multiversion(targets("x86_64+avx512f+avx512vl+avx512dq+avx512bw", "x86_64+avx2", "x86_64+avx"))]
+#[multiversion(targets("x86_64+avx512f", "x86_64+avx2", "x86_64+avx"))]
 fn one_pairs_quad(out: &mut [f64], w: [f64; 4], a: &[f64], pairs: [[&[f64]; 2]; 2], quad: [&[f64]; 4]) {
     let n = out.len();
     let a = &a[..n];
@@ -166,7 +166,7 @@ fn one_pairs_quad(out: &mut [f64], w: [f64; 4], a: &[f64], pairs: [[&[f64]; 2]; 
     }
 }
 
-#[multiversion(targets("x86_64+avx512f+avx512vl+avx512dq+avx512bw", "x86_64+avx2", "x86_64+avx"))]
+#[multiversion(targets("x86_64+avx512f", "x86_64+avx2", "x86_64+avx"))]
 fn six_of(out: &mut [f64], w: f64, six: [&[f64]; 6]) {
     let n = out.len();
     let [a, b, c, d, e, f] = six.map(|x| &x[..n]);
@@ -175,7 +175,7 @@ fn six_of(out: &mut [f64], w: f64, six: [&[f64]; 6]) {
     }
 }
 
-#[multiversion(targets("x86_64+avx512f+avx512vl+avx512dq+avx512bw", "x86_64+avx2", "x86_64+avx"))]
+#[multiversion(targets("x86_64+avx512f", "x86_64+avx2", "x86_64+avx"))]
 fn add_six(out: &mut [f64], w: f64, six: [&[f64]; 6]) {
     let n = out.len();
     let [a, b, c, d, e, f] = six.map(|x| &x[..n]);
@@ -184,7 +184,7 @@ fn add_six(out: &mut [f64], w: f64, six: [&[f64]; 6]) {
     }
 }
 
-#[multiversion(targets("x86_64+avx512f+avx512vl+avx512dq+avx512bw", "x86_64+avx2", "x86_64+avx"))]
+#[multiversion(targets("x86_64+avx512f", "x86_64+avx2", "x86_64+avx"))]
 fn one_six(out: &mut [f64], w: [f64; 2], own: &[f64], six: [&[f64]; 6]) {
     let n = out.len();
     let own = &own[..n];
@@ -194,7 +194,7 @@ fn one_six(out: &mut [f64], w: [f64; 2], own: &[f64], six: [&[f64]; 6]) {
     }
 }
 
-#[multiversion(targets("x86_64+avx512f+avx512vl+avx512dq+avx512bw", "x86_64+avx2", "x86_64+avx"))]
+#[multiversion(targets("x86_64+avx512f", "x86_64+avx2", "x86_64+avx"))]
 fn two_pairs(out: &mut [f64], w: [f64; 2], pairs: [[&[f64]; 2]; 2]) {
     let n = out.len();
     let [[a, b], [c, d]] = pairs.map(|pair| pair.map(|x| &x[..n]));
@@ -203,7 +203,7 @@ fn two_pairs(out: &mut [f64], w: [f64; 2], pairs: [[&[f64]; 2]; 2]) {
     }
 }
 
-#[multiversion(targets("x86_64+avx512f+avx512vl+avx512dq+avx512bw", "x86_64+avx2", "x86_64+avx"))]
+#[multiversion(targets("x86_64+avx512f", "x86_64+avx2", "x86_64+avx"))]
 fn add_two_pairs(out: &mut [f64], w: [f64; 2], pairs: [[&[f64]; 2]; 2]) {
     let n = out.len();
     let [[a, b], [c, d]] = pairs.map(|pair| pair.map(|x| &x[..n]));
@@ -212,12 +212,22 @@ fn add_two_pairs(out: &mut [f64], w: [f64; 2], pairs: [[&[f64]; 2]; 2]) {
     }
 }
 
-#[multiversion(targets("x86_64+avx512f+avx512vl+avx512dq+avx512bw", "x86_64+avx2", "x86_64+avx"))]
+#[multiversion(targets("x86_64+avx512f", "x86_64+avx2", "x86_64+avx"))]
 fn add_two_quads(out: &mut [f64], w: [f64; 2], quads: [[&[f64]; 4]; 2]) {
     let n = out.len();
     let [[a, b, c, d], [e, f, g, h]] = quads.map(|quad| quad.map(|x| &x[..n]));
     for k in 0..n {
         out[k] += w[0] * ((a[k] + c[k]) + (b[k] + d[k])) + w[1] * ((e[k] + g[k]) + (f[k] + h[k]));
+    }
+}
+
+/// Sets each `out[k]` to `a[k] - b[k]`.
+#[multiversion(targets("x86_64+avx512f", "x86_64+avx2", "x86_64+avx"))]
+pub(super) fn differences(out: &mut [f64], a: &[f64], b: &[f64]) {
+    let n = out.len();
+    let (a, b) = (&a[..n], &b[..n]);
+    for k in 0..n {
+        out[k] = a[k] - b[k];
     }
 }
 

@@ -7,6 +7,7 @@
 //! operators. As a symmetric sum does not depend on where a walk around a vertex begins, every point has the same bits
 //! as under the rows of the whole net.
 
+mod block;
 mod evaluate;
 mod fans;
 mod grid;

@@ -1,16 +1,16 @@
 //! Refines points by a sweep: each patch through all rounds, straight into the documented order.
 
-use std::ops::{Range, RangeInclusive};
+use std::ops::Range;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use rayon::prelude::*;
 
+use super::block::{Block, Target};
 use super::grid::{GridLine, GridSize, Planes, at_least};
 use super::lattice::{CornerFrame, axis, cell, corner, sector};
 use super::program::{Flat, Sweep};
 use super::star::StarWork;
-use super::task::PatchRun;
-use super::weave::{GridRow, weave};
+use super::weave::weave;
 use crate::kept::Numbers;
 use crate::shape::tile::Tile;
 use crate::shape::topology::{NONE, index};
@@ -20,11 +20,13 @@ use crate::watch::{Stopped, Watch};
 /// each other twice as often; with twice of it, a job goes on for twice as long after it was cancelled.
 const FACES_PER_REPORT: u64 = 4_096;
 
-/// Number of patches that are refined as a stack while they are small, at most.
-const STACK: usize = 8;
+/// Maximum number of patches that are refined as a stack while they are small. With half as many, level 3 takes a
+/// twentieth longer; twice as many leave the cache.
+const STACK: usize = 16;
 
-/// Number of values in a plane up to which patches are refined as a stack.
-const STACKED: usize = 4_096;
+/// Maximum number of values in a plane of a stack: 32 KB, so that eight planes fit into half of a core's own cache.
+/// Half and twice of it made no measurable difference.
+const STACK_VALUES: usize = 4_096;
 
 /// Refined points in the documented order.
 #[derive(Debug)]
@@ -95,15 +97,6 @@ fn all_finite(numbers: &[f64]) -> bool {
     sums.iter().all(|&sum| sum == 0.0) && rest.iter().all(|x| x.is_finite())
 }
 
-/// A consumer of the points of blocks.
-pub(super) trait Target<const W: usize> {
-    /// Returns whether any point of a block with `cells` cells per side is needed.
-    fn wants(&self, block: Block, cells: usize) -> bool;
-
-    /// Receives the points of a block; `size` is that of the block's grid before the last round.
-    fn take(&mut self, sweep: &Sweep, size: GridSize, block: Block, planes: &Planes);
-}
-
 /// The data that all patches of a sweep share.
 pub(super) struct SweepRun<'a, const W: usize> {
     pub(super) sweep: &'a Sweep,
@@ -129,53 +122,6 @@ pub(super) struct Worker<const W: usize> {
     lines: Vec<GridLine>,
     /// Number of faces that the watch does not know of yet.
     unreported: u64,
-}
-
-/// A part of a patch in some round: a grid whose first cell is at `at`.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct Block {
-    patch: usize,
-    pub(super) at: [usize; 2],
-    /// Number of pieces of the patch's side.
-    pub(super) pieces: usize,
-}
-
-impl Block {
-    /// Returns the range of vertices on a side of the patch that lie in the block, which has `cells` cells per side.
-    fn on_side(self, tile: Tile, side: usize, cells: usize) -> Option<RangeInclusive<usize>> {
-        if cells == self.pieces {
-            return Some(0..=cells);
-        }
-        let frame = CornerFrame::new(tile, self.pieces, side, 0);
-        let (start, along) = (frame.corner(), frame.along());
-        let (mut least, mut most) = (0, self.pieces.cast_signed());
-        for axis in 0..2 {
-            let low = self.at[axis].cast_signed() - start[axis];
-            let high = low + cells.cast_signed();
-            match along[axis] {
-                1 => (least, most) = (least.max(low), most.min(high)),
-                -1 => (least, most) = (least.max(-high), most.min(-low)),
-                _ if low > 0 || high < 0 => return None,
-                _ => {}
-            }
-        }
-        (least <= most).then(|| least.unsigned_abs()..=most.unsigned_abs())
-    }
-
-    /// Converts a place of the patch into one relative to the block.
-    fn inside(self, place: [isize; 2]) -> [isize; 2] {
-        [0, 1].map(|axis| place[axis] - self.at[axis].cast_signed())
-    }
-
-    /// Returns the same part of the patch at a place in a stack of which this is the first.
-    fn at_place(self, place: usize) -> Self {
-        Self { patch: self.patch + place, ..self }
-    }
-
-    /// Returns the block after a split, at the same part of the patch.
-    fn refined(self) -> Self {
-        Self { at: self.at.map(|at| 2 * at), pieces: 2 * self.pieces, ..self }
-    }
 }
 
 impl<const W: usize> Worker<W> {
@@ -262,8 +208,8 @@ impl<const W: usize> SweepRun<'_, W> {
         }
     }
 
-    /// Refines blocks of consecutive patches, whose coarse grids are stacked in the first plane, through the rounds from
-    /// `round` on. `block` is the first of them, `grids` their number.
+    /// Refines blocks of consecutive patches, whose coarse grids are stacked in the first plane, through the rounds
+    /// from `round` on. `block` is the first of them, `grids` their number.
     fn descend(
         &self,
         round: usize,
@@ -298,7 +244,7 @@ impl<const W: usize> SweepRun<'_, W> {
         let fine = GridSize { cells: 2 * size.cells, ..size };
         weave::<W>(&worker.planes, size, fine, grids, &mut woven);
         let refined = block.refined();
-        if fine.cells == next.cells && (grids == 1 || grids * next.len() <= STACKED) {
+        if fine.cells == next.cells && (grids == 1 || grids * next.len() <= STACK_VALUES) {
             std::mem::swap(&mut woven, &mut worker.planes.now[0]);
             worker.woven[round] = woven;
             return self.descend(round + 1, (refined, grids), worker, target);
@@ -395,58 +341,6 @@ impl<const W: usize> SweepRun<'_, W> {
             sector(surface.tile, shape.reach).for_each(|place| put(&frame, place, shape.point(face, place)));
             // the points on the edge towards the next face
             (1..=shape.reach).for_each(|b| put(&frame, [0, b], shape.point(face, [0, b])));
-        }
-    }
-}
-
-impl<const W: usize> Target<W> for PatchRun<'_, W> {
-    fn wants(&self, _block: Block, _cells: usize) -> bool {
-        true
-    }
-
-    fn take(&mut self, sweep: &Sweep, size: GridSize, block: Block, planes: &Planes) {
-        let (order, surface) = (&sweep.orders[1], &sweep.surface);
-        let tile = surface.tile;
-        let (cells, block) = (2 * size.cells, block.refined());
-        let (n, at) = (block.pieces, block.at);
-        let start = at.map(|at| at.max(1));
-        let rows = start[1]..(at[1] + cells + 1).min(n);
-        for (row, first) in rows.clone().zip(order.rows(block.patch, start, rows.len())) {
-            let end = if tile == Tile::Quad { n } else { n - row };
-            let columns = start[0]..(at[0] + cells + 1).min(end);
-            if !columns.is_empty() {
-                let row = GridRow::new(planes, size, row - at[1]);
-                row.copy(columns.start - at[0], self.inside(first, columns.len()));
-            }
-        }
-        for (side, half_edge) in surface.patches.half_edges(block.patch).enumerate() {
-            let Some(range) = block.on_side(tile, side, cells) else { continue };
-            let frame = CornerFrame::new(tile, n, side, 0);
-            let place = |steps: usize| frame.place([steps.cast_signed(), 0]);
-            let vertex = |steps: usize| order.vertex(block.patch, place(steps));
-            let point = |steps: usize| planes.point(size, block.inside(place(steps)));
-            let within = (*range.start()).max(1)..(*range.end() + 1).min(n);
-            // the patch in which an edge appears first writes its points
-            if !within.is_empty() && surface.patches.halves(surface.patches.edge(half_edge) as usize)[0] == half_edge {
-                let ends = [within.start, within.end - 1].map(|steps| vertex(steps) as usize);
-                // on a column inside a base face, consecutive points are as far apart as a row of the face is long
-                let stride = (ends[0].abs_diff(ends[1]) / (within.len() - 1).max(1)).max(1);
-                let places = self.places(ends[0].min(ends[1]), stride * (within.len() - 1) + 1);
-                let places = places.into_iter().flatten().step_by(stride);
-                if ends[0] <= ends[1] {
-                    places.zip(within).for_each(|(place, steps)| *place = point(steps));
-                } else {
-                    places.zip(within.rev()).for_each(|(place, steps)| *place = point(steps));
-                }
-            }
-            if *range.start() == 0 {
-                let (v, corner) = (vertex(0), surface.patches.vertex(half_edge) as usize);
-                if (v as usize) >= surface.base.n_vertices() {
-                    self.places(v as usize, 1).into_iter().flatten().for_each(|place| *place = point(0));
-                } else if surface.patches.ring(corner).next() == Some(half_edge) {
-                    self.vertices.push((v, point(0)));
-                }
-            }
         }
     }
 }

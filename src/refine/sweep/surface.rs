@@ -180,15 +180,15 @@ impl PatchSurface {
         ((half_edge / sides) as usize, (half_edge % sides) as usize)
     }
 
-    /// Returns the documented index of the point at a place in the frame of a half-edge (see [`CornerFrame`]), in a patch
-    /// with `n` pieces per side; `order` gives the indices at that level.
+    /// Returns the documented index of the point at a place in the frame of a half-edge (see [`CornerFrame`]), in a
+    /// patch with `n` pieces per side; `order` gives the indices at that level.
     fn vertex(&self, order: &SplitOrder, half_edge: u32, n: usize, place: [isize; 2]) -> u32 {
         let (patch, side) = self.side(half_edge);
         if self.is_whole(order) {
             // the corners are the only points of the patches
-            let corner = side + [[0, 3], [1, 2]][place[0].unsigned_abs()][place[1].unsigned_abs()];
-            let half_edges = self.patches.half_edges(patch);
-            return self.patches.vertex(half_edges.start + index(corner) % self.tile.sides());
+            let (first, sides) = (self.patches.half_edges(patch).start, self.tile.sides());
+            let corner = [[0, sides - 1], [1, 2]][place[0].unsigned_abs()][place[1].unsigned_abs()];
+            return self.patches.vertex(first + (index(side) + corner) % sides);
         }
         order.vertex(patch, CornerFrame::new(self.tile, n, side, 0).place(place))
     }

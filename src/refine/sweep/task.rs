@@ -2,7 +2,12 @@
 
 use std::ops::Range;
 
+use super::block::{Block, Target};
+use super::grid::{GridSize, Planes};
+use super::lattice::CornerFrame;
 use super::program::Sweep;
+use super::weave::GridRow;
+use crate::shape::tile::Tile;
 
 /// Approximate number of faces that one task refines: small enough that all threads finish together, large enough that
 /// few stars are refined twice. Half as many refine more stars twice; twice as many let threads wait longer.
@@ -62,5 +67,57 @@ impl Sweep {
             tasks.push(PatchRun { patches, starts, edges: mine, inner: within, vertices: Vec::new() });
         }
         tasks
+    }
+}
+
+impl<const W: usize> Target<W> for PatchRun<'_, W> {
+    fn wants(&self, _block: Block, _cells: usize) -> bool {
+        true
+    }
+
+    fn take(&mut self, sweep: &Sweep, size: GridSize, block: Block, planes: &Planes) {
+        let (order, surface) = (&sweep.orders[1], &sweep.surface);
+        let tile = surface.tile;
+        let (cells, block) = (2 * size.cells, block.refined());
+        let (n, at) = (block.pieces, block.at);
+        let start = at.map(|at| at.max(1));
+        let rows = start[1]..(at[1] + cells + 1).min(n);
+        for (row, first) in rows.clone().zip(order.rows(block.patch, start, rows.len())) {
+            let end = if tile == Tile::Quad { n } else { n - row };
+            let columns = start[0]..(at[0] + cells + 1).min(end);
+            if !columns.is_empty() {
+                let row = GridRow::new(planes, size, row - at[1]);
+                row.copy(columns.start - at[0], self.inside(first, columns.len()));
+            }
+        }
+        for (side, half_edge) in surface.patches.half_edges(block.patch).enumerate() {
+            let Some(range) = block.on_side(tile, side, cells) else { continue };
+            let frame = CornerFrame::new(tile, n, side, 0);
+            let place = |steps: usize| frame.place([steps.cast_signed(), 0]);
+            let vertex = |steps: usize| order.vertex(block.patch, place(steps));
+            let point = |steps: usize| planes.point(size, block.inside(place(steps)));
+            let within = (*range.start()).max(1)..(*range.end() + 1).min(n);
+            // the patch in which an edge appears first writes its points
+            if !within.is_empty() && surface.patches.halves(surface.patches.edge(half_edge) as usize)[0] == half_edge {
+                let ends = [within.start, within.end - 1].map(|steps| vertex(steps) as usize);
+                // on a column inside a base face, consecutive points are as far apart as a row of the face is long
+                let stride = (ends[0].abs_diff(ends[1]) / (within.len() - 1).max(1)).max(1);
+                let places = self.places(ends[0].min(ends[1]), stride * (within.len() - 1) + 1);
+                let places = places.into_iter().flatten().step_by(stride);
+                if ends[0] <= ends[1] {
+                    places.zip(within).for_each(|(place, steps)| *place = point(steps));
+                } else {
+                    places.zip(within.rev()).for_each(|(place, steps)| *place = point(steps));
+                }
+            }
+            if *range.start() == 0 {
+                let (v, corner) = (vertex(0), surface.patches.vertex(half_edge) as usize);
+                if (v as usize) >= surface.base.n_vertices() {
+                    self.places(v as usize, 1).into_iter().flatten().for_each(|place| *place = point(0));
+                } else if surface.patches.ring(corner).next() == Some(half_edge) {
+                    self.vertices.push((v, point(0)));
+                }
+            }
+        }
     }
 }

@@ -3,8 +3,9 @@
 use std::ops::Range;
 use std::sync::{Mutex, PoisonError};
 
+use super::block::{Block, Target};
 use super::grid::{GridSize, Planes};
-use super::patches::{Block, SweepRun, Target, Worker};
+use super::patches::{SweepRun, Worker};
 use super::places::{Span, SweepPlaces, spans};
 use super::program::{Flat, Sweep};
 use super::weave::GridRow;
