@@ -47,7 +47,7 @@ pub struct AxisRequest {
     pub values: Vec<IgnoredAny>,
 }
 
-/// The same request, with all values as JSON text.
+/// A batch request with all values as JSON text.
 #[derive(Deserialize)]
 struct Texts<'a> {
     #[serde(borrow)]

@@ -46,19 +46,19 @@ pub struct BatchProgress {
 /// How many jobs of a batch stand where.
 #[derive(Debug, Clone, Copy, Serialize, ToSchema)]
 pub struct CountsAnswer {
-    /// All of them.
+    /// The number of all jobs of the batch.
     pub total: u64,
-    /// Those that wait.
+    /// The number of jobs that wait for their turn.
     pub queued: u64,
-    /// Those that are being done.
+    /// The number of jobs that are being computed.
     pub running: u64,
-    /// Those whose outputs were all made.
+    /// The number of jobs whose outputs were all made.
     pub done: u64,
-    /// Those that failed.
+    /// The number of jobs that failed.
     pub failed: u64,
-    /// Those that were cancelled.
+    /// The number of jobs that were cancelled.
     pub cancelled: u64,
-    /// Those whose results were there before the batch asked for them.
+    /// The number of jobs whose results were there before the batch asked for them.
     pub cache_hits: u64,
 }
 

@@ -125,11 +125,12 @@ pub struct ComparisonAnswer {
 /// Pixels that differ.
 #[derive(Debug, Clone, Copy, Serialize, ToSchema)]
 pub struct PixelsAnswer {
-    /// How many differ.
+    /// The number of pixels that differ.
     pub different: u64,
-    /// Of how many.
+    /// The number of pixels of each picture.
     pub of: u64,
-    /// How many are further apart than the threshold but smooth an edge, which are not counted.
+    /// The number of pixels that are further apart than the threshold but smooth an edge, which are not counted as
+    /// different.
     pub smoothed: u64,
     /// The largest distance of colours, 0 to 1: with a threshold of this, none differs.
     pub largest: f64,
@@ -164,42 +165,42 @@ pub struct PlacesAnswer {
 /// A distance from each of two shapes.
 #[derive(Debug, Clone, Copy, Serialize, ToSchema)]
 pub struct BoundsAnswer {
-    /// Of the points of `a` from `b`.
+    /// A distance from `b` that no point of `a` exceeds.
     pub a_to_b: Option<f64>,
-    /// Of the points of `b` from `a`.
+    /// A distance from `a` that no point of `b` exceeds.
     pub b_to_a: Option<f64>,
 }
 
 /// A number of each, and by how much it changes from the first to the second.
 #[derive(Debug, Clone, Copy, Serialize, ToSchema)]
 pub struct ChangeAnswer {
-    /// That of `a`.
+    /// The number of `a`.
     pub a: f64,
-    /// That of `b`.
+    /// The number of `b`.
     pub b: f64,
-    /// The second less the first.
+    /// The number of `b` less the number of `a`.
     pub change: f64,
 }
 
 /// The box around each: its least and its greatest coordinates.
 #[derive(Debug, Clone, Serialize, ToSchema)]
 pub struct BoxesAnswer {
-    /// Around `a`.
+    /// The least and the greatest coordinates of the box around `a`.
     pub a: [Vec<f64>; 2],
-    /// Around `b`.
+    /// The least and the greatest coordinates of the box around `b`.
     pub b: [Vec<f64>; 2],
-    /// The second less the first; nothing where their points have other numbers of coordinates.
+    /// The coordinates of `b` less those of `a`; empty where their points have other numbers of coordinates.
     pub change: [Vec<f64>; 2],
 }
 
 /// The hash of each.
 #[derive(Debug, Clone, Serialize, ToSchema)]
 pub struct HashesAnswer {
-    /// That of `a`.
+    /// The hash of `a`.
     pub a: String,
-    /// That of `b`.
+    /// The hash of `b`.
     pub b: String,
-    /// Whether they are the same.
+    /// Whether the hashes are the same.
     pub equal: bool,
 }
 

@@ -32,13 +32,14 @@ choice! {
         None = "none",
         /// Corners, where a region has one face, keep their values.
         CornersOnly = "corners-only",
-        /// And places where three regions or more meet.
+        /// Corners where a region has one face, and places where three regions or more meet, keep their values.
         CornersPlus1 = "corners-plus1",
-        /// And places where a seam ends inside, and both sides of a corner where two regions meet.
+        /// Corners where a region has one face, places where three regions or more meet, places where a seam ends
+        /// inside, and both sides of a corner where two regions meet keep their values.
         CornersPlus2 = "corners-plus2",
-        /// All boundaries and seams.
+        /// All boundaries and seams are interpolated linearly.
         Boundaries = "boundaries",
-        /// Everywhere.
+        /// Values are interpolated linearly everywhere.
         All = "all",
     }
 }

@@ -79,11 +79,11 @@ looks! {
 choice! {
     /// What alpha does.
     pub enum AlphaModeRequest {
-        /// Nothing.
+        /// Alpha has no effect.
         Opaque = "opaque",
         /// What has at least `alpha_cutoff` is opaque, the rest is not there.
         Mask = "mask",
-        /// It says how much hides what lies behind.
+        /// Alpha is the opacity: how much a face hides of what lies behind it.
         Blend = "blend",
     }
 }

@@ -13,9 +13,9 @@ use crate::scheme::operator::Role;
 #[derive(Debug, Clone, Deserialize, ToSchema)]
 #[serde(untagged)]
 pub enum MatricesRequest {
-    /// `true` asks for those of five points, and for three powers.
+    /// `true` asks for the matrices of a polygon of five points, and for three powers.
     Asked(bool),
-    /// Those of another polygon.
+    /// The polygon whose matrices are asked for, and the number of powers.
     Of(SmallPolygon),
 }
 
