@@ -20,41 +20,46 @@ use crate::watch::{Stopped, Watch};
 /// When a model has a shadow on the ground.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Ground {
-    /// Never.
+    /// The model never has a shadow.
     None,
     /// If the model stands on the ground: the centre of its surface is above the convex hull of its parts near the
     /// ground, and it is not a flat sheet.
     Stood,
-    /// Always.
+    /// The model always has a shadow.
     Always,
 }
 
 /// Number of cells along the side of the map. Half as many blur the feet; twice as many take four times as long.
 const SHADOW_CELLS: usize = 192;
-/// Smallest number of cells, for models with many overlapping triangles.
+/// Smallest number of cells along the side of the map, for models with many overlapping triangles. Half of it leaves no
+/// shape of the shadow; twice of it takes up to four times as long.
 const FEWEST_CELLS: usize = 24;
 /// Number of sampled places of triangles above which the map is made coarser: 30 ms. Half or twice of it makes maps of
 /// stacks of large triangles coarser or finer.
 const MAX_SAMPLED_PLACES: u64 = 1 << 23;
 /// Reach of the shadow beyond the model, as a fraction of half its longer side; about as much as a picture's margin.
 const SHADOW_REACH: f64 = 0.3;
-/// Height up to which parts darken the ground, in the same unit. Half of it leaves the shadows of feet only; twice of
-/// it makes a shadow of the whole model.
+/// Height up to which parts darken the ground, as a fraction of half the longer side of the model. Half of it leaves
+/// the shadows of feet only; twice of it makes a shadow of the whole model.
 const DARKENING_HEIGHT: f32 = 0.4;
-/// Height up to which parts touch the ground, in the same unit.
+/// Height up to which parts touch the ground and cast the dark shadow of contact, as a fraction of half the longer
+/// side. Half of it leaves thin lines below round parts; twice of it darkens the ground below parts that clearly hover.
 const TOUCHING_HEIGHT: f32 = 0.1;
 /// Fractions of the light removed below parts that touch the ground, and below parts just above it. They are a matter
 /// of taste: halves are hardly visible, and twice of them is black.
 const SHADOW_DARKNESS: [f32; 2] = [0.5, 0.36];
-/// Height up to which the model touches the ground in the test whether it stands, as a fraction of its height. Half of
-/// it lets rough feet fall; twice of it lets balls of few faces stand on their edges.
+/// Height up to which parts count as supporting the model in the test whether it stands, as a fraction of the height of
+/// the model. Half of it lets models on rough feet fall; twice of it lets balls of few faces stand on their edges.
 const SOLE_HEIGHT: f64 = 0.03;
-/// A model lower than this share of its longer side is a sheet.
+/// Height below which a model is a flat sheet, which lies rather than stands, as a fraction of its longer side. Half of
+/// it gives plates a shadow; twice of it takes the shadow from low boxes.
 const SHEET_THICKNESS: f64 = 0.05;
-/// By this share of half its longer side the centre has to be inside what the model stands on.
+/// Least distance of the centroid from the edge of the supporting area, as a fraction of half the longer side; it tells
+/// an area from a line or a point. Half of it lets models stand that nearly tip over; twice of it lets models on one
+/// thin leg fall.
 const FIRM_STAND: f64 = 0.01;
-/// Directions in which it is asked how far the ground is touched.
-/// Half of it takes corners of a triangle of feet for sides, twice of it takes twice as long.
+/// Number of horizontal directions in which the extent of the supporting area from the centroid is determined. Half of
+/// it lets models stand whose centroid is beyond a side of a triangle of feet; twice of it takes twice as long.
 const TOUCH_DIRECTIONS: usize = 16;
 
 /// Width of the band along the edge of the picture in which the shadow fades out, as a share of the smaller side, of
@@ -177,7 +182,8 @@ impl ShadowRow<'_> {
     }
 }
 
-/// Number of triangles that a thread processes at a time.
+/// Number of triangles that a thread processes at a time, and of each part of the sum of the centroid. With half of it
+/// tasks are many for their little work; with twice of it models of some ten thousands of triangles leave threads idle.
 const TRIANGLES_PER_TASK: usize = 1 << 14;
 
 impl<'a> GroundFrame<'a> {

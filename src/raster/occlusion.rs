@@ -23,24 +23,29 @@ use crate::watch::{Stopped, Watch};
 /// Most cells along a side.
 /// Half of it blurs small hollows, twice of it takes four times as long; in the largest picture a cell is a tile.
 const MAX_HOLLOW_CELLS: usize = 256;
-/// How far what hides light may stand, as a share of the radius of the model.
-/// Half of it darkens creases only, twice of it darkens whole limbs.
+/// Distance up to which a sample counts as an occluder, as a fraction of the radius of the model. Half of it darkens
+/// creases only; twice of it darkens whole limbs.
 const OCCLUDER_REACH: f32 = 0.3;
-/// Least and largest reach, cells: nearer there is nothing to ask, farther the few places asked stand too thinly.
-/// Half of the largest flattens models seen from close by, twice of it leaves grain.
+/// Least and largest radius, in cells, of the circle in which a cell takes its samples of ambient occlusion. With less
+/// than the least nearly all samples would fall on the cell itself; beyond the largest they would stand too far apart.
+/// Half of the largest loses the occlusion of models seen from close by; twice of it leaves grain.
 const REACH_CELLS: [f32; 2] = [1.5, 64.0];
-/// Places asked around each cell.
-/// Half of it leaves grain, twice of it takes twice as long.
+/// Number of samples of ambient occlusion that each cell takes around itself. Half of it leaves grain; twice of it
+/// takes twice as long.
 const PLACES_A_CELL: usize = 8;
-/// Kinds of circles on which the places stand, one for each cell of a square of four, over which is smoothed.
+/// Number of rotations of the circle of samples, one for each cell of a square of 4 x 4 cells. The occlusion is then
+/// smoothed by the mean over such a square, which so joins samples in all rotations.
 const CIRCLE_KINDS: usize = 16;
-/// Sines below this do not count, so that faces of round surfaces do not hide each other.
-/// Half of it shows the faces of coarse meshes, twice of it leaves flat hollows light.
+/// Sine of the elevation above the tangent plane from which a sample counts as an occluder. The faces of a mesh that
+/// approximates a round surface rise above the tangent planes of their neighbours by less and must not darken them.
+/// Half of it darkens the edges of coarse meshes; twice of it leaves flat hollows light.
 const LEAST_OCCLUDER_SINE: f32 = 0.12;
-/// What is taken of the light where every place asked stands upright beside.
-/// It is a choice of looks: at half of it hollows hardly show, twice of it makes them black.
+/// Factor from the mean over the samples, of the sine of the elevation of occluders weighted by their nearness, to the
+/// fraction of the ambient light that a cell loses, which [`LEAST_OPEN`] bounds. It is a matter of taste: with half of
+/// it hollows hardly show; with twice of it all but the flattest are as dark as they may be.
 const OCCLUSION_STRENGTH: f32 = 2.2;
-/// Least share of light that is left.
+/// Least fraction of the ambient light that occlusion leaves a cell. It is a matter of taste: with half of it deep
+/// hollows are nearly black and lose their colour; with twice of it deep hollows look like flat ones.
 const LEAST_OPEN: f32 = 0.3;
 
 /// Places around a cell for each turn, within a circle of radius one.
