@@ -12,7 +12,8 @@ use super::error::DrawError;
 use super::scene::{Cap, Color, Discs, Drawing, Group, Item, Mark, Picture, Point, PolylinePoints, Stroke, Text};
 use crate::watch::Watch;
 
-/// Number of discs painted at a time.
+/// Number of discs painted between two checks of the watch. A check takes far less time than a disc, so that half of it
+/// costs little and gains little; twice of it notices a stop later where discs are large.
 const DISCS_PER_BATCH: usize = 256;
 
 /// Returns rows of red, green, blue and alpha (straight), from the top.

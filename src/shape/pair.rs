@@ -9,11 +9,15 @@ use super::check::FaceList;
 use super::topology::{NONE, index};
 use crate::math::vector::{cross, direction, dot, minus, plus};
 
-/// Cosine of the largest angle (about 25.8 degrees) between the two triangles of a quad.
+/// Cosine of the largest angle (about 25.8 degrees) between the two triangles of a quad. Half of the angle leaves
+/// triangles of strongly curved surfaces unpaired; twice of it pairs triangles across edges that are meant to be seen.
 const LEAST_FLATNESS: f64 = 0.9;
-/// Largest cosine (of 30 degrees) of a corner of a quad.
+/// Largest cosine (of 30 degrees) of a corner of a quad. Half of the angle accepts slivers; twice of it leaves sheared
+/// quads as triangles.
 const MAX_SKEW: f64 = 0.866_025_403_784_438_6;
-/// Two candidates whose largest cosines differ by less are equally good.
+/// Two candidates whose largest cosines differ by less are equally good. It is some ten times the rounding of
+/// coordinates in single precision, in which many files give them. Half or twice of it only decides about quads that
+/// are almost equally good.
 const COSINE_TOLERANCE: f64 = 1e-6;
 
 /// An inner edge whose two triangles make a quad.

@@ -11,7 +11,8 @@ use crate::math::vector::{Vector, cross, dot, length, minus};
 /// Number of rings of exact pieces around the vertex that are sampled. For valences up to 6 the distance is largest in
 /// the first two; half as many would miss that of high valences, twice as many take twice as long.
 const SAMPLED_RINGS: usize = 4;
-/// Number of points per side of each piece.
+/// Number of points per side of each piece. The distance varies smoothly over a piece, so that a few points come near
+/// its largest value: half of it may miss that; twice of it takes four times as long.
 const POINTS_A_SIDE: usize = 6;
 /// Number of Newton steps towards the foot of a point; each doubles the number of correct digits, starting from one.
 const FOOT_NEWTON_STEPS: usize = 6;

@@ -32,7 +32,9 @@ const MAX_TURNED: usize = 30;
 /// Denominator of the entries of coordinate transformations. Half or twice as many steps are as good; finer ones make
 /// longer fractions.
 const TRANSFORM_DENOMINATOR: f64 = 4096.0;
-/// Maximum number of products by which coordinates are compared.
+/// Maximum number of products by which coordinates are compared, for matrices of the usual size; of larger matrices
+/// fewer are made. Half of it compares two matrices by products of one factor less, which tell good coordinates from
+/// bad ones less surely; twice of it takes twice the time for one factor more.
 const TRIAL_WORDS: usize = 256;
 
 /// An upper bound of the joint spectral radius.

@@ -9,10 +9,14 @@ use super::source::RowSource;
 use super::table::{Rows, weighted};
 use crate::watch::{Stopped, Watch};
 
-/// Number of rows made and applied at a time: small enough for the cache, large enough to share among threads.
+/// Number of rows made and applied at a time: small enough for the cache, large enough to share among threads. With
+/// half of it the points that blocks of a run compute twice and the switching weigh more; with twice of it the points
+/// between the tables of a run need twice the cache, and short polygons leave threads idle.
 const ROWS_PER_TASK: usize = 4096;
 
-/// Maximum number of tables that are applied in one sweep.
+/// Maximum number of tables that are applied in one sweep. Half of it stores the points between tables more often;
+/// twice of it saves less with each table, while blocks compute more points twice and follow the rows at the ends
+/// through more tables.
 pub const MAX_RUN: usize = 4;
 
 /// The result of applying rows.

@@ -4,7 +4,9 @@ use std::ops::Range;
 
 use super::table::{Rows, weighted};
 
-/// Minimum number of periods for which a pattern pays.
+/// Minimum number of periods for which a pattern pays: to find it two periods are made and compared, which must be
+/// little beside the rest. Half of it searches for patterns where they save hardly more than that; twice of it makes
+/// more rows one by one. Points have the same bits either way.
 const MIN_PERIODS: usize = 64;
 
 /// Periodic rows: row `first + period q + r` has the weights of residue `r` on consecutive old points, from

@@ -20,7 +20,9 @@ const MAX_BAND_POINTS: usize = 1 << 19;
 /// Minimum number of rows of a block after the last round; with half as many, halos cost half as much as the points.
 const LEAST_ROWS: usize = 32;
 
-/// A window with more than this many points per requested point is divided.
+/// A window with more than this many points per requested point is divided into one window per span. With half of it
+/// spans near each other compute the points around them more than once; with twice of it more points are computed that
+/// nobody requested.
 const MAX_POINTS_A_REQUEST: usize = 4;
 
 /// A sweep whose points are computed when they are requested, and not kept.

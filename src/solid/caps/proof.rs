@@ -184,7 +184,9 @@ fn inner_side(leaf: usize, [i, j]: [usize; 2], path: &Path) -> Vec<f64> {
     }
 }
 
-/// Number of parts along each side of the domain on which the stretch is bounded.
+/// Number of parts along each side of the domain on which the stretch is bounded. Bounds over larger parts are looser:
+/// half of it gives a smaller least stretch, and with it larger bounds of distances; twice of it takes four times as
+/// long for a stretch that is little larger.
 const DOMAIN_PARTS: usize = 8;
 
 /// Returns a lower bound of the factor by which the planar cap of one sector stretches distances, rotated so that the
