@@ -185,9 +185,11 @@ pub(super) fn on_demand(forecast: &Forecast, level: usize, sizes: &[Size]) -> u1
 /// within three rings of extraordinary ones, or all vertices if faces are triangles or vertices or edges have
 /// parameters.
 pub(super) fn compared_discs(job: &Job, forecast: &Forecast) -> u128 {
-    /// Measured: 160 for loop, 640 for butterfly, 980 for sqrt-3, 1,290 with latitude lines.
+    /// Memory in bytes of a disc. Measured: 160 for loop, 640 for butterfly, 980 for sqrt-3, 1,290 with latitude lines.
     const DISC_BYTES: u128 = 1408;
+    /// Number of vertices whose discs are compared at a time.
     const VERTICES_PER_CHUNK: u128 = 16_384;
+    /// Number of vertices within three rings of an extraordinary vertex, counted as in a regular grid: 7 x 7.
     const DISCS_A_CENTRE: u128 = 49;
     let Some(mesh) = job.input.mesh() else { return 0 };
     if job.plan.perturbation.is_some() {

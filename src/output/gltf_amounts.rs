@@ -31,10 +31,11 @@ pub(super) const ORIGIN_BYTES: u128 = 8;
 /// name, and the target of the first primitive.
 const TARGET_BYTES: u128 = 1_024;
 
-/// Maximum number of bytes that packing adds to a document: the names of extensions and a second buffer, then per view
-/// the entry of its encoding, and per mesh its errors and the transform of its node.
+/// Maximum number of bytes that packing adds to a document once: the names of extensions and a second buffer.
 const PACKED_DOCUMENT_BYTES: u128 = 512;
+/// Maximum number of bytes that packing adds to a document per view: the entry of its encoding.
 const PACKED_VIEW: u128 = 256;
+/// Maximum number of bytes that packing adds to a document per mesh: its errors and the transform of its node.
 const PACKED_MESH: u128 = 384;
 
 /// Maximum number of bytes of an animation: two accessors, two views, a sampler and its channel.

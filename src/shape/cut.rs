@@ -48,6 +48,7 @@ impl Topology {
 /// need far less than one per face; with three, faces over the same few vertices would take more memory than is booked
 /// for their text.
 const MAX_ADDED_A_FACE: usize = 2;
+/// Number of vertices that a cut may add to a mesh of any size, in addition to [`MAX_ADDED_A_FACE`] per face.
 const MAX_ADDED_VERTICES: usize = 1000;
 
 fn cut(n_vertices: usize, mut faces: FaceList, winding: Winding) -> Result<(CheckedTopology, Vec<Repair>), Vec<Fault>> {

@@ -4,9 +4,11 @@ use std::collections::BTreeMap;
 
 use crate::input::text::{at_line, count, quoted};
 
-/// Maximum numbers of header lines, of elements, and of properties of all elements together.
+/// Maximum number of header lines.
 const MAX_HEADER_LINES: usize = 10_000;
+/// Maximum number of elements.
 const MAX_ELEMENTS: usize = 64;
+/// Maximum number of properties of all elements together.
 const MAX_PROPERTIES: usize = 512;
 
 /// Face properties whose numbers stand for names.

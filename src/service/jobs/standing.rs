@@ -6,16 +6,19 @@ use super::record::{JobState, OutputResult, Record};
 use crate::service::computation::{self, Computation, Timings};
 use crate::watch::Stage;
 
-/// Parts of a sequence number within an attempt: first one step per place in the queue, then the parts of progress,
-/// then the end; attempts are [`STEPS_PER_ATTEMPT`] apart.
+/// Number of steps of the sequence number, within an attempt, for places in the queue; jobs further back share the
+/// first step.
 const QUEUE_PLACES: u64 = 1000;
+/// Number of steps of the sequence number for the progress of a running job, after those for the queue; the end
+/// follows.
 pub(in crate::service) const PROGRESS_PARTS: u64 = 1000;
+/// Distance of the sequence numbers of consecutive attempts, more than an attempt has steps.
 pub(in crate::service) const STEPS_PER_ATTEMPT: u64 = 1 << 32;
 
 /// The phase of a job or a batch.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum JobPhase {
-    /// It waits for its turn.
+    /// The job or batch waits for its turn.
     Queued,
     /// Some output is being computed, or was computed.
     Running,
@@ -23,7 +26,7 @@ pub enum JobPhase {
     Done,
     /// Not all outputs were made, for this reason.
     Failed(String),
-    /// It was cancelled.
+    /// The job or batch was cancelled.
     Cancelled,
 }
 
