@@ -225,7 +225,8 @@ impl RefinedMesh {
         size_of::<Self>() + sharp + numbers + normals + uvs + frames + self.base.bytes() + self.order.bytes()
     }
 
-    /// Returns the positions of all vertices in the documented order, in model units.
+    /// Returns the positions of all vertices in the documented order, in model units. The service itself does not call
+    /// this; tests and users of the library do.
     pub fn all_positions(&self) -> Vec<[f64; 3]> {
         let mut positions = Vec::new();
         self.positions(0..self.n_vertices(), &mut positions);

@@ -32,7 +32,8 @@ pub struct JobKey {
 const JOB_KEY_BYTES: usize = 40;
 
 impl JobKey {
-    /// Returns the key of a job of clients without a key.
+    /// Returns the key of a job of clients without a key. The service itself does not call this; tests and users of the
+    /// library do.
     pub fn of_anyone(id: Key) -> Self {
         Self { tenant: Tenant::ANYONE, id }
     }

@@ -269,7 +269,8 @@ impl Pool {
         average.store(before - before / 8 + us / 8, Ordering::Relaxed);
     }
 
-    /// Returns how many more streams may compute now.
+    /// Returns how many more streams may compute now. The service itself does not call this; tests and users of the
+    /// library do.
     pub fn free_stream_places(&self) -> usize {
         self.stream_places.available_permits()
     }

@@ -216,7 +216,8 @@ impl Tiers {
         &self.counts
     }
 
-    /// Returns the number of artifacts that wait for the disk, and the memory they hold in bytes.
+    /// Returns the number of artifacts that wait for the disk, and the memory they hold in bytes. The service itself
+    /// does not call this; tests and users of the library do.
     pub fn disk_backlog(&self) -> (usize, u64) {
         self.disk.as_ref().map_or((0, 0), |disk| disk.writer.backlog())
     }
