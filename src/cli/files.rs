@@ -15,7 +15,7 @@ use super::signals::Signals;
 /// Writes a file that appears under its name only when it is complete.
 ///
 /// # Errors
-/// Those of `write`, and when the file cannot be written.
+/// The errors of `write`, and when the file cannot be written.
 pub(super) fn to_new_file(
     target: &Path,
     write: impl FnOnce(&mut dyn Write) -> Result<(), CliError>,

@@ -68,7 +68,8 @@ fn number(digits: i64, exponent: i32) -> f64 {
     format!("{digits}e{exponent}").parse().unwrap_or(0.0)
 }
 
-/// These multiples of a power of ten: all as decimals, or all with the same power of ten and as many decimals.
+/// Returns the texts of multiples of a power of ten: all as decimals, or all with the same power of ten and as many
+/// decimals.
 fn written(multiples: &[i64], exponent: i32) -> Vec<String> {
     let zeros = (0..18).take_while(|&n| multiples.iter().all(|m| m % 10_i64.pow(n + 1) == 0)).count();
     let is_zero = multiples.iter().all(|m| *m == 0);

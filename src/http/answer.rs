@@ -75,7 +75,7 @@ impl Artifact {
 /// The reason why the bytes of an artifact cannot be sent.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Lost {
-    /// They were damaged, or have just left the cache.
+    /// The bytes were damaged, or have just left the cache.
     Gone,
     /// Other answers have taken the memory.
     Crowded,

@@ -28,7 +28,7 @@ const WORK_PREFIXES: [&str; 2] = ["/v1/render", "/kroki/"];
 /// The permission that a request needs.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Need {
-    /// None.
+    /// No permission is needed.
     Nothing,
     /// A key of this role, or of one that allows more.
     Role(KeyRole),

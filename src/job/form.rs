@@ -13,7 +13,7 @@ pub enum Form {
     Markdown,
     /// A figure of one page as vector graphics.
     Svg,
-    /// The same figure in pixels.
+    /// A figure of one page in pixels, the same as under `Svg`.
     Png,
 }
 

@@ -147,7 +147,7 @@ pub enum ParameterKind {
 /// The default of a parameter, in the notation of a client.
 #[derive(Debug, Clone, Copy)]
 pub enum Default {
-    /// None: the value is [`Value::Absent`] unless given.
+    /// The parameter was not given and has no default.
     Absent,
     /// None, and leaving it out is a fault.
     Required,

@@ -137,7 +137,7 @@ fn ends(mesh: &dyn MeshSource, watch: &Watch) -> Result<Vec<bool>, Stopped> {
     Ok(balance.iter().map(|&sum| sum != 0).collect())
 }
 
-/// Also marks all vertices of faces that have a marked vertex.
+/// Marks all vertices of the faces that have a marked vertex, in addition to those marked before.
 fn widen(mesh: &dyn MeshSource, marked: &mut [bool], watch: &Watch) -> Result<(), Stopped> {
     let before = marked.to_vec();
     each_face(mesh, watch, |face| {

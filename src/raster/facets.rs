@@ -14,7 +14,7 @@ const CACHED_FACETS: usize = 1024;
 pub(super) struct Facets {
     owners: Vec<u32>,
     known: Vec<Facet>,
-    /// Of painted surfaces only.
+    /// The tints of the same triangles; empty unless the surface is painted.
     tints: Vec<Tint>,
 }
 

@@ -243,7 +243,7 @@ enum TileEdge {
 /// Half of it leaves some triangles of a few pixels to the general way; twice of it overflows.
 const NEAR_ORIGIN: i32 = 1 << 14;
 
-/// The same as [`edge`], for corners near the tile: the edge is taken to cross it.
+/// Returns what [`edge`] returns, for corners near the tile, where the edge is taken to cross the tile without a test.
 fn near_edge(a: Vertex, b: Vertex, origin: [i32; 2]) -> TileEdge {
     let (dx, dy) = (b.x - a.x, b.y - a.y);
     let counts = dy > 0 || (dy == 0 && dx > 0);

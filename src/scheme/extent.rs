@@ -6,7 +6,7 @@ pub enum Ends {
     /// The polygon is extended by point reflection about its end points, which keep their position.
     #[default]
     Clamped,
-    /// Only points whose whole stencil exists are computed.
+    /// The polygon is not extended.
     Natural,
 }
 
@@ -23,7 +23,7 @@ impl Ends {
 /// How a polygon is extended beyond its stored points.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Extent {
-    /// Cyclically.
+    /// The polygon is extended cyclically.
     Closed,
     /// By reflection about the first and the last point, which belong to the polygon: `P[-j] = 2 P[0] - P[j]`.
     Whole,

@@ -207,7 +207,7 @@ pub enum Role {
 /// What becomes of the vertices and faces of a mesh in one step.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Children {
-    /// They stay the same.
+    /// Vertices and faces stay the same.
     Same,
     /// The mesh is refined; vertices have vertices as children and keep their indices.
     Vertices,

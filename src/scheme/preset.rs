@@ -43,7 +43,7 @@ pub enum Refines {
     Curves,
     /// Meshes only.
     Meshes,
-    /// Both.
+    /// Polygons and meshes.
     Both,
 }
 

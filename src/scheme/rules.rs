@@ -34,10 +34,10 @@ pub struct Rules {
 /// The rule for odd points of latitude lines.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum LatitudeRule {
-    /// They follow the displacements of their even neighbours.
+    /// Odd points follow the displacements of their even neighbours.
     #[default]
     Difference,
-    /// They follow the positions of their even neighbours.
+    /// Odd points follow the positions of their even neighbours.
     Position,
     /// The tags are ignored.
     Isotropic,

@@ -84,19 +84,19 @@ pub trait Operand {
     /// Sets `points <- rows x points`; if `anchor` is set, the points before become the anchor.
     ///
     /// # Errors
-    /// Those of the operand.
+    /// The errors of the operand.
     fn blend(&mut self, rows: &dyn RowSource, anchor: bool) -> Result<(), Self::Error>;
 
     /// Sets `points <- points + rows x (anchor - children)`, see [`Action::PushBack`].
     ///
     /// # Errors
-    /// Those of the operand.
+    /// The errors of the operand.
     fn push_back(&mut self, rows: &dyn RowSource, children: &[u32]) -> Result<(), Self::Error>;
 
     /// Maps points and tangents by a nonlinear step.
     ///
     /// # Errors
-    /// Those of the operand; in particular if it has no coordinates.
+    /// The errors of the operand; in particular if it has no coordinates.
     fn map(&mut self, map: &dyn PointMap) -> Result<(), Self::Error>;
 }
 
@@ -104,7 +104,7 @@ impl Action {
     /// Applies the action; this is the only place that defines the meaning of its variants.
     ///
     /// # Errors
-    /// Those of the operand.
+    /// The errors of the operand.
     pub fn apply<T: Operand>(&self, operand: &mut T) -> Result<(), T::Error> {
         match self {
             Self::Blend(rows) => operand.blend(&**rows, false),

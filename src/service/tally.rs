@@ -39,11 +39,11 @@ impl Histogram {
 /// The place where a lookup found a result.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum LookupResult {
-    /// In memory.
+    /// The result was found in memory.
     Memory,
-    /// On disk.
+    /// The result was found on disk.
     Disk,
-    /// Nowhere.
+    /// The result was found nowhere.
     Nowhere,
 }
 

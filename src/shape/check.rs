@@ -80,20 +80,20 @@ impl FaceList {
 /// How to treat faces whose winding disagrees with that of their neighbours.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Winding {
-    /// They are refused.
+    /// Faces whose winding disagrees are refused.
     #[default]
     Refuse,
-    /// They are reversed to agree with the lowest face of their component.
+    /// Faces whose winding disagrees are reversed to agree with the lowest face of their component.
     Repair,
 }
 
 /// How to treat faces that do not form a manifold.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum NonManifold {
-    /// They are refused.
+    /// Faces that do not form a manifold are refused.
     #[default]
     Refuse,
-    /// They are cut into manifold pieces.
+    /// Faces that do not form a manifold are cut into manifold pieces.
     Split,
     /// Edges with more than two faces are cut, as where welding joins bodies that touch; all else is a fault.
     SplitCrowded,

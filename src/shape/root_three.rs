@@ -14,9 +14,9 @@ use super::topology::{FaceLayout, NONE, SERIAL_LOOP, Topology, index};
 /// How a sqrt 3 split treats boundary edges.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum BoundarySplit {
-    /// They stay whole: the first of two steps.
+    /// Boundary edges stay whole: the first of two steps.
     Whole,
-    /// They are cut in three: the second of two steps. Every face has at most one boundary edge then.
+    /// Boundary edges are cut in three: the second of two steps. Every face has at most one boundary edge then.
     Thirds,
 }
 

@@ -19,7 +19,7 @@ pub enum Interpolation {
     CornersOnly,
     /// At corners, and where three or more regions meet; where two meet, both are as sharp as the sharper one.
     CornersPlus1,
-    /// As before, and where a seam ends inside, and next to a corner where two regions meet.
+    /// Where [`Self::CornersPlus1`] does, and where a seam ends inside, and next to a corner where two regions meet.
     CornersPlus2,
     /// Along all boundaries and seams.
     Boundaries,

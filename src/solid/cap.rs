@@ -14,9 +14,9 @@ use crate::math::vector::{Vector, plus, times};
 /// How a deviation was determined.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub enum DeviationMethod {
-    /// It is a proven bound.
+    /// The deviation is a proven bound.
     Certified,
-    /// It is the largest of some samples.
+    /// The deviation is the largest one of some samples.
     Sampled,
 }
 

@@ -12,11 +12,11 @@ pub enum Continuity {
 /// Which bicubic faces are merged into one B-spline face.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Pack {
-    /// None.
+    /// No faces are merged.
     Nothing,
-    /// Those of the same input face.
+    /// The faces that belong to the same input face are merged.
     Face,
-    /// All that form a rectangle.
+    /// All faces that form a rectangle are merged.
     Patch,
 }
 

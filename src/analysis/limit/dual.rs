@@ -27,7 +27,7 @@ struct Constructed {
 pub(super) struct DualNet<'a> {
     /// The net that D was applied to, in the documented order, which D follows.
     old: Arc<Topology>,
-    /// The same net in the order of its construction, if that is another one.
+    /// The net that D was applied to in the order of its construction, if that is another one.
     constructed: Option<Constructed>,
     new: &'a Topology,
     /// For each vertex of `old` its face in the dual, or [`NONE`].

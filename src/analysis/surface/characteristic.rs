@@ -54,7 +54,7 @@ pub(super) enum RingVerdict {
     Proved,
     /// The determinant is negative somewhere, although the map is counter-clockwise on the whole.
     Folded,
-    /// Neither is proved.
+    /// The map is neither proved to be regular and injective nor found to be folded.
     Open,
 }
 

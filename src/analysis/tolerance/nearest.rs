@@ -21,7 +21,8 @@ const VISITS_A_ROW: u64 = 4;
 const FACES_PER_LEAF: usize = 4;
 /// The triangles of a quad cut along either diagonal: the number of the diagonal, and the corners.
 const QUAD: [(usize, [usize; 3]); 4] = [(0, [0, 1, 2]), (0, [0, 2, 3]), (1, [1, 2, 3]), (1, [1, 3, 0])];
-/// The same for a triangle, which is not cut.
+/// The single triangle of a triangular face, which is not cut, in the form of [`QUAD`]: listed once for either number
+/// of a diagonal.
 const TRIANGLE: [(usize, [usize; 3]); 2] = [(0, [0, 1, 2]), (1, [0, 1, 2])];
 
 /// Triangles and quads of a net.

@@ -46,7 +46,7 @@ pub(super) struct Remainders<'a> {
     /// For each vertex the bounds over the vertices within `spline.reach` rings. Joined over the corners of a face,
     /// they cover all vertices that its limit depends on.
     near: Vec<NeighbourhoodBounds>,
-    /// The same with one ring more.
+    /// For each vertex the bounds over the vertices within one ring more, `spline.reach + 1`.
     beside: Vec<NeighbourhoodBounds>,
     hulls: Hulls<'a>,
     /// The budget; once it is over, bounds are no longer improved.

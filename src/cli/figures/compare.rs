@@ -28,8 +28,8 @@ pub(super) struct FigureDifference {
     pub(super) where_: Option<Vec<u8>>,
     /// Number of different pixels, number of all pixels, and largest difference of colours from 0 to 1.
     pub(super) pixels: Option<(u64, u64, f64)>,
-    /// Of a moving picture, the number of frames that differ and of all; then `pixels` and `where_` are those of the
-    /// frame with the most different pixels.
+    /// Number of frames that differ and number of all frames, if the picture moves; then `pixels` and `where_` are
+    /// those of the frame with the most different pixels.
     pub(super) frames: Option<(usize, usize)>,
     /// The numbers that differ: name, old value, new value.
     pub(super) numbers: Vec<(String, Option<Value>, Option<Value>)>,

@@ -42,7 +42,7 @@ pub(super) trait Body {
     /// Skips the value or list of a property.
     ///
     /// # Errors
-    /// The same as for reading the property.
+    /// The errors of reading the property.
     fn pass(&mut self, property: &PlyProperty) -> Result<(), String> {
         let n = property.list.map_or(Ok(1), |sizes| self.size(sizes, property.kind))?;
         (0..n).try_for_each(|_| self.scalar(property.kind).map(|_| ()))

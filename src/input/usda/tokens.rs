@@ -45,7 +45,7 @@ impl<'a> Tokens<'a> {
     /// Returns the next token without consuming it.
     ///
     /// # Errors
-    /// The same as for [`next`](Self::next).
+    /// The errors of [`next`](Self::next).
     pub(super) fn peek(&mut self) -> Result<UsdaToken<'a>, String> {
         if self.peeked.is_none() {
             self.peeked = Some(self.read()?);
@@ -67,7 +67,7 @@ impl<'a> Tokens<'a> {
     /// Consumes a mark if it is the next token.
     ///
     /// # Errors
-    /// The same as for [`next`](Self::next).
+    /// The errors of [`next`](Self::next).
     pub(super) fn takes(&mut self, mark: u8) -> Result<bool, String> {
         let is_next = self.peek()? == UsdaToken::Mark(mark);
         if is_next {

@@ -118,13 +118,13 @@ pub enum OutputResult {
 /// The state of a job or a batch.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum JobState {
-    /// It waits for its turn, or is being computed.
+    /// The job or batch waits for its turn, or is being computed.
     Active,
     /// All outputs were made.
     Done,
     /// Not all outputs were made, for this reason.
     Failed(String),
-    /// It was cancelled.
+    /// The job or batch was cancelled.
     Cancelled,
 }
 

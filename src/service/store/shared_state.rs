@@ -42,11 +42,11 @@ pub(super) struct SharedState {
 /// Whether the object store supports conditional writes.
 #[derive(Debug, Clone)]
 enum ConditionalWrites {
-    /// Unknown: the object store has not answered yet.
+    /// Whether they are supported is unknown: the object store has not answered yet.
     NotYet,
-    /// It does: a write that must not replace an object is refused if one exists.
+    /// Conditional writes are supported: a write that must not replace an object is refused if one exists.
     Sound,
-    /// It does not, or is unusable for the given reason.
+    /// Conditional writes are not supported, or the object store is unusable for the given reason.
     Unfit(String),
 }
 

@@ -13,9 +13,9 @@ use crate::math::vector::{Vector, dot, length, minus};
 /// How a distance was determined.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Method {
-    /// It is a proven bound of the distance between corresponding points.
+    /// The distance is a proven bound of the distance between corresponding points.
     Certified,
-    /// It is the largest distance at samples, times 1.1.
+    /// The distance is the largest one at samples, times 1.1.
     Sampled,
 }
 

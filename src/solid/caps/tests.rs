@@ -288,7 +288,7 @@ fn estimates_are_no_smaller_than_finer_samples() {
 /// How many random vertices bounds are held against samples on, where that is set while tests are built: a thousand
 /// were tried, optimised.
 const ASKED_VERTICES: Option<&str> = option_env!("PLANISH_TEST_VERTICES");
-/// So many otherwise: one of each valence from 3 to 12 but 4.
+/// Number of random vertices unless [`ASKED_VERTICES`] gives another: one of each valence from 3 to 12 but 4.
 const N_VERTICES: u64 = 9;
 /// Largest bound, in distances that samples find: measured 1.3.
 const LARGEST_BOUND: f64 = 1.4;
