@@ -147,7 +147,7 @@ pub enum ParameterKind {
 /// The default of a parameter, in the notation of a client.
 #[derive(Debug, Clone, Copy)]
 pub enum Default {
-    /// The parameter was not given and has no default.
+    /// None: the value is [`Value::Absent`] unless given.
     Absent,
     /// None, and leaving it out is a fault.
     Required,
@@ -166,7 +166,7 @@ pub enum Default {
 /// The resolved value of a parameter.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Value {
-    /// Not given, and no default.
+    /// The parameter was not given and has no default.
     Absent,
     /// See [`ParameterKind::Number`].
     Number(f64),

@@ -6,7 +6,7 @@ pub enum Ends {
     /// The polygon is extended by point reflection about its end points, which keep their position.
     #[default]
     Clamped,
-    /// The polygon is not extended.
+    /// Only points whose whole stencil exists are computed.
     Natural,
 }
 
@@ -30,6 +30,6 @@ pub enum Extent {
     /// By reflection about the first and the last stored point, which do not belong to the polygon but lie half a step
     /// before and after it: `q[-1-j] = 2 e - q[j]`.
     Half,
-    /// Not at all.
+    /// The polygon is not extended.
     Natural,
 }

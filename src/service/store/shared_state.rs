@@ -42,7 +42,7 @@ pub(super) struct SharedState {
 /// Whether the object store supports conditional writes.
 #[derive(Debug, Clone)]
 enum ConditionalWrites {
-    /// Whether they are supported is unknown: the object store has not answered yet.
+    /// Whether conditional writes are supported is unknown: the object store has not answered yet.
     NotYet,
     /// Conditional writes are supported: a write that must not replace an object is refused if one exists.
     Sound,
