@@ -11,6 +11,7 @@ mod obj;
 mod off;
 mod ply;
 mod reader;
+mod registry;
 mod room;
 mod sniff;
 mod stl;
@@ -26,11 +27,8 @@ pub use base64::decode as from_base64;
 pub use beside::{Alone, Beside, InputFile, WithLibrary};
 pub use kind::{foreign, is_text, own};
 pub use reader::{CornerUvs, ReadLimits, ReadMesh, Reader, Vertices};
+pub use registry::READERS;
 pub use room::weight;
-
-/// All readers, in the order of the documentation.
-pub const READERS: &[Reader] =
-    &[obj::OBJ, ply::PLY, stl::STL, off::OFF, gltf::GLTF, gltf::GLB, threemf::THREE_MF, usda::USDA];
 
 /// Returns the reader with this name.
 pub fn named(name: &str) -> Option<&'static Reader> {

@@ -48,6 +48,7 @@ mod picture;
 mod ply;
 mod png;
 mod positions;
+mod registry;
 mod sections;
 mod size;
 mod solid_options;
@@ -73,30 +74,8 @@ pub use options::{CAGE, DIRECTION_ITEMS, LIMIT, POSITIONS, TANGENTS};
 pub use picture::hidden_lines::MAX_LINE_TRIANGLES;
 pub use picture::outline::Outline;
 pub use picture::shading::shows_distances;
+pub use registry::FORMATS;
 pub use size::Size;
-
-/// Every format, in the order of the documentation.
-pub const FORMATS: &[&dyn Format] = &[
-    &json::Json,
-    &stats::Stats,
-    &obj::Obj,
-    &mtl::Mtl,
-    &glb::Glb,
-    &gltf::Gltf,
-    &gltf_bin::GltfBin,
-    &ply::Ply,
-    &stl::Stl,
-    &usda::Usda,
-    &threemf::ThreeMf,
-    &step::StepFormat,
-    &certificate::CertificateFormat,
-    &png::Png,
-    &apng::Apng,
-    &vector::SVG,
-    &vector::PDF,
-    &stencils::STENCILS_TEXT,
-    &stencils::STENCILS_BINARY,
-];
 
 /// Returns the format with this name.
 pub fn named(name: &str) -> Option<&'static dyn Format> {

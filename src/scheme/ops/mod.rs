@@ -17,6 +17,7 @@ mod local_average;
 mod loop_smoothing;
 mod masked;
 mod push_back;
+mod registry;
 mod ring_average;
 mod root_three;
 mod upsample;
@@ -33,27 +34,6 @@ pub use loop_smoothing::LoopSmoothing;
 pub use masked::Masked;
 pub use push_back::CIRCULAR_PUSH_BACK;
 pub(super) use push_back::{lost_points, no_anchor, odd_duals, seen_valence};
+pub use registry::OPERATORS;
 pub use root_three::RootThree;
 pub(super) use upsample::not_triangles;
-
-use super::operator::Operator;
-
-/// Every operator, in the order of the documentation.
-pub const OPERATORS: &[&dyn Operator] = &[
-    &upsample::Upsample,
-    &dual::Dual,
-    &average::Average,
-    &box_average::BoxAverage,
-    &push_back::WORD_PUSH_BACK,
-    &masked::Masked,
-    &circle::Circle,
-    &push_back::CIRCULAR_PUSH_BACK,
-    &incenter::Incenter,
-    &catmull_clark::CatmullClark,
-    &loop_smoothing::LoopSmoothing,
-    &doo_sabin::DooSabin,
-    &kobbelt_edges::KobbeltEdges,
-    &kobbelt_faces::KobbeltFaces,
-    &butterfly::ButterflyEdges,
-    &root_three::RootThree,
-];
