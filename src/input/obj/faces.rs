@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::ops::Range;
 
-use super::corner::{self, Corner};
+use super::corner::{self, ObjCorner};
 use crate::input::collect::MeshBuilder;
 use crate::input::reader::{CornerUvs, ReadMesh};
 use crate::input::text::{at_line, quoted};

@@ -2,9 +2,7 @@
 
 use super::characteristic::{turn_cos, turn_sin, turned};
 use crate::math::functions::{real, sqrt};
-
-/// A complex number.
-type Complex = [f64; 2];
+use crate::math::vector::Complex;
 
 /// Columns whose part orthogonal to the columns before them is less than this fraction of the greatest length are
 /// dropped. Dependent columns keep about 1e-15, the least independent one of all valences 9e-3. Twice or half of it
