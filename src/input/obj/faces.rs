@@ -46,7 +46,7 @@ impl ObjFaces {
         let first = self.uvs.len();
         let mut shape: Option<[bool; 2]> = None;
         for word in words {
-            let [vertex, uv, normal]: Corner = corner::read(word, counts)?;
+            let [vertex, uv, normal]: ObjCorner = corner::read(word, counts)?;
             let given = [uv != NONE, normal != NONE];
             if *shape.get_or_insert(given) != given {
                 self.uvs.truncate(first);
